@@ -80,10 +80,11 @@ def spec(cls: type[T]) -> type[T]:
     lax conversions.
     """
     own_check = getattr(cls, "__post_init__", None)
+    names: list[str] = []
     ranges: list[tuple[str, Within]] = []
 
     def __post_init__(self: DataclassInstance) -> None:  # noqa: N807 (dataclasses calls it by this name)
-        _require_finite_and_aware(self)
+        _require_finite_and_aware(self, names)
         if not is_kept():
             for name, within in ranges:
                 _require(name, getattr(self, name), within)
@@ -101,6 +102,7 @@ def spec(cls: type[T]) -> type[T]:
         found = _ranges(field.type)
         if len(found) > 1:
             raise TypeError(f"{cls.__name__}.{field.name} states more than one range")
+        names.append(field.name)
         ranges.extend((field.name, within) for within in found)
     return made
 
@@ -114,15 +116,17 @@ def require_within(checked: object, *ranges: tuple[str, float, float]) -> None:
         _require(name, getattr(checked, name), Within(low, high))
 
 
-def _require_finite_and_aware(checked: DataclassInstance) -> None:
-    for field in dataclasses.fields(checked):
-        value = getattr(checked, field.name)
-        if isinstance(value, float) and not math.isfinite(value):
-            raise ValueError(f"{field.name} must be a finite number, not {value}")
+def _require_finite_and_aware(checked: DataclassInstance, names: list[str]) -> None:
+    for name in names:
+        value = getattr(checked, name)
+        if isinstance(value, float):
+            if not math.isfinite(value):
+                raise ValueError(f"{name} must be a finite number, not {value}")
+            continue
         for moment in value if isinstance(value, tuple) else (value,):
             if isinstance(moment, datetime) and moment.utcoffset() is None:
                 raise ValueError(
-                    f"{field.name} ({moment.isoformat()}) has no UTC offset; append Z if it is UTC"
+                    f"{name} ({moment.isoformat()}) has no UTC offset; append Z if it is UTC"
                 )
 
 

@@ -18,8 +18,9 @@ Coding = Literal["zstd", "gzip"]
 CODINGS: tuple[Coding, ...] = ("zstd", "gzip")  # the quicker first
 SMALLEST_BYTES = 1000  # less goes in one packet as it is
 # Windows of 78 MB become 24 MB in 0.16 s of a core by zstd's level 1 (by 3: 26 MB in 0.43 s), and
-# 26 MB in 1.1 s by gzip's level 4 (by 1: 29 MB in 0.6 s, by 6: 25 MB in 2.1 s).
-_ZSTD_LEVEL, _GZIP_LEVEL = 1, 4
+# 29 MB in 0.6 s by gzip's level 1 (by 4: 26 MB in 1.1 s, by 6: 25 MB in 2.1 s); a plan of 73 kB
+# becomes 33 kB in 0.4 ms by gzip's level 1 (by 4: 32 kB in 1.0 ms).
+_ZSTD_LEVEL, _GZIP_LEVEL = 1, 1
 _GZIP_FORMAT = 31  # of zlib's window bits
 _AT_ONCE_BYTES = 64 * 1024  # in a millisecond; more would keep others waiting
 _NOT_MODIFIED = 304

@@ -86,10 +86,10 @@ def unpack(packed: bytes) -> PackedColumns:
 
 def _sorted_bytes(values: NDArray[Any]) -> bytes:
     rows = np.ascontiguousarray(values).view("<i8")
-    bits = rows.reshape(len(values), math.prod(values.shape[1:])).T
+    bits = rows.reshape(len(values), math.prod(values.shape[1:])).T.copy()
     for _ in range(_DIFFERENCES):
-        bits = np.diff(bits, axis=1, prepend=0)
-    return np.ascontiguousarray(bits).view(np.uint8).reshape(-1, 8).T.tobytes()
+        bits[:, 1:] -= bits[:, :-1].copy()
+    return bits.view(np.uint8).reshape(-1, 8).T.tobytes()
 
 
 def _values(data: bytes, shape: list[int]) -> Array:

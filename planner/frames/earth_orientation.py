@@ -44,13 +44,9 @@ def c_itrf_from_teme(instants: Instants) -> Array:
 
     Source: Vallado 2006 (AIAA 2006-6753), appendix C: GMST 1982 of UT1, then polar motion.
     """
-    return _teme_to_terrestrial(instants, _interpolate(instants))
-
-
-def _teme_to_terrestrial(instants: Instants, parameters: Array) -> Array:
-    jd1, jd2 = instants.tai_jd()
-    theta = erfa.gmst82(jd1, jd2 + parameters[:, 3] / DAY_S)
-    return np.asarray(erfa.c2tcio(np.eye(3), theta, erfa.pom00(*parameters[:, 4:7].T)))
+    parameters = _interpolate(instants)
+    gmst_rad = _gmst_rad(instants, parameters)
+    return np.asarray(erfa.c2tcio(np.eye(3), gmst_rad, erfa.pom00(*parameters[:, 4:7].T)))
 
 
 def c_frame_from_eci(frame: str, instants: Instants) -> Array:
@@ -58,10 +54,10 @@ def c_frame_from_eci(frame: str, instants: Instants) -> Array:
     if frame == "ITRF":
         return c_itrf_from_eci(instants)
     if frame == "TEME":
+        # By way of ITRF, where polar motion there and back leaves the difference of two angles.
         parameters = _interpolate(instants)
-        c_itrf_from_teme_ = _teme_to_terrestrial(instants, parameters)
-        c_itrf_from_eci_, _ = _celestial_to_terrestrial(instants, parameters)
-        return np.asarray(np.swapaxes(c_itrf_from_teme_, 1, 2) @ c_itrf_from_eci_)
+        turn_rad = _era_rad(instants, parameters) - _gmst_rad(instants, parameters)
+        return np.asarray(erfa.c2tcio(_c_cirs_from_eci(parameters), turn_rad, np.eye(3)))
     c = C_GCRF_FROM_EME2000.T if frame == "EME2000" else np.eye(3)
     return np.broadcast_to(c, (len(instants), 3, 3))
 
@@ -125,13 +121,25 @@ def _celestial_to_terrestrial(instants: Instants, parameters: Array) -> tuple[Ar
 
     parameters: as of `_interpolate`.
     """
-    jd1, jd2 = instants.tai_jd()
-    era = erfa.era00(jd1, jd2 + parameters[:, 3] / DAY_S)
-    c_cirs_from_eci = erfa.c2ixys(parameters[:, 0], parameters[:, 1], parameters[:, 2])
+    era_rad = _era_rad(instants, parameters)
     c_itrf_from_tirs = erfa.pom00(*parameters[:, 4:7].T)
     rate_rad_s = OMEGA_EARTH_RAD_S * (1.0 + parameters[:, 7])
-    c_itrf_from_eci = erfa.c2tcio(c_cirs_from_eci, era, c_itrf_from_tirs)
+    c_itrf_from_eci = erfa.c2tcio(_c_cirs_from_eci(parameters), era_rad, c_itrf_from_tirs)
     return np.asarray(c_itrf_from_eci), c_itrf_from_tirs[:, :, 2] * rate_rad_s[:, None]
+
+
+def _c_cirs_from_eci(parameters: Array) -> Array:
+    return np.asarray(erfa.c2ixys(parameters[:, 0], parameters[:, 1], parameters[:, 2]))
+
+
+def _era_rad(instants: Instants, parameters: Array) -> Array:
+    jd1, jd2 = instants.tai_jd()
+    return np.asarray(erfa.era00(jd1, jd2 + parameters[:, 3] / DAY_S))
+
+
+def _gmst_rad(instants: Instants, parameters: Array) -> Array:
+    jd1, jd2 = instants.tai_jd()
+    return np.asarray(erfa.gmst82(jd1, jd2 + parameters[:, 3] / DAY_S))
 
 
 def _interpolate(instants: Instants) -> Array:

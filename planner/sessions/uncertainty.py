@@ -5,7 +5,7 @@ Each cause is carried through the geometry by repeating it with the cause distur
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -71,13 +71,14 @@ def pointing_budget(
     scene = PointingScene(los, attitude, target, platform, angle_rad, SAMPLES)
     errors = attitude.errors(scene.instants)
     biases = error_biases(scene, los, ephemeris, errors, clock_s)
-    total_rad = np.sqrt(sum(bias.sigma_rad**2 for bias in biases) + DRIVE_RAD**2)
+    squares_rad2: dict[_Cause, Array] = {}
+    for bias in biases:
+        squares_rad2[bias.cause] = squares_rad2.get(bias.cause, 0.0) + bias.sigma_rad**2
+    total_rad = np.sqrt(sum(squares_rad2.values()) + DRIVE_RAD**2)
     worst = int(np.argmax(total_rad))
     range_m = float(scene.range_m[worst])
-    sigmas_rad = {
-        cause: float(np.sqrt(sum(b.sigma_rad[worst] ** 2 for b in biases if b.cause == cause)))
-        for cause in dict.fromkeys(bias.cause for bias in biases)
-    } | {_DRIVES: DRIVE_RAD}
+    sigmas_rad = {cause: math.sqrt(squares[worst]) for cause, squares in squares_rad2.items()}
+    sigmas_rad[_DRIVES] = DRIVE_RAD
     probability = _probability(biases, scene, platform)
     return PointingBudget(
         contributions=tuple(
@@ -92,7 +93,9 @@ def pointing_budget(
         sigma_arcsec=float(total_rad[worst]) * _ARCSEC,
         ground_m=_ground_m(float(total_rad[worst]), range_m),
         probability_in_frame=probability,
-        helps_most=None if probability >= LIKELY else _helps_most(biases, scene, platform),
+        helps_most=(
+            None if probability >= LIKELY else _helps_most(biases, squares_rad2, scene, platform)
+        ),
     )
 
 
@@ -112,7 +115,12 @@ def _probability(
     )
 
 
-def _helps_most(biases: Sequence["Bias"], scene: "PointingScene", platform: TwoAxisPlatform) -> str:
+def _helps_most(
+    biases: Sequence["Bias"],
+    squares_rad2: Mapping[_Cause, Array],
+    scene: "PointingScene",
+    platform: TwoAxisPlatform,
+) -> str:
     """The cause without which the target stays likeliest, the largest of those that are alike.
 
     A frame's sides differ, and so do rare large errors and usual small ones of the same sigma.
@@ -120,10 +128,9 @@ def _helps_most(biases: Sequence["Bias"], scene: "PointingScene", platform: TwoA
 
     def helps(cause: _Cause) -> tuple[float, float]:
         left = _probability([bias for bias in biases if bias.cause != cause], scene, platform)
-        size_rad2 = sum(float(np.sum(b.sigma_rad**2)) for b in biases if b.cause == cause)
-        return round(left, 2), size_rad2
+        return round(left, 2), float(np.sum(squares_rad2[cause]))
 
-    return max({bias.cause for bias in biases}, key=helps).cause
+    return max(squares_rad2, key=helps).cause
 
 
 def probabilities_at(

@@ -1,6 +1,7 @@
 """A point on the ground as a target."""
 
 import math
+from functools import cached_property
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -35,7 +36,10 @@ class GroundTarget(EarthFixedTarget):
 
     def r_target_itrf_m(self, instants: Instants) -> Array:
         """Shape (n, 3), the same point n times."""
-        r_itrf_m = itrf_from_geodetic(
+        return np.broadcast_to(self._r_itrf_m, (len(instants.t_s), 3))
+
+    @cached_property
+    def _r_itrf_m(self) -> Array:
+        return itrf_from_geodetic(
             math.radians(self.latitude_deg), math.radians(self.longitude_deg), self.height_m
         )
-        return np.broadcast_to(r_itrf_m, (len(instants.t_s), 3))

@@ -46,11 +46,14 @@ class PlaceTarget(EarthFixedTarget):
 
     def r_target_itrf_m(self, instants: Instants) -> Array:
         """Shape (n, 3), the same point n times."""
+        return np.broadcast_to(self._r_itrf_m, (len(instants.t_s), 3))
+
+    @cached_property
+    def _r_itrf_m(self) -> Array:
         place = self.place
-        r_itrf_m = itrf_from_geodetic(
+        return itrf_from_geodetic(
             math.radians(place.latitude_deg), math.radians(place.longitude_deg), place.height_m
         )
-        return np.broadcast_to(r_itrf_m, (len(instants.t_s), 3))
 
     def assumed(self, field: str) -> Assumed:
         """Which place, and where."""

@@ -123,14 +123,15 @@ class AxisHermite:
 
 def _extremes(*kinds: tuple[Array, Array | float]) -> tuple[HermiteExtreme, HermiteExtreme]:
     """Least and greatest; each kind: a value in every cell, and how far into the cell, s."""
-    value = np.stack([kind[0] for kind in kinds])
-    into_cell_s = np.stack([np.broadcast_to(u_s, value.shape[1:]) for _, u_s in kinds])
-    t_s = np.arange(value.shape[1]) / ROWS_PER_S + into_cell_s
-    least, greatest = int(np.argmin(value)), int(np.argmax(value))
-    return (
-        HermiteExtreme(float(value.flat[least]), float(t_s.flat[least])),
-        HermiteExtreme(float(value.flat[greatest]), float(t_s.flat[greatest])),
-    )
+    values = np.stack([value for value, _ in kinds])
+
+    def at(place: int) -> HermiteExtreme:
+        kind, cell = divmod(place, values.shape[1])
+        u_s = kinds[kind][1]
+        into_cell_s = u_s if isinstance(u_s, float) else float(u_s[cell])
+        return HermiteExtreme(float(values[kind, cell]), cell / ROWS_PER_S + into_cell_s)
+
+    return at(int(np.argmin(values))), at(int(np.argmax(values)))
 
 
 def _greatest_magnitude(*kinds: tuple[Array, Array | float]) -> HermiteExtreme:

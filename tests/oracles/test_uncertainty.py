@@ -17,7 +17,7 @@ from planner.orbits import StateVectorOrbit, TleOrbit
 from planner.platforms.iss_hrc import ISS_HRC
 from planner.pointing.angles import axis_angles
 from planner.pointing.line_of_sight import line_of_sight
-from planner.sessions.probability import probability_inside
+from planner.sessions.probability import lattice_points, probability_inside
 from planner.sessions.uncertainty import CLOCK_S, pointing_budget
 from planner.targets.ground import GroundTarget
 
@@ -113,6 +113,35 @@ def test_five_independent_causes_add_in_quadrature():
     expected = 1.0 - 2.0 * norm.cdf(-HALF_RAD[1] / np.linalg.norm(sigmas))
     found = probability_inside(offsets, HALF_RAD, MIDDLE)
     assert found == pytest.approx(expected, abs=QUASI_RANDOM)
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e4])
+def test_a_draw_at_the_edge_of_the_frame_is_judged_in_full_precision(size):
+    """Frames whose edge lies 1e-12 beyond, or before, a draw: it counts, or not."""
+    draws = np.abs(lattice_points(1, 0, 0)[0])
+    offsets = size * np.array([[[0.0, 1.0]]])
+    for draw in draws[::997]:
+        for side in (-1e-12, 1e-12):
+            half = np.array([1.0, size * draw * (1.0 + side)])
+            found = probability_inside(offsets, half, MIDDLE)
+            assert found == np.mean(draws <= draw * (1.0 + side))
+
+
+@pytest.mark.parametrize("rough", [0.0, 1e-3, 0.3, 10.0])
+@pytest.mark.parametrize("count", [1, 2, 5, 23])
+def test_the_instants_looked_at_later_count_as_the_few_looked_at_first(rough, count):
+    """The probability is that of every draw at every instant, however its way bends between."""
+    rng = np.random.default_rng(count)
+    along = np.linspace(-1.0, 1.0, count)[:, None]
+    parts = rng.normal(size=(6, 1, 2)) + along * rng.normal(size=(6, 1, 2))
+    parts = 0.3 * HALF_RAD * (parts + rough * rng.normal(size=(6, count, 2)))
+    *constant, sine, cosine, known = parts
+    draws = lattice_points(2, 1, 1)
+    places = known[..., None] + np.stack([*constant, sine, cosine], axis=-1) @ draws
+    farthest = np.abs(places / HALF_RAD[:, None]).max(axis=(0, 1))
+    swing = np.stack([sine, cosine])
+    found = probability_inside(np.stack(constant), HALF_RAD, known, [swing], laplace=1)
+    assert found == np.mean(farthest <= 1.0)
 
 
 @pytest.mark.parametrize("turned", [0.0, 2.0])
