@@ -10,11 +10,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from planner.platforms import ISS_HRC
-from planner.scenario import SlewOptions
-from planner.slew import compare_with_spline
-from planner.slew.optimal import optimal_slew
-from planner.slew.paper_cubic import (
+from planner.baseline import compare_with_spline
+from planner.baseline.paper_cubic import (
     ACCELERATION_SHARE,
     RATE_SHARE,
     cubic_profile,
@@ -22,6 +19,9 @@ from planner.slew.paper_cubic import (
     paper_duration_s,
     paper_slew,
 )
+from planner.platforms import ISS_HRC
+from planner.scenario import SlewOptions
+from planner.slew.optimal import optimal_slew
 from planner.slew.problem import AxisState, SlewProblem
 from reproduction.statements import Numbers
 

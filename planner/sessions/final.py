@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from planner.arrays import Array
+from planner.baseline.paper_cubic import paper_duration_s
 from planner.commands import ROWS_PER_S
 from planner.errors import InfeasibleSlew
 from planner.frames.time_scales import shifted_utc
@@ -24,7 +25,6 @@ from planner.sessions.lead import (
     least_slew_s,
 )
 from planner.slew import AxisState, SlewProblem
-from planner.slew.paper_cubic import paper_duration_s
 
 LONGEST_S = 3600.0  # what has no end of its own must have one
 ROUNDING = 1e-12  # rad, rad/s, rad/s2: below what a table's rows can tell

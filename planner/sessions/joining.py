@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from planner import effort
+from planner.baseline import in_paper_time, paper_slew
 from planner.commands import ROWS_PER_S
 from planner.detour.detour import avoid_cones
 from planner.effort import at_most
@@ -13,15 +14,7 @@ from planner.scenario import Scenario
 from planner.sessions.earliest_join import Approach, track_states
 from planner.sessions.holding import Way
 from planner.sessions.lead import LedSlew, may_slew_within_lead, slew_within_lead
-from planner.slew import (
-    AxisState,
-    SlewProblem,
-    SlewSolution,
-    broken_limit,
-    in_paper_time,
-    optimal_slew,
-    paper_slew,
-)
+from planner.slew import AxisState, SlewProblem, SlewSolution, broken_limit, optimal_slew
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 import numpy as np
 
 from planner import effort
+from planner.baseline import compare_with_spline
 from planner.commands import ROWS_PER_S, CommandTable
 from planner.effort import at_most
 from planner.errors import SearchEnded, VerificationFailed
@@ -24,7 +25,6 @@ from planner.sessions.lead import least_slew_s
 from planner.sessions.nearest_start import plan_sessions
 from planner.sessions.plan import Plan, SlewRun
 from planner.sessions.uncertainty import pointing_budget
-from planner.slew import compare_with_spline
 from planner.solvers import merged
 from planner.targets import BenchMotionTarget
 from planner.verification import VerificationReport, verify

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
+from planner.baseline import SlewComparison
 from planner.export import FlightPlan
 from planner.sessions.budget import PointingBudget
-from planner.slew import SlewComparison
 from planner.solvers import SolverRun
 from planner.verification import VerificationReport
 

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner.arrays import Array, Indices
+from planner.baseline import paper_profiles
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.export import FlightPlan
 from planner.frames.time_scales import elapsed_s
-from planner.slew import AxisState, paper_profiles
+from planner.slew import AxisState
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -23,6 +23,7 @@ LOADED_BY_WORK = {
     "matplotlib": "draws",
     "cv2": "reads and draws pictures",
     "planner.sessions.pipeline": "plans",
+    "planner.baseline": "plans",
     "planner.slew": "plans",
     "planner.verification.judge": "judges",
     "planner.campaigns.campaign": "chooses",

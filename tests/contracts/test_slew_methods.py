@@ -6,9 +6,10 @@ import time
 import numpy as np
 import pytest
 
+from planner.baseline import paper_slew
 from planner.platforms import ISS_HRC
 from planner.scenario import SlewOptions
-from planner.slew import optimal_slew, paper_slew
+from planner.slew import optimal_slew
 from planner.slew.problem import AxisState, SlewProblem
 from planner.slew.solution import violations
 

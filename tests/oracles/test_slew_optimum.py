@@ -9,10 +9,10 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import BPoly
 from scipy.optimize import linprog
 
+from planner.baseline.paper_cubic import cubic_profile
 from planner.platforms import ISS_HRC
 from planner.slew.feasibility import next_duration_s, passes_certificate, verdict
 from planner.slew.optimal import optimal_slew
-from planner.slew.paper_cubic import cubic_profile
 from planner.slew.problem import AxisSlew, AxisState, SlewProblem
 from planner.slew.smoothest import smoothest
 

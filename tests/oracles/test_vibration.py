@@ -9,11 +9,12 @@ from scipy.integrate import solve_ivp
 from vibration_bound import Wanted, least_share
 from vibration_cases import LIMITS, left_rad, problem
 
+from planner.baseline import paper_slew
+from planner.baseline.compare import compare_with_spline
 from planner.platforms import StructuralMode
 from planner.scenario import SlewOptions
 from planner.simulation.structure import residual_vibration_rad
-from planner.slew import AxisState, next_duration_s, optimal_slew, paper_slew
-from planner.slew.compare import compare_with_spline
+from planner.slew import AxisState, next_duration_s, optimal_slew
 from planner.slew.solution import violations
 
 STEP_S = 0.2

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.signal import cont2discrete, lfilter
 
+from planner.baseline.paper_cubic import cubic_profile, in_paper_time, paper_duration_s, paper_slew
 from planner.platforms import ISS_HRC
 from planner.scenario import SlewOptions
-from planner.slew.paper_cubic import cubic_profile, in_paper_time, paper_duration_s, paper_slew
 from planner.slew.problem import AxisState, SlewProblem
 
 LIMITS = ISS_HRC.outer_limits

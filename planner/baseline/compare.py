@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from planner.baseline.paper_cubic import paper_duration_s, paper_slew
 from planner.commands import ROWS_PER_S
 from planner.platforms import StructuralMode
 from planner.scenario import SlewOptions
 from planner.simulation.structure import residual_vibration_rad
 from planner.slew.feasibility import next_duration_s
-from planner.slew.paper_cubic import paper_duration_s, paper_slew
 from planner.slew.problem import LIMIT_TOLERANCE
 from planner.slew.solution import LimitViolation, SlewSolution
 
