@@ -5,8 +5,8 @@
 That is CasADi's other solvers and the copies of its libraries under their other names (a wheel
 knows no links), the libraries of Pillow's other formats, the packages' own tests, sources and
 static libraries, what nothing reads, and the symbols that only debuggers read; OpenCV takes
-CasADi's OpenBLAS.  Prints what each step saved, and solves with what remains.  The Dockerfile
-runs try_out.sh afterwards.
+CasADi's OpenBLAS.  Licences stay.  Prints what each step saved, and solves with what remains.
+The Dockerfile runs try_out.sh afterwards.
 """
 
 import shutil
@@ -85,10 +85,10 @@ def _mapped() -> set[str]:
 
 
 def _unmapped(site: Path, *folders: str) -> Iterator[Path]:
-    mapped = _mapped()
+    kept = _mapped() | {"__pycache__", "include", "licenses"}
     for folder in folders:
-        for path in (site / folder).iterdir():
-            if path.suffix != ".py" and path.name not in mapped and path.name != "__pycache__":
+        for path in (*(site / folder).iterdir(), *(site / folder).glob("include/*")):
+            if path.suffix != ".py" and path.name not in kept:
                 yield path
 
 
@@ -109,8 +109,11 @@ def _shared(site: Path) -> int:
 
 
 def _found(site: Path, patterns: tuple[str, ...]) -> Iterator[Path]:
+    """But for a package's licences, among which are folders named like its code."""
     for pattern in patterns:
-        yield from site.rglob(pattern)
+        for path in site.rglob(pattern):
+            if not path.relative_to(site).parts[0].endswith(".dist-info"):
+                yield path
 
 
 def _stripped(site: Path) -> int:
