@@ -55,12 +55,12 @@ def probability_inside(
     return float(np.mean(inside))
 
 
-def _farthest(parts: Array, points: "NDArray[np.floating]") -> Array:
+def _farthest(part_shares: Array, points: "NDArray[np.floating]") -> Array:
     """Of each point in its precision, shape (points.shape[1],).
 
-    parts: (m + 1, n, 2) of a frame's half, the last where the target is without errors.
+    part_shares: (m + 1, n, 2) of a frame's half, the last where the target is without errors.
     """
-    in_half_frames = parts.reshape(len(parts), -1).astype(points.dtype)
+    in_half_frames = part_shares.reshape(len(part_shares), -1).astype(points.dtype)
     places = in_half_frames[:-1].T @ points
     places += in_half_frames[-1][:, None]
     return np.asarray(np.abs(places, out=places).max(axis=0))
