@@ -73,17 +73,17 @@ class Answer(NamedTuple):
     """x, and the multipliers of its bounds and of the constraints' in CasADi's sign: positive
     at an upper bound."""
 
-    x: Array
-    lam_x: Array
-    lam_g: Array
+    x_numbers: Array
+    lam_x_numbers: Array
+    lam_g_numbers: Array
     run: SolverRun
 
 
 class Work(NamedTuple):
     """What a solver costs, of `planner.effort`: each time it is asked, and each iteration."""
 
-    solve: float
-    iteration: float
+    solve_cost: float
+    iteration_cost: float
 
 
 class Solver:
@@ -122,11 +122,11 @@ class Solver:
 
     def solve(self, **numbers: Array) -> Answer:
         """The answer for x0, p, lbx, ubx, lbg, ubg and, to begin warm, lam_x0 and lam_g0."""
-        effort.spend(self._work.solve)
+        effort.spend(self._work.solve_cost)
         found = self._function(**numbers)
         stats = self._function.stats()
         iterations = int(stats["iter_count"])
-        effort.count(self._work.iteration * max(iterations, 0))
+        effort.count(self._work.iteration_cost * max(iterations, 0))
         x, lam_x, lam_g = (np.asarray(found[name]).ravel() for name in ("x", "lam_x", "lam_g"))
         status = str(stats["return_status"]) if np.all(np.isfinite(x)) else "not finite"
         counted = iterations if iterations >= 0 else None

@@ -124,7 +124,7 @@ def _least_of_a_parabola() -> float:
 
     x = casadi.SX.sym("x")
     programme = {"x": x, "p": casadi.SX(0, 1), "f": (x - 1.0) ** 2, "g": casadi.SX(0, 1)}
-    return float(Solver(programme, {}, Work(0.0, 0.0)).solve(x0=np.zeros(1)).x[0])
+    return float(Solver(programme, {}, Work(0.0, 0.0)).solve(x0=np.zeros(1)).x_numbers[0])
 
 
 def earth_orientation_covers_now() -> tuple[State, str]:

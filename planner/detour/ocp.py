@@ -203,12 +203,12 @@ class DetourOcp:
         answer = _run(
             self._rates_only, self._spline.rate_rows, axes, parameters, most, guess_coefficients
         )
-        y, run = answer.x.reshape(2, -1), answer.run
+        y, run = answer.x_numbers.reshape(2, -1), answer.run
         keeps = all(self._spline.keeps_rows(*one) for one in zip(axes, y, strict=True))
         if run.is_promising and not keeps:
             hull_rows = len(self._spline.jacobian)
             answer = _run(self._complete, hull_rows, axes, parameters, most, y)
-            y, run = answer.x.reshape(2, -1), answer.run.after(run)
+            y, run = answer.x_numbers.reshape(2, -1), answer.run.after(run)
         outer, inner = map(self._spline.profile, axes, y)
         return (outer, inner), run
 

@@ -156,7 +156,7 @@ class NearestOcp:
             lbg=np.concatenate(lbg),
             ubg=np.concatenate(ubg),
         )
-        x = answer.x[: x0.size].reshape(x0.shape) / scale
+        x = answer.x_numbers[: x0.size].reshape(x0.shape) / scale
         # What the solver leaves unsatisfied can't tear the Hermite through the knots apart.
         since_first = knots - knots[0]
         curve = CubicHermiteSpline(since_first / ROWS_PER_S, x[:, :2], x[:, 2:4])

@@ -260,15 +260,21 @@ def solve(given: SpanProgramme, begin: Begin, start: Start) -> Solved:
     }
     if start in ("warm", "roomy") and begin.answer is not None:
         before = begin.answer
-        numbers |= {"x0": before.x, "lam_x0": before.lam_x, "lam_g0": before.lam_g}
+        numbers |= {
+            "x0": before.x_numbers,
+            "lam_x0": before.lam_x_numbers,
+            "lam_g0": before.lam_g_numbers,
+        }
     solver = slew_solver(start, n, on_rows=given.rows is not None, echoes=m)
     answer = solver.solve(**numbers)
-    jerks = answer.x[3 * n + 3 : 5 * n + 3].reshape(n, 2) * UNITS[3]
+    jerks = answer.x_numbers[3 * n + 3 : 5 * n + 3].reshape(n, 2) * UNITS[3]
     if given.rows is not None:
         jerks[given.rows.flat, 1] = jerks[given.rows.flat, 0]
-    at_knots = answer.lam_x[: 3 * n].reshape(n, 3) / UNITS[:3]
+    at_knots = answer.lam_x_numbers[: 3 * n].reshape(n, 3) / UNITS[:3]
     at_knots[0] = 0.0  # the first state is given
-    between = answer.lam_g[3 * n : 3 * n + places.size].reshape(places.shape) / UNITS[orders]
+    between = (
+        answer.lam_g_numbers[3 * n : 3 * n + places.size].reshape(places.shape) / UNITS[orders]
+    )
     return Solved(
         jerks=jerks,
         pushes=np.hstack([at_knots, between]) / (2.0 * given.weight),

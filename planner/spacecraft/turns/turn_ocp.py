@@ -150,7 +150,7 @@ def solve_turn(
     limit_factor = LIMIT_FACTOR
     for _ in range(PASSES):
         answer = _solve(kept, problem, guess, x, (low_s, high_s), limit_factor)
-        x = answer.x
+        x = answer.x_numbers
         turn = _turn(kept, problem, answer, time.perf_counter() - begun)
         over = turn.loads.share_of(problem.limits)
         if over <= 1.0 + LIMIT_TOLERANCE and _miss(problem, turn) < END_TOLERANCE:
@@ -202,7 +202,7 @@ def _solve(
 
 
 def _turn(kept: Transcription, problem: TurnProblem, answer: Answer, solve_s: float) -> Turn:
-    x = answer.x
+    x = answer.x_numbers
     span_s = float(x[-1])
     spline = BSpline(_knots(kept.shape), x[:-1].reshape(3, -1).T, kept.shape.degree)
 
