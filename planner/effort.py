@@ -37,6 +37,7 @@ class Effort:
     outer: "Effort | None" = None
     done_rows: float = 0.0
     is_spent: bool = False
+    _made: set[object] = field(default_factory=set)
     _token: Token["Effort | None"] = field(init=False, repr=False)
 
     @property
@@ -68,6 +69,14 @@ class Effort:
         if self.outer is not None:
             self.outer.add(rows)
 
+    def is_first(self, made: object) -> bool:
+        """Whether nothing equal was made since the outermost bound began."""
+        if self.outer is not None:
+            return self.outer.is_first(made)
+        is_first = made not in self._made
+        self._made.add(made)
+        return is_first
+
 
 _NOW: ContextVar[Effort | None] = ContextVar("effort", default=None)
 
@@ -96,6 +105,13 @@ def count(rows: float) -> None:
     effort = _NOW.get()
     if effort is not None:
         effort.add(rows)
+
+
+def count_once(made: object, rows: float) -> None:
+    """The same for what is made once and kept: in each request's count, whoever made it first."""
+    effort = _NOW.get()
+    if effort is not None and effort.is_first(made):
+        count(rows)
 
 
 def remaining() -> float:

@@ -90,8 +90,9 @@ class Solver:
     """A programme's solver, to be made once and kept.
 
     programme: symbols x and p, cost f and constraints g.  options: of the plugin; Ipopt's add to
-    and take precedence over IPOPT.  hessian: of the Lagrangian, where CasADi would take long to
-    find it.
+    and take precedence over IPOPT.  hessian: of the Lagrangian, jacobian: the constraints and
+    theirs, where CasADi would take long to find them.  PIQP needs both, of a programme whose cost
+    and constraints are nothing where x is.
     """
 
     def __init__(
@@ -102,28 +103,38 @@ class Solver:
         *,
         plugin: Plugin = "ipopt",
         hessian: "casadi.Function | None" = None,
+        jacobian: "casadi.Function | None" = None,
     ) -> None:
         # CasADi takes 0.1 s to import, which only a process that solves should pay.
         import casadi
 
         self._plugin, self._work = plugin, work
         settings: dict[str, Any] = {"print_time": False}
+        self._matrices: casadi.Function | None = None
         if plugin == "ipopt":
             # The sensitivity to parameters, which nobody asks for, takes longest to prepare.
             settings |= {"no_nlp_grad": True} | dict.fromkeys(
                 ("calc_lam_p", "calc_f", "calc_g"), False
             )
             settings |= {"ipopt": {**IPOPT, **options}}
-            settings |= {} if hessian is None else {"hess_lag": hessian}
+            given = {"hess_lag": hessian, "jac_g": jacobian}
+            settings |= {name: of for name, of in given.items() if of is not None}
             self._function = casadi.nlpsol("programme", plugin, programme, settings)
-        else:
-            settings |= {"error_on_fail": False, plugin: dict(options)}
-            self._function = casadi.qpsol("programme", plugin, programme, settings)
+            return
+        if hessian is None or jacobian is None:
+            raise ValueError(f"{plugin} needs the programme's derivatives")
+        settings |= {"error_on_fail": False, plugin: dict(options)}
+        p: Any = programme["p"]
+        upper, rows = hessian(0, p, 1, 0), jacobian(0, p)[1]
+        matrices = {"h": casadi.triu2symm(upper), "a": rows}
+        self._matrices = casadi.Function("matrices", [p], list(matrices.values()))
+        structure = {name: matrix.sparsity() for name, matrix in matrices.items()}
+        self._function = casadi.conic("programme", plugin, structure, settings)
 
     def solve(self, **numbers: Array) -> Answer:
         """The answer for x0, p, lbx, ubx, lbg, ubg and, to begin warm, lam_x0 and lam_g0."""
         effort.spend(self._work.solve_cost)
-        found = self._function(**numbers)
+        found = self._found(numbers)
         stats = self._function.stats()
         iterations = int(stats["iter_count"])
         effort.count(self._work.iteration_cost * max(iterations, 0))
@@ -132,6 +143,15 @@ class Solver:
         counted = iterations if iterations >= 0 else None
         run = SolverRun(self._plugin, _version(self._plugin), status, counted)
         return Answer(x, lam_x, lam_g, run)
+
+    def _found(self, numbers: "Mapping[str, Array]") -> "Mapping[str, Any]":
+        if self._matrices is None:
+            return dict(self._function(**numbers))
+        h, a = self._matrices(numbers["p"])
+        bounds = {"lba": numbers["lbg"], "uba": numbers["ubg"]}
+        begin = {name: numbers[name] for name in ("x0", "lbx", "ubx")}
+        found = self._function(h=h, a=a, **bounds, **begin)
+        return {**found, "lam_g": found["lam_a"]}
 
 
 @cache

@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
+from planner import effort
 from planner.arrays import Array, Indices, Mask
 from planner.slew.spans import BETWEEN, hulls
 from planner.solvers import Answer, Options, Plugin, Solver, SolverRun, Work, has_piqp
@@ -35,7 +36,11 @@ if TYPE_CHECKING:
 
 UNITS = np.array([1.0, 2.0, 6.0, 60.0])  # of angle to jerk: what a unit move needs
 FAR = 1e3  # in UNITS: as good as no bound
-SOLVERS_KEPT = 64  # some MB and 10 to 100 ms to make each; a size of spans has two or three
+SOLVERS_KEPT = 64  # some MB and 10 to 400 ms to make each; a size of spans has two or three
+# Of `planner.effort`: a span in an iteration; to make a solver, each of its spans,
+# and each residual of a mode on it.
+SPAN, SPAN_ON_ROWS = 1.15, 2.0
+MADE, MADE_SPAN, MADE_RESIDUAL = 300.0, 20.0, 0.5
 Start = Literal["quick", "warm", "cold", "roomy"]
 
 # How the programme is solved.  Cold: from a rough motion.  Warm: from one that all but solves it,
@@ -78,8 +83,38 @@ STARTS: dict[Start, tuple[Plugin, Options]] = {
 }
 
 
-def slew_ocp(spans: int, *, on_rows: bool, residuals: int) -> "dict[str, casadi.SX]":
-    """The programme: x, p, f and g in CasADi's symbols.
+class _Ocp(NamedTuple):
+    """x, p, f and g of the programme, and how g changes by x."""
+
+    x: "casadi.SX"
+    p: "casadi.SX"
+    f: "casadi.SX"
+    g: "casadi.SX"
+    g_by_x: "casadi.SX"
+
+    def hessian(self) -> "casadi.Function":
+        """Of the Lagrangian: the cost's alone, as all constraints are linear in x."""
+        import casadi as ca
+
+        of_cost, of_constraints = ca.SX.sym("lam_f"), ca.SX.sym("lam_g", self.g.numel())
+        return ca.Function(
+            "nlp_hess_l",
+            [self.x, self.p, of_cost, of_constraints],
+            [ca.triu(of_cost * ca.hessian(self.f, self.x)[0])],
+            ["x", "p", "lam_f", "lam_g"],
+            ["triu_hess_gamma_x_x"],
+        )
+
+    def jacobian(self) -> "casadi.Function":
+        """Of the constraints."""
+        import casadi as ca
+
+        made = [self.g, self.g_by_x]
+        return ca.Function("nlp_jac_g", [self.x, self.p], made, ["x", "p"], ["g", "jac_g_x"])
+
+
+def slew_ocp(spans: int, *, on_rows: bool, residuals: int) -> _Ocp:
+    """The programme in CasADi's symbols.
 
     on_rows: with splits and with spans of constant jerk.  residuals: how many numbers tell what
     is left of modes.
@@ -112,14 +147,18 @@ def slew_ocp(spans: int, *, on_rows: bool, residuals: int) -> "dict[str, casadi.
         for order, hull in enumerate((angle, rate, acceleration))
         for coefficient in hull[1:-1]  # the first and the last are states
     ]
-    modes = maps @ ca.vec(ca.vertcat(j0, j1)) - left
+    both = ca.vec(ca.vertcat(j0, j1))
     cost = ca.dot(h, j0**2 + j0 * j1 + j1**2) / 3 + ca.dot(calm, left**2)
-    return {
-        "x": ca.veccat(states, jerks, left),
-        "p": ca.veccat(h, weight, flat, turns, maps, calm),
-        "f": weight * cost,
-        "g": ca.veccat(dynamics, ca.vertcat(*limited), modes),
-    }
+    x, others = ca.veccat(states, jerks, left), ca.veccat(dynamics, ca.vertcat(*limited))
+    # Modes have full rows, in which CasADi would look for zeros for seconds.
+    of_modes = maps @ ca.jacobian(both, x) - ca.jacobian(left, x)
+    return _Ocp(
+        x=x,
+        p=ca.veccat(h, weight, flat, turns, maps, calm),
+        f=weight * cost,
+        g=ca.veccat(others, maps @ both - left),
+        g_by_x=ca.vertcat(ca.jacobian(others, x), of_modes),
+    )
 
 
 def _split(hull: "list[Any]", at: "casadi.SX") -> "list[Any]":
@@ -137,12 +176,15 @@ def _split(hull: "list[Any]", at: "casadi.SX") -> "list[Any]":
 def slew_solver(start: Start, spans: int, *, on_rows: bool, residuals: int) -> Solver:
     """Made once per process and size."""
     plugin, options = STARTS[start]
-    # Of `planner.effort`: an iteration takes 0.17 ms and 0.01 to 0.02 ms a span; PIQP, which
-    # counts none, as long for the whole as Ipopt for three.
-    iteration = 17.0 + (2.0 if on_rows else 1.0) * spans * (1.0 + residuals / 6.0)
-    work = Work(20.0, iteration) if plugin == "ipopt" else Work(20.0 + 3.0 * iteration, 0.0)
-    programme = slew_ocp(spans, on_rows=on_rows, residuals=residuals)
-    return Solver(programme, options, work, plugin=plugin, hessian=_hessian(programme))
+    # Of `planner.effort`; PIQP counts no iterations.
+    span = SPAN_ON_ROWS if on_rows else SPAN
+    work = Work(20.0 + 2.5 * span * spans, 17.0 + span * spans * (1.0 + residuals / 35.0))
+    if plugin == "piqp":
+        work = Work(50.0 + spans * (0.5 + 2.0 * span + 0.3 * residuals), 0.0)
+    ocp = slew_ocp(spans, on_rows=on_rows, residuals=residuals)
+    programme = {"x": ocp.x, "p": ocp.p, "f": ocp.f, "g": ocp.g}
+    derivatives = {"hessian": ocp.hessian(), "jacobian": ocp.jacobian()}
+    return Solver(programme, options, work, plugin=plugin, **derivatives)
 
 
 def make_solvers(sizes: Iterable[int]) -> None:
@@ -152,21 +194,6 @@ def make_solvers(sizes: Iterable[int]) -> None:
             if has_piqp():
                 slew_solver("quick", spans, on_rows=on_rows, residuals=0)
             slew_solver("warm", spans, on_rows=on_rows, residuals=0)
-
-
-def _hessian(programme: "dict[str, casadi.SX]") -> "casadi.Function":
-    """Of the Lagrangian: the cost's alone, as all constraints are linear in x."""
-    import casadi as ca
-
-    x, p, f, g = (programme[name] for name in ("x", "p", "f", "g"))
-    of_cost, of_constraints = ca.SX.sym("lam_f"), ca.SX.sym("lam_g", g.numel())
-    return ca.Function(
-        "nlp_hess_l",
-        [x, p, of_cost, of_constraints],
-        [ca.triu(of_cost * ca.hessian(f, x)[0])],
-        ["x", "p", "lam_f", "lam_g"],
-        ["triu_hess_gamma_x_x"],
-    )
 
 
 class Rows(NamedTuple):
@@ -263,6 +290,9 @@ def solve(given: SpanProgramme, begin: Begin, start: Start) -> Solved:
             "lam_x0": before.lam_x_numbers,
             "lam_g0": before.lam_g_numbers,
         }
+    span = SPAN if given.rows is None else SPAN_ON_ROWS
+    size = (start, n, given.rows is None, m)
+    effort.count_once(size, MADE + (MADE_SPAN * span + MADE_RESIDUAL * m) * n)
     solver = slew_solver(start, n, on_rows=given.rows is not None, residuals=m)
     answer = solver.solve(**numbers)
     jerks = answer.x_numbers[3 * n + 3 : 5 * n + 3].reshape(n, 2) * UNITS[3]

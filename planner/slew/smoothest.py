@@ -199,7 +199,7 @@ def _place_knots(axis: "_Axis", bound: float, starts: tuple[Start, ...]) -> _Pla
                 and best.cost - motion.cost <= allowed
             )
             best = motion if best is None or motion.cost < best.cost else best
-            if is_closed or is_stuck:
+            if is_closed or is_stuck or len(knots) > SIZES[-1]:
                 break
         flat_rows = np.union1d(flat_rows, astray)
         is_fine = is_closed or float(losses.by_span[axis.can_cut(knots)].sum()) <= allowed
@@ -435,7 +435,7 @@ class _Axis:
             hull = hull_between(np.diff(knots), states, jerks)
             over = np.maximum(hull - high, low - hull) > HELD * (high - low)
             is_cut = over.any(axis=1) & (np.diff(knots) > 4.0 * NARROWEST)
-            if not is_cut.any():
+            if not is_cut.any() or len(knots) > SIZES[-1]:
                 break
             by_order = np.column_stack(
                 [over[:, BETWEEN[0] == order].any(axis=1) for order in (0, 1)]
