@@ -85,10 +85,12 @@ def _mapped() -> set[str]:
 
 
 def _unmapped(site: Path, *folders: str) -> Iterator[Path]:
-    kept = _mapped() | {"__pycache__", "include", "licenses"}
+    mapped = _mapped()
     for folder in folders:
-        for path in (*(site / folder).iterdir(), *(site / folder).glob("include/*")):
-            if path.suffix != ".py" and path.name not in kept:
+        for path in (site / folder).rglob("*"):
+            kept = path.suffix in (".py", ".pyc") or path.name in mapped
+            licence = "licen" in str(path.relative_to(site)).lower()
+            if path.is_file() and not kept and not licence:
                 yield path
 
 
