@@ -32,8 +32,6 @@ from app.cli.plan import plan
 from app.cli.progress_bar import progress_bar, reported_work
 from app.cli.report_parts import report_console
 
-_USUAL = gc.get_threshold()
-
 
 class _OneLinePerFault(TyperGroup):
     """Reports a wrong argument as every other refusal is reported."""
@@ -42,8 +40,6 @@ class _OneLinePerFault(TyperGroup):
         given = options.get("args", args[0] if args else None)
         words = ["slewtrack", *(sys.argv[1:] if given is None else given)]
         options |= {"standalone_mode": False, "obj": words}
-        # What is loaded is no garbage: looking for some among it takes a fifth of a short command.
-        gc.set_threshold(100_000)
         try:
             code = super().main(*args, **options)
         except typer.TyperException as fault:
@@ -264,10 +260,12 @@ def serve(
     port: Annotated[int, typer.Option(parser=_port, metavar="PORT", help="0 for any free.")] = 8000,
 ) -> None:
     """Serve the planner's page (/) and the HTTP API (/docs); elsewhere with API keys only."""
+    gc.disable()  # nothing that is loaded is garbage: looking for some takes a sixth of a start
     from app.http.serving import serve_on
     from app.settings import settings_of_environment
 
-    _collect_as_usual()
+    gc.freeze()
+    gc.enable()
     serve_on(host, port, settings_of_environment())
 
 
@@ -288,11 +286,4 @@ def worker(
     from app.jobs.dask_worker import work_for
 
     configure_logs(settings.log_level, settings.log_format)  # once Dask has its loggers
-    _collect_as_usual()
     work_for(scheduler, solves or settings.workers)
-
-
-def _collect_as_usual() -> None:
-    """For who goes on for long, and never among what is loaded by now."""
-    gc.freeze()
-    gc.set_threshold(*_USUAL)
