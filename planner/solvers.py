@@ -125,8 +125,9 @@ class Solver:
             raise ValueError(f"{plugin} needs the programme's derivatives")
         settings |= {"error_on_fail": False, plugin: dict(options)}
         upper, rows = hessian(0, programme["p"], 1, 0), jacobian(0, programme["p"])[1]
-        matrices = {"h": casadi.triu2symm(upper), "a": rows}
-        self._matrices = casadi.Function("matrices", [programme["p"]], list(matrices.values()))
+        matrices: dict[str, Any] = {"h": casadi.triu2symm(upper), "a": rows}
+        given_p: Any = programme["p"]
+        self._matrices = casadi.Function("matrices", [given_p], list(matrices.values()))
         structure = {name: matrix.sparsity() for name, matrix in matrices.items()}
         self._function = casadi.conic("programme", plugin, structure, settings)
 
