@@ -63,7 +63,7 @@ class ComparisonRequest:
     image_offsets: where the target was found in frames of the session. E.g.
     `[{"epoch": "2015-02-27T17:37:00Z", "offset_deg": [0.12, -0.05], "sigma_deg": 0.001}]`.
     identify: parameters of the platform's drives to find, each `axis.field`, of plans up to 600 s;
-    it takes some 20 s of a processor. E.g. `["alpha.coulomb_deg_s2", "beta.coulomb_deg_s2"]`.
+    it takes 20 to 30 s of a processor. E.g. `["alpha.coulomb_deg_s2", "beta.coulomb_deg_s2"]`.
     """
 
     plan: str

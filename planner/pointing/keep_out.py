@@ -24,7 +24,7 @@ NODE_STEP_S = 10.0  # a carrier turning at 0.1 deg/s: cubics between nodes err b
 NODES_MIN = 4
 FINER = 20  # instants per row where a cone is near
 MASK_FINER = 20  # instants per such instant beside a mask, whose corners a motion cuts in a moment
-NEAR_ROW = 2.0  # of `planner.effort`: those of a row, beside each region
+NEAR_ROW = 3.5  # of `planner.effort`: those of a row, beside each region
 CARRIER_RATE_RAD_S = math.radians(1.0)
 ACCELERATION = 0.1  # rad/s2, more than any platform's
 

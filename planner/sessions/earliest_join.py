@@ -23,7 +23,7 @@ from planner.slew.optimal import optimal_slew
 from planner.slew.problem import AxisState, SlewProblem, axis_states, within
 
 # Of `planner.effort`: a row by itself, a look at many, and each of them.
-LOOK, GLANCE, GLANCE_ROW = 30, 40, 0.1
+LOOK, GLANCE, GLANCE_ROW = 45, 40, 0.1
 NEAR_S = 4.0  # closer than this to feasibility every row is tried
 ROWS_IN_TURN = 4  # failures after which rows are left out: rows carry a slew a row or two late
 FAILURES_MOST = 8  # then the track is not joined early; each may take half a second

@@ -39,7 +39,7 @@ FAR = 1e3  # in UNITS: as good as no bound
 SOLVERS_KEPT = 64  # some MB and 10 to 400 ms to make each; a size of spans has two or three
 # Of `planner.effort`: a span in an iteration; to make a solver, each of its spans,
 # and each residual of a mode on it.
-SPAN, SPAN_ON_ROWS = 1.15, 2.0
+SPAN, SPAN_ON_ROWS = 1.15, 2.4
 MADE, MADE_SPAN, MADE_RESIDUAL = 300.0, 20.0, 0.5
 Start = Literal["quick", "warm", "cold", "roomy"]
 

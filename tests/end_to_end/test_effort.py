@@ -13,7 +13,7 @@ from scenarios import LAS_VEGAS, SALT_LAKE, at, scenario, session
 
 from app.requests.plan import read_plan_request
 from planner import effort
-from planner.effort import EffortSpent, at_most, spend
+from planner.effort import EffortSpent, at_most, count_once, spend
 from planner.errors import Refusal, SearchEnded, Unreachable
 from planner.platforms import AxisLimits, StructuralMode
 from planner.scenario import SlewOptions
@@ -57,11 +57,11 @@ def test_dear_requests_end_within_what_one_may_make(name):
 def test_a_slew_is_not_cut_ever_finer():
     """Its rate's limit is met within a thousandth of it: spans grew to many thousands."""
     _, work = counted(case("seed302114"))
-    assert work < 0.2 * effort.PLAN
+    assert work < 0.3 * effort.PLAN
 
 
 def slewed(modes):
-    """Work counted for each iteration of a slew at its rate limit."""
+    """Work counted for a slew at its rate limit."""
     limits = AxisLimits(
         angle_min_rad=-3.0,
         angle_max_rad=3.0,
@@ -78,13 +78,24 @@ def slewed(modes):
         avoid_modes=tuple(StructuralMode(frequency_hz=0.2 + 0.1 * k) for k in range(modes)),
     )
     with at_most(np.inf) as work:
-        slew = optimal_slew(problem)
-    return work.done_rows / slew.iterations
+        optimal_slew(problem)
+    return work.done_rows
 
 
 def test_modes_are_counted_as_they_cost():
-    """An iteration with five takes ten times one without; both counted alike, 53 s passed for 4."""
-    assert slewed(modes=5) > 4.0 * slewed(modes=0)
+    """To weigh five takes several times the slew without; both counted alike, 53 s passed for 4."""
+    assert slewed(modes=5) > 3.0 * slewed(modes=0)
+
+
+def test_what_is_made_once_is_counted_in_each_request():
+    with at_most(np.inf) as first, at_most(np.inf):
+        count_once("a solver", 5.0)
+        with at_most(np.inf):
+            count_once("a solver", 5.0)
+            count_once("another", 2.0)
+    with at_most(np.inf) as second:
+        count_once("a solver", 5.0)
+    assert (first.done_rows, second.done_rows) == (7.0, 5.0)
 
 
 def test_what_follows_the_search_is_counted():

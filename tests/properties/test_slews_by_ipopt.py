@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 
+import casadi as ca
 import numpy as np
 import pytest
 from slew_cases import LIMITS, deg_state, sampled
@@ -183,3 +184,24 @@ def test_what_need_not_move_costs_nothing_and_is_optimal():
     assert math.isclose(still.profiles[0].extremes[0].greatest, math.radians(5.0), abs_tol=1e-12)
     moved = replace(SLEWS["needn't move"], end=(deg_state(5.0 + 1e-9),))
     assert optimal_slew(moved).status == ("optimal",)
+
+
+@pytest.mark.parametrize("on_rows", [False, True])
+def test_the_derivatives_that_solvers_are_given_are_those_of_the_programme(on_rows):
+    """Those of modes, full rows in which CasADi would look for zeros, are written out."""
+    given = ocp.slew_ocp(3, on_rows=on_rows, echoes=2)
+    by_casadi = ca.Function("g_by_x", [given.x, given.p], [ca.jacobian(given.g, given.x)])
+    rng = np.random.default_rng(1)
+    x, p = rng.normal(size=given.x.numel()), rng.normal(size=given.p.numel())
+    g, g_by_x = given.jacobian()(x, p)
+    assert np.asarray(g_by_x) == pytest.approx(np.asarray(by_casadi(x, p)), rel=1e-12, abs=1e-12)
+    # No constant is left out of a quadratic programme, which has no place for one.
+    assert np.asarray(g).ravel() == pytest.approx(np.asarray(g_by_x) @ x, rel=1e-9, abs=1e-9)
+
+
+def test_piqp_and_ipopt_spare_modes_alike(monkeypatch):
+    by_both = optimal_slew(SLEWS["modes"])
+    monkeypatch.setattr(rounds, "has_piqp", lambda: False)
+    by_ipopt = optimal_slew(SLEWS["modes"])
+    assert by_both.status == by_ipopt.status == ("modes spared",)
+    assert by_both.jerk_squared_integral == pytest.approx(by_ipopt.jerk_squared_integral, rel=1e-2)
