@@ -189,7 +189,7 @@ def test_what_need_not_move_costs_nothing_and_is_optimal():
 @pytest.mark.parametrize("on_rows", [False, True])
 def test_the_derivatives_that_solvers_are_given_are_those_of_the_programme(on_rows):
     """Those of modes, full rows in which CasADi would look for zeros, are written out."""
-    given = ocp.slew_ocp(3, on_rows=on_rows, echoes=2)
+    given = ocp.slew_ocp(3, on_rows=on_rows, residuals=2)
     by_casadi = ca.Function("g_by_x", [given.x, given.p], [ca.jacobian(given.g, given.x)])
     rng = np.random.default_rng(1)
     x, p = rng.normal(size=given.x.numel()), rng.normal(size=given.p.numel())
@@ -203,5 +203,5 @@ def test_piqp_and_ipopt_spare_modes_alike(monkeypatch):
     by_both = optimal_slew(SLEWS["modes"])
     monkeypatch.setattr(rounds, "has_piqp", lambda: False)
     by_ipopt = optimal_slew(SLEWS["modes"])
-    assert by_both.status == by_ipopt.status == ("modes spared",)
+    assert by_both.status == by_ipopt.status == ("modes suppressed",)
     assert by_both.jerk_squared_integral == pytest.approx(by_ipopt.jerk_squared_integral, rel=1e-2)
