@@ -48,7 +48,7 @@ Start = Literal["quick", "warm", "cold", "roomy"]
 # PIQP, to learn where knots belong.
 COLD: Options = {
     "tol": 1e-5,  # of the dual; the cost is right to 1e-8
-    "max_iter": 100,
+    "max_iter": 50,  # those that succeed need a dozen; what fails goes on at five times the cost
     "nlp_scaling_method": "none",  # UNITS and the cost's weight are the scaling
     "jac_c_constant": "yes",
     "jac_d_constant": "yes",
