@@ -1,10 +1,9 @@
 /** What the chosen session looks at, and where to look for its windows. */
-import { useEffect, useState } from "preact/hooks";
-
 import { Problem } from "../../api/problem";
 import { words } from "../../i18n";
 import { Combobox } from "../../parts/Combobox";
 import { Field } from "../../parts/Field";
+import { useStateOf } from "../../parts/stateOf";
 import * as draft from "./draft";
 import { places, stars } from "./names";
 import { BODIES, groundOf, type Kind, kindOf, starOf, type Target, textOf } from "./target";
@@ -15,11 +14,10 @@ const KINDS: readonly Kind[] = ["ground", "star", "body"];
 export function TargetPanel() {
   const text = words.value.plan.target;
   const target = draft.target.value;
-  const [kind, setKind] = useState<Kind>("ground");
-  useEffect(() => {
+  const [kind, setKind] = useStateOf<Kind>(target, (before = "ground") => {
     const now = target ? kindOf(target) : "other";
-    if (now !== "other") setKind(now);
-  }, [target]);
+    return now === "other" ? before : now;
+  });
   const count = draft.sessions.value.length;
   return (
     <section class="panel" aria-label={text.title}>
@@ -45,8 +43,7 @@ export function TargetPanel() {
 function TextField({ kind, target }: { kind: "ground" | "star"; target: Target | undefined }) {
   const text = words.value.plan.target;
   const own = target && kindOf(target) === kind ? textOf(target) : "";
-  const [typed, setTyped] = useState(own);
-  useEffect(() => setTyped(own), [own]);
+  const [typed, setTyped] = useStateOf(own, () => own);
   const take = (entry: string) => {
     const next = kind === "star" ? starOf(entry) : groundOf(entry);
     if (next && entry !== own) draft.setTarget(next);
