@@ -9,7 +9,7 @@ from pydantic_core import PydanticCustomError
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from app.log.logs import LogFormat, LogLevel
-from planner.errors import InvalidInput
+from planner.base.errors import InvalidInput
 
 
 def _user_data_dir() -> Path:

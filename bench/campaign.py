@@ -22,7 +22,7 @@ from pathlib import Path
 
 import numpy as np
 
-from planner.campaigns import (
+from planner.planning.campaigns import (
     Campaign,
     CampaignRequest,
     CampaignTarget,
@@ -30,11 +30,11 @@ from planner.campaigns import (
     choose_campaign,
     scenario_of,
 )
-from planner.frames.time_scales import elapsed_s
-from planner.opportunities import OpportunityConditions, find_opportunities
-from planner.orbits import TleOrbit
-from planner.platforms import PLATFORMS
-from planner.targets import GroundTarget
+from planner.planning.opportunities import OpportunityConditions, find_opportunities
+from planner.world.frames.time_scales import elapsed_s
+from planner.world.orbits import TleOrbit
+from planner.world.platforms import PLATFORMS
+from planner.world.targets import GroundTarget
 
 ROOT = Path(__file__).parent.parent
 START = datetime(2015, 2, 27, tzinfo=UTC)
@@ -90,7 +90,7 @@ def main() -> None:
     )
     print("  " + ", ".join(f"{name} {spent:.1f} s" for name, spent in stages.items() if name))
     if asked.plan:
-        from planner.sessions.pipeline import make_plan
+        from planner.planning.sessions.pipeline import make_plan
     planned = 0
     for number, flight in enumerate(campaign.passes[: asked.plan]):
         began_s = time.process_time()

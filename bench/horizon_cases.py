@@ -17,7 +17,7 @@ from estimator.rendering.scene import HorizonRenderer, Scene
 from estimator.rendering.sensor import Sensor
 from estimator.request import Body, HorizonRequest, Position, PredictedAttitude
 from estimator.surroundings import Surroundings
-from planner.frames.geodesy import itrf_from_geodetic
+from planner.world.frames.geodesy import itrf_from_geodetic
 
 Floats = NDArray[np.float64]
 COLOUR = Sensor(colour=True)

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from planner.frames.earth_orientation import itrf_from_eci_state
-from planner.frames.geodesy import c_enu_from_itrf, geodetic_from_itrf, itrf_from_geodetic
-from planner.frames.time_scales import Instants
-from planner.orbits import StateVectorOrbit
 from planner.spacecraft.requests import AreaRequest, GeoPolygon, ImagingPlanRequest
+from planner.world.frames.earth_orientation import itrf_from_eci_state
+from planner.world.frames.geodesy import c_enu_from_itrf, geodetic_from_itrf, itrf_from_geodetic
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits import StateVectorOrbit
 
 DATA = Path(__file__).parents[1] / "tests" / "data" / "spacecraft"
 EPOCH = datetime(2024, 6, 1, 10, 0, tzinfo=UTC)

@@ -19,11 +19,11 @@ import numpy as np
 sys.path.extend(str(Path(__file__).parents[1] / "tests" / folder) for folder in (".", "properties"))
 from keep_out_cases import LIMITS, Case, away_rad, draw_cases, hermite
 
-from planner.detour.detour import SPANS, avoid_cones
-from planner.detour.search import DetourSearch
-from planner.detour.spline_ocp import graded_ocp
-from planner.errors import InfeasibleSlew
-from planner.slew import SlewSolution
+from planner.base.errors import InfeasibleSlew
+from planner.motion.detour.detour import SPANS, avoid_cones
+from planner.motion.detour.search import DetourSearch
+from planner.motion.detour.spline_ocp import graded_ocp
+from planner.motion.slew import SlewSolution
 
 WITHIN = 1.01
 REPORT_EVERY = 10

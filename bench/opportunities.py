@@ -30,15 +30,15 @@ from numpy.typing import NDArray
 from skyfield.api import EarthSatellite, Loader, wgs84
 from skyfield.data import iers
 
-from planner.opportunities import (
+from planner.planning.opportunities import (
     OpportunityConditions,
     OpportunityRequest,
     OpportunityTarget,
     find_opportunities,
 )
-from planner.orbits import TleOrbit
-from planner.platforms import PLATFORMS
-from planner.targets import GroundTarget
+from planner.world.orbits import TleOrbit
+from planner.world.platforms import PLATFORMS
+from planner.world.targets import GroundTarget
 
 ROOT = Path(__file__).parent.parent
 FINALS = files("skyfield_data") / "data" / "finals2000A.all"

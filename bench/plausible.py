@@ -13,7 +13,7 @@ with 1 if anything went wrong or took more than 10 s of a processor.
 
 `--costs` prints what of the work is counted where, and how long it takes: a row's worth is to be
 10 microseconds everywhere, or an answer takes longer than it may.  The numbers to mend are the
-constants "of `planner.effort`" beside each place.
+constants "of `effort`" beside each place.
 """
 
 import argparse
@@ -34,7 +34,7 @@ from plausible_requests import demanding_request, plausible_request
 from plausible_trials import Outcome, as_advised, outcome
 from work_costs import kept_ledger
 
-from planner import effort
+from planner.base import effort
 
 LIMIT_S = 10.0  # of a processor: what any answer may take
 SLOWEST = 10

@@ -20,11 +20,11 @@ import casadi
 import numpy as np
 import rockit
 
-from planner.platforms import ISS_HRC
-from planner.slew.closed_forms import least_jerk_profile
-from planner.slew.optimal import optimal_slew
-from planner.slew.problem import AxisState, SlewProblem
-from planner.slew.solution import obeys
+from planner.motion.slew.closed_forms import least_jerk_profile
+from planner.motion.slew.optimal import optimal_slew
+from planner.motion.slew.problem import AxisState, SlewProblem
+from planner.motion.slew.solution import obeys
+from planner.world.platforms import ISS_HRC
 
 LIMITS = ISS_HRC.outer_limits
 BOUNDS = (

@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 sys.path.append(str(Path(__file__).parents[1] / "tests" / "properties"))
 from slew_cases import LIMITS, deg_state
 
-from planner.slew import next_duration_s, verdict
-from planner.slew.normalised import normalised
-from planner.slew.ocp import Begin, SpanProgramme, Vibration, solve
-from planner.slew.problem import AxisSlew
-from planner.slew.smoothest import smoothest
-from planner.slew.solution import AxisProfile
+from planner.motion.slew import next_duration_s, verdict
+from planner.motion.slew.normalised import normalised
+from planner.motion.slew.ocp import Begin, SpanProgramme, Vibration, solve
+from planner.motion.slew.problem import AxisSlew
+from planner.motion.slew.smoothest import smoothest
+from planner.motion.slew.solution import AxisProfile
 
 Array = NDArray[np.float64]
 

@@ -21,9 +21,9 @@ from slew_reference import Array, ReferenceError, least_costs
 sys.path.append(str(Path(__file__).parents[1] / "tests" / "properties"))
 from slew_cases import LIMITS, NAMES, can_brake, deg_state, sampled
 
-from planner.errors import InfeasibleSlew
-from planner.slew import AxisState, SlewProblem, SlewSolution, next_duration_s
-from planner.slew.optimal import OPTIMAL_GAP, optimal_slew
+from planner.base.errors import InfeasibleSlew
+from planner.motion.slew import AxisState, SlewProblem, SlewSolution, next_duration_s
+from planner.motion.slew.optimal import OPTIMAL_GAP, optimal_slew
 
 KINDS = ("rest", "moving", "near a stop", "fast")
 STEP_S = 0.2

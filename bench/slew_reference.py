@@ -7,8 +7,8 @@ import numpy as np
 import piqp
 from numpy.typing import NDArray
 
-from planner.platforms import AxisLimits
-from planner.slew import AxisState
+from planner.motion.slew import AxisState
+from planner.world.platforms import AxisLimits
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int_]

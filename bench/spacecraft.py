@@ -18,7 +18,7 @@ from imaging_cases import DATA, EPOCH, line, session_request, sun_synchronous
 from spacecraft_choice import bench_choice, bench_turns
 from spacecraft_flight import bench_areas, bench_many, bench_settle, bench_timeline
 
-from planner.errors import Refusal
+from planner.base.errors import Refusal
 from planner.spacecraft.plan import plan_imaging
 from planner.spacecraft.requests import (
     CorridorRequest,

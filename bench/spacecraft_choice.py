@@ -9,8 +9,7 @@ import numpy as np
 from imaging_cases import DATA
 from scipy.spatial.transform import Rotation
 
-from planner.errors import Refusal
-from planner.orbits import TleOrbit
+from planner.base.errors import Refusal
 from planner.spacecraft.imaging.candidates import candidates
 from planner.spacecraft.imaging.choose import choose
 from planner.spacecraft.imaging.session import make_session
@@ -25,6 +24,7 @@ from planner.spacecraft.turns.turn_choice import quickest_turn, smooth_turn
 from planner.spacecraft.turns.turn_ocp import solve_turn
 from planner.spacecraft.turns.turn_problem import EndState, TurnProblem
 from planner.spacecraft.vehicle.definition import AGILE_CMG, SlewLimits
+from planner.world.orbits import TleOrbit
 
 
 def random_problem(random: np.random.Generator, moving: bool, per_axis: bool) -> TurnProblem:

@@ -10,9 +10,7 @@ import numpy as np
 from imaging_cases import EPOCH, area, session_request, sun_synchronous
 from scipy.spatial.transform import Rotation
 
-from planner.errors import Refusal
-from planner.frames.time_scales import Instants
-from planner.orbits.ephemeris import OrbitStates
+from planner.base.errors import Refusal
 from planner.spacecraft.flight.closed_loop import Log
 from planner.spacecraft.flight.simulation import draw_dispersion, fly_many, fly_table
 from planner.spacecraft.flight.stabilisation import (
@@ -38,6 +36,8 @@ from planner.spacecraft.vehicle.definition import (
     SlewLimits,
 )
 from planner.spacecraft.vehicle.onboard import PAPER, TABLE
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits.ephemeris import OrbitStates
 
 # The last is ours: so long after the paper's last, 1891 s, as its strips take before.
 PAPER_TURNS_S = (

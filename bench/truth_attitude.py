@@ -23,9 +23,9 @@ from truth_laws import (
 from truth_pointing import telemetry
 from truth_rows import Row, nees_row
 
-from planner.attitude import LvlhAttitude
-from planner.attitude.errors import MEAN_SIGMA_DEG
-from planner.frames.time_scales import Instants
+from planner.world.attitude import LvlhAttitude
+from planner.world.attitude.errors import MEAN_SIGMA_DEG
+from planner.world.frames.time_scales import Instants
 
 NOON_UTC = datetime(2018, 10, 12, 12, tzinfo=UTC)
 STRETCH = 3  # forecasts, 5 minutes apart

@@ -12,21 +12,21 @@ from campaign import campaign_request, single_looks
 from truth_elements import read_tles
 from truth_rows import Row
 
-from planner.attitude import LvlhAttitude
-from planner.campaigns import choose_campaign
-from planner.errors import Refusal
-from planner.frames.time_scales import shifted_utc
-from planner.opportunities import (
+from planner.base.errors import Refusal
+from planner.planning.campaigns import choose_campaign
+from planner.planning.opportunities import (
     OpportunityConditions,
     OpportunityRequest,
     OpportunityTarget,
     find_opportunities,
 )
-from planner.platforms import PLATFORMS
-from planner.scenario import InitialState, Scenario, Session
-from planner.sessions.budget import LIKELY
-from planner.sessions.pipeline import make_plan
-from planner.targets import BodyTarget, GroundTarget, StarTarget
+from planner.planning.sessions.budget import LIKELY
+from planner.planning.sessions.pipeline import make_plan
+from planner.world.attitude import LvlhAttitude
+from planner.world.frames.time_scales import shifted_utc
+from planner.world.platforms import PLATFORMS
+from planner.world.scenario import InitialState, Scenario, Session
+from planner.world.targets import BodyTarget, GroundTarget, StarTarget
 
 ABOVE_DEG = 25.0
 TARGETS = 60

@@ -17,10 +17,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.errors import OutsideCoverage
-from planner.frames.time_scales import DAY_S, Instants, elapsed_s, shifted_utc
-from planner.orbits import OemOrbit, Orbit, OrbitStates, TleOrbit
-from planner.orbits.accuracy import orbit_sigma
+from planner.base.errors import OutsideCoverage
+from planner.world.frames.time_scales import DAY_S, Instants, elapsed_s, shifted_utc
+from planner.world.orbits import OemOrbit, Orbit, OrbitStates, TleOrbit
+from planner.world.orbits.accuracy import orbit_sigma
 
 AGES_DAYS = (1.0, 2.0, 3.0, 5.0, 7.0, 10.0)
 SPREAD = 0.15  # of the age

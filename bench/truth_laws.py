@@ -3,7 +3,7 @@
 The telemetry's folder holds USLAB000018..21 (LVLH quaternion, 18 its scalar) and 25..27 (body
 rates, deg/s) of 2018-10-12, .txt or .txt.gz, from ISS-Mimic/Mimic, Pi/RecordedData/Data/Archive.
 Every 5 minutes the history so far is cut off and what came after is foretold.  Parts of the day
-apart: the constants of `planner.attitude.blend`, `.extrapolation` and `.manoeuvre` were chosen on
+apart: the constants of the attitude's `blend`, `extrapolation` and `manoeuvre` were chosen on
 those that say so.
 """
 
@@ -18,12 +18,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from planner.attitude.blend import Blend, blend
-from planner.attitude.extrapolation import DESCRIPTIONS, TAIL_S, Extrapolation, fit_extrapolation
-from planner.attitude.harmonic import HISTORY_ORBITS
-from planner.frames.local_orbital import q_lvlh_from_eci
-from planner.frames.time_scales import Instants, elapsed_s, shifted_utc
-from planner.orbits import TleOrbit
+from planner.world.attitude.blend import Blend, blend
+from planner.world.attitude.extrapolation import (
+    DESCRIPTIONS,
+    TAIL_S,
+    Extrapolation,
+    fit_extrapolation,
+)
+from planner.world.attitude.harmonic import HISTORY_ORBITS
+from planner.world.frames.local_orbital import q_lvlh_from_eci
+from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc
+from planner.world.orbits import TleOrbit
 
 YEAR_UTC = datetime(2017, 12, 31, tzinfo=UTC)  # day 1 of the telemetry's hours is 1 January
 PERIOD_S = 5560.0

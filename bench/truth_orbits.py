@@ -1,6 +1,6 @@
 """Are orbits off by as much as told?  Point 1 of bench/truth.py.
 
-The constants of planner/orbits/accuracy.py were chosen on elements of 1998 to 2004, 2017
+The constants of planner/world/orbits/accuracy.py were chosen on elements of 1998 to 2004, 2017
 and 2024-25 (docs/decisions/orbit_growth.md), those near the epoch on the two ephemerides of 7
 and 11 February 2022; what is tried here is April to June 2017, 1 % of
 those, and the other ephemerides.
@@ -26,9 +26,15 @@ from truth_elements import (
 )
 from truth_rows import GAUSS, LAPLACE, Row, nees_row
 
-from planner.frames.time_scales import DAY_S, Instants, elapsed_s, shifted_utc
-from planner.orbits import OemOrbit, Orbit, StateVectorOrbit, TleOrbit
-from planner.orbits.accuracy import OEM_DRAG_WRONG, OrbitSigma, oem_sigma, orbit_sigma, state_sigma
+from planner.world.frames.time_scales import DAY_S, Instants, elapsed_s, shifted_utc
+from planner.world.orbits import OemOrbit, Orbit, StateVectorOrbit, TleOrbit
+from planner.world.orbits.accuracy import (
+    OEM_DRAG_WRONG,
+    OrbitSigma,
+    oem_sigma,
+    orbit_sigma,
+    state_sigma,
+)
 
 AXES = ("radial", "along", "across")
 TUNED_OEMS = ("2022-038", "2022-042")

@@ -18,18 +18,18 @@ from truth_laws import channel, held
 from truth_orbits import ARCHIVE, HELD_OUT_MONTH
 from truth_rows import Row, share_row
 
-from planner.attitude import LvlhAttitude
-from planner.attitude.errors import MEAN_SIGMA_DEG
-from planner.frames.earth_orientation import c_itrf_from_eci
-from planner.frames.geodesy import geodetic_from_itrf
-from planner.frames.time_scales import DAY_S, Instants, elapsed_s, shifted_utc
-from planner.orbits import OemOrbit, Orbit, StateVectorOrbit, TleOrbit
-from planner.platforms.iss_hrc import ISS_HRC
-from planner.pointing.angles import axis_angles
-from planner.pointing.line_of_sight import line_of_sight
-from planner.sessions.budget import LIKELY, PointingBudget
-from planner.sessions.uncertainty import pointing_budget
-from planner.targets.ground import GroundTarget
+from planner.motion.pointing.angles import axis_angles
+from planner.motion.pointing.line_of_sight import line_of_sight
+from planner.planning.sessions.budget import LIKELY, PointingBudget
+from planner.planning.sessions.uncertainty import pointing_budget
+from planner.world.attitude import LvlhAttitude
+from planner.world.attitude.errors import MEAN_SIGMA_DEG
+from planner.world.frames.earth_orientation import c_itrf_from_eci
+from planner.world.frames.geodesy import geodetic_from_itrf
+from planner.world.frames.time_scales import DAY_S, Instants, elapsed_s, shifted_utc
+from planner.world.orbits import OemOrbit, Orbit, StateVectorOrbit, TleOrbit
+from planner.world.platforms.iss_hrc import ISS_HRC
+from planner.world.targets.ground import GroundTarget
 
 SESSION_S = np.arange(0.0, 90.1, 9.0)
 ASIDE_DEG = 3.0  # of latitude and longitude, from below the carrier

@@ -23,10 +23,10 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "oracles"))
 from vibration_bound import Wanted, least_share
 from vibration_cases import LIMITS, left_rad, problem
 
-from planner.baseline import paper_slew
-from planner.platforms import StructuralMode
-from planner.scenario import SlewOptions
-from planner.slew import AxisState, next_duration_s, optimal_slew
+from planner.motion.baseline import paper_slew
+from planner.motion.slew import AxisState, next_duration_s, optimal_slew
+from planner.world.platforms import StructuralMode
+from planner.world.scenario import SlewOptions
 
 FREQUENCIES_HZ = (0.1, 0.2, 0.3, 0.5, 0.8, 1.3, 2.0)
 SHARES = (1.3, 2.0)  # of the least time

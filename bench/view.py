@@ -21,8 +21,8 @@ from plan import EXAMPLE, running_service
 
 from app.answers.view import view_json
 from app.requests.plan import read_plan_request
-from planner.sessions.pipeline import make_plan
-from planner.view import view_plan
+from planner.output.view import view_plan
+from planner.planning.sessions.pipeline import make_plan
 
 PIXEL_ARCSEC = 0.678
 WARM_UP = 3

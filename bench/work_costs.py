@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
 
-from planner import effort
+from planner.base import effort
 
 ROW_S = 1e-5  # a row's worth of work is to take no more
 LEAST_S = 0.01  # places that take less aren't told

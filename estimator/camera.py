@@ -11,9 +11,9 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.arrays import Array
-from planner.rotation import Rotation
-from planner.spec import UnitPart, Within, spec
+from planner.base.arrays import Array
+from planner.base.rotation import Rotation
+from planner.base.spec import UnitPart, Within, spec
 
 _Bend = Annotated[float, Within(-1e3, 1e3)]
 _CornerPx = Annotated[float, Within(-1e5, 1e5)]

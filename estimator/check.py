@@ -6,7 +6,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from planner.arrays import Array
+from planner.base.arrays import Array
 
 INCONSISTENT_BELOW = 1e-3
 

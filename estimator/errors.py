@@ -7,7 +7,7 @@ with a `Reason`.  Only requests and uploads that can't be read at all are refuse
 from enum import StrEnum
 from typing import ClassVar
 
-from planner.errors import InvalidInput
+from planner.base.errors import InvalidInput
 
 
 class InvalidImage(InvalidInput):

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from estimator import MAX_IMAGE_PIXELS
 from estimator.camera import HorizonCamera
 from estimator.errors import InvalidImage
-from planner.arrays import Array
+from planner.base.arrays import Array
 
 MAX_IMAGE_BYTES = 64_000_000
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from estimator.camera import HorizonCamera
 from estimator.images import Pixels
 from estimator.pipeline import CameraReport, VerticalEstimate
-from planner.arrays import Array
+from planner.base.arrays import Array
 
 _MEASURED = (60, 255, 60)
 _EXPECTED = (60, 160, 255)

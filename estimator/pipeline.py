@@ -15,9 +15,9 @@ from estimator.request import HorizonRequest
 from estimator.search.horizon import find_horizon
 from estimator.search.trial import Search, SearchResult
 from estimator.surroundings import Surroundings
-from planner.arrays import Array
-from planner.frames.earth_orientation import earth_orientation_warnings
-from planner.frames.time_scales import Instants
+from planner.base.arrays import Array
+from planner.world.frames.earth_orientation import earth_orientation_warnings
+from planner.world.frames.time_scales import Instants
 
 
 @dataclass(frozen=True)

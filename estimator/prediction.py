@@ -12,8 +12,8 @@ from estimator.nadir.fit import fit
 from estimator.nadir.prior import prior_of
 from estimator.search.plausibility import MIN_ARC_OF_ALL_RAD
 from estimator.surroundings import Surroundings
-from planner.arrays import Array
-from planner.rotation import Rotation
+from planner.base.arrays import Array
+from planner.base.rotation import Rotation
 
 _COLUMNS = 48
 

@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 import numpy as np
 
 from estimator.camera import HorizonCamera, require_unit_quaternion
-from planner.frames.geodesy import WGS84_A_M, WGS84_B_M
-from planner.spec import UnitPart, Within, spec
+from planner.base.spec import UnitPart, Within, spec
+from planner.world.frames.geodesy import WGS84_A_M, WGS84_B_M
 
 MAX_CAMERAS = 16
 _MAX_RANGE_KM = 500_000.0

@@ -7,7 +7,7 @@ import numpy as np
 
 from estimator.check import INCONSISTENT_BELOW, Verdict, chance_of
 from estimator.pipeline import VerticalEstimate
-from planner.arrays import Array
+from planner.base.arrays import Array
 
 
 @dataclass(frozen=True)

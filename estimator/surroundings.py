@@ -10,11 +10,11 @@ from estimator.errors import Reason
 from estimator.limb.geometry import Limb
 from estimator.limb.low_sun import AIR_SCALE_M
 from estimator.request import Body, Position, PredictedAttitude
-from planner.arrays import Array
-from planner.frames.earth_orientation import C_GCRF_FROM_EME2000, c_itrf_from_eci
-from planner.frames.solar_system import r_sun_eci_m
-from planner.frames.time_scales import Instants
-from planner.rotation import Rotation
+from planner.base.arrays import Array
+from planner.base.rotation import Rotation
+from planner.world.frames.earth_orientation import C_GCRF_FROM_EME2000, c_itrf_from_eci
+from planner.world.frames.solar_system import r_sun_eci_m
+from planner.world.frames.time_scales import Instants
 
 _NIGHT_LIMB_KM = 60.0
 _SUN_LOW_RAD = np.deg2rad(5.0)

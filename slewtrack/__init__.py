@@ -5,7 +5,7 @@ where nothing is kept, and return the planner's own values, in radians.
 
 A request is the JSON that the service takes, as bytes or as the dictionary it holds, or the
 value that reading it gives.  Each function loads what it needs when it is first called.  A
-request that can't be read or fulfilled raises a `planner.errors.Refusal`, which names the
+request that can't be read or fulfilled raises a `planner.base.errors.Refusal`, which names the
 field, the reason and the way out.
 """
 
@@ -34,15 +34,15 @@ if TYPE_CHECKING:
     from estimator.images import Pixels
     from estimator.pipeline import VerticalEstimate
     from estimator.request import HorizonRequest
-    from planner.campaigns import Campaign, CampaignRequest
-    from planner.export import FlightPlan
-    from planner.flights.summary import PlanFlights
-    from planner.opportunities import Opportunities, OpportunityRequest
-    from planner.scenario import Scenario
-    from planner.sessions.plan import Plan
+    from planner.inflight.flights.summary import PlanFlights
+    from planner.inflight.telemetry.compare import Comparison
+    from planner.planning.campaigns import Campaign, CampaignRequest
+    from planner.planning.opportunities import Opportunities, OpportunityRequest
+    from planner.planning.sessions.plan import Plan
     from planner.spacecraft.plan import ImagingPlan
     from planner.spacecraft.requests import ImagingPlanRequest
-    from planner.telemetry.compare import Comparison
+    from planner.world.plan import FlightPlan
+    from planner.world.scenario import Scenario
 
 __all__ = [
     "AsyncClient",
@@ -81,7 +81,7 @@ def read_request(request: Json) -> "PlanRequest":
 
 def plan(request: "Scenario | Json", *, progress: OnProgress | None = None) -> "Plan":
     """Slews and tracks for every session, as a verified command table; degrees in, radians out."""
-    from planner.sessions.pipeline import make_plan
+    from planner.planning.sessions.pipeline import make_plan
 
     scenario = read_request(request) if isinstance(request, bytes | Mapping) else request
     return make_plan(scenario, _on_stage(progress))
@@ -90,7 +90,7 @@ def plan(request: "Scenario | Json", *, progress: OnProgress | None = None) -> "
 def view(plan: "Plan", *, step_s: float | None = None) -> Columns:
     """What there is to see along a plan, in the columns of `Client.view`: degrees and metres."""
     from app.answers.view import view_json
-    from planner.view import view_plan
+    from planner.output.view import view_plan
 
     pixel_arcsec = plan.scenario.platform.camera.pixel_arcsec
     seen = view_plan(plan, step_s, pixel_arcsec)
@@ -101,8 +101,8 @@ def view(plan: "Plan", *, step_s: float | None = None) -> Columns:
 def export(plan: "Plan", format_name: str) -> bytes:
     """Its table as a file, as `Client.export` has it; raises Unverified, InvalidInput."""
     from app.answers.plan import require_verified
-    from planner.errors import InvalidInput
-    from planner.export import EXPORTERS
+    from planner.base.errors import InvalidInput
+    from planner.output.export import EXPORTERS
 
     if format_name not in EXPORTERS:
         raise InvalidInput(f"must be one of {', '.join(EXPORTERS)}", field="format_name")
@@ -114,7 +114,7 @@ def fly(
     plan: "Plan", *, runs: int = 400, seed: int = 0, progress: OnProgress | None = None
 ) -> "PlanFlights":
     """The plan flown many times with errors drawn anew: what its camera holds, and how sharply."""
-    from planner.flights.pipeline import fly_plan
+    from planner.inflight.flights.pipeline import fly_plan
 
     tell = _on_stage(progress)
     return fly_plan(plan, runs, seed, lambda done: tell("runs", done, runs))
@@ -123,7 +123,7 @@ def fly(
 def opportunities(request: "OpportunityRequest | Json") -> "Opportunities":
     """When each target can be seen, without planning anything."""
     from app.requests.opportunities import read_opportunity_request
-    from planner.opportunities import find_opportunities
+    from planner.planning.opportunities import find_opportunities
 
     return find_opportunities(_value_of(request, read_opportunity_request))
 
@@ -133,7 +133,7 @@ def campaign(
 ) -> "Campaign":
     """Which of many targets to look at and in what order; its passes are planned one by one."""
     from app.requests.campaign import read_campaign_request
-    from planner.campaigns import choose_campaign
+    from planner.planning.campaigns import choose_campaign
 
     on_stage = _on_stage(progress)
     return choose_campaign(_value_of(request, read_campaign_request), on_stage)
@@ -153,8 +153,8 @@ def estimate_vertical(
 
 def compare(plan: "FlightPlan", csv: bytes, *, epoch: datetime | None = None) -> "Comparison":
     """What flew beside a plan: telemetry as CSV; epoch: from which its t_s counts, the plan's."""
-    from planner.telemetry.compare import compare as compare_samples
-    from planner.telemetry.csv_text import read_csv
+    from planner.inflight.telemetry.compare import compare as compare_samples
+    from planner.inflight.telemetry.csv_text import read_csv
 
     names = plan.scenario.platform.axis_names
     return compare_samples(plan, read_csv(csv, names, epoch, plan.table.epoch_utc))

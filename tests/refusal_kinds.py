@@ -4,7 +4,7 @@ import re
 from importlib import import_module
 from pathlib import Path
 
-from planner.errors import Refusal
+from planner.base.errors import Refusal
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("app", "planner", "estimator")

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from planner.platforms import ISS_HRC
+from planner.world.platforms import ISS_HRC
 
 
 def scipy_boresight(angle_rad, axes=ISS_HRC.axes_platform, zero_direction=(0.0, 0.0, 1.0)):

@@ -16,8 +16,8 @@ from app.answers.ranges import (
     Share,
 )
 from app.store.ids import JobState
-from planner.assumed import Assumed
-from planner.campaigns import Closing
+from planner.base.assumed import Assumed
+from planner.planning.campaigns import Closing
 
 if TYPE_CHECKING:  # children answer without a database
     from app.store.jobs import Job

@@ -7,8 +7,8 @@ from typing import Any, TypeVar
 import numpy as np
 
 from app.answers.members import DECIMALS
-from planner.arrays import Array
-from planner.frames.iers import RAD_PER_ARCSEC
+from planner.base.arrays import Array
+from planner.world.frames.iers import RAD_PER_ARCSEC
 
 Answer = TypeVar("Answer")
 

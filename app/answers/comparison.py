@@ -8,7 +8,7 @@ from app.answers.members import DECIMALS, fill
 from app.answers.ranges import Count, NotNegative, Share, Signed
 
 if TYPE_CHECKING:
-    from planner.baseline.compare import SlewComparison, SlewFigures
+    from planner.motion.baseline.compare import SlewComparison, SlewFigures
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,16 +12,16 @@ from app.answers.job import JobResponse, job_out, page
 from app.answers.members import BUILT_ON_FIRST_USE, degrees, degrees_of, fill, from_store, to_json
 from app.answers.ranges import Count, HalfTurnDeg, NotNegative, Share, Signed
 from app.store.packed import unzip
-from planner.arrays import Array
-from planner.flights.summary import joined, summarise
+from planner.base.arrays import Array
+from planner.inflight.flights.summary import joined, summarise
 
 if TYPE_CHECKING:  # children answer without a database
     from app.store.jobs import Job
-    from planner.flights.contributors import Contributor
-    from planner.flights.nominal import NominalSession
-    from planner.flights.outcomes import RunOutcomes
-    from planner.flights.proportion import Proportion
-    from planner.flights.summary import Histogram, PlanFlights, SessionFlights
+    from planner.inflight.flights.contributors import Contributor
+    from planner.inflight.flights.nominal import NominalSession
+    from planner.inflight.flights.outcomes import RunOutcomes
+    from planner.inflight.flights.proportion import Proportion
+    from planner.inflight.flights.summary import Histogram, PlanFlights, SessionFlights
 
 _DECIMALS = 6
 

@@ -15,8 +15,8 @@ from app.answers.members import BUILT_ON_FIRST_USE, DECIMALS, ProvenanceOut, deg
 from app.answers.ranges import DirectionPart, HalfTurnDeg, NotNegative, Share, Signed, TurnDeg
 from estimator.check import Verdict
 from estimator.errors import Reason
-from planner.arrays import Array
-from planner.frames.time_scales import utc_text
+from planner.base.arrays import Array
+from planner.world.frames.time_scales import utc_text
 
 if TYPE_CHECKING:
     from estimator.pipeline import CameraReport, Nadir, VerticalEstimate

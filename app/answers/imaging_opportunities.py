@@ -17,8 +17,8 @@ from app.answers.opportunities import (
     rows_of,
 )
 from app.answers.ranges import Count
-from planner.frames.time_scales import shifted_utc, utc_text
 from planner.spacecraft.table import TICK_S
+from planner.world.frames.time_scales import shifted_utc, utc_text
 
 if TYPE_CHECKING:
     from planner.spacecraft.opportunities import ImagingOpportunities

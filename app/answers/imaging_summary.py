@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from app.answers.ranges import Count
-from planner.frames.time_scales import shifted_utc, utc_text
 from planner.spacecraft.table import TICK_S, ImagingWindow
+from planner.world.frames.time_scales import shifted_utc, utc_text
 
 if TYPE_CHECKING:
     from planner.spacecraft.plan import ImagingPlan

@@ -9,7 +9,7 @@ from app.answers.members import degrees
 from app.answers.ranges import Count, HalfTurnDeg, Signed
 
 if TYPE_CHECKING:
-    from planner.view.masks import MaskTrace
+    from planner.output.view.masks import MaskTrace
 
 _DECIMALS = 6  # of a unit vector: 0.2 arcsec
 

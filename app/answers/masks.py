@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 from app.answers.members import degrees
 from app.answers.ranges import Count, HalfTurnDeg, Signed
-from planner.frames.time_scales import utc_text
 from planner.verification.report import MaskMargin
+from planner.world.frames.time_scales import utc_text
 
 
 @dataclass(frozen=True, kw_only=True)

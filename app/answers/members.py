@@ -12,8 +12,8 @@ from pydantic import ConfigDict, Field, TypeAdapter
 
 from app.store.ids import JobState, new_id
 from app.versions import versions
-from planner.arrays import Array
-from planner.frames.time_scales import utc_text
+from planner.base.arrays import Array
+from planner.world.frames.time_scales import utc_text
 
 DECIMALS = 9  # 1e-9 deg is 4 microarcsec, 1/25,000 of what a table promises
 # `__pydantic_config__` of what many routes answer: FastAPI makes adapters of it for each of them,

@@ -19,10 +19,10 @@ from app.answers.ranges import (
 )
 from app.answers.target_sky import PlaceOut, TargetSkyOut, places_out, skies_out
 from app.store.ids import new_id
-from planner.arrays import Array
-from planner.assumed import Assumed
-from planner.frames.time_scales import Instants, utc_text
-from planner.opportunities import Opportunities, Sightings
+from planner.base.arrays import Array
+from planner.base.assumed import Assumed
+from planner.planning.opportunities import Opportunities, Sightings
+from planner.world.frames.time_scales import Instants, utc_text
 
 DECIMALS = 6  # 1e-6 deg is 4 milliarcsec, 1e-6 km a millimetre
 

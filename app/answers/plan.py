@@ -23,16 +23,16 @@ from app.answers.pointing import PointingOut, SlowStretchOut, UncertaintyOut, po
 from app.answers.ranges import Count, HalfTurnDeg, NotNegative, Signed
 from app.answers.solver import SolverOut, solver_out
 from app.answers.summary import PlanSummaryOut, summary_out
-from planner.assumed import Assumed
-from planner.commands import COMMAND_STEP_S, CommandTable
-from planner.errors import Unverified
-from planner.export import Segment, SegmentKind
-from planner.frames.time_scales import utc_text
+from planner.base.assumed import Assumed
+from planner.base.commands import COMMAND_STEP_S, CommandTable
+from planner.base.errors import Unverified
 from planner.verification import Finding, LimitMargin
 from planner.verification.report import KeepOutMargin
+from planner.world.frames.time_scales import utc_text
+from planner.world.plan import Segment, SegmentKind
 
 if TYPE_CHECKING:
-    from planner.sessions.plan import Plan
+    from planner.planning.sessions.plan import Plan
 
 _UNITS = {
     "angle_min": "deg",

@@ -1,8 +1,8 @@
 """A platform as a request writes it out."""
 
 from app.answers.members import degrees, fill
-from planner.platforms import AxisDefinition, AxisDrive, AxisLimits, PlatformDefinition
-from planner.platforms.two_axis import TwoAxisPlatform, UnitVector
+from planner.world.platforms import AxisDefinition, AxisDrive, AxisLimits, PlatformDefinition
+from planner.world.platforms.two_axis import TwoAxisPlatform, UnitVector
 
 _DECIMALS = 12  # 3 deg/s, not 3.0000000000000004
 

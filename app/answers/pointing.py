@@ -6,9 +6,9 @@ from typing import Any
 
 from app.answers.members import fill
 from app.answers.ranges import Count, ElevationDeg, NotNegative, Share, Signed
-from planner.frames.time_scales import utc_text
-from planner.sessions.budget import Contribution
+from planner.planning.sessions.budget import Contribution
 from planner.verification import EarthFixedView, SessionReport, SkyView
+from planner.world.frames.time_scales import utc_text
 
 ARCSEC_PER_RAD = math.degrees(1.0) * 3600.0
 

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from app.answers.members import utc_or_none
 from app.answers.ranges import Count
-from planner.errors import FieldError, GiveUp, Refusal
+from planner.base.errors import FieldError, GiveUp, Refusal
 
 TYPE_PREFIX = "urn:slewtrack:problem:"
 _TEXT_MAX = 2000

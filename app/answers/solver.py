@@ -8,7 +8,7 @@ from app.answers.members import fill
 from app.answers.ranges import Count, NotNegative, Share
 
 if TYPE_CHECKING:
-    from planner.sessions.plan import Plan, SlewRun
+    from planner.planning.sessions.plan import Plan, SlewRun
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,10 +17,10 @@ from app.answers.members import (
     whole_answer,
 )
 from app.answers.ranges import Count, DirectionPart, HalfTurnDeg, NotNegative, Share, Signed
-from planner.export.table_states import continuous
-from planner.frames.time_scales import shifted_utc, utc_text
+from planner.output.export.table_states import continuous
 from planner.spacecraft.imaging.left_out import LeftOut
 from planner.spacecraft.table import TICK_S, AttitudeTable
+from planner.world.frames.time_scales import shifted_utc, utc_text
 
 if TYPE_CHECKING:
     from planner.spacecraft.flight.stabilisation import StabilisationReport, WindowSteadiness

@@ -17,14 +17,14 @@ from app.answers.ranges import (
     Signed,
 )
 from app.answers.view import BodyTrackOut, CarrierTrackOut
-from planner.frames.time_scales import shifted_utc, utc_text
 from planner.spacecraft.export.map import asked_rad
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.vehicle.definition import RATE_ERROR_MAX_RAD_S, AgileSpacecraft
-from planner.view.spacecraft import NO_WINDOW
+from planner.spacecraft.view import NO_WINDOW
+from planner.world.frames.time_scales import shifted_utc, utc_text
 
 if TYPE_CHECKING:
-    from planner.view.spacecraft import SessionView
+    from planner.spacecraft.view import SessionView
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,12 +9,12 @@ import numpy as np
 from app.answers.ranges import Count, ElevationDeg, NotNegative, Share
 from app.requests.listings import listing_of_scenario
 from app.store.listing import Listing
-from planner.frames.time_scales import utc_text
-from planner.opportunities.ground_sample import sample_along_m
+from planner.planning.opportunities.ground_sample import sample_along_m
 from planner.verification import EarthFixedView
+from planner.world.frames.time_scales import utc_text
 
 if TYPE_CHECKING:
-    from planner.sessions.plan import Plan
+    from planner.planning.sessions.plan import Plan
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,12 +9,12 @@ import numpy as np
 from pydantic import Field
 
 from app.answers.ranges import ElevationDeg, Signed, TurnDeg
-from planner.arrays import Array
-from planner.csv_cells import csv_lines
-from planner.frames.time_scales import Instants
+from planner.base.arrays import Array
+from planner.base.csv_cells import csv_lines
+from planner.world.frames.time_scales import Instants
 
 if TYPE_CHECKING:
-    from planner.opportunities.target_sky import TargetSky
+    from planner.planning.opportunities.target_sky import TargetSky
 
 DECIMALS = 6  # 1e-6 deg is 4 milliarcsec
 LongitudeDeg = Annotated[float, Field(json_schema_extra={"minimum": -180.0, "maximum": 180.0})]

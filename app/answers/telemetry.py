@@ -10,16 +10,16 @@ from app.answers.platform import definition_of
 from app.answers.ranges import Count, NotNegative, Signed
 from app.answers.telemetry_axes import AxisComparisonOut, arcsec, axis_of
 from app.answers.telemetry_samples import SamplesOut, samples_of
-from planner.arrays import Array
-from planner.attitude.corrections import AttitudeCorrection
-from planner.frames.time_scales import utc_text
-from planner.platforms import PlatformDefinition
+from planner.base.arrays import Array
+from planner.world.attitude.corrections import AttitudeCorrection
+from planner.world.frames.time_scales import utc_text
+from planner.world.platforms import PlatformDefinition
 
 if TYPE_CHECKING:
-    from planner.telemetry.alignment import ClockEstimate
-    from planner.telemetry.attitude import PointingParts
-    from planner.telemetry.compare import Comparison
-    from planner.telemetry.parameters import Parameter, PlatformFound
+    from planner.inflight.telemetry.alignment import ClockEstimate
+    from planner.inflight.telemetry.attitude import PointingParts
+    from planner.inflight.telemetry.compare import Comparison
+    from planner.inflight.telemetry.parameters import Parameter, PlatformFound
 
 
 @dataclass(frozen=True, kw_only=True)

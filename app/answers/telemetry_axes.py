@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Literal
 from app.answers.pointing import ARCSEC_PER_RAD
 from app.answers.ranges import Count, NotNegative, Share, Signed
 from app.answers.telemetry_samples import StretchOut, span
-from planner.export import SegmentKind
-from planner.telemetry.exceeded import Limit
-from planner.telemetry.following import Basis
+from planner.inflight.telemetry.exceeded import Limit
+from planner.inflight.telemetry.following import Basis
+from planner.world.plan import SegmentKind
 
 if TYPE_CHECKING:
-    from planner.telemetry.compare import AxisComparison, Comparison
-    from planner.telemetry.exceeded import Exceeded
-    from planner.telemetry.following import PhaseErrors
+    from planner.inflight.telemetry.compare import AxisComparison, Comparison
+    from planner.inflight.telemetry.exceeded import Exceeded
+    from planner.inflight.telemetry.following import PhaseErrors
 
 _LIST_MAX = 1000
 _LimitUnit = Literal["deg", "deg/s", "deg/s2"]

@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING
 
 from app.answers.members import fill
 from app.answers.ranges import Count, NotNegative
-from planner.frames.time_scales import shifted_utc, utc_text
-from planner.telemetry.columns import AngleUnit, Kind, UnitFrom
-from planner.telemetry.samples import Dropped
+from planner.inflight.telemetry.columns import AngleUnit, Kind, UnitFrom
+from planner.inflight.telemetry.samples import Dropped
+from planner.world.frames.time_scales import shifted_utc, utc_text
 
 if TYPE_CHECKING:
-    from planner.telemetry.compare import Comparison
+    from planner.inflight.telemetry.compare import Comparison
 
 
 @dataclass(frozen=True, kw_only=True)

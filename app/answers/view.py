@@ -20,15 +20,15 @@ from app.answers.ranges import (
     Signed,
     TurnDeg,
 )
-from planner.export import SegmentKind
-from planner.frames.time_scales import utc_text
-from planner.platforms import AxisLimits
-from planner.pointing.angles import keyholes_rad
+from planner.motion.pointing.angles import keyholes_rad
+from planner.world.frames.time_scales import utc_text
+from planner.world.plan import SegmentKind
+from planner.world.platforms import AxisLimits
 
 if TYPE_CHECKING:
-    from planner.view import PlanView
-    from planner.view.cones import ConeTrace
-    from planner.view.motion import AxesMotion, BaselineSlew
+    from planner.output.view import PlanView
+    from planner.output.view.cones import ConeTrace
+    from planner.output.view.motion import AxesMotion, BaselineSlew
 
 
 @dataclass(frozen=True, kw_only=True)

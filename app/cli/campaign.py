@@ -17,8 +17,8 @@ from app.cli.report_parts import print_assumed, print_table, print_warnings, rep
 from app.store.packed import NewPlan
 from app.work.campaign import NewCampaign, Part, choose, without_refused
 from app.work.plan import plan_and_pack, stored_table_json
-from planner.csv_cells import csv_lines
-from planner.errors import Refusal
+from planner.base.csv_cells import csv_lines
+from planner.base.errors import Refusal
 
 SHOWN_MAX = 100
 _COLUMNS = tuple(field.name for field in fields(CampaignLookOut))

@@ -8,9 +8,9 @@ from typing import Any
 
 from app.answers.opportunities import windows_out
 from app.requests.opportunities import read_opportunity_request
-from planner.errors import FieldError, InvalidInput, InvalidRequest
-from planner.frames.time_scales import DAY_S, shifted_utc, utc_from_text, utc_text
-from planner.opportunities import OpportunityRequest, find_opportunities
+from planner.base.errors import FieldError, InvalidInput, InvalidRequest
+from planner.planning.opportunities import OpportunityRequest, find_opportunities
+from planner.world.frames.time_scales import DAY_S, shifted_utc, utc_from_text, utc_text
 
 SEARCH_DAYS = 7
 LEAD_S = 120.0  # iss-hrc turns half a circle in 63 s: 3 deg/s, 1 deg/s2

@@ -117,7 +117,7 @@ def windows(
         from app.answers.members import provenance
         from app.answers.opportunities import opportunities_json, windows_out
         from app.cli.windows_report import print_windows, windows_csv
-        from planner.opportunities import find_opportunities
+        from planner.planning.opportunities import find_opportunities
 
         with reported_work("searching"):
             result = find_opportunities(request)

@@ -10,10 +10,10 @@ import typer
 
 from app.cli.files import WholeAnswer, problem_to, takes_standard_output, write
 from app.cli.report_parts import report_console
-from planner.errors import FieldError, InvalidInput, InvalidRequest
+from planner.base.errors import FieldError, InvalidInput, InvalidRequest
 
 if TYPE_CHECKING:
-    from planner.export import FlightPlan
+    from planner.world.plan import FlightPlan
 
 _PICTURES = ("png", "svg")
 
@@ -129,7 +129,7 @@ def _here(
     answer = answer_json(comparison, spec, plan_id, provenance(now_utc, content))
     if image is None:
         return answer, None
-    from planner.telemetry.figure import draw_comparison
+    from planner.inflight.telemetry.figure import draw_comparison
 
     return answer, draw_comparison(comparison, image, now_utc)
 
@@ -153,7 +153,7 @@ def _plan_of(body: bytes, request: Path | None) -> "tuple[FlightPlan, str]":
 
     from app.cli.progress_bar import reported_work
     from app.work import progress
-    from planner.sessions.pipeline import make_plan
+    from planner.planning.sessions.pipeline import make_plan
 
     with reported_work("planning"):
         made = make_plan(
@@ -166,9 +166,9 @@ def _of_answer(document: dict[str, Any], request: bytes) -> "FlightPlan":
     import numpy as np
 
     from app.requests.plan import read_plan_request
-    from planner.commands import CommandTable
-    from planner.export import FlightPlan, Segment
-    from planner.frames.time_scales import utc_from_text
+    from planner.base.commands import CommandTable
+    from planner.world.frames.time_scales import utc_from_text
+    from planner.world.plan import FlightPlan, Segment
 
     scenario = read_plan_request(request)
     names, table = scenario.platform.axis_names, document["table"]

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
-from planner.errors import InvalidInput, Refusal, Unverified
+from planner.base.errors import InvalidInput, Refusal, Unverified
 
 STANDARD_STREAM = Path("-")
 

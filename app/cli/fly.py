@@ -12,7 +12,7 @@ from app.cli.files import RequestFile, WholeAnswer, problem_to, read_request, ta
 from app.cli.files import write as write_file
 from app.cli.progress_bar import OnProgress, progress_bar, reported_work
 from app.cli.report_parts import report_console
-from planner.errors import InvalidInput
+from planner.base.errors import InvalidInput
 
 if TYPE_CHECKING:
     from app.answers.flights import FlightsFound

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from app.answers.flights import FlightsFound
-from planner.export.figure_parts import DASHED, LIMIT_COLOUR, picture_file, utc_ticks
-from planner.frames.time_scales import utc_from_text
+from planner.output.export.figure_parts import DASHED, LIMIT_COLOUR, picture_file, utc_ticks
+from planner.world.frames.time_scales import utc_from_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

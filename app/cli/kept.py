@@ -111,7 +111,7 @@ def export(
 ) -> None:
     """Write the table of a plan that a service keeps, in one format or several."""
     from app.cli.service import service
-    from planner.export import EXPORTERS
+    from planner.output.export import EXPORTERS
 
     wanted = list(formats_and_paths(files, EXPORTERS))
     takes_standard_output(*(path for _, path in wanted))

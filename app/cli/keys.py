@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from app.store.api_keys import SCOPES, Key, KeyScope
-from planner.errors import InvalidInput
+from planner.base.errors import InvalidInput
 
 if TYPE_CHECKING:
     from app.store.keys import KeyStore

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 import typer
 
 from app.log.exceptions import describe_error
-from planner.errors import Refusal, Unverified
+from planner.base.errors import Refusal, Unverified
 
 FAILED, REFUSED = 1, 2
 _CHARACTERS_MAX = 2000

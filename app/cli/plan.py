@@ -22,7 +22,7 @@ from app.cli.files import (
 )
 from app.cli.progress_bar import reported_work
 from app.cli.report_parts import print_warnings, report_console
-from planner.errors import InvalidInput, Unverified
+from planner.base.errors import InvalidInput, Unverified
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,7 +75,7 @@ def plan(
 ) -> None:
     """Plan the sessions of a request and report."""
     with problem_to(json):
-        from planner.export import EXPORTERS
+        from planner.output.export import EXPORTERS
 
         exports = tuple(formats_and_paths(export, EXPORTERS))
         outputs = _Outputs(csv=csv, exports=exports, plot=plot, json=json)
@@ -118,7 +118,7 @@ def _plan_here(
     request = read_plan_request(body)
 
     from app.work import progress
-    from planner.sessions.pipeline import make_plan
+    from planner.planning.sessions.pipeline import make_plan
 
     with reported_work("planning"):
         result = make_plan(
@@ -133,7 +133,7 @@ def _plan_here(
         table_json,
         verdict_state,
     )
-    from planner.frames.time_scales import utc_text
+    from planner.world.frames.time_scales import utc_text
 
     if dry_run:
         passed = result.verification.passed
@@ -155,18 +155,18 @@ def _plan_here(
         head = new_head(verdict_state(result))
         write(outputs.json, whole_answer(head, document, table_json(result.table)))
     if outputs.plot:
-        from planner.export.figure import draw_plan
+        from planner.output.export.figure import draw_plan
 
         image_format = outputs.plot.suffix.lstrip(".") or "png"
         write(outputs.plot, draw_plan(result, image_format, read_utc))
     # A table that fails is shown beside the verdict, above, and nowhere else.
     require_verified(result.verification.findings)
     if outputs.csv:
-        from planner.export.csv import table_csv
+        from planner.output.export.csv import table_csv
 
         write(outputs.csv, table_csv(result.table).encode())
     if outputs.exports:
-        from planner.export import EXPORTERS
+        from planner.output.export import EXPORTERS
 
         for name, path in outputs.exports:
             write(path, EXPORTERS[name].write(result, read_utc))

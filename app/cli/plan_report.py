@@ -13,7 +13,7 @@ from app.cli.report_parts import (
     print_warnings,
     report_table,
 )
-from planner.frames.time_scales import elapsed_s, utc_from_text
+from planner.world.frames.time_scales import elapsed_s, utc_from_text
 
 _MS_PER_S = 1e3
 

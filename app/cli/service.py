@@ -11,7 +11,7 @@ from app.answers.members import from_store
 from app.answers.plan import PlanDocument
 from app.cli.plan_report import print_report
 from app.cli.progress_bar import progress_bar
-from planner.errors import InvalidInput, Refusal
+from planner.base.errors import InvalidInput, Refusal
 from slewtrack import BadAnswer, Client, NoAnswer, Progress, Refused, ServiceError
 from slewtrack.problems import Problem
 

@@ -8,8 +8,8 @@ from rich.text import Text
 
 from app.answers.opportunities import SightingOut, WindowOut
 from app.cli.report_parts import or_dash, print_assumed, print_table, print_warnings, report_table
-from planner.csv_cells import csv_lines
-from planner.opportunities import Opportunities
+from planner.base.csv_cells import csv_lines
+from planner.planning.opportunities import Opportunities
 
 SHOWN_MAX = 100
 FAR_KM = 1e5

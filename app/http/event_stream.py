@@ -19,7 +19,7 @@ from app.store import events, jobs
 from app.store.events import Event
 from app.store.jobs import Job
 from app.store.unavailable import StoreDamaged, StoreUnavailable
-from planner.frames.time_scales import utc_text
+from planner.world.frames.time_scales import utc_text
 
 EVENT_STREAM = "text/event-stream"
 _LOOK_S = 0.25

@@ -10,7 +10,7 @@ from starlette.formparsers import MultiPartException, MultiPartParser
 
 from app.http.negotiation import whole_body
 from estimator.request import MAX_CAMERAS
-from planner.errors import FieldError, InvalidRequest
+from planner.base.errors import FieldError, InvalidRequest
 
 MULTIPART = "multipart/form-data"
 MAX_REQUEST_BYTES = 2**20

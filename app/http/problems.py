@@ -17,7 +17,7 @@ from app.answers.problem import TYPE_PREFIX, Problem, problem_of
 from app.http.door.headers import instance
 from app.requests.json_reader import field_errors
 from app.store.unavailable import StoreDamaged
-from planner.errors import InvalidRequest, Refusal
+from planner.base.errors import InvalidRequest, Refusal
 
 PROBLEM_JSON = "application/problem+json"
 RETRY_AFTER_S = 5  # said with every 503 that may pass

@@ -15,9 +15,9 @@ from app.jobs.disposable import run_disposable
 from app.log.logs import log
 from app.store.database import Database
 from app.store.unavailable import StoreUnavailable
-from planner.frames.earth_orientation import iers_data_end_utc
-from planner.frames.time_scales import DAY_S, elapsed_s
-from planner.solvers import Solver, Work
+from planner.base.solvers import Solver, Work
+from planner.world.frames.earth_orientation import iers_data_end_utc
+from planner.world.frames.time_scales import DAY_S, elapsed_s
 
 State = Literal["ok", "degraded", "failed"]
 # Asked for by everyone without a key: answered anew no more often than this.

@@ -19,7 +19,7 @@ from app.settings import Settings
 from app.store.database import OUTDATED
 from app.store.keys import KeyStore
 from app.store.migrate import open_migrated
-from planner.errors import Refusal
+from planner.base.errors import Refusal
 
 # For requests at work when the service is told to stop: who only waits is answered at once.
 _GRACE_S = 5

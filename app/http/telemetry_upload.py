@@ -12,7 +12,7 @@ from app.http.horizon_upload import MAX_REQUEST_BYTES, MULTIPART
 from app.http.negotiation import JSON, whole_body
 from app.requests.telemetry import read_comparison_head, read_comparison_request
 from app.work.telemetry import SentTelemetry
-from planner.errors import FieldError, InvalidRequest
+from planner.base.errors import FieldError, InvalidRequest
 
 _CHUNK_BYTES = 2**18
 _FIELDS = ("request", "plan", "epoch")  # a form may give plan and epoch without writing JSON

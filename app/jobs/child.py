@@ -14,7 +14,7 @@ from typing import Any, ClassVar, Literal, NamedTuple
 
 from app.log.exceptions import traceback_text
 from app.work.progress import report_through
-from planner.errors import Refusal
+from planner.base.errors import Refusal
 
 _MEBIBYTE = 2**20
 # A child that nothing is asked of for so long makes the server's pages it will write its own.

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Literal
 
-from planner.errors import InvalidInput
+from planner.base.errors import InvalidInput
 
 if TYPE_CHECKING:
     from distributed import Security

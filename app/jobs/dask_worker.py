@@ -22,7 +22,7 @@ from app.jobs.executors import Task
 from app.log.logs import log
 from app.versions import VERSION
 from app.work.progress import Progress
-from planner.errors import Refusal
+from planner.base.errors import Refusal
 
 PROGRESS_TOPIC = "slewtrack-progress"
 # A worker of another version never gets a task: its plans would say the wrong version.

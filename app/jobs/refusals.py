@@ -2,7 +2,7 @@
 
 from typing import ClassVar
 
-from planner.errors import Blame, Refusal
+from planner.base.errors import Blame, Refusal
 
 
 class QueueFull(Refusal):

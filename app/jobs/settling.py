@@ -14,7 +14,7 @@ from app.log.logs import log
 from app.store import jobs
 from app.store.ids import JobState
 from app.store.jobs import Job
-from planner.errors import Refusal
+from planner.base.errors import Refusal
 
 
 def settle(

@@ -1,7 +1,7 @@
 """A request for a campaign, read."""
 
 from app.requests.json_reader import JsonReader
-from planner.campaigns import CampaignRequest
+from planner.planning.campaigns import CampaignRequest
 
 _READER = JsonReader(CampaignRequest)
 

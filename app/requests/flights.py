@@ -3,8 +3,8 @@
 from typing import Annotated
 
 from app.requests.json_reader import JsonReader
-from planner.flights.request import SEED_MAX, Mover
-from planner.spec import Within, spec
+from planner.base.spec import Within, spec
+from planner.inflight.flights.request import SEED_MAX, Mover
 
 
 @spec

@@ -10,11 +10,11 @@ from estimator.camera import HorizonCamera
 from estimator.rendering.scene import Scene
 from estimator.rendering.sensor import Sensor
 from estimator.request import Body, HorizonRequest, require_cameras
-from planner.attitude import Attitude
-from planner.attitude.lvlh import LvlhAttitude
-from planner.frames.time_scales import DAY_S, elapsed_s, utc_text
-from planner.orbits import Orbit
-from planner.spec import Within, spec
+from planner.base.spec import Within, spec
+from planner.world.attitude import Attitude
+from planner.world.attitude.lvlh import LvlhAttitude
+from planner.world.frames.time_scales import DAY_S, elapsed_s, utc_text
+from planner.world.orbits import Orbit
 
 VIEWS_MAX = 2000
 SPAN_MAX_DAYS = 3.0

@@ -5,12 +5,12 @@ from collections.abc import Mapping
 from dataclasses import field
 from datetime import datetime
 
-from planner.assumed import Assumed
-from planner.commands import COMMAND_STEP_S
-from planner.frames.time_scales import shifted_utc, utc_text
-from planner.platforms import AngleDeg, TwoAxisPlatform
-from planner.scenario import InitialState, MotionDeg
-from planner.spec import spec
+from planner.base.assumed import Assumed
+from planner.base.commands import COMMAND_STEP_S
+from planner.base.spec import spec
+from planner.world.frames.time_scales import shifted_utc, utc_text
+from planner.world.platforms import AngleDeg, TwoAxisPlatform
+from planner.world.scenario import InitialState, MotionDeg
 
 # Slews take at most ten times the least time that the limits allow: more makes them no smoother.
 _ENOUGH = 10.0

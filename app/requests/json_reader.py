@@ -17,9 +17,9 @@ from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core import CoreSchema, SchemaValidator, core_schema
 
 from app.requests.plain_text import CHARACTERS_MAX, require_message, require_plain, visible
-from planner.errors import Blame, FieldError, InvalidRequest, Refusal, with_short_values
-from planner.frames.time_scales import utc_from_text
-from planner.spec import as_kept
+from planner.base.errors import Blame, FieldError, InvalidRequest, Refusal, with_short_values
+from planner.base.spec import as_kept
+from planner.world.frames.time_scales import utc_from_text
 
 ERRORS_SHOWN = 50
 FIELDS_MAX = 1000  # of one object, and

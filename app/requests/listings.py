@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 from app.store.listing import Listing
 
 if TYPE_CHECKING:
-    from planner.campaigns import CampaignRequest
-    from planner.opportunities import OpportunityRequest
-    from planner.scenario import Scenario
+    from planner.planning.campaigns import CampaignRequest
+    from planner.planning.opportunities import OpportunityRequest
     from planner.spacecraft.opportunity_request import ImagingOpportunityRequest
     from planner.spacecraft.requests import ImagingPlanRequest
+    from planner.world.scenario import Scenario
 
 
 def listing_of_scenario(scenario: "Scenario") -> Listing:

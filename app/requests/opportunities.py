@@ -1,7 +1,7 @@
 """A request for opportunities, read."""
 
 from app.requests.json_reader import JsonReader
-from planner.opportunities import OpportunityRequest
+from planner.planning.opportunities import OpportunityRequest
 
 _READER = JsonReader(OpportunityRequest)
 

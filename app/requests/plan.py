@@ -8,9 +8,9 @@ from app.requests.initial_state import AskedInitialState
 from app.requests.json_reader import JsonReader
 from estimator.camera import HorizonCamera
 from estimator.request import require_cameras
-from planner.frames.time_scales import elapsed_s, tai_us
-from planner.scenario import InitialState, Scenario, Session
-from planner.spec import is_kept, spec
+from planner.base.spec import is_kept, spec
+from planner.world.frames.time_scales import elapsed_s, tai_us
+from planner.world.scenario import InitialState, Scenario, Session
 
 SESSIONS_MAX = 200
 HORIZON_CHECKS_MAX = 400

@@ -10,16 +10,16 @@ import numpy as np
 from pydantic import Field
 
 from app.requests.json_reader import JsonReader, json_document
-from planner.arrays import Array
-from planner.attitude.corrections import Corrections
-from planner.errors import FieldError, InvalidRequest
-from planner.spec import Within, spec
-from planner.telemetry.request import (
+from planner.base.arrays import Array
+from planner.base.errors import FieldError, InvalidRequest
+from planner.base.spec import Within, spec
+from planner.inflight.telemetry.request import (
     PARAMETERS_MAX,
     SAMPLES_MAX,
     SECOND_MEASUREMENTS_MAX,
     ImageOffset,
 )
+from planner.world.attitude.corrections import Corrections
 
 _Second = Annotated[float, Within(-1e10, 1e10)] | None
 _COLUMNS_MAX = 20

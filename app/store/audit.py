@@ -9,7 +9,7 @@ from sqlalchemy import Connection, insert, select
 
 from app.store.database import Database
 from app.store.models import AuditRow
-from planner.frames.time_scales import utc_text
+from planner.world.frames.time_scales import utc_text
 
 
 @dataclass(frozen=True, kw_only=True)

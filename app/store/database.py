@@ -32,7 +32,7 @@ from app.store.ids import new_id
 from app.store.models import ProbeRow
 from app.store.turns import PATIENCE_S, Outage, Turns
 from app.store.unavailable import StoreDamaged, StoreUnavailable
-from planner.errors import InvalidInput
+from planner.base.errors import InvalidInput
 
 FILE = "slewtrack.sqlite3"
 DRIVERS = ("sqlite", "postgresql+psycopg")

@@ -10,7 +10,7 @@ from app.store import audit
 from app.store.api_keys import Key, KeyScope, digest, id_in, matches, new_secret
 from app.store.database import Database
 from app.store.models import KeyRow
-from planner.errors import InvalidInput
+from planner.base.errors import InvalidInput
 
 
 class KeyStore:

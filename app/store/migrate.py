@@ -11,7 +11,7 @@ from sqlalchemy.exc import ProgrammingError
 from app.log.exceptions import reason
 from app.store.database import MIGRATION_LOCK, Database, open_database
 from app.store.unavailable import StoreUnavailable
-from planner.errors import InvalidInput
+from planner.base.errors import InvalidInput
 
 _FOLDER = Path(__file__).parent / "migrations"
 _OTHERS_S = 30.0  # how long others that start may take to migrate

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from app.store.listing import Listing
 from app.store.unavailable import StoreDamaged
-from planner.arrays import Array
+from planner.base.arrays import Array
 
 _LEVEL = 3  # 3 % larger than 6 in a third of the time
 _DIFFERENCES = 5  # one more or less takes a byte more a row

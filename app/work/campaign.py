@@ -13,13 +13,13 @@ from app.answers.opportunities import FoundWindows, found_windows, windows_out
 from app.requests.campaign import read_campaign_request
 from app.store.listing import Listing
 from app.work.progress import Progress, report
-from planner.campaigns import CampaignRequest
-from planner.frames.time_scales import utc_from_text, utc_text
-from planner.opportunities import OpportunityRequest
-from planner.targets import BenchMotionTarget
+from planner.planning.campaigns import CampaignRequest
+from planner.planning.opportunities import OpportunityRequest
+from planner.world.frames.time_scales import utc_from_text, utc_text
+from planner.world.targets import BenchMotionTarget
 
 if TYPE_CHECKING:
-    from planner.campaigns import Campaign, ChosenLook, ChosenPass, UnchosenTarget
+    from planner.planning.campaigns import Campaign, ChosenLook, ChosenPass, UnchosenTarget
 
 _CARRIED_OVER = ("platform", "orbit", "attitude", "slew")
 _SESSION = re.compile(r"sessions\.(\d+)(\.|$)")
@@ -57,7 +57,7 @@ class NewCampaign:
 
 def answer_opportunities(request: OpportunityRequest, provenance: ProvenanceOut) -> FoundWindows:
     """The answer in parts."""
-    from planner.opportunities import find_opportunities
+    from planner.planning.opportunities import find_opportunities
 
     result = find_opportunities(request)
     return found_windows(result, request.name, provenance, windows_out(result))
@@ -65,7 +65,7 @@ def answer_opportunities(request: OpportunityRequest, provenance: ProvenanceOut)
 
 def choose(body: bytes, request: CampaignRequest | None = None) -> NewCampaign:
     """Read unless that is done, choose and write down; raises a Refusal."""
-    from planner.campaigns import choose_campaign
+    from planner.planning.campaigns import choose_campaign
 
     request = request or read_campaign_request(body)
     document = json.loads(body)  # passes say orbit, platform and targets in its own words
@@ -121,7 +121,7 @@ def _left_out(request: CampaignRequest, one: "UnchosenTarget") -> TargetLeftOut:
 def _part(
     document: Mapping[str, Any], request: CampaignRequest, number: int, flight: "ChosenPass"
 ) -> Part:
-    from planner.campaigns import scenario_of
+    from planner.planning.campaigns import scenario_of
 
     scenario = scenario_of(request, flight, number)
     rest = scenario.sessions[-1]

@@ -12,13 +12,13 @@ from app.requests.flights import read_flights_request
 from app.store.packed import PackedColumns, pack, unpack
 from app.work.plan import require_verified_table, stored_plan
 from app.work.progress import Progress, report
-from planner.errors import InvalidInput
-from planner.export import FlightPlan
-from planner.flights.outcomes import RunOutcomes
-from planner.frames.time_scales import utc_text
+from planner.base.errors import InvalidInput
+from planner.inflight.flights.outcomes import RunOutcomes
+from planner.world.frames.time_scales import utc_text
+from planner.world.plan import FlightPlan
 
 if TYPE_CHECKING:
-    from planner.flights.scene import SessionScene
+    from planner.inflight.flights.scene import SessionScene
 
 FLOWN_MAX_S = 1e6  # of flight in all runs together: some ten minutes of a core
 _PART_S = 1e4  # of flight in one part: some five seconds
@@ -59,7 +59,7 @@ class NewFlights:
 
 def prepare_flights(body: bytes, _: object = None) -> NewFlights:
     """Fly it once as planned, and split the runs; raises a Refusal."""
-    from planner.flights.scene import session_scenes
+    from planner.inflight.flights.scene import session_scenes
 
     report(Progress(stage="as planned"))
     what, _ = _read(body)
@@ -82,9 +82,9 @@ def flights_head(
     plan: FlightPlan, scenes: Sequence["SessionScene"], what: PlanToFly
 ) -> FlightsHead:
     """What there is to tell before any disturbed run."""
-    from planner.flights.drives import flown_by
-    from planner.flights.nominal import nominal_session
-    from planner.sessions.pipeline import session_budget
+    from planner.inflight.flights.drives import flown_by
+    from planner.inflight.flights.nominal import nominal_session
+    from planner.planning.sessions.pipeline import session_budget
 
     asked, table = read_flights_request(what.asked), plan.table
     fly = flown_by(plan.scenario.platform)
@@ -115,9 +115,9 @@ def flights_head(
 
 def fly_part(body: bytes, _: object = None) -> bytes:
     """Outcomes of some runs, packed."""
-    from planner.flights.drives import flown_by
-    from planner.flights.runs import fly_runs
-    from planner.flights.scene import session_scenes
+    from planner.inflight.flights.drives import flown_by
+    from planner.inflight.flights.runs import fly_runs
+    from planner.inflight.flights.scene import session_scenes
 
     what, part = _read(body)
     plan = _plan(what)

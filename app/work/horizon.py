@@ -18,8 +18,8 @@ from estimator.camera import HorizonCamera
 from estimator.errors import InvalidCamera
 from estimator.request import Body, HorizonRequest
 from estimator.surroundings import Surroundings
-from planner.frames.time_scales import utc_text
-from planner.rotation import Rotation
+from planner.base.rotation import Rotation
+from planner.world.frames.time_scales import utc_text
 
 if TYPE_CHECKING:
     from estimator.images import Pixels

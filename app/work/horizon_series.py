@@ -28,12 +28,12 @@ from estimator.request import (
     require_cameras,
 )
 from estimator.series import SeriesReport, summarise_series
-from planner.attitude import Attitude
-from planner.attitude.lvlh import LvlhAttitude
-from planner.errors import InvalidInput
-from planner.frames.time_scales import shifted_utc, utc_text
-from planner.orbits import Orbit
-from planner.spec import Within, spec
+from planner.base.errors import InvalidInput
+from planner.base.spec import Within, spec
+from planner.world.attitude import Attitude
+from planner.world.attitude.lvlh import LvlhAttitude
+from planner.world.frames.time_scales import shifted_utc, utc_text
+from planner.world.orbits import Orbit
 
 FRAMES_MAX = 10_000
 

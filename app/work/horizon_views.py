@@ -12,13 +12,13 @@ from app.requests.horizon import ATTITUDE_SIGMA_DEG, PredictionRequest
 from estimator.camera import HorizonCamera
 from estimator.request import Body, HorizonRequest, Position
 from estimator.surroundings import Surroundings
-from planner.arrays import Array
-from planner.attitude import AttitudeLaw
-from planner.errors import InvalidInput
-from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, tai_us, utc_text
-from planner.orbits import Orbit
-from planner.rotation import Rotation
-from planner.scenario import Scenario
+from planner.base.arrays import Array
+from planner.base.errors import InvalidInput
+from planner.base.rotation import Rotation
+from planner.world.attitude import AttitudeLaw
+from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc, tai_us, utc_text
+from planner.world.orbits import Orbit
+from planner.world.scenario import Scenario
 
 SEEN_AT = (0.0, 0.5, 1.0)  # shares of a session
 

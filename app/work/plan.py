@@ -20,19 +20,20 @@ from app.requests.plan import PlanRequest, read_kept_plan_request, read_plan_req
 from app.store.packed import NewPlan, PackedColumns, pack, unpack
 from app.work.horizon_views import horizon_checks
 from app.work.progress import Progress, report
-from planner.commands import COMMAND_STEP_S, CommandTable
-from planner.export import EXPORTERS, FlightPlan, Segment
-from planner.frames.time_scales import shifted_utc, utc_from_text, utc_text
-from planner.spec import as_kept
+from planner.base.commands import COMMAND_STEP_S, CommandTable
+from planner.base.spec import as_kept
+from planner.output.export import EXPORTERS
 from planner.verification import Finding
+from planner.world.frames.time_scales import shifted_utc, utc_from_text, utc_text
+from planner.world.plan import FlightPlan, Segment
 
 if TYPE_CHECKING:
-    from planner.sessions.plan import Plan
+    from planner.planning.sessions.plan import Plan
 
 
 def plan_and_pack(body: bytes, request: PlanRequest | None = None) -> NewPlan:
     """Read unless that is done, plan, judge and pack; raises a Refusal."""
-    from planner.sessions.pipeline import make_plan
+    from planner.planning.sessions.pipeline import make_plan
 
     now_utc = datetime.now(UTC)
     request = request or read_plan_request(body)
@@ -54,7 +55,7 @@ def plan_and_pack(body: bytes, request: PlanRequest | None = None) -> NewPlan:
 
 def try_plan(request: PlanRequest, provenance: ProvenanceOut) -> bytes:
     """The answer to a dry run: planned and judged, nothing kept; raises a Refusal."""
-    from planner.sessions.pipeline import make_plan
+    from planner.planning.sessions.pipeline import make_plan
 
     return dry_run_json(make_plan(request), provenance)
 

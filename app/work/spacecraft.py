@@ -16,11 +16,11 @@ from app.requests.listings import listing_of_imaging
 from app.requests.spacecraft import read_kept_spacecraft_request, read_spacecraft_request
 from app.store.packed import NewPlan, PackedColumns, pack, unpack
 from app.work.progress import Progress, report
-from planner.frames.time_scales import utc_from_text, utc_text
 from planner.spacecraft.export import IMAGING_EXPORTERS, SessionTable
 from planner.spacecraft.opportunity_request import ImagingOpportunityRequest
 from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.table import AttitudeTable, ImagingWindow
+from planner.world.frames.time_scales import utc_from_text, utc_text
 
 _COLUMNS = (
     "eci_from_body_xyzw",

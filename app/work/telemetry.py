@@ -10,16 +10,17 @@ from app.answers.telemetry import comparison_json
 from app.requests.telemetry import ComparisonRequest, SentSamples
 from app.store.packed import unpack
 from app.work.plan import stored_plan
-from planner.errors import InvalidInput
-from planner.export import Exporter, FlightPlan
-from planner.telemetry.columns import ColumnMeaning, TelemetryColumn, meaning_of
-from planner.telemetry.csv_text import read_csv, utc_seconds
-from planner.telemetry.figure import write_comparison_png, write_comparison_svg
-from planner.telemetry.samples import Samples
+from planner.base.errors import InvalidInput
+from planner.inflight.telemetry.columns import ColumnMeaning, TelemetryColumn, meaning_of
+from planner.inflight.telemetry.csv_text import read_csv, utc_seconds
+from planner.inflight.telemetry.figure import write_comparison_png, write_comparison_svg
+from planner.inflight.telemetry.samples import Samples
+from planner.output.export import Exporter
+from planner.world.plan import FlightPlan
 
 if TYPE_CHECKING:
-    from planner.telemetry.attitude import PointingParts
-    from planner.telemetry.compare import Comparison
+    from planner.inflight.telemetry.attitude import PointingParts
+    from planner.inflight.telemetry.compare import Comparison
 
 PICTURES: dict[str, "Exporter[Comparison]"] = {
     "png": Exporter("plan and flight, drawn", "image/png", ".png", write_comparison_png),
@@ -52,7 +53,7 @@ def compare_stored(
 
 def compare_sent(plan: FlightPlan, sent: SentTelemetry) -> "Comparison":
     """Raises Refusals."""
-    from planner.telemetry.compare import compare
+    from planner.inflight.telemetry.compare import compare
 
     return compare(plan, _samples(plan, sent))
 
@@ -61,7 +62,7 @@ def answer_json(
     comparison: "Comparison", request: ComparisonRequest, plan_id: str, provenance: ProvenanceOut
 ) -> bytes:
     """With what was measured beside the axes, and the platform found; raises Refusals."""
-    from planner.telemetry.parameters import platform_found
+    from planner.inflight.telemetry.parameters import platform_found
 
     pointing = _pointing(comparison, request)
     found = platform_found(comparison, request.identify)
@@ -69,7 +70,7 @@ def answer_json(
 
 
 def _pointing(comparison: "Comparison", request: ComparisonRequest) -> list["PointingParts"]:
-    from planner.telemetry.attitude import from_image, from_rotation
+    from planner.inflight.telemetry.attitude import from_image, from_rotation
 
     plan = comparison.plan
     followed = [axis.followed for axis in comparison.axes]

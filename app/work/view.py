@@ -8,9 +8,10 @@ from app.answers.view import view_json
 from app.store.packed import unpack
 from app.work.plan import require_verified_table, stored_plan
 from app.work.spacecraft import stored_session
-from planner.export import EXPORTERS, Exporter, FlightPlan
+from planner.output.export import EXPORTERS, Exporter
+from planner.output.view import VIEW_EXPORTERS
 from planner.spacecraft.export import IMAGING_EXPORTERS, SessionTable
-from planner.view import VIEW_EXPORTERS
+from planner.world.plan import FlightPlan
 
 DRAWN: dict[str, Exporter[FlightPlan]] = {
     name: exporter for name, exporter in EXPORTERS.items() if exporter.shows
@@ -39,7 +40,7 @@ class AskedView:
 
 def stored_plan_view(request: bytes, table_columns: bytes, asked: AskedView) -> bytes:
     """Raises InvalidInput for the step, OutsideCoverage, and Unverified of all but JSON."""
-    from planner.view import view_plan
+    from planner.output.view import view_plan
 
     packed = unpack(table_columns)
     plan = stored_plan(request, packed)
@@ -56,7 +57,7 @@ def stored_plan_view(request: bytes, table_columns: bytes, asked: AskedView) -> 
 
 def stored_session_view(request: bytes, table_columns: bytes, asked: AskedView) -> bytes:
     """Of an imaging session; raises InvalidInput for the step."""
-    from planner.view.spacecraft import view_session
+    from planner.spacecraft.view import view_session
 
     session = stored_session(request, table_columns)
     if asked.format_name is not None:

@@ -12,8 +12,8 @@ from importlib import import_module
 
 from app.requests.examples.plan import LAS_VEGAS
 from app.work.plan import plan_and_pack
-from planner.slew.ocp import make_solvers
-from planner.slew.smoothest import SIZES
+from planner.motion.slew.ocp import make_solvers
+from planner.motion.slew.smoothest import SIZES
 
 # Beyond what a plan needs.
 _LOADED = (
@@ -32,18 +32,18 @@ _LOADED = (
     "estimator.pipeline",
     "estimator.prediction",
     "estimator.rendering.scene",
-    "planner.campaigns.campaign",
-    "planner.flights.drives",
-    "planner.flights.nominal",
-    "planner.flights.runs",
-    "planner.opportunities.search",
+    "planner.planning.campaigns.campaign",
+    "planner.inflight.flights.drives",
+    "planner.inflight.flights.nominal",
+    "planner.inflight.flights.runs",
+    "planner.planning.opportunities.search",
     "planner.spacecraft.opportunities",
     "planner.spacecraft.plan",
-    "planner.telemetry.attitude",
-    "planner.telemetry.compare",
-    "planner.telemetry.parameters",
-    "planner.view.netcdf",
-    "planner.view.spacecraft",
+    "planner.inflight.telemetry.attitude",
+    "planner.inflight.telemetry.compare",
+    "planner.inflight.telemetry.parameters",
+    "planner.output.view.netcdf",
+    "planner.spacecraft.view",
 )
 SERVER_PID = os.getpid()
 _REQUEST = json.dumps(LAS_VEGAS).encode()

@@ -5,10 +5,10 @@ from pathlib import Path
 
 from numpy.typing import NDArray
 
-from planner.platforms.camera import HRC_PIXEL_ARCSEC
-from planner.sessions.plan import Plan
-from planner.view.targets import TargetTrack
-from planner.view.view import PlanView, view_plan
+from planner.output.view.targets import TargetTrack
+from planner.output.view.view import PlanView, view_plan
+from planner.planning.sessions.plan import Plan
+from planner.world.platforms.camera import HRC_PIXEL_ARCSEC
 from slewtrack import plan, read_request
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

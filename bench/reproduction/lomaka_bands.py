@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from estimator.prediction import predict_horizon
 from estimator.request import Body, Position
 from estimator.surroundings import Surroundings
-from planner.frames.geodesy import MU_EARTH_M3_S2
+from planner.world.frames.geodesy import MU_EARTH_M3_S2
 from reproduction.lomaka_rendered import EPOCH
 
 RADIUS_M = 6878e3

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.optimize import linprog
 
 from estimator.camera import HorizonCamera
-from planner.arrays import Array
+from planner.base.arrays import Array
 from reproduction.lomaka_geometry import (
     RADIUS_M,
     arc_px,

@@ -14,7 +14,7 @@ from estimator.rendering.scene import HorizonRenderer
 from estimator.rendering.sensor import Sensor
 from estimator.request import Body
 from estimator.surroundings import Surroundings
-from planner.arrays import Array
+from planner.base.arrays import Array
 from reproduction.lomaka_method import horizon_arc_px
 from reproduction.lomaka_print import TILTS_DEG, Rig, differences_deg, rms_deg
 from reproduction.lomaka_rendered import EPOCH, LEVEL, POSITION, SHARP

@@ -9,8 +9,8 @@ from horizon_cases import camera
 
 from estimator.camera import HorizonCamera
 from estimator.limb.geometry import Limb
-from planner.arrays import Array
-from planner.frames.geodesy import WGS84_A_M, WGS84_B_M, itrf_from_geodetic
+from planner.base.arrays import Array
+from planner.world.frames.geodesy import WGS84_A_M, WGS84_B_M, itrf_from_geodetic
 
 RADIUS_M = 6371e3
 AZIMUTHS = 4000

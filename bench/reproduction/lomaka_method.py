@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from estimator.camera import HorizonCamera
 from estimator.images import Pixels, prepare
 from estimator.search.edges import find_edges
-from planner.arrays import Array
+from planner.base.arrays import Array
 
 _TRIALS = 300
 _NEAR_PX = 1.5

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from planner.arrays import Array
+from planner.base.arrays import Array
 from reproduction.lomaka_geometry import dip_rad, limb_rays, longest_run
 
 HEIGHT_M = 500e3

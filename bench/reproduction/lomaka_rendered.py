@@ -19,7 +19,7 @@ from estimator.rendering.scene import HorizonRenderer, Scene
 from estimator.rendering.sensor import Sensor
 from estimator.request import Body, HorizonRequest, Position, PredictedAttitude
 from estimator.surroundings import Surroundings
-from planner.arrays import Array
+from planner.base.arrays import Array
 from reproduction.lomaka_method import paper_nadir
 
 EPOCH = datetime(2026, 3, 20, 12, tzinfo=UTC)

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from estimator.search.plausibility import MIN_ARC_OF_ALL_RAD
-from planner.arrays import Array
+from planner.base.arrays import Array
 from reproduction.lomaka_bands import over_an_orbit
 from reproduction.lomaka_edge import (
     MAP_DEG,

@@ -12,8 +12,7 @@ from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 from spacecraft_flight import settle_table
 
-from planner.arrays import Array
-from planner.frames.time_scales import Instants
+from planner.base.arrays import Array
 from planner.spacecraft.flight.simulation import computer, draw_dispersion, fly_table
 from planner.spacecraft.flight.stabilisation import settled_after_s
 from planner.spacecraft.turns.eigenaxis import eigenaxis_turn
@@ -23,6 +22,7 @@ from planner.spacecraft.vehicle.cmg_array import CmgArray
 from planner.spacecraft.vehicle.definition import AGILE_CMG, SlewLimits
 from planner.spacecraft.vehicle.onboard import TABLE, Estimate, estimate_rate, memory_at
 from planner.spacecraft.vehicle.steering import steer
+from planner.world.frames.time_scales import Instants
 
 ARRAY = AGILE_CMG.array
 SETTLE_SEEDS = range(6)

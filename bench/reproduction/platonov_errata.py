@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from planner.arrays import Array
+from planner.base.arrays import Array
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.vehicle.cmg_array import CmgArray
 from planner.spacecraft.vehicle.definition import AGILE_CMG

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.signal import butter, freqz
 
-from planner.arrays import Array
+from planner.base.arrays import Array
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.vehicle.definition import AGILE_CMG
 from reproduction.platonov_errata import (

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from spacecraft_flight import PAPER_TURNS_S, orbit_states
 
-from planner.arrays import Array
+from planner.base.arrays import Array
 from planner.spacecraft.flight.closed_loop import Log
 from planner.spacecraft.flight.simulation import Dispersion, draw_dispersion, fly_table
 from planner.spacecraft.flight.stabilisation import settled_after_s

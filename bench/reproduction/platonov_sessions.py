@@ -17,12 +17,12 @@ from scipy.spatial.transform import Rotation
 from spacecraft_flight import PAPER_TURNS_S, itself, orbit_states
 
 from app.requests.spacecraft import read_spacecraft_request
-from planner.frames.time_scales import utc_text
-from planner.orbits import StateVectorOrbit
 from planner.spacecraft.flight.closed_loop import Log
 from planner.spacecraft.flight.simulation import fly_many
 from planner.spacecraft.plan import ImagingPlan, plan_imaging
 from planner.spacecraft.requests import SCAN_SPEED_M_S
+from planner.world.frames.time_scales import utc_text
+from planner.world.orbits import StateVectorOrbit
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 STRIP_S, STEREO_S, SCAN_S, GAP_S = 128.0, 338.0, 16.0, 110.0  # Figs. 4 and 6

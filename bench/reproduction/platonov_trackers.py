@@ -9,12 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from planner.arrays import Array
-from planner.frames.geodesy import WGS84_A_M
-from planner.frames.solar_system import r_moon_eci_m, r_sun_eci_m
-from planner.frames.time_scales import Instants
-from planner.orbits.ephemeris import OrbitStates
+from planner.base.arrays import Array
 from planner.spacecraft.table import AttitudeTable
+from planner.world.frames.geodesy import WGS84_A_M
+from planner.world.frames.solar_system import r_moon_eci_m, r_sun_eci_m
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits.ephemeris import OrbitStates
 
 TILT_DEG = 45.0  # from +Y, the zenith in orbital orientation (the camera looks along -Y)
 FIRST_DEG = 90.0  # of the first tracker's azimuth about +Y, from +Z towards +X: straight ahead

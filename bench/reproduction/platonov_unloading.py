@@ -11,10 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from planner.arrays import Array
-from planner.frames.earth_orientation import c_itrf_from_eci
-from planner.frames.time_scales import Instants
-from planner.orbits.ephemeris import OrbitStates
+from planner.base.arrays import Array
+from planner.world.frames.earth_orientation import c_itrf_from_eci
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits.ephemeris import OrbitStates
 
 RADIUS_M = 6371.2e3
 # g11, h11, g10 of IGRF-13 (Alken and others 2021), as the dipole's vector in ITRF.

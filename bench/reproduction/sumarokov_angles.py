@@ -8,12 +8,12 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from planner.frames.earth_orientation import c_itrf_from_eci
-from planner.frames.geodesy import WGS84_A_M, WGS84_F, itrf_from_geodetic
-from planner.frames.time_scales import Instants
-from planner.platforms import ISS_HRC
-from planner.pointing.angles import axis_angles, boresight_platform
-from planner.pointing.line_of_sight import line_of_sight
+from planner.motion.pointing.angles import axis_angles, boresight_platform
+from planner.motion.pointing.line_of_sight import line_of_sight
+from planner.world.frames.earth_orientation import c_itrf_from_eci
+from planner.world.frames.geodesy import WGS84_A_M, WGS84_F, itrf_from_geodetic
+from planner.world.frames.time_scales import Instants
+from planner.world.platforms import ISS_HRC
 from reproduction.example_plans import plan_of
 from reproduction.statements import Numbers
 

@@ -10,11 +10,11 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from planner.attitude import InertialAttitude
-from planner.frames.local_orbital import q_lvlh_from_eci
-from planner.frames.time_scales import Instants, shifted_utc
-from planner.orbits import OrbitStates, TleOrbit
-from planner.platforms.two_axis import HRC_FRAME_HALF_RAD
+from planner.world.attitude import InertialAttitude
+from planner.world.frames.local_orbital import q_lvlh_from_eci
+from planner.world.frames.time_scales import Instants, shifted_utc
+from planner.world.orbits import OrbitStates, TleOrbit
+from planner.world.platforms.two_axis import HRC_FRAME_HALF_RAD
 from reproduction.statements import Numbers
 
 TELEMETRY = Path(__file__).parents[2] / "tests/data/iss_attitude_rates_2018-285.csv"

@@ -8,14 +8,14 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from planner.commands import ROWS_PER_S
-from planner.export.table_states import TableStates, table_states
-from planner.frames.earth_orientation import c_itrf_from_eci
-from planner.frames.time_scales import elapsed_s
-from planner.platforms.camera import HRC_PIXEL_ARCSEC
-from planner.targets import VisibleTarget
-from planner.targets.ground import GroundTarget
-from planner.targets.ground_moving import MovingGroundTarget
+from planner.base.commands import ROWS_PER_S
+from planner.output.export.table_states import TableStates, table_states
+from planner.world.frames.earth_orientation import c_itrf_from_eci
+from planner.world.frames.time_scales import elapsed_s
+from planner.world.platforms.camera import HRC_PIXEL_ARCSEC
+from planner.world.targets import VisibleTarget
+from planner.world.targets.ground import GroundTarget
+from planner.world.targets.ground_moving import MovingGroundTarget
 from reproduction.example_plans import BOSTON, closest, plan_of, view_of
 from reproduction.statements import Numbers
 

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 
-from planner.commands import COMMAND_STEP_S
-from planner.opportunities.ground_sample import sample_along_m
-from planner.platforms import ISS_HRC
-from planner.platforms.camera import HRC_CAMERA, HRC_PIXEL_ARCSEC
-from planner.platforms.two_axis import HRC_FRAME_HALF_RAD
+from planner.base.commands import COMMAND_STEP_S
+from planner.planning.opportunities.ground_sample import sample_along_m
+from planner.world.platforms import ISS_HRC
+from planner.world.platforms.camera import HRC_CAMERA, HRC_PIXEL_ARCSEC
+from planner.world.platforms.two_axis import HRC_FRAME_HALF_RAD
 from reproduction.example_plans import LAS_VEGAS, view_of
 from reproduction.statements import Numbers
 

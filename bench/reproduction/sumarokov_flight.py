@@ -11,10 +11,10 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.signal import find_peaks
 
-from planner.commands import COMMAND_STEP_S
-from planner.frames.time_scales import elapsed_s
-from planner.sessions.plan import Plan
-from planner.simulation.flight import fly
+from planner.base.commands import COMMAND_STEP_S
+from planner.inflight.simulation.flight import fly
+from planner.planning.sessions.plan import Plan
+from planner.world.frames.time_scales import elapsed_s
 from reproduction.example_plans import EXAMPLES, LAS_VEGAS
 from reproduction.statements import Numbers
 from slewtrack import plan, read_request

@@ -5,14 +5,14 @@ from datetime import UTC, datetime, timedelta
 
 import numpy as np
 
-from planner.frames.time_scales import elapsed_s, utc_text
-from planner.opportunities import find_opportunities
-from planner.opportunities.request import (
+from planner.planning.opportunities import find_opportunities
+from planner.planning.opportunities.request import (
     OpportunityConditions,
     OpportunityRequest,
     OpportunityTarget,
 )
-from planner.opportunities.windows import Windows
+from planner.planning.opportunities.windows import Windows
+from planner.world.frames.time_scales import elapsed_s, utc_text
 from reproduction.example_plans import LAS_VEGAS, closest, plan_of, view_of
 from reproduction.statements import Numbers
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from planner.frames.time_scales import utc_from_text, utc_text
+from planner.world.frames.time_scales import utc_from_text, utc_text
 from reproduction.example_plans import EXAMPLES, LAS_VEGAS
 from reproduction.statements import Numbers
 from slewtrack import opportunities, plan, read_request

@@ -12,16 +12,16 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from planner.frames.earth_orientation import OMEGA_EARTH_RAD_S
-from planner.frames.geodesy import MU_EARTH_M3_S2
-from planner.frames.time_scales import Instants, shifted_utc
-from planner.messages.oem import OemSegment
-from planner.orbits import OemOrbit, StateVectorOrbit, paper_model
-from planner.orbits.gravity import RADIUS_M
+from planner.world.frames.earth_orientation import OMEGA_EARTH_RAD_S
+from planner.world.frames.geodesy import MU_EARTH_M3_S2
+from planner.world.frames.time_scales import Instants, shifted_utc
+from planner.world.messages.oem import OemSegment
+from planner.world.orbits import OemOrbit, StateVectorOrbit, paper_model
+from planner.world.orbits.gravity import RADIUS_M
 from reproduction.statements import Numbers
 
 EPHEMERIDES = Path(__file__).parents[2] / "tests/data"
-FULL_HARMONICS = files("planner.orbits") / "data" / "eigen6s_n36.csv"
+FULL_HARMONICS = files("planner.world.orbits") / "data" / "eigen6s_n36.csv"
 PRINTED_P2_KM4 = 2.5023e9
 BURN_STEP_S = 60.0  # NASA's nodes crowd where an engine burns
 DIFFERENCE_M = 50.0

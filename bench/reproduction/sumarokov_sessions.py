@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from planner.frames.time_scales import elapsed_s
+from planner.world.frames.time_scales import elapsed_s
 from reproduction.example_plans import THREE_SESSIONS, closest, plan_of, view_of
 from reproduction.statements import Numbers
 

@@ -10,8 +10,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from planner.baseline import compare_with_spline
-from planner.baseline.paper_cubic import (
+from planner.motion.baseline import compare_with_spline
+from planner.motion.baseline.paper_cubic import (
     ACCELERATION_SHARE,
     RATE_SHARE,
     cubic_profile,
@@ -19,10 +19,10 @@ from planner.baseline.paper_cubic import (
     paper_duration_s,
     paper_slew,
 )
-from planner.platforms import ISS_HRC
-from planner.scenario import SlewOptions
-from planner.slew.optimal import optimal_slew
-from planner.slew.problem import AxisState, SlewProblem
+from planner.motion.slew.optimal import optimal_slew
+from planner.motion.slew.problem import AxisState, SlewProblem
+from planner.world.platforms import ISS_HRC
+from planner.world.scenario import SlewOptions
 from reproduction.statements import Numbers
 
 LIMITS = ISS_HRC.outer_limits

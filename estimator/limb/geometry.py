@@ -11,8 +11,8 @@ from functools import cached_property
 
 import numpy as np
 
-from planner.arrays import Array
-from planner.frames.geodesy import up_itrf
+from planner.base.arrays import Array
+from planner.world.frames.geodesy import up_itrf
 
 
 class Limb:

@@ -12,7 +12,7 @@ from functools import cache
 
 import numpy as np
 
-from planner.arrays import Array
+from planner.base.arrays import Array
 
 AIR_SCALE_M = 7.6e3
 _EARTH_RADII = 6371.0e3 / AIR_SCALE_M

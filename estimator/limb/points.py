@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from estimator.camera import HorizonCamera
 from estimator.images import Frame, Grey
 from estimator.limb.projection import LimbProjection
-from planner.arrays import Array
+from planner.base.arrays import Array
 
 LENS_BLUR_PX = 0.7
 _SMOOTHING_M = 5.0e3

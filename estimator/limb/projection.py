@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from estimator.camera import HorizonCamera
 from estimator.limb.geometry import Limb
-from planner.arrays import Array
+from planner.base.arrays import Array
 
 _MAX_COLUMNS = 640
 _COARSE_STEPS = 2880

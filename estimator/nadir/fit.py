@@ -18,7 +18,7 @@ import numpy as np
 from estimator.limb.geometry import Limb
 from estimator.limb.low_sun import sun_rise_m
 from estimator.limb.points import LimbPoints
-from planner.arrays import Array
+from planner.base.arrays import Array
 
 ROUGHNESS_M = 0.8e3
 _TUKEY = 4.685

@@ -14,8 +14,8 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.arrays import Array
-from planner.spec import Within, spec
+from planner.base.arrays import Array
+from planner.base.spec import Within, spec
 
 EARTH_M = 6371.0e3
 TOP_M = 110.0e3

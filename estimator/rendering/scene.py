@@ -21,9 +21,9 @@ from estimator.rendering.atmosphere import (
     tangent_grid_m,
 )
 from estimator.rendering.sensor import Image, Sensor
-from planner.arrays import Array
-from planner.frames.geodesy import WGS84_A_M, WGS84_F
-from planner.spec import Within, spec
+from planner.base.arrays import Array
+from planner.base.spec import Within, spec
+from planner.world.frames.geodesy import WGS84_A_M, WGS84_F
 
 _TILE_PX, _TILE_M = 1024, 6.0e6
 _OCEAN = np.array([0.075, 0.055, 0.04])

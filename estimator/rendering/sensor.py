@@ -5,8 +5,8 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.arrays import Array
-from planner.spec import Within, spec
+from planner.base.arrays import Array
+from planner.base.spec import Within, spec
 
 Image = NDArray[np.uint8] | NDArray[np.uint16]
 

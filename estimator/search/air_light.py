@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import Array
+from planner.base.arrays import Array
 
 _FORWARD = 0.65  # mean cosine of dust's scattering
 

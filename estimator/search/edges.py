@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from estimator.camera import HorizonCamera
 from estimator.images import Frame, Grey
-from planner.arrays import Array
+from planner.base.arrays import Array
 
 _WORK_SIDE_PX = 640
 _MOST_EDGES = 500

@@ -12,7 +12,7 @@ from estimator.limb.points import LimbPoints
 from estimator.nadir.fit import Fit
 from estimator.request import Body
 from estimator.surroundings import Surroundings
-from planner.arrays import Array
+from planner.base.arrays import Array
 
 MIN_ARC_RAD = np.deg2rad(5.0)
 MIN_ARC_OF_ALL_RAD = np.deg2rad(10.0)

@@ -27,7 +27,7 @@ from estimator.images import Frame
 from estimator.limb.points import LimbPoints
 from estimator.search.air_light import AIRS, brightness_basis, colour_basis
 from estimator.surroundings import Surroundings
-from planner.arrays import Array
+from planner.base.arrays import Array
 
 _SCATTER = 0.025  # of brightness from one 5 deg of limb to the next: dust, thin cloud
 _DARKENED, _DARKENED_SIGMA = 0.25, 0.3  # of cos^4: lenses are flat-fielded, or nearly, or not

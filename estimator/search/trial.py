@@ -33,7 +33,7 @@ from estimator.search.plausibility import (
 from estimator.search.sunlight import sunlight_along
 from estimator.search.tone import fade_ratio, linear
 from estimator.surroundings import Surroundings
-from planner.arrays import Array
+from planner.base.arrays import Array
 
 _FIRST_WINDOW_RAD = np.deg2rad(1.4)
 _WINDOWS_RAD = (np.deg2rad(0.7), np.deg2rad(0.6))

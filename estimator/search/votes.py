@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.search.edges import Edges
-from planner.arrays import Array
+from planner.base.arrays import Array
 
 _PAIRS = 1500
 _CANDIDATES = 500

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from itertools import combinations, pairwise
 from typing import Annotated, Literal
 
-from planner.errors import InvalidMessage
-from planner.spec import Within, is_kept, spec
+from planner.base.errors import InvalidMessage
+from planner.base.spec import Within, is_kept, spec
 
 # Longitude, latitude and, if given, height in metres: no use is made of it.
 Position = tuple[Annotated[float, Within(-1000.0, 100e3)], ...]

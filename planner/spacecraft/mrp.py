@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from planner.arrays import Array
+from planner.base.arrays import Array
 
 
 class BodyMotion(NamedTuple):

@@ -11,28 +11,28 @@ from typing import NamedTuple
 
 import numpy as np
 
-from planner import effort
-from planner.arrays import Array, Indices
-from planner.attitude.lvlh import LvlhAttitude
-from planner.effort import at_most
-from planner.errors import InvalidInput, SearchEnded
-from planner.frames.earth_orientation import earth_orientation_warnings
-from planner.frames.geodesy import WGS84_A_M, geodetic_from_itrf, itrf_from_geodetic
-from planner.frames.time_scales import Instants, elapsed_s
-from planner.opportunities.carrier import Carrier, carrier_over
-from planner.opportunities.conditions import TURN_MAX_RAD, Condition
-from planner.opportunities.description import describe_windows
-from planner.opportunities.request import OpportunityRequest, OpportunityTarget
-from planner.opportunities.search import RESTING, SHORTEST_S, found_spans, spend_on
-from planner.opportunities.sights import EarthSight, FixedPlaces, Sight
-from planner.opportunities.spans import Spans
-from planner.opportunities.windows import Opportunities, Sightings
-from planner.platforms import AxisLimits, TwoAxisPlatform
+from planner.base import effort
+from planner.base.arrays import Array, Indices
+from planner.base.effort import at_most
+from planner.base.errors import InvalidInput, SearchEnded
+from planner.planning.opportunities.carrier import Carrier, carrier_over
+from planner.planning.opportunities.conditions import TURN_MAX_RAD, Condition
+from planner.planning.opportunities.description import describe_windows
+from planner.planning.opportunities.request import OpportunityRequest, OpportunityTarget
+from planner.planning.opportunities.search import RESTING, SHORTEST_S, found_spans, spend_on
+from planner.planning.opportunities.sights import EarthSight, FixedPlaces, Sight
+from planner.planning.opportunities.spans import Spans
+from planner.planning.opportunities.windows import Opportunities, Sightings
 from planner.spacecraft.imaging.session import HEIGHT_MAX_M
 from planner.spacecraft.opportunity_request import ImagingOpportunityRequest, positions_of
 from planner.spacecraft.requests import Request
 from planner.spacecraft.vehicle.definition import PushbroomCamera
-from planner.targets import GroundTarget
+from planner.world.attitude.lvlh import LvlhAttitude
+from planner.world.frames.earth_orientation import earth_orientation_warnings
+from planner.world.frames.geodesy import WGS84_A_M, geodetic_from_itrf, itrf_from_geodetic
+from planner.world.frames.time_scales import Instants, elapsed_s
+from planner.world.platforms import AxisLimits, TwoAxisPlatform
+from planner.world.targets import GroundTarget
 
 # Windows this far apart are of two passes: a low orbit lasts an hour and a half.
 _PASSES_APART_S = 1800.0

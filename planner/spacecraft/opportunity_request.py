@@ -5,8 +5,8 @@ from typing import Annotated
 
 from pydantic import FailFast, Field
 
-from planner.frames.time_scales import DAY_S, elapsed_s, utc_text
-from planner.opportunities.request import (
+from planner.base.spec import Within, spec
+from planner.planning.opportunities.request import (
     DAYS_MAX,
     SAMPLES,
     TARGETS_MAX,
@@ -14,11 +14,11 @@ from planner.opportunities.request import (
     WORK_MAX,
     OpportunityConditions,
 )
-from planner.orbits import Orbit
 from planner.spacecraft.geojson import Position
 from planner.spacecraft.requests import AreaRequest, Request, SpacecraftSettings
 from planner.spacecraft.vehicle.definition import SPACECRAFT, AgileSpacecraft
-from planner.spec import Within, spec
+from planner.world.frames.time_scales import DAY_S, elapsed_s, utc_text
+from planner.world.orbits import Orbit
 
 REQUESTS_MAX = 1000
 

@@ -7,10 +7,10 @@ from functools import partial
 
 import numpy as np
 
-from planner import effort
-from planner.commands import ROWS_PER_S
-from planner.effort import EffortSpent, at_most
-from planner.errors import (
+from planner.base import effort
+from planner.base.commands import ROWS_PER_S
+from planner.base.effort import EffortSpent, at_most
+from planner.base.errors import (
     InfeasibleSlew,
     InvalidInput,
     Refusal,
@@ -37,7 +37,7 @@ from planner.spacecraft.table import AttitudeTable, camera_on
 from planner.spacecraft.vehicle.gimbals import gimbal_rows, total_momentum_eci
 from planner.spacecraft.verification import SpacecraftVerification, verify_table
 
-# Of `planner.effort`: 10 s for a session of one request, 1.5 s for each more, a minute at most.
+# Of `effort`: 10 s for a session of one request, 1.5 s for each more, a minute at most.
 REQUEST_MORE, SESSION_MOST = 150_000.0, 6_000_000.0
 SIMULATED_ROW = 4.5
 TRY_SHARE = 0.25  # of a session's work, to find out whether an alternative to it works

@@ -7,8 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from planner.frames.time_scales import elapsed_s, utc_text
-from planner.orbits import Orbit
+from planner.base.spec import UnitPart, Within, spec
 from planner.spacecraft.geojson import GeoLineString, GeoPolygon
 from planner.spacecraft.vehicle.definition import (
     OFF_NADIR_DEG,
@@ -19,7 +18,8 @@ from planner.spacecraft.vehicle.definition import (
     SlewLimits,
     TurnObjective,
 )
-from planner.spec import UnitPart, Within, spec
+from planner.world.frames.time_scales import elapsed_s, utc_text
+from planner.world.orbits import Orbit
 
 _MomentumPart = Annotated[float, Within(-240.0, 240.0)]  # four gyros of 60 in one direction
 SESSION_MAX_S = 3600.0

@@ -9,9 +9,9 @@ from datetime import datetime
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.arrays import Array
-from planner.commands import COMMAND_STEP_S, ROWS_PER_S
-from planner.rotation import Rotation
+from planner.base.arrays import Array
+from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
+from planner.base.rotation import Rotation
 from planner.spacecraft.mrp import BodyMotion, MrpState, body_motion, mrp_state, quintic
 
 TICK_S = COMMAND_STEP_S  # Platonov, Sumarokov 2019: the control cycle

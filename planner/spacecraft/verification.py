@@ -10,13 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import Array
-from planner.commands import ROWS_PER_S
-from planner.frames.earth_orientation import c_itrf_from_eci
-from planner.frames.geodesy import MU_EARTH_M3_S2, WGS84_A_M, WGS84_F, itrf_from_geodetic
-from planner.frames.local_orbital import q_lvlh_from_eci
-from planner.frames.time_scales import Instants
-from planner.orbits import Ephemeris
+from planner.base.arrays import Array
+from planner.base.commands import ROWS_PER_S
 from planner.spacecraft.requests import (
     AreaRequest,
     ImagingPlanRequest,
@@ -25,6 +20,11 @@ from planner.spacecraft.requests import (
 )
 from planner.spacecraft.table import TICK_S, AttitudeTable, ImagingWindow
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
+from planner.world.frames.earth_orientation import c_itrf_from_eci
+from planner.world.frames.geodesy import MU_EARTH_M3_S2, WGS84_A_M, WGS84_F, itrf_from_geodetic
+from planner.world.frames.local_orbital import q_lvlh_from_eci
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits import Ephemeris
 
 GROUND_TOLERANCE_M = 1.0
 SPEED_TOLERANCE = 1e-3

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from planner.on_first_use import on_first_use
+from planner.base.on_first_use import on_first_use
 from planner.verification.report import (
     EarthFixedView,
     Finding,

@@ -9,7 +9,7 @@ from functools import cache
 
 import numpy as np
 
-from planner.arrays import Array
+from planner.base.arrays import Array
 
 EARTH_RADIUS_M = 6371008.8  # IUGG mean radius
 TOP_M = 120e3  # a ray bends less than 1e-4 arcsec above; isothermal from 86 km

@@ -5,11 +5,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from planner.errors import InvalidInput
-from planner.targets import AxisMotion, BenchMotionTarget
+from planner.base.errors import InvalidInput
 from planner.verification.clock import elapsed_us
 from planner.verification.report import Finding, SessionReport
 from planner.verification.session import TableSession
+from planner.world.targets import AxisMotion, BenchMotionTarget
 
 BETWEEN_ROWS_MAX_RAD = math.radians(0.1 / 3600.0)  # what the 0.2 s table promises of its cubics
 # Rows are the motion's own values; the first is where the slew ends, met to a thousandth.

@@ -6,15 +6,15 @@ vectors and matrices.
 
 import numpy as np
 
-from planner.arrays import Array
-from planner.attitude import AttitudeLaw
-from planner.attitude.inertial import InertialAttitude
-from planner.attitude.lvlh import LvlhAttitude
-from planner.frames.time_scales import Instants
-from planner.orbits import OrbitStates
-from planner.platforms import TwoAxisPlatform
-from planner.scenario import Scenario
+from planner.base.arrays import Array
 from planner.verification.clock import elapsed_us
+from planner.world.attitude import AttitudeLaw
+from planner.world.attitude.inertial import InertialAttitude
+from planner.world.attitude.lvlh import LvlhAttitude
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits import OrbitStates
+from planner.world.platforms import TwoAxisPlatform
+from planner.world.scenario import Scenario
 
 DERIVED_LAWS = (LvlhAttitude, InertialAttitude)  # any other law's rotations are taken as given
 

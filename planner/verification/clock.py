@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from astropy_iers_data import IERS_LEAP_SECOND_FILE
 
-from planner.arrays import Array
+from planner.base.arrays import Array
 
 DAY_US = 86_400_000_000
 DAY_S = 86400.0

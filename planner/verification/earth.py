@@ -14,8 +14,8 @@ import erfa
 import numpy as np
 from astropy_iers_data import IERS_A_FILE
 
-from planner.arrays import Array
-from planner.errors import OutsideCoverage
+from planner.base.arrays import Array
+from planner.base.errors import OutsideCoverage
 from planner.verification.clock import DAY_S, DAY_US, TT_MINUS_TAI_S, tai_minus_utc_s, tai_us
 
 MJD_JD = 2400000.5

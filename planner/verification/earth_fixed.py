@@ -7,14 +7,14 @@ import erfa
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.arrays import Array
-from planner.frames.time_scales import Instants
-from planner.orbits import OrbitStates
-from planner.targets import EarthFixedTarget, GroundTarget, PlaceTarget
-from planner.targets.gazetteer import Place
+from planner.base.arrays import Array
 from planner.verification.air import lift_to_ground_rad
 from planner.verification.earth import earth_orientation
 from planner.verification.light import SPEED_OF_LIGHT_M_S, aberrate
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits import OrbitStates
+from planner.world.targets import EarthFixedTarget, GroundTarget, PlaceTarget
+from planner.world.targets.gazetteer import Place
 
 WGS84 = 1  # ERFA's number for the ellipsoid
 WGS84_A_M = 6378137.0

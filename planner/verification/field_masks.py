@@ -6,14 +6,14 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.arrays import Array
-from planner.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
-from planner.frames.time_scales import shifted_utc
-from planner.platforms import FieldMask, TwoAxisPlatform
-from planner.scenario import Scenario
+from planner.base.arrays import Array
+from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.verification.carrier import boresight_platform
 from planner.verification.hermite import AxisHermite
 from planner.verification.report import Finding, MaskMargin
+from planner.world.frames.time_scales import shifted_utc
+from planner.world.platforms import FieldMask, TwoAxisPlatform
+from planner.world.scenario import Scenario
 
 TOLERANCE_RAD = math.radians(0.1 / 3600.0)  # as for pointing
 KNOWN_RAD = 1e-5  # 2 arcsec, to which the least distance is found

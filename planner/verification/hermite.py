@@ -6,8 +6,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.arrays import Array, Mask
-from planner.commands import COMMAND_STEP_S, ROWS_PER_S
+from planner.base.arrays import Array, Mask
+from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
 
 
 @dataclass(frozen=True)

@@ -3,19 +3,7 @@
 from collections.abc import Callable
 from functools import cache
 
-from planner.commands import ROWS_PER_S, CommandTable
-from planner.frames.time_scales import shifted_utc
-from planner.orbits import Ephemeris
-from planner.scenario import Scenario
-from planner.targets import (
-    BenchMotionTarget,
-    BodyTarget,
-    EarthFixedTarget,
-    GroundTarget,
-    PlaceTarget,
-    SkyTarget,
-    StarTarget,
-)
+from planner.base.commands import ROWS_PER_S, CommandTable
 from planner.verification.bench_motion import bench_session
 from planner.verification.carrier import DERIVED_LAWS
 from planner.verification.field_masks import mask_findings, mask_margins
@@ -25,6 +13,18 @@ from planner.verification.pointing import pointing_session
 from planner.verification.report import Finding, Given, SessionReport, VerificationReport
 from planner.verification.session import table_session
 from planner.verification.structure import covers, session_rows, structure_findings, unflyable
+from planner.world.frames.time_scales import shifted_utc
+from planner.world.orbits import Ephemeris
+from planner.world.scenario import Scenario
+from planner.world.targets import (
+    BenchMotionTarget,
+    BodyTarget,
+    EarthFixedTarget,
+    GroundTarget,
+    PlaceTarget,
+    SkyTarget,
+    StarTarget,
+)
 
 # The judge finds them by itself.
 DERIVED_TARGETS = (GroundTarget, PlaceTarget, StarTarget, BodyTarget)

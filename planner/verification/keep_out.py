@@ -7,17 +7,17 @@ import erfa
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.arrays import Array
-from planner.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
-from planner.frames.time_scales import Instants, shifted_utc
-from planner.orbits import Ephemeris, OrbitStates
-from planner.scenario import Scenario
-from planner.targets import BodyTarget, KeepOut
-from planner.targets.keep_out import HIDDEN_RAD
+from planner.base.arrays import Array
+from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.verification.carrier import apart_rad, eci_from_lvlh, eci_from_platform, payload_eci
 from planner.verification.limits import angles_at
 from planner.verification.report import Finding, KeepOutMargin
 from planner.verification.sky import sky_sight
+from planner.world.frames.time_scales import Instants, shifted_utc
+from planner.world.orbits import Ephemeris, OrbitStates
+from planner.world.scenario import Scenario
+from planner.world.targets import BodyTarget, KeepOut
+from planner.world.targets.keep_out import HIDDEN_RAD
 
 TOLERANCE_RAD = math.radians(0.1 / 3600.0)  # as for pointing
 FINER = 20  # instants per cell, 10 ms apart, where a cone is near

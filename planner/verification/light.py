@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from planner.arrays import Array
+from planner.base.arrays import Array
 
 SPEED_OF_LIGHT_M_S = 299792458.0  # exact, BIPM
 

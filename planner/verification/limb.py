@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from planner.arrays import Array
+from planner.base.arrays import Array
 from planner.verification.earth_fixed import WGS84_A_M, WGS84_A_OVER_B, vertical
 
 

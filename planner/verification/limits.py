@@ -6,14 +6,14 @@ from datetime import datetime
 
 import numpy as np
 
-from planner.arrays import Array, Indices
-from planner.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
-from planner.frames.time_scales import shifted_utc
-from planner.platforms import AxisLimits
-from planner.scenario import Scenario
+from planner.base.arrays import Array, Indices
+from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.verification.hermite import AxisHermite, HermiteExtreme
 from planner.verification.report import Finding, Limit, LimitMargin, SlowStretch
 from planner.verification.structure import session_rows
+from planner.world.frames.time_scales import shifted_utc
+from planner.world.platforms import AxisLimits
+from planner.world.scenario import Scenario
 
 # A solver works to 1e-8 and a drive resolves 1e-4 of its range: neither is worth a rejection.
 RELATIVE_TOLERANCE = 1e-6

@@ -5,10 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from planner.arrays import Array
-from planner.frames.time_scales import Instants, utc_text
-from planner.orbits import Ephemeris
-from planner.targets import EarthFixedTarget, SkyTarget
+from planner.base.arrays import Array
 from planner.verification.carrier import apart_rad, payload_eci
 from planner.verification.earth_fixed import EarthFixedSight, earth_fixed_sight
 from planner.verification.report import (
@@ -20,6 +17,9 @@ from planner.verification.report import (
 )
 from planner.verification.session import TableSession
 from planner.verification.sky import LIMB_MODEL_SHARE, SkyDirection, sky_sight
+from planner.world.frames.time_scales import Instants, utc_text
+from planner.world.orbits import Ephemeris
+from planner.world.targets import EarthFixedTarget, SkyTarget
 
 EXACT_RAD = math.radians(0.1 / 3600.0)  # a seventh of a pixel of the HRC
 ELEVATION_TOLERANCE_RAD = 1e-7  # a carrier, or a limb, 0.1 m lower at 1000 km

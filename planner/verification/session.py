@@ -6,10 +6,8 @@ from datetime import datetime
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.arrays import Array
-from planner.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
-from planner.frames.time_scales import shifted_utc
-from planner.scenario import Scenario
+from planner.base.arrays import Array
+from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.verification.limits import angles_at, axis_hermite, slow_stretches
 from planner.verification.report import (
     EarthFixedView,
@@ -20,6 +18,8 @@ from planner.verification.report import (
     SessionReport,
     SkyView,
 )
+from planner.world.frames.time_scales import shifted_utc
+from planner.world.scenario import Scenario
 
 POINTS_PER_CELL = 4  # the row, and three: a Hermite errs like u^2 (1-u)^2, most in the middle
 

@@ -4,10 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import Array
-from planner.frames.time_scales import Instants
-from planner.orbits import OrbitStates
-from planner.targets import BodyTarget, SkyTarget, StarTarget
+from planner.base.arrays import Array
 from planner.verification.air import TOP_M, limb_bending_rad
 from planner.verification.clock import tt_s
 from planner.verification.earth import earth_orientation
@@ -22,6 +19,9 @@ from planner.verification.solar_system import (
     v_earth_bary_m_s,
 )
 from planner.verification.stars import towards_star
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits import OrbitStates
+from planner.world.targets import BodyTarget, SkyTarget, StarTarget
 
 # Two honest models of the standard air beyond the limb differ by this share of the bending: by
 # its colour (1 % from 400 to 700 nm), by rounding the kinks between its layers (0.4 %), by

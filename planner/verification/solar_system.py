@@ -12,8 +12,8 @@ import erfa
 import numpy as np
 from numpy.polynomial.chebyshev import chebval
 
-from planner.arrays import Array
-from planner.errors import OutsideCoverage
+from planner.base.arrays import Array
+from planner.base.errors import OutsideCoverage
 from planner.verification.clock import DAY_S
 
 BARYCENTRE = 0

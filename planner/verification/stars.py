@@ -10,8 +10,8 @@ from typing import NamedTuple
 import erfa
 import numpy as np
 
-from planner.arrays import Array
-from planner.targets import StarTarget
+from planner.base.arrays import Array
+from planner.world.targets import StarTarget
 
 _CATALOGUE = Path(__file__).parent / "data" / "hipparcos.txt.gz"
 _LINE_BYTES = 60  # sorted by number

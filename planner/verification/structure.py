@@ -6,11 +6,11 @@ from datetime import datetime
 
 import numpy as np
 
-from planner.commands import ROWS_PER_S, CommandTable
-from planner.frames.time_scales import shifted_utc, utc_text
-from planner.scenario import Scenario, Session
+from planner.base.commands import ROWS_PER_S, CommandTable
 from planner.verification.clock import elapsed_us
 from planner.verification.report import Finding
+from planner.world.frames.time_scales import shifted_utc, utc_text
+from planner.world.scenario import Scenario, Session
 
 STEP_US = 1_000_000 // ROWS_PER_S
 TIME_RESOLUTION_US = 1  # of a datetime: a session a microsecond past a row belongs to that row

@@ -19,9 +19,9 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from planner.spec import spec
-from planner.targets.earth_fixed import EarthFixedTarget, ElevationDeg
-from planner.targets.refraction import Refraction
+from planner.base.spec import spec
+from planner.world.targets.earth_fixed import EarthFixedTarget, ElevationDeg
+from planner.world.targets.refraction import Refraction
 
 
 @spec
@@ -40,7 +40,7 @@ class ItrfTarget(EarthFixedTarget):
 FORMAT = '''
 """Tab-separated angles."""
 
-from planner.export.exporter import Exporter
+from planner.output.export.exporter import Exporter
 
 
 def _write(plan, created_utc):
@@ -51,16 +51,16 @@ TAB = Exporter(title="angles", media_type="text/tab-separated-values", suffix="t
 '''
 REGISTRATIONS = (
     (
-        "planner/targets/__init__.py",
+        "planner/world/targets/__init__.py",
         "    | BenchMotionTarget,\n",
         "    | BenchMotionTarget | ItrfTarget,\n",
-        "from planner.targets.itrf import ItrfTarget\n",
+        "from planner.world.targets.itrf import ItrfTarget\n",
     ),
     (
-        "planner/export/__init__.py",
+        "planner/output/export/__init__.py",
         "] = {\n",
         '] = {\n    "tab": TAB,\n',
-        "from planner.export.tab import TAB\n",
+        "from planner.output.export.tab import TAB\n",
     ),
 )
 USE = """
@@ -69,7 +69,7 @@ from pathlib import Path
 from fastapi.testclient import TestClient
 import slewtrack
 from app.http.app import create_app
-from planner.frames.geodesy import itrf_from_geodetic
+from planner.world.frames.geodesy import itrf_from_geodetic
 import math
 
 EXAMPLES = Path(sys.argv[1])
@@ -110,8 +110,8 @@ def test_a_mode_and_a_format_get_everywhere(tmp_path):
     for package in ("slewtrack", "app", "planner", "estimator"):
         leave_out = shutil.ignore_patterns("__pycache__", "page")  # which may be built meanwhile
         shutil.copytree(ROOT / package, tmp_path / package, ignore=leave_out)
-    (tmp_path / "planner/targets/itrf.py").write_text(MODE.lstrip())
-    (tmp_path / "planner/export/tab.py").write_text(FORMAT.lstrip())
+    (tmp_path / "planner/world/targets/itrf.py").write_text(MODE.lstrip())
+    (tmp_path / "planner/output/export/tab.py").write_text(FORMAT.lstrip())
     for path, before, after, import_line in REGISTRATIONS:
         text = (tmp_path / path).read_text()
         assert text.count(before) == 1

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from app.store.packed import NewPlan
 from app.work.progress import Progress, report
-from planner.errors import FieldError, InvalidInput, InvalidRequest
+from planner.base.errors import FieldError, InvalidInput, InvalidRequest
 
 
 @dataclass(frozen=True)

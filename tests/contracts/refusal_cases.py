@@ -11,7 +11,7 @@ from pydantic import TypeAdapter
 
 from app.http.routes.platforms import definition_of
 from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
-from planner.platforms import PLATFORMS
+from planner.world.platforms import PLATFORMS
 
 Request = dict[str, Any]
 

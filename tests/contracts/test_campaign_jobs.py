@@ -18,7 +18,7 @@ from app.store.ids import new_id
 from app.store.jobs import NewJob
 from app.work.campaign import choose, without_refused
 from app.work.plan import plan_and_pack
-from planner.errors import Unreachable
+from planner.base.errors import Unreachable
 
 BODY = json.dumps(CAMPAIGN_EXAMPLES["cities"][1]).encode()
 

@@ -18,7 +18,7 @@ from live_service import live_service
 from relay import Relay
 
 import slewtrack
-from planner.errors import InvalidInput
+from planner.base.errors import InvalidInput
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 LAS_VEGAS = json.loads((EXAMPLES / "las_vegas_2015.json").read_text())

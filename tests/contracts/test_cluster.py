@@ -28,7 +28,7 @@ from app.requests.examples.plan import LAS_VEGAS
 from app.work.flights import PlanToFly, fly_part
 from app.work.plan import plan_and_pack
 from app.work.progress import Progress
-from planner.errors import InvalidInput
+from planner.base.errors import InvalidInput
 
 BIN = Path(sys.executable).parent
 HERE = Path(__file__).parent

@@ -23,9 +23,9 @@ from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
 from app.requests.opportunities import read_opportunity_request
 from app.requests.spacecraft import read_spacecraft_request
 from app.work.searches import CSV, windows_in_form
-from planner.csv_cells import comment_lines, csv_lines
-from planner.export import EXPORTERS
-from planner.opportunities import find_opportunities
+from planner.base.csv_cells import comment_lines, csv_lines
+from planner.output.export import EXPORTERS
+from planner.planning.opportunities import find_opportunities
 from planner.spacecraft.export import IMAGING_EXPORTERS
 from planner.spacecraft.table import AttitudeTable, ImagingWindow
 

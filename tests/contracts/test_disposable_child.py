@@ -43,7 +43,7 @@ from app.jobs.disposable import (
 from app.requests.examples.plan import PLAN_EXAMPLES
 from app.work.plan import plan_and_pack
 from app.work.progress import Progress
-from planner.errors import InvalidInput
+from planner.base.errors import InvalidInput
 
 BOUNDS = Bounds(deadline_s=120.0, memory_mib=200)
 

@@ -14,18 +14,18 @@ import pytest
 from scipy.io import netcdf_file
 
 from app.answers.view import view_json
-from planner.attitude.lvlh import LvlhAttitude
-from planner.commands import CommandTable
-from planner.errors import OutsideCoverage
-from planner.export import EXPORTERS
-from planner.frames.time_scales import Instants, shifted_utc
-from planner.orbits import OemOrbit, StateVectorOrbit, TleOrbit
-from planner.platforms import ISS_HRC
-from planner.scenario import InitialState, Scenario, Session
-from planner.targets import BenchMotionTarget, BodyTarget, GroundTarget
-from planner.targets.axis_signals import ConstantRate
-from planner.view import view_plan
-from planner.view.netcdf import write_view_netcdf
+from planner.base.commands import CommandTable
+from planner.base.errors import OutsideCoverage
+from planner.output.export import EXPORTERS
+from planner.output.view import view_plan
+from planner.output.view.netcdf import write_view_netcdf
+from planner.world.attitude.lvlh import LvlhAttitude
+from planner.world.frames.time_scales import Instants, shifted_utc
+from planner.world.orbits import OemOrbit, StateVectorOrbit, TleOrbit
+from planner.world.platforms import ISS_HRC
+from planner.world.scenario import InitialState, Scenario, Session
+from planner.world.targets import BenchMotionTarget, BodyTarget, GroundTarget
+from planner.world.targets.axis_signals import ConstantRate
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "las_vegas_2015.json"
 TLE = TleOrbit(**json.loads(EXAMPLE.read_text())["orbit"])

@@ -10,7 +10,7 @@ from app.requests.examples.plan import LAS_VEGAS
 from app.requests.horizon import read_picture_request, read_prediction_request
 from app.requests.plan import read_plan_request
 from estimator.request import HorizonRequest
-from planner.errors import InvalidRequest
+from planner.base.errors import InvalidRequest
 
 CAMERA = {
     "name": "pitch",

@@ -17,9 +17,9 @@ from app.requests.plan import read_plan_request
 from app.settings import Settings
 from app.store import events, jobs
 from app.work import flights as flights_work
-from planner.errors import Unreachable
-from planner.flights.pipeline import fly_plan
-from planner.sessions.pipeline import make_plan
+from planner.base.errors import Unreachable
+from planner.inflight.flights.pipeline import fly_plan
+from planner.planning.sessions.pipeline import make_plan
 
 ASKED = {"runs": 6, "seed": 3, "mover": {"speed_m_s": 20.8}}
 LATER = {"Prefer": "respond-async"}

@@ -17,8 +17,8 @@ from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
 from app.requests.plan import read_plan_request
 from app.store import audit, jobs, plans
 from app.store.packed import unpack
-from planner.export import EXPORTERS
-from planner.sessions.pipeline import make_plan
+from planner.output.export import EXPORTERS
+from planner.planning.sessions.pipeline import make_plan
 
 PLANS = "/v1/plans"
 # The first ten seconds of the session, to keep it quick.

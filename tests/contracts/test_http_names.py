@@ -4,7 +4,7 @@ import pytest
 from waiting import PatientClient
 
 from app.http.app import create_app
-from planner.targets.place import PlaceTarget
+from planner.world.targets.place import PlaceTarget
 
 # As geonames.org has 2643743.
 LONDON = (51.5085, -0.1257)

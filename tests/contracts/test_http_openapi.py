@@ -12,11 +12,11 @@ from waiting import PatientClient
 from app.http.app import create_app
 from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
 from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
-from planner.attitude import ATTITUDES
-from planner.export import EXPORTERS
-from planner.orbits import ORBITS
-from planner.platforms import PLATFORMS
-from planner.targets import TARGETS
+from planner.output.export import EXPORTERS
+from planner.world.attitude import ATTITUDES
+from planner.world.orbits import ORBITS
+from planner.world.platforms import PLATFORMS
+from planner.world.targets import TARGETS
 
 WITH_WINDOWS = {name: mode for name, mode in TARGETS.items() if mode.has_windows}
 REGISTRIES = [

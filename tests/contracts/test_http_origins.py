@@ -8,7 +8,7 @@ from app.cli import main
 from app.http.app import create_app
 from app.requests.examples.plan import LAS_VEGAS
 from app.settings import Settings
-from planner.errors import InvalidInput
+from planner.base.errors import InvalidInput
 
 PAGE, OTHER = "https://planner.example", "https://elsewhere.example"
 HERE, THERE = ("127.0.0.1", 40000), ("192.0.2.7", 40000)

@@ -12,7 +12,7 @@ from waiting import PatientClient
 
 from app.http.app import create_app
 from app.requests.examples.plan import LAS_VEGAS
-from planner.export import EXPORTERS
+from planner.output.export import EXPORTERS
 
 # The first ten seconds of the session, to keep every format quick.
 SHORT = request(

@@ -15,7 +15,7 @@ from app.http.app import create_app
 from app.requests.examples.plan import LAS_VEGAS
 from app.requests.examples.telemetry import COMPARISON_EXAMPLES
 from app.store import jobs
-from planner.frames.time_scales import shifted_utc, utc_from_text, utc_text
+from planner.world.frames.time_scales import shifted_utc, utc_from_text, utc_text
 
 COMPARISONS = "/v1/telemetry/comparisons"
 EPOCH_UTC = utc_from_text(LAS_VEGAS["initial_state"]["epoch"])

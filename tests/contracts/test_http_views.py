@@ -21,7 +21,7 @@ from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
 from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
 from app.requests.plan import read_plan_request
 from app.work.view import DRAWN, DRAWN_SESSION
-from planner.pointing.angles import boresight_platform
+from planner.motion.pointing.angles import boresight_platform
 
 FILL = 9.969209968386869e36  # NetCDF's own default for doubles
 STRIP = SPACECRAFT_EXAMPLES["geojson"][1]

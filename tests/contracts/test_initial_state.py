@@ -10,8 +10,8 @@ from waiting import PatientClient
 import slewtrack
 from app.http.app import create_app
 from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
-from planner.frames.time_scales import elapsed_s, utc_from_text, utc_text
-from planner.sessions.lead import ENOUGH
+from planner.planning.sessions.lead import ENOUGH
+from planner.world.frames.time_scales import elapsed_s, utc_from_text, utc_text
 
 DENVER = {"mode": "ground", "latitude_deg": 39.74, "longitude_deg": -104.98, "height_m": 1600.0}
 FIRST = utc_from_text(LAS_VEGAS["sessions"][0]["start"])

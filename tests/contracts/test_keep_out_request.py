@@ -2,9 +2,9 @@
 
 import pytest
 
-from planner.platforms import StructuralMode
-from planner.scenario import SlewOptions
-from planner.targets import KeepOut
+from planner.world.platforms import StructuralMode
+from planner.world.scenario import SlewOptions
+from planner.world.targets import KeepOut
 
 
 @pytest.mark.parametrize(

@@ -16,11 +16,11 @@ from app.requests.examples.spacecraft import FOUR_MODES
 from app.requests.spacecraft import read_kept_spacecraft_request, read_spacecraft_request
 from app.store.models import JobRow
 from app.work.view import DRAWN_SESSION
-from planner.errors import InvalidMessage, InvalidRequest
-from planner.export import EXPORTERS
+from planner.base.errors import InvalidMessage, InvalidRequest
+from planner.output.export import EXPORTERS
+from planner.output.view import VIEW_EXPORTERS
 from planner.spacecraft import geojson
 from planner.spacecraft.export import IMAGING_EXPORTERS
-from planner.view import VIEW_EXPORTERS
 
 OWN_PLATFORM = PLAN_EXAMPLES["platform"][1]
 HIDDEN = "a\0b\u202ec " + "long " * 600

@@ -9,8 +9,8 @@ import pytest
 
 from app.requests.examples.plan import LAS_VEGAS
 from app.requests.plan import read_plan_request
-from planner.errors import InvalidRequest
-from planner.frames.time_scales import elapsed_s
+from planner.base.errors import InvalidRequest
+from planner.world.frames.time_scales import elapsed_s
 
 BEFORE, WITHIN, AFTER = (
     f"{at}Z" for at in ("2016-12-31T23:59:59.8", "2016-12-31T23:59:60.6", "2017-01-01T00:00:00.4")

@@ -22,7 +22,7 @@ from app.requests.plan import read_plan_request
 from app.settings import Settings
 from app.store.api_keys import Key, digest, new_secret
 from app.store.keys import KeyStore
-from planner.errors import InvalidRequest
+from planner.base.errors import InvalidRequest
 
 SOME_KEY = Key(id="1", name="", secret_sha256="", scopes=("read",), created_utc=datetime.now(UTC))
 

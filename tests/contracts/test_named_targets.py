@@ -12,10 +12,10 @@ import pytest
 import slewtrack
 from app.requests.examples.plan import LAS_VEGAS
 from app.requests.json_reader import JsonReader
-from planner.errors import InvalidRequest
-from planner.targets import GroundTarget, PlaceTarget, StarTarget
-from planner.targets.gazetteer import find_place
-from planner.targets.star_names import hipparcos_number
+from planner.base.errors import InvalidRequest
+from planner.world.targets import GroundTarget, PlaceTarget, StarTarget
+from planner.world.targets.gazetteer import find_place
+from planner.world.targets.star_names import hipparcos_number
 
 
 @pytest.mark.parametrize(
@@ -123,7 +123,7 @@ def test_opportunities_and_campaigns_say_where_a_named_target_is():
 def test_a_request_without_names_loads_no_list_of_them():
     code = (
         "import slewtrack, pathlib\n"
-        "from planner.targets import gazetteer as g, star_names as s\n"
+        "from planner.world.targets import gazetteer as g, star_names as s\n"
         "slewtrack.read_request(pathlib.Path('examples/las_vegas_2015.json').read_bytes())\n"
         "print(g._file.cache_info().currsize, s._numbers.cache_info().currsize)"
     )

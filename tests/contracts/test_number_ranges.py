@@ -43,7 +43,7 @@ from app.requests.spacecraft import (
     spacecraft_request_json_schema,
 )
 from app.work.horizon_series import _SESSION
-from planner.errors import InvalidInput, InvalidRequest
+from planner.base.errors import InvalidInput, InvalidRequest
 
 Document = dict[str, Any]
 REFERENCE = "#/$defs/"

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from app.requests.opportunities import read_opportunity_request
-from planner.frames.time_scales import Instants
-from planner.opportunities import find_opportunities
+from planner.planning.opportunities import find_opportunities
+from planner.world.frames.time_scales import Instants
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("opportunities_*.json"))
 

@@ -8,8 +8,8 @@ import pytest
 import slewtrack
 from app.requests.examples.messages import OMM
 from app.requests.examples.plan import LAS_VEGAS
-from planner.errors import InvalidRequest, OutsideCoverage
-from planner.frames.time_scales import Instants, utc_from_text
+from planner.base.errors import InvalidRequest, OutsideCoverage
+from planner.world.frames.time_scales import Instants, utc_from_text
 
 [ELEMENTS] = json.loads(OMM)
 LINES = [LAS_VEGAS["orbit"]["line1"], LAS_VEGAS["orbit"]["line2"]]

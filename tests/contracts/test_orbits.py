@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from planner.errors import OutsideCoverage
-from planner.frames.time_scales import Instants, elapsed_s
-from planner.orbits import ORBITS, OemOrbit, OmmOrbit, OpmOrbit, StateVectorOrbit, TleOrbit
+from planner.base.errors import OutsideCoverage
+from planner.world.frames.time_scales import Instants, elapsed_s
+from planner.world.orbits import ORBITS, OemOrbit, OmmOrbit, OpmOrbit, StateVectorOrbit, TleOrbit
 
 DATA = Path(__file__).parents[1] / "data"
 ISS_STATE = {

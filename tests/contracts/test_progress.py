@@ -13,9 +13,9 @@ from app.requests.examples.campaign import CAMPAIGN_EXAMPLES
 from app.requests.examples.plan import LAS_VEGAS
 from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
 from app.requests.spacecraft import read_spacecraft_request
-from planner.campaigns import choose_campaign
-from planner.errors import Refusal
-from planner.sessions.pipeline import make_plan
+from planner.base.errors import Refusal
+from planner.planning.campaigns import choose_campaign
+from planner.planning.sessions.pipeline import make_plan
 from planner.spacecraft.plan import plan_imaging
 
 

@@ -22,7 +22,7 @@ from app.jobs.child import Bounds
 from app.jobs.disposable import run_disposable
 from app.jobs.kinds import JOB_KINDS, PLAN
 from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
-from planner.errors import FieldError, GiveUp, InvalidRequest, Refusal
+from planner.base.errors import FieldError, GiveUp, InvalidRequest, Refusal
 from planner.spacecraft.imaging.choice_with_turns import LooksTooClose
 from planner.spacecraft.turns.turn_choice import GyrosTooFull, TurnNeedsTime
 from slewtrack import problems

@@ -6,12 +6,12 @@ import time
 import numpy as np
 import pytest
 
-from planner.baseline import paper_slew
-from planner.platforms import ISS_HRC
-from planner.scenario import SlewOptions
-from planner.slew import optimal_slew
-from planner.slew.problem import AxisState, SlewProblem
-from planner.slew.solution import violations
+from planner.motion.baseline import paper_slew
+from planner.motion.slew import optimal_slew
+from planner.motion.slew.problem import AxisState, SlewProblem
+from planner.motion.slew.solution import violations
+from planner.world.platforms import ISS_HRC
+from planner.world.scenario import SlewOptions
 
 LIMITS = ISS_HRC.outer_limits
 METHODS = {"ocp": optimal_slew, "spline": lambda problem: paper_slew(problem, SlewOptions())}

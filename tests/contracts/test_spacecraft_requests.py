@@ -10,7 +10,7 @@ from pydantic import TypeAdapter, ValidationError
 from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
 from app.requests.json_reader import VALUES_MAX
 from app.requests.spacecraft import read_spacecraft_request
-from planner.errors import InvalidMessage, InvalidRequest
+from planner.base.errors import InvalidMessage, InvalidRequest
 from planner.spacecraft.geojson import requests_from_features
 from planner.spacecraft.requests import ImagingPlanRequest, Request
 

@@ -29,7 +29,7 @@ from app.store.models import JobRow, PlanRow
 from app.store.packed import PackedColumns, pack, unpack
 from app.store.sought import Sought
 from app.store.unavailable import StoreDamaged, StoreUnavailable
-from planner.errors import InvalidInput
+from planner.base.errors import InvalidInput
 
 KINDS = ("note",)
 

@@ -21,7 +21,7 @@ from app.requests.examples.spacecraft import IMAGING_OPPORTUNITY_EXAMPLES, SPACE
 from app.requests.opportunities import read_opportunity_request
 from app.requests.plan import read_plan_request
 from app.requests.spacecraft import read_imaging_opportunity_request, read_spacecraft_request
-from planner.errors import InvalidInput, Refusal
+from planner.base.errors import InvalidInput, Refusal
 
 MOST = 200
 READERS: dict[Callable[[bytes], object], dict] = {

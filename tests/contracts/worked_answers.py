@@ -35,7 +35,7 @@ from app.store import jobs
 from app.store.ids import new_id
 from app.store.jobs import NewJob
 from app.work.searches import CSV, GEOJSON
-from planner.export import EXPORTERS
+from planner.output.export import EXPORTERS
 from planner.spacecraft.export import IMAGING_EXPORTERS
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

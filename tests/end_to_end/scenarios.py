@@ -2,11 +2,11 @@
 
 from datetime import UTC, datetime, timedelta
 
-from planner.attitude import AttitudeUncertainty, LvlhAttitude
-from planner.orbits import TleOrbit
-from planner.platforms import PLATFORMS
-from planner.scenario import InitialState, Scenario, Session, SlewOptions
-from planner.targets import GroundTarget
+from planner.world.attitude import AttitudeUncertainty, LvlhAttitude
+from planner.world.orbits import TleOrbit
+from planner.world.platforms import PLATFORMS
+from planner.world.scenario import InitialState, Scenario, Session, SlewOptions
+from planner.world.targets import GroundTarget
 
 TLE = TleOrbit(
     line1="1 25544U 98067A   15058.48161588  .00023857  00000-0  35618-3 0  9991",

@@ -11,8 +11,8 @@ from typer.testing import CliRunner
 
 from app.cli import main
 from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
-from planner.errors import VerificationFailed
-from planner.export import EXPORTERS
+from planner.base.errors import VerificationFailed
+from planner.output.export import EXPORTERS
 
 SLEWTRACK = Path(sys.executable).with_name("slewtrack")
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -168,7 +168,7 @@ def test_a_bug_is_one_line_and_exit_code_1(monkeypatch):
     def broken(*_, **__):
         raise RuntimeError("a bug")
 
-    monkeypatch.setattr("planner.sessions.pipeline.make_plan", broken)
+    monkeypatch.setattr("planner.planning.sessions.pipeline.make_plan", broken)
     result = CliRunner().invoke(main, ["plan", str(EXAMPLE)])
     assert result.exit_code == 1
     assert "internal error" in one_line(result.stderr)
@@ -178,7 +178,7 @@ def test_our_failures_are_exit_code_1(monkeypatch):
     def rejected(*_, **__):
         raise VerificationFailed("the judge says no")
 
-    monkeypatch.setattr("planner.sessions.pipeline.make_plan", rejected)
+    monkeypatch.setattr("planner.planning.sessions.pipeline.make_plan", rejected)
     result = CliRunner().invoke(main, ["plan", str(EXAMPLE)])
     assert result.exit_code == 1
     assert one_line(result.stderr) == "slewtrack: the judge says no"

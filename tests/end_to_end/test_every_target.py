@@ -5,9 +5,9 @@ from typing import get_args
 import pytest
 from scenarios import EPOCH, LAS_VEGAS, scenario, session
 
-from planner.errors import NotVisible, TrackBreaksLimit
-from planner.sessions.pipeline import make_plan
-from planner.targets import (
+from planner.base.errors import NotVisible, TrackBreaksLimit
+from planner.planning.sessions.pipeline import make_plan
+from planner.world.targets import (
     BenchMotionTarget,
     BodyTarget,
     GroundPathTarget,
@@ -16,8 +16,8 @@ from planner.targets import (
     StarTarget,
     Target,
 )
-from planner.targets.axis_signals import Chirp, ConstantRate, Multisine, Sine, Step, Triangle
-from planner.targets.ground_path import PathPoint
+from planner.world.targets.axis_signals import Chirp, ConstantRate, Multisine, Sine, Step, Triangle
+from planner.world.targets.ground_path import PathPoint
 
 TARGETS = {
     "ground": LAS_VEGAS,

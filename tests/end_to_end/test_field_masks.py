@@ -11,13 +11,13 @@ from mask_shapes import inside, mask_corners
 from scenarios import EPOCH, LAS_VEGAS, SALT_LAKE, scenario, session
 from scipy_boresight import scipy_boresight
 
-from planner.errors import InfeasibleSlew, NotVisible
-from planner.platforms import ISS_HRC, FieldMask
-from planner.pointing.angles import axis_angles
-from planner.scenario import FinalAngles, SlewOptions
-from planner.sessions.pipeline import make_plan
-from planner.targets import KeepOut
+from planner.base.errors import InfeasibleSlew, NotVisible
+from planner.motion.pointing.angles import axis_angles
+from planner.planning.sessions.pipeline import make_plan
 from planner.verification import verify
+from planner.world.platforms import ISS_HRC, FieldMask
+from planner.world.scenario import FinalAngles, SlewOptions
+from planner.world.targets import KeepOut
 
 FREE = scenario(
     session(LAS_VEGAS, 140, 230),

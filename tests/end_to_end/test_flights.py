@@ -7,28 +7,28 @@ import numpy as np
 import pytest
 from scenarios import LAS_VEGAS, SALT_LAKE, STILL, scenario, session
 
-from planner.attitude import AttitudeUncertainty, LvlhAttitude
-from planner.commands import ROWS_PER_S
-from planner.errors import InvalidInput
-from planner.flights.draws import CAUSES, draw_run, undisturbed
-from planner.flights.drives import flown_by
-from planner.flights.frames import EXPOSURE_POINTS, exposures_s, frames_of
-from planner.flights.ground_view import ground_view
-from planner.flights.nominal import nominal_session
-from planner.flights.runs import fly_nominal, fly_runs
-from planner.flights.scene import session_scenes
-from planner.flights.summary import joined, summarise
-from planner.frames.geodesy import itrf_from_geodetic
-from planner.frames.time_scales import Instants
-from planner.platforms import IDEAL_DRIVE, ISS_HRC, AxisDrive, Camera
-from planner.pointing.angles import boresight_platform
-from planner.pointing.frame import frame_axes, places_in_frame
-from planner.pointing.hermite import quintic_motion
-from planner.pointing.line_of_sight import line_of_sight
-from planner.sessions.pipeline import make_plan, session_budget
-from planner.sessions.uncertainty import CLOCK_S, PointingScene, error_biases
-from planner.targets import BenchMotionTarget, GroundTarget, StarTarget
-from planner.targets.axis_signals import ConstantRate
+from planner.base.commands import ROWS_PER_S
+from planner.base.errors import InvalidInput
+from planner.inflight.flights.draws import CAUSES, draw_run, undisturbed
+from planner.inflight.flights.drives import flown_by
+from planner.inflight.flights.frames import EXPOSURE_POINTS, exposures_s, frames_of
+from planner.inflight.flights.ground_view import ground_view
+from planner.inflight.flights.nominal import nominal_session
+from planner.inflight.flights.runs import fly_nominal, fly_runs
+from planner.inflight.flights.scene import session_scenes
+from planner.inflight.flights.summary import joined, summarise
+from planner.motion.pointing.angles import boresight_platform
+from planner.motion.pointing.frame import frame_axes, places_in_frame
+from planner.motion.pointing.hermite import quintic_motion
+from planner.motion.pointing.line_of_sight import line_of_sight
+from planner.planning.sessions.pipeline import make_plan, session_budget
+from planner.planning.sessions.uncertainty import CLOCK_S, PointingScene, error_biases
+from planner.world.attitude import AttitudeUncertainty, LvlhAttitude
+from planner.world.frames.geodesy import itrf_from_geodetic
+from planner.world.frames.time_scales import Instants
+from planner.world.platforms import IDEAL_DRIVE, ISS_HRC, AxisDrive, Camera
+from planner.world.targets import BenchMotionTarget, GroundTarget, StarTarget
+from planner.world.targets.axis_signals import ConstantRate
 
 ARCSEC = math.radians(1.0 / 3600.0)
 

@@ -9,7 +9,7 @@ import pytest
 from skyfield.api import EarthSatellite, load, wgs84
 
 from app.requests.plan import read_plan_request
-from planner.sessions.pipeline import make_plan
+from planner.planning.sessions.pipeline import make_plan
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 THREE_SESSIONS = EXAMPLES / "three_sessions.json"

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from scenarios import LAS_VEGAS, STILL, scenario, session
 
-from planner.attitude import AttitudeUncertainty, LvlhAttitude
-from planner.flights.drives import flown_by
-from planner.flights.nominal import nominal_session
-from planner.flights.request import Mover
-from planner.flights.runs import fly_runs
-from planner.flights.scene import session_scenes
-from planner.flights.summary import summarise
-from planner.platforms import ISS_HRC, AxisDrive
-from planner.sessions.pipeline import make_plan
+from planner.inflight.flights.drives import flown_by
+from planner.inflight.flights.nominal import nominal_session
+from planner.inflight.flights.request import Mover
+from planner.inflight.flights.runs import fly_runs
+from planner.inflight.flights.scene import session_scenes
+from planner.inflight.flights.summary import summarise
+from planner.planning.sessions.pipeline import make_plan
+from planner.world.attitude import AttitudeUncertainty, LvlhAttitude
+from planner.world.platforms import ISS_HRC, AxisDrive
 
 # Each at an end of its range, beyond which a fifth more or less would be drawn.
 DRIVES = {

@@ -11,11 +11,11 @@ from scenarios import EPOCH, LAS_VEGAS, SALT_LAKE, scenario, session
 from scipy_boresight import scipy_boresight
 from skyfield.api import EarthSatellite, load, load_file, wgs84
 
-from planner.errors import InfeasibleSlew, NotVisible
-from planner.scenario import SlewOptions
-from planner.sessions.pipeline import make_plan
-from planner.targets import BodyTarget, KeepOut
+from planner.base.errors import InfeasibleSlew, NotVisible
+from planner.planning.sessions.pipeline import make_plan
 from planner.verification import verify
+from planner.world.scenario import SlewOptions
+from planner.world.targets import BodyTarget, KeepOut
 
 FREE = scenario(
     session(LAS_VEGAS, 140, 230),

@@ -9,17 +9,17 @@ from scenarios import LAS_VEGAS, SALT_LAKE, at, scenario, session
 from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq
 
-from planner.commands import COMMAND_STEP_S
-from planner.errors import InfeasibleSlew, Refusal
-from planner.frames.time_scales import elapsed_s
-from planner.platforms import ISS_HRC, AxisLimits, StructuralMode
-from planner.scenario import BoundedLead, FinalAngles, SlewOptions
-from planner.sessions.lead import at_rest_after, least_slew_s, slew_within_lead
-from planner.sessions.pipeline import make_plan
-from planner.slew import AxisState, SlewProblem, optimal_slew
-from planner.targets import BenchMotionTarget, KeepOut
-from planner.targets.axis_signals import ConstantRate
+from planner.base.commands import COMMAND_STEP_S
+from planner.base.errors import InfeasibleSlew, Refusal
+from planner.motion.slew import AxisState, SlewProblem, optimal_slew
+from planner.planning.sessions.lead import at_rest_after, least_slew_s, slew_within_lead
+from planner.planning.sessions.pipeline import make_plan
 from planner.verification import verify
+from planner.world.frames.time_scales import elapsed_s
+from planner.world.platforms import ISS_HRC, AxisLimits, StructuralMode
+from planner.world.scenario import BoundedLead, FinalAngles, SlewOptions
+from planner.world.targets import BenchMotionTarget, KeepOut
+from planner.world.targets.axis_signals import ConstantRate
 
 LIMITS = ISS_HRC.axis_limits
 HOUR_S = 3600

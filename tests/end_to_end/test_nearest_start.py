@@ -9,15 +9,15 @@ import pytest
 from scenarios import EPOCH, LAS_VEGAS, TLE, at, scenario, session
 
 from app.requests.examples.messages import ATTITUDE, OEM
-from planner.attitude.aem import AemAttitude
-from planner.errors import InfeasibleSlew, NotVisible
-from planner.frames.time_scales import Instants, utc_from_text
-from planner.orbits import OemOrbit, state_vector
-from planner.orbits.state_vector import StateVectorOrbit
-from planner.sessions import nearest_start
-from planner.sessions.pipeline import make_plan
-from planner.targets import GroundTarget, MovingGroundTarget
-from planner.targets.ground_moving import LEAD_MAX_S
+from planner.base.errors import InfeasibleSlew, NotVisible
+from planner.planning.sessions import nearest_start
+from planner.planning.sessions.pipeline import make_plan
+from planner.world.attitude.aem import AemAttitude
+from planner.world.frames.time_scales import Instants, utc_from_text
+from planner.world.orbits import OemOrbit, state_vector
+from planner.world.orbits.state_vector import StateVectorOrbit
+from planner.world.targets import GroundTarget, MovingGroundTarget
+from planner.world.targets.ground_moving import LEAD_MAX_S
 
 OVERHEAD = replace(LAS_VEGAS, min_elevation_deg=60.0)  # from 17:36:40 to 17:38:20
 NEVER = GroundTarget(latitude_deg=85.0, longitude_deg=0.0)  # the ISS turns back at 51.6 deg

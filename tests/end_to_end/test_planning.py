@@ -13,13 +13,13 @@ from scenarios import (
     session,
 )
 
-from planner.commands import COMMAND_STEP_S
-from planner.errors import InfeasibleSlew, NotVisible, Refusal
-from planner.scenario import SlewOptions
-from planner.sessions import chain
-from planner.sessions.joining import slew_onto
-from planner.sessions.pipeline import make_plan
-from planner.targets import GroundTarget
+from planner.base.commands import COMMAND_STEP_S
+from planner.base.errors import InfeasibleSlew, NotVisible, Refusal
+from planner.planning.sessions import chain
+from planner.planning.sessions.joining import slew_onto
+from planner.planning.sessions.pipeline import make_plan
+from planner.world.scenario import SlewOptions
+from planner.world.targets import GroundTarget
 
 
 def replanned(asked, refusal, number=0):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import slewtrack
-from planner.errors import InvalidRequest, NotVisible, Refusal
+from planner.base.errors import InvalidRequest, NotVisible, Refusal
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

@@ -20,16 +20,16 @@ from waiting import PATIENCE_S
 from app.http.app import create_app
 from app.requests.opportunities import read_opportunity_request
 from app.requests.plan import read_plan_request
-from planner.attitude import ATTITUDES
-from planner.errors import Refusal
-from planner.export import EXPORTERS
-from planner.opportunities import OpportunityConditions, find_opportunities
-from planner.orbits import ORBITS
-from planner.scenario import SlewOptions
-from planner.sessions.pipeline import make_plan
-from planner.sessions.sequence import CONFLICTS
-from planner.targets import TARGETS
-from planner.targets.bench_motion import Motion
+from planner.base.errors import Refusal
+from planner.output.export import EXPORTERS
+from planner.planning.opportunities import OpportunityConditions, find_opportunities
+from planner.planning.sessions.pipeline import make_plan
+from planner.planning.sessions.sequence import CONFLICTS
+from planner.world.attitude import ATTITUDES
+from planner.world.orbits import ORBITS
+from planner.world.scenario import SlewOptions
+from planner.world.targets import TARGETS
+from planner.world.targets.bench_motion import Motion
 
 ROOT = Path(__file__).parents[2]
 SLEWTRACK = Path(sys.executable).with_name("slewtrack")

@@ -13,9 +13,8 @@ from scipy.spatial.transform import Rotation
 sys.path.insert(0, str(Path(__file__).parents[1] / "oracles"))
 from spacecraft_cases import EPOCH, ORBIT, area, four_modes, line, positions, session
 
-from planner import effort
-from planner.errors import InfeasibleSlew, InvalidInput, SearchEnded, Unreachable
-from planner.frames.geodesy import itrf_from_geodetic
+from planner.base import effort
+from planner.base.errors import InfeasibleSlew, InvalidInput, SearchEnded, Unreachable
 from planner.spacecraft.plan import plan_imaging
 from planner.spacecraft.requests import (
     AreaRequest,
@@ -28,6 +27,7 @@ from planner.spacecraft.requests import (
 )
 from planner.spacecraft.vehicle.definition import OFF_NADIR_DEG
 from planner.spacecraft.verification import verify_table
+from planner.world.frames.geodesy import itrf_from_geodetic
 
 
 @pytest.fixture(scope="module")

@@ -10,8 +10,8 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[1] / "oracles"))
 from spacecraft_cases import ORBIT, four_modes, line, session
 
-from planner import effort
-from planner.errors import InfeasibleSlew, InvalidInput, SearchEnded, Unreachable
+from planner.base import effort
+from planner.base.errors import InfeasibleSlew, InvalidInput, SearchEnded, Unreachable
 from planner.spacecraft.plan import plan_imaging
 from planner.spacecraft.requests import (
     AreaRequest,

@@ -7,21 +7,21 @@ import numpy as np
 import pytest
 from scenarios import LAS_VEGAS, TLE, at, scenario, session
 
-from planner.attitude import LvlhAttitude
-from planner.errors import NotVisible, Refusal, Unreachable
-from planner.frames.time_scales import Instants, shifted_utc
-from planner.opportunities import (
+from planner.base.errors import NotVisible, Refusal, Unreachable
+from planner.planning.opportunities import (
     OpportunityConditions,
     OpportunityRequest,
     OpportunityTarget,
     Windows,
     find_opportunities,
 )
-from planner.opportunities.windows import SESSION_MAX_S
-from planner.orbits import StateVectorOrbit
-from planner.platforms import PLATFORMS, FieldMask
-from planner.sessions.pipeline import make_plan
-from planner.targets import GroundTarget, StarTarget
+from planner.planning.opportunities.windows import SESSION_MAX_S
+from planner.planning.sessions.pipeline import make_plan
+from planner.world.attitude import LvlhAttitude
+from planner.world.frames.time_scales import Instants, shifted_utc
+from planner.world.orbits import StateVectorOrbit
+from planner.world.platforms import PLATFORMS, FieldMask
+from planner.world.targets import GroundTarget, StarTarget
 
 PLACES = (
     LAS_VEGAS,

@@ -12,12 +12,12 @@ import numpy as np
 from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
-from planner.attitude.lvlh import LvlhAttitude
-from planner.commands import CommandTable
-from planner.orbits import StateVectorOrbit, TleOrbit
-from planner.platforms import ISS_HRC, TwoAxisPlatform
-from planner.scenario import InitialState, Scenario, Session
-from planner.targets import GroundTarget
+from planner.base.commands import CommandTable
+from planner.world.attitude.lvlh import LvlhAttitude
+from planner.world.orbits import StateVectorOrbit, TleOrbit
+from planner.world.platforms import ISS_HRC, TwoAxisPlatform
+from planner.world.scenario import InitialState, Scenario, Session
+from planner.world.targets import GroundTarget
 
 ARCSEC_RAD = np.pi / 648000.0
 READ_BACK_RAD = 0.01 * ARCSEC_RAD  # a tenth of what the table promises between its rows

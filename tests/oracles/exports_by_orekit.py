@@ -14,7 +14,7 @@ import orekit_jpype
 from export_cases import CREATED_UTC, case
 from jpype import JProxy
 
-from planner.export import EXPORTERS
+from planner.output.export import EXPORTERS
 
 GOLDEN = Path(__file__).parents[1] / "data" / "exports_by_orekit.json"
 SAMPLES_S = [0.0, 0.1, 7.3, 20.0, 33.34, 47.9, 59.9, 60.0]  # on rows and between them

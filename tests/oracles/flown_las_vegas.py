@@ -8,8 +8,8 @@ from other_platform import Clock
 
 from app.requests.examples.plan import LAS_VEGAS
 from app.requests.plan import read_plan_request
-from planner.export.csv import table_csv
-from planner.sessions.pipeline import make_plan
+from planner.output.export.csv import table_csv
+from planner.planning.sessions.pipeline import make_plan
 
 PERFECT = {"alpha": other_platform.Drive(), "beta": other_platform.Drive()}
 

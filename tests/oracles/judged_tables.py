@@ -14,13 +14,13 @@ import numpy as np
 from scipy.interpolate import BPoly, make_interp_spline
 from scipy.spatial.transform import Rotation
 
-from planner.attitude.lvlh import LvlhAttitude
-from planner.commands import CommandTable
-from planner.frames.time_scales import Instants
-from planner.orbits import OrbitStates
-from planner.platforms import ISS_HRC
-from planner.scenario import InitialState, Scenario, Session
-from planner.targets import GroundTarget
+from planner.base.commands import CommandTable
+from planner.world.attitude.lvlh import LvlhAttitude
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits import OrbitStates
+from planner.world.platforms import ISS_HRC
+from planner.world.scenario import InitialState, Scenario, Session
+from planner.world.targets import GroundTarget
 
 EPOCH_UTC = datetime(2015, 2, 27, 17, 36, 0, tzinfo=UTC)
 START_S, STOP_S = 60.1, 99.9  # off the grid: the table must track from 60.0 to 100.0 s

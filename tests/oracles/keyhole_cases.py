@@ -6,12 +6,12 @@ from datetime import timedelta
 
 import numpy as np
 
-from planner.attitude import LvlhAttitude
-from planner.frames.time_scales import Instants, utc_from_text
-from planner.orbits import TleOrbit
-from planner.platforms import ISS_HRC
-from planner.scenario import InitialState, Scenario, Session
-from planner.targets import StarTarget
+from planner.world.attitude import LvlhAttitude
+from planner.world.frames.time_scales import Instants, utc_from_text
+from planner.world.orbits import TleOrbit
+from planner.world.platforms import ISS_HRC
+from planner.world.scenario import InitialState, Scenario, Session
+from planner.world.targets import StarTarget
 
 EPOCH = utc_from_text("2015-02-27T17:34:00Z")
 TLE = TleOrbit(

@@ -1,4 +1,4 @@
-"""Makes planner/targets/data: star_names.csv, cities.tsv.xz and countries.csv.
+"""Makes planner/world/targets/data: star_names.csv, cities.tsv.xz and countries.csv.
 
     python tests/oracles/make_names.py FOLDER
 
@@ -27,12 +27,12 @@ from pathlib import Path
 import numpy as np
 from skyfield.named_stars import named_star_dict
 
-from planner.frames.geodesy import WGS84_F, itrf_from_geodetic
-from planner.frames.hipparcos import hipparcos_star
-from planner.targets.names import key_of
+from planner.world.frames.geodesy import WGS84_F, itrf_from_geodetic
+from planner.world.frames.hipparcos import hipparcos_star
+from planner.world.targets.names import key_of
 
-DATA = Path(__file__).parents[2] / "planner/targets/data"
-GRAVITY = Path(__file__).parents[2] / "planner/orbits/data/eigen6s_n36.csv"
+DATA = Path(__file__).parents[2] / "planner/world/targets/data"
+GRAVITY = Path(__file__).parents[2] / "planner/world/orbits/data/eigen6s_n36.csv"
 MOVED_KM = 1.0
 NEAR = ((5.0, 300.0), (15.0, 100.0))  # km, and m by which heights may differ there
 KM_PER_DEG = 111.2

@@ -19,7 +19,7 @@ from jplephem.calendar import compute_julian_date
 from jplephem.excerpter import write_excerpt
 from jplephem.spk import SPK
 
-from planner.frames.hipparcos import COLUMNS
+from planner.world.frames.hipparcos import COLUMNS
 
 PLANNER = Path(__file__).parents[2] / "planner"
 SOURCES = {
@@ -36,7 +36,7 @@ def main(de421: Path, hip2: Path) -> None:
         found = hashlib.sha256(path.read_bytes()).hexdigest()
         if found != SOURCES[path.name]:
             raise SystemExit(f"{path} is another than these were made of: {found}")
-    excerpt = PLANNER / "frames/data/de421.bsp"
+    excerpt = PLANNER / "world/frames/data/de421.bsp"
     kernel = SPK.open(str(de421))
     wanted = [one for one in kernel.daf.summaries() if one[1][2] != PLUTO]
     with excerpt.open("w+b") as file:
@@ -50,7 +50,7 @@ def main(de421: Path, hip2: Path) -> None:
         tuple(int(Decimal(text).scaleb(shift)) for text, shift in zip(star, decimals, strict=True))
         for star in stars
     ]
-    np.save(PLANNER / "frames/data/hipparcos.npy", np.array(numbers, dtype=COLUMNS))
+    np.save(PLANNER / "world/frames/data/hipparcos.npy", np.array(numbers, dtype=COLUMNS))
     widths = (6, 13, 14, 8, 9, 9)
     lines = (
         "".join(text.rjust(width) for text, width in zip(star, widths, strict=True)) + "\n"

@@ -4,10 +4,10 @@ import json
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
-from planner.opportunities import OpportunityRequest, OpportunityTarget
-from planner.orbits import TleOrbit
-from planner.platforms import PLATFORMS
-from planner.targets import GroundTarget
+from planner.planning.opportunities import OpportunityRequest, OpportunityTarget
+from planner.world.orbits import TleOrbit
+from planner.world.platforms import PLATFORMS
+from planner.world.targets import GroundTarget
 
 ROOT = Path(__file__).parents[2]
 START = datetime(2015, 2, 27, 6, 0, 0, 250_000, tzinfo=UTC)

@@ -6,10 +6,6 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from planner.frames.earth_orientation import itrf_from_eci_state
-from planner.frames.geodesy import c_enu_from_itrf, geodetic_from_itrf, itrf_from_geodetic
-from planner.frames.time_scales import Instants
-from planner.orbits import StateVectorOrbit
 from planner.spacecraft.requests import (
     AreaRequest,
     CorridorRequest,
@@ -19,6 +15,10 @@ from planner.spacecraft.requests import (
     StereoRequest,
     StripRequest,
 )
+from planner.world.frames.earth_orientation import itrf_from_eci_state
+from planner.world.frames.geodesy import c_enu_from_itrf, geodetic_from_itrf, itrf_from_geodetic
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits import StateVectorOrbit
 
 EPOCH = datetime(2024, 6, 1, 10, 0, tzinfo=UTC)
 

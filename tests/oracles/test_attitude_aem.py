@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from planner.attitude import AemAttitude, LvlhAttitude
-from planner.attitude.aem import ODD_WARNED_RAD
-from planner.errors import InvalidMessage, OutsideCoverage
-from planner.frames.earth_orientation import C_GCRF_FROM_EME2000, c_itrf_from_eci
-from planner.frames.local_orbital import q_lvlh_from_eci
-from planner.frames.time_scales import Instants, utc_from_text, utc_text
-from planner.orbits import TleOrbit
+from planner.base.errors import InvalidMessage, OutsideCoverage
+from planner.world.attitude import AemAttitude, LvlhAttitude
+from planner.world.attitude.aem import ODD_WARNED_RAD
+from planner.world.frames.earth_orientation import C_GCRF_FROM_EME2000, c_itrf_from_eci
+from planner.world.frames.local_orbital import q_lvlh_from_eci
+from planner.world.frames.time_scales import Instants, utc_from_text, utc_text
+from planner.world.orbits import TleOrbit
 
 DATA = Path(__file__).parents[1] / "data"
 ARCSEC = np.pi / 648000.0

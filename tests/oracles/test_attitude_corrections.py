@@ -9,7 +9,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 from scipy.special import gamma, kv
 
-from planner.attitude import (
+from planner.base.errors import InvalidInput
+from planner.world.attitude import (
     AemAttitude,
     AttitudeCorrection,
     AttitudeUncertainty,
@@ -17,10 +18,9 @@ from planner.attitude import (
     InertialAttitude,
     LvlhAttitude,
 )
-from planner.attitude.errors import REST_MEMORY_S, REST_RAD
-from planner.errors import InvalidInput
-from planner.frames.time_scales import Instants, utc_from_text
-from planner.orbits import OrbitStates
+from planner.world.attitude.errors import REST_MEMORY_S, REST_RAD
+from planner.world.frames.time_scales import Instants, utc_from_text
+from planner.world.orbits import OrbitStates
 
 MESSAGE = (Path(__file__).parents[1] / "data/iss_attitude_1s_2018-285.aem").read_text()
 MESSAGE_FIRST = utc_from_text("2018-10-12T06:00:27.799Z")

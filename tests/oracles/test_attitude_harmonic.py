@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from planner.attitude import HarmonicAttitude
-from planner.attitude.extrapolation import Description, fit_extrapolation
-from planner.attitude.manoeuvre import last_change
-from planner.errors import OutsideCoverage
-from planner.frames.local_orbital import q_lvlh_from_eci
-from planner.frames.time_scales import Instants, shifted_utc, utc_from_text, utc_text
-from planner.messages.aem import read_aem
-from planner.orbits import TleOrbit
+from planner.base.errors import OutsideCoverage
+from planner.world.attitude import HarmonicAttitude
+from planner.world.attitude.extrapolation import Description, fit_extrapolation
+from planner.world.attitude.manoeuvre import last_change
+from planner.world.frames.local_orbital import q_lvlh_from_eci
+from planner.world.frames.time_scales import Instants, shifted_utc, utc_from_text, utc_text
+from planner.world.messages.aem import read_aem
+from planner.world.orbits import TleOrbit
 
 DATA = Path(__file__).parents[1] / "data"
 ORBIT = TleOrbit(

@@ -4,8 +4,8 @@ import casadi
 import numpy as np
 import pytest
 
-from planner.detour.ocp import DetourOcp
-from planner.detour.spline_ocp import graded_ocp
+from planner.motion.detour.ocp import DetourOcp
+from planner.motion.detour.spline_ocp import graded_ocp
 
 ROUNDING = 1e-9  # of the largest entry
 

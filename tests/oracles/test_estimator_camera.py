@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from estimator.camera import HorizonCamera
 from estimator.limb.geometry import Limb
-from planner.frames.geodesy import WGS84_A_M, WGS84_B_M, itrf_from_geodetic, up_itrf
+from planner.world.frames.geodesy import WGS84_A_M, WGS84_B_M, itrf_from_geodetic, up_itrf
 
 BENT = (-0.28, 0.09, 6e-4, -4e-4, -0.012)
 

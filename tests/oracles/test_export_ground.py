@@ -9,10 +9,10 @@ import pytest
 from export_cases import CREATED_UTC, EXAMPLE, ISS, LAS_VEGAS, case, state_vector
 
 from app.requests.plan import read_plan_request
-from planner.export import EXPORTERS
-from planner.frames.time_scales import elapsed_s, utc_from_text
-from planner.platforms import ISS_HRC
-from planner.sessions.pipeline import make_plan
+from planner.output.export import EXPORTERS
+from planner.planning.sessions.pipeline import make_plan
+from planner.world.frames.time_scales import elapsed_s, utc_from_text
+from planner.world.platforms import ISS_HRC
 
 WGS84 = 1  # ERFA's number for it
 

@@ -20,7 +20,7 @@ from export_cases import (
 )
 from scipy.interpolate import CubicHermiteSpline
 
-from planner.frames.time_scales import Instants
+from planner.world.frames.time_scales import Instants
 
 READ = json.loads((Path(__file__).parents[1] / "data" / "exports_by_orekit.json").read_text())
 SAMPLES = READ["samples"]

@@ -26,9 +26,9 @@ from export_cases import (
 from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation
 
-from planner.export import EXPORTERS
-from planner.frames.time_scales import Instants
-from planner.platforms import ISS_HRC
+from planner.output.export import EXPORTERS
+from planner.world.frames.time_scales import Instants
+from planner.world.platforms import ISS_HRC
 
 MICROSECOND_NS = 1000
 CONJUGATE = np.array([-1.0, -1.0, -1.0, 1.0])

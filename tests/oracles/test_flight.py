@@ -11,8 +11,8 @@ from flight_reference import Reference
 sys.path.append(str(Path(__file__).parents[1] / "properties"))
 from flight_cases import ARCSEC, ROCKING, rough, steady, swinging
 
-from planner.platforms import ISS_HRC
-from planner.simulation.flight import fly
+from planner.inflight.simulation.flight import fly
+from planner.world.platforms import ISS_HRC
 
 SECONDS = 8.0
 CASES = {

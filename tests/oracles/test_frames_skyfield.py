@@ -10,10 +10,10 @@ from skyfield.data import iers
 from skyfield.framelib import itrs
 from skyfield.sgp4lib import TEME
 
-from planner.frames.earth_orientation import c_itrf_from_eci, c_itrf_from_teme
-from planner.frames.geodesy import geodetic_from_itrf
-from planner.frames.solar_system import r_moon_eci_m, r_sun_eci_m
-from planner.frames.time_scales import Instants
+from planner.world.frames.earth_orientation import c_itrf_from_eci, c_itrf_from_teme
+from planner.world.frames.geodesy import geodetic_from_itrf
+from planner.world.frames.solar_system import r_moon_eci_m, r_sun_eci_m
+from planner.world.frames.time_scales import Instants
 
 MAS_RAD = np.pi / 648e6
 EPOCHS = [

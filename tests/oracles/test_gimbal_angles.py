@@ -6,13 +6,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy_boresight import scipy_boresight
 
-from planner.platforms import ISS_HRC, AxisLimits, TwoAxisPlatform
-from planner.pointing.angles import (
+from planner.motion.pointing.angles import (
     axis_angles,
     axis_motion,
     boresight_platform,
     singular_margin_rad,
 )
+from planner.world.platforms import ISS_HRC, AxisLimits, TwoAxisPlatform
 
 ROUNDING = 1e-9  # rad, 0.2 mas: double precision magnified near the singular directions
 LIMITS = AxisLimits(

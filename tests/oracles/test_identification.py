@@ -11,9 +11,9 @@ from flight_reference import Reference
 sys.path.append(str(Path(__file__).parents[1] / "properties"))
 from flight_cases import ARCSEC, rough, swinging
 
-from planner.platforms import ISS_HRC, AxisDrive
-from planner.simulation.flight import fly
-from planner.simulation.identification import identify
+from planner.inflight.simulation.flight import fly
+from planner.inflight.simulation.identification import identify
+from planner.world.platforms import ISS_HRC, AxisDrive
 
 NAMES = tuple(
     f"{axis}.{field}"

@@ -10,10 +10,10 @@ from skyfield.data import iers
 from skyfield.framelib import itrs
 from spacecraft_cases import EPOCH, ORBIT, four_modes, line
 
-from planner.frames.time_scales import Instants
 from planner.spacecraft.opportunities import find_imaging_opportunities
 from planner.spacecraft.opportunity_request import ImagingOpportunityRequest, positions_of
 from planner.spacecraft.requests import CorridorRequest, SpacecraftSettings, StripRequest
+from planner.world.frames.time_scales import Instants
 
 ALONG_DEG, ACROSS_DEG = 30.0, 45.0
 # The search's directions hold light time and aberration, 5 arcsec together, which these do not.

@@ -12,14 +12,14 @@ from scipy.ndimage import minimum_filter1d
 from scipy.spatial.transform import Rotation
 from scipy_boresight import scipy_boresight
 
-from planner.attitude import AttitudeUncertainty
-from planner.commands import CommandTable
-from planner.errors import TrackBreaksLimit, Unreachable
-from planner.platforms import ISS_HRC
-from planner.scenario import SlewOptions
-from planner.sessions.holding import session_rows, sight
-from planner.sessions.pipeline import make_plan
+from planner.base.commands import CommandTable
+from planner.base.errors import TrackBreaksLimit, Unreachable
+from planner.planning.sessions.holding import session_rows, sight
+from planner.planning.sessions.pipeline import make_plan
 from planner.verification import verify
+from planner.world.attitude import AttitudeUncertainty
+from planner.world.platforms import ISS_HRC
+from planner.world.scenario import SlewOptions
 
 OUTER, INNER = ISS_HRC.axes_platform
 LIMITS = ISS_HRC.outer_limits

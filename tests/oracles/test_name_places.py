@@ -8,10 +8,10 @@ import pytest
 from make_names import geoid_height_m
 from skyfield.named_stars import named_star_dict
 
-from planner.frames.time_scales import Instants, utc_from_text
-from planner.targets import PlaceTarget, StarTarget
-from planner.targets.gazetteer import find_place
-from planner.targets.star_names import hipparcos_number
+from planner.world.frames.time_scales import Instants, utc_from_text
+from planner.world.targets import PlaceTarget, StarTarget
+from planner.world.targets.gazetteer import find_place
+from planner.world.targets.star_names import hipparcos_number
 
 # The Bright Star Catalogue, 5th edition (Hoffleit, Warren 1991): J2000, equinox and epoch.
 BRIGHT_STARS = """

@@ -9,10 +9,10 @@ import pytest
 from sgp4 import omm as sgp4_omm
 from sgp4.api import Satrec
 
-from planner.errors import OutsideCoverage
-from planner.frames.time_scales import Instants, utc_from_text
-from planner.orbits import OmmOrbit, OpmOrbit, StateVectorOrbit, TleOrbit
-from planner.orbits.accuracy import orbit_sigma
+from planner.base.errors import OutsideCoverage
+from planner.world.frames.time_scales import Instants, utc_from_text
+from planner.world.orbits import OmmOrbit, OpmOrbit, StateVectorOrbit, TleOrbit
+from planner.world.orbits.accuracy import orbit_sigma
 
 # The element set of 2022-02-07 from Space-Track, as a TLE and as CelesTrak's JSON writes it.
 TLE = TleOrbit(

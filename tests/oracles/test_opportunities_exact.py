@@ -13,22 +13,22 @@ import pytest
 from mask_shapes import boom, inside, mask_corners, star
 from opportunity_requests import ISS, ROOT, START, iss_request, oco3_targets
 
-from planner.attitude.inertial import InertialAttitude
-from planner.attitude.lvlh import LvlhAttitude
-from planner.frames.earth_orientation import c_itrf_from_eci
-from planner.frames.time_scales import Instants
-from planner.opportunities import (
+from planner.motion.pointing.angles import axis_angles
+from planner.motion.pointing.line_of_sight import line_of_sight
+from planner.planning.opportunities import (
     OpportunityConditions,
     OpportunityTarget,
     find_opportunities,
 )
-from planner.orbits import OemOrbit, TleOrbit
-from planner.platforms import PLATFORMS, FieldMask, PlatformDefinition
-from planner.platforms.definition import AxisDefinition
-from planner.pointing.angles import axis_angles
-from planner.pointing.line_of_sight import line_of_sight
-from planner.targets import BodyTarget, GroundTarget, MovingGroundTarget, StarTarget
-from planner.targets.earth_limb import limb_clearance_rad
+from planner.world.attitude.inertial import InertialAttitude
+from planner.world.attitude.lvlh import LvlhAttitude
+from planner.world.frames.earth_orientation import c_itrf_from_eci
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits import OemOrbit, TleOrbit
+from planner.world.platforms import PLATFORMS, FieldMask, PlatformDefinition
+from planner.world.platforms.definition import AxisDefinition
+from planner.world.targets import BodyTarget, GroundTarget, MovingGroundTarget, StarTarget
+from planner.world.targets.earth_limb import limb_clearance_rad
 
 HRC = PLATFORMS["iss-hrc"]
 SPINNING = InertialAttitude(

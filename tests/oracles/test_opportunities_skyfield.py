@@ -8,8 +8,8 @@ from opportunity_requests import ISS, START, iss_request, oco3_targets
 from skyfield.api import EarthSatellite, Loader, wgs84
 from skyfield.data import iers
 
-from planner.frames.time_scales import Instants
-from planner.opportunities import OpportunityConditions, find_opportunities
+from planner.planning.opportunities import OpportunityConditions, find_opportunities
+from planner.world.frames.time_scales import Instants
 
 EDGE_S = 1e-3  # promised
 MIN_ELEVATION_DEG = 10.0

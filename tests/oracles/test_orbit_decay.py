@@ -5,8 +5,8 @@ from datetime import UTC, datetime
 import numpy as np
 import pytest
 
-from planner.messages.oem import OemSegment
-from planner.orbits.decay import UNKNOWN_DRAG_IN_A_DAY_M, drag_in_a_day_m
+from planner.world.messages.oem import OemSegment
+from planner.world.orbits.decay import UNKNOWN_DRAG_IN_A_DAY_M, drag_in_a_day_m
 
 GM_M3_S2 = 3.986004418e14
 STEP_S = 240.0

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.special import i0
 
-from planner.frames.time_scales import Instants, elapsed_s
-from planner.orbits import StateVectorOrbit, TleOrbit
-from planner.orbits.accuracy import orbit_sigma, state_sigma, tle_sigma
+from planner.world.frames.time_scales import Instants, elapsed_s
+from planner.world.orbits import StateVectorOrbit, TleOrbit
+from planner.world.orbits.accuracy import orbit_sigma, state_sigma, tle_sigma
 
 TLE = TleOrbit(
     line1="1 25544U 98067A   15058.48161588  .00023857  00000-0  35618-3 0  9991",

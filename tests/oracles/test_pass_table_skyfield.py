@@ -5,9 +5,9 @@ from opportunity_requests import iss_request, oco3_targets
 from skyfield.api import wgs84
 from test_opportunities_skyfield import at, site, skyfield  # noqa: F401 (a fixture)
 
-from planner.frames.time_scales import DAY_S
-from planner.opportunities import OpportunityTarget, find_opportunities
-from planner.targets import BodyTarget, GroundTarget, MovingGroundTarget
+from planner.planning.opportunities import OpportunityTarget, find_opportunities
+from planner.world.frames.time_scales import DAY_S
+from planner.world.targets import BodyTarget, GroundTarget, MovingGroundTarget
 
 # What the API promises: 0.001 deg.  Skyfield's frames differ by milliarcseconds, its SGP4 state
 # by none: 3e-7 deg are left, of the polynomial through the orbit's rows (3 mm).

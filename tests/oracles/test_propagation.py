@@ -8,11 +8,11 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.special import sph_legendre_p
 
-from planner.errors import OutsideCoverage
-from planner.frames.time_scales import Instants, shifted_utc
-from planner.orbits import OemOrbit, StateVectorOrbit
-from planner.orbits.forces import forces_at
-from planner.orbits.gravity import DEGREE, GM_M3_S2, RADIUS_M, earth_gravity
+from planner.base.errors import OutsideCoverage
+from planner.world.frames.time_scales import Instants, shifted_utc
+from planner.world.orbits import OemOrbit, StateVectorOrbit
+from planner.world.orbits.forces import forces_at
+from planner.world.orbits.gravity import DEGREE, GM_M3_S2, RADIUS_M, earth_gravity
 
 DATA = Path(__file__).parents[1] / "data"
 FILES = sorted(DATA.glob("iss_oem_*_excerpt.xml"))
@@ -88,7 +88,7 @@ def test_collocation_agrees_with_dop853(ahead_s):
 
 
 def test_gravity_is_the_gradient_of_the_published_potential():
-    rows = (Path(__file__).parents[2] / "planner/orbits/data/eigen6s_n36.csv").read_text()
+    rows = (Path(__file__).parents[2] / "planner/world/orbits/data/eigen6s_n36.csv").read_text()
     terms = [line.split(",") for line in rows.splitlines() if line[0].isdigit()]
     assert max(int(term[0]) for term in terms) == DEGREE
 

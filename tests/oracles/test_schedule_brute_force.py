@@ -13,14 +13,14 @@ import numpy as np
 import pytest
 from opportunity_requests import ISS, START
 
-from planner.campaigns import CampaignRequest, CampaignTarget, choose_campaign
-from planner.campaigns import campaign as campaigns
-from planner.campaigns.network import NEVER, Network
-from planner.campaigns.path import Worth, best_path, path_bound
-from planner.opportunities import OpportunityConditions
-from planner.platforms import PLATFORMS
-from planner.slew import AxisState, next_duration_s
-from planner.targets import GroundTarget
+from planner.motion.slew import AxisState, next_duration_s
+from planner.planning.campaigns import CampaignRequest, CampaignTarget, choose_campaign
+from planner.planning.campaigns import campaign as campaigns
+from planner.planning.campaigns.network import NEVER, Network
+from planner.planning.campaigns.path import Worth, best_path, path_bound
+from planner.planning.opportunities import OpportunityConditions
+from planner.world.platforms import PLATFORMS
+from planner.world.targets import GroundTarget
 
 WEST = ((36.1, -115.2), (37.8, -122.4), (40.8, -111.9), (33.4, -112.1), (34.1, -118.2))
 EUROPE = ((51.5, -0.1), (48.9, 2.4), (41.4, 2.2), (45.5, 9.2), (52.5, 13.4))

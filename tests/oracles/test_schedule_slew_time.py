@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from planner.campaigns.slew_time import limit_table, slew_time_s
-from planner.platforms import PLATFORMS
-from planner.slew import AxisState
-from planner.slew.closed_forms import quickest_profile
+from planner.motion.slew import AxisState
+from planner.motion.slew.closed_forms import quickest_profile
+from planner.planning.campaigns.slew_time import limit_table, slew_time_s
+from planner.world.platforms import PLATFORMS
 
 LIMITS = PLATFORMS["iss-hrc"].axis_limits[:1]
 CASES = 2000

@@ -11,18 +11,18 @@ from opportunity_requests import ISS, START, oco3_targets
 from skyfield.api import EarthSatellite, Loader, wgs84
 from skyfield.data import iers
 
-from planner.campaigns import (
+from planner.planning.campaigns import (
     CampaignRequest,
     CampaignTarget,
     ViewWeights,
     choose_campaign,
     scenario_of,
 )
-from planner.frames.time_scales import Instants, elapsed_s
-from planner.opportunities import OpportunityConditions, OpportunityTarget
-from planner.platforms import PLATFORMS, FieldMask
-from planner.sessions.pipeline import make_plan
-from planner.targets import StarTarget
+from planner.planning.opportunities import OpportunityConditions, OpportunityTarget
+from planner.planning.sessions.pipeline import make_plan
+from planner.world.frames.time_scales import Instants, elapsed_s
+from planner.world.platforms import PLATFORMS, FieldMask
+from planner.world.targets import StarTarget
 
 # Under LVLH all that is 10 deg or more above the horizon lies within 69 deg of the nadir.
 BELOW = FieldMask(

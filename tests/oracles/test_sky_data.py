@@ -9,18 +9,19 @@ import numpy as np
 import pytest
 from jplephem.spk import SPK
 
-from planner.frames.hipparcos import hipparcos_star
-from planner.targets.star_names import star_names
 from planner.verification import stars
+from planner.world.frames.hipparcos import hipparcos_star
+from planner.world.targets.star_names import star_names
 
 PLANNER = Path(__file__).parents[2] / "planner"
 SUMS = re.findall(
-    r"\| `(\S+)` \| `(\w{64})` \|", (PLANNER / "frames/data/README.md").read_text(encoding="utf-8")
+    r"\| `(\S+)` \| `(\w{64})` \|",
+    (PLANNER / "world/frames/data/README.md").read_text(encoding="utf-8"),
 )
 
 
 def test_every_file_has_its_sum():
-    folders = (PLANNER / "frames/data", PLANNER / "verification/data")
+    folders = (PLANNER / "world/frames/data", PLANNER / "verification/data")
     there = {path for folder in folders for path in folder.iterdir() if path.suffix != ".md"}
     assert {PLANNER / name for name, _ in SUMS} == there
 

@@ -9,12 +9,12 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import BPoly
 from scipy.optimize import linprog
 
-from planner.baseline.paper_cubic import cubic_profile
-from planner.platforms import ISS_HRC
-from planner.slew.feasibility import next_duration_s, passes_certificate, verdict
-from planner.slew.optimal import optimal_slew
-from planner.slew.problem import AxisSlew, AxisState, SlewProblem
-from planner.slew.smoothest import smoothest
+from planner.motion.baseline.paper_cubic import cubic_profile
+from planner.motion.slew.feasibility import next_duration_s, passes_certificate, verdict
+from planner.motion.slew.optimal import optimal_slew
+from planner.motion.slew.problem import AxisSlew, AxisState, SlewProblem
+from planner.motion.slew.smoothest import smoothest
+from planner.world.platforms import ISS_HRC
 
 LIMITS = ISS_HRC.outer_limits
 

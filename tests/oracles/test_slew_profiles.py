@@ -8,14 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import BPoly, CubicHermiteSpline, PPoly
 
-from planner.baseline.compare import compare_with_spline
-from planner.platforms import ISS_HRC, AxisLimits
-from planner.pointing.hermite import cubic_range, quintic_motion
-from planner.scenario import SlewOptions
-from planner.slew.closed_forms import JerkPhase, least_jerk_profile, profile_from_jerk
-from planner.slew.optimal import optimal_slew
-from planner.slew.problem import AxisState, SlewProblem
-from planner.slew.solution import AxisProfile, obeys
+from planner.motion.baseline.compare import compare_with_spline
+from planner.motion.pointing.hermite import cubic_range, quintic_motion
+from planner.motion.slew.closed_forms import JerkPhase, least_jerk_profile, profile_from_jerk
+from planner.motion.slew.optimal import optimal_slew
+from planner.motion.slew.problem import AxisState, SlewProblem
+from planner.motion.slew.solution import AxisProfile, obeys
+from planner.world.platforms import ISS_HRC, AxisLimits
+from planner.world.scenario import SlewOptions
 
 SEEDS = st.integers(0, 2**32 - 1)
 

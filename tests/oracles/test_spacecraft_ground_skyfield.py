@@ -10,8 +10,8 @@ from skyfield.data import iers
 from skyfield.framelib import itrs
 from spacecraft_cases import EPOCH, ORBIT, four_modes, session
 
-from planner.frames.time_scales import Instants
 from planner.spacecraft.plan import plan_imaging
+from planner.world.frames.time_scales import Instants
 
 
 @pytest.fixture(scope="module")

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from mask_shapes import boom, inside, mask_corners, sampled_away_rad, star
 
-from planner.detour.convex_parts import convex_parts
-from planner.platforms import FieldMask
+from planner.motion.detour.convex_parts import convex_parts
 from planner.verification.field_masks import Region
+from planner.world.platforms import FieldMask
 
 
 def random_mask(number):

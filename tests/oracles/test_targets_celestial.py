@@ -15,12 +15,12 @@ import skyfield_data
 from skyfield.api import Loader, Star
 from skyfield.vectorlib import VectorFunction
 
-from planner.errors import OutsideCoverage
-from planner.frames.earth_orientation import C_GCRF_FROM_EME2000
-from planner.frames.solar_system import BODIES
-from planner.frames.time_scales import Instants, utc_from_text
-from planner.orbits.ephemeris import OrbitStates
-from planner.targets import BodyTarget, StarTarget
+from planner.base.errors import OutsideCoverage
+from planner.world.frames.earth_orientation import C_GCRF_FROM_EME2000
+from planner.world.frames.solar_system import BODIES
+from planner.world.frames.time_scales import Instants, utc_from_text
+from planner.world.orbits.ephemeris import OrbitStates
+from planner.world.targets import BodyTarget, StarTarget
 
 ARCSEC_RAD = np.pi / 180.0 / 3600.0
 AU_M = 149597870700.0

@@ -6,8 +6,8 @@ from geographiclib.geodesic import Geodesic
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from planner.frames.geodesic import LONGEST_M, geodesic_between, geodesic_end
-from planner.frames.geodesy import itrf_from_geodetic
+from planner.world.frames.geodesic import LONGEST_M, geodesic_between, geodesic_end
+from planner.world.frames.geodesy import itrf_from_geodetic
 
 latitudes = st.floats(-90.0, 90.0)
 longitudes = st.floats(-180.0, 360.0)

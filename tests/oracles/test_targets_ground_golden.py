@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from planner.frames.earth_orientation import C_GCRF_FROM_EME2000
-from planner.frames.local_orbital import q_lvlh_from_eci
-from planner.frames.time_scales import Instants, utc_from_text
-from planner.orbits.ephemeris import OrbitStates
-from planner.targets import GroundTarget
+from planner.world.frames.earth_orientation import C_GCRF_FROM_EME2000
+from planner.world.frames.local_orbital import q_lvlh_from_eci
+from planner.world.frames.time_scales import Instants, utc_from_text
+from planner.world.orbits.ephemeris import OrbitStates
+from planner.world.targets import GroundTarget
 
 GOLDEN = json.loads((Path(__file__).parents[1] / "data" / "golden_los.json").read_text())
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from planner.targets.refraction import EARTH_RADIUS_M, bending_rad, raised_m
-from planner.targets.standard_atmosphere import refractivity
+from planner.world.targets.refraction import EARTH_RADIUS_M, bending_rad, raised_m
+from planner.world.targets.standard_atmosphere import refractivity
 
 TOP_M = 130e3
 STEP_M = 1.0

@@ -13,11 +13,11 @@ from flown_las_vegas import PERFECT, planned, telemetry
 from other_platform import Clock, Drive
 
 import slewtrack
-from planner.errors import InvalidInput
-from planner.platforms import AxisDrive
-from planner.telemetry.following import Followed, gap_starts, phases
-from planner.telemetry.motion import PlannedMotion
-from planner.telemetry.parameters import platform_found
+from planner.base.errors import InvalidInput
+from planner.inflight.telemetry.following import Followed, gap_starts, phases
+from planner.inflight.telemetry.motion import PlannedMotion
+from planner.inflight.telemetry.parameters import platform_found
+from planner.world.platforms import AxisDrive
 
 ARCSEC = np.radians(1.0 / 3600.0)
 SIGMAS = 4.5  # one in 150,000

@@ -15,11 +15,11 @@ from flown_las_vegas import planned
 import slewtrack
 from app.requests.examples.plan import LAS_VEGAS
 from app.requests.plan import read_plan_request
-from planner.errors import InvalidInput
-from planner.export.csv import table_csv
-from planner.sessions.pipeline import make_plan
-from planner.telemetry.alignment import Channel, align
-from planner.telemetry.motion import PlannedMotion
+from planner.base.errors import InvalidInput
+from planner.inflight.telemetry.alignment import Channel, align
+from planner.inflight.telemetry.motion import PlannedMotion
+from planner.output.export.csv import table_csv
+from planner.planning.sessions.pipeline import make_plan
 
 ARCSEC = np.radians(1.0 / 3600.0)
 SIGMAS = 4.5  # one in 150,000

@@ -15,8 +15,8 @@ import pytest
 import slewtrack
 from app.requests.examples.plan import LAS_VEGAS
 from app.requests.plan import read_plan_request
-from planner.export.csv import table_csv
-from planner.sessions.pipeline import make_plan
+from planner.output.export.csv import table_csv
+from planner.planning.sessions.pipeline import make_plan
 
 ARCSEC = np.radians(1.0 / 3600.0)
 CREEP_ARCSEC_S = {"alpha": 8.0, "beta": -4.0}

@@ -10,16 +10,16 @@ import pytest
 from scipy.spatial.transform import Rotation, Slerp
 from scipy.stats import multivariate_normal, norm
 
-from planner.attitude import AttitudeUncertainty, InertialAttitude, LvlhAttitude
-from planner.frames.time_scales import Instants, utc_from_text
-from planner.messages.aem import read_aem
-from planner.orbits import StateVectorOrbit, TleOrbit
-from planner.platforms.iss_hrc import ISS_HRC
-from planner.pointing.angles import axis_angles
-from planner.pointing.line_of_sight import line_of_sight
-from planner.sessions.probability import lattice_points, probability_inside
-from planner.sessions.uncertainty import CLOCK_S, pointing_budget
-from planner.targets.ground import GroundTarget
+from planner.motion.pointing.angles import axis_angles
+from planner.motion.pointing.line_of_sight import line_of_sight
+from planner.planning.sessions.probability import lattice_points, probability_inside
+from planner.planning.sessions.uncertainty import CLOCK_S, pointing_budget
+from planner.world.attitude import AttitudeUncertainty, InertialAttitude, LvlhAttitude
+from planner.world.frames.time_scales import Instants, utc_from_text
+from planner.world.messages.aem import read_aem
+from planner.world.orbits import StateVectorOrbit, TleOrbit
+from planner.world.platforms.iss_hrc import ISS_HRC
+from planner.world.targets.ground import GroundTarget
 
 DATA = Path(__file__).parents[1] / "data"
 START = utc_from_text("2015-02-27T17:36:20Z")

@@ -17,10 +17,10 @@ from judged_tables import (
 )
 from scipy.interpolate import BPoly
 
-from planner.commands import CommandTable
-from planner.targets import BenchMotionTarget
-from planner.targets.axis_signals import ConstantRate, Sine
+from planner.base.commands import CommandTable
 from planner.verification import verify
+from planner.world.targets import BenchMotionTarget
+from planner.world.targets.axis_signals import ConstantRate, Sine
 
 AMPLITUDE_RAD, OMEGA_S = np.deg2rad(3.0), 2.0 * np.pi * 0.05
 TARGET = BenchMotionTarget(

@@ -14,10 +14,10 @@ from judged_tables import (
 )
 from scipy.interpolate import CubicHermiteSpline
 
-from planner.commands import CommandTable
-from planner.platforms import ISS_HRC
-from planner.scenario import SlewOptions
+from planner.base.commands import CommandTable
 from planner.verification import verify
+from planner.world.platforms import ISS_HRC
+from planner.world.scenario import SlewOptions
 
 
 @pytest.fixture(scope="module")

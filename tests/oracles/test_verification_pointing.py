@@ -25,12 +25,12 @@ from judged_tables import (
 )
 from scipy.spatial.transform import Rotation
 
-from planner.attitude.inertial import InertialAttitude
-from planner.attitude.lvlh import LvlhAttitude
-from planner.frames.time_scales import Instants
-from planner.platforms import ISS_HRC
-from planner.targets import EarthFixedTarget, SessionTarget
 from planner.verification import verify
+from planner.world.attitude.inertial import InertialAttitude
+from planner.world.attitude.lvlh import LvlhAttitude
+from planner.world.frames.time_scales import Instants
+from planner.world.platforms import ISS_HRC
+from planner.world.targets import EarthFixedTarget, SessionTarget
 
 TILTED_MOUNT = dataclasses.replace(
     ISS_HRC,

@@ -14,14 +14,14 @@ import pytest
 from judged_tables import ARCSEC_RAD
 from scipy.integrate import solve_ivp
 
-from planner.frames.time_scales import Instants
-from planner.orbits import OrbitStates
-from planner.targets import GroundTarget, StarTarget
-from planner.targets.standard_atmosphere import refractivity
 from planner.verification import air
 from planner.verification.earth import earth_orientation
 from planner.verification.earth_fixed import earth_fixed_sight
 from planner.verification.sky import LIMB_MODEL_SHARE, sky_sight
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits import OrbitStates
+from planner.world.targets import GroundTarget, StarTarget
+from planner.world.targets.standard_atmosphere import refractivity
 
 EPOCH_UTC = datetime(2015, 2, 27, 17, 36, 0, tzinfo=UTC)
 T_S = np.array([0.0, 1.0])

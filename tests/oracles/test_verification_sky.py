@@ -24,11 +24,11 @@ from judged_tables import (
     table_along,
 )
 
-from planner.errors import OutsideCoverage
-from planner.frames.time_scales import Instants
-from planner.targets import BodyTarget, SkyTarget, StarTarget
+from planner.base.errors import OutsideCoverage
 from planner.verification import SkyView, verify
 from planner.verification.solar_system import EARTH, MOON, r_body_bary_m, v_earth_bary_m_s
+from planner.world.frames.time_scales import Instants
+from planner.world.targets import BodyTarget, SkyTarget, StarTarget
 
 AU_M = 149597870700.0
 KERNEL = SPK.open(str(files("skyfield_data") / "data" / "de421.bsp"))

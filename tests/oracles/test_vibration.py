@@ -9,13 +9,13 @@ from scipy.integrate import solve_ivp
 from vibration_bound import Wanted, least_share
 from vibration_cases import LIMITS, left_rad, problem
 
-from planner.baseline import paper_slew
-from planner.baseline.compare import compare_with_spline
-from planner.platforms import StructuralMode
-from planner.scenario import SlewOptions
-from planner.simulation.structure import residual_vibration_rad
-from planner.slew import AxisState, next_duration_s, optimal_slew
-from planner.slew.solution import violations
+from planner.motion.baseline import paper_slew
+from planner.motion.baseline.compare import compare_with_spline
+from planner.motion.baseline.residual_vibration import residual_vibration_rad
+from planner.motion.slew import AxisState, next_duration_s, optimal_slew
+from planner.motion.slew.solution import violations
+from planner.world.platforms import StructuralMode
+from planner.world.scenario import SlewOptions
 
 STEP_S = 0.2
 

@@ -14,14 +14,14 @@ from opportunity_requests import ISS, START, iss_request, oco3_targets
 from skyfield.api import EarthSatellite, Loader, wgs84
 from skyfield.data import iers
 
-from planner.attitude.lvlh import LvlhAttitude
-from planner.commands import CommandTable
-from planner.export import FlightPlan, Segment
-from planner.frames.time_scales import Instants, shifted_utc
-from planner.opportunities import OpportunityConditions, find_opportunities
-from planner.platforms import ISS_HRC
-from planner.scenario import InitialState, Scenario, Session
-from planner.view import PlanView, view_plan
+from planner.base.commands import CommandTable
+from planner.output.view import PlanView, view_plan
+from planner.planning.opportunities import OpportunityConditions, find_opportunities
+from planner.world.attitude.lvlh import LvlhAttitude
+from planner.world.frames.time_scales import Instants, shifted_utc
+from planner.world.plan import FlightPlan, Segment
+from planner.world.platforms import ISS_HRC
+from planner.world.scenario import InitialState, Scenario, Session
 
 PASSES = 10
 ANGLE_DEG, RANGE_M = 1e-3, 1.0  # promised

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import linprog
 
-from planner.platforms import AxisLimits, StructuralMode
-from planner.slew import AxisState
+from planner.motion.slew import AxisState
+from planner.world.platforms import AxisLimits, StructuralMode
 
 ROW_S = 0.2
 PHASES = 24

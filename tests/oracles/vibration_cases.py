@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from planner.platforms import ISS_HRC, StructuralMode
-from planner.simulation.structure import residual_vibration_rad
-from planner.slew import AxisState, SlewProblem, SlewSolution
+from planner.motion.baseline.residual_vibration import residual_vibration_rad
+from planner.motion.slew import AxisState, SlewProblem, SlewSolution
+from planner.world.platforms import ISS_HRC, StructuralMode
 
 LIMITS = ISS_HRC.outer_limits
 

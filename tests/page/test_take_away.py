@@ -10,7 +10,7 @@ import pytest
 from playwright.sync_api import expect
 
 from app.requests.examples.plan import LAS_VEGAS
-from planner.export import EXPORTERS
+from planner.output.export import EXPORTERS
 
 
 @pytest.fixture

@@ -6,9 +6,9 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-from planner.commands import ROWS_PER_S, CommandTable
-from planner.platforms import IDEAL_DRIVE, ISS_HRC, AxisDrive, CarrierMode
-from planner.simulation.plant import plant_of
+from planner.base.commands import ROWS_PER_S, CommandTable
+from planner.inflight.simulation.plant import plant_of
+from planner.world.platforms import IDEAL_DRIVE, ISS_HRC, AxisDrive, CarrierMode
 
 ARCSEC = math.radians(1.0 / 3600.0)
 EPOCH = datetime(2015, 2, 27, 17, 34, tzinfo=UTC)

@@ -7,16 +7,16 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 from scipy_boresight import scipy_boresight
 
-from planner.errors import InfeasibleSlew
-from planner.platforms import ISS_HRC
-from planner.pointing.keep_out import KeepOutView, MovingCone
-from planner.slew import (
+from planner.base.errors import InfeasibleSlew
+from planner.motion.pointing.keep_out import KeepOutView, MovingCone
+from planner.motion.slew import (
     AxisState,
     SlewProblem,
     SlewSolution,
     next_duration_s,
     optimal_slew,
 )
+from planner.world.platforms import ISS_HRC
 
 LIMITS = ISS_HRC.outer_limits
 CARRIER_RATE_RAD_S = math.radians(4.0 / 60.0)  # the ISS in its orbit

@@ -8,16 +8,16 @@ from keep_out_cases import LIMITS, hermite
 from mask_shapes import inside, mask_corners
 from scipy_boresight import scipy_boresight
 
-from planner.errors import InfeasibleSlew
-from planner.platforms import ISS_HRC, FieldMask
-from planner.pointing.keep_out import KeepOutView, MovingCone
-from planner.slew import (
+from planner.base.errors import InfeasibleSlew
+from planner.motion.pointing.keep_out import KeepOutView, MovingCone
+from planner.motion.slew import (
     AxisState,
     SlewProblem,
     SlewSolution,
     next_duration_s,
     optimal_slew,
 )
+from planner.world.platforms import ISS_HRC, FieldMask
 
 
 @dataclass(frozen=True)

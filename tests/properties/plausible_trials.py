@@ -16,10 +16,10 @@ from app.answers.members import provenance
 from app.answers.plan import plan_json
 from app.answers.problem import problem_of
 from app.requests.plan import read_plan_request
-from planner import effort
-from planner.effort import at_most
-from planner.errors import Refusal
-from planner.sessions.pipeline import make_plan
+from planner.base import effort
+from planner.base.effort import at_most
+from planner.base.errors import Refusal
+from planner.planning.sessions.pipeline import make_plan
 
 Fields = dict[str, Any]
 SLUG = re.compile(r"[a-z]+(-[a-z]+)*")
@@ -31,7 +31,7 @@ class Outcome:
     """kind: `planned`, `baseline` for a spline that says it failed, a refusal's, or `bug`.
 
     faults: all that is wrong with the table or the refusal.  cpu_s: until the answer is written.
-    work_rows: what of it `planner.effort` counted.
+    work_rows: what of it `effort` counted.
     """
 
     kind: str

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.platforms import ISS_HRC
-from planner.slew.feasibility import next_duration_s
-from planner.slew.problem import AxisState, SlewProblem
+from planner.motion.slew.feasibility import next_duration_s
+from planner.motion.slew.problem import AxisState, SlewProblem
+from planner.world.platforms import ISS_HRC
 
 LIMITS = ISS_HRC.outer_limits
 NAMES = ISS_HRC.axis_names

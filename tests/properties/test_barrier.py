@@ -8,12 +8,12 @@ import ruckig
 from keep_out_cases import LIMITS, draw_cases
 from scipy_boresight import scipy_boresight
 
-from planner.detour.barrier import CELLS_RAD, FINE_CELLS_RAD, cones_over, is_barred, tube
-from planner.platforms import ISS_HRC
-from planner.pointing.keep_out import KeepOutView, MovingCone
-from planner.slew import AxisState, SlewProblem
-from planner.slew.closed_forms import quickest_profile
-from planner.slew.solution import obeys
+from planner.motion.detour.barrier import CELLS_RAD, FINE_CELLS_RAD, cones_over, is_barred, tube
+from planner.motion.pointing.keep_out import KeepOutView, MovingCone
+from planner.motion.slew import AxisState, SlewProblem
+from planner.motion.slew.closed_forms import quickest_profile
+from planner.motion.slew.solution import obeys
+from planner.world.platforms import ISS_HRC
 
 DURATION_S = 100.0
 BETA_END_RAD = math.radians(150.0)

@@ -6,8 +6,8 @@ import pytest
 from plausible_requests import plausible_request
 
 from app.requests.plan import read_plan_request
-from planner.sessions import chain
-from planner.sessions.pipeline import make_plan
+from planner.planning.sessions import chain
+from planner.planning.sessions.pipeline import make_plan
 
 
 @pytest.mark.parametrize("share", [1.0 - 1e-13, 1.0, 1.0 + 1e-13])

@@ -5,9 +5,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
-from planner.export.table_states import omega_payload_rad_s, q_payload_from_platform
-from planner.platforms import ISS_HRC, TwoAxisPlatform
-from planner.pointing.angles import boresight_platform
+from planner.motion.pointing.angles import boresight_platform
+from planner.output.export.table_states import omega_payload_rad_s, q_payload_from_platform
+from planner.world.platforms import ISS_HRC, TwoAxisPlatform
 
 ROUNDING = 1e-12
 numbers = st.floats(-1.0, 1.0)

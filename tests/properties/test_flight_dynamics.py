@@ -10,9 +10,15 @@ import pytest
 from flight_cases import ROCKING, lossless, rough
 from scipy.spatial.transform import Rotation
 
-from planner.simulation.loop import advance, tolerances
-from planner.simulation.plant import AXIS_STATES, MODE_STATES, derivative, jacobian, plant_of
-from planner.simulation.rosenbrock import Torque, scratch_for, step
+from planner.inflight.simulation.loop import advance, tolerances
+from planner.inflight.simulation.plant import (
+    AXIS_STATES,
+    MODE_STATES,
+    derivative,
+    jacobian,
+    plant_of,
+)
+from planner.inflight.simulation.rosenbrock import Torque, scratch_for, step
 
 J_OUTER_KG_M2, J_INNER_KG_M2 = 90.0, 60.0
 E = np.array([mode.axis_platform for mode in ROCKING.structural_modes])

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from flight_cases import ARCSEC, ROCKING, rough, rows_between, steady, swinging
 
-from planner.platforms import IDEAL_DRIVE, ISS_HRC, AxisDrive
-from planner.simulation.flight import fly
+from planner.inflight.simulation.flight import fly
+from planner.world.platforms import IDEAL_DRIVE, ISS_HRC, AxisDrive
 
 SECONDS = 20.0
 

@@ -6,14 +6,14 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.frames.earth_orientation import (
+from planner.world.frames.earth_orientation import (
     c_itrf_from_eci,
     eci_from_itrf_state,
     itrf_from_eci_state,
 )
-from planner.frames.geodesy import c_enu_from_itrf, geodetic_from_itrf, itrf_from_geodetic
-from planner.frames.local_orbital import q_lvlh_from_eci
-from planner.frames.time_scales import (
+from planner.world.frames.geodesy import c_enu_from_itrf, geodetic_from_itrf, itrf_from_geodetic
+from planner.world.frames.local_orbital import q_lvlh_from_eci
+from planner.world.frames.time_scales import (
     Instants,
     elapsed_s,
     shifted_utc,

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from keep_out_cases import LIMITS, away_rad, draw_cases, hermite
 
-from planner.detour.barrier import CELLS_RAD, is_barred
-from planner.detour.detour import avoid_cones
-from planner.errors import InfeasibleSlew
-from planner.platforms import ISS_HRC
-from planner.pointing.keep_out import KeepOutView, MovingCone
-from planner.slew import AxisState, SlewProblem, optimal_slew
-from planner.slew.solution import obeys
+from planner.base.errors import InfeasibleSlew
+from planner.motion.detour.barrier import CELLS_RAD, is_barred
+from planner.motion.detour.detour import avoid_cones
+from planner.motion.pointing.keep_out import KeepOutView, MovingCone
+from planner.motion.slew import AxisState, SlewProblem, optimal_slew
+from planner.motion.slew.solution import obeys
+from planner.world.platforms import ISS_HRC
 
 CASES = list(draw_cases(21, 12))
 IMPOSSIBLE = {7}  # of them: cone and stops leave no gap

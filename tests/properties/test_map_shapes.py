@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.export.map_shapes import areas, hull, line
+from planner.output.export.map_shapes import areas, hull, line
 
 LONGITUDES = st.floats(-720.0, 720.0)
 

@@ -10,13 +10,13 @@ from mask_cases import cone_around, draw_mask_cases, ring
 from mask_shapes import boom, inside, mask_corners, sampled_away_rad, star
 from scipy_boresight import scipy_boresight
 
-from planner.detour.barrier import CELLS_RAD, FINE_CELLS_RAD, MasksOverCells, is_barred
-from planner.detour.detour import avoid_cones
-from planner.errors import InfeasibleSlew
-from planner.platforms import ISS_HRC, FieldMask
-from planner.pointing.keep_out import KeepOutView
-from planner.slew import AxisState, SlewProblem, optimal_slew
-from planner.slew.solution import obeys
+from planner.base.errors import InfeasibleSlew
+from planner.motion.detour.barrier import CELLS_RAD, FINE_CELLS_RAD, MasksOverCells, is_barred
+from planner.motion.detour.detour import avoid_cones
+from planner.motion.pointing.keep_out import KeepOutView
+from planner.motion.slew import AxisState, SlewProblem, optimal_slew
+from planner.motion.slew.solution import obeys
+from planner.world.platforms import ISS_HRC, FieldMask
 
 MILLISECOND = 1e-3
 

@@ -8,16 +8,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.errors import InvalidMessage, OutsideCoverage
-from planner.frames.earth_orientation import (
+from planner.base.errors import InvalidMessage, OutsideCoverage
+from planner.world.frames.earth_orientation import (
     C_GCRF_FROM_EME2000,
     c_itrf_from_eci,
     c_itrf_from_teme,
     itrf_from_eci_state,
 )
-from planner.frames.time_scales import Instants, shifted_utc
-from planner.orbits import OemOrbit
-from planner.orbits.hermite import hermite
+from planner.world.frames.time_scales import Instants, shifted_utc
+from planner.world.orbits import OemOrbit
+from planner.world.orbits.hermite import hermite
 
 DATA = Path(__file__).parents[1] / "data"
 CALM = OemOrbit(content=(DATA / "iss_oem_2022-017_excerpt.xml").read_text()).message.segments[0]

@@ -8,26 +8,26 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from planner import effort
-from planner.attitude.inertial import InertialAttitude
-from planner.errors import OutsideCoverage, SearchEnded
-from planner.frames.earth_orientation import c_itrf_from_eci
-from planner.frames.time_scales import Instants, elapsed_s, shifted_utc
-from planner.opportunities import (
+from planner.base import effort
+from planner.base.errors import OutsideCoverage, SearchEnded
+from planner.planning.opportunities import (
     OpportunityConditions,
     OpportunityRequest,
     OpportunityTarget,
     find_opportunities,
     opportunities_however_many,
 )
-from planner.opportunities.carrier import carrier_over
-from planner.opportunities.interpolation import UniformTable
-from planner.opportunities.sights import EarthSight, FixedPlaces
-from planner.opportunities.spans import Nodes, stretches, turning_point
-from planner.orbits import StateVectorOrbit, TleOrbit
-from planner.platforms import PLATFORMS
-from planner.targets import GroundPathTarget, GroundTarget, StarTarget
-from planner.targets.ground_path import PathPoint
+from planner.planning.opportunities.carrier import carrier_over
+from planner.planning.opportunities.interpolation import UniformTable
+from planner.planning.opportunities.sights import EarthSight, FixedPlaces
+from planner.planning.opportunities.spans import Nodes, stretches, turning_point
+from planner.world.attitude.inertial import InertialAttitude
+from planner.world.frames.earth_orientation import c_itrf_from_eci
+from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc
+from planner.world.orbits import StateVectorOrbit, TleOrbit
+from planner.world.platforms import PLATFORMS
+from planner.world.targets import GroundPathTarget, GroundTarget, StarTarget
+from planner.world.targets.ground_path import PathPoint
 
 HRC = PLATFORMS["iss-hrc"]
 START = datetime(2016, 12, 31, 18, 0, tzinfo=UTC)  # six hours before a leap second

@@ -5,12 +5,12 @@ from datetime import UTC, datetime
 import numpy as np
 import pytest
 
-from planner.frames.earth_orientation import c_itrf_from_eci
-from planner.frames.geodesy import itrf_from_geodetic, up_itrf
-from planner.frames.time_scales import Instants
-from planner.orbits import OrbitStates
-from planner.targets import GroundTarget
 from planner.verification.earth_fixed import earth_fixed_sight
+from planner.world.frames.earth_orientation import c_itrf_from_eci
+from planner.world.frames.geodesy import itrf_from_geodetic, up_itrf
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits import OrbitStates
+from planner.world.targets import GroundTarget
 
 HEIGHT_M = 4e5
 

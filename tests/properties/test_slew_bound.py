@@ -6,8 +6,8 @@ from scipy.integrate import quad
 from scipy.optimize import minimize
 from slew_cases import draw_cases, least_shared_s
 
-from planner.slew import optimal_slew
-from planner.slew.lower_bound import lower_bound
+from planner.motion.slew import optimal_slew
+from planner.motion.slew.lower_bound import lower_bound
 
 KNOTS = np.linspace(0.0, 1.0, 9)
 CONTACTS = np.array([[0.2, 1.0, 300.0], [0.45, 0.0, -500.0], [0.7, 2.0, 20.0], [0.97, 1.0, -900.0]])

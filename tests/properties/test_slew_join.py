@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from slew_cases import LIMITS, NAMES, deg_state
 
-from planner.pointing.track import AxisTrack
-from planner.scenario import SlewOptions
-from planner.sessions.earliest_join import Approach, track_states
-from planner.slew.feasibility import verdict
+from planner.motion.pointing.track import AxisTrack
+from planner.motion.slew.feasibility import verdict
+from planner.planning.sessions.earliest_join import Approach, track_states
+from planner.world.scenario import SlewOptions
 
 OPTIONS = SlewOptions()
 

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from slew_cases import LIMITS, deg_state, sampled
 
-from planner.errors import InfeasibleSlew
-from planner.slew import (
+from planner.base.errors import InfeasibleSlew
+from planner.motion.slew import (
     SlewProblem,
     next_duration_s,
     optimal_slew,
     require_brakable,
     verdict,
 )
-from planner.slew.stops import margins_on_rows
+from planner.motion.slew.stops import margins_on_rows
 
 ROUNDING = 2e-9  # of the limit: degrees to radians and back, and a sum of 100 terms
 RATE_MAX_DEG_S = 3.0

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from slew_cases import LIMITS, deg_state, draw_cases, least_shared_s, sampled
 
-from planner.errors import InfeasibleSlew
-from planner.pointing.hermite import cubic_range
-from planner.slew import optimal
-from planner.slew.closed_forms import profile_lasting
-from planner.slew.feasibility import next_duration_s
-from planner.slew.optimal import optimal_slew
-from planner.slew.problem import AxisState, SlewProblem
+from planner.base.errors import InfeasibleSlew
+from planner.motion.pointing.hermite import cubic_range
+from planner.motion.slew import optimal
+from planner.motion.slew.closed_forms import profile_lasting
+from planner.motion.slew.feasibility import next_duration_s
+from planner.motion.slew.optimal import optimal_slew
+from planner.motion.slew.problem import AxisState, SlewProblem
 
 SLACKS = (1.0, 1.003, 1.009, 1.011, 1.05, 1.2, 1.7, 3.0, 5.0)
 ROUNDING = 2e-9  # of the limit: degrees to radians and back, and a sum of 100 terms

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from slew_cases import LIMITS, deg_state, sampled
 
-from planner.errors import InfeasibleSlew
-from planner.platforms import StructuralMode
-from planner.slew import SlewProblem, ocp, optimal_slew
-from planner.slew import smoothest as rounds
-from planner.slew.optimal import FEASIBLE
+from planner.base.errors import InfeasibleSlew
+from planner.motion.slew import SlewProblem, ocp, optimal_slew
+from planner.motion.slew import smoothest as rounds
+from planner.motion.slew.optimal import FEASIBLE
+from planner.world.platforms import StructuralMode
 
 
 def posed(start, end, duration_s, **more):
@@ -164,7 +164,7 @@ def test_what_then_fails_is_flown_by_a_motion_that_is_named(name, status, monkey
 
 def test_what_rows_cannot_carry_then_is_refused(monkeypatch):
     told(monkeypatch, "Restoration_Failed", ("warm", "cold", "roomy"))
-    monkeypatch.setattr("planner.slew.optimal.reproduces", lambda *_: False)
+    monkeypatch.setattr("planner.motion.slew.optimal.reproduces", lambda *_: False)
     with pytest.raises(InfeasibleSlew, match="one row more"):
         optimal_slew(SLEWS["along the rate limit"], on_rows=True)
 

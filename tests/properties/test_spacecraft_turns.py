@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation, RotationSpline
 
-from planner.errors import InfeasibleSlew
+from planner.base.errors import InfeasibleSlew
 from planner.spacecraft.mrp import MrpMotion, body_motion, mrp_state
 from planner.spacecraft.turns.eigenaxis import eigenaxis_turn
 from planner.spacecraft.turns.turn_choice import compare, quickest_turn, smooth_turn, turn_onto

@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planner.errors import InvalidInput
-from planner.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
-from planner.frames.geodesy import geodetic_from_itrf, itrf_from_geodetic
-from planner.frames.time_scales import Instants
-from planner.orbits.ephemeris import OrbitStates
-from planner.targets import GroundPathTarget, GroundTarget, MovingGroundTarget
-from planner.targets.apparent import SPEED_OF_LIGHT_M_S, aberrate
-from planner.targets.ground_path import PathPoint
+from planner.base.errors import InvalidInput
+from planner.world.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
+from planner.world.frames.geodesy import geodetic_from_itrf, itrf_from_geodetic
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits.ephemeris import OrbitStates
+from planner.world.targets import GroundPathTarget, GroundTarget, MovingGroundTarget
+from planner.world.targets.apparent import SPEED_OF_LIGHT_M_S, aberrate
+from planner.world.targets.ground_path import PathPoint
 
 EPOCH = datetime(2015, 2, 27, 17, 36, 20, tzinfo=UTC)
 STEP_S = 0.2

@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.frames.geodesy import WGS84_A_M, WGS84_F, itrf_from_geodetic
-from planner.targets.earth_limb import limb_clearance_rad, line_height_m, refract
-from planner.targets.refraction import bending_rad
-from planner.targets.standard_atmosphere import refractivity
+from planner.world.frames.geodesy import WGS84_A_M, WGS84_F, itrf_from_geodetic
+from planner.world.targets.earth_limb import limb_clearance_rad, line_height_m, refract
+from planner.world.targets.refraction import bending_rad
+from planner.world.targets.standard_atmosphere import refractivity
 
 B_M = WGS84_A_M * (1.0 - WGS84_F)
 angles = st.floats(0.0, 2.0 * np.pi)

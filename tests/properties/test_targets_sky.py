@@ -5,10 +5,10 @@ from datetime import UTC, datetime
 import numpy as np
 import pytest
 
-from planner.frames.solar_system import BODIES
-from planner.frames.time_scales import Instants
-from planner.orbits.ephemeris import OrbitStates
-from planner.targets import BodyTarget, StarTarget
+from planner.world.frames.solar_system import BODIES
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits.ephemeris import OrbitStates
+from planner.world.targets import BodyTarget, StarTarget
 
 EPOCH = datetime(2015, 2, 27, 17, 36, 20, tzinfo=UTC)
 RATE = 2.0 * np.pi / 5560.0

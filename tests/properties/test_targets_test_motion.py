@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from scipy.signal import chirp, sawtooth
 
-from planner.errors import InvalidInput, TrackBreaksLimit
-from planner.platforms import PLATFORMS
-from planner.targets import BenchMotionTarget
-from planner.targets.axis_signals import Chirp, ConstantRate, Multisine, Sine, Step, Triangle
-from planner.targets.smooth_step import ramp, step
+from planner.base.errors import InvalidInput, TrackBreaksLimit
+from planner.world.platforms import PLATFORMS
+from planner.world.targets import BenchMotionTarget
+from planner.world.targets.axis_signals import Chirp, ConstantRate, Multisine, Sine, Step, Triangle
+from planner.world.targets.smooth_step import ramp, step
 
 HRC = PLATFORMS["iss-hrc"]
 SLOPE_MAX = 35.0 / 16.0  # of 35 x^4 - 84 x^5 + 70 x^6 - 20 x^7, at x = 1/2

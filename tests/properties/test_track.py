@@ -9,13 +9,13 @@ import pytest
 from scipy.spatial.transform import Rotation
 from scipy_boresight import scipy_boresight
 
-from planner.errors import TrackBreaksLimit, Unreachable
-from planner.frames.time_scales import Instants
-from planner.orbits import OrbitStates
-from planner.platforms import ISS_HRC
-from planner.pointing.angles import axis_angles
-from planner.pointing.line_of_sight import LineOfSight
-from planner.pointing.track import track_candidates
+from planner.base.errors import TrackBreaksLimit, Unreachable
+from planner.motion.pointing.angles import axis_angles
+from planner.motion.pointing.line_of_sight import LineOfSight
+from planner.motion.pointing.track import track_candidates
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits import OrbitStates
+from planner.world.platforms import ISS_HRC
 
 EPOCH = datetime(2015, 2, 27, 17, 36, tzinfo=UTC)
 REST = np.zeros(2)

@@ -12,10 +12,7 @@ from hypothesis.extra.numpy import arrays
 from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation
 
-from planner.errors import OutsideCoverage
-from planner.frames.earth_orientation import c_itrf_from_eci, iers_data_end_utc
-from planner.frames.time_scales import Instants
-from planner.platforms import ISS_HRC
+from planner.base.errors import OutsideCoverage
 from planner.verification import earth
 from planner.verification.carrier import boresight_platform
 from planner.verification.clock import elapsed_us, tai_us, tt_s
@@ -24,6 +21,9 @@ from planner.verification.earth_fixed import hidden_by_earth
 from planner.verification.hermite import AxisHermite
 from planner.verification.light import aberrate
 from planner.verification.limits import ACCELERATION_JUMP, slow_stretches
+from planner.world.frames.earth_orientation import c_itrf_from_eci, iers_data_end_utc
+from planner.world.frames.time_scales import Instants
+from planner.world.platforms import ISS_HRC
 
 STEP_S = 0.2
 ROWS = 6

@@ -8,9 +8,6 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from planner.frames.time_scales import Instants
-from planner.orbits import OrbitStates
-from planner.targets import BodyTarget, GroundTarget, StarTarget
 from planner.verification.earth import earth_orientation
 from planner.verification.earth_fixed import earth_fixed_sight
 from planner.verification.light import bend_by_sun
@@ -18,6 +15,9 @@ from planner.verification.limb import limb_clearance_rad, lowest_point
 from planner.verification.sky import LIMB_MODEL_SHARE, sky_sight
 from planner.verification.solar_system import NUMBERS, tdb_s
 from planner.verification.stars import towards_star
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits import OrbitStates
+from planner.world.targets import BodyTarget, GroundTarget, StarTarget
 
 ARCSEC_RAD = np.pi / 648000.0
 AU_M = 149597870700.0

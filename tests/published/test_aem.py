@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from planner.errors import InvalidMessage
-from planner.frames.time_scales import utc_from_text
-from planner.messages.aem import read_aem
+from planner.base.errors import InvalidMessage
+from planner.world.frames.time_scales import utc_from_text
+from planner.world.messages.aem import read_aem
 
 # Rows of CCSDS 504.0-B-1, figure 4-1 (a quaternion, scalar last), about the Earth.
 KVN = """CCSDS_AEM_VERS = {version}

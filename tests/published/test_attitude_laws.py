@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from planner.attitude.inertial import InertialAttitude
-from planner.attitude.lvlh import LvlhAttitude
-from planner.frames.time_scales import Instants
-from planner.orbits import OrbitStates
+from planner.world.attitude.inertial import InertialAttitude
+from planner.world.attitude.lvlh import LvlhAttitude
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits import OrbitStates
 
 EPOCH = datetime(2015, 2, 27, 17, 34, tzinfo=UTC)
 ALONG_X = OrbitStates(np.array([[7e6, 0.0, 0.0]]), np.array([[0.0, 7.5e3, 0.0]]))

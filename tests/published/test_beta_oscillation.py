@@ -16,8 +16,8 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy_boresight import scipy_boresight
 
 import slewtrack
-from planner.platforms import IDEAL_DRIVE, ISS_HRC, AxisDrive
-from planner.simulation.flight import fly
+from planner.inflight.simulation.flight import fly
+from planner.world.platforms import IDEAL_DRIVE, ISS_HRC, AxisDrive
 
 ARCSEC = np.radians(1.0 / 3600.0)
 EXAMPLE = Path(__file__).parents[2] / "examples" / "las_vegas_2015.json"

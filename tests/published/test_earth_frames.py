@@ -5,8 +5,8 @@ from datetime import UTC, datetime
 import numpy as np
 import pytest
 
-from planner.errors import OutsideCoverage
-from planner.frames.earth_orientation import (
+from planner.base.errors import OutsideCoverage
+from planner.world.frames.earth_orientation import (
     C_GCRF_FROM_EME2000,
     c_itrf_from_eci,
     c_itrf_from_teme,
@@ -14,14 +14,14 @@ from planner.frames.earth_orientation import (
     iers_data_end_utc,
     itrf_from_eci_state,
 )
-from planner.frames.geodesy import (
+from planner.world.frames.geodesy import (
     c_enu_from_itrf,
     geodetic_from_itrf,
     itrf_from_geodetic,
     up_itrf,
 )
-from planner.frames.local_orbital import q_lvlh_from_eci
-from planner.frames.time_scales import Instants
+from planner.world.frames.local_orbital import q_lvlh_from_eci
+from planner.world.frames.time_scales import Instants
 
 # Vallado, Fundamentals of Astrodynamics, 4th ed., examples 3-14 and 3-15
 EXAMPLE = Instants(datetime(2004, 4, 6, 7, 51, 28, 386009, tzinfo=UTC), np.zeros(1))

@@ -5,13 +5,13 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from planner.attitude.inertial import InertialAttitude
-from planner.commands import CommandTable
-from planner.export import EXPORTERS
-from planner.orbits import StateVectorOrbit
-from planner.platforms import ISS_HRC
-from planner.scenario import InitialState, Scenario, Session
-from planner.targets import StarTarget
+from planner.base.commands import CommandTable
+from planner.output.export import EXPORTERS
+from planner.world.attitude.inertial import InertialAttitude
+from planner.world.orbits import StateVectorOrbit
+from planner.world.platforms import ISS_HRC
+from planner.world.scenario import InitialState, Scenario, Session
+from planner.world.targets import StarTarget
 
 EPOCH_UTC = datetime(2002, 6, 1, 12, tzinfo=UTC)
 # STK help, "AttitudeTimeQuatAngVels Format (*.a) Example": t, q1..q4, rates 0 0 6 deg/s in body

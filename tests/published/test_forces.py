@@ -6,9 +6,9 @@ from datetime import UTC, datetime
 import numpy as np
 import pytest
 
-from planner.frames.time_scales import Instants
-from planner.orbits.atmosphere import density_kg_m3
-from planner.orbits.forces import GM_MOON_M3_S2, GM_SUN_M3_S2, forces_at
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits.atmosphere import density_kg_m3
+from planner.world.orbits.forces import GM_MOON_M3_S2, GM_SUN_M3_S2, forces_at
 
 AT = Instants(datetime(2022, 2, 8, 13, tzinfo=UTC), np.zeros(1))
 SUN_M = np.array([[1.496e11, 0.0, 0.0]])

@@ -5,20 +5,20 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 import pytest
 
-from planner.attitude import LvlhAttitude
-from planner.flights.contributors import contributors
-from planner.flights.draws import CAUSES
-from planner.flights.drives import flown_by
-from planner.flights.nominal import nominal_session
-from planner.flights.outcomes import RunOutcomes
-from planner.flights.proportion import Proportion
-from planner.flights.request import Mover
-from planner.flights.scene import session_scenes
-from planner.orbits import StateVectorOrbit
-from planner.platforms import ISS_HRC
-from planner.scenario import InitialState, Scenario, Session
-from planner.sessions.pipeline import make_plan
-from planner.targets import GroundTarget
+from planner.inflight.flights.contributors import contributors
+from planner.inflight.flights.draws import CAUSES
+from planner.inflight.flights.drives import flown_by
+from planner.inflight.flights.nominal import nominal_session
+from planner.inflight.flights.outcomes import RunOutcomes
+from planner.inflight.flights.proportion import Proportion
+from planner.inflight.flights.request import Mover
+from planner.inflight.flights.scene import session_scenes
+from planner.planning.sessions.pipeline import make_plan
+from planner.world.attitude import LvlhAttitude
+from planner.world.orbits import StateVectorOrbit
+from planner.world.platforms import ISS_HRC
+from planner.world.scenario import InitialState, Scenario, Session
+from planner.world.targets import GroundTarget
 
 OVERHEAD = datetime(2015, 5, 20, 15, 0, tzinfo=UTC)
 EARTH_KM, HEIGHT_KM = 6378.137, 350.0

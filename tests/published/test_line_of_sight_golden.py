@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from planner.attitude.lvlh import LvlhAttitude
-from planner.frames.time_scales import Instants, shifted_utc, utc_from_text
-from planner.orbits import OemOrbit, TleOrbit
-from planner.pointing.line_of_sight import line_of_sight
-from planner.targets import GroundTarget
+from planner.motion.pointing.line_of_sight import line_of_sight
+from planner.world.attitude.lvlh import LvlhAttitude
+from planner.world.frames.time_scales import Instants, shifted_utc, utc_from_text
+from planner.world.orbits import OemOrbit, TleOrbit
+from planner.world.targets import GroundTarget
 
 DATA = Path(__file__).parents[1] / "data"
 # Orekit 13.1.9 and Skyfield 1.55; conventions in the file

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from planner.platforms import IDEAL_DRIVE, ISS_HRC
-from planner.simulation.loop import advance, tolerances
-from planner.simulation.plant import plant_of
-from planner.simulation.rosenbrock import Torque, scratch_for
+from planner.inflight.simulation.loop import advance, tolerances
+from planner.inflight.simulation.plant import plant_of
+from planner.inflight.simulation.rosenbrock import Torque, scratch_for
+from planner.world.platforms import IDEAL_DRIVE, ISS_HRC
 
 SIGMA_0, SIGMA_1, SIGMA_2, COULOMB, BREAKAWAY, STRIBECK = 1e5, math.sqrt(1e5), 0.4, 1.0, 1.5, 1e-3
 SPRING_N_M, PULL_M_S = 2.0, 0.1

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from planner.errors import InvalidMessage
-from planner.frames.time_scales import utc_from_text, utc_text
-from planner.messages.oem import read_oem
-from planner.messages.segments import MAX_CHARACTERS
+from planner.base.errors import InvalidMessage
+from planner.world.frames.time_scales import utc_from_text, utc_text
+from planner.world.messages.oem import read_oem
+from planner.world.messages.segments import MAX_CHARACTERS
 
 DATA = Path(__file__).parents[1] / "data"
 

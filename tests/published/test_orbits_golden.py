@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from planner.frames.earth_orientation import C_GCRF_FROM_EME2000, c_itrf_from_eci
-from planner.frames.geodesy import itrf_from_geodetic
-from planner.frames.local_orbital import q_lvlh_from_eci
-from planner.frames.time_scales import Instants, elapsed_s, utc_from_text
-from planner.orbits import OemOrbit, TleOrbit
+from planner.world.frames.earth_orientation import C_GCRF_FROM_EME2000, c_itrf_from_eci
+from planner.world.frames.geodesy import itrf_from_geodetic
+from planner.world.frames.local_orbital import q_lvlh_from_eci
+from planner.world.frames.time_scales import Instants, elapsed_s, utc_from_text
+from planner.world.orbits import OemOrbit, TleOrbit
 
 DATA = Path(__file__).parents[1] / "data"
 # Orekit 13.1.9 and Skyfield 1.55, each checked against a third tool; conventions in the file

@@ -5,9 +5,9 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 import pytest
 
-from planner.errors import OutsideCoverage
-from planner.frames.time_scales import Instants
-from planner.orbits import StateVectorOrbit
+from planner.base.errors import OutsideCoverage
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits import StateVectorOrbit
 
 # Vallado, Fundamentals of Astrodynamics, 4th ed., example 3-14, the same state in two frames
 EPOCH = datetime(2004, 4, 6, 7, 51, 28, 386009, tzinfo=UTC)

@@ -5,9 +5,9 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 import pytest
 
-from planner.errors import OutsideCoverage
-from planner.frames.time_scales import Instants
-from planner.orbits import TleOrbit
+from planner.base.errors import OutsideCoverage
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits import TleOrbit
 
 # ISS on 2015-02-27, as distributed by NORAD
 LINE1 = "1 25544U 98067A   15058.48161588  .00023857  00000-0  35618-3 0  9991"

@@ -6,10 +6,15 @@ import numpy as np
 import pytest
 from scipy.signal import cont2discrete, lfilter
 
-from planner.baseline.paper_cubic import cubic_profile, in_paper_time, paper_duration_s, paper_slew
-from planner.platforms import ISS_HRC
-from planner.scenario import SlewOptions
-from planner.slew.problem import AxisState, SlewProblem
+from planner.motion.baseline.paper_cubic import (
+    cubic_profile,
+    in_paper_time,
+    paper_duration_s,
+    paper_slew,
+)
+from planner.motion.slew.problem import AxisState, SlewProblem
+from planner.world.platforms import ISS_HRC
+from planner.world.scenario import SlewOptions
 
 LIMITS = ISS_HRC.outer_limits
 UNFILTERED = SlewOptions(filter_cutoff_hz=None)

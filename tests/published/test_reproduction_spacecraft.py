@@ -30,10 +30,10 @@ from reproduction.platonov_unloading import (
     unload,
 )
 
-from planner.frames.earth_orientation import c_itrf_from_eci
-from planner.frames.time_scales import Instants
-from planner.orbits.ephemeris import OrbitStates
 from planner.spacecraft.vehicle.cmg_array import CmgArray
+from planner.world.frames.earth_orientation import c_itrf_from_eci
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits.ephemeris import OrbitStates
 
 EPOCH = datetime(2024, 6, 1, 10, 0, tzinfo=UTC)
 

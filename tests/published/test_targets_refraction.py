@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from planner.targets.refraction import bending_rad, raised_m
-from planner.targets.standard_atmosphere import density_kg_m3, refractivity
+from planner.world.targets.refraction import bending_rad, raised_m
+from planner.world.targets.standard_atmosphere import density_kg_m3, refractivity
 
 EARTH_RADIUS_M = 6371e3
 

@@ -5,9 +5,9 @@ from datetime import UTC, datetime, timedelta, timezone
 import numpy as np
 import pytest
 
-from planner.errors import OutsideCoverage
-from planner.frames.iers import earth_orientation_table
-from planner.frames.time_scales import (
+from planner.base.errors import OutsideCoverage
+from planner.world.frames.iers import earth_orientation_table
+from planner.world.frames.time_scales import (
     Instants,
     elapsed_s,
     shifted_utc,

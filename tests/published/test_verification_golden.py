@@ -8,14 +8,14 @@ import erfa
 import numpy as np
 import pytest
 
-from planner.attitude.lvlh import LvlhAttitude
-from planner.frames.time_scales import Instants
-from planner.orbits import OrbitStates
-from planner.platforms import ISS_HRC
-from planner.targets import BodyTarget, GroundTarget, StarTarget
 from planner.verification.carrier import eci_from_platform
 from planner.verification.earth_fixed import earth_fixed_sight
 from planner.verification.sky import sky_sight
+from planner.world.attitude.lvlh import LvlhAttitude
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits import OrbitStates
+from planner.world.platforms import ISS_HRC
+from planner.world.targets import BodyTarget, GroundTarget, StarTarget
 
 # Orekit 13.1.9 and Skyfield 1.55, each checked against a third tool; conventions in the file
 DATA = Path(__file__).parents[1] / "data"

@@ -17,7 +17,7 @@ from typing import Any, get_args, get_type_hints
 
 from pydantic import BaseModel
 
-from planner.spec import About
+from planner.base.spec import About
 
 Schema = dict[str, Any]
 

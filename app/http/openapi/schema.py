@@ -29,8 +29,8 @@ from app.requests.spacecraft import (
 )
 from app.requests.telemetry import ComparisonRequest, comparison_request_json_schema
 from estimator.request import HorizonRequest
-from planner.campaigns import CampaignRequest
-from planner.opportunities import OpportunityRequest
+from planner.planning.campaigns import CampaignRequest
+from planner.planning.opportunities import OpportunityRequest
 from planner.spacecraft.opportunity_request import ImagingOpportunityRequest
 from planner.spacecraft.requests import ImagingPlanRequest
 

@@ -11,8 +11,8 @@ from app.store import jobs, plans
 from app.store.database import Database
 from app.store.ids import is_id
 from app.work.plan import end_of_table
-from planner.errors import InvalidInput
-from planner.frames.time_scales import elapsed_s, utc_text
+from planner.base.errors import InvalidInput
+from planner.world.frames.time_scales import elapsed_s, utc_text
 
 _FIELD = "initial_state.after"
 _REST_DEG_S = 1e-10  # in a day it would turn an axis by 0.00001 deg

@@ -10,9 +10,9 @@ from app.http.query import Parameters
 from app.http.routes.resources import PlanResource
 from app.store.ids import JobState, is_id
 from app.store.sought import Sought
-from planner.errors import InvalidInput
-from planner.frames.time_scales import utc_from_text
-from planner.platforms import PIXELS_ARCSEC
+from planner.base.errors import InvalidInput
+from planner.world.frames.time_scales import utc_from_text
+from planner.world.platforms import PIXELS_ARCSEC
 
 LIST_MAX = 200
 _KEY_CHARACTERS_MAX = 255

@@ -54,7 +54,7 @@ from app.jobs.refusals import Conflict
 from app.store import jobs
 from app.store.database import Database
 from app.store.jobs import Job
-from planner.errors import InvalidInput
+from planner.base.errors import InvalidInput
 
 
 def plan_routes(resource: PlanResource) -> APIRouter:

@@ -11,8 +11,8 @@ from app.requests.listings import listing_of_scenario
 from app.requests.plan import read_plan_request
 from app.work.plan import stored_table_file, stored_table_json, try_plan
 from app.work.view import DRAWN, stored_plan_view
-from planner.export import EXPORTERS
-from planner.view import VIEW_EXPORTERS
+from planner.output.export import EXPORTERS
+from planner.output.view import VIEW_EXPORTERS
 
 PLANS = PlanResource(
     kind=PLAN.name,

@@ -6,7 +6,7 @@ from fastapi import APIRouter, Depends
 
 from app.answers.platform import definition_of
 from app.http.negotiation import accepts_json
-from planner.platforms import PLATFORMS, PlatformDefinition
+from planner.world.platforms import PLATFORMS, PlatformDefinition
 
 router = APIRouter(tags=["platforms"], dependencies=[Depends(accepts_json)])
 

@@ -10,7 +10,7 @@ from app.http.negotiation import JSON
 from app.store.database import Database
 from app.store.listing import Listing
 from app.work.view import AskedView
-from planner.export.exporter import Exporter
+from planner.output.export.exporter import Exporter
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -23,7 +23,7 @@ from app.store import jobs, plans
 from app.store.ids import is_id
 from app.store.plans import StoredPlan
 from app.work.telemetry import PICTURES, compare_stored
-from planner.errors import InvalidInput
+from planner.base.errors import InvalidInput
 
 router = APIRouter(tags=["telemetry"])
 

@@ -24,7 +24,7 @@ from app.jobs.refusals import Conflict
 from app.store import jobs
 from app.store.plans import StoredPlan
 from app.work.view import AskedView
-from planner.errors import Refusal
+from planner.base.errors import Refusal
 
 _JSON_FORMAT = "json"
 

@@ -1,6 +1,6 @@
 """The formats that an imaging session's table is exported in."""
 
-from planner.export.exporter import Exporter
+from planner.output.export.exporter import Exporter
 from planner.spacecraft.export.czml import write_czml
 from planner.spacecraft.export.figure import write_png, write_svg
 from planner.spacecraft.export.map import write_geojson, write_kml

@@ -5,7 +5,7 @@ from datetime import datetime
 
 import numpy as np
 
-from planner.export.czml_packets import (
+from planner.output.export.czml_packets import (
     AREA_RGBA,
     TARGET_RGBA,
     Json,
@@ -20,15 +20,15 @@ from planner.export.czml_packets import (
     solid,
     span_text,
 )
-from planner.export.description import carrier_name
-from planner.export.table_states import continuous
-from planner.frames.time_scales import shifted_utc
+from planner.output.export.description import carrier_name
+from planner.output.export.table_states import continuous
 from planner.spacecraft.export.ground import AXIS, SessionGround
 from planner.spacecraft.export.map import asked_rad
 from planner.spacecraft.export.session_table import SessionTable
 from planner.spacecraft.export.tables import session_notes
 from planner.spacecraft.requests import AreaRequest
 from planner.spacecraft.table import TICK_S
+from planner.world.frames.time_scales import shifted_utc
 
 _IMAGING_RGBA, _TURNING_RGBA = [0, 220, 90, 255], [255, 160, 0, 255]
 

@@ -4,9 +4,9 @@ from datetime import datetime
 
 import numpy as np
 
-from planner.arrays import Array
-from planner.export.description import one_line
-from planner.export.figure_parts import (
+from planner.base.arrays import Array
+from planner.output.export.description import one_line
+from planner.output.export.figure_parts import (
     DASHED,
     LIMIT_COLOUR,
     POINTS_MAX,
@@ -16,7 +16,7 @@ from planner.export.figure_parts import (
     shade_spans,
     shown_text,
 )
-from planner.export.map_features import thinned
+from planner.output.export.map_features import thinned
 from planner.spacecraft.export.ground import SessionGround
 from planner.spacecraft.export.session_table import SessionTable
 from planner.spacecraft.export.tables import session_notes

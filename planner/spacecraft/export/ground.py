@@ -5,15 +5,15 @@ from functools import cached_property
 
 import numpy as np
 
-from planner.arrays import Array, Indices
-from planner.export.ground import Sights, ends_on_ground, turned_rays
-from planner.frames.earth_orientation import c_itrf_from_eci
-from planner.frames.geodesy import geodetic_from_itrf
-from planner.frames.local_orbital import q_lvlh_from_eci
-from planner.frames.time_scales import Instants
-from planner.rotation import Rotation
+from planner.base.arrays import Array, Indices
+from planner.base.rotation import Rotation
+from planner.output.export.ground import Sights, ends_on_ground, turned_rays
 from planner.spacecraft.export.session_table import SessionTable
 from planner.spacecraft.table import ImagingWindow
+from planner.world.frames.earth_orientation import c_itrf_from_eci
+from planner.world.frames.geodesy import geodetic_from_itrf
+from planner.world.frames.local_orbital import q_lvlh_from_eci
+from planner.world.frames.time_scales import Instants
 
 AXIS, LEFT, RIGHT = 0, 1, 2  # rays: the optical axis, and the ends of the line
 RING_ROWS_MAX = 60

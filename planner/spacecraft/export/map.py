@@ -5,17 +5,17 @@ from datetime import datetime
 
 import numpy as np
 
-from planner.arrays import Array
-from planner.export.geojson import geojson_of
-from planner.export.kml import kml_of
-from planner.export.map_features import Facts, MapFeature, PlanMap, path_feature
-from planner.export.map_shapes import Shape, areas, line
-from planner.frames.time_scales import shifted_utc
+from planner.base.arrays import Array
+from planner.output.export.geojson import geojson_of
+from planner.output.export.kml import kml_of
+from planner.output.export.map_features import Facts, MapFeature, PlanMap, path_feature
+from planner.output.export.map_shapes import Shape, areas, line
 from planner.spacecraft.export.ground import AXIS, SessionGround
 from planner.spacecraft.export.session_table import SessionTable
 from planner.spacecraft.export.tables import session_notes
 from planner.spacecraft.requests import AreaRequest, Request
 from planner.spacecraft.table import TICK_S
+from planner.world.frames.time_scales import shifted_utc
 
 
 def write_geojson(plan: SessionTable, created_utc: datetime) -> bytes:

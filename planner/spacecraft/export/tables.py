@@ -6,16 +6,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from planner.arrays import Array
-from planner.csv_cells import comment_lines
-from planner.export.ccsds import QUATERNION_DECIMALS, attitude_message
-from planner.export.csv import rows_csv
-from planner.export.description import DECIMALS, QUATERNION, TIME_SCALE, one_line
-from planner.export.netcdf import describe
-from planner.export.table_states import continuous
-from planner.frames.time_scales import Instants, utc_text
+from planner.base.arrays import Array
+from planner.base.csv_cells import comment_lines
+from planner.output.export.ccsds import QUATERNION_DECIMALS, attitude_message
+from planner.output.export.csv import rows_csv
+from planner.output.export.description import DECIMALS, QUATERNION, TIME_SCALE, one_line
+from planner.output.export.netcdf import describe
+from planner.output.export.table_states import continuous
 from planner.spacecraft.export.session_table import SessionTable
 from planner.spacecraft.table import TICK_S, AttitudeTable
+from planner.world.frames.time_scales import Instants, utc_text
 
 _BODY_AXES = "body: X along flight, Y up (the optical axis is -Y), Z = X x Y; eci: GCRF axes"
 _BETWEEN = "between rows: quintic Hermite in modified Rodrigues parameters; gimbal rates are held"

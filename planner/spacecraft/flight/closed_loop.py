@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from planner.arrays import Array
-from planner.compiled import compiled
+from planner.base.arrays import Array
+from planner.base.compiled import compiled
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.vehicle.dynamics import ETA, G, MovingBody, Plant, advance, body_at
 from planner.spacecraft.vehicle.onboard import (

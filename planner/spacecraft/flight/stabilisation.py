@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import Array
+from planner.base.arrays import Array
 from planner.spacecraft.flight.closed_loop import Log
 from planner.spacecraft.table import TICK_S, ImagingWindow
 from planner.spacecraft.vehicle.definition import RATE_ERROR_MAX_RAD_S, AgileSpacecraft

@@ -11,11 +11,8 @@ from datetime import datetime
 
 import numpy as np
 
-from planner.arrays import Array
-from planner.errors import InfeasibleSlew, InvalidInput, OutsideCoverage, Refusal, Unreachable
-from planner.frames.earth_orientation import itrf_from_eci_state
-from planner.frames.geodesy import WGS84_A_M, c_enu_from_itrf, geodetic_from_itrf
-from planner.frames.time_scales import elapsed_s, shifted_utc, utc_text
+from planner.base.arrays import Array
+from planner.base.errors import InfeasibleSlew, InvalidInput, OutsideCoverage, Refusal, Unreachable
 from planner.spacecraft.geojson import GeoLineString, GeoPolygon, Position
 from planner.spacecraft.imaging.candidates import PASSING_RAD, Candidate, candidates, middle_of
 from planner.spacecraft.imaging.choice_with_turns import LooksTooClose
@@ -28,6 +25,9 @@ from planner.spacecraft.requests import (
     StereoRequest,
 )
 from planner.spacecraft.table import TICK_S
+from planner.world.frames.earth_orientation import itrf_from_eci_state
+from planner.world.frames.geodesy import WGS84_A_M, c_enu_from_itrf, geodetic_from_itrf
+from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 
 TRIED_MAX = 4
 BEFORE_S, AFTER_S = 90.0, 60.0  # to turn onto the first look and back after the last

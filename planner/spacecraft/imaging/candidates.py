@@ -10,10 +10,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from planner import effort
-from planner.arrays import Array
-from planner.errors import Unreachable
-from planner.frames.time_scales import elapsed_s, shifted_utc, utc_text
+from planner.base import effort
+from planner.base.arrays import Array
+from planner.base.errors import Unreachable
 from planner.spacecraft.imaging.ground_arc import GroundArc, scan_q_body_from_eci
 from planner.spacecraft.imaging.request_arcs import least_time_s, scan_orders
 from planner.spacecraft.imaging.session import ImagingSession
@@ -25,13 +24,14 @@ from planner.spacecraft.requests import (
 )
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.turns.turn_time import MovingEnds
+from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 
 GRID_S = 2.0
 STEREO_STEPS, STEREO_STEP_TICKS = 5, 2  # starts tried before and after that of the exact angle
 TURN_GUESS_S, TURN_ROUNDS = 10.0, 3  # a turn's time hangs on where its goal has moved meanwhile
 PASSING_RAD = math.radians(3.0)  # along the track: abeam
 ROUNDING_S = 1e-6  # a window may be told to the microsecond
-# Of `planner.effort`: to look at an arc scanned from one start, and at one point of it.
+# Of `effort`: to look at an arc scanned from one start, and at one point of it.
 ARC_AT_START, POINT_AT_TICK = 5.0, 0.25
 
 

@@ -5,11 +5,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from planner import effort
-from planner.effort import at_most
-from planner.errors import InfeasibleSlew, Refusal, Unreachable
-from planner.label_search import COMPLETES, OPENS
-from planner.rotation import Rotation
+from planner.base import effort
+from planner.base.effort import at_most
+from planner.base.errors import InfeasibleSlew, Refusal, Unreachable
+from planner.base.rotation import Rotation
+from planner.planning.label_search import COMPLETES, OPENS
 from planner.spacecraft.imaging.candidates import Candidate, candidates
 from planner.spacecraft.imaging.choose import Choice, choose
 from planner.spacecraft.imaging.ground_arc import ChebyshevProfile
@@ -33,7 +33,7 @@ LONGER_BY_S = (3.0, 1.5, 0.6)  # tried in this order, added to every turn
 LONGER_ROUNDS = 2
 ROUNDS = 12  # choices revised when a turn needs more time than estimated
 HOPELESS_S = 10.0  # missing: no other moment to image the same will do
-REQUEST = 1_000.0  # of `planner.effort`
+REQUEST = 1_000.0  # of `effort`
 GENTLER_SHARE = 0.6  # of what work is left, for gentler turns
 
 

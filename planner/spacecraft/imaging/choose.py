@@ -1,7 +1,7 @@
 """Which requests are imaged, when and in what order: the best choice, with a bound.
 
 A path through candidates in order of time, worth the priorities of the requests it fulfils, found
-by `planner.label_search`.  The two looks of a stereo pair are candidates of their own; only the
+by `label_search`.  The two looks of a stereo pair are candidates of their own; only the
 second earns, and only after the first.
 Source: Peng et al. 2020 (agile satellites).
 """
@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from planner import effort
-from planner.arrays import Array, Indices
-from planner.compiled import compiled
-from planner.label_search import (
+from planner.base import effort
+from planner.base.arrays import Array, Indices
+from planner.base.compiled import compiled
+from planner.planning.label_search import (
     COMPLETES,
     EVERYTHING,
     OPENS,
@@ -35,7 +35,7 @@ from planner.spacecraft.imaging.candidates import Candidate
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.turns.turn_time import MovingEnds, TurnTime
 
-PAIR = 0.06  # of `planner.effort`
+PAIR = 0.06  # of `effort`
 WAIT_TICKS = 10  # of the chain of idle instants: 2 s, the grid of the candidates
 
 

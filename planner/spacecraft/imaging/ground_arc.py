@@ -13,15 +13,15 @@ from datetime import datetime
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from planner.arrays import Array
-from planner.frames.earth_orientation import c_itrf_from_eci
-from planner.frames.geodesy import WGS84_A_M, WGS84_F, up_itrf
-from planner.frames.local_orbital import q_lvlh_from_eci
-from planner.frames.time_scales import Instants
-from planner.orbits import Ephemeris
-from planner.rotation import Rotation
+from planner.base.arrays import Array
+from planner.base.rotation import Rotation
 from planner.spacecraft.mrp import BodyMotion, MrpMotion, body_motion
 from planner.spacecraft.table import TICK_S
+from planner.world.frames.earth_orientation import c_itrf_from_eci
+from planner.world.frames.geodesy import WGS84_A_M, WGS84_F, up_itrf
+from planner.world.frames.local_orbital import q_lvlh_from_eci
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits import Ephemeris
 
 DEGREE = 28  # of the Chebyshev fit: attitudes of a 200 s span to 1e-12 rad
 # In orbital orientation: X along flight, Y up, Z = X x Y, in LVLH axes (X forward, Y against the

@@ -6,8 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from planner.arrays import Array
-from planner.frames.geodesy import c_enu_from_itrf, geodetic_from_itrf, itrf_from_geodetic
+from planner.base.arrays import Array
 from planner.spacecraft.geojson import Position
 from planner.spacecraft.imaging.ground_arc import GroundArc
 from planner.spacecraft.imaging.session import ImagingSession
@@ -19,6 +18,7 @@ from planner.spacecraft.requests import (
     StereoRequest,
 )
 from planner.spacecraft.table import TICK_S
+from planner.world.frames.geodesy import c_enu_from_itrf, geodetic_from_itrf, itrf_from_geodetic
 
 BESIDE_TRACK_RAD = math.radians(10.0)  # a side of a polygon that near the track's azimuth is taken
 

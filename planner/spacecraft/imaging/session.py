@@ -7,18 +7,18 @@ from functools import cached_property
 
 import numpy as np
 
-from planner.arrays import Array
-from planner.errors import InvalidInput
-from planner.frames.earth_orientation import c_itrf_from_eci, itrf_from_eci_state
-from planner.frames.geodesy import WGS84_A_M
-from planner.frames.local_orbital import q_lvlh_from_eci
-from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
-from planner.orbits import Ephemeris
+from planner.base.arrays import Array
+from planner.base.errors import InvalidInput
 from planner.spacecraft.imaging.ground_arc import ChebyshevProfile, GroundArc, fitted_profile
 from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.turns.turn_time import TurnTime, turn_time
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
+from planner.world.frames.earth_orientation import c_itrf_from_eci, itrf_from_eci_state
+from planner.world.frames.geodesy import WGS84_A_M
+from planner.world.frames.local_orbital import q_lvlh_from_eci
+from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
+from planner.world.orbits import Ephemeris
 
 HEIGHT_MAX_M = 2000e3  # a low orbit: from higher the camera's angles and the turns mean little
 HEIGHT_STEP_S = 30.0

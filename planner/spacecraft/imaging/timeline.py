@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import Array
-from planner.commands import ROWS_PER_S
-from planner.rotation import Rotation
+from planner.base.arrays import Array
+from planner.base.commands import ROWS_PER_S
+from planner.base.rotation import Rotation
 from planner.spacecraft.imaging.candidates import Candidate
 from planner.spacecraft.imaging.ground_arc import GroundArc
 from planner.spacecraft.imaging.session import ImagingSession

@@ -13,12 +13,12 @@ import numpy as np
 from ruckig import InputParameter, Ruckig, Trajectory
 from scipy.interpolate import PPoly
 
-from planner import effort
-from planner.arrays import Array
+from planner.base import effort
+from planner.base.arrays import Array
 from planner.spacecraft.mrp import MrpCurve, MrpMotion
 from planner.spacecraft.turns.turn_problem import LIMIT_TOLERANCE, Turn, TurnProblem, loads
 
-STRETCH = 150.0  # of `planner.effort`: to look at a turn so much longer
+STRETCH = 150.0  # of `effort`: to look at a turn so much longer
 
 
 class AngleLimits(NamedTuple):

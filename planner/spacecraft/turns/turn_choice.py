@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from planner.errors import InfeasibleSlew
+from planner.base.errors import InfeasibleSlew
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.turns.eigenaxis import eigenaxis_turn
 from planner.spacecraft.turns.turn_ocp import solve_turn

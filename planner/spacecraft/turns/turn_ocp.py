@@ -16,8 +16,8 @@ import casadi
 import numpy as np
 from scipy.interpolate import BSpline
 
-from planner.arrays import Array
-from planner.solvers import Answer, Options, Solver, Work
+from planner.base.arrays import Array
+from planner.base.solvers import Answer, Options, Solver, Work
 from planner.spacecraft.mrp import MrpMotion, body_motion
 from planner.spacecraft.turns.turn_problem import LIMIT_TOLERANCE, Turn, TurnProblem, loads
 from planner.spacecraft.vehicle.definition import TurnObjective
@@ -38,7 +38,7 @@ SHAPES: dict[TurnObjective, Shape] = {
 PASSES = 3
 HOPELESS = 1.05  # no pass mends a failure that far out
 OVERCORRECTED = 1.5  # tightened by just the bulge, the next pass bulges again
-SOLVE, ITERATION = 500.0, 350.0  # of `planner.effort`
+SOLVE, ITERATION = 500.0, 350.0  # of `effort`
 OPTIONS: Options = {"tol": 1e-6, "max_iter": 150, "mu_strategy": "adaptive"}
 END_TOLERANCE = 1e-8  # of sigma: 0.01 arcsec
 LIMIT_FACTOR = 0.997  # at the collocation points; between them the loads bulge by up to 0.3 %

@@ -5,8 +5,8 @@ from typing import Literal
 
 import numpy as np
 
-from planner.arrays import Array
-from planner.rotation import Rotation
+from planner.base.arrays import Array
+from planner.base.rotation import Rotation
 from planner.spacecraft.mrp import BodyMotion, MrpCurve, MrpMotion, MrpState, body_motion, mrp_state
 from planner.spacecraft.vehicle.definition import SlewLimits
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.arrays import Array
-from planner.rotation import Rotation
+from planner.base.arrays import Array
+from planner.base.rotation import Rotation
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.turns.eigenaxis import eigenaxis_turn
 from planner.spacecraft.turns.turn_problem import EndState, TurnProblem

@@ -10,8 +10,8 @@ from typing import Annotated, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.arrays import Array
-from planner.spec import Within, spec
+from planner.base.arrays import Array
+from planner.base.spec import Within, spec
 
 Positive = Annotated[float, Within(1e-9, 1e9)]
 NotNegative = Annotated[float, Within(0.0, 1e9)]

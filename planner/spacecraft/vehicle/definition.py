@@ -9,9 +9,9 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from planner.arrays import Array
+from planner.base.arrays import Array
+from planner.base.spec import Within, spec
 from planner.spacecraft.vehicle.cmg_array import CmgArray, Positive
-from planner.spec import Within, spec
 
 TurnObjective = Literal["smooth", "minimum_time"]
 Vector3 = tuple[float, float, float]

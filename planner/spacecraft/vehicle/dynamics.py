@@ -16,8 +16,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import expm
 
-from planner.arrays import Array
-from planner.compiled import compiled
+from planner.base.arrays import Array
+from planner.base.compiled import compiled
 from planner.spacecraft.vehicle.cmg_array import Gyros
 
 G, ETA = 4, 7  # where G and eta begin in a state: q_eci_from_body_xyzw, G (N m s), eta, p

@@ -7,13 +7,13 @@ gradient's part; the steering law turns the difference of two rows into gimbal r
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.arrays import Array
-from planner.compiled import compiled
-from planner.frames.geodesy import MU_EARTH_M3_S2
-from planner.rotation import Rotation
+from planner.base.arrays import Array
+from planner.base.compiled import compiled
+from planner.base.rotation import Rotation
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.vehicle.cmg_array import CmgArray, Gyros
 from planner.spacecraft.vehicle.steering import rotor_momentum, steer
+from planner.world.frames.geodesy import MU_EARTH_M3_S2
 
 
 def total_momentum_eci(

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.arrays import Array
-from planner.compiled import compiled
+from planner.base.arrays import Array
+from planner.base.compiled import compiled
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.vehicle.cmg_array import Gyros
 from planner.spacecraft.vehicle.dynamics import ServoStep, rotate, unrotate

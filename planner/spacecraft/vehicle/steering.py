@@ -7,8 +7,8 @@ import math
 
 import numpy as np
 
-from planner.arrays import Array
-from planner.compiled import compiled
+from planner.base.arrays import Array
+from planner.base.compiled import compiled
 from planner.spacecraft.vehicle.cmg_array import Gyros
 
 SINGULARITY_GUARD = 0.02  # of det(D D^T): below it the inverse is damped

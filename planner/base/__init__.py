@@ -1,0 +1,1 @@
+"""Stands below every other room: arrays, checked values, refusals, counted work, solvers."""

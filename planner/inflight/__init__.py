@@ -1,0 +1,1 @@
+"""What a table does in flight, and did: structure, simulated flights, telemetry."""

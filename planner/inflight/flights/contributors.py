@@ -1,0 +1,72 @@
+"""Which cause is to blame for how much of what disturbed flights do: Sobol's indices."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.base.arrays import Array
+from planner.inflight.flights.draws import CAUSES
+from planner.inflight.flights.outcomes import RunOutcomes
+
+_LEAST = 1e-12  # of a variance: below, nothing varies
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contributor:
+    """One cause's part in what varies from run to run, summed over the session's instants.
+
+    share: of the variance of the target's place in the image, what the cause has a hand in, by
+    itself or together with others: its total Sobol index.  alone_share: what would vanish on
+    average were the cause known: its first-order index.  smear_share, smear_alone_share: the same
+    of the smear.  sigma: of each, by chance.
+    """
+
+    cause: str
+    share: float
+    share_sigma: float
+    alone_share: float
+    alone_sigma: float
+    smear_share: float
+    smear_share_sigma: float
+    smear_alone_share: float
+    smear_alone_sigma: float
+
+
+def contributors(sessions: Sequence[RunOutcomes]) -> list[Contributor]:
+    """By their part in the place, the largest first; none of fewer than two pairs of runs.
+
+    Each pair of independent runs gives each cause's indices once, by runs that differ in one cause
+    only; the indices of several instants are those of their sum, each weighted by its variance.
+    Source: Jansen 1999, eq. 7 and 12; Gamboa et al. 2014 for results that are vectors.
+    """
+    variance_px2 = np.sum([runs.variance_px2 for runs in sessions], axis=0)
+    total_px2 = np.sum([runs.total_px2 for runs in sessions], axis=0)
+    first_px2 = np.sum([runs.first_px2 for runs in sessions], axis=0)
+    if len(variance_px2) < 2:
+        return []
+    share, share_sigma = _ratio(total_px2, variance_px2)
+    left, left_sigma = _ratio(first_px2, variance_px2)
+    found = [
+        Contributor(
+            cause=cause,
+            share=float(share[0, column]),
+            share_sigma=float(share_sigma[0, column]),
+            alone_share=float(1.0 - left[0, column]),
+            alone_sigma=float(left_sigma[0, column]),
+            smear_share=float(share[1, column]),
+            smear_share_sigma=float(share_sigma[1, column]),
+            smear_alone_share=float(1.0 - left[1, column]),
+            smear_alone_sigma=float(left_sigma[1, column]),
+        )
+        for column, cause in enumerate(CAUSES)
+    ]
+    return sorted(found, key=lambda one: -one.share)
+
+
+def _ratio(parts_px2: Array, whole_px2: Array) -> tuple[Array, Array]:
+    """Of means, and its 1-sigma error by the spread of (p, 2, causes) over (p, 2): (2, causes)."""
+    mean = np.maximum(whole_px2.mean(axis=0), _LEAST)
+    ratio = parts_px2.mean(axis=0) / mean[:, None]
+    spread = np.std(parts_px2 - ratio * whole_px2[:, :, None], axis=0, ddof=1)
+    return ratio, spread / (np.sqrt(len(parts_px2)) * mean[:, None])

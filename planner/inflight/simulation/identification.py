@@ -1,0 +1,251 @@
+"""What a platform's drives must have been, from the angles or rates that they flew."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.base.arrays import Array
+from planner.base.commands import CommandTable
+from planner.inflight.simulation.candidates import (
+    FRICTION,
+    Candidates,
+    candidates,
+    with_parameters,
+)
+from planner.inflight.simulation.scatter import covariance
+from planner.world.platforms import AxisDrive, TwoAxisPlatform
+
+# Sticking and slipping has many local optima. Friction is tried from a sixth of the platform's to
+# six times by what is left of its misses over a period of the loop, which hardly feels when the
+# axis slips; then around the best, closer than slips keep step, as the platform's axes let go and
+# as ones do that are nearly rigid before they slide.
+_COARSE_TRIES = np.linspace(-math.log(6.0), math.log(6.0), 31)
+_FINE_TRIES = np.linspace(-0.18, 0.18, 10)
+_MANNERS: tuple[Mapping[str, float], ...] = (
+    {},
+    {"presliding_arcsec": -1.6, "presliding_damping": -2.0, "damping": 0.1},
+)
+_LEAST_SIGMA_ARCSEC = 0.1  # and arcsec/s: what telemetry between two control steps costs
+_ROBUST_SIGMAS = 5.0  # above, a residual weighs by its size, not its square
+_DIFFERENCE = 1e-3  # of logarithms: a thousand times what the integrator leaves uncertain
+_ROUNDS_MAX = 25
+_LAW_SIGMA = 0.03  # of a friction's logarithm: by which Karnopp's law, flown, is mistaken for ours
+_ARCSEC_RAD = math.radians(1.0 / 3600.0)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Identified:
+    """Parameters of the drives with their uncertainty.
+
+    names: (n,), `axis.field` of `AxisDrive`.  parameters: (n,), in the field's unit.
+    covariance_parameters: (n, n), in their products: of what the samples show, errors that go
+    together counted as such, held by a prior of a factor of ten.
+    drives: the platform's with these parameters.
+    residual_rad, residual_rad_s: (2,), root mean square of each axis's angles and rates; NaN
+    where none were measured.  bias_rad_s: (2,), of the gyros, taken out before.
+    """
+
+    names: tuple[str, ...]
+    parameters: Array
+    covariance_parameters: Array
+    drives: tuple[AxisDrive, AxisDrive]
+    residual_rad: Array
+    residual_rad_s: Array
+    bias_rad_s: Array
+
+
+def identify(
+    table: CommandTable,
+    platform: TwoAxisPlatform,
+    t_s: Array,
+    measured_angle_rad: Array | None,
+    measured_rate_rad_s: Array | None,
+    names: Sequence[str],
+) -> Identified:
+    """By least squares between what was measured and what the simulator makes of the table.
+
+    t_s: (k,), ascending seconds since the table's epoch; samples before its first row or after
+    its last aren't used.  measured_angle_rad, measured_rate_rad_s: (k, 2), NaN where there is
+    none; of the encoders and of rate gyros, whose constant bias is estimated, too.
+    names: `axis.field`, fields of `IDENTIFIABLE`; a constant pull of the cables shows only where
+    the loop has no integral.  Coulomb friction takes the breakaway along in
+    proportion unless that is named, too; where either is named, how the axis lets go (breakaway
+    over Coulomb friction, Stribeck's rate, presliding) and its loop's damping are fitted along
+    around the platform's, and what they leave open is in the covariance.  All else is the
+    platform's: what is wrong there goes into residuals and parameters.  A latency and an offset
+    of the clock look alike.
+    """
+    tried = candidates(table, platform, t_s, measured_angle_rad, measured_rate_rad_s, names)
+    moved = _best_start(tried)
+    sigma = _sigma(tried, moved)
+    moved = _fitted(tried, moved, sigma)
+    sigma = _sigma(tried, moved)
+    moved = _fitted(tried, moved, sigma)
+    covariance_moved = _covariance(tried, moved, _sigma(tried, moved))
+    n, slope = len(names), tried.slope(moved)
+    parameters = tried.values(moved)[:n]
+    angle_rad, rate_rad_s, bias_rad_s = tried.residuals(tried.drives(moved))
+    return Identified(
+        names=tuple(names),
+        parameters=parameters,
+        covariance_parameters=(covariance_moved * np.outer(slope, slope))[:n, :n],
+        drives=with_parameters(platform, platform.drives, names, parameters),
+        residual_rad=_root_mean_square(angle_rad),
+        residual_rad_s=_root_mean_square(rate_rad_s),
+        bias_rad_s=bias_rad_s,
+    )
+
+
+def _best_start(tried: Candidates) -> Array:
+    """Where the search begins."""
+    best, friction = np.zeros(len(tried.names)), tried.is_one_of(*FRICTION)
+    if not np.any(friction):
+        return best
+    coarse = [_even(tried, best + shift * friction) for shift in _COARSE_TRIES]
+    best = best + friction * _COARSE_TRIES[_cheapest(coarse)][tried.of_axis]
+    sigma = _sigma(tried, best)
+    fine = []
+    for manner in _MANNERS:
+        to = np.array([manner.get(name.split(".")[1], 0.0) for name in tried.names])
+        fine += [best + to + shift * friction for shift in _FINE_TRIES]
+    first = _cheapest([_robust(tried.misses(moved, sigma)) for moved in fine])
+    found: Array = np.array(fine)[first[tried.of_axis], np.arange(len(best))]
+    return found
+
+
+def _cheapest(costs_by_try: Sequence[Array]) -> Array:
+    """Of each axis the number of the try, (2,)."""
+    found: Array = np.argmin(np.array(costs_by_try), axis=0)
+    return found
+
+
+def _robust(missed_sigma: Array) -> Array:
+    """As least_squares adds them up, of each axis, (2,)."""
+    size = (missed_sigma / _ROBUST_SIGMAS) ** 2
+    total: Array = np.sum(np.sqrt(1.0 + size) - 1.0, axis=0)
+    return total
+
+
+def _even(tried: Candidates, moved_parameters: Array) -> Array:
+    """The cost of misses averaged over a period of each axis's loop, (2,)."""
+    drives = tried.drives(moved_parameters)
+    missed = tried.misses(moved_parameters, _sensors(tried.platform)).reshape(2, len(tried.t_s), 2)
+    spacing_s = float(np.median(np.diff(tried.t_s)))
+    costs = np.zeros(2)
+    for axis, drive in enumerate(drives):
+        together = max(round(1.0 / (drive.bandwidth_hz * spacing_s)), 1)
+        window = np.ones(together) / math.sqrt(together)
+        for column in missed[:, :, axis]:
+            costs[axis] += float(_robust(np.convolve(column, window, "valid")[:, None])[0])
+    return costs
+
+
+def _sensors(platform: TwoAxisPlatform) -> Array:
+    """1 sigma of angles and of rates of each axis, as the platform has it, (2, 2)."""
+
+    def of(step: str, noise: str) -> list[float]:
+        return [
+            _ARCSEC_RAD
+            * math.hypot(
+                getattr(drive, step) / math.sqrt(12.0), getattr(drive, noise), _LEAST_SIGMA_ARCSEC
+            )
+            for drive in platform.drives
+        ]
+
+    return np.array(
+        [
+            of("encoder_step_arcsec", "encoder_noise_arcsec"),
+            of("gyro_step_arcsec_s", "gyro_noise_arcsec_s"),
+        ]
+    )
+
+
+def _sigma(tried: Candidates, moved_parameters: Array) -> Array:
+    """The same, as large as half of the samples miss by, where that is more."""
+    sigma = _sensors(tried.platform)
+    angle_rad, rate_rad_s, _ = tried.residuals(tried.drives(moved_parameters))
+    for kind, missed in enumerate((angle_rad, rate_rad_s)):
+        for axis, column in enumerate(missed.T):
+            there = column[np.isfinite(column)]
+            if len(there) > 0:
+                spread = 1.4826 * float(np.median(np.abs(there)))
+                sigma[kind, axis] = max(sigma[kind, axis], spread)
+    return sigma
+
+
+def _slopes(tried: Candidates, moved_parameters: Array, sigma: Array) -> Array:
+    """Of the misses, (2 k, 2), by the parameters of their own axis, (2 k, 2, n): the axes hardly
+    feel each other, so that one flight moves a parameter of each."""
+    here = tried.misses(moved_parameters, sigma)
+    slopes = np.zeros((*here.shape, len(moved_parameters)))
+    own = [np.flatnonzero(tried.of_axis == axis) for axis in range(2)]
+    for number in range(max(len(one) for one in own)):
+        moved = moved_parameters.copy()
+        now = [(axis, one[number]) for axis, one in enumerate(own) if number < len(one)]
+        for _, k in now:
+            moved[k] += _DIFFERENCE
+        change = (tried.misses(moved, sigma) - here) / _DIFFERENCE
+        for axis, k in now:
+            slopes[:, axis, k] = change[:, axis]
+    return slopes
+
+
+def _fitted(tried: Candidates, start_parameters: Array, sigma: Array) -> Array:
+    """As they fit best from where the search starts."""
+    from scipy.optimize import least_squares  # half a second, which most processes never need
+
+    prior = tried.prior_parameters
+
+    def missed(moved_parameters: Array) -> Array:
+        told = tried.misses(moved_parameters, sigma).ravel()
+        return np.append(told, moved_parameters / prior)
+
+    def slopes(moved_parameters: Array) -> Array:
+        told = _slopes(tried, moved_parameters, sigma).reshape(-1, len(prior))
+        return np.concatenate([told, np.diag(1.0 / prior)])
+
+    found = least_squares(
+        missed,
+        start_parameters,
+        slopes,
+        bounds=(tried.least_parameters, np.inf),
+        loss="soft_l1",
+        f_scale=_ROBUST_SIGMAS,
+        xtol=1e-4,
+        ftol=1e-4,
+        max_nfev=_ROUNDS_MAX,
+    )
+    return np.asarray(found.x)
+
+
+def _covariance(tried: Candidates, moved_parameters: Array, sigma: Array) -> Array:
+    """Of what moves the parameters, (n, n); the axes' don't go together.
+
+    Friction's with what the law itself leaves open, which no residual of one flight shows.
+    """
+    samples, n = len(tried.t_s), len(moved_parameters)
+    missed = tried.misses(moved_parameters, sigma)
+    slopes = _slopes(tried, moved_parameters, sigma)
+    weights = 1.0 / np.sqrt(1.0 + (missed / _ROBUST_SIGMAS) ** 2)
+    found = np.zeros((n, n))
+    for axis in range(2):
+        own = np.flatnonzero(tried.of_axis == axis)
+        if len(own) > 0:
+            found[np.ix_(own, own)] = covariance(
+                slopes[:, axis, own].reshape(2, samples, len(own)),
+                missed[:, axis].reshape(2, samples),
+                weights[:, axis].reshape(2, samples),
+                tried.prior_parameters[own],
+            )
+    return found + np.diag(tried.is_one_of(*FRICTION) * _LAW_SIGMA**2)
+
+
+def _root_mean_square(missed_value: Array) -> Array:
+    """Of each column, without what isn't there."""
+    there = np.isfinite(missed_value)
+    count = np.count_nonzero(there, axis=0)
+    squares = np.sum(np.where(there, missed_value, 0.0) ** 2, axis=0)
+    found: Array = np.where(count > 0, np.sqrt(squares / np.maximum(count, 1)), np.nan)
+    return found

@@ -1,0 +1,33 @@
+"""How finely a column tells: the noise of a row by itself, and the sensor's step."""
+
+import math
+
+import numpy as np
+
+from planner.base.arrays import Array
+
+_LATTICE_MIN = 0.9  # of the gaps between values, to be whole multiples of the least
+_WHOLE = 0.02
+# Fewer values may lie so by chance, unless each comes again and again.
+_VALUES_MIN, _REPEATED = 20, 0.25
+
+
+def row_noise(error: Array) -> float:
+    """1 sigma of white noise in (n,): third differences keep little of what is smooth."""
+    if len(error) < 4:
+        return 0.0
+    return 1.4826 * float(np.median(np.abs(np.diff(error, 3)))) / math.sqrt(20.0)
+
+
+def sensor_step(value: Array) -> float:
+    """The step of an encoder or of the digits sent, of (n,); 0 where values are of no lattice."""
+    finite = value[np.isfinite(value)]
+    if not len(finite):
+        return 0.0
+    gaps = np.diff(np.sort(finite))
+    gaps = gaps[gaps > 1e-12 * max(float(np.abs(finite).max()), 1e-3)]
+    if not len(gaps) or (len(gaps) > _REPEATED * len(finite) and len(gaps) < _VALUES_MIN):
+        return 0.0
+    counts = gaps / gaps.min()
+    is_whole = np.abs(counts - np.round(counts)) < _WHOLE
+    return float(gaps.min()) if is_whole.mean() > _LATTICE_MIN else 0.0

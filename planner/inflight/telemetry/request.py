@@ -1,0 +1,25 @@
+"""What can be asked of telemetry beside a plan, and how much of it."""
+
+from datetime import datetime
+from typing import Annotated
+
+from planner.base.spec import Within, spec
+
+SAMPLES_MAX = 400_000  # 15 Hz for seven hours
+SECOND_MEASUREMENTS_MAX = 100
+PARAMETERS_MAX = 8
+_OffsetDeg = Annotated[float, Within(-10.0, 10.0)]
+
+
+@spec
+class ImageOffset:
+    """Where the target was found in a frame, from its centre.
+
+    epoch: when the frame was taken, by the plan's clock; UTC. E.g. `"2015-02-27T17:37:00Z"`.
+    offset_deg: along the frame's first side and along its second. E.g. `[0.12, -0.05]`.
+    sigma_deg: 1-sigma of each.
+    """
+
+    epoch: datetime
+    offset_deg: tuple[_OffsetDeg, _OffsetDeg]
+    sigma_deg: Annotated[float, Within(1e-6, 10.0)] = 0.001

@@ -1,0 +1,200 @@
+"""Where an axis stuck and slipped: it stands while its command creeps, then catches up.
+
+Windows of rows, averaged as far as their noise and the command ask for, are cut into parts that
+stand and parts that follow (`staircase.py`).  An axis is told to stick where that explains its
+errors better than steps of an axis that follows and than a swing, by more than chance.
+"""
+
+import itertools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.base.arrays import Array
+from planner.inflight.telemetry.following import Followed
+from planner.inflight.telemetry.noise import row_noise, sensor_step
+from planner.inflight.telemetry.staircase import Staircase, fit_staircase, swing_squares
+
+_WINDOW = 288  # of averaged rows
+_COARSER = (1, 2, 4, 8, 16)
+_ABOVE_NOISE = 4.0  # sigmas that a window's squares are beyond those of noise, to be looked at
+_CLEARLY = 80.0  # squares over the noise's: errors that wander by chance come to 63
+_SLIPS_MIN = 3
+_SHARE_MIN = 0.3  # of the time stuck: a swing about the command stands still for 0.25 at most
+_QUANTA_MIN = 3.0  # of an encoder's steps in a slip
+_EXACT_RAD = 1e-10  # JSON's ninth decimal of a degree is 2e-11
+_RATE_MIN_RAD_S = np.radians(0.5 / 3600.0)
+_RATE_MAX_RAD_S = np.radians(0.2)  # faster is no creeping: what is told then is a servo's swing
+
+
+@dataclass(frozen=True, kw_only=True)
+class StickSlip:
+    """start_s, stop_s: after the table's epoch.  slips: how often it let go.  stuck_share: of the
+    time.  slip_rad: largest way caught up at once.  rate_rad_s: largest command in it."""
+
+    start_s: float
+    stop_s: float
+    slips: int
+    stuck_share: float
+    slip_rad: float
+    rate_rad_s: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """Averaged rows of a stretch, (n,) each; the command grows.  variance_rad2: of the noise."""
+
+    t_s: Array
+    error_rad: Array
+    command_rad: Array
+    variance_rad2: float
+
+    def cut(self, first: int, last: int) -> "_Rows":
+        rows = slice(first, last)
+        return _Rows(
+            self.t_s[rows], self.error_rad[rows], self.command_rad[rows], self.variance_rad2
+        )
+
+
+def stick_slip(followed: Followed) -> list[StickSlip]:
+    """In order of time."""
+    found: list[StickSlip] = []
+    quantum_rad = sensor_step(followed.motion.angle_rad(followed.t_s) + followed.error_rad)
+    for run in followed.runs:
+        t_s = followed.t_s[run]
+        if len(t_s) < 8:
+            continue
+        rate_rad_s = followed.motion.rate_rad_s(t_s)
+        creeps = (np.abs(rate_rad_s) > _RATE_MIN_RAD_S) & (np.abs(rate_rad_s) < _RATE_MAX_RAD_S)
+        kind = np.where(creeps, np.sign(rate_rad_s), 0.0)
+        ends = [0, *(np.flatnonzero(np.diff(kind)) + 1).tolist(), len(kind)]
+        noise_rad = row_noise(followed.error_rad[run])
+        for first, last in itertools.pairwise(ends):
+            if kind[first]:
+                rows = slice(run.start + first, run.start + last)
+                found += _in_stretch(followed, rows, noise_rad, quantum_rad)
+    return _apart(found)
+
+
+def _in_stretch(
+    followed: Followed, rows: slice, noise_rad: float, quantum_rad: float
+) -> list[StickSlip]:
+    t_s, error_rad = followed.t_s[rows], followed.error_rad[rows]
+    command_rad = followed.motion.angle_rad(t_s)
+    if command_rad[-1] < command_rad[0]:
+        command_rad, error_rad = -command_rad, -error_rad
+    found: list[StickSlip] = []
+    for coarser in _COARSER:
+        first = 0
+        while first < len(t_s) - 8:
+            moves_rad = float(np.median(np.diff(command_rad[first : first + _WINDOW])))
+            # Averaged until the command moves by the noise of an average.
+            least = (noise_rad / max(moves_rad, 1e-15)) ** (2.0 / 3.0)
+            each = coarser * int(min(max(0.5 * least, 1.0), len(t_s)))
+            count = min(_WINDOW, (len(t_s) - first) // each)
+            if count >= 8:
+                part = slice(first, first + count * each)
+                averages = [
+                    one[part].reshape(count, each).mean(axis=1)
+                    for one in (t_s, error_rad, command_rad)
+                ]
+                variance_rad2 = noise_rad**2 / each + quantum_rad**2 / 12.0 + _EXACT_RAD**2
+                window = _Rows(averages[0], averages[1], averages[2], variance_rad2)
+                one = _in_window(window, quantum_rad)
+                found += [one] if one else []
+            first += max(_WINDOW // 2 * each, 1)
+    return found
+
+
+def _in_window(rows: _Rows, quantum_rad: float) -> StickSlip | None:
+    """What sticks in it, if that is clear."""
+    place = np.linspace(-1.0, 1.0, len(rows.t_s))
+    trend = np.polynomial.legendre.legvander(place, 2)
+    left = rows.error_rad - trend @ np.linalg.lstsq(trend, rows.error_rad, rcond=None)[0]
+    free = len(left) - 3
+    if np.sum(left**2) < rows.variance_rad2 * (free + _ABOVE_NOISE * math.sqrt(2.0 * free)):
+        return None
+    variance_rad2 = rows.variance_rad2
+    for _ in range(3):  # errors that neither explains are noise, too
+        stairs = _stairs(rows, variance_rad2, may_stand=True)
+        if stairs.left_variance_rad2 < 1.2 * variance_rad2:
+            break
+        variance_rad2 = stairs.left_variance_rad2
+    stands = [part for part in stairs.parts if part.stands]
+    if len(stands) < _SLIPS_MIN:
+        return None
+    first, last = stands[0].first, stands[-1].last
+    if last < len(rows.t_s):  # the slip that ends it
+        last += 1
+    stretch = _Rows(rows.t_s, rows.error_rad, rows.command_rad, variance_rad2).cut(first, last)
+    return _told(stretch, quantum_rad)
+
+
+def _stairs(rows: _Rows, variance_rad2: float, *, may_stand: bool) -> Staircase:
+    angle_rad = rows.command_rad + rows.error_rad
+    return fit_staircase(rows.error_rad, angle_rad, variance_rad2, may_stand=may_stand)
+
+
+def _told(rows: _Rows, quantum_rad: float) -> StickSlip | None:
+    stairs = _stairs(rows, rows.variance_rad2, may_stand=True)
+    if not _is_clear(rows, stairs.cost):
+        return None
+    stands = [part for part in stairs.parts if part.stands]
+    command_rad = rows.command_rad
+    caught_up = [
+        part.level - before.level - (command_rad[part.first] - command_rad[before.last - 1])
+        for before, part in itertools.pairwise(stands)
+    ]
+    ends = rows.error_rad[stands[-1].last :]
+    if len(ends):
+        caught_up.append(float(ends.max() - rows.error_rad[stands[-1].last - 1]))
+    slips = [one for one in caught_up if one > 0.0]
+    share = float(stairs.stands(len(rows.t_s)).mean())
+    least_rad = _QUANTA_MIN * quantum_rad
+    if len(slips) < _SLIPS_MIN or share < _SHARE_MIN or np.median(slips) <= least_rad:
+        return None
+    return StickSlip(
+        start_s=float(rows.t_s[0]),
+        stop_s=float(rows.t_s[-1]),
+        slips=len(slips),
+        stuck_share=share,
+        slip_rad=max(slips),
+        rate_rad_s=float(np.max(np.diff(command_rad) / np.diff(rows.t_s))),
+    )
+
+
+def _is_clear(rows: _Rows, cost: float) -> bool:
+    """Whether standing leaves so much less than following and than a swing do."""
+    follows = _stairs(rows, rows.variance_rad2, may_stand=False).cost
+    if follows - cost < _CLEARLY:
+        return False
+    # Errors that come and go by chance, and swings, look alike to a command turned round.
+    turned = _Rows(rows.t_s, rows.error_rad, -rows.command_rad, rows.variance_rad2)
+    least = cost + follows - _stairs(turned, rows.variance_rad2, may_stand=True).cost
+    if follows - least < _CLEARLY:
+        return False
+    return swing_squares(rows.t_s, rows.error_rad, rows.variance_rad2) - least >= _CLEARLY
+
+
+def _apart(found: list[StickSlip]) -> list[StickSlip]:
+    """Stretches that overlap, of windows that do and of averages over more rows, as one."""
+    apart: list[StickSlip] = []
+    for one in sorted(found, key=lambda one: one.start_s):
+        if not apart or one.start_s > apart[-1].stop_s:
+            apart.append(one)
+            continue
+        before = apart[-1]
+        start_s, stop_s = before.start_s, max(before.stop_s, one.stop_s)
+        longer = max(before, one, key=lambda one: one.slips)
+        # As often outside of the longer as in it.
+        grown = (stop_s - start_s) / max(longer.stop_s - longer.start_s, 1e-9)
+        apart[-1] = StickSlip(
+            start_s=start_s,
+            stop_s=stop_s,
+            slips=round(longer.slips * grown),
+            stuck_share=longer.stuck_share,
+            slip_rad=longer.slip_rad,
+            rate_rad_s=max(before.rate_rad_s, one.rate_rad_s),
+        )
+    return apart

@@ -1,0 +1,276 @@
+"""A way around cones and masks, when the straight slew enters one."""
+
+import math
+import time
+from dataclasses import replace
+
+import numpy as np
+
+from planner.base.arrays import Array
+from planner.base.effort import EffortSpent
+from planner.base.errors import InfeasibleSlew
+from planner.motion.detour.barrier import CELLS_RAD, FINE_CELLS_RAD, catching_region, is_barred
+from planner.motion.detour.ends import free_part, with_part_replaced
+from planner.motion.detour.passage import rough_paths
+from planner.motion.detour.search import TOUCH_RAD, Detour, DetourSearch, slew_entry
+from planner.motion.detour.spline_ocp import SplineOcp, graded_ocp, ocp_on_all_rows
+from planner.motion.pointing.keep_out import KeepOutView, MovingCone
+from planner.motion.slew.flown import rows_in
+from planner.motion.slew.problem import SlewProblem
+from planner.motion.slew.solution import SlewSolution
+from planner.world.platforms import FieldMask
+
+SPANS = 32  # costs 1e-4 more than 48, and a fifth less time
+FINER_SPANS = 64
+SIDE_INSTANTS = 60  # of the straight slew, at which a side step must be outside
+ASIDE_RAD = np.concatenate([[0.02, 0.05], np.linspace(0.1, 3.0, 30)])
+NEAR_ENDS = 0.15
+ROWS_ALL_FREE_MAX = 200
+DEAR = 4.0  # times the straight slew's cost: then it's worth while to look for better ones
+WANDERINGS, WANDERING_RAD = 24, 2.0
+WAVES = np.arange(1, 5)  # half waves; with three, or 1.5 rad, one slew of 12 found no way
+LARGE_PLAY = 0.02
+KICKS, KICK_RAD = 8, 0.3
+SPARED = 0.97  # of the acceleration limit, where the flown Hermite passed it
+Region = MovingCone | FieldMask
+
+
+def avoid_cones(
+    solution: SlewSolution, *, thorough: bool = True, prove: bool = True
+) -> SlewSolution:
+    """The slew itself, or the smoothest one found around the cones and masks it enters.
+
+    Both axes are then solved together from guesses on both sides; the better one that keeps
+    every limit, also when flown from rows, and stays outside on a 10 ms grid is taken.
+    thorough: also try guesses near what was found, and two dozen others where that is dear, or
+    none is found.  prove: where there is no way, show it before searching long; else that is
+    only said after the search.  Raises InfeasibleSlew.
+    """
+    problem = solution.problem
+    if problem.keep_out is None:
+        return solution
+    began_s = time.perf_counter()
+    entry = slew_entry(solution.profiles, problem.keep_out)
+    if entry.depth_rad <= -TOUCH_RAD:
+        return solution
+    _require_ends_outside(problem, problem.keep_out, solution.duration_s)
+    catching = catching_region(problem, problem.keep_out, solution.duration_s)
+    if catching is not None:
+        raise _no_way(solution, (catching,))
+    found = _between_ends(solution, problem.keep_out, thorough=thorough, prove=prove)
+    if found is None:
+        if prove and is_barred(problem, problem.keep_out, solution.duration_s, FINE_CELLS_RAD):
+            raise _no_way(solution, _blocking(solution, problem.keep_out))
+        regions = problem.keep_out.regions
+        raise InfeasibleSlew(
+            f"the straight slew enters {entry.title} by {math.degrees(entry.depth_rad):.2f} deg "
+            f"and no way around {_together(regions)} was found in {solution.duration_s:.1f} s; "
+            f"{_ways_out(regions)}",
+            limit="keep_out",
+        )
+    return replace(
+        solution,
+        profiles=found.profiles,
+        status=("detour",) * len(found.profiles),
+        runs=(found.run,),
+        iterations=solution.iterations + found.iterations,
+        wall_s=solution.wall_s + time.perf_counter() - began_s,
+        cut_short=found.cut_short,
+    )
+
+
+def _require_ends_outside(problem: SlewProblem, view: KeepOutView, duration_s: float) -> None:
+    angle = np.array([[axis.angle_rad for axis in side] for side in (problem.start, problem.end)])
+    depths = view.depths_rad(np.array([0.0, duration_s]), angle)
+    for side, depth in zip(("begins", "ends"), depths.T, strict=True):
+        worst = int(np.argmax(depth))
+        if depth[worst] > 0.0:
+            raise InfeasibleSlew(
+                f"the slew {side} {math.degrees(depth[worst]):.2f} deg inside "
+                f"{view.regions[worst].title}",
+                limit="keep_out",
+            )
+
+
+def _between_ends(
+    straight: SlewSolution, view: KeepOutView, *, thorough: bool, prove: bool
+) -> Detour | None:
+    """Around the regions, after and before what the ends must brake."""
+    part = free_part(straight, view)
+    if part is None:
+        return _around(straight, view, thorough=thorough, prove=prove)
+    free, shifted, begins_s = part
+    if prove:
+        _require_way(straight, view)
+    depths = shifted.depths_rad(
+        np.array([0.0, free.duration_s]), free.motion(np.array([0.0, free.duration_s]))[0]
+    )
+    if depths.max() >= 0.0:
+        return _around(straight, view, thorough=thorough, prove=prove)
+    # Of a part of a slew nothing is proven: another motion at its ends may be possible.
+    found = _around(free, shifted, thorough=thorough, prove=False)
+    if found is None:
+        return None
+    profiles = with_part_replaced(straight, begins_s, found.profiles)
+    if slew_entry(profiles, view).depth_rad > -TOUCH_RAD:
+        return _around(straight, view, thorough=thorough, prove=prove)
+    return found._replace(profiles=profiles)
+
+
+def _require_way(straight: SlewSolution, view: KeepOutView) -> None:
+    if is_barred(straight.problem, view, straight.duration_s, CELLS_RAD):
+        raise _no_way(straight, _blocking(straight, view))
+
+
+def _no_way(straight: SlewSolution, regions: tuple[Region, ...]) -> InfeasibleSlew:
+    return InfeasibleSlew(
+        f"no motion within the limits leads around {_together(regions)} in "
+        f"{straight.duration_s:.1f} s; {_ways_out(regions)}, or choose other times",
+        limit="keep_out",
+    )
+
+
+def _around(
+    straight: SlewSolution, view: KeepOutView, *, thorough: bool, prove: bool
+) -> Detour | None:
+    """Both sides first; where neither leads on, the way that flooding the angles finds.
+
+    Where that is dear or fails too, guesses that wander: not all, where the work that may be done
+    ends before and some way is found.
+    """
+    spline = graded_ocp(SPANS)
+    search = DetourSearch(straight, view, spline)
+    found = search.near(_both_sides(view, straight, spline))
+    sides_fail = not any(one.off_rows or math.isfinite(one.cost) for one in found)
+    if sides_fail:
+        if prove:
+            _require_way(straight, view)
+        found += _along_rough_paths(straight, view)
+    best, cut_short = min(found, key=lambda one: one.cost), False
+    if thorough:
+        dear = sides_fail or best.cost > DEAR * straight.jerk_squared_integral
+        try:
+            found += _more(straight, search, spline, best, dear=dear)
+        except EffortSpent:
+            if not math.isfinite(best.cost):
+                raise
+            cut_short = True
+    if any(one.off_rows for one in found) and not any(math.isfinite(one.cost) for one in found):
+        found += _on_rows(straight, view, min(found, key=lambda one: not one.off_rows))
+    best = min(found, key=lambda one: one.cost)
+    if not math.isfinite(best.cost):
+        return None
+    return best._replace(iterations=sum(one.iterations for one in found), cut_short=cut_short)
+
+
+def _along_rough_paths(straight: SlewSolution, view: KeepOutView) -> list[Detour]:
+    """Until one is good; in a narrow way the hulls of finer splines leave a degree more."""
+    t_s, paths = rough_paths(straight.problem, view, straight.duration_s)
+    found: list[Detour] = []
+    for path in paths:
+        for spans in (SPANS, FINER_SPANS):
+            search = DetourSearch(straight, view, graded_ocp(spans))
+            found += search.near((_aside_along(straight, search.spline, t_s, path),))
+            if any(one.off_rows or math.isfinite(one.cost) for one in found):
+                return found
+    return found
+
+
+def _more(
+    straight: SlewSolution, search: DetourSearch, spline: SplineOcp, best: Detour, *, dear: bool
+) -> list[Detour]:
+    """From guesses near a way that has neighbours, and from any where it is dear or none."""
+    found: list[Detour] = []
+    if math.isfinite(best.cost) and best.play_share > LARGE_PLAY:
+        aside = _aside_of(best, straight, spline)
+        asides = tuple(aside + kick for kick in _waves(spline, KICKS, KICK_RAD))
+        found += search.near(asides, start="wide")
+    if dear:
+        found += search.near(_waves(spline, WANDERINGS, WANDERING_RAD))
+    return found
+
+
+def _blocking(straight: SlewSolution, view: KeepOutView) -> tuple[Region, ...]:
+    """The first region that by itself leaves no way, or all of them."""
+    if len(view.regions) == 1:
+        return view.regions
+    for region in view.regions:
+        alone = view.only(region)
+        if is_barred(straight.problem, alone, straight.duration_s, CELLS_RAD):
+            return (region,)
+    return view.regions
+
+
+def _together(regions: tuple[Region, ...]) -> str:
+    *before, last = [region.title for region in regions]
+    return f"{', '.join(before)} and {last}" if before else last
+
+
+def _ways_out(regions: tuple[Region, ...]) -> str:
+    if any(isinstance(region, MovingCone) for region in regions):
+        return "give the slew more time or the cone a smaller half angle"
+    return "give the slew more time, or begin it with other angles"
+
+
+def _on_rows(straight: SlewSolution, view: KeepOutView, near: Detour) -> list[Detour]:
+    """Again from one that rows can't carry: with acceleration to spare, then with jerk on rows."""
+    rows = rows_in(straight.duration_s)
+    bases = [(graded_ocp(SPANS), SPARED), (graded_ocp(FINER_SPANS), SPARED)]
+    if rows <= ROWS_ALL_FREE_MAX:
+        bases.append((ocp_on_all_rows(rows), 1.0))
+    found: list[Detour] = []
+    for spline, share in bases:
+        aside = _aside_of(near, straight, spline)
+        found += DetourSearch(straight, view, spline, share).near((aside,))
+        if math.isfinite(found[-1].cost):
+            break
+    return found
+
+
+def _aside_of(detour: Detour, straight: SlewSolution, spline: SplineOcp) -> Array:
+    at_s = spline.greville_tau * straight.duration_s
+    path = np.stack([profile.evaluate(at_s)[0] for profile in detour.profiles])
+    return np.asarray(path - straight.motion(at_s)[0].T)
+
+
+def _aside_along(straight: SlewSolution, spline: SplineOcp, t_s: Array, path_rad: Array) -> Array:
+    at_s = spline.greville_tau * straight.duration_s
+    path = np.stack([np.interp(at_s, t_s, angle_rad) for angle_rad in path_rad.T])
+    return np.asarray(path - straight.motion(at_s)[0].T)
+
+
+def _both_sides(view: KeepOutView, straight: SlewSolution, spline: SplineOcp) -> tuple[Array, ...]:
+    """How far to step aside at the spline's `greville_tau` instants, (2, k), to either side."""
+    T = straight.duration_s
+    tau = (np.arange(SIDE_INSTANTS) + 0.5) / SIDE_INSTANTS
+    angle, rate, _, _ = straight.motion(tau * T)
+    depth = view.depths_rad(tau * T, angle).max(axis=0)
+    worst = int(np.argmax(depth))
+    middle = float(np.clip(tau[worst], NEAR_ENDS, 1.0 - NEAR_ENDS))
+    speed = float(np.linalg.norm(rate[worst]))
+    ahead = rate[worst] / speed if speed > 0.0 else np.array([1.0, 0.0])
+    across = np.array([-ahead[1], ahead[0]])
+
+    def aside(direction: Array) -> Array:
+        bump = _bump(tau, middle)
+        tried = angle + (ASIDE_RAD[:, None] * bump)[:, :, None] * direction
+        flat = view.depths_rad(np.tile(tau * T, len(ASIDE_RAD)), tried.reshape(-1, 2))
+        deepest = flat.max(axis=0).reshape(len(ASIDE_RAD), -1).max(axis=1)
+        outside = np.flatnonzero(deepest < 0.0)
+        size = ASIDE_RAD[outside[0] if outside.size else int(np.argmin(deepest))]
+        return np.asarray(np.outer(size * direction, _bump(spline.greville_tau, middle)))
+
+    return aside(across), aside(-across)
+
+
+def _waves(spline: SplineOcp, count: int, size_rad: float) -> tuple[Array, ...]:
+    """Smooth excursions of any kind, the same ones every time."""
+    rng = np.random.default_rng(0)
+    waves = np.sin(np.pi * np.outer(WAVES, spline.greville_tau))
+    sizes = rng.normal(size=(count, 2, len(WAVES))) * size_rad / WAVES
+    return tuple(sizes @ waves)
+
+
+def _bump(tau: Array, middle_tau: float) -> Array:
+    x = np.minimum(tau / middle_tau, (1.0 - tau) / (1.0 - middle_tau))
+    return np.asarray(x * x * x * (10.0 - x * (15.0 - 6.0 * x)))

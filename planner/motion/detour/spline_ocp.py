@@ -1,0 +1,236 @@
+"""One axis's part of the programme of a detour: a B-spline between two states within limits.
+
+In normalised time tau = t/T the angle is a clamped B-spline.  Its derivatives are B-splines
+whose coefficients D_k c are linear in its own c, and a B-spline never leaves the hull of its
+coefficients: limits put on D_k c hold at every instant.  Every matrix depends on the knots
+alone; duration, states and limits enter through bounds and a gradient, so that one solver
+serves every slew.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from planner.base.arrays import Array
+from planner.motion.detour.spline_basis import (
+    SplineBasis,
+    derivative_matrices,
+    jerk_cost,
+    spline_basis,
+)
+from planner.motion.slew.problem import AxisSlew
+from planner.motion.slew.solution import AxisProfile
+from planner.motion.slew.vibration import JERK_COST, WEIGHTS, span_residuals
+from planner.world.platforms import StructuralMode
+
+ROUNDING = 1e-9  # of the limits' ranges
+ON_ROWS_KEPT = 2  # both axes ask for the same one; at 200 rows it takes 3 MB
+INSIDE = 1.0 - 1e-8  # of the limits, so that the solver's last digits stay within them
+SOLVE, ITERATION_ENTRY = 100, 0.03  # of `effort`; an entry of a full hessian
+
+
+@dataclass(frozen=True, eq=False)
+class AxisProgramme:
+    """One axis of a slew as a programme in y: the k free coefficients over their units.
+
+    The angle is start + scale_rad * sum of c_i B_i(t/T).  fixed_coefficients: those that the
+    ends determine.  least_y, greatest_y bound y; least_rows, greatest_rows the hull rows.
+    cost_gradient (k,) and, where structural modes are avoided, cost_hessian (k, k).
+    """
+
+    start_angle_rad: float
+    scale_rad: float
+    duration_s: float
+    fixed_coefficients: Array
+    least_y: Array
+    greatest_y: Array
+    least_rows: Array
+    greatest_rows: Array
+    cost_gradient: Array
+    cost_hessian: Array | None
+
+
+class ValueMatrices(NamedTuple):
+    """What y (k, m) and the fixed coefficients (k, 6) add to the normalised angle."""
+
+    free_matrix: Array
+    fixed_matrix: Array
+
+
+class SplineOcp:
+    """Least integral of squared jerk over clamped B-splines on fixed knots.
+
+    breakpoints_tau: from 0 to 1, the knots in normalised time.
+    hessian: of the cost in y.  jacobian: of the hull rows in y.
+    Source: hull property, de Boor, A Practical Guide to Splines (2001), ch. XI.
+    """
+
+    def __init__(self, breakpoints_tau: Array, degree: int) -> None:
+        self._basis = basis = spline_basis(breakpoints_tau, degree)
+        n = len(basis.free) + len(basis.fixed)
+        cost = jerk_cost(basis, n) / JERK_COST
+        cost_free = cost[np.ix_(basis.free, basis.free)]
+        # Short spans make costs of 1e11 beside 1: in c the gradient drowns in rounding.
+        self._unit = 1.0 / np.sqrt(JERK_COST * np.diag(cost_free))
+        self.hessian = cost_free * np.outer(self._unit, self._unit)
+        self._gradient = cost[np.ix_(basis.free, basis.fixed)] * self._unit[:, None]
+        derivatives = derivative_matrices(basis.knots, degree)[1:]
+        self._limited = [
+            np.flatnonzero(np.any(matrix[:, basis.free] != 0.0, axis=1)) for matrix in derivatives
+        ]
+        rows = np.vstack([d[rows] for d, rows in zip(derivatives, self._limited, strict=True)])
+        self._row_scale = 1.0 / np.abs(rows[:, basis.free] * self._unit).max(axis=1)
+        self.jacobian = rows[:, basis.free] * self._unit * self._row_scale[:, None]
+        self._jacobian_fixed = rows[:, basis.fixed] * self._row_scale[:, None]
+
+    @property
+    def free_count(self) -> int:
+        """How many coefficients the ends leave free."""
+        return len(self._basis.free)
+
+    @property
+    def rate_rows(self) -> int:
+        """How many of the hull rows, the first ones, bound the rate."""
+        return len(self._limited[0])
+
+    def keeps_rows(self, programme: AxisProgramme, y_coefficients: Array) -> bool:
+        """Whether the hull of the spline with free coefficients y keeps its limits."""
+        rows = self.jacobian @ y_coefficients
+        least, greatest = programme.least_rows, programme.greatest_rows
+        slack = ROUNDING * (greatest - least)
+        within = (least - slack <= rows) & (rows <= greatest + slack)
+        return bool(within.all())
+
+    def value_matrices(self, tau: Array) -> ValueMatrices:
+        """For the angle at tau (k,) in [0, 1): start + scale times (free y + fixed c)."""
+        basis = self._basis
+        span = np.searchsorted(basis.breakpoints_tau, tau, side="right") - 1
+        powers = (tau - basis.breakpoints_tau[span])[:, None] ** np.arange(
+            basis.power_matrix.shape[1]
+        )
+        all_c = np.zeros((len(tau), len(basis.free) + len(basis.fixed)))
+        weights = np.einsum("kj,kjn->kn", powers, basis.power_matrix[span])
+        np.put_along_axis(all_c, basis.support[span], weights, axis=1)
+        return ValueMatrices(all_c[:, basis.free] * self._unit, all_c[:, basis.fixed])
+
+    def guess_y(self, programme: AxisProgramme, profile: AxisProfile, aside_rad: Array) -> Array:
+        """y of a motion near profile, moved aside by aside_rad at the `greville_tau` instants."""
+        at_s = self.greville_tau * programme.duration_s
+        angle = profile.evaluate(at_s)[0] + aside_rad
+        free = (angle - programme.start_angle_rad) / programme.scale_rad / self._unit
+        return np.asarray(np.clip(free, programme.least_y, programme.greatest_y))
+
+    @property
+    def greville_tau(self) -> Array:
+        """Where in normalised time a free coefficient is nearly the spline's value, (k,)."""
+        degree = self._basis.power_matrix.shape[1] - 1
+        knots = self._basis.knots[1:-1]
+        means = np.convolve(knots, np.ones(degree) / degree, "valid")
+        return np.asarray(means[self._basis.free])
+
+    def pose(
+        self,
+        slew: AxisSlew,
+        *,
+        scale_rad: float,
+    ) -> AxisProgramme:
+        """The numbers that make this family of problems one problem."""
+        basis, T = self._basis, slew.duration_s
+        scale = scale_rad
+        fixed = basis.fixed_from_ends @ _ends_over_scale(slew, scale)
+        limit = slew.limits.bounds
+        reach = (
+            INSIDE
+            * self._row_scale
+            * np.concatenate(
+                [
+                    np.full(len(rows), limit[order][1] * T**order / scale)
+                    for order, rows in enumerate(self._limited, start=1)
+                ]
+            )
+        )
+        known = self._jacobian_fixed @ fixed
+        gradient, hessian = self._gradient @ fixed, None
+        if slew.avoid_modes:
+            cost = _modal_cost(basis, T, slew.avoid_modes)
+            free = cost[np.ix_(basis.free, basis.free)]
+            hessian = self.hessian + free * np.outer(self._unit, self._unit)
+            gradient = gradient + self._unit * (cost[np.ix_(basis.free, basis.fixed)] @ fixed)
+        return AxisProgramme(
+            start_angle_rad=slew.start.angle_rad,
+            scale_rad=scale,
+            duration_s=T,
+            fixed_coefficients=fixed,
+            least_y=(limit[0][0] - slew.start.angle_rad) / scale / self._unit,
+            greatest_y=(limit[0][1] - slew.start.angle_rad) / scale / self._unit,
+            least_rows=-reach - known,
+            greatest_rows=reach - known,
+            cost_gradient=gradient,
+            cost_hessian=hessian,
+        )
+
+    def profile(self, programme: AxisProgramme, y_coefficients: Array) -> AxisProfile:
+        """The motion whose free coefficients are y."""
+        basis, c = self._basis, self._coefficients(programme, y_coefficients)
+        powers = np.arange(basis.power_matrix.shape[1])
+        coefficients = np.einsum("kjn,kn->kj", basis.power_matrix, c[basis.support])
+        coefficients = coefficients * programme.scale_rad / programme.duration_s**powers
+        coefficients[:, 0] += programme.start_angle_rad
+        return AxisProfile(
+            breakpoints_s=basis.breakpoints_tau * programme.duration_s, coefficients=coefficients
+        )
+
+    def _coefficients(self, programme: AxisProgramme, y: Array) -> Array:
+        basis = self._basis
+        c = np.empty(len(basis.fixed) + len(basis.free))
+        c[basis.fixed] = programme.fixed_coefficients
+        c[basis.free] = y * self._unit
+        return c
+
+
+@lru_cache(maxsize=8)
+def graded_ocp(spans: int) -> SplineOcp:
+    """Quintics on knots five times denser at the ends, where the jerk must turn quickly.
+
+    Made once per process.
+    """
+    x = np.linspace(0.0, 1.0, spans + 1)
+    breakpoints_tau = 0.2 * x + 0.4 * (1.0 - np.cos(np.pi * x))
+    breakpoints_tau[0], breakpoints_tau[-1] = 0.0, 1.0
+    return SplineOcp(breakpoints_tau, degree=5)
+
+
+@lru_cache(maxsize=ON_ROWS_KEPT)
+def ocp_on_all_rows(rows: int) -> SplineOcp:
+    """Cubics whose jerk may change on every row and nowhere else; a Hermite reproduces them."""
+    return SplineOcp(np.linspace(0.0, 1.0, rows + 1), degree=3)
+
+
+def _modal_cost(basis: SplineBasis, duration_s: float, modes: tuple[StructuralMode, ...]) -> Array:
+    """Matrix (n, n) of the cost c^T P c / 2 of what coefficients c leave of the detuned modes.
+
+    Source: Singer, Seering 1990, residual vibration as a constraint on the command; here soft.
+    """
+    powers = np.arange(3, basis.power_matrix.shape[1])
+    third = basis.power_matrix[:, 3:] * (powers * (powers - 1) * (powers - 2))[:, None]
+    residuals = span_residuals(basis.breakpoints_tau, duration_s, modes, len(powers))
+    rows = np.zeros((int(basis.support.max()) + 1, len(residuals)), dtype=complex)
+    np.add.at(rows, basis.support, np.einsum("ekj,kjn->kne", residuals, third))
+    weights = np.resize(WEIGHTS, len(residuals))
+    return np.asarray(sum((part * weights) @ part.T for part in (rows.real, rows.imag)))
+
+
+def _ends_over_scale(slew: AxisSlew, scale_rad: float) -> Array:
+    """Angle, rate, acceleration at the start, and backwards at the end, in normalised time."""
+    start, end, T = slew.start, slew.end, slew.duration_s
+    ends = [
+        0.0,
+        start.rate_rad_s * T,
+        start.acceleration_rad_s2 * T**2,
+        end.acceleration_rad_s2 * T**2,
+        end.rate_rad_s * T,
+        end.angle_rad - start.angle_rad,
+    ]
+    return np.array(ends) / scale_rad

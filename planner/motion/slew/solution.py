@@ -1,0 +1,283 @@
+"""A planned slew: piecewise polynomials, their exact extremes, and what they break."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache, cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import polynomial
+from numpy.typing import NDArray
+
+from planner.base.arrays import Array
+from planner.base.solvers import SolverRun
+from planner.motion.slew.problem import LIMIT_TOLERANCE, AxisState, SlewProblem
+from planner.world.platforms import AxisLimits
+
+ORDERS = ("angle", "rate", "acceleration", "jerk")
+SAMPLES = 9
+NEGLIGIBLE = 1e-13  # of a polynomial's largest coefficient: rounding, not a leading term
+
+
+class Extreme(NamedTuple):
+    """Least and greatest value of one derivative, SI, and when."""
+
+    least: float
+    least_at_s: float
+    greatest: float
+    greatest_at_s: float
+
+
+class LimitViolation(NamedTuple):
+    """axis breaks limit ("angle", "rate", "acceleration", "jerk"): the worst value and when."""
+
+    axis: str
+    limit: str
+    value: float
+    bound: float
+    at_s: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class AxisProfile:
+    """Motion of one axis: on [breakpoints_s[k], breakpoints_s[k+1]] a polynomial.
+
+    breakpoints_s: (k+1,), the first 0.  coefficients: (k, degree+1), a cubic's at least,
+    ascending powers of the time since the piece's own breakpoint, rad/s^j.
+    """
+
+    breakpoints_s: Array
+    coefficients: Array
+
+    @property
+    def duration_s(self) -> float:
+        return float(self.breakpoints_s[-1])
+
+    def evaluate(self, t_s: Array) -> tuple[Array, Array, Array, Array]:
+        """Angle, rate, acceleration, jerk at t_s (n,); at a breakpoint, of the later piece."""
+        last = len(self.coefficients) - 1
+        piece = np.clip(np.searchsorted(self.breakpoints_s, t_s, side="right") - 1, 0, last)
+        x = t_s - self.breakpoints_s[piece]
+        values = []
+        for derivative in self._derivatives:
+            c = derivative[piece]
+            value = c[:, -1]
+            for power in range(c.shape[1] - 2, -1, -1):
+                value = value * x + c[:, power]
+            values.append(value)
+        return values[0], values[1], values[2], values[3]
+
+    @cached_property
+    def extremes(self) -> tuple[Extreme, Extreme, Extreme, Extreme]:
+        """Exact extremes of angle, rate, acceleration and jerk, from roots of derivatives."""
+        return (self._extreme(0), self._extreme(1), self._extreme(2), self._extreme(3))
+
+    @cached_property
+    def jerk_squared_integral(self) -> float:
+        """Integral of squared jerk, rad^2/s^5; infinite where the acceleration jumps."""
+        if self.acceleration_jumps:
+            return float("inf")
+        jerk = self._derivatives[3]
+        width = np.diff(self.breakpoints_s)
+        total = 0.0
+        for i in range(jerk.shape[1]):
+            for j in range(jerk.shape[1]):
+                power = i + j + 1
+                total += float(np.sum(jerk[:, i] * jerk[:, j] * width**power)) / power
+        return total
+
+    @cached_property
+    def acceleration_jumps(self) -> bool:
+        """Whether the acceleration is discontinuous inside the profile, beyond rounding."""
+        acceleration = self._derivatives[2]
+        width = np.diff(self.breakpoints_s)
+        at_end = _value(acceleration, width)
+        scale = np.abs(acceleration[:, 0]).max() + np.abs(at_end).max() + 1e-12
+        return bool(np.any(np.abs(at_end[:-1] - acceleration[1:, 0]) > 1e-6 * scale))
+
+    @cached_property
+    def end_values(self) -> Array:
+        """Angle, rate, acceleration, jerk at the first and the last instant, shape (2, 4)."""
+        width = np.diff(self.breakpoints_s)[-1:]
+        return np.array(
+            [
+                [derivative[0, 0] for derivative in self._derivatives],
+                [_value(derivative[-1:], width)[0] for derivative in self._derivatives],
+            ]
+        )
+
+    def surely_within(self, limits: AxisLimits) -> bool:
+        """Whether the hull of each piece keeps all limits: proof when true, nothing when false."""
+        return self._all_within(limits, _bernstein_from_power)
+
+    def surely_outside(self, limits: AxisLimits) -> bool:
+        """Whether a sample breaks a limit: proof when true, nothing when false."""
+        return not self._all_within(limits, _samples_from_power)
+
+    def _all_within(self, limits: AxisLimits, values_from_power: Callable[[int], Array]) -> bool:
+        width = np.diff(self.breakpoints_s)[:, None]
+        for derivative, (low, high) in zip(self._derivatives, limits.bounds, strict=True):
+            count = derivative.shape[1]
+            values = (derivative * width ** np.arange(count)) @ values_from_power(count).T
+            slack = LIMIT_TOLERANCE * (high - low)
+            if values.min() < low - slack or values.max() > high + slack:
+                return False
+        return True
+
+    @cached_property
+    def _derivatives(self) -> tuple[Array, ...]:
+        """Coefficients of angle, rate, acceleration and jerk."""
+        c = self.coefficients
+        chain = [c]
+        for _ in range(3):
+            c = c[:, 1:] * np.arange(1, c.shape[1])
+            chain.append(c)
+        return tuple(chain)
+
+    def _extreme(self, order: int) -> Extreme:
+        width = np.diff(self.breakpoints_s)
+        unit = self._derivatives[order] * width[:, None] ** np.arange(
+            self._derivatives[order].shape[1]
+        )
+        values = [unit[:, 0], unit.sum(axis=1)]
+        times = [self.breakpoints_s[:-1], self.breakpoints_s[1:]]
+        for piece in _pieces_that_may_reach_beyond(unit):
+            s = _turning_points(unit[piece])
+            values.append(polynomial.polyval(s, unit[piece]))
+            times.append(self.breakpoints_s[piece] + s * width[piece])
+        value, at_s = np.concatenate(values), np.concatenate(times)
+        low, high = int(np.argmin(value)), int(np.argmax(value))
+        return Extreme(float(value[low]), float(at_s[low]), float(value[high]), float(at_s[high]))
+
+
+@dataclass(frozen=True, kw_only=True)
+class SlewSolution:
+    """The slew of all axes, judged by its own polynomials and not by a solver's word.
+
+    profiles: one per axis, all of duration_s.  status: how each axis was solved.
+    iterations: of the solver, all axes together.  wall_s: time spent solving.
+    violations: every limit the exact extremes break, none from `optimal_slew`.
+    end_error_rad: distance from the wanted end angle, per axis; on the track it dies away
+    with the time constant settling_s.
+    lower_bounds_rad2_s5: of the integral of squared jerk, per axis: no motion between the same
+    states within the limits costs less; none where no optimum was sought.
+    runs: of the solver, per axis, None where the motion is no solver's; of a detour the one of
+    both axes.
+    cut_short: whether the search for a better one was, by the work that may be done.
+    """
+
+    problem: SlewProblem
+    profiles: tuple[AxisProfile, ...]
+    status: tuple[str, ...]
+    iterations: int
+    wall_s: float
+    violations: tuple[LimitViolation, ...]
+    end_error_rad: tuple[float, ...]
+    lower_bounds_rad2_s5: tuple[float, ...] = ()
+    runs: tuple[SolverRun | None, ...] = ()
+    settling_s: float = 0.0
+    cut_short: bool = False
+
+    @property
+    def duration_s(self) -> float:
+        return self.profiles[0].duration_s
+
+    @property
+    def jerk_squared_integral(self) -> float:
+        """Sum over the axes of the integral of squared jerk, rad^2/s^5."""
+        return sum(profile.jerk_squared_integral for profile in self.profiles)
+
+    def motion(self, t_s: Array) -> tuple[Array, Array, Array, Array]:
+        """Angle, rate, acceleration, jerk, each (n, m), at t_s (n,) since the slew's start."""
+        per_axis = [profile.evaluate(t_s) for profile in self.profiles]
+        angle, rate, acceleration, jerk = (
+            np.stack([values[order] for values in per_axis], axis=1) for order in range(4)
+        )
+        return angle, rate, acceleration, jerk
+
+
+def chain_profiles(parts: list[AxisProfile]) -> AxisProfile:
+    """One motion after the other; each must begin as the one before ends."""
+    breakpoints_s, begin_s = [np.zeros(1)], 0.0
+    for part in parts:
+        breakpoints_s.append(begin_s + part.breakpoints_s[1:])
+        begin_s += part.duration_s
+    width = max(part.coefficients.shape[1] for part in parts)
+    pieces = [
+        np.pad(part.coefficients, ((0, 0), (0, width - part.coefficients.shape[1])))
+        for part in parts
+    ]
+    return AxisProfile(
+        breakpoints_s=np.concatenate(breakpoints_s), coefficients=np.concatenate(pieces)
+    )
+
+
+def violations(axis: str, profile: AxisProfile, limits: AxisLimits) -> tuple[LimitViolation, ...]:
+    """Limits that the profile breaks anywhere, the worst value of each."""
+    found = []
+    for name, extreme, (low, high) in zip(ORDERS, profile.extremes, limits.bounds, strict=True):
+        slack = LIMIT_TOLERANCE * (high - low)
+        if extreme.greatest > high + slack and extreme.greatest - high >= low - extreme.least:
+            found.append(LimitViolation(axis, name, extreme.greatest, high, extreme.greatest_at_s))
+        elif extreme.least < low - slack:
+            found.append(LimitViolation(axis, name, extreme.least, low, extreme.least_at_s))
+    return tuple(found)
+
+
+def obeys(profile: AxisProfile, start: AxisState, end: AxisState, limits: AxisLimits) -> bool:
+    """Whether the profile leads from start to end and keeps every limit at every instant."""
+    if not _meets_ends(profile, start, end, limits):
+        return False
+    if profile.surely_within(limits):
+        return True
+    return not profile.surely_outside(limits) and not violations("", profile, limits)
+
+
+def _meets_ends(profile: AxisProfile, start: AxisState, end: AxisState, limits: AxisLimits) -> bool:
+    """Whether the profile begins and ends in the given states, to 1e-9 of the limits."""
+    for values, state in zip(profile.end_values, (start, end), strict=True):
+        wanted = (state.angle_rad, state.rate_rad_s, state.acceleration_rad_s2)
+        for value, target, (low, high) in zip(values[:3], wanted, limits.bounds[:3], strict=True):
+            if abs(value - target) > LIMIT_TOLERANCE * (high - low):
+                return False
+    return True
+
+
+def _value(coefficients: Array, x: Array) -> Array:
+    return np.asarray(np.sum(coefficients * x[:, None] ** np.arange(coefficients.shape[1]), axis=1))
+
+
+def _pieces_that_may_reach_beyond(unit: Array) -> NDArray[np.intp]:
+    """Pieces (on [0, 1]) whose hull reaches beyond what all pieces begin and end with."""
+    hull = unit @ _bernstein_from_power(unit.shape[1]).T
+    ends = hull[:, [0, -1]]
+    return np.flatnonzero((hull.min(axis=1) < ends.min()) | (hull.max(axis=1) > ends.max()))
+
+
+@cache
+def _bernstein_from_power(count: int) -> Array:
+    """Bernstein coefficients are this (count, count) matrix times ascending power ones."""
+    matrix = np.zeros((count, count))
+    for row in range(count):
+        ratio = 1.0
+        for column in range(row + 1):
+            matrix[row, column] = ratio
+            ratio *= (row - column) / (count - 1 - column) if column < count - 1 else 0.0
+    return matrix
+
+
+@cache
+def _samples_from_power(count: int) -> Array:
+    """Values at a few places of [0, 1] are this matrix times ascending power coefficients."""
+    return np.linspace(0.0, 1.0, SAMPLES)[:, None] ** np.arange(count)
+
+
+def _turning_points(unit: Array) -> Array:
+    """Roots in (0, 1) of the derivative of one polynomial on [0, 1]."""
+    slope = unit[1:] * np.arange(1, len(unit))
+    significant = np.flatnonzero(np.abs(slope) > NEGLIGIBLE * np.abs(slope).max())
+    if significant.size == 0 or significant[-1] == 0:
+        return np.empty(0)
+    roots = polynomial.polyroots(slope[: significant[-1] + 1])
+    real = roots.real[np.abs(roots.imag) < 1e-6]
+    return np.asarray(real[(real > 0.0) & (real < 1.0)])

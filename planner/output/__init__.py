@@ -1,0 +1,1 @@
+"""A plan for others: files of other tools, and columns to draw."""

@@ -1,0 +1,123 @@
+"""What the reader of an exported file must know: frames, units, time scale, rotations."""
+
+from dataclasses import dataclass
+from datetime import datetime
+from typing import NamedTuple
+
+import numpy as np
+
+from planner.base.arrays import Array
+from planner.base.commands import COMMAND_STEP_S, CommandTable
+from planner.world.frames.time_scales import utc_text
+from planner.world.orbits import OemOrbit, OmmOrbit, OpmOrbit, Orbit, TleOrbit
+from planner.world.plan import FlightPlan
+from planner.world.platforms import TwoAxisPlatform
+from planner.world.scenario import Session
+
+DECIMALS = 9  # 1e-9 deg is 4 microarcsec, 1/25,000 of what the table promises
+TEXT_MAX = 200  # a KVN line may have 254 characters
+UNKNOWN = "UNKNOWN"
+
+TIME_SCALE = "UTC; t_s are SI seconds since the epoch, leap seconds counted"
+INTERPOLATION = "between rows the platform flies the cubic Hermite of angle and rate"
+PAYLOAD_AXES = (
+    "payload: +Z boresight, +X at zero angles the inner axis (its part across the boresight), "
+    "+Y completes; both axes carry it"
+)
+QUATERNION = (
+    "q_b_from_a_xyzw is scalar last and turns coordinates, v_b = q(v_a); a body turned by +theta "
+    "about Z has [0, 0, -sin(theta/2), cos(theta/2)]"
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Column:
+    """One column of the table in degrees, shape (n,); `unit` as UDUNITS writes it."""
+
+    name: str
+    unit: str
+    axis: str
+    value_by_row: Array
+
+
+class CarrierName(NamedTuple):
+    """Name and international designator, UNKNOWN where the orbit source has none."""
+
+    name: str
+    designator: str
+
+
+def columns(table: CommandTable) -> tuple[Column, ...]:
+    """`NAME_deg` of each axis, then `NAME_rate_deg_s`, rounded to DECIMALS."""
+    kinds = (("_deg", "degree", table.angle_rad), ("_rate_deg_s", "degree s-1", table.rate_rad_s))
+    return tuple(
+        Column(name=axis + suffix, unit=unit, axis=axis, value_by_row=_degrees(radians[:, index]))
+        for suffix, unit, radians in kinds
+        for index, axis in enumerate(table.axis_names)
+    )
+
+
+def rotation_order(platform: TwoAxisPlatform) -> str:
+    """The boresight as a product of right-handed turns, and the axes turned about."""
+    outer, inner = platform.axes_platform
+    a, b = map(one_line, platform.axis_names)
+    return (
+        f"boresight_platform = R({a}) R({b}) zero, right-handed; {a} about {_vector(outer)} "
+        f"(outer, fixed to the base), {b} about {_vector(inner)} (inner, carried by {a}), "
+        f"zero {_vector(platform.zero_direction_platform)}, platform axes"
+    )
+
+
+def mount(platform: TwoAxisPlatform) -> str:
+    """The constant rotation from body to platform."""
+    return f"q_platform_from_body_xyzw = {_vector(platform.q_platform_from_body_xyzw)}"
+
+
+def notes(plan: FlightPlan, created_utc: datetime) -> tuple[str, ...]:
+    """Lines of one text each, for headers and comments."""
+    scenario, table = plan.scenario, plan.table
+    return (
+        f"slewtrack plan {one_line(scenario.name) or 'without a name'}, "
+        f"platform {one_line(scenario.platform.name)}, written {utc_text(created_utc)}",
+        f"epoch {utc_text(table.epoch_utc, 1)}, a row every {COMMAND_STEP_S} s; "
+        f"time scale {TIME_SCALE}",
+        rotation_order(scenario.platform),
+        mount(scenario.platform),
+        PAYLOAD_AXES,
+        INTERPOLATION,
+    )
+
+
+def carrier_name(orbit: Orbit) -> CarrierName:
+    """As its orbit message names it."""
+    if isinstance(orbit, TleOrbit):
+        launch, designator = orbit.line1[9:17].strip(), UNKNOWN
+        if launch:
+            century = "19" if int(launch[:2]) >= 57 else "20"
+            designator = f"{century}{launch[:2]}-{launch[2:]}"
+        return CarrierName(f"NORAD {orbit.line1[2:7].strip()}", designator)
+    name = ""
+    if isinstance(orbit, OemOrbit):
+        name = orbit.message.segments[0].object_name
+    elif isinstance(orbit, OmmOrbit | OpmOrbit):
+        name = orbit.message.object_name
+    return CarrierName(one_line(name) or UNKNOWN, UNKNOWN)
+
+
+def one_line(text: str) -> str:
+    """Printable ASCII on one line, so that no name can break out of a header."""
+    printable = "".join(c if " " <= c <= "~" else " " if c.isspace() else "?" for c in text)
+    return " ".join(printable.split())[:TEXT_MAX]
+
+
+def _degrees(values_rad: Array) -> Array:
+    return np.asarray(np.round(np.degrees(values_rad), DECIMALS) + 0.0, dtype=np.float64)  # no -0.0
+
+
+def _vector(unit: tuple[float, ...] | Array) -> str:
+    return "[" + ", ".join(f"{value + 0.0:.12g}" for value in unit) + "]"
+
+
+def session_label(session: Session, number: int) -> str:
+    """What it is called on maps and in lists."""
+    return session.label or f"session {number + 1}"

@@ -1,0 +1,41 @@
+"""The command table as JSON."""
+
+import json
+from datetime import datetime
+
+from planner.base.commands import COMMAND_STEP_S
+from planner.output.export.description import (
+    INTERPOLATION,
+    PAYLOAD_AXES,
+    TIME_SCALE,
+    columns,
+    mount,
+    one_line,
+    rotation_order,
+)
+from planner.world.frames.time_scales import utc_text
+from planner.world.plan import FlightPlan
+
+
+def write_json(plan: FlightPlan, created_utc: datetime) -> bytes:
+    """The answer's `table` with a `description` of frames, units, time scale and rotation."""
+    table, platform = plan.table, plan.scenario.platform
+    table_columns = columns(table)
+    document = {
+        "name": plan.scenario.name,
+        "epoch": utc_text(table.epoch_utc, 1),
+        "step_s": COMMAND_STEP_S,
+        "t_s": table.t_s.tolist(),
+        **{column.name: column.value_by_row.tolist() for column in table_columns},
+        "description": {
+            "created": utc_text(created_utc),
+            "platform": one_line(platform.name),
+            "axes": list(table.axis_names),
+            "time_scale": TIME_SCALE,
+            "units": {"t_s": "s", **{column.name: column.unit for column in table_columns}},
+            "rotation_order": rotation_order(platform),
+            "frames": f"{PAYLOAD_AXES}; {mount(platform)}",
+            "interpolation": INTERPOLATION,
+        },
+    }
+    return json.dumps(document, allow_nan=False, separators=(",", ":")).encode()

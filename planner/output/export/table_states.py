@@ -1,0 +1,163 @@
+"""Where the carrier is and how the payload is turned, row by row of a plan."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.base.arrays import Array, Indices
+from planner.base.commands import ROWS_PER_S
+from planner.base.errors import OutsideCoverage
+from planner.base.rotation import Rotation
+from planner.world.frames.time_scales import Instants, elapsed_s
+from planner.world.orbits import Ephemeris, OrbitStates
+from planner.world.plan import FlightPlan
+from planner.world.platforms import TwoAxisPlatform
+
+_DEGREE = 5
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TableStates:
+    """Rows of the table, (n,), from `first_row` to its end, with orbit and attitude.
+
+    first_row: 0, or the first tracking row where orbit or attitude is not known before.
+    q_body_from_eci_xyzw, q_payload_from_eci_xyzw, q_payload_from_body_xyzw: shape (n, 4),
+    unit, scalar last, neighbours of like sign; they turn coordinates.
+    """
+
+    first_row: int
+    row: Indices
+    instants: Instants
+    ephemeris: Ephemeris
+    states: OrbitStates
+    q_body_from_eci_xyzw: Array
+    q_payload_from_body_xyzw: Array
+    q_payload_from_eci_xyzw: Array
+
+
+def table_states(plan: FlightPlan, row: Indices | None = None) -> TableStates:
+    """Of rows by their ascending numbers, (n,); of all unless given.
+
+    Raises OutsideCoverage when orbit or attitude is unknown while a target is tracked.
+    """
+    row = np.arange(len(plan.table.t_s)) if row is None else row
+    try:
+        return _states_from(plan, row, 0)
+    except OutsideCoverage:
+        first_row = _first_tracking_row(plan)
+        if first_row == 0:
+            raise
+        return _states_from(plan, row, first_row)
+
+
+def _states_from(plan: FlightPlan, row: Indices, first_row: int) -> TableStates:
+    scenario, table = plan.scenario, plan.table
+    row = row[row >= first_row]
+    instants = Instants(table.epoch_utc, table.t_s[row])
+    ephemeris = scenario.orbit.ephemeris(instants.utc(0), instants.utc(-1))
+    states = ephemeris.states(instants)
+    q_body_from_eci = scenario.attitude.q_body_from_eci(instants, states)
+    platform = scenario.platform
+    q_payload_from_body = (
+        q_payload_from_platform(platform, table.angle_rad[row]) * platform.q_platform_from_body
+    )
+    return TableStates(
+        first_row=first_row,
+        row=row,
+        instants=instants,
+        ephemeris=ephemeris,
+        states=states,
+        q_body_from_eci_xyzw=continuous(q_body_from_eci),
+        q_payload_from_body_xyzw=continuous(q_payload_from_body),
+        q_payload_from_eci_xyzw=continuous(q_payload_from_body * q_body_from_eci),
+    )
+
+
+def omega_payload_from_eci_rad_s(plan: FlightPlan, rows: TableStates) -> Array:
+    """Angular velocity of the payload against ECI, payload axes, shape (n, 3), of all rows.
+
+    That of the body is the derivative of a quintic through the rows.
+    """
+    q_payload_from_body = Rotation.from_quat(rows.q_payload_from_body_xyzw)
+    omega_body_rad_s = _omega_body_rad_s(rows.instants.t_s, rows.q_body_from_eci_xyzw)
+    on_platform_rad_s = omega_payload_rad_s(
+        plan.scenario.platform, plan.table.angle_rad[rows.row], plan.table.rate_rad_s[rows.row]
+    )
+    return np.asarray(q_payload_from_body.apply(omega_body_rad_s) + on_platform_rad_s)
+
+
+def q_payload_from_platform(platform: TwoAxisPlatform, angle_rad: Array) -> Rotation:
+    """n rotations to the payload's axes: +Z the boresight, +X and +Y carried by both axes.
+
+    angle_rad: shape (n, 2), in the order of `platform.axis_names`.  At zero angles +X is the
+    inner axis, or its part across the zero direction; so on the HRC the payload's axes then
+    are the platform's.  +Y completes.
+    """
+    outer, inner = platform.axes_platform
+    turn = Rotation.from_rotvec(angle_rad[:, :1] * outer) * Rotation.from_rotvec(
+        angle_rad[:, 1:] * inner
+    )
+    return (turn * Rotation.from_matrix(_c_platform_from_payload_at_zero(platform))).inv()
+
+
+def omega_payload_rad_s(platform: TwoAxisPlatform, angle_rad: Array, rate_rad_s: Array) -> Array:
+    """Angular velocity of the payload against the platform's base, payload axes, shape (n, 3).
+
+    angle_rad, rate_rad_s: shape (n, 2).
+    """
+    outer, inner = platform.axes_platform
+    inner_platform = Rotation.from_rotvec(angle_rad[:, :1] * outer).apply(inner)
+    omega_platform_rad_s = rate_rad_s[:, :1] * outer + rate_rad_s[:, 1:] * inner_platform
+    return np.asarray(
+        q_payload_from_platform(platform, angle_rad).apply(omega_platform_rad_s), dtype=np.float64
+    )
+
+
+def continuous(q: Rotation) -> Array:
+    """Components of n rotations, shape (n, 4), scalar last, neighbours of like sign."""
+    q_xyzw = q.as_quat()
+    likeness = np.sum(q_xyzw[1:] * q_xyzw[:-1], axis=1)
+    sign = np.concatenate([[1.0], np.cumprod(np.where(likeness < 0.0, -1.0, 1.0))])
+    return np.asarray(q_xyzw * sign[:, None])
+
+
+def axes_turn(q_b_from_a_xyzw: Array) -> Array:
+    """What CCSDS and STK call the quaternion from A to B: it turns A's axes into B's.
+
+    The conjugate, scalar last too: [0, 0, sin(theta/2), cos(theta/2)] for a body B turned by
+    +theta about Z.
+    """
+    return np.asarray(q_b_from_a_xyzw * np.array([-1.0, -1.0, -1.0, 1.0]))
+
+
+def _omega_body_rad_s(t_s: Array, q_body_from_eci_xyzw: Array) -> Array:
+    """Angular velocity of the body against ECI, body axes: 2 conj(p) o p' of p = conj(q)."""
+    from scipy.interpolate import make_interp_spline
+
+    q_dot_s = make_interp_spline(
+        t_s, q_body_from_eci_xyzw, k=min(_DEGREE, len(t_s) - 1)
+    ).derivative()(t_s)
+    vector, scalar = q_body_from_eci_xyzw[:, :3], q_body_from_eci_xyzw[:, 3:]
+    vector_dot, scalar_dot = q_dot_s[:, :3], q_dot_s[:, 3:]
+    return np.asarray(
+        2.0 * (scalar_dot * vector - scalar * vector_dot - np.cross(vector, vector_dot))
+    )
+
+
+def _first_tracking_row(plan: FlightPlan) -> int:
+    start_s = min(
+        elapsed_s(segment.start_utc, plan.table.epoch_utc)
+        for segment in plan.segments
+        if segment.kind == "track"
+    )
+    return round(start_s * ROWS_PER_S)
+
+
+def _c_platform_from_payload_at_zero(platform: TwoAxisPlatform) -> Array:
+    """Columns: the payload's axes in the platform frame when both angles are zero."""
+    z = np.array(platform.zero_direction_platform)
+    z = z / np.linalg.norm(z)
+    _, inner = platform.axes_platform
+    across = inner - (inner @ z) * z
+    x = across / np.linalg.norm(across)
+    return np.stack([x, np.cross(z, x), z], axis=1)

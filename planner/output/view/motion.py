@@ -1,0 +1,110 @@
+"""How the axes move: as flown between rows, and as the paper's spline would."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.base.arrays import Array, Indices
+from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
+from planner.motion.baseline import paper_profiles
+from planner.motion.slew import AxisState
+from planner.world.frames.time_scales import elapsed_s
+from planner.world.plan import FlightPlan
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class AxesMotion:
+    """Of m axes at n instants, each (n, m).
+
+    Of a table: the cubic Hermite of the cell that begins with the row (at the last row of the one
+    that ends there), whose acceleration jumps from cell to cell.
+    """
+
+    angle_rad: Array
+    rate_rad_s: Array
+    acceleration_rad_s2: Array
+    jerk_rad_s3: Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BaselineSlew:
+    """The paper's spline in the place of one slew: over the same time, between the same states.
+
+    session: onto whose target; None: to the final state.  t_s: since the table's epoch, (k,).
+    """
+
+    session: int | None
+    t_s: Array
+    motion: AxesMotion
+
+
+def motion_at_rows(table: CommandTable, row: Indices) -> AxesMotion:
+    """At rows by their numbers, (n,)."""
+    h = COMMAND_STEP_S
+    cell = np.minimum(row, len(table.t_s) - 2)
+    v0, v1 = table.rate_rad_s[cell], table.rate_rad_s[cell + 1]
+    step = (table.angle_rad[cell + 1] - table.angle_rad[cell]) / h
+    jerk = 6.0 * (v0 + v1 - 2.0 * step) / h**2
+    acceleration = (6.0 * step - 4.0 * v0 - 2.0 * v1) / h
+    return AxesMotion(
+        angle_rad=table.angle_rad[row],
+        rate_rad_s=table.rate_rad_s[row],
+        acceleration_rad_s2=acceleration + (row > cell)[:, None] * h * jerk,
+        jerk_rad_s3=jerk,
+    )
+
+
+def baseline_slews(plan: FlightPlan, every: int) -> Iterator[BaselineSlew]:
+    """Of each slew, at every so many rows and its end; none of a plan that is the spline itself."""
+    if not plan.scenario.slew.keeps_limits:
+        return
+    table = plan.table
+    for segment in plan.segments:
+        if segment.kind != "slew":
+            continue
+        first, last = (
+            round(elapsed_s(moment, table.epoch_utc) * ROWS_PER_S)
+            for moment in (segment.start_utc, segment.stop_utc)
+        )
+        profiles = paper_profiles(
+            _states(table, first, 0.0 * table.rate_rad_s[first]),
+            _states(table, last, _acceleration_after(table, last)),
+            (last - first) / ROWS_PER_S,
+            plan.scenario.slew,
+        )
+        row = np.unique([*range(first, last, every), last])
+        parts = [profile.evaluate((row - first) / ROWS_PER_S) for profile in profiles]
+        angle, rate, acceleration, jerk = (
+            np.stack([part[order] for part in parts], axis=1) for order in range(4)
+        )
+        yield BaselineSlew(
+            session=segment.session,
+            t_s=row / ROWS_PER_S,
+            motion=AxesMotion(
+                angle_rad=angle,
+                rate_rad_s=rate,
+                acceleration_rad_s2=acceleration,
+                jerk_rad_s3=jerk,
+            ),
+        )
+
+
+def _states(table: CommandTable, row: int, acceleration_rad_s2: Array) -> tuple[AxisState, ...]:
+    return tuple(
+        AxisState(angle_rad=float(q), rate_rad_s=float(v), acceleration_rad_s2=float(a))
+        for q, v, a in zip(
+            table.angle_rad[row], table.rate_rad_s[row], acceleration_rad_s2, strict=True
+        )
+    )
+
+
+def _acceleration_after(table: CommandTable, row: int) -> Array:
+    """Of the track that begins there, (m,), by its rates on three rows; 0 where the table ends.
+
+    The spline needs it only to aim ahead by its filter's lag: an error of 1 % is 0.01 arcsec.
+    """
+    rate = table.rate_rad_s[row : row + 3]
+    if len(rate) < 3:
+        return np.zeros(rate.shape[1])
+    return np.asarray((-3.0 * rate[0] + 4.0 * rate[1] - rate[2]) / (2.0 * COMMAND_STEP_S))

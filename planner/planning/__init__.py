@@ -1,0 +1,1 @@
+"""What is pointed at, and when: windows, sessions, campaigns."""

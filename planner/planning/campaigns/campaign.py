@@ -1,0 +1,315 @@
+"""From targets over days to the sessions of every pass: the whole choice on one screen."""
+
+import itertools
+import math
+import os
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from datetime import datetime
+
+import numpy as np
+
+from planner.base.arrays import Array, Indices
+from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
+from planner.planning.campaigns.choice import CampaignChoice, Looking, Reporter, bound_at, choose
+from planner.planning.campaigns.displaced import Displaced, displaced_by
+from planner.planning.campaigns.network import Network, network_of, relax
+from planner.planning.campaigns.passes import (
+    PASS_MAX_S,
+    SESSIONS_MAX,
+    Looks,
+    in_passes,
+    longest_rest_s,
+    longest_slew_s,
+)
+from planner.planning.campaigns.request import LENGTHS, CampaignRequest
+from planner.planning.campaigns.slew_time import limit_table
+from planner.planning.campaigns.unseen import Unseen, unseen_because
+from planner.planning.campaigns.view import Seen, Viewing
+from planner.planning.campaigns.ways import Ways, ways_to_follow
+from planner.planning.opportunities import Windows, opportunities_however_many
+from planner.planning.opportunities.carrier import Carrier, carrier_over
+from planner.world.frames.time_scales import shifted_utc
+from planner.world.platforms import AxisLimits
+from planner.world.scenario import InitialState, Scenario, Session
+from planner.world.targets import BenchMotionTarget
+from planner.world.targets.axis_signals import ConstantRate
+
+REST_ROWS = 5 * ROWS_PER_S  # how long the axes are held at rest at the end of a pass
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChosenLook:
+    """A look at a target: row of the request's targets, from start to stop.
+
+    value: what it is worth.  quality: of its view, a mean over the look.
+    seen: at the middle of the look.
+    """
+
+    target: int
+    start_utc: datetime
+    stop_utc: datetime
+    value: float
+    quality: float
+    seen: Seen
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChosenPass:
+    """Looks in order of time, with the platform at rest from start and again by stop."""
+
+    start_utc: datetime
+    stop_utc: datetime
+    looks: tuple[ChosenLook, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnchosenTarget:
+    """A target (row of the request's) that got no look, and the look it came nearest to.
+
+    value: of that look.  displaced_by: targets whose looks can't be flown beside it, worth
+    displaced_value; none where only the looks after it would have to move.
+    """
+
+    target: int
+    start_utc: datetime
+    stop_utc: datetime
+    value: float
+    displaced_by: tuple[int, ...]
+    displaced_value: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Campaign:
+    """Passes in order of time.
+
+    value: what the looks are worth together.  bound: no choice is worth more whose looks
+    begin on the grid, have one of the lengths tried and lie in the same passes.
+    greedy_value: what taking pass after pass whatever is worth most there is worth.
+    windows: how many there were to choose from.
+    unseen: targets that can't be looked at for as long as they must.  left_out: that can, but
+    others are worth more.
+    """
+
+    passes: tuple[ChosenPass, ...]
+    value: float
+    bound: float
+    greedy_value: float
+    windows: int
+    unseen: tuple[Unseen, ...]
+    left_out: tuple[UnchosenTarget, ...]
+    warnings: tuple[str, ...]
+
+    @property
+    def gap_share(self) -> float:
+        """How much more than `value` there could be at most, as a share of the bound."""
+        return 1.0 - self.value / self.bound if self.bound > 0.0 else 0.0
+
+
+def choose_campaign(request: CampaignRequest, tell: Reporter = lambda *_: None) -> Campaign:
+    """Choose sessions and their order.
+
+    tell: is called with what is being done, and how many parts of how many are done.
+    Slew times are those of `slew_time`: without hard stops on the way and
+    without cones to keep out of, which planning the passes then may find in the way.
+    Raises OutsideCoverage.
+    """
+    tell("opportunities", 0, 1)
+    limits = request.slew.axis_limits(request.platform)
+    grid_s = _first_row_s(request)
+    found = opportunities_however_many(request.opportunities())
+    rest_s = _rest_s(request, limits)
+    looks = _looks(request, found.windows, rest_s)
+    tell("ways", 0, 1)
+    platform = request.platform.with_limits(limits)
+    ephemeris = request.orbit.ephemeris(request.start, request.stop)
+    carrier = carrier_over(ephemeris, request.attitude, platform, request.start, request.stop)
+    viewing = Viewing(
+        weights=request.view, ephemeris=ephemeris, attitude=request.attitude, platform=platform
+    )
+    targets = [wanted.target for wanted in request.targets]
+    least_s = _least_s(request)
+    ways = ways_to_follow(looks, targets, least_s, carrier, viewing, request.step_s, grid_s)
+    looking = _looking(request)
+    shortest = looking.length_steps[:, 0]
+    networks = _networks(ways, shortest, limits, tell)
+    choice = choose(networks, looking, tell)
+    tell("bound", 0, 1)
+    # At slew times that nothing can beat.
+    table = limit_table(limits)
+    with _threads() as threads:
+        optimistic = list(threads.map(lambda one: relax(one, ways, shortest, table), networks))
+    bound = bound_at(optimistic, looking, choice.price)
+    seen = set(np.unique(ways.target).tolist())
+    unseen = [row for row in range(len(request.targets)) if row not in seen]
+    looked_at = {look.target for one in choice.passes for look in one}
+    left_out = displaced_by(
+        networks,
+        choice.passes,
+        looking.at(np.zeros(len(request.targets))),
+        np.array(sorted(seen - looked_at), np.intp),
+    )
+    return Campaign(
+        passes=_in_utc(request, choice, rest_s, grid_s, carrier, viewing),
+        value=choice.value,
+        bound=max(bound, choice.value),
+        greedy_value=choice.greedy_value,
+        windows=len(found.windows),
+        unseen=unseen_because(request, carrier, unseen, found.windows, looks),
+        left_out=tuple(_left_out(request, one, grid_s) for one in left_out),
+        warnings=found.warnings,
+    )
+
+
+def scenario_of(request: CampaignRequest, flight: ChosenPass, number: int) -> Scenario:
+    """The pass as it is to be planned: from rest over all looks to rest.
+
+    What a slew lacks, the looks beside it give: slew times were estimated without stops.
+    """
+    rest = BenchMotionTarget(
+        axes={name: ConstantRate(angle_deg=angle_deg, rate_deg_s=0.0)
+              for name, angle_deg in request.rest_deg.items()}
+    )  # fmt: skip
+    rest_utc = shifted_utc(flight.stop_utc, -REST_ROWS * COMMAND_STEP_S)
+    return Scenario(
+        name=f"{request.name or 'campaign'}, pass {number}",
+        orbit=request.orbit,
+        attitude=request.attitude,
+        platform=request.platform,
+        initial_state=InitialState(epoch=flight.start_utc, angles_deg=request.rest_deg),
+        sessions=(
+            *(
+                Session(
+                    id=request.targets[look.target].id,
+                    target=request.targets[look.target].target,
+                    start=look.start_utc,
+                    stop=look.stop_utc,
+                )
+                for look in flight.looks
+            ),
+            Session(target=rest, start=rest_utc, stop=flight.stop_utc),
+        ),
+        slew=request.slew,
+        on_conflict="least_loss",
+    )
+
+
+def _first_row_s(request: CampaignRequest) -> float:
+    """From the start to the first command row, which counts from a whole UTC second."""
+    row_us = round(COMMAND_STEP_S * 1e6)
+    return (-request.start.microsecond % row_us) / 1e6
+
+
+def _rest_s(request: CampaignRequest, limits: tuple[AxisLimits, ...]) -> float:
+    """Room for a slew to or from rest and for resting, whole rows."""
+    names = request.platform.axis_names
+    rest_rad = np.deg2rad([request.rest_deg[name] for name in names])
+    return (math.ceil(longest_rest_s(limits, rest_rad) * ROWS_PER_S) + REST_ROWS) / ROWS_PER_S
+
+
+def _least_s(request: CampaignRequest) -> Array:
+    return np.array([wanted.lengths_s[0] for wanted in request.targets])
+
+
+def _looks(request: CampaignRequest, windows: Windows, rest_s: float) -> Looks:
+    least_s = _least_s(request)
+    # Every look is followed by one step of slewing at least.
+    shortest_s = float(least_s.min()) + request.step_s
+    return in_passes(
+        windows.target,
+        np.maximum(windows.rise_s, rest_s + COMMAND_STEP_S),
+        np.minimum(windows.set_s, request.span_s - rest_s - COMMAND_STEP_S),
+        least_s[windows.target],
+        rest_s,
+        min(PASS_MAX_S, (SESSIONS_MAX - 2) * shortest_s),
+    )
+
+
+def _looking(request: CampaignRequest) -> Looking:
+    length_steps = np.zeros((len(request.targets), LENGTHS), np.intp)
+    look_value = np.zeros((len(request.targets), LENGTHS))
+    for row, wanted in enumerate(request.targets):
+        for place, length_s in enumerate(wanted.lengths_s):
+            length_steps[row, place] = math.ceil(length_s / request.step_s - 1e-9)
+            look_value[row, place] = wanted.worth_value(length_s)
+    return Looking(
+        length_steps=length_steps,
+        look_value=look_value,
+        look_limit=np.array([float(wanted.looks) for wanted in request.targets]),
+    )
+
+
+def _networks(
+    ways: Ways, shortest: Indices, limits: tuple[AxisLimits, ...], tell: Reporter
+) -> list[Network]:
+    numbers = np.unique(ways.pass_number)
+    table, longest_s = limit_table(limits), longest_slew_s(limits)
+
+    def network(number: int) -> Network:
+        rows = np.flatnonzero(ways.pass_number == number)
+        return network_of(ways, rows, shortest, table, longest_s)
+
+    networks: list[Network] = []
+    with _threads() as threads:
+        for one in threads.map(network, numbers.tolist()):
+            tell("slews", len(networks), len(numbers))
+            networks.append(one)
+    return networks
+
+
+def _threads() -> ThreadPoolExecutor:
+    """As many as there are cores: slew times are compiled, free of the interpreter's lock."""
+    return ThreadPoolExecutor(os.cpu_count())
+
+
+def _left_out(request: CampaignRequest, one: Displaced, grid_s: float) -> UnchosenTarget:
+    start_utc = shifted_utc(request.start, grid_s + one.first_step * request.step_s)
+    return UnchosenTarget(
+        target=one.target,
+        start_utc=start_utc,
+        stop_utc=shifted_utc(start_utc, request.targets[one.target].lengths_s[one.length]),
+        value=one.value,
+        displaced_by=tuple(look.target for look in one.by),
+        displaced_value=sum(look.value for look in one.by),
+    )
+
+
+def _in_utc(
+    request: CampaignRequest,
+    choice: CampaignChoice,
+    rest_s: float,
+    grid_s: float,
+    carrier: Carrier,
+    viewing: Viewing,
+) -> tuple[ChosenPass, ...]:
+    chosen = [look for looks in choice.passes for look in looks]
+    start_s = np.array([grid_s + look.first_step * request.step_s for look in chosen])
+    length_s = np.array([request.targets[look.target].lengths_s[look.length] for look in chosen])
+    target = np.array([look.target for look in chosen], np.intp)
+    targets = [wanted.target for wanted in request.targets]
+    pixel_rad = request.opportunities().pixel_rad
+    views = viewing.seen(carrier, targets, target, start_s + 0.5 * length_s, pixel_rad)
+    told = iter(
+        ChosenLook(
+            target=look.target,
+            start_utc=shifted_utc(request.start, begin_s),
+            stop_utc=shifted_utc(shifted_utc(request.start, begin_s), lasts_s),
+            value=look.value,
+            # Where it is 1, the quotient may round up.
+            quality=min(look.value / request.targets[look.target].worth_value(lasts_s), 1.0),
+            seen=seen,
+        )
+        for look, begin_s, lasts_s, seen in zip(
+            chosen, start_s.tolist(), length_s.tolist(), views, strict=True
+        )
+    )
+    flown = [tuple(itertools.islice(told, len(looks))) for looks in choice.passes]
+    return tuple(
+        ChosenPass(
+            start_utc=shifted_utc(looks[0].start_utc, -rest_s),
+            stop_utc=shifted_utc(looks[-1].stop_utc, rest_s),
+            looks=looks,
+        )
+        for looks in flown
+        if looks
+    )

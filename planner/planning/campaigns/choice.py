@@ -1,0 +1,291 @@
+"""Chooses looks, passes and order, and bounds how far from the best they can be."""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.base.arrays import Array, Indices
+from planner.planning.campaigns.master import Mixture, Proposal, best_mixture, best_together
+from planner.planning.campaigns.network import Network
+from planner.planning.campaigns.path import Look, Worth, best_path, path_bound
+
+Passes = list[tuple[Look, ...]]
+Reporter = Callable[[str, int, int], None]
+"""What is being done, and how many parts of how many of it are."""
+
+GAP_ENOUGH = 1e-3
+# Measured by bench/campaign.py --targets 559 --days 5 --sun 10 --ground-sample 0, the hardest kind:
+# all views worth the same.  After 200 steps the bound is 0.4 % above the mixture's value, after
+# 300 0.2 %; five mixtures bring it to 0.1 % and cost as much as 150 steps.
+STEPS_MAX = 200
+STEP_SHRINKS = 0.98  # of Polyak's, from one to the next
+FILL_EVERY = 25
+MIXTURES_MAX = 12
+MIXTURE_ENOUGH = 1e-3
+PROPOSALS_A_PASS = 25  # the latest, made at the best prices
+PROPOSALS_LEAST = 2000
+FIXED_SHARE = 8  # of the passes open, one in so many is fixed at a time
+PART_PASSES = 40  # chosen anew together; of many more the programmes take seconds
+PARTS_MAX = 60
+PART_MIXTURES = 6
+PART_PATIENCE = 20  # parts chosen anew without a gain
+SWEEPS_MAX = 10
+# Of a pass, and of all: some seconds.  A quarter as many of a pass left the bound 0.4 % higher.
+PASS_LABELS_MAX = 100_000
+BOUND_LABELS_MAX = 16_000_000
+WORTHLESS = 1e-9  # of rounding
+SEED = 2015
+
+
+@dataclass(frozen=True, kw_only=True)
+class CampaignChoice:
+    """passes: looks in order of time, one tuple per pass.
+
+    value: what they are worth.  greedy_value: what taking pass after pass whatever is worth
+    most there is worth.  price: of a look at each target at which the bound is least,
+    (targets,).
+    """
+
+    passes: tuple[tuple[Look, ...], ...]
+    value: float
+    greedy_value: float
+    price: Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Looking:
+    """What looks at each target may be.
+
+    length_steps, look_value: (targets, lengths), steps on the grid until it has ended and what
+    it is worth at the best view; 0 for lengths there are not.  look_limit: (targets,).
+    """
+
+    length_steps: Indices
+    look_value: Array
+    look_limit: Array
+
+    def at(self, price: Array) -> Worth:
+        """Less a price for each look, (targets,)."""
+        return Worth(self.length_steps, self.look_value, price)
+
+    def looks_of(self, passes: Iterable[Sequence[Look]]) -> Array:
+        """How many looks each target gets, (targets,)."""
+        target = [one.target for looks in passes for one in looks]
+        return np.bincount(target, minlength=len(self.look_limit)).astype(np.float64)
+
+
+def worth_of(passes: Iterable[Sequence[Look]]) -> float:
+    """Of all looks together."""
+    return sum(one.value for looks in passes for one in looks)
+
+
+def choose(networks: Sequence[Network], looking: Looking, tell: Reporter) -> CampaignChoice:
+    """Prices on looks that more passes want than may have them; one network per pass.
+
+    Subgradient steps find the prices, and mixtures of what the passes want at them the rest of
+    the way; the last mixture is then made whole, pass after pass, and parts of it are chosen
+    anew until the choice is near the bound.
+    Source: Fisher 1981, "The Lagrangian relaxation method", Management Science 27; Barnhart et
+    al. 1998, "Branch-and-price", Operations Research 46(3) (column generation, diving).
+    """
+    search = _Search(networks, looking)
+    greedy = search.fill_passes([()] * len(networks), np.zeros(len(looking.look_limit)))
+    search.improve(greedy)
+    search.step_prices(tell)
+    mixture = search.mix_prices(tell)
+    if mixture is not None:
+        search.make_whole(mixture, tell)
+        search.choose_parts_anew(tell)
+    return CampaignChoice(
+        passes=tuple(search.best),
+        value=search.value,
+        greedy_value=worth_of(greedy),
+        price=search.price,
+    )
+
+
+class _Search:
+    """The best choice so far, the best prices, and what was proposed on the way.
+
+    price: of a look at each target, at which the bound is least as far as known.
+    """
+
+    def __init__(self, networks: Sequence[Network], looking: Looking) -> None:
+        self._networks = networks
+        self._looking = looking
+        self.best: Passes = [()] * len(networks)
+        self.value = 0.0
+        # At these nothing gains: all looks at their best.
+        self.price: Array = looking.look_value.max(axis=1)
+        self._bound = float(looking.look_limit @ self.price)
+        self._proposed: dict[Proposal, None] = {}
+
+    def step_prices(self, tell: Reporter) -> None:
+        """Towards the prices at which the bound is least; improves the choice on the way."""
+        looking = self._looking
+        price = np.zeros_like(self.price)
+        for done in range(STEPS_MAX):
+            tell("choosing", done, STEPS_MAX)
+            bound, passes = self._answers(price)
+            if done % FILL_EVERY == 0:
+                self.improve(self.fill_passes([()] * len(self._networks), price))
+            wanted = looking.looks_of(passes) - looking.look_limit
+            wanted[(wanted < 0.0) & (price <= 0.0)] = 0.0
+            square = float(wanted @ wanted)
+            if square == 0.0 or self._is_near():
+                return
+            step = STEP_SHRINKS**done * (bound - self.value) / square
+            price = np.maximum(price + step * wanted, 0.0)
+
+    def mix_prices(self, tell: Reporter) -> tuple[Mixture, list[Proposal]] | None:
+        """The rest of the way by mixtures of the latest proposals; the last one, None if near."""
+        most = max(PROPOSALS_A_PASS * len(self._networks), PROPOSALS_LEAST)
+        found: tuple[Mixture, list[Proposal]] | None = None
+        for done in range(MIXTURES_MAX):
+            if self._is_near() or not self._proposed:
+                return None
+            tell("mixing", done, MIXTURES_MAX)
+            proposals = list(dict.fromkeys([*list(self._proposed)[-most:], *self._own()]))
+            mixture = best_mixture(proposals, len(self._networks), self._looking.look_limit)
+            if mixture is None:
+                break
+            found = mixture, proposals
+            # Half-way from the best prices, so that they don't swing (Wentges 1997).
+            self._answers(0.5 * (self.price + mixture.price))
+            if self._bound - mixture.value <= MIXTURE_ENOUGH * self._bound:
+                break
+        return found
+
+    def make_whole(self, mixed: tuple[Mixture, list[Proposal]], tell: Reporter) -> None:
+        """Largest shares first, some passes at a time; the others are mixed anew each time."""
+        mixture, proposals = mixed
+        left = self._looking.look_limit.copy()
+        passes: Passes = [()] * len(self._networks)
+        is_open = np.ones(len(passes), np.bool_)
+        while proposals:
+            tell("rounding", int(np.count_nonzero(~is_open)), len(is_open))
+            allowed = max(1, int(np.count_nonzero(is_open)) // FIXED_SHARE)
+            for place in np.argsort(-mixture.share, kind="stable").tolist():
+                number, looks = proposals[place]
+                if mixture.share[place] < 1.0 - WORTHLESS and allowed <= 0:
+                    break
+                if is_open[number] and all(left[look.target] > 0.0 for look in looks):
+                    passes[number], is_open[number] = looks, False
+                    left -= self._looking.looks_of([looks])
+                    allowed -= 1
+            proposals = [
+                (number, looks)
+                for number, looks in [
+                    *proposals,
+                    *self._wanted(np.flatnonzero(is_open), mixture.price, left)
+                ]
+                if is_open[number] and all(left[look.target] > 0.0 for look in looks)
+            ]  # fmt: skip
+            proposals = list(dict.fromkeys(proposals))
+            mixed_anew = proposals and best_mixture(proposals, len(passes), left)
+            if not mixed_anew:
+                break
+            mixture = mixed_anew
+        self.improve(passes)
+
+    def choose_parts_anew(self, tell: Reporter) -> None:
+        """Some passes at a time, whatever the others leave; by mixtures, then made whole."""
+        random = np.random.default_rng(SEED)
+        size = min(PART_PASSES, len(self._networks))
+        waited = 0
+        for done in range(PARTS_MAX):
+            if self._is_near() or waited == PART_PATIENCE:
+                return
+            tell("exchanging", done, PARTS_MAX)
+            part = np.sort(random.choice(len(self._networks), size, replace=False))
+            value = self.value
+            self.improve(self._part_anew(part))
+            waited = 0 if self.value > value + WORTHLESS else waited + 1
+            if size == len(self._networks):
+                return
+
+    def _part_anew(self, part: Indices) -> Passes:
+        passes = list(self.best)
+        own = [(n, passes[n]) for n in part.tolist() if passes[n]]
+        for number in part.tolist():
+            passes[number] = ()
+        left = self._looking.look_limit - self._looking.looks_of(passes)
+        price, proposals = self.price, dict.fromkeys(own)
+        for _ in range(PART_MIXTURES):
+            known = len(proposals)
+            proposals.update(dict.fromkeys(self._wanted(part, price, left)))
+            mixture = best_mixture(list(proposals), len(passes), left) if proposals else None
+            if mixture is None or len(proposals) == known:
+                break
+            price = 0.3 * price + 0.7 * mixture.price
+        if proposals:
+            for number, looks in best_together(list(proposals), len(passes), left):
+                passes[number] = looks
+        return passes
+
+    def _wanted(self, part: Indices, price: Array, left_limit: Array) -> list[Proposal]:
+        """What passes would take at these prices of the looks that are left."""
+        worth = self._looking.at(np.where(left_limit > 0.0, price, np.inf))
+        paths = [(number, best_path(self._networks[number], worth)) for number in part.tolist()]
+        return [(number, path.looks) for number, path in paths if path.looks]
+
+    def _own(self) -> list[Proposal]:
+        return [(number, looks) for number, looks in enumerate(self.best) if looks]
+
+    def _is_near(self) -> bool:
+        return self._bound - self.value <= GAP_ENOUGH * self._bound
+
+    def _answers(self, price: Array) -> tuple[float, Passes]:
+        """What the passes would take at these prices, and what the Lagrangian then is."""
+        worth = self._looking.at(price)
+        paths = [best_path(one, worth) for one in self._networks]
+        passes = [path.looks for path in paths]
+        lagrangian = float(self._looking.look_limit @ price) + sum(path.value for path in paths)
+        for number, looks in enumerate(passes):
+            self._proposed.pop((number, looks), None)  # the latest come last
+            if looks:
+                self._proposed[number, looks] = None
+        if lagrangian < self._bound:
+            self._bound, self.price = lagrangian, price
+        return lagrangian, passes
+
+    def fill_passes(self, start: Passes, price: Array) -> Passes:
+        """Pass after pass is given its best path at the prices for what the others leave."""
+        looking = self._looking
+        passes = list(start)
+        left = looking.look_limit - looking.looks_of(passes)
+        for number, network in enumerate(self._networks):
+            left += looking.looks_of([passes[number]])
+            charged = np.where(left > 0.0, price, np.inf)
+            path = best_path(network, looking.at(charged))
+            own = sum(look.value - price[look.target] for look in passes[number])
+            if path.value > own + WORTHLESS:
+                passes[number] = path.looks
+            left -= looking.looks_of([passes[number]])
+        return passes
+
+    def improve(self, passes: Passes) -> None:
+        """Refill without prices until nothing is gained; the best choice is kept."""
+        free = np.zeros(len(self._looking.look_limit))
+        value = worth_of(passes)
+        for _ in range(SWEEPS_MAX):
+            better = self.fill_passes(passes, free)
+            gained = worth_of(better) - value
+            if gained <= WORTHLESS:
+                break
+            passes, value = better, value + gained
+        if value > self.value:
+            self.best, self.value = passes, value
+
+
+def bound_at(networks: Sequence[Network], looking: Looking, price: Array) -> float:
+    """No choice of paths is worth more, whatever the prices >= 0, (targets,).
+
+    Lagrangian relaxation of "no more looks than look_limit".
+    """
+    labels_max = min(PASS_LABELS_MAX, BOUND_LABELS_MAX // max(len(networks), 1))
+    worth = looking.at(price)
+    return float(looking.look_limit @ price) + sum(
+        path_bound(one, worth, labels_max) for one in networks
+    )

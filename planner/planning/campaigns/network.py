@@ -1,0 +1,169 @@
+"""When each way of a pass can be reached from each other one."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.base.arrays import Array, Indices
+from planner.base.compiled import compiled
+from planner.planning.campaigns.slew_time import slew_fits
+from planner.planning.campaigns.ways import Ways
+
+NEVER = -1
+SUFFICIENT, NECESSARY = 1.0, -1.0
+
+
+class Network(NamedTuple):
+    """One pass as a graph; ways (w,) by their first step, steps counted from the pass's first.
+
+    way: row in `Ways`.  target: row of the request's.  first, last: steps at which it can be
+    followed.  offset: of its steps among all, `size` in all.  stop_step: after all of them.
+    edge_from (w + 1,): the edges that leave way i are edge_from[i] to edge_from[i + 1].
+    edge_to: where they lead; arrival: for every step of every way, and each of its edges, the
+    first step at which that one's way can be followed then, by its place among all; NEVER.
+    arrival_offset: of a way's first step in it.
+    reach: after so many steps any way can be reached from anywhere, without an edge.
+    """
+
+    first_step: int
+    way: Indices
+    target: Indices
+    first: Indices
+    last: Indices
+    offset: Indices
+    size: int
+    quality_sum: Array
+    stop_step: int
+    edge_from: Indices
+    edge_to: Indices
+    arrival_offset: Indices
+    arrival: NDArray[np.int32]
+    reach: int
+
+
+def network_of(
+    ways: Ways, rows: Indices, least_steps: Indices, limits: Array, longest_s: float
+) -> Network:
+    """rows: of one pass's ways.  least_steps: (targets,), the shortest look.
+
+    limits: as of `limit_table`.  longest_s: no slew needs longer.  Slew times suffice.
+    """
+    start = int(ways.first_step[rows].min())
+    first = ways.first_step[rows] - start
+    last = first + ways.steps[rows] - 1
+    target, offset = ways.target[rows], np.cumsum(ways.steps[rows]) - ways.steps[rows]
+    reach = int(np.ceil(longest_s / ways.step_s))
+    usable_to = last - least_steps[target]
+    near = (first[None, :] < last[:, None] + reach) & (
+        usable_to[None, :] > first[:, None] + least_steps[target][:, None]
+    )
+    near &= target[None, :] != target[:, None]
+    # Contiguous whatever their number: compiled code knows the two layouts as two types.
+    edge_source, edge_to = map(np.ascontiguousarray, np.nonzero(near))
+    edge_from = np.searchsorted(edge_source, np.arange(len(rows) + 1))
+    counts = ways.steps[rows] * np.diff(edge_from)
+    network = Network(
+        first_step=start,
+        way=rows,
+        target=target,
+        first=first,
+        last=last,
+        offset=offset,
+        size=int(ways.steps[rows].sum()),
+        quality_sum=_quality_sum(ways, rows, offset),
+        stop_step=int(last.max()) + 1,
+        edge_from=edge_from,
+        edge_to=edge_to,
+        arrival_offset=np.cumsum(counts) - counts,
+        arrival=np.empty(int(counts.sum()), np.int32),
+        reach=reach,
+    )
+    _fill(_states(ways, rows), network, usable_to, ways.step_s, limits, SUFFICIENT, network.arrival)
+    return network
+
+
+def relax(network: Network, ways: Ways, least_steps: Indices, limits: Array) -> Network:
+    """The same, every arrival as early as no motion can beat: for a bound."""
+    arrival = np.empty_like(network.arrival)
+    usable_to = network.last - least_steps[network.target]
+    states = _states(ways, network.way)
+    _fill(states, network, usable_to, ways.step_s, limits, NECESSARY, arrival)
+    return network._replace(arrival=arrival)
+
+
+def _quality_sum(ways: Ways, rows: Indices, offset: Indices) -> Array:
+    """Means of neighbouring steps added up."""
+    begin = int(ways.offset[rows[0]])
+    quality = ways.quality[begin : int(ways.offset[rows[-1]] + ways.steps[rows[-1]])]
+    between = np.append(0.0, 0.5 * (quality[1:] + quality[:-1]))
+    between[offset] = 0.0
+    total = np.cumsum(between)
+    return np.asarray(total - np.repeat(total[offset], ways.steps[rows]))
+
+
+def _states(ways: Ways, rows: Indices) -> Array:
+    begin = int(ways.offset[rows[0]])
+    return ways.axis_states[begin : int(ways.offset[rows[-1]] + ways.steps[rows[-1]])]
+
+
+@compiled
+def _fill(
+    axis_states: Array,
+    network: Network,
+    usable_to: Indices,
+    step_s: float,
+    limits: Array,
+    sign: float,
+    arrival: NDArray[np.int32],
+) -> None:
+    """Arrivals of every edge, from the last departure to the first.
+
+    Who leaves earlier arrives no later: the way can be followed until the later departure.
+    The network's own arrivals are those to begin with, where sign is NECESSARY.
+    """
+    first, last, offset, known = network.first, network.last, network.offset, network.arrival
+    for source in range(len(first)):
+        begin, end = network.edge_from[source], network.edge_from[source + 1]
+        for edge in range(begin, end):
+            to = network.edge_to[edge]
+            latest = NEVER
+            for leave in range(last[source], first[source] - 1, -1):
+                steps = leave - first[source]
+                place = network.arrival_offset[source] + steps * (end - begin) + edge - begin
+                if sign < 0.0 and known[place] != NEVER:
+                    known_step = known[place] - offset[to] + first[to]
+                    latest = known_step if latest == NEVER else min(latest, known_step)
+                if first[to] >= leave + network.reach:
+                    latest = first[to]
+                else:
+                    latest = _first_arrival(
+                        axis_states[offset[source] + steps], axis_states, offset[to], first[to],
+                        usable_to[to], leave, latest, step_s, limits, sign,
+                    )  # fmt: skip
+                arrival[place] = NEVER if latest == NEVER else offset[to] + latest - first[to]
+
+
+@compiled
+def _first_arrival(
+    axis_state: Array,
+    axis_states: Array,
+    offset: int,
+    first: int,
+    usable_to: int,
+    leave: int,
+    latest: int,
+    step_s: float,
+    limits: Array,
+    sign: float,
+) -> int:
+    """Down from the latest arrival known, as long as the slew still fits."""
+    found = latest
+    step = usable_to if latest == NEVER else latest - 1
+    while step >= first and step > leave:
+        there = axis_states[offset + step - first]
+        if not slew_fits(axis_state, there, limits, sign, (step - leave) * step_s + 1e-9):
+            break
+        found = step
+        step -= 1
+    return found

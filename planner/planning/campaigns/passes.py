@@ -1,0 +1,98 @@
+"""Windows grouped into passes, each of which begins and ends with the platform at rest."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.base.arrays import Array, Indices
+from planner.world.platforms import AxisLimits
+
+PASS_MAX_S = 3600.0
+SESSIONS_MAX = 200  # of one plan
+CUT_STEP_S = 10.0  # how finely the place of a cut is chosen
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Looks:
+    """When looks are possible, by pass and time; arrays of shape (n,).
+
+    target: row of the request's targets.  from_s, to_s: since the request's start.
+    pass_number: ascending from 0.
+    """
+
+    target: Indices
+    from_s: Array
+    to_s: Array
+    pass_number: Indices
+
+
+def longest_slew_s(limits: tuple[AxisLimits, ...]) -> float:
+    """No slew between two tracks needs longer: stop to stop, both rates in the way."""
+    return max(_slew_s(axis, axis.angle_max_rad - axis.angle_min_rad, 2) for axis in limits)
+
+
+def longest_rest_s(limits: tuple[AxisLimits, ...], rest_angle_rad: Array) -> float:
+    """No slew between a track and the resting angles (m,) needs longer."""
+    return max(
+        _slew_s(axis, max(axis.angle_max_rad - rest_rad, rest_rad - axis.angle_min_rad), 1)
+        for axis, rest_rad in zip(limits, rest_angle_rad.tolist(), strict=True)
+    )
+
+
+def _slew_s(axis: AxisLimits, travel_rad: float, tracks: int) -> float:
+    """Two changes between rest and the greatest rate, and as many at each track it joins."""
+    rate, acceleration = axis.rate_max_rad_s, axis.acceleration_max_rad_s2
+    changes_s = 2.0 * (rate / acceleration + acceleration / axis.jerk_max_rad_s3)
+    return travel_rad / rate + 2.0 * tracks * rate / acceleration + changes_s
+
+
+def in_passes(
+    target: Indices, from_s: Array, to_s: Array, least_s: Array, rest_s: float, pass_max_s: float
+) -> Looks:
+    """Windows put into passes with room between them to come to rest and leave again.
+
+    least_s: (n,), shorter windows are of no use.  rest_s: the room a pass needs at either end.
+    A pass longer than pass_max_s is cut where the least time is lost.
+    """
+    order = np.argsort(from_s, kind="stable")
+    left = np.stack([target[order], from_s[order], to_s[order], least_s[order]], axis=1)
+    left = left[left[:, 2] - left[:, 1] >= left[:, 3]]
+    found: list[Array] = []
+    while len(left):
+        latest_s = np.maximum.accumulate(left[:, 2])
+        gaps = np.flatnonzero(left[1:, 1] - latest_s[:-1] >= 2.0 * rest_s)
+        count = int(gaps[0]) + 1 if gaps.size else len(left)
+        one, left = left[:count], left[count:]
+        if latest_s[count - 1] - one[0, 1] > pass_max_s:
+            one, later = _cut(one, rest_s, pass_max_s)
+            left = np.concatenate([later, left])
+        if len(one):
+            found.append(one)
+    rows = np.concatenate(found) if found else np.empty((0, 4))
+    numbers = np.repeat(np.arange(len(found)), [len(one) for one in found])
+    return Looks(
+        target=rows[:, 0].astype(np.intp),
+        from_s=rows[:, 1],
+        to_s=rows[:, 2],
+        pass_number=numbers.astype(np.intp),
+    )
+
+
+def _cut(window_rows: Array, rest_s: float, pass_max_s: float) -> tuple[Array, Array]:
+    """What lies before and after a rest within the pass, in order of time."""
+    first_s = window_rows[0, 1]
+    middles_s = np.arange(first_s + 0.5 * pass_max_s, first_s + pass_max_s, CUT_STEP_S)
+    lost_s = [
+        np.maximum(
+            np.minimum(window_rows[:, 2], middle_s + rest_s)
+            - np.maximum(window_rows[:, 1], middle_s - rest_s),
+            0.0,
+        ).sum()
+        for middle_s in middles_s
+    ]
+    middle_s = middles_s[int(np.argmin(lost_s))]
+    before, after = window_rows.copy(), window_rows.copy()
+    before[:, 2] = np.minimum(before[:, 2], middle_s - rest_s)
+    after[:, 1] = np.maximum(after[:, 1], middle_s + rest_s)
+    before, after = (part[part[:, 2] - part[:, 1] >= part[:, 3]] for part in (before, after))
+    return before, after[np.argsort(after[:, 1], kind="stable")]

@@ -1,0 +1,146 @@
+"""The looks of one pass, one after another, that are worth most together."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from planner.base.arrays import Array, Indices
+from planner.base.compiled import compiled
+from planner.planning import label_search
+from planner.planning.campaigns.network import Network
+from planner.planning.label_search import (
+    EVERYTHING,
+    ROUNDING,
+    WHOLE,
+    Memory,
+    Repeats,
+    Round,
+    Visit,
+    best,
+    follow,
+    forgetful,
+    no_labels,
+    rounds,
+    visit,
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Look:
+    """A target looked at: by which way (row in `Ways`), from which step on the grid.
+
+    length: which of the target's lengths.  value: without a price.
+    """
+
+    target: int
+    way: int
+    first_step: int
+    length: int
+    value: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Path:
+    """Looks in order of time, and what they are worth less their prices."""
+
+    value: float
+    looks: tuple[Look, ...]
+
+
+class Worth(NamedTuple):
+    """What looks at each target are worth.
+
+    steps: on the grid, and value: at the best view, (targets, lengths), 0 for lengths there are
+    not.  price: of any look, (targets,); one that is worth no more is never taken.
+    """
+
+    steps: Indices
+    value: Array
+    price: Array
+
+
+def best_path(network: Network, worth: Worth) -> Path:
+    """A path that looks at no target twice, though a better one may be missed."""
+    memory = forgetful(len(worth.price), network.stop_step, once=True)
+    value, visits, _ = _sweep(network, worth, memory)
+    looks = []
+    for number, target in visits.tolist():
+        cell, length = divmod(number, worth.value.shape[1])
+        way = int(np.searchsorted(network.offset, cell, side="right")) - 1
+        takes = int(worth.steps[target, length])
+        step = cell - network.offset[way] + network.first[way] - takes
+        looks.append(
+            Look(
+                target=target,
+                way=int(network.way[way]),
+                first_step=int(network.first_step + step),
+                length=length,
+                value=look_worth(network, worth, cell, target, length),
+            )
+        )
+    return Path(value=value, looks=tuple(looks))
+
+
+def path_bound(network: Network, worth: Worth, labels_max: int) -> float:
+    """No path that looks at each target once has a greater value.
+
+    Tightened until a path of that value is known, or more than labels_max labels were made.
+    """
+    leap_ticks = 2 * int((network.last - network.first).max()) + network.reach
+    things = len(worth.price)
+    repeats = Repeats(things, network.target, network.first, network.last, leap_ticks, pairs=())
+    known = best_path(network, worth).value
+    least = np.inf
+    for found in rounds(lambda memory: Round(*_sweep(network, worth, memory)), repeats, labels_max):
+        least = min(least, label_search.bound([found]))
+        if least <= known + ROUNDING * abs(known):
+            break
+    return least
+
+
+@compiled
+def look_worth(network: Network, worth: Worth, cell: int, target: int, length: int) -> float:
+    """Without its price, of a look that ends at a cell: by the mean quality of its view."""
+    takes = max(worth.steps[target, length], 1)
+    seen = network.quality_sum[cell] - network.quality_sum[max(cell - takes, 0)]
+    return float(worth.value[target, length] * seen / takes)
+
+
+@compiled
+def _sweep(network: Network, worth: Worth, memory: Memory) -> tuple[float, Indices, int]:
+    """Places: on a way, by cell, first ready to look, then after a look; at rest, by step."""
+    size, end, lengths = network.size, network.stop_step, worth.value.shape[1]
+    rest = 2 * size
+    labels = no_labels(rest + end, rest, memory)
+    for step in range(end):
+        mask = memory.tick_mask[step]
+        if step > 0:
+            follow(labels, rest + step - 1, (rest + step,), mask, False)
+        for way in range(len(network.first)):
+            steps = step - network.first[way]
+            if steps < 0:
+                break
+            if step > network.last[way]:
+                continue
+            cell, target = network.offset[way] + steps, network.target[way]
+            done = cell + size
+            if steps == 0:
+                follow(labels, rest + max(step - network.reach, 0), (cell,), mask, False)
+            else:
+                follow(labels, cell - 1, (cell,), mask, False)
+                follow(labels, done - 1, (done,), mask, False)
+            is_seen = False
+            for length in range(lengths):
+                takes = worth.steps[target, length]
+                value = look_worth(network, worth, cell, target, length) - worth.price[target]
+                if takes <= steps and value > 0.0:
+                    look = Visit(cell * lengths + length, target, WHOLE, value, step)
+                    is_seen |= visit(labels, (cell - takes,), done, memory, look)
+            if is_seen:
+                follow(labels, done, (rest + step,), EVERYTHING, True)
+                edges = network.edge_from[way + 1] - network.edge_from[way]
+                begin = network.arrival_offset[way] + steps * edges
+                arrivals = network.arrival[begin : begin + edges]
+                follow(labels, done, arrivals, EVERYTHING, True)
+    return best(labels, (rest + end - 1, rest + end))

@@ -1,0 +1,204 @@
+"""A request for a campaign: targets that compete for the platform, and their worth."""
+
+import math
+from collections.abc import Mapping
+from datetime import datetime
+from typing import Annotated, Literal
+
+from pydantic import FailFast, Field
+
+from planner.base.commands import COMMAND_STEP_S
+from planner.base.spec import Within, require_within, spec
+from planner.planning.opportunities import (
+    OpportunityConditions,
+    OpportunityRequest,
+    OpportunityTarget,
+)
+from planner.planning.opportunities.request import TARGETS_MAX
+from planner.planning.opportunities.windows import Cause
+from planner.world.attitude import Attitude
+from planner.world.attitude.lvlh import LvlhAttitude
+from planner.world.frames.time_scales import DAY_S, elapsed_s
+from planner.world.orbits import Orbit
+from planner.world.platforms import PIXELS_ARCSEC, AngleDeg, Platform
+from planner.world.scenario import SlewOptions
+from planner.world.targets import WindowTarget
+
+STEPS_S = (0.4, 30.0)
+LENGTHS = 3  # lengths of a look that are tried, evenly from the least to the wanted one
+SESSION_MAX_S = 1200.0
+TARGET_DAYS_MAX = 7000.0  # 1,000 places for 7 days: a minute's choice
+STEP_S = 2.0  # finer steps count more
+# What keeps a target from being looked at.
+Closing = Cause | Literal["duration", "rest", "motion"]
+MOVING_COUNTS = 100  # what is not fixed to the Earth is looked at one by one
+
+_Weight = Annotated[float, Within(0.0, 10.0)]
+
+
+@spec
+class ViewWeights:
+    """How much each quality of the view counts in what a look is worth.
+
+    Qualities lie between 0 and 1; a look is worth their product, each to the power of its
+    weight, as a mean over the look.  A weight of 0 leaves one out, 1 counts it in proportion.
+    All but the last are 1 for a target in space.
+
+    ground_sample: weight of the ground sample straight below the carrier over that at the target
+    (longer side of a pixel).
+    off_nadir: weight of the cosine of the angle from the geocentric nadir.
+    sun: weight of the sine of the Sun's elevation at the target, 0 by night.
+    probability: weight of the probability that the target is in the frame at an instant; that it
+    stays there for the whole look, which a plan tells, is less by 0.1 or so.
+    """
+
+    ground_sample: _Weight = 1.0
+    off_nadir: _Weight = 0.0
+    sun: _Weight = 0.0
+    probability: _Weight = 0.0
+
+
+@spec
+class CampaignTarget:
+    """A target, the look it is to get, and what that is worth.
+
+    A look that lasts from min_session_s to session_s is worth its share of session_s times
+    `priority`, times the quality of its view.
+
+    id: your name for it, different from the others'.
+    target: what is to be looked at.
+    priority: worth of one whole look at the best view.
+    session_s: how long a look is to last.
+    min_session_s: how long it must last at least; `session_s` unless given.
+    looks: no more than so many, and one in a pass.
+    """
+
+    id: str
+    target: WindowTarget
+    priority: Annotated[float, Within(1e-3, 1e6)] = 1.0
+    session_s: Annotated[float, Within(1.0, SESSION_MAX_S)]
+    min_session_s: Annotated[float, Within(1.0, SESSION_MAX_S)] | None = None
+    looks: Annotated[int, Within(1, 1000)] = 1
+
+    def __post_init__(self) -> None:
+        OpportunityTarget(id=self.id, target=self.target)
+        require_within(self, ("min_session_s", 1.0, self.session_s))
+
+    @property
+    def lengths_s(self) -> tuple[float, ...]:
+        """The lengths a look may have, ascending, whole command steps."""
+        least_s = self.session_s if self.min_session_s is None else self.min_session_s
+        wanted = [
+            least_s + share / (LENGTHS - 1) * (self.session_s - least_s) for share in range(LENGTHS)
+        ]
+        rows = [math.ceil(length_s / COMMAND_STEP_S - 1e-6) for length_s in wanted]
+        return tuple(sorted({row * COMMAND_STEP_S for row in rows}))
+
+    def worth_value(self, length_s: float) -> float:
+        """Of a look that lasts so long at the best view."""
+        return self.priority * min(length_s / self.session_s, 1.0)
+
+
+@spec
+class CampaignRequest:
+    """A carrier, a platform on it, and targets to be looked at from `start` to `stop`.
+
+    name: yours, told in lists.
+    rest_angles_deg: where the axes rest before, between and after passes, by axis; 0 unless given.
+    E.g. `{"alpha": 0.0, "beta": 0.0}`.
+    targets: what is to be looked at.
+    start: when the campaign begins; UTC, rounded up to a command row.
+    stop: when it ends; UTC.
+    view: how much the quality of the view counts in what a look is worth.
+    pixel_arcsec: angle a pixel sees, for the ground samples told; unless given, that of the
+    platform's camera. E.g. `0.68`.
+    step_s: looks begin on whole multiples of it after `start`; finer finds more and takes longer.
+    """
+
+    name: str = ""
+    platform: Platform
+    orbit: Orbit
+    attitude: Attitude = LvlhAttitude()
+    rest_angles_deg: Mapping[str, AngleDeg] | None = None
+    targets: Annotated[tuple[CampaignTarget, ...], Field(max_length=TARGETS_MAX), FailFast()]
+    start: datetime
+    stop: datetime
+    conditions: OpportunityConditions = OpportunityConditions()
+    view: ViewWeights = ViewWeights()
+    pixel_arcsec: Annotated[float, Within(*PIXELS_ARCSEC)] | None = None
+    slew: SlewOptions = SlewOptions()
+    step_s: Annotated[float, Within(*STEPS_S)] = STEP_S
+
+    def __post_init__(self) -> None:
+        steps = self.step_s / COMMAND_STEP_S
+        if abs(steps - round(steps)) > 1e-6:
+            raise ValueError(
+                f"step_s must be a whole multiple of {COMMAND_STEP_S:g} s, the table's step, not "
+                f"{self.step_s:g}"
+            )
+        if self.slew.method != "ocp":
+            raise ValueError(
+                "slew.method must be ocp: the choice of sessions relies on slews that keep the "
+                "limits"
+            )
+        self._require_rest()
+        self._require_bounds()
+        self.opportunities()
+
+    def _require_rest(self) -> None:
+        names = self.platform.axis_names
+        if set(self.rest_deg) != set(names):
+            raise ValueError(
+                f"rest_angles_deg must name the axes {', '.join(names)} of {self.platform.name}, "
+                f"not {', '.join(self.rest_deg) or 'none'}"
+            )
+        for name, limits in zip(names, self.platform.axis_limits, strict=True):
+            low_deg = math.degrees(limits.angle_min_rad)
+            high_deg = math.degrees(limits.angle_max_rad)
+            if not low_deg <= self.rest_deg[name] <= high_deg:
+                raise ValueError(
+                    f"rest_angles_deg.{name} must lie within its stops {low_deg:g}..{high_deg:g}, "
+                    f"not {self.rest_deg[name]:g}"
+                )
+
+    def _require_bounds(self) -> None:
+        days = self.span_s / DAY_S
+        counted = sum(
+            1 if wanted.target.rests_on_earth else MOVING_COUNTS for wanted in self.targets
+        )
+        if counted * days * max(STEP_S / self.step_s, 1.0) > TARGET_DAYS_MAX:
+            raise ValueError(
+                f"targets times days must not exceed {TARGET_DAYS_MAX:.0f} at a step_s of "
+                f"{STEP_S:g} s (finer counts more, a target that is no point of the ground "
+                f"{MOVING_COUNTS} times), which these {len(self.targets)} over {days:.1f} days do; "
+                "ask for fewer at a time"
+            )
+
+    def opportunities(self) -> OpportunityRequest:
+        """When each target can be seen at all."""
+        return OpportunityRequest(
+            orbit=self.orbit,
+            attitude=self.attitude,
+            platform=self.platform,
+            targets=tuple(
+                OpportunityTarget(id=wanted.id, target=wanted.target, priority=wanted.priority)
+                for wanted in self.targets
+            ),
+            start=self.start,
+            stop=self.stop,
+            conditions=self.conditions,
+            samples=2,
+            pixel_arcsec=self.pixel_arcsec,
+        )
+
+    @property
+    def rest_deg(self) -> Mapping[str, float]:
+        """Where each axis rests, by its name."""
+        if self.rest_angles_deg is None:
+            return dict.fromkeys(self.platform.axis_names, 0.0)
+        return self.rest_angles_deg
+
+    @property
+    def span_s(self) -> float:
+        """From start to stop."""
+        return elapsed_s(self.stop, self.start)

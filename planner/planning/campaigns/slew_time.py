@@ -1,0 +1,134 @@
+"""The least time of a slew from one track to another, computed millions of times over.
+
+`planner.motion.slew.closed_forms` answers for any state; here the accelerations at both ends, small
+beside the limit on a track, are taken away by ramps of their own, and what they cost is added
+(a time that surely suffices) or taken off (a time no motion can beat).
+"""
+
+import math
+
+import numpy as np
+
+from planner.base.arrays import Array
+from planner.base.compiled import compiled
+from planner.world.platforms import AxisLimits
+
+HALVINGS = 40  # of the span of peak rates: its rounding is 1e-12 of the rate limit
+BOUNDLESS = 1e12  # rad/s3: a jerk that takes no time
+
+
+def limit_table(limits: tuple[AxisLimits, ...]) -> Array:
+    """Rate, acceleration and jerk limit of each axis, shape (m, 3)."""
+    return np.array(
+        [
+            [axis.rate_max_rad_s, axis.acceleration_max_rad_s2, axis.jerk_max_rad_s3]
+            for axis in limits
+        ]
+    )
+
+
+@compiled
+def slew_time_s(start_axes: Array, end_axes: Array, limits: Array, sign: float) -> float:
+    """Seconds for all axes; sign 1: surely enough, -1: no motion is quicker.
+
+    start_axes, end_axes: (3, m), angle, rate, acceleration.  limits: (m, 3).  Hard stops are left
+    out, and so are gaps: of the durations above the least one, some may be impossible.
+    """
+    needed_s = 0.0
+    for axis in range(start_axes.shape[1]):
+        axis_s = _axis_time_s(start_axes[:, axis], end_axes[:, axis], limits[axis], sign, math.nan)
+        needed_s = max(needed_s, axis_s)
+    return needed_s
+
+
+@compiled
+def slew_fits(
+    start_axes: Array, end_axes: Array, limits: Array, sign: float, available_s: float
+) -> bool:
+    """Whether `slew_time_s` is at most available_s, told as soon as it is certain."""
+    for axis in range(start_axes.shape[1]):
+        start, end = start_axes[:, axis], end_axes[:, axis]
+        if _axis_time_s(start, end, limits[axis], sign, available_s) > available_s:
+            return False
+    return True
+
+
+@compiled
+def _axis_time_s(
+    start_state: Array, end_state: Array, axis_limits: Array, sign: float, available_s: float
+) -> float:
+    """One axis; only as exactly as tells on which side of available_s it is, unless that is NaN."""
+    v, a, j = axis_limits
+    a0, a1 = start_state[2], end_state[2]
+    ramp0_s, ramp1_s = abs(a0) / j, abs(a1) / j
+    # A ramp to no acceleration after the start (sign 1), or from none before it (-1).
+    v0 = start_state[1] + sign * a0 * ramp0_s / 2.0
+    v1 = end_state[1] - sign * a1 * ramp1_s / 2.0
+    moved0 = ramp0_s * (start_state[1] + sign * a0 * ramp0_s / 3.0)
+    moved1 = ramp1_s * (end_state[1] - sign * a1 * ramp1_s / 3.0)
+    delta_rad = end_state[0] - start_state[0] - sign * (moved0 + moved1)
+    v0, v1 = min(max(v0, -v), v), min(max(v1, -v), v)
+    # What lies behind is as far as what lies ahead, seen the other way round.
+    if delta_rad < 0.5 * (v0 + v1) * _change_s(v1 - v0, a, j):
+        delta_rad, v0, v1 = -delta_rad, -v0, -v1
+    ramps_s = sign * (ramp0_s + ramp1_s)
+    if sign < 0.0 and not _is_plain(delta_rad, v0, v1, a, j):
+        j = BOUNDLESS
+    return float(_by_peak_s(delta_rad, v0, v1, v, a, j, available_s - ramps_s) + ramps_s)
+
+
+@compiled
+def _is_plain(delta_rad: float, v0: float, v1: float, a: float, j: float) -> bool:
+    """Whether one rise to a peak and one fall is the quickest way, with bounded jerk too.
+
+    So it is well beyond what is covered while either rate is brought to rest and back.
+    """
+    fastest = max(abs(v0), abs(v1))
+    return delta_rad >= 2.0 * fastest * _change_s(fastest, a, j)
+
+
+@compiled
+def _by_peak_s(
+    delta_rad: float, v0: float, v1: float, v: float, a: float, j: float, available_s: float
+) -> float:
+    """From rate v0 over `delta_rad` by a peak rate, held if it is the limit v, to rate v1; s.
+
+    delta_rad: not less than the direct change of rate covers.  available_s: the search for the
+    peak ends once it is certain whether that is enough.
+    Source: Biagiotti, Melchiorri 2008, "Trajectory Planning for Automatic Machines", 3.4.
+    """
+    beyond = delta_rad - _way_rad(v, v0, v1, a, j)
+    if beyond >= 0.0:
+        return _change_s(v - v0, a, j) + _change_s(v1 - v, a, j) + beyond / v
+    low, high = max(v0, v1), v
+    high_s = _change_s(high - v0, a, j) + _change_s(v1 - high, a, j)
+    for _ in range(HALVINGS):
+        if high_s <= available_s:
+            break
+        middle = 0.5 * (low + high)
+        middle_s = _change_s(middle - v0, a, j) + _change_s(v1 - middle, a, j)
+        if _way_rad(middle, v0, v1, a, j) < delta_rad:
+            if middle_s > available_s:
+                return middle_s
+            low = middle
+        else:
+            high, high_s = middle, middle_s
+    return high_s
+
+
+@compiled
+def _way_rad(v_peak_rad_s: float, v0: float, v1: float, a: float, j: float) -> float:
+    """What is covered from v0 by way of a peak rate to v1."""
+    return 0.5 * (
+        (v0 + v_peak_rad_s) * _change_s(v_peak_rad_s - v0, a, j)
+        + (v_peak_rad_s + v1) * _change_s(v1 - v_peak_rad_s, a, j)
+    )
+
+
+@compiled
+def _change_s(rate_rad_s: float, a: float, j: float) -> float:
+    """Least time to change the rate, from and to no acceleration."""
+    change = abs(rate_rad_s)
+    if change >= a * a / j:
+        return change / a + a / j
+    return 2.0 * math.sqrt(change / j)

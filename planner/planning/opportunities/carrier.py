@@ -1,0 +1,161 @@
+"""The carrier, its platform, the Sun and the Moon at any instant of some days.
+
+One evaluation of the orbit and of the attitude law on a uniform grid serves all targets.
+Everything is in ITRF axes, in which targets on the ground stand still.
+"""
+
+import math
+from dataclasses import dataclass
+from datetime import datetime
+from typing import NamedTuple
+
+import numpy as np
+
+from planner.base.arrays import Array
+from planner.base.rotation import Rotation
+from planner.planning.opportunities.interpolation import NODES, UniformTable
+from planner.world.attitude import AttitudeLaw
+from planner.world.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
+from planner.world.frames.geodesy import MU_EARTH_M3_S2
+from planner.world.frames.solar_system import earth_bary_state
+from planner.world.frames.time_scales import Instants, elapsed_s
+from planner.world.orbits import Ephemeris, OrbitStates
+from planner.world.platforms import TwoAxisPlatform
+from planner.world.targets import BodyTarget
+from planner.world.targets.apparent import aberrate
+
+STEP_TURN_RAD = 0.066  # of the carrier about the Earth between rows: 60 s in low orbit
+STEP_MAX_S = 900.0
+ATTITUDE_STEP_MIN_S = 1.0
+ATTITUDE_ERROR_RAD = 5e-7  # 0.1 arcsec: less than what drives and orbit leave
+
+
+@dataclass(frozen=True, eq=False)
+class Carrier:
+    """Tables over `span_s` seconds from `start_utc`, which all t_s count from.
+
+    r_sat_itrf_m: position; v_sat_itrf_m_s: inertial velocity in ITRF axes.
+    r_sun_itrf_m, r_moon_itrf_m: from the geocentre, light time and annual aberration included.
+    q_platform_from_itrf_xyzw: to be normalised.  platform_turn_max_rad_s: how fast it turns at
+    most.
+    node_s: rows of the orbit.  turn_max_rad_s: greatest rate of the geocentric direction.
+    The rows smooth a manoeuvre over: by 0.2 m, or 0.03 ms of the motion, in an ISS reboost.
+    """
+
+    start_utc: datetime
+    span_s: float
+    node_s: Array
+    turn_max_rad_s: float
+    r_sat_itrf_m: UniformTable
+    v_sat_itrf_m_s: UniformTable
+    r_sun_itrf_m: UniformTable
+    r_moon_itrf_m: UniformTable
+    q_platform_from_itrf_xyzw: UniformTable
+    platform_turn_max_rad_s: float
+
+    def in_platform(self, vector_itrf: Array, t_s: Array) -> Array:
+        """Vectors (n, 3) turned into the platform frame at t_s (n,)."""
+        q = self.q_platform_from_itrf_xyzw.at(t_s)
+        q /= np.linalg.norm(q, axis=1, keepdims=True)
+        axis, scalar = q[:, :3], q[:, 3:]
+        across = 2.0 * np.cross(axis, vector_itrf)
+        return np.asarray(vector_itrf + scalar * across + np.cross(axis, across))
+
+
+def carrier_over(
+    ephemeris: Ephemeris,
+    attitude: AttitudeLaw,
+    platform: TwoAxisPlatform,
+    start_utc: datetime,
+    stop_utc: datetime,
+) -> Carrier:
+    """Tabulate; raises OutsideCoverage where orbit, attitude or Sun and Moon are not known."""
+    span_s = elapsed_s(stop_utc, start_utc)
+    first_state = ephemeris.states(Instants(start_utc, np.zeros(1)))
+    step_s = min(STEP_TURN_RAD / _perigee_rate_rad_s(first_state), STEP_MAX_S)
+    cells = 2 * max(math.ceil(span_s / step_s / 2.0), NODES - 1)
+    rows = _rows(ephemeris, start_utc, span_s, cells)
+    step_s = span_s / cells
+    r_sat_itrf_m = _to_itrf(rows.c_itrf, rows.states.r_sat_eci_m)
+    v_sat_itrf_m_s = _to_itrf(rows.c_itrf, rows.states.v_sat_eci_m_s)
+    r_sun_itrf_m, r_moon_itrf_m = (
+        _to_itrf(rows.c_itrf, apparent_geocentric_m(name, rows.instants))
+        for name in ("sun", "moon")
+    )
+    q_platform_from_itrf_xyzw, platform_turn_max_rad_s = _attitude_table(
+        rows, ephemeris, attitude, platform
+    )
+    passing_m2_s = np.linalg.norm(np.cross(r_sat_itrf_m, v_sat_itrf_m_s), axis=1)
+    turn_max_rad_s = float(np.max(passing_m2_s / np.sum(r_sat_itrf_m**2, axis=1)))
+    return Carrier(
+        start_utc=start_utc,
+        span_s=span_s,
+        node_s=rows.instants.t_s,
+        turn_max_rad_s=turn_max_rad_s + OMEGA_EARTH_RAD_S,
+        r_sat_itrf_m=UniformTable(step_s, r_sat_itrf_m),
+        v_sat_itrf_m_s=UniformTable(step_s, v_sat_itrf_m_s),
+        r_sun_itrf_m=UniformTable(step_s, r_sun_itrf_m),
+        r_moon_itrf_m=UniformTable(step_s, r_moon_itrf_m),
+        q_platform_from_itrf_xyzw=q_platform_from_itrf_xyzw,
+        platform_turn_max_rad_s=platform_turn_max_rad_s,
+    )
+
+
+class _Rows(NamedTuple):
+    """Orbit and Earth at instants evenly over the span."""
+
+    instants: Instants
+    states: OrbitStates
+    c_itrf: Array
+
+
+def _rows(ephemeris: Ephemeris, start_utc: datetime, span_s: float, cells: int) -> _Rows:
+    instants = Instants(start_utc, np.linspace(0.0, span_s, cells + 1))
+    return _Rows(instants, ephemeris.states(instants), c_itrf_from_eci(instants))
+
+
+def _attitude_table(
+    rows: _Rows, ephemeris: Ephemeris, attitude: AttitudeLaw, platform: TwoAxisPlatform
+) -> tuple[UniformTable, float]:
+    """As fine as the law needs, every other row must foretell the rest; and the greatest rate."""
+    while True:
+        q = _q_platform_from_itrf_xyzw(rows, attitude, platform)
+        t_s = rows.instants.t_s
+        step_s = float(t_s[1])
+        off_rad = 2.0 * np.linalg.norm(UniformTable(2.0 * step_s, q[::2]).at(t_s) - q, axis=1)
+        if np.max(off_rad) <= ATTITUDE_ERROR_RAD or step_s <= ATTITUDE_STEP_MIN_S:
+            turn_rad = 2.0 * np.linalg.norm(np.diff(q, axis=0), axis=1).max()
+            return UniformTable(step_s, q), float(turn_rad) / step_s
+        rows = _rows(ephemeris, rows.instants.epoch_utc, float(t_s[-1]), 2 * (len(t_s) - 1))
+
+
+def _q_platform_from_itrf_xyzw(
+    rows: _Rows, attitude: AttitudeLaw, platform: TwoAxisPlatform
+) -> Array:
+    """Neighbours of like sign, shape (n, 4)."""
+    q_body_from_eci = attitude.q_body_from_eci(rows.instants, rows.states)
+    q_eci_from_itrf = Rotation.from_matrix(rows.c_itrf).inv()
+    q = (platform.q_platform_from_body * q_body_from_eci * q_eci_from_itrf).as_quat()
+    turns_over = np.sum(q[1:] * q[:-1], axis=1) < 0.0
+    q[1:] *= np.where(np.cumsum(turns_over) % 2 == 1, -1.0, 1.0)[:, None]
+    return np.asarray(q)
+
+
+def _perigee_rate_rad_s(states: OrbitStates) -> float:
+    """Rate of the geocentric direction at the perigee of the osculating orbit."""
+    r_m, v_m_s = states.r_sat_eci_m[0], states.v_sat_eci_m_s[0]
+    h_m2_s = np.cross(r_m, v_m_s)
+    eccentricity = np.cross(v_m_s, h_m2_s) / MU_EARTH_M3_S2 - r_m / np.linalg.norm(r_m)
+    perigee_m = (h_m2_s @ h_m2_s) / MU_EARTH_M3_S2 / (1.0 + np.linalg.norm(eccentricity))
+    return float(np.linalg.norm(h_m2_s) / perigee_m**2)
+
+
+def apparent_geocentric_m(body: str, instants: Instants) -> Array:
+    """Where the Earth's centre sees the Sun's or Moon's, GCRF axes, shape (n, 3)."""
+    r_earth_bary_m, v_earth_bary_m_s = earth_bary_state(instants)
+    direction, range_m = BodyTarget(name=body).seen_from(instants, r_earth_bary_m)
+    return aberrate(direction, v_earth_bary_m_s) * range_m[:, None]
+
+
+def _to_itrf(c_itrf: Array, vector_eci: Array) -> Array:
+    return np.asarray(np.einsum("nij,nj->ni", c_itrf, vector_eci))

@@ -1,0 +1,160 @@
+"""A request for opportunities: targets, a span of time, and the conditions to be met."""
+
+import math
+from datetime import datetime
+from typing import Annotated
+
+from pydantic import FailFast, Field
+
+from planner.base.assumed import Assumed
+from planner.base.spec import Within, spec
+from planner.world.attitude import Attitude
+from planner.world.attitude.lvlh import LvlhAttitude
+from planner.world.frames.time_scales import DAY_S, elapsed_s, utc_text
+from planner.world.orbits import Orbit
+from planner.world.platforms import PIXELS_ARCSEC, Platform
+from planner.world.targets import WindowTarget
+
+SAMPLES = (2, 1000)  # a window's edges at least
+TARGETS_MAX = 5000
+DAYS_MAX = 31.0
+# Targets times days times samples and what a window costs without any: the memory they take.
+# 1,000 places for 10 days with 5 samples: 2 s as a rule; the work itself is counted.
+WORK_MAX = 200_000
+WINDOW_COUNTS = 15  # as samples
+MOVING_COUNTS = 150  # as places: what is not fixed to the Earth is looked at one by one
+
+
+@spec
+class OpportunityTarget:
+    """A target by a name of the user's; greater priority matters more.
+
+    id: your name for it, different from the others'; windows tell it.
+    target: what is to be seen.
+    priority: how much it matters beside the others.
+    """
+
+    id: str
+    target: WindowTarget
+    priority: Annotated[float, Within(-1e6, 1e6)] = 1.0
+
+    def __post_init__(self) -> None:
+        if not self.id:
+            raise ValueError("id must not be empty: windows are reported by it")
+        if not self.target.has_windows:
+            raise ValueError(
+                f"`{self.target.mode}` belongs to a session and has no windows of its own; ask "
+                "for those of a ground_path's points, as ground targets"
+            )
+
+
+@spec
+class OpportunityConditions:
+    """What must hold throughout a window.
+
+    The Sun's elevations and `max_off_nadir_deg` apply to targets on the Earth only.
+
+    min_elevation_deg: of the carrier in the target's sky, on top of the target's own least
+    elevation (the greater counts); without refraction.  Of a target in space above the limb.
+    max_off_nadir_deg: largest angle of the line of sight from the geocentric nadir; any unless
+    given. E.g. `45.0`.
+    sun_elevation_min_deg: least elevation of the Sun's centre at the target, without refraction:
+    daylight. E.g. `10.0`.
+    sun_elevation_max_deg: greatest elevation of the Sun's centre at the target, without refraction:
+    night. E.g. `-6.0`.
+    sun_keep_out_deg: least angle between line of sight and the Sun's centre, wherever the Earth
+    doesn't hide it. E.g. `20.0`.
+    moon_keep_out_deg: least angle between line of sight and the Moon's centre, wherever the Earth
+    doesn't hide it. E.g. `10.0`.
+    min_duration_s: shorter windows are left out.
+    """
+
+    min_elevation_deg: Annotated[float, Within(0.0, 90.0)] = 0.0
+    max_off_nadir_deg: Annotated[float, Within(0.0, 180.0)] | None = None
+    sun_elevation_min_deg: Annotated[float, Within(-90.0, 90.0)] | None = None
+    sun_elevation_max_deg: Annotated[float, Within(-90.0, 90.0)] | None = None
+    sun_keep_out_deg: Annotated[float, Within(0.0, 180.0)] | None = None
+    moon_keep_out_deg: Annotated[float, Within(0.0, 180.0)] | None = None
+    min_duration_s: Annotated[float, Within(0.0, 86400.0)] = 0.0
+
+    def __post_init__(self) -> None:
+        low, high = self.sun_elevation_min_deg, self.sun_elevation_max_deg
+        if low is not None and high is not None and not low < high:
+            raise ValueError(
+                f"sun_elevation_min_deg ({low:g}) must be less than sun_elevation_max_deg "
+                f"({high:g}), or the Sun never stands between them"
+            )
+
+
+@spec
+class OpportunityRequest:
+    """A carrier, a platform on it, and the targets it may look at from `start` to `stop`.
+
+    name: yours, told in lists.
+    targets: what may be looked at.
+    start: when the search begins; UTC.
+    stop: when it ends; UTC.
+    samples: instants per window, its edges included, at which angles and the rest are told.
+    pixel_arcsec: angle a pixel sees, for the ground sample distance; unless given, that of the
+    platform's camera. E.g. `0.68`.
+    """
+
+    name: str = ""
+    platform: Platform
+    orbit: Orbit
+    attitude: Attitude = LvlhAttitude()
+    targets: Annotated[tuple[OpportunityTarget, ...], Field(max_length=TARGETS_MAX), FailFast()]
+    start: datetime
+    stop: datetime
+    conditions: OpportunityConditions = OpportunityConditions()
+    samples: Annotated[int, Within(*SAMPLES)] = 5
+    pixel_arcsec: Annotated[float, Within(*PIXELS_ARCSEC)] | None = None
+
+    def __post_init__(self) -> None:
+        if elapsed_s(self.stop, self.start) < 1.0:
+            raise ValueError(
+                f"stop ({utc_text(self.stop)}) must come a second or more after start "
+                f"({utc_text(self.start)})"
+            )
+        if not self.targets:
+            raise ValueError("targets must hold at least one target")
+        seen: set[str] = set()
+        for number, wanted in enumerate(self.targets):
+            if wanted.id in seen:
+                raise ValueError(
+                    f"targets.{number}.id {wanted.id!r} is taken already; windows are told by id"
+                )
+            seen.add(wanted.id)
+            wanted.target.require_known(f"targets.{number}.target", self.start, self.stop)
+        self._require_bounds()
+
+    @property
+    def pixel_rad(self) -> float:
+        """Angle a pixel sees."""
+        if self.pixel_arcsec is None:
+            return self.platform.camera.pixel_rad
+        return math.radians(self.pixel_arcsec / 3600.0)
+
+    @property
+    def assumed(self) -> tuple[Assumed, ...]:
+        """Where the targets are that are given by name."""
+        looked_up = (
+            wanted.target.assumed(f"targets.{number}.target")
+            for number, wanted in enumerate(self.targets)
+        )
+        return tuple(filter(None, looked_up))
+
+    def _require_bounds(self) -> None:
+        days = elapsed_s(self.stop, self.start) / DAY_S
+        if days > DAYS_MAX:
+            raise ValueError(f"stop must come within {DAYS_MAX:.0f} days of start, not {days:.1f}")
+        counted = sum(
+            1 if wanted.target.rests_on_earth else MOVING_COUNTS for wanted in self.targets
+        )
+        if counted * days * (WINDOW_COUNTS + self.samples) > WORK_MAX:
+            raise ValueError(
+                f"targets times days times ({WINDOW_COUNTS} + samples) must not exceed {WORK_MAX} "
+                f"(a target that is no point of the ground counts {MOVING_COUNTS} times), which "
+                f"these {len(self.targets)} over {days:.1f} days with {self.samples} samples do; "
+                "ask for fewer at a time"
+            )

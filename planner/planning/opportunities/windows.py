@@ -1,0 +1,154 @@
+"""What is known of the opportunities found."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from datetime import datetime
+from typing import Literal, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.base.arrays import Array, Indices
+from planner.base.assumed import Assumed
+from planner.base.commands import ROWS_PER_S
+from planner.planning.opportunities.target_sky import TargetSky
+
+T = TypeVar("T")
+Cause = Literal[
+    "interval",
+    "elevation",
+    "sun_elevation",
+    "off_nadir",
+    "sun_keep_out",
+    "moon_keep_out",
+    "reach",
+    "across",
+    "mask",
+]
+GRID_TOLERANCE_ROWS = 5e-5  # 10 us
+SESSION_MAX_S = 21_600.0  # a plan of twice that takes more work than one request may make
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sightings:
+    """A target seen at certain instants; every array of shape (windows,) or (windows, samples).
+
+    t_s: since `Opportunities.start_utc`.  elevation_rad: of the carrier in the target's sky,
+    without refraction; for a target in space its height above the raised limb.
+    off_nadir_rad: from the geocentre's direction.
+    ground_sample_*_m: of a pixel, across and along the direction in which the line of sight
+    leans (infinite for stars, and along at the horizon).
+    sun_elevation_rad: in the target's sky, NaN for a target in space.
+    *_separation_rad: angle at the carrier between target and the body's centre.
+    angle_rad, rate_rad_s: of the axes, shape (..., 2), on the window's branch; within the
+    stops where these can be kept, NaN where no angles point there.
+    """
+
+    t_s: Array
+    elevation_rad: Array
+    range_m: Array
+    off_nadir_rad: Array
+    ground_sample_across_m: Array
+    ground_sample_along_m: Array
+    sun_elevation_rad: Array
+    sun_separation_rad: Array
+    moon_separation_rad: Array
+    angle_rad: Array
+    rate_rad_s: Array
+
+    def columns(self, which: int | slice) -> "Sightings":
+        """Of (windows, samples), those samples."""
+        return Sightings(**{f.name: getattr(self, f.name)[:, which] for f in fields(self)})
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Windows:
+    """Arrays of shape (windows,) unless said otherwise.
+
+    target: row of the request's targets.  rise_s, set_s: since `Opportunities.start_utc`.
+    held_from_s, held_to_s: the longest part that a session can hold its target over, or NaN.
+    opened_by, closed_by: which `Cause` made the edge; "interval" is the request's own start
+    or stop.
+    highest_s, highest_rad: greatest elevation within the window.
+    closest: at the least range (for a target in space, at the greatest height above the limb).
+    through: at instants spread evenly from rise to set.
+    sky: the carrier and the Sun in the target's sky at rise, greatest elevation and set.
+    branches: (windows, 2), which rows of `axis_angles` stay within the stops, at the samples
+    and the closest approach; none of them where the axes would have to change over.
+    branch: the one reported, that with less turn of the inner axis (Sumarokov 2016, p. 88).
+    """
+
+    target: NDArray[np.intp]
+    rise_s: Array
+    set_s: Array
+    held_from_s: Array
+    held_to_s: Array
+    opened_by: NDArray[np.str_]
+    closed_by: NDArray[np.str_]
+    highest_s: Array
+    highest_rad: Array
+    closest: Sightings
+    through: Sightings
+    sky: TargetSky
+    branch: NDArray[np.intp]
+    branches: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        return len(self.target)
+
+    def select(self, rows: NDArray[np.bool_] | Indices) -> "Windows":
+        """Those at `rows`."""
+        return _concatenate([self], rows)
+
+    def sessions_s(self, start_utc: datetime) -> Array:
+        """The longest session on rows of a command table in each window, (windows, 2).
+
+        Since start_utc; tables begin on whole rows of a second.  NaN where no two rows fit.
+        """
+        before_s = start_utc.microsecond / 1e6
+        first = np.ceil((self.held_from_s + before_s) * ROWS_PER_S - GRID_TOLERANCE_ROWS)
+        last = np.floor((self.held_to_s + before_s) * ROWS_PER_S + GRID_TOLERANCE_ROWS)
+        last = np.minimum(last, first + SESSION_MAX_S * ROWS_PER_S)
+        rows = np.where(last > first, np.stack([first, last]), np.nan)
+        return np.asarray((rows / ROWS_PER_S - before_s).T)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Opportunities:
+    """Windows in order of the request's targets, each target's in order of time.
+
+    ids: one per target.
+    assumed: where those are that were given by name.
+    """
+
+    start_utc: datetime
+    stop_utc: datetime
+    ids: tuple[str, ...]
+    axis_names: tuple[str, str]
+    warnings: tuple[str, ...]
+    assumed: tuple[Assumed, ...]
+    windows: Windows
+
+
+def in_order(parts: Sequence[Windows]) -> Windows:
+    """All of the parts' windows, by target and time."""
+    order = np.lexsort(
+        (
+            np.concatenate([part.rise_s for part in parts]),
+            np.concatenate([part.target for part in parts]),
+        )
+    )
+    return _concatenate(parts, order)
+
+
+def _concatenate(parts: Sequence[T], order: NDArray[np.bool_] | Indices) -> T:
+    """The arrays of like dataclasses, however deep, end to end and then put in order."""
+    columns: dict[str, object] = {}
+    for field in fields(parts[0]):  # type: ignore[arg-type]  # T is a dataclass
+        values = [getattr(part, field.name) for part in parts]
+        columns[field.name] = (
+            np.concatenate(values)[order]
+            if isinstance(values[0], np.ndarray)
+            else _concatenate(values, order)
+        )
+    return type(parts[0])(**columns)

@@ -1,0 +1,144 @@
+"""The slew to where the axes rest when the last session is over."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from planner.base.arrays import Array
+from planner.base.commands import ROWS_PER_S
+from planner.base.errors import InfeasibleSlew
+from planner.motion.baseline.paper_cubic import paper_duration_s
+from planner.motion.pointing.track import AxisTrack
+from planner.motion.slew import AxisState, SlewProblem
+from planner.planning.sessions.earliest_join import track_states
+from planner.planning.sessions.holding import Rows, Way
+from planner.planning.sessions.joining import Join, slew_onto
+from planner.planning.sessions.lead import (
+    FEWEST_ROWS,
+    States,
+    at_rest_after,
+    brake_enough_s,
+    enough_s,
+    least_slew_s,
+)
+from planner.world.frames.time_scales import shifted_utc
+from planner.world.orbits import Ephemeris
+from planner.world.scenario import BoundedLead, Scenario
+
+LONGEST_S = 3600.0  # what has no end of its own must have one
+ROUNDING = 1e-12  # rad, rad/s, rad/s2: below what a table's rows can tell
+QUICKLY = 0.2  # of the time in which braking is smooth: within 3/4 of the limits
+CONES_TIMES = (1.0, 4.0)  # the way around a cone may be several times as long
+
+
+def with_final_slew(scenario: Scenario, ephemeris: Ephemeris, joins: list[Join]) -> list[Join]:
+    """The same, and a slew to the final state where one is asked for and not reached already.
+
+    It begins where the last track ends, at once, and takes the time that makes it smooth, at
+    most `slew.lead.max_duration_s`; with the objective "minimum_time" the least.
+    ephemeris: over the sessions; cones ask for more.  Raises InfeasibleSlew, OutsideCoverage.
+    """
+    if scenario.final_state is None:
+        return joins
+    last = joins[-1]
+    state = track_states(last.track, last.stop_row / ROWS_PER_S)
+    asked = scenario.final_angle_rad
+    longest_s = _longest_s(scenario)
+    if asked is None:
+        rest, least_s = None, 0.0
+        wanted_s = brake_enough_s(state, scenario.axis_limits, scenario.slew)
+        wanted_s *= QUICKLY if scenario.slew.objective == "minimum_time" else 1.0
+    else:
+        rest = tuple(AxisState(angle_rad=angle_rad) for angle_rad in asked)
+        least_s = least_slew_s(state, rest, scenario.axis_limits)
+        wanted_s = _wanted_s(scenario, state, rest)
+    if _is_at_rest(state, rest or state):
+        return joins
+    if least_s > longest_s:
+        raise _too_far(scenario, least_s, longest_s)
+    for times in CONES_TIMES:
+        rows = math.ceil(min(times * wanted_s, longest_s) * ROWS_PER_S - 1e-6)
+        rows = max(rows, FEWEST_ROWS)
+        there = rest or at_rest_after(state, scenario.axis_limits, rows / ROWS_PER_S)
+        way = _rest_way(scenario, ephemeris, there, last.stop_row, rows)
+        try:
+            final = slew_onto(scenario, way, last.stop_row, state)
+            return [*joins, replace(final, stop_row=final.join_row)]
+        except InfeasibleSlew as refusal:
+            failed = refusal
+            if refusal.limit != "keep_out":
+                break
+    raise InfeasibleSlew(
+        f"after the last session {failed.detail.partition(';')[0]}; name another final_state, "
+        "or leave it out",
+        field="final_state",
+        axis=failed.axis,
+        limit=failed.limit,
+        at_utc=shifted_utc(scenario.initial_state.epoch, last.stop_row / ROWS_PER_S),
+    )
+
+
+def _is_at_rest(state: States, there: States) -> bool:
+    """To rounding."""
+    return all(
+        abs(here.angle_rad - wanted.angle_rad) < ROUNDING
+        and abs(here.rate_rad_s) < ROUNDING
+        and abs(here.acceleration_rad_s2) < ROUNDING
+        for here, wanted in zip(state, there, strict=True)
+    )
+
+
+def _wanted_s(scenario: Scenario, state: States, rest: States) -> float:
+    """The paper's spline knows a time of its own for the objective "minimum_time"."""
+    limits, slew = scenario.axis_limits, scenario.slew
+    if slew.keeps_limits or slew.objective == "smooth":
+        return enough_s(state, rest, limits, slew.avoid_modes)
+    return paper_duration_s(
+        SlewProblem(
+            axis_names=scenario.platform.axis_names,
+            limits=limits,
+            start=state,
+            end=rest,
+            duration_s=LONGEST_S,
+        )
+    )
+
+
+def _longest_s(scenario: Scenario) -> float:
+    lead = scenario.slew.lead
+    asked_s = lead.max_duration_s if isinstance(lead, BoundedLead) else None
+    return LONGEST_S if asked_s is None else min(asked_s, LONGEST_S)
+
+
+def _too_far(scenario: Scenario, least_s: float, longest_s: float) -> InfeasibleSlew:
+    bounded = longest_s < LONGEST_S
+    return InfeasibleSlew(
+        f"the axes need {least_s:.1f} s to come to rest where final_state asks, and a slew may "
+        f"last {longest_s:g} s; {'allow a longer one, or ' if bounded else ''}name a nearer state",
+        field="slew.lead.max_duration_s" if bounded else "final_state",
+        limit="duration",
+    )
+
+
+def _rest_way(
+    scenario: Scenario, ephemeris: Ephemeris, rest: States, from_row: int, rows: int
+) -> Way:
+    """Standing still from `from_row` on; it is to be joined so many rows later, or before."""
+    t_s = np.array([from_row, from_row + rows]) / ROWS_PER_S
+    angle_rad: Array = np.tile([axis.angle_rad for axis in rest], (2, 1))
+    if scenario.slew.keep_out:
+        epoch_utc = scenario.initial_state.epoch
+        begin_utc, end_utc = (shifted_utc(epoch_utc, float(end_s)) for end_s in t_s)
+        ephemeris = scenario.orbit.ephemeris(begin_utc, end_utc)
+    return Way(
+        session=scenario.sessions[-1],
+        track=AxisTrack(
+            axis_names=scenario.platform.axis_names,
+            t_s=t_s,
+            axis_states=np.stack([angle_rad, np.zeros((2, 2)), np.zeros((2, 2))]),
+        ),
+        rows=Rows(start=from_row + rows, stop=from_row + rows),
+        seen_from_s=(from_row + FEWEST_ROWS) / ROWS_PER_S,
+        ephemeris=ephemeris,
+    )

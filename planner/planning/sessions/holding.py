@@ -1,0 +1,236 @@
+"""The ways in which a session's target can be held."""
+
+import math
+from dataclasses import dataclass
+from datetime import datetime
+
+import numpy as np
+
+from planner.base import effort
+from planner.base.arrays import Array
+from planner.base.commands import ROWS_PER_S
+from planner.base.errors import NotVisible, OutsideCoverage, Refusal, TrackBreaksLimit, Unreachable
+from planner.motion.keyhole.track import nearest_track
+from planner.motion.pointing.keep_out import KeepOutView, deepest_entry, keep_out_view
+from planner.motion.pointing.line_of_sight import STENCIL, LineOfSight, line_of_sight
+from planner.motion.pointing.track import AxisTrack, track_candidates
+from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
+from planner.world.orbits import Ephemeris
+from planner.world.scenario import Scenario, Session
+from planner.world.targets import BenchMotionTarget, VisibleTarget
+
+# Of `effort`: any stretch of a target, a row of it, and a row of a track beside a cone.
+HOLD, HOLD_ROW, CONE_ROW = 300, 1, 0.3
+GRID_TOLERANCE_S = 1e-6  # a microsecond, the resolution of a time in a request
+EARLY_ROWS = 600 * ROWS_PER_S  # how long before its session a target may be tracked already
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rows:
+    """Rows of the table that enclose a session; `stop` is the last one, included."""
+
+    start: int
+    stop: int
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Way:
+    """One way to hold a session's target: an axis track over `rows` and what lies before.
+
+    seen_from_s: since when, up to the session, the target can be seen, and looked at out of
+    all cones and masks, without a break.  ephemeris: the orbit it was found on.
+    """
+
+    session: Session
+    track: AxisTrack
+    rows: Rows
+    seen_from_s: float
+    ephemeris: Ephemeris
+
+
+def session_rows(session: Session, epoch_utc: datetime) -> Rows:
+    """The session snapped outwards onto the command grid."""
+    start_s = elapsed_s(session.start, epoch_utc) + GRID_TOLERANCE_S
+    stop_s = elapsed_s(session.stop, epoch_utc) - GRID_TOLERANCE_S
+    return Rows(start=math.floor(start_s * ROWS_PER_S), stop=math.ceil(stop_s * ROWS_PER_S))
+
+
+def ways_to_hold(
+    scenario: Scenario,
+    ephemeris: Ephemeris,
+    number: int,
+    session: Session,
+    from_row: int,
+    start_angle_rad: Array,
+) -> tuple[Way, ...]:
+    """Every way to hold the target over the session, the shortest slew first.
+
+    Where none is exact, by request the one that errs least.
+    number: the session's index, for refusals.  session: that session, or the same with other
+    times.  from_row: the target is of no use before.  start_angle_rad: shape (m,), where
+    the axes come from.  Raises NotVisible, Unreachable, TrackBreaksLimit.
+    """
+    rows = session_rows(session, scenario.initial_state.epoch)
+    looked_at = rows.stop - _early_row(scenario, rows.start, from_row)
+    effort.spend(HOLD + HOLD_ROW * looked_at)
+    if isinstance(session.target, BenchMotionTarget):
+        tracks: tuple[AxisTrack, ...] = (_prescribed_track(scenario, session.target, number, rows),)
+        seen_from_s = tracks[0].t_s[0]
+    else:
+        los = _line_of_sight(scenario, ephemeris, session.target, rows, from_row)
+        _require_visible(los, rows, session.target, number)
+        platform = scenario.platform.with_limits(scenario.axis_limits)
+        start_s, stop_s = rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S
+        try:
+            tracks = track_candidates(platform, los, start_s, stop_s, start_angle_rad)
+        except (TrackBreaksLimit, Unreachable) as exact:
+            if session.keyhole == "refuse":
+                raise
+            tracks = (nearest_track(platform, los, start_s, stop_s, exact),)
+        seen_from_s = _seen_from_s(los, start_s)
+    begins_s = min(float(track.t_s[0]) for track in tracks)
+    view = keep_out_view(scenario, ephemeris, begins_s, rows.stop / ROWS_PER_S)
+    if view is not None:
+        effort.spend(CONE_ROW * looked_at * len(view.regions) * len(tracks))
+    return tuple(
+        Way(
+            session=session,
+            track=track,
+            rows=rows,
+            seen_from_s=max(
+                seen_from_s, _outside_from_s(view, begins_s, scenario, number, track, rows)
+            ),
+            ephemeris=ephemeris,
+        )
+        for track in tracks
+    )
+
+
+def _prescribed_track(
+    scenario: Scenario, target: BenchMotionTarget, number: int, rows: Rows
+) -> AxisTrack:
+    """The motion a test target asks for, once it has shown that it can be flown."""
+    epoch_utc = scenario.initial_state.epoch
+    t_s = np.arange(rows.start, rows.stop + 1) / ROWS_PER_S
+    start_utc = shifted_utc(epoch_utc, t_s[0])
+    names = scenario.platform.axis_names
+    try:
+        target.require_flyable(names, scenario.axis_limits, start_utc, float(t_s[-1] - t_s[0]))
+        motion = target.axis_motion(names, t_s - elapsed_s(target.start or start_utc, epoch_utc))
+    except Refusal as refusal:
+        refusal.field = f"sessions.{number}.target.{refusal.field}"
+        raise
+    return AxisTrack(axis_names=names, t_s=t_s, axis_states=np.stack(motion))
+
+
+def ephemeris_over(scenario: Scenario, sessions: list[Rows]) -> Ephemeris:
+    """The orbit over all sessions and, if it is known, over the time for joining one early."""
+    epoch_utc = scenario.initial_state.epoch
+    narrow_row = 0 if scenario.slew.keep_out else sessions[0].start
+    wide_row = _early_row(scenario, narrow_row, 0)
+    stop_utc = shifted_utc(epoch_utc, sessions[-1].stop / ROWS_PER_S)
+    try:
+        return scenario.orbit.ephemeris(shifted_utc(epoch_utc, wide_row / ROWS_PER_S), stop_utc)
+    except OutsideCoverage:
+        if wide_row == narrow_row:
+            raise
+    return scenario.orbit.ephemeris(shifted_utc(epoch_utc, narrow_row / ROWS_PER_S), stop_utc)
+
+
+def _early_row(scenario: Scenario, start_row: int, from_row: int) -> int:
+    """From which row on the target may be followed already."""
+    if scenario.slew.objective != "minimum_time":
+        return start_row
+    return min(max(from_row, start_row - EARLY_ROWS), start_row)
+
+
+def _line_of_sight(
+    scenario: Scenario, ephemeris: Ephemeris, target: VisibleTarget, rows: Rows, from_row: int
+) -> LineOfSight:
+    """Over the session and, where the orbit is known, over the time for joining it early."""
+    early_row = _early_row(scenario, rows.start, from_row)
+    try:
+        return sight(scenario, ephemeris, target, Rows(start=early_row, stop=rows.stop))
+    except OutsideCoverage:
+        if early_row == rows.start:
+            raise
+    return sight(scenario, ephemeris, target, rows)
+
+
+def sight(
+    scenario: Scenario,
+    ephemeris: Ephemeris,
+    target: VisibleTarget,
+    rows: Rows,
+    count: int | None = None,
+) -> LineOfSight:
+    """The target from row to row, or at `count` instants, at least as many as derivatives need."""
+    count = count or rows.stop - rows.start + 1
+    t_s = np.linspace(rows.start, rows.stop, max(count, STENCIL)) / ROWS_PER_S
+    return line_of_sight(
+        Instants(scenario.initial_state.epoch, t_s),
+        ephemeris,
+        scenario.attitude,
+        scenario.platform.q_platform_from_body,
+        target,
+    )
+
+
+def _require_visible(los: LineOfSight, rows: Rows, target: VisibleTarget, number: int) -> None:
+    in_session = los.instants.t_s > (rows.start - 0.5) / ROWS_PER_S
+    hidden = np.flatnonzero(in_session & (los.clearance_rad < 0.0))
+    if not hidden.size:
+        return
+    worst = hidden[np.argmin(los.clearance_rad[hidden])]
+    first_utc, worst_utc = los.instants.utc(hidden[0]), los.instants.utc(worst)
+    why = target.hidden_because(float(los.clearance_rad[worst]))
+    raise NotVisible(
+        f"session {number + 1}: from {utc_text(first_utc)} the target can't be seen; at "
+        f"{utc_text(worst_utc)} {why}",
+        field=f"sessions.{number}.start" if hidden[0] == 0 else f"sessions.{number}.stop",
+        limit="visibility",
+        at_utc=first_utc,
+    )
+
+
+def _seen_from_s(los: LineOfSight, start_s: float) -> float:
+    """Since when, without a break until start_s, the target can be seen."""
+    t_s = los.instants.t_s
+    hidden_before = np.flatnonzero((los.clearance_rad < 0.0) & (t_s < start_s))
+    return float(t_s[hidden_before[-1] + 1]) if hidden_before.size else float(t_s[0])
+
+
+def _outside_from_s(
+    view: KeepOutView | None,
+    begins_s: float,
+    scenario: Scenario,
+    number: int,
+    track: AxisTrack,
+    rows: Rows,
+) -> float:
+    """Since when the track stays outside of all regions, up to the session; refused if not in it.
+
+    begins_s: where the view's time begins.
+    """
+    if view is None:
+        return float(track.t_s[0])
+
+    def motion(t_s: Array) -> tuple[Array, Array]:
+        angle_rad, rate_rad_s, _ = track.motion(begins_s + t_s)
+        return angle_rad, rate_rad_s
+
+    start_s, stop_s = rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S
+    entry = deepest_entry(view, motion, start_s - begins_s, stop_s - begins_s)
+    if entry.depth_rad > 0.0:
+        at_utc = shifted_utc(scenario.initial_state.epoch, begins_s + entry.t_s)
+        raise NotVisible(
+            f"session {number + 1}: at {utc_text(at_utc)} the target stands "
+            f"{math.degrees(entry.depth_rad):.2f} deg inside {entry.title}, which the boresight "
+            "must keep out of",
+            field=f"sessions.{number}.target",
+            limit="keep_out",
+            at_utc=at_utc,
+        )
+    before_s = track.t_s[track.t_s < start_s] - begins_s
+    inside = np.flatnonzero(view.depths_rad(before_s, motion(before_s)[0]).max(0) > 0)
+    return float(track.t_s[inside[-1] + 1] if inside.size else track.t_s[0])

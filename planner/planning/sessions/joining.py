@@ -1,0 +1,187 @@
+"""The slew from the platform's state onto one session's track."""
+
+from dataclasses import dataclass
+
+from planner.base import effort
+from planner.base.commands import ROWS_PER_S
+from planner.base.effort import at_most
+from planner.base.errors import InfeasibleSlew
+from planner.motion.baseline import in_paper_time, paper_slew
+from planner.motion.detour.detour import avoid_cones
+from planner.motion.pointing.keep_out import KeepOutView, keep_out_view
+from planner.motion.pointing.track import AxisTrack
+from planner.motion.slew import AxisState, SlewProblem, SlewSolution, broken_limit, optimal_slew
+from planner.planning.sessions.earliest_join import Approach, track_states
+from planner.planning.sessions.holding import Way
+from planner.planning.sessions.lead import LedSlew, may_slew_within_lead, slew_within_lead
+from planner.world.scenario import Scenario
+
+
+@dataclass(frozen=True, kw_only=True)
+class Join:
+    """A slew from `slew_row` to `join_row`, and its track followed to `stop_row`.
+
+    brake: what brings the axes to rest at the end of what was before, None where they slew at
+    once or are at rest already.
+    cut_short: whether the search for an earlier join or a smoother slew was, by the work that
+    may be done.
+    """
+
+    slew: SlewSolution
+    track: AxisTrack
+    slew_row: int
+    join_row: int
+    stop_row: int
+    brake: SlewSolution | None = None
+    cut_short: bool = False
+
+    @property
+    def brake_rows(self) -> int:
+        """How many rows the braking takes."""
+        return round(self.brake.duration_s * ROWS_PER_S) if self.brake else 0
+
+
+def slew_onto(
+    scenario: Scenario,
+    way: Way,
+    from_row: int,
+    state: tuple[AxisState, ...],
+    *,
+    thorough: bool = True,
+    early: bool = True,
+    prove: bool = False,
+) -> Join:
+    """Slew from `state` at row `from_row` onto one way's track.
+
+    With the objective "minimum_time" the track is joined as early as the slew can and the
+    target is seen, else at the first row of the session, as without `early`.  thorough: whether
+    the best way around cones is sought, not only some way.  prove: where there is none, show it
+    before searching long.  Raises InfeasibleSlew.
+    """
+    start_row = way.rows.start
+    if start_row <= from_row:
+        raise InfeasibleSlew("no time is left for a slew before the session", limit="duration")
+    for states, does in (
+        (state, "begins"),
+        (track_states(way.track, start_row / ROWS_PER_S), "ends"),
+    ):
+        _require_within_limits(scenario, states, does)
+    keep_out = keep_out_view(scenario, way.ephemeris, from_row / ROWS_PER_S, start_row / ROWS_PER_S)
+    met, cut_short = None, False
+    if early and _joins_early(scenario):
+        # What is left must do for a slew to the session's first row.
+        with at_most(effort.remaining() / 2.0) as search:
+            met = _approach(scenario, way, from_row, state).earliest_join(
+                scenario.slew,
+                after_s=way.seen_from_s,
+                until_s=start_row / ROWS_PER_S,
+                keep_out=keep_out,
+            )
+        cut_short = search.is_spent
+    if met is None:
+        led = _slew(scenario, way, from_row, state, keep_out, thorough=thorough, prove=prove)
+        join_row = start_row
+    else:
+        led, join_row = met.led, round(met.t_s * ROWS_PER_S)
+        cut_short = cut_short or met.cut_short
+    slew = led.slew
+    return Join(
+        slew=slew,
+        brake=led.brake,
+        track=way.track,
+        slew_row=join_row - round(slew.duration_s * ROWS_PER_S),
+        join_row=join_row,
+        stop_row=way.rows.stop,
+        cut_short=cut_short or slew.cut_short,
+    )
+
+
+def may_slew_onto(
+    scenario: Scenario, way: Way, from_row: int, state: tuple[AxisState, ...]
+) -> bool:
+    """Whether closed forms leave open that `slew_onto` succeeds; microseconds, cones aside."""
+    join_row = way.rows.start
+    there = track_states(way.track, join_row / ROWS_PER_S)
+    if may_slew_between(scenario, state, there, join_row - from_row):
+        return True
+    # The durations a slew can take have gaps: an earlier row may be within reach.
+    return first_row_in_reach(scenario, way, from_row, state, join_row) is not None
+
+
+def may_slew_between(
+    scenario: Scenario, state: tuple[AxisState, ...], there: tuple[AxisState, ...], rows: int
+) -> bool:
+    """The same from state to state in exactly so many rows."""
+    if rows <= 0:
+        return False
+    if not scenario.slew.keeps_limits:
+        return True
+    return may_slew_within_lead(state, there, scenario.axis_limits, scenario.slew, rows)
+
+
+def first_row_in_reach(
+    scenario: Scenario, way: Way, from_row: int, state: tuple[AxisState, ...], last_row: int
+) -> int | None:
+    """The first row, up to that one, on which closed forms leave open that a slew joins early."""
+    if not _joins_early(scenario):
+        return None
+    approach = _approach(scenario, way, from_row, state)
+    return next(approach.rows_within_reach(way.seen_from_s, last_row / ROWS_PER_S), None)
+
+
+def _approach(
+    scenario: Scenario, way: Way, from_row: int, state: tuple[AxisState, ...]
+) -> Approach:
+    return Approach(
+        track=way.track, limits=scenario.axis_limits, start=state, start_s=from_row / ROWS_PER_S
+    )
+
+
+def _joins_early(scenario: Scenario) -> bool:
+    return scenario.slew.keeps_limits and scenario.slew.objective == "minimum_time"
+
+
+def _slew(
+    scenario: Scenario,
+    way: Way,
+    from_row: int,
+    state: tuple[AxisState, ...],
+    keep_out: KeepOutView | None,
+    *,
+    thorough: bool,
+    prove: bool,
+) -> LedSlew:
+    """To the first row of the session."""
+    problem = SlewProblem(
+        axis_names=way.track.axis_names,
+        limits=scenario.axis_limits,
+        start=state,
+        end=track_states(way.track, way.rows.start / ROWS_PER_S),
+        duration_s=(way.rows.start - from_row) / ROWS_PER_S,
+        avoid_modes=scenario.slew.avoid_modes,
+        keep_out=keep_out,
+    )
+
+    def solve(part: SlewProblem) -> SlewSolution:
+        if scenario.slew.keeps_limits:
+            return avoid_cones(optimal_slew(part, on_rows=True), thorough=thorough, prove=prove)
+        if scenario.slew.objective == "minimum_time":
+            part = in_paper_time(part)
+        return paper_slew(part, scenario.slew)
+
+    return slew_within_lead(problem, scenario.slew, solve)
+
+
+def _require_within_limits(scenario: Scenario, state: tuple[AxisState, ...], does: str) -> None:
+    """A track keeps its limits on its own rows; between rows that are finer it may not."""
+    for name, axis, limits in zip(
+        scenario.platform.axis_names, state, scenario.axis_limits, strict=True
+    ):
+        limit = broken_limit(axis, limits)
+        if limit is not None:
+            raise InfeasibleSlew(
+                f"the slew {does} on a track that needs more {limit} of {name} there than it has; "
+                "choose other times",
+                axis=name,
+                limit=limit,
+            )

@@ -1,0 +1,333 @@
+"""The nearest start at which a refused session can be flown."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from itertools import islice
+
+import numpy as np
+
+from planner.base import effort
+from planner.base.commands import ROWS_PER_S
+from planner.base.effort import EffortSpent, at_most
+from planner.base.errors import InfeasibleSlew, Refusal
+from planner.planning.sessions.holding import Rows
+from planner.planning.sessions.joining import Join
+from planner.planning.sessions.longest_hold import longest_hold
+from planner.planning.sessions.other_sessions import Others
+from planner.planning.sessions.sequence import RefusedSession, SessionRefused, sequence_sessions
+from planner.planning.sessions.start_trials import Trials
+from planner.world.frames.time_scales import DAY_S, Instants, elapsed_s, shifted_utc, utc_text
+from planner.world.orbits import Ephemeris
+from planner.world.scenario import Scenario, Session
+from planner.world.targets import BenchMotionTarget, EarthFixedTarget
+
+HORIZON_S = {"state": 6000.0, "opm": 6000.0}  # a numerical propagation of a day takes seconds
+COARSE_ROWS = 10 * ROWS_PER_S  # first tries, then halved down to a row
+ATTEMPTS = 60
+
+# Of `effort`: five seconds for either way of moving a session, and of what is left.
+SEARCH, SEARCH_SHARE = 500_000, 0.6
+REFUSALS = 4  # starts that would cost other sessions, before such a one is named
+
+USEFUL_ELEVATION_DEG = 10.0  # a carrier lower than that is three times as far off, or more
+ROWS_LATER = 3  # the solver needs a row or two more than closed forms say
+
+
+@dataclass(frozen=True)
+class Advice:
+    """words: the way out.  session: as it can be flown, when those in `costs` are left out."""
+
+    words: str
+    session: Session | None = None
+    costs: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Span:
+    """Where another start is sought.
+
+    known: rows at which the orbit is known.  seen: runs of them in which the target can be
+    seen, their ends good to the coarse step.
+    """
+
+    ephemeris: Ephemeris
+    known: Rows
+    seen: list[Rows]
+
+
+def plan_sessions(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
+    """A slew and a track for every session, in order, as `sequence_sessions` has them.
+
+    Raises NotVisible, Unreachable, TrackBreaksLimit and InfeasibleSlew, each with the nearest
+    start that can be flown; the last with what each session would have to give up.
+    """
+    try:
+        return sequence_sessions(scenario, ephemeris)
+    except SessionRefused as failed:
+        raise _advise(failed) from None
+
+
+def _advise(failed: SessionRefused) -> Refusal:
+    """The same refusal with the field at fault and the nearest start that can be flown.
+
+    First the session is cut short, at its start and where it can't be held to its stop there too,
+    then moved as a whole, by at most a day; where no least elevation was asked for, first to where
+    the carrier stands at a useful one.
+    Every start named has been tried by planning the whole request with it.  Whatever forbids
+    another start, the reason given stays that of the start asked for.
+    """
+    refusal, refused = failed.refusal, failed.session
+    alike = isinstance(refused.session.target, BenchMotionTarget)
+    if alike and not isinstance(refusal, InfeasibleSlew):
+        return refusal  # it breaks its limits at any other time, too
+    try:
+        offers = failed.offers()
+        advice = _advice(refused)
+    except EffortSpent:  # of the whole request: why it is refused is known all the same
+        offers = ()
+        advice = Advice(
+            "no other start was found before the search, which is bounded, ended; ask for a "
+            "shorter session"
+        )
+    advised = type(refusal)(
+        f"{refusal.detail}; {advice.words}",
+        field=refusal.field or f"sessions.{refused.number}.start",
+        axis=refusal.axis,
+        limit=refusal.limit,
+        at_utc=refusal.at_utc,
+        earliest_feasible_start_utc=advice.session.start if advice.session else None,
+        feasible_stop_utc=advice.session.stop if advice.session else None,
+        costs_sessions=advice.costs,
+    )
+    if isinstance(advised, InfeasibleSlew):
+        advised.give_up = offers
+    return advised
+
+
+def _advice(refused: RefusedSession) -> Advice:
+    span = _span(refused)
+    if isinstance(span, Refusal):
+        return Advice(f"no other start was tried: {span.detail.partition(';')[0]}")
+    useful = _at_useful_elevation(refused)
+    if useful is not None:
+        seen = _visible_rows(useful, span.ephemeris, span.known)
+        advice = _seek_start(useful, replace(span, seen=seen))
+        if advice.session is not None:
+            return advice
+    return _seek_start(refused, span)
+
+
+def _at_useful_elevation(refused: RefusedSession) -> RefusedSession | None:
+    """Higher in the target's sky than where it rises, which nobody asked for by leaving it out."""
+    target = refused.session.target
+    if not isinstance(target, EarthFixedTarget) or target.min_elevation_deg != 0.0:
+        return None
+    sessions = list(refused.scenario.sessions)
+    sessions[refused.number] = replace(
+        refused.session, target=replace(target, min_elevation_deg=USEFUL_ELEVATION_DEG)
+    )
+    return replace(refused, scenario=replace(refused.scenario, sessions=tuple(sessions)))
+
+
+def _seek_start(refused: RefusedSession, span: _Span) -> Advice:
+    """The session as it can be flown, and the way out in words."""
+    session, wanted_row = refused.session, refused.wanted.start
+    length_s = elapsed_s(session.stop, session.start)
+    others = Others(refused)
+    shortened = Trials(
+        refused=refused,
+        ephemeris=span.ephemeris,
+        seen=span.seen,
+        stop_utc=lambda _: session.stop,
+    )
+    moved = replace(shortened, stop_utc=lambda row: shifted_utc(refused.utc(row), length_s))
+    held = _longest_hold(refused, span)
+    left = held or Rows(start=max(wanted_row, refused.from_row + 1), stop=refused.wanted.stop)
+    shortened = replace(shortened, held=held)
+    if left.stop != refused.wanted.stop:
+        shortened = replace(shortened, stop_utc=lambda _: refused.utc(left.stop))
+    reaches: list[int | None] = []
+    searches: tuple[tuple[Trials, Iterable[int]], ...] = (
+        (shortened, _rows_before_stop(span, left)),
+        (moved, _rows_by_distance(refused, span)),
+    )
+    for trials, rows in searches:
+        found, reach_rows = _search(trials, others, rows, wanted_row)
+        if found is not None:
+            return Advice(_way_out(found, session), found)
+        reaches.append(reach_rows)
+    if others.dearer is not None:
+        instead, costs = others.dearer
+        return Advice(f"{_way_out(instead, session)}, {_cost(costs)}", instead, costs)
+    alone = f"; {others.undecided}" if others.undecided else ""
+    return Advice(_not_found(refused, span, *reaches) + alone)
+
+
+def _way_out(found: Session, wanted: Session) -> str:
+    start, stop = utc_text(found.start, 1), utc_text(found.stop, 1)
+    if found.start == wanted.start:
+        return f"from the start asked for it can be flown until {stop}"
+    kept = found.stop == wanted.stop
+    how = "keeping the stop" if kept else f"with the stop moved to {stop}"
+    return f"earliest feasible start {start}, {how}"
+
+
+def _cost(costs: tuple[int, ...]) -> str:
+    if len(costs) == 1:
+        return (
+            f"but session {costs[0] + 1} can't be flown then as asked: leave it out, or move it too"
+        )
+    numbers = ", ".join(str(number + 1) for number in costs)
+    return f"but sessions {numbers} can't be flown then as asked: leave them out, or move them too"
+
+
+def _not_found(
+    refused: RefusedSession, span: _Span, later_reach_rows: int | None, moved_reach_rows: int | None
+) -> str:
+    wanted = refused.wanted
+    first_row = refused.from_row + 1
+    last_row = span.known.stop - (wanted.stop - wanted.start)
+    ways = (
+        ("keeping the stop", max(wanted.start, first_row), wanted.stop - 1, later_reach_rows),
+        ("moving it", max(span.known.start, first_row), last_row, moved_reach_rows),
+    )
+    searches = [
+        f"{_span_searched(refused, low, high, reach_rows)} {how}"
+        for how, low, high, reach_rows in ways
+        if low <= high
+    ]
+    if not searches:
+        return "no other start can be tried: the orbit is not known beyond the session"
+    return f"no start that can be flown was found {' and '.join(searches)}"
+
+
+def _span_searched(refused: RefusedSession, low: int, high: int, reach_rows: int | None) -> str:
+    """From when to when starts were gone through, of all from row `low` to `high`."""
+    wanted_row = refused.wanted.start
+    ends = low, high
+    if reach_rows is not None:
+        if reach_rows < 0:
+            return "(none was decided before the search ends, which is bounded)"
+        ends = max(low, wanted_row - reach_rows), min(high, wanted_row + reach_rows)
+    texts = [utc_text(refused.utc(row), 1) for row in ends]
+    farther = ", nor looked for farther off," if ends != (low, high) else ""
+    return f"from {texts[0]} to {texts[1]}{farther}"
+
+
+def _search(
+    trials: Trials, others: Others, rows: Iterable[int], wanted_row: int
+) -> tuple[Session | None, int | None]:
+    """The first row that may succeed, then the nearest to the wanted one that does.
+
+    Where that would cost other sessions, the next ones are tried, too.  Returns the session as it
+    can be flown, None if not found, and how far from the wanted row all were gone through; None:
+    as far as there are any, negative: not one.
+    """
+    reach_rows, refusals = -1, 0
+    candidates = list(islice(rows, ATTEMPTS))
+    with at_most(min(SEARCH, SEARCH_SHARE * effort.remaining())):
+        for row in candidates:
+            may = trials.ends_may(row) and trials.may(row)
+            session = _nearest_feasible(trials, row, wanted_row) if may else None
+            reach_rows = abs(row - wanted_row)
+            if session is not None and others.stay_as_asked(session):
+                return session, reach_rows
+            refusals += may
+            if may and (session is None or refusals == REFUSALS):
+                return None, reach_rows
+        return None, reach_rows if len(candidates) == ATTEMPTS else None
+    return None, reach_rows
+
+
+def _nearest_feasible(trials: Trials, row: int, wanted_row: int) -> Session | None:
+    """From a row that may succeed back to its failed neighbour; then solved, row by row."""
+    away = 1 if row >= wanted_row else -1
+
+    def nearest(may: Callable[[int], bool]) -> int:
+        good, bad = row, row - away * COARSE_ROWS
+        while abs(good - bad) > 1:
+            middle = (good + bad) // 2
+            if (middle - wanted_row) * away >= 0 and may(middle):
+                good = middle
+            else:
+                bad = middle
+        return good
+
+    first = nearest(trials.ends_may)
+    found = trials.feasible_session(first)
+    if found is not None:
+        return found
+    surer = nearest(lambda middle: trials.ends_may(middle) and trials.may(middle))
+    for nearby in range(surer, surer + away * ROWS_LATER, away):
+        found = trials.feasible_session(nearby) if nearby != first else None
+        if found is not None:
+            return found
+    return None
+
+
+def _longest_hold(refused: RefusedSession, span: _Span) -> Rows | None:
+    """What of the session can be held; None where that isn't known."""
+    with at_most(min(SEARCH, SEARCH_SHARE * effort.remaining())):
+        return longest_hold(refused, span.ephemeris)
+    return None
+
+
+def _rows_before_stop(span: _Span, left: Rows) -> Iterable[int]:
+    """Start rows of the session cut short to what is left of it, the first ones first."""
+    step = min(COARSE_ROWS, max((left.stop - left.start) // 8, 1))
+    runs = [run for run in span.seen if run.start <= left.stop <= run.stop]
+    rows = range(left.start, left.stop, step)
+    return (row for row in rows if any(run.start <= row for run in runs))
+
+
+def _rows_by_distance(refused: RefusedSession, span: _Span) -> list[int]:
+    """Start rows of sessions wholly inside a run, the nearest to the wanted row first."""
+    wanted = refused.wanted
+    length_rows = wanted.stop - wanted.start
+    starts = [
+        row
+        for run in span.seen
+        if run.stop - length_rows >= run.start
+        for row in {*range(run.start, run.stop - length_rows, COARSE_ROWS), run.stop - length_rows}
+        if row > refused.from_row
+    ]
+    return sorted(starts, key=lambda row: abs(row - wanted.start))
+
+
+def _span(refused: RefusedSession) -> _Span | Refusal:
+    """The orbit as far around the session as it is known, up to the horizon, or why it is not."""
+    scenario, wanted = refused.scenario, refused.wanted
+    longest_s = HORIZON_S.get(scenario.orbit.source, DAY_S)
+    for horizon_s in (longest_s, longest_s / 16.0, 0.0):
+        # Cones to keep out of must be known along the whole slew.
+        early_row = wanted.start - int(horizon_s) * ROWS_PER_S
+        known = Rows(
+            start=refused.from_row if scenario.slew.keep_out else max(refused.from_row, early_row),
+            stop=wanted.stop + int(horizon_s) * ROWS_PER_S,
+        )
+        try:
+            ephemeris = scenario.orbit.ephemeris(refused.utc(known.start), refused.utc(known.stop))
+            return _Span(
+                ephemeris=ephemeris, known=known, seen=_visible_rows(refused, ephemeris, known)
+            )
+        except Refusal as unknown:  # too far for the data, or damaged data on the way
+            why = unknown
+    return why
+
+
+def _visible_rows(refused: RefusedSession, ephemeris: Ephemeris, known: Rows) -> list[Rows]:
+    """Runs of rows in which the target can be seen, their ends good to the coarse step."""
+    target = refused.session.target
+    if isinstance(target, BenchMotionTarget):
+        return [known]
+    rows = np.arange(known.start, known.stop + 1, COARSE_ROWS)
+    instants = Instants(refused.epoch_utc, rows / ROWS_PER_S)
+    visible = target.apparent(instants, ephemeris.states(instants)).clearance_rad >= 0.0
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], visible, [False]])))
+    return [
+        Rows(
+            start=max(known.start, int(rows[first]) - COARSE_ROWS),
+            stop=min(known.stop, int(rows[last - 1]) + COARSE_ROWS),
+        )
+        for first, last in edges.reshape(-1, 2)
+    ]

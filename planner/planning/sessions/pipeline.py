@@ -1,0 +1,198 @@
+"""From a scenario to a verified plan: the whole story on one screen."""
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import numpy as np
+
+from planner.base import effort
+from planner.base.commands import ROWS_PER_S, CommandTable
+from planner.base.effort import at_most
+from planner.base.errors import SearchEnded, VerificationFailed
+from planner.base.solvers import merged
+from planner.motion.baseline import compare_with_spline
+from planner.planning.sessions.assembly import assemble_table, sessions_after_conflicts, table_work
+from planner.planning.sessions.budget import PointingBudget
+from planner.planning.sessions.final import with_final_slew
+from planner.planning.sessions.holding import ephemeris_over, session_rows, sight
+from planner.planning.sessions.joining import Join
+from planner.planning.sessions.lead import least_slew_s
+from planner.planning.sessions.nearest_start import plan_sessions
+from planner.planning.sessions.plan import Plan, SlewRun
+from planner.planning.sessions.uncertainty import pointing_budget
+from planner.verification import VerificationReport, verify
+from planner.world.frames.earth_orientation import earth_orientation_warnings
+from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc
+from planner.world.orbits import Ephemeris
+from planner.world.plan import Segment, SegmentKind
+from planner.world.scenario import Scenario, Session, SlewOptions
+from planner.world.targets import BenchMotionTarget
+
+BUDGET_INSTANTS = 31  # errors vary over a pass, not from row to row
+
+
+def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: None) -> Plan:
+    """Plan every session in order of time and have the table judged.
+
+    on_stage: told each stage's name when it begins.
+    Raises a `Refusal` when a session can't be flown; it says which limit, when, and, where
+    there is one, the nearest session start that can.
+    """
+    epoch_utc = scenario.initial_state.epoch
+    wall_s: dict[str, float] = {}
+
+    @contextmanager
+    def stage(name: str) -> Iterator[None]:
+        on_stage(name)
+        began_s = time.perf_counter()
+        yield
+        wall_s[name] = time.perf_counter() - began_s
+
+    with stage("orbit"):
+        ephemeris = ephemeris_over(
+            scenario, [session_rows(session, epoch_utc) for session in scenario.sessions]
+        )
+    with stage("slews and tracks"):
+        joins = _joins(scenario, ephemeris)
+        onto_tracks = joins[: len(scenario.sessions)]
+    with stage("comparison"):
+        slews = tuple(
+            _slew_run(scenario.slew, number, join) for number, join in _numbered(scenario, joins)
+        )
+    final, losses = sessions_after_conflicts(scenario, onto_tracks)
+    table = assemble_table(epoch_utc, scenario.platform.axis_names, joins)
+    with stage("pointing budget"):
+        budgets = tuple(
+            session_budget(final, ephemeris, table, session) for session in final.sessions
+        )
+    misses = [budget.warning(number) for number, budget in enumerate(budgets) if budget]
+    with stage("verification"):
+        report = verify(table, final)
+    if scenario.slew.keeps_limits and not report.passed:
+        raise _rejection(report)
+    return Plan(
+        scenario=final,
+        segments=_segments(scenario, joins),
+        table=table,
+        verification=report,
+        slews=slews,
+        budgets=budgets,
+        warnings=(
+            *losses,
+            *_cut_short(joins),
+            *ephemeris.warnings,
+            *scenario.attitude.warnings_at(Instants(epoch_utc, table.t_s)),
+            *filter(None, misses),
+            *earth_orientation_warnings(Instants(epoch_utc, table.t_s)),
+            *(finding.detail for finding in report.findings),
+        ),
+        stage_wall_s=wall_s,
+    )
+
+
+def _joins(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
+    """Found by no more work than one request may make, what its table takes set aside."""
+    last_row = session_rows(scenario.sessions[-1], scenario.initial_state.epoch).stop
+    with at_most(effort.PLAN - table_work(scenario, last_row)):
+        joins = with_final_slew(scenario, ephemeris, plan_sessions(scenario, ephemeris))
+        effort.count(table_work(scenario, joins[-1].stop_row))
+        return joins
+    raise SearchEnded(
+        "the sessions take more work than one request may make before "
+        "any plan is found; ask for fewer or shorter ones at a time, nearer to the epoch, or for "
+        "fewer cones and masks",
+        field="sessions",
+    )
+
+
+def _cut_short(joins: list[Join]) -> tuple[str, ...]:
+    numbers = [str(number) for number, join in enumerate(joins, start=1) if join.cut_short]
+    if not numbers:
+        return ()
+    sessions = f"session {numbers[0]}" if len(numbers) == 1 else f"sessions {', '.join(numbers)}"
+    return (
+        f"the slew to {sessions} is the best that was found by the work one request may make, "
+        "perhaps not the quickest or the smoothest that there is",
+    )
+
+
+def _numbered(scenario: Scenario, joins: list[Join]) -> Iterator[tuple[int | None, Join]]:
+    """Each with the session whose track it leads to; None for the final state's."""
+    count = len(scenario.sessions)
+    return ((number if number < count else None, join) for number, join in enumerate(joins))
+
+
+def _slew_run(options: SlewOptions, number: int | None, join: Join) -> SlewRun:
+    slew = join.slew
+    optimised = options.keeps_limits
+    parts = [part for part in (join.brake, slew) if part]
+    return SlewRun(
+        session=number,
+        backend=options.method,
+        status="; ".join(dict.fromkeys(slew.status)),
+        iterations=sum(part.iterations for part in parts),
+        wall_s=sum(part.wall_s for part in parts),
+        duration_s=slew.duration_s,
+        minimum_s=least_slew_s(slew.problem.start, slew.problem.end, slew.problem.limits),
+        cost_rad2_s5=slew.jerk_squared_integral if optimised else None,
+        lower_bound_rad2_s5=sum(slew.lower_bounds_rad2_s5) if optimised else None,
+        comparison=compare_with_spline(slew, options) if optimised else None,
+        solver=merged(run for part in parts for run in part.runs),
+    )
+
+
+def _segments(scenario: Scenario, joins: list[Join]) -> tuple[Segment, ...]:
+    epoch_utc = scenario.initial_state.epoch
+    kinds: tuple[SegmentKind, ...] = ("brake", "wait", "slew", "track")
+    segments = []
+    from_row = 0
+    for number, join in _numbered(scenario, joins):
+        ends = [
+            shifted_utc(epoch_utc, row / ROWS_PER_S)
+            for row in (
+                from_row,
+                from_row + join.brake_rows,
+                join.slew_row,
+                join.join_row,
+                join.stop_row,
+            )
+        ]
+        segments += [
+            Segment(kind=kind, session=number, start_utc=start_utc, stop_utc=stop_utc)
+            for kind, start_utc, stop_utc in zip(kinds, ends, ends[1:], strict=False)
+            if elapsed_s(stop_utc, start_utc) > 0.0
+        ]
+        from_row = join.stop_row
+    return tuple(segments)
+
+
+def session_budget(
+    scenario: Scenario, ephemeris: Ephemeris, table: CommandTable, session: Session
+) -> PointingBudget | None:
+    """Of the linear kind; None where no target is looked at.  ephemeris: over the session."""
+    if isinstance(session.target, BenchMotionTarget):
+        return None
+    rows = session_rows(session, scenario.initial_state.epoch)
+    # A target followed only nearly is off by itself, for seconds: every row is looked at.
+    count = BUDGET_INSTANTS if session.keyhole == "refuse" else None
+    los = sight(scenario, ephemeris, session.target, rows, count)
+    angle_rad = [np.interp(los.instants.t_s, table.t_s, angle) for angle in table.angle_rad.T]
+    return pointing_budget(
+        los,
+        ephemeris,
+        scenario.attitude,
+        session.target,
+        scenario.platform,
+        np.stack(angle_rad, axis=1),
+    )
+
+
+def _rejection(report: VerificationReport) -> VerificationFailed:
+    worst = next(finding for finding in report.findings if finding.severity == "error")
+    return VerificationFailed(
+        f"the independent judge rejects the table: {worst.detail}",
+        axis=worst.axis,
+        limit=worst.limit,
+        at_utc=worst.at_utc,
+    )

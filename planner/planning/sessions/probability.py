@@ -1,0 +1,95 @@
+"""The probability that a sum of independent errors stays within a frame."""
+
+from collections.abc import Sequence
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.base.arrays import Array
+
+DRAWS = 1 << 14
+EVERY = 4  # instants, of which one is looked at first
+SHORT_ROUNDS = 2e-5  # of a place's parts: 26 roundings of 6e-8, points of at most 8
+
+
+def probability_inside(
+    offsets_rad: Array,
+    half_rad: Array,
+    known_rad: Array,
+    swings_rad: Sequence[Array] = (),
+    laplace: int = 0,
+) -> float:
+    """Probability that a sum of independent errors never leaves the frame.
+
+    offsets_rad: shape (m, n, 2), where a 1-sigma constant error of each of m causes puts the
+    target in the image at n instants.  half_rad: shape (2,).  known_rad: (n, 2), where the target
+    is without errors.  swings_rad: (2, n, 2) of each sinusoid, times 1 / sqrt(2) what it puts
+    there when its phase is 0 and a quarter turn, every phase as likely.  laplace: so many of the
+    causes, the last, follow Laplace's distribution, the others Gauss's.
+    By 16384 quasi-random points, good to 0.003 (0.001 where few are lost).
+    Source: Genz and Bretz 2009, section 4.2 (Richtmyer lattices).
+    """
+    if not (half_rad > 0.0).all():
+        return 0.0
+    known = np.broadcast_to(known_rad / half_rad, offsets_rad.shape[1:])
+    parts = np.concatenate(
+        [offsets_rad / half_rad, *(s / half_rad for s in swings_rad), known[None]]
+    )
+    kinds = (len(offsets_rad) - laplace, laplace, len(swings_rad))
+    points, lengths = _short_points(*kinds)
+    # A few instants tell nearly all draws: between them none goes farther from a straight line
+    # than its parts bend, times its length.
+    instants = np.arange(len(known))
+    few = np.append(instants[:-1:EVERY], instants[-1])
+    before = np.searchsorted(few, instants, side="right") - 1
+    after = np.minimum(before + 1, len(few) - 1)
+    share = ((instants - few[before]) / np.maximum(few[after] - few[before], 1))[:, None]
+    bend = parts - (1.0 - share) * parts[:, few[before]] - share * parts[:, few[after]]
+    rounds = SHORT_ROUNDS * (1.0 + np.abs(parts).sum(axis=0).max())
+    bends = np.linalg.norm(bend[:-1], axis=0).max() * lengths + np.abs(bend[-1]).max()
+    farthest = _farthest(parts[:, few], points)
+    inside = farthest < 1.0 - rounds - bends
+    near = np.flatnonzero(~inside & ~(farthest > 1.0 + rounds))
+    inside[near] = _farthest(parts, lattice_points(*kinds)[:, near]) <= 1.0
+    return float(np.mean(inside))
+
+
+def _farthest(part_shares: Array, points: "NDArray[np.floating]") -> Array:
+    """Of each point in its precision, shape (points.shape[1],).
+
+    part_shares: (m + 1, n, 2) of a frame's half, the last where the target is without errors.
+    """
+    in_half_frames = part_shares.reshape(len(part_shares), -1).astype(points.dtype)
+    places = in_half_frames[:-1].T @ points
+    places += in_half_frames[-1][:, None]
+    return np.asarray(np.abs(places, out=places).max(axis=0))
+
+
+@cache
+def _short_points(normal: int, laplace: int, phases: int) -> tuple[NDArray[np.float32], Array]:
+    """The lattice in half as long numbers, which take half the time, and its points' lengths."""
+    points = lattice_points(normal, laplace, phases)
+    return points.astype(np.float32), np.linalg.norm(points, axis=0)
+
+
+@cache
+def lattice_points(normal: int, laplace: int, phases: int) -> Array:
+    """A Richtmyer lattice mapped to unit variances and to circles of radius sqrt(2).
+
+    Shape (normal + laplace + 2 phases, DRAWS).
+    """
+    # SciPy's special functions take 0.1 s to import, which only a plan should pay.
+    from scipy.special import ndtri
+
+    constant = normal + laplace
+    primes = np.array([2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37])[: constant + phases]
+    if len(primes) < constant + phases:
+        raise ValueError(f"at most 12 causes can be drawn, not {constant + phases}")
+    lattice = np.outer(np.arange(DRAWS) + 0.5, np.sqrt(primes)) % 1.0
+    from_median = lattice[:, normal:constant] - 0.5
+    two_sided = -np.sign(from_median) * np.log1p(-2.0 * np.abs(from_median)) / np.sqrt(2.0)
+    phase_rad = 2.0 * np.pi * lattice[:, constant:, None]
+    circles = np.sqrt(2.0) * np.concatenate([np.cos(phase_rad), np.sin(phase_rad)], axis=2)
+    points = np.hstack([ndtri(lattice[:, :normal]), two_sided, circles.reshape(DRAWS, 2 * phases)])
+    return np.ascontiguousarray(points.T)

@@ -1,0 +1,222 @@
+"""Which way every session is held, and when each is joined and left."""
+
+import math
+from dataclasses import dataclass
+from datetime import datetime
+from itertools import pairwise
+
+import numpy as np
+
+from planner.base import effort
+from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
+from planner.base.effort import at_most
+from planner.base.errors import (
+    GiveUp,
+    InfeasibleSlew,
+    NotVisible,
+    Refusal,
+    SearchEnded,
+    SolverFailed,
+    TrackBreaksLimit,
+    Unreachable,
+)
+from planner.motion.pointing.keep_out import keep_out_view
+from planner.motion.slew import require_brakable
+from planner.planning.sessions.chain import CONFLICTS, Chain, Stand, States, Steps, initial_state
+from planner.planning.sessions.earliest_join import track_states
+from planner.planning.sessions.holding import Rows, Way, session_rows, ways_to_hold
+from planner.planning.sessions.joining import Join, slew_onto
+from planner.world.frames.time_scales import shifted_utc
+from planner.world.orbits import Ephemeris
+from planner.world.scenario import Scenario, Session
+
+# Of the work that is left: for finding a plan; where there is none, for saying why, and of that
+# for a proof around cones and for what would help.
+FIND_SHARE, CONFLICT_SHARE, PROOF_SHARE, OFFERS_SHARE = 0.7, 0.8, 0.7, 0.5
+
+
+@dataclass(frozen=True, kw_only=True)
+class RefusedSession:
+    """A session that can't be flown as asked.
+
+    number: its index.  state: of the axes at from_row, from which its slew begins.
+    """
+
+    scenario: Scenario
+    number: int
+    from_row: int
+    state: States
+
+    @property
+    def session(self) -> Session:
+        return self.scenario.sessions[self.number]
+
+    @property
+    def epoch_utc(self) -> datetime:
+        return self.scenario.initial_state.epoch
+
+    @property
+    def wanted(self) -> Rows:
+        return session_rows(self.session, self.epoch_utc)
+
+    def utc(self, row: int) -> datetime:
+        return shifted_utc(self.epoch_utc, row / ROWS_PER_S)
+
+
+class SessionRefused(Exception):
+    """Which session can't be flown, and why."""
+
+    def __init__(
+        self, session: RefusedSession, refusal: Refusal, chain: Chain | None = None
+    ) -> None:
+        super().__init__(refusal.detail)
+        self.session, self.refusal = session, refusal
+        self._chain = chain
+
+    def offers(self) -> tuple[GiveUp, ...]:
+        """What sessions would lose under each `on_conflict` by which all of them can be flown."""
+        found: list[GiveUp] = []
+        if self._chain is not None:
+            with at_most(OFFERS_SHARE * effort.remaining()):
+                for mode in CONFLICTS:
+                    instead = self._chain.solve(mode)
+                    found += _give_ups(mode, instead[0]) if instead is not None else []
+        return tuple(found)
+
+
+def sequence_sessions(
+    scenario: Scenario, ephemeris: Ephemeris, *, prove: bool = True
+) -> list[Join]:
+    """A slew and a track for every session, in order.
+
+    Of all choices of branch and whole turns the one with the least time slewing is taken,
+    after the least time lost to sessions where `on_conflict` allows some to be lost.  Its tracks
+    are then joined as early, and its cones passed as smoothly, as is found by the work that may
+    be done.
+    prove: whether to show, where a slew has no way around cones, that there is none.
+    Raises SessionRefused; InfeasibleSlew where it is the initial state's fault; SearchEnded.
+    """
+    state = initial_state(scenario)
+    if scenario.slew.keeps_limits:
+        require_brakable(scenario.platform.axis_names, state, scenario.axis_limits)
+    _require_start_outside(scenario, ephemeris)
+    chain = Chain(scenario, _ways_by_session(scenario, ephemeris))
+    found = None
+    with at_most(FIND_SHARE * effort.remaining()) as search:
+        found = chain.solve(scenario.on_conflict)
+    if search.is_spent and found is None:
+        chain.hurry()
+        with at_most(FIND_SHARE * effort.remaining()) as search:
+            found = chain.solve(scenario.on_conflict)
+    if found is not None:
+        return chain.improve(*found)
+    if not search.is_spent:
+        with at_most(CONFLICT_SHARE * effort.remaining()):
+            raise _conflict(chain, prove=prove)
+    raise SearchEnded(
+        f"no plan of these {len(scenario.sessions)} sessions was found, nor shown to be "
+        "impossible, by the work that one request may make; ask for fewer sessions, cones or "
+        'modes at a time, or for the objective "smooth"',
+        field="sessions",
+    )
+
+
+def _require_start_outside(scenario: Scenario, ephemeris: Ephemeris) -> None:
+    view = keep_out_view(scenario, ephemeris, 0.0, COMMAND_STEP_S)
+    if view is None:
+        return
+    angle_rad = np.array([[axis.angle_rad for axis in initial_state(scenario)]])
+    depth_rad = view.depths_rad(np.zeros(1), angle_rad)[:, 0]
+    worst = int(np.argmax(depth_rad))
+    if depth_rad[worst] > 0.0:
+        raise InfeasibleSlew(
+            f"the platform begins {math.degrees(depth_rad[worst]):.2f} deg inside "
+            f"{view.regions[worst].title}; begin with other angles, or leave that out",
+            field="initial_state.angles_deg",
+            limit="keep_out",
+            at_utc=scenario.initial_state.epoch,
+        )
+
+
+def _ways_by_session(scenario: Scenario, ephemeris: Ephemeris) -> list[tuple[Way, ...]]:
+    state, from_row = initial_state(scenario), 0
+    sessions: list[tuple[Way, ...]] = []
+    for number, session in enumerate(scenario.sessions):
+        angle_rad = np.array([axis.angle_rad for axis in state])
+        try:
+            ways = ways_to_hold(scenario, ephemeris, number, session, from_row, angle_rad)
+        except (NotVisible, Unreachable, TrackBreaksLimit) as refusal:
+            refused = RefusedSession(
+                scenario=scenario, number=number, from_row=from_row, state=state
+            )
+            raise SessionRefused(refused, refusal) from None
+        sessions.append(ways)
+        from_row = ways[0].rows.stop
+        state = track_states(ways[0].track, from_row / ROWS_PER_S)
+    return sessions
+
+
+def _conflict(chain: Chain, *, prove: bool) -> SessionRefused:
+    """The first session that can't be joined in time, and why."""
+    scenario = chain.scenario
+    steps: Steps = ()
+    for number in range(len(chain.sessions)):
+        longer = chain.solve(scenario.on_conflict, number + 1)
+        if longer is None:
+            break
+        steps = longer[0]
+    stand = chain.stand(steps)
+    state = chain.state(stand.way, stand.last_row)
+    refusal = None
+    if prove:
+        with at_most(PROOF_SHARE * effort.remaining()):
+            refusal = _refusal(chain, number, stand, prove=True)
+    refusal = refusal or _refusal(chain, number, stand, prove=False)
+    refused = RefusedSession(scenario=scenario, number=number, from_row=stand.last_row, state=state)
+    return SessionRefused(refused, refusal, chain)
+
+
+def _refusal(chain: Chain, number: int, stand: Stand, *, prove: bool) -> InfeasibleSlew:
+    state = chain.state(stand.way, stand.last_row)
+    for way in chain.sessions[number]:
+        try:
+            slew_onto(
+                chain.scenario,
+                way,
+                stand.last_row,
+                state,
+                thorough=False,
+                early=not chain.scenario.keeps_out,
+                prove=prove,
+            )
+        except InfeasibleSlew as refusal:
+            return _with_mode(refusal, chain.scenario.on_conflict) if stand.way else refusal
+    raise SolverFailed(
+        f"the slew to session {number + 1} was found impossible and then possible",
+        field=f"sessions.{number}.start",
+    )
+
+
+def _with_mode(refusal: InfeasibleSlew, mode: str) -> InfeasibleSlew:
+    """The same, saying that giving something up as asked doesn't help."""
+    if mode == "refuse":
+        return refusal
+    return InfeasibleSlew(
+        f'{refusal.detail}; "on_conflict": "{mode}" finds no slew that leaves '
+        f"{COMMAND_STEP_S} s of each session",
+        axis=refusal.axis,
+        limit=refusal.limit,
+    )
+
+
+def _give_ups(mode: str, steps: Steps) -> list[GiveUp]:
+    """What each session loses; a session's start is its own step's, its stop the next one's."""
+    later_s = [(step.join_row - step.way.rows.start) / ROWS_PER_S for step in steps]
+    earlier_s = [
+        (before.way.rows.stop - step.leave_row) / ROWS_PER_S for before, step in pairwise(steps)
+    ] + [0.0]
+    return [
+        GiveUp(on_conflict=mode, session=session, start_later_s=later, stop_earlier_s=earlier)
+        for session, (later, earlier) in enumerate(zip(later_s, earlier_s, strict=False))
+        if later or earlier
+    ]

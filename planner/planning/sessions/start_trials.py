@@ -1,0 +1,148 @@
+"""Trials of whether a session can be flown if it is moved."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from datetime import datetime
+
+import numpy as np
+
+from planner.base.commands import COMMAND_STEP_S
+from planner.base.errors import Refusal
+from planner.motion.pointing.line_of_sight import STENCIL
+from planner.planning.sessions.holding import Rows, Way, session_rows, ways_to_hold
+from planner.planning.sessions.joining import may_slew_onto, slew_onto
+from planner.planning.sessions.sequence import RefusedSession
+from planner.world.frames.time_scales import elapsed_s
+from planner.world.orbits import Ephemeris
+from planner.world.scenario import Session
+from planner.world.targets import BenchMotionTarget
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trials:
+    """The refused session from a start row on; every method may end by EffortSpent.
+
+    seen: runs of rows in which its target can be seen, none other are tried.  stop_utc: the
+    stop that goes with a start row.  held: rows over which the target is known to be held, none
+    other are tried; None where that isn't known.
+    """
+
+    refused: RefusedSession
+    ephemeris: Ephemeris
+    seen: list[Rows]
+    stop_utc: Callable[[int], datetime]
+    held: Rows | None = None
+    _latest: dict[tuple[datetime, datetime, bool], tuple[Way, ...]] = field(default_factory=dict)
+
+    @property
+    def _joins_early(self) -> bool:
+        return self.refused.scenario.slew.objective == "minimum_time"
+
+    def session(self, start_row: int) -> Session | None:
+        """With its times moved; None where there is no such session."""
+        refused = self.refused
+        start_utc = refused.utc(start_row)
+        stop_utc = self.stop_utc(start_row)
+        if start_row <= refused.from_row or elapsed_s(stop_utc, start_utc) < COMMAND_STEP_S:
+            return None
+        try:
+            moved = replace(
+                refused.session,
+                target=refused.session.target.unbound(refused.session.start),
+                start=start_utc,
+                stop=stop_utc,
+                keyhole="refuse",  # a start that needs no compromise, and no second of solving
+            )
+        except ValueError:  # the target itself is not known then
+            return None
+        rows = session_rows(moved, refused.epoch_utc)
+        runs = self.seen if self.held is None else [self.held]
+        inside = any(run.start <= rows.start and rows.stop <= run.stop for run in runs)
+        return moved if inside else None
+
+    def ends_may(self, start_row: int) -> bool:
+        """Whether the session's first and last rows leave it open: milliseconds, even of hours."""
+        moved = self.session(start_row)
+        if moved is None:
+            return False
+        rows = session_rows(moved, self.refused.epoch_utc)
+        if rows.stop - rows.start < 2 * STENCIL or isinstance(moved.target, BenchMotionTarget):
+            return True
+        begun_utc = self.refused.utc(rows.start + STENCIL - 1)
+        ended_utc = self.refused.utc(rows.stop - STENCIL + 1)
+        first = self._ways(replace(moved, stop=begun_utc))
+        if not self._joins_early:
+            first = tuple(way for way in first if self._may_be_slewed(way))
+        return bool(first) and bool(self._ways(replace(moved, start=ended_utc)))
+
+    def may(self, start_row: int) -> bool:
+        """Whether the session can be held, and closed forms leave its slew open."""
+        moved = self.session(start_row)
+        if moved is None:
+            return False
+        if self.held is not None and not self._joins_early:
+            return self.ends_may(start_row)
+        ways = self._ways(moved)
+        if any(self._may_be_slewed(way) for way in ways):
+            return True
+        if not ways or not self._joins_early:
+            return False
+        return any(self._may_be_slewed(way) for way in self._ways(moved, early=True))
+
+    def feasible_session(self, start_row: int) -> Session | None:
+        """The moved session, if its slew is really found."""
+        moved = self.session(start_row)
+        if moved is None:
+            return None
+        ways = self._ways(moved, early=True)
+        return moved if any(self._is_slewed(way) for way in ways) else None
+
+    def _ways(self, session: Session, *, early: bool = False) -> tuple[Way, ...]:
+        """None where the session can't be held, or nothing is known of orbit or attitude then.
+
+        early: with the time in which its track may be joined before it begins.
+        """
+        key = session.start, session.stop, early and self._joins_early
+        if key not in self._latest:
+            found = self._ways_anew(session, early=early)
+            self._latest.clear()  # a session of hours fills megabytes
+            self._latest[key] = found
+        return self._latest[key]
+
+    def _ways_anew(self, session: Session, *, early: bool) -> tuple[Way, ...]:
+        refused = self.refused
+        rows = session_rows(session, refused.epoch_utc)
+        from_row = refused.from_row if early else rows.start
+        angle_rad = np.array([axis.angle_rad for axis in refused.state])
+        try:
+            return ways_to_hold(
+                refused.scenario, self.ephemeris, refused.number, session, from_row, angle_rad
+            )
+        except Refusal:
+            return ()
+
+    def _may_be_slewed(self, way: Way) -> bool:
+        refused = self.refused
+        return may_slew_onto(refused.scenario, way, refused.from_row, refused.state)
+
+    def _is_slewed(self, way: Way) -> bool:
+        """A track that can be joined where its session begins needs no search for an earlier row.
+
+        Where cones leave no way that is found quickly, none is sought for long.
+        """
+        may_be_early = self._joins_early and not self.refused.scenario.keeps_out
+        return self._is_found(way, early=False) or (
+            may_be_early and self._is_found(way, early=True)
+        )
+
+    def _is_found(self, way: Way, *, early: bool) -> bool:
+        refused = self.refused
+        if not self._may_be_slewed(way):
+            return False
+        try:
+            slew_onto(
+                refused.scenario, way, refused.from_row, refused.state, thorough=False, early=early
+            )
+        except Refusal:
+            return False
+        return True

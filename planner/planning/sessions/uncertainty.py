@@ -1,0 +1,370 @@
+"""The pointing budget: 1-sigma errors, and whether the target will be in the frame.
+
+Each cause is carried through the geometry by repeating it with the cause disturbed by its
+1-sigma: an orbit that is off also turns the local vertical the attitude is against.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from planner.base.arrays import Array, cross
+from planner.motion.pointing.frame import frame_axes
+from planner.motion.pointing.line_of_sight import LineOfSight
+from planner.planning.sessions.budget import LIKELY, Contribution, PointingBudget
+from planner.planning.sessions.few_rows import farthest_rows, spread_rows
+from planner.planning.sessions.probability import lattice_points, probability_inside
+from planner.world.attitude import AttitudeErrors, AttitudeLaw
+from planner.world.frames.earth_orientation import iers_data_end_utc
+from planner.world.frames.iers import RAD_PER_ARCSEC
+from planner.world.frames.time_scales import DAY_S, Instants, elapsed_s
+from planner.world.orbits import Ephemeris, OrbitStates
+from planner.world.orbits.accuracy import orbit_sigma
+from planner.world.platforms import TwoAxisPlatform
+from planner.world.targets import VisibleTarget
+
+SAMPLES = 11  # errors change over a pass, not from row to row
+COARSE = 16  # one of so many draws, where instants are many
+BATCH = 1000  # instants: 16 MB
+RANDOM_MARGIN_SIGMA = 3.0
+OFF_TARGET = 1e-3  # of the frame: more than a table's rows leave between them
+RANGE_MAX_M = 1e8  # beyond, metres at the target say nothing
+_PROBE_M = 10.0
+_PROBE_S = 0.1
+_ARCSEC = 1.0 / RAD_PER_ARCSEC
+IERS_PREDICTED_DAYS = 365.0  # finals2000A reaches a year ahead of its issue
+# What a request can't say about itself, so assumed.
+CLOCK_S = 0.02  # 1-sigma of the platform's clock against UTC
+DRIVE_RAD = 5.0 * RAD_PER_ARCSEC / math.sqrt(12.0)  # 1-sigma of an axis by its encoder's step
+
+
+class _Cause(NamedTuple):
+    cause: str
+    basis: str
+    better: str
+
+
+_DRIVES = _Cause("drive resolution", "5 arcsec encoder step assumed unless stated", "finer drives")
+
+
+def pointing_budget(
+    los: LineOfSight,
+    ephemeris: Ephemeris,
+    attitude: AttitudeLaw,
+    target: VisibleTarget,
+    platform: TwoAxisPlatform,
+    angle_rad: Array,
+    *,
+    clock_s: float = CLOCK_S,
+) -> PointingBudget:
+    """Budget of the session whose line of sight is `los`.
+
+    angle_rad: (n, 2), the axes at the instants of `los`.
+
+    Orbit, clock, Earth orientation and the mean attitude are taken as constant over the session
+    (their errors change over hours); the carrier swings about its mean at the orbital rate with
+    a phase that nobody knows beforehand; the drives' resolution is random.  Leaves out the mount's
+    alignment and the camera's own distortion, which are calibrated, and refraction.
+    """
+    scene = PointingScene(los, attitude, target, platform, angle_rad, SAMPLES)
+    errors = attitude.errors(scene.instants)
+    biases = error_biases(scene, los, ephemeris, errors, clock_s)
+    squares_rad2: dict[_Cause, Array] = {}
+    for bias in biases:
+        squares_rad2[bias.cause] = squares_rad2.get(bias.cause, 0.0) + bias.sigma_rad**2
+    total_rad = np.sqrt(sum(squares_rad2.values()) + DRIVE_RAD**2)
+    worst = int(np.argmax(total_rad))
+    range_m = float(scene.range_m[worst])
+    sigmas_rad = {cause: math.sqrt(squares[worst]) for cause, squares in squares_rad2.items()}
+    sigmas_rad[_DRIVES] = DRIVE_RAD
+    probability = _probability(biases, scene, platform)
+    return PointingBudget(
+        contributions=tuple(
+            Contribution(
+                **cause._asdict(),
+                sigma_arcsec=sigma_rad * _ARCSEC,
+                ground_m=_ground_m(sigma_rad, range_m),
+                is_bias=cause != _DRIVES,
+            )
+            for cause, sigma_rad in sigmas_rad.items()
+        ),
+        sigma_arcsec=float(total_rad[worst]) * _ARCSEC,
+        ground_m=_ground_m(float(total_rad[worst]), range_m),
+        probability_in_frame=probability,
+        helps_most=(
+            None if probability >= LIKELY else _helps_most(biases, squares_rad2, scene, platform)
+        ),
+    )
+
+
+def _probability(
+    biases: Sequence["Bias"], scene: "PointingScene", platform: TwoAxisPlatform
+) -> float:
+    return probability_inside(
+        np.stack(_constant(biases)),
+        _half_rad(platform),
+        scene.off_rad,
+        [
+            np.stack([bias.offsets_rad, bias.quarter_later_rad])
+            for bias in biases
+            if bias.quarter_later_rad is not None
+        ],
+        laplace=sum(bias.is_laplace for bias in biases),
+    )
+
+
+def _helps_most(
+    biases: Sequence["Bias"],
+    squares_rad2: Mapping[_Cause, Array],
+    scene: "PointingScene",
+    platform: TwoAxisPlatform,
+) -> str:
+    """The cause without which the target stays likeliest, the largest of those that are alike.
+
+    A frame's sides differ, and so do rare large errors and usual small ones of the same sigma.
+    """
+
+    def helps(cause: _Cause) -> tuple[float, float]:
+        left = _probability([bias for bias in biases if bias.cause != cause], scene, platform)
+        return round(left, 2), float(np.sum(squares_rad2[cause]))
+
+    return max(squares_rad2, key=helps).cause
+
+
+def probabilities_at(
+    los: LineOfSight,
+    ephemeris: Ephemeris,
+    attitude: AttitudeLaw,
+    target: VisibleTarget,
+    platform: TwoAxisPlatform,
+    angle_rad: Array,
+    *,
+    clock_s: float = CLOCK_S,
+) -> Array:
+    """That the target is in the frame at each instant by itself, (n,); as `pointing_budget`.
+
+    By every 16th point of the budget's, good to 0.01.
+    """
+    scene = PointingScene(los, attitude, target, platform, angle_rad, len(los.instants))
+    half_rad = _half_rad(platform)
+    if not (half_rad > 0.0).all():
+        return np.zeros(len(los.instants))
+    errors = attitude.errors_each(scene.instants)
+    biases = error_biases(scene, los, ephemeris, errors, clock_s)
+    constant = _constant(biases)
+    swings = [
+        part
+        for bias in biases
+        if bias.quarter_later_rad is not None
+        for part in (bias.offsets_rad, bias.quarter_later_rad)
+    ]
+    laplace = sum(bias.is_laplace for bias in biases)
+    points = lattice_points(len(constant) - laplace, laplace, len(swings) // 2)[:, ::COARSE]
+    offsets = np.stack([*constant, *swings], axis=-1) / half_rad[:, None]
+    middle = scene.off_rad / half_rad
+    parts = []
+    for first in range(0, len(los.instants), BATCH):
+        batch = slice(first, first + BATCH)
+        places = middle[batch, :, None] + offsets[batch] @ points
+        parts.append(np.mean(np.abs(places).max(axis=1) <= 1.0, axis=1))
+    return np.concatenate(parts)
+
+
+def _half_rad(platform: TwoAxisPlatform) -> Array:
+    return np.array(platform.frame_half_rad) - RANDOM_MARGIN_SIGMA * DRIVE_RAD
+
+
+class PointingScene:
+    """The session at a few instants, and where a disturbance puts the target in the image.
+
+    off_rad: (n, 2), where the target is without errors; the instants are those, one of each
+    stretch, at which it is farthest off.
+    """
+
+    def __init__(
+        self,
+        los: LineOfSight,
+        attitude: AttitudeLaw,
+        target: VisibleTarget,
+        platform: TwoAxisPlatform,
+        angle_rad: Array,
+        samples: int,
+    ) -> None:
+        image = frame_axes(platform, angle_rad)
+        self.rows = spread_rows(image, min(len(image), samples))
+        off_rad = np.einsum("nij,nj->ni", image, los.los_platform)
+        shares = np.abs(off_rad / platform.frame_half_rad).max(axis=1)
+        if shares.max() > OFF_TARGET:
+            self.rows = farthest_rows(shares, self.rows)
+        self._image, self.off_rad = image[self.rows], off_rad[self.rows]
+        self.instants = Instants(los.instants.epoch_utc, los.instants.t_s[self.rows])
+        self.states = OrbitStates(
+            los.states.r_sat_eci_m[self.rows], los.states.v_sat_eci_m_s[self.rows]
+        )
+        self.los_platform = los.los_platform[self.rows]
+        self.range_m = los.range_m[self.rows]
+        self._attitude, self._target, self._platform = attitude, target, platform
+
+    def in_image(self, shift_platform: Array) -> Array:
+        """Components along the inner axis and across it, shape (n, 2)."""
+        return np.asarray(np.einsum("nij,nj->ni", self._image, shift_platform))
+
+    def turned_about_body(self, axis: int) -> Array:
+        """Where the target goes, per radian by which the carrier turns about a body axis."""
+        axis_platform = self._platform.q_platform_from_body.apply(np.eye(3)[axis])
+        return self.in_image(cross(self.los_platform, axis_platform))
+
+    def directions_platform(self, orbits: Sequence[OrbitStates], late_s: Sequence[float]) -> Array:
+        """With other orbits, and the target as it will be (the Earth turned on) late_s later.
+
+        All m cases at once, as a few instants cost what many do.  Shape (m, n, 3).
+        """
+        epoch_utc, t_s = self.instants.epoch_utc, self.instants.t_s
+        states = OrbitStates(
+            np.concatenate([orbit.r_sat_eci_m for orbit in orbits]),
+            np.concatenate([orbit.v_sat_eci_m_s for orbit in orbits]),
+        )
+        late = Instants(epoch_utc, np.add.outer(late_s, t_s).ravel())
+        seen = self._target.apparent(late, states).direction_eci
+        q_body_from_eci = self._attitude.q_body_from_eci(
+            Instants(epoch_utc, np.tile(t_s, len(orbits))), states
+        )
+        seen_platform = (self._platform.q_platform_from_body * q_body_from_eci).apply(seen)
+        return np.asarray(seen_platform.reshape(len(orbits), len(t_s), 3))
+
+
+class Bias(NamedTuple):
+    """Where a 1-sigma error of one cause puts the target in the image, (n, 2).
+
+    quarter_later_rad: of a sinusoid of unknown phase, the same a quarter turn later.
+    is_laplace: of a constant error that is often small and sometimes very large.
+    """
+
+    cause: _Cause
+    offsets_rad: Array
+    quarter_later_rad: Array | None = None
+    is_laplace: bool = False
+
+    @property
+    def sigma_rad(self) -> Array:
+        """Per image axis, shape (n,)."""
+        squares = np.sum(self.offsets_rad**2, axis=-1)
+        if self.quarter_later_rad is not None:
+            squares = squares + np.sum(self.quarter_later_rad**2, axis=-1)
+        return np.asarray(np.sqrt(0.5 * squares))
+
+
+def _constant(biases: Sequence[Bias]) -> list[Array]:
+    """Those that don't swing, Laplace's last."""
+    steady = [bias for bias in biases if bias.quarter_later_rad is None]
+    return [bias.offsets_rad for bias in sorted(steady, key=lambda bias: bias.is_laplace)]
+
+
+def error_biases(
+    scene: PointingScene,
+    los: LineOfSight,
+    ephemeris: Ephemeris,
+    errors: AttitudeErrors,
+    clock_s: float,
+) -> list[Bias]:
+    orbits = [*_disturbed_orbits(scene.states), scene.states, scene.states]
+    *moved, late, early = scene.directions_platform(orbits, [0.0, 0.0, 0.0, _PROBE_S, -_PROBE_S])
+    return [
+        *_orbit_offsets(scene, ephemeris, moved),
+        *_attitude_offsets(scene, errors),
+        _earth_offsets(scene, late - early),
+        _clock_offsets(scene, los, clock_s),
+    ]
+
+
+def _disturbed_orbits(states: OrbitStates) -> tuple[OrbitStates, ...]:
+    """`_PROBE_M` out, ahead and across."""
+    r, v = states.r_sat_eci_m, states.v_sat_eci_m_s
+    radius = np.linalg.norm(r, axis=1, keepdims=True)
+    normal = cross(r, v)
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    turn = _PROBE_M / radius
+    return (
+        OrbitStates(r * (1.0 + turn), v),
+        # Position and velocity both turned about the orbit's normal.
+        OrbitStates(r + turn * cross(normal, r), v + turn * cross(normal, v)),
+        OrbitStates(r + _PROBE_M * normal, v),
+    )
+
+
+def _orbit_offsets(
+    scene: PointingScene, ephemeris: Ephemeris, moved_platform: Sequence[Array]
+) -> list[Bias]:
+    """Radial, along-track and cross-track, as independent causes.
+
+    moved_platform: where the target is seen from each of the `_disturbed_orbits`.
+    """
+    sigma = orbit_sigma(ephemeris, scene.instants)
+    sizes_m = (sigma.radial_m, sigma.along_m, sigma.cross_m)
+    laplace = (False, sigma.is_along_laplace, False)
+    return [
+        Bias(
+            _Cause("orbit", sigma.basis, sigma.better),
+            scene.in_image(direction - scene.los_platform) * (size_m / _PROBE_M)[:, None],
+            is_laplace=is_laplace,
+        )
+        for direction, size_m, is_laplace in zip(moved_platform, sizes_m, laplace, strict=True)
+    ]
+
+
+def _attitude_offsets(scene: PointingScene, errors: AttitudeErrors) -> list[Bias]:
+    """Turns about the body axes, constant and swinging with the orbit."""
+    sigma_body_rad = np.broadcast_to(errors.sigma_body_rad, (len(scene.instants), 3))
+    r_m, v_m_s = scene.states.r_sat_eci_m, scene.states.v_sat_eci_m_s
+    rate_rad_s = np.linalg.norm(cross(r_m, v_m_s), axis=1) / np.sum(r_m**2, axis=1)
+    phase_rad = (rate_rad_s * (scene.instants.t_s - scene.instants.t_s[0]))[:, None]
+    cause = _Cause("attitude", errors.basis, errors.better)
+    about = np.stack([scene.turned_about_body(axis) for axis in range(3)])
+    biases = [
+        Bias(cause, np.einsum("na,ani->ni", mode_rad, about)) for mode_rad in errors.modes_body_rad
+    ]
+    for axis, swing_rms_rad in enumerate(errors.swing_rms_body_rad):
+        turned = about[axis]
+        if not len(errors.modes_body_rad):
+            biases.append(Bias(cause, sigma_body_rad[:, axis, None] * turned))
+        if swing_rms_rad > 0.0:
+            swing = swing_rms_rad * turned
+            biases.append(Bias(cause, swing * np.cos(phase_rad), swing * np.sin(phase_rad)))
+    return biases
+
+
+def ut1_sigma_s(instants: Instants) -> float:
+    """1-sigma of UT1 at the last of them, by how far the data of the Earth's turning reach."""
+    end_utc = iers_data_end_utc()
+    past_days = elapsed_s(instants.epoch_utc, end_utc) / DAY_S
+    past_days += float(instants.t_s[-1]) / DAY_S
+    predicted_days = max(0.0, min(past_days + IERS_PREDICTED_DAYS, IERS_PREDICTED_DAYS))
+    return 2e-5 + 2.5e-4 * float(predicted_days**0.75) + 8.5e-4 * max(0.0, past_days)
+
+
+def _earth_offsets(scene: PointingScene, passing_platform: Array) -> Bias:
+    """UT1; the pole's part is a tenth of it.
+
+    passing_platform: how far the Earth's turning moves the target from `_PROBE_S` before to after.
+    """
+    ut1_s = ut1_sigma_s(scene.instants)
+    cause = _Cause(
+        "Earth orientation",
+        "measured UT1 drift of 0.85 ms a day where the last value is held, before that IERS "
+        "Bulletin A's 0.25 ms x days^0.75",
+        "newer Earth orientation data",
+    )
+    return Bias(cause, scene.in_image(passing_platform) * (ut1_s / (2.0 * _PROBE_S)))
+
+
+def _clock_offsets(scene: PointingScene, los: LineOfSight, clock_s: float) -> Bias:
+    """A table flown late points where the target was."""
+    drift = scene.in_image(los.los_rate_platform_per_s[scene.rows])
+    cause = _Cause("clock", "20 ms of the platform's clock assumed unless stated", "a better clock")
+    return Bias(cause, drift * clock_s)
+
+
+def _ground_m(sigma_rad: float, range_m: float) -> float | None:
+    return sigma_rad * range_m if range_m < RANGE_MAX_M else None

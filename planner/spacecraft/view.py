@@ -1,0 +1,132 @@
+"""What there is to see of an imaging session: from its table to columns over time."""
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from planner.base.arrays import Array, Indices
+from planner.output.view.carrier import BodyTrack, CarrierTrack, body_track, carrier_track
+from planner.output.view.rows import view_rows
+from planner.output.view.scene import CarrierScene
+from planner.output.view.targets import sun_elevation_rad
+from planner.spacecraft.export.ground import AXIS, LEFT, RIGHT, SessionGround
+from planner.spacecraft.export.session_table import SessionTable
+from planner.world.frames.geodesy import geodetic_from_itrf, up_itrf
+
+NO_WINDOW = -1
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LineTrace:
+    """Where the camera looks, each (n,); NaN where a ray passes the Earth by.
+
+    latitude_rad, longitude_rad, range_m: where the optical axis meets the ellipsoid; left_*,
+    right_*: where the scanned line ends.  off_nadir_rad: from the geocentre's direction;
+    along_rad, across_rad: of the axis ahead and to the right of flight.  sun_elevation_rad: in the
+    sky of that place.  ground_sample_across_m: of a pixel there, across the lean of the axis.
+    """
+
+    latitude_rad: Array
+    longitude_rad: Array
+    range_m: Array
+    left_latitude_rad: Array
+    left_longitude_rad: Array
+    right_latitude_rad: Array
+    right_longitude_rad: Array
+    off_nadir_rad: Array
+    along_rad: Array
+    across_rad: Array
+    ground_sample_across_m: Array
+    sun_elevation_rad: Array
+    sun_separation_rad: Array
+    moon_separation_rad: Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SessionView:
+    """An imaging session at n of its rows.
+
+    step_s: from row to row, but for the last.  t_s: since the table's epoch, (n,).
+    window: number of the window that the row is in, NO_WINDOW for none, (n,).
+    omega_body_rad_s, alpha_body_rad_s2: (n, 3).  gimbal_rad, gimbal_rate_rad_s: (n, 4).
+    momentum_body_n_m_s: of the gyros' rotors, (n, 3).
+    swath_rad: latitudes and longitudes around what each window images; None beside the Earth.
+    """
+
+    plan: SessionTable
+    step_s: float
+    t_s: Array
+    window: Indices
+    omega_body_rad_s: Array
+    alpha_body_rad_s2: Array
+    gimbal_rad: Array
+    gimbal_rate_rad_s: Array
+    momentum_body_n_m_s: Array
+    carrier: CarrierTrack
+    line: LineTrace
+    sun: BodyTrack
+    moon: BodyTrack
+    swath_rad: tuple[tuple[Array, Array] | None, ...]
+
+
+def view_session(plan: SessionTable, step_s: float | None) -> SessionView:
+    """step_s: a multiple of 0.2 s; chosen unless given.  Raises InvalidInput for it."""
+    table = plan.table
+    row, step_s = view_rows(len(table.t_s), 1, step_s)
+    ground = SessionGround(plan, row)
+    scene = CarrierScene(instants=ground.instants, states=ground.states)
+    sun, moon = map(partial(body_track, scene), ("sun", "moon"))
+    whole = SessionGround(plan)
+    window = np.full(len(table.t_s), NO_WINDOW)
+    for number, one in enumerate(table.windows):
+        window[one.first_row : one.last_row + 1] = number
+    return SessionView(
+        plan=plan,
+        step_s=step_s,
+        t_s=table.t_s[row],
+        window=window[row],
+        omega_body_rad_s=table.omega_body_rad_s[row],
+        alpha_body_rad_s2=table.alpha_body_rad_s2[row],
+        gimbal_rad=table.gimbal_rad[row],
+        gimbal_rate_rad_s=table.gimbal_rate_rad_s[row],
+        momentum_body_n_m_s=plan.spacecraft.array.momentum(table.gimbal_rad[row]),
+        carrier=carrier_track(scene),
+        line=_line_trace(ground, scene),
+        sun=sun,
+        moon=moon,
+        swath_rad=tuple(whole.ring_rad(one) for one in table.windows),
+    )
+
+
+def _line_trace(ground: SessionGround, scene: CarrierScene) -> LineTrace:
+    places = []
+    for ray in (AXIS, LEFT, RIGHT):
+        on_ground = ground.line.on_ground[:, ray]
+        latitude_rad, longitude_rad, _ = geodetic_from_itrf(ground.line.end_itrf_m[:, ray])
+        places += [np.where(on_ground, angle, np.nan) for angle in (latitude_rad, longitude_rad)]
+    on_ground, end_itrf_m = ground.line.on_ground[:, AXIS], ground.line.end_itrf_m[:, AXIS]
+    range_m = np.linalg.norm(end_itrf_m - scene.r_sat_itrf_m, axis=1)
+    range_m = np.where(on_ground, range_m, np.nan)
+    sun_rad = sun_elevation_rad(
+        scene.in_itrf(scene.r_sun_eci_m),
+        end_itrf_m,
+        up_itrf(*(np.where(on_ground, angle, 0.0) for angle in places[:2])),
+    )
+    along_rad, across_rad = ground.look_angles_rad()
+    return LineTrace(
+        latitude_rad=places[0],
+        longitude_rad=places[1],
+        range_m=range_m,
+        left_latitude_rad=places[2],
+        left_longitude_rad=places[3],
+        right_latitude_rad=places[4],
+        right_longitude_rad=places[5],
+        off_nadir_rad=scene.off_nadir_rad(ground.axis_eci),
+        along_rad=along_rad,
+        across_rad=across_rad,
+        ground_sample_across_m=range_m * ground.plan.spacecraft.camera.pixel_rad,
+        sun_elevation_rad=np.where(on_ground, sun_rad, np.nan),
+        sun_separation_rad=scene.separation_rad(ground.axis_eci, "sun"),
+        moon_separation_rad=scene.separation_rad(ground.axis_eci, "moon"),
+    )

@@ -1,0 +1,1 @@
+"""Everything a request names: frames, orbits, attitudes, targets, platforms; their scenario."""

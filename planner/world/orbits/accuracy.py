@@ -1,0 +1,154 @@
+"""The error of a predicted orbit, by its kind and age."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.base.arrays import Array
+from planner.world.frames.time_scales import DAY_S, Instants
+from planner.world.orbits.ephemeris import Ephemeris
+from planner.world.orbits.paper_model import PaperEphemeris
+
+MEASURED_TLE = (
+    "measured: ISS TLEs against NASA ephemerides near their epoch, 2,300 of 1998-2004, 2017 and "
+    "2024-25 against later ones for the growth, by the drag in the elements; reboosts excluded "
+    "(bench/truth.py, docs/decisions/orbit_growth.md)"
+)
+MEASURED_OEM = (
+    "growth measured on ISS ephemerides of 2021 to 2025 by the drag in each (bench/truth.py); "
+    "20, 50, 40 m at its creation assumed"
+)
+ASSUMED_STATE = (
+    "10 m and 0.01 m/s at the state's epoch assumed, as of a GNSS receiver; "
+    "the force model's growth measured (bench/truth.py)"
+)
+# The air foretold is wrong by so much of itself, rms of ten ephemerides.
+OEM_DRAG_WRONG = 0.2
+# What of the drag in elements is wrong: a share of it, of what the thickest air at their height
+# makes, and what a fit can't see.  No air makes it negative, or far more: as of a fit across a
+# reboost, then nothing in it is right.
+TLE_DRAG_WRONG, TLE_AIR_WRONG, TLE_UNSEEN_IN_A_DAY_M = 0.5, 0.07, 300.0
+TLE_BEYOND_AIR, TLE_BEYOND_WRONG = (1.3, 1.7), 1.5
+TLE_NEGATIVE_WRONG, TLE_NEGATIVE_AIR_WRONG = 2.5, 2.0
+_TLE_GROWTH = 1.65  # power of the age: 1.5 if the air were wrong anew each day, 2 if for good
+_RATE_RAD_S = 2.0 * np.pi / 5560.0  # the ISS's, whose figures these are
+_STATE_M, _STATE_M_S = 10.0, 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class OrbitSigma:
+    """1-sigma errors along radial, along-track and cross-track, each shape (n,).
+
+    Of a prediction free of manoeuvres the source didn't know of.  The ISS's figures.
+    basis: on what evidence.  better: what would make them smaller.
+    is_along_laplace: whether the error along the track is rather Laplace's than Gauss's.
+    """
+
+    radial_m: Array
+    along_m: Array
+    cross_m: Array
+    basis: str
+    better: str
+    is_along_laplace: bool = False
+
+
+def orbit_sigma(ephemeris: Ephemeris, instants: Instants) -> OrbitSigma:
+    """Errors of a prediction at n instants."""
+    age_s = ephemeris.age_s(instants)
+    if ephemeris.kind == "tle":
+        return tle_sigma(age_s, ephemeris.drag_in_a_day_m, ephemeris.air_in_a_day_m)
+    if ephemeris.kind == "oem":
+        return oem_sigma(age_s, ephemeris.drag_in_a_day_m)
+    return state_sigma(age_s, paper_model=isinstance(ephemeris, PaperEphemeris))
+
+
+def tle_sigma(age_s: Array, drag_in_a_day_m: float, air_in_a_day_m: float) -> OrbitSigma:
+    """Of SGP4 elements, this long from their epoch.
+
+    drag_in_a_day_m: how far along the track their drag takes the satellite in a day from the epoch.
+    air_in_a_day_m: how far the thickest air at their height would take the ISS.  Negative drag, or
+    more than that air makes, is of elements fitted across a reboost.
+    Neglects how other satellites differ: the large ones above 600 km are wrong by less than told.
+    """
+    days = age_s / DAY_S
+    shares = (TLE_DRAG_WRONG, TLE_BEYOND_WRONG)
+    of_drag = float(np.interp(drag_in_a_day_m / air_in_a_day_m, TLE_BEYOND_AIR, shares))
+    of_air = TLE_AIR_WRONG
+    if drag_in_a_day_m < 0.0:
+        of_drag, of_air = TLE_NEGATIVE_WRONG, TLE_NEGATIVE_AIR_WRONG
+    wrong_m = math.hypot(of_drag * drag_in_a_day_m, of_air * air_in_a_day_m, TLE_UNSEEN_IN_A_DAY_M)
+    drift_m_day = _TLE_GROWTH * wrong_m * days ** (_TLE_GROWTH - 1.0)
+    return OrbitSigma(
+        radial_m=np.sqrt(150.0**2 + (60.0 * days) ** 2 + _radial_m(drift_m_day) ** 2),
+        along_m=np.hypot(1200.0, wrong_m * days**_TLE_GROWTH),
+        cross_m=np.hypot(400.0, 155.0 * days),
+        basis=MEASURED_TLE,
+        better="younger elements, or an ephemeris (OEM)",
+        is_along_laplace=True,
+    )
+
+
+def oem_sigma(age_s: Array, drag_in_a_day_m: float) -> OrbitSigma:
+    """Of an operator's ephemeris, this long after it was made.
+
+    drag_in_a_day_m: how far along the track the drag in it takes the satellite in a day.  The
+    operator's forecast of the air stays wrong by the same share, so the error grows as drag does.
+    It is the cause of the elements' error, too, and as often small.
+    """
+    days = age_s / DAY_S
+    drag_m = OEM_DRAG_WRONG * drag_in_a_day_m * days  # per day
+    return OrbitSigma(
+        radial_m=np.hypot(20.0, _radial_m(2.0 * drag_m)),
+        along_m=np.sqrt(50.0**2 + (1000.0 * days) ** 2 + (drag_m * days) ** 2),
+        cross_m=np.hypot(40.0, 8e-4 * drag_m * days),  # the node turns at another rate
+        basis=MEASURED_OEM,
+        better="a younger ephemeris",
+        is_along_laplace=True,
+    )
+
+
+def _radial_m(drift_m_day: Array) -> Array:
+    """What drifts along the track has another radius, by 2/3 of the drift in a radian."""
+    return np.asarray(drift_m_day / (1.5 * DAY_S * _RATE_RAD_S))
+
+
+def state_sigma(age_s: Array, *, paper_model: bool) -> OrbitSigma:
+    """Of a state propagated this long from its epoch.
+
+    paper_model: by the paper's central field with J2 and J4.
+    """
+    model_m = 56.0 * (age_s / 900.0) ** 1.3 if paper_model else 16.0 * (age_s / 5400.0) ** 2.05
+    radial_m, along_m, cross_m = _drifted(age_s)
+    return OrbitSigma(
+        # 2/3 of the drift in a radian, as of elements
+        radial_m=np.hypot(radial_m, (0.3 if paper_model else 0.06) * model_m),
+        along_m=np.hypot(along_m, model_m),
+        cross_m=np.hypot(cross_m, (0.3 if paper_model else 0.01) * model_m),
+        basis=ASSUMED_STATE,
+        better="a state nearer to the session, or an ephemeris (OEM)",
+    )
+
+
+def _drifted(age_s: Array) -> tuple[Array, Array, Array]:
+    """What `_STATE_M` and `_STATE_M_S` on each axis grow to: radial, along, across.
+
+    Source: Clohessy and Wiltshire 1960, with velocities against inertial axes.
+    """
+    n = _RATE_RAD_S
+    s, c = np.sin(n * age_s), np.cos(n * age_s)
+    by_position = (
+        np.hypot(2.0 - c, s),
+        np.hypot(2.0 * s - 3.0 * n * age_s, 2.0 * c - 1.0),
+        c,
+    )
+    by_velocity_s = (
+        np.hypot(s, 2.0 * (1.0 - c)) / n,
+        np.hypot(2.0 * (1.0 - c) / n, 4.0 * s / n - 3.0 * age_s),
+        s / n,
+    )
+    radial_m, along_m, cross_m = (
+        np.hypot(_STATE_M * r, _STATE_M_S * v_s)
+        for r, v_s in zip(by_position, by_velocity_s, strict=True)
+    )
+    return radial_m, along_m, cross_m

@@ -1,0 +1,64 @@
+"""What every orbit source gives: positions and velocities over a plan's time span."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from datetime import datetime
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from planner.base.arrays import Array
+from planner.base.errors import OutsideCoverage
+from planner.world.frames.time_scales import Instants, elapsed_s, utc_text
+
+Kind = Literal["tle", "oem", "state"]
+EDGE_S = 1e-6  # the resolution of a datetime
+
+
+@dataclass(frozen=True, eq=False)
+class OrbitStates:
+    """r_sat_eci_m, v_sat_eci_m_s: shape (n, 3), geocentric, GCRF axes."""
+
+    r_sat_eci_m: Array
+    v_sat_eci_m_s: Array
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Ephemeris(ABC):
+    """An orbit made ready for the time from start_utc to stop_utc.
+
+    kind: where it comes from.  epoch_utc: of the data it rests on.  warnings: what the user
+    should know about its quality.  drag_in_a_day_m: of SGP4's elements and of messages, how far
+    along the track drag takes the satellite in a day from the epoch.
+    """
+
+    kind: ClassVar[Kind]
+    epoch_utc: datetime
+    start_utc: datetime
+    stop_utc: datetime
+    warnings: tuple[str, ...]
+    drag_in_a_day_m: float = 0.0
+    air_in_a_day_m: float = 0.0
+
+    @abstractmethod
+    def interpolate(self, instants: Instants) -> OrbitStates:
+        """`states` for instants that are known to lie within the span."""
+
+    def states(self, instants: Instants) -> OrbitStates:
+        """At the n instants; raises OutsideCoverage unless all lie within the span."""
+        t_s = instants.since_s(self.start_utc)
+        span_s = elapsed_s(self.stop_utc, self.start_utc)
+        outside = np.flatnonzero((t_s < -EDGE_S) | (t_s > span_s + EDGE_S))
+        if len(outside):
+            at_utc = instants.utc(outside[0])
+            raise OutsideCoverage(
+                f"the orbit was asked for {utc_text(at_utc)}, but prepared only from "
+                f"{utc_text(self.start_utc)} to {utc_text(self.stop_utc)}",
+                field="orbit",
+                at_utc=at_utc,
+            )
+        return self.interpolate(instants)
+
+    def age_s(self, instants: Instants) -> Array:
+        """Time since (or until) the data the orbit rests on, shape (n,), never negative."""
+        return np.abs(instants.since_s(self.epoch_utc))

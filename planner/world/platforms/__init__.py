@@ -1,0 +1,40 @@
+"""The platforms known by name."""
+
+from planner.world.platforms.camera import PIXELS_ARCSEC, Camera
+from planner.world.platforms.carrier_mode import CarrierMode
+from planner.world.platforms.choice import PLATFORMS, Platform
+from planner.world.platforms.definition import (
+    AngleDeg,
+    AxisDefinition,
+    JerkDegS3,
+    PlatformDefinition,
+)
+from planner.world.platforms.drive import IDEAL_DRIVE, AxisDrive
+from planner.world.platforms.field_mask import FieldMask
+from planner.world.platforms.iss_hrc import ISS_HRC
+from planner.world.platforms.two_axis import (
+    AxisLimits,
+    ParkPosition,
+    StructuralMode,
+    TwoAxisPlatform,
+)
+
+__all__ = [
+    "IDEAL_DRIVE",
+    "ISS_HRC",
+    "PIXELS_ARCSEC",
+    "PLATFORMS",
+    "AngleDeg",
+    "AxisDefinition",
+    "AxisDrive",
+    "AxisLimits",
+    "Camera",
+    "CarrierMode",
+    "FieldMask",
+    "JerkDegS3",
+    "ParkPosition",
+    "Platform",
+    "PlatformDefinition",
+    "StructuralMode",
+    "TwoAxisPlatform",
+]

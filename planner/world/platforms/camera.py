@@ -1,0 +1,40 @@
+"""What a platform's camera takes: how fine, how long, how often."""
+
+import math
+from typing import Annotated
+
+from planner.base.spec import Within, spec
+
+HRC_PIXEL_ARCSEC = math.degrees(1.15 / 350e3) * 3600.0  # 1.15 m from 350 km: Sumarokov 2016
+PIXELS_ARCSEC = (1e-4, 36e3)
+
+
+@spec
+class Camera:
+    """A camera that takes one frame after the other; the HRC's figures unless given.
+
+    Source: Sumarokov 2016, p. 85.
+
+    pixel_arcsec: angle a pixel sees, in the middle of the frame.
+    exposure_s: how long a frame's shutter is open.
+    frames_per_s: how many frames begin in a second. [1/s]
+    """
+
+    pixel_arcsec: Annotated[float, Within(*PIXELS_ARCSEC)] = HRC_PIXEL_ARCSEC
+    exposure_s: Annotated[float, Within(1e-6, 60.0)] = 0.3
+    frames_per_s: Annotated[float, Within(1e-3, 100.0)] = 3.0
+
+    def __post_init__(self) -> None:
+        if self.exposure_s * self.frames_per_s > 1.0 + 1e-9:
+            raise ValueError(
+                f"exposure_s must end before the next frame begins, {1.0 / self.frames_per_s:g} s "
+                f"later at {self.frames_per_s:g} frames_per_s, not last {self.exposure_s:g} s"
+            )
+
+    @property
+    def pixel_rad(self) -> float:
+        """Angle a pixel sees, in the middle of the frame."""
+        return math.radians(self.pixel_arcsec / 3600.0)
+
+
+HRC_CAMERA = Camera()

@@ -1,0 +1,215 @@
+"""A region of directions whose sides are great-circle arcs: how deep in it a direction lies."""
+
+import math
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from planner.base.arrays import Array, Indices, Mask, cross
+
+REACH_MAX_RAD = math.radians(85.0)  # of a polygon from its middle: clearly less than a hemisphere
+WIDTH_MIN_RAD = math.radians(0.01)  # from a corner to any side that it is no end of
+STRAIGHT = 1e-9  # sine of the turn at a corner that is none
+DIRECTIONS_AT_ONCE = 20_000
+
+
+@dataclass(frozen=True, eq=False)
+class NearestBoundary:
+    """The boundary's point nearest to each of n directions.
+
+    depth_rad: (n,), distance from it, positive inside.  point_directions: itself,
+    (n, 3).  outward_directions: unit tangents there, (n, 3), along which the region is left.
+    """
+
+    depth_rad: Array
+    point_directions: Array
+    outward_directions: Array
+
+
+@dataclass(frozen=True, eq=False)
+class SphericalPolygon:
+    """A simple polygon, smaller than a hemisphere.
+
+    corner_directions: unit vectors (m, 3); the inside lies on the left of each side, seen from
+    outside the sphere.  normals: (m, 3), of the side from each corner to the next, pointing
+    inside.  is_reflex: (m,), where the inside takes more than half a turn.  middle_direction,
+    reach_rad: the smallest cap that holds all of it.
+    """
+
+    corner_directions: Array
+    normals: Array
+    is_reflex: Mask
+    middle_direction: Array
+    reach_rad: float
+
+    def depth_rad(self, directions: Array) -> Array:
+        """How far inside unit vectors (n, 3) are, along the sphere; negative outside.
+
+        Exact but for rounding.
+        """
+        depth = np.empty(len(directions))
+        for first in range(0, len(directions), DIRECTIONS_AT_ONCE):
+            part = slice(first, first + DIRECTIONS_AT_ONCE)
+            depth[part] = self._nearest(directions[part])[0]
+        return depth
+
+    def nearest_boundary(self, directions: Array) -> NearestBoundary:
+        """Of unit vectors (n, 3)."""
+        depth, place, is_corner = self._nearest(directions)
+        normal = self.normals[place]
+        foot = unit(directions - np.sum(directions * normal, axis=1, keepdims=True) * normal)
+        at = np.where(is_corner[:, None], self.corner_directions[place], foot)
+        along = directions - np.sum(directions * at, axis=1, keepdims=True) * at
+        along *= -np.sign(depth)[:, None]
+        on_corner = np.linalg.norm(along, axis=1, keepdims=True) < STRAIGHT
+        along = np.where(on_corner, -(normal + self.normals[place - 1]), along)
+        outward = np.where(is_corner[:, None], along, -normal)
+        return NearestBoundary(depth, at, unit(outward))
+
+    def _nearest(self, directions: Array) -> tuple[Array, Indices, Mask]:
+        """Depth, and the nearest side or, where the third says so, the corner it begins with.
+
+        A direction whose nearest point is a corner lies inside where the corner is reflex; none
+        inside is a quarter turn away.
+        """
+        rows = np.arange(len(directions))
+        sine, from_side = _from_sides(self.corner_directions, self.normals, directions)
+        side = np.argmin(from_side, axis=1)
+        corner = np.argmax(directions @ self.corner_directions.T, axis=1)
+        from_corner = _apart_rad(directions, self.corner_directions[corner])
+        is_corner = from_corner < from_side[rows, side]
+        away = np.where(is_corner, from_corner, from_side[rows, side])
+        is_inside = np.where(is_corner, self.is_reflex[corner], sine[rows, side] > 0.0)
+        is_inside &= away < math.pi / 2.0
+        depth = np.where(is_inside, away, -away)
+        return depth, np.where(is_corner, corner, side), is_corner
+
+
+def spherical_polygon(corner_directions: Array) -> SphericalPolygon:
+    """From unit vectors (m, 3) in either order, m >= 3; its inside is the smaller side.
+
+    Raises ValueError where it is no simple polygon, is anywhere narrower than 0.01 deg, or
+    reaches 85 deg from its middle.
+    """
+    middle, reach_rad = _smallest_cap(corner_directions)
+    if not reach_rad < REACH_MAX_RAD:
+        raise ValueError(
+            f"must stay within {math.degrees(REACH_MAX_RAD):g} deg of their middle, so that it is "
+            f"clear which side is inside, not reach {math.degrees(reach_rad):.1f} deg; split the "
+            "region into polygons that overlap"
+        )
+    _require_simple(corner_directions)
+    x, y = seen_on_plane(corner_directions, middle).T
+    if np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) < 0.0:
+        corner_directions = corner_directions[::-1]
+    return polygon_to_the_left(corner_directions)
+
+
+def polygon_to_the_left(corner_directions: Array) -> SphericalPolygon:
+    """From the corners of one that is known to be simple, its inside on the left of its sides."""
+    middle, reach_rad = _smallest_cap(corner_directions)
+    normals = _normals(corner_directions)
+    bends = np.sum(np.roll(normals, 1, axis=0) * np.roll(corner_directions, -1, axis=0), axis=1)
+    return SphericalPolygon(
+        corner_directions=corner_directions,
+        normals=normals,
+        is_reflex=bends < -STRAIGHT,
+        middle_direction=middle,
+        reach_rad=reach_rad,
+    )
+
+
+def unit(directions: Array) -> Array:
+    """Vectors (n, 3) of any length, divided by it."""
+    return np.asarray(directions / np.linalg.norm(directions, axis=1, keepdims=True))
+
+
+def seen_on_plane(corner_directions: Array, middle_direction: Array) -> Array:
+    """From the sphere's centre on a plane across the middle, (m, 2): arcs become straight.
+
+    Counter-clockwise is what is so seen from outside the sphere.
+    """
+    middle = middle_direction
+    first = np.cross(middle, np.eye(3)[np.argmin(np.abs(middle))])
+    axes = np.stack([first, np.cross(middle, first)], axis=1) / np.linalg.norm(first)
+    return np.asarray(corner_directions @ axes / (corner_directions @ middle)[:, None])
+
+
+def _smallest_cap(corner_directions: Array) -> tuple[Array, float]:
+    """Middle and radius of the smallest cap that holds the corners: two or three lie on its edge.
+
+    A radius of a quarter turn or more is told as half a turn.
+    """
+    places = range(len(corner_directions))
+    first, second = corner_directions[np.array(list(combinations(places, 2))).T]
+    a, b, c = corner_directions[np.array(list(combinations(places, 3))).T]
+    around = cross(b - a, c - a)
+    middles = np.concatenate([first + second, around, -around])
+    length = np.linalg.norm(middles, axis=1)
+    middles = unit(middles[length > STRAIGHT])
+    cosine = (middles @ corner_directions.T).min(axis=1) if len(middles) else np.zeros(1)
+    best = int(np.argmax(cosine))
+    if not cosine[best] > 0.0:
+        return np.zeros(3), math.pi
+    return middles[best], float(_apart_rad(corner_directions, middles[best]).max())
+
+
+def _require_simple(corner_directions: Array) -> None:
+    """Raises ValueError naming corners by their places in what was given."""
+    count = len(corner_directions)
+    following = np.roll(corner_directions, -1, axis=0)
+    least_deg = math.degrees(WIDTH_MIN_RAD)
+    for k, apart_rad in enumerate(np.linalg.norm(following - corner_directions, axis=1)):
+        if apart_rad < WIDTH_MIN_RAD:
+            raise ValueError(
+                f"must lie {least_deg:g} deg or more apart, but {k} and {(k + 1) % count} are "
+                f"{math.degrees(apart_rad):.2g} deg apart; leave one of them out"
+            )
+    normals = _normals(corner_directions)
+    for k, other in combinations(range(count), 2):
+        if other - k in (1, count - 1):
+            continue
+        parted = (normals[k] @ corner_directions[other]) * (normals[k] @ following[other]) < 0.0
+        if (
+            parted
+            and (normals[other] @ corner_directions[k]) * (normals[other] @ following[k]) < 0.0
+        ):
+            raise ValueError(
+                f"must make sides that don't cross, but the side from {k} crosses the side from "
+                f"{other}; give them in their order around the region"
+            )
+    away = np.minimum(_from_sides(corner_directions, normals, corner_directions)[1], math.pi)
+    ends = _apart_rad(corner_directions[:, None], corner_directions)
+    away = np.minimum(away, np.minimum(ends, np.roll(ends, -1, axis=1)))
+    own = np.arange(count)
+    away[own, own] = away[own, own - 1] = math.inf
+    corner, side = (int(place) for place in np.unravel_index(np.argmin(away), away.shape))
+    if away[corner, side] < WIDTH_MIN_RAD:
+        raise ValueError(
+            f"must enclose a region {least_deg:g} deg wide or more everywhere, but {corner} lies "
+            f"{math.degrees(away[corner, side]):.2g} deg from the side from {side} to "
+            f"{(side + 1) % count}"
+        )
+
+
+def _normals(corner_directions: Array) -> Array:
+    return unit(cross(corner_directions, np.roll(corner_directions, -1, axis=0)))
+
+
+def _from_sides(corner_directions: Array, normals: Array, directions: Array) -> tuple[Array, Array]:
+    """Of each direction from each side, (n, m): the sine to its left, and how far off it is.
+
+    Infinitely where none of the side's inner points is the nearest one.
+    """
+    sine = directions @ normals.T
+    after_first = directions @ cross(normals, corner_directions).T >= 0.0
+    before_last = directions @ cross(np.roll(corner_directions, -1, axis=0), normals).T >= 0.0
+    away = np.arcsin(np.minimum(np.abs(sine), 1.0))
+    return sine, np.where(after_first & before_last, away, math.inf)
+
+
+def _apart_rad(direction: Array, other_direction: Array) -> Array:
+    """Between unit vectors (..., 3), by their chord: accurate where they are close."""
+    chord = np.linalg.norm(direction - other_direction, axis=-1)
+    return np.asarray(2.0 * np.arcsin(np.minimum(chord / 2.0, 1.0)))

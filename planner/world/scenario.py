@@ -1,0 +1,340 @@
+"""What is to be planned: one value with everything the planner and its judge need."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import field, replace
+from datetime import datetime
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Discriminator, Tag
+
+from planner.base.arrays import Array
+from planner.base.assumed import Assumed
+from planner.base.commands import COMMAND_STEP_S
+from planner.base.errors import figures
+from planner.base.spec import Within, spec
+from planner.world.attitude import Attitude
+from planner.world.frames.time_scales import elapsed_s, utc_text
+from planner.world.orbits import Orbit
+from planner.world.platforms import (
+    AngleDeg,
+    AxisLimits,
+    JerkDegS3,
+    Platform,
+    StructuralMode,
+    TwoAxisPlatform,
+)
+from planner.world.targets import KeepOut, Target
+
+KEEP_OUT_MAX = 8  # each makes the detour's problem larger
+AVOID_MODES_MAX = 16
+OnConflict = Literal["refuse", "shorten_later", "shorten_earlier", "least_loss"]
+Keyhole = Literal["refuse", "nearest"]
+MotionDeg = Annotated[float, Within(-1e3, 1e3)]  # no axis may have more rate or acceleration
+
+
+@spec
+class InitialState:
+    """Where the platform is, and how it moves, when the table begins.
+
+    One entry per axis of the platform, by the axis's name.
+
+    epoch: row 0 of the table; UTC, a whole multiple of 0.2 s after its second.
+    angles_deg: of the axes.
+    rates_deg_s: of the axes; none are zero.
+    accelerations_deg_s2: of the axes; none are zero. E.g. `{"alpha": 0.0, "beta": 0.0}`.
+    assumed: what of it nobody gave.
+    """
+
+    epoch: datetime
+    angles_deg: Mapping[str, AngleDeg]
+    rates_deg_s: Mapping[str, MotionDeg] = field(default_factory=dict)
+    accelerations_deg_s2: Mapping[str, MotionDeg] = field(default_factory=dict)
+    assumed: tuple[Assumed, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.epoch.microsecond % round(COMMAND_STEP_S * 1e6):
+            before_us = self.epoch.microsecond // 200_000 * 200_000
+            before = self.epoch.replace(microsecond=before_us)
+            raise ValueError(
+                f"epoch must be a multiple of 0.2 s after the UTC second, as row 0 of the table; "
+                f"the last one before {utc_text(self.epoch, 6)} is {utc_text(before, 1)}"
+            )
+
+
+@spec
+class Session:
+    """One target held from `start` to `stop`.
+
+    id: your name for it, different from the other sessions'; the plan tells it. E.g. `"LV-7"`.
+    name: what people call it; the plan tells it and lists it. E.g. `"Las Vegas, east"`.
+    target: what is looked at.
+    start: from when on the target is held; UTC.
+    stop: until when it is held; UTC.
+    keyhole: what to do where following the target exactly would break a limit, as it does near the
+    outer axis: refuse, or follow as near as the limits allow, in the frame.
+    """
+
+    id: str | None = None
+    name: str | None = None
+    target: Target
+    start: datetime
+    stop: datetime
+    keyhole: Keyhole = "refuse"
+
+    def __post_init__(self) -> None:
+        for text in ("id", "name"):
+            if getattr(self, text) == "":
+                raise ValueError(f"{text} must not be empty; leave it out for none")
+        # Bound now, so that a session cut short later keeps the target's timetable.
+        object.__setattr__(self, "target", self.target.starting(self.start))
+        duration_s = elapsed_s(self.stop, self.start)
+        if duration_s <= 0.0:
+            raise ValueError(
+                f"stop ({utc_text(self.stop)}) must come after start ({utc_text(self.start)})"
+            )
+        if duration_s < COMMAND_STEP_S:
+            raise ValueError(
+                "stop must come at least one command step, 0.2 s, after start, not "
+                f"{figures(duration_s, COMMAND_STEP_S)} s"
+            )
+        self.target.require_known("target", self.start, self.stop)
+
+    @property
+    def label(self) -> str:
+        """What it is called where it is listed; empty for a nameless test motion."""
+        return self.name or self.id or self.target.label
+
+
+@spec
+class BoundedLead:
+    """Slews no longer than they need be; the axes rest before them.
+
+    max_duration_s: the longest that a slew with the objective "smooth" may last, and any that
+    waits for its target; unless given, ten times the least time that the limits allow.
+    """
+
+    max_duration_s: Annotated[float, Within(2.0, 86400.0)] | None = None
+
+
+def _word_or_object(value: object) -> str:
+    return "word" if isinstance(value, str) else "object"
+
+
+Lead = Annotated[
+    Annotated[Literal["all"], Tag("word")] | Annotated[BoundedLead, Tag("object")],
+    Discriminator(_word_or_object),
+]
+
+
+@spec
+class FinalAngles:
+    """Where the axes are to rest.
+
+    angles_deg: of each axis, by its name. E.g. `{"alpha": 0.0, "beta": 0.0}`.
+    park: name of a park position of the platform. E.g. `"zero"`.
+    """
+
+    angles_deg: Mapping[str, AngleDeg] | None = None
+    park: str | None = None
+
+    def __post_init__(self) -> None:
+        if (self.angles_deg is None) == (self.park is None):
+            raise ValueError('give either angles_deg or park; for rest anywhere, "rest" instead')
+
+
+FinalState = Annotated[
+    Annotated[Literal["rest"], Tag("word")] | Annotated[FinalAngles, Tag("object")],
+    Discriminator(_word_or_object),
+]
+
+
+@spec
+class SlewOptions:
+    """How the platform gets onto the track.
+
+    The spline knows neither `keep_out` nor `avoid_modes`; the judge says what it enters, the
+    comparison what it excites.
+
+    method: `ocp` keeps every limit; `spline` is the paper's baseline, for comparison only.
+    objective: of `ocp`: `smooth` takes all the time there is and spends the least jerk;
+    `minimum_time` is on the target as early as its limits and the target's visibility allow.
+    jerk_max_deg_s3: replaces the platform's own jerk limit on both axes. E.g. `0.5`.
+    filter_cutoff_hz: of the spline's first-order low-pass (Sumarokov 2016, p. 91); null for none.
+    filter_lag_compensation: whether the spline's join is aimed ahead by the filter's lag.
+    lead: how much of the time before a session its slew takes: "all", or what is bounded; before it
+    the axes are brought to rest, if they move, and wait.
+    keep_out: cones the boresight must not enter, on the way or on a target.
+    avoid_modes: structural modes that slews leave at rest as well as their time allows: it takes
+    two periods or so, and more than the least time.
+    """
+
+    method: Literal["ocp", "spline"] = "ocp"
+    objective: Literal["smooth", "minimum_time"] = "smooth"
+    lead: Lead = BoundedLead()
+    jerk_max_deg_s3: JerkDegS3 | None = None
+    filter_cutoff_hz: Annotated[float, Within(1e-3, 1e3)] | None = 2.0
+    filter_lag_compensation: bool = True
+    keep_out: tuple[KeepOut, ...] = ()
+    avoid_modes: tuple[StructuralMode, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name, most in (("keep_out", KEEP_OUT_MAX), ("avoid_modes", AVOID_MODES_MAX)):
+            count = len(getattr(self, name))
+            if count > most:
+                raise ValueError(f"{name} must hold at most {most} entries, not {count}")
+
+    @property
+    def keeps_limits(self) -> bool:
+        """Whether slews keep every limit and both ends, or only say what they break."""
+        return self.method == "ocp"
+
+    def axis_limits(self, platform: TwoAxisPlatform) -> tuple[AxisLimits, ...]:
+        """The platform's limits with the jerk limit asked for, in the order of its axes."""
+        if self.jerk_max_deg_s3 is None:
+            return platform.axis_limits
+        jerk_max_rad_s3 = math.radians(self.jerk_max_deg_s3)
+        return tuple(
+            replace(limits, jerk_max_rad_s3=jerk_max_rad_s3) for limits in platform.axis_limits
+        )
+
+
+@spec
+class Scenario:
+    """A carrier, a platform on it, its state, and the sessions to fly in order of time.
+
+    name: yours, told in the plan and its files.
+    initial_state: where the platform is when the table begins.
+    sessions: what to look at, in order of time.
+    slew: how the platform gets from target to target.
+    on_conflict: what to do when a slew doesn't fit between two sessions: refuse, begin the later
+    one late, end the earlier one early, or whatever of both loses the least time.
+    final_state: where the axes are brought to rest when the last session is over; unless given,
+    the table ends with that session, however the axes move.
+    """
+
+    name: str = ""
+    platform: Platform
+    orbit: Orbit
+    attitude: Attitude
+    initial_state: InitialState
+    sessions: tuple[Session, ...]
+    slew: SlewOptions = SlewOptions()
+    on_conflict: OnConflict = "refuse"
+    final_state: FinalState | None = None
+
+    def __post_init__(self) -> None:
+        if not self.sessions:
+            raise ValueError("sessions must hold at least one session")
+        earliest_utc, what = self.initial_state.epoch, "initial_state.epoch"
+        for number, session in enumerate(self.sessions):
+            if elapsed_s(session.start, earliest_utc) < 0.0:
+                raise ValueError(
+                    f"sessions.{number}.start ({utc_text(session.start)}) must not come before "
+                    f"{what} ({utc_text(earliest_utc)})"
+                )
+            earliest_utc, what = session.stop, f"sessions.{number}.stop"
+        self._check_ids()
+        self._check_initial_state()
+        if isinstance(self.final_state, FinalAngles):
+            self._check_final_state(self.final_state)
+
+    def _check_ids(self) -> None:
+        seen: dict[str, int] = {}
+        for number, session in enumerate(self.sessions):
+            if session.id is not None and seen.setdefault(session.id, number) != number:
+                raise ValueError(
+                    f"sessions.{number}.id {session.id!r} is that of session "
+                    f"{seen[session.id] + 1} already; ids must differ"
+                )
+
+    @property
+    def keeps_out(self) -> bool:
+        """Whether there are directions that the boresight must not enter."""
+        return bool(self.slew.keep_out or self.platform.masks)
+
+    def _check_initial_state(self) -> None:
+        names = self.platform.axis_names
+        fields = ("angles_deg", "rates_deg_s", "accelerations_deg_s2")
+        for what in fields:
+            given = getattr(self.initial_state, what)
+            at_rest = what != "angles_deg" and not given
+            if not at_rest and set(given) != set(names):
+                raise ValueError(
+                    f"initial_state.{what} must name the axes {', '.join(names)} of "
+                    f"{self.platform.name}, not {', '.join(given) or 'none'}"
+                )
+        for axis, limits in zip(names, self.platform.axis_limits, strict=True):
+            motion_rad = self.initial_motion(axis)
+            for what, value, (low, high) in zip(fields, motion_rad, limits.bounds, strict=False):
+                if not low <= value <= high:
+                    raise ValueError(
+                        f"initial_state.{what}.{axis} is "
+                        f"{figures(*np.rad2deg([value, low, high]).tolist())}, outside its limits "
+                        f"{math.degrees(low):.6g}..{math.degrees(high):.6g}"
+                    )
+
+    def _check_final_state(self, final: FinalAngles) -> None:
+        if final.park is not None:
+            known = [position.name for position in self.platform.park_positions]
+            if final.park not in known:
+                raise ValueError(
+                    f"final_state.park must be a position of {self.platform.name} "
+                    f"({', '.join(known) or 'it has none'}), not {final.park!r}; or give angles_deg"
+                )
+            return
+        names, angles_deg = self.platform.axis_names, final.angles_deg or {}
+        if set(angles_deg) != set(names):
+            raise ValueError(
+                f"final_state.angles_deg must name the axes {', '.join(names)} of "
+                f"{self.platform.name}, not {', '.join(angles_deg) or 'none'}"
+            )
+        for axis, limits in zip(names, self.platform.axis_limits, strict=True):
+            low_deg = math.degrees(limits.angle_min_rad)
+            high_deg = math.degrees(limits.angle_max_rad)
+            if not limits.angle_min_rad <= math.radians(angles_deg[axis]) <= limits.angle_max_rad:
+                raise ValueError(
+                    f"final_state.angles_deg.{axis} is "
+                    f"{figures(angles_deg[axis], low_deg, high_deg)}, outside its limits "
+                    f"{low_deg:.6g}..{high_deg:.6g}"
+                )
+
+    @property
+    def assumed(self) -> tuple[Assumed, ...]:
+        """What was looked up, or taken where nothing was given."""
+        looked_up = (
+            session.target.assumed(f"sessions.{number}.target")
+            for number, session in enumerate(self.sessions)
+        )
+        return (*self.initial_state.assumed, *filter(None, looked_up))
+
+    @property
+    def final_angle_rad(self) -> tuple[float, ...] | None:
+        """Where the axes are to rest in the end, in their order; None: anywhere, or unasked."""
+        final = self.final_state
+        if not isinstance(final, FinalAngles):
+            return None
+        if final.angles_deg is not None:
+            return tuple(math.radians(final.angles_deg[axis]) for axis in self.platform.axis_names)
+        return next(
+            position.angle_rad
+            for position in self.platform.park_positions
+            if position.name == final.park
+        )
+
+    @property
+    def axis_limits(self) -> tuple[AxisLimits, ...]:
+        """The platform's limits with the jerk limit asked for, in the order of its axes."""
+        return self.slew.axis_limits(self.platform)
+
+    def initial_motion(self, axis: str) -> Array:
+        """Angle, rate and acceleration of one axis at the epoch, rad, rad/s, rad/s2."""
+        state = self.initial_state
+        return np.deg2rad(
+            [
+                state.angles_deg[axis],
+                state.rates_deg_s.get(axis, 0.0),
+                state.accelerations_deg_s2.get(axis, 0.0),
+            ]
+        )

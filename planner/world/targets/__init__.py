@@ -1,0 +1,55 @@
+"""The target modes."""
+
+from typing import TYPE_CHECKING, Annotated, Union, get_args
+
+from pydantic import Field
+
+from planner.world.targets.apparent import VisibleTarget
+from planner.world.targets.bench_motion import AxisMotion, BenchMotionTarget
+from planner.world.targets.body import BodyTarget
+from planner.world.targets.earth_fixed import EarthFixedTarget
+from planner.world.targets.ground import GroundTarget
+from planner.world.targets.ground_moving import MovingGroundTarget
+from planner.world.targets.ground_path import GroundPathTarget
+from planner.world.targets.keep_out import KeepOut
+from planner.world.targets.place import PlaceTarget
+from planner.world.targets.session_target import SessionTarget
+from planner.world.targets.sky import SkyTarget
+from planner.world.targets.star import StarTarget
+
+Target = Annotated[
+    GroundTarget
+    | PlaceTarget
+    | MovingGroundTarget
+    | GroundPathTarget
+    | StarTarget
+    | BodyTarget
+    | BenchMotionTarget,
+    Field(discriminator="mode"),
+]
+TARGETS = {mode.mode: mode for mode in get_args(get_args(Target)[0])}
+if TYPE_CHECKING:
+    WindowTarget = Target
+else:
+    # Those that can be seen at times of their own.
+    _WITH_WINDOWS = tuple(mode for mode in TARGETS.values() if mode.has_windows)
+    WindowTarget = Annotated[Union[_WITH_WINDOWS], Field(discriminator="mode")]  # noqa: UP007 (of a tuple)
+
+__all__ = [
+    "TARGETS",
+    "AxisMotion",
+    "BenchMotionTarget",
+    "BodyTarget",
+    "EarthFixedTarget",
+    "GroundPathTarget",
+    "GroundTarget",
+    "KeepOut",
+    "MovingGroundTarget",
+    "PlaceTarget",
+    "SessionTarget",
+    "SkyTarget",
+    "StarTarget",
+    "Target",
+    "VisibleTarget",
+    "WindowTarget",
+]

@@ -1,0 +1,203 @@
+"""Places by name, from a packaged extract of GeoNames.
+
+The file has two parts.  First a line per place, the most populous first; then, after an empty
+line, every name's key with the numbers of the lines it means, sorted, so that a name is found
+by halving.  `tests/oracles/make_names.py` made it and says where heights come from.
+Source: GeoNames (geonames.org), CC BY 4.0.
+"""
+
+import csv
+import lzma
+from bisect import bisect_left
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from planner.world.targets.names import key_of, nearest_keys
+
+CANDIDATES_SHOWN = 8
+_LOOKED_AT = 200  # of those that a few letters begin, the most populous
+LEAST_PEOPLE = 15_000
+_DATA = Path(__file__).parent / "data"
+_OTHERWISE = "give latitude_deg, longitude_deg and height_m with mode ground"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Place:
+    """A point for a whole town: GeoNames' own, on WGS84.
+
+    region_code: where it is in letters, as in the United States; else empty.
+    country: ISO 3166 code of two letters.
+    height_m: above the ellipsoid; that of the terrain within 90 m, of some within 5 km.
+    """
+
+    name: str
+    region_code: str
+    region: str
+    country: str
+    geonames_id: int
+    latitude_deg: float
+    longitude_deg: float
+    height_m: float
+
+    @property
+    def in_words(self) -> str:
+        """Name, region and country."""
+        return ", ".join(filter(None, (self.name, self.region, self.country)))
+
+
+def find_place(asked: str) -> Place:
+    """The place of a name, which may be followed by region, country or GeoNames number.
+
+    Raises ValueError where there is none, with those spelt alike, or more than one, with what
+    tells them apart.
+    """
+    found = _matching(asked)
+    if len(found) == 1:
+        return found[0]
+    if found:
+        shown = [f"{told_apart(one)!r}{_where(one)}" for one in found[:CANDIDATES_SHOWN]]
+        more = len(found) - len(shown)
+        raise ValueError(
+            f"name {asked!r} may be {' or '.join(shown)}{f' or {more} more' if more else ''}; "
+            f"write one of these, or {_OTHERWISE}"
+        )
+    name, *rest = asked.split(",")
+    same_name = _places_of(key_of(name))
+    alike = same_name if rest and same_name else _alike(key_of(name))
+    suggested = " or ".join(repr(told_apart(one)) for one in alike[:CANDIDATES_SHOWN])
+    raise ValueError(
+        f"name {asked!r} is not among the places of {LEAST_PEOPLE:,} people or more known here"
+        + (f" (do you mean {suggested}?)" if suggested else "")
+        + f"; {_OTHERWISE}"
+    )
+
+
+def _where(place: Place) -> str:
+    return f" ({place.latitude_deg:.2f}, {place.longitude_deg:.2f})"
+
+
+def told_apart(place: Place) -> str:
+    """The shortest name that means this place alone."""
+    parts = (place.country,), (place.region, place.country), (str(place.geonames_id),)
+    names = [", ".join(filter(None, (place.name, *part))) for part in parts]
+    return next((name for name in names if _matching(name) == [place]), names[-1])
+
+
+def _matching(asked: str) -> list[Place]:
+    """Those whose own name it is first, the most populous first among each."""
+    name, *rest = asked.split(",")
+    key = key_of(name)
+    wanted = [word for part in rest if (word := _compact(part))]
+    found = (
+        place for place in _places_of(key) if all(word in _qualifiers(place) for word in wanted)
+    )
+    return sorted(found, key=lambda place: key_of(place.name) != key)
+
+
+def places_named_from(begun: str) -> list[Place]:
+    """Whose name in any language goes on so; after a comma region or country, likewise.
+
+    First those of just this name, then those whose own name it begins; of each the most populous.
+    """
+    name, *rest = begun.split(",")
+    key = key_of(name)
+    if not key:
+        return []
+    exact = _numbers_of(key)
+    numbers = exact if rest else [*exact, *sorted(_numbers_from(key) - set(exact))]
+    begins = [word for part in rest if (word := _compact(part))]
+    found = [
+        place
+        for place in map(_place, numbers[:_LOOKED_AT])
+        if all(any(one.startswith(word) for one in _qualifiers(place)) for word in begins)
+    ]
+    return sorted(found, key=lambda place: not key_of(place.name).startswith(key))
+
+
+def _numbers_from(key: str) -> set[int]:
+    start, stop = _line_from(key), _line_from(key + "\U0010ffff")
+    lines = _keys()[start:stop].decode().splitlines()
+    return {int(number) for line in lines for number in line.partition("\t")[2].split()}
+
+
+def _qualifiers(place: Place) -> set[str]:
+    country = _countries().get(place.country, "")
+    told = (place.country, country, place.region_code, place.region, str(place.geonames_id))
+    return {_compact(word) for word in told}
+
+
+def _compact(text: str) -> str:
+    """D.C. is DC."""
+    return key_of(text).replace(" ", "")
+
+
+def _places_of(key: str) -> list[Place]:
+    return [_place(number) for number in _numbers_of(key)]
+
+
+def _numbers_of(key: str) -> list[int]:
+    start = _line_from(key)
+    line = _keys()[start : _keys().find(b"\n", start)].decode()
+    found, _, numbers = line.partition("\t")
+    return [int(number) for number in numbers.split()] if found == key else []
+
+
+def _alike(key: str) -> list[Place]:
+    """The places of names that begin with the same letter and are most like it."""
+    if not key:
+        return []
+    start, stop = _line_from(key[0]), _line_from(key[0] + "\U0010ffff")
+    lines = _keys()[start:stop].decode().splitlines()
+    near = nearest_keys(key, (line.partition("\t")[0] for line in lines))
+    return list({place.geonames_id: place for one in near for place in _places_of(one)}.values())
+
+
+def _line_from(key: str) -> int:
+    """Where the line of the first key that isn't less than this begins."""
+    keys, wanted = _keys(), key.encode()
+
+    def key_at(byte: int) -> bytes:
+        start = keys.rfind(b"\n", 0, byte) + 1
+        return keys[start : keys.find(b"\t", start)]
+
+    byte = bisect_left(range(len(keys)), wanted, key=key_at)
+    return keys.rfind(b"\n", 0, byte) + 1
+
+
+@cache
+def _file() -> tuple[list[str], bytes]:
+    text = lzma.decompress((_DATA / "cities.tsv.xz").read_bytes())
+    places, _, keys = text.partition(b"\n\n")
+    return places.decode().split("\n"), keys
+
+
+def _keys() -> bytes:
+    return _file()[1]
+
+
+def _place(number: int) -> Place:
+    name, code, region, country, geonames_id, *numbers = _file()[0][number].split("\t")
+    latitude_deg, longitude_deg, height_m = map(float, numbers)
+    return Place(
+        name=name,
+        region_code=code,
+        region=region,
+        country=country,
+        geonames_id=int(geonames_id),
+        latitude_deg=latitude_deg,
+        longitude_deg=longitude_deg,
+        height_m=height_m,
+    )
+
+
+@cache
+def _countries() -> dict[str, str]:
+    return dict(_country_rows())
+
+
+def _country_rows() -> Iterator[tuple[str, str]]:
+    with (_DATA / "countries.csv").open(encoding="utf-8", newline="") as file:
+        for row in csv.DictReader(line for line in file if not line.startswith("#")):
+            yield row["code"], row["name"]

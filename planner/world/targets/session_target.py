@@ -1,0 +1,57 @@
+"""What a session asks of its target, whatever the mode."""
+
+from dataclasses import replace
+from datetime import datetime
+from typing import ClassVar, Self
+
+from planner.base.assumed import Assumed
+
+
+class SessionTarget:
+    """What the platform is busy with during a session.
+
+    has_windows: whether it can be seen at times of its own, without a session.
+    rests_on_earth: whether its place on the Earth never changes, so that many are searched at once.
+    """
+
+    has_windows: ClassVar[bool] = True
+    rests_on_earth: ClassVar[bool] = False
+    mode: str
+
+    @property
+    def label(self) -> str:
+        """A few words by which people know it, where the request gives it no name."""
+        return self.mode
+
+    def starting(self, start_utc: datetime) -> Self:
+        """The same in a session that starts then."""
+        return self
+
+    def unbound(self, start_utc: datetime) -> Self:
+        """As it was asked for before a session that starts then bound it."""
+        return self
+
+    def require_known(self, name: str, start_utc: datetime, stop_utc: datetime) -> None:
+        """Raise ValueError unless it is known over all that time; `name` is its field."""
+
+    def assumed(self, field: str) -> Assumed | None:
+        """What was looked up for it; None where the request says it all.  `field`: its own."""
+        return None
+
+
+class TimedTarget(SessionTarget):
+    """A target with a timetable; t = 0 is its start, the session's unless given."""
+
+    has_windows = False
+    start: datetime | None
+
+    def starting(self, start_utc: datetime) -> Self:
+        """With the same timetable, from start_utc on unless it says when itself."""
+        return self if self.start is not None else self._with_start(start_utc)
+
+    def unbound(self, start_utc: datetime) -> Self:
+        """What began with the session will begin with another one."""
+        return self._with_start(None) if self.start == start_utc else self
+
+    def _with_start(self, start_utc: datetime | None) -> Self:
+        return replace(self, start=start_utc)  # type: ignore[type-var]  # each mode is a dataclass
