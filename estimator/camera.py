@@ -43,7 +43,7 @@ class HorizonCamera:
     +X right, +Y down.
     mask: polygons, corners as [x, y], that hide the craft's own structure. E.g. `[[[0, 900], [640,
     900], [0, 1023]]]` [pixels]
-    lens_sigma: how well the lens is known, the 1-sigma of its focal length, and of its distortion
+    lens_sigma: uncertainty of the lens: the 1-sigma of its focal length, and of its distortion
     at the image's corner, as fractions. Null: perfectly, but for frames stored as photographs,
     whose lenses are taken as known to within 1 %. E.g. `0.002`.
     """

@@ -12,7 +12,7 @@ INCONSISTENT_BELOW = 1e-3
 
 
 class Verdict(StrEnum):
-    """What the images say; `measured` when there was no attitude to compare with."""
+    """Result of the check by the images; `measured` when there was no attitude to compare with."""
 
     CONSISTENT = "consistent"
     INCONSISTENT = "inconsistent"

@@ -16,7 +16,7 @@ _PartKm = Annotated[float, Within(-_MAX_RANGE_KM, _MAX_RANGE_KM)]
 
 @spec
 class Position:
-    """Where the craft is at the request's epoch.
+    """Position of the craft at the request's epoch.
 
     frame: of the position.
     position_km: x, y, z from the Earth's centre.
@@ -78,11 +78,11 @@ class PredictedAttitude:
 class HorizonRequest:
     """Images of one instant, one per camera in the cameras' order, and what is known.
 
-    epoch: when the images were taken; UTC.
-    position: where the craft was.
+    epoch: time of the images; UTC.
+    position: position of the craft.
     cameras: those that took the images, in the images' order.
     predicted: the attitude to be checked; none is measured against nothing.
-    overlay: whether to answer with the frames annotated, as PNG.
+    overlay: true to get the frames annotated, as PNG.
     """
 
     epoch: datetime

@@ -31,10 +31,10 @@ class UnseenTarget:
     closed_by: the condition that leaves nothing of its windows; `reach`: no angles within the
     stops, `duration`: no window lasts long enough, `rest`: none does beside the time to and from
     rest, `motion`: the axes can't follow.
-    because: what was met instead. E.g. `"the carrier stays below 30 deg in its sky"`.
+    because: the condition that fails instead. E.g. `"the carrier stays below 30 deg in its sky"`.
     best_elevation_deg: the carrier's highest in the target's sky at any time, whatever the
     conditions; above the limb for a target in space. E.g. `12.3`.
-    best_time: when that is; UTC. E.g. `"2015-02-27T17:36:08.000Z"`.
+    best_time: time of it; UTC. E.g. `"2015-02-27T17:36:08.000Z"`.
     """
 
     target: str
@@ -49,13 +49,13 @@ class TargetLeftOut:
     """A target that could be looked at, and what stood in its way.
 
     target: id of the target, as the request gives it.
-    because: what its look would be worth, and what that would displace. E.g.
+    because: the worth of its look, and of what it would displace. E.g.
     `"a look from 2015-02-27T17:36:08.0Z would be worth 0.31, and what it displaces is worth 1.9"`.
     start: of the look it came nearest to; UTC.
     stop: of that look; UTC.
     value: of that look.
     displaced_by: ids of the targets whose looks can't be flown beside it. E.g. `["Los Angeles"]`.
-    displaced_value: what those are worth together.
+    displaced_value: their worth together.
     """
 
     target: str
@@ -69,20 +69,21 @@ class TargetLeftOut:
 
 @dataclass(frozen=True, kw_only=True)
 class CampaignChoiceOut:
-    """What the looks chosen are worth together, and what they could be at most.
+    """The worth of the looks chosen together, and the most that it could be.
 
     value: of the looks chosen.
     bound: no choice is worth more whose looks begin on the grid of `step_s`, have one of the
     lengths tried (least, wanted, half-way) and lie in the same passes.
-    gap_share: how much more than `value` that is at most, as a share of the bound.
-    greedy_value: what taking pass after pass whatever is worth most there is worth.
-    windows: how many there were to choose from.
-    looks: how many are chosen.
-    passes: how many there are looks in.
+    gap_share: the difference between bound and `value`, as a share of the bound.
+    greedy_value: worth of the choice that takes whatever is worth most in each pass, one pass after
+    another.
+    windows: number of windows to choose from.
+    looks: number of looks chosen.
+    passes: number of passes that hold looks.
     unseen: targets that can't be looked at for as long as they must, and why.
     left_out: targets that can, but others are worth more.
-    assumed: where the targets are that the request gives by name only.
-    warnings: what one should know before relying on it. E.g.
+    assumed: places of the targets that the request gives by name only.
+    warnings: cautions to read before relying on it. E.g.
     `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the plan"]`.
     """
 
@@ -101,12 +102,12 @@ class CampaignChoiceOut:
 
 @dataclass(frozen=True, kw_only=True)
 class CampaignLookOut:
-    """A look at a target as it was chosen; its plan tells what a slew took from it.
+    """A look at a target as it was chosen; its plan states what a slew took from it.
 
     target: id of the target, as the request gives it.
     start: from when; UTC.
     stop: until when; UTC.
-    value: what it is worth.
+    value: worth of the look.
     quality: of the view, a mean over the look, which `value` holds.
     elevation_deg: of the carrier in the target's sky at the middle of the look; above the limb for
     a target in space.
@@ -147,13 +148,13 @@ class CampaignPassOut:
 
     number: from 0, in order of time.
     plan: id of its plan, GET /v1/plans/{id}.
-    state: where that plan stands.
+    state: state of the work on that plan.
     start: row 0 of its table; UTC.
     stop: last row of its table; UTC.
     looks: those chosen for this pass.
     left_out: looks that could not be flown; a plan without them took the place of the one that was
     refused.
-    problem: why there is no plan; null when there is one or may be.
+    problem: the reason why there is no plan; null when there is one or may be.
     """
 
     number: Count
@@ -168,7 +169,7 @@ class CampaignPassOut:
 
 @dataclass(frozen=True, kw_only=True)
 class PlannedOut:
-    """How far the passes are planned.
+    """Progress of the passes' plans.
 
     done: passes with a verified plan.
     open: passes that wait or are being planned.
@@ -192,8 +193,8 @@ class PlannedOut:
 class CampaignResponse(JobResponse):
     """A campaign as it stands.
 
-    choice: what was chosen; null until it is.
-    planned: how far the passes are planned.
+    choice: the looks chosen; null until they are.
+    planned: progress of the passes' plans.
     passes: those with looks, in order of time.
     """
 
@@ -223,7 +224,7 @@ class CampaignDryRun:
 
     valid: always true; what isn't is refused.
     name: the request's.
-    targets: how many there are.
+    targets: number of targets.
     """
 
     valid: bool

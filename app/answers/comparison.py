@@ -33,7 +33,7 @@ class AxisFigures:
 
 @dataclass(frozen=True, kw_only=True)
 class ModeResidualOut:
-    """How far one of `slew.avoid_modes` still swings after the slew, by axis.
+    """Residual vibration of one of `slew.avoid_modes` after the slew, by axis.
 
     The mode's share in the axis's motion is taken as one: deflections scale with it.
 

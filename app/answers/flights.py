@@ -32,23 +32,23 @@ class NominalOut:
 
     Lists hold every so many frames, at most 300 of them.
 
-    frames: how many the camera takes.
-    held: how many of them hold the target from the first moment of the exposure to the last.
-    sharp: how many of these are smeared over less than a pixel.
+    frames: number of frames that the camera takes.
+    held: number of frames that hold the target from the first moment of the exposure to the last.
+    sharp: number of these that are smeared over less than a pixel.
     turn_deg: the largest turn of the view from one frame to the next.
-    t_s: when each frame begins, since the epoch.
+    t_s: start of each frame, since the epoch.
     error_arcsec: the largest angle between boresight and target during the exposure.
     error_m: the same at the target, across the line of sight; null for a target in the sky.
     smear_px: the longest way between two places of the target in the image during the exposure.
-    holds: whether the frame holds the target.
+    holds: true where the frame holds the target.
     north_deg: from the frame's first side towards its second, without jumps; the celestial north
     for a target in the sky.
     ground_sample_across_m: width of a pixel on the ground, across the lean of the line of sight;
     null for a target in the sky.
     ground_sample_along_m: its length, along the lean; null for a target in the sky, and where a
     pixel reaches the horizon.
-    mover_ground_m: how far what was asked about moves from one frame of its series to the next;
-    null without. E.g. `208.33`.
+    mover_ground_m: distance that the moving object travels from one frame of its series to the
+    next; null without. E.g. `208.33`.
     mover_px: the same in the image, by the view of each frame shown; null without. E.g. `[181.2]`.
     """
 
@@ -72,17 +72,17 @@ class NominalOut:
 class ContributorOut:
     """One cause's part in what varies from run to run: Sobol's indices.
 
-    cause: what is not known exactly, as in the pointing budget.
+    cause: the quantity that is uncertain, as in the pointing budget.
     share: of the variance of the target's place in the image, what the cause has a hand in, by
     itself or with others; all causes together make 1 or more.
-    share_sigma: how far chance may have moved that.
-    alone_share: what would vanish of the variance, were the cause known; by chance it may lie a
-    little below 0.
-    alone_sigma: how far chance may have moved that.
+    share_sigma: 1-sigma of that, from the finite number of runs.
+    alone_share: share of the variance that would vanish if the cause were known; by chance it may
+    lie a little below 0.
+    alone_sigma: 1-sigma of that, from the finite number of runs.
     smear_share: `share`, of the smear.
-    smear_share_sigma: how far chance may have moved that.
+    smear_share_sigma: 1-sigma of that, from the finite number of runs.
     smear_alone_share: `alone_share`, of the smear.
-    smear_alone_sigma: how far chance may have moved that.
+    smear_alone_sigma: 1-sigma of that, from the finite number of runs.
     """
 
     cause: str
@@ -98,11 +98,11 @@ class ContributorOut:
 
 @dataclass(frozen=True, kw_only=True)
 class HistogramOut:
-    """How many runs missed by how much at worst.
+    """Histogram of the runs' largest misses.
 
     edges_arcsec: of the bins, one more than there are.
     counts: of the runs in each bin.
-    beyond: how many runs missed by more than the last edge.
+    beyond: number of runs that missed by more than the last edge.
     """
 
     edges_arcsec: list[NotNegative]
@@ -115,8 +115,8 @@ class SessionFlightsOut:
     """A session under errors; null where no run is flown yet.
 
     session: its number in the plan.
-    label: what it is called in lists.
-    told_probability_in_frame: what the plan's linear budget says of the same.
+    label: its name in lists.
+    told_probability_in_frame: the same probability by the plan's linear budget.
     probability_in_frame: share of the runs in which all frames hold the target.
     in_frame_interval: within which that probability lies with 95 % confidence (Wilson).
     probability_sharp: share of the runs in which all frames hold it smeared over less than a pixel.
@@ -127,7 +127,7 @@ class SessionFlightsOut:
     miss_m: largest distance of the target from the boresight in a run, across the line of sight; in
     5, 50 and 95 % of the runs it is less; null for a target in the sky. [m]
     misses: the same as an angle, as a histogram.
-    contributors: what is to blame, the most first.
+    contributors: causes of the errors, the largest first.
     nominal: the session flown as planned.
     """
 
@@ -152,9 +152,9 @@ class FlightsFound:
     """What the runs flown so far say of the plan.
 
     plan: id of the plan that is flown.
-    runs: how many flights were asked for.
+    runs: number of flights that were asked for.
     seed: of their errors.
-    flown: how many flights are flown already; all that is told is of these.
+    flown: number of runs flown so far; all numbers are of these.
     epoch: of `t_s`, the plan's row 0; UTC.
     probability_in_frame: share of the runs in which every frame of every session holds its target;
     null before any is flown.
@@ -162,9 +162,9 @@ class FlightsFound:
     probability_sharp: share of the runs in which each of these frames is smeared over less than a
     pixel, too; null before any run is flown.
     sharp_interval: within which that probability lies with 95 % confidence (Wilson).
-    contributors: what is to blame, the most first; all sessions together.
+    contributors: causes of the errors, the largest first; all sessions together.
     sessions: those that look at a target.
-    warnings: what one should know, such as where the plan's linear budget is off. E.g.
+    warnings: cautions, such as a linear budget that doesn't agree with the flights. E.g.
     `["session 0: the budget tells a probability of 0.950, ..."]`.
     """
 

@@ -48,7 +48,7 @@ class CorrectionOut:
     """The measured turn of the body from the predicted one, as `attitude.corrections` of a plan
     takes it where the attitude predicted is that of its law.
 
-    epoch: when it was measured; UTC.
+    epoch: time of the measurement; UTC.
     turn_body_deg: the rotation vector from the predicted body to the measured one, body axes.
     covariance_deg2: of its components; 180 deg about nadir, which was not measured.
     """
@@ -63,8 +63,8 @@ class CameraOut:
     """One camera's part in the estimate.
 
     name: the camera's, as the request gives it.
-    used: whether its frame was.
-    reason: why not, as a word; null when it was used. E.g. `"all_black"`.
+    used: true when its frame was used.
+    reason: the reason for leaving it out, as a word; null when it was used. E.g. `"all_black"`.
     explanation: the reason in full; null when it was used. E.g. `"the frame is black"`.
     arc_deg: limb found, as azimuth about nadir.
     residual_px: rms distance of the limb points from the fit; null without one.
@@ -85,17 +85,18 @@ class CameraOut:
 class EstimateResponse:
     """The local vertical in body axes.
 
-    verdict: what the images say of the attitude.
-    reason: why nothing could be measured, as a word; null when it was. E.g. `"no_horizon"`.
+    verdict: result of the check of the attitude by the images.
+    reason: the reason why nothing could be measured, as a word; null when it was. E.g.
+    `"no_horizon"`.
     explanation: the reason in full; null when it was measured. E.g.
     `"too little of the limb was found"`.
     nadir_body: geocentric, a unit vector; null when the verdict is `not_observable`.
     nadir_geodetic_body: normal to the ellipsoid, a unit vector; null when the verdict is
     `not_observable`.
-    axes_body: two unit vectors across geocentric nadir, on which its errors are told.
+    axes_body: two unit vectors across geocentric nadir, along which its errors are given.
     covariance_deg2: of geocentric nadir on `axes_body`.
     sigma_deg: rms of geocentric nadir's angle to the true one.
-    geodetic_axes_body: two unit vectors across geodetic nadir, on which its errors are told.
+    geodetic_axes_body: two unit vectors across geodetic nadir, along which its errors are given.
     geodetic_covariance_deg2: of geodetic nadir on `geodetic_axes_body`.
     geodetic_sigma_deg: rms of geodetic nadir's angle to the true one.
     limb_height_km: height of the limb above the ellipsoid that was reckoned with.
@@ -103,7 +104,7 @@ class EstimateResponse:
     check: the measured nadir against the predicted one; null without a prediction.
     correction: the same as `attitude.corrections` of a plan takes it; null without a prediction.
     cameras: each one's part, in the request's order.
-    warnings: what one should know before relying on it. E.g.
+    warnings: cautions to read before relying on it. E.g.
     `["cameras left out: right"]`.
     """
 
@@ -134,7 +135,7 @@ class PredictionResponse:
     """One view per instant and camera.
 
     views: instants in the order asked for, cameras within each.
-    warnings: what one should know before relying on it. E.g.
+    warnings: cautions to read before relying on it. E.g.
     `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the plan"]`.
     """
 
@@ -148,7 +149,7 @@ class PictureOut:
     """A rendered picture and its truth.
 
     image_png: the picture, a PNG in base64.
-    at: when it is taken; UTC.
+    at: time of the exposure; UTC.
     position_itrf_km: of the camera, as an estimate's request takes it.
     q_body_from_eci_xyzw: attitude, as an estimate's request takes it.
     nadir_body: geocentric, a unit vector.

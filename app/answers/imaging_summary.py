@@ -18,9 +18,9 @@ class ImagingRequestSummaryOut:
 
     request: its name.
     mode: strip, stereo, area or corridor. E.g. `"strip"`.
-    looks: how often the camera is on for it; 0 where it is left out.
-    start: when it first is; UTC, null where it is left out.
-    stop: when it last is; UTC, null where it is left out.
+    looks: number of times that the camera is on for it; 0 where it is left out.
+    start: first time that it is; UTC, null where it is left out.
+    stop: last time that it is; UTC, null where it is left out.
     """
 
     request: str
@@ -32,13 +32,13 @@ class ImagingRequestSummaryOut:
 
 @dataclass(frozen=True, kw_only=True)
 class ImagingSummaryOut:
-    """What the session is of.
+    """Summary of the session.
 
     name: as the request gives it.
     platform: the spacecraft's name.
     targets: names of the requests.
     start: row 0 of the table; UTC.
-    stop: when the spacecraft is back in orbital orientation at the latest; UTC.
+    stop: latest time at which the spacecraft is back in orbital orientation; UTC.
     requests: in the order of the request.
     """
 

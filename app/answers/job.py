@@ -17,10 +17,10 @@ if TYPE_CHECKING:  # children answer without a database
 
 @dataclass(frozen=True, kw_only=True)
 class JobResponse:
-    """Where the work on a plan stands.
+    """The state of the work on a plan.
 
     id: of what is made, as its address names it.
-    state: where it stands.
+    state: state of the work.
     name: as the request gives it.
     platform: name of the platform, or of the spacecraft.
     start: of the first session, or of the time that is searched or planned; UTC, as asked for, and
@@ -33,11 +33,11 @@ class JobResponse:
     revises: id of the plan it replaces; null for none. E.g.
     `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
     input_sha256: of the request's bytes; of flights, with those of their plan.
-    created: when the request came; UTC.
-    started: when the work began; UTC, null before.
-    finished: when it ended; UTC, null before.
-    attempts: how often it was begun; more than once when a process died at it.
-    problem: why it was refused or failed, `instance` being the job; null otherwise.
+    created: time at which the request came; UTC.
+    started: time at which the work began; UTC, null before.
+    finished: time at which it ended; UTC, null before.
+    attempts: number of times it was begun; more than once when a process died at it.
+    problem: the reason why it was refused or failed, `instance` being the job; null otherwise.
     """
 
     __pydantic_config__ = BUILT_ON_FIRST_USE

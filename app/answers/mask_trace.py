@@ -20,7 +20,7 @@ class MaskTraceOut:
 
     number: of the mask among the platform's, from 0. E.g. `0`.
     name: of the mask. E.g. `"radiator"`.
-    asked_deg: how far from it the boresight must stay, the mask's `margin_deg`. E.g. `1.0`.
+    asked_deg: angle from it that the boresight must keep, the mask's `margin_deg`. E.g. `1.0`.
     away_deg: of the boresight from the mask's region; negative inside. E.g. `[14.2, 13.9]`.
     outline_platform: unit vectors in the platform frame around the region, without what is asked,
     the first again at the end. E.g. `[[0.0, 0.6, 0.8], [0.0, 0.8, 0.6], [0.6, 0.0, 0.8], [0.0, 0.6,

@@ -10,15 +10,15 @@ from planner.world.frames.time_scales import utc_text
 
 @dataclass(frozen=True, kw_only=True)
 class MaskMarginOut:
-    """How near the boresight comes to one of the platform's `masks`.
+    """The least angle between the boresight and one of the platform's `masks`.
 
     number: of the mask among the platform's, from 0. E.g. `0`.
     name: of the mask. E.g. `"radiator"`.
-    asked_deg: how far from it the boresight must stay, the mask's `margin_deg`. E.g. `1.0`.
+    asked_deg: angle from it that the boresight must keep, the mask's `margin_deg`. E.g. `1.0`.
     away_min_deg: least angle between boresight and the mask's region, negative inside, found to
     2 arcsec on and between rows. E.g. `4.2`.
-    margin_deg: how much that is more than asked; negative when the mask is entered. E.g. `3.2`.
-    at: when it is so near; UTC. E.g. `"2015-02-27T17:36:10.000Z"`.
+    margin_deg: least angle less `asked_deg`; negative when the mask is entered. E.g. `3.2`.
+    at: time of the least angle; UTC. E.g. `"2015-02-27T17:36:10.000Z"`.
     """
 
     number: Count

@@ -86,10 +86,10 @@ def utc_or_none(moment_utc: datetime | None) -> str | None:
 
 @dataclass(frozen=True, kw_only=True)
 class ProvenanceOut:
-    """What an answer rests on.
+    """The basis of an answer.
 
     input_sha256: of the request's bytes.
-    planned_at: when it was worked on; UTC.
+    planned_at: time of the computation; UTC.
     versions: of slewtrack and of what it computes with.
     """
 

@@ -33,7 +33,7 @@ Column = list[Any]
 class _Sighting:
     """How a target is seen; null where a number has no meaning or no end.
 
-    at: when it is seen so; UTC.
+    at: time of this view; UTC.
     elevation_deg: of the carrier in the target's sky; of a target in space its height above the
     raised limb.
     range_km: distance; null for a star.
@@ -101,19 +101,19 @@ class PassWindow:
     """One stretch in which all conditions hold for a target.
 
     target: id of the target, as the request gives it.
-    rise: when it begins; UTC.
-    set: when it ends; UTC.
+    rise: start of the window; UTC.
+    set: end of the window; UTC.
     duration_s: from rise to set.
     session: the longest, up to six hours, over which the axes can follow by one pair of angles, on
     the rows of a command table; null where there is none.
     opened_by: the condition that is met from `rise` on; "interval" is the request's own start.
     closed_by: the condition that is met until `set`; "interval" is the request's own stop.
-    highest_at: when the elevation is greatest; UTC.
+    highest_at: time of the greatest elevation; UTC.
     highest_deg: greatest elevation.
     closest: the view at the least range; of a target in space, at its greatest height above the
     limb.
     through: the view at instants spread evenly from rise to set.
-    place: where the target is as the carrier culminates; null for a target in space.
+    place: place of the target as the carrier culminates; null for a target in space.
     sky: the pass as pass tables have it: rise, culmination and set with azimuth and elevation, Sun
     and local solar time; null for a target in space.
     """
@@ -137,10 +137,10 @@ class PassWindow:
 class WindowOut(PassWindow):
     """One stretch in which all conditions hold for a target.
 
-    branch: which of the two pairs of axis angles that point at the target is told, 0 or 1: the one
-    with less turn of the inner axis.
-    branches: which pairs keep within the stops through the window (none where the axes would have
-    to change over).
+    branch: the pair of axis angles that is given, 0 or 1, of the two that point at the target: the
+    one with less turn of the inner axis.
+    branches: the pairs that keep within the stops through the window (none where the axes would
+    have to change over).
     """
 
     branch: Branch
@@ -155,8 +155,8 @@ class OpportunitiesHead:
     start: of the time searched; UTC.
     stop: of the time searched; UTC.
     unseen: ids of the targets without any window. E.g. `["Reykjavik"]`.
-    assumed: where the targets are that the request gives by name only.
-    warnings: what one should know before relying on it. E.g.
+    assumed: places of the targets that the request gives by name only.
+    warnings: cautions to read before relying on it. E.g.
     `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the plan"]`.
     """
 

@@ -87,9 +87,9 @@ class MarginOut:
 
     limit: the most the axis may. [see `unit`]
     extreme: the nearest to it that the axis comes. [see `unit`]
-    margin: what is left; negative when the limit is broken. [see `unit`]
+    margin: distance from the limit; negative when the limit is broken. [see `unit`]
     unit: of limit, extreme and margin.
-    t_s: when it comes so near, since the table's epoch.
+    t_s: time of the margin, since the table's epoch.
     at: the same instant; UTC.
     """
 
@@ -103,16 +103,17 @@ class MarginOut:
 
 @dataclass(frozen=True, kw_only=True)
 class KeepOutMarginOut:
-    """How near the boresight comes to the axis of one cone of `slew.keep_out`.
+    """The least angle between the boresight and the axis of one cone of `slew.keep_out`.
 
     number: of the cone in the request, from 0. E.g. `0`.
-    about: what the cone is about. E.g. `"the Sun"`.
+    about: the body or direction at the cone's centre. E.g. `"the Sun"`.
     half_angle_deg: of the cone. E.g. `25.0`.
     away_min_deg: least angle between boresight and the cone's axis; null when the cone never counts
     (the Earth hides its body). E.g. `31.2`.
-    margin_deg: how much that is more than the half angle; null when the cone never counts. E.g.
+    margin_deg: least angle less the half angle; null when the cone never counts. E.g.
     `6.2`.
-    at: when it is so near; UTC, null when the cone never counts. E.g. `"2015-02-27T17:36:10.000Z"`.
+    at: time of the least angle; UTC, null when the cone never counts. E.g.
+    `"2015-02-27T17:36:10.000Z"`.
     """
 
     number: Count
@@ -128,10 +129,11 @@ class FindingOut:
     """One thing the verification found wrong or worth knowing.
 
     severity: an error fails the plan.
-    limit: what was looked at. E.g. `"rate"`.
+    limit: the property that was checked. E.g. `"rate"`.
     axis: its name; null when it is no single axis's. E.g. `"alpha"`.
-    at: when; UTC, null when it has no time. E.g. `"2015-02-27T17:36:10.000Z"`.
-    detail: what was found. E.g. `"alpha reaches 3.1 deg/s, 0.1 deg/s past its limit of 3 deg/s"`.
+    at: time of the finding; UTC, null when it has no time. E.g. `"2015-02-27T17:36:10.000Z"`.
+    detail: the finding in words. E.g. `"alpha reaches 3.1 deg/s, 0.1 deg/s past its limit of 3
+    deg/s"`.
     """
 
     severity: Literal["error", "warning"]
@@ -145,9 +147,9 @@ class FindingOut:
 class VerificationOut:
     """The verdict of a judge that shares no code with the planner's geometry and solver.
 
-    passed: whether the table may be flown.
-    findings: what is wrong or worth knowing.
-    taken_as_given: what the judge did not derive for itself.
+    passed: true when the table may be flown.
+    findings: faults, and what is worth knowing.
+    taken_as_given: inputs that the verification did not derive for itself.
     """
 
     passed: bool
@@ -161,21 +163,21 @@ class PlanDocument:
 
     name: as the request gives it.
     platform: the platform's name.
-    summary: what the plan is of, session by session.
-    segments: what the table does, in order of time.
-    margins: how near each axis comes to its limits: by axis, then by limit.
-    keep_out: how near the boresight comes to each cone of the request.
-    masks: how near the boresight comes to each mask of the platform.
-    pointing: how well each session's target is held.
+    summary: sessions of the plan, in short.
+    segments: slews, tracks and waits of the table, in order of time.
+    margins: the least distance of each axis from its limits: by axis, then by limit.
+    keep_out: the least angle between the boresight and each cone of the request.
+    masks: the least angle between the boresight and each mask of the platform.
+    pointing: pointing errors of each session.
     slow_stretches: outside of the sessions, so on slews; those of a session are in `pointing`.
     uncertainty: of every session that looks at a target.
-    verification: whether it may be flown, by a judge of its own.
+    verification: result of the independent verification.
     comparison: each slew beside the paper's spline.
-    horizon_checks: what the carrier's horizon cameras will see, for each session and camera.
-    solver: how the slews were solved.
-    warnings: what one should know before flying it.
-    assumed: what the request left to be looked up or filled in, such as the place of a name or the
-    initial state, and what was taken.
+    horizon_checks: views of the carrier's horizon cameras, for each session and camera.
+    solver: the solution of the slews.
+    warnings: cautions to read before flying it.
+    assumed: values that were looked up or filled in for the request, such as the place of a name or
+    the initial state.
     """
 
     name: str
@@ -215,13 +217,13 @@ class DryRunResponse:
     What can't be flown is refused as the plan itself would be.
 
     valid: always true; what isn't is refused.
-    flies: whether the table passes its verification; only that of the baseline `spline` may not.
+    flies: true when the table passes its verification; only that of the baseline `spline` may not.
     E.g. `true`.
     name: as the request gives it.
     platform: the platform's name.
-    sessions: how many there are.
+    sessions: number of sessions.
     rows: of the table. E.g. `1151`.
-    warnings: what one should know before flying it. E.g.
+    warnings: cautions to read before flying it. E.g.
     `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the plan"]`.
     """
 

@@ -43,7 +43,7 @@ class OffTargetOut:
 
 @dataclass(frozen=True, kw_only=True)
 class PointingOut:
-    """How well one session's target is held, by the independent verification.
+    """The pointing errors of one session, by the independent verification.
 
     Of a test motion: the larger of the axes' deviations from it.
 
@@ -51,7 +51,7 @@ class PointingOut:
     start: from when on it is held; UTC.
     stop: until when; UTC.
     max_arcsec: largest angle between boresight and target.
-    max_at: when that is; UTC.
+    max_at: time of it; UTC.
     rms_arcsec: of the angle over the session.
     rows_max_arcsec: largest angle on the table's rows.
     between_rows_max_arcsec: largest angle between the rows.
@@ -62,17 +62,17 @@ class PointingOut:
     elevation_min_deg: least elevation of the carrier in the target's sky; null unless the target is
     on the Earth.
     range_min_km: least distance; null for a star.
-    closest_at: when that is; UTC, null unless the target is on the Earth.
+    closest_at: time of it; UTC, null unless the target is on the Earth.
     range_max_km: greatest distance; null unless the target is on the Earth.
     limb_clearance_min_deg: least angle above the limb raised by the target's grazing altitude; null
     unless the target is in the sky. E.g. `12.4`.
-    limb_clearance_min_at: when that is; UTC. E.g. `"2015-02-27T17:37:50.000Z"`.
+    limb_clearance_min_at: time of it; UTC. E.g. `"2015-02-27T17:37:50.000Z"`.
     refraction_max_arcsec: largest bending of the ray; null unless the target is in the sky. E.g.
     `0.1`.
     allowed_arcsec: 0.1, or with `keyhole` `nearest` the circle inside the frame.
-    off_target: where the session is tracked only as near as the limits allow, with `keyhole`
-    `nearest`.
-    slow_stretches: where an axis moves slower than its drive runs smoothly.
+    off_target: spans in which the session is tracked only as near as the limits allow, with
+    `keyhole` `nearest`.
+    slow_stretches: spans in which an axis moves slower than its drive runs smoothly.
     """
 
     session: Count

@@ -36,18 +36,18 @@ class Problem:
     type: kind of refusal.
     title: the kind in words.
     status: the answer's HTTP status.
-    detail: what is wrong and the way out.
+    detail: the fault and the way out.
     instance: this request, by the id that the log and the header X-Request-ID name too.
     field: request field at fault, dotted.
     axis: name of the axis that can't do it.
-    limit: which limit breaks.
-    at: when it breaks; UTC. E.g. `"2015-02-27T17:36:10.000Z"`.
+    limit: the limit that breaks.
+    at: time at which it breaks; UTC. E.g. `"2015-02-27T17:36:10.000Z"`.
     earliest_feasible_start: nearest session start that works, for a session that stops at
     `feasible_stop`, when the sessions in `costs_sessions` are left out; UTC.
     feasible_stop: session stop that goes with it; UTC.
     costs_sessions: numbers of the sessions that can't be flown as asked with that start. E.g.
     `[2]`.
-    give_up: what sessions would lose under each `on_conflict`.
+    give_up: the time that sessions would lose under each `on_conflict`.
     errors: every field at fault of a request that can't be read.
     """
 

@@ -29,11 +29,11 @@ class SolverRunOut:
 
 @dataclass(frozen=True, kw_only=True)
 class SlewRunOut:
-    """How one slew was solved.
+    """The solution of one slew.
 
     session: number of the session it leads to, from 0; null for the slew to the final state.
     backend: the method, as `slew.method` names it.
-    status: how good it is: `optimal` (proven: the gap is at most 0.001), `smooth` and its gap,
+    status: quality of the slew: `optimal` (proven: the gap is at most 0.001), `smooth` and its gap,
     `modes suppressed`, `detour` around cones or masks, `feasible, not the smoothest` where the
     solver found none and the motion that proves the slew possible is flown, or `cubic`.
     iterations: of Ipopt, also of motions that aren't flown.
@@ -63,13 +63,13 @@ class SlewRunOut:
 
 @dataclass(frozen=True, kw_only=True)
 class SolverOut:
-    """How the slews were solved, all together and one by one.
+    """The solution of the slews, all together and one by one.
 
     backend: the methods, as `slew.method` names them.
-    status: how good the slews are, as `slews` tells it.
+    status: quality of the slews, as `slews` states it.
     iterations: of Ipopt.
     wall_s: time it took to solve all slews.
-    slews: how each one was solved.
+    slews: the solution of each slew.
     stages_wall_s: time of each stage of the whole plan.
     """
 

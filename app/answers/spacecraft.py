@@ -64,7 +64,7 @@ class ImagingWindowOut:
     """One stretch with the camera on, as the judge finds it on the ground.
 
     request: name of the request it belongs to.
-    look: which strip, look or leg of the request, from 0.
+    look: number of the strip, look or leg within the request, from 0.
     start: first row; UTC.
     stop: last row; UTC.
     first_row: its number, from 0.
@@ -104,10 +104,10 @@ class TurnOut:
     bang_coast_bang_s: the paper's least time about the Euler axis, with any torque rate.
     torque_rate_peak_n_m_s: largest torque rate of the turn.
     eigenaxis_torque_rate_peak_n_m_s: largest torque rate of the turn about the Euler axis.
-    method: how it was solved.
-    time_from: what found the least time a `minimum_time` turn was given: `ocp`, or `eigenaxis`
-        where no shorter turn was found; null for turns that take the time there is.
-    status: how the solver ended.
+    method: method of the solution.
+    time_from: the method that found the least time a `minimum_time` turn was given: `ocp`, or
+    `eigenaxis` where no shorter turn was found; null for turns that take the time there is.
+    status: status in which the solver ended.
     solve_s: time it took to solve.
     """
 
@@ -128,12 +128,13 @@ class TurnOut:
 
 @dataclass(frozen=True, kw_only=True)
 class ImagingChoiceOut:
-    """How good the choice among the requests is.
+    """Quality of the choice among the requests.
 
     value: of the requests chosen.
     bound: no choice is worth more.
-    proven_optimal: whether the choice is known to be the best.
-    greedy_value: what taking the most valuable that fits, one after another, is worth.
+    proven_optimal: true when the choice is proven to be the best.
+    greedy_value: worth of the choice that takes the most valuable request that fits, one after
+    another.
     """
 
     value: NotNegative
@@ -146,8 +147,8 @@ class ImagingChoiceOut:
 class SpacecraftVerificationOut:
     """The verdict of a judge that sees the table and the request only; extremes between rows.
 
-    passed: whether the table may be flown.
-    findings: what breaks, in words. E.g.
+    passed: true when the table may be flown.
+    findings: limits that break, in words. E.g.
     `["gimbal rate, deg/s: 58.1 exceeds 57.3"]`.
     rate_max_deg_s: largest rate about each body axis.
     torque_max_n_m: largest torque.
@@ -174,7 +175,7 @@ class SteadinessOut:
     """One imaging interval over all dispersed closed-loop runs.
 
     request: name of the request it belongs to.
-    look: which strip, look or leg of the request, from 0.
+    look: number of the strip, look or leg within the request, from 0.
     steady: within 0.001 deg/s on every axis in every run.
     rate_error_deg_s: largest per body axis.
     rate_error_rms_deg_s: root mean square of the vector.
@@ -207,7 +208,7 @@ class SteadinessOut:
 class StabilisationOut:
     """Closed-loop runs of the table.
 
-    runs: how many, dispersed.
+    runs: number of dispersed runs.
     share_steady: of intervals times runs; null without any.
     worst_deg_s: largest rate error on any axis; null without any.
     windows: each interval over all runs.
@@ -225,15 +226,15 @@ class SpacecraftPlanDocument:
 
     name: as the request gives it.
     spacecraft: the spacecraft's name.
-    summary: what the session is of, request by request.
-    windows: what is imaged, in order of time.
+    summary: requests of the session, in short.
+    windows: scans of the session, in order of time.
     left_out: requests that don't fit, and why.
-    choice: how good it is.
+    choice: quality of the choice among the requests.
     turns: between the windows, in order of time.
-    verification: whether it may be flown, by a judge of its own.
-    stabilisation: how steady the camera is in closed loop.
-    assumptions: what the numbers rest on that the paper doesn't give.
-    warnings: what one should know before flying it. E.g.
+    verification: result of the independent verification.
+    stabilisation: steadiness of the camera in closed loop.
+    assumptions: values assumed because the paper doesn't give them.
+    warnings: cautions to read before flying it. E.g.
     `["in 4 dispersed runs 75% of the imaging intervals were steady within 0.001 deg/s"]`.
     """
 
@@ -268,9 +269,9 @@ class SpacecraftDryRunResponse:
     flies: always true: a session's table passed its verification.
     name: as the request gives it.
     spacecraft: the spacecraft's name.
-    requests: how many there are.
+    requests: number of requests.
     left_out: names of those that don't fit. E.g. `["Corridor"]`.
-    warnings: what one should know before flying it. E.g.
+    warnings: cautions to read before flying it. E.g.
     `["the elements' epoch 2024-05-28T11:40:53Z is 3.9 days from the session"]`.
     """
 

@@ -29,9 +29,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class LineTraceOut:
-    """Where the camera looks; null where a ray passes the Earth by.
+    """Direction and footprint of the camera; null where a ray passes the Earth by.
 
-    latitude_deg: where the optical axis meets the WGS84 ellipsoid.
+    latitude_deg: of the point where the optical axis meets the WGS84 ellipsoid.
     longitude_deg: of that point; east positive.
     range_m: to that point.
     left_latitude_deg: of the scanned line's left end on the ellipsoid.
@@ -65,10 +65,10 @@ class LineTraceOut:
 
 @dataclass(frozen=True, kw_only=True)
 class SwathOut:
-    """What one window images: the ring around it, its places in order.
+    """The ground imaged in one window: the ring around it, its places in order.
 
     request: name of the request it belongs to.
-    look: which strip, look or leg of the request, from 0.
+    look: number of the strip, look or leg within the request, from 0.
     start: first row; UTC.
     stop: last row; UTC.
     latitude_deg: of each place around it; empty where it isn't all on the Earth.
@@ -89,7 +89,7 @@ class AskedPlacesOut:
 
     name: of the request.
     mode: of the request.
-    imaged: whether any of it is.
+    imaged: true when any of it is imaged.
     latitude_deg: of each place.
     longitude_deg: of each place; east positive.
     """
@@ -103,7 +103,7 @@ class AskedPlacesOut:
 
 @dataclass(frozen=True, kw_only=True)
 class SessionLimitsOut:
-    """What the session keeps to.
+    """Limits of the session.
 
     rate_axis_max_deg_s: about each body axis, in turns. E.g. `1.58`.
     rate_error_max_deg_s: about each body axis while the camera runs, for the image to be sharp.
@@ -120,14 +120,14 @@ class SessionLimitsOut:
 
 @dataclass(frozen=True, kw_only=True)
 class SpacecraftViewResponse:
-    """What there is to see of an imaging session: a line for each row shown, in every column.
+    """The view of an imaging session as columns, with a value for each row shown.
 
     Vectors are [x, y, z] in body axes, gimbals 1 to 4.
 
     id: of the plan, as its address names it.
     name: of the session.
     spacecraft: its name.
-    verified: whether the plan's verification passed.
+    verified: true when the plan's verification passed.
     epoch: of row 0; UTC.
     step_s: from row to row shown; the table's last row is shown too.
     t_s: of each row, since the epoch.
@@ -137,9 +137,9 @@ class SpacecraftViewResponse:
     gimbal_deg: angles of the four gyros' gimbals.
     gimbal_rate_deg_s: rates of the four gyros' gimbals.
     momentum_n_m_s: of the gyros' rotors, in body axes.
-    limits: what the session keeps to.
-    swaths: what each window images.
-    requests: what was asked for, imaged or not.
+    limits: limits of the session.
+    swaths: ground imaged in each window.
+    requests: places that were asked for, imaged or not.
     """
 
     __pydantic_config__ = BUILT_ON_FIRST_USE

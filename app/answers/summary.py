@@ -30,7 +30,7 @@ class SessionSummaryOut:
     stop: its last row; UTC.
     best_elevation_deg: the carrier's highest in the target's sky during the session; null unless
     the target is on the Earth. E.g. `72.3`.
-    best_at: when that is; UTC. E.g. `"2015-02-27T17:36:58.000Z"`.
+    best_at: time of it; UTC. E.g. `"2015-02-27T17:36:58.000Z"`.
     probability_in_frame: that the target stays inside the camera's frame over the whole session;
     null for a test motion. E.g. `0.97`.
     ground_sample_m: the longer side of a pixel of 0.678 arcsec on the ground where the carrier is
@@ -52,11 +52,11 @@ class SessionSummaryOut:
 
 @dataclass(frozen=True, kw_only=True)
 class PlanSummaryOut:
-    """What the plan is of.
+    """Summary of a plan.
 
     name: as the request gives it.
     platform: the platform's name.
-    targets: what its sessions look at, each once: names, or else ids, or else the target in a few
+    targets: targets of its sessions, each once: names, or else ids, or else the target in a few
     words.
     start: of the first session; UTC.
     stop: of the last session; UTC.

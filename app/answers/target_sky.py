@@ -25,12 +25,12 @@ _EVENTS = ("rise", "culmination", "set")
 class SkyPointOut:
     """The carrier and the Sun in the target's sky at one instant, without refraction.
 
-    at: when; UTC.
+    at: time of the point; UTC.
     azimuth_deg: of the carrier, clockwise from north.
     elevation_deg: of the carrier.
     sun_azimuth_deg: of the Sun's centre, clockwise from north.
     sun_elevation_deg: of the Sun's centre: day above 0.
-    local_solar_time: apparent, as a sundial at the target tells it, in hours, minutes and seconds.
+    local_solar_time: apparent, as a sundial at the target shows it, in hours, minutes and seconds.
     """
 
     at: str
@@ -46,7 +46,7 @@ class TargetSkyOut:
     """A pass in the target's sky, as pass tables have it.
 
     rise: as the window opens.
-    culmination: where the carrier is highest within the window.
+    culmination: highest point of the carrier within the window.
     set: as the window closes.
     """
 
@@ -57,7 +57,7 @@ class TargetSkyOut:
 
 @dataclass(frozen=True, kw_only=True)
 class PlaceOut:
-    """Where the target is as the carrier culminates.
+    """Place of the target as the carrier culminates.
 
     latitude_deg: geodetic, WGS84; north positive.
     longitude_deg: WGS84; east positive.

@@ -36,13 +36,13 @@ class EstimateOut:
 
 @dataclass(frozen=True, kw_only=True)
 class PointingPartsOut:
-    """How far the target was from the frame's centre at an instant and why: along the frame's
-    first side and its second.
+    """Distance of the target from the frame's centre at an instant, and its causes: along the
+    frame's first side and its second.
 
-    at: when; UTC. E.g. `"2015-02-27T17:37:00.000Z"`.
+    at: time of the measurement; UTC. E.g. `"2015-02-27T17:37:00.000Z"`.
     session: number of the session then, from 0; null outside of sessions. E.g. `0`.
-    measured: what told of the attitude: a rotation as of the horizon, or the target in an image.
-    E.g. `"image"`.
+    measured: source of the measured attitude: a rotation as of the horizon, or the target in an
+    image. E.g. `"image"`.
     axes_arcsec: error of the boresight by the axes; null without angles of both. E.g.
     `[2.5, -1.0]`.
     attitude_arcsec: of the target by the attitude, beyond what the plan reckoned with. E.g.
@@ -63,11 +63,11 @@ class PointingPartsOut:
 
 @dataclass(frozen=True, kw_only=True)
 class ParameterOut:
-    """A parameter of the platform as it must have been.
+    """A parameter of the platform, estimated from the telemetry.
 
     name: the axis's name, a dot, and the field's in `platform`. E.g. `"beta.coulomb_deg_s2"`.
-    planned: what the plan's platform has, in the field's unit. E.g. `0.05`.
-    found: what it must have been. E.g. `0.1`.
+    planned: value of the plan's platform, in the field's unit. E.g. `0.05`.
+    found: value estimated from the telemetry. E.g. `0.1`.
     sigma: 1-sigma error; null where the found one is a bound, as of `rate_min_deg_s`, below which
     the axis was seen to stick and slip. E.g. `0.001`.
     """
@@ -84,16 +84,16 @@ class ComparisonResponse:
 
     plan: id of the plan.
     name: the plan's.
-    epoch: of the plan's table, from which the clock is told; UTC.
-    samples: what became of the rows.
+    epoch: of the plan's table, from which the clock is counted; UTC.
+    samples: use of the rows: read, left out, compared.
     time_offset_s: by how much the telemetry's clock is ahead at `epoch`: a time tag is the plan's
     time, plus this, plus `clock_drift` times the seconds since `epoch`. Of the earlier axis: its
     sigma holds that either may be late by what their difference leaves open.
     clock_drift: by how much the telemetry's clock gains, a share of time.
     common_offset_s: the same if both axes are equally late, as those of one make are; null where
-    they clearly aren't, or where one axis alone tells the time. E.g. `null`.
+    they clearly aren't, or where one axis alone gives the time. E.g. `null`.
     axes: by the axis's name, those with samples.
-    pointing: what corrections and image offsets say beside the axes.
+    pointing: pointing errors from corrections and image offsets.
     corrections: of the attitude against its law, as `attitude.corrections` of the next request
     takes them: measured ones given and those found of images. Angles of the axes alone say nothing
     of the attitude: without either there are none.
@@ -101,7 +101,7 @@ class ComparisonResponse:
     that stuck and slipped above it.
     platform: as planned with, but for `parameters`, as `platform` of the next request takes it;
     null where none was found. E.g. `null`.
-    warnings: what one should know before relying on it. E.g.
+    warnings: cautions to read before relying on it. E.g.
     `["alpha_deg fits the plan in rad and was read so, not in deg as its name says"]`.
     """
 

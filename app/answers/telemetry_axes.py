@@ -30,7 +30,7 @@ _UNITS: dict[Limit, _LimitUnit] = {
 class PhaseErrorsOut:
     """Measured less planned during one segment of the table.
 
-    kind: what the table does.
+    kind: kind of the segment.
     session: number of the session it belongs to, from 0; null on the way to the final state.
     start: of the segment; UTC.
     stop: of the segment; UTC.
@@ -66,7 +66,7 @@ class OscillationOut(StretchOut):
 class StickSlipOut(StretchOut):
     """A stretch in which the axis stands while its command moves, and catches up in slips.
 
-    slips: how often it let go. E.g. `4`.
+    slips: number of slips. E.g. `4`.
     stuck_share: of the time that it stood. E.g. `0.6`.
     slip_arcsec: the farthest slip. E.g. `10.5`.
     rate_arcsec_s: largest rate commanded meanwhile [arcsec/s]. E.g. `18.2`.
@@ -82,7 +82,7 @@ class StickSlipOut(StretchOut):
 class ExceededOut(StretchOut):
     """A stretch in which the measured motion went beyond a limit, by more than its noise.
 
-    limit: which. E.g. `"rate"`.
+    limit: the limit that was exceeded. E.g. `"rate"`.
     value: the farthest, in `unit`. E.g. `3.2`.
     bound: the limit, in `unit`. E.g. `3.0`.
     unit: of both. E.g. `"deg/s"`.
@@ -96,25 +96,25 @@ class ExceededOut(StretchOut):
 
 @dataclass(frozen=True, kw_only=True)
 class AxisComparisonOut:
-    """What one axis did, measured less planned, once the telemetry's clock was set right.
+    """Errors of one axis, measured less planned, with the telemetry's clock corrected.
 
-    basis: whether errors are those of angles, or of rates added up: of those a constant and a
-    steady drift can't be seen and are left out.
+    basis: `angles` for errors of angles, `rates` for errors of rates added up: of the latter a
+    constant and a steady drift can't be seen and are left out.
     samples: errors there are.
     rms_arcsec: of all errors.
     max_arcsec: the largest, either way.
     mean_arcsec: of all errors.
-    lag_s: how much later the axis moves than the other one; what both are late by can't be told
-    from the clock, and is in `time_offset_s`.  Null of an axis that tells no time, as it doesn't
-    follow its plan or hardly moves; `warnings` say which.
+    lag_s: delay of the axis behind the other one; a delay of both can't be separated from the
+    clock, and is in `time_offset_s`. Null for an axis that gives no time, as it doesn't follow its
+    plan or hardly moves; `warnings` say which.
     lag_sigma_s: 1-sigma error of the axes' difference; null without `lag_s`.
     phases: segment by segment of the table.
     oscillations: in order of time, at most 1,000.
     oscillations_searched_hz: lowest and highest frequency that the samples are long and fine enough
-    to tell of; null where they are too few. E.g. `[0.067, 6.8]`.
+    to show; null where they are too few. E.g. `[0.067, 6.8]`.
     stick_slip: stretches in order of time, at most 1,000.
     limits_exceeded: stretches in order of time, at most 1,000.
-    limits_checked: limits that the samples are fine enough to tell of.
+    limits_checked: limits that the samples are fine enough to check.
     """
 
     basis: Basis

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 class StretchOut:
     """Of time, by the plan's clock.
 
-    start: when it begins; UTC. E.g. `"2015-02-27T17:36:20.000Z"`.
-    stop: when it ends; UTC. E.g. `"2015-02-27T17:36:24.000Z"`.
+    start: start of the stretch; UTC. E.g. `"2015-02-27T17:36:20.000Z"`.
+    stop: end of the stretch; UTC. E.g. `"2015-02-27T17:36:24.000Z"`.
     """
 
     start: str
@@ -27,14 +27,14 @@ class StretchOut:
 
 @dataclass(frozen=True, kw_only=True)
 class TelemetryColumnOut:
-    """How a column was read.
+    """The reading of one column.
 
     name: as it was sent.
-    axis: the axis it tells of.
+    axis: the axis it belongs to.
     kind: of its angle or of its rate.
     unit: in which it was read; of a rate, the unit's part before the time.
-    unit_from: what said so: the column's name, a row of units under the names, or which unit fits
-    the plan.
+    unit_from: source of the unit: the column's name, a row of units under the names, or which unit
+    fits the plan.
     """
 
     name: str
@@ -46,7 +46,7 @@ class TelemetryColumnOut:
 
 @dataclass(frozen=True, kw_only=True)
 class SamplesOut:
-    """What became of the rows.
+    """The use of the rows: read, left out, compared.
 
     read: rows there were: those used and those dropped.
     used: rows that the comparison rests on.
@@ -62,7 +62,7 @@ class SamplesOut:
     gaps: stretches without rows, at most 200. E.g.
     `[{"start": "2015-02-27T17:35:00.000Z", "stop": "2015-02-27T17:35:10.000Z"}]`.
     columns: those read.
-    ignored_columns: names of those that tell of no axis, or hold nothing. E.g. `["temperature"]`.
+    ignored_columns: names of those that belong to no axis, or hold nothing. E.g. `["temperature"]`.
     """
 
     read: Count

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class AxisMotionOut:
-    """How one axis moves, a number a row.
+    """The motion of one axis, with a number for each row.
 
     Acceleration and jerk are those of the cubic that is flown from the row to the table's next;
     they jump from row to row.
@@ -52,7 +52,7 @@ class AxisMotionOut:
 
 @dataclass(frozen=True, kw_only=True)
 class AxisBoundsOut:
-    """What one axis may do.
+    """Limits of one axis.
 
     angle_min_deg: its lower stop.
     angle_max_deg: its upper stop.
@@ -86,9 +86,10 @@ class CarrierTrackOut:
 
 @dataclass(frozen=True, kw_only=True)
 class BoresightTraceOut:
-    """Where the camera looks.
+    """Direction and footprint of the camera.
 
-    latitude_deg: where the boresight meets the WGS84 ellipsoid; null where it passes the Earth by.
+    latitude_deg: of the point where the boresight meets the WGS84 ellipsoid; null where it passes
+    the Earth by.
     longitude_deg: of that point; east positive.
     range_m: to that point.
     off_nadir_deg: of the boresight from the geocentric nadir.
@@ -135,10 +136,10 @@ class BodyTrackOut:
 class TargetTrackOut:
     """One session's target over the whole table; null where a number has no meaning.
 
-    A target with a timetable of its own is told of in its session only, a test motion not at all.
+    A target with a timetable of its own appears in its session only, a test motion not at all.
 
     session: its number, from 0.
-    name: what the session is called.
+    name: name of the session.
     mode: of the target.
     start: of the session, as it is flown; UTC.
     stop: of the session, as it is flown; UTC.
@@ -157,7 +158,8 @@ class TargetTrackOut:
     sun_elevation_deg: of the Sun's centre in the target's sky, without refraction; null in space.
     sun_separation_deg: of the line of sight to the target from the Sun's centre.
     moon_separation_deg: of the line of sight to the target from the Moon's centre.
-    windows: when it can be seen, from half an hour before the session to half an hour after.
+    windows: spans in which it can be seen, from half an hour before the session to half an hour
+    after.
     """
 
     session: Count
@@ -182,7 +184,7 @@ class TargetTrackOut:
 
 @dataclass(frozen=True, kw_only=True)
 class PointingTraceOut:
-    """How far off its target the boresight is, and may be; null outside the sessions.
+    """Pointing error and its tolerance; null outside the sessions.
 
     error_arcsec: between the boresight and the session's target, on the row.
     sigma_major_arcsec: half the long axis of the 1-sigma ellipse of the target in the image.
@@ -201,12 +203,12 @@ class ConeTraceOut:
     """One cone of `slew.keep_out`.
 
     number: of the cone in the request, from 0. E.g. `0`.
-    about: what the cone is about. E.g. `"the Sun"`.
+    about: the body or direction at the cone's centre. E.g. `"the Sun"`.
     half_angle_deg: of the cone. E.g. `25.0`.
     separation_deg: of the boresight from the cone's axis. E.g. `[61.2, 61.1]`.
-    counts: whether the cone is in force; one about a body lapses while the Earth hides it. E.g.
+    counts: true where the cone is in force; one about a body lapses while the Earth hides it. E.g.
     `[true, true]`.
-    outline_t_s: when outlines are told, since the table's epoch. E.g. `[0.0, 10.0]`.
+    outline_t_s: times of the outlines, since the table's epoch. E.g. `[0.0, 10.0]`.
     outline_deg: per axis, for each of these times, for each of the two ways of pointing there: axis
     angles around the cone's side, the first point again at the end; null where no angles point
     there. E.g. `{"alpha": [[[10.0, null]]], "beta": [[[20.0, null]]]}`.
@@ -227,7 +229,7 @@ class BaselineSlewOut:
 
     session: number of the session it leads to, from 0; null to the final state.
     t_s: since the table's epoch.
-    axes: how each axis would move.
+    axes: motion of each axis.
     """
 
     session: Count | None
@@ -237,20 +239,20 @@ class BaselineSlewOut:
 
 @dataclass(frozen=True, kw_only=True)
 class PlanViewResponse:
-    """What there is to see of a plan: a line for each row shown, in every column.
+    """The view of a plan as columns, with a value for each row shown.
 
     id: of the plan, as its address names it.
     name: of the plan.
     platform: its name.
-    verified: whether the plan's verification passed.
+    verified: true when the plan's verification passed.
     epoch: of row 0; UTC.
     step_s: from row to row shown; the table's last row is shown too.
-    pixel_arcsec: angle a pixel sees, by which ground samples are told.
+    pixel_arcsec: angle that a pixel covers, for which ground samples are given.
     t_s: of each row, since the epoch.
-    activity: what the table does from the row on.
+    activity: activity of the platform from the row on.
     session: number of the session that belongs to, from 0; null on the way to the final state.
-    axes: how each axis moves, by its name.
-    limits: what each axis may do, by its name.
+    axes: motion of each axis, by its name.
+    limits: limits of each axis, by its name.
     keyholes_deg: angles of the second axis at which the boresight lies in the plane of both: near
     them the first must turn fast. E.g. `[-90.0, 90.0]`.
     frame_deg: the camera's field of view along the frame's first side and its second. E.g.

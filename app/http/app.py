@@ -69,18 +69,18 @@ service's log name the same. Beyond loopback send `Authorization: Bearer` with a
 _TAGS = [
     {"name": name, "description": meaning}
     for name, meaning in (
-        ("plans", "Command tables of a two-axis platform: sessions in, a verified table out."),
-        ("flights", "Plans flown many times with errors drawn anew: what the camera will hold."),
-        ("opportunities", "When each target can be seen."),
-        ("campaigns", "Many targets over days: which sessions, in what order, all planned."),
+        ("plans", "Verified command tables of a two-axis platform, planned from sessions."),
+        ("flights", "Plans simulated many times with errors drawn at random."),
+        ("opportunities", "Windows of time in which targets can be seen."),
+        ("campaigns", "Sessions of many targets over days, chosen, ordered and planned."),
         (
             "horizon",
-            "The local vertical, measured in images of the horizon; what cameras will see.",
+            "The local vertical measured in images of the horizon, and views of horizon cameras.",
         ),
-        ("telemetry", "What flew beside what was planned."),
+        ("telemetry", "Telemetry compared with the plan that was flown."),
         ("spacecraft", "Imaging sessions of the agile CMG spacecraft."),
-        ("platforms", "What can be asked for by name."),
-        ("system", "For operators and monitors."),
+        ("platforms", "Platforms, places and stars that a request can name."),
+        ("system", "Health, metrics and audit log, for operators and monitors."),
     )
 ]
 

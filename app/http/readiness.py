@@ -33,9 +33,9 @@ IERS_WARNING_DAYS = 30.0
 class ReadinessCheckOut:
     """One thing the service depends on.
 
-    name: what is depended on.
+    name: name of the dependency.
     state: `degraded` still works, and `detail` says how well.
-    detail: what was found.
+    detail: the finding in words.
     """
 
     name: str

@@ -11,11 +11,11 @@ from planner.inflight.flights.request import SEED_MAX, Mover
 class FlightsRequest:
     """A plan's table flown many times, with errors drawn anew for each run.
 
-    name: yours, told in lists. E.g. `"Las Vegas, before uplink"`.
-    runs: how many flights; 400 tell a probability to 0.05 with 95 % confidence, 1,000 to 0.03.
+    name: your name for it, shown in lists. E.g. `"Las Vegas, before uplink"`.
+    runs: number of runs; 400 give a probability to 0.05 with 95 % confidence, 1,000 to 0.03.
     seed: of the errors; the same seed draws the same ones, run by run, however many runs there are.
     mover: something that moves over the ground at the target, whose shift from frame to frame is
-    told.
+    given.
     """
 
     name: str = ""

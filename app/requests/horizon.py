@@ -28,7 +28,7 @@ class PredictionRequest:
 
     attitude_sigma_deg: 1-sigma error of the attitude about each axis.
     cameras: the carrier's.
-    instants: when each camera's view is told; UTC.
+    instants: times of each camera's views; UTC.
     """
 
     orbit: Orbit
@@ -57,7 +57,7 @@ class PredictionRequest:
 class PictureRequest:
     """One camera's picture of the horizon, to be rendered.
 
-    at: when it is taken; UTC.
+    at: time of the exposure; UTC.
     seed: of clouds and noise; the same gives the same picture.
     """
 

@@ -20,7 +20,7 @@ _STEP_US = round(COMMAND_STEP_S * 1e6)
 
 @spec
 class AskedInitialState:
-    """Where the platform is, and how it moves, when the table begins; at rest at zero unless given.
+    """Angles and rates of the axes when the table begins; at rest at zero unless given.
 
     One entry per axis of the platform, by the axis's name.
 

@@ -21,8 +21,8 @@ SPAN_MAX_S = 86400.0  # 432,000 rows, some 30 MB
 class PlanRequest(Scenario):
     """A carrier, a platform on it, its state, and the sessions to fly in order of time.
 
-    initial_state: where the platform is when the table begins; what is left out is filled in, and
-    `assumed` of the plan says how.
+    initial_state: state of the platform when the table begins; members left out are filled in, as
+    `assumed` of the plan states.
     horizon_cameras: the carrier's; `horizon_checks` says what they will see.
     """
 

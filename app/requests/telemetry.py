@@ -53,14 +53,15 @@ class TelemetrySamples:
 
 @spec
 class ComparisonRequest:
-    """What was measured of the axes while a plan was flown, and what else was seen meanwhile.
+    """Telemetry of the axes while a plan was flown, with corrections and image offsets of the same
+    time.
 
     plan: id of the plan that was flown. E.g. `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
     corrections: measured rotations of the carrier during the plan, each as a horizon estimate
     answers its `correction`. E.g. `[{"epoch": "2015-02-27T17:37:00Z", "turn_body_deg":
     [0.25, 0.05, 0.0], "covariance_deg2": [[4e-4, 0.0, 0.0], [0.0, 4e-4, 0.0],
     [0.0, 0.0, 32400.0]]}]`.
-    image_offsets: where the target was found in frames of the session. E.g.
+    image_offsets: positions of the target in frames of the session. E.g.
     `[{"epoch": "2015-02-27T17:37:00Z", "offset_deg": [0.12, -0.05], "sigma_deg": 0.001}]`.
     identify: parameters of the platform's drives to find, each `axis.field`, of plans up to 600 s;
     it takes 20 to 30 s of a processor. E.g. `["alpha.coulomb_deg_s2", "beta.coulomb_deg_s2"]`.

@@ -17,10 +17,10 @@ class AuditEntry:
     """One deed.
 
     id: greater than those before.
-    at: when it was done; UTC.
+    at: time of the action; UTC.
     key_id: id of the API key it was done with; null without one. E.g.
     `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
-    action: what was done.
+    action: the action, such as `plan.accept`.
     subject: id of what it was done to.
     detail: more about it, if there is.
     """

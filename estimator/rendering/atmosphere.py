@@ -29,7 +29,7 @@ _OPAQUE = 60.0
 
 @spec
 class Atmosphere:
-    """What the air holds; the defaults are a clear day.
+    """Composition of the air; the defaults are a clear day.
 
     air_scale_m: scale height of the air.
     air_density: at sea level, against the usual.

@@ -36,7 +36,7 @@ _STRETCH = np.array([1.0, 1.0, 1.0 / (1.0 - WGS84_F)])  # makes the ellipsoid a 
 
 @spec
 class Scene:
-    """What there is to be seen besides the air.
+    """Ground, clouds, light and stars of the picture.
 
     cloud_cover: share of the Earth under clouds; from 1.12 on they are thick everywhere.
     land: share of the ground that is land.

@@ -10,8 +10,8 @@ class Assumed:
     """One thing that was looked up or filled in.
 
     field: of the request, dotted. E.g. `"sessions.0.target.name"`.
-    detail: what was taken. E.g. `"Ljubljana, SI (GeoNames 3196359)"`.
-    members: what says the same in full, in a request. E.g. `{"latitude_deg": 46.05108,
+    detail: the value that was taken, in words. E.g. `"Ljubljana, SI (GeoNames 3196359)"`.
+    members: members of a request that say the same in full. E.g. `{"latitude_deg": 46.05108,
     "longitude_deg": 14.50513, "height_m": 343.0}`.
     """
 

@@ -94,8 +94,8 @@ class FieldError:
     """One field at fault.
 
     field: its dotted name. E.g. `"sessions.0.target.latitude_deg"`.
-    detail: what is wrong and the way out. E.g. `"must lie in -90..90, not 91"`.
-    value: what it holds, if that is no object or list. E.g. `91`.
+    detail: the fault and the way out. E.g. `"must lie in -90..90, not 91"`.
+    value: its value, if that is no object or list. E.g. `91`.
     """
 
     field: str
@@ -155,7 +155,7 @@ class TrackBreaksLimit(Refusal):
 
 @dataclass(frozen=True, kw_only=True)
 class GiveUp:
-    """What one session would lose if the plan's `on_conflict` were set so.
+    """The time that one session would lose if the plan's `on_conflict` were set so.
 
     on_conflict: the setting that would lose this. E.g. `"shorten_later"`.
     session: number of the session that loses, from 0. E.g. `1`.

@@ -30,13 +30,14 @@ class ImagingOpportunityRequest:
     The camera looks from orbital orientation, by the angles along and across the track that the
     settings have.
 
-    name: yours, told in lists.
+    name: your name for it, shown in lists.
     spacecraft: by its registered name.
-    requests: what is to be imaged, as in a plan; `window_start`, `window_stop` and `start` count.
-    start: when the search begins; UTC.
-    stop: when it ends; UTC.
+    requests: the requests to be imaged, as in a plan; `window_start`, `window_stop` and `start`
+    count.
+    start: start of the search; UTC.
+    stop: end of the search; UTC.
     conditions: to be met for all of a request's positions.
-    samples: instants per window, its edges included, at which the view is told.
+    samples: instants per window, its edges included, at which the view is given.
     """
 
     name: str = ""

@@ -55,7 +55,7 @@ class ImagingPlan(SessionTable):
 
     turns: each beside its eigenaxis baselines.  choice: worth and bound of what was chosen
     (against the turn times as estimated).  stabilisation: of the dispersed closed-loop runs.
-    assumptions: what the numbers rest on that the paper doesn't give.
+    assumptions: values assumed because the paper doesn't give them.
     """
 
     turns: tuple[PlannedTurn, ...]

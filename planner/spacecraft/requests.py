@@ -31,7 +31,7 @@ SCAN_SPEED_M_S = 60e3 / 11.0  # Platonov, Sumarokov 2019: a strip of 60 km in ab
 class ImagingRequest:
     """What every mode has.
 
-    name: yours, different from the others'; the answer tells of it by this.
+    name: your name for it, different from the others'; the answer uses it.
     priority: worth of the whole request.
     scan_speed_m_s: of the scanned line over the ground.
     height_m: of the ground above the ellipsoid.
@@ -133,7 +133,7 @@ Request = Annotated[
 
 @spec
 class SpacecraftSettings:
-    """What a session may change about the spacecraft; the rest is its definition.
+    """Settings of the spacecraft that a session may change; the rest is its definition.
 
     rate_axis_max_deg_s: of each body axis in turns (the gyro reads 1.6).
     torque_max_n_m: in turns; four gyros give 30 in every direction whatever they store.
@@ -185,13 +185,13 @@ class ImagingPlanRequest:
     `initial_q_body_from_eci_xyzw`, which is left for orbital orientation at once; the session ends
     by `stop`, in orbital orientation.
 
-    name: yours, told in the plan and its files.
+    name: your name for it, repeated in the plan and its files.
     spacecraft: by its registered name.
     start: row 0 of the table; UTC, a whole multiple of 0.2 s after its second.
     stop: by when the spacecraft is back in orbital orientation; UTC.
     initial_q_body_from_eci_xyzw: attitude at rest at the start, scalar last, as SciPy's `Rotation`
     that carries ECI onto body axes; orbital orientation unless given. E.g. `[0.0, 0.0, 0.0, 1.0]`.
-    requests: what is to be imaged; those that don't fit are left out.
+    requests: the requests to be imaged; those that don't fit are left out.
     objective: of turns: `smooth` spends the least torque rate in the time there is, `minimum_time`
     is as fast as the limits allow.
     simulation_runs: dispersed closed-loop runs behind the stabilisation report.

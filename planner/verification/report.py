@@ -169,8 +169,8 @@ class SessionReport:
     """One session, judged from the row at or before its start to the row at or after its stop.
 
     at_rows, between_rows, overall: over the rows, over the instants between them, over both.
-    allowed_rad: the pointing error the session may have.  off_target: where it is tracked as
-    near as the limits allow, in order of time.
+    allowed_rad: the pointing error the session may have.  off_target: spans in which it is tracked
+    as near as the limits allow, in order of time.
     view: None where the session prescribes how the axes move instead of where to look.
     slow_stretches: in order of axis, then of time.
     """

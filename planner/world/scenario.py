@@ -67,13 +67,13 @@ class InitialState:
 class Session:
     """One target held from `start` to `stop`.
 
-    id: your name for it, different from the other sessions'; the plan tells it. E.g. `"LV-7"`.
-    name: what people call it; the plan tells it and lists it. E.g. `"Las Vegas, east"`.
-    target: what is looked at.
+    id: your name for it, different from the other sessions'; the plan repeats it. E.g. `"LV-7"`.
+    name: name of the session, repeated in the plan and in lists. E.g. `"Las Vegas, east"`.
+    target: the target that is tracked.
     start: from when on the target is held; UTC.
     stop: until when it is held; UTC.
-    keyhole: what to do where following the target exactly would break a limit, as it does near the
-    outer axis: refuse, or follow as near as the limits allow, in the frame.
+    keyhole: treatment of spans where following the target exactly would break a limit, as it does
+    near the outer axis: refuse, or follow as near as the limits allow, in the frame.
     """
 
     id: str | None = None
@@ -130,7 +130,7 @@ Lead = Annotated[
 
 @spec
 class FinalAngles:
-    """Where the axes are to rest.
+    """Angles at which the axes are to rest.
 
     angles_deg: of each axis, by its name. E.g. `{"alpha": 0.0, "beta": 0.0}`.
     park: name of a park position of the platform. E.g. `"zero"`.
@@ -152,7 +152,7 @@ FinalState = Annotated[
 
 @spec
 class SlewOptions:
-    """How the platform gets onto the track.
+    """Options of the slews.
 
     The spline knows neither `keep_out` nor `avoid_modes`; the judge says what it enters, the
     comparison what it excites.
@@ -162,8 +162,8 @@ class SlewOptions:
     `minimum_time` is on the target as early as its limits and the target's visibility allow.
     jerk_max_deg_s3: replaces the platform's own jerk limit on both axes. E.g. `0.5`.
     filter_cutoff_hz: of the spline's first-order low-pass (Sumarokov 2016, p. 91); null for none.
-    filter_lag_compensation: whether the spline's join is aimed ahead by the filter's lag.
-    lead: how much of the time before a session its slew takes: "all", or what is bounded; before it
+    filter_lag_compensation: true to aim the spline's join ahead by the filter's lag.
+    lead: time before a session that its slew may take: "all", or a bounded time; before it
     the axes are brought to rest, if they move, and wait.
     keep_out: cones the boresight must not enter, on the way or on a target.
     avoid_modes: structural modes that slews leave at rest as well as their time allows: it takes
@@ -204,14 +204,14 @@ class SlewOptions:
 class Scenario:
     """A carrier, a platform on it, its state, and the sessions to fly in order of time.
 
-    name: yours, told in the plan and its files.
-    initial_state: where the platform is when the table begins.
-    sessions: what to look at, in order of time.
-    slew: how the platform gets from target to target.
-    on_conflict: what to do when a slew doesn't fit between two sessions: refuse, begin the later
+    name: your name for it, repeated in the plan and its files.
+    initial_state: state of the platform when the table begins.
+    sessions: the sessions, in order of time.
+    slew: options of the slews between targets.
+    on_conflict: treatment of a slew that doesn't fit between two sessions: refuse, begin the later
     one late, end the earlier one early, or whatever of both loses the least time.
-    final_state: where the axes are brought to rest when the last session is over; unless given,
-    the table ends with that session, however the axes move.
+    final_state: angles at which the axes are brought to rest when the last session is over; unless
+    given, the table ends with that session, however the axes move.
     """
 
     name: str = ""

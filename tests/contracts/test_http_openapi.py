@@ -29,6 +29,9 @@ REGISTRIES = [
     ("CampaignTarget", "target", "mode", WITH_WINDOWS),
 ]
 REGISTERED = {(schema, field): registry for schema, field, _, registry in REGISTRIES}
+VERBS = {"Cancel", "Check", "Choose", "Compare", "Delete", "Estimate", "Fly", "Get", "List"}
+VERBS |= {"Plan", "Predict", "Render", "Search", "Stream", "View"}
+INDIRECT_QUESTION = re.compile(r"(What|How|Where|When|Whether|Which|Who|Why)\b")
 KINDS = [
     pytest.param(schema, field, member, kind, cls, id=f"{schema}-{field}-{kind}")
     for schema, field, member, registry in REGISTRIES
@@ -89,6 +92,36 @@ def test_every_reference_leads_somewhere(document):
 
 def test_the_document_is_sound(document):
     OpenAPIV31SpecValidator(document).validate()
+
+
+def texts_of(part, where=""):
+    """Every summary and description, with its place; examples quote requests and answers."""
+    if isinstance(part, list):
+        for number, item in enumerate(part):
+            yield from texts_of(item, f"{where}/{number}")
+    elif isinstance(part, dict):
+        for name, inner in part.items():
+            if name in ("summary", "description") and isinstance(inner, str):
+                yield f"{where}/{name}", inner
+            elif name not in ("example", "examples"):
+                yield from texts_of(inner, f"{where}/{name}")
+
+
+def test_summaries_are_imperatives(document):
+    summaries = {
+        f"{method} {path}": operation["summary"]
+        for path, operations in document["paths"].items()
+        for method, operation in operations.items()
+    }
+    assert {w: s for w, s in summaries.items() if s.split()[0] not in VERBS} == {}
+
+
+def test_texts_state_and_do_not_ask(document):
+    """Neither a question nor half of one ("How many there are") stands where a text is due."""
+    texts = dict(texts_of(document))
+    assert len(texts) > 1000
+    asking = {w: t for w, t in texts.items() if "?" in t or INDIRECT_QUESTION.match(t)}
+    assert asking == {}
 
 
 def answers_of(document, operation):

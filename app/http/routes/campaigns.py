@@ -56,7 +56,7 @@ class CampaignPost(Parameters):
 
     dry_run: bool = Field(
         default=False,
-        description="Only see whether the request is well formed: fields, ranges, platform, orbit "
+        description="Only check that the request is well formed: fields, ranges, platform, orbit "
         "and names of places and stars. Nothing is searched for, chosen or planned: a campaign "
         "that has nothing to see, or days that the orbit doesn't reach, passes, too.",
     )
@@ -64,17 +64,17 @@ class CampaignPost(Parameters):
 
 @router.post(
     "",
-    summary="Many targets over days: choose, order and plan the sessions",
+    summary="Choose and plan sessions of many targets over days",
     status_code=HTTPStatus.ACCEPTED,
     response_model=CampaignResponse,
     responses={
         200: {
             "model": CampaignDryRun,
-            "description": "`dry_run`: the request is well formed; nothing more was looked at",
+            "description": "`dry_run`: the request is well formed; nothing more was checked",
         },
-        201: {"model": CampaignResponse, "description": "All passes are planned already"},
+        201: {"model": CampaignResponse, "description": "All passes are planned"},
         202: {
-            "description": "Accepted; GET Location tells how far it is, and each pass's plan",
+            "description": "Accepted; GET Location states its progress, and each pass's plan",
             "headers": {"Location": {"schema": {"type": "string"}}},
         },
     },
@@ -88,9 +88,10 @@ async def post_campaign(
     key: Annotated[str | None, Depends(idempotency_key)],
     prefer: Annotated[str | None, Header(description=PREFER)] = None,
 ) -> Response:
-    """Opportunities of all targets, the looks worth most together, and a verified plan per pass.
+    """Searches for windows of all targets, chooses the looks that are worth most together, and
+    plans and verifies each pass.
 
-    Answered at once with 202 unless `Prefer: wait` asks to wait.
+    The answer is 202 at once unless `Prefer: wait` asks to wait.
     """
     spec = await anyio.to_thread.run_sync(read_campaign_request, body)
     if query.dry_run:
@@ -110,25 +111,25 @@ async def post_campaign(
 
 @router.get(
     "",
-    summary="Which campaigns are there?",
+    summary="List campaigns",
     response_model=CampaignList,
     dependencies=[Depends(accepts_json)],
 )
 async def get_campaigns(request: Request, query: Annotated[ListQuery, Query()]) -> Response:
-    """The latest first."""
+    """The latest come first."""
     jobs_and_one = await list_jobs(request, RESOURCE, query)
     return Response(campaign_list_json(jobs_and_one, query.limit), media_type=JSON)
 
 
 @router.get(
     "/{id}",
-    summary="A campaign as far as it is",
+    summary="Get a campaign",
     response_model=CampaignResponse,
     responses={404: no_such(RESOURCE)},
     dependencies=[Depends(accepts_json)],
 )
 async def get_campaign(request: Request, campaign_id: PathId) -> Response:
-    """What was chosen and how far from the best that can be; each pass with its plan's state."""
+    """The choice states how far it is from the best possible; each pass has its plan's state."""
     _, answer = await _find_campaign(request, campaign_id)
     return Response(answer, media_type=JSON, headers={"Cache-Control": "no-cache"})
 

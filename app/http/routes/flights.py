@@ -31,25 +31,25 @@ router = APIRouter(tags=["flights"], prefix=RESOURCE.path)
 
 @router.get(
     "",
-    summary="Which flights are there?",
+    summary="List flights",
     response_model=FlightsList,
     dependencies=[Depends(accepts_json)],
 )
 async def get_flights(request: Request, query: Annotated[ListQuery, Query()]) -> Response:
-    """Of all plans, the latest first."""
+    """Flights of all plans are listed, the latest first."""
     jobs_and_one = await list_jobs(request, RESOURCE, query)
     return Response(flights_list_json(jobs_and_one, query.limit), media_type=JSON)
 
 
 @router.get(
     "/{id}",
-    summary="Flights of a plan, as far as they are",
+    summary="Get flights",
     response_model=FlightsResponse,
     responses={404: no_such(RESOURCE)},
     dependencies=[Depends(accepts_json)],
 )
 async def get_flight(request: Request, flights_id: PathId) -> Response:
-    """What the runs flown so far say; it doesn't change once they are all."""
+    """The answer covers the runs flown so far; it doesn't change once all are flown."""
     _, answer = await find_flights(request, flights_id)
     return Response(answer, media_type=JSON, headers={"Cache-Control": "no-cache"})
 

@@ -70,7 +70,7 @@ _PICTURE_ANSWERS: dict[str, Any] = {
 
 @router.post(
     "/v1/horizon/estimates",
-    summary="Where is the local vertical in these images, and does the attitude agree?",
+    summary="Estimate the local vertical from images of the horizon",
     response_model=EstimateResponse,
     dependencies=[Depends(accepts_json)],
     openapi_extra=_MULTIPART_BODY,
@@ -78,9 +78,9 @@ _PICTURE_ANSWERS: dict[str, Any] = {
 async def post_estimate(
     request: Request, upload: Annotated[HorizonUpload, Depends(horizon_upload)]
 ) -> Response:
-    """Nadir in body axes from images of the horizon, with its covariance.
+    """Measures the nadir in body axes with its covariance, and checks an attitude against it.
 
-    Frames that show no usable horizon are the answer `not_observable` with a reason, not a
+    Frames that show no usable horizon get the answer `not_observable` with a reason, not a
     refusal; files that are no images are refused.
     """
     now_utc, images = datetime.now(UTC), upload.images
@@ -98,16 +98,16 @@ async def post_estimate(
 
 @router.post(
     "/v1/horizon/predictions",
-    summary="What will each horizon camera see, and will it be of use?",
+    summary="Predict the views of horizon cameras",
     response_model=PredictionResponse,
     dependencies=[Depends(accepts_json)],
     openapi_extra=request_body("PredictionRequest", PREDICTION_EXAMPLES),
 )
 async def post_prediction(request: Request, body: Annotated[bytes, Depends(json_body)]) -> Response:
-    """Per instant and camera the limb's line in pixels, its arc and light, and the expected
-    1-sigma of the nadir, or why the frame will be of no use.
+    """For each instant and camera the answer has the limb in pixels, its arc and light, and the
+    expected 1-sigma of the nadir, or the reason for which the frame will be of no use.
 
-    A plan's sessions are looked ahead to by `horizon_cameras` in its request.
+    `horizon_cameras` in a plan's request asks for the same at its sessions.
     """
     return await answer_in_child(
         request, body, read_prediction_request, PREDICTION_BOUNDS, prediction_json
@@ -116,15 +116,16 @@ async def post_prediction(request: Request, body: Annotated[bytes, Depends(json_
 
 @router.post(
     "/v1/horizon/images",
-    summary="A rendered picture of the horizon, as a camera would take it",
+    summary="Render a picture of the horizon",
     response_class=Response,
     responses={200: _PICTURE_ANSWERS},
     openapi_extra=request_body("PictureRequest", PICTURE_EXAMPLES),
 )
 async def post_picture(request: Request, body: Annotated[bytes, Depends(json_body)]) -> Response:
-    """Earth, air, clouds, Sun and sensor, with the truth an estimate should find on request.
+    """The picture shows Earth, air, clouds and Sun as a camera would take it.
 
-    Send `Accept: application/json` for the truth beside the picture.
+    Send `Accept: application/json` for the picture with the true vertical that an estimate
+    should find.
     """
     kind = preferred_type(request, (PNG, JSON))
     spec = await anyio.to_thread.run_sync(read_picture_request, body)

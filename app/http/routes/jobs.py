@@ -28,7 +28,7 @@ from app.store.jobs import Job, NewJob
 
 CANCEL_WAIT_S = 5.0
 PREFER = (
-    "`wait=N`: answer 202 when it isn't done within N seconds (30 unless said, at most 60); "
+    "`wait=N`: answer 202 when it isn't done within N seconds (30 by default, at most 60); "
     "`respond-async`, `wait=0`: answer 202 at once."
 )
 
@@ -123,11 +123,11 @@ def add_request(router: APIRouter, resource: JobResource) -> None:
 
     @router.get(
         "/{id}/request",
-        summary=f"The request for a {resource.singular}, as it was sent",
+        summary=f"Get the request for a {resource.singular}",
         response_class=Response,
         responses={
             200: {
-                "description": "Byte for byte; a POST takes it as it is",
+                "description": "The request byte for byte; a POST takes it as it stands",
                 "content": {JSON: {"schema": {"$ref": REF.format(model=resource.request_schema)}}},
             },
             304: {"description": "If-None-Match names it: it never changes"},
@@ -137,7 +137,7 @@ def add_request(router: APIRouter, resource: JobResource) -> None:
         name=f"get_{resource.singular}_request",
     )
     async def get_request(request: Request, job_id: PathId) -> Response:
-        """Of a campaign's pass the request that the campaign wrote."""
+        """Requests are kept as they were sent; those for passes are written by their campaign."""
         job = await find_job(request, resource, job_id)
         tag = f'"{job.request_sha256}"'
         headers = {"Cache-Control": "private, no-cache", "ETag": tag}
@@ -153,7 +153,8 @@ def add_delete(router: APIRouter, resource: JobResource) -> None:
     """DELETE one of them: cancel or forget."""
 
     async def delete(request: Request, job_id: PathId) -> Response:
-        """Work that runs is killed; its processor is free within a second."""
+        """Cancels work that waits or runs, whose processor is free within a second; deletes what
+        is finished."""
         job = await find_job(request, resource, job_id)
         key_id = getattr(request.state, "key_id", None)
         if not job.is_open:
@@ -169,12 +170,12 @@ def add_delete(router: APIRouter, resource: JobResource) -> None:
 
     router.delete(
         "/{id}",
-        summary=f"Cancel a {resource.singular}, or delete one that is finished",
+        summary=f"Cancel or delete a {resource.singular}",
         response_model=JobResponse,
         responses={
-            200: {"description": "What waited or ran has ended; `state` tells how"},
-            202: {"model": JobResponse, "description": "It will end soon, here or elsewhere"},
-            204: {"description": "Deleted; nothing but the audit trail remembers it"},
+            200: {"description": "The work has ended; `state` says how"},
+            202: {"model": JobResponse, "description": "The work will end soon, here or elsewhere"},
+            204: {"description": "Deleted; only the audit log remembers it"},
             404: no_such(resource),
         },
         dependencies=[Depends(accepts_json)],
@@ -186,7 +187,7 @@ def add_removal(router: APIRouter, resource: JobResource) -> None:
     """DELETE one of what is never at work."""
 
     async def delete(request: Request, job_id: PathId) -> Response:
-        """Nothing but the audit trail remembers it."""
+        """Only the audit log remembers a search that was deleted."""
         job = await find_job(request, resource, job_id)
         key_id = getattr(request.state, "key_id", None)
         if not await anyio.to_thread.run_sync(_remove, request, job, key_id):
@@ -195,7 +196,7 @@ def add_removal(router: APIRouter, resource: JobResource) -> None:
 
     router.delete(
         "/{id}",
-        summary=f"Delete {resource.singular}",
+        summary=f"Delete a {resource.singular}",
         status_code=HTTPStatus.NO_CONTENT,
         response_class=Response,
         responses={404: no_such(resource)},
@@ -218,7 +219,7 @@ def add_events(router: APIRouter, resource: JobResource) -> None:
 
     @router.get(
         "/{id}/events",
-        summary=f"What happens to a {resource.singular}, as it happens",
+        summary=f"Stream a {resource.singular}'s events",
         response_class=StreamingResponse,
         responses={
             200: {
@@ -234,7 +235,7 @@ def add_events(router: APIRouter, resource: JobResource) -> None:
     ) -> Response:
         """`data` is JSON: `at`, and `state` with `problem`, or `stage`, `done`, `of` and `percent`.
 
-        `percent` is of the time it takes as a rule, null where that isn't known.
+        `percent` is a share of the usual time; it is null where that isn't known.
         """
         preferred_type(request, (EVENT_STREAM,))
         job = await find_job(request, resource, job_id)

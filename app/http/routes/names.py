@@ -20,11 +20,11 @@ class NamesQuery(Parameters):
     begin: str = Field(
         min_length=1,
         max_length=100,
-        description="What the name begins with, in any script and case; of a place, after a comma, "
+        description="The beginning of the name, in any script and case; of a place, after a comma, "
         "the beginning of region or country.",
         examples=["lond"],
     )
-    limit: int = Field(default=8, ge=1, le=50, description="Most names.")
+    limit: int = Field(default=8, ge=1, le=50, description="The largest number of names.")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,9 +78,9 @@ class KnownStars:
     stars: list[KnownStar]
 
 
-@router.get("/v1/places", summary="The places whose names begin so")
+@router.get("/v1/places", summary="List places by the beginning of their names")
 def get_places(query: Annotated[NamesQuery, Query()]) -> KnownPlaces:
-    """To complete what somebody types; where several have the name, to choose among them."""
+    """Completes what somebody types; where several places share a name, all are listed."""
     return KnownPlaces(
         places=[
             KnownPlace(
@@ -95,8 +95,8 @@ def get_places(query: Annotated[NamesQuery, Query()]) -> KnownPlaces:
     )
 
 
-@router.get("/v1/stars", summary="The stars whose names begin so")
+@router.get("/v1/stars", summary="List stars by the beginning of their names")
 def get_stars(query: Annotated[NamesQuery, Query()]) -> KnownStars:
-    """To complete what somebody types."""
+    """Completes what somebody types."""
     found = stars_beginning(query.begin, query.limit)
     return KnownStars(stars=[KnownStar(name=name, hip=hip) for name, hip in found])

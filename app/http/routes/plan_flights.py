@@ -33,14 +33,14 @@ router = APIRouter(tags=["flights"], prefix=f"{PLANS.path}/{{id}}/flights")
 
 @router.post(
     "",
-    summary="Fly a plan many times, with errors drawn anew",
+    summary="Fly a plan many times",
     status_code=HTTPStatus.CREATED,
     response_model=FlightsResponse,
     responses={
         201: {"description": "All runs are flown"},
         202: {
             "model": FlightsResponse,
-            "description": "Accepted; GET Location tells what the runs flown so far say",
+            "description": "Accepted; GET Location covers the runs flown so far",
             "headers": {"Location": {"schema": {"type": "string"}}},
         },
         404: no_such(PLANS),
@@ -56,10 +56,11 @@ async def post_flights(
     key: Annotated[str | None, Depends(idempotency_key)],
     prefer: Annotated[str | None, Header(description=PREFER)] = None,
 ) -> Response:
-    """How often the camera holds the target, how sharply, and what is to blame.
+    """Simulates the table with errors drawn at random for each run, and reports how often the
+    camera holds the target, how sharply, and which error contributes most.
 
-    Orbit, attitude, clock, the Earth's turning and the drives are off in each run as the plan's
-    pointing budget says; the runs are shared among all processors.
+    The errors of orbit, attitude, clock, Earth orientation and drives have the sigmas of the
+    plan's pointing budget; the runs are shared among all processors.
     """
     job = await anyio.to_thread.run_sync(_accept, request, plan_id, body, key)
     waits = patience(prefer, WAIT_S)
@@ -77,7 +78,7 @@ async def post_flights(
 
 @router.get(
     "",
-    summary="Which flights of a plan are there?",
+    summary="List flights of a plan",
     response_model=FlightsList,
     responses={404: no_such(PLANS)},
     dependencies=[Depends(accepts_json)],
@@ -85,7 +86,7 @@ async def post_flights(
 async def get_flights_of_plan(
     request: Request, plan_id: PathId, query: Annotated[ListQuery, Query()]
 ) -> Response:
-    """The latest first."""
+    """The latest come first."""
 
     def reading(connection: Connection) -> list[Job]:
         _require_plan(connection, plan_id)

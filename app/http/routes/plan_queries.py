@@ -25,7 +25,9 @@ def _id(text: str) -> str:
 
 
 PlanId = Annotated[str, AfterValidator(_id)]
-PathId = Annotated[PlanId, Path(alias="id", description="Which one, as its answer names it.")]
+PathId = Annotated[
+    PlanId, Path(alias="id", description="Its id, as the answer that made it gives it.")
+]
 
 
 def _time(text: str) -> str:
@@ -43,7 +45,7 @@ QueryTime = Annotated[
 class ListQuery(Parameters):
     """Which plans to list."""
 
-    limit: int = Field(default=50, ge=1, le=LIST_MAX, description="Most plans to list.")
+    limit: int = Field(default=50, ge=1, le=LIST_MAX, description="The largest number to list.")
     cursor: PlanId | None = Field(default=None, description="`next` of the list before.")
     state: JobState | None = Field(default=None, description="Only those in this state.")
     name: str | None = Field(
@@ -88,7 +90,8 @@ class PlanListQuery(ListQuery):
     """Which plans to list, where campaigns make some."""
 
     campaign: PlanId | None = Field(
-        default=None, description="The passes of this campaign; without it none of any campaign."
+        default=None,
+        description="List only the passes of this campaign; without it, no passes are listed.",
     )
 
 
@@ -105,7 +108,7 @@ class ViewQuery(TableQuery):
         default=None,
         gt=0.0,
         allow_inf_nan=False,
-        description="From row to row of JSON and NetCDF, a multiple of 0.2 s; unless given, the "
+        description="Time between rows of JSON and NetCDF, a multiple of 0.2 s; unless given, the "
         "least that shows at most 1,000 rows.",
     )
 
@@ -118,8 +121,8 @@ class PlanViewQuery(ViewQuery):
         ge=PIXELS_ARCSEC[0],
         le=PIXELS_ARCSEC[1],
         allow_inf_nan=False,
-        description="Angle a pixel sees, for the ground samples of JSON and NetCDF; unless "
-        "given, that of the platform's camera.",
+        description="Angle that a pixel covers, for the ground samples of JSON and NetCDF; "
+        "unless given, that of the platform's camera.",
     )
 
 
@@ -129,7 +132,9 @@ Formatted = TypeVar("Formatted", bound=TableQuery)
 class PostQuery(TableQuery):
     """How to plan."""
 
-    dry_run: bool = Field(default=False, description="Only see whether it flies; nothing is kept.")
+    dry_run: bool = Field(
+        default=False, description="Only check whether it can be flown; nothing is kept."
+    )
     revises: PlanId | None = Field(
         default=None,
         description="The plan this one replaces: it becomes the next revision, the old one stays.",

@@ -147,11 +147,11 @@ def _dry_run_bounds(request: Request, resource: PlanResource) -> Bounds:
 
 
 def _answers_to_post(resource: PlanResource) -> dict[int | str, dict[str, Any]]:
-    location = {"Location": {"description": "Where the plan is", "schema": {"type": "string"}}}
+    location = {"Location": {"description": "Address of the plan", "schema": {"type": "string"}}}
     return {
         200: {
             "model": resource.dry_run_response,
-            "description": "`dry_run`: what its plan would be",
+            "description": "`dry_run`: a summary of the plan that would be made",
         },
         201: {
             "description": "The plan; or its table by itself, as `format` or Accept asks",
@@ -203,7 +203,7 @@ def _require_made(database: Database, resource: PlanResource, plan_id: str) -> N
 
 def _add_list(router: APIRouter, resource: PlanResource) -> None:
     async def get_plans(request: Request, query: Annotated[ListQuery, Query()]) -> Response:
-        """The latest first, those that wait, run, were refused or cancelled included."""
+        """The latest come first; plans that wait or run, were refused or cancelled are included."""
         campaign_id = query.campaign if isinstance(query, PlanListQuery) else None
         jobs_and_one = await list_jobs(request, resource, query, campaign_id)
         return Response(list_json(jobs_and_one, query.limit), media_type=JSON)
@@ -212,7 +212,7 @@ def _add_list(router: APIRouter, resource: PlanResource) -> None:
     get_plans.__annotations__["query"] = Annotated[query_model, Query()]
     router.get(
         "",
-        summary="Which plans are there?",
+        summary="List plans",
         response_model=PlanList,
         dependencies=[Depends(accepts_json)],
     )(get_plans)
@@ -221,13 +221,14 @@ def _add_list(router: APIRouter, resource: PlanResource) -> None:
 def _add_one(router: APIRouter, resource: PlanResource) -> None:
     @router.get(
         "/{id}",
-        summary="A plan, or where the work on it stands",
+        summary="Get a plan",
         response_model=resource.response | JobResponse,
         responses={304: UNCHANGED, 404: no_such(resource)},
         dependencies=[Depends(accepts_json)],
     )
     async def get_plan(request: Request, plan_id: PathId) -> Response:
-        """The answer to its POST once it is made; it never changes after that."""
+        """The answer is the state of the work until the plan is made, then the plan, which never
+        changes."""
         job, plan = await find(request, resource, plan_id)
         state = job_json(job)
         tag = immutable_tag(plan) if plan else f'"{hashlib.sha256(state).hexdigest()[:32]}"'
@@ -243,7 +244,7 @@ def _add_table(router: APIRouter, resource: PlanResource) -> None:
     async def get_table(
         request: Request, plan_id: PathId, query: Annotated[TableQuery, Query()]
     ) -> Response:
-        """In the format `format` names or the Accept header asks for."""
+        """The table comes in the format that `format` or the Accept header names."""
         form = _form(request, resource, query)
         job, plan = await find(request, resource, plan_id)
         if plan is None:
@@ -260,7 +261,7 @@ def _add_table(router: APIRouter, resource: PlanResource) -> None:
     get_table.__annotations__["query"] = Annotated[query_model, Query()]
     router.get(
         "/{id}/table",
-        summary="The table of a plan by itself",
+        summary="Get the table of a plan",
         response_class=Response,
         responses={
             200: {

@@ -18,10 +18,10 @@ PLANS = PlanResource(
     kind=PLAN.name,
     path="/v1/plans",
     tag="plans",
-    what="sessions: a verified command table",
-    about="""Slews and tracks for every session, one row of angles and rates per 0.2 s.
+    what="sessions of a two-axis platform",
+    about="""Computes slews and tracks for every session, and a row of angles and rates every 0.2 s.
 
-    The plan is checked by a verification of its own before it is returned.  What can't be
+    An independent verification checks the table before it is returned.  A session that can't be
     flown is refused with the axis, the limit and the earliest start that works.
     """,
     request_schema="PlanRequest",

@@ -21,7 +21,7 @@ class PlatformList:
     platforms: list[PlatformDefinition]
 
 
-@router.get("/v1/platforms", summary="The platforms known by name")
+@router.get("/v1/platforms", summary="List platforms")
 async def get_platforms() -> PlatformList:
-    """Axes, limits and mount of each; copy one into a request's `platform` to change it."""
+    """Each has axes, limits and mount; copy one into a request's `platform` to change it."""
     return PlatformList(platforms=[definition_of(platform) for platform in PLATFORMS.values()])

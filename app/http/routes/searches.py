@@ -73,7 +73,9 @@ class SearchResource(JobResource):
 class WindowsQuery(Parameters):
     """Which windows."""
 
-    limit: int = Field(default=100, ge=1, le=PAGE_MAX, description="Most windows of this page.")
+    limit: int = Field(
+        default=100, ge=1, le=PAGE_MAX, description="The largest number of windows of this page."
+    )
     cursor: int = Field(
         default=0, ge=0, le=10**9, description="`next` of the page before; 0 for the first."
     )
@@ -104,22 +106,23 @@ def _in_all_forms(description: str) -> dict[str, Any]:
 
 
 def _add_post(router: APIRouter, resource: SearchResource) -> None:
-    found_at = {"Location": {"description": "Where it is kept", "schema": {"type": "string"}}}
+    found_at = {"Location": {"description": "Address of the search", "schema": {"type": "string"}}}
 
     @router.post(
         "",
         summary=resource.summary,
         response_model=resource.response,
         responses={
-            200: _in_all_forms("What was found; by `Accept` as GeoJSON, or as a pass table in CSV")
+            200: _in_all_forms("The windows found; as GeoJSON if `Accept` asks, or as a pass table in CSV")
             | {"headers": found_at}
         },
         openapi_extra=request_body(resource.request_schema, resource.examples),
     )
     async def post(request: Request, body: Annotated[bytes, Depends(json_body)]) -> Response:
-        """Windows to the millisecond, with what opens and closes each, and the view through it.
+        """Windows are found to the millisecond, with the limits that open and close each, and the
+        view through it.
 
-        Kept under `id`, at Location.
+        The search is kept under `id`, at Location.
         """
         form = preferred_type(request, FORMS)
         begun_utc = datetime.now(UTC)
@@ -177,12 +180,12 @@ async def _in_form(
 def _add_list(router: APIRouter, resource: SearchResource) -> None:
     @router.get(
         "",
-        summary="Which searches are kept?",
+        summary="List searches",
         response_model=SearchList,
         dependencies=[Depends(accepts_json)],
     )
     async def get_searches(request: Request, query: Annotated[ListQuery, Query()]) -> Response:
-        """The latest first."""
+        """The latest come first."""
         jobs_and_one = await list_jobs(request, resource, query)
         return Response(search_list_json(jobs_and_one, query.limit), media_type=JSON)
 
@@ -190,16 +193,16 @@ def _add_list(router: APIRouter, resource: SearchResource) -> None:
 def _add_one(router: APIRouter, resource: SearchResource) -> None:
     @router.get(
         "/{id}",
-        summary="What was found, all of it",
+        summary="Get a search",
         response_model=resource.response,
         responses={
-            200: _in_all_forms("The answer to its POST; by `Accept` in another form"),
+            200: _in_all_forms("The answer to its POST; in another form if `Accept` asks"),
             304: _UNCHANGED,
             404: no_such(resource),
         },
     )
     async def get_search(request: Request, search_id: PathId) -> Response:
-        """It never changes."""
+        """A search never changes."""
         form = preferred_type(request, FORMS)
         headers = _immutable(search_id, form)
         if is_known_already(request, headers["ETag"]):
@@ -214,10 +217,10 @@ def _add_one(router: APIRouter, resource: SearchResource) -> None:
 def _add_windows(router: APIRouter, resource: SearchResource) -> None:
     @router.get(
         "/{id}/windows",
-        summary="What was found, page by page",
+        summary="List windows of a search",
         response_model=resource.page,
         responses={
-            200: _in_all_forms("Some of the windows; by `Accept` in another form")
+            200: _in_all_forms("A page of the windows; in another form if `Accept` asks")
             | {
                 "headers": {
                     "Link": {
@@ -233,7 +236,7 @@ def _add_windows(router: APIRouter, resource: SearchResource) -> None:
     async def get_windows(
         request: Request, search_id: PathId, query: Annotated[WindowsQuery, Query()]
     ) -> Response:
-        """In the order of the request's targets, each target's in order of time."""
+        """They follow the order of the request's targets, those of each target in order of time."""
         form = preferred_type(request, FORMS)
         headers = _immutable(search_id, form, query)
         if is_known_already(request, headers["ETag"]):

@@ -16,10 +16,11 @@ _PLANS = PlanResource(
     kind=SPACECRAFT_PLAN.name,
     path="/v1/spacecraft/plans",
     tag="spacecraft",
-    what="an imaging session of the CMG spacecraft: attitude and gimbal table",
-    about="""Chooses and orders what fits, turns between scans, and flies the table closed loop.
+    what="an imaging session of the CMG spacecraft",
+    about="""Chooses and orders the requests that fit, plans slews between scans, and simulates the
+    table in closed loop.
 
-    Every table is checked by a judge of its own before it is returned.  Requests that don't
+    An independent verification checks every table before it is returned.  Requests that don't
     fit are listed in `left_out` with the reason; when none fits, the session is refused with
     the nearest way out.
     """,

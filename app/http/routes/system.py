@@ -41,32 +41,32 @@ class Health:
 
 @dataclass(frozen=True, kw_only=True)
 class ReadinessResponse:
-    """What the service depends on.
+    """State of the service and of what it depends on.
 
     status: `degraded` when a check is, which plans then warn of.
-    checks: what was looked at, one by one.
+    checks: the checks, one by one.
     """
 
     status: Literal["ready", "degraded"]
     checks: list[ReadinessCheckOut]
 
 
-@router.get("/healthz", summary="Is the service alive?")
+@router.get("/healthz", summary="Check that the process answers")
 async def get_health() -> Health:
-    """Answers as long as the process does, whatever Accept asks for; says nothing of what it
-    depends on."""
+    """Says nothing of what the service depends on; Accept is disregarded."""
     return Health(status="ok", version=VERSION)
 
 
 @router.get(
     "/readyz",
-    summary="Can the service do its work?",
+    summary="Check that the service can work",
     responses=_NOT_READY,
 )
 async def get_readiness(request: Request) -> ReadinessResponse:
-    """Database, solver (a child process really solves something) and Earth orientation data.
+    """The checks cover database, solver (a child process solves a problem) and Earth orientation.
 
-    Asked as often as you like, looked at every 5 s; answered whatever Accept asks for.
+    They run every 5 s, however often this is asked; the answer is the same whatever Accept asks
+    for.
     """
     checks = await request.app.state.readiness.now()
     failed = [check for check in checks if check.state == "failed"]
@@ -81,14 +81,13 @@ async def get_readiness(request: Request) -> ReadinessResponse:
 
 @router.get(
     "/metrics",
-    summary="What has been counted and timed since the start?",
+    summary="Get metrics",
     response_class=Response,
     responses=_METRICS,
 )
 async def get_metrics(request: Request) -> Response:
-    """Requests by route, refusals by type, solve times, iterations, jobs by state.
-
-    Whatever Accept asks for.
+    """The metrics cover requests by route, refusals by type, solve times, iterations and jobs by
+    state since the start; the answer is the same whatever Accept asks for.
     """
     text = await to_thread.run_sync(request.app.state.metrics.text)
     return Response(text, headers={"Content-Type": CONTENT_TYPE})
@@ -96,7 +95,7 @@ async def get_metrics(request: Request) -> Response:
 
 @dataclass(frozen=True, kw_only=True)
 class AuditLog:
-    """Who did what.
+    """Actions and the keys that took them.
 
     entries: the latest first; for older ones ask again with `before` the last id.
     """
@@ -116,8 +115,8 @@ class AuditQuery(Parameters):
     )
 
 
-@router.get("/v1/audit", summary="Who did what, and when?", dependencies=[Depends(accepts_json)])
+@router.get("/v1/audit", summary="List the audit log", dependencies=[Depends(accepts_json)])
 def get_audit(request: Request, query: Annotated[AuditQuery, Query()]) -> AuditLog:
-    """Keys made and revoked, plans made, cancelled and deleted; needs an admin's key."""
+    """Lists keys made and revoked, plans made, cancelled and deleted; needs an admin key."""
     database = request.app.state.database
     return AuditLog(entries=entries(database, limit=query.limit, before=query.before))

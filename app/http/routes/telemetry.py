@@ -74,10 +74,10 @@ async def post_comparison(
     sent: Annotated[tuple[str, bytes], Depends(telemetry_body)],
     query: Annotated[TableQuery, Query()],
 ) -> Response:
-    """Sets the telemetry's clock right, then tells what each axis was off by, session by session,
-    where it oscillated, stuck or went beyond a limit.
+    """Estimates the telemetry's clock, then reports each axis's errors session by session, and the
+    times at which it oscillated, stuck or exceeded a limit.
 
-    Damaged rows are left out and counted; a file that tells nothing of the plan is refused.
+    Damaged rows are left out and counted; a file that has no sample of the plan is refused.
     Nothing is kept.
     """
     form = query.format or _asked_form(request)
@@ -103,7 +103,7 @@ async def post_comparison(
 post_comparison.__annotations__["query"] = Annotated[_QUERY, Query()]
 router.post(
     "/v1/telemetry/comparisons",
-    summary="What flew beside what was planned",
+    summary="Compare telemetry with a plan",
     response_model=ComparisonResponse,
     responses={
         200: {

@@ -37,7 +37,7 @@ def add_view(router: APIRouter, resource: PlanResource) -> None:
     format_by_media_type = {media: name for name, media in media_type_by_format.items()}
     query_model = with_formats(
         PlanViewQuery if resource.takes_pixel else ViewQuery,
-        "What there is to see, in this format",
+        "The view in this format",
         {_JSON_FORMAT: "columns over time"}
         | {name: exporter.title for name, exporter in resource.view_exporters.items()},
     )
@@ -45,9 +45,10 @@ def add_view(router: APIRouter, resource: PlanResource) -> None:
     async def get_view(
         request: Request, plan_id: PathId, query: Annotated[ViewQuery, Query()]
     ) -> Response:
-        """Computed when asked for, from the table and the request: of older plans, too.
+        """The view is computed from the table and the request of any kept plan.
 
-        Columns have a number a row and their unit in the name; null where nothing is defined.
+        Columns have a number for each row and their unit in the name; null stands where nothing is
+        defined.
         """
         form = (
             query.format
@@ -86,7 +87,7 @@ def add_view(router: APIRouter, resource: PlanResource) -> None:
     get_view.__annotations__["query"] = Annotated[query_model, Query()]
     router.get(
         "/{id}/view",
-        summary="What there is to see of a plan: columns over time, a map, a plot",
+        summary="View a plan as columns over time, map or plot",
         response_model=resource.view_response,
         responses={
             200: {

@@ -28,8 +28,8 @@ _ROOM = 1.1  # above the fastest command at which an axis was seen to stick
 
 @dataclass(frozen=True, kw_only=True)
 class Parameter:
-    """name: `axis.field`.  planned_value: what the platform has.  found_value, sigma: what it must
-    have been; sigma None where it is a bound."""
+    """name: `axis.field`.  planned_value: what the platform has.  found_value, sigma: the estimate;
+    sigma None where it is a bound."""
 
     name: str
     planned_value: float

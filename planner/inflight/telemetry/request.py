@@ -13,9 +13,9 @@ _OffsetDeg = Annotated[float, Within(-10.0, 10.0)]
 
 @spec
 class ImageOffset:
-    """Where the target was found in a frame, from its centre.
+    """Position of the target in a frame, from its centre.
 
-    epoch: when the frame was taken, by the plan's clock; UTC. E.g. `"2015-02-27T17:37:00Z"`.
+    epoch: time of the frame, by the plan's clock; UTC. E.g. `"2015-02-27T17:37:00Z"`.
     offset_deg: along the frame's first side and along its second. E.g. `[0.12, -0.05]`.
     sigma_deg: 1-sigma of each.
     """

@@ -42,7 +42,7 @@ REST_ROWS = 5 * ROWS_PER_S  # how long the axes are held at rest at the end of a
 class ChosenLook:
     """A look at a target: row of the request's targets, from start to stop.
 
-    value: what it is worth.  quality: of its view, a mean over the look.
+    value: worth of the look.  quality: of its view, a mean over the look.
     seen: at the middle of the look.
     """
 
@@ -85,8 +85,9 @@ class Campaign:
 
     value: what the looks are worth together.  bound: no choice is worth more whose looks
     begin on the grid, have one of the lengths tried and lie in the same passes.
-    greedy_value: what taking pass after pass whatever is worth most there is worth.
-    windows: how many there were to choose from.
+    greedy_value: worth of the choice that takes whatever is worth most in each pass, one pass after
+    another.
+    windows: number of windows to choose from.
     unseen: targets that can't be looked at for as long as they must.  left_out: that can, but
     others are worth more.
     """

@@ -42,9 +42,9 @@ SEED = 2015
 class CampaignChoice:
     """passes: looks in order of time, one tuple per pass.
 
-    value: what they are worth.  greedy_value: what taking pass after pass whatever is worth
-    most there is worth.  price: of a look at each target at which the bound is least,
-    (targets,).
+    value: what they are worth.  greedy_value: worth of the choice that takes whatever is worth most
+    in each pass, one pass after another.  price: of a look at each target at which the bound is
+    least, (targets,).
     """
 
     passes: tuple[tuple[Look, ...], ...]

@@ -38,7 +38,7 @@ _Weight = Annotated[float, Within(0.0, 10.0)]
 
 @spec
 class ViewWeights:
-    """How much each quality of the view counts in what a look is worth.
+    """Weights of the view's qualities in the worth of a look.
 
     Qualities lie between 0 and 1; a look is worth their product, each to the power of its
     weight, as a mean over the look.  A weight of 0 leaves one out, 1 counts it in proportion.
@@ -49,7 +49,7 @@ class ViewWeights:
     off_nadir: weight of the cosine of the angle from the geocentric nadir.
     sun: weight of the sine of the Sun's elevation at the target, 0 by night.
     probability: weight of the probability that the target is in the frame at an instant; that it
-    stays there for the whole look, which a plan tells, is less by 0.1 or so.
+    stays there for the whole look, which a plan states, is less by 0.1 or so.
     """
 
     ground_sample: _Weight = 1.0
@@ -66,10 +66,10 @@ class CampaignTarget:
     `priority`, times the quality of its view.
 
     id: your name for it, different from the others'.
-    target: what is to be looked at.
+    target: the target.
     priority: worth of one whole look at the best view.
-    session_s: how long a look is to last.
-    min_session_s: how long it must last at least; `session_s` unless given.
+    session_s: duration of a look.
+    min_session_s: least duration of a look; `session_s` unless given.
     looks: no more than so many, and one in a pass.
     """
 
@@ -103,14 +103,14 @@ class CampaignTarget:
 class CampaignRequest:
     """A carrier, a platform on it, and targets to be looked at from `start` to `stop`.
 
-    name: yours, told in lists.
-    rest_angles_deg: where the axes rest before, between and after passes, by axis; 0 unless given.
-    E.g. `{"alpha": 0.0, "beta": 0.0}`.
-    targets: what is to be looked at.
-    start: when the campaign begins; UTC, rounded up to a command row.
-    stop: when it ends; UTC.
-    view: how much the quality of the view counts in what a look is worth.
-    pixel_arcsec: angle a pixel sees, for the ground samples told; unless given, that of the
+    name: your name for it, shown in lists.
+    rest_angles_deg: angles at which the axes rest before, between and after passes, by axis; 0
+    unless given. E.g. `{"alpha": 0.0, "beta": 0.0}`.
+    targets: the targets to choose from.
+    start: start of the campaign; UTC, rounded up to a command row.
+    stop: end of the campaign; UTC.
+    view: weights of the view's qualities in the worth of a look.
+    pixel_arcsec: angle that a pixel covers, for the ground samples; unless given, that of the
     platform's camera. E.g. `0.68`.
     step_s: looks begin on whole multiples of it after `start`; finer finds more and takes longer.
     """

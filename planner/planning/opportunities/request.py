@@ -29,9 +29,9 @@ MOVING_COUNTS = 150  # as places: what is not fixed to the Earth is looked at on
 class OpportunityTarget:
     """A target by a name of the user's; greater priority matters more.
 
-    id: your name for it, different from the others'; windows tell it.
-    target: what is to be seen.
-    priority: how much it matters beside the others.
+    id: your name for it, different from the others'; windows repeat it.
+    target: the target.
+    priority: weight of the target beside the others.
     """
 
     id: str
@@ -50,7 +50,7 @@ class OpportunityTarget:
 
 @spec
 class OpportunityConditions:
-    """What must hold throughout a window.
+    """Conditions that hold throughout a window.
 
     The Sun's elevations and `max_off_nadir_deg` apply to targets on the Earth only.
 
@@ -90,11 +90,11 @@ class OpportunityConditions:
 class OpportunityRequest:
     """A carrier, a platform on it, and the targets it may look at from `start` to `stop`.
 
-    name: yours, told in lists.
-    targets: what may be looked at.
-    start: when the search begins; UTC.
-    stop: when it ends; UTC.
-    samples: instants per window, its edges included, at which angles and the rest are told.
+    name: your name for it, shown in lists.
+    targets: the targets to search for.
+    start: start of the search; UTC.
+    stop: end of the search; UTC.
+    samples: instants per window, its edges included, at which angles and the rest are given.
     pixel_arcsec: angle a pixel sees, for the ground sample distance; unless given, that of the
     platform's camera. E.g. `0.68`.
     """

@@ -118,7 +118,7 @@ class Opportunities:
     """Windows in order of the request's targets, each target's in order of time.
 
     ids: one per target.
-    assumed: where those are that were given by name.
+    assumed: places of those given by name.
     """
 
     start_utc: datetime

@@ -12,12 +12,12 @@ LIKELY = 0.9  # of staying in the frame; below, a plan warns
 class Contribution:
     """One cause: 1-sigma per image axis at the session's worst instant.
 
-    cause: what is not known exactly.
+    cause: the quantity that is uncertain.
     sigma_arcsec: its 1-sigma.
     ground_m: across the line of sight at the target, null for a target in the sky.
     is_bias: constant over the session, or a swing as slow as the orbit.
-    basis: whether measured or assumed, and on what.
-    better: what would make it smaller.
+    basis: source of the sigma: measured or assumed, and from what.
+    better: a way to make it smaller.
     """
 
     cause: str

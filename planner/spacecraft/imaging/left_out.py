@@ -8,7 +8,7 @@ class LeftOut:
     """A request that isn't imaged, and why.
 
     name: the request's. E.g. `"strip"`.
-    reason: what is in its way. E.g. `"others are worth more"`.
+    reason: the obstacle. E.g. `"others are worth more"`.
     """
 
     name: str

@@ -39,7 +39,7 @@ class AttitudeLaw(Protocol):
 Attitude = Annotated[
     LvlhAttitude | InertialAttitude | AemAttitude | HarmonicAttitude,
     Field(discriminator="law"),
-    About("How the carrier's body is turned, by any of these laws."),
+    About("Attitude of the carrier's body, by one of these laws."),
 ]
 ATTITUDES: dict[str, type[AttitudeLaw]] = {law.law: law for law in get_args(get_args(Attitude)[0])}
 

@@ -22,7 +22,7 @@ class CorrectableAttitude(ABC):
     """A law that measured rotations correct.
 
     orbital_period_s: of the carrier's swing; the default is the ISS's.
-    uncertainty: how far the carrier may be off the law.
+    uncertainty: uncertainty of the carrier's attitude about the law.
     corrections: measured differences from the law, which condition that; one 5 sigma off is
     refused.
     """

@@ -42,7 +42,7 @@ class AttitudeCorrection:
 
     q_body_from_eci is Rotation.from_rotvec(turn) * the law's.
 
-    epoch: when it was measured; UTC. E.g. `"2015-02-27T17:28:20Z"`.
+    epoch: time of the measurement; UTC. E.g. `"2015-02-27T17:28:20Z"`.
     turn_body_deg: rotation vector in body axes that carries the law's body onto the true one. E.g.
     `[0.25, 0.05, 0.0]`.
     covariance_deg2: of its components, symmetric; 32,400 along a direction that was not measured,

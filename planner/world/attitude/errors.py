@@ -21,7 +21,7 @@ _TurnDeg = Annotated[float, Within(0.0, 180.0)]
 
 @spec
 class AttitudeUncertainty:
-    """How far the carrier may be off the attitude of its law, instead of slewtrack's own figures.
+    """Uncertainty of the carrier's attitude about its law, instead of slewtrack's own figures.
 
     The law's own figures where one is not given. Only the pointing budget of a plan rests on them.
 
@@ -47,7 +47,7 @@ class AttitudeErrors:
     memory_s.  The rest of it stays for good.
     parts_body_rad: (k, n, 3), what sigma_body_rad is the root of the squares of, where that is
     known: each times a number of its own.
-    basis: on what evidence.  better: what would make them smaller.
+    basis: on what evidence.  better: a way to make them smaller.
     """
 
     sigma_body_rad: Array

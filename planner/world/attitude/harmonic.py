@@ -36,11 +36,11 @@ class HarmonicAttitude(CorrectableAttitude):
     The history is described by orbital harmonics of its attitude to LVLH and the present offset
     from them, and by the present attitude or rate alone, a rate that slows down coming to rest; at
     each lead each counts by how well it predicts the history's own tail so far ahead.  What is
-    older than a manoeuvre isn't used, and while one is under way its turn is told in the error.
+    older than a manoeuvre isn't used, and while one is under way its turn is stated in the error.
     On ISS telemetry in torque equilibrium: 0.02 deg rms after 900 s.
 
     content: the whole message, line breaks included.
-    history_orbit: where the carrier was during the history; needed unless the message is against a
+    history_orbit: orbit of the carrier during the history; needed unless the message is against a
     local orbital frame.
     orbital_period_s: the default is the ISS's; 1 % off takes 0.022 deg after 900 s to 0.030.
     """

@@ -43,7 +43,7 @@ class InertialAttitude(CorrectableAttitude):
     it with an error of (omega tau)^3/24 per step. It is refused 2 h and more from the
     epoch: the rate of no carrier stays that long. Source: Sumarokov 2016, eq. 1-2.
 
-    epoch: when the attitude was so; UTC.
+    epoch: time at which this is the attitude; UTC.
     q_body_from_eci_xyzw: scalar last, `Rotation.from_quat(q).apply(v_eci)` gives `v_body`.
     omega_body_deg_s: body relative to ECI, in body axes.
     """

@@ -15,7 +15,7 @@ from planner.world.orbits.tle import TleOrbit
 Orbit = Annotated[
     TleOrbit | OmmOrbit | OemOrbit | OpmOrbit | StateVectorOrbit,
     Field(discriminator="source"),
-    About("Where the carrier is, from any of these sources."),
+    About("Orbit of the carrier, from one of these sources."),
 ]
 
 ORBITS = {orbit.source: orbit for orbit in get_args(get_args(Orbit)[0])}

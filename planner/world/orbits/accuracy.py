@@ -41,7 +41,7 @@ class OrbitSigma:
     """1-sigma errors along radial, along-track and cross-track, each shape (n,).
 
     Of a prediction free of manoeuvres the source didn't know of.  The ISS's figures.
-    basis: on what evidence.  better: what would make them smaller.
+    basis: on what evidence.  better: a way to make them smaller.
     is_along_laplace: whether the error along the track is rather Laplace's than Gauss's.
     """
 

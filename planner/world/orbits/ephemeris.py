@@ -27,9 +27,9 @@ class OrbitStates:
 class Ephemeris(ABC):
     """An orbit made ready for the time from start_utc to stop_utc.
 
-    kind: where it comes from.  epoch_utc: of the data it rests on.  warnings: what the user
-    should know about its quality.  drag_in_a_day_m: of SGP4's elements and of messages, how far
-    along the track drag takes the satellite in a day from the epoch.
+    kind: where it comes from.  epoch_utc: of the data it rests on.  warnings: cautions about its
+    quality.  drag_in_a_day_m: of SGP4's elements and of messages, how far along the track drag
+    takes the satellite in a day from the epoch.
     """
 
     kind: ClassVar[Kind]

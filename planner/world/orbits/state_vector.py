@@ -47,7 +47,7 @@ class StateVectorOrbit:
     """Position and velocity at an epoch, from the Earth's centre.
 
     frame: of both. GCRF and EME2000 differ by 0.02 arcsec.
-    epoch: when the carrier was there; UTC.
+    epoch: time of the state; UTC.
     position_km: x, y, z.
     velocity_km_s: x, y, z; in ITRF relative to the rotating Earth.
     force_model: `full` is the 36x36 field, Sun, Moon and drag (0.2 m after 900 s); `j2j4` the

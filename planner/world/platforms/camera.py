@@ -16,8 +16,8 @@ class Camera:
     Source: Sumarokov 2016, p. 85.
 
     pixel_arcsec: angle a pixel sees, in the middle of the frame.
-    exposure_s: how long a frame's shutter is open.
-    frames_per_s: how many frames begin in a second. [1/s]
+    exposure_s: time for which the shutter is open for a frame.
+    frames_per_s: number of frames that begin in a second. [1/s]
     """
 
     pixel_arcsec: Annotated[float, Within(*PIXELS_ARCSEC)] = HRC_PIXEL_ARCSEC

@@ -36,7 +36,7 @@ _WidthDeg = Annotated[float, Within(1e-6, 170.0)]
 class AxisDefinition:
     """One gimbal axis as its data sheet gives it.
 
-    name: what columns and messages call it.
+    name: name of the axis in columns and messages.
     axis_platform: unit vector of the axis in the platform frame, at zero angles.
     angle_min_deg: lower hard stop; zero is the axis's index mark.
     angle_max_deg: upper hard stop.
@@ -45,7 +45,7 @@ class AxisDefinition:
     jerk_max_deg_s3: largest jerk, either way.
     rate_min_deg_s: below this commanded rate friction makes the drive oscillate; it is reported,
     not forbidden.
-    drive: how it follows a table in flight.
+    drive: the drive that follows a table in flight.
     """
 
     name: str
@@ -89,16 +89,16 @@ class AxisDefinition:
 class PlatformDefinition:
     """A two-axis platform: `outer` is fixed to the base and carries `inner`.
 
-    name: what plans call it.
+    name: name of the platform in plans.
     outer: the axis fixed to the base.
     inner: the axis that the outer one carries.
     zero_direction_platform: unit vector of the boresight in the platform frame, both axes at zero.
     q_platform_from_body_xyzw: the mount, scalar last: carries body axes onto the platform's.
     field_of_view_deg: the camera's, along the frame's first side and its second; the HRC's unless
     given.
-    frame_turn_deg: how far the first side is turned from the inner axis, right-handed about the
-    boresight; how the HRC's frame lies isn't published, 0 is assumed.
-    camera: how fine, how long and how often it takes frames; the HRC's unless given.
+    frame_turn_deg: angle from the inner axis to the frame's first side, right-handed about the
+    boresight; that of the HRC isn't published, 0 is assumed.
+    camera: pixel, exposure and frame rate of the camera; the HRC's unless given.
     park_positions_deg: by name, the angle of each axis by its name; a plan's `final_state` may
     name one.
     masks: up to 8 regions fixed to the platform's base that the boresight never enters: kept by

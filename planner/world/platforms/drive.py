@@ -29,12 +29,13 @@ _RateNoiseArcsecS = Annotated[float, Within(0.0, 3600.0)]
 
 @spec
 class AxisDrive:
-    """What stands between a commanded angle and the axis's true one; all assumed but as said.
+    """Delays, friction and sensors between a commanded angle and the axis's true one; assumed
+    unless a source is given.
 
     bandwidth_hz: undamped frequency of the position loop.
     damping: the loop's, share of critical damping.
     integral: pole of the loop's integrator as a share of the bandwidth; 0 for none.
-    command_latency_s: how late the drive follows its table. 0: the paper adds its delays to the
+    command_latency_s: delay of the drive behind its table. 0: the paper adds its delays to the
     time of prediction.
     lag_s: time constant with which the torque follows its command, within the loop.
     torque_reserve: largest torque, in units of the axis's greatest acceleration.
@@ -45,7 +46,7 @@ class AxisDrive:
     presliding_arcsec: elastic motion before Coulomb friction is reached.
     presliding_damping: of that motion, share of critical damping.
     cable_tension_deg_s2: pull of the cables at zero angle, towards smaller angles.
-    cable_stiffness_per_s2: how much their pull grows with the angle: acceleration over angle.
+    cable_stiffness_per_s2: growth of the cables' pull with the angle: acceleration over angle.
     backlash_arcsec: play between the encoder's side of the gear and the shaft.
     encoder_step_arcsec: one count of the encoder.
     encoder_noise_arcsec: 1-sigma, of each reading.

@@ -18,12 +18,12 @@ CORNERS_MAX = 64
 class FieldMask:
     """A region of directions that the boresight must never enter, such as structure in the view.
 
-    name: what plans and refusals call it.
+    name: name of the mask in plans and refusals.
     corners_platform: 3 to 64 directions in the platform frame, in their order around the region,
     either way; they need no unit length, so that they may be the structure's corners as seen from
     where the axes meet. Great-circle arcs join them, and the region is the smaller side. E.g.
     `[[0.2, -0.9, 0.3], [0.9, -0.9, 0.3], [0.9, -0.9, -0.4], [0.2, -0.9, -0.4]]`.
-    margin_deg: how far the boresight must stay from the region.
+    margin_deg: angle that the boresight must keep from the region.
     """
 
     name: str

@@ -70,7 +70,7 @@ class TwoAxisPlatform:
     frame_half_rad: half the camera's field of view along the frame's first side and along its
     second.  frame_turn_rad: how far the first side is turned from the inner axis, right-handed
     about the boresight.
-    camera: how fine, how long and how often it takes frames.
+    camera: pixel, exposure and frame rate of the camera.
     park_positions: where it may be left at rest.
     masks: what stands in its view; fixed to the base, as the carrier is.
     drives: how the axes follow a table, in the order of `axis_names`.  structural_modes: how the

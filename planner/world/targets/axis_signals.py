@@ -76,7 +76,7 @@ class Chirp:
     amplitude_deg: to either side.
     start_frequency_hz: at t = 0.
     stop_frequency_hz: at `sweep_s` and after.
-    sweep_s: how long the frequency changes.
+    sweep_s: time for which the frequency changes.
     sweep: "linear" in time, or "logarithmic" (equal time per octave).
     """
 
@@ -127,9 +127,9 @@ class Step:
     Continuous jerk; peaks: rate 2.2 step/rise, acceleration 7.5 step/rise^2, jerk 52.5 step/rise^3.
 
     angle_deg: axis angle before it.
-    step_deg: how far the axis goes. E.g. `5.0`.
-    at_s: when it leaves, after t = 0.
-    rise_s: how long it is on the way. E.g. `20.0`.
+    step_deg: size of the step. E.g. `5.0`.
+    at_s: start of the step, after t = 0.
+    rise_s: duration of the step. E.g. `20.0`.
     """
 
     kind: Literal["step"] = "step"
@@ -158,7 +158,7 @@ class Triangle:
     angle_deg: axis angle in the middle.
     amplitude_deg: of the sharp triangle. E.g. `10.0`.
     period_s: once up and down. E.g. `60.0`.
-    turn_s: how long each reversal lasts. E.g. `5.0`.
+    turn_s: duration of each reversal. E.g. `5.0`.
     """
 
     kind: Literal["triangle"] = "triangle"

@@ -43,7 +43,7 @@ class BenchMotionTarget(TimedTarget):
     Source of the mode: Sumarokov 2016, p. 85.
 
     axes: one motion per axis of the platform, by the axis's name.
-    start: when t = 0; UTC, the session's start unless given. E.g. `"2015-02-27T17:36:20Z"`.
+    start: time of t = 0; UTC, the session's start unless given. E.g. `"2015-02-27T17:36:20Z"`.
     """
 
     mode: Literal["test_motion"] = "test_motion"

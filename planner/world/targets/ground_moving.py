@@ -22,8 +22,8 @@ class MovingGroundTarget(EarthFixedTarget):
     A vessel that holds its compass course instead leaves the geodesic by distance^2 tan(latitude) /
     (2 Earth radii): 8 m after 10 km at 45 deg.
 
-    epoch: when it was at the place given; UTC, to be looked at within two days of it.
-    latitude_deg, longitude_deg: where it was, WGS84; north and east positive.
+    epoch: time at which it was at the place given; UTC, within two days of the session.
+    latitude_deg, longitude_deg: its place at the epoch, WGS84; north and east positive.
     height_m: above the ellipsoid, not above sea level; it stays.
     course_deg: at the epoch, clockwise from north; at a pole north is that of the longitude given.
     speed_m_s: over the ellipsoid's surface, in the aircraft's case its ground speed.

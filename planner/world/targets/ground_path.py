@@ -56,9 +56,9 @@ class GroundPathTarget(TimedTarget, EarthFixedTarget):
 
     points: two or more, in the order in which they are passed; heights change linearly between.
     speed_m_s: over the ellipsoid's surface, constant on the legs.
-    start: when the first point is passed; UTC, the session's start unless given. E.g.
+    start: time at which the first point is passed; UTC, the session's start unless given. E.g.
     `"2015-02-27T17:36:20Z"`.
-    corner_s: how long the turn from one leg to the next lasts. The velocity turns over with
+    corner_s: duration of the turn from one leg to the next. The velocity turns over with
     continuous jerk, the timetable stays: halfway the speed has dropped to cos(turn/2) of itself and
     the point passes 0.14 corner_s speed sin(turn/2) inside the corner (70 m at right angles, 4 s
     and 180 m/s); the acceleration peaks at 4.4 speed sin(turn/2)/corner_s.

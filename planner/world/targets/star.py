@@ -30,7 +30,7 @@ class StarTarget(SkyTarget):
     Hipparcos at 1991.25. E.g. `2016.0`.
     pm_ra_cosdec_mas_yr: proper motion in right ascension, cos(dec) included, as catalogues list it.
     pm_dec_mas_yr: proper motion in declination.
-    parallax_mas: 0 for a star too far to tell.
+    parallax_mas: 0 for a star too far to measure.
     radial_velocity_km_s: positive receding; moves nearby stars only (Barnard's star by 0.7 arcsec
     since 1991).
     hip: Hipparcos number. Everything but the radial velocity then comes from Hipparcos, the New
