@@ -9,6 +9,7 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.errors import InvalidMessage, OutsideCoverage
+from planner.base.interpolation import hermite, hermite_error_m
 from planner.base.spec import spec
 from planner.world.frames.earth_orientation import eci_from_frame_state
 from planner.world.frames.time_scales import (
@@ -38,7 +39,6 @@ from planner.world.orbits.ephemeris import (
     OrbitSource,
     OrbitStates,
 )
-from planner.world.orbits.hermite import hermite, hermite_error_m
 
 NODES = 6
 MARGIN = NODES // 2 + 1  # nodes beyond the asked span: half a window and one to judge it by

@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from planner.base.arrays import Array
+from planner.base.interpolation import hermite
 from planner.world.frames.earth_orientation import (
     OMEGA_EARTH_RAD_S,
     eci_from_itrf_state,
@@ -16,7 +17,6 @@ from planner.world.frames.earth_orientation import (
 from planner.world.frames.time_scales import Instants, elapsed_s
 from planner.world.orbits.accuracy import OrbitSigma, state_sigma
 from planner.world.orbits.ephemeris import Ephemeris, OrbitStates
-from planner.world.orbits.hermite import hermite
 
 State = tuple[float, float, float, float, float, float]
 
