@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 from planner.base.errors import OutsideCoverage
 from planner.world.frames.time_scales import DAY_S, Instants, elapsed_s, shifted_utc
 from planner.world.orbits import OemOrbit, Orbit, OrbitStates, TleOrbit
-from planner.world.orbits.accuracy import orbit_sigma
 
 AGES_DAYS = (1.0, 2.0, 3.0, 5.0, 7.0, 10.0)
 SPREAD = 0.15  # of the age
@@ -100,4 +99,4 @@ def pairs(tles: list[TleOrbit], every: int = 1) -> dict[float, list[Pair]]:
 def _told_along_m(tle: TleOrbit, age_days: float) -> float:
     at_utc = shifted_utc(tle.epoch_utc, age_days * DAY_S)
     ephemeris = tle.ephemeris(at_utc, shifted_utc(at_utc, 1.0))
-    return float(orbit_sigma(ephemeris, Instants(at_utc, np.zeros(1))).along_m[0])
+    return float(ephemeris.sigma(Instants(at_utc, np.zeros(1))).along_m[0])

@@ -32,7 +32,6 @@ from planner.world.orbits.accuracy import (
     OEM_DRAG_WRONG,
     OrbitSigma,
     oem_sigma,
-    orbit_sigma,
     state_sigma,
 )
 
@@ -142,7 +141,7 @@ def _truth_along_m(truth: Orbit, age_days: float) -> float:
     at_utc = created(truth) if isinstance(truth, OemOrbit) else truth.epoch_utc
     at_utc = shifted_utc(at_utc, age_days * DAY_S)
     ephemeris = truth.ephemeris(at_utc, shifted_utc(at_utc, 1.0))
-    return float(orbit_sigma(ephemeris, Instants(at_utc, np.zeros(1))).along_m[0])
+    return float(ephemeris.sigma(Instants(at_utc, np.zeros(1))).along_m[0])
 
 
 def _drag_in_a_day_m(oem: OemOrbit) -> float:
@@ -194,7 +193,7 @@ def told_m(orbit: Orbit, tle: TleOrbit, age_days: float) -> np.ndarray:
     """1-sigma radial, along, across, (3,); of elements at their own epoch the growth alone."""
     at_utc = shifted_utc(tle.epoch_utc, age_days * DAY_S)
     ephemeris = orbit.ephemeris(at_utc, shifted_utc(at_utc, 1.0))
-    sigma = orbit_sigma(ephemeris, Instants(at_utc, np.zeros(1)))
+    sigma = ephemeris.sigma(Instants(at_utc, np.zeros(1)))
     if isinstance(orbit, TleOrbit) and orbit is not tle:
         return np.zeros(3)  # the same tracking's error, in both sets
     return _axes_m(sigma)[0]

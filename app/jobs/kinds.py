@@ -4,7 +4,6 @@ A new kind is a module with its work, which a child imports, and a line in JOB_K
 """
 
 import hashlib
-import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -15,6 +14,7 @@ from app.jobs.child import Bounds
 from app.store import flights, jobs, plans
 from app.store.ids import JobState, new_id
 from app.store.jobs import Job, NewJob
+from app.store.listing import Listing
 from app.store.packed import NewPlan
 from app.store.plans import StoredPlan
 from app.work.campaign import NewCampaign, Part, choose, without_refused
@@ -191,7 +191,10 @@ def replace_refused(connection: Connection, refused: Job, problem: Mapping[str, 
     never sees itself complete in between.
     """
     part = Part(
-        request=jobs.request_of(connection, refused.id) or b"", facts=refused.options["campaign"]
+        request=jobs.request_of(connection, refused.id) or b"",
+        name=refused.name,
+        listing=Listing(platform=refused.platform or ""),
+        facts=refused.options["campaign"],
     )
     repaired = without_refused(part, problem.get("field"), problem["detail"])
     if repaired is not None and refused.parent_id is not None:
@@ -207,7 +210,7 @@ def _accept_part(
         NewJob(
             id=new_id(),
             kind=PLAN.name,
-            name=json.loads(part.request)["name"],
+            name=part.name,
             request=part.request,
             request_sha256=hashlib.sha256(part.request).hexdigest(),
             deadline_s=deadline_s,

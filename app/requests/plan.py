@@ -1,11 +1,14 @@
 """A request for a plan: a scenario within the service's bounds, and horizon cameras."""
 
+import json
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import AfterValidator, FailFast, Field
 
 from app.requests.initial_state import AskedInitialState
 from app.requests.json_reader import JsonReader
+from app.requests.json_writer import json_fields
 from estimator.camera import HorizonCamera
 from estimator.request import require_cameras
 from planner.base.spec import is_kept, spec
@@ -64,3 +67,16 @@ _READER = JsonReader[PlanRequest](_WITHIN_SPAN)
 read_plan_request = _READER.read
 read_kept_plan_request = _READER.read_kept
 plan_request_json_schema = _READER.json_schema
+
+
+def write_plan_request(
+    scenario: Scenario, words: Mapping[str, Any], target_words: Sequence[object]
+) -> bytes:
+    """The request that `read_plan_request` reads as this scenario.
+
+    words: of its fields that stay as they were sent.  target_words: of the first sessions' targets.
+    """
+    sessions = [json_fields(session) for session in scenario.sessions]
+    for session, target in zip(sessions, target_words, strict=False):
+        session["target"] = target
+    return json.dumps(json_fields(scenario, {**words, "sessions": sessions})).encode()

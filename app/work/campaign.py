@@ -3,20 +3,20 @@
 import json
 import re
 import zlib
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from app.answers.campaign import CampaignChoiceOut, CampaignLookOut, TargetLeftOut, UnseenTarget
 from app.answers.members import ProvenanceOut, fill
 from app.answers.opportunities import FoundWindows, found_windows, windows_out
 from app.requests.campaign import read_campaign_request
+from app.requests.plan import write_plan_request
 from app.store.listing import Listing
 from app.work.progress import Progress, report
 from planner.planning.campaigns import CampaignRequest
 from planner.planning.opportunities import OpportunityRequest
 from planner.world.frames.time_scales import utc_from_text, utc_text
-from planner.world.targets import BenchMotionTarget
 
 if TYPE_CHECKING:
     from planner.planning.campaigns import Campaign, ChosenLook, ChosenPass, UnchosenTarget
@@ -29,22 +29,14 @@ _SESSION = re.compile(r"sessions\.(\d+)(\.|$)")
 class Part:
     """A pass to be planned.
 
-    request: a plan request.  facts: the pass's number, times, looks, and what was left out.
+    request: a plan request.  name, listing: what lists tell of it.
+    facts: the pass's number, times, looks, and what was left out.
     """
 
     request: bytes
+    name: str
+    listing: Listing
     facts: Mapping[str, Any]
-
-    @property
-    def listing(self) -> Listing:
-        """By the targets' ids, from the first look to the last."""
-        platform, looks = json.loads(self.request)["platform"], self.facts["looks"]
-        return Listing(
-            platform=platform if isinstance(platform, str) else platform["name"],
-            start_utc=utc_from_text(looks[0]["start"]),
-            stop_utc=utc_from_text(looks[-1]["stop"]),
-            targets=tuple(look["target"] for look in looks),
-        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -124,48 +116,31 @@ def _part(
     from planner.planning.campaigns import scenario_of
 
     scenario = scenario_of(request, flight, number)
-    rest = scenario.sessions[-1]
-    assert isinstance(rest.target, BenchMotionTarget)
-    plan_request = {
-        "name": scenario.name,
-        **{name: document[name] for name in _CARRIED_OVER if name in document},
-        "initial_state": {
-            "epoch": utc_text(scenario.initial_state.epoch, 6),
-            "angles_deg": dict(scenario.initial_state.angles_deg),
+    words = {name: document[name] for name in _CARRIED_OVER if name in document}
+    target_words = [document["targets"][look.target]["target"] for look in flight.looks]
+    looks = [_look(request, look) for look in flight.looks]
+    return Part(
+        request=write_plan_request(scenario, words, target_words),
+        name=scenario.name,
+        listing=_listing(scenario.platform.name, looks),
+        facts={
+            "pass": number,
+            "start": utc_text(flight.start_utc),
+            "stop": utc_text(flight.stop_utc),
+            "looks": looks,
+            "left_out": [],
         },
-        "sessions": [
-            *(
-                {
-                    "id": request.targets[look.target].id,
-                    "target": document["targets"][look.target]["target"],
-                    "start": utc_text(look.start_utc, 6),
-                    "stop": utc_text(look.stop_utc, 6),
-                }
-                for look in flight.looks
-            ),
-            {
-                "target": {
-                    "mode": "test_motion",
-                    "axes": {
-                        name: {"kind": "constant_rate", "angle_deg": angle_deg, "rate_deg_s": 0.0}
-                        for name, angle_deg in request.rest_deg.items()
-                    },
-                },
-                "start": utc_text(rest.start, 6),
-                "stop": utc_text(rest.stop, 6),
-            },
-        ],
-        "on_conflict": scenario.on_conflict,
-    }
-    plan_request.setdefault("attitude", {"law": "lvlh"})
-    facts = {
-        "pass": number,
-        "start": utc_text(flight.start_utc),
-        "stop": utc_text(flight.stop_utc),
-        "looks": [_look(request, look) for look in flight.looks],
-        "left_out": [],
-    }
-    return Part(request=json.dumps(plan_request).encode(), facts=facts)
+    )
+
+
+def _listing(platform: str, looks: Sequence[Mapping[str, Any]]) -> Listing:
+    """By the targets' ids, from the first look to the last."""
+    return Listing(
+        platform=platform,
+        start_utc=utc_from_text(looks[0]["start"]),
+        stop_utc=utc_from_text(looks[-1]["stop"]),
+        targets=tuple(look["target"] for look in looks),
+    )
 
 
 def _look(request: CampaignRequest, look: "ChosenLook") -> dict[str, Any]:
@@ -188,7 +163,9 @@ def without_refused(part: Part, field: str | None, detail: str) -> Part | None:
     request = json.loads(part.request)
     del request["sessions"][row]
     left_out = {"target": looks.pop(row)["target"], "because": detail}
-    return Part(
+    return replace(
+        part,
         request=json.dumps(request).encode(),
+        listing=_listing(part.listing.platform, looks),
         facts={**part.facts, "looks": looks, "left_out": [*part.facts["left_out"], left_out]},
     )

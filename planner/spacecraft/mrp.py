@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from planner.base.arrays import Array
+from planner.base.interpolation import quintic_coefficients
 
 
 class BodyMotion(NamedTuple):
@@ -85,15 +86,8 @@ def mrp_state(mrp: Array, omega_body_rad_s: Array, alpha_body_rad_s2: Array) -> 
 
 def quintic(start: MrpState, end: MrpState, span_s: float, shares: Array) -> MrpMotion:
     """The quintic Hermite at shares (n,) of the span between two states, (n, 3) or (3,)."""
-    p0, v0, a0 = start
-    p1, v1, a1 = end
-    h = span_s
-    c0, c1, c2 = p0, v0 * h, 0.5 * a0 * h**2
-    dp, dv, da = p1 - c0 - c1 - c2, v1 * h - c1 - 2 * c2, a1 * h**2 - 2 * c2
-    c3 = 10 * dp - 4 * dv + 0.5 * da
-    c4 = -15 * dp + 7 * dv - da
-    c5 = 6 * dp - 3 * dv + 0.5 * da
-    x = shares[:, None]
+    c0, c1, c2, c3, c4, c5 = quintic_coefficients(span_s, start, end)
+    h, x = span_s, shares[:, None]
     return MrpMotion(
         c0 + x * (c1 + x * (c2 + x * (c3 + x * (c4 + x * c5)))),
         (c1 + x * (2 * c2 + x * (3 * c3 + x * (4 * c4 + x * 5 * c5)))) / h,

@@ -1,7 +1,7 @@
-"""A new target mode and a new export format are one file and one registration each.
+"""A new target mode, export format and orbit source are one file and one registration each.
 
-A copy of the product gets one of each, and everything that knows modes or formats must have
-picked it up: plan, judge, opportunities, campaign, export, schema and pages.
+A copy of the product gets one of each, and everything that knows modes, formats or sources must
+have picked it up: plan, judge, budget, advice, opportunities, campaign, export, schema and pages.
 """
 
 import os
@@ -49,6 +49,55 @@ def _write(plan, created_utc):
 
 TAB = Exporter(title="angles", media_type="text/tab-separated-values", suffix="tab", write=_write)
 '''
+ORBIT = '''
+"""A circle through a position, with the velocity there."""
+
+from dataclasses import dataclass
+from datetime import datetime
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from planner.base.spec import spec
+from planner.world.orbits.accuracy import OrbitSigma
+from planner.world.orbits.ephemeris import CarrierName, Ephemeris, OrbitSource, OrbitStates
+
+
+@spec
+class CircleOrbit(OrbitSource):
+    search_horizon_s: ClassVar[float] = 700.0
+    source: Literal["circle"] = "circle"
+    epoch: datetime
+    r_eci_m: tuple[float, float, float]
+    v_eci_m_s: tuple[float, float, float]
+
+    @property
+    def carrier_name(self):
+        return CarrierName("ROUND\\n1")
+
+    def ephemeris(self, start_utc, stop_utc):
+        return CircleEphemeris(
+            epoch_utc=self.epoch, start_utc=start_utc, stop_utc=stop_utc, warnings=(), orbit=self
+        )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CircleEphemeris(Ephemeris):
+    orbit: CircleOrbit
+
+    def interpolate(self, instants):
+        r_m, v_m_s = np.array(self.orbit.r_eci_m), np.array(self.orbit.v_eci_m_s)
+        rate_rad_s = np.linalg.norm(v_m_s) / np.linalg.norm(r_m)
+        phase_rad = rate_rad_s * instants.since_s(self.epoch_utc)[:, None]
+        c, s = np.cos(phase_rad), np.sin(phase_rad)
+        return OrbitStates(c * r_m + s * v_m_s / rate_rad_s, c * v_m_s - s * r_m * rate_rad_s)
+
+    def sigma(self, instants):
+        one = np.ones(len(instants))
+        return OrbitSigma(
+            radial_m=one, along_m=7.0 * one, cross_m=one, basis="assumed round", better="an ellipse"
+        )
+'''
 REGISTRATIONS = (
     (
         "planner/world/targets/__init__.py",
@@ -62,6 +111,12 @@ REGISTRATIONS = (
         '] = {\n    "tab": TAB,\n',
         "from planner.output.export.tab import TAB\n",
     ),
+    (
+        "planner/world/orbits/__init__.py",
+        "    TleOrbit | OmmOrbit | OemOrbit | OpmOrbit | StateVectorOrbit,\n",
+        "    TleOrbit | OmmOrbit | OemOrbit | OpmOrbit | StateVectorOrbit | CircleOrbit,\n",
+        "from planner.world.orbits.circle import CircleOrbit\n",
+    ),
 )
 USE = """
 import json, sys, time
@@ -70,9 +125,12 @@ from fastapi.testclient import TestClient
 import slewtrack
 from app.http.app import create_app
 from planner.world.frames.geodesy import itrf_from_geodetic
+from planner.world.frames.time_scales import Instants, utc_from_text
 import math
+import numpy as np
 
 EXAMPLES = Path(sys.argv[1])
+EPOCH = utc_from_text("2015-02-27T17:37:00Z")
 x, y, z = itrf_from_geodetic(math.radians(36.1147), math.radians(-115.1728), 610.0).tolist()
 target = {"mode": "itrf", "x_m": x, "y_m": y, "z_m": z}
 request = json.loads((EXAMPLES / "las_vegas_2015.json").read_text())
@@ -103,15 +161,35 @@ with TestClient(create_app()) as client:
     unknown = request["sessions"][0]["target"] | {"mode": "nowhere"}
     request["sessions"][0]["target"] = unknown
     assert "itrf" in client.post("/v1/plans", json=request).json()["detail"]
+
+    states = plan.scenario.orbit.ephemeris(EPOCH, EPOCH).states(Instants(EPOCH, np.zeros(1)))
+    request["sessions"][0]["target"] = target
+    request["orbit"] = {
+        "source": "circle",
+        "epoch": "2015-02-27T17:37:00Z",
+        "r_eci_m": states.r_sat_eci_m[0].tolist(),
+        "v_eci_m_s": states.v_sat_eci_m_s[0].tolist(),
+    }
+    answer = client.post("/v1/plans", json=request)
+    assert answer.status_code == 201, answer.text
+    assert answer.json()["verification"]["passed"]
+    assert "assumed round" in answer.text and "an ellipse" in answer.text
+    named = client.get(answer.headers["location"] + "/table", params={"format": "oem"}).text
+    assert "OBJECT_NAME = ROUND 1\\n" in named
+    # Far from any pass: another start is sought within the source's horizon, and no farther.
+    request["sessions"][0] |= {"start": "2015-02-27T18:10:00Z", "stop": "2015-02-27T18:11:00Z"}
+    refusal = client.post("/v1/plans", json=request).json()["detail"]
+    assert "2015-02-27T18:21:40.0Z" in refusal, refusal  # 700 s later
 """
 
 
-def test_a_mode_and_a_format_get_everywhere(tmp_path):
+def test_a_mode_a_format_and_an_orbit_source_get_everywhere(tmp_path):
     for package in ("slewtrack", "app", "planner", "estimator"):
         leave_out = shutil.ignore_patterns("__pycache__", "page")  # which may be built meanwhile
         shutil.copytree(ROOT / package, tmp_path / package, ignore=leave_out)
     (tmp_path / "planner/world/targets/itrf.py").write_text(MODE.lstrip())
     (tmp_path / "planner/output/export/tab.py").write_text(FORMAT.lstrip())
+    (tmp_path / "planner/world/orbits/circle.py").write_text(ORBIT.lstrip())
     for path, before, after, import_line in REGISTRATIONS:
         text = (tmp_path / path).read_text()
         assert text.count(before) == 1

@@ -9,7 +9,15 @@ import pytest
 
 from planner.base.errors import OutsideCoverage
 from planner.world.frames.time_scales import Instants, elapsed_s
-from planner.world.orbits import ORBITS, OemOrbit, OmmOrbit, OpmOrbit, StateVectorOrbit, TleOrbit
+from planner.world.orbits import (
+    ORBITS,
+    OemOrbit,
+    OmmOrbit,
+    OpmOrbit,
+    OrbitSource,
+    StateVectorOrbit,
+    TleOrbit,
+)
 
 DATA = Path(__file__).parents[1] / "data"
 ISS_STATE = {
@@ -156,7 +164,19 @@ def test_age_grows_a_second_a_second(example):
     ages_s = ephemeris.age_s(Instants(example.start_utc, np.array([0.0, SPAN_S])))
     assert abs(abs(ages_s[1] - ages_s[0])) in (0.0, pytest.approx(SPAN_S))
     assert np.all(ages_s >= 0.0)
-    assert ephemeris.kind in ORBITS
+
+
+def test_every_source_says_its_error_its_name_and_how_far_to_search(example):
+    """An abstract member left out is refused where the source is first built."""
+    assert isinstance(example.orbit, OrbitSource)
+    assert 600.0 <= example.orbit.search_horizon_s <= 86400.0
+    assert len(example.orbit.carrier_name) == 2
+    sigma = ephemeris_of(example).sigma(Instants(example.start_utc, np.array([0.0, SPAN_S])))
+    axes_m = np.array([sigma.radial_m, sigma.along_m, sigma.cross_m])
+    assert axes_m.shape == (3, 2)
+    assert np.all((axes_m > 1.0) & (axes_m < 1e5))
+    assert sigma.basis
+    assert sigma.better
 
 
 def test_age_of_a_state_counts_from_its_epoch():

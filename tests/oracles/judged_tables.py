@@ -66,7 +66,6 @@ class CircularOrbit:
     radius_m: float = 6371e3 + 415e3
     beside_deg: float = 1.5
     opposite: bool = False
-    kind: str = "state"
     warnings: tuple[str, ...] = ()
     plane: tuple[np.ndarray, np.ndarray] = field(init=False)
 
@@ -91,9 +90,6 @@ class CircularOrbit:
             self.radius_m * (np.cos(phase) * over + np.sin(phase) * ahead),
             self.radius_m * mean_motion * (np.cos(phase) * ahead - np.sin(phase) * over),
         )
-
-    def age_s(self, instants):
-        return np.zeros(len(instants))
 
 
 @dataclass(frozen=True)

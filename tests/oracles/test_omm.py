@@ -12,7 +12,6 @@ from sgp4.api import Satrec
 from planner.base.errors import OutsideCoverage
 from planner.world.frames.time_scales import Instants, utc_from_text
 from planner.world.orbits import OmmOrbit, OpmOrbit, StateVectorOrbit, TleOrbit
-from planner.world.orbits.accuracy import orbit_sigma
 
 # The element set of 2022-02-07 from Space-Track, as a TLE and as CelesTrak's JSON writes it.
 TLE = TleOrbit(
@@ -107,7 +106,7 @@ def test_elements_made_after_a_reboost_are_read():
     """Drag terms as the ISS's of 13 November 2024, -0.11407, refused until now."""
     orbit = OmmOrbit(content=as_json(BSTAR=-0.11407))
     quiet = OmmOrbit(content=as_json())
-    told_m = [orbit_sigma(o.ephemeris(START, START), NOON).along_m[0] for o in (orbit, quiet)]
+    told_m = [o.ephemeris(START, START).sigma(NOON).along_m[0] for o in (orbit, quiet)]
     assert orbit.message.bstar == -0.11407
     assert told_m[0] > 100.0 * told_m[1]
 

@@ -8,7 +8,7 @@ from scipy.special import i0
 
 from planner.world.frames.time_scales import Instants, elapsed_s
 from planner.world.orbits import StateVectorOrbit, TleOrbit
-from planner.world.orbits.accuracy import orbit_sigma, state_sigma, tle_sigma
+from planner.world.orbits.accuracy import state_sigma, tle_sigma
 
 TLE = TleOrbit(
     line1="1 25544U 98067A   15058.48161588  .00023857  00000-0  35618-3 0  9991",
@@ -77,11 +77,11 @@ def test_elements_fitted_across_a_reboost_are_told_to_be_bad():
     ephemeris = AFTER_REBOOST.ephemeris(AFTER_REBOOST.epoch_utc, at_utc)
     truth = TWO_DAYS_LATER.ephemeris(at_utc, at_utc).states(now)
     off_m = np.linalg.norm(ephemeris.states(now).r_sat_eci_m - truth.r_sat_eci_m)
-    told = orbit_sigma(ephemeris, now)
+    told = ephemeris.sigma(now)
     assert elapsed_s(at_utc, ephemeris.epoch_utc) < 2.0 * 86400.0
     assert 0.5 < told.along_m[0] / off_m < 2.0
     quiet = TWO_DAYS_LATER.ephemeris(at_utc, at_utc)
-    assert orbit_sigma(quiet, now).along_m[0] < 1500.0
+    assert quiet.sigma(now).along_m[0] < 1500.0
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,7 @@ from planner.world.attitude import AttitudeUncertainty, InertialAttitude, LvlhAt
 from planner.world.frames.time_scales import Instants, utc_from_text
 from planner.world.messages.aem import read_aem
 from planner.world.orbits import StateVectorOrbit, TleOrbit
+from planner.world.orbits.accuracy import tle_sigma
 from planner.world.platforms.iss_hrc import ISS_HRC
 from planner.world.targets.ground import GroundTarget
 
@@ -252,17 +253,16 @@ def test_contributions_add_up_and_say_what_they_rest_on():
 class Older:
     """The same orbit, from elements two days older."""
 
-    kind = "tle"
     warnings = ()
 
     def __init__(self, ephemeris):
         self.states = ephemeris.states
-        self.drag_in_a_day_m = ephemeris.drag_in_a_day_m
-        self.air_in_a_day_m = ephemeris.air_in_a_day_m
-        self._age_s = ephemeris.age_s
+        self._ephemeris = ephemeris
 
-    def age_s(self, instants):
-        return self._age_s(instants) + 2.0 * 86400.0
+    def sigma(self, instants):
+        fresh = self._ephemeris
+        age_s = fresh.age_s(instants) + 2.0 * 86400.0
+        return tle_sigma(age_s, fresh.drag_in_a_day_m, fresh.air_in_a_day_m)
 
 
 def test_a_better_orbit_keeps_the_target_in_the_frame():

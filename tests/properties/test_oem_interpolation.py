@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planner.base.errors import InvalidMessage, OutsideCoverage
+from planner.base.interpolation import hermite
 from planner.world.frames.earth_orientation import (
     C_GCRF_FROM_EME2000,
     c_itrf_from_eci,
@@ -17,7 +18,6 @@ from planner.world.frames.earth_orientation import (
 )
 from planner.world.frames.time_scales import Instants, shifted_utc
 from planner.world.orbits import OemOrbit
-from planner.world.orbits.hermite import hermite
 
 DATA = Path(__file__).parents[1] / "data"
 CALM = OemOrbit(content=(DATA / "iss_oem_2022-017_excerpt.xml").read_text()).message.segments[0]

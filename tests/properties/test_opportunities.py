@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from planner.base import effort
 from planner.base.errors import OutsideCoverage, SearchEnded
+from planner.base.interpolation import UniformTable
 from planner.planning.opportunities import (
     OpportunityConditions,
     OpportunityRequest,
@@ -18,7 +19,6 @@ from planner.planning.opportunities import (
     opportunities_however_many,
 )
 from planner.planning.opportunities.carrier import carrier_over
-from planner.planning.opportunities.interpolation import UniformTable
 from planner.planning.opportunities.sights import EarthSight, FixedPlaces
 from planner.planning.opportunities.spans import Nodes, stretches, turning_point
 from planner.world.attitude.inertial import InertialAttitude

@@ -10,12 +10,12 @@ import pytest
 from scipy.optimize import brentq
 
 from planner.base.errors import OutsideCoverage
+from planner.base.interpolation import hermite
 from planner.world.frames.time_scales import Instants, shifted_utc, utc_from_text
 from planner.world.orbits import OemOrbit
 from planner.world.orbits.cell_defects import cell_defects, odd_nodes, smooth_arcs, strongest_push
 from planner.world.orbits.collocation import node_times_s, propagate_segment
 from planner.world.orbits.forces import forces_at
-from planner.world.orbits.hermite import hermite
 
 DATA = Path(__file__).parents[1] / "data"
 FILES = sorted(DATA.glob("iss_oem_*_excerpt.xml"))

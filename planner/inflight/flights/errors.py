@@ -11,7 +11,6 @@ from planner.planning.sessions.uncertainty import ut1_sigma_s
 from planner.world.attitude import AttitudeLaw
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import Ephemeris, OrbitStates
-from planner.world.orbits.accuracy import orbit_sigma
 
 ATTITUDE_INSTANTS = (3, 11)  # of a session: as the budget, fewer where there are many sessions
 _INSTANTS = 330  # of all of them: the attitude's joint covariance takes their number cubed
@@ -80,7 +79,7 @@ def session_errors(
         zip(ephemerides, instants, states, strict=True)
     ):
         mine = slice(number * count, (number + 1) * count)
-        sigma_m = orbit_sigma(ephemeris, at)
+        sigma_m = ephemeris.sigma(at)
         r_m, v_m_s = flown.r_sat_eci_m, flown.v_sat_eci_m_s
         rate_rad_s = np.linalg.norm(cross(r_m, v_m_s), axis=1) / np.sum(r_m**2, axis=1)
         found.append(

@@ -9,6 +9,7 @@ import numpy as np
 from planner.base.arrays import Array
 from planner.base.commands import ROWS_PER_S, CommandTable
 from planner.base.errors import InvalidInput
+from planner.base.interpolation import NODES, UniformTable
 from planner.base.rotation import Rotation
 from planner.inflight.flights.draws import Draw
 from planner.inflight.flights.errors import SessionErrors, session_errors
@@ -21,8 +22,7 @@ from planner.world.plan import FlightPlan
 from planner.world.scenario import Scenario
 from planner.world.targets import VisibleTarget
 
-NODE_S = 1.0  # between directions that are found; in between they are interpolated
-POINTS = 6  # by a polynomial through so many: good to 3e-5 arcsec on a 400 km pass
+NODE_S = 1.0  # between directions that are found: interpolated to 3e-5 arcsec on a 400 km pass
 LEAD_S = 10.0  # flown before a session, for the drives to be at work when it begins
 
 
@@ -38,7 +38,9 @@ class SeenTarget(NamedTuple):
 
     def directions_platform(self, at_s: Array) -> Array:
         """Unit vectors at k instants, in whatever shape they come, (k, 3)."""
-        return between(self.nodes_s, self.los_platform, at_s.ravel())
+        step_s = float(self.nodes_s[-1] - self.nodes_s[0]) / (len(self.nodes_s) - 1)
+        found = UniformTable(step_s, self.los_platform).at(at_s.ravel() - self.nodes_s[0])
+        return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
 
     def ranges_m(self, at_s: Array) -> Array:
         """Distances at instants (k,)."""
@@ -147,7 +149,7 @@ def session_scenes(plan: FlightPlan) -> list[SessionScene]:
 
 def _nodes(table: CommandTable, rows: Rows) -> Instants:
     start_s, stop_s = rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S
-    count = max(int(np.ceil((stop_s - start_s) / NODE_S)) + 1, POINTS)
+    count = max(int(np.ceil((stop_s - start_s) / NODE_S)) + 1, NODES)
     return Instants(table.epoch_utc, np.linspace(start_s, stop_s, count))
 
 
@@ -158,22 +160,3 @@ def _rows_from(table: CommandTable, first: int, last: int) -> CommandTable:
         angle_rad=table.angle_rad[first : last + 1],
         rate_rad_s=table.rate_rad_s[first : last + 1],
     )
-
-
-def between(nodes_s: Array, directions_platform: Array, t_s: Array) -> Array:
-    """Unit vectors (n, 3) at uniform nodes (n,), by polynomials through the six nearest: (k, 3).
-
-    A little beyond the ends the last polynomial is carried on.
-    Source: Berrut and Trefethen 2004, Barycentric Lagrange interpolation, eq. 4.2.
-    """
-    step_s = (nodes_s[-1] - nodes_s[0]) / (len(nodes_s) - 1)
-    at = (t_s - nodes_s[0]) / step_s
-    first = np.clip(np.floor(at).astype(np.intp) - POINTS // 2 + 1, 0, len(nodes_s) - POINTS)
-    apart = (at - first)[:, None] - np.arange(POINTS)
-    weights = np.array([1.0, -5.0, 10.0, -10.0, 5.0, -1.0])
-    on_node = apart == 0.0
-    shares = weights / np.where(on_node, 1.0, apart)
-    shares = np.where(on_node.any(axis=1, keepdims=True), on_node, shares)
-    shares /= shares.sum(axis=1, keepdims=True)
-    found = sum(shares[:, [k]] * directions_platform[first + k] for k in range(POINTS))
-    return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))

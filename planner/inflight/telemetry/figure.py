@@ -10,11 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from planner.base.arrays import Array, Indices
-from planner.base.errors import InvalidInput
 from planner.output.export.description import notes, one_line, session_label
 from planner.output.export.figure import AXIS_COLOURS
 from planner.output.export.figure_parts import (
-    FORMATS,
     LIMIT_COLOUR,
     POINTS_MAX,
     TITLE_MAX,
@@ -52,11 +50,6 @@ def draw_comparison(comparison: Comparison, image_format: str, created_utc: date
 
     Sessions are shaded; bars under an error are its oscillations and where the axis stuck.
     """
-    if image_format not in FORMATS:
-        raise InvalidInput(
-            f"{image_format!r} is no picture format; use one of {', '.join(FORMATS)}",
-            field="--plot",
-        )
     plan = comparison.plan
     table = plan.table
     title = plan.scenario.name or "Plan"

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from planner.base.arrays import Array, Mask
+from planner.base.interpolation import cubic_coefficients, quintic_coefficients
 from planner.world.platforms import AxisLimits
 
 
@@ -27,10 +28,9 @@ def cubic_range(step_s: float, angle_rad: Array, rate_rad_s: Array) -> HermiteRa
     angle_rad, rate_rad_s: shape (n, m).  The rate is a parabola over a cell, so its extreme
     and the angle's are roots in closed form; the acceleration is a straight line, the jerk level.
     """
-    v0, v1 = rate_rad_s[:-1] * step_s, rate_rad_s[1:] * step_s
-    q0 = angle_rad[:-1]
-    d = np.diff(angle_rad, axis=0)
-    c2, c3 = 3.0 * d - 2.0 * v0 - v1, v0 + v1 - 2.0 * d  # q0 + v0 s + c2 s^2 + c3 s^3, s in [0, 1]
+    q0, v0, c2, c3 = cubic_coefficients(
+        step_s, angle_rad[:-1], angle_rad[1:], rate_rad_s[:-1], rate_rad_s[1:]
+    )
 
     def angle_at(s: Array) -> Array:
         return q0 + s * (v0 + s * (c2 + s * c3))
@@ -42,7 +42,7 @@ def cubic_range(step_s: float, angle_rad: Array, rate_rad_s: Array) -> HermiteRa
         s_rate = -c2 / (3.0 * c3)
         q = -(c2 + np.copysign(np.sqrt(c2 * c2 - 3.0 * c3 * v0), c2))
         s_angle = [q / (3.0 * c3), v0 / q]  # the stable pair of roots of v0 + 2 c2 s + 3 c3 s^2
-    rates = np.stack([v0, v1, rate_at(_inside(s_rate))])
+    rates = np.stack([v0, rate_rad_s[1:] * step_s, rate_at(_inside(s_rate))])
     angles = np.stack([q0, angle_rad[1:], *(angle_at(_inside(s)) for s in s_angle)])
     accelerations = np.stack([2.0 * c2, 2.0 * c2 + 6.0 * c3])
     return HermiteRange(
@@ -95,14 +95,11 @@ def quintic_motion(
     cell = np.clip(np.searchsorted(rows_s, t_s, side="right") - 1, 0, len(rows_s) - 2)
     h = (rows_s[cell + 1] - rows_s[cell])[:, None]
     s = (t_s - rows_s[cell])[:, None] / h
-    c0, c1 = angle_rad[cell], rate_rad_s[cell] * h
-    c2 = acceleration_rad_s2[cell] * h * h / 2.0
-    d_angle = angle_rad[cell + 1] - c0 - c1 - c2
-    d_rate = rate_rad_s[cell + 1] * h - c1 - 2.0 * c2
-    d_acceleration = acceleration_rad_s2[cell + 1] * h * h - 2.0 * c2
-    c3 = 10.0 * d_angle - 4.0 * d_rate + d_acceleration / 2.0
-    c4 = -15.0 * d_angle + 7.0 * d_rate - d_acceleration
-    c5 = 6.0 * d_angle - 3.0 * d_rate + d_acceleration / 2.0
+    c0, c1, c2, c3, c4, c5 = quintic_coefficients(
+        h,
+        (angle_rad[cell], rate_rad_s[cell], acceleration_rad_s2[cell]),
+        (angle_rad[cell + 1], rate_rad_s[cell + 1], acceleration_rad_s2[cell + 1]),
+    )
     angle = c0 + s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * c5))))
     rate = (c1 + s * (2.0 * c2 + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)))) / h
     acceleration = (2.0 * c2 + s * (6.0 * c3 + s * (12.0 * c4 + s * 20.0 * c5))) / h**2

@@ -2,14 +2,13 @@
 
 from dataclasses import dataclass
 from datetime import datetime
-from typing import NamedTuple
 
 import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.commands import COMMAND_STEP_S, CommandTable
 from planner.world.frames.time_scales import utc_text
-from planner.world.orbits import OemOrbit, OmmOrbit, OpmOrbit, Orbit, TleOrbit
+from planner.world.orbits import CarrierName, Orbit
 from planner.world.plan import FlightPlan
 from planner.world.platforms import TwoAxisPlatform
 from planner.world.scenario import Session
@@ -38,13 +37,6 @@ class Column:
     unit: str
     axis: str
     value_by_row: Array
-
-
-class CarrierName(NamedTuple):
-    """Name and international designator, UNKNOWN where the orbit source has none."""
-
-    name: str
-    designator: str
 
 
 def columns(table: CommandTable) -> tuple[Column, ...]:
@@ -89,19 +81,9 @@ def notes(plan: FlightPlan, created_utc: datetime) -> tuple[str, ...]:
 
 
 def carrier_name(orbit: Orbit) -> CarrierName:
-    """As its orbit message names it."""
-    if isinstance(orbit, TleOrbit):
-        launch, designator = orbit.line1[9:17].strip(), UNKNOWN
-        if launch:
-            century = "19" if int(launch[:2]) >= 57 else "20"
-            designator = f"{century}{launch[:2]}-{launch[2:]}"
-        return CarrierName(f"NORAD {orbit.line1[2:7].strip()}", designator)
-    name = ""
-    if isinstance(orbit, OemOrbit):
-        name = orbit.message.segments[0].object_name
-    elif isinstance(orbit, OmmOrbit | OpmOrbit):
-        name = orbit.message.object_name
-    return CarrierName(one_line(name) or UNKNOWN, UNKNOWN)
+    """The satellite as its source names it, UNKNOWN for what that leaves out."""
+    name, designator = orbit.carrier_name
+    return CarrierName(one_line(name) or UNKNOWN, one_line(designator) or UNKNOWN)
 
 
 def one_line(text: str) -> str:

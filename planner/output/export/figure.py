@@ -11,11 +11,10 @@ import numpy as np
 
 from planner.base.arrays import Array, Indices
 from planner.base.commands import COMMAND_STEP_S, CommandTable
-from planner.base.errors import InvalidInput
+from planner.base.interpolation import cubic_coefficients
 from planner.output.export.description import notes, one_line, session_label
 from planner.output.export.figure_parts import (
     DASHED,
-    FORMATS,
     LIMIT_COLOUR,
     POINTS_MAX,
     TITLE_MAX,
@@ -55,11 +54,6 @@ def draw_plan(plan: FlightPlan, image_format: str, created_utc: datetime) -> byt
 
     Sessions are shaded, closest approaches and limits dashed.
     """
-    if image_format not in FORMATS:
-        raise InvalidInput(
-            f"{image_format!r} is no picture format; use one of {', '.join(FORMATS)}",
-            field="--plot",
-        )
     table, limits = plan.table, plan.scenario.platform.axis_limits
     title = plan.scenario.name or "Plan"
     figure, panels = panels_over_time(
@@ -105,10 +99,10 @@ def _motion(table: CommandTable) -> list[tuple[Array, Array]]:
 def _accelerations_rad_s2(table: CommandTable, cell: Indices) -> Array:
     """At the start and the end of each cell's cubic, in turn, (2 k, m)."""
     h = COMMAND_STEP_S
-    v0, v1 = table.rate_rad_s[cell], table.rate_rad_s[cell + 1]
-    step = (table.angle_rad[cell + 1] - table.angle_rad[cell]) / h
-    ends = np.stack([6.0 * step - 4.0 * v0 - 2.0 * v1, 4.0 * v1 + 2.0 * v0 - 6.0 * step], axis=1)
-    return np.asarray(ends.reshape(-1, v0.shape[1]) / h)
+    angle, rate = table.angle_rad, table.rate_rad_s
+    *_, c2, c3 = cubic_coefficients(h, angle[cell], angle[cell + 1], rate[cell], rate[cell + 1])
+    ends = np.stack([2.0 * c2, 2.0 * c2 + 6.0 * c3], axis=1) / h**2
+    return np.asarray(ends.reshape(-1, ends.shape[2]))
 
 
 def _bounds_deg(limits: AxisLimits) -> tuple[tuple[float, float], ...]:

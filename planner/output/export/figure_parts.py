@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from datetime import datetime
 from typing import TYPE_CHECKING, Any
 
+from planner.base.errors import InvalidInput
 from planner.world.frames.time_scales import shifted_utc, utc_text
 
 if TYPE_CHECKING:  # matplotlib takes 0.3 s to import, which only a figure should pay
@@ -110,7 +111,15 @@ def legend_below(figure: Figure, panel: Axes) -> None:
 
 
 def picture_file(figure: Figure, image_format: str, title: str, notes: Iterable[str]) -> bytes:
-    """Its bytes, the same for the same figure; the notes are in its metadata."""
+    """Its bytes, the same for the same figure; the notes are in its metadata.
+
+    Raises InvalidInput for a format there is none of.
+    """
+    if image_format not in FORMATS:
+        raise InvalidInput(
+            f"{image_format!r} is no picture format; use one of {', '.join(FORMATS)}",
+            field="--plot",
+        )
     from matplotlib import rc_context
 
     told = "\n".join(notes)

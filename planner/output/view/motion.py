@@ -7,6 +7,7 @@ import numpy as np
 
 from planner.base.arrays import Array, Indices
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
+from planner.base.interpolation import cubic_coefficients
 from planner.motion.baseline import paper_profiles
 from planner.motion.slew import AxisState
 from planner.world.frames.time_scales import elapsed_s
@@ -43,10 +44,9 @@ def motion_at_rows(table: CommandTable, row: Indices) -> AxesMotion:
     """At rows by their numbers, (n,)."""
     h = COMMAND_STEP_S
     cell = np.minimum(row, len(table.t_s) - 2)
-    v0, v1 = table.rate_rad_s[cell], table.rate_rad_s[cell + 1]
-    step = (table.angle_rad[cell + 1] - table.angle_rad[cell]) / h
-    jerk = 6.0 * (v0 + v1 - 2.0 * step) / h**2
-    acceleration = (6.0 * step - 4.0 * v0 - 2.0 * v1) / h
+    angle, rate = table.angle_rad, table.rate_rad_s
+    *_, c2, c3 = cubic_coefficients(h, angle[cell], angle[cell + 1], rate[cell], rate[cell + 1])
+    acceleration, jerk = 2.0 * c2 / h**2, 6.0 * c3 / h**3
     return AxesMotion(
         angle_rad=table.angle_rad[row],
         rate_rad_s=table.rate_rad_s[row],

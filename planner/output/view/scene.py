@@ -8,12 +8,12 @@ from typing import Literal
 import numpy as np
 
 from planner.base.arrays import Array, Indices
+from planner.base.interpolation import NODES, UniformTable
 from planner.base.rotation import Rotation
 from planner.output.export.ground import BORESIGHT_PAYLOAD, Sights, frame_corner_rays, sights
 from planner.output.export.table_states import TableStates, table_states
 from planner.planning.opportunities.carrier import apparent_geocentric_m
 from planner.planning.opportunities.conditions import angle_rad
-from planner.planning.opportunities.interpolation import NODES, UniformTable
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import OrbitStates

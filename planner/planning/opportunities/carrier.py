@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from planner.base.arrays import Array
+from planner.base.interpolation import NODES, UniformTable
 from planner.base.rotation import Rotation
-from planner.planning.opportunities.interpolation import NODES, UniformTable
 from planner.world.attitude import AttitudeLaw
 from planner.world.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
 from planner.world.frames.geodesy import MU_EARTH_M3_S2

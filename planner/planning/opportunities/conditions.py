@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner.base.arrays import Array, Indices
+from planner.base.interpolation import UniformTable
 from planner.motion.pointing.angles import axis_angles
 from planner.planning.opportunities.carrier import Carrier
-from planner.planning.opportunities.interpolation import UniformTable
 from planner.planning.opportunities.masks import TURN_RAD as MASK_TURN_RAD
 from planner.planning.opportunities.masks import Direction, clear_of, nodes_beside
 from planner.planning.opportunities.request import OpportunityConditions

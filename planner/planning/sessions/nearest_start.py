@@ -16,12 +16,11 @@ from planner.planning.sessions.longest_hold import longest_hold
 from planner.planning.sessions.other_sessions import Others
 from planner.planning.sessions.sequence import RefusedSession, SessionRefused, sequence_sessions
 from planner.planning.sessions.start_trials import Trials
-from planner.world.frames.time_scales import DAY_S, Instants, elapsed_s, shifted_utc, utc_text
+from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 from planner.world.orbits import Ephemeris
 from planner.world.scenario import Scenario, Session
 from planner.world.targets import BenchMotionTarget, EarthFixedTarget
 
-HORIZON_S = {"state": 6000.0, "opm": 6000.0}  # a numerical propagation of a day takes seconds
 COARSE_ROWS = 10 * ROWS_PER_S  # first tries, then halved down to a row
 ATTEMPTS = 60
 
@@ -297,7 +296,7 @@ def _rows_by_distance(refused: RefusedSession, span: _Span) -> list[int]:
 def _span(refused: RefusedSession) -> _Span | Refusal:
     """The orbit as far around the session as it is known, up to the horizon, or why it is not."""
     scenario, wanted = refused.scenario, refused.wanted
-    longest_s = HORIZON_S.get(scenario.orbit.source, DAY_S)
+    longest_s = scenario.orbit.search_horizon_s
     for horizon_s in (longest_s, longest_s / 16.0, 0.0):
         # Cones to keep out of must be known along the whole slew.
         early_row = wanted.start - int(horizon_s) * ROWS_PER_S

@@ -21,7 +21,6 @@ from planner.world.frames.earth_orientation import iers_data_end_utc
 from planner.world.frames.iers import RAD_PER_ARCSEC
 from planner.world.frames.time_scales import DAY_S, Instants, elapsed_s
 from planner.world.orbits import Ephemeris, OrbitStates
-from planner.world.orbits.accuracy import orbit_sigma
 from planner.world.platforms import TwoAxisPlatform
 from planner.world.targets import VisibleTarget
 
@@ -301,7 +300,7 @@ def _orbit_offsets(
 
     moved_platform: where the target is seen from each of the `_disturbed_orbits`.
     """
-    sigma = orbit_sigma(ephemeris, scene.instants)
+    sigma = ephemeris.sigma(scene.instants)
     sizes_m = (sigma.radial_m, sigma.along_m, sigma.cross_m)
     laplace = (False, sigma.is_along_laplace, False)
     return [

@@ -7,12 +7,12 @@ foretells rows it has not seen, and what it leaves out is stated.
 """
 
 from dataclasses import dataclass
-from itertools import permutations
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from planner.base.arrays import Array
+from planner.base.interpolation import lagrange_weights, quintic_coefficients
 from planner.base.rotation import Rotation
 from planner.world.frames.iers import RAD_PER_ARCSEC
 
@@ -152,18 +152,10 @@ def _through_rates(t_s: Array, q: Array, q_dot_s: Array) -> "PPoly":
     degree = min(3, len(t_s) - 1)
     second = make_interp_spline(t_s, q_dot_s, k=degree).derivative()(t_s)
     h = np.diff(t_s)[:, None]
-    v0, v1 = q_dot_s[:-1] * h, q_dot_s[1:] * h
-    a0, a1 = second[:-1] * h**2, second[1:] * h**2
-    turn = np.diff(q, axis=0)
-    coefficients = (
-        (6.0 * turn - 3.0 * (v0 + v1) + 0.5 * (a1 - a0)) / h**5,
-        (-15.0 * turn + 8.0 * v0 + 7.0 * v1 + 1.5 * a0 - a1) / h**4,
-        (10.0 * turn - 6.0 * v0 - 4.0 * v1 - 1.5 * a0 + 0.5 * a1) / h**3,
-        0.5 * a0 / h**2,
-        v0 / h,
-        q[:-1],
+    powers = quintic_coefficients(
+        h, (q[:-1], q_dot_s[:-1], second[:-1]), (q[1:], q_dot_s[1:], second[1:])
     )
-    return PPoly(np.stack(coefficients), t_s)
+    return PPoly(np.stack([c / h**order for order, c in enumerate(powers)][::-1]), t_s)
 
 
 def _distance_rad(p: Array, q: Array) -> Array:
@@ -185,7 +177,7 @@ def odd_by_rad(t_s: Array, q_body_from_frame_xyzw: Array) -> Array:
         inside = (rows + min(stencil) >= 0) & (rows + max(stencil) < len(t_s))
         at = rows[inside]
         others = at[:, None] + np.array(stencil)
-        weights = _lagrange(t_s[others] - t_s[at, None])
+        weights = lagrange_weights(t_s[others] - t_s[at, None])
         miss = q_body_from_frame_xyzw[at] - np.einsum(
             "nk,nkj->nj", weights, q_body_from_frame_xyzw[others]
         )
@@ -193,11 +185,3 @@ def odd_by_rad(t_s: Array, q_body_from_frame_xyzw: Array) -> Array:
         odd_rad[at] = np.minimum(odd_rad[at], miss_rad)
     odd_rad[:REACH] = odd_rad[len(t_s) - REACH :] = 0.0
     return np.where(np.isfinite(odd_rad), odd_rad, 0.0)
-
-
-def _lagrange(node_s: Array) -> Array:
-    """Weights at zero of four nodes each, both of shape (n, 4)."""
-    weights = np.ones_like(node_s)
-    for node, other in permutations(range(4), 2):
-        weights[:, node] *= node_s[:, other] / (node_s[:, other] - node_s[:, node])
-    return weights

@@ -12,6 +12,7 @@ import numpy as np
 from astropy_iers_data import IERS_A_FILE, IERS_LEAP_SECOND_FILE
 
 from planner.base.arrays import Array
+from planner.base.interpolation import lagrange_weights
 
 RAD_PER_ARCSEC = math.pi / 648000.0
 
@@ -48,15 +49,10 @@ class EarthOrientationTable:
         """
         x = np.clip(utc_mjd, self.utc_mjd[0], self.utc_mjd[-1]) - self.utc_mjd[0]
         first = np.clip(np.floor(x).astype(np.intp) - 1, 0, len(self.utc_mjd) - 4)
-        u = (x - first)[:, None]
-        a, b, c, d = (self.ut1_s_pole_rad[first + k] for k in range(4))
-        interpolated: Array = (
-            -a * ((u - 1.0) * (u - 2.0) * (u - 3.0) / 6.0)
-            + b * (u * (u - 2.0) * (u - 3.0) / 2.0)
-            - c * (u * (u - 1.0) * (u - 3.0) / 2.0)
-            + d * (u * (u - 1.0) * (u - 2.0) / 6.0)
-        )
-        return interpolated
+        days = np.arange(4)
+        weights = lagrange_weights(days - (x - first)[:, None])
+        nearest = self.ut1_s_pole_rad[first[:, None] + days]
+        return np.asarray(np.einsum("mk,mkj->mj", weights, nearest))
 
 
 @cache

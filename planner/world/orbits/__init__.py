@@ -5,7 +5,7 @@ from typing import Annotated, get_args
 from pydantic import Field
 
 from planner.base.spec import About
-from planner.world.orbits.ephemeris import Ephemeris, OrbitStates
+from planner.world.orbits.ephemeris import CarrierName, Ephemeris, OrbitSource, OrbitStates
 from planner.world.orbits.oem import OemOrbit
 from planner.world.orbits.omm import OmmOrbit
 from planner.world.orbits.opm import OpmOrbit
@@ -22,11 +22,13 @@ ORBITS = {orbit.source: orbit for orbit in get_args(get_args(Orbit)[0])}
 
 __all__ = [
     "ORBITS",
+    "CarrierName",
     "Ephemeris",
     "OemOrbit",
     "OmmOrbit",
     "OpmOrbit",
     "Orbit",
+    "OrbitSource",
     "OrbitStates",
     "StateVectorOrbit",
     "TleOrbit",

@@ -1,4 +1,4 @@
-"""The error of a predicted orbit, by its kind and age."""
+"""Error laws of predicted orbits, by the age of what they rest on."""
 
 import math
 from dataclasses import dataclass
@@ -6,9 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner.base.arrays import Array
-from planner.world.frames.time_scales import DAY_S, Instants
-from planner.world.orbits.ephemeris import Ephemeris
-from planner.world.orbits.paper_model import PaperEphemeris
+from planner.world.frames.time_scales import DAY_S
 
 MEASURED_TLE = (
     "measured: ISS TLEs against NASA ephemerides near their epoch, 2,300 of 1998-2004, 2017 and "
@@ -51,16 +49,6 @@ class OrbitSigma:
     basis: str
     better: str
     is_along_laplace: bool = False
-
-
-def orbit_sigma(ephemeris: Ephemeris, instants: Instants) -> OrbitSigma:
-    """Errors of a prediction at n instants."""
-    age_s = ephemeris.age_s(instants)
-    if ephemeris.kind == "tle":
-        return tle_sigma(age_s, ephemeris.drag_in_a_day_m, ephemeris.air_in_a_day_m)
-    if ephemeris.kind == "oem":
-        return oem_sigma(age_s, ephemeris.drag_in_a_day_m)
-    return state_sigma(age_s, paper_model=isinstance(ephemeris, PaperEphemeris))
 
 
 def tle_sigma(age_s: Array, drag_in_a_day_m: float, air_in_a_day_m: float) -> OrbitSigma:

@@ -3,15 +3,15 @@
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from datetime import datetime
-from typing import ClassVar, Literal
+from typing import NamedTuple
 
 import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.errors import OutsideCoverage
 from planner.world.frames.time_scales import Instants, elapsed_s, utc_text
+from planner.world.orbits.accuracy import OrbitSigma
 
-Kind = Literal["tle", "oem", "state"]
 EDGE_S = 1e-6  # the resolution of a datetime
 
 
@@ -27,22 +27,21 @@ class OrbitStates:
 class Ephemeris(ABC):
     """An orbit made ready for the time from start_utc to stop_utc.
 
-    kind: where it comes from.  epoch_utc: of the data it rests on.  warnings: cautions about its
-    quality.  drag_in_a_day_m: of SGP4's elements and of messages, how far along the track drag
-    takes the satellite in a day from the epoch.
+    epoch_utc: of the data it rests on.  warnings: cautions about its quality.
     """
 
-    kind: ClassVar[Kind]
     epoch_utc: datetime
     start_utc: datetime
     stop_utc: datetime
     warnings: tuple[str, ...]
-    drag_in_a_day_m: float = 0.0
-    air_in_a_day_m: float = 0.0
 
     @abstractmethod
     def interpolate(self, instants: Instants) -> OrbitStates:
         """`states` for instants that are known to lie within the span."""
+
+    @abstractmethod
+    def sigma(self, instants: Instants) -> OrbitSigma:
+        """1-sigma errors of the prediction at n instants."""
 
     def states(self, instants: Instants) -> OrbitStates:
         """At the n instants; raises OutsideCoverage unless all lie within the span."""
@@ -62,3 +61,33 @@ class Ephemeris(ABC):
     def age_s(self, instants: Instants) -> Array:
         """Time since (or until) the data the orbit rests on, shape (n,), never negative."""
         return np.abs(instants.since_s(self.epoch_utc))
+
+
+class CarrierName(NamedTuple):
+    """Name and international designator of the satellite; empty where the source has none."""
+
+    name: str
+    designator: str = ""
+
+
+class OrbitSource(ABC):
+    """A request's orbit in one of the forms it may be sent in.
+
+    source: the form's name in a request.
+    """
+
+    source: str
+
+    @property
+    @abstractmethod
+    def search_horizon_s(self) -> float:
+        """How far around a refused session another start is sought: as the orbit is cheap."""
+
+    @property
+    @abstractmethod
+    def carrier_name(self) -> CarrierName:
+        """The satellite as this source names it."""
+
+    @abstractmethod
+    def ephemeris(self, start_utc: datetime, stop_utc: datetime) -> Ephemeris:
+        """The orbit from start to stop; raises OutsideCoverage where it isn't known."""

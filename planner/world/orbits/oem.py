@@ -3,16 +3,25 @@
 from dataclasses import dataclass
 from datetime import datetime
 from functools import cached_property
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.errors import InvalidMessage, OutsideCoverage
+from planner.base.interpolation import hermite, hermite_error_m
 from planner.base.spec import spec
 from planner.world.frames.earth_orientation import eci_from_frame_state
-from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc, tai_us, utc_text
+from planner.world.frames.time_scales import (
+    DAY_S,
+    Instants,
+    elapsed_s,
+    shifted_utc,
+    tai_us,
+    utc_text,
+)
 from planner.world.messages.oem import Oem, OemSegment, read_oem
+from planner.world.orbits.accuracy import OrbitSigma, oem_sigma
 from planner.world.orbits.cell_defects import (
     REFUSE_M,
     WARN_M,
@@ -23,8 +32,13 @@ from planner.world.orbits.cell_defects import (
     strongest_push,
 )
 from planner.world.orbits.decay import drag_in_a_day_m
-from planner.world.orbits.ephemeris import EDGE_S, Ephemeris, OrbitStates
-from planner.world.orbits.hermite import hermite, hermite_error_m
+from planner.world.orbits.ephemeris import (
+    EDGE_S,
+    CarrierName,
+    Ephemeris,
+    OrbitSource,
+    OrbitStates,
+)
 
 NODES = 6
 MARGIN = NODES // 2 + 1  # nodes beyond the asked span: half a window and one to judge it by
@@ -33,12 +47,13 @@ REFUSE_ERROR_M = 100.0
 
 
 @spec
-class OemOrbit:
+class OemOrbit(OrbitSource):
     """The text of a CCSDS OEM, KVN or XML, as published.
 
     content: the whole message, line breaks included.
     """
 
+    search_horizon_s: ClassVar[float] = DAY_S
     source: Literal["oem"] = "oem"
     content: str
 
@@ -52,6 +67,11 @@ class OemOrbit:
     def message(self) -> Oem:
         """Read once, at construction."""
         return read_oem(self.content)
+
+    @property
+    def carrier_name(self) -> CarrierName:
+        """The OBJECT_NAME of the message's first segment."""
+        return CarrierName(self.message.segments[0].object_name)
 
     def ephemeris(self, start_utc: datetime, stop_utc: datetime) -> "OemEphemeris":
         """Raises OutsideCoverage where the message's useable times leave a gap, InvalidMessage
@@ -107,9 +127,12 @@ class Arc:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class OemEphemeris(Ephemeris):
-    """Hermite interpolation within each arc, never across a burn or a segment's end."""
+    """Hermite interpolation within each arc, never across a burn or a segment's end.
 
-    kind = "oem"
+    drag_in_a_day_m: as `oem_sigma` takes it.
+    """
+
+    drag_in_a_day_m: float
     arcs: tuple[Arc, ...]
 
     def interpolate(self, instants: Instants) -> OrbitStates:
@@ -129,6 +152,10 @@ class OemEphemeris(Ephemeris):
     def age_s(self, instants: Instants) -> Array:
         """Time since the message was made, shape (n,); zero before."""
         return np.maximum(instants.since_s(self.epoch_utc), 0.0)
+
+    def sigma(self, instants: Instants) -> OrbitSigma:
+        """By the drag in the message, which its operator had to forecast."""
+        return oem_sigma(self.age_s(instants), self.drag_in_a_day_m)
 
 
 def _arcs(segment: OemSegment, start_utc: datetime, stop_utc: datetime) -> list[Arc]:

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from functools import cached_property
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Discriminator, Tag
 from sgp4.api import WGS72, Satrec
@@ -13,6 +13,7 @@ from planner.base.errors import InvalidMessage
 from planner.base.spec import spec
 from planner.world.frames.time_scales import DAY_S
 from planner.world.messages.omm import Omm, read_omm
+from planner.world.orbits.ephemeris import CarrierName, OrbitSource
 from planner.world.orbits.tle import TleEphemeris, require_earth_orbit, sgp4_ephemeris
 
 _SGP4_ORIGIN = datetime(1949, 12, 31, tzinfo=UTC)
@@ -35,7 +36,7 @@ OmmContent = Annotated[
 
 
 @spec
-class OmmOrbit:
+class OmmOrbit(OrbitSource):
     """A CCSDS OMM: JSON as catalogues send it, KVN or XML.
 
     The same elements as a TLE with more digits, so the same error: about 1 km at the epoch.
@@ -44,6 +45,7 @@ class OmmOrbit:
     list of one.
     """
 
+    search_horizon_s: ClassVar[float] = DAY_S
     source: Literal["omm"] = "omm"
     content: OmmContent
 
@@ -57,6 +59,11 @@ class OmmOrbit:
     def message(self) -> Omm:
         """Read once, at construction."""
         return read_omm(self.content)
+
+    @property
+    def carrier_name(self) -> CarrierName:
+        """The message's OBJECT_NAME."""
+        return CarrierName(self.message.object_name)
 
     def ephemeris(self, start_utc: datetime, stop_utc: datetime) -> TleEphemeris:
         """Raises OutsideCoverage when an instant is 30 days or more from the epoch."""

@@ -3,12 +3,13 @@
 import re
 from datetime import datetime
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 from planner.base.errors import InvalidMessage, OutsideCoverage
 from planner.base.spec import spec
 from planner.world.frames.time_scales import elapsed_s, tai_us, utc_text
 from planner.world.messages.opm import Opm, read_opm
+from planner.world.orbits.ephemeris import CarrierName, OrbitSource
 from planner.world.orbits.paper_model import PaperEphemeris
 from planner.world.orbits.state_vector import PropagatedEphemeris, StateVectorOrbit
 
@@ -25,7 +26,7 @@ _FIELD = re.compile(r"\b(" + "|".join(_KEYWORDS) + r")\b")
 
 
 @spec
-class OpmOrbit:
+class OpmOrbit(OrbitSource):
     """The text of a CCSDS OPM, KVN or XML; its state is propagated as a state vector's.
 
     Mass, drag area and coefficient are the message's; where it is silent, those of
@@ -36,6 +37,7 @@ class OpmOrbit:
     paper's (56 m).
     """
 
+    search_horizon_s: ClassVar[float] = StateVectorOrbit.search_horizon_s
     source: Literal["opm"] = "opm"
     content: str
     force_model: Literal["full", "j2j4"] = "full"
@@ -70,6 +72,11 @@ class OpmOrbit:
             force_model=self.force_model,
             **drag,
         )
+
+    @property
+    def carrier_name(self) -> CarrierName:
+        """The message's OBJECT_NAME."""
+        return CarrierName(self.message.object_name)
 
     def ephemeris(
         self, start_utc: datetime, stop_utc: datetime

@@ -8,14 +8,15 @@ from functools import lru_cache
 import numpy as np
 
 from planner.base.arrays import Array
+from planner.base.interpolation import hermite
 from planner.world.frames.earth_orientation import (
     OMEGA_EARTH_RAD_S,
     eci_from_itrf_state,
     itrf_from_eci_state,
 )
 from planner.world.frames.time_scales import Instants, elapsed_s
+from planner.world.orbits.accuracy import OrbitSigma, state_sigma
 from planner.world.orbits.ephemeris import Ephemeris, OrbitStates
-from planner.world.orbits.hermite import hermite
 
 State = tuple[float, float, float, float, float, float]
 
@@ -33,7 +34,6 @@ class PaperEphemeris(Ephemeris):
     t_s: shape (k,), increasing, from epoch_utc.  r_eci_m, v_eci_m_s: shape (k, 3).
     """
 
-    kind = "state"
     t_s: Array
     r_eci_m: Array
     v_eci_m_s: Array
@@ -42,6 +42,10 @@ class PaperEphemeris(Ephemeris):
         """Velocity is the exact derivative of position."""
         t_s = instants.since_s(self.epoch_utc)
         return OrbitStates(*hermite(self.t_s, self.r_eci_m, self.v_eci_m_s, t_s, nodes=2))
+
+    def sigma(self, instants: Instants) -> OrbitSigma:
+        """Of the state at its epoch, grown, and of the paper's force model."""
+        return state_sigma(self.age_s(instants), paper_model=True)
 
 
 def paper_ephemeris(

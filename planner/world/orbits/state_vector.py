@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from datetime import datetime
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from planner.world.frames.time_scales import (
     shifted_utc,
     utc_text,
 )
-from planner.world.orbits.accuracy import state_sigma
+from planner.world.orbits.accuracy import OrbitSigma, state_sigma
 from planner.world.orbits.atmosphere import HEIGHT_MIN_M
 from planner.world.orbits.collocation import (
     SEGMENT_S,
@@ -27,7 +27,7 @@ from planner.world.orbits.collocation import (
     node_times_s,
     propagate_segment,
 )
-from planner.world.orbits.ephemeris import Ephemeris, OrbitStates
+from planner.world.orbits.ephemeris import CarrierName, Ephemeris, OrbitSource, OrbitStates
 from planner.world.orbits.forces import forces_at
 from planner.world.orbits.gravity import GM_M3_S2, RADIUS_M
 from planner.world.orbits.paper_model import PaperEphemeris, paper_ephemeris
@@ -43,7 +43,7 @@ _SHORTEST_S = 1.0  # so that a plan at the epoch has a polynomial too
 
 
 @spec
-class StateVectorOrbit:
+class StateVectorOrbit(OrbitSource):
     """Position and velocity at an epoch, from the Earth's centre.
 
     frame: of both. GCRF and EME2000 differ by 0.02 arcsec.
@@ -58,6 +58,7 @@ class StateVectorOrbit:
     drag_coefficient: of the carrier; the ISS's unless given.
     """
 
+    search_horizon_s: ClassVar[float] = 6000.0  # a numerical propagation of a day takes seconds
     source: Literal["state"] = "state"
     frame: Literal["ITRF", "EME2000", "GCRF"]
     epoch: datetime
@@ -80,6 +81,11 @@ class StateVectorOrbit:
                 "a sail; is it in kg?"
             )
         _check_orbit(self)
+
+    @property
+    def carrier_name(self) -> CarrierName:
+        """None: a bare state has no name."""
+        return CarrierName("")
 
     @property
     def ballistic_m2_kg(self) -> float:
@@ -151,7 +157,6 @@ class StateVectorOrbit:
 class PropagatedEphemeris(Ephemeris):
     """segments: in time's order, without gaps, seconds from epoch_utc."""
 
-    kind = "state"
     segments: tuple[CollocationSegment, ...]
 
     def interpolate(self, instants: Instants) -> OrbitStates:
@@ -164,6 +169,10 @@ class PropagatedEphemeris(Ephemeris):
             here = which == k
             r_m[here], v_m_s[here] = self.segments[k].at(t_s[here])
         return OrbitStates(r_m, v_m_s)
+
+    def sigma(self, instants: Instants) -> OrbitSigma:
+        """Of the state at its epoch, grown, and of the full force model."""
+        return state_sigma(self.age_s(instants), paper_model=False)
 
 
 def _check_orbit(orbit: StateVectorOrbit) -> None:

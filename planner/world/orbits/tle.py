@@ -4,7 +4,7 @@ import calendar
 import re
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from sgp4.api import SGP4_ERRORS, WGS72, Satrec
@@ -15,9 +15,9 @@ from planner.world.frames.earth_orientation import eci_from_frame_state
 from planner.world.frames.geodesy import MU_EARTH_M3_S2
 from planner.world.frames.time_scales import DAY_S, Instants, elapsed_s, require_known, utc_text
 from planner.world.messages.omm import MEAN_MOTION_REV_DAY
-from planner.world.orbits.accuracy import tle_sigma
+from planner.world.orbits.accuracy import OrbitSigma, tle_sigma
 from planner.world.orbits.atmosphere import thickest_kg_m3
-from planner.world.orbits.ephemeris import Ephemeris, OrbitStates
+from planner.world.orbits.ephemeris import CarrierName, Ephemeris, OrbitSource, OrbitStates
 from planner.world.orbits.gravity import RADIUS_M
 
 WARN_AGE_DAYS = 3.0
@@ -40,7 +40,7 @@ _LAYOUT = {
 
 
 @spec
-class TleOrbit:
+class TleOrbit(OrbitSource):
     """Two lines of a NORAD element set, as published: line by line, or whole as `content`.
 
     SGP4's own error is about 1 km at the epoch and grows by 1-3 km a day.
@@ -51,6 +51,7 @@ class TleOrbit:
     instead of `line1` and `line2`. E.g. `"ISS (ZARYA)\\n1 25544U ...\\n2 25544 ..."`.
     """
 
+    search_horizon_s: ClassVar[float] = DAY_S
     source: Literal["tle"] = "tle"
     line1: str = ""
     line2: str = ""
@@ -93,6 +94,14 @@ class TleOrbit:
         """Epoch of the elements."""
         return _epoch_utc(self.line1)
 
+    @property
+    def carrier_name(self) -> CarrierName:
+        """Catalogue number and, where the lines have it, designator: of 1957 to 2056."""
+        launch = self.line1[9:17].strip()
+        century = "19" if launch[:2] >= "57" else "20"
+        designator = f"{century}{launch[:2]}-{launch[2:]}" if launch[:2].isdigit() else ""
+        return CarrierName(f"NORAD {self.line1[2:7].strip()}", designator)
+
     def ephemeris(self, start_utc: datetime, stop_utc: datetime) -> "TleEphemeris":
         """Raises OutsideCoverage when an instant is 30 days or more from the epoch."""
         return sgp4_ephemeris(
@@ -112,9 +121,11 @@ class TleEphemeris(Ephemeris):
     """SGP4 at any instant of the span; TEME is taken to ITRF and on to ECI.
 
     Leaves out the slow turning of TEME itself in the velocity (7e-5 m/s).
+    drag_in_a_day_m, air_in_a_day_m: as `tle_sigma` takes them.
     """
 
-    kind = "tle"
+    drag_in_a_day_m: float
+    air_in_a_day_m: float
     satrec: Satrec
     field: str
 
@@ -135,6 +146,10 @@ class TleEphemeris(Ephemeris):
             )
         states_m = eci_from_frame_state("TEME", r_teme_km * 1e3, v_teme_km_s * 1e3, instants)
         return OrbitStates(*states_m)
+
+    def sigma(self, instants: Instants) -> OrbitSigma:
+        """By what of the drag in the elements is wrong."""
+        return tle_sigma(self.age_s(instants), self.drag_in_a_day_m, self.air_in_a_day_m)
 
 
 def require_earth_orbit(satrec: Satrec) -> None:

@@ -1,8 +1,106 @@
-"""Ephemerides between their nodes: Hermite polynomials on position and velocity."""
+"""Interpolation by polynomials: Lagrange's through values, Hermite's through derivatives, too.
+
+The judge (planner/verification) has its own.
+"""
+
+from functools import cache
+from itertools import permutations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from planner.base.arrays import Array, Indices
+
+NODES = 6
+
+
+class UniformTable:
+    """Polynomials of degree 5 through the six rows around each cell.
+
+    The error in mid-table is 0.0049 (step w)^6 of a motion that turns at w: at 60 s, 3 mm of a
+    low orbit.  In the first and last two cells it is up to five times that.  Outside the table
+    the end polynomials go on.  Source: Lagrange interpolation on equidistant nodes.
+    """
+
+    def __init__(self, step_s: float, node_value: Array) -> None:
+        """node_value: shape (n, k), n >= 6, rows at 0, step_s, 2 step_s, ..."""
+        self._step_s = step_s
+        cells = len(node_value) - 1
+        first = np.clip(np.arange(cells) - NODES // 2 + 1, 0, len(node_value) - NODES)
+        stencils = node_value[first[:, None] + np.arange(NODES)]
+        place = np.arange(cells) - first
+        self._powers = np.ascontiguousarray(
+            np.einsum("npk->pnk", np.matmul(_vandermonde_inverses()[place], stencils))
+        )
+
+    def at(self, t_s: Array) -> Array:
+        """Shape (m, k) at t_s (m,)."""
+        cell, u = self._place(t_s)
+        total = self._powers[-1].take(cell, axis=0)
+        for power in self._powers[-2::-1]:
+            total *= u
+            total += power.take(cell, axis=0)
+        return np.asarray(total)
+
+    def rate_at(self, t_s: Array) -> Array:
+        """Derivative with respect to time, shape (m, k)."""
+        cell, u = self._place(t_s)
+        total = (NODES - 1) * self._powers[-1].take(cell, axis=0)
+        for order in range(NODES - 2, 0, -1):
+            total *= u
+            total += order * self._powers[order].take(cell, axis=0)
+        return np.asarray(total / self._step_s)
+
+    def _place(self, t_s: Array) -> tuple[NDArray[np.intp], Array]:
+        position = t_s / self._step_s
+        cell = np.clip(position.astype(np.intp), 0, self._powers.shape[1] - 1)
+        return cell, (position - cell)[:, None]
+
+
+@cache
+def _vandermonde_inverses() -> Array:
+    """From values at six nodes to powers of the distance from each, (6, 6, 6)."""
+    nodes = np.arange(NODES)
+    return np.array([np.linalg.inv(np.vander(nodes - float(p), increasing=True)) for p in nodes])
+
+
+def lagrange_weights(nodes: Array) -> Array:
+    """Weights of k nodes each for the value at zero, both of shape (n, k)."""
+    weights = np.ones_like(nodes)
+    for node, other in permutations(range(nodes.shape[1]), 2):
+        weights[:, node] *= nodes[:, other] / (nodes[:, other] - nodes[:, node])
+    return weights
+
+
+def cubic_coefficients(
+    step: Array | float, value: Array, next_value: Array, rate: Array, next_rate: Array
+) -> tuple[Array, Array, Array, Array]:
+    """The Hermite cubic between two rows `step` apart, in powers of the share of the step."""
+    d = next_value - value
+    c1, last = rate * step, next_rate * step
+    return value, c1, 3.0 * d - 2.0 * c1 - last, c1 + last - 2.0 * d
+
+
+def quintic_coefficients(
+    step: Array | float, state: tuple[Array, Array, Array], following: tuple[Array, Array, Array]
+) -> tuple[Array, Array, Array, Array, Array, Array]:
+    """The Hermite quintic between two rows `step` apart, in powers of the share of the step.
+
+    state, following: value and its first and second derivative at either row.
+    """
+    c0, c1 = state[0], state[1] * step
+    c2 = state[2] * step * step / 2.0
+    d_value = following[0] - c0 - c1 - c2
+    d_rate = following[1] * step - c1 - 2.0 * c2
+    d_curvature = following[2] * step * step - 2.0 * c2
+    return (
+        c0,
+        c1,
+        c2,
+        10.0 * d_value - 4.0 * d_rate + d_curvature / 2.0,
+        -15.0 * d_value + 7.0 * d_rate - d_curvature,
+        6.0 * d_value - 3.0 * d_rate + d_curvature / 2.0,
+    )
 
 
 def hermite(node_s: Array, r_m: Array, v_m_s: Array, t_s: Array, nodes: int) -> tuple[Array, Array]:
