@@ -21,7 +21,7 @@ def planned():
 
 @cache
 def planned_in_a_minute():
-    """It slews at once and tracks for a third of the session: all that costs flights by the hundred."""
+    """It slews at once and tracks for a third as long, where flights are made by the hundred."""
     state = LAS_VEGAS["initial_state"] | {"epoch": "2015-02-27T17:35:55Z"}
     [session] = LAS_VEGAS["sessions"]
     brief = session | {"stop": "2015-02-27T17:36:55Z"}

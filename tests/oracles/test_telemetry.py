@@ -234,7 +234,7 @@ def test_a_rate_beyond_its_limit_is_told(tmp_path):
 
 
 def rough_plan(**drive):
-    """A minute of the pass on a platform whose loops are the other program's, its friction guessed at."""
+    """A minute of the pass; loops are the other program's, their friction guessed at."""
     plan = planned_in_a_minute()
     loop = AxisDrive(
         bandwidth_hz=1.0,
