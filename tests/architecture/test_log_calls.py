@@ -41,9 +41,10 @@ def faults(source: str) -> list[str]:
     return found
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(ROOT)))
-def test_log_calls_hand_over_values_not_texts(path):
-    assert faults(path.read_text()) == []
+def test_log_calls_hand_over_values_not_texts():
+    found = {str(path.relative_to(ROOT)): faults(path.read_text()) for path in FILES}
+    assert len(found) > 100
+    assert {path: wrong for path, wrong in found.items() if wrong} == {}
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,6 @@ import json
 import re
 import sys
 
-import pytest
 from api_document import api_document
 from jsonschema import Draft202012Validator
 
@@ -13,9 +12,9 @@ from app.http.openapi.fields import is_number
 DOCUMENT = api_document()
 SCHEMAS = DOCUMENT["components"]["schemas"]
 FIELDS = [
-    pytest.param(schema, name, id=f"{schema}.{name}")
+    (schema, name, field)
     for schema in SCHEMAS
-    for name in SCHEMAS[schema].get("properties", {})
+    for name, field in SCHEMAS[schema].get("properties", {}).items()
 ]
 
 # Of names in the project, none of them of a field of the schema yet.
@@ -52,42 +51,50 @@ def test_the_document_has_fields_of_requests_and_answers():
     assert {"PlanRequest", "PlanResponse", "Problem"} <= set(SCHEMAS)
 
 
-@pytest.mark.parametrize(("schema", "name"), FIELDS)
-def test_every_field_is_told(schema, name):
-    """The text is in its class's docstring: see app/http/openapi/fields.py."""
-    field, where = SCHEMAS[schema]["properties"][name], place(schema, name)
-    assert field.get("description"), (
-        f"nothing says what {where} is: add the line\n    {name}: what it is, in plain words.\n"
-        "to the class's docstring, in a last paragraph of such lines (the unit comes from the "
-        "name's end; for another write [unit] after the text)"
-    )
-    assert has_fields(field) or "examples" in field, (
-        f"no example holds {where}: set it in a worked request of app/requests/examples (then "
-        f"`make answers`), or end its line in the docstring with E.g. `0.5`. (any JSON)"
-    )
+def untold(field, where):
+    """What is missing, and where it is to be written."""
+    if not field.get("description"):
+        yield (
+            f"nothing says what {where} is: add the line\n    {where.split()[0]}: what it is, in "
+            "plain words.\nto the class's docstring, in a last paragraph of such lines (the unit "
+            "comes from the name's end; for another write [unit] after the text)"
+        )
+    if not has_fields(field) and "examples" not in field:
+        yield (
+            f"no example holds {where}: set it in a worked request of app/requests/examples (then "
+            "`make answers`), or end its line in the docstring with E.g. `0.5`. (any JSON)"
+        )
     if is_number(field) and not has_fields(field):
-        assert field["x-unit"] != "1" or name.split("_")[-1] not in UNITS_NOT_WRITTEN, (
-            f"{where} passes for a pure number: add its unit to app/http/openapi/fields.py"
-        )
+        if field["x-unit"] == "1" and where.split()[0].split("_")[-1] in UNITS_NOT_WRITTEN:
+            yield f"{where} passes for a pure number: add its unit to app/http/openapi/fields.py"
         text = json.dumps(field)
-        assert "imum" in text or "x-range" in text or '"string"' in text, (
-            f"{where} states no range: write its type as Annotated[float, Within(least, greatest)] "
-            "in a request, as one of app/answers/ranges.py in an answer"
-        )
+        if not ("imum" in text or "x-range" in text or '"string"' in text):
+            yield (
+                f"{where} states no range: write its type as Annotated[float, Within(least, "
+                "greatest)] in a request, as one of app/answers/ranges.py in an answer"
+            )
 
 
-@pytest.mark.parametrize(("schema", "name"), FIELDS)
-def test_examples_are_what_the_field_holds(schema, name):
-    field = SCHEMAS[schema]["properties"][name]
-    check = Draft202012Validator(field | {"components": DOCUMENT["components"]})
-    for example in field.get("examples", ()):
-        assert [error.message for error in check.iter_errors(example)] == []
+def test_every_field_is_told():
+    """The text is in its class's docstring: see app/http/openapi/fields.py."""
+    missing = [
+        fault for schema, name, field in FIELDS for fault in untold(field, place(schema, name))
+    ]
+    assert not missing, "\n".join(missing)
 
 
-@pytest.mark.parametrize("schema", SCHEMAS)
-def test_docstrings_tell_of_no_field_that_there_is_not(schema):
-    told = re.findall(r"(?m)^([a-z]\w*(?:, \w+)*): ", SCHEMAS[schema].get("description", ""))
-    assert told == [], f"the docstring of {schema} tells of {told}, which it hasn't"
+def test_examples_are_what_the_field_holds():
+    for schema, name, field in FIELDS:
+        check = Draft202012Validator(field | {"components": DOCUMENT["components"]})
+        for example in field.get("examples", ()):
+            errors = [error.message for error in check.iter_errors(example)]
+            assert errors == [], f"{schema}.{name}"
+
+
+def test_docstrings_tell_of_no_field_that_there_is_not():
+    for schema, one in SCHEMAS.items():
+        told = re.findall(r"(?m)^([a-z]\w*(?:, \w+)*): ", one.get("description", ""))
+        assert told == [], f"the docstring of {schema} tells of {told}, which it hasn't"
 
 
 def test_titles_and_operations_are_named_once():
@@ -104,12 +111,7 @@ def test_titles_and_operations_are_named_once():
 
 def test_no_default_is_an_object():
     """Generators of clients leave out operations with such defaults; the text says it instead."""
-    fields = [
-        (schema, name, field)
-        for schema in SCHEMAS
-        for name, field in SCHEMAS[schema].get("properties", {}).items()
-    ]
-    assert [(s, n) for s, n, field in fields if isinstance(field.get("default"), dict)] == []
+    assert [(s, n) for s, n, field in FIELDS if isinstance(field.get("default"), dict)] == []
     conditions = SCHEMAS["OpportunityRequest"]["properties"]["conditions"]
     assert "Left out: `" in conditions["description"]
 

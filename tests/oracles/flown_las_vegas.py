@@ -16,7 +16,20 @@ PERFECT = {"alpha": other_platform.Drive(), "beta": other_platform.Drive()}
 
 @cache
 def planned():
-    return make_plan(read_plan_request(json.dumps(LAS_VEGAS).encode()))
+    return _made(LAS_VEGAS)
+
+
+@cache
+def planned_in_a_minute():
+    """It slews at once and tracks for a third as long, where flights are made by the hundred."""
+    state = LAS_VEGAS["initial_state"] | {"epoch": "2015-02-27T17:35:55Z"}
+    [session] = LAS_VEGAS["sessions"]
+    brief = session | {"stop": "2015-02-27T17:36:55Z"}
+    return _made(LAS_VEGAS | {"initial_state": state, "sessions": [brief]})
+
+
+def _made(request):
+    return make_plan(read_plan_request(json.dumps(request).encode()))
 
 
 def telemetry(
@@ -29,10 +42,11 @@ def telemetry(
     gyro_noise_deg_s=0.001,
     columns="angles and rates",
     seed=1,
+    plan=None,
 ):
     """The bytes of a CSV file: angles, rates, or both."""
     table = tmp_path / "table.csv"
-    table.write_text(table_csv(planned().table))
+    table.write_text(table_csv((plan or planned()).table))
     names, rows = other_platform.measure(
         other_platform.read_table(table),
         drives,

@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from flown_las_vegas import PERFECT, planned, telemetry
+from flown_las_vegas import PERFECT, planned, planned_in_a_minute, telemetry
 from other_platform import Clock, Drive
 
 import slewtrack
@@ -234,8 +234,8 @@ def test_a_rate_beyond_its_limit_is_told(tmp_path):
 
 
 def rough_plan(**drive):
-    """The pass on a platform whose loops are the other program's, its friction guessed at."""
-    plan = planned()
+    """A minute of the pass; loops are the other program's, their friction guessed at."""
+    plan = planned_in_a_minute()
     loop = AxisDrive(
         bandwidth_hz=1.0,
         damping=0.8,
@@ -266,6 +266,7 @@ def test_the_friction_that_was_flown_is_found(tmp_path, columns, friction_deg_s2
         noise_arcsec=0.5,
         gyro_noise_deg_s=3e-4,
         columns=columns,
+        plan=plan,
     )
     names = ["alpha.coulomb_deg_s2", "beta.coulomb_deg_s2"]
     found = platform_found(slewtrack.compare(plan, content), names)
