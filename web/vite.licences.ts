@@ -13,7 +13,7 @@ interface Locked {
 const TEXTS = /^(licen[cs]e|notice|copying)|\.LICENSE\.txt$/i;
 // For packages that name a licence without its text.
 const STANDARD: Record<string, () => string> = {
-  MIT: () => readFileSync("node_modules/preact/LICENSE", "utf8").replace(/^[^]*?(?=Permission is hereby)/, ""),
+  MIT: () => readFileSync("node_modules/preact/LICENSE", "utf8").replace(/^[\s\S]*?(?=Permission is hereby)/, ""),
   "Apache-2.0": () => readFileSync("node_modules/swagger-ui-dist/LICENSE", "utf8"),
 };
 
@@ -24,7 +24,8 @@ export function licences(outDir: string): Plugin {
     generateBundle() {
       for (const id of this.getModuleIds()) {
         const [folder] = /node_modules\/(?:@[^/]+\/)?[^/]+(?=\/(?!.*node_modules\/))/.exec(id) ?? [];
-        if (folder && ![...packages.keys()].some((one) => one.endsWith(folder))) this.error(`${id} is shipped: make its package a dependency`);
+        if (folder && ![...packages.keys()].some((one) => one.endsWith(folder)))
+          this.error(`${id} is shipped: make its package a dependency`);
       }
     },
     writeBundle() {

@@ -1,12 +1,8 @@
 /** The page's rooms: one line each, loaded when it is first gone to. */
 import type { ComponentType } from "preact";
 
-import type { Words } from "./i18n";
-
-export interface RoomProps {
-  /** What the address names: of "/plans/:id" the id. */
-  params: Record<string, string>;
-}
+import type { Words } from "./i18n/words";
+import type { RoomProps } from "./room";
 
 export interface Room {
   /** Its first part must be among PAGE_ROOMS in app/http/door/access.py. */
@@ -18,15 +14,15 @@ export interface Room {
 }
 
 export const ROOMS: readonly Room[] = [
-  { path: "/", title: "plan", inMenu: true, load: () => import("./rooms/plan/AskRoom") },
-  { path: "/plans/:id", title: "one", load: () => import("./rooms/plan/PlanRoom") },
-  { path: "/plans", title: "kept", inMenu: true, load: () => import("./rooms/kept/KeptRoom") },
+  { path: "/", title: "plan", inMenu: true, load: () => import("./rooms/planning/AskRoom") },
+  { path: "/plans/:id", title: "onePlan", load: () => import("./rooms/plan/PlanRoom") },
+  { path: "/plans", title: "library", inMenu: true, load: () => import("./rooms/library/LibraryRoom") },
   { path: "/campaigns", title: "campaigns", inMenu: true, load: () => import("./rooms/campaigns/CampaignsRoom") },
   { path: "/campaigns/:id", title: "campaigns", load: () => import("./rooms/campaigns/CampaignsRoom") },
   { path: "/spacecraft", title: "spacecraft", inMenu: true, load: () => import("./rooms/spacecraft/SpacecraftRoom") },
   { path: "/spacecraft/plans/:id", title: "spacecraft", load: () => import("./rooms/spacecraft/SpacecraftRoom") },
   { path: "/horizon", title: "horizon", inMenu: true, load: () => import("./rooms/horizon/HorizonRoom") },
-  { path: "/flights", title: "flights", inMenu: true, load: () => import("./rooms/flights/FlightsRoom") },
-  { path: "/flights/:id", title: "flights", load: () => import("./rooms/flights/FlightsRoom") },
+  { path: "/flights", title: "simulation", inMenu: true, load: () => import("./rooms/simulation/SimulationRoom") },
+  { path: "/flights/:id", title: "simulation", load: () => import("./rooms/simulation/SimulationRoom") },
   { path: "/telemetry", title: "telemetry", inMenu: true, load: () => import("./rooms/telemetry/TelemetryRoom") },
 ];

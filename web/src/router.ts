@@ -50,7 +50,7 @@ function decoded(text: string): string | null {
 }
 
 function here(): Place {
-  const path = "/" + location.pathname.slice(BASE.length);
+  const path = `/${location.pathname.slice(BASE.length)}`;
   return { path, query: new URLSearchParams(location.search) };
 }
 

@@ -10,11 +10,7 @@ export type Schemas = components["schemas"];
 
 type Ok = 200 | 201 | 202;
 type Operation<P extends keyof paths, M extends string> = paths[P] extends Record<M, infer O> ? O : never;
-type JsonOf<A> = A extends { content: infer C }
-  ? C extends { "application/json": infer T }
-    ? T
-    : never
-  : never;
+type JsonOf<A> = A extends { content: infer C } ? (C extends { "application/json": infer T } ? T : never) : never;
 /** What an operation answers as JSON when all is well. */
 export type Answered<P extends keyof paths, M extends "get" | "post"> =
   Operation<P, M> extends { responses: infer R } ? JsonOf<R[keyof R & Ok]> : never;

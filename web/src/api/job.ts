@@ -57,11 +57,7 @@ async function made(path: JobPaths | "/v1/plans/{id}/flights", request: object, 
 }
 
 /** Until it is done; raises Problem for a refusal or failure. */
-export async function untilDone(
-  sent: Sent,
-  tell: (now: Progress) => void,
-  until?: AbortSignal,
-): Promise<void> {
+export async function untilDone(sent: Sent, tell: (now: Progress) => void, until?: AbortSignal): Promise<void> {
   let now: Progress = { state: "queued", stage: null, percent: null };
   for await (const event of follow(`${sent.path}/events`, until)) {
     const { state, stage, percent, problem } = event.data;

@@ -106,12 +106,7 @@ function told(value: number): string {
 }
 
 /** Points as a path, broken where one of them isn't known and where it jumps by more than so much. */
-export function pathOf(
-  xs: readonly (number | null)[],
-  ys: readonly (number | null)[],
-  { x, y }: Scale,
-  jump = Infinity,
-): string {
+export function pathOf(xs: readonly (number | null)[], ys: readonly (number | null)[], { x, y }: Scale, jump = Infinity): string {
   let path = "";
   let isDown = false;
   for (let k = 0; k < xs.length; k++) {

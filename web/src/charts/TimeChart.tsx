@@ -1,5 +1,5 @@
 /** One strip of lines over the plan's time; strips share their stretch of time and the cursor. */
-import { effect, signal, type Signal } from "@preact/signals";
+import { effect, type Signal, signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
@@ -64,11 +64,7 @@ export function TimeChart(props: Props) {
     const element = box.current;
     if (!element) return;
     const plot = new uPlot(options(props, element.clientWidth), aligned(props), element);
-    const undo = [
-      follow(plot, props),
-      handle(plot, props),
-      resize(plot, element, props.height),
-    ];
+    const undo = [follow(plot, props), handle(plot, props), resize(plot, element, props.height)];
     return () => {
       for (const one of undo) one();
       plot.destroy();

@@ -39,7 +39,7 @@ interface Props {
 }
 
 export function RangeButtons({ range, stop_s, onWhole }: Props) {
-  const text = words.value.look.charts;
+  const text = words.value.viewer.charts;
   return (
     <span class="range-buttons">
       <button type="button" aria-label={text.closer} onClick={() => zoom(range, cursor_s.peek(), CLOSER, stop_s)}>

@@ -155,10 +155,7 @@ export async function openGlobe(
       scene.requestRender();
     },
     lookAt: (place) => {
-      camera.viewBoundingSphere(
-        new BoundingSphere(cartesian(place), 1),
-        new HeadingPitchRange(0, -0.9, OVER_TARGET_M),
-      );
+      camera.viewBoundingSphere(new BoundingSphere(cartesian(place), 1), new HeadingPitchRange(0, -0.9, OVER_TARGET_M));
       camera.lookAtTransform(Matrix4.IDENTITY);
       scene.requestRender();
     },

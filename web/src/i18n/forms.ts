@@ -1,5 +1,5 @@
 /** How numbers, times and durations are written, the same in every room. */
-import { language } from "./index";
+import { language } from "./language";
 
 /** "17:36:20" of "2015-02-27T17:36:20.000Z"; UTC always, as the tables are. */
 export function clock(iso: string | number): string {

@@ -1,5 +1,5 @@
 /** The Earth, flat: moved by hand or keys, closer and further; what is on it is drawn by others. */
-import { geoEquirectangular, geoGraticule10, type GeoPath, geoPath, type GeoProjection } from "d3-geo";
+import { type GeoPath, type GeoProjection, geoEquirectangular, geoGraticule10, geoPath } from "d3-geo";
 import type { ComponentChildren } from "preact";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 
@@ -109,7 +109,12 @@ export function EarthMap({ label, hint, around, aroundLabel, fits, onPick, heigh
   };
   const key = (event: KeyboardEvent) => {
     const step = 5 / zoom;
-    const moves: Record<string, LonLat> = { ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, step], ArrowDown: [0, -step] };
+    const moves: Record<string, LonLat> = {
+      ArrowLeft: [-step, 0],
+      ArrowRight: [step, 0],
+      ArrowUp: [0, step],
+      ArrowDown: [0, -step],
+    };
     const by = moves[event.key];
     const from = onPick ? (cross ?? (around.length === 1 ? around[0] : undefined) ?? centre) : centre;
     if (by) {

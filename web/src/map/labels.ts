@@ -16,8 +16,7 @@ export function readable(labels: readonly (Label | null)[]): boolean[] {
     if (!label) return false;
     const wide = label.text.length * LETTER_PX;
     const isFree = shown.every(
-      ({ x, y, text }) =>
-        Math.abs(y - label.y) > HIGH_PX || label.x > x + text.length * LETTER_PX || label.x + wide < x,
+      ({ x, y, text }) => Math.abs(y - label.y) > HIGH_PX || label.x > x + text.length * LETTER_PX || label.x + wide < x,
     );
     if (isFree) shown.push(label);
     return isFree;

@@ -44,7 +44,10 @@ export function Combobox({ control, value, onValue, onTake, onLeave, offered, of
     asking.current = wanted;
     const timer = setTimeout(() => {
       // Without offers the name can still be typed: whether it means a place is told when it is taken.
-      offers(begun, wanted.signal)?.then((found) => wanted.signal.aborted || setShown(found), () => undefined);
+      offers(begun, wanted.signal)?.then(
+        (found) => wanted.signal.aborted || setShown(found),
+        () => undefined,
+      );
     }, QUIET_MS);
     wanted.signal.addEventListener("abort", () => clearTimeout(timer));
   };

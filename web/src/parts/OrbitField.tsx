@@ -1,9 +1,8 @@
 /** An orbit, folded: what it is and of when; pasted, or dropped as a file. */
 import { useState } from "preact/hooks";
-
+import { type Orbit, orbitOf, reachOf, textOf } from "../api/orbit";
 import { words } from "../i18n";
 import { instant } from "../i18n/forms";
-import { type Orbit, orbitOf, reachOf, textOf } from "../rooms/plan/orbit";
 import { DropZone } from "./DropZone";
 import { Field } from "./Field";
 

@@ -1,12 +1,13 @@
-import { type ComponentType } from "preact";
+import type { ComponentType } from "preact";
 import { useEffect, useErrorBoundary, useRef, useState } from "preact/hooks";
 
 import { waiting } from "../api/client";
 import { part } from "../api/part";
 import { words } from "../i18n";
 import { Link } from "../parts/Link";
+import type { RoomProps } from "../room";
+import { ROOMS, type Room } from "../rooms";
 import { address, match, place } from "../router";
-import { ROOMS, type Room, type RoomProps } from "../rooms";
 import { Header } from "./Header";
 import { KeyDialog } from "./KeyDialog";
 
@@ -17,7 +18,8 @@ export function App() {
   const shown = useRef(place.value.path);
   useEffect(() => {
     // Where the focus was is gone with the room that was left.
-    if (shown.current !== place.value.path && document.activeElement === document.body) main.current?.focus({ preventScroll: true });
+    if (shown.current !== place.value.path && document.activeElement === document.body)
+      main.current?.focus({ preventScroll: true });
     shown.current = place.value.path;
   }, [place.value.path]);
   useEffect(() => {
@@ -47,7 +49,8 @@ function Waits() {
   const now = waiting.value;
   if (!now) return null;
   const { left_s, problem } = now;
-  const why = problem === null ? text.noAnswer : problem.kind === "store-unavailable" ? text.kinds["store-unavailable"] : text.busy;
+  const why =
+    problem === null ? text.noAnswer : problem.kind === "store-unavailable" ? text.kinds["store-unavailable"] : text.busy;
   return (
     <p class="busy" role="status">
       {text.nextTry(why, left_s)}

@@ -1,11 +1,12 @@
 import { useState } from "preact/hooks";
 
-import { LANGUAGES, type Language, language, setLanguage, words } from "../i18n";
+import { setLanguage, words } from "../i18n";
+import { LANGUAGES, type Language, language } from "../i18n/language";
 import { Link } from "../parts/Link";
-import { address, place } from "../router";
 import { ROOMS } from "../rooms";
-import { THEMES, type Theme, theme } from "./theme";
+import { address, place } from "../router";
 import icon from "./icon.svg";
+import { THEMES, type Theme, theme } from "./theme";
 
 export function Header() {
   const text = words.value.shell;

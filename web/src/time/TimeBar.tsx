@@ -29,7 +29,7 @@ interface Props {
 const STEP_S = 0.2; // of the command table
 
 export function TimeBar({ epoch_ms, stop_s, stretches, within, onStretch }: Props) {
-  const text = words.value.look.time;
+  const text = words.value.viewer.time;
   useEffect(() => {
     const stopKeeping = keepTime(stop_s);
     return () => {
@@ -105,7 +105,7 @@ function Now({ epoch_ms }: { epoch_ms: number }) {
 }
 
 function Slider({ epoch_ms, stop_s, stretches }: Omit<Props, "within" | "onStretch">) {
-  const text = words.value.look.time;
+  const text = words.value.viewer.time;
   const now_s = cursor_s.value;
   const here = stretches.find((one) => now_s < one.stop_s) ?? stretches[stretches.length - 1];
   const clock = new Date(epoch_ms + 1000 * now_s).toISOString().slice(11, 19);
@@ -124,7 +124,7 @@ function Slider({ epoch_ms, stop_s, stretches }: Omit<Props, "within" | "onStret
 }
 
 function Stretches({ stretches, stop_s, onStretch }: Pick<Props, "stretches" | "stop_s" | "onStretch">) {
-  const text = words.value.look.time;
+  const text = words.value.viewer.time;
   return (
     <div class="timebar-stretches">
       {stretches.map((one) => (

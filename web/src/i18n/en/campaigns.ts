@@ -1,4 +1,4 @@
-import { counted } from "..";
+import { counted } from "../language";
 
 export const campaigns = {
   what: "Many targets over days: which to look at, in which pass, in what order and for how long; then a verified plan for each pass.",
@@ -18,7 +18,8 @@ export const campaigns = {
     sun: "High Sun",
     probability: "Surely in frame",
   },
-  weightsHint: "0 leaves a quality out, 1 counts it in proportion, 2 twice as hard. A look is worth its target's priority times the quality of its view.",
+  weightsHint:
+    "0 leaves a quality out, 1 counts it in proportion, 2 twice as hard. A look is worth its target's priority times the quality of its view.",
   jsonHint: "As POST /v1/campaigns takes it; conditions, attitude and the platform are changed here.",
   send: "Choose the looks",
   map: "Map of the targets: arrows move it, plus and minus zoom",

@@ -8,7 +8,8 @@ export const horizon = {
   frameOf: (camera: string) => `The image of camera ${camera}`,
   request: "Cameras and position",
   json: "Request",
-  jsonHint: "Epoch, position, cameras and, where the attitude is to be checked, the predicted one; as POST /v1/horizon/estimates takes it.",
+  jsonHint:
+    "Epoch, position, cameras and, where the attitude is to be checked, the predicted one; as POST /v1/horizon/estimates takes it.",
   plan: "Check against plan",
   planHint: "Its id: position and predicted attitude are taken from it at the request's epoch.",
   sigma: "Sigma of its attitude, deg",

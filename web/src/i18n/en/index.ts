@@ -1,19 +1,19 @@
 import { campaigns } from "./campaigns";
-import { flights } from "./flights";
 import { horizon } from "./horizon";
-import { kept } from "./kept";
-import { look } from "./look";
+import { library } from "./library";
 import { plan } from "./plan";
 import { shell } from "./shell";
+import { simulation } from "./simulation";
 import { spacecraft } from "./spacecraft";
 import { telemetry } from "./telemetry";
+import { viewer } from "./viewer";
 
 export const EN = {
   campaigns,
-  flights,
+  simulation,
   horizon,
-  kept,
-  look,
+  library,
+  viewer,
   plan,
   shell,
   spacecraft,

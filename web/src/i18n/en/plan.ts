@@ -77,7 +77,8 @@ export const plan = {
       least_loss: "Lose as little as possible",
     },
     waysOut: "What each way out gives up",
-    overlap: (one: number, other: number, seconds: string) => `Sessions ${one} and ${other} overlap by ${seconds} s: move or shorten one, or leave one out.`,
+    overlap: (one: number, other: number, seconds: string) =>
+      `Sessions ${one} and ${other} overlap by ${seconds} s: move or shorten one, or leave one out.`,
     noRoom: (one: number, other: number) => `Sessions ${one} and ${other} don't both fit: move or shorten one, or leave one out.`,
     leaveOut: (number: number) => `Leave out session ${number}`,
     loses: (number: number, seconds: string) => `session ${number} loses ${seconds} s`,

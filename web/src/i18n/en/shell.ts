@@ -1,12 +1,12 @@
 export const shell = {
   rooms: {
     plan: "Plan",
-    one: "A plan",
-    kept: "Kept",
+    onePlan: "A plan",
+    library: "Kept",
     campaigns: "Campaigns",
     spacecraft: "Spacecraft",
     horizon: "Horizon",
-    flights: "Flights",
+    simulation: "Flights",
     telemetry: "Telemetry",
   },
   skip: "Skip to the content",
@@ -67,13 +67,13 @@ export const shell = {
       gone: "It was deleted, or the time for which the service keeps it is over.",
       "store-unavailable":
         "Its disk may be full, or its database out of reach: whoever runs it can see to that. Nothing you entered is lost.",
-      "store-damaged":
-        "Asking again doesn't help: whoever runs the service must restore a backup. Nothing you entered is lost.",
+      "store-damaged": "Asking again doesn't help: whoever runs the service must restore a backup. Nothing you entered is lost.",
       "kept-unreadable": "Its table is still there as JSON; for anything else ask for it anew.",
       "queue-full": "Others are before you. Nothing you entered is lost: wait a little, then try again.",
       interrupted: "The process that worked on it was ended from outside. Try again; if it ends so again, ask for less.",
       "too-demanding": "Ask for less at a time: fewer or shorter sessions, fewer targets or days.",
-      "internal-error": "The request isn't at fault. By the reference below whoever runs the service finds the reason in its log.",
+      "internal-error":
+        "The request isn't at fault. By the reference below whoever runs the service finds the reason in its log.",
     },
     field: "Field",
     reference: "Reference",

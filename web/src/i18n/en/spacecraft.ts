@@ -18,7 +18,8 @@ export const spacecraft = {
   runs: "Closed-loop runs",
   examples: "Examples:",
   example: { fourModes: "four modes", eightAreas: "eight areas", stripAndStereo: "strip and stereo pair" },
-  jsonHint: "As POST /v1/spacecraft/plans takes it; speeds, windows, stereo angles and the spacecraft's settings are changed here.",
+  jsonHint:
+    "As POST /v1/spacecraft/plans takes it; speeds, windows, stereo angles and the spacecraft's settings are changed here.",
   take: (start: string, stop: string) => `Take ${start}–${stop} instead`,
   send: "Plan the session",
   map: "Map",
@@ -65,7 +66,8 @@ export const spacecraft = {
   imaged: (count: number, of: number) => `${count} of ${of} requests imaged`,
   best: "no choice is worth more",
   worth: (value: string, bound: string) => `worth ${value} of at most ${bound}`,
-  steady: (share: string, worst: string, runs: number) => `steady in ${share} of the intervals of ${runs} runs, worst rate error ${worst}°/s`,
+  steady: (share: string, worst: string, runs: number) =>
+    `steady in ${share} of the intervals of ${runs} runs, worst rate error ${worst}°/s`,
   momentum: (most: string) => `momentum up to ${most} N·m·s`,
   gimbalMargin: (margin: string) => `margin from singularity ${margin}`,
   seen: "The session over time",

@@ -1,11 +1,12 @@
-import { counted } from "..";
+import { counted } from "../language";
 
 export const telemetry = {
   what: "Measured angles or rates beside a plan's table: the clock is set right first, then each axis's errors are told.",
   plan: "Plan",
   planHint: "The id of the plan that was flown.",
   file: "Telemetry, CSV",
-  fileHint: "A line that names the columns (t_s or utc, then NAME_deg and NAME_rate_deg_s of the axes), then a line per sample. Or drop the file here.",
+  fileHint:
+    "A line that names the columns (t_s or utc, then NAME_deg and NAME_rate_deg_s of the axes), then a line per sample. Or drop the file here.",
   compare: "Compare",
   atWork: "The telemetry is compared…",
   clock: "Clock, plan and flight",

@@ -1,4 +1,5 @@
-import { counted, type Words } from "..";
+import { counted } from "../language";
+import type { Words } from "../words";
 
 export const campaigns: Words["campaigns"] = {
   what: "Много целей за несколько суток: какие наблюдать, на каком пролёте, в каком порядке и сколько; затем проверенный план каждого пролёта.",
@@ -18,7 +19,8 @@ export const campaigns: Words["campaigns"] = {
     sun: "Высокое Солнце",
     probability: "Цель точно в кадре",
   },
-  weightsHint: "0 – не учитывать, 1 – пропорционально, 2 – вдвое строже. Наблюдение стоит приоритет цели, умноженный на качество вида.",
+  weightsHint:
+    "0 – не учитывать, 1 – пропорционально, 2 – вдвое строже. Наблюдение стоит приоритет цели, умноженный на качество вида.",
   jsonHint: "Как в POST /v1/campaigns; условия, ориентация и платформа меняются здесь.",
   send: "Выбрать наблюдения",
   map: "Карта целей: стрелки сдвигают, плюс и минус меняют масштаб",
@@ -42,8 +44,7 @@ export const campaigns: Words["campaigns"] = {
   gap: (share) => `Не более чем на ${share} хуже лучшего возможного`,
   looks: (looks, passes) =>
     `${counted(looks, "наблюдение", "наблюдения", "наблюдений")} за ${counted(passes, "пролёт", "пролёта", "пролётов")}`,
-  windows: (windows, seen, targets) =>
-    `${counted(windows, "окно", "окна", "окон")}, видно целей: ${seen} из ${targets}`,
+  windows: (windows, seen, targets) => `${counted(windows, "окно", "окна", "окон")}, видно целей: ${seen} из ${targets}`,
   planned: (done, passes) => `спланировано ${done} из ${passes}`,
   open: (count) => `впереди ${count}`,
   refusedPasses: (count) => `отказов: ${count}`,

@@ -1,4 +1,4 @@
-import type { Words } from "..";
+import type { Words } from "../words";
 
 export const horizon: Words["horizon"] = {
   what: "Снимки края Земли дают местную вертикаль в осях аппарата и показывают, такова ли ориентация, как считает план.",

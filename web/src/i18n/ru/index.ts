@@ -1,20 +1,20 @@
+import type { Words } from "../words";
 import { campaigns } from "./campaigns";
-import { flights } from "./flights";
 import { horizon } from "./horizon";
-import { kept } from "./kept";
-import { look } from "./look";
+import { library } from "./library";
 import { plan } from "./plan";
 import { shell } from "./shell";
+import { simulation } from "./simulation";
 import { spacecraft } from "./spacecraft";
 import { telemetry } from "./telemetry";
-import type { Words } from "..";
+import { viewer } from "./viewer";
 
 export const RU: Words = {
   campaigns,
-  flights,
+  simulation,
   horizon,
-  kept,
-  look,
+  library,
+  viewer,
   plan,
   shell,
   spacecraft,

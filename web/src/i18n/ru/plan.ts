@@ -1,4 +1,4 @@
-import type { Words } from "..";
+import type { Words } from "../words";
 
 export const plan: Words["plan"] = {
   plan: "Рассчитать",
@@ -79,7 +79,8 @@ export const plan: Words["plan"] = {
       least_loss: "Потерять как можно меньше",
     },
     waysOut: "Чего стоит каждый выход",
-    overlap: (one, other, seconds) => `Сеансы ${one} и ${other} перекрываются на ${seconds} с: сдвиньте или сократите один либо уберите его.`,
+    overlap: (one, other, seconds) =>
+      `Сеансы ${one} и ${other} перекрываются на ${seconds} с: сдвиньте или сократите один либо уберите его.`,
     noRoom: (one, other) => `Сеансы ${one} и ${other} вместе не помещаются: сдвиньте или сократите один либо уберите его.`,
     leaveOut: (number) => `Убрать сеанс ${number}`,
     loses: (number, seconds) => `сеанс ${number} теряет ${seconds} с`,

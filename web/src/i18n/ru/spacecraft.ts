@@ -1,4 +1,4 @@
-import type { Words } from "..";
+import type { Words } from "../words";
 
 export const spacecraft: Words["spacecraft"] = {
   what: "Сеанс съёмочного аппарата с четырьмя силовыми гироскопами: полосы, площадки, маршруты и стереопары выбираются, наводятся, проверяются и прогоняются в замкнутом контуре.",

@@ -1,11 +1,13 @@
-import { counted, type Words } from "..";
+import { counted } from "../language";
+import type { Words } from "../words";
 
 export const telemetry: Words["telemetry"] = {
   what: "Измеренные углы или скорости рядом с таблицей плана: сначала сверяются часы, затем называются ошибки каждой оси.",
   plan: "План",
   planHint: "Id плана, который исполнялся.",
   file: "Телеметрия, CSV",
-  fileHint: "Строка с именами столбцов (t_s или utc, затем ИМЯ_deg и ИМЯ_rate_deg_s осей), затем по строке на отсчёт. Файл можно перетащить сюда.",
+  fileHint:
+    "Строка с именами столбцов (t_s или utc, затем ИМЯ_deg и ИМЯ_rate_deg_s осей), затем по строке на отсчёт. Файл можно перетащить сюда.",
   compare: "Сравнить",
   atWork: "Телеметрия сравнивается…",
   clock: "Часы, план и полёт",

@@ -58,8 +58,12 @@ export function AskCampaign() {
                 <thead>
                   <tr>
                     <th scope="col">{text.columns.target}</th>
-                    <th scope="col" class="number">{text.columns.priority}</th>
-                    <th scope="col" class="number">{text.columns.session}</th>
+                    <th scope="col" class="number">
+                      {text.columns.priority}
+                    </th>
+                    <th scope="col" class="number">
+                      {text.columns.session}
+                    </th>
                   </tr>
                 </thead>
                 <tbody>
@@ -93,7 +97,9 @@ export function AskCampaign() {
           <EarthMap label={text.map} hint={text.mapHint} around={known} aroundLabel={text.toTargets} fits>
             {({ projection }) => {
               const points = places.map((one) => one && projection(one));
-              const named = readable(points.map((point, k) => point && { x: point[0] + 7, y: point[1], text: targets[k]?.id ?? "" }));
+              const named = readable(
+                points.map((point, k) => point && { x: point[0] + 7, y: point[1], text: targets[k]?.id ?? "" }),
+              );
               return points.map(
                 (point, k) =>
                   point && (

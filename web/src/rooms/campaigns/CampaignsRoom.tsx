@@ -1,5 +1,5 @@
 /** Many targets over days: asked for at /campaigns, shown at /campaigns/{id}. */
-import type { RoomProps } from "../../rooms";
+import type { RoomProps } from "../../room";
 import { AskCampaign } from "./AskCampaign";
 import "./campaigns.css";
 import { OneCampaign } from "./OneCampaign";

@@ -14,7 +14,10 @@ export function FateMap({ fates, chosen, onChoose }: Props) {
   const text = words.value.campaigns;
   const known = FATES.filter((fate) => fates.some((one) => one.fate === fate));
   const drawn = [...fates].sort(
-    (a, b) => Number(b.id === chosen) - Number(a.id === chosen) || FATES.indexOf(a.fate) - FATES.indexOf(b.fate) || b.priority - a.priority,
+    (a, b) =>
+      Number(b.id === chosen) - Number(a.id === chosen) ||
+      FATES.indexOf(a.fate) - FATES.indexOf(b.fate) ||
+      b.priority - a.priority,
   );
   return (
     <section aria-label={text.map}>

@@ -5,7 +5,7 @@ import { words } from "../../i18n";
 import { clock, digits, instant, number, percent } from "../../i18n/forms";
 import { Field } from "../../parts/Field";
 import { Link } from "../../parts/Link";
-import { type Fate, FATES, type TargetFate } from "./campaign";
+import { FATES, type Fate, type TargetFate } from "./campaign";
 
 interface Props {
   fates: readonly TargetFate[];
@@ -47,16 +47,27 @@ export function Fates({ fates, chosen, onChoose }: Props) {
             <tr>
               <th scope="col">{text.columns.target}</th>
               <th scope="col">{text.columns.outcome}</th>
-              <th scope="col" class="number">{text.columns.elevation}</th>
-              <th scope="col" class="number">{text.columns.quality}</th>
-              <th scope="col" class="number">{text.columns.value}</th>
+              <th scope="col" class="number">
+                {text.columns.elevation}
+              </th>
+              <th scope="col" class="number">
+                {text.columns.quality}
+              </th>
+              <th scope="col" class="number">
+                {text.columns.value}
+              </th>
             </tr>
           </thead>
           <tbody>
             {shown.map((one) => (
               <tr key={one.id} ref={one.id === chosen ? now : undefined} class={one.id === chosen ? "row-now" : ""}>
                 <th scope="row">
-                  <button type="button" class="plain" aria-pressed={one.id === chosen} onClick={() => onChoose(one.id === chosen ? null : one.id)}>
+                  <button
+                    type="button"
+                    class="plain"
+                    aria-pressed={one.id === chosen}
+                    onClick={() => onChoose(one.id === chosen ? null : one.id)}
+                  >
                     {one.id}
                   </button>
                 </th>

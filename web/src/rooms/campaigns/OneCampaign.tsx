@@ -2,6 +2,7 @@
 import { useEffect, useState } from "preact/hooks";
 
 import { useMade } from "../../api/made";
+import { curl } from "../../api/snippets";
 import { words } from "../../i18n";
 import { instant } from "../../i18n/forms";
 import { AtWork } from "../../parts/AtWork";
@@ -9,7 +10,6 @@ import { Copied } from "../../parts/Copied";
 import { JobEnded } from "../../parts/JobEnded";
 import { Link } from "../../parts/Link";
 import { address } from "../../router";
-import { curl } from "../plan/snippets";
 import { type CampaignRequest, fatesOf, fetchCampaign, fetchRequest, PATH } from "./campaign";
 import { FateMap } from "./FateMap";
 import { Fates } from "./Fates";

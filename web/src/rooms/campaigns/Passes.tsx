@@ -15,7 +15,9 @@ export function Passes({ passes }: { passes: Campaign["passes"] }) {
         <table>
           <thead>
             <tr>
-              <th scope="col" class="number">{text.columns.pass}</th>
+              <th scope="col" class="number">
+                {text.columns.pass}
+              </th>
               <th scope="col">{text.columns.times}</th>
               <th scope="col">{text.columns.state}</th>
               <th scope="col">{text.columns.looks}</th>

@@ -53,7 +53,15 @@ export function fatesOf(request: CampaignRequest, campaign: Campaign): TargetFat
   return request.targets.map(({ id, priority = 1 }, number) => {
     const given = looks.get(id) ?? [];
     const fate: Fate =
-      given.length > 0 ? "chosen" : refused.has(id) ? "refused" : unseen.has(id) ? "unseen" : leftOut.has(id) ? "left_out" : "open";
+      given.length > 0
+        ? "chosen"
+        : refused.has(id)
+          ? "refused"
+          : unseen.has(id)
+            ? "unseen"
+            : leftOut.has(id)
+              ? "left_out"
+              : "open";
     return {
       id,
       fate,

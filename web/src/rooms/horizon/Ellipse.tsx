@@ -18,7 +18,12 @@ export function Ellipse({ covariance_deg2, check }: Props) {
   const reach_deg = Math.max(3 * major_deg, Math.abs(predicted?.x_deg ?? 0), Math.abs(predicted?.y_deg ?? 0));
   const scale = (0.85 * HALF) / reach_deg;
   return (
-    <svg viewBox={`${-HALF} ${-HALF} ${2 * HALF} ${2 * HALF}`} class="ellipse" role="img" aria-label={words.value.horizon.ellipseOf(digits(major_deg), digits(minor_deg))}>
+    <svg
+      viewBox={`${-HALF} ${-HALF} ${2 * HALF} ${2 * HALF}`}
+      class="ellipse"
+      role="img"
+      aria-label={words.value.horizon.ellipseOf(digits(major_deg), digits(minor_deg))}
+    >
       <line x1={-HALF} x2={HALF} class="axis" />
       <line y1={-HALF} y2={HALF} class="axis" />
       {SIGMAS.map((sigmas) => (
@@ -31,9 +36,7 @@ export function Ellipse({ covariance_deg2, check }: Props) {
         />
       ))}
       <circle r="2.5" class="measured" />
-      {predicted && (
-        <circle cx={predicted.x_deg * scale} cy={-predicted.y_deg * scale} r="3" class="predicted" />
-      )}
+      {predicted && <circle cx={predicted.x_deg * scale} cy={-predicted.y_deg * scale} r="3" class="predicted" />}
       <text x={-HALF + 4} y={HALF - 4}>
         ±{digits(HALF / scale, 2)}°
       </text>

@@ -16,7 +16,12 @@ interface Props {
 export function Frames({ cameras, frames, onFrames }: Props) {
   const text = words.value.horizon;
   const previews = useMemo(() => frames.map((frame) => URL.createObjectURL(frame)), [frames]);
-  useEffect(() => () => previews.forEach((preview) => URL.revokeObjectURL(preview)), [previews]);
+  useEffect(
+    () => () => {
+      for (const preview of previews) URL.revokeObjectURL(preview);
+    },
+    [previews],
+  );
   const take = (frame: File) => onFrames((now) => [...now, frame].slice(-Math.max(cameras.length, 1)));
   const takeExample = async () => {
     const files = [ahead, right].map(async (address, index) => {

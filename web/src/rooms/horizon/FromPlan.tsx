@@ -36,9 +36,7 @@ export function FromPlan({ request, onRequest }: Props) {
     <form onSubmit={(event) => void fill(event)}>
       <div class="from-plan">
         <Field label={text.plan} hint={text.planHint}>
-          {(control) => (
-            <input {...control} value={id} onInput={(event) => setId(event.currentTarget.value)} />
-          )}
+          {(control) => <input {...control} value={id} onInput={(event) => setId(event.currentTarget.value)} />}
         </Field>
         <Field label={text.sigma}>
           {(control) => (

@@ -5,7 +5,7 @@ import example from "../../../../examples/horizon_estimate.json";
 import { words } from "../../i18n";
 import { Field } from "../../parts/Field";
 import { ProblemNotice } from "../../parts/ProblemNotice";
-import type { RoomProps } from "../../rooms";
+import type { RoomProps } from "../../room";
 import { type Estimate, estimate, type HorizonRequest, readRequest } from "./estimate";
 import { Frames } from "./Frames";
 import { FromPlan } from "./FromPlan";
@@ -47,15 +47,8 @@ export default function HorizonRoom(_: RoomProps) {
         </section>
         <section class="panel" aria-labelledby="horizon-request">
           <h2 id="horizon-request">{text.horizon.request}</h2>
-          <FromPlan
-            request={asked}
-            onRequest={(filled) => setRequest(JSON.stringify(filled, null, 2))}
-          />
-          <Field
-            label={text.horizon.json}
-            hint={text.horizon.jsonHint}
-            error={typeof read === "string" ? read : undefined}
-          >
+          <FromPlan request={asked} onRequest={(filled) => setRequest(JSON.stringify(filled, null, 2))} />
+          <Field label={text.horizon.json} hint={text.horizon.jsonHint} error={typeof read === "string" ? read : undefined}>
             {(control) => (
               <textarea
                 {...control}
@@ -77,9 +70,7 @@ export default function HorizonRoom(_: RoomProps) {
         >
           {text.horizon.measure}
         </button>
-        <span role="status">
-          {isAtWork ? text.horizon.atWork : text.horizon.count(frames.length, cameras.length)}
-        </span>
+        <span role="status">{isAtWork ? text.horizon.atWork : text.horizon.count(frames.length, cameras.length)}</span>
       </div>
       {error !== null && <ProblemNotice error={error} again={() => void measure()} />}
       {found && <Result found={found} />}

@@ -13,8 +13,7 @@ export function Result({ found }: { found: Estimate }) {
       <p data-testid="horizon-verdict" role="status" class={`verdict verdict-${found.verdict}`}>
         <strong>{text.verdicts[found.verdict]}</strong>
         {found.sigma_deg !== null && ` ${text.sigmaOf(digits(found.sigma_deg))}`}
-        {found.check &&
-          ` ${text.differs(digits(found.check.angle_deg), percent(found.check.probability))}`}
+        {found.check && ` ${text.differs(digits(found.check.angle_deg), percent(found.check.probability))}`}
         {found.explanation && ` ${found.explanation}`}
       </p>
       <div class="horizon">
@@ -48,9 +47,7 @@ export function Result({ found }: { found: Estimate }) {
       <div class="overlays">
         {found.cameras.map((camera) => (
           <figure key={camera.name}>
-            {camera.overlay_png && (
-              <img src={`data:image/png;base64,${camera.overlay_png}`} alt={text.overlayOf(camera.name)} />
-            )}
+            {camera.overlay_png && <img src={`data:image/png;base64,${camera.overlay_png}`} alt={text.overlayOf(camera.name)} />}
             <figcaption>
               <strong>{camera.name}</strong>:{" "}
               {camera.used

@@ -39,9 +39,7 @@ export async function filledFromPlan(id: string, request: HorizonRequest, sigma_
     ...request,
     position: { frame: "ITRF", position_km: position_itrf_km as HorizonRequest["position"]["position_km"] },
     predicted: {
-      q_body_from_eci_xyzw: q_body_from_eci_xyzw as NonNullable<
-        HorizonRequest["predicted"]
-      >["q_body_from_eci_xyzw"],
+      q_body_from_eci_xyzw: q_body_from_eci_xyzw as NonNullable<HorizonRequest["predicted"]>["q_body_from_eci_xyzw"],
       sigma_deg,
     },
   };

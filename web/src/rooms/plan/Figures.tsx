@@ -47,10 +47,18 @@ function Sessions({ plan }: { plan: Plan }) {
           <tr>
             <th scope="col">{columns.target}</th>
             <th scope="col">{columns.times}</th>
-            <th scope="col" class="number">{columns.elevation}</th>
-            <th scope="col" class="number">{columns.range}</th>
-            <th scope="col" class="number">{columns.error}</th>
-            <th scope="col" class="number">{columns.probability}</th>
+            <th scope="col" class="number">
+              {columns.elevation}
+            </th>
+            <th scope="col" class="number">
+              {columns.range}
+            </th>
+            <th scope="col" class="number">
+              {columns.error}
+            </th>
+            <th scope="col" class="number">
+              {columns.probability}
+            </th>
           </tr>
         </thead>
         <tbody>
@@ -64,7 +72,9 @@ function Sessions({ plan }: { plan: Plan }) {
                 </td>
                 <td class="number">{one.best_elevation_deg == null ? "–" : `${number(one.best_elevation_deg)}°`}</td>
                 <td class="number">{pointing?.range_min_km == null ? "–" : `${number(pointing.range_min_km, 0)} km`}</td>
-                <td class="number">{pointing == null ? "–" : pointing.max_arcsec < 1e-3 ? "< 0.001″" : `${digits(pointing.max_arcsec, 2)}″`}</td>
+                <td class="number">
+                  {pointing == null ? "–" : pointing.max_arcsec < 1e-3 ? "< 0.001″" : `${digits(pointing.max_arcsec, 2)}″`}
+                </td>
                 <td class="number">{percent(one.probability_in_frame)}</td>
               </tr>
             );
@@ -86,9 +96,15 @@ function Margins({ plan }: { plan: Plan }) {
           <tr>
             <th scope="col">{columns.axis}</th>
             <th scope="col">{columns.limit}</th>
-            <th scope="col" class="number">{columns.reached}</th>
-            <th scope="col" class="number">{columns.margin}</th>
-            <th scope="col" class="number">{columns.at}</th>
+            <th scope="col" class="number">
+              {columns.reached}
+            </th>
+            <th scope="col" class="number">
+              {columns.margin}
+            </th>
+            <th scope="col" class="number">
+              {columns.at}
+            </th>
           </tr>
         </thead>
         <tbody>
@@ -128,8 +144,12 @@ function Budget({ plan }: { plan: Plan }) {
         <thead>
           <tr>
             <th scope="col">{columns.cause}</th>
-            <th scope="col" class="number">{columns.sigma}</th>
-            <th scope="col" class="number">{columns.ground}</th>
+            <th scope="col" class="number">
+              {columns.sigma}
+            </th>
+            <th scope="col" class="number">
+              {columns.ground}
+            </th>
             <th scope="col">{columns.better}</th>
           </tr>
         </thead>

@@ -12,12 +12,12 @@ import { Bar } from "../../parts/Bar";
 import { Link } from "../../parts/Link";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { TakeOffer } from "../../parts/TakeOffer";
-import type { RoomProps } from "../../rooms";
+import type { RoomProps } from "../../room";
 import { go } from "../../router";
 import { Figures } from "./Figures";
 import { fetchPlan, isPlan, type Plan } from "./plan";
+import "../planning/planning.css";
 import "./plan.css";
-import "./one.css";
 import { TakeAway } from "./TakeAway";
 import { Verdict } from "./Verdict";
 
@@ -28,9 +28,12 @@ export default function PlanRoom({ params }: RoomProps) {
   const [progress, setProgress] = useState<Progress | null>(null);
   const [error, setError] = useState<unknown>(null);
   const [tries, setTries] = useState(0);
-  const [Look, setLook] = useState<ComponentType<{ plan: Plan }> | null>(null);
+  const [Viewer, setViewer] = useState<ComponentType<{ plan: Plan }> | null>(null);
   useEffect(() => {
-    part(() => import("../look/Look")).then((module) => setLook(() => module.default), (caught) => setError(new NoAnswer(String(caught))));
+    part(() => import("../viewer/Viewer")).then(
+      (module) => setViewer(() => module.default),
+      (caught) => setError(new NoAnswer(String(caught))),
+    );
   }, [tries]);
   useEffect(() => {
     const wanted = new AbortController();
@@ -42,7 +45,7 @@ export default function PlanRoom({ params }: RoomProps) {
   if (error !== null) {
     return (
       <div class="room">
-        <h1>{text.shell.rooms.one}</h1>
+        <h1>{text.shell.rooms.onePlan}</h1>
         <Why id={id} error={error} again={() => setTries(tries + 1)} />
       </div>
     );
@@ -73,7 +76,7 @@ export default function PlanRoom({ params }: RoomProps) {
         </Link>
       </div>
       <Verdict plan={plan} />
-      {Look ? <Look plan={plan} /> : <p class="loading no-print">{text.shell.loading}</p>}
+      {Viewer ? <Viewer plan={plan} /> : <p class="loading no-print">{text.shell.loading}</p>}
       <div class="one-below">
         <div>
           <Figures plan={plan} />

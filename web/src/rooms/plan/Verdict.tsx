@@ -1,7 +1,7 @@
 import { words } from "../../i18n";
 import { clock, number, percent } from "../../i18n/forms";
 import type { Plan } from "./plan";
-import { leastMargin, type LeastMargin } from "./verdict";
+import { type LeastMargin, leastMargin } from "./verdict";
 
 /** Whether it passed, and the figures one asks for first. */
 export function Verdict({ plan }: { plan: Plan }) {

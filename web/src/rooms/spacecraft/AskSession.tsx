@@ -17,7 +17,7 @@ import { UtcField } from "../../parts/UtcField";
 import { AskedList } from "./AskedList";
 import { DrawMap } from "./DrawMap";
 import { PassesPanel } from "./PassesPanel";
-import { askedOf, type Asked, askedOfGeoJson, fetchRequest, type SessionRequest } from "./session";
+import { type Asked, askedOf, askedOfGeoJson, fetchRequest, type SessionRequest } from "./session";
 
 const EXAMPLES = { fourModes, eightAreas, stripAndStereo } as unknown as Record<ExampleName, SessionRequest>;
 const NAMES = ["fourModes", "eightAreas", "stripAndStereo"] as const;
@@ -27,7 +27,12 @@ const MOST_RUNS = 100;
 
 export function AskSession() {
   const text = words.value.spacecraft;
-  const { request, setRequest, isSending, error, send } = useMaking("/v1/spacecraft/plans", "/spacecraft/plans", EXAMPLES.fourModes, fetchRequest);
+  const { request, setRequest, isSending, error, send } = useMaking(
+    "/v1/spacecraft/plans",
+    "/spacecraft/plans",
+    EXAMPLES.fourModes,
+    fetchRequest,
+  );
   const [wrong, setWrong] = useState<string | null>(null);
   const change = (members: Partial<SessionRequest>) => setRequest({ ...request, ...members });
   const asked = askedOf(request);
@@ -68,7 +73,9 @@ export function AskSession() {
           <section class="panel" aria-labelledby="session-when">
             <h2 id="session-when">{text.session}</h2>
             <Field label={text.name}>
-              {(control) => <input {...control} value={request.name ?? ""} onInput={(event) => change({ name: event.currentTarget.value })} />}
+              {(control) => (
+                <input {...control} value={request.name ?? ""} onInput={(event) => change({ name: event.currentTarget.value })} />
+              )}
             </Field>
             <div class="pair">
               <UtcField label={text.start} value={request.start} onValue={(start) => change({ start })} />
@@ -133,7 +140,9 @@ export function AskSession() {
           {offered?.earliest_feasible_start && offered.feasible_stop && (
             <button
               type="button"
-              onClick={() => change({ start: offered.earliest_feasible_start ?? request.start, stop: offered.feasible_stop ?? request.stop })}
+              onClick={() =>
+                change({ start: offered.earliest_feasible_start ?? request.start, stop: offered.feasible_stop ?? request.stop })
+              }
             >
               {text.take(clock(offered.earliest_feasible_start), clock(offered.feasible_stop))}
             </button>

@@ -14,7 +14,9 @@ export function AskedList({ asked, onAsked }: { asked: readonly Asked[]; onAsked
           <tr>
             <th scope="col">{text.columns.request}</th>
             <th scope="col">{text.columns.mode}</th>
-            <th scope="col" class="number">{text.columns.positions}</th>
+            <th scope="col" class="number">
+              {text.columns.positions}
+            </th>
             <th scope="col">{text.columns.priority}</th>
             <th scope="col">
               <span class="hidden">{text.columns.actions}</span>
@@ -39,12 +41,18 @@ export function AskedList({ asked, onAsked }: { asked: readonly Asked[]; onAsked
                   value={one.priority ?? 1}
                   onChange={(event) => {
                     const priority = event.currentTarget.valueAsNumber;
-                    if (priority >= LEAST_PRIORITY) onAsked(asked.map((other, k) => (k === number ? { ...other, priority } : other)));
+                    if (priority >= LEAST_PRIORITY)
+                      onAsked(asked.map((other, k) => (k === number ? { ...other, priority } : other)));
                   }}
                 />
               </td>
               <td>
-                <button type="button" class="plain" aria-label={text.removeOne(one.name)} onClick={() => onAsked(asked.filter((_, k) => k !== number))}>
+                <button
+                  type="button"
+                  class="plain"
+                  aria-label={text.removeOne(one.name)}
+                  onClick={() => onAsked(asked.filter((_, k) => k !== number))}
+                >
                   ✕
                 </button>
               </td>

@@ -4,7 +4,7 @@ import { useState } from "preact/hooks";
 import { words } from "../../i18n";
 import { EarthMap } from "../../map/EarthMap";
 import type { LonLat } from "../../map/places";
-import { type Asked, drawn, type Mode, MODES, POSITIONS, positionsOf, shapeOf } from "./session";
+import { type Asked, drawn, MODES, type Mode, POSITIONS, positionsOf, shapeOf } from "./session";
 
 export function DrawMap({ asked, onAsked }: { asked: readonly Asked[]; onAsked: (asked: Asked[]) => void }) {
   const text = words.value.spacecraft;

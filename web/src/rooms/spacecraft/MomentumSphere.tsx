@@ -28,7 +28,12 @@ export function MomentumSphere({ view }: { view: SessionView }) {
   const now = view.momentum_n_m_s[row] ?? [0, 0, 0];
   const [x, y] = spot(now, radius_n_m_s, seen);
   const key = (event: KeyboardEvent) => {
-    const moves: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+    const moves: Record<string, [number, number]> = {
+      ArrowLeft: [-1, 0],
+      ArrowRight: [1, 0],
+      ArrowUp: [0, 1],
+      ArrowDown: [0, -1],
+    };
     const by = moves[event.key];
     if (!by) return;
     event.preventDefault();
@@ -117,7 +122,9 @@ function ringAcross(axis: Vector, seen: [Vector, Vector]): string {
   const points = Array.from({ length: 73 }, (_, k) => {
     const angle = (k * Math.PI) / 36;
     const on = [0, 1, 2].map((part) => (a[part] ?? 0) * Math.cos(angle) + (b[part] ?? 0) * Math.sin(angle));
-    return spot(on, 1, seen).map((one) => one.toFixed(1)).join();
+    return spot(on, 1, seen)
+      .map((one) => one.toFixed(1))
+      .join();
   });
   return `M${points.join("L")}`;
 }
@@ -127,7 +134,9 @@ function pathsOf(view: SessionView, draw: (h: Vector) => [number, number]): { of
   const paths = { off: "", on: "" };
   let before = "";
   for (const [row, h] of view.momentum_n_m_s.entries()) {
-    const point = draw(h).map((one) => one.toFixed(1)).join();
+    const point = draw(h)
+      .map((one) => one.toFixed(1))
+      .join();
     if (before) paths[view.window[row] === null ? "off" : "on"] += `M${before}L${point}`;
     before = point;
   }

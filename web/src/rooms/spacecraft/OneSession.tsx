@@ -12,11 +12,11 @@ import { ProblemNotice } from "../../parts/ProblemNotice";
 import { cursor_s } from "../../time/cursor";
 import { type Stretch, TimeBar } from "../../time/TimeBar";
 import { MomentumSphere } from "./MomentumSphere";
-import { fetchSession, fetchView, isSession, PATH, type Session, type SessionView } from "./session";
 import { SessionCharts } from "./SessionCharts";
 import { SessionFiles } from "./SessionFiles";
 import { SessionMap } from "./SessionMap";
 import { LeftOut, Looks, Turns } from "./SessionTables";
+import { fetchSession, fetchView, isSession, PATH, type Session, type SessionView } from "./session";
 import { stretchesOf } from "./stretches";
 
 export function OneSession({ id }: { id: string }) {
@@ -31,7 +31,16 @@ export function OneSession({ id }: { id: string }) {
           {words.value.plan.one.change}
         </Link>
       </div>
-      {error !== null && <JobEnded work="/v1/spacecraft/plans" room="/spacecraft/plans" id={id} error={error} again={again} text={{ gone: text.gone, cancelled: words.value.plan.one.cancelled }} />}
+      {error !== null && (
+        <JobEnded
+          work="/v1/spacecraft/plans"
+          room="/spacecraft/plans"
+          id={id}
+          error={error}
+          again={again}
+          text={{ gone: text.gone, cancelled: words.value.plan.one.cancelled }}
+        />
+      )}
       {!answer && error === null && <p class="loading">{words.value.shell.loading}</p>}
       {progress && <AtWork progress={progress} stages={text.stages} onCancel={cancel} />}
       {session && <Made session={session} />}

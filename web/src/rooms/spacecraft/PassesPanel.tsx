@@ -1,6 +1,6 @@
 /** The passes of the next days over what is asked for; a click takes one for the session's times. */
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
-
+import { searchStart } from "../../api/orbit";
 import { isAbort } from "../../api/problem";
 import { words } from "../../i18n";
 import { number } from "../../i18n/forms";
@@ -9,7 +9,6 @@ import { ProblemNotice } from "../../parts/ProblemNotice";
 import { UtcField } from "../../parts/UtcField";
 import { Overview } from "../../windows/Overview";
 import { PassFigures } from "../../windows/PassFigures";
-import { searchStart } from "../plan/orbit";
 import { type Found, findPasses, highest, type Pass, type Search } from "./passes";
 import type { SessionRequest } from "./session";
 

@@ -61,7 +61,12 @@ export function SessionCharts({ session, view, chosen, onWhole }: Props) {
         <h2>{text.title}</h2>
         <RangeButtons range={range} stop_s={stop_s} onWhole={onWhole} />
       </div>
-      <Strip name={text.rates} unit="°/s" keys={BODY} fact={text.most(digits(Math.max(...verification.rate_max_deg_s)), digits(limits.rate_axis_max_deg_s))}>
+      <Strip
+        name={text.rates}
+        unit="°/s"
+        keys={BODY}
+        fact={text.most(digits(Math.max(...verification.rate_max_deg_s)), digits(limits.rate_axis_max_deg_s))}
+      >
         <TimeChart {...common} label={text.told(text.rates)} lines={rates} limits={levels.rate} withLimits height={HEIGHT} />
       </Strip>
       {stabilisation.runs > 0 && (
@@ -71,14 +76,7 @@ export function SessionCharts({ session, view, chosen, onWhole }: Props) {
           keys={BODY}
           fact={text.worst(digits(stabilisation.worst_deg_s, 2), digits(limits.rate_error_max_deg_s), stabilisation.runs)}
         >
-          <TimeChart
-            {...common}
-            label={text.told(text.errors)}
-            lines={errors}
-            limits={levels.error}
-            withLimits
-            height={HEIGHT}
-          />
+          <TimeChart {...common} label={text.told(text.errors)} lines={errors} limits={levels.error} withLimits height={HEIGHT} />
         </Strip>
       )}
       <Strip name={text.gimbals} unit="°" keys={GIMBALS} fact={text.margin(number(verification.gimbal_margin, 2))}>

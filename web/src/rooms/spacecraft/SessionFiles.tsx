@@ -3,11 +3,11 @@ import { useEffect, useState } from "preact/hooks";
 
 import { send } from "../../api/client";
 import { download } from "../../api/download";
+import { curl, python } from "../../api/snippets";
 import { words } from "../../i18n";
 import { Copied } from "../../parts/Copied";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { address } from "../../router";
-import { curl, python } from "../plan/snippets";
 
 /** Formats of the table, and how their files' names end. */
 const ENDINGS = {

@@ -33,7 +33,11 @@ export function SessionMap({ view, closer }: Props) {
           <>
             <path class="track" d={drawing.path({ type: "LineString", coordinates: track }) ?? ""} />
             {view.swaths.map((swath, number) => (
-              <path key={number} class="swath" d={drawing.path({ type: "Polygon", coordinates: [ringOf(placesOf(swath))] }) ?? ""} />
+              <path
+                key={number}
+                class="swath"
+                d={drawing.path({ type: "Polygon", coordinates: [ringOf(placesOf(swath))] }) ?? ""}
+              />
             ))}
             <Asked view={view} drawing={drawing} />
             <Now view={view} drawing={drawing} />

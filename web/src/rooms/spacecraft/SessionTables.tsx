@@ -33,14 +33,30 @@ export function Looks({ session }: { session: Session }) {
             <tr>
               <th scope="col">{columns.request}</th>
               <th scope="col">{columns.times}</th>
-              <th scope="col" class="number">{columns.speed}</th>
-              <th scope="col" class="number">{columns.miss}</th>
-              <th scope="col" class="number">{columns.along}</th>
-              <th scope="col" class="number">{columns.across}</th>
-              <th scope="col" class="number">{columns.rateError}</th>
-              <th scope="col" class="number">{columns.smear}</th>
-              <th scope="col" class="number">{columns.spare}</th>
-              <th scope="col" class="number">{columns.momentumMargin}</th>
+              <th scope="col" class="number">
+                {columns.speed}
+              </th>
+              <th scope="col" class="number">
+                {columns.miss}
+              </th>
+              <th scope="col" class="number">
+                {columns.along}
+              </th>
+              <th scope="col" class="number">
+                {columns.across}
+              </th>
+              <th scope="col" class="number">
+                {columns.rateError}
+              </th>
+              <th scope="col" class="number">
+                {columns.smear}
+              </th>
+              <th scope="col" class="number">
+                {columns.spare}
+              </th>
+              <th scope="col" class="number">
+                {columns.momentumMargin}
+              </th>
               <th scope="col">{columns.steady}</th>
             </tr>
           </thead>
@@ -84,12 +100,24 @@ export function Turns({ session }: { session: Session }) {
             <tr>
               <th scope="col">{columns.onto}</th>
               <th scope="col">{columns.times}</th>
-              <th scope="col" class="number">{columns.angle}</th>
-              <th scope="col" class="number">{columns.duration}</th>
-              <th scope="col" class="number">{columns.eigenaxis}</th>
-              <th scope="col" class="number">{columns.bangCoastBang}</th>
-              <th scope="col" class="number">{columns.torqueRate}</th>
-              <th scope="col" class="number">{columns.torqueRateEigenaxis}</th>
+              <th scope="col" class="number">
+                {columns.angle}
+              </th>
+              <th scope="col" class="number">
+                {columns.duration}
+              </th>
+              <th scope="col" class="number">
+                {columns.eigenaxis}
+              </th>
+              <th scope="col" class="number">
+                {columns.bangCoastBang}
+              </th>
+              <th scope="col" class="number">
+                {columns.torqueRate}
+              </th>
+              <th scope="col" class="number">
+                {columns.torqueRateEigenaxis}
+              </th>
             </tr>
           </thead>
           <tbody>

@@ -1,5 +1,5 @@
 /** Sessions of the imaging spacecraft: asked for at /spacecraft, shown at /spacecraft/plans/{id}. */
-import type { RoomProps } from "../../rooms";
+import type { RoomProps } from "../../room";
 import { AskSession } from "./AskSession";
 import { OneSession } from "./OneSession";
 import "./spacecraft.css";

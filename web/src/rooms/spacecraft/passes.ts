@@ -1,7 +1,7 @@
 /** When the spacecraft passes what is asked for, as the service finds it. */
 import { post, remove, type Schemas } from "../../api/client";
+import { reachOf } from "../../api/orbit";
 import { rfc3339 } from "../../i18n/forms";
-import { reachOf } from "../plan/orbit";
 import type { SessionRequest } from "./session";
 
 export type Opportunity = Schemas["ImagingOpportunityOut"];

@@ -3,11 +3,7 @@ import { get, type Schemas } from "../../api/client";
 import { type LonLat, ringOf } from "../../map/places";
 
 export type SessionRequest = Schemas["ImagingPlanRequest"];
-export type Asked =
-  | Schemas["StripRequest"]
-  | Schemas["StereoRequest"]
-  | Schemas["AreaRequest"]
-  | Schemas["CorridorRequest"];
+export type Asked = Schemas["StripRequest"] | Schemas["StereoRequest"] | Schemas["AreaRequest"] | Schemas["CorridorRequest"];
 export type Mode = Asked["mode"];
 export type Session = Schemas["SpacecraftPlanResponse"];
 export type SessionView = Schemas["SpacecraftViewResponse"];

@@ -1,6 +1,7 @@
 /** A session's time as stretches: looks, turns, and what is between them. */
-import type { Words } from "../../i18n";
+
 import { number } from "../../i18n/forms";
+import type { Words } from "../../i18n/words";
 import type { Stretch } from "../../time/TimeBar";
 import type { Session } from "./session";
 

@@ -9,9 +9,7 @@ export function Samples({ samples }: Pick<Comparison, "samples">) {
   return (
     <section class="panel" aria-labelledby="samples">
       <h2 id="samples">{text.rows}</h2>
-      <p>
-        {text.used(samples.used, samples.read, instant(samples.start), instant(samples.stop), number(samples.step_s, 3))}
-      </p>
+      <p>{text.used(samples.used, samples.read, instant(samples.start), instant(samples.stop), number(samples.step_s, 3))}</p>
       <ul>
         {dropped.map(([reason, count]) => (
           <li key={reason}>{text.dropped(count, reason)}</li>

@@ -5,10 +5,10 @@ import { words } from "../../i18n";
 import { DropZone } from "../../parts/DropZone";
 import { Field } from "../../parts/Field";
 import { ProblemNotice } from "../../parts/ProblemNotice";
+import type { RoomProps } from "../../room";
 import { place } from "../../router";
-import type { RoomProps } from "../../rooms";
 import { Axis } from "./Axis";
-import { compare, type Compared } from "./compare";
+import { type Compared, compare } from "./compare";
 import { Samples } from "./Samples";
 import "./telemetry.css";
 
@@ -41,9 +41,7 @@ export default function TelemetryRoom(_: RoomProps) {
       <p>{text.telemetry.what}</p>
       <form class="panel" onSubmit={(event) => void ask(event)}>
         <Field label={text.telemetry.plan} hint={text.telemetry.planHint}>
-          {(control) => (
-            <input {...control} required value={plan} onInput={(event) => setPlan(event.currentTarget.value)} />
-          )}
+          {(control) => <input {...control} required value={plan} onInput={(event) => setPlan(event.currentTarget.value)} />}
         </Field>
         <DropZone label={text.telemetry.file} accept=".csv,.txt,text/csv" onFile={setFile}>
           <p class="small">{file ? file.name : text.telemetry.fileHint}</p>

@@ -1,0 +1,89 @@
+/** An orbit as it was pasted or dropped: which kind of text it is, and when it holds. */
+import type { Schemas } from "./client";
+
+export type Orbit = Schemas["PlanRequest"]["orbit"];
+
+const DAY_MS = 86_400_000;
+// The service warns of elements after 3 days and refuses them at 30.
+const FRESH_DAYS = 14;
+
+/** The orbit that a text holds; null for what is none that the service knows. */
+export function orbitOf(text: string): Orbit | null {
+  const content = text.trim();
+  if (/^1 [0-9A-Z]{5}.*\r?\n\s*2 [0-9A-Z]{5}/im.test(content)) return { source: "tle", content };
+  if (/CCSDS_OEM_VERS|<oem[\s>]/.test(content)) return { source: "oem", content };
+  if (/CCSDS_OPM_VERS|<opm[\s>]/.test(content)) return { source: "opm", content } as Orbit;
+  if (/CCSDS_OMM_VERS|<omm[\s>]|"MEAN_MOTION"/.test(content)) return { source: "omm", content } as Orbit;
+  return null;
+}
+
+/** What stands in the text field for an orbit. */
+export function textOf(orbit: Orbit): string {
+  const { content, line1, line2 } = orbit as { content?: unknown; line1?: string; line2?: string };
+  if (typeof content === "string") return content;
+  if (line1 && line2) return `${line1}\n${line2}`;
+  return JSON.stringify(content ?? orbit, null, 1);
+}
+
+export interface Reach {
+  /** Of elements or a state their epoch, of an ephemeris its first instant; ms since 1970. */
+  from_ms: number;
+  /** The last instant of an ephemeris. */
+  to_ms: number | null;
+}
+
+/** When an orbit holds; null where its text doesn't say so in a way we read. */
+export function reachOf(orbit: Orbit): Reach | null {
+  if (orbit.source === "state") return reach(orbit.epoch);
+  const text = textOf(orbit);
+  const line = /^1 [0-9A-Z]{5}.*$/m.exec(text)?.[0];
+  if (line) {
+    const year = Number(line.slice(18, 20));
+    const day = Number(line.slice(20, 32));
+    const from_ms = Date.UTC(year < 57 ? 2000 + year : 1900 + year, 0) + (day - 1) * DAY_MS;
+    return Number.isFinite(from_ms) ? { from_ms, to_ms: null } : null;
+  }
+  if (orbit.source === "oem") {
+    const first = timesAfter(text, "START_TIME").sort((a, b) => a - b)[0];
+    const last = timesAfter(text, "STOP_TIME").sort((a, b) => b - a)[0];
+    return first === undefined ? null : { from_ms: first, to_ms: last ?? null };
+  }
+  const epoch = timesAfter(text, "EPOCH")[0];
+  return epoch === undefined ? null : { from_ms: epoch, to_ms: null };
+}
+
+/** From when on to look for windows: now, where the orbit still holds then. */
+export function searchStart(orbit: Orbit, now_ms: number): number {
+  const known = reachOf(orbit);
+  if (!known) return upToMinute(now_ms);
+  const holdsNow =
+    known.to_ms === null
+      ? Math.abs(now_ms - known.from_ms) < FRESH_DAYS * DAY_MS
+      : now_ms > known.from_ms && now_ms < known.to_ms;
+  return upToMinute(holdsNow ? now_ms : known.from_ms);
+}
+
+function upToMinute(ms: number): number {
+  return Math.ceil(ms / 60_000) * 60_000;
+}
+
+function reach(epoch: string): Reach {
+  return { from_ms: Date.parse(epoch), to_ms: null };
+}
+
+/** Of a CCSDS message, as KVN, XML or JSON; its times are UTC, calendar or day of year. */
+function timesAfter(text: string, keyword: string): number[] {
+  const times: number[] = [];
+  for (const found of text.matchAll(new RegExp(`${keyword}\\W+(\\d{4}-[\\dT:.-]+)`, "g"))) {
+    const time = calendar(found[1] ?? "");
+    if (Number.isFinite(time)) times.push(time);
+  }
+  return times;
+}
+
+function calendar(text: string): number {
+  const byDay = /^(\d{4})-(\d{3})T(.+)$/.exec(text);
+  if (!byDay) return Date.parse(`${text}Z`);
+  const midnight = Date.parse(`${byDay[1]}-01-01T${byDay[3]}Z`);
+  return midnight + (Number(byDay[2]) - 1) * DAY_MS;
+}

@@ -1,0 +1,81 @@
+/** Two plans side by side: every figure, and which of them differ. */
+import { useEffect, useState } from "preact/hooks";
+
+import { get } from "../../api/client";
+import { isAbort } from "../../api/problem";
+import { words } from "../../i18n";
+import { Link } from "../../parts/Link";
+import { ProblemNotice } from "../../parts/ProblemNotice";
+import { type Figure, figures, type Plan } from "./figures";
+
+export function Compared({ ids }: { ids: [string, string] }) {
+  const text = words.value;
+  const [plans, setPlans] = useState<Plan[] | null>(null);
+  const [error, setError] = useState<unknown>(null);
+  useEffect(() => {
+    const until = new AbortController();
+    Promise.all(ids.map((id) => get("/v1/plans/{id}", { id, signal: until.signal }))).then(
+      (answers) => setPlans(answers.filter((answer): answer is Plan => "table" in answer)),
+      (caught: unknown) => !isAbort(caught) && setError(caught),
+    );
+    return () => until.abort();
+  }, ids);
+  if (error !== null) return <ProblemNotice error={error} />;
+  if (!plans) return <p class="loading">{text.shell.loading}</p>;
+  const [first, second] = plans;
+  if (!first || !second) return <p>{text.library.notDone}</p>;
+  const rows = side(figures(first), figures(second));
+  const differing = rows.filter((row) => row.differs).length;
+  return (
+    <>
+      <p>
+        {differing ? text.library.differing(differing, rows.length) : text.library.same}{" "}
+        <Link to="/plans">{text.library.back}</Link>
+      </p>
+      <div class="scroll-x" tabIndex={0} role="region" aria-label={text.library.compared}>
+        <table class="compared">
+          <thead>
+            <tr>
+              <th scope="col">{text.library.figure}</th>
+              {[first, second].map((plan) => (
+                <th key={plan.id} scope="col">
+                  <Link to={`/plans/${plan.id}`}>
+                    {plan.name || text.library.unnamed} ({text.library.revision(plan.revision)})
+                  </Link>
+                </th>
+              ))}
+            </tr>
+          </thead>
+          <tbody>
+            {rows.map(({ name, values, differs }) => (
+              <tr key={name} class={differs ? "differs" : undefined}>
+                <th scope="row">
+                  {name}
+                  {differs && <span class="hidden"> ({text.library.differs})</span>}
+                </th>
+                <td>{values[0]}</td>
+                <td>{values[1]}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </div>
+    </>
+  );
+}
+
+interface Row {
+  name: string;
+  values: [string, string];
+  differs: boolean;
+}
+
+/** What only one of them has stands beside a dash. */
+function side(first: Figure[], second: Figure[]): Row[] {
+  const names = [...new Set([...first, ...second].map((figure) => figure.name))];
+  const value = (of: Figure[], name: string) => of.find((figure) => figure.name === name)?.value ?? "–";
+  return names.map((name) => {
+    const values: [string, string] = [value(first, name), value(second, name)];
+    return { name, values, differs: values[0] !== values[1] };
+  });
+}

@@ -1,0 +1,83 @@
+/** What the list is asked for. */
+import { useState } from "preact/hooks";
+
+import { words } from "../../i18n";
+import { Field } from "../../parts/Field";
+import { KINDS, type Kind, type Wanted } from "./records";
+
+interface Props {
+  kind: Kind;
+  onKind: (kind: Kind) => void;
+  onWanted: (wanted: Wanted) => void;
+  onReload: () => void;
+}
+
+const STATES = ["queued", "running", "done", "refused", "failed", "cancelled"] as const;
+
+export function Filters({ kind, onKind, onWanted, onReload }: Props) {
+  const text = words.value;
+  const [typed, setTyped] = useState({ text: "", state: "", after: "", before: "" });
+  const change = (part: Partial<typeof typed>) => {
+    const next = { ...typed, ...part };
+    setTyped(next);
+    onWanted({
+      text: next.text.trim() || undefined,
+      state: next.state || undefined,
+      after: next.after ? `${next.after}T00:00:00Z` : undefined,
+      before: next.before ? `${next.before}T23:59:59Z` : undefined,
+    });
+  };
+  return (
+    <form class="panel filters" role="search" onSubmit={(event) => event.preventDefault()}>
+      <Field label={text.library.kind}>
+        {(control) => (
+          <select {...control} value={kind} onChange={(event) => onKind(event.currentTarget.value as Kind)}>
+            {KINDS.map((one) => (
+              <option key={one} value={one}>
+                {text.library.kinds[one]}
+              </option>
+            ))}
+          </select>
+        )}
+      </Field>
+      <Field label={text.library.search}>
+        {(control) => (
+          <input
+            {...control}
+            type="search"
+            placeholder={text.library.searchHint}
+            value={typed.text}
+            onInput={(event) => change({ text: event.currentTarget.value })}
+          />
+        )}
+      </Field>
+      <Field label={text.library.state}>
+        {(control) => (
+          <select {...control} value={typed.state} onChange={(event) => change({ state: event.currentTarget.value })}>
+            <option value="">{text.library.anyState}</option>
+            {STATES.map((state) => (
+              <option key={state} value={state}>
+                {text.shell.states[state]}
+              </option>
+            ))}
+          </select>
+        )}
+      </Field>
+      {(["after", "before"] as const).map((edge) => (
+        <Field key={edge} label={text.library[edge]}>
+          {(control) => (
+            <input
+              {...control}
+              type="date"
+              value={typed[edge]}
+              onChange={(event) => change({ [edge]: event.currentTarget.value })}
+            />
+          )}
+        </Field>
+      ))}
+      <button type="button" onClick={onReload}>
+        {text.library.reload}
+      </button>
+    </form>
+  );
+}

@@ -1,0 +1,122 @@
+/** One record: what it is, how far it has come, and what can be done with it. */
+import { useEffect, useState } from "preact/hooks";
+
+import { remove } from "../../api/client";
+import { type Progress, untilDone } from "../../api/job";
+import { isAbort } from "../../api/problem";
+import { words } from "../../i18n";
+import { clock, instant, percent } from "../../i18n/forms";
+import { Bar } from "../../parts/Bar";
+import { Dialog } from "../../parts/Dialog";
+import { Link } from "../../parts/Link";
+import { ProblemNotice } from "../../parts/ProblemNotice";
+import { isAtWork, type Job, type Kind, ROOM_PATHS, SERVICE_PATHS } from "./records";
+
+interface Props {
+  job: Job;
+  kind: Kind;
+  chosen: boolean;
+  /** Where two of them can be compared. */
+  onChoose?: (id: string, isChosen: boolean) => void;
+  /** It has ended, or is no more. */
+  onChanged: () => void;
+}
+
+export function RecordRow({ job, kind, chosen, onChoose, onChanged }: Props) {
+  const text = words.value;
+  const [progress, setProgress] = useState<Progress | null>(null);
+  const [isAsking, setAsking] = useState(false);
+  const [error, setError] = useState<unknown>(null);
+  const atWork = isAtWork(job);
+
+  useEffect(() => {
+    if (!atWork) return;
+    const until = new AbortController();
+    const sent = { path: `${SERVICE_PATHS[kind]}/${job.id}`, id: job.id };
+    // However it ends, the list tells.
+    untilDone(sent, setProgress, until.signal).then(onChanged, (caught: unknown) => {
+      if (!isAbort(caught)) onChanged();
+    });
+    return () => until.abort();
+  }, [job.id, kind, atWork]);
+
+  const drop = async () => {
+    setAsking(false);
+    try {
+      await remove(`${SERVICE_PATHS[kind]}/{id}`, { id: job.id });
+      onChanged();
+    } catch (caught) {
+      setError(caught);
+    }
+  };
+  const state = atWork ? (progress?.state ?? job.state) : job.state;
+  return (
+    <tr>
+      {onChoose && (
+        <td>
+          <input
+            type="checkbox"
+            aria-label={text.library.chooseOne(job.name)}
+            checked={chosen}
+            disabled={job.state !== "done"}
+            onChange={(event) => onChoose(job.id, event.currentTarget.checked)}
+          />
+        </td>
+      )}
+      <td>
+        <Link to={`${ROOM_PATHS[kind]}/${job.id}`}>{job.name || text.library.unnamed}</Link>
+        {job.revision !== null && job.revision > 1 && (
+          <div class="small">
+            {text.library.revision(job.revision)}
+            {job.revises && onChoose && (
+              <>
+                {" · "}
+                <Link to={`/plans?compare=${job.revises},${job.id}`}>{text.library.withBefore}</Link>
+              </>
+            )}
+          </div>
+        )}
+      </td>
+      <td>
+        <span class={`state state-${state}`}>{text.shell.states[state]}</span>
+        {atWork && <Bar label={progress?.stage ?? text.library.progress} percent={progress?.percent ?? null} />}
+        {job.problem && <div class="small">{job.problem.detail}</div>}
+        {error !== null && <ProblemNotice error={error} />}
+      </td>
+      <td class="mono">{job.start && job.stop ? `${instant(job.start).slice(0, 16)} – ${clock(job.stop)}` : "–"}</td>
+      <td>{named(job)}</td>
+      <td class="number">{percent(job.probability_in_frame)}</td>
+      <td class="mono">{instant(job.created).slice(0, 16)}</td>
+      <td>
+        <button
+          type="button"
+          class="plain"
+          aria-label={(atWork ? text.library.cancelOne : text.library.deleteOne)(job.name)}
+          onClick={() => (atWork ? void drop() : setAsking(true))}
+        >
+          {atWork ? text.shell.cancel : text.library.remove}
+        </button>
+        {isAsking && (
+          <Dialog title={text.library.deleteOne(job.name)} onClose={() => setAsking(false)}>
+            <p>{text.library.noWayBack}</p>
+            <div class="row">
+              <button type="button" class="primary" onClick={() => void drop()}>
+                {text.library.remove}
+              </button>
+              <button type="button" onClick={() => setAsking(false)}>
+                {text.library.keep}
+              </button>
+            </div>
+          </Dialog>
+        )}
+      </td>
+    </tr>
+  );
+}
+
+const NAMED = 3;
+
+function named({ targets, target_count }: Job): string {
+  const rest = target_count - Math.min(targets.length, NAMED);
+  return targets.slice(0, NAMED).join("; ") + (rest > 0 ? ` +${rest}` : "");
+}

@@ -1,0 +1,146 @@
+/** What is asked of a plan: orbit, targets, sessions in their windows. */
+import { batch } from "@preact/signals";
+import { useEffect, useRef, useState } from "preact/hooks";
+
+import { get, remove } from "../../api/client";
+import { Cancelled, type Progress, type Sent, sendOff, untilDone } from "../../api/job";
+import { isAbort, NoAnswer, Problem } from "../../api/problem";
+import { words } from "../../i18n";
+import { wantOutlines } from "../../map/outlines";
+import { Bar } from "../../parts/Bar";
+import { ProblemNotice } from "../../parts/ProblemNotice";
+import type { RoomProps } from "../../room";
+import { go, place } from "../../router";
+import { fetchPlan, isPlan, type PlanRequest } from "../plan/plan";
+import * as draft from "./draft";
+import { OrbitPanel } from "./OrbitPanel";
+import "./planning.css";
+import { RefusalNotice } from "./RefusalNotice";
+import { failure, refused } from "./refusal";
+import { SequencePanel, takeOffered } from "./SequencePanel";
+import { TargetPanel } from "./TargetPanel";
+import { WindowsPanel } from "./WindowsPanel";
+import { WorldMap } from "./WorldMap";
+import { keepSearching } from "./windows";
+
+/** Whether the work may go on although nothing more was heard of it. */
+function isFromSight(error: unknown): boolean {
+  return error instanceof NoAnswer || (error instanceof Problem && (error.status === 429 || error.status === 503));
+}
+
+/** Why it came to nothing, and the session it is about, so that it is drawn. */
+function fail(error: unknown): void {
+  batch(() => {
+    failure.value = error;
+    if (refused.value && refused.value.session < draft.sessions.value.length) draft.chosen.value = refused.value.session;
+  });
+}
+
+export default function AskRoom(_: RoomProps) {
+  const text = words.value;
+  const [progress, setProgress] = useState<Progress | null>(null);
+  const [sent, setSent] = useState<Sent | null>(null);
+  const [loadError, setLoadError] = useState<unknown>(null);
+  const told = useRef<HTMLDivElement>(null);
+  const work = useRef(new AbortController());
+  /** What was sent off and lost from sight. */
+  const lost = useRef<{ asked: string; sent: Sent } | null>(null);
+  useEffect(() => () => work.current.abort(), []);
+  useEffect(() => void wantOutlines().catch(() => undefined), []); // a map without coasts is still one
+  useEffect(() => keepSearching(), []);
+  const from = place.value.query.get("from");
+  const isToPlan = place.value.query.has("plan");
+  const [tries, setTries] = useState(0);
+  const isRevision = place.value.query.has("revises"); // of a plan that was made
+  const [isLoading, setIsLoading] = useState(from !== null);
+  useEffect(() => {
+    if (!from) return;
+    setIsLoading(true);
+    setLoadError(null);
+    const given = { id: from, signal: work.current.signal };
+    Promise.all([get("/v1/plans/{id}/request", given), isRevision ? null : fetchPlan(from, given.signal)])
+      .then(
+        ([asked, job]) => {
+          draft.load(asked as unknown as PlanRequest, isRevision ? from : null);
+          const problem = job && !isPlan(job) ? job.problem : null;
+          fail(problem ? new Problem(problem) : null);
+          if (!isToPlan) return;
+          go(`/?from=${from}`, { replace: true }); // loaded anew, the page doesn't plan again
+          if (refused.value?.offered) takeOffered(() => void plan());
+          else void plan();
+        },
+        (error: unknown) => isAbort(error) || setLoadError(error),
+      )
+      .finally(() => setIsLoading(false));
+  }, [from, tries]);
+
+  const plan = async () => {
+    failure.value = null;
+    work.current = new AbortController();
+    const until = work.current.signal;
+    setProgress({ state: "queued", stage: null, percent: null });
+    try {
+      const query: Record<string, string> = draft.revises.value ? { revises: draft.revises.value } : {};
+      const asked = JSON.stringify([query, draft.request.value]);
+      const before = lost.current?.asked === asked ? lost.current.sent : null;
+      const made = before ?? (await sendOff("/v1/plans", draft.request.value, query, until));
+      setSent(made);
+      lost.current = { asked, sent: made };
+      await untilDone(made, setProgress, until);
+      lost.current = null;
+      draft.revises.value = null;
+      go(`/plans/${made.id}`);
+    } catch (error) {
+      if (isAbort(error)) return;
+      if (!isFromSight(error)) lost.current = null;
+      if (!(error instanceof Cancelled)) fail(error);
+      told.current?.scrollIntoView({ block: "nearest" });
+    } finally {
+      setProgress(null);
+      setSent(null);
+      // The button that was pressed has lost the focus: whoever goes by Tab goes on from here.
+      if (document.activeElement === document.body) told.current?.focus({ preventScroll: true });
+    }
+  };
+  const cancel = () => sent && void remove("/v1/plans/{id}", { id: sent.id }).catch((error: unknown) => (failure.value = error));
+  if (isLoading) return <p class="loading">{text.shell.loading}</p>;
+  return (
+    <div class="room ask">
+      <h1 class="hidden">{text.shell.rooms.plan}</h1>
+      <div class="ask-form">
+        {loadError !== null && <ProblemNotice error={loadError} again={() => setTries(tries + 1)} />}
+        <OrbitPanel />
+        <TargetPanel />
+        <SequencePanel plan={() => void plan()} />
+        <div class="ask-told" ref={told} tabIndex={-1}>
+          <RefusalNotice plan={() => void plan()} />
+        </div>
+        <div class="ask-go">
+          <div class="row">
+            <button
+              type="button"
+              class="primary big"
+              disabled={progress !== null || !draft.isComplete.value}
+              onClick={() => void plan()}
+            >
+              {text.plan.plan}
+            </button>
+            {progress && (
+              <>
+                <Bar label={progress.stage ?? text.shell.states[progress.state]} percent={progress.percent} />
+                <button type="button" onClick={cancel} disabled={!sent}>
+                  {text.shell.cancel}
+                </button>
+              </>
+            )}
+            {!draft.isComplete.value && <span class="small">{text.plan.incomplete}</span>}
+          </div>
+        </div>
+      </div>
+      <div class="ask-view">
+        <WorldMap />
+        <WindowsPanel />
+      </div>
+    </div>
+  );
+}

@@ -1,0 +1,76 @@
+/** The windows of the next days: all at once as bars over time, and one by one. */
+import { Problem } from "../../api/problem";
+import { words } from "../../i18n";
+import { ProblemNotice } from "../../parts/ProblemNotice";
+import { Overview } from "../../windows/Overview";
+import { PassFigures } from "../../windows/PassFigures";
+import * as draft from "./draft";
+import { SessionBar } from "./SessionBar";
+import { SpanFields } from "./SpanFields";
+import { found, isSearching, searchAgain, searchError, sessionIn, type Window, windowNear, windowOf } from "./windows";
+
+export function WindowsPanel() {
+  const text = words.value.plan.windows;
+  const now = found.value;
+  const taken = now && windowOf(now.windows, draft.session.value);
+  const near = now && windowNear(now.windows, draft.session.value);
+  const error = searchError.value;
+  const isTargets = error instanceof Problem && error.field?.startsWith("targets.0.target");
+  return (
+    <section class="panel" aria-label={text.title}>
+      <div class="row heading">
+        <h2>{text.title}</h2>
+        <span role="status" class="soft">
+          {isSearching.value ? text.searching : now ? text.count(now.windows.length) : ""}
+        </span>
+      </div>
+      <SpanFields />
+      {error !== null && !isTargets && <ProblemNotice error={error} again={searchAgain} />}
+      {now && now.windows.length === 0 && <p>{text.none}</p>}
+      {now && now.windows.length > 0 && (
+        <>
+          <Overview
+            passes={now.windows}
+            taken={(window) => window === taken}
+            from_ms={draft.from_ms.value}
+            to_ms={draft.to_ms.value}
+            onTake={take}
+          />
+          {near && <SessionBar window={near} />}
+          <List windows={now.windows} taken={taken} />
+        </>
+      )}
+      {now?.warnings.map((warning) => (
+        <p key={warning} class="hint">
+          {warning}
+        </p>
+      ))}
+    </section>
+  );
+}
+
+function take(window: Window): void {
+  const times = sessionIn(window);
+  if (times) draft.setTimes(times.start, times.stop);
+}
+
+function List({ windows, taken }: { windows: readonly Window[]; taken: Window | null }) {
+  const text = words.value.plan.windows;
+  return (
+    <ul class="window-list" aria-label={text.list} tabIndex={0}>
+      {windows.map((window) => (
+        <li key={window.rise + window.branch}>
+          <button
+            type="button"
+            class="window"
+            aria-pressed={window === taken}
+            disabled={!window.session}
+            onClick={() => take(window)}
+          >
+            <PassFigures pass={window} />
+          </button>
+        </li>
+      ))}
+    </ul>
+  );
+}

@@ -1,0 +1,114 @@
+/** Which plan is flown, how often, and what was flown before. */
+import { useEffect, useState } from "preact/hooks";
+
+import { get, type Schemas } from "../../api/client";
+import { sendOffFlights } from "../../api/job";
+import { isAbort } from "../../api/problem";
+import { words } from "../../i18n";
+import { instant, percent } from "../../i18n/forms";
+import { Field } from "../../parts/Field";
+import { Link } from "../../parts/Link";
+import { ProblemNotice } from "../../parts/ProblemNotice";
+import { go, place } from "../../router";
+
+type Job = Schemas["JobResponse"];
+
+const RUNS = 400;
+
+export function AskSimulation() {
+  const text = words.value.simulation;
+  const [plans, setPlans] = useState<Job[]>([]);
+  const [flown, setFlown] = useState<Job[]>([]);
+  const [plan, setPlan] = useState(place.value.query.get("plan") ?? "");
+  const [runs, setRuns] = useState(RUNS);
+  const [seed, setSeed] = useState(0);
+  const [error, setError] = useState<unknown>(null);
+
+  useEffect(() => {
+    const until = new AbortController();
+    const fail = (caught: unknown) => {
+      if (!isAbort(caught)) setError(caught);
+    };
+    get("/v1/plans", { query: { state: "done", limit: 50 }, signal: until.signal }).then((found) => setPlans(found.plans), fail);
+    get("/v1/flights", { query: { limit: 20 }, signal: until.signal }).then((found) => setFlown(found.flights), fail);
+    return () => until.abort();
+  }, []);
+
+  const fly = async (event: Event) => {
+    event.preventDefault();
+    setError(null);
+    try {
+      const { id } = await sendOffFlights(plan.trim(), { runs, seed });
+      go(`/flights/${id}`);
+    } catch (caught) {
+      setError(caught);
+    }
+  };
+  return (
+    <>
+      <p>{text.what}</p>
+      <form class="panel fly" onSubmit={(event) => void fly(event)}>
+        <Field label={text.plan} hint={text.planHint}>
+          {(control) => (
+            <input
+              {...control}
+              required
+              list="plans-to-fly"
+              value={plan}
+              onInput={(event) => setPlan(event.currentTarget.value)}
+            />
+          )}
+        </Field>
+        <datalist id="plans-to-fly">
+          {plans.map((one) => (
+            <option key={one.id} value={one.id}>
+              {`${one.name}, ${instant(one.start ?? one.created)}`}
+            </option>
+          ))}
+        </datalist>
+        <Field label={text.runs} hint={text.runsHint}>
+          {(control) => (
+            <input
+              {...control}
+              type="number"
+              min={2}
+              max={20000}
+              value={runs}
+              onInput={(event) => setRuns(event.currentTarget.valueAsNumber)}
+            />
+          )}
+        </Field>
+        <Field label={text.seed} hint={text.seedHint}>
+          {(control) => (
+            <input
+              {...control}
+              type="number"
+              min={0}
+              max={4294967295}
+              value={seed}
+              onInput={(event) => setSeed(event.currentTarget.valueAsNumber)}
+            />
+          )}
+        </Field>
+        <button type="submit" class="primary" disabled={!plan.trim()}>
+          {text.fly}
+        </button>
+      </form>
+      {error !== null && <ProblemNotice error={error} />}
+      {flown.length > 0 && (
+        <section aria-labelledby="flown-before">
+          <h2 id="flown-before">{text.before}</h2>
+          <ul>
+            {flown.map((one) => (
+              <li key={one.id}>
+                <Link to={`/flights/${one.id}`}>{one.name || one.targets.join("; ") || one.id}</Link>, {instant(one.created)},{" "}
+                {words.value.shell.states[one.state]}
+                {one.probability_in_frame !== null && `, ${percent(one.probability_in_frame)}`}
+              </li>
+            ))}
+          </ul>
+        </section>
+      )}
+    </>
+  );
+}

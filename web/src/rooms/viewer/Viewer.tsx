@@ -1,0 +1,62 @@
+/** What a plan looks like: globe, charts and cameras by one time cursor. */
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+
+import { words } from "../../i18n";
+import { ProblemNotice } from "../../parts/ProblemNotice";
+import { cursor_s } from "../../time/cursor";
+import { type Stretch, TimeBar } from "../../time/TimeBar";
+import type { Plan } from "../plan/plan";
+import { AxisSpace } from "./AxisSpace";
+import { Charts } from "./Charts";
+import { HorizonViews } from "./HorizonViews";
+import { ImageFrame } from "./ImageFrame";
+import "./viewer.css";
+import { PrintSheet } from "./PrintSheet";
+import { Readout } from "./Readout";
+import { Scene } from "./Scene";
+import { fetchView, lastOf, stretchesOf, type View } from "./view";
+
+export default function Viewer({ plan }: { plan: Plan }) {
+  const text = words.value;
+  const [view, setView] = useState<View | null>(null);
+  const [error, setError] = useState<unknown>(null);
+  const [tries, setTries] = useState(0);
+  useEffect(() => {
+    const wanted = new AbortController();
+    setView(null);
+    setError(null);
+    cursor_s.value = 0;
+    fetchView(plan, wanted.signal).then(setView, (caught: unknown) => wanted.signal.aborted || setError(caught));
+    return () => wanted.abort();
+  }, [plan.id, tries]);
+  if (error !== null) return <ProblemNotice error={error} again={() => setTries(tries + 1)} />;
+  if (!view) return <p class="loading">{text.shell.loading}</p>;
+  return <Opened view={view} plan={plan} />;
+}
+
+function Opened({ view, plan }: { view: View; plan: Plan }) {
+  const { kinds, title } = words.value.viewer;
+  const box = useRef<HTMLDivElement>(null);
+  const [chosen, setChosen] = useState<Stretch | null>(null);
+  const stretches = useMemo(() => stretchesOf(view, plan, kinds), [view, kinds]);
+  const stop_s = lastOf(view.t_s);
+  const epoch_ms = Date.parse(view.epoch);
+  return (
+    <>
+      <div class="look no-print" ref={box} role="group" aria-label={title}>
+        <div class="look-grid">
+          <div class="look-left">
+            <Scene view={view} />
+            <Readout view={view} />
+            <AxisSpace view={view} stretches={stretches} />
+            <ImageFrame view={view} plan={plan} />
+          </div>
+          <Charts view={view} plan={plan} stretches={stretches} chosen={chosen} onWhole={() => setChosen(null)} />
+        </div>
+        <HorizonViews plan={plan} epoch_ms={epoch_ms} stop_s={stop_s} />
+        <TimeBar epoch_ms={epoch_ms} stop_s={stop_s} stretches={stretches} within={() => box.current} onStretch={setChosen} />
+      </div>
+      <PrintSheet view={view} stretches={stretches} />
+    </>
+  );
+}

@@ -1,0 +1,88 @@
+/** What there is to see of a plan, and what of it holds at an instant. */
+import { get, type Schemas, send } from "../../api/client";
+import type { Stretch } from "../../time/TimeBar";
+import type { Plan } from "../plan/plan";
+
+export type View = Schemas["PlanViewResponse"];
+export type HorizonCamera = Schemas["HorizonCamera"];
+type Numbers = readonly (number | null)[];
+
+const TABLE_STEP_S = 0.2;
+const EVERY_ROW_UP_TO = 5000;
+const SEEN_UP_TO = 60; // sessions and cones, of which each is as long as the table
+
+/** Every row of the table, or as many as the service thinks enough for a longer one. */
+export async function fetchView(plan: Plan, signal: AbortSignal): Promise<View> {
+  const isShort = plan.table.t_s.length <= EVERY_ROW_UP_TO && plan.summary.sessions.length <= SEEN_UP_TO;
+  const query = isShort ? { step_s: TABLE_STEP_S } : {};
+  return get("/v1/plans/{id}/view", { id: plan.id, query, signal });
+}
+
+/** The service's CZML, as it is. */
+export async function fetchCzml(id: string, signal: AbortSignal): Promise<object> {
+  return (await send("GET", "/v1/plans/{id}/view", { id, query: { format: "czml" }, signal })).json() as Promise<object>;
+}
+
+/** The horizon cameras as they were asked about. */
+export async function fetchCameras(id: string, signal: AbortSignal): Promise<HorizonCamera[]> {
+  const request = (await get("/v1/plans/{id}/request", { id, signal })) as { horizon_cameras?: HorizonCamera[] };
+  return request.horizon_cameras ?? [];
+}
+
+export function lastOf(t_s: readonly number[]): number {
+  return t_s[t_s.length - 1] ?? 0;
+}
+
+/** Number of the row that holds at an instant. */
+export function rowAt(view: View, t_s: number): number {
+  const row = Math.floor(t_s / view.step_s + 1e-6);
+  const last = view.t_s.length - 1;
+  return Math.min(Math.max(t_s >= lastOf(view.t_s) ? last : row, 0), last);
+}
+
+/** A column between its rows; null where either of them is. */
+export function valueAt(view: View, values: Numbers, t_s: number): number | null {
+  const row = rowAt(view, t_s);
+  const [low, high] = [values[row], values[row + 1]];
+  if (low == null) return null;
+  if (high === undefined) return low;
+  if (high === null) return t_s === view.t_s[row] ? low : null;
+  const [from_s, to_s] = [view.t_s[row] ?? 0, view.t_s[row + 1] ?? 1];
+  return low + ((t_s - from_s) / (to_s - from_s)) * (high - low);
+}
+
+/** The same of longitudes, which jump at the date line. */
+export function longitudeAt(view: View, values: Numbers, t_s: number): number | null {
+  const row = rowAt(view, t_s);
+  const [low, high] = [values[row], values[row + 1]];
+  if (low == null || high == null || Math.abs(high - low) < 180) return valueAt(view, values, t_s);
+  return low;
+}
+
+/** What the table does, one after the other. */
+export function stretchesOf(view: View, plan: Plan, kinds: Record<string, string>): Stretch[] {
+  const epoch_ms = Date.parse(view.epoch);
+  return plan.segments.map((segment) => {
+    const { kind, session, start, stop } = segment;
+    const name = kind === "track" && session !== null ? view.targets.find((one) => one.session === session)?.name : null;
+    return {
+      kind,
+      label: name || (kinds[kind] ?? kind),
+      start_s: (Date.parse(start) - epoch_ms) / 1000,
+      stop_s: (Date.parse(stop) - epoch_ms) / 1000,
+    };
+  });
+}
+
+/** A slew's column laid on the view's rows: null before and after it. */
+export function onRows(t_s: readonly number[], slew_t_s: readonly number[], values: readonly number[]): (number | null)[] {
+  const [first, last] = [slew_t_s[0] ?? 0, lastOf(slew_t_s)];
+  let next = 0;
+  return t_s.map((t) => {
+    if (t < first - 1e-6 || t > last + 1e-6) return null;
+    while (next < slew_t_s.length - 2 && (slew_t_s[next + 1] ?? 0) < t) next++;
+    const [low_s, high_s] = [slew_t_s[next] ?? 0, slew_t_s[next + 1] ?? 0];
+    const [low, high] = [values[next] ?? 0, values[next + 1] ?? values[next] ?? 0];
+    return high_s > low_s ? low + ((t - low_s) / (high_s - low_s)) * (high - low) : low;
+  });
+}
