@@ -36,6 +36,7 @@ PROMISING = (
     "Solved_To_Acceptable_Level",
     "Search_Direction_Becomes_Too_Small",
 )
+STRAINED = 1e8  # a dual infeasibility, beside a cost of about 1
 
 
 class SolverRun(NamedTuple):
@@ -80,10 +81,16 @@ class Answer(NamedTuple):
 
 
 class Work(NamedTuple):
-    """What a solver costs, of `effort`: each time it is asked, and each iteration."""
+    """What a solver costs, of `planner.effort`: each time it is asked, and each iteration.
+
+    What more: strained_cost each iteration once the dual infeasibility was large, where factors
+    fill; failed_cost a run that fails.
+    """
 
     solve_cost: float
     iteration_cost: float
+    strained_cost: float = 0.0
+    failed_cost: float = 0.0
 
 
 class Solver:
@@ -92,7 +99,8 @@ class Solver:
     programme: symbols x and p, cost f and constraints g.  options: of the plugin; Ipopt's add to
     and take precedence over IPOPT.  hessian: of the Lagrangian, jacobian: the constraints and
     theirs, where CasADi would take long to find them.  PIQP needs both, of a programme whose cost
-    and constraints are nothing where x is.
+    and constraints are nothing where x is.  multiplier_most: of a bound of x, beyond which Ipopt
+    gives up; without end they grow where nothing keeps the constraints.
     """
 
     def __init__(
@@ -104,6 +112,7 @@ class Solver:
         plugin: Plugin = "ipopt",
         hessian: "casadi.Function | None" = None,
         jacobian: "casadi.Function | None" = None,
+        multiplier_most: float | None = None,
     ) -> None:
         # CasADi takes 0.1 s to import, which only a process that solves should pay.
         import casadi
@@ -118,6 +127,8 @@ class Solver:
             )
             settings |= {"ipopt": {**IPOPT, **options}}
             given = {"hess_lag": hessian, "jac_g": jacobian}
+            if multiplier_most is not None:
+                given["iteration_callback"] = _diverged(programme, multiplier_most)
             settings |= {name: of for name, of in given.items() if of is not None}
             self._function = casadi.nlpsol("programme", plugin, programme, settings)
             return
@@ -138,10 +149,13 @@ class Solver:
         stats = self._function.stats()
         iterations = int(stats["iter_count"])
         effort.count(self._work.iteration_cost * max(iterations, 0))
+        effort.count(self._work.strained_cost * _strained_iterations(stats))
         x, lam_x, lam_g = (np.asarray(found[name]).ravel() for name in ("x", "lam_x", "lam_g"))
         status = str(stats["return_status"]) if np.all(np.isfinite(x)) else "not finite"
         counted = iterations if iterations >= 0 else None
         run = SolverRun(self._plugin, _version(self._plugin), status, counted)
+        if not run.is_promising:
+            effort.count(self._work.failed_cost)
         return Answer(x, lam_x, lam_g, run)
 
     def _found(self, numbers: "Mapping[str, Array]") -> "Mapping[str, Any]":
@@ -152,6 +166,24 @@ class Solver:
         begin = {name: numbers[name] for name in ("x0", "lbx", "ubx")}
         found = self._function(h=h, a=a, **bounds, **begin)
         return {**found, "lam_g": found["lam_a"]}
+
+
+def _strained_iterations(stats: "Mapping[str, Any]") -> int:
+    """How many followed one of large dual infeasibility, of those that Ipopt counts."""
+    is_large = np.array(stats.get("iterations", {}).get("inf_du", ())) > STRAINED
+    return int(np.count_nonzero(np.maximum.accumulate(is_large)))
+
+
+def _diverged(
+    programme: "dict[str, casadi.SX] | dict[str, casadi.MX]", multiplier_most: float
+) -> "casadi.Function":
+    """Asked after each iteration: other than 0 where it is to be the last."""
+    import casadi
+
+    sizes = [programme[name].numel() for name in "xfg"]
+    sizes += [programme[name].numel() for name in "xgp"]
+    answer = [casadi.MX.sym(casadi.nlpsol_out(i), size) for i, size in enumerate(sizes)]
+    return casadi.Function("diverged", answer, [casadi.norm_inf(answer[3]) > multiplier_most])
 
 
 @cache

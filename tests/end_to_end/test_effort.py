@@ -12,15 +12,17 @@ import pytest
 from scenarios import LAS_VEGAS, SALT_LAKE, at, scenario, session
 
 from app.requests.plan import read_plan_request
-from planner.base import effort
-from planner.base.effort import EffortSpent, at_most, count_once, spend
-from planner.base.errors import Refusal, SearchEnded, Unreachable
-from planner.motion.slew import AxisState, SlewProblem, optimal_slew
-from planner.planning.sessions.assembly import table_work
-from planner.planning.sessions.pipeline import make_plan
-from planner.world.platforms import AxisLimits, StructuralMode
-from planner.world.scenario import SlewOptions
-from planner.world.targets import GroundTarget
+from planner import effort
+from planner.effort import EffortSpent, at_most, count_once, spend
+from planner.errors import Refusal, SearchEnded, Unreachable
+from planner.platforms import AxisLimits, StructuralMode
+from planner.scenario import SlewOptions
+from planner.sessions.assembly import table_work
+from planner.sessions.pipeline import make_plan
+from planner.slew import AxisState, SlewProblem, optimal_slew
+from planner.slew.ocp import Begin, Rows, SpanProgramme, Vibration, solve
+from planner.solvers import has_piqp
+from planner.targets import GroundTarget
 
 CASES = Path(__file__).parents[1] / "data" / "cases"
 QUICK = SlewOptions(objective="minimum_time")
@@ -85,6 +87,49 @@ def slewed(modes):
 def test_modes_are_counted_as_they_cost():
     """To weigh five takes several times the slew without; both counted alike, 53 s passed for 4."""
     assert slewed(modes=5) > 3.0 * slewed(modes=0)
+
+
+def solved(start, *, rate_max, spans, on_rows):
+    """The run, and its counted work, of a move by 1 in 1 from rest to rest; the mean rate is 1."""
+    limits = np.array([[-2.0, 2.0], [-rate_max, rate_max], [-1e2, 1e2], [-1e4, 1e4]])
+    ends = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    rows = Rows(np.zeros(spans, dtype=bool), np.full((spans, 2), 0.5)) if on_rows else None
+    no_modes = Vibration(np.zeros((0, spans, 2)), np.zeros(0))
+    widths = np.full(spans, 1.0 / spans)
+    given = SpanProgramme(widths, ends, limits, rows, no_modes, weight=1.0 / 720.0)
+    states = np.linspace(*ends, spans + 1)
+    begin = Begin(states, np.zeros((spans, 2)))
+    with at_most(np.inf) as work:
+        solve(given, begin, start)
+        once = work.done_rows  # and to make the solver
+        run = solve(given, begin, start).run
+    return run, work.done_rows - once
+
+
+@pytest.mark.parametrize("on_rows", [False, True])
+def test_ipopt_gives_up_where_no_motion_keeps_the_limits(on_rows):
+    """The multipliers grow without end, factors fill, and 50 iterations cost five times as many."""
+    run, _ = solved("cold", rate_max=0.9, spans=16, on_rows=on_rows)
+    assert not run.is_promising
+    assert run.iterations < 30
+
+
+@pytest.mark.parametrize("on_rows", [False, True])
+def test_iterations_that_strain_count_more(on_rows):
+    cost = []
+    for rate_max in (1.2, 0.9):
+        run, work = solved("cold", rate_max=rate_max, spans=16, on_rows=on_rows)
+        cost.append(work / run.iterations)
+        assert run.is_promising == (rate_max > 1.0)
+    assert cost[1] > 1.2 * cost[0]
+
+
+@pytest.mark.skipif(not has_piqp(), reason="this CasADi brings no PIQP")
+def test_piqp_that_fails_counts_twice():
+    _, done = solved("quick", rate_max=3.0, spans=40, on_rows=True)
+    run, failed = solved("quick", rate_max=0.9, spans=40, on_rows=True)
+    assert not run.is_promising
+    assert failed == pytest.approx(2.0 * done)
 
 
 def test_what_is_made_once_is_counted_in_each_request():

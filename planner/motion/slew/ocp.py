@@ -40,7 +40,9 @@ SOLVERS_KEPT = 64  # some MB and 10 to 400 ms to make each; a size of spans has 
 # Of `effort`: a span in an iteration; to make a solver, each of its spans,
 # and each residual of a mode on it.
 SPAN, SPAN_ON_ROWS = 1.15, 2.4
+STRAINED_SHARE = 4.0  # of an iteration that is strained, and by so much dearer
 MADE, MADE_SPAN, MADE_RESIDUAL = 300.0, 20.0, 0.5
+MULTIPLIER_MOST = 1e12  # beside a cost of 1: no motion keeps the limits, and to go on is dear
 Start = Literal["quick", "warm", "cold", "roomy"]
 
 # How the programme is solved.  Cold: from a rough motion.  Warm: from one that all but solves it,
@@ -178,13 +180,16 @@ def slew_solver(start: Start, spans: int, *, on_rows: bool, residuals: int) -> S
     plugin, options = STARTS[start]
     # Of `effort`; PIQP counts no iterations.
     span = SPAN_ON_ROWS if on_rows else SPAN
-    work = Work(20.0 + 2.5 * span * spans, 17.0 + span * spans * (1.0 + residuals / 35.0))
+    iteration = 17.0 + span * spans * (1.0 + residuals / 35.0)
+    work = Work(20.0 + 2.5 * span * spans, iteration, STRAINED_SHARE * iteration)
     if plugin == "piqp":
-        work = Work(50.0 + spans * (0.5 + 2.0 * span + 0.3 * residuals), 0.0)
+        quick = 50.0 + spans * (0.5 + 2.0 * span + 0.3 * residuals)
+        work = Work(quick, 0.0, failed_cost=quick)
     ocp = slew_ocp(spans, on_rows=on_rows, residuals=residuals)
     programme = {"x": ocp.x, "p": ocp.p, "f": ocp.f, "g": ocp.g}
     derivatives = {"hessian": ocp.hessian(), "jacobian": ocp.jacobian()}
-    return Solver(programme, options, work, plugin=plugin, **derivatives)
+    most = MULTIPLIER_MOST
+    return Solver(programme, options, work, plugin=plugin, multiplier_most=most, **derivatives)
 
 
 def make_solvers(sizes: Iterable[int]) -> None:
