@@ -81,7 +81,7 @@ class Answer(NamedTuple):
 
 
 class Work(NamedTuple):
-    """What a solver costs, of `planner.effort`: each time it is asked, and each iteration.
+    """What a solver costs, of `effort`: each time it is asked, and each iteration.
 
     What more: strained_cost each iteration once the dual infeasibility was large, where factors
     fill; failed_cost a run that fails.

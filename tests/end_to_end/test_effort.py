@@ -12,17 +12,17 @@ import pytest
 from scenarios import LAS_VEGAS, SALT_LAKE, at, scenario, session
 
 from app.requests.plan import read_plan_request
-from planner import effort
-from planner.effort import EffortSpent, at_most, count_once, spend
-from planner.errors import Refusal, SearchEnded, Unreachable
-from planner.platforms import AxisLimits, StructuralMode
-from planner.scenario import SlewOptions
-from planner.sessions.assembly import table_work
-from planner.sessions.pipeline import make_plan
-from planner.slew import AxisState, SlewProblem, optimal_slew
-from planner.slew.ocp import Begin, Rows, SpanProgramme, Vibration, solve
-from planner.solvers import has_piqp
-from planner.targets import GroundTarget
+from planner.base import effort
+from planner.base.effort import EffortSpent, at_most, count_once, spend
+from planner.base.errors import Refusal, SearchEnded, Unreachable
+from planner.base.solvers import has_piqp
+from planner.motion.slew import AxisState, SlewProblem, optimal_slew
+from planner.motion.slew.ocp import Begin, Rows, SpanProgramme, Vibration, solve
+from planner.planning.sessions.assembly import table_work
+from planner.planning.sessions.pipeline import make_plan
+from planner.world.platforms import AxisLimits, StructuralMode
+from planner.world.scenario import SlewOptions
+from planner.world.targets import GroundTarget
 
 CASES = Path(__file__).parents[1] / "data" / "cases"
 QUICK = SlewOptions(objective="minimum_time")
