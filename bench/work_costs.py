@@ -1,7 +1,7 @@
 """Counted work beside the processor time it takes, by the place that counts it.
 
-A place that spends is charged with what follows until the next one, a place that counts what is
-done with what went before; so is told, too, how long nothing is counted at all.
+A place that charges work is given the time until the next one, a place that counts what is done
+the time since the last; so the stretches in which nothing is counted are reported, too.
 """
 
 import sys
@@ -36,7 +36,7 @@ class Ledger:
         self._last, self._since_s = "before anything is counted", time.process_time()
 
     def note(self, rows: float, *, done: bool) -> None:
-        """Called by `spend` and `count` in place of their own."""
+        """Called by `charge` and `count` in place of their own."""
         place = _place(sys._getframe(2))
         self._charge(place if done else self._last)
         self.costs[place].calls += 1
@@ -72,7 +72,7 @@ def _place(frame: FrameType) -> str:
 @contextmanager
 def kept_ledger() -> Iterator[Ledger]:
     """Inside, all that is counted goes into it, too."""
-    ledger, spend, count = Ledger(), effort.spend, effort.count
+    ledger, charge, count = Ledger(), effort.charge, effort.count
 
     def noting(charge: Callable[[float], None], *, done: bool) -> Callable[[float], None]:
         def charged(rows: float) -> None:
@@ -81,8 +81,8 @@ def kept_ledger() -> Iterator[Ledger]:
 
         return charged
 
-    effort.spend, effort.count = noting(spend, done=False), noting(count, done=True)
+    effort.charge, effort.count = noting(charge, done=False), noting(count, done=True)
     try:
         yield ledger
     finally:
-        effort.spend, effort.count = spend, count
+        effort.charge, effort.count = charge, count

@@ -1,6 +1,6 @@
-"""How much work a request costs, and how much it may: counted, never timed.
+"""The work of a request and its bound: counted, never timed.
 
-What is expensive says what it does by `spend` where it does it: rows looked at, solver
+What is expensive charges its work by `charge` where it does it: rows examined, solver
 iterations times the rows of their problem, cells of a flood.  One request so always gets one
 answer, however busy the machine.  The unit is 10 microseconds of a core of 2024, about the
 work on one row of a table, its line of sight, angles and limits.  What each thing costs stands
@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 PLAN = 800_000  # 8 to 10 s: what one plan or refusal may cost
 
 
-class EffortSpent(Exception):
+class WorkLimitReached(Exception):
     """What was to be done next is beyond the bound: no refusal, the search it is in ends."""
 
     def __init__(self, effort: "Effort") -> None:
@@ -30,13 +30,13 @@ class EffortSpent(Exception):
 class Effort:
     """What is done, and how much may be, in rows' worth of work.
 
-    outer: the bound around it, which counts the same work.  is_spent: work was left undone.
+    outer: the bound around it, which counts the same work.  is_exhausted: work was left undone.
     """
 
     bound: float
     outer: "Effort | None" = None
     done_rows: float = 0.0
-    is_spent: bool = False
+    is_exhausted: bool = False
     _made: set[object] = field(default_factory=set)
     _token: Token["Effort | None"] = field(init=False, repr=False)
 
@@ -53,15 +53,15 @@ class Effort:
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> bool:
         _NOW.reset(self._token)
-        return isinstance(error, EffortSpent) and error.effort is self
+        return isinstance(error, WorkLimitReached) and error.effort is self
 
     def require(self) -> None:
-        """Raises EffortSpent, of the outermost bound that is reached."""
+        """Raises WorkLimitReached, of the outermost bound that is reached."""
         if self.outer is not None:
             self.outer.require()
         if self.done_rows >= self.bound:
-            self.is_spent = True
-            raise EffortSpent(self)
+            self.is_exhausted = True
+            raise WorkLimitReached(self)
 
     def add(self, rows: float) -> None:
         """Counted here and all around."""
@@ -84,15 +84,15 @@ _NOW: ContextVar[Effort | None] = ContextVar("effort", default=None)
 def at_most(bound: float) -> Effort:
     """Work in a `with` is counted, and where it reaches the bound, the block ends quietly.
 
-    Whoever opens it keeps the best found so far, and tells whether `is_spent`.
+    Whoever opens it keeps the best found so far, and reports `is_exhausted`.
     """
     return Effort(bound)
 
 
-def spend(rows: float) -> None:
+def charge(rows: float) -> None:
     """Called by what is about to do, or to go on with, so much work.
 
-    Raises EffortSpent when a bound is reached already: what is begun is finished.
+    Raises WorkLimitReached when a bound is reached already: what is begun is finished.
     """
     effort = _NOW.get()
     if effort is not None:

@@ -144,7 +144,7 @@ class Solver:
 
     def solve(self, **numbers: Array) -> Answer:
         """The answer for x0, p, lbx, ubx, lbg, ubg and, to begin warm, lam_x0 and lam_g0."""
-        effort.spend(self._work.solve_cost)
+        effort.charge(self._work.solve_cost)
         found = self._found(numbers)
         stats = self._function.stats()
         iterations = int(stats["iter_count"])

@@ -9,7 +9,7 @@ import numpy as np
 
 from planner.base import effort
 from planner.base.commands import ROWS_PER_S
-from planner.base.effort import EffortSpent, at_most
+from planner.base.effort import WorkLimitReached, at_most
 from planner.base.errors import (
     InfeasibleSlew,
     InvalidInput,
@@ -80,7 +80,7 @@ def plan_imaging(request: ImagingPlanRequest, tell: Reporter = _nobody) -> Imagi
             return _make_plan(request, tell)
         except (Unreachable, InfeasibleSlew, InvalidInput) as why:
             tell("alternatives", 0, 1)
-            with suppress(EffortSpent):
+            with suppress(WorkLimitReached):
                 raise refusal_with_alternative(request, why, _works) from why
             raise
     easier = ["ask for fewer or smaller requests at a time"]

@@ -37,7 +37,7 @@ class Clock:
 
 def refusal(limit: RateLimit, caller: str, per_minute: int) -> HTTPException:
     with pytest.raises(HTTPException) as caught:
-        limit.spend(caller, per_minute)
+        limit.charge(caller, per_minute)
     assert caught.value.status_code == 429
     return caught.value
 
@@ -46,24 +46,24 @@ def test_a_minutes_worth_may_come_at_once_and_comes_back_in_a_minute():
     clock = Clock()
     limit = RateLimit(clock_s=clock)
     for _ in range(30):
-        limit.spend("a", 30)
+        limit.charge("a", 30)
     assert refusal(limit, "a", 30).headers == {"Retry-After": "2"}
-    limit.spend("b", 30)  # another caller's own
+    limit.charge("b", 30)  # another caller's own
     clock.now_s += 2.0
-    limit.spend("a", 30)
+    limit.charge("a", 30)
     refusal(limit, "a", 30)
     clock.now_s += 60.0
     for _ in range(30):
-        limit.spend("a", 30)
+        limit.charge("a", 30)
     assert "30 requests a minute" in refusal(limit, "a", 30).detail
 
 
 def test_callers_without_number_take_no_memory_without_limit():
     limit = RateLimit(clock_s=Clock())
-    limit.spend("first", 1)
+    limit.charge("first", 1)
     for number in range(CALLERS_KEPT):
-        limit.spend(f"caller {number}", 1)
-    limit.spend("first", 1)  # forgotten: the price of a bound
+        limit.charge(f"caller {number}", 1)
+    limit.charge("first", 1)  # forgotten: the price of a bound
 
 
 def test_places_are_given_back():

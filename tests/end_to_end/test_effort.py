@@ -13,7 +13,7 @@ from scenarios import LAS_VEGAS, SALT_LAKE, at, scenario, session
 
 from app.requests.plan import read_plan_request
 from planner.base import effort
-from planner.base.effort import EffortSpent, at_most, count_once, spend
+from planner.base.effort import WorkLimitReached, at_most, charge, count_once
 from planner.base.errors import Refusal, SearchEnded, Unreachable
 from planner.base.solvers import has_piqp
 from planner.motion.slew import AxisState, SlewProblem, optimal_slew
@@ -197,19 +197,19 @@ def test_a_request_beyond_the_bound_is_refused_with_the_way_out(monkeypatch):
 def test_an_outer_bound_ends_what_is_inside_and_the_inner_one_does_not_hide_it():
     with at_most(10.0) as outer:
         with at_most(5.0) as inner:
-            spend(6.0)
-            spend(1.0)
-        assert inner.is_spent
-        assert not outer.is_spent
+            charge(6.0)
+            charge(1.0)
+        assert inner.is_exhausted
+        assert not outer.is_exhausted
         with at_most(100.0) as inner:
-            spend(6.0)
-            spend(1.0)
+            charge(6.0)
+            charge(1.0)
         pytest.fail("the outer bound was reached inside")
-    assert outer.is_spent
-    assert not inner.is_spent
+    assert outer.is_exhausted
+    assert not inner.is_exhausted
     assert outer.done_rows == 12.0
-    with pytest.raises(EffortSpent), at_most(1.0), at_most(2.0):
-        raise EffortSpent(outer)
+    with pytest.raises(WorkLimitReached), at_most(1.0), at_most(2.0):
+        raise WorkLimitReached(outer)
 
 
 def refused_sequences(count):

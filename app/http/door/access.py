@@ -73,13 +73,13 @@ class Access:
         """Who asks; raises 401, 403, 421 or, where too many came without a good key, 429."""
         most, failed = self._failures_per_minute, False
         if may_fail := self._failures.has_room(address, most):
-            self._failures.spend(address, most)  # at once, so that many at a time don't look, too
+            self._failures.charge(address, most)  # at once, so that many at a time don't look, too
         try:
             return await self._caller(scope, address, sparing=not may_fail)
         except HTTPException as refusal:
             failed = refusal.status_code == HTTPStatus.UNAUTHORIZED
             if failed and not may_fail:
-                self._failures.spend(address, most)
+                self._failures.charge(address, most)
             raise
         finally:
             if may_fail and not failed:

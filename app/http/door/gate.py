@@ -87,7 +87,7 @@ class Gate:
         connections.remember(scope, has_key=key is not None, is_let_in=not is_page(scope))
         scope["state"]["key_id"] = key.id if key else None
         per_minute = (key and key.rate_per_minute) or settings.rate_per_minute
-        self._rate.spend(caller.name, per_minute)
+        self._rate.charge(caller.name, per_minute)
         most = (key and key.concurrency) or settings.concurrency_per_key
         if _is_event_stream(scope):
             return self._streams.one_more(caller.name, math.ceil(most * STREAMS_SHARE))

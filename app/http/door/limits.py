@@ -32,7 +32,7 @@ class RateLimit:
         self._clock_s = clock_s
         self._spent: OrderedDict[str, tuple[float, float]] = OrderedDict()
 
-    def spend(self, caller: str, per_minute: int) -> None:
+    def charge(self, caller: str, per_minute: int) -> None:
         """One request; raises 429 with the wait when nothing is left."""
         used, at_s = self._now(caller, per_minute)
         if used + 1.0 > per_minute:

@@ -71,7 +71,7 @@ def _shuts(problem: SlewProblem, view: KeepOutView, duration_s: float, cell_rad:
         ]
         size = math.prod(max(span.stop - span.start, 0) for span in spans)
         cells += size
-        effort.spend(LAYER + size / CELLS_A_ROW)
+        effort.charge(LAYER + size / CELLS_A_ROW)
         if size > LAYER_MAX or cells > FLOOD_CELLS_MAX:
             return False
         wet = _with_neighbours(wet)[_within(spans, corner)]
@@ -209,7 +209,7 @@ class MasksOverCells:
                 polygon = mask.polygon
                 reach_rad = min(polygon.reach_rad + mask.margin_rad, math.pi)
                 near = boresight @ polygon.middle_direction > math.cos(reach_rad)
-                effort.spend(
+                effort.charge(
                     len(near) / CELLS_A_ROW
                     + near.sum() * len(polygon.corner_directions) / SIDES_A_ROW
                 )

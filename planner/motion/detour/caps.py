@@ -69,7 +69,7 @@ def mask_caps(parts: tuple[MaskPart, ...], boresight_platform: Array, margins_ra
     margins_rad: (regions, n), kept beside each mask's own margin.
     """
     between, looks, _ = boresight_platform.shape
-    effort.spend(LOOK * between * looks * len(parts))
+    effort.charge(LOOK * between * looks * len(parts))
     flat = boresight_platform.reshape(-1, 3)
     depth = np.stack([part.polygon.depth_rad(flat) + part.margin_rad for part in parts])
     depth = depth.reshape(len(parts), between, looks)

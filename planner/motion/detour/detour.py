@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from planner.base.arrays import Array
-from planner.base.effort import EffortSpent
+from planner.base.effort import WorkLimitReached
 from planner.base.errors import InfeasibleSlew
 from planner.motion.detour.barrier import CELLS_RAD, FINE_CELLS_RAD, catching_region, is_barred
 from planner.motion.detour.ends import free_part, with_part_replaced
@@ -151,7 +151,7 @@ def _around(
         dear = sides_fail or best.cost > DEAR * straight.jerk_squared_integral
         try:
             found += _more(straight, search, spline, best, dear=dear)
-        except EffortSpent:
+        except WorkLimitReached:
             if not math.isfinite(best.cost):
                 raise
             cut_short = True

@@ -100,7 +100,7 @@ def _flood(
             for one, wide in zip(window, around, strict=True)
         )
         reached = _with_neighbours(flooded[layer - 1][around])[inside] & is_open[window]
-        effort.spend(LAYER + reached.size * (1 + len(cones)) / CELLS_A_ROW)
+        effort.charge(LAYER + reached.size * (1 + len(cones)) / CELLS_A_ROW)
         for towards, counts, edge in cones:
             if counts[layer]:
                 reached &= boresight[window] @ towards[layer] < edge
@@ -118,7 +118,7 @@ def _off_masks(view: KeepOutView, boresight_platform: Array, apart_rad: float) -
         polygon = mask.polygon
         reach_rad = min(polygon.reach_rad + mask.margin_rad + apart_rad, math.pi)
         near = boresight_platform @ polygon.middle_direction > math.cos(reach_rad)
-        effort.spend(
+        effort.charge(
             near.size / CELLS_A_ROW + near.sum() * len(polygon.corner_directions) / SIDES_A_ROW
         )
         found[near] &= mask.depth_rad(boresight_platform[near]) < -apart_rad

@@ -134,7 +134,7 @@ def deepest_entry(
     ahead = step_s * (np.abs(rate).sum(axis=1) + CARRIER_RATE_RAD_S) + step_s**2 * ACCELERATION
     near = np.flatnonzero((depth > -ahead).any(axis=0))
     if near.size:
-        effort.spend(NEAR_ROW * near.size * len(view.regions))
+        effort.charge(NEAR_ROW * near.size * len(view.regions))
         t_s = _instants_beside(t_s[near], step_s, FINER, start_s, stop_s)
         angle, rate = motion(t_s)
         depth = view.depths_rad(t_s, angle)

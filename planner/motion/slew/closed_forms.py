@@ -55,7 +55,7 @@ def _by_ruckig(
     start: AxisState, end: AxisState, limits: AxisLimits, at_least_s: float, unit_s: float
 ) -> AxisProfile | None:
     """unit_s: what Ruckig takes for a second."""
-    effort.spend(LOOK_UP)
+    effort.charge(LOOK_UP)
     request = ruckig.InputParameter(1)
     rate_max, acceleration_max = limits.rate_max_rad_s, limits.acceleration_max_rad_s2
     # Scaled so that Ruckig's absolute tolerances (1e-8) mean the same for every platform.

@@ -60,7 +60,7 @@ def _is_plain(
 ) -> NDArray[np.bool_]:
     """Windows (m,) that one pair of angles can follow from end to end, far from all limits."""
     nodes = _nodes(sight, spans)
-    effort.spend(look_rows * len(nodes.t_s))
+    effort.charge(look_rows * len(nodes.t_s))
     both_rad = axis_angles(platform, _los_platform(sight, nodes)).angle_rad
     stop_rad = np.array(
         [
@@ -96,7 +96,7 @@ def _longest(
     nodes = _with_keyholes(platform, sight, _nodes(sight, spans))
     parts = []
     for branch in range(2):
-        effort.spend(5.0 * look_rows * len(nodes.t_s))
+        effort.charge(5.0 * look_rows * len(nodes.t_s))
         found = stretches(_motion_margin(platform, sight, branch), nodes)
         if _wide(platform).any():
             found = _unwound(platform, sight, branch, nodes, found)
@@ -109,7 +109,7 @@ def _longest(
     longest_s = np.full((2, len(spans.target)), math.nan)
     longest_s[:, group[order]] = begins_s[order], ends_s[order]
     if platform.masks:
-        effort.spend(12.0 * MASK_EDGE_S * look_rows * len(spans.target))
+        effort.charge(12.0 * MASK_EDGE_S * look_rows * len(spans.target))
         opens, closes = (
             np.flatnonzero((cause == "mask") & (edge_s == held_s))
             for cause, edge_s, held_s in (

@@ -114,7 +114,7 @@ def found_spans(
 
 def spend_on(spans: Spans, work: Work, samples: int) -> None:
     """The work of describing windows."""
-    effort.spend((work.window_rows + SAMPLE_ROWS * samples) * len(spans.target))
+    effort.charge((work.window_rows + SAMPLE_ROWS * samples) * len(spans.target))
 
 
 def _batches(
@@ -187,7 +187,7 @@ def _windows(
         nodes = nodes_over(spans, sight, condition.step_s, condition.turn_rad)
         if condition.more_nodes is not None:
             nodes = condition.more_nodes(nodes)
-            effort.spend(work.look_rows * len(nodes.t_s))
+            effort.charge(work.look_rows * len(nodes.t_s))
         edges = spans.opened_by, spans.closed_by
         spans = _holding(condition.margin, nodes, condition.cause, *edges, work)
     least_s = max(request.conditions.min_duration_s, SHORTEST_S)
@@ -203,7 +203,7 @@ def _holding(
     work: Work,
 ) -> Spans:
     """Where a margin holds; opened_by, closed_by: what makes the ends of each group of nodes."""
-    effort.spend(work.look_rows * len(nodes.t_s))
+    effort.charge(work.look_rows * len(nodes.t_s))
     inside = stretches(margin, nodes)
     return Spans(
         target=nodes.target[inside.group],

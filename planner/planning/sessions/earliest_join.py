@@ -10,7 +10,7 @@ import numpy as np
 from planner.base import effort
 from planner.base.arrays import Indices, Mask
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
-from planner.base.effort import EffortSpent
+from planner.base.effort import WorkLimitReached
 from planner.base.errors import InfeasibleSlew
 from planner.motion.detour.detour import avoid_cones
 from planner.motion.pointing.keep_out import KeepOutView
@@ -105,7 +105,7 @@ class Approach:
         all_rows = np.arange(next_row, math.floor(until_s * ROWS_PER_S + 1e-6) + 1)
         if not all_rows.size:
             return
-        effort.spend(GLANCE + GLANCE_ROW * all_rows.size)
+        effort.charge(GLANCE + GLANCE_ROW * all_rows.size)
         for row in all_rows[self._certify(all_rows)].tolist():
             if row < next_row:
                 continue
@@ -177,7 +177,7 @@ def _earlier(
         middle = (good + bad) // 2
         try:
             found = join_at(middle)
-        except EffortSpent:
+        except WorkLimitReached:
             return EarliestJoin(t_s=good / ROWS_PER_S, led=led, cut_short=True)
         if found is None:
             bad = middle

@@ -72,7 +72,7 @@ def ways_to_hold(
     """
     rows = session_rows(session, scenario.initial_state.epoch)
     looked_at = rows.stop - _early_row(scenario, rows.start, from_row)
-    effort.spend(HOLD + HOLD_ROW * looked_at)
+    effort.charge(HOLD + HOLD_ROW * looked_at)
     if isinstance(session.target, BenchMotionTarget):
         tracks: tuple[AxisTrack, ...] = (_prescribed_track(scenario, session.target, number, rows),)
         seen_from_s = tracks[0].t_s[0]
@@ -91,7 +91,7 @@ def ways_to_hold(
     begins_s = min(float(track.t_s[0]) for track in tracks)
     view = keep_out_view(scenario, ephemeris, begins_s, rows.stop / ROWS_PER_S)
     if view is not None:
-        effort.spend(CONE_ROW * looked_at * len(view.regions) * len(tracks))
+        effort.charge(CONE_ROW * looked_at * len(view.regions) * len(tracks))
     return tuple(
         Way(
             session=session,

@@ -77,7 +77,7 @@ def slew_onto(
                 until_s=start_row / ROWS_PER_S,
                 keep_out=keep_out,
             )
-        cut_short = search.is_spent
+        cut_short = search.is_exhausted
     if met is None:
         led = _slew(scenario, way, from_row, state, keep_out, thorough=thorough, prove=prove)
         join_row = start_row

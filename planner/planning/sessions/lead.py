@@ -180,7 +180,7 @@ def _require_outside(
     """Raises InfeasibleSlew where a region is met while the axes brake or wait."""
     if until_s < COMMAND_STEP_S / 2.0:
         return
-    effort.spend(CONE_ROW * until_s * ROWS_PER_S * len(view.regions))
+    effort.charge(CONE_ROW * until_s * ROWS_PER_S * len(view.regions))
     rest_rad = np.array([axis.angle_rad for axis in rest])
 
     def motion(t_s: Array) -> tuple[Array, Array]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from planner.base import effort
 from planner.base.commands import ROWS_PER_S
-from planner.base.effort import EffortSpent, at_most
+from planner.base.effort import WorkLimitReached, at_most
 from planner.base.errors import InfeasibleSlew, Refusal
 from planner.planning.sessions.holding import Rows
 from planner.planning.sessions.joining import Join
@@ -82,7 +82,7 @@ def _advise(failed: SessionRefused) -> Refusal:
     try:
         offers = failed.offers()
         advice = _advice(refused)
-    except EffortSpent:  # of the whole request: why it is refused is known all the same
+    except WorkLimitReached:  # of the whole request: why it is refused is known all the same
         offers = ()
         advice = Advice(
             "no other start was found before the search, which is bounded, ended; ask for a "

@@ -33,7 +33,7 @@ class Others:
         costs = None
         with at_most(SHARE * effort.remaining()) as search:
             costs = self._costs(moved)
-        if search.is_spent:
+        if search.is_exhausted:
             self.undecided = (
                 f"at {utc_text(moved.start, 1)} this session by itself can be, but whether the "
                 "others then can was not found out before the search ended"
@@ -75,6 +75,6 @@ def _is_planned(scenario: Scenario) -> bool:
     whole = with_final_slew(scenario, ephemeris, joins)
     if not scenario.slew.keeps_limits:
         return True
-    effort.spend(table_work(scenario, whole[-1].stop_row))
+    effort.charge(table_work(scenario, whole[-1].stop_row))
     final, _ = sessions_after_conflicts(scenario, joins)
     return verify(assemble_table(epoch_utc, scenario.platform.axis_names, whole), final).passed

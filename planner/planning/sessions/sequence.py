@@ -104,13 +104,13 @@ def sequence_sessions(
     found = None
     with at_most(FIND_SHARE * effort.remaining()) as search:
         found = chain.solve(scenario.on_conflict)
-    if search.is_spent and found is None:
+    if search.is_exhausted and found is None:
         chain.hurry()
         with at_most(FIND_SHARE * effort.remaining()) as search:
             found = chain.solve(scenario.on_conflict)
     if found is not None:
         return chain.improve(*found)
-    if not search.is_spent:
+    if not search.is_exhausted:
         with at_most(CONFLICT_SHARE * effort.remaining()):
             raise _conflict(chain, prove=prove)
     raise SearchEnded(

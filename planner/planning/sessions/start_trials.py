@@ -20,7 +20,7 @@ from planner.world.targets import BenchMotionTarget
 
 @dataclass(frozen=True, kw_only=True)
 class Trials:
-    """The refused session from a start row on; every method may end by EffortSpent.
+    """The refused session from a start row on; every method may end by WorkLimitReached.
 
     seen: runs of rows in which its target can be seen, none other are tried.  stop_utc: the
     stop that goes with a start row.  held: rows over which the target is known to be held, none

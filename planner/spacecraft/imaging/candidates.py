@@ -115,7 +115,7 @@ def _stereo_starts_s(
     """Of each look: where the strip's middle is look_angle_deg ahead (or at `start`), and the same
     behind; or gap_s apart."""
     grid_s = np.arange(0.0, session.duration_s, TICK_S)
-    effort.spend(POINT_AT_TICK * len(grid_s))
+    effort.charge(POINT_AT_TICK * len(grid_s))
     along_rad, _ = session.look_angles(_point_itrf_m(arc, 0.5), grid_s)
 
     def start_s(angle_deg: float, earlier_s: float = 0.0) -> float:
@@ -145,7 +145,7 @@ def _from_starts(
     begins_s = np.empty((0, len(starts_s)))  # of each arc so far, for each start still open
     exits: MovingEnds | None = None
     for arc in arcs:
-        effort.spend(ARC_AT_START * len(t_s))
+        effort.charge(ARC_AT_START * len(t_s))
         if exits is not None:
             t_s = _after_turn_s(exits, t_s, arc, session)
         scan_s = arc.ticks * TICK_S

@@ -62,7 +62,7 @@ def options_of(session: ImagingSession) -> tuple[list[Candidate], tuple[LeftOut,
     refusal: Refusal | None = None
     rest = session.profile(None, -PROFILE_MARGIN_S, session.duration_s + PROFILE_MARGIN_S)
     for number, request in enumerate(session.request.requests):
-        effort.spend(REQUEST)
+        effort.charge(REQUEST)
         try:
             found = candidates(request, number, session)
             options += _within_session(found, number, session, rest)
@@ -150,7 +150,7 @@ def choose_and_turn(session: ImagingSession, options: list[Candidate], *, gentle
             found = _gentler(session, first)
             if found is not None:
                 return found
-        if search.is_spent:
+        if search.is_exhausted:
             warnings = ("gentler turns weren't looked for to the end: it takes too much work",)
     return replace(_with_turns(session, options, first, ROUNDS), warnings=warnings)
 

@@ -175,7 +175,7 @@ def _turn_graph(nodes: _Nodes) -> TurnGraph:
     for j, start in enumerate(start_tick):
         gap = start - stop_tick
         i = np.flatnonzero((gap > 0) & (gap <= widest))
-        effort.spend(PAIR * len(i))
+        effort.charge(PAIR * len(i))
         needed = nodes.turn_ticks(i, j)
         np.maximum.at(reach_ticks, i, needed)
         before.append(i[needed <= gap[i]])

@@ -45,7 +45,7 @@ def eigenaxis_turn(
         mrp_at, span_s = _curve(problem, duration_s / span_s, jerk)
     else:
         for _ in range(80):
-            effort.spend(STRETCH)
+            effort.charge(STRETCH)
             over = loads(problem, mrp_at, span_s).share_of(problem.limits, torque_rate=jerk)
             if over <= 1.0 + LIMIT_TOLERANCE:
                 break
