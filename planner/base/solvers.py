@@ -9,6 +9,7 @@ import ctypes
 from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
+from threading import Lock
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -117,9 +118,8 @@ class Solver:
         # CasADi takes 0.1 s to import, which only a process that solves should pay.
         import casadi
 
-        self._plugin, self._work = plugin, work
+        self._plugin, self._work, self._lock = plugin, work, Lock()
         settings: dict[str, Any] = {"print_time": False}
-        self._matrices: casadi.Function | None = None
         if plugin == "ipopt":
             # The sensitivity to parameters, which nobody asks for, takes longest to prepare.
             settings |= {"no_nlp_grad": True} | dict.fromkeys(
@@ -130,7 +130,8 @@ class Solver:
             if multiplier_most is not None:
                 given["iteration_callback"] = _diverged(programme, multiplier_most)
             settings |= {name: of for name, of in given.items() if of is not None}
-            self._function = casadi.nlpsol("programme", plugin, programme, settings)
+            function = casadi.nlpsol("programme", plugin, programme, settings)
+            self._programme, self._matrices = _Asked(function, ("x", "lam_x", "lam_g")), None
             return
         if hessian is None or jacobian is None:
             raise ValueError(f"{plugin} needs the programme's derivatives")
@@ -138,19 +139,39 @@ class Solver:
         p: Any = programme["p"]
         upper, rows = hessian(0, p, 1, 0), jacobian(0, p)[1]
         matrices = {"h": casadi.triu2symm(upper), "a": rows}
-        self._matrices = casadi.Function("matrices", [p], list(matrices.values()))
         structure = {name: matrix.sparsity() for name, matrix in matrices.items()}
-        self._function = casadi.conic("programme", plugin, structure, settings)
+        function = casadi.conic("programme", plugin, structure, settings)
+        self._programme = _Asked(function, ("x", "lam_x", "lam_a"))
+        of_p = casadi.Function("matrices", [p], list(matrices.values()), ["p"], list(matrices))
+        self._matrices = _Asked(of_p, matrices, self._programme.given)
 
-    def solve(self, **numbers: Array) -> Answer:
-        """The answer for x0, p, lbx, ubx, lbg, ubg and, to begin warm, lam_x0 and lam_g0."""
+    def solve(
+        self,
+        *,
+        x0: Array,
+        p: Array,
+        lbx: Array,
+        ubx: Array,
+        lbg: Array,
+        ubg: Array,
+        lam_x0: Array | float = 0.0,
+        lam_g0: Array | float = 0.0,
+    ) -> Answer:
+        """The answer, begun at x0; warm, where multipliers are given too."""
         effort.charge(self._work.solve_cost)
-        found = self._found(numbers)
-        stats = self._function.stats()
+        given = {"x0": x0, "lbx": lbx, "ubx": ubx}
+        with self._lock:
+            if self._matrices is not None:
+                self._matrices.evaluate(p=p)
+                found = self._programme.evaluate(**given, lba=lbg, uba=ubg)
+            else:
+                given |= {"lbg": lbg, "ubg": ubg}
+                found = self._programme.evaluate(**given, p=p, lam_x0=lam_x0, lam_g0=lam_g0)
+            stats = self._programme.stats()
+        x, lam_x, lam_g = found
         iterations = int(stats["iter_count"])
         effort.count(self._work.iteration_cost * max(iterations, 0))
         effort.count(self._work.strained_cost * _strained_iterations(stats))
-        x, lam_x, lam_g = (np.asarray(found[name]).ravel() for name in ("x", "lam_x", "lam_g"))
         status = str(stats["return_status"]) if np.all(np.isfinite(x)) else "not finite"
         counted = iterations if iterations >= 0 else None
         run = SolverRun(self._plugin, _version(self._plugin), status, counted)
@@ -158,14 +179,40 @@ class Solver:
             effort.count(self._work.failed_cost)
         return Answer(x, lam_x, lam_g, run)
 
-    def _found(self, numbers: "Mapping[str, Array]") -> "Mapping[str, Any]":
-        if self._matrices is None:
-            return dict(self._function(**numbers))
-        h, a = self._matrices(numbers["p"])
-        bounds = {"lba": numbers["lbg"], "uba": numbers["ubg"]}
-        begin = {name: numbers[name] for name in ("x0", "lbx", "ubx")}
-        found = self._function(h=h, a=a, **bounds, **begin)
-        return {**found, "lam_g": found["lam_a"]}
+
+class _Asked:
+    """A function of CasADi in memory of its own: a short solve takes a fifth less than by a call.
+
+    given: by name what it reads, nonzeros in CasADi's order; what isn't said anew stays.
+    wanted: what it writes, by name; in memory of others where they have it.
+    """
+
+    def __init__(
+        self,
+        function: "casadi.Function",
+        wanted: Iterable[str],
+        others: "Mapping[str, Array] | None" = None,
+    ) -> None:
+        self._buffer: Any
+        self._buffer, self._evaluate = function.buffer()
+        self.given = {name: np.zeros(function.nnz_in(name)) for name in function.name_in()}
+        written = {name: np.zeros(function.nnz_out(name)) for name in wanted} | dict(others or {})
+        self._found = [written[name] for name in wanted]
+        for name, numbers in self.given.items():
+            self._buffer.set_arg(function.index_in(name), numbers.data)
+        for name, numbers in zip(wanted, self._found, strict=True):
+            self._buffer.set_res(function.index_out(name), numbers.data)
+
+    def evaluate(self, **numbers: Array | float) -> list[Array]:
+        """What is wanted, in this order."""
+        for name, values in numbers.items():
+            self.given[name][:] = values
+        self._evaluate()
+        return [found.copy() for found in self._found]
+
+    def stats(self) -> dict[str, Any]:
+        """Of the last evaluation."""
+        return dict(self._buffer.stats())
 
 
 def _strained_iterations(stats: "Mapping[str, Any]") -> int:
