@@ -1,4 +1,4 @@
-"""Opportunities over HTTP: searched for, kept, read again in pages, removed.
+"""Routes of searches: posted, kept, read again in pages, removed.
 
 The same for every resource that holds what a search found.
 """
@@ -113,7 +113,9 @@ def _add_post(router: APIRouter, resource: SearchResource) -> None:
         summary=resource.summary,
         response_model=resource.response,
         responses={
-            200: _in_all_forms("The windows found; as GeoJSON if `Accept` asks, or as a pass table in CSV")
+            200: _in_all_forms(
+                "The windows found; as GeoJSON if `Accept` asks, or as a pass table in CSV"
+            )
             | {"headers": found_at}
         },
         openapi_extra=request_body(resource.request_schema, resource.examples),
