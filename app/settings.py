@@ -1,4 +1,4 @@
-"""What the operator can set, by `SLEWTRACK_*` environment variables."""
+"""Settings of the service, from `SLEWTRACK_*` environment variables."""
 
 import os
 import re

@@ -1,4 +1,4 @@
-"""The versions of this program, of what it depends on, and of the shapes of its results."""
+"""The versions of this program, of its dependencies, and of the shapes of its results."""
 
 import platform
 from functools import cache

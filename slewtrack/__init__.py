@@ -1,4 +1,4 @@
-"""slewtrack from Python: what the HTTP service and the command do, as functions.
+"""slewtrack from Python: the functions of the HTTP service and the command.
 
 `Client` and `AsyncClient` ask a running service; the functions here do the same in this process,
 where nothing is kept, and return the planner's own values, in radians.

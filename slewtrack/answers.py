@@ -1,4 +1,4 @@
-"""What a service answers, as values: plans, tables, windows, campaigns.
+"""The answers of a service as values: plans, tables, windows, campaigns.
 
 What can't be read so raises one of `slewtrack.problems.MISREAD`.
 

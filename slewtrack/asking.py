@@ -1,4 +1,4 @@
-"""One request to a service and what its reply means, without doing any input or output.
+"""One request to a service and the meaning of its reply, without input or output.
 
 Each call is a generator that yields what to ask and is sent the reply; `Client` and
 `AsyncClient` carry them out, each in its own way.  A service that is busy (429, 503) is asked

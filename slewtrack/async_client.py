@@ -1,4 +1,4 @@
-"""A running service from Python, awaited: `Client` with `async` and `await`.
+"""The awaited client of a running service: `Client` with `async` and `await`.
 
 async with slewtrack.AsyncClient() as client:
     plans = await asyncio.gather(*(client.plan(request) for request in requests))

@@ -1,4 +1,4 @@
-"""What is asked of a service, and what its answers mean."""
+"""The calls to a service, as generators of requests, and the reading of its answers."""
 
 import math
 import time

@@ -1,4 +1,4 @@
-"""A running service from Python: what is asked of it, one method each, waiting or awaited.
+"""The client of a running service: a method for each request, waiting or awaited.
 
     with slewtrack.Client("http://127.0.0.1:8000") as client:
         plan = client.plan(request, progress=print)

@@ -1,4 +1,4 @@
-"""Where a service is, and one exchange with it as httpx has it."""
+"""The address of a service, and one exchange with it in httpx's terms."""
 
 import os
 import time

@@ -1,4 +1,4 @@
-"""What a service tells of work while it goes on: server-sent events, read line by line.
+"""The events of work in a service: server-sent events, read line by line.
 
 Source: HTML Living Standard, section 9.2.
 """

@@ -1,4 +1,4 @@
-"""Which of what a service keeps are listed."""
+"""The filters of a service's lists."""
 
 from collections.abc import Mapping
 from datetime import datetime

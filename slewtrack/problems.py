@@ -1,4 +1,4 @@
-"""What a service says when it doesn't do what it was asked, as exceptions."""
+"""The refusals and failures of a service, as exceptions."""
 
 import dataclasses
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""The answer about a campaign: what was chosen, and how far it is planned."""
+"""The answer about a campaign: the choice of looks, and the state of its passes' plans."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

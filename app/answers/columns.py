@@ -1,4 +1,4 @@
-"""Columns of an answer: lists with a line for each row, made from arrays of ours."""
+"""Columns of an answer: lists with a value for each row, converted from arrays."""
 
 import math
 from dataclasses import fields

@@ -1,4 +1,4 @@
-"""The optimal slew beside the paper's spline, as answered."""
+"""The optimal slew compared with the paper's spline, as an answer holds it."""
 
 import math
 from dataclasses import dataclass

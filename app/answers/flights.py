@@ -1,4 +1,4 @@
-"""The answer about flights of a plan: probabilities, what is to blame, what the frames show."""
+"""The answer about flights of a plan: probabilities, contributors, and the flight as planned."""
 
 import json
 from collections.abc import Sequence

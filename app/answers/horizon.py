@@ -1,4 +1,4 @@
-"""Answers about the horizon: degrees, pixels and plain numbers."""
+"""The answers about the horizon: estimates, predictions and pictures."""
 
 import base64
 import math

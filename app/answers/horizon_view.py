@@ -1,4 +1,4 @@
-"""What a horizon camera will see, as answered; plans need it without what reads images."""
+"""The predicted view of a horizon camera, as answered; plans need it without what reads images."""
 
 from dataclasses import dataclass
 

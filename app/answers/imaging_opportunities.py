@@ -1,4 +1,4 @@
-"""The answer to where the imaging spacecraft passes: as for a platform, and what a plan needs."""
+"""The answer to a search for passes of the imaging spacecraft."""
 
 import math
 from dataclasses import asdict, dataclass

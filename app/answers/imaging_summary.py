@@ -1,4 +1,4 @@
-"""What an imaging session is: which requests it holds, and when each is imaged."""
+"""The summary of an imaging session: its requests, and the times at which each is imaged."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The answer about a plan that isn't made, or not yet."""
+"""The state of the work on a plan, and lists of plans and searches, as answered."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""A platform's mask as a view tells it: how near the boresight comes, and where it lies."""
+"""A platform's mask in a view: the boresight's angle from it, and its outline."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""How near a plan comes to what stands in its platform's view, as an answer tells it."""
+"""The least angle between the boresight and each mask of a platform, as answered."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Members that answers share: filled by their names, the provenance, the head of every plan's."""
+"""Members that answers share: the provenance and the head of every plan, with their writers."""
 
 import hashlib
 import math

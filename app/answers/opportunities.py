@@ -1,4 +1,4 @@
-"""The answer to a request for opportunities: degrees, UTC text, plain numbers."""
+"""The answer to a search for windows: degrees, UTC text, plain numbers."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields

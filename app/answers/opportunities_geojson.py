@@ -1,4 +1,4 @@
-"""Opportunities as GeoJSON (RFC 7946): one Feature a window."""
+"""Windows as GeoJSON (RFC 7946), one Feature each."""
 
 import json
 from collections.abc import Iterable, Mapping

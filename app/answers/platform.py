@@ -1,4 +1,4 @@
-"""A platform as a request writes it out."""
+"""A platform in the form in which a request writes it out."""
 
 from app.answers.members import degrees, fill
 from planner.world.platforms import AxisDefinition, AxisDrive, AxisLimits, PlatformDefinition

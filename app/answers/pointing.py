@@ -1,4 +1,4 @@
-"""How well each session's target is held, in what view, and the pointing budget, as answered."""
+"""Pointing errors, the view of the target and the pointing budget of each session, as answered."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""How the slews of a plan were solved, as answered."""
+"""The solution of a plan's slews, as answered."""
 
 import math
 from dataclasses import dataclass

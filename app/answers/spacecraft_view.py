@@ -1,4 +1,4 @@
-"""The answer to what there is to see of an imaging session: columns over time."""
+"""The view of an imaging session: columns over time."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING

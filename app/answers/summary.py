@@ -1,4 +1,4 @@
-"""What a plan is: which sessions it holds, of what, when, and how well they can be seen."""
+"""The summary of a plan: its sessions with their targets, times, elevations and probabilities."""
 
 import math
 from dataclasses import dataclass, replace

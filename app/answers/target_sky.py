@@ -1,4 +1,4 @@
-"""The pass in the target's sky, as pass tables have it: rise, culmination and set."""
+"""The pass in the target's sky, as in pass tables: rise, culmination and set."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass

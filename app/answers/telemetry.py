@@ -1,4 +1,4 @@
-"""The answer to telemetry beside a plan: arcsec, seconds and UTC by the plan's clock."""
+"""The answer to a comparison of telemetry: arcsec, seconds and UTC by the plan's clock."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

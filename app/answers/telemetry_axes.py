@@ -1,4 +1,4 @@
-"""What each axis did, in the answer to telemetry beside a plan: arcsec, by the plan's clock."""
+"""Errors, oscillations, stick-slip and exceeded limits of each axis, as answered."""
 
 import math
 from dataclasses import dataclass

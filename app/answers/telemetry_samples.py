@@ -1,4 +1,4 @@
-"""What became of the rows of telemetry, in the answer to their comparison."""
+"""Columns and rows of telemetry that were used or left out, as a comparison answers them."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""The answer to what there is to see of a plan: columns over time, degrees and metres."""
+"""The view of a plan: columns over time, in degrees and metres."""
 
 import math
 from dataclasses import dataclass

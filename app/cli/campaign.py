@@ -1,4 +1,4 @@
-"""Campaigns on the command line: chosen, planned pass by pass, reported."""
+"""`slewtrack campaign`: a campaign is chosen, planned pass by pass and reported."""
 
 import json
 import zlib

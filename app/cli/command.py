@@ -1,4 +1,4 @@
-"""The arguments of the `slewtrack` command, and what it does with them.
+"""The arguments of the `slewtrack` command, and the calls that carry them out.
 
 Exit codes: 0 done, 1 failed (by us, or a table that fails its verification), 2 refused;
 what goes wrong is one line on stderr.

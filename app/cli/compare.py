@@ -1,4 +1,4 @@
-"""`slewtrack compare`: telemetry beside the plan that was flown, here or by a running service."""
+"""`slewtrack compare`: telemetry is compared with a plan, here or by a running service."""
 
 import json as json_text
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""The summary of telemetry beside its plan, on the terminal."""
+"""The summary of a comparison of telemetry, on the terminal."""
 
 from rich.console import Console
 from rich.text import Text

@@ -1,4 +1,4 @@
-"""What commands read and write: files, or with `-` the standard streams."""
+"""Files that commands read and write, or with `-` the standard streams."""
 
 import json
 import sys

@@ -1,4 +1,4 @@
-"""`slewtrack fly`: a request planned and flown many times, here or by a running service."""
+"""`slewtrack fly`: a plan is made and flown many times, here or by a running service."""
 
 import json as json_text
 import os

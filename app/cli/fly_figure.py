@@ -1,4 +1,4 @@
-"""The picture of flights: smear and error as planned, and by how much disturbed runs miss."""
+"""The picture of flights: smear and error as planned, and the misses of disturbed runs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`slewtrack horizon`: image files in, the measured vertical out."""
+"""`slewtrack horizon`: the local vertical is measured in image files."""
 
 from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime

@@ -1,4 +1,4 @@
-"""What went wrong with a command: one line on stderr, under it the ways out, and an exit code."""
+"""Errors of a command: one line on stderr, the ways out below it, and an exit code."""
 
 import os
 import sys

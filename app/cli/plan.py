@@ -1,4 +1,4 @@
-"""`slewtrack plan`: a request planned here, or by a running service."""
+"""`slewtrack plan`: a request is planned here, or by a running service."""
 
 import json as json_text
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""How far long work is, as a bar on a terminal's stderr, and nothing anywhere else."""
+"""The progress of long work, as a bar on a terminal's stderr, and nothing anywhere else."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

@@ -1,4 +1,4 @@
-"""What all reports share: where they go, tables, numbers that have no meaning, warnings."""
+"""Parts that all reports share: streams, tables, numbers without a meaning, warnings."""
 
 import os
 from collections.abc import Iterable

@@ -1,4 +1,4 @@
-"""A running service, asked by the command line: its refusals, its progress, its plans told."""
+"""The command line's calls to a running service, with its refusals, progress and plans."""
 
 import json
 from collections.abc import Callable, Iterator, Mapping

@@ -1,4 +1,4 @@
-"""What a refusal tells beside its line: each fault, each offer, and commands that would work."""
+"""The lines below a refusal: each fault, each offer, and commands that would work."""
 
 import shlex
 from collections.abc import Iterator, Sequence

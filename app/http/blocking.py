@@ -1,4 +1,4 @@
-"""What would hold up other requests: database reads in a thread, a route's work in a child."""
+"""Work that would hold up other requests: database reads in a thread, a route's work in a child."""
 
 import asyncio
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""Readiness: whether all that the service depends on answers now."""
+"""Checks of all that the service depends on."""
 
 import asyncio
 import time

@@ -1,4 +1,4 @@
-"""The views last asked for, so that a page that draws one again needn't wait."""
+"""The views last asked for, kept so that a page that draws one again needn't wait."""
 
 from collections import OrderedDict
 

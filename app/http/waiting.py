@@ -1,4 +1,4 @@
-"""How long a client wants to wait for a plan, and the wait itself.
+"""The time that a client will wait for a plan, and the wait itself.
 
 Source: RFC 7240 (Prefer).
 """

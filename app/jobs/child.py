@@ -1,4 +1,4 @@
-"""What a child process does from its fork to its end: work, one piece after the other."""
+"""The life of a child process from its fork to its end: work, one piece after the other."""
 
 import ctypes
 import os

@@ -1,4 +1,4 @@
-"""Where work is done: the interface of an executor, and the one on this machine."""
+"""Executors of work: their interface, and the one on this machine."""
 
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor

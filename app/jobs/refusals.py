@@ -1,4 +1,4 @@
-"""What can be refused about jobs."""
+"""Refusals about jobs."""
 
 from typing import ClassVar
 

@@ -1,4 +1,4 @@
-"""What a job becomes when its work has ended, however it ended."""
+"""The state of a job whose work has ended, and its problem."""
 
 from collections.abc import Mapping
 from concurrent.futures import Future

@@ -1,4 +1,4 @@
-"""What the log may say of an exception: its type, where it was raised, why in known words.
+"""The part of an exception that may be logged: its type, its place, a reason in known words.
 
 Never its message nor the values of variables: they may hold a request, a key or a password.
 """

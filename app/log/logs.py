@@ -1,4 +1,4 @@
-"""The service's log: what is written to it, and in which form.
+"""The service's log: its records and their form.
 
 Every record, libraries' too, goes to stderr as one JSON object or one line; on the console the
 places an exception went through follow it.

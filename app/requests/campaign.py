@@ -1,4 +1,4 @@
-"""A request for a campaign, read."""
+"""Reads a request for a campaign."""
 
 from app.requests.json_reader import JsonReader
 from planner.planning.campaigns import CampaignRequest

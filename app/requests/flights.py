@@ -1,4 +1,4 @@
-"""A request for flights of a plan, read."""
+"""Reads a request for flights of a plan."""
 
 from typing import Annotated
 

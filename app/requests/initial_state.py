@@ -1,4 +1,4 @@
-"""Where the platform is when the table begins, as far as a request says it."""
+"""The state of the platform when the table begins, as far as a request gives it."""
 
 import math
 from collections.abc import Mapping

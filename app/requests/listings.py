@@ -1,4 +1,4 @@
-"""What lists tell of a request until it is fulfilled."""
+"""Listings of requests: the members that lists show until a request is fulfilled."""
 
 from collections.abc import Iterable
 from typing import TYPE_CHECKING

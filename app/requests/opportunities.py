@@ -1,4 +1,4 @@
-"""A request for opportunities, read."""
+"""Reads a request for opportunities."""
 
 from app.requests.json_reader import JsonReader
 from planner.planning.opportunities import OpportunityRequest

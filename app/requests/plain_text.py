@@ -1,4 +1,4 @@
-"""Text that a request may hold: short, and showing what it is wherever it is shown.
+"""Text that a request may hold: short, and of visible characters only.
 
 Names and ids end up in lists, file names, logs and terminals: a control character, an invisible
 one or one that turns the direction of writing would make one look like another.

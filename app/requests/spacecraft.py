@@ -1,4 +1,4 @@
-"""A request for an imaging session, read."""
+"""Reads a request for an imaging session."""
 
 import json
 from typing import Any

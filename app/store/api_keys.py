@@ -1,4 +1,4 @@
-"""An API key, and how its secret is recognised without being kept.
+"""An API key, and the digest by which its secret is recognised without being kept.
 
 A secret holds 256 random bits, so its plain SHA-256 can't be turned back by guessing: salts and
 slow hashes protect passwords people choose, and would only slow each request down.

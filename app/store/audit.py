@@ -1,4 +1,4 @@
-"""The audit log: who did what, and when."""
+"""The audit log: actions, times and keys."""
 
 from dataclasses import dataclass
 from datetime import UTC, datetime

@@ -1,4 +1,4 @@
-"""The database: where it is, and its transactions.
+"""The database: its address and its transactions.
 
 SQLite in the data folder without any set-up, PostgreSQL by SLEWTRACK_DATABASE_URL.
 

@@ -1,4 +1,4 @@
-"""What happened to each job, in order."""
+"""The events of each job, in order."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What flights of plans found, stored once and never changed."""
+"""Results of flights, stored once and never changed."""
 
 from sqlalchemy import Connection, insert, select
 

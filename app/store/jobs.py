@@ -1,4 +1,4 @@
-"""Jobs: the work accepted, who is at it, and what became of it.
+"""Jobs: the work accepted, its lease, and its result.
 
 A job belongs to whoever holds its lease. A lease is taken in one transaction, lengthened while
 the work goes on, and asked for again when the result is stored: whoever lost it stores nothing.

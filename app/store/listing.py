@@ -1,4 +1,4 @@
-"""What lists tell of a piece of work beside its name and state, and what they find it by."""
+"""The members of a job in lists, beside its name and state, and the words that filters search."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The plans made and what campaigns chose, stored once and never changed."""
+"""The plans made and the choices of campaigns, stored once and never changed."""
 
 import json
 import zlib

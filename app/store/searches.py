@@ -1,4 +1,4 @@
-"""The opportunities that were found, stored once and never changed."""
+"""The windows that searches found, stored once and never changed."""
 
 import zlib
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Which of the jobs that are kept somebody looks for."""
+"""The filter of a list of jobs, as SQL conditions."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

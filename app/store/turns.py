@@ -1,4 +1,4 @@
-"""Turns at writing to SQLite: one writer at a time; all hear when nothing moves."""
+"""The lock for writing to SQLite: one writer at a time; all are refused when nothing moves."""
 
 import threading
 import time

@@ -1,4 +1,4 @@
-"""What the database refuses, whatever is asked of it; known to children, who have none."""
+"""Refusals of the database, for any request; known to children, who have none."""
 
 from typing import ClassVar
 

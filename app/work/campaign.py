@@ -1,4 +1,4 @@
-"""A child's work for opportunities, and for a campaign: choose, write a plan request per pass."""
+"""A child's work for a campaign: windows, the choice, and a plan request for each pass."""
 
 import json
 import re

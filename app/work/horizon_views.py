@@ -1,4 +1,4 @@
-"""What horizon cameras will see, and which sessions of a plan they can check."""
+"""Predicted views of horizon cameras, and the sessions of a plan that they can check."""
 
 from collections.abc import Sequence
 from datetime import datetime

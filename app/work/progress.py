@@ -1,4 +1,4 @@
-"""How far work is, reported to whoever runs it, or to nobody."""
+"""The progress of work, reported to whoever runs it, or to nobody."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

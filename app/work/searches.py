@@ -1,4 +1,4 @@
-"""What was found, in the forms in which it can be asked for."""
+"""The windows of a search as JSON, GeoJSON or CSV."""
 
 import json
 from collections.abc import Callable, Mapping, Sequence

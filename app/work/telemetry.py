@@ -1,4 +1,4 @@
-"""A child's work on telemetry: what was sent, read and compared with a stored plan."""
+"""A child's work on telemetry: it is read and compared with a stored plan."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What a child makes of a stored plan that is looked at."""
+"""A child's work for the view of a stored plan."""
 
 from dataclasses import dataclass
 from datetime import datetime

@@ -1,4 +1,4 @@
-"""What children find ready: imported once, by the server they are forked from.
+"""The modules and solvers that children find ready, loaded once by the server that forks them.
 
 Importing it loads what work loads when it is done, and plans the worked example: solvers are
 built, ephemerides read and tables of Earth orientation interpolated before the first fork, so that

@@ -1,4 +1,4 @@
-"""Who is asking, and may they: API keys and their scopes.
+"""API keys and their scopes, checked for each request.
 
 Open only between processes of this machine: both ends of the connection on loopback, nothing
 that says a proxy passed it on, a Host of ours, and no web page behind it.  All else needs a key.

@@ -1,4 +1,4 @@
-"""Bounds on request bodies: how long one may take to arrive, how much is held of all."""
+"""Bounds on request bodies: the time in which one must arrive, and the bytes held of all."""
 
 import asyncio
 from http import HTTPStatus

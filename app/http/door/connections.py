@@ -1,4 +1,4 @@
-"""Which connections give way when there are too many, or too much waits to be sent.
+"""The order in which connections are closed when there are too many, or too much waits to be sent.
 
 Never one whose last request came with a good key: first those that keep us waiting, then those
 that showed nothing yet or only look at pages; of the network that holds most of them the one held

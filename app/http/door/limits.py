@@ -1,4 +1,4 @@
-"""Limits on how often, and how many times at once, one caller may ask.
+"""Limits on the rate of one caller's requests, and on their number at a time.
 
 A caller is a key, or an address where none is needed.  Counts are this process's own.
 """

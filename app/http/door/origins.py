@@ -1,4 +1,4 @@
-"""Which web pages of other origins may use the service.
+"""The other origins whose web pages may use the service.
 
 Source: Fetch standard, section 3.2 (CORS protocol); RFC 6454 (origins).
 """

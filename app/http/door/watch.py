@@ -1,6 +1,6 @@
-"""Around every request: its id, its log line, its metrics, its last resort.
+"""The outermost layer of every request: its id, log line, metrics and last resort.
 
-The outermost layer: whatever an answer comes from, refusals of the gate and bugs included, it
+Whatever an answer comes from, refusals of the gate and bugs included, it
 carries the id and the security headers.
 """
 

@@ -1,4 +1,4 @@
-"""Gives each field of the schema an example: what it holds in the worked requests and answers."""
+"""Gives each field of the schema an example: its value in the worked requests and answers."""
 
 import json
 from collections.abc import Iterator, Mapping

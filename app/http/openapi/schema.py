@@ -1,4 +1,4 @@
-"""What the OpenAPI document says beyond what FastAPI finds by itself."""
+"""Additions to the OpenAPI document that FastAPI makes: requests, refusals, keys, answers."""
 
 import json
 from collections.abc import Iterable

@@ -1,4 +1,4 @@
-"""Campaigns over HTTP: posted, followed, ended."""
+"""Routes of campaigns."""
 
 from http import HTTPStatus
 from typing import Annotated

@@ -1,4 +1,4 @@
-"""A request that goes on where a kept plan ends: `initial_state.after`."""
+"""A request that continues where a kept plan ends: `initial_state.after`."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""Flights over HTTP: listed, followed, ended."""
+"""Routes of flights: listed, followed, ended."""
 
 from typing import Annotated
 

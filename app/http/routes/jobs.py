@@ -1,4 +1,4 @@
-"""Jobs over HTTP, of any resource: accepted, followed, cancelled, deleted."""
+"""Routes of jobs, for any resource: accepted, followed, cancelled, deleted."""
 
 import hashlib
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""The places and stars known by name, by the letters that their names begin with."""
+"""Routes of the places and stars that a request can name, found by the beginning of a name."""
 
 from dataclasses import dataclass
 from typing import Annotated

@@ -1,4 +1,4 @@
-"""Flights of a plan over HTTP: posted and listed."""
+"""Routes of a plan's flights: posted and listed."""
 
 from dataclasses import replace
 from http import HTTPStatus

@@ -1,4 +1,4 @@
-"""Plans over HTTP: posted, found, listed, followed and removed.
+"""Routes of plans: posted, found, listed, followed and removed.
 
 The same for every resource that holds plans.
 """

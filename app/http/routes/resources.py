@@ -1,4 +1,4 @@
-"""The resources that jobs make, and what differs between those that hold plans."""
+"""The resources that jobs make, and the differences between those that hold plans."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

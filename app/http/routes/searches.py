@@ -1,4 +1,4 @@
-"""Opportunities over HTTP: searched for, kept, read again in pages, removed.
+"""Routes of searches: posted, kept, read again in pages, removed.
 
 The same for every resource that holds what a search found.
 """

@@ -1,4 +1,4 @@
-"""The service itself over HTTP: alive, ready, version, metrics, the audit log."""
+"""Routes of the service itself: health, readiness, version, metrics, the audit log."""
 
 from dataclasses import dataclass
 from http import HTTPStatus

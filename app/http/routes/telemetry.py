@@ -1,4 +1,4 @@
-"""Telemetry beside a plan, over HTTP."""
+"""The route of comparisons of telemetry with a plan."""
 
 from datetime import UTC, datetime
 from typing import Annotated, Any

@@ -1,4 +1,4 @@
-"""What there is to see of a stored plan, over HTTP."""
+"""The route of a stored plan's view."""
 
 from http import HTTPStatus
 from typing import Annotated
