@@ -233,8 +233,9 @@ class _Measurements:
                 raise InvalidInput(
                     f"the attitude measured at {utc_text(one.epoch)} lies {apart_deg:.3f} deg or "
                     f"{sigmas:.1f} sigma from {against}; a correction is believed up to "
-                    f"{OPTIONS.contradicts_sigma:g} sigma: state the mean attitude as it is, or how "
-                    "far the carrier may be off it (attitude.uncertainty), or leave the correction out",
+                    f"{OPTIONS.contradicts_sigma:g} sigma: state the mean attitude as it is, or "
+                    "how far the carrier may be off it (attitude.uncertainty), or leave the "
+                    "correction out",
                     field="attitude.corrections",
                     at_utc=one.epoch,
                 )

@@ -104,9 +104,9 @@ def spherical_polygon(corner_directions: Array) -> SphericalPolygon:
     middle, reach_rad = _smallest_cap(corner_directions)
     if not reach_rad < OPTIONS.reach_max_rad:
         raise ValueError(
-            f"must stay within {math.degrees(OPTIONS.reach_max_rad):g} deg of their middle, so that it "
-            f"is clear which side is inside, not reach {math.degrees(reach_rad):.1f} deg; split the "
-            "region into polygons that overlap"
+            f"must stay within {math.degrees(OPTIONS.reach_max_rad):g} deg of their middle, so "
+            f"that it is clear which side is inside, not reach {math.degrees(reach_rad):.1f} deg; "
+            "split the region into polygons that overlap"
         )
     _require_simple(corner_directions)
     x, y = seen_on_plane(corner_directions, middle).T
