@@ -20,7 +20,8 @@ sys.path.extend(str(Path(__file__).parents[1] / "tests" / folder) for folder in 
 from keep_out_cases import LIMITS, Case, away_rad, draw_cases, hermite
 
 from planner.base.errors import InfeasibleSlew
-from planner.motion.detour.detour import SPANS, avoid_cones
+from planner.motion.detour.detour import OPTIONS as DETOUR_OPTIONS
+from planner.motion.detour.detour import avoid_cones
 from planner.motion.detour.search import DetourSearch
 from planner.motion.detour.spline_ocp import graded_ocp
 from planner.motion.slew import SlewSolution
@@ -35,7 +36,7 @@ def best_of_restarts(case: Case, count: int, number: int) -> float:
     number: of the case, so that a part of the cases sees the same guesses as all.
     """
     rng = np.random.default_rng([1, number])
-    spline = graded_ocp(SPANS)
+    spline = graded_ocp(DETOUR_OPTIONS.spans)
     tau = spline.greville_tau
     costs = []
     for _ in range(count):

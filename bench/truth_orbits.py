@@ -29,7 +29,9 @@ from truth_rows import GAUSS, LAPLACE, Row, nees_row
 from planner.world.frames.time_scales import DAY_S, Instants, elapsed_s, shifted_utc
 from planner.world.orbits import OemOrbit, Orbit, StateVectorOrbit, TleOrbit
 from planner.world.orbits.accuracy import (
-    OEM_DRAG_WRONG,
+    FIGURES as ORBIT_ERROR_FIGURES,
+)
+from planner.world.orbits.accuracy import (
     OrbitSigma,
     oem_sigma,
     state_sigma,
@@ -107,7 +109,7 @@ def _oem_rows(tles: list[TleOrbit], oems: list[OemOrbit]) -> Iterator[Row]:
     of = f"of {sum(map(len, by_oem))} cases; drag wrong by {share:.2f} of itself, of all"
     left_out = [nees[:, None] for nees in squares]
     yield nees_row(1, "OEM, its share from the others, along", left_out, of, LAPLACE)
-    told = [_oem_nees([cases], OEM_DRAG_WRONG)[:, None] for cases in by_oem]
+    told = [_oem_nees([cases], ORBIT_ERROR_FIGURES.oem_drag_wrong)[:, None] for cases in by_oem]
     yield nees_row(1, "OEM as told, along", told, f"of {sum(map(len, by_oem))} cases", LAPLACE)
 
 

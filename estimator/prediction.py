@@ -10,7 +10,7 @@ from estimator.limb.points import ideal_points
 from estimator.limb.projection import LimbProjection
 from estimator.nadir.fit import fit
 from estimator.nadir.prior import prior_of
-from estimator.search.plausibility import MIN_ARC_OF_ALL_RAD
+from estimator.search.plausibility import OPTIONS as PLAUSIBILITY_OPTIONS
 from estimator.surroundings import Surroundings
 from planner.base.arrays import Array
 from planner.base.rotation import Rotation
@@ -61,8 +61,8 @@ def predict_horizon(
     reason = around.darkness() if around.daylight else None
     if len(points) == 0:
         reason = Reason.NOT_IN_FRAME
-    elif reason is None and lit_arc_rad < MIN_ARC_OF_ALL_RAD:
-        short = points.arc_rad < MIN_ARC_OF_ALL_RAD
+    elif reason is None and lit_arc_rad < PLAUSIBILITY_OPTIONS.min_arc_of_all_rad:
+        short = points.arc_rad < PLAUSIBILITY_OPTIONS.min_arc_of_all_rad
         reason = Reason.SHORT_ARC if short else Reason.LOW_SUN
     sigma_rad = None
     if reason is None:

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from estimator.search.plausibility import MIN_ARC_OF_ALL_RAD
+from estimator.search.plausibility import OPTIONS as PLAUSIBILITY_OPTIONS
 from planner.base.arrays import Array
 from reproduction.lomaka_bands import over_an_orbit
 from reproduction.lomaka_edge import (
@@ -113,7 +113,7 @@ def _edges() -> Numbers:
         "highest_90_km": highest_m(90.0) / 1e3,
         "down_deg": DOWN_DEG,
         "long_deg": strip_rms_deg(640),
-        "asked_deg": float(np.rad2deg(MIN_ARC_OF_ALL_RAD)),
+        "asked_deg": float(np.rad2deg(PLAUSIBILITY_OPTIONS.min_arc_of_all_rad)),
     }
 
 

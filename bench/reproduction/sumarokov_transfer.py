@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from planner.motion.baseline import compare_with_spline
 from planner.motion.baseline.paper_cubic import (
-    ACCELERATION_SHARE,
-    RATE_SHARE,
+    OPTIONS as PAPER_SPLINE_OPTIONS,
+)
+from planner.motion.baseline.paper_cubic import (
     cubic_profile,
     filter_lag_s,
     paper_duration_s,
@@ -114,8 +115,9 @@ def numbers() -> Numbers:
         for options in (UNFILTERED, SlewOptions())
     )
     return {
-        "effective rate": RATE_SHARE * math.degrees(LIMITS.rate_max_rad_s),
-        "effective acceleration": ACCELERATION_SHARE * math.degrees(LIMITS.acceleration_max_rad_s2),
+        "effective rate": PAPER_SPLINE_OPTIONS.rate_share * math.degrees(LIMITS.rate_max_rad_s),
+        "effective acceleration": PAPER_SPLINE_OPTIONS.acceleration_share
+        * math.degrees(LIMITS.acceleration_max_rad_s2),
         "time": float(np.median(drawn.time_share)),
         "limits broken": 100.0 * float(np.mean(drawn.breaks_any)),
         "coefficients": float(np.rad2deg(np.abs(left).max())) * 3600.0,

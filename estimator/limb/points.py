@@ -23,24 +23,37 @@ from estimator.limb.projection import LimbProjection
 from planner.base.arrays import Array
 
 LENS_BLUR_PX = 0.7
-_SMOOTHING_M = 5.0e3
-_FEWEST_COLUMNS = 8
-_CORRELATED_RAD = np.deg2rad(5.0)  # neighbours within share the limb's roughness
-_APART = 6  # columns whose noise is their own
-_SIGNIFICANT = 6.0  # times the noise
-_SHARE_OF_PEAK = 0.25
+
+
+@dataclass(frozen=True, kw_only=True)
+class LimbPointOptions:
+    """How the limb's edge is told from noise, clouds and the sky."""
+
+    smoothing_m: float = 5.0e3  # across the limb: less than its own width
+    fewest_columns: int = 8  # with a limb, for an image to be fitted
+    correlated_rad: float = np.deg2rad(5.0)  # neighbours within share the limb's roughness
+    apart: int = 6  # columns whose noise is their own
+    significant: float = 6.0  # times the noise
+    # of the steepest slope that the other columns have: less steep is no limb
+    share_of_peak: float = 0.25
+    behind_m: float = 45e3  # from the edge inwards, where the disc's brightness is looked at
+    step_of_noise: float = 0.3  # a file's smallest step, as noise: 1/sqrt(12)
+    ideal_edge_px: float = 0.1  # by which a predicted edge without noise is known
+    sky_steps: int = 8  # at the strip's end, whose median is the sky's
+    overexposed_share: float = 0.3  # of the columns that saturate at the limb: then the image does
+    # columns free of clouds are near it: their growth of brightness for its size,
+    cloudless_quantile: float = 0.9
+    # and a share of it: 0.97 to 1.03 with the noise and the air's own changes along the limb, 0.6
+    # to 0.9 at clouds
+    cloudless_share: float = 0.86
+    sure_sigma: float = 3.0  # of the noise, by which a slope must be above it
+    clear_of_clouds_m: float = 6e3  # above an edge, where cloud tops don't reach
+    separate_m: float = 6e3  # smoothed by more, clouds and the air above them are one edge
+
+
+OPTIONS = LimbPointOptions()
+
 _SHOULDER_M = np.arange(2.5e3, 21e3, 2.5e3)  # within the edge, where the limb grows bright
-_BEHIND_M = 45e3
-_STEP_OF_NOISE = 0.3  # a file's smallest step, as noise: 1/sqrt(12)
-_IDEAL_EDGE_PX = 0.1
-_SKY_STEPS = 8
-_OVEREXPOSED_SHARE = 0.3
-# Growth of brightness for its size against that of columns free of clouds: 0.97 to 1.03 with the
-# noise and the air's own changes along the limb, 0.6 to 0.9 at clouds.
-_CLOUDLESS_QUANTILE, _CLOUDLESS_SHARE = 0.9, 0.86
-_SURE_SIGMA = 3.0
-_CLEAR_OF_CLOUDS_M = 6e3
-_SEPARATE_M = 6e3  # smoothed by more, clouds and the air above them are one edge
 
 
 @dataclass(frozen=True)
@@ -88,7 +101,7 @@ class LimbPoints:
         """Whether much of the limb found is saturated."""
         if not np.any(self.found):
             return False
-        return float(np.mean(self.clipped[self.found])) > _OVEREXPOSED_SHARE
+        return float(np.mean(self.clipped[self.found])) > OPTIONS.overexposed_share
 
     def every(self, by: int) -> "LimbPoints":
         """Every so many-th column; neighbours share nearly all they know."""
@@ -102,7 +115,7 @@ class LimbPoints:
 
     def columns_per_patch(self) -> Array:
         """How many found columns share each column's 5 deg of azimuth, itself included, (n,)."""
-        reach = max(int(_CORRELATED_RAD / self.step_rad), 1)
+        reach = max(int(OPTIONS.correlated_rad / self.step_rad), 1)
         count = np.convolve(self.found.astype(float), np.ones(reach), mode="same")
         return np.maximum(count[: len(self)], 1.0)
 
@@ -125,7 +138,7 @@ def ideal_points(
         xy_px=camera.pixels(ray_body),
         ray_body=ray_body,
         lens_shift_body=camera.lens_shift_body(ray_body, photographed=False),
-        sigma_rad=_IDEAL_EDGE_PX * camera.rad_per_px * one,
+        sigma_rad=OPTIONS.ideal_edge_px * camera.rad_per_px * one,
         drawn_m=0.0 * one,
         slope_per_px=one,
         width_m=one,
@@ -152,7 +165,7 @@ def find_limb(
     azimuth_rad, step_rad = projection.visible()
     half_m = 10e3 if reach_m < 5e6 else 2e-3 * reach_m
     low_px, high_px, good = projection.span_px(azimuth_rad, half_m)
-    if np.sum(good) < _FEWEST_COLUMNS:
+    if np.sum(good) < OPTIONS.fewest_columns:
         return no_points(camera)
     strip = _unwrap(frame, low_px[good], high_px[good], half_m, window_rad * reach_m)
     edge = _find_edge(strip, frame.step)
@@ -233,7 +246,7 @@ def _unwrap(frame: Frame, low_px: Array, high_px: Array, half_m: float, window_m
     middle_px, outward_unit = 0.5 * (low_px + high_px), (high_px - low_px) / length_px[:, None]
     m_per_px = 2.0 * half_m / length_px
     typical_m_per_px = float(np.median(m_per_px))
-    smooth_px = max(_SMOOTHING_M / typical_m_per_px, 0.9)
+    smooth_px = max(OPTIONS.smoothing_m / typical_m_per_px, 0.9)
     pitch_px = float(np.clip(smooth_px / 3.0, 0.35, 2.0))
     # Of a pitch of a third 5 smoothing widths are 15, which rounding must not make 16.
     steps = int(np.ceil(max(window_m / typical_m_per_px, 5.0 * smooth_px) / pitch_px - 1e-6))
@@ -296,22 +309,22 @@ def _above_clouds(edge: _Edge, strip: _Strip) -> _Edge:
 
     Brightness grows by the same share of itself a metre where air is as deep, however bright.
     """
-    if not edge.significant.any() or strip.smooth_px * strip.typical_m_per_px > _SEPARATE_M:
+    if not edge.significant.any() or strip.smooth_px * strip.typical_m_per_px > OPTIONS.separate_m:
         return edge
     row, last = np.arange(len(edge.peak)), strip.level.shape[1] - 1
-    sky = np.median(strip.level[:, -_SKY_STEPS:], axis=1, keepdims=True)
+    sky = np.median(strip.level[:, -OPTIONS.sky_steps :], axis=1, keepdims=True)
     light = strip.level - sky
     growth_per_px = edge.rise_per_px / np.maximum(light, edge.noise_per_px)
     at_peak = growth_per_px[row, edge.peak]
-    usual = np.quantile(at_peak[edge.significant], _CLOUDLESS_QUANTILE)
+    usual = np.quantile(at_peak[edge.significant], OPTIONS.cloudless_quantile)
     at_edge = np.maximum(light[row, edge.peak], edge.noise_per_px)
-    surely = at_peak + _SURE_SIGMA * edge.noise_per_px / at_edge
-    drawn = edge.significant & (surely < _CLOUDLESS_SHARE * usual)
+    surely = at_peak + OPTIONS.sure_sigma * edge.noise_per_px / at_edge
+    drawn = edge.significant & (surely < OPTIONS.cloudless_share * usual)
     free = edge.significant & ~drawn
     # Further in, and so brighter; dark structure may grow as slowly.
     drawn &= at_edge > np.median(at_edge[free])
     # As far out that blurred clouds no longer add to the air's light.
-    steps = round(_CLEAR_OF_CLOUDS_M / strip.typical_m_per_px / strip.pitch_px)
+    steps = round(OPTIONS.clear_of_clouds_m / strip.typical_m_per_px / strip.pitch_px)
     least = np.median(growth_per_px[row, np.minimum(edge.peak + steps, last)][free])
     beyond = np.arange(last + 1) > edge.peak[:, None]
     reaches = beyond & (growth_per_px >= least) & strip.inside
@@ -338,14 +351,16 @@ def _outermost_peak(
     """Index of each column's outermost significant peak, whether it has one, and the noise."""
     # Neighbours far enough apart to have noise of their own share the limb's smooth profile.
     beyond = rise[:, rise.shape[1] // 2 :]
-    noise = float(np.median(np.abs(beyond[_APART:] - beyond[:-_APART]))) / (0.6745 * np.sqrt(2.0))
-    noise = max(noise, _STEP_OF_NOISE * step / (3.0 * smooth_px))
+    noise = float(np.median(np.abs(beyond[OPTIONS.apart :] - beyond[: -OPTIONS.apart]))) / (
+        0.6745 * np.sqrt(2.0)
+    )
+    noise = max(noise, OPTIONS.step_of_noise * step / (3.0 * smooth_px))
     inner = rise[:, 1:-1]
     top = (inner >= rise[:, :-2]) & (inner > rise[:, 2:])
     highest = inner.max(axis=1)
     reference = highest
     for _ in range(2):
-        limit = np.maximum(_SIGNIFICANT * noise, _SHARE_OF_PEAK * reference)
+        limit = np.maximum(OPTIONS.significant * noise, OPTIONS.share_of_peak * reference)
         peaks = top & (inner > limit[:, None])
         some = peaks.any(axis=1)
         index = inner.shape[1] - 1 - np.argmax(peaks[:, ::-1], axis=1)
@@ -367,7 +382,7 @@ def _contrast(strip: _Strip, peak: NDArray[np.intp]) -> Array:
 
 def _behind_ratio(strip: _Strip, peak: NDArray[np.intp]) -> Array:
     """Brightness 45 km within the edge against the brightest on the way there, (n,)."""
-    inwards = round(_BEHIND_M / strip.typical_m_per_px / strip.pitch_px)
+    inwards = round(OPTIONS.behind_m / strip.typical_m_per_px / strip.pitch_px)
     column = np.arange(strip.level.shape[1])[None, :]
     start = np.maximum(peak - inwards, 0)
     on_the_way = (column >= start[:, None]) & (column <= peak[:, None])

@@ -21,26 +21,36 @@ from estimator.limb.points import LimbPoints
 from planner.base.arrays import Array
 
 ROUGHNESS_M = 0.8e3
-_TUKEY = 4.685
-_STEPS = 8
-_CONVERGED_RAD = 2e-6  # 0.4 arcsec
-_SETTLED = 1e-3  # of what was known beforehand
-_SLICE, _SLICES = 0.75, 2  # width in sigmas, and how many to each side
-_STILL_RAD = 1e-3  # a step that moves no lift by more than a few metres
 
-# How far the limb's rise under a low Sun may differ from its model: as a whole, which the
-# images themselves can tell, and from place to place.
-_RISE_SIGMA = 0.7
-_RISE_SCATTER = 0.2
 
-# Of how far clouds had drawn the limb's edge, what is left once it is moved back: as a whole, and
-# from place to place.
-_DRAWN_SIGMA, _DRAWN_SCATTER = 0.3, 0.1
+@dataclass(frozen=True, kw_only=True)
+class NadirFitOptions:
+    """How nadir is fitted to a limb, and what of the limb's model is uncertain."""
 
-# Overexposed, the limb is where its light saturates the camera: twice the light moves it up by
-# ln 2 scale heights, 5 km, in every camera by its own exposure; and along the limb's arc as the
-# Rayleigh scattering 1 + cos^2 and the dust do.
-_CLIPPED_M, _CLIPPED_LEAN_M, _CLIPPED_BEND_M = 5e3, 3e3, 2e3
+    # scales beyond which a point counts for nothing: 95 % efficient with normal errors (Beaton
+    # and Tukey 1974)
+    tukey: float = 4.685
+    steps: int = 8  # of reweighting; it converges in fewer as a rule
+    converged_rad: float = 2e-6  # 0.4 arcsec
+    settled: float = 1e-3  # of what was known beforehand
+    slice: float = 0.75  # width of a slice of what stays uncertain, in sigmas,
+    slices: int = 2  # and how many to each side
+    still_rad: float = 1e-3  # a step that moves no lift by more than a few metres
+    # how far the limb's rise under a low Sun may differ from its model: as a whole, which the
+    # images themselves can tell,
+    rise_sigma: float = 0.7
+    rise_scatter: float = 0.2  # and from place to place
+    # of how far clouds had drawn the limb's edge, what is left once it is moved back: as a whole,
+    drawn_sigma: float = 0.3
+    drawn_scatter: float = 0.1  # and from place to place
+    # Overexposed, the limb is where its light saturates the camera: twice the light moves it up
+    # by ln 2 scale heights, 5 km, in every camera by its own exposure;
+    clipped_m: float = 5e3
+    clipped_lean_m: float = 3e3  # and along the limb's arc, as the dust does
+    clipped_bend_m: float = 2e3  # and the Rayleigh scattering 1 + cos^2
+
+
+OPTIONS = NadirFitOptions()
 
 
 @dataclass(frozen=True)
@@ -141,10 +151,10 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Array, prior: Pr
     # Out of this range it will be refused; within it, there is a limb to compare with.
     reach_sigma_m = 10.0 * max(prior.height_sigma_m, 1.0)
     scale, turned_rad = np.inf, np.inf
-    for _ in range(_STEPS):
+    for _ in range(OPTIONS.steps):
         ray_itrf = ray_body @ c
         height_m = float(unknowns[1])
-        if turned_rad > _STILL_RAD:
+        if turned_rad > OPTIONS.still_rad:
             lifts, rough_m = _lifts(ray_itrf, clipped_mask, drawn_m, limb, prior, height_m)
         inside_rad, by_ray, by_height = _inside(limb, cone_per_m, ray_itrf, height_m)
         by_lens = np.einsum("ni,nik->nk", by_ray @ c.T, lens_shift_body)
@@ -165,13 +175,15 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Array, prior: Pr
         unknowns = unknowns + step[2:]
         unknowns[1] = np.clip(unknowns[1], expected[1] - reach_sigma_m, expected[1] + reach_sigma_m)
         turned_rad = float(np.max(np.abs(step[:3])))
-        settled = np.max(np.abs(step[2:]) / sigma) < _SETTLED
-        if settled and np.max(np.abs(step[:2])) < _CONVERGED_RAD:
+        settled = np.max(np.abs(step[2:]) / sigma) < OPTIONS.settled
+        if settled and np.max(np.abs(step[:2])) < OPTIONS.converged_rad:
             break
-    share2 = np.minimum((residual_rad / (_TUKEY * (sigma_rad * scale))) ** 2, 1.0)
+    share2 = np.minimum((residual_rad / (OPTIONS.tukey * (sigma_rad * scale))) ** 2, 1.0)
     own_share = sigma_rad**2 / variance_rad2
     # The logarithm keeps a fit from being likelier the larger its residuals' own scale.
-    loss = own_share * ((_TUKEY**2 / 3.0) * (1.0 - (1.0 - share2) ** 3) + 2.0 * np.log(scale))
+    loss = own_share * (
+        (OPTIONS.tukey**2 / 3.0) * (1.0 - (1.0 - share2) ** 3) + 2.0 * np.log(scale)
+    )
     # A fit worse than its model says is less certain than its model says.
     misfit2 = _misfit2(residual_rad, weight, sigma_rad, variance_rad2)
     return Fit(
@@ -192,10 +204,10 @@ def possible_fits(result: Fit, limb: Limb) -> list[Fit]:
     sigma_rad = float(np.sqrt(result.covariance_matrix[2, 2]))
     gain = result.covariance_matrix[:, 2] / sigma_rad**2
     across = result.covariance_matrix - np.outer(gain, gain) * sigma_rad**2
-    across += np.outer(gain, gain) * (_SLICE * sigma_rad) ** 2 / 12.0
+    across += np.outer(gain, gain) * (OPTIONS.slice * sigma_rad) ** 2 / 12.0
     axes_itrf = np.stack([*limb.axes_itrf, limb.nadir_itrf])
     slices = []
-    for out in _SLICE * np.arange(-_SLICES, _SLICES + 1):
+    for out in OPTIONS.slice * np.arange(-OPTIONS.slices, OPTIONS.slices + 1):
         step = gain * out * sigma_rad
         slices.append(
             replace(
@@ -211,16 +223,24 @@ def possible_fits(result: Fit, limb: Limb) -> list[Fit]:
 
 def _expected_unknowns(prior: Prior, overexposed: int, bends: int) -> tuple[Array, Array]:
     """All unknowns but the tilts beforehand, and their 1-sigma; lenses' in units of theirs."""
-    expected = [0.0, prior.height_m, 1.0, 0.0, 0.0, 0.0, *[_CLIPPED_M, 0.0, 0.0] * overexposed]
+    expected = [
+        0.0,
+        prior.height_m,
+        1.0,
+        0.0,
+        0.0,
+        0.0,
+        *[OPTIONS.clipped_m, 0.0, 0.0] * overexposed,
+    ]
     expected += [0.0] * bends
     sigma = [
         prior.heading_sigma_rad,
         max(prior.height_sigma_m, 1.0),
-        _RISE_SIGMA,
+        OPTIONS.rise_sigma,
         prior.lean_sigma_m,
         prior.bend_sigma_m,
-        _DRAWN_SIGMA,
-        *[_CLIPPED_M, _CLIPPED_LEAN_M, _CLIPPED_BEND_M] * overexposed,
+        OPTIONS.drawn_sigma,
+        *[OPTIONS.clipped_m, OPTIONS.clipped_lean_m, OPTIONS.clipped_bend_m] * overexposed,
         *[1.0] * bends,
     ]
     return np.array(expected), np.array(sigma)
@@ -245,9 +265,9 @@ def _lifts(
         shape[:, 1] = ray_itrf @ sunward
         shape[:, 2] = shape[:, 1] ** 2 - (ray_itrf @ np.cross(limb.nadir_itrf, sunward)) ** 2
     own = (clipped_mask[:, :, None] * shape[:, None, :]).reshape(len(ray_itrf), -1)
-    rough_m = np.hypot(prior.roughness_m, _RISE_SCATTER * rise_m)
+    rough_m = np.hypot(prior.roughness_m, OPTIONS.rise_scatter * rise_m)
     rough_m *= 1.0 + clipped_mask.sum(axis=1)
-    rough_m = np.hypot(rough_m, _DRAWN_SCATTER * drawn_m)
+    rough_m = np.hypot(rough_m, OPTIONS.drawn_scatter * drawn_m)
     return np.column_stack([rise_m, shape[:, 1:], drawn_m, own]), rough_m
 
 
@@ -290,7 +310,7 @@ def _tukey(residual_rad: Array, sigma_rad: Array, scale: float) -> Array:
     if not np.isfinite(scale):
         # The first step has no scale yet: take the residuals' own.
         scale = 1.4826 * float(np.median(np.abs(residual_rad) / sigma_rad)) + 1.0
-    share2 = (residual_rad / (_TUKEY * scale * sigma_rad)) ** 2
+    share2 = (residual_rad / (OPTIONS.tukey * scale * sigma_rad)) ** 2
     return np.where(share2 < 1.0, (1.0 - share2) ** 2, 0.0)
 
 

@@ -29,15 +29,27 @@ from estimator.search.air_light import AIRS, brightness_basis, colour_basis
 from estimator.surroundings import Surroundings
 from planner.base.arrays import Array
 
-_SCATTER = 0.025  # of brightness from one 5 deg of limb to the next: dust, thin cloud
-_DARKENED, _DARKENED_SIGMA = 0.25, 0.3  # of cos^4: lenses are flat-fielded, or nearly, or not
-_DECODED_SHARE = 0.05  # the curve that is undone is rarely the whole of what a camera did
-_FREE_EXPOSURE = 3.0
-_OUTLIER = 3.0
-_FEWEST = 16
-_COLOUR_SCATTER = 0.015  # of the logarithm of red over blue, likewise
+
+@dataclass(frozen=True, kw_only=True)
+class SunlightOptions:
+    """How the brightness along the limb tells where the Sun stands."""
+
+    scatter: float = 0.025  # of brightness from one 5 deg of limb to the next: dust, thin cloud
+    darkened: float = 0.25  # of cos^4 is what lenses lose: they are flat-fielded, or nearly, or not
+    darkened_sigma: float = 0.3  # and so widely
+    decoded_share: float = 0.05  # the curve that is undone is rarely the whole of what a camera did
+    free_exposure: float = 3.0  # sigma of its logarithm: any
+    outlier: float = 3.0  # sigmas, beyond which a column counts no more
+    fewest: int = 16  # columns, for an image to tell anything
+    colour_scatter: float = 0.015  # of the logarithm of red over blue, likewise
+    # depths below the edge at which the limb's brightness is taken
+    within_m: tuple[float, float, float] = (6e3, 10e3, 14e3)
+    beyond_m: tuple[float, float] = (-30e3, -36e3)  # and heights above it, for the sky's
+
+
+OPTIONS = SunlightOptions()
+
 _OF_BLUE, _OF_COLOUR, _OF_GREY = [0, 1, 2], [3, 4], [5, 6, 7]  # of the air's unknowns
-_WITHIN_M, _BEYOND_M = (6e3, 10e3, 14e3), (-30e3, -36e3)
 
 
 @dataclass(frozen=True)
@@ -81,13 +93,13 @@ class Sunlight:
         if self.brightness is not None:
             lights.append(self.brightness)
             bases.append(self._brightness_basis(self.brightness, c_body_from_itrf, height_m))
-            sigmas.append(_SCATTER)
+            sigmas.append(OPTIONS.scatter)
             known += _OF_BLUE
         if self.colour is not None:
             cosine = self.colour.ray_body @ c_body_from_itrf @ self.around.sun_itrf
             lights.append(self.colour)
             bases.append(colour_basis(cosine))
-            sigmas.append(_COLOUR_SCATTER)
+            sigmas.append(OPTIONS.colour_scatter)
             known += _OF_COLOUR
         if not lights:
             return 0.0
@@ -134,8 +146,8 @@ def _misfit(
         normal = (basis.T * robust) @ basis + information
         free = np.linalg.solve(normal, basis.T @ (robust * off_level))
         rest = (off_level - basis @ free) / sigma
-        robust = weight / np.maximum(np.abs(rest) / _OUTLIER, 1.0)
-    loss = np.sum(share * np.minimum(rest**2, _OUTLIER**2)) + free @ information @ free
+        robust = weight / np.maximum(np.abs(rest) / OPTIONS.outlier, 1.0)
+    loss = np.sum(share * np.minimum(rest**2, OPTIONS.outlier**2)) + free @ information @ free
     # What the unknowns could have been, against what is left of that.
     left = np.linalg.slogdet(normal)[1] + np.linalg.slogdet(covariance_parameters)[1]
     return float(loss + left)
@@ -182,17 +194,17 @@ def _together(per_camera: list[_LimbLight | None]) -> _LimbLight | None:
 
 def _brightness(p: LimbPoints, frame: Frame, camera: HorizonCamera) -> _LimbLight | None:
     good = p.found & ~p.clipped & (p.slope_per_px > 0.0)
-    if np.sum(good) < _FEWEST:
+    if np.sum(good) < OPTIONS.fewest:
         return None
     ray_body = p.ray_body[good]
     axial = np.maximum(ray_body @ camera.boresight_body, 0.05)
     return _LimbLight(
         log_level=np.log(p.slope_per_px[good]),
         ray_body=ray_body,
-        share=(_DECODED_SHARE if frame.decoded else 1.0) / p.columns_per_patch()[good],
+        share=(OPTIONS.decoded_share if frame.decoded else 1.0) / p.columns_per_patch()[good],
         camera_basis=np.column_stack([np.ones(len(axial)), 4.0 * np.log(axial)]),
-        own_mean=np.array([0.0, _DARKENED]),
-        own_sigma=np.array([_FREE_EXPOSURE, _DARKENED_SIGMA]),
+        own_mean=np.array([0.0, OPTIONS.darkened]),
+        own_sigma=np.array([OPTIONS.free_exposure, OPTIONS.darkened_sigma]),
     )
 
 
@@ -201,13 +213,13 @@ def _colour(
 ) -> _LimbLight | None:
     """reach_m: from the craft to its limb."""
     good = np.flatnonzero(p.found & ~p.clipped)
-    if not frame.blue or len(good) < _FEWEST:
+    if not frame.blue or len(good) < OPTIONS.fewest:
         return None
     light = _light(p.ray_body[good], frame, camera, nadir_body, reach_m)
     # Full ones are not a number.
     positive = np.all(light > 0.0, axis=1)
     good, light = good[positive], light[positive]
-    if len(good) < _FEWEST:
+    if len(good) < OPTIONS.fewest:
         return None
     return _LimbLight(
         log_level=np.log(light[:, 2] / light[:, 0]),
@@ -215,7 +227,7 @@ def _colour(
         share=1.0 / p.columns_per_patch()[good],
         camera_basis=np.ones((len(good), 1)),
         own_mean=np.zeros(1),
-        own_sigma=np.array([_FREE_EXPOSURE]),
+        own_sigma=np.array([OPTIONS.free_exposure]),
     )
 
 
@@ -225,11 +237,11 @@ def _light(
     """How much brighter than the sky it is within the limb along rays (n, 3): (n, 3) colours."""
     across_body = nadir_body - (ray_body @ nadir_body)[:, None] * ray_body
     across_body /= np.linalg.norm(across_body, axis=1, keepdims=True)
-    lower_rad = np.array([*_WITHIN_M, *_BEYOND_M])[:, None, None] / reach_m
+    lower_rad = np.array([*OPTIONS.within_m, *OPTIONS.beyond_m])[:, None, None] / reach_m
     look_body = np.cos(lower_rad) * ray_body + np.sin(lower_rad) * across_body
     x, y = camera.pixels(look_body.reshape(-1, 3)).astype(np.float32).T.copy()
     picked = cv2.remap(frame.pixels, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     level = frame.table[picked].reshape(len(lower_rad), len(ray_body), -1)[..., :3].astype(float)
     level[frame.is_full(picked).reshape(*level.shape[:2], -1)[..., :3]] = np.nan
-    within = len(_WITHIN_M)
+    within = len(OPTIONS.within_m)
     return np.asarray(level[:within].mean(axis=0) - level[within:].mean(axis=0))

@@ -21,8 +21,9 @@ from estimator.nadir.fit import (
 )
 from estimator.search.edges import Edges, find_edges
 from estimator.search.plausibility import (
-    MIN_ARC_OF_ALL_RAD,
-    MIN_ARC_UNPREDICTED_RAD,
+    OPTIONS as PLAUSIBILITY_OPTIONS,
+)
+from estimator.search.plausibility import (
     CameraFit,
     is_dark_within,
     is_glowing_layer,
@@ -35,16 +36,29 @@ from estimator.search.tone import fade_ratio, linear
 from estimator.surroundings import Surroundings
 from planner.base.arrays import Array
 
-_FIRST_WINDOW_RAD = np.deg2rad(1.4)
-_WINDOWS_RAD = (np.deg2rad(0.7), np.deg2rad(0.6))
-_PROMISING = 0.25
-# Headings tried, and by how much the brightness may speak against one, in chi-square: between
-# two of the first, 45 deg apart, it changes by as much.
-_FIRST_HEADINGS, _HEADINGS, _UNLIKELY = 8, 16, 14.0
-_THINNED = 8
-# Airglow lies at 80 to 100 km; a limb's height is then as good as unknown before its fit.
-_LAYER_LEAST_M, _ANY_HEIGHT_M, _ANY_HEIGHT_SIGMA_M, _SURE_SIGMA = 70e3, 50e3, 50e3, 2.0
-_UNFITTED_COST = 1e12
+
+@dataclass(frozen=True, kw_only=True)
+class TrialOptions:
+    """How limbs are tried from a first guess of nadir to the last fit."""
+
+    first_window_rad: float = np.deg2rad(1.4)  # to either side of the limb as guessed,
+    # and as fitted, ever nearer
+    windows_rad: tuple[float, float] = (np.deg2rad(0.7), np.deg2rad(0.6))
+    promising: float = 0.25  # of the points' arc that must agree in one camera, to go on
+    first_headings: int = 8  # tried where none is known,
+    headings: int = 16  # and between the best of these
+    # by how much the brightness may speak against a heading, in chi-square: between two of the
+    # first, 45 deg apart, it changes by as much
+    unlikely: float = 14.0
+    thinned: int = 8  # points one is kept, while headings are compared
+    layer_least_m: float = 70e3  # Airglow lies at 80 to 100 km; lower is no layer
+    any_height_m: float = 50e3  # a limb's height is then as good as unknown before its fit:
+    any_height_sigma_m: float = 50e3  # so widely
+    sure_sigma: float = 2.0  # by which a height must be below a layer's
+    unfitted_cost: float = 1e12  # of a fit that isn't one: above any that is, and finite
+
+
+OPTIONS = TrialOptions()
 
 
 @dataclass(frozen=True)
@@ -132,14 +146,14 @@ def try_attitude(views: Sequence[View], search: Search, c_body_from_itrf: Array)
         views = [replace(view, frame=linear(view.frame)) for view in views]
         parts, result = _first_fit(views, search, result.c_body_from_itrf)
     first = _judge(parts, result, search)
-    if all(part.agreement.arc_rad < _PROMISING * part.points.arc_rad for part in first):
+    if all(part.agreement.arc_rad < OPTIONS.promising * part.points.arc_rad for part in first):
         return _failure(first, result)
     # In so wide a window only the night sets a camera aside.
     parts = [
         judged.with_reason(part.agreement.reason or _night_reason(judged, search, result))
         for part, judged in zip(parts, first, strict=True)
     ]
-    for window_rad in _WINDOWS_RAD:
+    for window_rad in OPTIONS.windows_rad:
         if not any(part.used for part in parts):
             return _failure(parts, result)
         c_body_from_itrf, height_m = result.c_body_from_itrf, result.height_m
@@ -151,7 +165,7 @@ def try_attitude(views: Sequence[View], search: Search, c_body_from_itrf: Array)
     parts = [
         part if part.used else replace(part, points=part.points.without_edges()) for part in parts
     ]
-    fits = _fits_all_round(parts, search, result.c_body_from_itrf, _HEADINGS)
+    fits = _fits_all_round(parts, search, result.c_body_from_itrf, OPTIONS.headings)
     result = _fit(parts, search, _likeliest(fits).c_body_from_itrf)
     horizon = SearchResult(None, fits, tuple(_judge(parts, result, search)))
     return replace(horizon, reason=_common_reason(horizon, search))
@@ -169,12 +183,16 @@ def _first_fit(
     height_m = search.prior.height_m
     parts = [
         _look(
-            blank_part(view, view.unusable), search, c_body_from_itrf, height_m, _FIRST_WINDOW_RAD
+            blank_part(view, view.unusable),
+            search,
+            c_body_from_itrf,
+            height_m,
+            OPTIONS.first_window_rad,
         )
         for view in views
     ]
     if not search.heading_known:
-        fits = _fits_all_round(parts, search, c_body_from_itrf, _FIRST_HEADINGS)
+        fits = _fits_all_round(parts, search, c_body_from_itrf, OPTIONS.first_headings)
         c_body_from_itrf = _likeliest(fits).c_body_from_itrf
     return parts, _fit(parts, search, c_body_from_itrf)
 
@@ -189,7 +207,7 @@ def _look(
     if not part.used:
         return replace(part, points=points.without_edges())
     # Without a prediction the first window's brightness tells the Sun's side for the next.
-    facing_known = search.heading_known or window_rad < _FIRST_WINDOW_RAD
+    facing_known = search.heading_known or window_rad < OPTIONS.first_window_rad
     if around.daylight and facing_known and len(points):
         lit = around.well_lit(points.azimuth_rad, height_m)
         points = replace(points, found=points.found & lit, blocked=points.blocked | ~lit)
@@ -227,15 +245,17 @@ def _fits_all_round(
     limb = search.around.limb
     prior = replace(search.prior, heading_sigma_rad=np.pi / headings)
     nadir_body = c_body_from_itrf @ limb.nadir_geodetic_itrf
-    points = [part.points.every(_THINNED) for part in parts]
+    points = [part.points.every(OPTIONS.thinned) for part in parts]
     frames, cameras = [part.view.frame for part in parts], [part.view.camera for part in parts]
     light = sunlight_along(points, frames, cameras, search.around, nadir_body, prior.height_m)
     turns_rad = np.arange(headings) * (2.0 * np.pi / headings)
     facing = [attitude_facing(nadir_body, limb, turn_rad) for turn_rad in turns_rad]
     costs = np.array([light.cost(c, prior.height_m) for c in facing])
-    likely = [c for c, cost in zip(facing, costs - costs.min(), strict=True) if cost < _UNLIKELY]
+    likely = [
+        c for c, cost in zip(facing, costs - costs.min(), strict=True) if cost < OPTIONS.unlikely
+    ]
     fits = [one for c in likely for one in possible_fits(fit(points, limb, c, prior), limb)]
-    cost = np.array([min(f.cost, _UNFITTED_COST) for f in fits])
+    cost = np.array([min(f.cost, OPTIONS.unfitted_cost) for f in fits])
     cost = cost + [light.cost(f.c_body_from_itrf, f.height_m) for f in fits]
     weight = np.exp(-0.5 * (cost - cost.min()))
     return tuple(
@@ -281,10 +301,12 @@ def _night_reason(part: CameraPart, search: Search, rough: Fit) -> Reason | None
 
 def _curves_as_low(part: CameraPart, search: Search, rough: Fit) -> bool:
     """Whether the limb's curvature alone says that it lies lower than any glowing layer."""
-    prior = replace(search.prior, height_m=_ANY_HEIGHT_M, height_sigma_m=_ANY_HEIGHT_SIGMA_M)
+    prior = replace(
+        search.prior, height_m=OPTIONS.any_height_m, height_sigma_m=OPTIONS.any_height_sigma_m
+    )
     free = _fit((part,), replace(search, prior=prior), rough.c_body_from_itrf)
     sigma_m = float(np.sqrt(free.covariance_matrix[3, 3]))
-    return free.height_m + _SURE_SIGMA * sigma_m < _LAYER_LEAST_M
+    return free.height_m + OPTIONS.sure_sigma * sigma_m < OPTIONS.layer_least_m
 
 
 def _common_reason(horizon: SearchResult, search: Search) -> Reason | None:
@@ -293,7 +315,11 @@ def _common_reason(horizon: SearchResult, search: Search) -> Reason | None:
         return horizon.parts[0].agreement.reason
     around = search.around
     predicted = search.heading_known or not around.daylight
-    least_rad = MIN_ARC_OF_ALL_RAD if predicted else MIN_ARC_UNPREDICTED_RAD
+    least_rad = (
+        PLAUSIBILITY_OPTIONS.min_arc_of_all_rad
+        if predicted
+        else PLAUSIBILITY_OPTIONS.min_arc_unpredicted_rad
+    )
     if sum(part.agreement.arc_rad for part in horizon.parts if part.used) < least_rad:
         return Reason.SHORT_ARC
     return judge_low_sun(horizon.best, around) or judge_height(horizon.best, around.body)

@@ -13,14 +13,24 @@ import numpy as np
 from estimator.search.edges import Edges
 from planner.base.arrays import Array
 
-_PAIRS = 1500
-_CANDIDATES = 500
-_COUNTED = 30
-_BEST = 5
-_GRADIENT_COSINE = 0.90
-_BAND_RAD = np.deg2rad(0.5)  # off the limb's angle, where an edge still counts
-_APART_RAD = np.deg2rad(1.0)
-_BIN_RAD = np.deg2rad(4.0)
+
+@dataclass(frozen=True, kw_only=True)
+class VoteOptions:
+    """How edges vote for nadir."""
+
+    pairs: int = 1500  # of edges, drawn: each gives nadir in two places
+    candidates: int = 500  # of these, counted roughly
+    counted: int = 30  # of the best, counted with all edges
+    best: int = 5  # kept, to be tried
+    # of the angle between an edge's gradient and nadir: a limb grows bright inwards
+    gradient_cosine: float = 0.90
+    band_rad: float = np.deg2rad(0.5)  # off the limb's angle, where an edge still counts
+    apart_rad: float = np.deg2rad(1.0)  # nearer ones are one
+    # of azimuth, in which edges count once: long ones count for their length
+    bin_rad: float = np.deg2rad(4.0)
+
+
+OPTIONS = VoteOptions()
 
 
 @dataclass(frozen=True)
@@ -53,19 +63,19 @@ def vote(
     chance /= chance.sum()
     single = edges.at(rng.choice(len(edges), min(200, len(edges)), replace=False, p=chance))
     candidates = [cone.cosine * single.ray_body + cone.sine * single.inward_body]
-    first, second = rng.choice(len(edges), (_PAIRS, 2), p=chance).T
+    first, second = rng.choice(len(edges), (OPTIONS.pairs, 2), p=chance).T
     candidates.append(_shared_nadirs(edges.at(first), edges.at(second), cone.cosine))
     if predicted_body is not None:
         candidates.append(predicted_body[None])
     nadirs_body = np.concatenate(candidates)
-    promising = nadirs_body[np.argsort(-_scores(nadirs_body, edges, cone))[:_COUNTED]]
+    promising = nadirs_body[np.argsort(-_scores(nadirs_body, edges, cone))[: OPTIONS.counted]]
     scores = np.array([_coverage(nadir_body, edges, cone) for nadir_body in promising])
     best: list[Array] = []
     for k in np.argsort(-scores, kind="stable"):
-        near = any(promising[k] @ better > np.cos(_APART_RAD) for better in best)
+        near = any(promising[k] @ better > np.cos(OPTIONS.apart_rad) for better in best)
         if scores[k] > 0.0 and not near:
             best.append(promising[k])
-        if len(best) == _BEST:
+        if len(best) == OPTIONS.best:
             break
     return best
 
@@ -89,7 +99,7 @@ def _shared_nadirs(first: Edges, second: Edges, cosine: float) -> Array:
             along = np.sum(wanted_body * edge.inward_body, axis=1)
             agree &= along > 0.9 * np.linalg.norm(wanted_body, axis=1)
         chosen.append(nadirs_body[agree])
-    return np.concatenate(chosen)[:_CANDIDATES]
+    return np.concatenate(chosen)[: OPTIONS.candidates]
 
 
 def _scores(nadirs_body: Array, edges: Edges, cone: _LimbCone) -> Array:
@@ -98,11 +108,11 @@ def _scores(nadirs_body: Array, edges: Edges, cone: _LimbCone) -> Array:
     near = edges.ray_body.astype(np.float32) @ single
     near -= np.float32(cone.cosine)
     near *= near
-    near *= np.float32(-((cone.sine * _BAND_RAD) ** -2))
+    near *= np.float32(-((cone.sine * OPTIONS.band_rad) ** -2))
     near += np.float32(1.0)
     np.maximum(near, 0.0, out=near)
     inward = edges.inward_body.astype(np.float32) @ single
-    near *= inward > np.float32(_GRADIENT_COSINE * cone.sine)
+    near *= inward > np.float32(OPTIONS.gradient_cosine * cone.sine)
     return np.asarray(edges.weight.astype(np.float32) @ near, dtype=float)
 
 
@@ -112,16 +122,16 @@ def _coverage(nadir_body: Array, edges: Edges, cone: _LimbCone) -> float:
     Counting bins and not edges keeps a thick tangle of cloud edges from outvoting a thin limb.
     """
     off_rad = (edges.ray_body @ nadir_body - cone.cosine) / cone.sine
-    inward = edges.inward_body @ nadir_body > _GRADIENT_COSINE * cone.sine
-    near = (np.abs(off_rad) < _BAND_RAD) & inward
+    inward = edges.inward_body @ nadir_body > OPTIONS.gradient_cosine * cone.sine
+    near = (np.abs(off_rad) < OPTIONS.band_rad) & inward
     if not np.any(near):
         return 0.0
     first_body = np.cross(nadir_body, np.eye(3)[np.argmin(np.abs(nadir_body))])
     first_body /= np.linalg.norm(first_body)
     second_body = np.cross(nadir_body, first_body)
     azimuth_rad = np.arctan2(edges.ray_body[near] @ second_body, edges.ray_body[near] @ first_body)
-    bins = ((azimuth_rad + np.pi) / _BIN_RAD).astype(int)
-    strength = edges.weight[near] * (1.0 - (off_rad[near] / _BAND_RAD) ** 2)
+    bins = ((azimuth_rad + np.pi) / OPTIONS.bin_rad).astype(int)
+    strength = edges.weight[near] * (1.0 - (off_rad[near] / OPTIONS.band_rad) ** 2)
     best = np.zeros(bins.max() + 1)
     np.maximum.at(best, bins, strength)
     return float(best.sum())

@@ -10,6 +10,7 @@ Research 59(5) (ng-routes).
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -24,8 +25,18 @@ EVERYTHING = -1  # a mask of all bits
 WHOLE, OPENS, COMPLETES = 0, 1, 2  # parts of a thing that a visit makes
 BITS = 62  # of a label's memory, in a signed word
 LABELS_MAX = 4_000_000  # of a round; its value is no bound then
-SEARCH_LABELS_MAX = 8_000_000  # of all rounds: no more are begun
-LABEL = 0.1  # of `effort`
+
+
+@dataclass(frozen=True, kw_only=True)
+class LabelSearchOptions:
+    """Bounds of a search over partial sequences, whose work doubles with a look."""
+
+    search_labels_max: int = 8_000_000  # of all rounds: no more are begun
+    label: float = 0.1  # of `effort`
+
+
+OPTIONS = LabelSearchOptions()
+
 ROUNDING = 1e-12  # by so much a path that looks back must be better to replace another
 _LABEL = np.dtype(
     [
@@ -171,7 +182,9 @@ class Repeats:
         return True
 
 
-def rounds(sweep: Sweep, repeats: Repeats, labels_max: int = SEARCH_LABELS_MAX) -> Iterator[Round]:
+def rounds(
+    sweep: Sweep, repeats: Repeats, labels_max: int = OPTIONS.search_labels_max
+) -> Iterator[Round]:
     """Ever tighter; the last one is without repeats unless bits or labels ran out.
 
     labels_max: of all rounds; no more are begun.
@@ -179,7 +192,7 @@ def rounds(sweep: Sweep, repeats: Repeats, labels_max: int = SEARCH_LABELS_MAX) 
     labels = 0
     while True:
         found = sweep(repeats.memory())
-        effort.count(LABEL * found.labels)
+        effort.count(OPTIONS.label * found.labels)
         labels += found.labels
         yield found
         if not found.is_complete or labels > labels_max:

@@ -19,7 +19,14 @@ from planner.planning.opportunities.carrier import Carrier, carrier_over
 from planner.planning.opportunities.conditions import TURN_MAX_RAD, Condition
 from planner.planning.opportunities.description import describe_windows
 from planner.planning.opportunities.request import OpportunityRequest, OpportunityTarget
-from planner.planning.opportunities.search import RESTING, SHORTEST_S, found_spans, spend_on
+from planner.planning.opportunities.search import (
+    OPTIONS as WINDOW_SEARCH_OPTIONS,
+)
+from planner.planning.opportunities.search import (
+    RESTING,
+    found_spans,
+    spend_on,
+)
 from planner.planning.opportunities.sights import EarthSight, FixedPlaces, Sight
 from planner.planning.opportunities.spans import Spans
 from planner.planning.opportunities.windows import Opportunities, Sightings
@@ -226,7 +233,7 @@ def _passes_that_serve(
     opens_s = elapsed_s(one.window_start or request.start, request.start)
     closes_s = elapsed_s(one.window_stop or request.stop, request.start)
     start_s, stop_s = max(spans.start_s[first], opens_s), min(spans.stop_s[last], closes_s)
-    if stop_s - start_s < max(request.conditions.min_duration_s, SHORTEST_S):
+    if stop_s - start_s < max(request.conditions.min_duration_s, WINDOW_SEARCH_OPTIONS.shortest_s):
         return
     if one.start is not None and not start_s <= elapsed_s(one.start, request.start) <= stop_s:
         return

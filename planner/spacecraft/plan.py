@@ -37,10 +37,19 @@ from planner.spacecraft.table import AttitudeTable, camera_on
 from planner.spacecraft.vehicle.gimbals import gimbal_rows, total_momentum_eci
 from planner.spacecraft.verification import SpacecraftVerification, verify_table
 
-# Of `effort`: 10 s for a session of one request, 1.5 s for each more, a minute at most.
-REQUEST_MORE, SESSION_MOST = 150_000.0, 6_000_000.0
-SIMULATED_ROW = 4.5
-TRY_SHARE = 0.25  # of a session's work, to find out whether an alternative to it works
+
+@dataclass(frozen=True, kw_only=True)
+class SessionWork:
+    """Of `effort`: what a session may take."""
+
+    request_more: float = 150_000.0  # 1.5 s; a session of one request has 10 s
+    session_most: float = 6_000_000.0  # a minute
+    simulated_row: float = 4.5  # a row of the closed loop
+    try_share: float = 0.25  # of a session's work, to find out whether an alternative to it works
+
+
+OPTIONS = SessionWork()
+
 # Told what is being done, and how many parts of how many are done.
 Reporter = Callable[[str, int, int], None]
 
@@ -97,13 +106,13 @@ def plan_imaging(request: ImagingPlanRequest, tell: Reporter = _nobody) -> Imagi
 
 def _bound(request: ImagingPlanRequest) -> float:
     """The work that may be done for a session."""
-    more = REQUEST_MORE * (len(request.requests) - 1)
-    return min(effort.PLAN + more, SESSION_MOST)
+    more = OPTIONS.request_more * (len(request.requests) - 1)
+    return min(effort.PLAN + more, OPTIONS.session_most)
 
 
 def _works(request: ImagingPlanRequest) -> bool:
     """Whether a plan of it is found with a part of the work of a session."""
-    with at_most(TRY_SHARE * _bound(request)), suppress(Refusal):
+    with at_most(OPTIONS.try_share * _bound(request)), suppress(Refusal):
         return bool(_make_plan(request, _nobody, gentler=False).table.windows)
     return False
 
@@ -166,7 +175,7 @@ def _stabilisation(
 
 def _affordable_runs(request: ImagingPlanRequest, rows: int) -> int:
     """As many of the dispersed runs as may still be made, one at least where any is asked for."""
-    run = SIMULATED_ROW * rows
+    run = OPTIONS.simulated_row * rows
     runs = min(request.simulation_runs, max(int(effort.remaining() / run), 1))
     effort.count(runs * run)
     return runs

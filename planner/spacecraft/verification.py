@@ -26,16 +26,28 @@ from planner.world.frames.local_orbital import q_lvlh_from_eci
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import Ephemeris
 
-GROUND_TOLERANCE_M = 1.0
-SPEED_TOLERANCE = 1e-3
-COVERAGE_TOLERANCE = 1e-3  # of the swath: strips of full width side by side on a round Earth
-DRIFT_TOLERANCE_RAD = 1e-4  # over 32 TDI lines: 0.003 pixel
-KINEMATIC_TOLERANCE_RAD = 5e-6  # 1 arcsec: torque rate steps of 40 N m/s inside a row
-MOMENTUM_TOLERANCE_N_M_S = 0.02
-LIMIT_TOLERANCE = 2e-3  # relative: planned on rows, the quintic swings between them
-ANGLE_TOLERANCE_DEG = 0.2  # the last part of a tick may scan past the arc's end and its limit
-UNIT_TOLERANCE = 1e-9  # of a quaternion's length, and
-GIMBAL_TOLERANCE_RAD = 1e-9  # of an angle: rounding, summed over a session
+
+@dataclass(frozen=True, kw_only=True)
+class Tolerances:
+    """By how much a table may differ from what was asked for and promised."""
+
+    ground_m: float = 1.0  # of where a line lies on the ground
+    speed: float = 1e-3  # of the scan's speed: 0.03 pixel over 32 TDI lines
+    # of the swath: strips of full width side by side on a round Earth
+    coverage: float = 1e-3
+    drift_rad: float = 1e-4  # over 32 TDI lines: 0.003 pixel
+    kinematic_rad: float = 5e-6  # 1 arcsec: torque rate steps of 40 N m/s inside a row
+    # between what is stored and what torques have added up to
+    momentum_n_m_s: float = 0.02
+    limit: float = 2e-3  # relative: planned on rows, the quintic swings between them
+    # the last part of a tick may scan past the arc's end and its limit
+    angle_deg: float = 0.2
+    unit: float = 1e-9  # of a quaternion's length: rounding
+    gimbal_rad: float = 1e-9  # of an angle: rounding, summed over a session
+
+
+TOLERANCES = Tolerances()
+
 INSTANTS_PER_ROW = 5  # looked at for the limits, and
 SCANNED_PER_ROW = 4  # for the line scanned
 SCAN_END = 3 * SCANNED_PER_ROW  # instants among which the scan passes the line's end
@@ -174,13 +186,13 @@ def _structure_findings(table: AttitudeTable) -> Iterator[str]:
     columns = (column for column in vars(table).values() if isinstance(column, np.ndarray))
     if not all(np.isfinite(column).all() for column in columns):
         yield "a value is not a finite number"
-    if np.max(np.abs(np.linalg.norm(q_eci_from_body_xyzw, axis=1) - 1.0)) > UNIT_TOLERANCE:
+    if np.max(np.abs(np.linalg.norm(q_eci_from_body_xyzw, axis=1) - 1.0)) > TOLERANCES.unit:
         yield "a quaternion is not of unit length"
     miss_rad = _kinematic_miss_rad(table)
-    if miss_rad > KINEMATIC_TOLERANCE_RAD:
+    if miss_rad > TOLERANCES.kinematic_rad:
         yield f"attitude and rate disagree by {np.rad2deg(miss_rad) * 3600:.3f} arcsec over one row"
     next_rad = table.gimbal_rad[:-1] + TICK_S * table.gimbal_rate_rad_s[:-1]
-    if np.max(np.abs(next_rad - table.gimbal_rad[1:])) > GIMBAL_TOLERANCE_RAD:
+    if np.max(np.abs(next_rad - table.gimbal_rad[1:])) > TOLERANCES.gimbal_rad:
         yield "gimbal angles and rates disagree"
     ends = [0, *(window.last_row for window in table.windows)]
     if any(
@@ -210,9 +222,9 @@ def _limit_findings(extremes: TableExtremes, spacecraft: AgileSpacecraft) -> Ite
         ("control torque, N m", extremes.torque_n_m, slew.torque_n_m),
         ("gyro momentum, N m s", extremes.momentum_n_m_s, slew.momentum_sphere_n_m_s),
         ("gimbal rate, deg/s", extremes.gimbal_rate_deg_s, math.degrees(array.rate_max_rad_s)),
-        ("momentum mismatch, N m s", mismatch_n_m_s, MOMENTUM_TOLERANCE_N_M_S),
+        ("momentum mismatch, N m s", mismatch_n_m_s, TOLERANCES.momentum_n_m_s),
     ):
-        if value > limit * (1.0 + LIMIT_TOLERANCE):
+        if value > limit * (1.0 + TOLERANCES.limit):
             yield f"{what}: {value:.4g} exceeds {limit:.4g}"
 
 
@@ -323,15 +335,15 @@ def _miss_m(request: Request, window: ImagingWindow, scanned_itrf_m: Array) -> f
 def _ground_findings(found: VerifiedWindow, session: _Session) -> Iterator[str]:
     camera = session.spacecraft.camera
     look = f"{found.window.request!r} look {found.window.look}"
-    if found.speed_spread > SPEED_TOLERANCE:
+    if found.speed_spread > TOLERANCES.speed:
         yield f"{look}: scan speed off by {100 * found.speed_spread:.3f} %"
-    if found.drift_rad > DRIFT_TOLERANCE_RAD:
+    if found.drift_rad > TOLERANCES.drift_rad:
         yield f"{look}: the image drifts by {math.degrees(found.drift_rad):.4f} deg"
-    if found.miss_m > GROUND_TOLERANCE_M:
+    if found.miss_m > TOLERANCES.ground_m:
         yield f"{look}: scans {found.miss_m:.2f} m beside the line asked for"
-    if found.along_deg > camera.along_max_deg + ANGLE_TOLERANCE_DEG:
+    if found.along_deg > camera.along_max_deg + TOLERANCES.angle_deg:
         yield f"{look}: {found.along_deg:.2f} deg along the track"
-    if found.across_deg > camera.across_max_deg + ANGLE_TOLERANCE_DEG:
+    if found.across_deg > camera.across_max_deg + TOLERANCES.angle_deg:
         yield f"{look}: {found.across_deg:.2f} deg across the track"
 
 
@@ -343,7 +355,7 @@ def _coverage_findings(session: _Session) -> Iterator[str]:
             continue
         if isinstance(request, AreaRequest):
             short_m = _uncovered_m(session, looks, request)
-            if short_m > COVERAGE_TOLERANCE * session.spacecraft.camera.swath_m:
+            if short_m > TOLERANCES.coverage * session.spacecraft.camera.swath_m:
                 yield f"{request.name!r}: a corner lies {short_m:.1f} m outside the strips"
         else:
             count = 2 if request.mode == "stereo" else len(request.geometry.coordinates) - 1

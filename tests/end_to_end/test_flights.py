@@ -22,7 +22,13 @@ from planner.motion.pointing.frame import frame_axes, places_in_frame
 from planner.motion.pointing.hermite import quintic_motion
 from planner.motion.pointing.line_of_sight import line_of_sight
 from planner.planning.sessions.pipeline import make_plan, session_budget
-from planner.planning.sessions.uncertainty import CLOCK_S, PointingScene, error_biases
+from planner.planning.sessions.uncertainty import (
+    OPTIONS as BUDGET_OPTIONS,
+)
+from planner.planning.sessions.uncertainty import (
+    PointingScene,
+    error_biases,
+)
 from planner.world.attitude import AttitudeUncertainty, LvlhAttitude
 from planner.world.frames.geodesy import itrf_from_geodetic
 from planner.world.frames.time_scales import Instants
@@ -145,7 +151,7 @@ def test_small_errors_displace_the_target_as_the_linear_budget_has_it(plan, scen
     )
     told = PointingScene(los, plan.scenario.attitude, scene.target, ISS_HRC, angle_rad, len(at))
     errors = plan.scenario.attitude.errors(told.instants)
-    biases = error_biases(told, los, scene.ephemeris, errors, CLOCK_S)
+    biases = error_biases(told, los, scene.ephemeris, errors, BUDGET_OPTIONS.clock_s)
     mine = [bias for bias in biases if bias.cause.cause == cause]
     orbit = [drawn.orbit_scores[0], drawn.along_laplace_score, drawn.orbit_scores[2]]
     scores = {

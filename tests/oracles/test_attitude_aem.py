@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from planner.base.errors import InvalidMessage, OutsideCoverage
 from planner.world.attitude import AemAttitude, LvlhAttitude
-from planner.world.attitude.aem import ODD_WARNED_RAD
+from planner.world.attitude.aem import OPTIONS as ATTITUDE_MESSAGE_OPTIONS
 from planner.world.frames.earth_orientation import C_GCRF_FROM_EME2000, c_itrf_from_eci
 from planner.world.frames.local_orbital import q_lvlh_from_eci
 from planner.world.frames.time_scales import Instants, utc_from_text, utc_text
@@ -194,5 +194,5 @@ def test_real_telemetry_has_no_damaged_row(name):
     law = AemAttitude(content=(DATA / f"iss_attitude_{name}_2018-285.aem").read_text())
     for arc in law.arcs:
         instants = Instants(arc.segment.epoch_utc, arc.segment.t_s)
-        assert arc.oddest_near(instants)[1] < ODD_WARNED_RAD
+        assert arc.oddest_near(instants)[1] < ATTITUDE_MESSAGE_OPTIONS.odd_warned_rad
         assert law.warnings_at(instants) == law.warnings

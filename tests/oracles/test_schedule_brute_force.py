@@ -14,8 +14,9 @@ import pytest
 from opportunity_requests import ISS, START
 
 from planner.motion.slew import AxisState, next_duration_s
-from planner.planning.campaigns import CampaignRequest, CampaignTarget, choose_campaign
+from planner.planning.campaigns import CampaignRequest, CampaignTarget, choice, choose_campaign
 from planner.planning.campaigns import campaign as campaigns
+from planner.planning.campaigns.choice import ChoiceOptions
 from planner.planning.campaigns.network import NEVER, Network
 from planner.planning.campaigns.path import Worth, best_path, path_bound
 from planner.planning.opportunities import OpportunityConditions
@@ -221,3 +222,19 @@ def best_sequence(network, worth):
         )
 
     return max(best_on(way, 0, frozenset()) for way in range(len(network.way)))
+
+
+def test_a_choice_with_little_search_is_bounded_too(monkeypatch):
+    """Settings are an argument: with few steps and no mixture the bound is wider, and holds."""
+    request = request_for(EUROPE, 0.5)
+    well = choose_campaign(request)
+    hasty = ChoiceOptions(steps_max=2, mixtures_max=0, sweeps_max=1)
+
+    def choose_hastily(networks, looking, tell):
+        return choice.choose(networks, looking, tell, hasty)
+
+    monkeypatch.setattr(campaigns, "choose", choose_hastily)
+    found = choose_campaign(request)
+    assert 0.0 < found.value <= well.bound
+    assert found.value <= well.value + 1e-9
+    assert found.bound > well.bound

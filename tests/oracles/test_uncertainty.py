@@ -13,7 +13,8 @@ from scipy.stats import multivariate_normal, norm
 from planner.motion.pointing.angles import axis_angles
 from planner.motion.pointing.line_of_sight import line_of_sight
 from planner.planning.sessions.probability import lattice_points, probability_inside
-from planner.planning.sessions.uncertainty import CLOCK_S, pointing_budget
+from planner.planning.sessions.uncertainty import OPTIONS as BUDGET_OPTIONS
+from planner.planning.sessions.uncertainty import pointing_budget
 from planner.world.attitude import AttitudeUncertainty, InertialAttitude, LvlhAttitude
 from planner.world.frames.time_scales import Instants, utc_from_text
 from planner.world.messages.aem import read_aem
@@ -36,14 +37,14 @@ QUASI_RANDOM = 0.003  # the error stated for 16384 points
 MIDDLE = np.zeros((1, 2))
 
 
-def budget(orbit=TLE, attitude=INERTIAL, clock_s=CLOCK_S, platform=ISS_HRC):
+def budget(orbit=TLE, attitude=INERTIAL, clock_s=BUDGET_OPTIONS.clock_s, platform=ISS_HRC):
     ephemeris = orbit.ephemeris(START, START + timedelta(seconds=95))
     los = line_of_sight(INSTANTS, ephemeris, attitude, ISS_HRC.q_platform_from_body, LAS_VEGAS)
     found = budget_of(los, ephemeris, attitude, platform, clock_s)
     return found, {c.cause: c for c in found.contributions}, los
 
 
-def budget_of(los, ephemeris, attitude, platform=ISS_HRC, clock_s=CLOCK_S):
+def budget_of(los, ephemeris, attitude, platform=ISS_HRC, clock_s=BUDGET_OPTIONS.clock_s):
     """With the axes exactly on the target."""
     angle_rad = axis_angles(platform, los.los_platform).angle_rad[0]
     return pointing_budget(
@@ -361,10 +362,10 @@ def test_a_likely_miss_is_said_with_what_would_help_most():
 @pytest.mark.parametrize(
     ("sigma_deg", "swing_deg", "clock_s"),
     [
-        ((0.05, 0.05, 0.05), (0.2, 0.02, 0.02), CLOCK_S),
+        ((0.05, 0.05, 0.05), (0.2, 0.02, 0.02), BUDGET_OPTIONS.clock_s),
         ((0.02, 0.06, 0.2), (0.02, 0.4, 0.04), 0.3),
         ((0.1, 0.1, 0.1), (0.0, 0.0, 0.2), 0.1),
-        ((0.01, 0.01, 0.01), (0.02, 0.02, 0.02), CLOCK_S),
+        ((0.01, 0.01, 0.01), (0.02, 0.02, 0.02), BUDGET_OPTIONS.clock_s),
     ],
 )
 @pytest.mark.parametrize("older", [False, True])

@@ -8,7 +8,8 @@ import pytest
 from keep_out_cases import LIMITS, away_rad, draw_cases, hermite
 
 from planner.base.errors import InfeasibleSlew
-from planner.motion.detour.barrier import CELLS_RAD, is_barred
+from planner.motion.detour.barrier import OPTIONS as BARRIER_OPTIONS
+from planner.motion.detour.barrier import is_barred
 from planner.motion.detour.detour import avoid_cones
 from planner.motion.pointing.keep_out import KeepOutView, MovingCone
 from planner.motion.slew import AxisState, SlewProblem, optimal_slew
@@ -46,7 +47,9 @@ def test_detour_keeps_out_of_the_cone_and_within_the_limits(number):
             np.testing.assert_allclose(values[row], wanted, rtol=0, atol=1e-8)  # 2 mas
     assert solution.jerk_squared_integral >= case.straight.jerk_squared_integral
     # What was flown is possible: the proof of the contrary must not find it otherwise.
-    assert not is_barred(case.problem, case.problem.keep_out, solution.duration_s, CELLS_RAD)
+    assert not is_barred(
+        case.problem, case.problem.keep_out, solution.duration_s, BARRIER_OPTIONS.cells_rad
+    )
 
 
 def test_starts_whose_rate_all_but_passes_its_limit_are_led_around():

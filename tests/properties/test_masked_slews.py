@@ -11,7 +11,8 @@ from mask_shapes import boom, inside, mask_corners, sampled_away_rad, star
 from scipy_boresight import scipy_boresight
 
 from planner.base.errors import InfeasibleSlew
-from planner.motion.detour.barrier import CELLS_RAD, FINE_CELLS_RAD, MasksOverCells, is_barred
+from planner.motion.detour.barrier import OPTIONS as BARRIER_OPTIONS
+from planner.motion.detour.barrier import MasksOverCells, is_barred
 from planner.motion.detour.detour import avoid_cones
 from planner.motion.pointing.keep_out import KeepOutView
 from planner.motion.slew import AxisState, SlewProblem, optimal_slew
@@ -52,7 +53,9 @@ def test_what_is_flown_never_enters_a_mask(number):
         ends = (case.problem.start[axis], case.problem.end[axis])
         assert obeys(profile, *ends, case.problem.limits[axis])
     # What was flown is possible: the proof of the contrary must not find it otherwise.
-    assert not is_barred(case.problem, case.problem.keep_out, solution.duration_s, CELLS_RAD)
+    assert not is_barred(
+        case.problem, case.problem.keep_out, solution.duration_s, BARRIER_OPTIONS.cells_rad
+    )
 
 
 def test_a_polygon_is_passed_as_well_as_the_cone_around_it():
@@ -105,7 +108,7 @@ def test_masks_that_cut_the_angles_in_two_are_proven_to():
         avoid_cones(optimal_slew(problem, on_rows=True))
 
 
-@pytest.mark.parametrize("cell_rad", [*CELLS_RAD, *FINE_CELLS_RAD])
+@pytest.mark.parametrize("cell_rad", [*BARRIER_OPTIONS.cells_rad, *BARRIER_OPTIONS.fine_cells_rad])
 def test_cells_called_inside_are_inside_all_over(cell_rad):
     rng = np.random.default_rng(4)
     for _ in range(5):

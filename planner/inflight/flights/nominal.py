@@ -10,7 +10,7 @@ from planner.inflight.flights.ground_view import ground_view, shift_px
 from planner.inflight.flights.request import Mover
 from planner.inflight.flights.runs import Fly, fly_nominal
 from planner.inflight.flights.scene import SessionScene
-from planner.planning.sessions.uncertainty import RANGE_MAX_M
+from planner.planning.sessions.uncertainty import OPTIONS as BUDGET_OPTIONS
 
 SHOWN_MAX = 300  # frames: what a picture has room for
 
@@ -54,7 +54,7 @@ def nominal_session(scene: SessionScene, fly: Fly, mover: Mover | None) -> Nomin
     angle_rad[lost] = scene.commanded_rad(frames.begins_s[lost])
     view = ground_view(scene, frames.begins_s, angle_rad)
     shown = slice(None, None, -(-len(frames.begins_s) // SHOWN_MAX))
-    on_earth = bool((range_m < RANGE_MAX_M).all())
+    on_earth = bool((range_m < BUDGET_OPTIONS.range_max_m).all())
     moves = mover is not None and view.scale is not None
 
     def columns(numbers: Array | None) -> Array | None:

@@ -12,7 +12,7 @@ from planner.inflight.flights.draws import CAUSES, DRIVE, Draw, draw_run, undist
 from planner.inflight.flights.frames import Frames, frames_of
 from planner.inflight.flights.outcomes import RunOutcomes
 from planner.inflight.flights.scene import SeenTarget, SessionScene
-from planner.planning.sessions.uncertainty import RANGE_MAX_M
+from planner.planning.sessions.uncertainty import OPTIONS as BUDGET_OPTIONS
 
 FRAMES_COMPARED = 11  # of a session, for the causes' shares: errors change slowly, as the budget's
 FRAMES_AT_ONCE = 4000  # 60 MB
@@ -189,7 +189,7 @@ def _at(t_s: Array, known_s: Array, angle_rad: Array) -> Array:
 
 def _judged(frames: Frames, seen: SeenTarget) -> _Judged:
     range_m = seen.ranges_m(frames.begins_s)
-    miss_m = np.where(range_m < RANGE_MAX_M, frames.error_rad * range_m, np.inf)
+    miss_m = np.where(range_m < BUDGET_OPTIONS.range_max_m, frames.error_rad * range_m, np.inf)
     return _Judged(
         holds=bool(frames.holds.all()),
         sharp=bool(frames.is_sharp.all()),

@@ -15,7 +15,7 @@ from planner.inflight.flights.draws import Draw
 from planner.inflight.flights.errors import SessionErrors, session_errors
 from planner.inflight.flights.frames import exposures_s
 from planner.planning.sessions.holding import Rows, session_rows
-from planner.planning.sessions.uncertainty import CLOCK_S
+from planner.planning.sessions.uncertainty import OPTIONS as BUDGET_OPTIONS
 from planner.world.frames.time_scales import Instants, shifted_utc
 from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.plan import FlightPlan
@@ -104,7 +104,7 @@ class SessionScene:
         ranges_m = seen.range_m.reshape(count, len(t_s))
         # What the platform does at a time by its own clock it does so much later by UTC.
         return [
-            SeenTarget(t_s - draw.clock_score * CLOCK_S, node, range_m)
+            SeenTarget(t_s - draw.clock_score * BUDGET_OPTIONS.clock_s, node, range_m)
             for draw, node, range_m in zip(draws, nodes, ranges_m, strict=True)
         ]
 

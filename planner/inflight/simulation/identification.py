@@ -27,11 +27,23 @@ _MANNERS: tuple[Mapping[str, float], ...] = (
     {},
     {"presliding_arcsec": -1.6, "presliding_damping": -2.0, "damping": 0.1},
 )
-_LEAST_SIGMA_ARCSEC = 0.1  # and arcsec/s: what telemetry between two control steps costs
-_ROBUST_SIGMAS = 5.0  # above, a residual weighs by its size, not its square
-_DIFFERENCE = 1e-3  # of logarithms: a thousand times what the integrator leaves uncertain
-_ROUNDS_MAX = 25
-_LAW_SIGMA = 0.03  # of a friction's logarithm: by which Karnopp's law, flown, is mistaken for ours
+
+
+@dataclass(frozen=True, kw_only=True)
+class IdentificationOptions:
+    """How the drives' parameters are fitted."""
+
+    least_sigma_arcsec: float = 0.1  # and arcsec/s: what telemetry between two control steps costs
+    robust_sigmas: float = 5.0  # above, a residual weighs by its size, not its square
+    difference: float = 1e-3  # of logarithms: a thousand times what the integrator leaves uncertain
+    # evaluations of the loop and its derivatives; then the fit is told as it is
+    rounds_max: int = 25
+    # of a friction's logarithm: by which Karnopp's law, flown, is mistaken for ours
+    law_sigma: float = 0.03
+
+
+OPTIONS = IdentificationOptions()
+
 _ARCSEC_RAD = math.radians(1.0 / 3600.0)
 
 
@@ -123,7 +135,7 @@ def _cheapest(costs_by_try: Sequence[Array]) -> Array:
 
 def _robust(missed_sigma: Array) -> Array:
     """As least_squares adds them up, of each axis, (2,)."""
-    size = (missed_sigma / _ROBUST_SIGMAS) ** 2
+    size = (missed_sigma / OPTIONS.robust_sigmas) ** 2
     total: Array = np.sum(np.sqrt(1.0 + size) - 1.0, axis=0)
     return total
 
@@ -149,7 +161,9 @@ def _sensors(platform: TwoAxisPlatform) -> Array:
         return [
             _ARCSEC_RAD
             * math.hypot(
-                getattr(drive, step) / math.sqrt(12.0), getattr(drive, noise), _LEAST_SIGMA_ARCSEC
+                getattr(drive, step) / math.sqrt(12.0),
+                getattr(drive, noise),
+                OPTIONS.least_sigma_arcsec,
             )
             for drive in platform.drives
         ]
@@ -185,8 +199,8 @@ def _slopes(tried: Candidates, moved_parameters: Array, sigma: Array) -> Array:
         moved = moved_parameters.copy()
         now = [(axis, one[number]) for axis, one in enumerate(own) if number < len(one)]
         for _, k in now:
-            moved[k] += _DIFFERENCE
-        change = (tried.misses(moved, sigma) - here) / _DIFFERENCE
+            moved[k] += OPTIONS.difference
+        change = (tried.misses(moved, sigma) - here) / OPTIONS.difference
         for axis, k in now:
             slopes[:, axis, k] = change[:, axis]
     return slopes
@@ -212,10 +226,10 @@ def _fitted(tried: Candidates, start_parameters: Array, sigma: Array) -> Array:
         slopes,
         bounds=(tried.least_parameters, np.inf),
         loss="soft_l1",
-        f_scale=_ROBUST_SIGMAS,
+        f_scale=OPTIONS.robust_sigmas,
         xtol=1e-4,
         ftol=1e-4,
-        max_nfev=_ROUNDS_MAX,
+        max_nfev=OPTIONS.rounds_max,
     )
     return np.asarray(found.x)
 
@@ -228,7 +242,7 @@ def _covariance(tried: Candidates, moved_parameters: Array, sigma: Array) -> Arr
     samples, n = len(tried.t_s), len(moved_parameters)
     missed = tried.misses(moved_parameters, sigma)
     slopes = _slopes(tried, moved_parameters, sigma)
-    weights = 1.0 / np.sqrt(1.0 + (missed / _ROBUST_SIGMAS) ** 2)
+    weights = 1.0 / np.sqrt(1.0 + (missed / OPTIONS.robust_sigmas) ** 2)
     found = np.zeros((n, n))
     for axis in range(2):
         own = np.flatnonzero(tried.of_axis == axis)
@@ -239,7 +253,7 @@ def _covariance(tried: Candidates, moved_parameters: Array, sigma: Array) -> Arr
                 weights[:, axis].reshape(2, samples),
                 tried.prior_parameters[own],
             )
-    return found + np.diag(tried.is_one_of(*FRICTION) * _LAW_SIGMA**2)
+    return found + np.diag(tried.is_one_of(*FRICTION) * OPTIONS.law_sigma**2)
 
 
 def _root_mean_square(missed_value: Array) -> Array:

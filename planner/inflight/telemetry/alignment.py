@@ -20,23 +20,32 @@ from planner.base.arrays import Array, Indices
 from planner.inflight.telemetry.columns import Kind
 from planner.inflight.telemetry.motion import PlannedMotion
 
-DRIFT_SIGMA = 1e-3  # before anything is measured: worse ones are no clocks
+
+@dataclass(frozen=True, kw_only=True)
+class AlignmentOptions:
+    """How a clock's offset, drift and lag are fitted, and when a lag is told."""
+
+    drift_sigma: float = 1e-3  # before anything is measured: worse ones are no clocks
+    creep_rad_s: float = math.radians(0.01)  # over which friction turns with the motion
+    offset_sigma_s: float = 100.0  # before anything is measured: as good as unknown
+    huber: float = 2.0  # sigmas; beyond them an error counts by its size, not its square
+    rounds_max: int = 40  # of reweighting
+    scale_min: float = 1e-10  # rad: JSON's ninth decimal of a degree is 2e-11
+    blocks: int = 40  # of time: errors within one may go together, and the sigmas tell it
+    late_sigma: float = 4.0  # an axis is later than the other when it is by more
+    # Times what is not known of a lag: the mean square of the offset's error over its sigma is at
+    # most 1.3 at any lag, in the mean of many noises; 1.9 without.
+    lag_room: float = 1.25
+    lag_sigma_max_s: float = 1.0  # no drive is so late: an axis known worse tells nothing of it
+
+
+OPTIONS = AlignmentOptions()
+
 # Of a column's constant, an angle's friction, and its share of the acceleration, s^2.
 _NUISANCE_SIGMA = {
     "angle": (math.radians(1.0), math.radians(0.1), 0.1),
     "rate": (math.radians(0.1),),
 }
-_CREEP_RAD_S = math.radians(0.01)  # over which friction turns with the motion
-_OFFSET_SIGMA_S = 100.0
-_HUBER = 2.0  # sigmas; beyond them an error counts by its size, not its square
-_ROUNDS_MAX = 40
-_SCALE_MIN = 1e-10  # rad: JSON's ninth decimal of a degree is 2e-11
-_BLOCKS = 40  # of time: errors within one may go together, and the sigmas tell it
-LATE_SIGMA = 4.0  # an axis is later than the other when it is by more
-# Times what is not known of a lag: the mean square of the offset's error over its sigma is at most
-# 1.3 at any lag, in the mean of many noises; 1.9 without.
-_LAG_ROOM = 1.25
-_LAG_SIGMA_MAX_S = 1.0  # no drive is so late: an axis known worse tells nothing of it
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -59,7 +68,7 @@ class Channel:
         constant = np.ones(len(t_s))
         if self.kind == "rate":
             return constant[:, None]
-        friction = -np.tanh(self.motion.rate_rad_s(t_s) / _CREEP_RAD_S)
+        friction = -np.tanh(self.motion.rate_rad_s(t_s) / OPTIONS.creep_rad_s)
         return np.stack([constant, friction, -self.motion.acceleration_rad_s2(t_s)], axis=1)
 
     @property
@@ -124,7 +133,7 @@ def align(channels: Sequence[Channel], start_offset_s: float, axes: int) -> Alig
     own_s = [each.estimate(1 + place) for place in range(len(told))]
     lag_s = _lag_s(each) if len(told) > 1 else None
     lags_s: list[ClockEstimate | None] = [None] * axes
-    if lag_s is None or lag_s.sigma > _LAG_SIGMA_MAX_S:
+    if lag_s is None or lag_s.sigma > OPTIONS.lag_sigma_max_s:
         best = min(range(len(told)), key=lambda place: own_s[place].sigma)
         lags_s[told[best]] = ClockEstimate(0.0, own_s[best].sigma)
         offset_s, reference, common_s = shared.estimate(1), shared, None
@@ -132,7 +141,7 @@ def align(channels: Sequence[Channel], start_offset_s: float, axes: int) -> Alig
         first = int(own_s[1].value < own_s[0].value)
         lags_s[told[first]] = ClockEstimate(0.0, lag_s.sigma)
         lags_s[told[1 - first]] = lag_s
-        if lag_s.value > LATE_SIGMA * lag_s.sigma:
+        if lag_s.value > OPTIONS.late_sigma * lag_s.sigma:
             offset_s, reference, common_s = own_s[first], each, None
         else:
             common_s = shared.estimate(1)
@@ -160,9 +169,9 @@ def _lag_s(each: _Fit) -> ClockEstimate:
 def _earlier_sigma(each: _Fit, told: ClockEstimate) -> float:
     """Rms error of an offset that is told for the earlier of two axes, of which each is known as
     the fit has it.  Source: moments of the least of two normal variables, Clark 1961, eqs. 2-4."""
-    apart_s = _LAG_ROOM * _lag_s(each).sigma
+    apart_s = OPTIONS.lag_room * _lag_s(each).sigma
     first, second = each.parameters[1:3] - told.value
-    variance_s2 = _LAG_ROOM**2 * each.covariance_parameters
+    variance_s2 = OPTIONS.lag_room**2 * each.covariance_parameters
     later = (second - first) / apart_s
     is_first = float(ndtr(later))
     squares_s2 = (
@@ -179,8 +188,8 @@ def _fit(
     """axes_apart: those that have an offset each; none: all share one."""
     nuisance_sigma = [sigma for channel in channels for sigma in channel.nuisance_sigma]
     clocks = max(len(axes_apart), 1)
-    offset_sigmas_s = [_OFFSET_SIGMA_S] * clocks
-    prior_weights = 1.0 / np.array([DRIFT_SIGMA, *offset_sigmas_s, *nuisance_sigma]) ** 2
+    offset_sigmas_s = [OPTIONS.offset_sigma_s] * clocks
+    prior_weights = 1.0 / np.array([OPTIONS.drift_sigma, *offset_sigmas_s, *nuisance_sigma]) ** 2
     parameters = np.zeros(len(prior_weights))
     parameters[1 : 1 + clocks] = start_offset_s
     places = _places(channels, axes_apart)
@@ -188,7 +197,7 @@ def _fit(
         off, _ = _residual(channel, parameters, columns)
         parameters[columns[2]] = np.median(off) if len(off) else 0.0
     scale_by_channel = np.full(len(channels), np.inf)
-    for _ in range(_ROUNDS_MAX):
+    for _ in range(OPTIONS.rounds_max):
         normal, right_parameters = np.diag(prior_weights), -prior_weights * parameters
         right_parameters[1 : 1 + clocks] = 0.0  # nothing is known of offsets beforehand
         for number, (channel, columns) in enumerate(zip(channels, places, strict=True)):
@@ -231,13 +240,13 @@ def _scale(error: Array) -> float:
     if not len(error):
         return 1.0
     middle = np.median(error)
-    return max(1.4826 * float(np.median(np.abs(error - middle))), _SCALE_MIN)
+    return max(1.4826 * float(np.median(np.abs(error - middle))), OPTIONS.scale_min)
 
 
 def _weight(error: Array, scale: float) -> Array:
     """Huber's, over the scale squared."""
     size = np.abs(error) / scale
-    return np.asarray(np.minimum(1.0, _HUBER / np.maximum(size, 1e-300)) / scale**2)
+    return np.asarray(np.minimum(1.0, OPTIONS.huber / np.maximum(size, 1e-300)) / scale**2)
 
 
 def _solve(normal: Array, right_parameters: Array) -> Array:
@@ -259,7 +268,7 @@ def _covariance(
     Source: Huber 1981, sec. 7.6; blocks as clusters: Liang and Zeger 1986, eq. 6.
     """
     normal = np.diag(prior_weights)
-    scores = np.zeros((_BLOCKS, len(parameters)))
+    scores = np.zeros((OPTIONS.blocks, len(parameters)))
     spread = np.zeros_like(normal)
     for channel, columns, scale in zip(channels, places, scale_by_channel, strict=True):
         residual, slope = _residual(channel, parameters, columns)
@@ -269,12 +278,12 @@ def _covariance(
         normal[np.ix_(columns, columns)] += slope.T @ (weight[:, None] * slope)
         score = (weight * residual)[:, None] * slope
         spread[np.ix_(columns, columns)] += score.T @ score
-        block = np.arange(len(residual)) * _BLOCKS // len(residual)
+        block = np.arange(len(residual)) * OPTIONS.blocks // len(residual)
         first = np.searchsorted(block, np.unique(block))
         scores[np.ix_(np.unique(block), columns)] += np.add.reduceat(score, first, axis=0)
     unit = 1.0 / np.sqrt(np.diag(normal))
     inverse = np.linalg.inv(normal * np.outer(unit, unit)) * np.outer(unit, unit)
-    together = scores.T @ scores * _BLOCKS / (_BLOCKS - 3.0)
+    together = scores.T @ scores * OPTIONS.blocks / (OPTIONS.blocks - 3.0)
     white, clustered = (
         inverse @ (np.diag(prior_weights) + middle) @ inverse for middle in (spread, together)
     )
@@ -288,7 +297,7 @@ def _cost(channels: Sequence[Channel], fit: _Fit) -> float:
     for channel, columns in zip(channels, _places(channels), strict=True):
         residual, _ = _residual(channel, fit.parameters, columns)
         planned, _ = channel.planned(channel.tag_s)
-        room = max(float(np.std(planned)), _SCALE_MIN)
+        room = max(float(np.std(planned)), OPTIONS.scale_min)
         inside = float(np.sum(np.minimum(np.abs(residual) / room, 1.0)))
         total += inside + 0.5 * (len(channel.tag_s) - len(residual))
         rows += len(channel.tag_s)

@@ -9,11 +9,19 @@ import numpy as np
 from planner.base.arrays import Array, Indices, Mask
 from planner.inflight.telemetry.samples import Dropped
 
-SAME_TAG_S = 1e-6
-PART_ROWS_MIN = 10  # fewer in order are a few rows late, no clock that began anew
-_OVERLAP_MIN = 0.2  # of a part's rows, with an earlier one's time
-_COARSE_MIN = 0.2  # of the rows; fewer are packets sent again
-_ROOM = 2.5  # steps from row to row that noise may put a late row off
+
+@dataclass(frozen=True, kw_only=True)
+class CleaningOptions:
+    """Which rows of a file are late, sent again, or of a clock that began anew."""
+
+    same_tag_s: float = 1e-6  # a microsecond, the resolution of a time tag
+    part_rows_min: int = 10  # fewer in order are a few rows late, no clock that began anew
+    overlap_min: float = 0.2  # of a part's rows, with an earlier one's time
+    coarse_min: float = 0.2  # of the rows; fewer are packets sent again
+    room: float = 2.5  # steps from row to row that noise may put a late row off
+
+
+OPTIONS = CleaningOptions()
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +50,7 @@ def order(tag_s: Array, value: Array) -> Ordered:
     row = row[kept]
     reordered = int(np.sum(tag_s[row] < np.maximum.accumulate(tag_s[row]))) if len(row) else 0
     row = row[np.argsort(tag_s[row], kind="stable")]
-    is_new = np.diff(tag_s[row], prepend=-np.inf) > SAME_TAG_S
+    is_new = np.diff(tag_s[row], prepend=-np.inf) > OPTIONS.same_tag_s
     dropped["repeated"] = int(np.sum(~is_new))
     return Ordered(row[is_new], dropped, reordered, _notes(tag_s[row], value[row], is_new))
 
@@ -51,7 +59,7 @@ def _notes(tag_s: Array, value: Array, is_new: Mask) -> tuple[str, ...]:
     """tag_s: increasing, as are the rows of value."""
     first = np.maximum.accumulate(np.where(is_new, np.arange(len(is_new)), 0))
     differs = ~is_new & ~((value == value[first]) | ~np.isfinite(value)).all(axis=1)
-    if differs.sum() < _COARSE_MIN * len(is_new):
+    if differs.sum() < OPTIONS.coarse_min * len(is_new):
         return ()
     step_s = float(np.median(np.diff(tag_s[is_new]))) if is_new.sum() > 1 else 0.0
     return (
@@ -63,9 +71,11 @@ def _notes(tag_s: Array, value: Array, is_new: Mask) -> tuple[str, ...]:
 
 def _longest_between_resets(tag_s: Array, value: Array) -> Mask:
     """A clock that began anew gives times that it gave before to other values."""
-    starts = [0, *(np.flatnonzero(np.diff(tag_s) < -SAME_TAG_S) + 1), len(tag_s)]
+    starts = [0, *(np.flatnonzero(np.diff(tag_s) < -OPTIONS.same_tag_s) + 1), len(tag_s)]
     parts = [
-        range(first, last) for first, last in pairwise(starts) if last - first >= PART_ROWS_MIN
+        range(first, last)
+        for first, last in pairwise(starts)
+        if last - first >= OPTIONS.part_rows_min
     ]
     longest = max(parts, key=len, default=range(0))
     kept = np.ones(len(tag_s), dtype=bool)
@@ -78,10 +88,12 @@ def _longest_between_resets(tag_s: Array, value: Array) -> Mask:
 def _contradicts(tag_s: Array, value: Array, part: range, longest: range) -> bool:
     mine, other = (slice(one.start, one.stop) for one in (part, longest))
     inside = (tag_s[mine] >= tag_s[other][0]) & (tag_s[mine] <= tag_s[other][-1])
-    if inside.mean() < _OVERLAP_MIN:
+    if inside.mean() < OPTIONS.overlap_min:
         return False
     place = np.clip(np.searchsorted(tag_s[other], tag_s[mine][inside]), 1, len(longest) - 1)
     low, high = value[other][place - 1], value[other][place]
-    off = np.abs(value[mine][inside] - 0.5 * (low + high)) > _ROOM * np.abs(high - low) + 1e-12
+    off = (
+        np.abs(value[mine][inside] - 0.5 * (low + high)) > OPTIONS.room * np.abs(high - low) + 1e-12
+    )
     told = np.isfinite(value[mine][inside]) & np.isfinite(low) & np.isfinite(high)
     return bool(told.any()) and float(off[told].mean()) > 0.5

@@ -8,7 +8,13 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.errors import InvalidInput
-from planner.inflight.telemetry.alignment import LATE_SIGMA, Alignment, ClockEstimate
+from planner.inflight.telemetry.alignment import (
+    OPTIONS as ALIGNMENT_OPTIONS,
+)
+from planner.inflight.telemetry.alignment import (
+    Alignment,
+    ClockEstimate,
+)
 from planner.inflight.telemetry.cleaning import order
 from planner.inflight.telemetry.clock import tell_clock
 from planner.inflight.telemetry.columns import RAD_BY_UNIT, Kind, TelemetryColumn
@@ -274,7 +280,7 @@ def _notes_on_errors(axes: Sequence[AxisComparison]) -> list[str]:
         if lag_s is None:
             notes.append(no_lag(axis.name, axis.followed))
             continue
-        is_late = lag_s.value > LATE_SIGMA * lag_s.sigma
+        is_late = lag_s.value > ALIGNMENT_OPTIONS.late_sigma * lag_s.sigma
         is_told = bool(jump or is_late or axis.oscillations or axis.stick_slip)
         note = (
             outliers_left(axis.name, axis.followed)

@@ -11,14 +11,24 @@ from planner.inflight.telemetry.noise import row_noise, sensor_step
 from planner.world.platforms import AxisLimits
 
 Limit = Literal["angle_min", "angle_max", "rate", "acceleration"]
-_SIGMA = 5.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExceededOptions:
+    """When a limit is told to have been exceeded."""
+
+    sigma: float = 5.0  # of the noise, by which a limit must be passed
+    rows_min: int = 7  # of a stretch, so that a cubic through it leaves some to tell the noise by
+    apart_s: float = 1.0  # what is beyond again sooner is the same stretch
+    noise_max: float = 0.2  # of a limit: with more, nothing is told of it
+
+
+OPTIONS = ExceededOptions()
+
 _SLOPE_S: dict[Limit, float] = {
     "rate": 0.4,
     "acceleration": 1.0,
 }  # of which the motion is a parabola, and a cubic
-_ROWS_MIN = 7
-_APART_S = 1.0  # what is beyond again sooner is the same stretch
-_NOISE_MAX = 0.2  # of a limit: with more, nothing is told of it
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +51,7 @@ def limits_exceeded(followed: Followed, limits: AxisLimits) -> tuple[list[Exceed
     angle_rad = followed.motion.angle_rad(t_s) + followed.error_rad
     if followed.basis == "angles":
         checked += ["angle_min", "angle_max"]
-        margin = _SIGMA * max(row_noise(angle_rad), 0.5 * sensor_step(angle_rad))
+        margin = OPTIONS.sigma * max(row_noise(angle_rad), 0.5 * sensor_step(angle_rad))
         low, high = limits.angle_min_rad, limits.angle_max_rad
         found += _beyond("angle_min", t_s, -angle_rad, -low, margin, -1.0)
         found += _beyond("angle_max", t_s, angle_rad, high, margin, 1.0)
@@ -54,9 +64,9 @@ def limits_exceeded(followed: Followed, limits: AxisLimits) -> tuple[list[Exceed
         told = False
         for run in followed.runs:
             value, noise = _motion(followed, run, order, _SLOPE_S[limit], step)
-            if value is not None and noise < _NOISE_MAX * bound:
+            if value is not None and noise < OPTIONS.noise_max * bound:
                 told = True
-                found += _either_way(limit, t_s[run], value, bound, _SIGMA * noise)
+                found += _either_way(limit, t_s[run], value, bound, OPTIONS.sigma * noise)
         if told:
             checked.append(limit)
     return sorted(found, key=lambda one: one.start_s), checked
@@ -71,7 +81,7 @@ def _motion(
     step: of the sensor, by half of which a row may be off.
     """
     t_s, error, motion = followed.t_s[run], followed.error_rad[run], followed.motion
-    if len(t_s) < _ROWS_MIN:
+    if len(t_s) < OPTIONS.rows_min:
         return None, 0.0
     planned = motion.rate_rad_s(t_s) if order == 1 else motion.acceleration_rad_s2(t_s)
     if followed.rate_rad_s is not None:
@@ -82,7 +92,7 @@ def _motion(
     if order == 0:
         return planned + error, noise
     step_s = (t_s[-1] - t_s[0]) / (len(t_s) - 1)
-    rows = max(_ROWS_MIN, 2 * round(0.5 * span_s / step_s) + 1)
+    rows = max(OPTIONS.rows_min, 2 * round(0.5 * span_s / step_s) + 1)
     if rows > len(t_s):
         return None, 0.0
     # SciPy's signals take 0.2 s to import, which only a comparison should pay.
@@ -111,7 +121,7 @@ def _beyond(
 ) -> list[Exceeded]:
     beyond = np.flatnonzero(value > bound + margin)
     found = []
-    for rows in np.split(beyond, np.flatnonzero(np.diff(t_s[beyond]) > _APART_S) + 1):
+    for rows in np.split(beyond, np.flatnonzero(np.diff(t_s[beyond]) > OPTIONS.apart_s) + 1):
         if not len(rows):
             continue
         first, last = rows[0], rows[-1] + 1

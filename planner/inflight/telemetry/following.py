@@ -12,11 +12,24 @@ from planner.world.frames.time_scales import elapsed_s
 from planner.world.plan import Segment, SegmentKind
 
 Basis = Literal["angles", "rates"]
-# A longer step is a gap, counted in usual ones: half a step more than so many, and a clock's rate.
-GAP_STEPS, GAP_MIN_S = 4.0, 0.5
-_CLOCK_SHARE = 1e-3
-_SPIKE_ROWS, _AROUND_ROWS = 7, 64
-_USUAL_PERCENT, _SPIKE_TIMES = 80.0, 6.0  # of noise: 1.28 sigma, so that spikes are beyond 7.7
+
+
+@dataclass(frozen=True, kw_only=True)
+class FollowingOptions:
+    """What is a gap between rows, and what is a spike."""
+
+    # a longer step is a gap, counted in usual ones; half a step more, for a row that is late
+    gap_steps: float = 4.0
+    gap_min_s: float = 0.5  # where rows are dense: shorter than that nothing is missed
+    clock_share: float = 1e-3  # by which a clock's rate may lengthen a step
+    spike_rows: int = 7  # of the median that a spike stands out from: of three rows at most
+    around_rows: int = 64  # of whose noise it is measured
+    usual_percent: float = 80.0  # of the deviations: 1.28 sigma of white noise
+    spike_times: float = 6.0  # of that: so that spikes are beyond 7.7 sigma
+
+
+OPTIONS = FollowingOptions()
+
 _SPIKE_MIN_RAD, _SPIKE_MIN_RAD_S = np.radians(5.0 / 3600.0), np.radians(20.0 / 3600.0)
 
 
@@ -73,18 +86,18 @@ def spikes(error: Array, least: float) -> Mask:
     Up to three in a row; far is judged by how the rows around differ from their neighbours.
     """
     count = len(error)
-    if count < _SPIKE_ROWS:
+    if count < OPTIONS.spike_rows:
         return np.zeros(count, dtype=bool)
     from scipy.ndimage import maximum_filter1d, median_filter
 
-    off = np.abs(error - median_filter(error, _SPIKE_ROWS, mode="nearest"))
-    blocks = -(-count // _AROUND_ROWS)
+    off = np.abs(error - median_filter(error, OPTIONS.spike_rows, mode="nearest"))
+    blocks = -(-count // OPTIONS.around_rows)
     padded = np.pad(
-        off, (0, blocks * _AROUND_ROWS - count), mode="reflect" if blocks > 1 else "wrap"
+        off, (0, blocks * OPTIONS.around_rows - count), mode="reflect" if blocks > 1 else "wrap"
     )
-    usual = np.percentile(padded.reshape(blocks, -1), _USUAL_PERCENT, axis=1)
-    around = np.repeat(maximum_filter1d(usual, 3, mode="nearest"), _AROUND_ROWS)[:count]
-    return np.asarray(off > np.maximum(_SPIKE_TIMES * around, least))
+    usual = np.percentile(padded.reshape(blocks, -1), OPTIONS.usual_percent, axis=1)
+    around = np.repeat(maximum_filter1d(usual, 3, mode="nearest"), OPTIONS.around_rows)[:count]
+    return np.asarray(off > np.maximum(OPTIONS.spike_times * around, least))
 
 
 def spikes_of_angles(error_rad: Array) -> Mask:
@@ -103,7 +116,10 @@ def gap_starts(t_s: Array) -> tuple[int, ...]:
         return (0,)
     step_s = np.diff(t_s)
     usual_s = float(np.median(step_s))
-    most = np.floor(max(GAP_STEPS, GAP_MIN_S / usual_s) * (1.0 + _CLOCK_SHARE)) + 0.5
+    most = (
+        np.floor(max(OPTIONS.gap_steps, OPTIONS.gap_min_s / usual_s) * (1.0 + OPTIONS.clock_share))
+        + 0.5
+    )
     return (0, *(int(row) + 1 for row in np.flatnonzero(step_s > most * usual_s)))
 
 

@@ -1,15 +1,24 @@
 """How finely a column tells: the noise of a row by itself, and the sensor's step."""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from planner.base.arrays import Array
 
-_LATTICE_MIN = 0.9  # of the gaps between values, to be whole multiples of the least
-_WHOLE = 0.02
-# Fewer values may lie so by chance, unless each comes again and again.
-_VALUES_MIN, _REPEATED = 20, 0.25
+
+@dataclass(frozen=True, kw_only=True)
+class LatticeOptions:
+    """When a column's values lie on the steps of a sensor."""
+
+    lattice_min: float = 0.9  # of the gaps between values, to be whole multiples of the least
+    whole: float = 0.02  # of a step, off the lattice: digits printed round it
+    values_min: int = 20  # fewer may lie so by chance,
+    repeated: float = 0.25  # unless each comes again and again: values over rows
+
+
+OPTIONS = LatticeOptions()
 
 
 def row_noise(error: Array) -> float:
@@ -26,8 +35,10 @@ def sensor_step(value: Array) -> float:
         return 0.0
     gaps = np.diff(np.sort(finite))
     gaps = gaps[gaps > 1e-12 * max(float(np.abs(finite).max()), 1e-3)]
-    if not len(gaps) or (len(gaps) > _REPEATED * len(finite) and len(gaps) < _VALUES_MIN):
+    if not len(gaps) or (
+        len(gaps) > OPTIONS.repeated * len(finite) and len(gaps) < OPTIONS.values_min
+    ):
         return 0.0
     counts = gaps / gaps.min()
-    is_whole = np.abs(counts - np.round(counts)) < _WHOLE
-    return float(gaps.min()) if is_whole.mean() > _LATTICE_MIN else 0.0
+    is_whole = np.abs(counts - np.round(counts)) < OPTIONS.whole
+    return float(gaps.min()) if is_whole.mean() > OPTIONS.lattice_min else 0.0

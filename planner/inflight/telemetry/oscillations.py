@@ -15,16 +15,26 @@ from planner.base.arrays import Array
 from planner.inflight.telemetry.following import Followed
 from planner.inflight.telemetry.noise import sensor_step
 
-_WINDOWS_S = (24.0, 60.0)  # short ones for swings that come and go, long ones for slow swings
-_WINDOW_ROWS_MIN = 32
-_CYCLES_MIN = 4.0  # of a window
-_CYCLES_SLOW = 3.0  # of a window: what peaks here is drift, or a swing too slow to be told from it
-_ROWS_PER_CYCLE_MIN = 2.2
-_SHARE_MIN = 0.35  # of a window's variance
-_FALSE_ALARM = 1e-6  # in a window of noise
-_ABOVE_OTHERS = 30.0  # times the median power: a hump of slow noise is no line
-_ALIKE = 0.15  # of the frequency: one oscillation from window to window
-_FALLS_TO = 0.5
+
+@dataclass(frozen=True, kw_only=True)
+class OscillationOptions:
+    """When a peak of an error's spectrum is told as an oscillation."""
+
+    # short ones for swings that come and go, long ones for slow swings
+    windows_s: tuple[float, float] = (24.0, 60.0)
+    window_rows_min: int = 32  # of a spectrum
+    cycles_min: float = 4.0  # of a window
+    # of a window: what peaks here is drift, or a swing too slow to be told from it
+    cycles_slow: float = 3.0
+    rows_per_cycle_min: float = 2.2  # beside the Nyquist frequency lines are mirrored
+    share_min: float = 0.35  # of a window's variance
+    false_alarm: float = 1e-6  # in a window of noise
+    above_others: float = 30.0  # times the median power: a hump of slow noise is no line
+    alike: float = 0.15  # of the frequency: one oscillation from window to window
+    falls_to: float = 0.5  # of its height: there an oscillation begins and ends
+
+
+OPTIONS = OscillationOptions()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,7 +83,7 @@ def searched_hz(followed: Followed) -> tuple[float, float] | None:
 
 
 def _long_enough(followed: Followed) -> list[slice]:
-    return [run for run in followed.runs if run.stop - run.start >= _WINDOW_ROWS_MIN]
+    return [run for run in followed.runs if run.stop - run.start >= OPTIONS.window_rows_min]
 
 
 def _step_s(t_s: Array) -> float:
@@ -82,12 +92,15 @@ def _step_s(t_s: Array) -> float:
 
 def _sizes(rows: int, step_s: float) -> set[int]:
     """Rows of the windows in a run of so many."""
-    return {min(rows, max(_WINDOW_ROWS_MIN, round(span_s / step_s))) for span_s in _WINDOWS_S}
+    return {
+        min(rows, max(OPTIONS.window_rows_min, round(span_s / step_s)))
+        for span_s in OPTIONS.windows_s
+    }
 
 
 def _band_hz(size: int, step_s: float) -> tuple[float, float]:
     """Frequencies that a window of so many rows tells."""
-    return _CYCLES_MIN / (size * step_s), 1.0 / (_ROWS_PER_CYCLE_MIN * step_s)
+    return OPTIONS.cycles_min / (size * step_s), 1.0 / (OPTIONS.rows_per_cycle_min * step_s)
 
 
 def _in_run(t_s: Array, error_rad: Array) -> list[Oscillation]:
@@ -120,18 +133,18 @@ def _line_hz(error_rad: Array, step_s: float) -> float | None:
     frequency_hz = np.fft.rfftfreq(padded, step_s)
     span_s = count * step_s
     lowest_hz, highest_hz = _band_hz(count, step_s)
-    usable = frequency_hz >= _CYCLES_SLOW / span_s
+    usable = frequency_hz >= OPTIONS.cycles_slow / span_s
     peak = int(np.flatnonzero(usable)[np.argmax(power[usable])])
     if not lowest_hz <= frequency_hz[peak] <= highest_hz:
         return None
-    if power[peak] < _ABOVE_OTHERS * float(np.median(power[usable])):
+    if power[peak] < OPTIONS.above_others * float(np.median(power[usable])):
         return None
     best_hz = _refined_hz(left, step_s, float(frequency_hz[peak]), 1.0 / span_s)
     _, rest = _sinusoid(left, _even_s(count, step_s), best_hz)
     explained = 1.0 - float(np.mean(rest**2)) / variance
     # Power over the noise's, of the best among so many frequencies of pure noise.
     chance = 0.5 * count * math.exp(-0.5 * count * explained / max(1.0 - explained, 1e-12) / 2.0)
-    return best_hz if explained > _SHARE_MIN and chance < _FALSE_ALARM else None
+    return best_hz if explained > OPTIONS.share_min and chance < OPTIONS.false_alarm else None
 
 
 def _refined_hz(error_rad: Array, step_s: float, frequency_hz: float, room_hz: float) -> float:
@@ -176,7 +189,7 @@ def _joined(lines: list[_Line]) -> list[_Line]:
 
 
 def _is_same(line: _Line, earlier: _Line) -> bool:
-    is_alike = abs(line.frequency_hz - earlier.frequency_hz) < _ALIKE * earlier.frequency_hz
+    is_alike = abs(line.frequency_hz - earlier.frequency_hz) < OPTIONS.alike * earlier.frequency_hz
     return is_alike and line.start_s <= earlier.stop_s
 
 
@@ -185,7 +198,7 @@ def _oscillation(even_s: Array, even_rad: Array, line: _Line, step_s: float) -> 
     rows = slice(*np.searchsorted(even_s, [line.start_s, line.stop_s]))
     t_s, error_rad = even_s[rows], even_rad[rows]
     envelope = _envelope(t_s, error_rad, line.frequency_hz, step_s)
-    high = np.flatnonzero(envelope > _FALLS_TO * np.percentile(envelope, 90.0))
+    high = np.flatnonzero(envelope > OPTIONS.falls_to * np.percentile(envelope, 90.0))
     t_s, error_rad = t_s[high[0] : high[-1] + 1], error_rad[high[0] : high[-1] + 1]
     if (t_s[-1] - t_s[0]) * line.frequency_hz < 2.0:
         return None

@@ -11,12 +11,23 @@ from planner.inflight.telemetry.columns import RAD_BY_UNIT, AngleUnit, Kind, Tel
 from planner.inflight.telemetry.motion import PlannedMotion
 
 OFFSET_MAX_S = 120.0
-_STEP_S = 0.4  # well within what a fit finds from there: axes take seconds to change their rate
-_ROWS = 400  # of each column, evenly
+
+
+@dataclass(frozen=True, kw_only=True)
+class ColumnSearchOptions:
+    """How the offset of a clock is sought, and which column fits which axis."""
+
+    # well within what a fit finds from there: axes take seconds to change their rate
+    step_s: float = 0.4
+    rows: int = 400  # of each column, evenly
+    fits: float = 0.25  # of what the motion would be off by if it weren't it
+    as_good: float = 0.02  # misfits that the step between offsets makes of columns that fit
+    clearly: float = 0.2  # of the named unit's misfit, for another to be believed instead
+
+
+OPTIONS = ColumnSearchOptions()
+
 STILL = {"angle": np.radians(0.05), "rate": np.radians(0.005)}  # less motion tells nothing
-_FITS = 0.25  # of what the motion would be off by if it weren't it
-_AS_GOOD = 0.02  # misfits that the step between offsets makes of columns that fit
-_CLEARLY = 0.2  # of the named unit's misfit, for another to be believed instead
 _TURN_RAD = 2.0 * np.pi
 
 
@@ -33,8 +44,8 @@ class Tried:
 
 def offsets_s() -> Array:
     """Those tried; the telemetry's clock ahead where positive."""
-    count = round(OFFSET_MAX_S / _STEP_S)
-    return np.asarray(np.arange(-count, count + 1) * _STEP_S, dtype=np.float64)
+    count = round(OFFSET_MAX_S / OPTIONS.step_s)
+    return np.asarray(np.arange(-count, count + 1) * OPTIONS.step_s, dtype=np.float64)
 
 
 def in_units(
@@ -55,7 +66,7 @@ def in_units(
     total = np.zeros(len(offsets_s()))
     for column, units in zip(sure, tried, strict=True):
         one = units[column.meaning.unit]
-        total = total + one.misfit_share / (one.least + _AS_GOOD)
+        total = total + one.misfit_share / (one.least + OPTIONS.as_good)
     # Of equals, as in a steady track, the least offset.
     best = np.flatnonzero(total <= total.min() * (1.0 + 1e-9) + 1e-12)
     return sure, float(min(offsets_s()[best], key=abs))
@@ -70,10 +81,10 @@ def _told_by_itself(
     if named is not None:
         # What hardly moves in a unit fits it where the plan rests.
         moves = np.nanstd(column.value) * RAD_BY_UNIT[best] / column.meaning.per_s
-        is_wrong = least < min(_FITS, _CLEARLY * tried[named].least)
+        is_wrong = least < min(OPTIONS.fits, OPTIONS.clearly * tried[named].least)
         is_wrong = is_wrong and bool(moves > STILL[column.meaning.kind])
         return _as(column, best) if is_wrong else column
-    return _as(column, best) if least < min(_FITS, 0.5 * second) else None
+    return _as(column, best) if least < min(OPTIONS.fits, 0.5 * second) else None
 
 
 def _told_by_others(column: TelemetryColumn, known: list[TelemetryColumn]) -> TelemetryColumn:
@@ -115,7 +126,7 @@ def _tried(
     rows = rows[inside]
     if not len(rows):
         return [Tried(np.ones(len(offsets_s())))] * len(scales_rad)
-    rows = rows[np.unique(np.linspace(0, len(rows) - 1, _ROWS).round().astype(np.intp))]
+    rows = rows[np.unique(np.linspace(0, len(rows) - 1, OPTIONS.rows).round().astype(np.intp))]
     t_s = tag_s[rows] - offsets_s()[:, None]
     planned = _planned(motion, kind, t_s)
     is_within = motion.is_within(t_s)

@@ -16,16 +16,28 @@ from planner.inflight.telemetry.following import Followed
 from planner.inflight.telemetry.noise import row_noise, sensor_step
 from planner.inflight.telemetry.staircase import Staircase, fit_staircase, swing_squares
 
-_WINDOW = 288  # of averaged rows
-_COARSER = (1, 2, 4, 8, 16)
-_ABOVE_NOISE = 4.0  # sigmas that a window's squares are beyond those of noise, to be looked at
-_CLEARLY = 80.0  # squares over the noise's: errors that wander by chance come to 63
-_SLIPS_MIN = 3
-_SHARE_MIN = 0.3  # of the time stuck: a swing about the command stands still for 0.25 at most
-_QUANTA_MIN = 3.0  # of an encoder's steps in a slip
-_EXACT_RAD = 1e-10  # JSON's ninth decimal of a degree is 2e-11
+
+@dataclass(frozen=True, kw_only=True)
+class StickSlipOptions:
+    """When an axis is told to have stuck and slipped."""
+
+    window: int = 288  # of averaged rows
+    coarser: tuple[int, ...] = (1, 2, 4, 8, 16)  # rows averaged: slow slips show in many
+    # sigmas that a window's squares are beyond those of noise, to be looked at
+    above_noise: float = 4.0
+    clearly: float = 80.0  # squares over the noise's: errors that wander by chance come to 63
+    slips_min: int = 3  # fewer are no series
+    # of the time stuck: a swing about the command stands still for 0.25 at most
+    share_min: float = 0.3
+    quanta_min: float = 3.0  # of an encoder's steps in a slip
+    exact_rad: float = 1e-10  # JSON's ninth decimal of a degree is 2e-11
+    # faster is no creeping: what is told then is a servo's swing
+    rate_max_rad_s: float = np.radians(0.2)
+
+
+OPTIONS = StickSlipOptions()
+
 _RATE_MIN_RAD_S = np.radians(0.5 / 3600.0)
-_RATE_MAX_RAD_S = np.radians(0.2)  # faster is no creeping: what is told then is a servo's swing
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,7 +78,9 @@ def stick_slip(followed: Followed) -> list[StickSlip]:
         if len(t_s) < 8:
             continue
         rate_rad_s = followed.motion.rate_rad_s(t_s)
-        creeps = (np.abs(rate_rad_s) > _RATE_MIN_RAD_S) & (np.abs(rate_rad_s) < _RATE_MAX_RAD_S)
+        creeps = (np.abs(rate_rad_s) > _RATE_MIN_RAD_S) & (
+            np.abs(rate_rad_s) < OPTIONS.rate_max_rad_s
+        )
         kind = np.where(creeps, np.sign(rate_rad_s), 0.0)
         ends = [0, *(np.flatnonzero(np.diff(kind)) + 1).tolist(), len(kind)]
         noise_rad = row_noise(followed.error_rad[run])
@@ -85,25 +99,25 @@ def _in_stretch(
     if command_rad[-1] < command_rad[0]:
         command_rad, error_rad = -command_rad, -error_rad
     found: list[StickSlip] = []
-    for coarser in _COARSER:
+    for coarser in OPTIONS.coarser:
         first = 0
         while first < len(t_s) - 8:
-            moves_rad = float(np.median(np.diff(command_rad[first : first + _WINDOW])))
+            moves_rad = float(np.median(np.diff(command_rad[first : first + OPTIONS.window])))
             # Averaged until the command moves by the noise of an average.
             least = (noise_rad / max(moves_rad, 1e-15)) ** (2.0 / 3.0)
             each = coarser * int(min(max(0.5 * least, 1.0), len(t_s)))
-            count = min(_WINDOW, (len(t_s) - first) // each)
+            count = min(OPTIONS.window, (len(t_s) - first) // each)
             if count >= 8:
                 part = slice(first, first + count * each)
                 averages = [
                     one[part].reshape(count, each).mean(axis=1)
                     for one in (t_s, error_rad, command_rad)
                 ]
-                variance_rad2 = noise_rad**2 / each + quantum_rad**2 / 12.0 + _EXACT_RAD**2
+                variance_rad2 = noise_rad**2 / each + quantum_rad**2 / 12.0 + OPTIONS.exact_rad**2
                 window = _Rows(averages[0], averages[1], averages[2], variance_rad2)
                 one = _in_window(window, quantum_rad)
                 found += [one] if one else []
-            first += max(_WINDOW // 2 * each, 1)
+            first += max(OPTIONS.window // 2 * each, 1)
     return found
 
 
@@ -113,7 +127,7 @@ def _in_window(rows: _Rows, quantum_rad: float) -> StickSlip | None:
     trend = np.polynomial.legendre.legvander(place, 2)
     left = rows.error_rad - trend @ np.linalg.lstsq(trend, rows.error_rad, rcond=None)[0]
     free = len(left) - 3
-    if np.sum(left**2) < rows.variance_rad2 * (free + _ABOVE_NOISE * math.sqrt(2.0 * free)):
+    if np.sum(left**2) < rows.variance_rad2 * (free + OPTIONS.above_noise * math.sqrt(2.0 * free)):
         return None
     variance_rad2 = rows.variance_rad2
     for _ in range(3):  # errors that neither explains are noise, too
@@ -122,7 +136,7 @@ def _in_window(rows: _Rows, quantum_rad: float) -> StickSlip | None:
             break
         variance_rad2 = stairs.left_variance_rad2
     stands = [part for part in stairs.parts if part.stands]
-    if len(stands) < _SLIPS_MIN:
+    if len(stands) < OPTIONS.slips_min:
         return None
     first, last = stands[0].first, stands[-1].last
     if last < len(rows.t_s):  # the slip that ends it
@@ -151,8 +165,8 @@ def _told(rows: _Rows, quantum_rad: float) -> StickSlip | None:
         caught_up.append(float(ends.max() - rows.error_rad[stands[-1].last - 1]))
     slips = [one for one in caught_up if one > 0.0]
     share = float(stairs.stands(len(rows.t_s)).mean())
-    least_rad = _QUANTA_MIN * quantum_rad
-    if len(slips) < _SLIPS_MIN or share < _SHARE_MIN or np.median(slips) <= least_rad:
+    least_rad = OPTIONS.quanta_min * quantum_rad
+    if len(slips) < OPTIONS.slips_min or share < OPTIONS.share_min or np.median(slips) <= least_rad:
         return None
     return StickSlip(
         start_s=float(rows.t_s[0]),
@@ -167,14 +181,14 @@ def _told(rows: _Rows, quantum_rad: float) -> StickSlip | None:
 def _is_clear(rows: _Rows, cost: float) -> bool:
     """Whether standing leaves so much less than following and than a swing do."""
     follows = _stairs(rows, rows.variance_rad2, may_stand=False).cost
-    if follows - cost < _CLEARLY:
+    if follows - cost < OPTIONS.clearly:
         return False
     # Errors that come and go by chance, and swings, look alike to a command turned round.
     turned = _Rows(rows.t_s, rows.error_rad, -rows.command_rad, rows.variance_rad2)
     least = cost + follows - _stairs(turned, rows.variance_rad2, may_stand=True).cost
-    if follows - least < _CLEARLY:
+    if follows - least < OPTIONS.clearly:
         return False
-    return swing_squares(rows.t_s, rows.error_rad, rows.variance_rad2) - least >= _CLEARLY
+    return swing_squares(rows.t_s, rows.error_rad, rows.variance_rad2) - least >= OPTIONS.clearly
 
 
 def _apart(found: list[StickSlip]) -> list[StickSlip]:

@@ -1,6 +1,7 @@
 """Whether telemetry is of this plan at all: columns that hold nothing of its motion are refused."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,13 +14,21 @@ from planner.inflight.telemetry.samples import SAMPLES_MIN
 from planner.inflight.telemetry.search import OFFSET_MAX_S, STILL, misfit_share
 from planner.world.frames.time_scales import utc_text
 
-_BLOCKS = 40  # whose medians noise and outliers hardly move
-_STRAYS = 0.3  # of the motion's spread: what is off by more isn't on its plan
-# Where many rows are put outside the plan, a part of its motion may be met by chance: a constant
-# isn't free then.
-_OUTSIDE_MAX = 0.3
-_DRIFT_MAX = 0.02  # a share of time; what gains more is no clock
-_FITS = 0.1  # of the motion: clearly another axis's, or turned the other way
+
+@dataclass(frozen=True, kw_only=True)
+class StrayOptions:
+    """When a column is told not to be of its axis."""
+
+    blocks: int = 40  # whose medians noise and outliers hardly move
+    strays: float = 0.3  # of the motion's spread: what is off by more isn't on its plan
+    # share of rows outside the plan: with more a constant isn't free, since part of its motion
+    # may be met by chance
+    outside_max: float = 0.3
+    drift_max: float = 0.02  # a share of time; what gains more is no clock
+    fits: float = 0.1  # of the motion: clearly another axis's, or turned the other way
+
+
+OPTIONS = StrayOptions()
 
 
 def require_followed(
@@ -47,7 +56,7 @@ def require_followed(
             field="samples.epoch",
         )
     gain = alignment.drift.value
-    if any(told) and abs(gain) > _DRIFT_MAX:
+    if any(told) and abs(gain) > OPTIONS.drift_max:
         raise InvalidInput(
             f"the samples fit the plan only by a clock that gains {100.0 * gain:+.2g} % of time, "
             "and no clock does: they are in another unit, of axes that stopped, of another plan, "
@@ -83,13 +92,13 @@ def follows(value: Array, kind: Kind, t_s: Array, motion: PlannedMotion) -> bool
     spread = float(np.std(planned))
     if spread < STILL[kind]:
         return None
-    if np.mean(~is_within) <= _OUTSIDE_MAX:
-        return bool(np.std(off) < _STRAYS * spread)
-    return bool(np.sqrt(np.mean(off**2)) < _STRAYS * spread)
+    if np.mean(~is_within) <= OPTIONS.outside_max:
+        return bool(np.std(off) < OPTIONS.strays * spread)
+    return bool(np.sqrt(np.mean(off**2)) < OPTIONS.strays * spread)
 
 
 def _medians(value: Array) -> Array:
-    parts = np.array_split(value, min(_BLOCKS, len(value)))
+    parts = np.array_split(value, min(OPTIONS.blocks, len(value)))
     return np.array([np.median(part) for part in parts])
 
 
@@ -111,7 +120,7 @@ def _why(columns: Sequence[TelemetryColumn], tag_s: Array, motions: Sequence[Pla
                 tag_s,
                 motions[(column.meaning.axis + is_swapped) % len(motions)],
             )
-            < _FITS
+            < OPTIONS.fits
             for column in columns
         ):
             return f", but {words}"

@@ -3,6 +3,7 @@ telemetry sampled faster than its sensor, and one value in place of those that a
 
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,12 +13,21 @@ from planner.inflight.telemetry.motion import PlannedMotion
 from planner.inflight.telemetry.noise import sensor_step
 from planner.inflight.telemetry.samples import Dropped
 
-_SAME_MIN = 0.2  # of the rows in which the plan moves by more than the sensor's steps
-_RUNS_MIN = 10  # fewer are an axis that stood
-_STEPS_CLEAR = 2.0
-_FILL_ROWS_MIN, _FILL_MIN = 10, 0.02  # of rows, and their share: fewer are outliers
-_FILLS_MAX = 3  # values
-_FILL_FAR = 5.0  # times farther from the plan than nine in ten of the others
+
+@dataclass(frozen=True, kw_only=True)
+class UnmeasuredOptions:
+    """Which values were never measured: repeated ones, and fills."""
+
+    same_min: float = 0.2  # of the rows in which the plan moves by more than the sensor's steps
+    runs_min: int = 10  # fewer are an axis that stood
+    steps_clear: float = 2.0  # of the sensor, by which the plan must move
+    fill_rows_min: int = 10  # fewer are outliers
+    fill_min: float = 0.02  # as a share of all rows
+    fills_max: int = 3  # values
+    fill_far: float = 5.0  # times farther from the plan than nine in ten of the others
+
+
+OPTIONS = UnmeasuredOptions()
 
 
 def leave_out_unmeasured(
@@ -72,10 +82,10 @@ def held_rows(value: Array, planned_value: Array) -> Mask:
     if not is_same.any():
         return held
     # An encoder's values stay the same, too, while the plan moves by less than its step.
-    is_clear = np.abs(np.diff(planned_value[own])) > _STEPS_CLEAR * sensor_step(value[own])
+    is_clear = np.abs(np.diff(planned_value[own])) > OPTIONS.steps_clear * sensor_step(value[own])
     stays = is_same & is_clear
     runs = int(np.sum(np.diff(stays.astype(np.int8), prepend=0) == 1))
-    if runs >= _RUNS_MIN and stays.sum() > _SAME_MIN * is_clear.sum():
+    if runs >= OPTIONS.runs_min and stays.sum() > OPTIONS.same_min * is_clear.sum():
         held[own[1:][is_same]] = True
     return held
 
@@ -84,17 +94,21 @@ def filled_rows(value: Array, planned_value: Array) -> Mask:
     """Rows that hold one value far from the plan, again and again, (n,).  value, planned_value: see
     `held_rows`."""
     filled = np.zeros(len(value), dtype=bool)
-    for _ in range(_FILLS_MAX):
+    for _ in range(OPTIONS.fills_max):
         own = np.flatnonzero(np.isfinite(value) & ~filled)
-        if len(own) < 2 * _FILL_ROWS_MIN:
+        if len(own) < 2 * OPTIONS.fill_rows_min:
             break
         values, counts = np.unique(value[own], return_counts=True)
         is_it = value[own] == values[int(np.argmax(counts))]
         runs = int(np.sum(np.diff(is_it.astype(np.int8), prepend=0) == 1))
-        if is_it.all() or runs < 3 or is_it.sum() < max(_FILL_ROWS_MIN, _FILL_MIN * len(own)):
+        if (
+            is_it.all()
+            or runs < 3
+            or is_it.sum() < max(OPTIONS.fill_rows_min, OPTIONS.fill_min * len(own))
+        ):
             break
         off = np.abs(value[own] - planned_value[own])
-        if np.median(off[is_it]) < _FILL_FAR * np.percentile(off[~is_it], 90.0):
+        if np.median(off[is_it]) < OPTIONS.fill_far * np.percentile(off[~is_it], 90.0):
             break
         filled[own[is_it]] = True
     return filled

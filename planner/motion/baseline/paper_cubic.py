@@ -3,7 +3,7 @@
 import math
 import time
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,10 +14,18 @@ from planner.motion.slew.solution import AxisProfile, SlewSolution, violations
 from planner.world.platforms import AxisLimits
 from planner.world.scenario import SlewOptions
 
-RATE_SHARE = 2.0 / 3.0  # effective 2 of 3 deg/s, Sumarokov 2016, p. 91
-ACCELERATION_SHARE = 0.8  # effective 0.8 of 1 deg/s2, ibid.
-KNOTS_PER_LAG = 8  # quintic pieces follow the filter's exponential to 1e-9 of its size
-SETTLED_LAGS = 24  # e^-24: then the exponential is below rounding
+
+@dataclass(frozen=True, kw_only=True)
+class PaperSplineOptions:
+    """The paper's spline, and how closely its filter is followed."""
+
+    rate_share: float = 2.0 / 3.0  # effective 2 of 3 deg/s, Sumarokov 2016, p. 91
+    acceleration_share: float = 0.8  # effective 0.8 of 1 deg/s2, ibid.
+    knots_per_lag: int = 8  # quintic pieces follow the filter's exponential to 1e-9 of its size
+    settled_lags: int = 24  # e^-24: then the exponential is below rounding
+
+
+OPTIONS = PaperSplineOptions()
 
 
 def paper_slew(problem: SlewProblem, options: SlewOptions) -> SlewSolution:
@@ -95,8 +103,8 @@ def paper_duration_s(problem: SlewProblem) -> float:
 
 
 def _axis_duration_s(start: AxisState, end: AxisState, limits: AxisLimits) -> float:
-    v = RATE_SHARE * limits.rate_max_rad_s
-    a = ACCELERATION_SHARE * limits.acceleration_max_rad_s2
+    v = OPTIONS.rate_share * limits.rate_max_rad_s
+    a = OPTIONS.acceleration_share * limits.acceleration_max_rad_s2
     delta = end.angle_rad - start.angle_rad
     towards = math.copysign(v, delta) if delta else 0.0
     return abs(delta) / v + abs(start.rate_rad_s - towards) / a + abs(towards - end.rate_rad_s) / a
@@ -145,8 +153,8 @@ def _filter_cubic(start: AxisState, aim: AxisState, duration_s: float, lag_s: fl
         ]
     )
     transient = start.angle_rad - steady[0]
-    settled_s = min(SETTLED_LAGS * lag_s, duration_s)
-    count = max(math.ceil(settled_s / lag_s * KNOTS_PER_LAG), 1)
+    settled_s = min(OPTIONS.settled_lags * lag_s, duration_s)
+    count = max(math.ceil(settled_s / lag_s * OPTIONS.knots_per_lag), 1)
     knots_s = np.linspace(0.0, settled_s, count + 1)
     if settled_s < duration_s:
         knots_s = np.append(knots_s, duration_s)

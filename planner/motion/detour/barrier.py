@@ -30,15 +30,29 @@ from planner.motion.slew.problem import AxisState, SlewProblem
 from planner.world.platforms import AxisLimits, FieldMask
 
 Mask = NDArray[np.bool_]
-CELLS_RAD = (math.radians(1.2), math.radians(0.6))
-FINE_CELLS_RAD = (math.radians(0.3), math.radians(0.15))
-FLOOD_CELLS_MAX = 1_000_000_000  # 3 s
-LAYER_MAX = 10_000_000  # cells: 90 MB
-LAYERS_MIN = 60
-LAYER, CELLS_A_ROW = 5, 3_000  # of `effort`
-SIDES_A_ROW = 200  # of masks beside a cell
-ROUNDING = 1e-6  # of a cell
-CAUGHT_S, CAUGHT_STEP_S = 4.0, 0.1
+
+
+@dataclass(frozen=True, kw_only=True)
+class BarrierOptions:
+    """How finely a slew that cones forbid is proved impossible."""
+
+    # before a detour is sought: most slews that cones shut are proved in these, the wide first
+    cells_rad: tuple[float, ...] = (math.radians(1.2), math.radians(0.6))
+    # where none was found and the reason is asked for: thinner barriers leak less
+    fine_cells_rad: tuple[float, ...] = (math.radians(0.3), math.radians(0.15))
+    flood_cells_max: int = 1_000_000_000  # 3 s
+    layer_max: int = 10_000_000  # cells: 90 MB
+    layers_min: int = 60  # of a short slew, so that what is within reach of its ends is not blurred
+    layer: int = 5  # of `effort`: a layer, and
+    cells_a_row: int = 3_000  # so many of its cells as one
+    sides_a_row: int = 200  # of masks beside a cell, for one of `effort`
+    rounding: float = 1e-6  # of a cell
+    # from either end: moving axes may be inside a region before they can stop
+    caught_s: float = 4.0
+    caught_step_s: float = 0.1  # between the moments at which that is looked for
+
+
+OPTIONS = BarrierOptions()
 
 
 def is_barred(
@@ -55,7 +69,7 @@ def is_barred(
 
 def _shuts(problem: SlewProblem, view: KeepOutView, duration_s: float, cell_rad: float) -> bool:
     rate = max(limits.rate_max_rad_s for limits in problem.limits)
-    layers = max(math.ceil(duration_s * rate / cell_rad), LAYERS_MIN)
+    layers = max(math.ceil(duration_s * rate / cell_rad), OPTIONS.layers_min)
     t_s = np.linspace(0.0, duration_s, layers + 1)
     axes = [
         _axis_cells(t_s, start, end, limits)
@@ -71,8 +85,8 @@ def _shuts(problem: SlewProblem, view: KeepOutView, duration_s: float, cell_rad:
         ]
         size = math.prod(max(span.stop - span.start, 0) for span in spans)
         cells += size
-        effort.charge(LAYER + size / CELLS_A_ROW)
-        if size > LAYER_MAX or cells > FLOOD_CELLS_MAX:
+        effort.charge(OPTIONS.layer + size / OPTIONS.cells_a_row)
+        if size > OPTIONS.layer_max or cells > OPTIONS.flood_cells_max:
             return False
         wet = _with_neighbours(wet)[_within(spans, corner)]
         if size and masks:
@@ -129,7 +143,7 @@ class _AxisCells(NamedTuple):
 
 
 def _axis_cells(t_s: Array, start: AxisState, end: AxisState, limits: AxisLimits) -> _AxisCells:
-    size = limits.rate_max_rad_s * float(t_s[1]) * (1.0 + ROUNDING)
+    size = limits.rate_max_rad_s * float(t_s[1]) * (1.0 + OPTIONS.rounding)
     low, high = tube(t_s, start, end, limits)
     below = math.ceil((start.angle_rad - low.min()) / size) + 1
     lowest = start.angle_rad - (below + 0.5) * size
@@ -137,10 +151,10 @@ def _axis_cells(t_s: Array, start: AxisState, end: AxisState, limits: AxisLimits
     return _AxisCells(
         edges_rad=lowest + size * np.arange(count + 1),
         start=below,
-        low_rad=low - ROUNDING * size,
-        high_rad=high + ROUNDING * size,
-        first=np.floor((low - lowest) / size - ROUNDING).astype(int).tolist(),
-        last=np.floor((high - lowest) / size + ROUNDING).astype(int).tolist(),
+        low_rad=low - OPTIONS.rounding * size,
+        high_rad=high + OPTIONS.rounding * size,
+        first=np.floor((low - lowest) / size - OPTIONS.rounding).astype(int).tolist(),
+        last=np.floor((high - lowest) / size + OPTIONS.rounding).astype(int).tolist(),
     )
 
 
@@ -189,7 +203,7 @@ class MasksOverCells:
         self._view = view
         self._middles_rad = [(edges[:-1] + edges[1:]) / 2.0 for edges in edges_rad]
         sizes_rad = [float(edges[1] - edges[0]) for edges in edges_rad]
-        self._reach_rad = sum(sizes_rad) / 2.0 * (1.0 + ROUNDING)
+        self._reach_rad = sum(sizes_rad) / 2.0 * (1.0 + OPTIONS.rounding)
         shape = tuple(len(middles) for middles in self._middles_rad)
         self._is_known, self._is_inside = np.zeros(shape, dtype=bool), np.zeros(shape, dtype=bool)
 
@@ -210,8 +224,8 @@ class MasksOverCells:
                 reach_rad = min(polygon.reach_rad + mask.margin_rad, math.pi)
                 near = boresight @ polygon.middle_direction > math.cos(reach_rad)
                 effort.charge(
-                    len(near) / CELLS_A_ROW
-                    + near.sum() * len(polygon.corner_directions) / SIDES_A_ROW
+                    len(near) / OPTIONS.cells_a_row
+                    + near.sum() * len(polygon.corner_directions) / OPTIONS.sides_a_row
                 )
                 inside[near] |= mask.depth_rad(boresight[near]) > self._reach_rad
             self._is_inside[window][new] = inside
@@ -235,7 +249,9 @@ def catching_region(
     problem: SlewProblem, view: KeepOutView, duration_s: float
 ) -> MovingCone | FieldMask | None:
     """Into which the motion at an end leads, which jerk limits from changing at once."""
-    since_s = np.arange(CAUGHT_STEP_S, min(CAUGHT_S, duration_s / 2.0), CAUGHT_STEP_S)
+    since_s = np.arange(
+        OPTIONS.caught_step_s, min(OPTIONS.caught_s, duration_s / 2.0), OPTIONS.caught_step_s
+    )
     off_rad = [limits.jerk_max_rad_s3 * since_s**3 / 6.0 for limits in problem.limits]
     for side, sign in ((problem.start, 1.0), (problem.end, -1.0)):
         angle = np.stack(

@@ -7,7 +7,9 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.world.platforms.spherical_polygon import (
-    STRAIGHT,
+    OPTIONS as POLYGON_OPTIONS,
+)
+from planner.world.platforms.spherical_polygon import (
     SphericalPolygon,
     polygon_to_the_left,
     seen_on_plane,
@@ -31,7 +33,9 @@ def convex_parts(polygon: SphericalPolygon) -> tuple[SphericalPolygon, ...]:
 
 
 def _cut(p: Array, ring: Ring) -> list[Ring]:
-    reflex = [k for k in range(len(ring)) if _turn(p, *_around(ring, k)) < -STRAIGHT]
+    reflex = [
+        k for k in range(len(ring)) if _turn(p, *_around(ring, k)) < -POLYGON_OPTIONS.straight
+    ]
     if not reflex:
         return [ring]
     begin = reflex[0]

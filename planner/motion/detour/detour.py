@@ -2,17 +2,25 @@
 
 import math
 import time
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.effort import WorkLimitReached
 from planner.base.errors import InfeasibleSlew
-from planner.motion.detour.barrier import CELLS_RAD, FINE_CELLS_RAD, catching_region, is_barred
+from planner.motion.detour.barrier import OPTIONS as BARRIER_OPTIONS
+from planner.motion.detour.barrier import catching_region, is_barred
 from planner.motion.detour.ends import free_part, with_part_replaced
 from planner.motion.detour.passage import rough_paths
-from planner.motion.detour.search import TOUCH_RAD, Detour, DetourSearch, slew_entry
+from planner.motion.detour.search import (
+    OPTIONS as DETOUR_SEARCH_OPTIONS,
+)
+from planner.motion.detour.search import (
+    Detour,
+    DetourSearch,
+    slew_entry,
+)
 from planner.motion.detour.spline_ocp import SplineOcp, graded_ocp, ocp_on_all_rows
 from planner.motion.pointing.keep_out import KeepOutView, MovingCone
 from planner.motion.slew.flown import rows_in
@@ -20,18 +28,34 @@ from planner.motion.slew.problem import SlewProblem
 from planner.motion.slew.solution import SlewSolution
 from planner.world.platforms import FieldMask
 
-SPANS = 32  # costs 1e-4 more than 48, and a fifth less time
-FINER_SPANS = 64
-SIDE_INSTANTS = 60  # of the straight slew, at which a side step must be outside
+
+@dataclass(frozen=True, kw_only=True)
+class DetourOptions:
+    """From how many guesses a way around cones is sought, and how good it must be."""
+
+    spans: int = 32  # costs 1e-4 more than 48, and a fifth less time
+    finer_spans: int = 64  # where a way found in the others can't be flown in rows
+    side_instants: int = 60  # of the straight slew, at which a side step must be outside
+    # share of the slew in which a side step takes no middle: there its ends hold it
+    near_ends: float = 0.15
+    # of a slew: a base of a spline that is free on each row grows with their square
+    rows_all_free_max: int = 200
+    # times the straight slew's cost: then it's worth while to look for better ones
+    dear: float = 4.0
+    # guesses that wander from end to end, where a way is dear or none was found
+    wanderings: int = 24
+    wandering_rad: float = 2.0  # by so much, over `WAVES`
+    # of the cost: then the optimum has neighbours between the instants, maybe cheaper ones
+    large_play: float = 0.02
+    kicks: int = 8  # guesses beside such a way
+    kick_rad: float = 0.3  # by so much, likewise
+    spared: float = 0.97  # of the acceleration limit, where the flown Hermite passed it
+
+
+OPTIONS = DetourOptions()
+
 ASIDE_RAD = np.concatenate([[0.02, 0.05], np.linspace(0.1, 3.0, 30)])
-NEAR_ENDS = 0.15
-ROWS_ALL_FREE_MAX = 200
-DEAR = 4.0  # times the straight slew's cost: then it's worth while to look for better ones
-WANDERINGS, WANDERING_RAD = 24, 2.0
 WAVES = np.arange(1, 5)  # half waves; with three, or 1.5 rad, one slew of 12 found no way
-LARGE_PLAY = 0.02
-KICKS, KICK_RAD = 8, 0.3
-SPARED = 0.97  # of the acceleration limit, where the flown Hermite passed it
 Region = MovingCone | FieldMask
 
 
@@ -51,7 +75,7 @@ def avoid_cones(
         return solution
     began_s = time.perf_counter()
     entry = slew_entry(solution.profiles, problem.keep_out)
-    if entry.depth_rad <= -TOUCH_RAD:
+    if entry.depth_rad <= -DETOUR_SEARCH_OPTIONS.touch_rad:
         return solution
     _require_ends_outside(problem, problem.keep_out, solution.duration_s)
     catching = catching_region(problem, problem.keep_out, solution.duration_s)
@@ -59,7 +83,9 @@ def avoid_cones(
         raise _no_way(solution, (catching,))
     found = _between_ends(solution, problem.keep_out, thorough=thorough, prove=prove)
     if found is None:
-        if prove and is_barred(problem, problem.keep_out, solution.duration_s, FINE_CELLS_RAD):
+        if prove and is_barred(
+            problem, problem.keep_out, solution.duration_s, BARRIER_OPTIONS.fine_cells_rad
+        ):
             raise _no_way(solution, _blocking(solution, problem.keep_out))
         regions = problem.keep_out.regions
         raise InfeasibleSlew(
@@ -112,13 +138,13 @@ def _between_ends(
     if found is None:
         return None
     profiles = with_part_replaced(straight, begins_s, found.profiles)
-    if slew_entry(profiles, view).depth_rad > -TOUCH_RAD:
+    if slew_entry(profiles, view).depth_rad > -DETOUR_SEARCH_OPTIONS.touch_rad:
         return _around(straight, view, thorough=thorough, prove=prove)
     return found._replace(profiles=profiles)
 
 
 def _require_way(straight: SlewSolution, view: KeepOutView) -> None:
-    if is_barred(straight.problem, view, straight.duration_s, CELLS_RAD):
+    if is_barred(straight.problem, view, straight.duration_s, BARRIER_OPTIONS.cells_rad):
         raise _no_way(straight, _blocking(straight, view))
 
 
@@ -138,7 +164,7 @@ def _around(
     Where that is dear or fails too, guesses that wander: not all, where the work that may be done
     ends before and some way is found.
     """
-    spline = graded_ocp(SPANS)
+    spline = graded_ocp(OPTIONS.spans)
     search = DetourSearch(straight, view, spline)
     found = search.near(_both_sides(view, straight, spline))
     sides_fail = not any(one.off_rows or math.isfinite(one.cost) for one in found)
@@ -148,7 +174,7 @@ def _around(
         found += _along_rough_paths(straight, view)
     best, cut_short = min(found, key=lambda one: one.cost), False
     if thorough:
-        dear = sides_fail or best.cost > DEAR * straight.jerk_squared_integral
+        dear = sides_fail or best.cost > OPTIONS.dear * straight.jerk_squared_integral
         try:
             found += _more(straight, search, spline, best, dear=dear)
         except WorkLimitReached:
@@ -168,7 +194,7 @@ def _along_rough_paths(straight: SlewSolution, view: KeepOutView) -> list[Detour
     t_s, paths = rough_paths(straight.problem, view, straight.duration_s)
     found: list[Detour] = []
     for path in paths:
-        for spans in (SPANS, FINER_SPANS):
+        for spans in (OPTIONS.spans, OPTIONS.finer_spans):
             search = DetourSearch(straight, view, graded_ocp(spans))
             found += search.near((_aside_along(straight, search.spline, t_s, path),))
             if any(one.off_rows or math.isfinite(one.cost) for one in found):
@@ -181,12 +207,12 @@ def _more(
 ) -> list[Detour]:
     """From guesses near a way that has neighbours, and from any where it is dear or none."""
     found: list[Detour] = []
-    if math.isfinite(best.cost) and best.play_share > LARGE_PLAY:
+    if math.isfinite(best.cost) and best.play_share > OPTIONS.large_play:
         aside = _aside_of(best, straight, spline)
-        asides = tuple(aside + kick for kick in _waves(spline, KICKS, KICK_RAD))
+        asides = tuple(aside + kick for kick in _waves(spline, OPTIONS.kicks, OPTIONS.kick_rad))
         found += search.near(asides, start="wide")
     if dear:
-        found += search.near(_waves(spline, WANDERINGS, WANDERING_RAD))
+        found += search.near(_waves(spline, OPTIONS.wanderings, OPTIONS.wandering_rad))
     return found
 
 
@@ -196,7 +222,7 @@ def _blocking(straight: SlewSolution, view: KeepOutView) -> tuple[Region, ...]:
         return view.regions
     for region in view.regions:
         alone = view.only(region)
-        if is_barred(straight.problem, alone, straight.duration_s, CELLS_RAD):
+        if is_barred(straight.problem, alone, straight.duration_s, BARRIER_OPTIONS.cells_rad):
             return (region,)
     return view.regions
 
@@ -215,8 +241,11 @@ def _ways_out(regions: tuple[Region, ...]) -> str:
 def _on_rows(straight: SlewSolution, view: KeepOutView, near: Detour) -> list[Detour]:
     """Again from one that rows can't carry: with acceleration to spare, then with jerk on rows."""
     rows = rows_in(straight.duration_s)
-    bases = [(graded_ocp(SPANS), SPARED), (graded_ocp(FINER_SPANS), SPARED)]
-    if rows <= ROWS_ALL_FREE_MAX:
+    bases = [
+        (graded_ocp(OPTIONS.spans), OPTIONS.spared),
+        (graded_ocp(OPTIONS.finer_spans), OPTIONS.spared),
+    ]
+    if rows <= OPTIONS.rows_all_free_max:
         bases.append((ocp_on_all_rows(rows), 1.0))
     found: list[Detour] = []
     for spline, share in bases:
@@ -242,11 +271,11 @@ def _aside_along(straight: SlewSolution, spline: SplineOcp, t_s: Array, path_rad
 def _both_sides(view: KeepOutView, straight: SlewSolution, spline: SplineOcp) -> tuple[Array, ...]:
     """How far to step aside at the spline's `greville_tau` instants, (2, k), to either side."""
     T = straight.duration_s
-    tau = (np.arange(SIDE_INSTANTS) + 0.5) / SIDE_INSTANTS
+    tau = (np.arange(OPTIONS.side_instants) + 0.5) / OPTIONS.side_instants
     angle, rate, _, _ = straight.motion(tau * T)
     depth = view.depths_rad(tau * T, angle).max(axis=0)
     worst = int(np.argmax(depth))
-    middle = float(np.clip(tau[worst], NEAR_ENDS, 1.0 - NEAR_ENDS))
+    middle = float(np.clip(tau[worst], OPTIONS.near_ends, 1.0 - OPTIONS.near_ends))
     speed = float(np.linalg.norm(rate[worst]))
     ahead = rate[worst] / speed if speed > 0.0 else np.array([1.0, 0.0])
     across = np.array([-ahead[1], ahead[0]])

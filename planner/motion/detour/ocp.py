@@ -5,6 +5,7 @@ between boresight and a cap's axis is bilinear in the cosines and sines of the t
 so that one solver serves every platform and every cap, another one at every instant.
 """
 
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import product
 from typing import TYPE_CHECKING, Literal, NamedTuple
@@ -13,7 +14,13 @@ import numpy as np
 
 from planner.base.arrays import Array, Mask
 from planner.base.solvers import Answer, Options, Solver, SolverRun, Work
-from planner.motion.detour.spline_ocp import ITERATION_ENTRY, AxisProgramme, SplineOcp
+from planner.motion.detour.spline_ocp import (
+    OPTIONS as SPLINE_PROGRAMME_OPTIONS,
+)
+from planner.motion.detour.spline_ocp import (
+    AxisProgramme,
+    SplineOcp,
+)
 from planner.motion.pointing.angles import cosine_coefficients
 from planner.motion.slew.solution import AxisProfile
 from planner.world.platforms import TwoAxisPlatform
@@ -21,11 +28,22 @@ from planner.world.platforms import TwoAxisPlatform
 if TYPE_CHECKING:
     import casadi
 
-COARSE_POINTS, FINE_POINTS = 60, 160
-NOT_COUNTING = 1e3  # beyond any scaled cosine
-# Of `effort`: a solve and each of its caps' instants; a row or variable in an iteration,
-# as caps fill what is factorised.
-SOLVE, SOLVE_INSTANT, ITERATION_ROW = 300, 10, 0.4
+
+@dataclass(frozen=True, kw_only=True)
+class DetourProgrammeOptions:
+    """How a detour's programme is sampled, and what solving it takes."""
+
+    coarse_points: int = 60  # instants at which caps hold for a far guess, and
+    fine_points: int = 160  # near the end, with the caps kept
+    not_counting: float = 1e3  # beyond any scaled cosine
+    solve: int = 300  # of `effort`: a solve
+    solve_instant: int = 10  # and each instant of its caps
+    # of `effort`: a row or variable in an iteration, as caps fill what is factorised
+    iteration_row: float = 0.4
+
+
+OPTIONS = DetourProgrammeOptions()
+
 # How a solve begins: from far guesses; from such and led off wide of them, to other optima; or
 # near its end, with the caps kept at many instants.
 Start = Literal["far", "wide", "near"]
@@ -72,7 +90,7 @@ class DetourOcp:
     def __init__(self, spline: SplineOcp, caps: int, *, with_modes: bool, start: Start) -> None:
         self._spline, self._caps, self.start = spline, caps, start
         self._with_modes = with_modes
-        points = FINE_POINTS if start == "near" else COARSE_POINTS
+        points = OPTIONS.fine_points if start == "near" else OPTIONS.coarse_points
         self.tau = np.linspace(0.0, 1.0, points + 2)[1:-1]
         self._values = spline.value_matrices(self.tau)
 
@@ -144,7 +162,10 @@ class DetourOcp:
         linear = casadi.MX.sym("hull", rows.shape[0])
         instants, size = parts.cosines.numel(), parts.y.numel()
         full = size**2 / 2.0 if self._with_modes else 0.0  # entries of the hessians
-        iteration = ITERATION_ROW * (rows.numel() + instants + size) + ITERATION_ENTRY * full
+        iteration = (
+            OPTIONS.iteration_row * (rows.numel() + instants + size)
+            + SPLINE_PROGRAMME_OPTIONS.iteration_entry * full
+        )
         return Solver(
             {
                 "x": parts.y,
@@ -153,7 +174,7 @@ class DetourOcp:
                 "g": casadi.vertcat(rows, parts.cosines),
             },
             STARTS[self.start],
-            Work(SOLVE + SOLVE_INSTANT * instants, iteration),
+            Work(OPTIONS.solve + OPTIONS.solve_instant * instants, iteration),
             # CasADi takes up to 40 s to find it by differentiation where modes fill it.
             hessian=casadi.Function(
                 "nlp_hess_l",
@@ -184,7 +205,7 @@ class DetourOcp:
         half_rad = caps.half_angle_rad.ravel()
         steepness = np.maximum(np.sin(half_rad), 1e-3)
         cosine = cosine_coefficients(platform, caps.axis_platform.reshape(-1, 3))
-        most = np.where(caps.counts.ravel(), np.cos(half_rad) / steepness, NOT_COUNTING)
+        most = np.where(caps.counts.ravel(), np.cos(half_rad) / steepness, OPTIONS.not_counting)
         base = [
             axis.start_angle_rad
             + axis.scale_rad * self._values.fixed_matrix @ axis.fixed_coefficients

@@ -6,6 +6,7 @@ out of reach from either end, are left out: a mask may be a boom thinner than a 
 """
 
 import math
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -17,11 +18,22 @@ from planner.motion.detour.barrier import Mask, tube
 from planner.motion.pointing.keep_out import KeepOutView
 from planner.motion.slew.problem import AxisState, SlewProblem
 
-STEPS_S = (1.0, 0.5, 0.25)  # cells of 3, 1.5 and 0.75 deg at 3 deg/s
-LAYERS_MIN, LAYERS_MAX = 60, 600  # 200 MB at most
-LAYER, CELLS_A_ROW = 5, 2_000  # of `effort`
-SIDES_A_ROW = 200
-SMOOTHING_SHARES = (0.12, 0.04)  # of the duration: over so much a path of cells is averaged
+
+@dataclass(frozen=True, kw_only=True)
+class PassageOptions:
+    """How finely ways through the cells between cones are sought."""
+
+    steps_s: tuple[float, ...] = (1.0, 0.5, 0.25)  # cells of 3, 1.5 and 0.75 deg at 3 deg/s
+    layers_min: int = 60  # of a short slew
+    layers_max: int = 600  # 200 MB at most
+    layer: int = 5  # of `effort`: a layer, and
+    cells_a_row: int = 2_000  # so many of its cells as one
+    sides_a_row: int = 200  # of masks beside a cell, for one of `effort`
+    # of the duration: over so much a path of cells is averaged
+    smoothing_shares: tuple[float, ...] = (0.12, 0.04)
+
+
+OPTIONS = PassageOptions()
 
 
 def rough_paths(
@@ -31,7 +43,7 @@ def rough_paths(
 
     The paths are angles (k, 2) each, none where the finest cells leave no way.
     """
-    for step_s in STEPS_S:
+    for step_s in OPTIONS.steps_s:
         t_s, paths_rad = _paths_in_cells(problem, view, duration_s, step_s)
         if paths_rad:
             break
@@ -49,7 +61,7 @@ class _AxisGrid(NamedTuple):
 def _paths_in_cells(
     problem: SlewProblem, view: KeepOutView, duration_s: float, longest_s: float
 ) -> tuple[Array, tuple[Array, ...]]:
-    layers = int(np.clip(np.ceil(duration_s / longest_s), LAYERS_MIN, LAYERS_MAX))
+    layers = int(np.clip(np.ceil(duration_s / longest_s), OPTIONS.layers_min, OPTIONS.layers_max))
     t_s = np.linspace(0.0, duration_s, layers + 1)
     axes = []
     for start, end, limits in zip(problem.start, problem.end, problem.limits, strict=True):
@@ -64,7 +76,7 @@ def _paths_in_cells(
         return t_s, ()
     cells = _back(flooded, start_cell, end_cell)
     path = np.stack([axes[axis].middles_rad[cells[:, axis]] for axis in range(2)], axis=1)
-    return t_s, tuple(_smooth(path, problem, share) for share in SMOOTHING_SHARES)
+    return t_s, tuple(_smooth(path, problem, share) for share in OPTIONS.smoothing_shares)
 
 
 def _cell(state: tuple[AxisState, ...], axes: list[_AxisGrid]) -> tuple[int, ...]:
@@ -100,7 +112,7 @@ def _flood(
             for one, wide in zip(window, around, strict=True)
         )
         reached = _with_neighbours(flooded[layer - 1][around])[inside] & is_open[window]
-        effort.charge(LAYER + reached.size * (1 + len(cones)) / CELLS_A_ROW)
+        effort.charge(OPTIONS.layer + reached.size * (1 + len(cones)) / OPTIONS.cells_a_row)
         for towards, counts, edge in cones:
             if counts[layer]:
                 reached &= boresight[window] @ towards[layer] < edge
@@ -119,7 +131,8 @@ def _off_masks(view: KeepOutView, boresight_platform: Array, apart_rad: float) -
         reach_rad = min(polygon.reach_rad + mask.margin_rad + apart_rad, math.pi)
         near = boresight_platform @ polygon.middle_direction > math.cos(reach_rad)
         effort.charge(
-            near.size / CELLS_A_ROW + near.sum() * len(polygon.corner_directions) / SIDES_A_ROW
+            near.size / OPTIONS.cells_a_row
+            + near.sum() * len(polygon.corner_directions) / OPTIONS.sides_a_row
         )
         found[near] &= mask.depth_rad(boresight_platform[near]) < -apart_rad
     return found

@@ -5,7 +5,7 @@ leaves no play between them for a dozen optima that differ only in how they stra
 """
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -21,20 +21,37 @@ from planner.motion.slew.solution import AxisProfile, SlewSolution, obeys
 from planner.world.platforms import AxisLimits
 
 Profiles = tuple[AxisProfile, AxisProfile]
-TOUCH_RAD = 1e-6  # the flown Hermite may leave the plan by half of it
-ROUGH_MARGIN_RAD = math.radians(0.1)
-MARGINS_RAD = (math.radians(0.02), math.radians(0.1))  # the first one between many instants
+
+
+@dataclass(frozen=True, kw_only=True)
+class DetourSearchOptions:
+    """Margins by which a path keeps out, and which paths are worth refining."""
+
+    touch_rad: float = 1e-6  # the flown Hermite may leave the plan by half of it
+    # between few instants a path may sink so far into a cone
+    rough_margin_rad: float = math.radians(0.1)
+    # the first one between many instants
+    margins_rad: tuple[float, float] = (math.radians(0.02), math.radians(0.1))
+    margin_rise: float = 0.05  # share of the slew over which the margin grows from its ends
+    sinking: int = 8  # looks between two instants of few
+    # deeper than a path can sink between two of few instants
+    hopeless_rad: float = math.radians(4.0)
+    # times the cost of a path: where that path was good, a dearer one isn't refined
+    worth_share: float = 1.01
+    worth_plays: float = 4.0  # nor one dearer by so many times its play
+    alike: float = 1e-3  # in cost: the same optimum again
+    refined_max: int = 4  # of the guesses tried at once
+    # may need a wider margin only near an end, where it is cut
+    shallow_rad: float = math.radians(0.02)
+    # half of it is deeper than a path can sink between many instants
+    sunk_rad: float = math.radians(1.0)
+    # share of a depth that a margin wider by it leaves only to a path through the cone
+    stuck: float = 0.5
+
+
+OPTIONS = DetourSearchOptions()
+
 MARGIN_GROWTHS_RAD = np.radians([0.002, 0.01, 0.05, 0.1])  # in a gap 0.02 at once costs 5 %
-MARGIN_RISE = 0.05  # share of the slew over which the margin grows from its ends
-SINKING = 8  # looks between two instants of few
-HOPELESS_RAD = math.radians(4.0)  # deeper than a path can sink between two of few instants
-# Times the cost of a path, and of its play: where that path was good, a dearer one isn't refined.
-WORTH_SHARE, WORTH_PLAYS = 1.01, 4.0
-ALIKE = 1e-3  # in cost: the same optimum again
-REFINED_MAX = 4  # of the guesses tried at once
-SHALLOW_RAD = math.radians(0.02)  # may need a wider margin only near an end, where it is cut
-SUNK_RAD = math.radians(1.0)  # half of it is deeper than a path can sink between many instants
-STUCK = 0.5  # share of a depth that a margin wider by it leaves only to a path through the cone
 # How often a mask's caps are taken, at most: with 4 far ones 15 slews cost the same and took 1.4
 # times as long, with 2 near ones they cost up to 4 % more.
 EXCHANGES = {"far": 2, "wide": 2, "near": 3}
@@ -103,9 +120,9 @@ class DetourSearch:
         found: list[Detour] = []
         dearest = math.inf
         for one in rough:
-            again = any(abs(one.cost / cost - 1.0) < ALIKE for cost in costs)
+            again = any(abs(one.cost / cost - 1.0) < OPTIONS.alike for cost in costs)
             good = sum(math.isfinite(detour.cost) for detour in found)
-            enough = good == REFINED_MAX or one.cost > dearest
+            enough = good == OPTIONS.refined_max or one.cost > dearest
             if not math.isfinite(one.cost) or enough or again:
                 found.append(one._replace(cost=math.inf))
                 continue
@@ -113,24 +130,25 @@ class DetourSearch:
             found.append(self._refine(one))
             if math.isfinite(found[-1].cost):
                 dearest = min(
-                    dearest, one.cost * (WORTH_SHARE + WORTH_PLAYS * found[-1].play_share)
+                    dearest,
+                    one.cost * (OPTIONS.worth_share + OPTIONS.worth_plays * found[-1].play_share),
                 )
         return found
 
     def _solve_roughly(self, aside_rad: Array, start: Start) -> Detour:
         ocp = self._ocp(start)
         guess = self._guess(self._straight.profiles, aside_rad)
-        profiles, run = self._solve(ocp, guess, ROUGH_MARGIN_RAD)
-        t_s = np.linspace(0.0, self._straight.duration_s, SINKING * (len(ocp.tau) + 1) + 1)
+        profiles, run = self._solve(ocp, guess, OPTIONS.rough_margin_rad)
+        t_s = np.linspace(0.0, self._straight.duration_s, OPTIONS.sinking * (len(ocp.tau) + 1) + 1)
         angle = np.stack([profile.evaluate(t_s)[0] for profile in profiles], axis=1)
         depth_rad = float(self._view.depths_rad(t_s, angle).max())
         return Detour(
             profiles=profiles,
-            cost=math.inf if depth_rad > HOPELESS_RAD else _cost(profiles),
+            cost=math.inf if depth_rad > OPTIONS.hopeless_rad else _cost(profiles),
             off_rows=False,
             run=run,
             iterations=run.iterations or 0,
-            sunk_rad=depth_rad + ROUGH_MARGIN_RAD,
+            sunk_rad=depth_rad + OPTIONS.rough_margin_rad,
         )
 
     def _refine(self, rough: Detour) -> Detour:
@@ -138,18 +156,20 @@ class DetourSearch:
         profiles, run, iterations = rough.profiles, rough.run, rough.iterations
         # Between instants so much nearer a path that curves alike sinks less by the square.
         nearer = (len(self._ocp("far").tau) + 1) / (len(ocp.tau) + 1)
-        margin_rad = float(np.clip(nearer**2 * rough.sunk_rad, *MARGINS_RAD))
-        depth_rad = SUNK_RAD
+        margin_rad = float(np.clip(nearer**2 * rough.sunk_rad, *OPTIONS.margins_rad))
+        depth_rad = OPTIONS.sunk_rad
         for growth_rad in MARGIN_GROWTHS_RAD:
             guess = self._guess(profiles, np.zeros((2, self.spline.free_count)))
             profiles, run = self._solve(ocp, guess, margin_rad)
             iterations += run.iterations or 0
             before_rad, depth_rad = depth_rad, slew_entry(profiles, self._view).depth_rad
-            if depth_rad <= -TOUCH_RAD or depth_rad > max(STUCK * before_rad, SHALLOW_RAD):
+            if depth_rad <= -OPTIONS.touch_rad or depth_rad > max(
+                OPTIONS.stuck * before_rad, OPTIONS.shallow_rad
+            ):
                 break
             margin_rad += max(depth_rad, 0.0) + growth_rad
         axes = list(zip(profiles, self._straight.problem.axes, strict=True))
-        keeps = depth_rad <= -TOUCH_RAD and all(
+        keeps = depth_rad <= -OPTIONS.touch_rad and all(
             obeys(profile, axis.start, axis.end, axis.limits) for profile, axis in axes
         )
         rows = rows_in(self._straight.duration_s)
@@ -210,8 +230,8 @@ class DetourSearch:
 
     def _margins_rad(self, tau: Array, margin_rad: float) -> Array:
         """Beside each region at each instant, less near an end that is nearer to it itself."""
-        rising = self._gap_rad[:, :1] + margin_rad / MARGIN_RISE * tau
-        falling = self._gap_rad[:, 1:] + margin_rad / MARGIN_RISE * (1.0 - tau)
+        rising = self._gap_rad[:, :1] + margin_rad / OPTIONS.margin_rise * tau
+        falling = self._gap_rad[:, 1:] + margin_rad / OPTIONS.margin_rise * (1.0 - tau)
         return np.minimum(margin_rad, np.minimum(rising, falling))
 
 

@@ -25,10 +25,19 @@ from planner.motion.slew.solution import AxisProfile
 from planner.motion.slew.vibration import JERK_COST, WEIGHTS, span_residuals
 from planner.world.platforms import StructuralMode
 
-ROUNDING = 1e-9  # of the limits' ranges
-ON_ROWS_KEPT = 2  # both axes ask for the same one; at 200 rows it takes 3 MB
-INSIDE = 1.0 - 1e-8  # of the limits, so that the solver's last digits stay within them
-SOLVE, ITERATION_ENTRY = 100, 0.03  # of `effort`; an entry of a full hessian
+
+@dataclass(frozen=True, kw_only=True)
+class SplineProgrammeOptions:
+    """How a spline's programme is solved, and what that takes."""
+
+    rounding: float = 1e-9  # of the limits' ranges
+    on_rows_kept: int = 2  # both axes ask for the same one; at 200 rows it takes 3 MB
+    inside: float = 1.0 - 1e-8  # of the limits, so that the solver's last digits stay within them
+    solve: int = 100  # of `effort`: a solve, and
+    iteration_entry: float = 0.03  # an entry of a full hessian in each iteration
+
+
+OPTIONS = SplineProgrammeOptions()
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +108,7 @@ class SplineOcp:
         """Whether the hull of the spline with free coefficients y keeps its limits."""
         rows = self.jacobian @ y_coefficients
         least, greatest = programme.least_rows, programme.greatest_rows
-        slack = ROUNDING * (greatest - least)
+        slack = OPTIONS.rounding * (greatest - least)
         within = (least - slack <= rows) & (rows <= greatest + slack)
         return bool(within.all())
 
@@ -142,7 +151,7 @@ class SplineOcp:
         fixed = basis.fixed_from_ends @ _ends_over_scale(slew, scale)
         limit = slew.limits.bounds
         reach = (
-            INSIDE
+            OPTIONS.inside
             * self._row_scale
             * np.concatenate(
                 [
@@ -202,7 +211,7 @@ def graded_ocp(spans: int) -> SplineOcp:
     return SplineOcp(breakpoints_tau, degree=5)
 
 
-@lru_cache(maxsize=ON_ROWS_KEPT)
+@lru_cache(maxsize=OPTIONS.on_rows_kept)
 def ocp_on_all_rows(rows: int) -> SplineOcp:
     """Cubics whose jerk may change on every row and nowhere else; a Hermite reproduces them."""
     return SplineOcp(np.linspace(0.0, 1.0, rows + 1), degree=3)

@@ -11,10 +11,19 @@ from planner.base.commands import ROWS_PER_S
 from planner.motion.keyhole.exact import ExactFollowing, RowMotion
 from planner.motion.keyhole.ocp import nearest_ocp, sample_times_s
 
-SPANS = (96, 48, 24, 12, 6, 3, 2, 1)
-FINE_S = 8.0  # beside the place where limits break; farther off knots stand wider apart
-SWING_SHARE = 0.8  # of the rate limit, in the guess
-FRAME_SHARE = 0.995  # of the frame: the solver bounds the error at samples only
+
+@dataclass(frozen=True, kw_only=True)
+class CrossingOptions:
+    """How the way through a keyhole is guessed and bounded."""
+
+    # between knots: the first that rows allow
+    spans: tuple[int, ...] = (96, 48, 24, 12, 6, 3, 2, 1)
+    fine_s: float = 8.0  # beside the place where limits break; farther off knots stand wider apart
+    swing_share: float = 0.8  # of the rate limit, in the guess
+    frame_share: float = 0.995  # of the frame: the solver bounds the error at samples only
+
+
+OPTIONS = CrossingOptions()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,7 +77,7 @@ class Crossing:
             self._knots,
             guess_states,
             self._directions,
-            FRAME_SHARE * self.frame_rad,
+            OPTIONS.frame_share * self.frame_rad,
             fixed=self.window.fixed,
         )
         motion = RowMotion(self.window.first, axis_states)
@@ -88,12 +97,12 @@ class Crossing:
     def _knots(self) -> Indices:
         """Rows at which the jerk may change: dense where limits break, wider apart beyond."""
         first, last = self.window.first, self.window.last
-        spans = next(count for count in SPANS if count <= last - first)
+        spans = next(count for count in OPTIONS.spans if count <= last - first)
         rows = np.arange(first, last + 1)
         away = np.full(len(rows), np.inf)
         for start, stop in self.window.broken:
             away = np.minimum(away, np.maximum(start - rows, rows - stop).clip(0))
-        density = 1.0 / (1.0 + away / (FINE_S * ROWS_PER_S))
+        density = 1.0 / (1.0 + away / (OPTIONS.fine_s * ROWS_PER_S))
         done = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) / 2.0)])
         knots = np.interp(np.linspace(0.0, done[-1], spans + 1), done, rows).round()
         offset = np.arange(spans + 1)
@@ -107,7 +116,7 @@ class Crossing:
         start, stop = window.broken[0][0], window.broken[-1][1]
         rate_max = np.array([axis.rate_max_rad_s for axis in self._following.limits])
         swing = after.at(stop) - before.at(start)
-        rows = float(np.max(np.abs(swing) / rate_max)) / SWING_SHARE * ROWS_PER_S
+        rows = float(np.max(np.abs(swing) / rate_max)) / OPTIONS.swing_share * ROWS_PER_S
         extra = max(0, math.ceil((rows - (stop - start)) / 2.0))
         start, stop = max(window.first, start - extra), min(window.last, stop + extra)
         first, last = before.at(start), after.at(stop)

@@ -20,10 +20,18 @@ from planner.motion.pointing.line_of_sight import LineOfSight
 from planner.motion.pointing.track import TURN_RAD, turns_within_stops
 from planner.world.platforms import AxisLimits, TwoAxisPlatform
 
-SINGULAR_RAD = 1e-5  # nearer to the plane of the axes exact angles are noise
-DEAD_MARGIN_RAD = 1e-9
-LIMIT_TOLERANCE = 1e-7  # of the limit's range
-POINTS_PER_ROW = 4  # where an error is measured, as the judge does
+
+@dataclass(frozen=True, kw_only=True)
+class ExactAnglesOptions:
+    """Where exact angles hold, and how closely limits do."""
+
+    singular_rad: float = 1e-5  # nearer to the plane of the axes exact angles are noise
+    dead_margin_rad: float = 1e-9  # by which rounding may pass the edge of what the axes can reach
+    limit_tolerance: float = 1e-7  # of the limit's range
+    points_per_row: int = 4  # where an error is measured, as the judge does
+
+
+OPTIONS = ExactAnglesOptions()
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +55,7 @@ class RowMotion:
     def beyond(self, limits: tuple[AxisLimits, ...]) -> Mask:
         """Where the limits are broken, as `beyond_limits` has it, (4, n - 1, 2)."""
         ranges = cubic_and_row_range(COMMAND_STEP_S, *self.axis_states)
-        return beyond_limits(ranges, limits, LIMIT_TOLERANCE)
+        return beyond_limits(ranges, limits, OPTIONS.limit_tolerance)
 
     def part(self, first_row: int, last_row: int) -> "RowMotion":
         """Of these rows, both included."""
@@ -93,7 +101,7 @@ class ExactFollowing:
         found = axis_angles(platform, _nearest_reachable(platform, directions))
         reachable = axis_angles(platform, directions).reachable
         self.margin_rad = singular_margin_rad(platform, found.angle_rad[0], directions)
-        usable = reachable & (self.margin_rad > SINGULAR_RAD)
+        usable = reachable & (self.margin_rad > OPTIONS.singular_rad)
         self._usable_cells = usable[:-1] & usable[1:]
         self.branches = tuple(self._motion(angle, rows_s, directions) for angle in found.angle_rad)
 
@@ -106,9 +114,11 @@ class ExactFollowing:
         """Times and the angle between the flown boresight and the target, (n,) each."""
         from scipy.interpolate import CubicHermiteSpline
 
-        points = np.arange((motion.last_row - motion.first_row) * POINTS_PER_ROW + 1)
-        since_first_s = points / POINTS_PER_ROW / ROWS_PER_S
-        curve = CubicHermiteSpline(since_first_s[::POINTS_PER_ROW], *motion.axis_states[:2])
+        points = np.arange((motion.last_row - motion.first_row) * OPTIONS.points_per_row + 1)
+        since_first_s = points / OPTIONS.points_per_row / ROWS_PER_S
+        curve = CubicHermiteSpline(
+            since_first_s[:: OPTIONS.points_per_row], *motion.axis_states[:2]
+        )
         angle, t_s = curve(since_first_s), motion.first_row / ROWS_PER_S + since_first_s
         boresight, towards = boresight_platform(self.platform, angle), self.directions(t_s)
         across = np.linalg.norm(np.cross(boresight, towards), axis=1)
@@ -144,7 +154,7 @@ class ExactFollowing:
         found = []
         for branch in self.branches:
             angle_rad = branch.part(first_row, last_row).axis_states[0]
-            choices = turns_within_stops(angle_rad, self.limits, LIMIT_TOLERANCE)
+            choices = turns_within_stops(angle_rad, self.limits, OPTIONS.limit_tolerance)
             for whole in map(branch.turn, itertools.product(*choices)):
                 lost = whole.beyond(self.limits).any(axis=(0, 2)) | ~self._usable_cells
                 if lost[first_row - self.first_row : last_row - self.first_row].any():
@@ -180,7 +190,7 @@ def _nearest_reachable(platform: TwoAxisPlatform, directions: Array) -> Array:
     across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-12)
     away = np.clip(
         np.arctan2(np.linalg.norm(np.cross(outer, directions), axis=1), along),
-        abs(spread - carried) + DEAD_MARGIN_RAD,
-        math.pi - abs(math.pi - spread - carried) - DEAD_MARGIN_RAD,
+        abs(spread - carried) + OPTIONS.dead_margin_rad,
+        math.pi - abs(math.pi - spread - carried) - OPTIONS.dead_margin_rad,
     )
     return np.asarray(np.cos(away)[:, None] * outer + np.sin(away)[:, None] * across)

@@ -6,6 +6,7 @@ one solver serves every platform and every pass.
 """
 
 import math
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -13,16 +14,27 @@ import numpy as np
 from planner.base.arrays import Array, Indices
 from planner.base.commands import ROWS_PER_S
 from planner.base.solvers import Solver, Work
-from planner.motion.detour.ocp import ITERATION_ROW
-from planner.motion.detour.spline_ocp import INSIDE, SOLVE
+from planner.motion.detour.ocp import OPTIONS as DETOUR_PROGRAMME_OPTIONS
+from planner.motion.detour.spline_ocp import OPTIONS as SPLINE_PROGRAMME_OPTIONS
 from planner.motion.pointing.angles import cosine_coefficients
 from planner.world.platforms import AxisLimits, TwoAxisPlatform
 
-SAMPLES = (1.0 / 6.0, 0.5, 5.0 / 6.0)  # of a span, where the error is measured
-TIME_UNIT_S = 5.0  # makes rates and accelerations of a swing as large as its angles
-JERK_WEIGHT = 1e-8  # of a mean squared jerk at its limit, beside an error at the frame's edge
-BEYOND_WEIGHT = 10.0  # of the largest square beyond the frame's, beside the mean square
-UNBOUNDED = 1e19  # what Ipopt takes for no bound
+
+@dataclass(frozen=True, kw_only=True)
+class KeyholeScales:
+    """How a keyhole's programme is scaled and weighed."""
+
+    # of a span, where the error is measured
+    samples: tuple[float, ...] = (1.0 / 6.0, 0.5, 5.0 / 6.0)
+    time_unit_s: float = 5.0  # makes rates and accelerations of a swing as large as its angles
+    # of a mean squared jerk at its limit, beside an error at the frame's edge
+    jerk_weight: float = 1e-8
+    beyond_weight: float = 10.0  # of the largest square beyond the frame's, beside the mean square
+    unbounded: float = 1e19  # what Ipopt takes for no bound
+
+
+SCALES = KeyholeScales()
+
 OPTIONS = {"tol": 1e-7, "constr_viol_tol": 1e-10, "mu_init": 1e-2}
 
 
@@ -40,7 +52,7 @@ class NearestOcp:
         state = casadi.SX.sym("state", 6, spans + 1)  # angles, rates, accelerations, in units
         h = casadi.SX.sym("h", 1, spans)  # in time units
         jerk_max = casadi.SX.sym("jerk_max", 2)
-        cosine = casadi.SX.sym("cosine", 9, spans * len(SAMPLES))
+        cosine = casadi.SX.sym("cosine", 9, spans * len(SCALES.samples))
         frame_rad = casadi.SX.sym("frame")
 
         q, v, a = state[:2, :], state[2:4, :], state[4:, :]
@@ -60,7 +72,7 @@ class NearestOcp:
         coast = casadi.SX.sym("coast", 2)
         rows += [q[:, 0] - coast * v[:, 0], q[:, -1] + coast * v[:, -1]]
         squares = []
-        for number, share in enumerate(SAMPLES):
+        for number, share in enumerate(SCALES.samples):
             u = share * hh
             angle = q0 + u * (v0 + u * (a0 / 2.0 + u * jerk / 6.0))
             one = casadi.SX.ones(1, spans)
@@ -73,22 +85,25 @@ class NearestOcp:
                     along += part[3 * i + j, :] * outer[i] * inner[j]
             squares.append(2.0 * (1.0 - along) / frame_rad**2)
         weight = h / casadi.sum2(h)
-        cost = sum(casadi.dot(weight, square) for square in squares) / len(SAMPLES)
+        cost = sum(casadi.dot(weight, square) for square in squares) / len(SCALES.samples)
         share_of_limit = jerk / casadi.repmat(jerk_max, 1, spans)
-        cost += JERK_WEIGHT * casadi.dot(casadi.repmat(weight, 2, 1), share_of_limit**2)
+        cost += SCALES.jerk_weight * casadi.dot(casadi.repmat(weight, 2, 1), share_of_limit**2)
         constraints = [casadi.vec(row) for row in rows]
         variables = [casadi.vec(state)]
         if in_frame:
             beyond = casadi.SX.sym("beyond")
             variables.append(beyond)
-            cost += BEYOND_WEIGHT * beyond
+            cost += SCALES.beyond_weight * beyond
             constraints += [casadi.vec(square) - beyond for square in squares]
         x, g = casadi.vertcat(*variables), casadi.vertcat(*constraints)
         parameters = casadi.vertcat(h.T, jerk_max, coast, frame_rad, casadi.vec(cosine))
         self._solver = Solver(
             {"x": x, "p": parameters, "f": cost, "g": g},
             OPTIONS | {"max_iter": 70 if in_frame else 150},
-            Work(SOLVE, ITERATION_ROW * (x.numel() + g.numel())),
+            Work(
+                SPLINE_PROGRAMME_OPTIONS.solve,
+                DETOUR_PROGRAMME_OPTIONS.iteration_row * (x.numel() + g.numel()),
+            ),
         )
 
     def solve(
@@ -113,12 +128,14 @@ class NearestOcp:
         from scipy.interpolate import CubicHermiteSpline
 
         limits = platform.axis_limits
-        h = np.diff(knots) / ROWS_PER_S / TIME_UNIT_S
-        scale = np.repeat([1.0, TIME_UNIT_S, TIME_UNIT_S**2], 2)
+        h = np.diff(knots) / ROWS_PER_S / SCALES.time_unit_s
+        scale = np.repeat([1.0, SCALES.time_unit_s, SCALES.time_unit_s**2], 2)
         x0 = np.hstack([*guess_states]) * scale
-        units = TIME_UNIT_S ** np.arange(4.0)[:, None]
+        units = SCALES.time_unit_s ** np.arange(4.0)[:, None]
         low, high = (
-            INSIDE * units * np.array([[bound[side] for bound in axis.bounds] for axis in limits]).T
+            SPLINE_PROGRAMME_OPTIONS.inside
+            * units
+            * np.array([[bound[side] for bound in axis.bounds] for axis in limits]).T
             for side in (0, 1)
         )
         lbx = np.tile(low[:3].ravel(), (len(x0), 1))
@@ -133,20 +150,20 @@ class NearestOcp:
         ubg = [np.zeros((spans, 4)).ravel(), *(np.tile(high[i], spans) for i in (1, 0, 0, 3))]
         x_start, x_low, x_high = np.clip(x0, lbx, ubx).ravel(), lbx.ravel(), ubx.ravel()
         for is_fixed in fixed:
-            lbg.append(np.full(2, -UNBOUNDED) if is_fixed else low[0])
-            ubg.append(np.full(2, UNBOUNDED) if is_fixed else high[0])
+            lbg.append(np.full(2, -SCALES.unbounded) if is_fixed else low[0])
+            ubg.append(np.full(2, SCALES.unbounded) if is_fixed else high[0])
         if self._in_frame:
-            lbg.append(np.full(spans * len(SAMPLES), -UNBOUNDED))
-            ubg.append(np.ones(spans * len(SAMPLES)))
+            lbg.append(np.full(spans * len(SCALES.samples), -SCALES.unbounded))
+            ubg.append(np.ones(spans * len(SCALES.samples)))
             x_start, x_low = np.append(x_start, 1.0), np.append(x_low, 0.0)
-            x_high = np.append(x_high, UNBOUNDED)
+            x_high = np.append(x_high, SCALES.unbounded)
         answer = self._solver.solve(
             x0=x_start,
             p=np.concatenate(
                 [
                     h,
                     high[3],
-                    [_coasting_s(axis) / TIME_UNIT_S for axis in limits],
+                    [_coasting_s(axis) / SCALES.time_unit_s for axis in limits],
                     [frame_rad],
                     cosine_coefficients(platform, directions).ravel(),
                 ]
@@ -173,7 +190,7 @@ def _coasting_s(limits: AxisLimits) -> float:
 def sample_times_s(knots: Indices) -> Array:
     """When the error is measured: all first samples of the spans, all second ones, ..."""
     start_s, h = knots[:-1] / ROWS_PER_S, np.diff(knots) / ROWS_PER_S
-    return np.concatenate([start_s + share * h for share in SAMPLES])
+    return np.concatenate([start_s + share * h for share in SCALES.samples])
 
 
 @lru_cache(maxsize=8)

@@ -20,13 +20,23 @@ from planner.world.scenario import Scenario
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
 
-NODE_STEP_S = 10.0  # a carrier turning at 0.1 deg/s: cubics between nodes err by 0.005 arcsec
-NODES_MIN = 4
-FINER = 20  # instants per row where a cone is near
-MASK_FINER = 20  # instants per such instant beside a mask, whose corners a motion cuts in a moment
-NEAR_ROW = 3.5  # of `effort`: those of a row, beside each region
-CARRIER_RATE_RAD_S = math.radians(1.0)
-ACCELERATION = 0.1  # rad/s2, more than any platform's
+
+@dataclass(frozen=True, kw_only=True)
+class KeepOutOptions:
+    """How densely cones and masks are looked at along a motion."""
+
+    # a carrier turning at 0.1 deg/s: cubics between nodes err by 0.005 arcsec
+    node_step_s: float = 10.0
+    nodes_min: int = 4  # of a cubic
+    finer: int = 20  # instants per row where a cone is near
+    # instants per such instant beside a mask, whose corners a motion cuts in a moment
+    mask_finer: int = 20
+    near_row: float = 3.5  # of `effort`: those of a row, beside each region
+    carrier_rate_rad_s: float = math.radians(1.0)  # no carrier of a camera turns faster
+    acceleration: float = 0.1  # rad/s2, more than any platform's
+
+
+OPTIONS = KeepOutOptions()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -131,19 +141,22 @@ def deepest_entry(
     depth = view.depths_rad(t_s, angle)
     step_s = t_s[1] - t_s[0]
     # What boresight and cone may still do before the next row; a carrier turns slower than 1 deg/s.
-    ahead = step_s * (np.abs(rate).sum(axis=1) + CARRIER_RATE_RAD_S) + step_s**2 * ACCELERATION
+    ahead = (
+        step_s * (np.abs(rate).sum(axis=1) + OPTIONS.carrier_rate_rad_s)
+        + step_s**2 * OPTIONS.acceleration
+    )
     near = np.flatnonzero((depth > -ahead).any(axis=0))
     if near.size:
-        effort.charge(NEAR_ROW * near.size * len(view.regions))
-        t_s = _instants_beside(t_s[near], step_s, FINER, start_s, stop_s)
+        effort.charge(OPTIONS.near_row * near.size * len(view.regions))
+        t_s = _instants_beside(t_s[near], step_s, OPTIONS.finer, start_s, stop_s)
         angle, rate = motion(t_s)
         depth = view.depths_rad(t_s, angle)
-        step_s /= FINER
-        reach = step_s * np.abs(rate).sum(axis=1) + step_s**2 * ACCELERATION
+        step_s /= OPTIONS.finer
+        reach = step_s * np.abs(rate).sum(axis=1) + step_s**2 * OPTIONS.acceleration
         may_be_deepest = depth[len(view.cones) :] > max(depth.max(), 0.0) - reach
         near = np.flatnonzero(may_be_deepest.any(axis=0))
         if near.size:
-            finest_s = _instants_beside(t_s[near], step_s, MASK_FINER, start_s, stop_s)
+            finest_s = _instants_beside(t_s[near], step_s, OPTIONS.mask_finer, start_s, stop_s)
             t_s = np.concatenate([t_s, finest_s])
             depth = np.hstack([depth, view.depths_rad(finest_s, motion(finest_s)[0])])
     region, at = np.unravel_index(int(np.argmax(depth)), depth.shape)
@@ -176,7 +189,7 @@ def keep_out_view(
 def _moving_cones(
     scenario: Scenario, ephemeris: Ephemeris, start_s: float, stop_s: float
 ) -> tuple[MovingCone, ...]:
-    count = max(NODES_MIN, math.ceil((stop_s - start_s) / NODE_STEP_S) + 1)
+    count = max(OPTIONS.nodes_min, math.ceil((stop_s - start_s) / OPTIONS.node_step_s) + 1)
     t_s = np.linspace(start_s, stop_s, count)
     instants = Instants(scenario.initial_state.epoch, t_s)
     states = ephemeris.states(instants)

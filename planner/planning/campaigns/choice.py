@@ -14,28 +14,40 @@ Passes = list[tuple[Look, ...]]
 Reporter = Callable[[str, int, int], None]
 """What is being done, and how many parts of how many of it are."""
 
-GAP_ENOUGH = 1e-3
-# Measured by bench/campaign.py --targets 559 --days 5 --sun 10 --ground-sample 0, the hardest kind:
-# all views worth the same.  After 200 steps the bound is 0.4 % above the mixture's value, after
-# 300 0.2 %; five mixtures bring it to 0.1 % and cost as much as 150 steps.
-STEPS_MAX = 200
-STEP_SHRINKS = 0.98  # of Polyak's, from one to the next
-FILL_EVERY = 25
-MIXTURES_MAX = 12
-MIXTURE_ENOUGH = 1e-3
-PROPOSALS_A_PASS = 25  # the latest, made at the best prices
-PROPOSALS_LEAST = 2000
-FIXED_SHARE = 8  # of the passes open, one in so many is fixed at a time
-PART_PASSES = 40  # chosen anew together; of many more the programmes take seconds
-PARTS_MAX = 60
-PART_MIXTURES = 6
-PART_PATIENCE = 20  # parts chosen anew without a gain
-SWEEPS_MAX = 10
-# Of a pass, and of all: some seconds.  A quarter as many of a pass left the bound 0.4 % higher.
-PASS_LABELS_MAX = 100_000
-BOUND_LABELS_MAX = 16_000_000
-WORTHLESS = 1e-9  # of rounding
-SEED = 2015
+
+@dataclass(frozen=True, kw_only=True)
+class ChoiceOptions:
+    """How long prices, mixtures and parts of a campaign's choice are searched."""
+
+    gap_enough: float = 1e-3  # share of the bound: nobody weighs targets to a thousandth
+    # Measured by bench/campaign.py --targets 559 --days 5 --sun 10 --ground-sample 0, the hardest
+    # kind: all views worth the same.  After 200 steps the bound is 0.4 % above the mixture's
+    # value, after 300 0.2 %; five mixtures bring it to 0.1 % and cost as much as 150 steps.
+    steps_max: int = 200
+    step_shrinks: float = 0.98  # of Polyak's, from one to the next
+    # steps between whole choices at the prices reached: each costs as much as some steps
+    fill_every: int = 25
+    mixtures_max: int = 12  # programmes over all proposals; five were enough for the hardest kind
+    mixture_enough: float = 1e-3  # share of the bound, as for the gap
+    proposals_a_pass: int = 25  # the latest, made at the best prices
+    proposals_least: int = 2000  # kept in any case, where passes are few
+    fixed_share: int = 8  # of the passes open, one in so many is fixed at a time
+    part_passes: int = 40  # chosen anew together; of many more the programmes take seconds
+    parts_max: int = 60  # chosen anew, whether or not they gain
+    part_mixtures: int = 6  # of a part, which is small and has its prices already
+    part_patience: int = 20  # parts chosen anew without a gain
+    # over all passes, one chosen anew after the other; each gains, or it is the last
+    sweeps_max: int = 10
+    # Of a pass, and of all: some seconds.  A quarter as many of a pass left the bound 0.4 %
+    # higher.
+    pass_labels_max: int = 100_000
+    # of all passes together, shared out evenly where they are many
+    bound_labels_max: int = 16_000_000
+    worthless: float = 1e-9  # of rounding
+    seed: int = 2015  # the same choice each time
+
+
+OPTIONS = ChoiceOptions()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,7 +92,12 @@ def worth_of(passes: Iterable[Sequence[Look]]) -> float:
     return sum(one.value for looks in passes for one in looks)
 
 
-def choose(networks: Sequence[Network], looking: Looking, tell: Reporter) -> CampaignChoice:
+def choose(
+    networks: Sequence[Network],
+    looking: Looking,
+    tell: Reporter,
+    options: ChoiceOptions = OPTIONS,
+) -> CampaignChoice:
     """Prices on looks that more passes want than may have them; one network per pass.
 
     Subgradient steps find the prices, and mixtures of what the passes want at them the rest of
@@ -89,7 +106,7 @@ def choose(networks: Sequence[Network], looking: Looking, tell: Reporter) -> Cam
     Source: Fisher 1981, "The Lagrangian relaxation method", Management Science 27; Barnhart et
     al. 1998, "Branch-and-price", Operations Research 46(3) (column generation, diving).
     """
-    search = _Search(networks, looking)
+    search = _Search(networks, looking, options)
     greedy = search.fill_passes([()] * len(networks), np.zeros(len(looking.look_limit)))
     search.improve(greedy)
     search.step_prices(tell)
@@ -111,9 +128,12 @@ class _Search:
     price: of a look at each target, at which the bound is least as far as known.
     """
 
-    def __init__(self, networks: Sequence[Network], looking: Looking) -> None:
+    def __init__(
+        self, networks: Sequence[Network], looking: Looking, options: ChoiceOptions
+    ) -> None:
         self._networks = networks
         self._looking = looking
+        self._options = options
         self.best: Passes = [()] * len(networks)
         self.value = 0.0
         # At these nothing gains: all looks at their best.
@@ -125,27 +145,29 @@ class _Search:
         """Towards the prices at which the bound is least; improves the choice on the way."""
         looking = self._looking
         price = np.zeros_like(self.price)
-        for done in range(STEPS_MAX):
-            tell("choosing", done, STEPS_MAX)
+        for done in range(self._options.steps_max):
+            tell("choosing", done, self._options.steps_max)
             bound, passes = self._answers(price)
-            if done % FILL_EVERY == 0:
+            if done % self._options.fill_every == 0:
                 self.improve(self.fill_passes([()] * len(self._networks), price))
             wanted = looking.looks_of(passes) - looking.look_limit
             wanted[(wanted < 0.0) & (price <= 0.0)] = 0.0
             square = float(wanted @ wanted)
             if square == 0.0 or self._is_near():
                 return
-            step = STEP_SHRINKS**done * (bound - self.value) / square
+            step = self._options.step_shrinks**done * (bound - self.value) / square
             price = np.maximum(price + step * wanted, 0.0)
 
     def mix_prices(self, tell: Reporter) -> tuple[Mixture, list[Proposal]] | None:
         """The rest of the way by mixtures of the latest proposals; the last one, None if near."""
-        most = max(PROPOSALS_A_PASS * len(self._networks), PROPOSALS_LEAST)
+        most = max(
+            self._options.proposals_a_pass * len(self._networks), self._options.proposals_least
+        )
         found: tuple[Mixture, list[Proposal]] | None = None
-        for done in range(MIXTURES_MAX):
+        for done in range(self._options.mixtures_max):
             if self._is_near() or not self._proposed:
                 return None
-            tell("mixing", done, MIXTURES_MAX)
+            tell("mixing", done, self._options.mixtures_max)
             proposals = list(dict.fromkeys([*list(self._proposed)[-most:], *self._own()]))
             mixture = best_mixture(proposals, len(self._networks), self._looking.look_limit)
             if mixture is None:
@@ -153,7 +175,7 @@ class _Search:
             found = mixture, proposals
             # Half-way from the best prices, so that they don't swing (Wentges 1997).
             self._answers(0.5 * (self.price + mixture.price))
-            if self._bound - mixture.value <= MIXTURE_ENOUGH * self._bound:
+            if self._bound - mixture.value <= self._options.mixture_enough * self._bound:
                 break
         return found
 
@@ -165,10 +187,10 @@ class _Search:
         is_open = np.ones(len(passes), np.bool_)
         while proposals:
             tell("rounding", int(np.count_nonzero(~is_open)), len(is_open))
-            allowed = max(1, int(np.count_nonzero(is_open)) // FIXED_SHARE)
+            allowed = max(1, int(np.count_nonzero(is_open)) // self._options.fixed_share)
             for place in np.argsort(-mixture.share, kind="stable").tolist():
                 number, looks = proposals[place]
-                if mixture.share[place] < 1.0 - WORTHLESS and allowed <= 0:
+                if mixture.share[place] < 1.0 - self._options.worthless and allowed <= 0:
                     break
                 if is_open[number] and all(left[look.target] > 0.0 for look in looks):
                     passes[number], is_open[number] = looks, False
@@ -191,17 +213,17 @@ class _Search:
 
     def choose_parts_anew(self, tell: Reporter) -> None:
         """Some passes at a time, whatever the others leave; by mixtures, then made whole."""
-        random = np.random.default_rng(SEED)
-        size = min(PART_PASSES, len(self._networks))
+        random = np.random.default_rng(self._options.seed)
+        size = min(self._options.part_passes, len(self._networks))
         waited = 0
-        for done in range(PARTS_MAX):
-            if self._is_near() or waited == PART_PATIENCE:
+        for done in range(self._options.parts_max):
+            if self._is_near() or waited == self._options.part_patience:
                 return
-            tell("exchanging", done, PARTS_MAX)
+            tell("exchanging", done, self._options.parts_max)
             part = np.sort(random.choice(len(self._networks), size, replace=False))
             value = self.value
             self.improve(self._part_anew(part))
-            waited = 0 if self.value > value + WORTHLESS else waited + 1
+            waited = 0 if self.value > value + self._options.worthless else waited + 1
             if size == len(self._networks):
                 return
 
@@ -212,7 +234,7 @@ class _Search:
             passes[number] = ()
         left = self._looking.look_limit - self._looking.looks_of(passes)
         price, proposals = self.price, dict.fromkeys(own)
-        for _ in range(PART_MIXTURES):
+        for _ in range(self._options.part_mixtures):
             known = len(proposals)
             proposals.update(dict.fromkeys(self._wanted(part, price, left)))
             mixture = best_mixture(list(proposals), len(passes), left) if proposals else None
@@ -234,7 +256,7 @@ class _Search:
         return [(number, looks) for number, looks in enumerate(self.best) if looks]
 
     def _is_near(self) -> bool:
-        return self._bound - self.value <= GAP_ENOUGH * self._bound
+        return self._bound - self.value <= self._options.gap_enough * self._bound
 
     def _answers(self, price: Array) -> tuple[float, Passes]:
         """What the passes would take at these prices, and what the Lagrangian then is."""
@@ -260,7 +282,7 @@ class _Search:
             charged = np.where(left > 0.0, price, np.inf)
             path = best_path(network, looking.at(charged))
             own = sum(look.value - price[look.target] for look in passes[number])
-            if path.value > own + WORTHLESS:
+            if path.value > own + self._options.worthless:
                 passes[number] = path.looks
             left -= looking.looks_of([passes[number]])
         return passes
@@ -269,22 +291,27 @@ class _Search:
         """Refill without prices until nothing is gained; the best choice is kept."""
         free = np.zeros(len(self._looking.look_limit))
         value = worth_of(passes)
-        for _ in range(SWEEPS_MAX):
+        for _ in range(self._options.sweeps_max):
             better = self.fill_passes(passes, free)
             gained = worth_of(better) - value
-            if gained <= WORTHLESS:
+            if gained <= self._options.worthless:
                 break
             passes, value = better, value + gained
         if value > self.value:
             self.best, self.value = passes, value
 
 
-def bound_at(networks: Sequence[Network], looking: Looking, price: Array) -> float:
+def bound_at(
+    networks: Sequence[Network],
+    looking: Looking,
+    price: Array,
+    options: ChoiceOptions = OPTIONS,
+) -> float:
     """No choice of paths is worth more, whatever the prices >= 0, (targets,).
 
     Lagrangian relaxation of "no more looks than look_limit".
     """
-    labels_max = min(PASS_LABELS_MAX, BOUND_LABELS_MAX // max(len(networks), 1))
+    labels_max = min(options.pass_labels_max, options.bound_labels_max // max(len(networks), 1))
     worth = looking.at(price)
     return float(looking.look_limit @ price) + sum(
         path_bound(one, worth, labels_max) for one in networks

@@ -17,10 +17,19 @@ from planner.planning.opportunities.sights import Sight, in_sights
 from planner.world.platforms import AxisLimits, TwoAxisPlatform
 from planner.world.targets import Target
 
-DELTA_S = 1.0  # rates and accelerations are differences over it
-WITHIN = 0.98  # of each limit: what lies between the steps keeps it too
-SINGULAR_RAD = 1e-3
-BATCH = 100_000  # samples treated at a time: some 100 MB
+
+@dataclass(frozen=True, kw_only=True)
+class FollowingOptions:
+    """How closely a track's limits are looked at before it is planned."""
+
+    delta_s: float = 1.0  # rates and accelerations are differences over it
+    within: float = 0.98  # of each limit: what lies between the steps keeps it too
+    singular_rad: float = 1e-3  # nearer to the outer axis, angles turn too fast to be followed
+    batch: int = 100_000  # samples treated at a time: some 100 MB
+
+
+OPTIONS = FollowingOptions()
+
 TURN_RAD = 2.0 * math.pi
 
 
@@ -78,7 +87,7 @@ def _batches(
 ) -> Iterator[tuple[Indices, Sight, Indices]]:
     """Rows of `looks` that are seen alike, how, and the number of each one's target in it."""
     for rows, sight, which in in_sights(looks.target, targets, carrier):
-        batch = np.cumsum(steps[rows]) // BATCH
+        batch = np.cumsum(steps[rows]) // OPTIONS.batch
         cuts = np.flatnonzero(np.diff(batch)) + 1
         for part, number in zip(np.split(rows, cuts), np.split(which, cuts), strict=True):
             yield part, sight, number
@@ -106,13 +115,13 @@ def _runs(
     quality = viewing.quality(sight, seen, t_s, begins[counts > 0])
     before, los, after = (
         sight.carrier.in_platform(sight.sighting(seen, at_s).direction_itrf, at_s)
-        for at_s in (t_s - DELTA_S, t_s, t_s + DELTA_S)
+        for at_s in (t_s - OPTIONS.delta_s, t_s, t_s + OPTIONS.delta_s)
     )
-    los_rate_s = (after - before) / (2.0 * DELTA_S)
-    los_acceleration_s2 = (after - 2.0 * los + before) / DELTA_S**2
+    los_rate_s = (after - before) / (2.0 * OPTIONS.delta_s)
+    los_acceleration_s2 = (after - 2.0 * los + before) / OPTIONS.delta_s**2
     for angle_rad in axis_angles(platform, los).angle_rad:
         motion = axis_motion(platform, angle_rad, los, los_rate_s, los_acceleration_s2)
-        sound = singular_margin_rad(platform, angle_rad, los) > SINGULAR_RAD
+        sound = singular_margin_rad(platform, angle_rad, los) > OPTIONS.singular_rad
         for turned_rad in _turns(platform, angle_rad):
             axis_states = np.stack([turned_rad, *motion], axis=1)
             usable = sound & _within(axis_states, platform.axis_limits)
@@ -134,11 +143,11 @@ def _turns(platform: TwoAxisPlatform, angle_rad: Array) -> Iterator[Array]:
 
 def _within(axis_states: Array, limits: tuple[AxisLimits, ...]) -> NDArray[np.bool_]:
     """Which states (n, 3, 2) keep every limit; NaN keeps none."""
-    margin_rad = np.array([(1.0 - WITHIN) * axis.rate_max_rad_s for axis in limits])
+    margin_rad = np.array([(1.0 - OPTIONS.within) * axis.rate_max_rad_s for axis in limits])
     low = np.array([axis.angle_min_rad for axis in limits]) + margin_rad
     high = np.array([axis.angle_max_rad for axis in limits]) - margin_rad
-    rate = WITHIN * np.array([axis.rate_max_rad_s for axis in limits])
-    acceleration = WITHIN * np.array([axis.acceleration_max_rad_s2 for axis in limits])
+    rate = OPTIONS.within * np.array([axis.rate_max_rad_s for axis in limits])
+    acceleration = OPTIONS.within * np.array([axis.acceleration_max_rad_s2 for axis in limits])
     angle_rad, rate_rad_s, acceleration_rad_s2 = (
         axis_states[:, 0],
         axis_states[:, 1],

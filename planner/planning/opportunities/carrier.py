@@ -24,10 +24,18 @@ from planner.world.platforms import TwoAxisPlatform
 from planner.world.targets import BodyTarget
 from planner.world.targets.apparent import aberrate
 
-STEP_TURN_RAD = 0.066  # of the carrier about the Earth between rows: 60 s in low orbit
-STEP_MAX_S = 900.0
-ATTITUDE_STEP_MIN_S = 1.0
-ATTITUDE_ERROR_RAD = 5e-7  # 0.1 arcsec: less than what drives and orbit leave
+
+@dataclass(frozen=True, kw_only=True)
+class CarrierTableOptions:
+    """How densely the carrier is tabulated."""
+
+    step_turn_rad: float = 0.066  # of the carrier about the Earth between rows: 60 s in low orbit
+    step_max_s: float = 900.0  # high orbits turn slowly, but their targets don't
+    attitude_step_min_s: float = 1.0  # telemetry has a row a second
+    attitude_error_rad: float = 5e-7  # 0.1 arcsec: less than what drives and orbit leave
+
+
+OPTIONS = CarrierTableOptions()
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +80,7 @@ def carrier_over(
     """Tabulate; raises OutsideCoverage where orbit, attitude or Sun and Moon are not known."""
     span_s = elapsed_s(stop_utc, start_utc)
     first_state = ephemeris.states(Instants(start_utc, np.zeros(1)))
-    step_s = min(STEP_TURN_RAD / _perigee_rate_rad_s(first_state), STEP_MAX_S)
+    step_s = min(OPTIONS.step_turn_rad / _perigee_rate_rad_s(first_state), OPTIONS.step_max_s)
     cells = 2 * max(math.ceil(span_s / step_s / 2.0), NODES - 1)
     rows = _rows(ephemeris, start_utc, span_s, cells)
     step_s = span_s / cells
@@ -123,7 +131,7 @@ def _attitude_table(
         t_s = rows.instants.t_s
         step_s = float(t_s[1])
         off_rad = 2.0 * np.linalg.norm(UniformTable(2.0 * step_s, q[::2]).at(t_s) - q, axis=1)
-        if np.max(off_rad) <= ATTITUDE_ERROR_RAD or step_s <= ATTITUDE_STEP_MIN_S:
+        if np.max(off_rad) <= OPTIONS.attitude_error_rad or step_s <= OPTIONS.attitude_step_min_s:
             turn_rad = 2.0 * np.linalg.norm(np.diff(q, axis=0), axis=1).max()
             return UniformTable(step_s, q), float(turn_rad) / step_s
         rows = _rows(ephemeris, rows.instants.epoch_utc, float(t_s[-1]), 2 * (len(t_s) - 1))

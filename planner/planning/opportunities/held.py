@@ -6,7 +6,7 @@ its axis can be braked before it.
 """
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,16 +28,27 @@ from planner.planning.opportunities.spans import (
 )
 from planner.world.platforms import AxisLimits, TwoAxisPlatform
 
-DELTA_S = 0.4  # between the five looks from which rates, accelerations and jerks are found
-WITHIN = 0.995  # of each limit: plans test the motion between rows, too
-BRAKED_S = 0.2  # of motion: braking in rows of a table takes that much longer at most
-# Of a limit, by motion from node to node: below that no window is looked at more closely.
-PLAIN = 0.4
+
+@dataclass(frozen=True, kw_only=True)
+class TrackableOptions:
+    """How closely windows are looked at for tracks that keep the limits."""
+
+    # between the five looks from which rates, accelerations and jerks are found
+    delta_s: float = 0.4
+    within: float = 0.995  # of each limit: plans test the motion between rows, too
+    braked_s: float = 0.2  # of motion: braking in rows of a table takes that much longer at most
+    # Of a limit, by motion from node to node: below that no window is looked at more closely.
+    plain: float = 0.4
+    # of motion beside the braking distance: ways around a mask are harder to find
+    off_mask_s: float = 0.5
+    mask_edge_s: float = 30.0  # from a window's edge: where it can be braked before a mask
+    plain_turn_rad: float = 0.6  # of an axis from node to node
+    plain_stop_rad: float = 0.1  # beside the braking distance
+
+
+OPTIONS = TrackableOptions()
+
 EDGES = ("reach", "mask")
-OFF_MASK_S = 0.5  # of motion beside the braking distance: ways around a mask are harder to find
-MASK_EDGE_S = 30.0  # from a window's edge: where it can be braked before a mask
-PLAIN_TURN_RAD = 0.6  # of an axis from node to node
-PLAIN_STOP_RAD = 0.1  # beside the braking distance
 
 
 def held_parts(
@@ -64,20 +75,20 @@ def _is_plain(
     both_rad = axis_angles(platform, _los_platform(sight, nodes)).angle_rad
     stop_rad = np.array(
         [
-            _braking_rad(np.array(PLAIN * axis.rate_max_rad_s), np.zeros(()), axis)
+            _braking_rad(np.array(OPTIONS.plain * axis.rate_max_rad_s), np.zeros(()), axis)
             for axis in platform.axis_limits
         ]
     )
-    near_stop = reach_margin_rad(platform, both_rad) < PLAIN_STOP_RAD + stop_rad.max()
+    near_stop = reach_margin_rad(platform, both_rad) < OPTIONS.plain_stop_rad + stop_rad.max()
     same = nodes.group[1:] == nodes.group[:-1]
     change_rad = np.where(same[:, None], _wrapped(np.diff(both_rad, axis=1)), 0.0)
-    lively = (np.abs(change_rad) > PLAIN_TURN_RAD).any(axis=2)
+    lively = (np.abs(change_rad) > OPTIONS.plain_turn_rad).any(axis=2)
     lively = np.pad(lively, ((0, 0), (0, 1)))
     step_s = np.maximum(np.where(same, np.diff(nodes.t_s), 1.0), 1e-3)
     motion = change_rad / step_s[:, None]
     for bound in _bounds(platform):
         cells = motion.shape[1]
-        lively[:, :cells] |= (np.abs(motion) > PLAIN * bound).any(axis=2)
+        lively[:, :cells] |= (np.abs(motion) > OPTIONS.plain * bound).any(axis=2)
         within = same[:cells][1:] & same[: cells - 1]
         motion = np.where(within[:, None], np.diff(motion, axis=1), 0.0)
         motion = motion / np.maximum(step_s[: cells - 1], step_s[1:cells])[:, None]
@@ -109,7 +120,7 @@ def _longest(
     longest_s = np.full((2, len(spans.target)), math.nan)
     longest_s[:, group[order]] = begins_s[order], ends_s[order]
     if platform.masks:
-        effort.charge(12.0 * MASK_EDGE_S * look_rows * len(spans.target))
+        effort.charge(12.0 * OPTIONS.mask_edge_s * look_rows * len(spans.target))
         opens, closes = (
             np.flatnonzero((cause == "mask") & (edge_s == held_s))
             for cause, edge_s, held_s in (
@@ -137,13 +148,16 @@ def _off_masks(platform: TwoAxisPlatform, sight: Sight, spans: Spans, sign: floa
 
     def margin(row: Indices, after_s: Array) -> Array:
         which, t_s = spans.target[row], edge_s[row] + sign * after_s
-        after_rad, before_rad = off_rad(which, t_s + DELTA_S), off_rad(which, t_s - DELTA_S)
-        rate_rad_s = np.abs(after_rad - before_rad) / (2.0 * DELTA_S)
+        after_rad, before_rad = (
+            off_rad(which, t_s + OPTIONS.delta_s),
+            off_rad(which, t_s - OPTIONS.delta_s),
+        )
+        rate_rad_s = np.abs(after_rad - before_rad) / (2.0 * OPTIONS.delta_s)
         braking_rad = _braking_rad(rate_rad_s, np.zeros(len(t_s)), slowest)
-        return off_rad(which, t_s) - braking_rad - OFF_MASK_S * rate_rad_s
+        return off_rad(which, t_s) - braking_rad - OPTIONS.off_mask_s * rate_rad_s
 
     rows = np.arange(len(edge_s))
-    after_s = np.arange(0.0, MASK_EDGE_S, 0.5)
+    after_s = np.arange(0.0, OPTIONS.mask_edge_s, 0.5)
     found = stretches(
         margin, Nodes(rows, np.repeat(rows, len(after_s)), np.tile(after_s, len(rows)))
     )
@@ -238,7 +252,7 @@ def _with_keyholes(platform: TwoAxisPlatform, sight: Sight, nodes: Nodes) -> Nod
 
 def _motion_margin(platform: TwoAxisPlatform, sight: Sight, branch: int) -> Margin:
     """How far from its limits the motion along one branch is, in shares of them."""
-    looks = DELTA_S * np.arange(-2, 3)
+    looks = OPTIONS.delta_s * np.arange(-2, 3)
     reach_rad = [0.5 * (axis.angle_max_rad - axis.angle_min_rad) for axis in platform.axis_limits]
 
     def margin(which: Indices, t_s: Array) -> Array:
@@ -254,10 +268,10 @@ def _motion_margin(platform: TwoAxisPlatform, sight: Sight, branch: int) -> Marg
             ]
         )
         turn_rad = _wrapped(angle_rad - angle_rad[2])
-        rate = (turn_rad[3] - turn_rad[1]) / (2.0 * DELTA_S)
-        acceleration = (turn_rad[3] + turn_rad[1]) / DELTA_S**2
+        rate = (turn_rad[3] - turn_rad[1]) / (2.0 * OPTIONS.delta_s)
+        acceleration = (turn_rad[3] + turn_rad[1]) / OPTIONS.delta_s**2
         jerk = (turn_rad[4] - 2.0 * turn_rad[3] + 2.0 * turn_rad[1] - turn_rad[0]) / (
-            2.0 * DELTA_S**3
+            2.0 * OPTIONS.delta_s**3
         )
         from_stop_rad = _from_stop_rad(platform, angle_rad[2])
         shares = []
@@ -265,9 +279,11 @@ def _motion_margin(platform: TwoAxisPlatform, sight: Sight, branch: int) -> Marg
             braking_rad = _braking_rad(np.abs(rate[:, n]), np.abs(acceleration[:, n]), axis)
             shares.append((from_stop_rad[:, n] - braking_rad) / reach_rad[n])
             peak = np.abs(rate[:, n]) + acceleration[:, n] ** 2 / (2.0 * axis.jerk_max_rad_s3)
-            shares.append(WITHIN - peak / axis.rate_max_rad_s)
-            shares.append(WITHIN - np.abs(acceleration[:, n]) / axis.acceleration_max_rad_s2)
-            shares.append(WITHIN - np.abs(jerk[:, n]) / axis.jerk_max_rad_s3)
+            shares.append(OPTIONS.within - peak / axis.rate_max_rad_s)
+            shares.append(
+                OPTIONS.within - np.abs(acceleration[:, n]) / axis.acceleration_max_rad_s2
+            )
+            shares.append(OPTIONS.within - np.abs(jerk[:, n]) / axis.jerk_max_rad_s3)
         return np.asarray(np.nan_to_num(np.min(shares, axis=0), nan=NEVER_RAD))
 
     return margin
@@ -294,7 +310,7 @@ def _braking_rad(rate_rad_s: Array, acceleration_rad_s2: Array, axis: AxisLimits
     brake_s = np.where(
         peak >= brake**2 / jerk, peak / brake + brake / jerk, 2.0 * np.sqrt(peak / jerk)
     )
-    return np.asarray(ramp_rad + peak * (0.5 * brake_s + BRAKED_S))
+    return np.asarray(ramp_rad + peak * (0.5 * brake_s + OPTIONS.braked_s))
 
 
 def _bounds(platform: TwoAxisPlatform) -> list[Array]:

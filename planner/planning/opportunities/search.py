@@ -30,11 +30,21 @@ from planner.world.frames.earth_orientation import earth_orientation_warnings
 from planner.world.frames.time_scales import Instants
 from planner.world.targets import EarthFixedTarget
 
-BATCH_CELLS = 3_000_000  # targets times rows compared at a time: some 50 MB in all
-SHORTEST_S = 1e-3  # the resolution promised of an edge
-PLUMB_RAD = 0.0034  # geodetic against geocentric vertical: 0.1924 deg at most
-SINGLE_RAD = 1e-3  # what single precision leaves of an angle's cosine, at its worst near 0
-BEYOND = 2  # rows, so that a pass at the end of the span still shows three
+
+@dataclass(frozen=True, kw_only=True)
+class WindowSearchOptions:
+    """How windows are found between the rows of the carrier's table."""
+
+    batch_cells: int = 3_000_000  # targets times rows compared at a time: some 50 MB in all
+    shortest_s: float = 1e-3  # the resolution promised of an edge
+    plumb_rad: float = 0.0034  # geodetic against geocentric vertical: 0.1924 deg at most
+    # what single precision leaves of an angle's cosine, at its worst near 0
+    single_rad: float = 1e-3
+    beyond: int = 2  # rows, so that a pass at the end of the span still shows three
+    sample_rows: float = 0.45  # work of a sample told, in rows
+
+
+OPTIONS = WindowSearchOptions()
 
 
 @dataclass(frozen=True)
@@ -48,7 +58,6 @@ class Work:
 
 RESTING = Work(look_rows=0.13, window_rows=1.2)  # many places together
 ALONE = Work(look_rows=3.3, window_rows=440.0)  # frames and ephemerides at every look
-SAMPLE_ROWS = 0.45
 
 
 def find_opportunities(request: OpportunityRequest) -> Opportunities:
@@ -114,7 +123,7 @@ def found_spans(
 
 def spend_on(spans: Spans, work: Work, samples: int) -> None:
     """The work of describing windows."""
-    effort.charge((work.window_rows + SAMPLE_ROWS * samples) * len(spans.target))
+    effort.charge((work.window_rows + OPTIONS.sample_rows * samples) * len(spans.target))
 
 
 def _batches(
@@ -124,7 +133,7 @@ def _batches(
     asked_rad = math.radians(request.conditions.min_elevation_deg)
     targets = [wanted.target for wanted in request.targets]
     resting = resting_places(targets)
-    size = max(1, BATCH_CELLS // len(carrier.node_s))
+    size = max(1, OPTIONS.batch_cells // len(carrier.node_s))
     for first in range(0, len(resting), size):
         numbers = list(resting)[first : first + size]
         places = FixedPlaces(carrier, [resting[number] for number in numbers])
@@ -148,17 +157,17 @@ def _candidate_nodes(carrier: Carrier, r_target_itrf_m: Array, min_elevation_rad
     r_sat_m = carrier.r_sat_itrf_m.at(carrier.node_s)
     distance_m = np.linalg.norm(r_sat_m, axis=1)
     ground_m = np.linalg.norm(r_target_itrf_m, axis=1)
-    least_rad = min_elevation_rad - PLUMB_RAD
+    least_rad = min_elevation_rad - OPTIONS.plumb_rad
     cosine = np.minimum(ground_m * np.cos(least_rad) / distance_m.max(), 1.0)
     step_s = carrier.node_s[1] - carrier.node_s[0]
     between_rad = 0.5 * step_s * carrier.turn_max_rad_s
-    central_rad = np.arccos(cosine) - least_rad + between_rad + SINGLE_RAD
+    central_rad = np.arccos(cosine) - least_rad + between_rad + OPTIONS.single_rad
 
     to_sat = (r_sat_m / distance_m[:, None]).astype(np.float32)
     to_target = (r_target_itrf_m / ground_m[:, None]).astype(np.float32)
     near = to_target @ to_sat.T > np.cos(np.minimum(central_rad, np.pi))[:, None].astype(np.float32)
     wider = near.copy()
-    for rows in range(1, BEYOND + 1):
+    for rows in range(1, OPTIONS.beyond + 1):
         wider[:, rows:] |= near[:, :-rows]
         wider[:, :-rows] |= near[:, rows:]
     target, row = np.divmod(np.flatnonzero(wider), wider.shape[1])
@@ -190,7 +199,7 @@ def _windows(
             effort.charge(work.look_rows * len(nodes.t_s))
         edges = spans.opened_by, spans.closed_by
         spans = _holding(condition.margin, nodes, condition.cause, *edges, work)
-    least_s = max(request.conditions.min_duration_s, SHORTEST_S)
+    least_s = max(request.conditions.min_duration_s, OPTIONS.shortest_s)
     return spans.select(spans.stop_s - spans.start_s >= least_s)
 
 

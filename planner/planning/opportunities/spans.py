@@ -17,12 +17,21 @@ from planner.planning.opportunities.sights import Sight
 Margin = Callable[[Indices, Array], Array]
 """Margins (n,) of targets (n,), by number, at t_s (n,)."""
 
-EDGE_S = 1e-6
-OVERSHOOT = 2.0  # of a turning point beyond its node, in steps of the two cells on either side
-TURNING_S = 1e-3  # an excursion this much shorter than a command step is none
-CELLS_MIN = 3
-SLOWEST_RAD_S = 1e-6
-_DELTA_S = 0.05
+
+@dataclass(frozen=True, kw_only=True)
+class SpanOptions:
+    """How finely the ends of a span are told."""
+
+    edge_s: float = 1e-6  # a microsecond, the resolution of a time in a request
+    # of a turning point beyond its node, in steps of the two cells on either side
+    overshoot: float = 2.0
+    turning_s: float = 1e-3  # an excursion this much shorter than a command step is none
+    cells_min: int = 3  # in which a span is looked through, at least
+    slowest_rad_s: float = 1e-6  # what stands still is taken to turn so, as it is divided by
+    delta_s: float = 0.05  # either side, for the rate at an edge
+
+
+OPTIONS = SpanOptions()
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,11 +86,11 @@ def nodes_over(spans: Spans, sight: Sight, step_s: float, turn_rad: float) -> No
     """
     middle_s = 0.5 * (spans.start_s + spans.stop_s)
     after_s, turn_rad_s = sight.nearest_passage(spans.target, middle_s)
-    nearest_s, turn_rad_s = middle_s + after_s, np.maximum(turn_rad_s, SLOWEST_RAD_S)
+    nearest_s, turn_rad_s = middle_s + after_s, np.maximum(turn_rad_s, OPTIONS.slowest_rad_s)
     from_rad = np.arctan(turn_rad_s * (spans.start_s - nearest_s))
     to_rad = np.arctan(turn_rad_s * (spans.stop_s - nearest_s))
     wanted = np.maximum((spans.stop_s - spans.start_s) / step_s, (to_rad - from_rad) / turn_rad)
-    cells = np.maximum(np.ceil(wanted).astype(np.intp), CELLS_MIN)
+    cells = np.maximum(np.ceil(wanted).astype(np.intp), OPTIONS.cells_min)
     group = np.repeat(np.arange(len(cells)), cells + 1)
     first = np.cumsum(cells + 1) - (cells + 1)
     share = (np.arange(len(group)) - first[group]) / cells[group]
@@ -128,12 +137,12 @@ def turning_point(function: Margin, target: Indices, low_s: Array, high_s: Array
     """
 
     def slope(t_s: Array, which: Indices) -> Array:
-        return function(which, t_s + _DELTA_S) - function(which, t_s - _DELTA_S)
+        return function(which, t_s + OPTIONS.delta_s) - function(which, t_s - OPTIONS.delta_s)
 
     at_low, at_high = slope(low_s, target), slope(high_s, target)
     turns = (at_low > 0.0) & (at_high < 0.0)
     found_s = np.where(at_low <= 0.0, low_s, high_s)
-    found_s[turns] = _root(slope, low_s[turns], high_s[turns], target[turns], TURNING_S)
+    found_s[turns] = _root(slope, low_s[turns], high_s[turns], target[turns], OPTIONS.turning_s)
     return found_s
 
 
@@ -148,7 +157,9 @@ def _with_hidden_turns(margin: Margin, nodes: Nodes, node_margin: Array) -> tupl
     step = np.pad(np.where(same, np.abs(np.diff(node_margin)), 0.0), 2)
     nearby = np.maximum.reduce([step[:-3], step[1:-2], step[2:-1], step[3:]])
     turns = np.flatnonzero(
-        (above_left >= 0.0) & (above_right >= 0.0) & (np.abs(node_margin) <= OVERSHOOT * nearby)
+        (above_left >= 0.0)
+        & (above_right >= 0.0)
+        & (np.abs(node_margin) <= OPTIONS.overshoot * nearby)
     )
     sought, target = sign[turns], nodes.target[group[turns]]
     low_s, high_s = t_s[turns - before[turns]], t_s[turns + after[turns]]
@@ -172,7 +183,7 @@ def _with_hidden_turns(margin: Margin, nodes: Nodes, node_margin: Array) -> tupl
 
 
 def _crossing(margin: Margin, target: Indices, low_s: Array, high_s: Array) -> Array:
-    return _root(lambda t_s, which: margin(which, t_s), low_s, high_s, target, EDGE_S)
+    return _root(lambda t_s, which: margin(which, t_s), low_s, high_s, target, OPTIONS.edge_s)
 
 
 def _root(

@@ -1,6 +1,6 @@
 """Slews and tracks put together as one command table."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from datetime import datetime
 
 import numpy as np
@@ -10,18 +10,28 @@ from planner.planning.sessions.joining import Join
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, tai_us
 from planner.world.scenario import Scenario
 
-# Of `effort`, to assemble, judge and write down a row, and more for each cone, each mask
-# and each corner of a mask; and to tell of a session: budget, comparison, report.
-ROW, CONE_ROW, MASK_ROW, CORNER_ROW, SESSION = 0.3, 0.13, 0.03, 0.012, 1_500
+
+@dataclass(frozen=True, kw_only=True)
+class AssemblyPrices:
+    """Of `effort`: what it takes to put a table together and to tell of it."""
+
+    row: float = 0.3  # to assemble, judge and write down a row
+    cone_row: float = 0.13  # more, for each cone
+    mask_row: float = 0.03  # for each mask
+    corner_row: float = 0.012  # and for each of its corners
+    session: int = 1_500  # for its budget, comparison and report
+
+
+OPTIONS = AssemblyPrices()
 
 
 def table_work(scenario: Scenario, rows: int) -> float:
     """What a table of so many rows takes when all is found."""
     masks = scenario.platform.masks
     corners = sum(len(mask.corners_platform) for mask in masks)
-    a_row = ROW + CONE_ROW * len(scenario.slew.keep_out)
-    a_row += MASK_ROW * len(masks) + CORNER_ROW * corners
-    return a_row * rows + SESSION * len(scenario.sessions)
+    a_row = OPTIONS.row + OPTIONS.cone_row * len(scenario.slew.keep_out)
+    a_row += OPTIONS.mask_row * len(masks) + OPTIONS.corner_row * corners
+    return a_row * rows + OPTIONS.session * len(scenario.sessions)
 
 
 def assemble_table(

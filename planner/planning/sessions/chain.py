@@ -9,7 +9,8 @@ from planner.base.effort import at_most
 from planner.base.errors import InfeasibleSlew
 from planner.motion.slew import AxisState
 from planner.planning.sessions.earliest_join import track_states
-from planner.planning.sessions.holding import GRID_TOLERANCE_S, Way
+from planner.planning.sessions.holding import OPTIONS as HOLDING_OPTIONS
+from planner.planning.sessions.holding import Way
 from planner.planning.sessions.joining import (
     Join,
     first_row_in_reach,
@@ -20,17 +21,29 @@ from planner.planning.sessions.lead import least_slew_s
 from planner.world.frames.time_scales import elapsed_s
 from planner.world.scenario import Scenario
 
-SPLITS = 8  # how finely a loss is shared between two sessions
-CARE_SHARE = 0.4  # of the work that is left, for what isn't found at once; then for bettering it
-CARE_MOST = 120_000  # for one slew: another one may do as well
-SHUT_ROWS = 10  # which a slew that cones shut must at least have more: a try takes a second
-TRIES_PER_PAIR = 6  # rows at which one slew is tried; the solver needs a row or two more at most
+
+@dataclass(frozen=True, kw_only=True)
+class ChainOptions:
+    """How much is tried for a sequence of sessions."""
+
+    splits: int = 8  # how finely a loss is shared between two sessions
+    # of the work that is left, for what isn't found at once; then for bettering it
+    care_share: float = 0.4
+    care_most: int = 120_000  # for one slew: another one may do as well
+    # which a slew that cones shut must at least have more: a try takes a second
+    shut_rows: int = 10
+    # rows at which one slew is tried; the solver needs a row or two more at most
+    tries_per_pair: int = 6
+
+
+OPTIONS = ChainOptions()
+
 # Which eighths of what is lost the earlier of two sessions may bear; none: nothing is given up.
 CONFLICTS: dict[str, tuple[int, ...]] = {
     "refuse": (),
     "shorten_later": (0,),
-    "shorten_earlier": (SPLITS,),
-    "least_loss": tuple(range(SPLITS + 1)),
+    "shorten_earlier": (OPTIONS.splits,),
+    "least_loss": tuple(range(OPTIONS.splits + 1)),
 }
 States = tuple[AxisState, ...]
 
@@ -88,7 +101,7 @@ class Chain:
             lambda way: [elapsed_s(at, epoch_utc) for at in (way.session.start, way.session.stop)]
         )
         self._track_states = cache(lambda way, row: track_states(way.track, row / ROWS_PER_S))
-        self._care_left = CARE_SHARE * effort.remaining()
+        self._care_left = OPTIONS.care_share * effort.remaining()
         self._is_cut_short = False
 
     def solve(self, mode: str, count: int | None = None) -> tuple[Steps, list[Join]] | None:
@@ -117,7 +130,7 @@ class Chain:
             except InfeasibleSlew as refusal:
                 self._barred.setdefault(pair, set()).add(rows)
                 if refusal.limit == "keep_out":
-                    self._shut[pair] = step.join_row - step.leave_row + SHUT_ROWS
+                    self._shut[pair] = step.join_row - step.leave_row + OPTIONS.shut_rows
                 return None
         return self._joins[pair, *rows]
 
@@ -144,7 +157,7 @@ class Chain:
     ) -> Join | None:
         """None where the work that may be done with care ends before anything is found."""
         join = None
-        with at_most(min(CARE_MOST, self._care_left)) as care:
+        with at_most(min(OPTIONS.care_most, self._care_left)) as care:
             try:
                 join = slew_onto(self.scenario, way, from_row, state, early=early)
             finally:
@@ -165,7 +178,7 @@ class Chain:
         if not self.scenario.keeps_out:
             return joins
         better = []
-        share = CARE_SHARE * effort.remaining() / len(joins)
+        share = OPTIONS.care_share * effort.remaining() / len(joins)
         for number, (step, join) in enumerate(zip(steps, joins, strict=True)):
             way = replace(step.way, rows=replace(step.way.rows, start=step.join_row))
             state = self.state(self.stand(steps[:number]).way, step.leave_row)
@@ -235,7 +248,7 @@ class Chain:
     def _is_open(self, stand: Stand, way: Way, leave_row: int, join_row: int) -> bool:
         """Whether solving has not barred it, and something is left of both sessions."""
         barred = self._barred.get((stand.way, way), set())
-        if (leave_row, join_row) in barred or len(barred) >= TRIES_PER_PAIR:
+        if (leave_row, join_row) in barred or len(barred) >= OPTIONS.tries_per_pair:
             return False
         if join_row - leave_row < self._shut.get((stand.way, way), 0):
             return False
@@ -260,7 +273,7 @@ class Chain:
         return self._initial if way is None else self._track_states(way, row)
 
     def _leaves_something(self, stand: Stand, way: Way, leave_row: int, join_row: int) -> bool:
-        least_s = COMMAND_STEP_S - GRID_TOLERANCE_S
+        least_s = COMMAND_STEP_S - HOLDING_OPTIONS.grid_tolerance_s
         if stand.way and self._left_s(stand.way, stand.join_row, leave_row) <= least_s:
             return False
         return self._left_s(way, join_row, way.rows.stop) > least_s
@@ -277,7 +290,7 @@ class Chain:
 
         def fitting(loss: int) -> tuple[int, int] | None:
             for share in eighths:
-                early = round(loss * share / SPLITS)
+                early = round(loss * share / OPTIONS.splits)
                 rows = (stand.last_row - early, way.rows.start + loss - early)
                 if self._fits(stand, way, *rows):
                     return rows

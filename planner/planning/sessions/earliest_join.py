@@ -22,13 +22,24 @@ from planner.planning.sessions.lead import LedSlew, slew_within_lead
 from planner.world.platforms import AxisLimits
 from planner.world.scenario import SlewOptions
 
-# Of `effort`: a row by itself, a look at many, and each of them.
-LOOK, GLANCE, GLANCE_ROW = 45, 40, 0.1
-NEAR_S = 4.0  # closer than this to feasibility every row is tried
-ROWS_IN_TURN = 4  # failures after which rows are left out: rows carry a slew a row or two late
-FAILURES_MOST = 8  # then the track is not joined early; each may take half a second
-DETOUR_ROWS = 10  # a detour takes a second longer or ten: rows tried between, then halved
-CAUTION = 4.0  # a receding or approaching track changes the time needed by a second per second
+
+@dataclass(frozen=True, kw_only=True)
+class JoinSearchOptions:
+    """How the first row is sought at which a track can be joined."""
+
+    look: int = 45  # of `effort`: to look at a row by itself
+    glance: int = 40  # of `effort`: to look at many rows at once
+    glance_row: float = 0.1  # of `effort`: and at each of them
+    near_s: float = 4.0  # closer than this to feasibility every row is tried
+    # failures after which rows are left out: rows carry a slew a row or two late
+    rows_in_turn: int = 4
+    failures_most: int = 8  # then the track is not joined early; each may take half a second
+    detour_rows: int = 10  # a detour takes a second longer or ten: rows tried between, then halved
+    # a receding or approaching track changes the time needed by a second per second
+    caution: float = 4.0
+
+
+OPTIONS = JoinSearchOptions()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,7 +56,7 @@ class EarliestJoin:
 
 def track_states(track: AxisTrack, t_s: float) -> tuple[AxisState, ...]:
     """What a slew must arrive with to follow the track from t_s on."""
-    effort.count(LOOK)
+    effort.count(OPTIONS.look)
     angle, rate, acceleration = track.motion(np.array([t_s]))
     return axis_states(angle[0], rate[0], acceleration[0])
 
@@ -84,14 +95,18 @@ class Approach:
         bad: int | None = None
         failures = 0
         for row in self.rows_within_reach(after_s, min(until_s, float(self.track.t_s[-1]))):
-            step = DETOUR_ROWS if keep_out is not None else 2 ** max(failures - ROWS_IN_TURN, 0)
+            step = (
+                OPTIONS.detour_rows
+                if keep_out is not None
+                else 2 ** max(failures - OPTIONS.rows_in_turn, 0)
+            )
             if bad is not None and row < bad + step:
                 continue
             led = join_at(row)
             if led is not None:
                 return _earlier(join_at, row - 1 if bad is None else bad, row, led)
             bad, failures = row, failures + 1
-            if failures >= FAILURES_MOST:
+            if failures >= OPTIONS.failures_most:
                 break
         return None
 
@@ -105,7 +120,7 @@ class Approach:
         all_rows = np.arange(next_row, math.floor(until_s * ROWS_PER_S + 1e-6) + 1)
         if not all_rows.size:
             return
-        effort.charge(GLANCE + GLANCE_ROW * all_rows.size)
+        effort.charge(OPTIONS.glance + OPTIONS.glance_row * all_rows.size)
         for row in all_rows[self._certify(all_rows)].tolist():
             if row < next_row:
                 continue
@@ -114,7 +129,9 @@ class Approach:
             lacking_s = self._lacking_s(end, available_s)
             if lacking_s <= 0.0 and self._is_possible(end, available_s):
                 yield row
-            skipped_s = lacking_s / CAUTION if NEAR_S < lacking_s < math.inf else 0.0
+            skipped_s = (
+                lacking_s / OPTIONS.caution if OPTIONS.near_s < lacking_s < math.inf else 0.0
+            )
             next_row = row + max(1, math.floor(skipped_s * ROWS_PER_S))
 
     def _slew_to(

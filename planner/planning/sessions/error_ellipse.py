@@ -4,7 +4,14 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.motion.pointing.line_of_sight import LineOfSight
-from planner.planning.sessions.uncertainty import CLOCK_S, DRIVE_RAD, PointingScene, error_biases
+from planner.planning.sessions.uncertainty import (
+    DRIVE_RAD,
+    PointingScene,
+    error_biases,
+)
+from planner.planning.sessions.uncertainty import (
+    OPTIONS as BUDGET_OPTIONS,
+)
 from planner.world.attitude import AttitudeLaw
 from planner.world.orbits import Ephemeris
 from planner.world.platforms import TwoAxisPlatform
@@ -19,7 +26,7 @@ def error_covariance_rad2(
     platform: TwoAxisPlatform,
     angle_rad: Array,
     *,
-    clock_s: float = CLOCK_S,
+    clock_s: float = BUDGET_OPTIONS.clock_s,
 ) -> Array:
     """Of the target's place in the image, by the causes of `pointing_budget`, shape (n, 2, 2).
 

@@ -1,7 +1,7 @@
 """The slew to where the axes rest when the last session is over."""
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,7 +15,9 @@ from planner.planning.sessions.earliest_join import track_states
 from planner.planning.sessions.holding import Rows, Way
 from planner.planning.sessions.joining import Join, slew_onto
 from planner.planning.sessions.lead import (
-    FEWEST_ROWS,
+    OPTIONS as LEAD_OPTIONS,
+)
+from planner.planning.sessions.lead import (
     States,
     at_rest_after,
     brake_enough_s,
@@ -26,10 +28,19 @@ from planner.world.frames.time_scales import shifted_utc
 from planner.world.orbits import Ephemeris
 from planner.world.scenario import BoundedLead, Scenario
 
-LONGEST_S = 3600.0  # what has no end of its own must have one
-ROUNDING = 1e-12  # rad, rad/s, rad/s2: below what a table's rows can tell
-QUICKLY = 0.2  # of the time in which braking is smooth: within 3/4 of the limits
-CONES_TIMES = (1.0, 4.0)  # the way around a cone may be several times as long
+
+@dataclass(frozen=True, kw_only=True)
+class FinalSlewOptions:
+    """How the axes are brought to rest after the last session."""
+
+    longest_s: float = 3600.0  # what has no end of its own must have one
+    rounding: float = 1e-12  # rad, rad/s, rad/s2: below what a table's rows can tell
+    quickly: float = 0.2  # of the time in which braking is smooth: within 3/4 of the limits
+    # the way around a cone may be several times as long
+    cones_times: tuple[float, ...] = (1.0, 4.0)
+
+
+OPTIONS = FinalSlewOptions()
 
 
 def with_final_slew(scenario: Scenario, ephemeris: Ephemeris, joins: list[Join]) -> list[Join]:
@@ -48,7 +59,7 @@ def with_final_slew(scenario: Scenario, ephemeris: Ephemeris, joins: list[Join])
     if asked is None:
         rest, least_s = None, 0.0
         wanted_s = brake_enough_s(state, scenario.axis_limits, scenario.slew)
-        wanted_s *= QUICKLY if scenario.slew.objective == "minimum_time" else 1.0
+        wanted_s *= OPTIONS.quickly if scenario.slew.objective == "minimum_time" else 1.0
     else:
         rest = tuple(AxisState(angle_rad=angle_rad) for angle_rad in asked)
         least_s = least_slew_s(state, rest, scenario.axis_limits)
@@ -57,9 +68,9 @@ def with_final_slew(scenario: Scenario, ephemeris: Ephemeris, joins: list[Join])
         return joins
     if least_s > longest_s:
         raise _too_far(scenario, least_s, longest_s)
-    for times in CONES_TIMES:
+    for times in OPTIONS.cones_times:
         rows = math.ceil(min(times * wanted_s, longest_s) * ROWS_PER_S - 1e-6)
-        rows = max(rows, FEWEST_ROWS)
+        rows = max(rows, LEAD_OPTIONS.fewest_rows)
         there = rest or at_rest_after(state, scenario.axis_limits, rows / ROWS_PER_S)
         way = _rest_way(scenario, ephemeris, there, last.stop_row, rows)
         try:
@@ -82,9 +93,9 @@ def with_final_slew(scenario: Scenario, ephemeris: Ephemeris, joins: list[Join])
 def _is_at_rest(state: States, there: States) -> bool:
     """To rounding."""
     return all(
-        abs(here.angle_rad - wanted.angle_rad) < ROUNDING
-        and abs(here.rate_rad_s) < ROUNDING
-        and abs(here.acceleration_rad_s2) < ROUNDING
+        abs(here.angle_rad - wanted.angle_rad) < OPTIONS.rounding
+        and abs(here.rate_rad_s) < OPTIONS.rounding
+        and abs(here.acceleration_rad_s2) < OPTIONS.rounding
         for here, wanted in zip(state, there, strict=True)
     )
 
@@ -100,7 +111,7 @@ def _wanted_s(scenario: Scenario, state: States, rest: States) -> float:
             limits=limits,
             start=state,
             end=rest,
-            duration_s=LONGEST_S,
+            duration_s=OPTIONS.longest_s,
         )
     )
 
@@ -108,11 +119,11 @@ def _wanted_s(scenario: Scenario, state: States, rest: States) -> float:
 def _longest_s(scenario: Scenario) -> float:
     lead = scenario.slew.lead
     asked_s = lead.max_duration_s if isinstance(lead, BoundedLead) else None
-    return LONGEST_S if asked_s is None else min(asked_s, LONGEST_S)
+    return OPTIONS.longest_s if asked_s is None else min(asked_s, OPTIONS.longest_s)
 
 
 def _too_far(scenario: Scenario, least_s: float, longest_s: float) -> InfeasibleSlew:
-    bounded = longest_s < LONGEST_S
+    bounded = longest_s < OPTIONS.longest_s
     return InfeasibleSlew(
         f"the axes need {least_s:.1f} s to come to rest where final_state asks, and a slew may "
         f"last {longest_s:g} s; {'allow a longer one, or ' if bounded else ''}name a nearer state",
@@ -139,6 +150,6 @@ def _rest_way(
             axis_states=np.stack([angle_rad, np.zeros((2, 2)), np.zeros((2, 2))]),
         ),
         rows=Rows(start=from_row + rows, stop=from_row + rows),
-        seen_from_s=(from_row + FEWEST_ROWS) / ROWS_PER_S,
+        seen_from_s=(from_row + LEAD_OPTIONS.fewest_rows) / ROWS_PER_S,
         ephemeris=ephemeris,
     )

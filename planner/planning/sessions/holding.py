@@ -19,9 +19,19 @@ from planner.world.orbits import Ephemeris
 from planner.world.scenario import Scenario, Session
 from planner.world.targets import BenchMotionTarget, VisibleTarget
 
-# Of `effort`: any stretch of a target, a row of it, and a row of a track beside a cone.
-HOLD, HOLD_ROW, CONE_ROW = 300, 1, 0.3
-GRID_TOLERANCE_S = 1e-6  # a microsecond, the resolution of a time in a request
+
+@dataclass(frozen=True, kw_only=True)
+class HoldingOptions:
+    """What it takes to look at a track, and how closely times count."""
+
+    hold: int = 300  # of `effort`: any stretch of a target
+    hold_row: int = 1  # of `effort`: a row of it
+    cone_row: float = 0.3  # of `effort`: a row of a track beside a cone
+    grid_tolerance_s: float = 1e-6  # a microsecond, the resolution of a time in a request
+
+
+OPTIONS = HoldingOptions()
+
 EARLY_ROWS = 600 * ROWS_PER_S  # how long before its session a target may be tracked already
 
 
@@ -50,8 +60,8 @@ class Way:
 
 def session_rows(session: Session, epoch_utc: datetime) -> Rows:
     """The session snapped outwards onto the command grid."""
-    start_s = elapsed_s(session.start, epoch_utc) + GRID_TOLERANCE_S
-    stop_s = elapsed_s(session.stop, epoch_utc) - GRID_TOLERANCE_S
+    start_s = elapsed_s(session.start, epoch_utc) + OPTIONS.grid_tolerance_s
+    stop_s = elapsed_s(session.stop, epoch_utc) - OPTIONS.grid_tolerance_s
     return Rows(start=math.floor(start_s * ROWS_PER_S), stop=math.ceil(stop_s * ROWS_PER_S))
 
 
@@ -72,7 +82,7 @@ def ways_to_hold(
     """
     rows = session_rows(session, scenario.initial_state.epoch)
     looked_at = rows.stop - _early_row(scenario, rows.start, from_row)
-    effort.charge(HOLD + HOLD_ROW * looked_at)
+    effort.charge(OPTIONS.hold + OPTIONS.hold_row * looked_at)
     if isinstance(session.target, BenchMotionTarget):
         tracks: tuple[AxisTrack, ...] = (_prescribed_track(scenario, session.target, number, rows),)
         seen_from_s = tracks[0].t_s[0]
@@ -91,7 +101,7 @@ def ways_to_hold(
     begins_s = min(float(track.t_s[0]) for track in tracks)
     view = keep_out_view(scenario, ephemeris, begins_s, rows.stop / ROWS_PER_S)
     if view is not None:
-        effort.charge(CONE_ROW * looked_at * len(view.regions) * len(tracks))
+        effort.charge(OPTIONS.cone_row * looked_at * len(view.regions) * len(tracks))
     return tuple(
         Way(
             session=session,

@@ -23,13 +23,22 @@ from planner.motion.slew.stops import stop_margin_rad
 from planner.world.platforms import AxisLimits, StructuralMode
 from planner.world.scenario import BoundedLead, SlewOptions
 
-# Times the least time.  From rest to rest a slew's peaks are then at most 0.19 of the rate limit,
-# 0.014 of the acceleration limit and 0.002 of the jerk limit: as gentle as following a target
-# (0.012 deg/s2 at most on real passes), so that more time makes the flight no smoother.
-ENOUGH = 10.0
-FEWEST_ROWS = 4  # jerk from row to row meets an angle, a rate and an acceleration in three
-MODE_PERIODS = 4.0  # of a mode to suppress: twice what that takes
-CONE_ROW = 0.3  # of `effort`: to look whether a cone meets a row of a wait
+
+@dataclass(frozen=True, kw_only=True)
+class LeadOptions:
+    """How much time a slew is given."""
+
+    # Times the least time.  From rest to rest a slew's peaks are then at most 0.19 of the rate
+    # limit, 0.014 of the acceleration limit and 0.002 of the jerk limit: as gentle as following a
+    # target (0.012 deg/s2 at most on real passes), so that more time makes the flight no
+    # smoother.
+    enough: float = 10.0
+    fewest_rows: int = 4  # jerk from row to row meets an angle, a rate and an acceleration in three
+    mode_periods: float = 4.0  # of a mode to suppress: twice what that takes
+    cone_row: float = 0.3  # of `effort`: to look whether a cone meets a row of a wait
+
+
+OPTIONS = LeadOptions()
 
 States = tuple[AxisState, ...]
 Solver = Callable[[SlewProblem], SlewSolution]
@@ -96,7 +105,7 @@ def enough_s(
     avoid_modes: tuple[StructuralMode, ...],
 ) -> float:
     """The time after which more makes a slew no smoother than the track it leads to."""
-    return max(ENOUGH * least_slew_s(start, end, limits), _suppressed_s(avoid_modes))
+    return max(OPTIONS.enough * least_slew_s(start, end, limits), _suppressed_s(avoid_modes))
 
 
 def least_slew_s(start: States, end: States, limits: tuple[AxisLimits, ...]) -> float:
@@ -108,7 +117,7 @@ def least_slew_s(start: States, end: States, limits: tuple[AxisLimits, ...]) -> 
 def brake_enough_s(state: States, limits: tuple[AxisLimits, ...], options: SlewOptions) -> float:
     """The time in which the axes come to rest smoothly, wherever; 0 where they are at rest."""
     least_s = max(_stopping_s(*axis) for axis in zip(state, limits, strict=True))
-    return max(ENOUGH * least_s, _suppressed_s(options.avoid_modes)) if least_s else 0.0
+    return max(OPTIONS.enough * least_s, _suppressed_s(options.avoid_modes)) if least_s else 0.0
 
 
 def at_rest_after(state: States, limits: tuple[AxisLimits, ...], brake_s: float) -> States:
@@ -132,7 +141,7 @@ def _bounded(
     brake_s = brake_enough_s(start, limits, options)
     brake_rows = min(math.ceil(brake_s * ROWS_PER_S), rows // 2)
     if brake_rows:
-        brake_rows = max(brake_rows, FEWEST_ROWS)
+        brake_rows = max(brake_rows, OPTIONS.fewest_rows)
     rest = at_rest_after(start, limits, brake_rows / ROWS_PER_S)
     most_rows = _most_rows(rest, end, limits, options)
     return _Bounded(brake_rows=brake_rows, rest=rest, slew_rows=min(most_rows, rows - brake_rows))
@@ -149,7 +158,7 @@ def _most_rows(
     if most_s is not None:
         return math.floor(most_s * ROWS_PER_S + 1e-6)
     enough_rows = math.ceil(enough_s(start, end, limits, options.avoid_modes) * ROWS_PER_S)
-    return max(enough_rows, 2 * FEWEST_ROWS)
+    return max(enough_rows, 2 * OPTIONS.fewest_rows)
 
 
 def _after_wait(
@@ -180,7 +189,7 @@ def _require_outside(
     """Raises InfeasibleSlew where a region is met while the axes brake or wait."""
     if until_s < COMMAND_STEP_S / 2.0:
         return
-    effort.charge(CONE_ROW * until_s * ROWS_PER_S * len(view.regions))
+    effort.charge(OPTIONS.cone_row * until_s * ROWS_PER_S * len(view.regions))
     rest_rad = np.array([axis.angle_rad for axis in rest])
 
     def motion(t_s: Array) -> tuple[Array, Array]:
@@ -209,7 +218,7 @@ def _too_bounded(refusal: InfeasibleSlew, most_s: float) -> InfeasibleSlew:
 
 
 def _suppressed_s(avoid_modes: tuple[StructuralMode, ...]) -> float:
-    return max((MODE_PERIODS / mode.frequency_hz for mode in avoid_modes), default=0.0)
+    return max((OPTIONS.mode_periods / mode.frequency_hz for mode in avoid_modes), default=0.0)
 
 
 def _stopping_s(state: AxisState, limits: AxisLimits) -> float:

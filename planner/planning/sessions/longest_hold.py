@@ -11,7 +11,8 @@ from planner.base.errors import Refusal
 from planner.motion.pointing.keep_out import keep_out_view
 from planner.motion.pointing.line_of_sight import STENCIL
 from planner.motion.pointing.track import held_cells
-from planner.planning.sessions.holding import CONE_ROW, HOLD, HOLD_ROW, Rows, sight
+from planner.planning.sessions.holding import OPTIONS as HOLDING_OPTIONS
+from planner.planning.sessions.holding import Rows, sight
 from planner.planning.sessions.sequence import RefusedSession
 from planner.world.orbits import Ephemeris
 from planner.world.targets import BenchMotionTarget
@@ -33,7 +34,7 @@ def longest_hold(refused: RefusedSession, ephemeris: Ephemeris) -> Rows | None:
     stride = math.ceil((wanted.stop - start) / LOOKS_MAX)
     count = (wanted.stop - start) // stride + 1
     rows = Rows(start=start, stop=start + (count - 1) * stride)
-    effort.charge(HOLD + HOLD_ROW * count)
+    effort.charge(HOLDING_OPTIONS.hold + HOLDING_OPTIONS.hold_row * count)
     try:
         los = sight(scenario, ephemeris, target, rows, count)
         view = keep_out_view(scenario, ephemeris, rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S)
@@ -44,7 +45,7 @@ def longest_hold(refused: RefusedSession, ephemeris: Ephemeris) -> Rows | None:
     for angle_rad, held in held_cells(platform, los):
         held &= (los.clearance_rad[1:] >= 0.0) & (los.clearance_rad[:-1] >= 0.0)
         if view is not None:
-            effort.charge(CONE_ROW * count * len(view.regions))
+            effort.charge(HOLDING_OPTIONS.cone_row * count * len(view.regions))
             t_s = los.instants.t_s - los.instants.t_s[0]
             inside = view.depths_rad(t_s, angle_rad).max(axis=0) > 0.0
             near = np.convolve(inside, np.ones(2 * AWAY_ROWS + 1), "same") > 0.0

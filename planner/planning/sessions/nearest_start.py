@@ -21,15 +21,22 @@ from planner.world.orbits import Ephemeris
 from planner.world.scenario import Scenario, Session
 from planner.world.targets import BenchMotionTarget, EarthFixedTarget
 
-COARSE_ROWS = 10 * ROWS_PER_S  # first tries, then halved down to a row
-ATTEMPTS = 60
 
-# Of `effort`: five seconds for either way of moving a session, and of what is left.
-SEARCH, SEARCH_SHARE = 500_000, 0.6
-REFUSALS = 4  # starts that would cost other sessions, before such a one is named
+@dataclass(frozen=True, kw_only=True)
+class NearestStartOptions:
+    """How another start is sought for a refused session."""
 
-USEFUL_ELEVATION_DEG = 10.0  # a carrier lower than that is three times as far off, or more
-ROWS_LATER = 3  # the solver needs a row or two more than closed forms say
+    coarse_rows: int = 10 * ROWS_PER_S  # first tries, then halved down to a row
+    attempts: int = 60  # rows gone through either way of moving a session
+    search: int = 500_000  # of `effort`: five seconds for either way of moving a session
+    search_share: float = 0.6  # and of what work is left
+    refusals: int = 4  # starts that would cost other sessions, before such a one is named
+    # a carrier lower than that is three times as far off, or more
+    useful_elevation_deg: float = 10.0
+    rows_later: int = 3  # the solver needs a row or two more than closed forms say
+
+
+OPTIONS = NearestStartOptions()
 
 
 @dataclass(frozen=True)
@@ -123,7 +130,7 @@ def _at_useful_elevation(refused: RefusedSession) -> RefusedSession | None:
         return None
     sessions = list(refused.scenario.sessions)
     sessions[refused.number] = replace(
-        refused.session, target=replace(target, min_elevation_deg=USEFUL_ELEVATION_DEG)
+        refused.session, target=replace(target, min_elevation_deg=OPTIONS.useful_elevation_deg)
     )
     return replace(refused, scenario=replace(refused.scenario, sessions=tuple(sessions)))
 
@@ -223,8 +230,8 @@ def _search(
     as far as there are any, negative: not one.
     """
     reach_rows, refusals = -1, 0
-    candidates = list(islice(rows, ATTEMPTS))
-    with at_most(min(SEARCH, SEARCH_SHARE * effort.remaining())):
+    candidates = list(islice(rows, OPTIONS.attempts))
+    with at_most(min(OPTIONS.search, OPTIONS.search_share * effort.remaining())):
         for row in candidates:
             may = trials.ends_may(row) and trials.may(row)
             session = _nearest_feasible(trials, row, wanted_row) if may else None
@@ -232,9 +239,9 @@ def _search(
             if session is not None and others.stay_as_asked(session):
                 return session, reach_rows
             refusals += may
-            if may and (session is None or refusals == REFUSALS):
+            if may and (session is None or refusals == OPTIONS.refusals):
                 return None, reach_rows
-        return None, reach_rows if len(candidates) == ATTEMPTS else None
+        return None, reach_rows if len(candidates) == OPTIONS.attempts else None
     return None, reach_rows
 
 
@@ -243,7 +250,7 @@ def _nearest_feasible(trials: Trials, row: int, wanted_row: int) -> Session | No
     away = 1 if row >= wanted_row else -1
 
     def nearest(may: Callable[[int], bool]) -> int:
-        good, bad = row, row - away * COARSE_ROWS
+        good, bad = row, row - away * OPTIONS.coarse_rows
         while abs(good - bad) > 1:
             middle = (good + bad) // 2
             if (middle - wanted_row) * away >= 0 and may(middle):
@@ -257,7 +264,7 @@ def _nearest_feasible(trials: Trials, row: int, wanted_row: int) -> Session | No
     if found is not None:
         return found
     surer = nearest(lambda middle: trials.ends_may(middle) and trials.may(middle))
-    for nearby in range(surer, surer + away * ROWS_LATER, away):
+    for nearby in range(surer, surer + away * OPTIONS.rows_later, away):
         found = trials.feasible_session(nearby) if nearby != first else None
         if found is not None:
             return found
@@ -266,14 +273,14 @@ def _nearest_feasible(trials: Trials, row: int, wanted_row: int) -> Session | No
 
 def _longest_hold(refused: RefusedSession, span: _Span) -> Rows | None:
     """What of the session can be held; None where that isn't known."""
-    with at_most(min(SEARCH, SEARCH_SHARE * effort.remaining())):
+    with at_most(min(OPTIONS.search, OPTIONS.search_share * effort.remaining())):
         return longest_hold(refused, span.ephemeris)
     return None
 
 
 def _rows_before_stop(span: _Span, left: Rows) -> Iterable[int]:
     """Start rows of the session cut short to what is left of it, the first ones first."""
-    step = min(COARSE_ROWS, max((left.stop - left.start) // 8, 1))
+    step = min(OPTIONS.coarse_rows, max((left.stop - left.start) // 8, 1))
     runs = [run for run in span.seen if run.start <= left.stop <= run.stop]
     rows = range(left.start, left.stop, step)
     return (row for row in rows if any(run.start <= row for run in runs))
@@ -287,7 +294,10 @@ def _rows_by_distance(refused: RefusedSession, span: _Span) -> list[int]:
         row
         for run in span.seen
         if run.stop - length_rows >= run.start
-        for row in {*range(run.start, run.stop - length_rows, COARSE_ROWS), run.stop - length_rows}
+        for row in {
+            *range(run.start, run.stop - length_rows, OPTIONS.coarse_rows),
+            run.stop - length_rows,
+        }
         if row > refused.from_row
     ]
     return sorted(starts, key=lambda row: abs(row - wanted.start))
@@ -319,14 +329,14 @@ def _visible_rows(refused: RefusedSession, ephemeris: Ephemeris, known: Rows) ->
     target = refused.session.target
     if isinstance(target, BenchMotionTarget):
         return [known]
-    rows = np.arange(known.start, known.stop + 1, COARSE_ROWS)
+    rows = np.arange(known.start, known.stop + 1, OPTIONS.coarse_rows)
     instants = Instants(refused.epoch_utc, rows / ROWS_PER_S)
     visible = target.apparent(instants, ephemeris.states(instants)).clearance_rad >= 0.0
     edges = np.flatnonzero(np.diff(np.concatenate([[False], visible, [False]])))
     return [
         Rows(
-            start=max(known.start, int(rows[first]) - COARSE_ROWS),
-            stop=min(known.stop, int(rows[last - 1]) + COARSE_ROWS),
+            start=max(known.start, int(rows[first]) - OPTIONS.coarse_rows),
+            stop=min(known.stop, int(rows[last - 1]) + OPTIONS.coarse_rows),
         )
         for first, last in edges.reshape(-1, 2)
     ]

@@ -30,9 +30,18 @@ from planner.world.frames.time_scales import shifted_utc
 from planner.world.orbits import Ephemeris
 from planner.world.scenario import Scenario, Session
 
-# Of the work that is left: for finding a plan; where there is none, for saying why, and of that
-# for a proof around cones and for what would help.
-FIND_SHARE, CONFLICT_SHARE, PROOF_SHARE, OFFERS_SHARE = 0.7, 0.8, 0.7, 0.5
+
+@dataclass(frozen=True, kw_only=True)
+class SequenceOptions:
+    """Shares of the work that is left, for each part of sequencing."""
+
+    find_share: float = 0.7  # for finding a plan
+    conflict_share: float = 0.8  # where there is none, for saying why
+    proof_share: float = 0.7  # of that, for a proof around cones
+    offers_share: float = 0.5  # of that, for what would help
+
+
+OPTIONS = SequenceOptions()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,7 +86,7 @@ class SessionRefused(Exception):
         """What sessions would lose under each `on_conflict` by which all of them can be flown."""
         found: list[GiveUp] = []
         if self._chain is not None:
-            with at_most(OFFERS_SHARE * effort.remaining()):
+            with at_most(OPTIONS.offers_share * effort.remaining()):
                 for mode in CONFLICTS:
                     instead = self._chain.solve(mode)
                     found += _give_ups(mode, instead[0]) if instead is not None else []
@@ -102,16 +111,16 @@ def sequence_sessions(
     _require_start_outside(scenario, ephemeris)
     chain = Chain(scenario, _ways_by_session(scenario, ephemeris))
     found = None
-    with at_most(FIND_SHARE * effort.remaining()) as search:
+    with at_most(OPTIONS.find_share * effort.remaining()) as search:
         found = chain.solve(scenario.on_conflict)
     if search.is_exhausted and found is None:
         chain.hurry()
-        with at_most(FIND_SHARE * effort.remaining()) as search:
+        with at_most(OPTIONS.find_share * effort.remaining()) as search:
             found = chain.solve(scenario.on_conflict)
     if found is not None:
         return chain.improve(*found)
     if not search.is_exhausted:
-        with at_most(CONFLICT_SHARE * effort.remaining()):
+        with at_most(OPTIONS.conflict_share * effort.remaining()):
             raise _conflict(chain, prove=prove)
     raise SearchEnded(
         f"no plan of these {len(scenario.sessions)} sessions was found, nor shown to be "
@@ -169,7 +178,7 @@ def _conflict(chain: Chain, *, prove: bool) -> SessionRefused:
     state = chain.state(stand.way, stand.last_row)
     refusal = None
     if prove:
-        with at_most(PROOF_SHARE * effort.remaining()):
+        with at_most(OPTIONS.proof_share * effort.remaining()):
             refusal = _refusal(chain, number, stand, prove=True)
     refusal = refusal or _refusal(chain, number, stand, prove=False)
     refused = RefusedSession(scenario=scenario, number=number, from_row=stand.last_row, state=state)

@@ -6,6 +6,7 @@ Each cause is carried through the geometry by repeating it with the cause distur
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -24,18 +25,29 @@ from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.platforms import TwoAxisPlatform
 from planner.world.targets import VisibleTarget
 
-SAMPLES = 11  # errors change over a pass, not from row to row
-COARSE = 16  # one of so many draws, where instants are many
-BATCH = 1000  # instants: 16 MB
-RANDOM_MARGIN_SIGMA = 3.0
-OFF_TARGET = 1e-3  # of the frame: more than a table's rows leave between them
-RANGE_MAX_M = 1e8  # beyond, metres at the target say nothing
-_PROBE_M = 10.0
-_PROBE_S = 0.1
+
+@dataclass(frozen=True, kw_only=True)
+class BudgetOptions:
+    """How a pointing budget is sampled, and what it assumes."""
+
+    samples: int = 11  # errors change over a pass, not from row to row
+    coarse: int = 16  # one of so many draws, where instants are many
+    batch: int = 1000  # instants: 16 MB
+    # of the drives, whose error is another each row: kept free at the frame's edge
+    random_margin_sigma: float = 3.0
+    off_target: float = 1e-3  # of the frame: more than a table's rows leave between them
+    range_max_m: float = 1e8  # beyond, metres at the target say nothing
+    probe_m: float = 10.0  # by which the orbit is probed: 2.5e-5 of the range at 400 km, so linear
+    probe_s: float = 0.1  # by which the clock is probed: 50 m of the ground's turning, likewise
+    iers_predicted_days: float = 365.0  # finals2000A reaches a year ahead of its issue
+    # What a request can't say about itself, so assumed. 1-sigma of the platform's clock against
+    # UTC
+    clock_s: float = 0.02
+
+
+OPTIONS = BudgetOptions()
+
 _ARCSEC = 1.0 / RAD_PER_ARCSEC
-IERS_PREDICTED_DAYS = 365.0  # finals2000A reaches a year ahead of its issue
-# What a request can't say about itself, so assumed.
-CLOCK_S = 0.02  # 1-sigma of the platform's clock against UTC
 DRIVE_RAD = 5.0 * RAD_PER_ARCSEC / math.sqrt(12.0)  # 1-sigma of an axis by its encoder's step
 
 
@@ -56,7 +68,7 @@ def pointing_budget(
     platform: TwoAxisPlatform,
     angle_rad: Array,
     *,
-    clock_s: float = CLOCK_S,
+    clock_s: float = OPTIONS.clock_s,
 ) -> PointingBudget:
     """Budget of the session whose line of sight is `los`.
 
@@ -67,7 +79,7 @@ def pointing_budget(
     a phase that nobody knows beforehand; the drives' resolution is random.  Leaves out the mount's
     alignment and the camera's own distortion, which are calibrated, and refraction.
     """
-    scene = PointingScene(los, attitude, target, platform, angle_rad, SAMPLES)
+    scene = PointingScene(los, attitude, target, platform, angle_rad, OPTIONS.samples)
     errors = attitude.errors(scene.instants)
     biases = error_biases(scene, los, ephemeris, errors, clock_s)
     squares_rad2: dict[_Cause, Array] = {}
@@ -140,7 +152,7 @@ def probabilities_at(
     platform: TwoAxisPlatform,
     angle_rad: Array,
     *,
-    clock_s: float = CLOCK_S,
+    clock_s: float = OPTIONS.clock_s,
 ) -> Array:
     """That the target is in the frame at each instant by itself, (n,); as `pointing_budget`.
 
@@ -160,19 +172,21 @@ def probabilities_at(
         for part in (bias.offsets_rad, bias.quarter_later_rad)
     ]
     laplace = sum(bias.is_laplace for bias in biases)
-    points = lattice_points(len(constant) - laplace, laplace, len(swings) // 2)[:, ::COARSE]
+    points = lattice_points(len(constant) - laplace, laplace, len(swings) // 2)[
+        :, :: OPTIONS.coarse
+    ]
     offsets = np.stack([*constant, *swings], axis=-1) / half_rad[:, None]
     middle = scene.off_rad / half_rad
     parts = []
-    for first in range(0, len(los.instants), BATCH):
-        batch = slice(first, first + BATCH)
+    for first in range(0, len(los.instants), OPTIONS.batch):
+        batch = slice(first, first + OPTIONS.batch)
         places = middle[batch, :, None] + offsets[batch] @ points
         parts.append(np.mean(np.abs(places).max(axis=1) <= 1.0, axis=1))
     return np.concatenate(parts)
 
 
 def _half_rad(platform: TwoAxisPlatform) -> Array:
-    return np.array(platform.frame_half_rad) - RANDOM_MARGIN_SIGMA * DRIVE_RAD
+    return np.array(platform.frame_half_rad) - OPTIONS.random_margin_sigma * DRIVE_RAD
 
 
 class PointingScene:
@@ -195,7 +209,7 @@ class PointingScene:
         self.rows = spread_rows(image, min(len(image), samples))
         off_rad = np.einsum("nij,nj->ni", image, los.los_platform)
         shares = np.abs(off_rad / platform.frame_half_rad).max(axis=1)
-        if shares.max() > OFF_TARGET:
+        if shares.max() > OPTIONS.off_target:
             self.rows = farthest_rows(shares, self.rows)
         self._image, self.off_rad = image[self.rows], off_rad[self.rows]
         self.instants = Instants(los.instants.epoch_utc, los.instants.t_s[self.rows])
@@ -269,7 +283,9 @@ def error_biases(
     clock_s: float,
 ) -> list[Bias]:
     orbits = [*_disturbed_orbits(scene.states), scene.states, scene.states]
-    *moved, late, early = scene.directions_platform(orbits, [0.0, 0.0, 0.0, _PROBE_S, -_PROBE_S])
+    *moved, late, early = scene.directions_platform(
+        orbits, [0.0, 0.0, 0.0, OPTIONS.probe_s, -OPTIONS.probe_s]
+    )
     return [
         *_orbit_offsets(scene, ephemeris, moved),
         *_attitude_offsets(scene, errors),
@@ -279,17 +295,17 @@ def error_biases(
 
 
 def _disturbed_orbits(states: OrbitStates) -> tuple[OrbitStates, ...]:
-    """`_PROBE_M` out, ahead and across."""
+    """`OPTIONS.probe_m` out, ahead and across."""
     r, v = states.r_sat_eci_m, states.v_sat_eci_m_s
     radius = np.linalg.norm(r, axis=1, keepdims=True)
     normal = cross(r, v)
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    turn = _PROBE_M / radius
+    turn = OPTIONS.probe_m / radius
     return (
         OrbitStates(r * (1.0 + turn), v),
         # Position and velocity both turned about the orbit's normal.
         OrbitStates(r + turn * cross(normal, r), v + turn * cross(normal, v)),
-        OrbitStates(r + _PROBE_M * normal, v),
+        OrbitStates(r + OPTIONS.probe_m * normal, v),
     )
 
 
@@ -306,7 +322,7 @@ def _orbit_offsets(
     return [
         Bias(
             _Cause("orbit", sigma.basis, sigma.better),
-            scene.in_image(direction - scene.los_platform) * (size_m / _PROBE_M)[:, None],
+            scene.in_image(direction - scene.los_platform) * (size_m / OPTIONS.probe_m)[:, None],
             is_laplace=is_laplace,
         )
         for direction, size_m, is_laplace in zip(moved_platform, sizes_m, laplace, strict=True)
@@ -339,14 +355,16 @@ def ut1_sigma_s(instants: Instants) -> float:
     end_utc = iers_data_end_utc()
     past_days = elapsed_s(instants.epoch_utc, end_utc) / DAY_S
     past_days += float(instants.t_s[-1]) / DAY_S
-    predicted_days = max(0.0, min(past_days + IERS_PREDICTED_DAYS, IERS_PREDICTED_DAYS))
+    predicted_days = max(
+        0.0, min(past_days + OPTIONS.iers_predicted_days, OPTIONS.iers_predicted_days)
+    )
     return 2e-5 + 2.5e-4 * float(predicted_days**0.75) + 8.5e-4 * max(0.0, past_days)
 
 
 def _earth_offsets(scene: PointingScene, passing_platform: Array) -> Bias:
     """UT1; the pole's part is a tenth of it.
 
-    passing_platform: how far the Earth's turning moves the target from `_PROBE_S` before to after.
+    passing_platform: how far the turning Earth moves the target from `probe_s` before to after.
     """
     ut1_s = ut1_sigma_s(scene.instants)
     cause = _Cause(
@@ -355,7 +373,7 @@ def _earth_offsets(scene: PointingScene, passing_platform: Array) -> Bias:
         "Bulletin A's 0.25 ms x days^0.75",
         "newer Earth orientation data",
     )
-    return Bias(cause, scene.in_image(passing_platform) * (ut1_s / (2.0 * _PROBE_S)))
+    return Bias(cause, scene.in_image(passing_platform) * (ut1_s / (2.0 * OPTIONS.probe_s)))
 
 
 def _clock_offsets(scene: PointingScene, los: LineOfSight, clock_s: float) -> Bias:
@@ -366,4 +384,4 @@ def _clock_offsets(scene: PointingScene, los: LineOfSight, clock_s: float) -> Bi
 
 
 def _ground_m(sigma_rad: float, range_m: float) -> float | None:
-    return sigma_rad * range_m if range_m < RANGE_MAX_M else None
+    return sigma_rad * range_m if range_m < OPTIONS.range_max_m else None

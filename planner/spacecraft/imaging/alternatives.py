@@ -14,7 +14,14 @@ import numpy as np
 from planner.base.arrays import Array
 from planner.base.errors import InfeasibleSlew, InvalidInput, OutsideCoverage, Refusal, Unreachable
 from planner.spacecraft.geojson import GeoLineString, GeoPolygon, Position
-from planner.spacecraft.imaging.candidates import PASSING_RAD, Candidate, candidates, middle_of
+from planner.spacecraft.imaging.candidates import (
+    OPTIONS as CANDIDATE_OPTIONS,
+)
+from planner.spacecraft.imaging.candidates import (
+    Candidate,
+    candidates,
+    middle_of,
+)
 from planner.spacecraft.imaging.choice_with_turns import LooksTooClose
 from planner.spacecraft.imaging.request_arcs import least_time_s
 from planner.spacecraft.imaging.session import ImagingSession, make_session
@@ -29,13 +36,26 @@ from planner.world.frames.earth_orientation import itrf_from_eci_state
 from planner.world.frames.geodesy import WGS84_A_M, c_enu_from_itrf, geodetic_from_itrf
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 
-TRIED_MAX = 4
-BEFORE_S, AFTER_S = 90.0, 60.0  # to turn onto the first look and back after the last
-LONGER_S = (0.0, 600.0, 6000.0)  # tried before and after the session: up to an orbit
-MUCH_SHARE = 0.6  # of the sphere: then it is the momentum that makes turns slow
-MOMENTUM_SHARES = (0.9, 0.75, 0.5, 0.25, 0.0)
-GAP_MORE_S = (0.0, 2.0, 4.0, 8.0, 16.0, 32.0)  # a wider gap makes the turn longer
-MOVED_MORE_KM = (5.0, 25.0, 75.0)  # the line's ends stand further out than its middle
+
+@dataclass(frozen=True, kw_only=True)
+class AlternativeOptions:
+    """What is changed of a request that can't be met, in the order tried."""
+
+    tried_max: int = 4  # of the other times at which one request can be met
+    before_s: float = 90.0  # to turn onto the first look
+    after_s: float = 60.0  # and back after the last
+    # tried before and after the session: up to an orbit
+    longer_s: tuple[float, float, float] = (0.0, 600.0, 6000.0)
+    much_share: float = 0.6  # of the sphere: then it is the momentum that makes turns slow
+    # of what is stored at the start
+    momentum_shares: tuple[float, ...] = (0.9, 0.75, 0.5, 0.25, 0.0)
+    # a wider gap makes the turn longer
+    gap_more_s: tuple[float, ...] = (0.0, 2.0, 4.0, 8.0, 16.0, 32.0)
+    # the line's ends stand further out than its middle
+    moved_more_km: tuple[float, float, float] = (5.0, 25.0, 75.0)
+
+
+OPTIONS = AlternativeOptions()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,7 +74,7 @@ def refusal_with_alternative(
     """The refusal with the nearest alternative that works; as it is when none of those tried
     does."""
     stored_n_m_s = float(np.linalg.norm(request.settings.momentum_n_m_s))
-    much_n_m_s = MUCH_SHARE * request.definition().slew.momentum_sphere_n_m_s
+    much_n_m_s = OPTIONS.much_share * request.definition().slew.momentum_sphere_n_m_s
     if why.limit == "momentum" or (isinstance(why, InfeasibleSlew) and stored_n_m_s > much_n_m_s):
         alternatives = _less_momentum(request)
     elif isinstance(why, InvalidInput):
@@ -87,7 +107,7 @@ def _less_momentum(request: ImagingPlanRequest) -> Iterator[Alternative]:
     momentum_n_m_s = np.array(request.settings.momentum_n_m_s)
     stored_n_m_s = float(np.linalg.norm(momentum_n_m_s))
     sphere_n_m_s = request.definition().slew.momentum_sphere_n_m_s
-    for share in MOMENTUM_SHARES:
+    for share in OPTIONS.momentum_shares:
         left_n_m_s = share * sphere_n_m_s
         if left_n_m_s >= stored_n_m_s:
             continue
@@ -103,7 +123,7 @@ def _wider_gaps(request: ImagingPlanRequest, number: int, gap_s: float) -> Itera
     """The number-th request, a stereo pair, by itself with its looks further apart."""
     asked = request.requests[number]
     assert isinstance(asked, StereoRequest)
-    for more_s in GAP_MORE_S:
+    for more_s in OPTIONS.gap_more_s:
         wider_s = math.ceil(gap_s) + more_s
         pair = replace(asked, look_angle_deg=None, gap_s=wider_s)
         yield Alternative(
@@ -119,7 +139,7 @@ def _of_one_request(request: ImagingPlanRequest, number: int) -> Iterator[Altern
     session = make_session(request)
     if least_time_s(free, session)[1] > SESSION_MAX_S:
         return
-    for longer_s in LONGER_S:
+    for longer_s in OPTIONS.longer_s:
         times = _other_times(request, bound, free, longer_s)
         if times:
             yield from times
@@ -145,7 +165,7 @@ def _other_times(
             for start_s, stop_s in _spans_s(options)
         ]
     spans.sort(key=lambda span: _shift_s(request, bound, *span))
-    return [_at_time(request, free, *span) for span in spans[:TRIED_MAX]]
+    return [_at_time(request, free, *span) for span in spans[: OPTIONS.tried_max]]
 
 
 def _longer(request: ImagingPlanRequest, longer_s: float) -> Iterator[ImagingPlanRequest]:
@@ -171,8 +191,8 @@ def _shift_s(request: ImagingPlanRequest, bound: Request, start: datetime, stop:
     """By how much what was asked would have to give: its start, or its window or session."""
     if bound.start is not None:
         return abs(elapsed_s(start, bound.start))
-    first = bound.window_start or shifted_utc(request.start, BEFORE_S)
-    last = bound.window_stop or shifted_utc(request.stop, -AFTER_S)
+    first = bound.window_start or shifted_utc(request.start, OPTIONS.before_s)
+    last = bound.window_stop or shifted_utc(request.stop, -OPTIONS.after_s)
     return max(elapsed_s(first, start), 0.0) + max(elapsed_s(stop, last), 0.0)
 
 
@@ -180,13 +200,13 @@ def _at_time(
     request: ImagingPlanRequest, free: Request, start: datetime, stop: datetime
 ) -> Alternative:
     """In a window from start to stop, in a session that leaves time to turn there and back."""
-    early_s = max(0.0, BEFORE_S - elapsed_s(start, request.start))
-    late_s = max(0.0, AFTER_S - elapsed_s(request.stop, stop))
+    early_s = max(0.0, OPTIONS.before_s - elapsed_s(start, request.start))
+    late_s = max(0.0, OPTIONS.after_s - elapsed_s(request.stop, stop))
     session_start = shifted_utc(request.start, -TICK_S * np.ceil(early_s / TICK_S))
     session_stop = shifted_utc(request.stop, late_s)
     if elapsed_s(session_stop, session_start) > SESSION_MAX_S:
-        session_start = shifted_utc(start, -BEFORE_S)
-        session_stop = shifted_utc(stop, AFTER_S)
+        session_start = shifted_utc(start, -OPTIONS.before_s)
+        session_stop = shifted_utc(stop, OPTIONS.after_s)
     text = (
         f"{free.name!r} in a window from {utc_text(start, 1)} to {utc_text(stop, 1)} "
         f"({elapsed_s(stop, start):.1f} s)"
@@ -215,7 +235,7 @@ def _moves(
     if approach is None:
         return
     outside_m, towards_enu = approach
-    for more_km in MOVED_MORE_KM:
+    for more_km in OPTIONS.moved_more_km:
         shift_km = outside_m / 1e3 + more_km
         try:
             moved = _shift(free, shift_km * towards_enu)
@@ -257,7 +277,7 @@ def _closest_approach(request: Request, session: ImagingSession) -> tuple[float,
     grid_s = np.arange(0.0, session.duration_s, 1.0)
     along_rad, _ = session.look_angles(middle_itrf_m, grid_s)
     abeam = int(np.argmin(np.abs(along_rad)))
-    if abs(along_rad[abeam]) > PASSING_RAD:
+    if abs(along_rad[abeam]) > CANDIDATE_OPTIONS.passing_rad:
         return None
     instants = session.instants(grid_s[abeam : abeam + 1])
     states = session.ephemeris.states(instants)

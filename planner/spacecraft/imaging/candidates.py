@@ -26,13 +26,24 @@ from planner.spacecraft.table import TICK_S
 from planner.spacecraft.turns.turn_time import MovingEnds
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 
-GRID_S = 2.0
-STEREO_STEPS, STEREO_STEP_TICKS = 5, 2  # starts tried before and after that of the exact angle
-TURN_GUESS_S, TURN_ROUNDS = 10.0, 3  # a turn's time hangs on where its goal has moved meanwhile
-PASSING_RAD = math.radians(3.0)  # along the track: abeam
-ROUNDING_S = 1e-6  # a window may be told to the microsecond
-# Of `effort`: to look at an arc scanned from one start, and at one point of it.
-ARC_AT_START, POINT_AT_TICK = 5.0, 0.25
+
+@dataclass(frozen=True, kw_only=True)
+class CandidateOptions:
+    """From which moments on what is asked for is tried."""
+
+    grid_s: float = 2.0  # between starts: less than a turn takes
+    stereo_steps: int = 5  # starts tried before and after that of the exact angle,
+    stereo_step_ticks: int = 2  # so far apart
+    # a turn's time hangs on where its goal has moved meanwhile: the first guess,
+    turn_guess_s: float = 10.0
+    turn_rounds: int = 3  # and how often it is bettered
+    passing_rad: float = math.radians(3.0)  # along the track: abeam
+    rounding_s: float = 1e-6  # a window may be told to the microsecond
+    arc_at_start: float = 5.0  # of `effort`: to look at an arc scanned from one start,
+    point_at_tick: float = 0.25  # and at one point of it
+
+
+OPTIONS = CandidateOptions()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,7 +100,7 @@ def _start_times_s(request: ImagingRequest, session: ImagingSession) -> Array:
     if request.start is not None:
         start_s = elapsed_s(request.start, session.epoch_utc)
         return np.array([round(start_s / TICK_S) * TICK_S])
-    grid_s = np.arange(0.0, session.duration_s, GRID_S)
+    grid_s = np.arange(0.0, session.duration_s, OPTIONS.grid_s)
     if request.window_start is None:
         return grid_s
     first_s = elapsed_s(request.window_start, session.epoch_utc)
@@ -115,7 +126,7 @@ def _stereo_starts_s(
     """Of each look: where the strip's middle is look_angle_deg ahead (or at `start`), and the same
     behind; or gap_s apart."""
     grid_s = np.arange(0.0, session.duration_s, TICK_S)
-    effort.charge(POINT_AT_TICK * len(grid_s))
+    effort.charge(OPTIONS.point_at_tick * len(grid_s))
     along_rad, _ = session.look_angles(_point_itrf_m(arc, 0.5), grid_s)
 
     def start_s(angle_deg: float, earlier_s: float = 0.0) -> float:
@@ -127,7 +138,11 @@ def _stereo_starts_s(
         first_s = asked_s if asked_s is not None else np.array([start_s(0.0, 0.5 * request.gap_s)])
         return first_s, first_s + round(request.gap_s / TICK_S) * TICK_S
     angle_deg = LOOK_ANGLE_DEG if request.look_angle_deg is None else request.look_angle_deg
-    steps_s = np.arange(-STEREO_STEPS, STEREO_STEPS + 1.0) * TICK_S * STEREO_STEP_TICKS
+    steps_s = (
+        np.arange(-OPTIONS.stereo_steps, OPTIONS.stereo_steps + 1.0)
+        * TICK_S
+        * OPTIONS.stereo_step_ticks
+    )
     first_s = asked_s if asked_s is not None else start_s(angle_deg) + steps_s
     return first_s, start_s(-angle_deg) + steps_s
 
@@ -145,7 +160,7 @@ def _from_starts(
     begins_s = np.empty((0, len(starts_s)))  # of each arc so far, for each start still open
     exits: MovingEnds | None = None
     for arc in arcs:
-        effort.charge(ARC_AT_START * len(t_s))
+        effort.charge(OPTIONS.arc_at_start * len(t_s))
         if exits is not None:
             t_s = _after_turn_s(exits, t_s, arc, session)
         scan_s = arc.ticks * TICK_S
@@ -180,16 +195,18 @@ def _window_s(request: ImagingRequest, session: ImagingSession) -> tuple[float, 
     """First and last moment of the request's window within the session."""
     first_s, last_s = 0.0, session.duration_s
     if request.window_start is not None:
-        first_s = max(first_s, elapsed_s(request.window_start, session.epoch_utc) - ROUNDING_S)
+        first_s = max(
+            first_s, elapsed_s(request.window_start, session.epoch_utc) - OPTIONS.rounding_s
+        )
     if request.window_stop is not None:
-        last_s = min(last_s, elapsed_s(request.window_stop, session.epoch_utc) + ROUNDING_S)
+        last_s = min(last_s, elapsed_s(request.window_stop, session.epoch_utc) + OPTIONS.rounding_s)
     return first_s, last_s
 
 
 def _after_turn_s(exits: MovingEnds, t_s: Array, arc: GroundArc, session: ImagingSession) -> Array:
     """Starts of the next arc, by turns that leave the scans before at t_s."""
-    starts_s = t_s + TURN_GUESS_S
-    for _ in range(TURN_ROUNDS):
+    starts_s = t_s + OPTIONS.turn_guess_s
+    for _ in range(OPTIONS.turn_rounds):
         entries = _scanning(arc, 0.0, np.clip(starts_s, 0.0, session.duration_s), session)
         starts_s = t_s + session.turn_time.ticks(exits, entries) * TICK_S
     return np.asarray(starts_s)
@@ -253,7 +270,7 @@ def _unreachable(request: Request, number: int, session: ImagingSession) -> Unre
     where = (
         f"closest at {utc_text(at_utc, 1)}, {math.degrees(along_rad[abeam]):.1f} deg along and "
         f"{math.degrees(across_rad[abeam]):.1f} deg across the track"
-        if abs(along_rad[abeam]) < PASSING_RAD
+        if abs(along_rad[abeam]) < OPTIONS.passing_rad
         else "the track doesn't pass it"
     )
     return Unreachable(

@@ -16,8 +16,9 @@ from planner.spacecraft.imaging.ground_arc import ChebyshevProfile
 from planner.spacecraft.imaging.left_out import LeftOut
 from planner.spacecraft.imaging.session import ImagingSession
 from planner.spacecraft.imaging.timeline import (
-    PROFILE_MARGIN_S,
-    REST_BEFORE_S,
+    OPTIONS as TIMELINE_OPTIONS,
+)
+from planner.spacecraft.imaging.timeline import (
     Misfit,
     Outcomes,
     Timeline,
@@ -29,12 +30,21 @@ from planner.spacecraft.table import TICK_S
 from planner.spacecraft.turns.turn_problem import EndState
 from planner.spacecraft.turns.turn_time import MovingEnds
 
-LONGER_BY_S = (3.0, 1.5, 0.6)  # tried in this order, added to every turn
-LONGER_ROUNDS = 2
-ROUNDS = 12  # choices revised when a turn needs more time than estimated
-HOPELESS_S = 10.0  # missing: no other moment to image the same will do
-REQUEST = 1_000.0  # of `effort`
-GENTLER_SHARE = 0.6  # of what work is left, for gentler turns
+
+@dataclass(frozen=True, kw_only=True)
+class TurnRevisionOptions:
+    """How a choice is revised whose turns need more time than estimated."""
+
+    # tried in this order, added to every turn
+    longer_by_s: tuple[float, float, float] = (3.0, 1.5, 0.6)
+    longer_rounds: int = 2  # of choices revised at each: it is a try
+    rounds: int = 12  # choices revised when a turn needs more time than estimated
+    hopeless_s: float = 10.0  # missing: no other moment to image the same will do
+    request: float = 1_000.0  # of `effort`, for each request
+    gentler_share: float = 0.6  # of what work is left, for gentler turns
+
+
+OPTIONS = TurnRevisionOptions()
 
 
 class LooksTooClose(InfeasibleSlew):
@@ -60,9 +70,13 @@ def options_of(session: ImagingSession) -> tuple[list[Candidate], tuple[LeftOut,
     options: list[Candidate] = []
     left_out: list[LeftOut] = []
     refusal: Refusal | None = None
-    rest = session.profile(None, -PROFILE_MARGIN_S, session.duration_s + PROFILE_MARGIN_S)
+    rest = session.profile(
+        None,
+        -TIMELINE_OPTIONS.profile_margin_s,
+        session.duration_s + TIMELINE_OPTIONS.profile_margin_s,
+    )
     for number, request in enumerate(session.request.requests):
-        effort.charge(REQUEST)
+        effort.charge(OPTIONS.request)
         try:
             found = candidates(request, number, session)
             options += _within_session(found, number, session, rest)
@@ -81,7 +95,7 @@ def _within_session(
     starts_s = np.array([option.start_s for option in options])
     stops_s = np.array([option.stop_s for option in options])
     q_body_from_eci, motion = rest.attitude_at(
-        np.append(np.maximum(starts_s - REST_BEFORE_S, 0.0), stops_s)
+        np.append(np.maximum(starts_s - TIMELINE_OPTIONS.rest_before_s, 0.0), stops_s)
     )
     ends = MovingEnds(
         q_body_from_eci_xyzw=q_body_from_eci.as_quat(),
@@ -146,13 +160,13 @@ def choose_and_turn(session: ImagingSession, options: list[Candidate], *, gentle
     first = _Revision().choice(session, options)
     warnings: tuple[str, ...] = ()
     if gentler and set(first.requests) == {option.request for option in options}:
-        with at_most(GENTLER_SHARE * effort.remaining()) as search:
+        with at_most(OPTIONS.gentler_share * effort.remaining()) as search:
             found = _gentler(session, first)
             if found is not None:
                 return found
         if search.is_exhausted:
             warnings = ("gentler turns weren't looked for to the end: it takes too much work",)
-    return replace(_with_turns(session, options, first, ROUNDS), warnings=warnings)
+    return replace(_with_turns(session, options, first, OPTIONS.rounds), warnings=warnings)
 
 
 def _gentler(session: ImagingSession, first: Choice) -> Chosen | None:
@@ -160,7 +174,7 @@ def _gentler(session: ImagingSession, first: Choice) -> Chosen | None:
 
     What the choice is measured by stays.
     """
-    for more_s in LONGER_BY_S:
+    for more_s in OPTIONS.longer_by_s:
         longer = replace(session, turn_time=session.turn_time.plus(more_s))
         try:
             options, _ = options_of(longer)
@@ -170,7 +184,7 @@ def _gentler(session: ImagingSession, first: Choice) -> Chosen | None:
         if choice.value < first.value:
             continue
         try:
-            found = _with_turns(longer, options, choice, LONGER_ROUNDS)
+            found = _with_turns(longer, options, choice, OPTIONS.longer_rounds)
         except InfeasibleSlew:  # the turns are as short as they can be already
             return None
         if found.choice.value >= first.value:
@@ -256,7 +270,7 @@ class _Revision:
             if misfit.before is None or misfit.after is None or misfit.before == misfit.after:
                 culprit = next(k for k in (misfit.after, misfit.before) if k is not None)
                 same = [culprit]
-                if misfit.why.missing_s > HOPELESS_S:
+                if misfit.why.missing_s > OPTIONS.hopeless_s:
                     request = options[culprit].request
                     same = [k for k, option in enumerate(options) if option.request == request]
                 self.barred |= dict.fromkeys(same, misfit.why.detail)

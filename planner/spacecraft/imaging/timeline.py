@@ -22,12 +22,20 @@ from planner.spacecraft.turns.turn_choice import TurnComparison, TurnNeedsTime, 
 from planner.spacecraft.turns.turn_problem import EndState, Turn, TurnProblem
 from planner.spacecraft.turns.turn_time import MovingEnds
 
-MORE_TICKS_MIN = 3  # asked for between two scans whose turn doesn't fit
-REST_BEFORE_S = 20.0  # a turn onto a scan leaves orbital orientation about so long before
-REST_AFTER_S = 150.0  # longer pauses are spent in orbital orientation
-PROFILE_MARGIN_S = 1.0  # around the rows it is used for
-START_SPAN_S = 30.0  # of the profile that the rate at row 0 is taken from
 
+@dataclass(frozen=True, kw_only=True)
+class TimelineOptions:
+    """How scans, turns and rests follow each other."""
+
+    more_ticks_min: int = 3  # asked for between two scans whose turn doesn't fit
+    # a turn onto a scan leaves orbital orientation about so long before
+    rest_before_s: float = 20.0
+    rest_after_s: float = 150.0  # longer pauses are spent in orbital orientation
+    profile_margin_s: float = 1.0  # around the rows it is used for
+    start_span_s: float = 30.0  # of the profile that the rate at row 0 is taken from
+
+
+OPTIONS = TimelineOptions()
 
 # q_body_from_eci and body rates at instants (m,): what a stretch of the timeline follows.
 AttitudeAt = Callable[[Array], tuple[Rotation, BodyMotion]]
@@ -170,7 +178,9 @@ class _Builder:
     def span(self, arc: GroundArc | None, first_row: int, last_row: int) -> AttitudeAt:
         """The profile of an arc (None: orbital orientation) over some rows."""
         start_s, stop_s = first_row * TICK_S, last_row * TICK_S
-        profile = self.session.profile(arc, start_s - PROFILE_MARGIN_S, stop_s + PROFILE_MARGIN_S)
+        profile = self.session.profile(
+            arc, start_s - OPTIONS.profile_margin_s, stop_s + OPTIONS.profile_margin_s
+        )
         return profile.attitude_at
 
     def follow(self, until_row: int) -> None:
@@ -193,7 +203,7 @@ class _Builder:
     def ticks_onto(self, scan: Scan, orbital: AttitudeAt) -> int:
         """Estimate of the turn onto a scan from orbital orientation."""
         profile = self.span(scan.arc, scan.first_row, scan.last_row)
-        leaving = max(scan.first_row - round(REST_BEFORE_S / TICK_S), 0)
+        leaving = max(scan.first_row - round(OPTIONS.rest_before_s / TICK_S), 0)
         [ticks] = self.session.turn_time.ticks(
             MovingEnds.of(_end_state(orbital, leaving)),
             MovingEnds.of(_end_state(profile, scan.first_row)),
@@ -205,21 +215,21 @@ class _Builder:
         settle_rows = math.ceil(self.session.spacecraft.slew.settle_s / TICK_S - 1e-6)
         arrive_row = scan.first_row - settle_rows
         pause_s = 0.0 if before is None else (scan.first_row - before.last_row) * TICK_S
-        if pause_s > REST_AFTER_S:
+        if pause_s > OPTIONS.rest_after_s:
             halfway = self.row + (arrive_row - self.row) // 2
             self.turn(
                 self.span(None, self.row, scan.first_row),
                 TurnSlot(before=before, after=scan, first_row=self.row, last_row=halfway),
             )
         # A scan's profile is continued backwards only so far: beyond, it leaves the ground.
-        begin_row = max(self.row, scan.first_row - round(REST_AFTER_S / TICK_S))
+        begin_row = max(self.row, scan.first_row - round(OPTIONS.rest_after_s / TICK_S))
         slot = TurnSlot(
             before=before,
             after=scan,
             first_row=self.row,
             last_row=arrive_row,
             window=window,
-            late=before is None or pause_s > REST_AFTER_S,
+            late=before is None or pause_s > OPTIONS.rest_after_s,
         )
         self.turn(self.span(scan.arc, begin_row, scan.last_row + 1), slot)
 
@@ -278,7 +288,7 @@ class _Builder:
         return Misfit(
             before=None if slot.before is None else slot.before.candidate,
             after=None if slot.after is None else slot.after.candidate,
-            ticks=stop_row - start_row + max(missing_ticks, MORE_TICKS_MIN),
+            ticks=stop_row - start_row + max(missing_ticks, OPTIONS.more_ticks_min),
             why=why,
         )
 
@@ -286,7 +296,7 @@ class _Builder:
 def _initial_profile(session: ImagingSession) -> AttitudeAt:
     q_body_from_eci_xyzw = session.request.initial_q_body_from_eci_xyzw
     if q_body_from_eci_xyzw is None:
-        return session.profile(None, -PROFILE_MARGIN_S, START_SPAN_S).attitude_at
+        return session.profile(None, -OPTIONS.profile_margin_s, OPTIONS.start_span_s).attitude_at
 
     def at_rest(t_s: Array) -> tuple[Rotation, BodyMotion]:
         still = BodyMotion(*np.zeros((3, len(t_s), 3)))

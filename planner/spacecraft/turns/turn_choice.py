@@ -11,13 +11,23 @@ from planner.spacecraft.turns.turn_ocp import solve_turn
 from planner.spacecraft.turns.turn_problem import Method, Turn, TurnProblem
 from planner.spacecraft.vehicle.definition import TurnObjective
 
-FIRST_GUESS_TICKS = 200
-NEVER_S = 1e4
-RUNAWAY = 2.5  # moving ends continued for longer than that swing a blend too far
-FALLBACK_SHARE = 0.9  # jerk steps inside a 0.2 s row make the table's torque bulge by 5 %
-EASY = 2.0  # a smooth turn with time to spare takes this much of the eigenaxis's least time
-EASY_LEAST_S = 8.0
-ATTEMPTS = 3  # each a little longer; then all the time there is
+
+@dataclass(frozen=True, kw_only=True)
+class TurnChoiceOptions:
+    """How long a turn is planned, and by which method."""
+
+    first_guess_ticks: int = 200  # 40 s, of the time in which moving ends are continued
+    never_s: float = 1e4  # told as missing where no turn was found
+    runaway: float = 2.5  # moving ends continued for longer than that swing a blend too far
+    # jerk steps inside a 0.2 s row make the table's torque bulge by 5 %
+    fallback_share: float = 0.9
+    # a smooth turn with time to spare takes this much of the eigenaxis's least time
+    easy: float = 2.0
+    easy_least_s: float = 8.0  # and so much at least: a short turn is no smoother for being doubled
+    attempts: int = 3  # each a little longer; then all the time there is
+
+
+OPTIONS = TurnChoiceOptions()
 
 
 class TurnNeedsTime(InfeasibleSlew):
@@ -37,7 +47,7 @@ class GyrosTooFull(TurnNeedsTime):
     """A turn to or from a rate at which the gyros would hold more than the sphere."""
 
     def __init__(self, stored_n_m_s: float, sphere_n_m_s: float) -> None:
-        self.missing_s = NEVER_S
+        self.missing_s = OPTIONS.never_s
         InfeasibleSlew.__init__(
             self,
             f"at the rate of the scan the gyros would hold {stored_n_m_s:.1f} N m s, beyond the "
@@ -74,8 +84,8 @@ def quickest_turn(problem: TurnProblem) -> Turn:
     baseline = eigenaxis_turn(problem)
     at_rest_s = eigenaxis_turn(problem.from_rest_to_rest()).duration_s
     guess = baseline
-    if baseline.duration_s > RUNAWAY * at_rest_s:
-        guess = eigenaxis_turn(problem, RUNAWAY * at_rest_s)
+    if baseline.duration_s > OPTIONS.runaway * at_rest_s:
+        guess = eigenaxis_turn(problem, OPTIONS.runaway * at_rest_s)
     best = solve_turn(problem, guess, "minimum_time", None)
     if best is None or best.duration_s >= baseline.duration_s:
         return baseline
@@ -101,7 +111,7 @@ def _smooth(problem: TurnProblem, duration_s: float) -> Turn | None:
     best = solve_turn(problem, guess, "smooth", duration_s)
     if best is not None:
         return best
-    return guess if guess.loads.share_of(problem.limits) <= FALLBACK_SHARE else None
+    return guess if guess.loads.share_of(problem.limits) <= OPTIONS.fallback_share else None
 
 
 def turn_onto(
@@ -114,9 +124,9 @@ def turn_onto(
     """
     ticks = math.floor(available_s / TICK_S + 1e-6)
     if ticks < 1:
-        problem = problem_at(FIRST_GUESS_TICKS * TICK_S)
+        problem = problem_at(OPTIONS.first_guess_ticks * TICK_S)
         raise TurnNeedsTime(problem.angle_rad(), quickest_turn(problem).duration_s, available_s)
-    used = min(ticks, FIRST_GUESS_TICKS)
+    used = min(ticks, OPTIONS.first_guess_ticks)
     time_from: Method | None = None
     for _ in range(3):
         problem = problem_at(used * TICK_S)
@@ -124,14 +134,14 @@ def turn_onto(
         if stored > sphere:
             raise GyrosTooFull(stored, sphere)
         if objective == "smooth":
-            wanted_s = max(EASY * eigenaxis_turn(problem).duration_s, EASY_LEAST_S)
+            wanted_s = max(OPTIONS.easy * eigenaxis_turn(problem).duration_s, OPTIONS.easy_least_s)
         else:
             quickest = quickest_turn(problem)
             wanted_s, time_from = quickest.duration_s + 0.5 * TICK_S, quickest.method
         guessed, used = used, min(ticks, math.ceil(wanted_s / TICK_S))
         if used == guessed:
             break
-    for _ in range(ATTEMPTS):
+    for _ in range(OPTIONS.attempts):
         if used >= ticks:
             break
         found = _smooth(problem_at(used * TICK_S), used * TICK_S)

@@ -9,6 +9,7 @@ enter as parameters.
 """
 
 import time
+from dataclasses import dataclass
 from functools import cache
 from typing import NamedTuple
 
@@ -35,13 +36,25 @@ SHAPES: dict[TurnObjective, Shape] = {
     "smooth": Shape(degree=5, spans=12, points=2),
     "minimum_time": Shape(degree=3, spans=18, points=2),
 }
-PASSES = 3
-HOPELESS = 1.05  # no pass mends a failure that far out
-OVERCORRECTED = 1.5  # tightened by just the bulge, the next pass bulges again
-SOLVE, ITERATION = 500.0, 350.0  # of `effort`
+
+
+@dataclass(frozen=True, kw_only=True)
+class TurnProgrammeOptions:
+    """How a turn's programme is solved, and its loads kept between points."""
+
+    passes: int = 3  # each tightened by what the loads bulge between points
+    hopeless: float = 1.05  # no pass mends a failure that far out
+    overcorrected: float = 1.5  # tightened by just the bulge, the next pass bulges again
+    solve: float = 500.0  # of `effort`: a solve, and
+    iteration: float = 350.0  # each of its iterations
+    end_tolerance: float = 1e-8  # of sigma: 0.01 arcsec
+    # at the collocation points; between them the loads bulge by up to 0.3 %
+    limit_factor: float = 0.997
+
+
+PROGRAMME = TurnProgrammeOptions()
+
 OPTIONS: Options = {"tol": 1e-6, "max_iter": 150, "mu_strategy": "adaptive"}
-END_TOLERANCE = 1e-8  # of sigma: 0.01 arcsec
-LIMIT_FACTOR = 0.997  # at the collocation points; between them the loads bulge by up to 0.3 %
 # Lower bounds at a collocation point: of |omega|^2, omega (3), |tau|^2, |tau'|^2, |H|^2 by limits.
 LOWER_LIMITS = (-np.inf, -1.0, -1.0, -1.0, -np.inf, -np.inf, -np.inf)
 END_CONDITIONS = 18  # sigma, d1, d2 at start and at end, three parts each
@@ -128,7 +141,7 @@ def _transcription(objective: TurnObjective) -> Transcription:
         "f": cost,
         "g": casadi.vertcat(*g),
     }
-    return Transcription(shape, Solver(nlp, OPTIONS, Work(SOLVE, ITERATION)))
+    return Transcription(shape, Solver(nlp, OPTIONS, Work(PROGRAMME.solve, PROGRAMME.iteration)))
 
 
 def solve_turn(
@@ -147,17 +160,17 @@ def solve_turn(
         low_s = high_s = duration_s
     coefficients = _coefficients(kept.shape, guess).ravel(order="F")
     x = np.append(coefficients, np.clip(guess.duration_s, low_s, high_s))
-    limit_factor = LIMIT_FACTOR
-    for _ in range(PASSES):
+    limit_factor = PROGRAMME.limit_factor
+    for _ in range(PROGRAMME.passes):
         answer = _solve(kept, problem, guess, x, (low_s, high_s), limit_factor)
         x = answer.x_numbers
         turn = _turn(kept, problem, answer, time.perf_counter() - begun)
         over = turn.loads.share_of(problem.limits)
-        if over <= 1.0 + LIMIT_TOLERANCE and _miss(problem, turn) < END_TOLERANCE:
+        if over <= 1.0 + LIMIT_TOLERANCE and _miss(problem, turn) < PROGRAMME.end_tolerance:
             return turn
-        if over > HOPELESS and turn.status != "Solve_Succeeded":
+        if over > PROGRAMME.hopeless and turn.status != "Solve_Succeeded":
             break
-        limit_factor /= 1.0 + OVERCORRECTED * (min(over, 1.1) - 1.0)
+        limit_factor /= 1.0 + PROGRAMME.overcorrected * (min(over, 1.1) - 1.0)
     return None
 
 

@@ -14,7 +14,9 @@ from planner.base.spec import spec
 from planner.world.attitude.correctable import CorrectableAttitude
 from planner.world.attitude.errors import AttitudeErrors, known_errors
 from planner.world.attitude.rotation_curve import (
-    EXACT_RAD,
+    OPTIONS as ROTATION_CURVE_OPTIONS,
+)
+from planner.world.attitude.rotation_curve import (
     RotationCurve,
     odd_by_rad,
     rotation_curve,
@@ -27,12 +29,24 @@ from planner.world.messages.aem import AemSegment, read_aem
 from planner.world.orbits import OrbitStates
 from planner.world.orbits.ephemeris import EDGE_S
 
-GAP_WARNED = 20.0  # times the usual step between rows
-LINEAR_WARNED_RAD = 10.0 * EXACT_RAD
-ODD_WARNED_RAD = 30.0 * RAD_PER_ARCSEC
-ODD_REFUSED_RAD = 180.0 * RAD_PER_ARCSEC  # 350 m on the ground from 400 km
-ODD_OF_USUAL = 20.0  # times what is usual of the message's rows: noise alone stays below 10
-CURVE_ROWS = 4  # farther rows hardly bend the curve
+
+@dataclass(frozen=True, kw_only=True)
+class AttitudeMessageOptions:
+    """Which rows of an attitude message are warned of."""
+
+    gap_warned: float = 20.0  # times the usual step between rows
+    # times what is usual of the message's rows: noise alone stays below 10
+    odd_of_usual: float = 20.0
+    curve_rows: int = 4  # farther rows hardly bend the curve
+    # by which a line between two rows may miss the curve
+    linear_warned_rad: float = 10.0 * ROTATION_CURVE_OPTIONS.exact_rad
+    # off what the neighbours lead to: 60 m on the ground from 400 km
+    odd_warned_rad: float = 30.0 * RAD_PER_ARCSEC
+    odd_refused_rad: float = 180.0 * RAD_PER_ARCSEC  # 350 m on the ground from 400 km
+
+
+OPTIONS = AttitudeMessageOptions()
+
 LOCAL_ORBITAL = ("LVLH", "RTN")
 
 # Radial is -Z of LVLH, along-track +X, and the orbit's normal -Y.
@@ -57,8 +71,8 @@ class AttitudeArc:
         """
         row_s, epoch_utc = self.segment.t_s, self.segment.epoch_utc
         t_s = instants.since_s(epoch_utc)
-        first = int(np.searchsorted(row_s, t_s.min())) - CURVE_ROWS
-        stop = int(np.searchsorted(row_s, t_s.max())) + CURVE_ROWS
+        first = int(np.searchsorted(row_s, t_s.min())) - OPTIONS.curve_rows
+        stop = int(np.searchsorted(row_s, t_s.max())) + OPTIONS.curve_rows
         near = slice(max(first, 0), stop)
         row = int(np.argmax(self.odd_rad[near])) + near.start
         return shifted_utc(epoch_utc, float(row_s[row])), float(self.odd_rad[row])
@@ -115,7 +129,7 @@ class AemAttitude(CorrectableAttitude):
         """Those of the whole message, and the row there that fits its neighbours worst."""
         arc = self._arc_over(instants)
         at_utc, odd_rad = arc.oddest_near(instants)
-        if odd_rad <= max(ODD_WARNED_RAD, ODD_OF_USUAL * arc.usually_odd_rad):
+        if odd_rad <= max(OPTIONS.odd_warned_rad, OPTIONS.odd_of_usual * arc.usually_odd_rad):
             return self.warnings
         return (*self.warnings, _odd(at_utc, odd_rad))
 
@@ -137,7 +151,7 @@ class AemAttitude(CorrectableAttitude):
         """Attitude at the n instants; raises OutsideCoverage unless one segment holds them all."""
         arc = self._arc_over(instants)
         at_utc, odd_rad = arc.oddest_near(instants)
-        if odd_rad > max(ODD_REFUSED_RAD, ODD_OF_USUAL * arc.usually_odd_rad):
+        if odd_rad > max(OPTIONS.odd_refused_rad, OPTIONS.odd_of_usual * arc.usually_odd_rad):
             raise InvalidMessage(
                 f"{_odd(at_utc, odd_rad)}; was a number damaged on its way, or does the carrier "
                 "turn faster than the rows tell? Get the message again, or with closer rows",
@@ -206,7 +220,7 @@ def _odd(at_utc: datetime, odd_rad: float) -> str:
 
 def _noise(arc: AttitudeArc) -> str | None:
     curve = arc.curve
-    if curve.residual_rms_rad <= EXACT_RAD:
+    if curve.residual_rms_rad <= ROTATION_CURVE_OPTIONS.exact_rad:
         return None
     rms, worst = curve.residual_rms_rad / RAD_PER_ARCSEC, curve.residual_max_rad / RAD_PER_ARCSEC
     return (
@@ -220,7 +234,7 @@ def _gap(segment: AemSegment) -> str | None:
     step_s = np.diff(segment.t_s)
     row = int(np.argmax(step_s))
     usual_s = float(np.median(step_s))
-    if step_s[row] <= GAP_WARNED * usual_s:
+    if step_s[row] <= OPTIONS.gap_warned * usual_s:
         return None
     at = utc_text(shifted_utc(segment.epoch_utc, float(segment.t_s[row])))
     return (
@@ -237,7 +251,7 @@ def _not_linear(arc: AttitudeArc) -> str | None:
     q_xyzw = segment.q_body_from_frame_xyzw
     linear = Rotation.from_quat(q_xyzw[1:] + q_xyzw[:-1])  # slerp's own midpoint
     apart_rad = float(np.max((arc.curve.at(middle_s) * linear.inv()).magnitude()))
-    if apart_rad <= LINEAR_WARNED_RAD:
+    if apart_rad <= OPTIONS.linear_warned_rad:
         return None
     return (
         "the AEM asks for linear interpolation, whose rate jumps at every row; the smooth curve "

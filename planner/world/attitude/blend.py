@@ -22,16 +22,28 @@ from planner.world.attitude.manoeuvre import RANDOM_RMS_RAD, last_change, turn_r
 
 LEADS_S = 150.0 * 2.0 ** np.arange(8)  # to beyond three orbits
 LEAST_S = 4.0 * TAIL_S  # of history
-CUT_RATIO = 1.2  # of the ages of neighbouring cuts
-OLDEST_CUT = 4.0  # leads before the end: an older cut says less of how it moves now
-OLDEST_TOLD_S = 8340.0  # or as many leads, of the size of the error: few cuts tell it badly
-# A description is trusted where its cuts cover half the lead: fewer are alike, and may be luck.
-COVERED = 0.5
+
+
+@dataclass(frozen=True, kw_only=True)
+class BlendOptions:
+    """How descriptions of an attitude's course are weighed by the cuts they would have foretold."""
+
+    cut_ratio: float = 1.2  # of the ages of neighbouring cuts
+    oldest_cut: float = 4.0  # leads before the end: an older cut says less of how it moves now
+    # or as many leads, of the size of the error: few cuts tell it badly
+    oldest_told_s: float = 8340.0
+    # A description is trusted where its cuts cover half the lead: fewer are alike, and may be
+    # luck.
+    covered: float = 0.5
+    sharpness: float = 3.0  # of the weights in the mean square error; 2 to 3 did alike
+    near: tuple[float, float] = (0.8, 1.2)  # leads whose errors count for a lead tried
+    floor_rad: float = np.deg2rad(0.003)  # no description is better known than that
+    rows: int = 5  # of telemetry, per cut and lead
+
+
+OPTIONS = BlendOptions()
+
 SETTLED_ORBITS = max(description.orbits for description in DESCRIPTIONS)
-SHARPNESS = 3.0  # of the weights in the mean square error; 2 to 3 did alike
-_NEAR = (0.8, 1.2)  # leads whose errors count for a lead tried
-_FLOOR_RAD = np.deg2rad(0.003)  # no description is better known than that
-_ROWS = 5  # of telemetry, per cut and lead
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +127,7 @@ def blend(t_s: Array, q_body_from_lvlh: Rotation, period_s: float) -> Blend:
     mean_square_rad2, rows_tried = _mean_squares(trials, descriptions, growing_s)
     if not len(rows_tried):
         raise ValueError("the history has too few rows in its tail; send it without gaps")
-    likely = 1.0 / (mean_square_rad2 + _FLOOR_RAD**2) ** SHARPNESS
+    likely = 1.0 / (mean_square_rad2 + OPTIONS.floor_rad**2) ** OPTIONS.sharpness
     weights = likely / likely.sum(axis=1, keepdims=True)
     return Blend(
         extrapolations=extrapolations,
@@ -150,13 +162,13 @@ def _trials(
             for d in descriptions
         ]
         for lead_s, found in zip(LEADS_S, trials, strict=True):
-            if lead_s <= age_s <= max(OLDEST_CUT * lead_s, OLDEST_TOLD_S):
-                near_s = t_s[known - 1] + lead_s * np.array(_NEAR)
+            if lead_s <= age_s <= max(OPTIONS.oldest_cut * lead_s, OPTIONS.oldest_told_s):
+                near_s = t_s[known - 1] + lead_s * np.array(OPTIONS.near)
                 rows = np.arange(*np.searchsorted(t_s, near_s))
-                rows = rows[:: max(1, len(rows) // _ROWS)]
+                rows = rows[:: max(1, len(rows) // OPTIONS.rows)]
                 if len(rows) and any(fit is not None for fit in fits):
                     found.append(_Trial(age_s, _errors(fits, t_s[rows], q_body_from_lvlh[rows])))
-        age_s *= CUT_RATIO
+        age_s *= OPTIONS.cut_ratio
     return trials
 
 
@@ -179,10 +191,10 @@ def _mean_squares(
     mean_square_rad2 = np.full((len(LEADS_S), len(descriptions)), np.nan)
     for row, (lead_s, found) in enumerate(zip(LEADS_S, trials, strict=True)):
         for k in range(len(descriptions)):
-            recent = [trial for trial in found if trial.age_s <= OLDEST_CUT * lead_s]
+            recent = [trial for trial in found if trial.age_s <= OPTIONS.oldest_cut * lead_s]
             mine = [trial for trial in recent if not np.isnan(trial.error_rad[k, 0, 0])]
             covered_s = mine[-1].age_s - mine[0].age_s if mine else 0.0
-            if len(mine) > 1 and (row == 0 or covered_s >= COVERED * lead_s):
+            if len(mine) > 1 and (row == 0 or covered_s >= OPTIONS.covered * lead_s):
                 squares = [np.sum(trial.error_rad[k] ** 2, axis=1) for trial in mine]
                 mean_square_rad2[row, k] = np.mean(np.concatenate(squares))
     rows_tried = np.flatnonzero(np.isfinite(mean_square_rad2).any(axis=1))

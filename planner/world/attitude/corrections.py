@@ -22,17 +22,27 @@ from planner.base.spec import Within, spec
 from planner.world.attitude.errors import AttitudeErrors, alike
 from planner.world.frames.time_scales import Instants, elapsed_s, tai_us, utc_text
 
-CORRECTIONS_MAX = 100
-PERIOD_SIGMA = 0.003  # of the orbital period: the ISS's is 5,545 to 5,577 s
-CONTRADICTS_SIGMA = 5.0
-_MODES = 6
-_AT_A_TIME = 4096  # instants, for the memory they take
+
+@dataclass(frozen=True, kw_only=True)
+class CorrectionOptions:
+    """How measured corrections of an attitude are carried to other times."""
+
+    corrections_max: int = 100  # in one request
+    period_sigma: float = 0.003  # of the orbital period: the ISS's is 5,545 to 5,577 s
+    # from the law and the corrections before: farther off it is refused
+    contradicts_sigma: float = 5.0
+    modes: int = 6  # of what stays uncertain, the largest; the others' size is laid on them
+    at_a_time: int = 4096  # instants, for the memory they take
+    variance_max_deg2: float = 1e5  # of a direction that wasn't measured
+    rounding: float = 1e-14  # of all variances together: what sums of so many are good to
+
+
+OPTIONS = CorrectionOptions()
+
 _TINY = np.finfo(float).tiny
-_VARIANCE_MAX_DEG2 = 1e5  # of a direction that wasn't measured
-_ROUNDING = 1e-14  # of all variances together: what sums of so many are good to
 
 _TurnDeg = Annotated[float, Within(-20.0, 20.0)]
-_VarianceDeg2 = Annotated[float, Within(-_VARIANCE_MAX_DEG2, _VARIANCE_MAX_DEG2)]
+_VarianceDeg2 = Annotated[float, Within(-OPTIONS.variance_max_deg2, OPTIONS.variance_max_deg2)]
 _Row = tuple[_VarianceDeg2, _VarianceDeg2, _VarianceDeg2]
 
 
@@ -65,7 +75,7 @@ class AttitudeCorrection:
             )
 
 
-Corrections = Annotated[tuple[AttitudeCorrection, ...], Field(max_length=CORRECTIONS_MAX)]
+Corrections = Annotated[tuple[AttitudeCorrection, ...], Field(max_length=OPTIONS.corrections_max)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +105,7 @@ class Correction:
         left = _joint(then.covariance_with(then, self.period_s))
         left -= across @ np.linalg.solve(known.covariance_rad2, across.T)
         size, mode = np.linalg.eigh(left)
-        kept = slice(-_MODES, None)
+        kept = slice(-OPTIONS.modes, None)
         lost = np.trace(left) / max(float(np.sum(size[kept])), _TINY)
         modes_rad = (mode[:, kept] * np.sqrt(np.maximum(size[kept], 0.0) * lost)).T
         return self._as_errors(then.errors, modes_rad.reshape(-1, count, 3))
@@ -148,7 +158,7 @@ class _Told:
         t_s = self.instants.since_s(other.instants.epoch_utc)
         apart_s = t_s[:, None] - other.instants.t_s
         phase_rad = 2.0 * np.pi / period_s * apart_s
-        swing = np.cos(phase_rad) * np.exp(-0.5 * (PERIOD_SIGMA * phase_rad) ** 2)
+        swing = np.cos(phase_rad) * np.exp(-0.5 * (OPTIONS.period_sigma * phase_rad) ** 2)
         swing_rad2 = np.multiply.outer(self.errors.swing_rms_body_rad**2, swing)
         forgotten_rad2 = np.einsum("na,ka->ank", self._forgotten_rad, other._forgotten_rad)
         forgotten_rad2 *= alike(apart_s, self.errors.memory_s)
@@ -181,7 +191,7 @@ class _Measurements:
         for k, one in enumerate(order):
             mine = slice(3 * k, 3 * k + 3)
             self.covariance_rad2[mine, mine] += np.deg2rad(np.deg2rad(one.covariance_deg2))
-        rounded_rad2 = _ROUNDING * float(np.sum(self._told.variance_rad2))
+        rounded_rad2 = OPTIONS.rounding * float(np.sum(self._told.variance_rad2))
         self.covariance_rad2 += rounded_rad2 * np.eye(len(self.covariance_rad2))
         turn_rad = np.deg2rad([one.turn_body_deg for one in order]).ravel()
         self._refuse_contradiction(order, turn_rad)
@@ -217,14 +227,15 @@ class _Measurements:
         for k, one in enumerate(order):
             mine = slice(3 * k, 3 * k + 3)
             sigmas = float(np.linalg.norm(news[mine]))
-            if sigmas > CONTRADICTS_SIGMA:
+            if sigmas > OPTIONS.contradicts_sigma:
                 apart_deg = np.rad2deg(np.linalg.norm(root[mine, mine] @ news[mine]))
                 against = "the law" if k == 0 else "the law as corrected before"
                 raise InvalidInput(
                     f"the attitude measured at {utc_text(one.epoch)} lies {apart_deg:.3f} deg or "
                     f"{sigmas:.1f} sigma from {against}; a correction is believed up to "
-                    f"{CONTRADICTS_SIGMA:g} sigma: state the mean attitude as it is, or how far "
-                    "the carrier may be off it (attitude.uncertainty), or leave the correction out",
+                    f"{OPTIONS.contradicts_sigma:g} sigma: state the mean attitude as it is, or "
+                    "how far the carrier may be off it (attitude.uncertainty), or leave the "
+                    "correction out",
                     field="attitude.corrections",
                     at_utc=one.epoch,
                 )
@@ -253,8 +264,8 @@ def _joint(covariance_rad2: Array) -> Array:
 
 def _parts(instants: Instants) -> Iterator[Instants]:
     """At most _AT_A_TIME of them each."""
-    for first in range(0, len(instants), _AT_A_TIME):
-        yield Instants(instants.epoch_utc, instants.t_s[first : first + _AT_A_TIME])
+    for first in range(0, len(instants), OPTIONS.at_a_time):
+        yield Instants(instants.epoch_utc, instants.t_s[first : first + OPTIONS.at_a_time])
 
 
 def _number(measured: tuple[AttitudeCorrection, ...]) -> str:

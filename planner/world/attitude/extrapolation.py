@@ -10,11 +10,13 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.rotation import Rotation
-from planner.world.attitude.manoeuvre import STEP_S
+from planner.world.attitude.manoeuvre import OPTIONS as MANOEUVRE_OPTIONS
 
 TAIL_S = 60.0  # the present attitude and rate are those of this much of the history
 OFFSET_TAIL_S = 120.0
-RATE_TAIL_S = STEP_S  # and how the rate changes; 180 to 600 s do alike in a manoeuvre
+RATE_TAIL_S = (
+    MANOEUVRE_OPTIONS.step_s
+)  # and how the rate changes; 180 to 600 s do alike in a manoeuvre
 _LEAST_ROWS = 3
 
 

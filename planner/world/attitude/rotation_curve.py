@@ -19,13 +19,25 @@ from planner.world.frames.iers import RAD_PER_ARCSEC
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline, PPoly
 
-STEP_TURN_MAX_RAD = np.deg2rad(45.0)
-EXACT_RAD = 0.1 * RAD_PER_ARCSEC  # the pointing error promised of a table
-KNOT_SPACINGS_S = (160.0, 80.0, 40.0, 20.0, 10.0, 5.0)
-WORTH_A_SMOOTHER_CURVE = 1.25  # in held-out error
-_HELD_OUT_EVERY = 5
-_SAMPLE_ROWS, _SAMPLES = 1000, 5
-_DEGREE = 5
+
+@dataclass(frozen=True, kw_only=True)
+class RotationCurveOptions:
+    """How smooth a curve is laid through rows of attitudes."""
+
+    # from row to row: beyond, how it turned between is a guess
+    step_turn_max_rad: float = np.deg2rad(45.0)
+    exact_rad: float = 0.1 * RAD_PER_ARCSEC  # the pointing error promised of a table
+    # tried, the smoothest first
+    knot_spacings_s: tuple[float, ...] = (160.0, 80.0, 40.0, 20.0, 10.0, 5.0)
+    worth_a_smoother_curve: float = 1.25  # in held-out error
+    held_out_every: int = 5  # rows one is foretold, to find the spacing
+    sample_rows: int = 1000  # of a sample, and
+    samples: int = 5  # so many of a message, evenly: long ones take as long
+    degree: int = 5  # continuous in acceleration, which axes must follow
+
+
+OPTIONS = RotationCurveOptions()
+
 # Offsets, in rows, of the four rows that foretell a row: from both sides, from before, from
 # after.  A manoeuvre that begins or ends leaves one side right; a damaged row fits none.
 _STENCILS = ((-2, -1, 1, 2), (-4, -3, -2, -1), (1, 2, 3, 4))
@@ -64,7 +76,7 @@ def rotation_curve(
     step = np.diff(q_body_from_frame_xyzw, axis=0)
     turn_rad = 4.0 * np.arcsin(0.5 * np.linalg.norm(step, axis=1))
     widest = int(np.argmax(turn_rad))
-    if turn_rad[widest] > STEP_TURN_MAX_RAD:
+    if turn_rad[widest] > OPTIONS.step_turn_max_rad:
         raise ValueError(
             f"rows {widest + 1} and {widest + 2} are {np.rad2deg(turn_rad[widest]):.0f} deg "
             "apart: too far to say how it turned between; send rows closer in time"
@@ -82,8 +94,10 @@ def rotation_curve(
 
 def _knot_spacing_s(t_s: Array, q: Array, q_dot_s: Array | None) -> float:
     """The widest knot spacing that foretells unseen rows about as well as any; 0 interpolates."""
-    starts = np.unique(np.linspace(0, max(0, len(t_s) - _SAMPLE_ROWS), _SAMPLES).astype(int))
-    samples = [slice(start, start + _SAMPLE_ROWS) for start in starts]
+    starts = np.unique(
+        np.linspace(0, max(0, len(t_s) - OPTIONS.sample_rows), OPTIONS.samples).astype(int)
+    )
+    samples = [slice(start, start + OPTIONS.sample_rows) for start in starts]
 
     def held_out_rms_rad(spacing_s: float) -> float:
         squares = [
@@ -93,21 +107,21 @@ def _knot_spacing_s(t_s: Array, q: Array, q_dot_s: Array | None) -> float:
         return float(np.sqrt(np.mean(np.concatenate(squares) ** 2)))
 
     interpolated_rad = held_out_rms_rad(0.0)
-    possible = [s for s in KNOT_SPACINGS_S if 4.0 * float(np.median(np.diff(t_s))) <= s]
-    if interpolated_rad <= EXACT_RAD or not possible:
+    possible = [s for s in OPTIONS.knot_spacings_s if 4.0 * float(np.median(np.diff(t_s))) <= s]
+    if interpolated_rad <= OPTIONS.exact_rad or not possible:
         return 0.0
     errors_rad = [held_out_rms_rad(s) for s in possible]
     best_rad = min(errors_rad)
     if 2.0 * interpolated_rad < best_rad:  # it moves too fast for the knots, and smoothly
         return 0.0
-    good_rad = WORTH_A_SMOOTHER_CURVE * best_rad
+    good_rad = OPTIONS.worth_a_smoother_curve * best_rad
     return next(s for s, e in zip(possible, errors_rad, strict=True) if e <= good_rad)
 
 
 def _held_out_rad(t_s: Array, q: Array, q_dot_s: Array | None, spacing_s: float) -> Array:
     """Errors at every fifth row, the curve having been fitted to the others."""
     held_out = np.zeros(len(t_s), dtype=bool)
-    held_out[_HELD_OUT_EVERY // 2 : -1 : _HELD_OUT_EVERY] = True
+    held_out[OPTIONS.held_out_every // 2 : -1 : OPTIONS.held_out_every] = True
     if not held_out.any():
         return np.zeros(1)
     rates = None if q_dot_s is None else q_dot_s[~held_out]
@@ -120,17 +134,17 @@ def _fit(t_s: Array, q: Array, q_dot_s: Array | None, spacing_s: float) -> Curve
     from scipy.interpolate import make_interp_spline, make_lsq_spline
 
     if spacing_s:
-        return make_lsq_spline(t_s, q, _knots(t_s, spacing_s), k=_DEGREE, method="norm-eq")
+        return make_lsq_spline(t_s, q, _knots(t_s, spacing_s), k=OPTIONS.degree, method="norm-eq")
     if q_dot_s is not None and len(t_s) >= 4:
         return _through_rates(t_s, q, q_dot_s)
     if len(t_s) == 2:
         from scipy.spatial.transform import Slerp
 
         turn = Slerp(t_s, Rotation.from_quat(q))
-        t_s = np.linspace(t_s[0], t_s[1], 2 * _DEGREE)
+        t_s = np.linspace(t_s[0], t_s[1], 2 * OPTIONS.degree)
         q = turn(t_s).as_quat()
         q = q * np.sign(q @ q[0])[:, None]
-    degree = _DEGREE if len(t_s) > _DEGREE else min(3, len(t_s) - 1)
+    degree = OPTIONS.degree if len(t_s) > OPTIONS.degree else min(3, len(t_s) - 1)
     return make_interp_spline(t_s, q, k=degree)
 
 
@@ -139,10 +153,10 @@ def _knots(t_s: Array, spacing_s: float) -> Array:
     _, first = np.unique((t_s - t_s[0]) // spacing_s, return_index=True)
     inner: list[int] = [0]
     for row in first[1:]:
-        if row - inner[-1] >= 3 and row < len(t_s) - _DEGREE:
+        if row - inner[-1] >= 3 and row < len(t_s) - OPTIONS.degree:
             inner.append(int(row))
-    ends = np.repeat(t_s[[0, -1]], _DEGREE + 1)
-    return np.concatenate([ends[: _DEGREE + 1], t_s[inner[1:]], ends[_DEGREE + 1 :]])
+    ends = np.repeat(t_s[[0, -1]], OPTIONS.degree + 1)
+    return np.concatenate([ends[: OPTIONS.degree + 1], t_s[inner[1:]], ends[OPTIONS.degree + 1 :]])
 
 
 def _through_rates(t_s: Array, q: Array, q_dot_s: Array) -> "PPoly":

@@ -21,17 +21,32 @@ ASSUMED_STATE = (
     "10 m and 0.01 m/s at the state's epoch assumed, as of a GNSS receiver; "
     "the force model's growth measured (bench/truth.py)"
 )
-# The air foretold is wrong by so much of itself, rms of ten ephemerides.
-OEM_DRAG_WRONG = 0.2
-# What of the drag in elements is wrong: a share of it, of what the thickest air at their height
-# makes, and what a fit can't see.  No air makes it negative, or far more: as of a fit across a
-# reboost, then nothing in it is right.
-TLE_DRAG_WRONG, TLE_AIR_WRONG, TLE_UNSEEN_IN_A_DAY_M = 0.5, 0.07, 300.0
-TLE_BEYOND_AIR, TLE_BEYOND_WRONG = (1.3, 1.7), 1.5
-TLE_NEGATIVE_WRONG, TLE_NEGATIVE_AIR_WRONG = 2.5, 2.0
-_TLE_GROWTH = 1.65  # power of the age: 1.5 if the air were wrong anew each day, 2 if for good
+
+
+@dataclass(frozen=True, kw_only=True)
+class OrbitErrorFigures:
+    """What predictions were measured to be wrong by; of the ISS."""
+
+    # the air foretold is wrong by so much of itself, rms of ten ephemerides
+    oem_drag_wrong: float = 0.2
+    tle_drag_wrong: float = 0.5  # what of the drag in elements is wrong: a share of it,
+    tle_air_wrong: float = 0.07  # of what the thickest air at their height makes,
+    tle_unseen_in_a_day_m: float = 300.0  # and what a fit can't see
+    # times what that air makes: drag of a fit across a reboost,
+    tle_beyond_air: tuple[float, float] = (1.3, 1.7)
+    tle_beyond_wrong: float = 1.5  # of which nothing is right
+    # the same where it is negative, as no air makes it: a share of it, and
+    tle_negative_wrong: float = 2.5
+    tle_negative_air_wrong: float = 2.0  # of what that air makes
+    # power of the age: 1.5 if the air were wrong anew each day, 2 if for good
+    tle_growth: float = 1.65
+    state_m: float = 10.0  # of a GNSS receiver, at the state's epoch
+    state_m_s: float = 0.01  # the same in velocity
+
+
+FIGURES = OrbitErrorFigures()
+
 _RATE_RAD_S = 2.0 * np.pi / 5560.0  # the ISS's, whose figures these are
-_STATE_M, _STATE_M_S = 10.0, 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,16 +75,18 @@ def tle_sigma(age_s: Array, drag_in_a_day_m: float, air_in_a_day_m: float) -> Or
     Neglects how other satellites differ: the large ones above 600 km are wrong by less than told.
     """
     days = age_s / DAY_S
-    shares = (TLE_DRAG_WRONG, TLE_BEYOND_WRONG)
-    of_drag = float(np.interp(drag_in_a_day_m / air_in_a_day_m, TLE_BEYOND_AIR, shares))
-    of_air = TLE_AIR_WRONG
+    shares = (FIGURES.tle_drag_wrong, FIGURES.tle_beyond_wrong)
+    of_drag = float(np.interp(drag_in_a_day_m / air_in_a_day_m, FIGURES.tle_beyond_air, shares))
+    of_air = FIGURES.tle_air_wrong
     if drag_in_a_day_m < 0.0:
-        of_drag, of_air = TLE_NEGATIVE_WRONG, TLE_NEGATIVE_AIR_WRONG
-    wrong_m = math.hypot(of_drag * drag_in_a_day_m, of_air * air_in_a_day_m, TLE_UNSEEN_IN_A_DAY_M)
-    drift_m_day = _TLE_GROWTH * wrong_m * days ** (_TLE_GROWTH - 1.0)
+        of_drag, of_air = FIGURES.tle_negative_wrong, FIGURES.tle_negative_air_wrong
+    wrong_m = math.hypot(
+        of_drag * drag_in_a_day_m, of_air * air_in_a_day_m, FIGURES.tle_unseen_in_a_day_m
+    )
+    drift_m_day = FIGURES.tle_growth * wrong_m * days ** (FIGURES.tle_growth - 1.0)
     return OrbitSigma(
         radial_m=np.sqrt(150.0**2 + (60.0 * days) ** 2 + _radial_m(drift_m_day) ** 2),
-        along_m=np.hypot(1200.0, wrong_m * days**_TLE_GROWTH),
+        along_m=np.hypot(1200.0, wrong_m * days**FIGURES.tle_growth),
         cross_m=np.hypot(400.0, 155.0 * days),
         basis=MEASURED_TLE,
         better="younger elements, or an ephemeris (OEM)",
@@ -85,7 +102,7 @@ def oem_sigma(age_s: Array, drag_in_a_day_m: float) -> OrbitSigma:
     It is the cause of the elements' error, too, and as often small.
     """
     days = age_s / DAY_S
-    drag_m = OEM_DRAG_WRONG * drag_in_a_day_m * days  # per day
+    drag_m = FIGURES.oem_drag_wrong * drag_in_a_day_m * days  # per day
     return OrbitSigma(
         radial_m=np.hypot(20.0, _radial_m(2.0 * drag_m)),
         along_m=np.sqrt(50.0**2 + (1000.0 * days) ** 2 + (drag_m * days) ** 2),
@@ -119,7 +136,7 @@ def state_sigma(age_s: Array, *, paper_model: bool) -> OrbitSigma:
 
 
 def _drifted(age_s: Array) -> tuple[Array, Array, Array]:
-    """What `_STATE_M` and `_STATE_M_S` on each axis grow to: radial, along, across.
+    """What `FIGURES.state_m` and `FIGURES.state_m_s` on each axis grow to: radial, along, across.
 
     Source: Clohessy and Wiltshire 1960, with velocities against inertial axes.
     """
@@ -136,7 +153,7 @@ def _drifted(age_s: Array) -> tuple[Array, Array, Array]:
         s / n,
     )
     radial_m, along_m, cross_m = (
-        np.hypot(_STATE_M * r, _STATE_M_S * v_s)
+        np.hypot(FIGURES.state_m * r, FIGURES.state_m_s * v_s)
         for r, v_s in zip(by_position, by_velocity_s, strict=True)
     )
     return radial_m, along_m, cross_m

@@ -18,20 +18,29 @@ from planner.world.frames.time_scales import Instants
 from planner.world.orbits.forces import forces_at
 
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(5)
-# A path between nodes too far apart, or damaged, may run through the Earth, where the field's
-# harmonics mean nothing.
-_PATH_RADIUS_MIN_M = 6.0e6
-# The unexplained mean acceleration above which a cell holds a burn.  In NASA's ISS ephemerides
-# coasting cells reach 3e-6 (drag, their other field), reboosts 1.8e-3.
-THRUST_MIN_M_S2 = 5e-5
-# Epochs printed to 1 ms put a state up to 8 m from its place in low orbit: nodes of NASA's ISS
-# ephemeris 2025-057 are 7.7 m off for it, all others of NASA's at 240 s below 0.05 m.
-WARN_M = 10.0
-REFUSE_M = 50.0  # 25 arcsec from 400 km; a state 6 ms late
-# Unlike any carrier of a camera, but not unlike states of a turning frame stated as inertial,
-# whose Coriolis acceleration is 1.1 m/s^2 in low orbit.
-THRUST_MAX_M_S2 = 0.5
-_REVERSAL_SHARE = 0.2  # of the gain of velocity may be left after two cells
+
+
+@dataclass(frozen=True, kw_only=True)
+class CellDefectOptions:
+    """When states of an ephemeris are told to contradict each other, or a burn."""
+
+    # A path between nodes too far apart, or damaged, may run through the Earth, where the field's
+    # harmonics mean nothing.
+    path_radius_min_m: float = 6.0e6
+    # The unexplained mean acceleration above which a cell holds a burn.  In NASA's ISS
+    # ephemerides coasting cells reach 3e-6 (drag, their other field), reboosts 1.8e-3.
+    thrust_min_m_s2: float = 5e-5
+    # Epochs printed to 1 ms put a state up to 8 m from its place in low orbit: nodes of NASA's
+    # ISS ephemeris 2025-057 are 7.7 m off for it, all others of NASA's at 240 s below 0.05 m.
+    warn_m: float = 10.0
+    refuse_m: float = 50.0  # 25 arcsec from 400 km; a state 6 ms late
+    # Unlike any carrier of a camera, but not unlike states of a turning frame stated as inertial,
+    # whose Coriolis acceleration is 1.1 m/s^2 in low orbit.
+    thrust_max_m_s2: float = 0.5
+    reversal_share: float = 0.2  # of the gain of velocity may be left after two cells
+
+
+OPTIONS = CellDefectOptions()
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +87,7 @@ def cell_defects(nodes: Instants, r_eci_m: Array, v_eci_m_s: Array) -> CellDefec
     r0, r1, v0, v1, a0, a1 = ends
     path = w**3 * (r0 * (1 + 3 * s + 6 * s**2) + hh * v0 * (s + 3 * s**2) + hh**2 * a0 * s**2 / 2)
     path += s**3 * (r1 * (1 + 3 * w + 6 * w**2) - hh * v1 * (w + 3 * w**2) + hh**2 * a1 * w**2 / 2)
-    path *= np.maximum(1.0, _PATH_RADIUS_MIN_M / np.linalg.norm(path, axis=2, keepdims=True))
+    path *= np.maximum(1.0, OPTIONS.path_radius_min_m / np.linalg.norm(path, axis=2, keepdims=True))
     inner = Instants(nodes.epoch_utc, (nodes.t_s[:-1, None] + h[:, None] * u).ravel())
     flat = path.reshape(-1, 3)
     along = forces_at(inner, 0.0).acceleration_eci_m_s2(flat, np.zeros_like(flat))
@@ -111,7 +120,7 @@ class SmoothArc:
 def smooth_arcs(defects: CellDefects) -> list[SmoothArc]:
     """Runs of coasting and of burning cells, in order; neighbours share a node."""
     thrust_m_s2 = defects.thrust_m_s2
-    burning = thrust_m_s2 > THRUST_MIN_M_S2
+    burning = thrust_m_s2 > OPTIONS.thrust_min_m_s2
     changes = np.flatnonzero(np.diff(burning)) + 1
     edges = [0, *changes.tolist(), len(burning)]
     return [
@@ -144,7 +153,7 @@ def odd_nodes(defects: CellDefects) -> OddNodes:
     displacement_m = np.minimum(beyond_m[:-1], beyond_m[1:])
     gain, next_gain = defects.velocity_m_s[:-1], defects.velocity_m_s[1:]
     jump_m_s = 0.5 * np.linalg.norm(gain - next_gain, axis=1)
-    is_reversed = np.linalg.norm(gain + next_gain, axis=1) < _REVERSAL_SHARE * jump_m_s
+    is_reversed = np.linalg.norm(gain + next_gain, axis=1) < OPTIONS.reversal_share * jump_m_s
     step_s = np.maximum(defects.step_s[:-1], defects.step_s[1:])
     remainder_m = np.maximum(defects.remainder_m[:-1], defects.remainder_m[1:])
     jump_m = np.where(is_reversed, 0.5 * jump_m_s * step_s - remainder_m, 0.0)
@@ -161,6 +170,6 @@ def strongest_push(defects: CellDefects) -> int | None:
 
     Cells too long for the method to tell are left out.
     """
-    thrust_m_s2 = np.where(defects.remainder_m < REFUSE_M, defects.thrust_m_s2, 0.0)
+    thrust_m_s2 = np.where(defects.remainder_m < OPTIONS.refuse_m, defects.thrust_m_s2, 0.0)
     cell = int(np.argmax(thrust_m_s2))
-    return cell if thrust_m_s2[cell] > THRUST_MAX_M_S2 else None
+    return cell if thrust_m_s2[cell] > OPTIONS.thrust_max_m_s2 else None

@@ -15,13 +15,23 @@ from numpy.polynomial import chebyshev
 from planner.base.arrays import Array
 from planner.world.orbits.gravity import GM_M3_S2, RADIUS_M
 
-SEGMENT_S = 900.0
-NODES = 49  # a wave of degree 36 takes 150 s: eight nodes each
+
+@dataclass(frozen=True, kw_only=True)
+class CollocationOptions:
+    """How an orbit is propagated."""
+
+    segment_s: float = 900.0  # a sixth of a revolution, so that sweeps converge
+    nodes: int = 49  # a wave of degree 36 takes 150 s: eight nodes each
+    inner_tolerance_m: float = 1e-7  # of a sweep in the simple field, which costs nothing
+    # of a sweep in the full one: far below what the forces are known to
+    outer_tolerance_m: float = 1e-5
+    max_sweeps: int = 60  # bounds what a field without an orbit takes
+    diverged_m: float = 1e9  # farther than any satellite: it fell
+
+
+OPTIONS = CollocationOptions()
+
 _J2 = 1.0826359e-3  # of the same field; only speeds convergence, no influence on the result
-_INNER_TOLERANCE_M = 1e-7
-_OUTER_TOLERANCE_M = 1e-5
-_MAX_SWEEPS = 60
-_DIVERGED_M = 1e9
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,17 +73,17 @@ class _Scheme:
 
 @cache
 def _scheme() -> _Scheme:
-    cosines = -np.cos(np.pi * np.arange(NODES) / (NODES - 1))
+    cosines = -np.cos(np.pi * np.arange(OPTIONS.nodes) / (OPTIONS.nodes - 1))
     cosines[0], cosines[-1] = -1.0, 1.0
-    fit: Array = np.linalg.inv(chebyshev.chebvander(cosines, NODES - 1)).astype(np.float64)
+    fit: Array = np.linalg.inv(chebyshev.chebvander(cosines, OPTIONS.nodes - 1)).astype(np.float64)
     once: Array = chebyshev.chebint(fit, lbnd=-1.0).astype(np.float64)
     twice: Array = chebyshev.chebint(once, lbnd=-1.0).astype(np.float64)
     return _Scheme(
         cosines=cosines,
         integral_coefficients=once,
         double_integral_coefficients=twice,
-        integral_matrix=chebyshev.chebvander(cosines, NODES) @ once,
-        double_integral_matrix=chebyshev.chebvander(cosines, NODES + 1) @ twice,
+        integral_matrix=chebyshev.chebvander(cosines, OPTIONS.nodes) @ once,
+        double_integral_matrix=chebyshev.chebvander(cosines, OPTIONS.nodes + 1) @ twice,
     )
 
 
@@ -103,14 +113,14 @@ def propagate_segment(
     rate = np.sqrt(GM_M3_S2 / np.linalg.norm(r_m) ** 3)
     r = r_m * np.cos(rate * since_s) + v_m_s / rate * np.sin(rate * since_s)
     other = np.zeros_like(r)
-    for _ in range(_MAX_SWEEPS):
+    for _ in range(OPTIONS.max_sweeps):
         total = _central_j2_m_s2(r) + other
         next_r = r_m + v_m_s * since_s + half_s**2 * (scheme.double_integral_matrix @ total)
         change_m = float(np.max(np.abs(next_r - r)))
         r = next_r
-        if not change_m < _DIVERGED_M:
+        if not change_m < OPTIONS.diverged_m:
             return None
-        if change_m < _INNER_TOLERANCE_M:
+        if change_m < OPTIONS.inner_tolerance_m:
             v = v_m_s + half_s * (scheme.integral_matrix @ total)
             full = acceleration_m_s2(r, v)
             next_other = full - _central_j2_m_s2(r)
@@ -118,7 +128,7 @@ def propagate_segment(
                 np.max(np.abs(scheme.double_integral_matrix @ (next_other - other)))
             )
             other = next_other
-            if step_m < _OUTER_TOLERANCE_M:
+            if step_m < OPTIONS.outer_tolerance_m:
                 break
     else:
         return None

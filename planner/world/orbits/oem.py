@@ -23,8 +23,9 @@ from planner.world.frames.time_scales import (
 from planner.world.messages.oem import Oem, OemSegment, read_oem
 from planner.world.orbits.accuracy import OrbitSigma, oem_sigma
 from planner.world.orbits.cell_defects import (
-    REFUSE_M,
-    WARN_M,
+    OPTIONS as CELL_DEFECT_OPTIONS,
+)
+from planner.world.orbits.cell_defects import (
     CellDefects,
     cell_defects,
     odd_nodes,
@@ -219,7 +220,7 @@ def _odd_warning(segment: OemSegment, node_s: Array, defects: CellDefects) -> tu
         f"the OEM's {which} some {odd.off_m:.0f} m off what the neighbouring states lead to, and "
         "no manoeuvre explains it"
     )
-    if not odd.off_m <= REFUSE_M:
+    if not odd.off_m <= CELL_DEFECT_OPTIONS.refuse_m:
         raise InvalidMessage(
             f"{sentence}; was a number damaged on its way? Get the message again",
             field="orbit.content",
@@ -234,7 +235,7 @@ def _odd_warning(segment: OemSegment, node_s: Array, defects: CellDefects) -> tu
             field="orbit.content",
             at_utc=at(cell),
         )
-    return (sentence,) if odd.off_m > WARN_M else ()
+    return (sentence,) if odd.off_m > CELL_DEFECT_OPTIONS.warn_m else ()
 
 
 def _warnings(

@@ -22,7 +22,9 @@ from planner.world.frames.time_scales import (
 from planner.world.orbits.accuracy import OrbitSigma, state_sigma
 from planner.world.orbits.atmosphere import HEIGHT_MIN_M
 from planner.world.orbits.collocation import (
-    SEGMENT_S,
+    OPTIONS as COLLOCATION_OPTIONS,
+)
+from planner.world.orbits.collocation import (
     CollocationSegment,
     node_times_s,
     propagate_segment,
@@ -136,12 +138,12 @@ class StateVectorOrbit(OrbitSource):
     def _segments_to(self, span_s: float) -> list[CollocationSegment]:
         """From the epoch to span_s, either way, in its order; none for span 0."""
         whole = self._whole_segments[span_s > 0.0]
-        step_s = math.copysign(SEGMENT_S, span_s)
-        count = math.floor(abs(span_s) / SEGMENT_S)
+        step_s = math.copysign(COLLOCATION_OPTIONS.segment_s, span_s)
+        count = math.floor(abs(span_s) / COLLOCATION_OPTIONS.segment_s)
         while len(whole) < count:
             whole.append(_propagate(self, whole, len(whole) * step_s, (len(whole) + 1) * step_s))
         segments = whole[:count]
-        if abs(span_s) > count * SEGMENT_S:
+        if abs(span_s) > count * COLLOCATION_OPTIONS.segment_s:
             segments.append(_propagate(self, segments, count * step_s, span_s))
         return segments
 

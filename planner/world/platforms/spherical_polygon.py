@@ -8,10 +8,19 @@ import numpy as np
 
 from planner.base.arrays import Array, Indices, Mask, cross
 
-REACH_MAX_RAD = math.radians(85.0)  # of a polygon from its middle: clearly less than a hemisphere
-WIDTH_MIN_RAD = math.radians(0.01)  # from a corner to any side that it is no end of
-STRAIGHT = 1e-9  # sine of the turn at a corner that is none
-DIRECTIONS_AT_ONCE = 20_000
+
+@dataclass(frozen=True, kw_only=True)
+class PolygonOptions:
+    """Which polygons on the sphere can be told inside from outside."""
+
+    # of a polygon from its middle: clearly less than a hemisphere
+    reach_max_rad: float = math.radians(85.0)
+    width_min_rad: float = math.radians(0.01)  # from a corner to any side that it is no end of
+    straight: float = 1e-9  # sine of the turn at a corner that is none
+    directions_at_once: int = 20_000  # tested against all sides: some megabytes
+
+
+OPTIONS = PolygonOptions()
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,8 +58,8 @@ class SphericalPolygon:
         Exact but for rounding.
         """
         depth = np.empty(len(directions))
-        for first in range(0, len(directions), DIRECTIONS_AT_ONCE):
-            part = slice(first, first + DIRECTIONS_AT_ONCE)
+        for first in range(0, len(directions), OPTIONS.directions_at_once):
+            part = slice(first, first + OPTIONS.directions_at_once)
             depth[part] = self._nearest(directions[part])[0]
         return depth
 
@@ -62,7 +71,7 @@ class SphericalPolygon:
         at = np.where(is_corner[:, None], self.corner_directions[place], foot)
         along = directions - np.sum(directions * at, axis=1, keepdims=True) * at
         along *= -np.sign(depth)[:, None]
-        on_corner = np.linalg.norm(along, axis=1, keepdims=True) < STRAIGHT
+        on_corner = np.linalg.norm(along, axis=1, keepdims=True) < OPTIONS.straight
         along = np.where(on_corner, -(normal + self.normals[place - 1]), along)
         outward = np.where(is_corner[:, None], along, -normal)
         return NearestBoundary(depth, at, unit(outward))
@@ -93,11 +102,11 @@ def spherical_polygon(corner_directions: Array) -> SphericalPolygon:
     reaches 85 deg from its middle.
     """
     middle, reach_rad = _smallest_cap(corner_directions)
-    if not reach_rad < REACH_MAX_RAD:
+    if not reach_rad < OPTIONS.reach_max_rad:
         raise ValueError(
-            f"must stay within {math.degrees(REACH_MAX_RAD):g} deg of their middle, so that it is "
-            f"clear which side is inside, not reach {math.degrees(reach_rad):.1f} deg; split the "
-            "region into polygons that overlap"
+            f"must stay within {math.degrees(OPTIONS.reach_max_rad):g} deg of their middle, so "
+            f"that it is clear which side is inside, not reach {math.degrees(reach_rad):.1f} deg; "
+            "split the region into polygons that overlap"
         )
     _require_simple(corner_directions)
     x, y = seen_on_plane(corner_directions, middle).T
@@ -114,7 +123,7 @@ def polygon_to_the_left(corner_directions: Array) -> SphericalPolygon:
     return SphericalPolygon(
         corner_directions=corner_directions,
         normals=normals,
-        is_reflex=bends < -STRAIGHT,
+        is_reflex=bends < -OPTIONS.straight,
         middle_direction=middle,
         reach_rad=reach_rad,
     )
@@ -147,7 +156,7 @@ def _smallest_cap(corner_directions: Array) -> tuple[Array, float]:
     around = cross(b - a, c - a)
     middles = np.concatenate([first + second, around, -around])
     length = np.linalg.norm(middles, axis=1)
-    middles = unit(middles[length > STRAIGHT])
+    middles = unit(middles[length > OPTIONS.straight])
     cosine = (middles @ corner_directions.T).min(axis=1) if len(middles) else np.zeros(1)
     best = int(np.argmax(cosine))
     if not cosine[best] > 0.0:
@@ -159,9 +168,9 @@ def _require_simple(corner_directions: Array) -> None:
     """Raises ValueError naming corners by their places in what was given."""
     count = len(corner_directions)
     following = np.roll(corner_directions, -1, axis=0)
-    least_deg = math.degrees(WIDTH_MIN_RAD)
+    least_deg = math.degrees(OPTIONS.width_min_rad)
     for k, apart_rad in enumerate(np.linalg.norm(following - corner_directions, axis=1)):
-        if apart_rad < WIDTH_MIN_RAD:
+        if apart_rad < OPTIONS.width_min_rad:
             raise ValueError(
                 f"must lie {least_deg:g} deg or more apart, but {k} and {(k + 1) % count} are "
                 f"{math.degrees(apart_rad):.2g} deg apart; leave one of them out"
@@ -185,7 +194,7 @@ def _require_simple(corner_directions: Array) -> None:
     own = np.arange(count)
     away[own, own] = away[own, own - 1] = math.inf
     corner, side = (int(place) for place in np.unravel_index(np.argmin(away), away.shape))
-    if away[corner, side] < WIDTH_MIN_RAD:
+    if away[corner, side] < OPTIONS.width_min_rad:
         raise ValueError(
             f"must enclose a region {least_deg:g} deg wide or more everywhere, but {corner} lies "
             f"{math.degrees(away[corner, side]):.2g} deg from the side from {side} to "

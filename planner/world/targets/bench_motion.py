@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from datetime import datetime
 from typing import Annotated, Literal, NamedTuple
 
@@ -22,9 +23,19 @@ Motion = Annotated[
 ]
 
 ON_GRID_RAD = math.radians(0.1 / 3600.0)  # how closely the table's cubics must follow a plan
-_SAMPLES_PER_PERIOD = 64  # a sine's peak is met within 0.03 %
-_SAMPLES_PER_ROW = 8
-_SAMPLES_MAX = 2_000_000
+
+
+@dataclass(frozen=True, kw_only=True)
+class BenchMotionOptions:
+    """How densely a test motion is looked at for its peaks."""
+
+    samples_per_period: int = 64  # a sine's peak is met within 0.03 %
+    samples_per_row: int = 8  # where no period is shorter
+    samples_max: int = 2_000_000  # of a motion, 16 MB each; beyond, it is refused
+
+
+OPTIONS = BenchMotionOptions()
+
 _UNITS = {"angle": "deg", "rate": "deg/s", "acceleration": "deg/s2", "jerk": "deg/s3"}
 
 
@@ -83,11 +94,13 @@ class BenchMotionTarget(TimedTarget):
         period of the fastest component and 8 per row.
         """
         shortest_s = min(motion.shortest_period_s() for motion in self.axes.values())
-        sample_s = min(COMMAND_STEP_S / _SAMPLES_PER_ROW, shortest_s / _SAMPLES_PER_PERIOD)
+        sample_s = min(
+            COMMAND_STEP_S / OPTIONS.samples_per_row, shortest_s / OPTIONS.samples_per_period
+        )
         row = math.ceil(COMMAND_STEP_S / sample_s)
         row += row % 2
         count = math.ceil(duration_s / COMMAND_STEP_S * row) + 1
-        if count > _SAMPLES_MAX:
+        if count > OPTIONS.samples_max:
             raise InvalidInput(
                 f"a test motion can't be checked every {sample_s:.2g} s over {duration_s:.0f} s; "
                 "shorten the session or slow its fastest part",

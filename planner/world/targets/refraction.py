@@ -4,6 +4,7 @@ Spherical layers of the U.S. Standard Atmosphere; the weather changes it by some
 Rays obey Bouguer's law: n r sin(zenith angle) is constant along a ray.
 """
 
+from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Literal
 
@@ -20,9 +21,19 @@ Refraction = Literal["none", "standard"]
 
 LOWEST_ELEVATION_DEG = 5.0  # of a ground target: below, the layers' own shape matters
 EARTH_RADIUS_M = 6371e3  # mean radius; the ellipsoid's bends differ by 0.4 % of the effect
-_HEIGHT_NODES = 48
-_DISPLACEMENT_PASSES = 4  # each shrinks the error by 3e-4 / cos^2 zenith angle: 0.04 at 5 deg
-_OVERHEAD_RAD = 1e-6  # the raised height is even in the zenith angle, so it is flat there
+
+
+@dataclass(frozen=True, kw_only=True)
+class RefractionOptions:
+    """How refraction is tabulated."""
+
+    height_nodes: int = 48  # of a quadrature over the height of the air
+    # each shrinks the error by 3e-4 / cos^2 zenith angle: 0.04 at 5 deg
+    displacement_passes: int = 4
+    overhead_rad: float = 1e-6  # the raised height is even in the zenith angle, so it is flat there
+
+
+OPTIONS = RefractionOptions()
 
 
 def raised_m(zenith_rad: Array, range_m: Array, height_m: Array) -> Array:
@@ -35,18 +46,18 @@ def raised_m(zenith_rad: Array, range_m: Array, height_m: Array) -> Array:
     Source: Noerdlinger 1999, ISPRS J. Photogramm. 54, 360, with the integral over the
     layers instead of his fit.
     """
-    z = np.maximum(zenith_rad, _OVERHEAD_RAD)
+    z = np.maximum(zenith_rad, OPTIONS.overhead_rad)
     r_target = EARTH_RADIUS_M + height_m
     sat_across, sat_up = range_m * np.sin(z), r_target + range_m * np.cos(z)
     # The air thins out upwards: nodes crowd at the target.
-    node, weight = np.polynomial.legendre.leggauss(_HEIGHT_NODES)
+    node, weight = np.polynomial.legendre.leggauss(OPTIONS.height_nodes)
     thickness = TOP_M - height_m[:, None]
     height = height_m[:, None] + thickness * ((node + 1.0) / 2.0) ** 2
     dr = weight * thickness * (node + 1.0) / 2.0
     r = EARTH_RADIUS_M + height
     n_minus_1 = refractivity(height)
     beyond_rad = np.zeros_like(z)
-    for _ in range(_DISPLACEMENT_PASSES):
+    for _ in range(OPTIONS.displacement_passes):
         # The straight line meets the target's sphere this angle beyond the target.
         across, up = -r_target * np.sin(beyond_rad), r_target * np.cos(beyond_rad)
         impact = (sat_across * up - sat_up * across) / np.hypot(sat_across - across, sat_up - up)
