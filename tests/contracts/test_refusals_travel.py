@@ -22,7 +22,7 @@ from app.jobs.child import Bounds
 from app.jobs.disposable import run_disposable
 from app.jobs.kinds import JOB_KINDS, PLAN
 from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
-from planner.base.errors import FieldError, GiveUp, InvalidRequest, Refusal
+from planner.base.errors import FieldError, InvalidRequest, Refusal, Relaxation
 from planner.spacecraft.imaging.choice_with_turns import LooksTooClose
 from planner.spacecraft.turns.turn_choice import GyrosTooFull, TurnNeedsTime
 from slewtrack import problems
@@ -38,8 +38,8 @@ TOLD = {
     "earliest_feasible_start_utc": LEAP_UTC,
     "feasible_stop_utc": LEAP_UTC,
     "costs_sessions": (1, 3),
-    "give_up": (
-        GiveUp(on_conflict="shorten_later", session=1, start_later_s=12.4, stop_earlier_s=0.5),
+    "relaxations": (
+        Relaxation(on_conflict="shorten_later", session=1, start_later_s=12.4, stop_earlier_s=0.5),
     ),
 }
 # Those whose first arguments are others than a Refusal's.

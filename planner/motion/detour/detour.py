@@ -75,7 +75,7 @@ def avoid_cones(
         runs=(found.run,),
         iterations=solution.iterations + found.iterations,
         wall_s=solution.wall_s + time.perf_counter() - began_s,
-        cut_short=found.cut_short,
+        search_truncated=found.search_truncated,
     )
 
 
@@ -146,7 +146,7 @@ def _around(
         if prove:
             _require_way(straight, view)
         found += _along_rough_paths(straight, view)
-    best, cut_short = min(found, key=lambda one: one.cost), False
+    best, search_truncated = min(found, key=lambda one: one.cost), False
     if thorough:
         dear = sides_fail or best.cost > DEAR * straight.jerk_squared_integral
         try:
@@ -154,13 +154,15 @@ def _around(
         except WorkLimitReached:
             if not math.isfinite(best.cost):
                 raise
-            cut_short = True
+            search_truncated = True
     if any(one.off_rows for one in found) and not any(math.isfinite(one.cost) for one in found):
         found += _on_rows(straight, view, min(found, key=lambda one: not one.off_rows))
     best = min(found, key=lambda one: one.cost)
     if not math.isfinite(best.cost):
         return None
-    return best._replace(iterations=sum(one.iterations for one in found), cut_short=cut_short)
+    return best._replace(
+        iterations=sum(one.iterations for one in found), search_truncated=search_truncated
+    )
 
 
 def _along_rough_paths(straight: SlewSolution, view: KeepOutView) -> list[Detour]:

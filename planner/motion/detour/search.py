@@ -47,7 +47,7 @@ class Detour(NamedTuple):
     play_share: share by which many instants cost more or less than few; where it is large, so was
     the play between these, and other optima may be near.  sunk_rad: how much deeper than the
     margin a path goes between few instants.  run: how the motion was solved; iterations: of all
-    that was tried.  cut_short: whether the search for a better one was.
+    that was tried.  search_truncated: whether the bound of work ended the search.
     """
 
     profiles: Profiles
@@ -57,7 +57,7 @@ class Detour(NamedTuple):
     iterations: int
     play_share: float = 0.0
     sunk_rad: float = 0.0
-    cut_short: bool = False
+    search_truncated: bool = False
 
 
 class DetourSearch:

@@ -89,7 +89,7 @@ class Chain:
         )
         self._track_states = cache(lambda way, row: track_states(way.track, row / ROWS_PER_S))
         self._care_left = CARE_SHARE * effort.remaining()
-        self._is_cut_short = False
+        self._is_search_truncated = False
 
     def solve(self, mode: str, count: int | None = None) -> tuple[Steps, list[Join]] | None:
         """The cheapest steps of the first `count` sessions, all, whose slews are all found."""
@@ -128,7 +128,7 @@ class Chain:
             join = self._with_care(way, from_row, state)
             if join is None:
                 join = slew_onto(self.scenario, way, from_row, state, thorough=False, early=False)
-                join = replace(join, cut_short=True)
+                join = replace(join, search_truncated=True)
             return join
         try:
             return slew_onto(self.scenario, way, from_row, state, thorough=False, early=False)
@@ -149,13 +149,13 @@ class Chain:
                 join = slew_onto(self.scenario, way, from_row, state, early=early)
             finally:
                 self._care_left -= care.done_rows
-        self._is_cut_short |= join is None
+        self._is_search_truncated |= join is None
         return join
 
     def hurry(self) -> None:
         """From now on whatever is found at once will do."""
         self._care_left = 0.0
-        self._is_cut_short = True
+        self._is_search_truncated = True
 
     def improve(self, steps: Steps, joins: list[Join]) -> list[Join]:
         """The same chain around cones, as early and as smooth as is found.
@@ -169,14 +169,14 @@ class Chain:
         for number, (step, join) in enumerate(zip(steps, joins, strict=True)):
             way = replace(step.way, rows=replace(step.way.rows, start=step.join_row))
             state = self.state(self.stand(steps[:number]).way, step.leave_row)
-            found = replace(join, cut_short=True)
+            found = replace(join, search_truncated=True)
             with at_most(share):
                 try:
                     found = slew_onto(self.scenario, way, step.leave_row, state)
                 except InfeasibleSlew:  # a search from other guesses may miss what was found
                     found = join
-            cut_short = found.cut_short or self._is_cut_short
-            better.append(replace(found, stop_row=join.stop_row, cut_short=cut_short))
+            search_truncated = found.search_truncated or self._is_search_truncated
+            better.append(replace(found, stop_row=join.stop_row, search_truncated=search_truncated))
         return better
 
     def stand(self, steps: Steps) -> Stand:

@@ -35,12 +35,12 @@ CAUTION = 4.0  # a receding or approaching track changes the time needed by a se
 class EarliestJoin:
     """The slew that meets the track at t_s, on the track's clock and on a command row.
 
-    cut_short: whether the search for an earlier row was, by the work that may be done.
+    search_truncated: whether the bound of work ended the search for an earlier row.
     """
 
     t_s: float
     led: LedSlew
-    cut_short: bool = False
+    search_truncated: bool = False
 
 
 def track_states(track: AxisTrack, t_s: float) -> tuple[AxisState, ...]:
@@ -178,7 +178,7 @@ def _earlier(
         try:
             found = join_at(middle)
         except WorkLimitReached:
-            return EarliestJoin(t_s=good / ROWS_PER_S, led=led, cut_short=True)
+            return EarliestJoin(t_s=good / ROWS_PER_S, led=led, search_truncated=True)
         if found is None:
             bad = middle
         else:

@@ -23,8 +23,8 @@ class Join:
 
     brake: what brings the axes to rest at the end of what was before, None where they slew at
     once or are at rest already.
-    cut_short: whether the search for an earlier join or a smoother slew was, by the work that
-    may be done.
+    search_truncated: whether the bound of work ended the search for an earlier join or a smoother
+    slew.
     """
 
     slew: SlewSolution
@@ -33,7 +33,7 @@ class Join:
     join_row: int
     stop_row: int
     brake: SlewSolution | None = None
-    cut_short: bool = False
+    search_truncated: bool = False
 
     @property
     def brake_rows(self) -> int:
@@ -67,7 +67,7 @@ def slew_onto(
     ):
         _require_within_limits(scenario, states, does)
     keep_out = keep_out_view(scenario, way.ephemeris, from_row / ROWS_PER_S, start_row / ROWS_PER_S)
-    met, cut_short = None, False
+    met, search_truncated = None, False
     if early and _joins_early(scenario):
         # What is left must do for a slew to the session's first row.
         with at_most(effort.remaining() / 2.0) as search:
@@ -77,13 +77,13 @@ def slew_onto(
                 until_s=start_row / ROWS_PER_S,
                 keep_out=keep_out,
             )
-        cut_short = search.is_exhausted
+        search_truncated = search.is_exhausted
     if met is None:
         led = _slew(scenario, way, from_row, state, keep_out, thorough=thorough, prove=prove)
         join_row = start_row
     else:
         led, join_row = met.led, round(met.t_s * ROWS_PER_S)
-        cut_short = cut_short or met.cut_short
+        search_truncated = search_truncated or met.search_truncated
     slew = led.slew
     return Join(
         slew=slew,
@@ -92,7 +92,7 @@ def slew_onto(
         slew_row=join_row - round(slew.duration_s * ROWS_PER_S),
         join_row=join_row,
         stop_row=way.rows.stop,
-        cut_short=cut_short or slew.cut_short,
+        search_truncated=search_truncated or slew.search_truncated,
     )
 
 

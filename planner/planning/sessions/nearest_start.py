@@ -100,7 +100,7 @@ def _advise(failed: SessionRefused) -> Refusal:
         costs_sessions=advice.costs,
     )
     if isinstance(advised, InfeasibleSlew):
-        advised.give_up = offers
+        advised.relaxations = offers
     return advised
 
 

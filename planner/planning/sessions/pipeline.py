@@ -107,7 +107,7 @@ def _joins(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
 
 
 def _cut_short(joins: list[Join]) -> tuple[str, ...]:
-    numbers = [str(number) for number, join in enumerate(joins, start=1) if join.cut_short]
+    numbers = [str(number) for number, join in enumerate(joins, start=1) if join.search_truncated]
     if not numbers:
         return ()
     sessions = f"session {numbers[0]}" if len(numbers) == 1 else f"sessions {', '.join(numbers)}"

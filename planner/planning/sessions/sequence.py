@@ -11,10 +11,10 @@ from planner.base import effort
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.base.effort import at_most
 from planner.base.errors import (
-    GiveUp,
     InfeasibleSlew,
     NotVisible,
     Refusal,
+    Relaxation,
     SearchEnded,
     SolverFailed,
     TrackBreaksLimit,
@@ -73,14 +73,14 @@ class SessionRefused(Exception):
         self.session, self.refusal = session, refusal
         self._chain = chain
 
-    def offers(self) -> tuple[GiveUp, ...]:
+    def offers(self) -> tuple[Relaxation, ...]:
         """What sessions would lose under each `on_conflict` by which all of them can be flown."""
-        found: list[GiveUp] = []
+        found: list[Relaxation] = []
         if self._chain is not None:
             with at_most(OFFERS_SHARE * effort.remaining()):
                 for mode in CONFLICTS:
                     instead = self._chain.solve(mode)
-                    found += _give_ups(mode, instead[0]) if instead is not None else []
+                    found += _relaxations(mode, instead[0]) if instead is not None else []
         return tuple(found)
 
 
@@ -209,14 +209,14 @@ def _with_mode(refusal: InfeasibleSlew, mode: str) -> InfeasibleSlew:
     )
 
 
-def _give_ups(mode: str, steps: Steps) -> list[GiveUp]:
+def _relaxations(mode: str, steps: Steps) -> list[Relaxation]:
     """What each session loses; a session's start is its own step's, its stop the next one's."""
     later_s = [(step.join_row - step.way.rows.start) / ROWS_PER_S for step in steps]
     earlier_s = [
         (before.way.rows.stop - step.leave_row) / ROWS_PER_S for before, step in pairwise(steps)
     ] + [0.0]
     return [
-        GiveUp(on_conflict=mode, session=session, start_later_s=later, stop_earlier_s=earlier)
+        Relaxation(on_conflict=mode, session=session, start_later_s=later, stop_earlier_s=earlier)
         for session, (later, earlier) in enumerate(zip(later_s, earlier_s, strict=False))
         if later or earlier
     ]
