@@ -23,8 +23,8 @@ from app.jobs.disposable import run_disposable
 from app.jobs.kinds import JOB_KINDS, PLAN
 from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
 from planner.base.errors import FieldError, InvalidRequest, Refusal, Relaxation
-from planner.spacecraft.imaging.choice_with_turns import LooksTooClose
-from planner.spacecraft.turns.turn_choice import GyrosTooFull, TurnNeedsTime
+from planner.spacecraft.imaging.choice_with_slews import LooksTooClose
+from planner.spacecraft.slews.slew_choice import GyrosTooFull, SlewNeedsTime
 from slewtrack import problems
 
 BOUNDS = Bounds(deadline_s=120.0, memory_mib=200)
@@ -49,7 +49,7 @@ MADE_FROM = {
         FieldError(field="name", detail="is too long", value=True),
     ),
     RefusedThere: (problems.problem_of({"status": 503, "detail": "is busy", "field": "name"}),),
-    TurnNeedsTime: (0.5, 30.0, 12.5),
+    SlewNeedsTime: (0.5, 30.0, 12.5),
     GyrosTooFull: (200.0, 150.0),
     LooksTooClose: (1, 20.0, 15.0, 12.5),
 }

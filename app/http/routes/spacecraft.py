@@ -17,7 +17,7 @@ _PLANS = PlanResource(
     path="/v1/spacecraft/plans",
     tag="spacecraft",
     what="an imaging session of the CMG spacecraft: attitude and gimbal table",
-    about="""Chooses and orders what fits, turns between scans, and flies the table closed loop.
+    about="""Chooses and orders what fits, slews between scans, and flies the table closed loop.
 
     Every table is checked by a judge of its own before it is returned.  Requests that don't
     fit are listed in `left_out` with the reason; when none fits, the session is refused with

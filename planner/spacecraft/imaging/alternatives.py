@@ -15,7 +15,7 @@ from planner.base.arrays import Array
 from planner.base.errors import InfeasibleSlew, InvalidInput, OutsideCoverage, Refusal, Unreachable
 from planner.spacecraft.geojson import GeoLineString, GeoPolygon, Position
 from planner.spacecraft.imaging.candidates import PASSING_RAD, Candidate, candidates, middle_of
-from planner.spacecraft.imaging.choice_with_turns import LooksTooClose
+from planner.spacecraft.imaging.choice_with_slews import LooksTooClose
 from planner.spacecraft.imaging.request_arcs import least_time_s
 from planner.spacecraft.imaging.session import ImagingSession, make_session
 from planner.spacecraft.requests import (
@@ -30,11 +30,11 @@ from planner.world.frames.geodesy import WGS84_A_M, c_enu_from_itrf, geodetic_fr
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 
 TRIED_MAX = 4
-BEFORE_S, AFTER_S = 90.0, 60.0  # to turn onto the first look and back after the last
+BEFORE_S, AFTER_S = 90.0, 60.0  # to slew onto the first look and back after the last
 LONGER_S = (0.0, 600.0, 6000.0)  # tried before and after the session: up to an orbit
-MUCH_SHARE = 0.6  # of the sphere: then it is the momentum that makes turns slow
+MUCH_SHARE = 0.6  # of the sphere: then it is the momentum that makes slews slow
 MOMENTUM_SHARES = (0.9, 0.75, 0.5, 0.25, 0.0)
-GAP_MORE_S = (0.0, 2.0, 4.0, 8.0, 16.0, 32.0)  # a wider gap makes the turn longer
+GAP_MORE_S = (0.0, 2.0, 4.0, 8.0, 16.0, 32.0)  # a wider gap makes the slew longer
 MOVED_MORE_KM = (5.0, 25.0, 75.0)  # the line's ends stand further out than its middle
 
 
@@ -179,7 +179,7 @@ def _shift_s(request: ImagingPlanRequest, bound: Request, start: datetime, stop:
 def _at_time(
     request: ImagingPlanRequest, free: Request, start: datetime, stop: datetime
 ) -> Alternative:
-    """In a window from start to stop, in a session that leaves time to turn there and back."""
+    """In a window from start to stop, in a session that leaves time to slew there and back."""
     early_s = max(0.0, BEFORE_S - elapsed_s(start, request.start))
     late_s = max(0.0, AFTER_S - elapsed_s(request.stop, stop))
     session_start = shifted_utc(request.start, -TICK_S * np.ceil(early_s / TICK_S))

@@ -16,7 +16,7 @@ import { fetchSession, fetchView, isSession, PATH, type Session, type SessionVie
 import { SessionCharts } from "./SessionCharts";
 import { SessionFiles } from "./SessionFiles";
 import { SessionMap } from "./SessionMap";
-import { LeftOut, Looks, Turns } from "./SessionTables";
+import { LeftOut, Looks, Slews } from "./SessionTables";
 import { stretchesOf } from "./stretches";
 
 export function OneSession({ id }: { id: string }) {
@@ -61,7 +61,7 @@ function Made({ session }: { session: Session }) {
       {!view && error === null && <p class="loading">{words.value.shell.loading}</p>}
       {view && <Seen session={session} view={view} />}
       <Looks session={session} />
-      <Turns session={session} />
+      <Slews session={session} />
       <SessionFiles id={session.id} assumptions={session.assumptions} />
     </>
   );
