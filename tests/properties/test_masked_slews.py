@@ -11,8 +11,13 @@ from mask_shapes import boom, inside, mask_corners, sampled_away_rad, star
 from scipy_boresight import scipy_boresight
 
 from planner.base.errors import InfeasibleSlew
-from planner.motion.detour.barrier import CELLS_RAD, FINE_CELLS_RAD, MasksOverCells, is_barred
 from planner.motion.detour.detour import avoid_cones
+from planner.motion.detour.infeasibility_proof import (
+    CELLS_RAD,
+    FINE_CELLS_RAD,
+    MasksOverCells,
+    is_unreachable,
+)
 from planner.motion.pointing.keep_out import KeepOutView
 from planner.motion.slew import AxisState, SlewProblem, optimal_slew
 from planner.motion.slew.solution import obeys
@@ -52,7 +57,7 @@ def test_what_is_flown_never_enters_a_mask(number):
         ends = (case.problem.start[axis], case.problem.end[axis])
         assert obeys(profile, *ends, case.problem.limits[axis])
     # What was flown is possible: the proof of the contrary must not find it otherwise.
-    assert not is_barred(case.problem, case.problem.keep_out, solution.duration_s, CELLS_RAD)
+    assert not is_unreachable(case.problem, case.problem.keep_out, solution.duration_s, CELLS_RAD)
 
 
 def test_a_polygon_is_passed_as_well_as_the_cone_around_it():

@@ -1,4 +1,4 @@
-"""A way around cones and masks, when the straight slew enters one."""
+"""Detours around cones and masks that a straight slew enters."""
 
 import math
 import time
@@ -9,8 +9,13 @@ import numpy as np
 from planner.base.arrays import Array
 from planner.base.effort import WorkLimitReached
 from planner.base.errors import InfeasibleSlew
-from planner.motion.detour.barrier import CELLS_RAD, FINE_CELLS_RAD, catching_region, is_barred
 from planner.motion.detour.ends import free_part, with_part_replaced
+from planner.motion.detour.infeasibility_proof import (
+    CELLS_RAD,
+    FINE_CELLS_RAD,
+    catching_region,
+    is_unreachable,
+)
 from planner.motion.detour.passage import rough_paths
 from planner.motion.detour.search import TOUCH_RAD, Detour, DetourSearch, slew_entry
 from planner.motion.detour.spline_ocp import SplineOcp, graded_ocp, ocp_on_all_rows
@@ -27,10 +32,10 @@ ASIDE_RAD = np.concatenate([[0.02, 0.05], np.linspace(0.1, 3.0, 30)])
 NEAR_ENDS = 0.15
 ROWS_ALL_FREE_MAX = 200
 DEAR = 4.0  # times the straight slew's cost: then it's worth while to look for better ones
-WANDERINGS, WANDERING_RAD = 24, 2.0
+RANDOM_RESTARTS, RANDOM_RESTART_RAD = 24, 2.0
 WAVES = np.arange(1, 5)  # half waves; with three, or 1.5 rad, one slew of 12 found no way
-LARGE_PLAY = 0.02
-KICKS, KICK_RAD = 8, 0.3
+LARGE_SAMPLING_GAP = 0.02
+PERTURBATIONS, PERTURBATION_RAD = 8, 0.3
 SPARED = 0.97  # of the acceleration limit, where the flown Hermite passed it
 Region = MovingCone | FieldMask
 
@@ -43,7 +48,7 @@ def avoid_cones(
     Both axes are then solved together from guesses on both sides; the better one that keeps
     every limit, also when flown from rows, and stays outside on a 10 ms grid is taken.
     thorough: also try guesses near what was found, and two dozen others where that is dear, or
-    none is found.  prove: where there is no way, show it before searching long; else that is
+    none is found.  prove: where there is no detour, prove it before searching long; else that is
     only said after the search.  Raises InfeasibleSlew.
     """
     problem = solution.problem
@@ -56,15 +61,15 @@ def avoid_cones(
     _require_ends_outside(problem, problem.keep_out, solution.duration_s)
     catching = catching_region(problem, problem.keep_out, solution.duration_s)
     if catching is not None:
-        raise _no_way(solution, (catching,))
-    found = _between_ends(solution, problem.keep_out, thorough=thorough, prove=prove)
+        raise _infeasible_slew(solution, (catching,))
+    found = _detour_between_ends(solution, problem.keep_out, thorough=thorough, prove=prove)
     if found is None:
-        if prove and is_barred(problem, problem.keep_out, solution.duration_s, FINE_CELLS_RAD):
-            raise _no_way(solution, _blocking(solution, problem.keep_out))
+        if prove and is_unreachable(problem, problem.keep_out, solution.duration_s, FINE_CELLS_RAD):
+            raise _infeasible_slew(solution, _blocking_regions(solution, problem.keep_out))
         regions = problem.keep_out.regions
         raise InfeasibleSlew(
             f"the straight slew enters {entry.title} by {math.degrees(entry.depth_rad):.2f} deg "
-            f"and no way around {_together(regions)} was found in {solution.duration_s:.1f} s; "
+            f"and no way around {_titles(regions)} was found in {solution.duration_s:.1f} s; "
             f"{_ways_out(regions)}",
             limit="keep_out",
         )
@@ -92,7 +97,7 @@ def _require_ends_outside(problem: SlewProblem, view: KeepOutView, duration_s: f
             )
 
 
-def _between_ends(
+def _detour_between_ends(
     straight: SlewSolution, view: KeepOutView, *, thorough: bool, prove: bool
 ) -> Detour | None:
     """Around the regions, after and before what the ends must brake."""
@@ -101,7 +106,7 @@ def _between_ends(
         return _around(straight, view, thorough=thorough, prove=prove)
     free, shifted, begins_s = part
     if prove:
-        _require_way(straight, view)
+        _require_reachable_end(straight, view)
     depths = shifted.depths_rad(
         np.array([0.0, free.duration_s]), free.motion(np.array([0.0, free.duration_s]))[0]
     )
@@ -117,14 +122,14 @@ def _between_ends(
     return found._replace(profiles=profiles)
 
 
-def _require_way(straight: SlewSolution, view: KeepOutView) -> None:
-    if is_barred(straight.problem, view, straight.duration_s, CELLS_RAD):
-        raise _no_way(straight, _blocking(straight, view))
+def _require_reachable_end(straight: SlewSolution, view: KeepOutView) -> None:
+    if is_unreachable(straight.problem, view, straight.duration_s, CELLS_RAD):
+        raise _infeasible_slew(straight, _blocking_regions(straight, view))
 
 
-def _no_way(straight: SlewSolution, regions: tuple[Region, ...]) -> InfeasibleSlew:
+def _infeasible_slew(straight: SlewSolution, regions: tuple[Region, ...]) -> InfeasibleSlew:
     return InfeasibleSlew(
-        f"no motion within the limits leads around {_together(regions)} in "
+        f"no motion within the limits leads around {_titles(regions)} in "
         f"{straight.duration_s:.1f} s; {_ways_out(regions)}, or choose other times",
         limit="keep_out",
     )
@@ -144,13 +149,13 @@ def _around(
     sides_fail = not any(one.off_rows or math.isfinite(one.cost) for one in found)
     if sides_fail:
         if prove:
-            _require_way(straight, view)
+            _require_reachable_end(straight, view)
         found += _along_rough_paths(straight, view)
     best, search_truncated = min(found, key=lambda one: one.cost), False
     if thorough:
         dear = sides_fail or best.cost > DEAR * straight.jerk_squared_integral
         try:
-            found += _more(straight, search, spline, best, dear=dear)
+            found += _more_detours(straight, search, spline, best, dear=dear)
         except WorkLimitReached:
             if not math.isfinite(best.cost):
                 raise
@@ -166,7 +171,10 @@ def _around(
 
 
 def _along_rough_paths(straight: SlewSolution, view: KeepOutView) -> list[Detour]:
-    """Until one is good; in a narrow way the hulls of finer splines leave a degree more."""
+    """Detours near flooded paths, until one is good.
+
+    In a narrow passage the hulls of finer splines leave a degree more.
+    """
     t_s, paths = rough_paths(straight.problem, view, straight.duration_s)
     found: list[Detour] = []
     for path in paths:
@@ -178,32 +186,35 @@ def _along_rough_paths(straight: SlewSolution, view: KeepOutView) -> list[Detour
     return found
 
 
-def _more(
+def _more_detours(
     straight: SlewSolution, search: DetourSearch, spline: SplineOcp, best: Detour, *, dear: bool
 ) -> list[Detour]:
-    """From guesses near a way that has neighbours, and from any where it is dear or none."""
+    """Detours from guesses near one that has neighbours, and from random ones where it is dear
+    or there is none."""
     found: list[Detour] = []
-    if math.isfinite(best.cost) and best.play_share > LARGE_PLAY:
+    if math.isfinite(best.cost) and best.sampling_gap_share > LARGE_SAMPLING_GAP:
         aside = _aside_of(best, straight, spline)
-        asides = tuple(aside + kick for kick in _waves(spline, KICKS, KICK_RAD))
+        asides = tuple(
+            aside + perturbation for perturbation in _waves(spline, PERTURBATIONS, PERTURBATION_RAD)
+        )
         found += search.near(asides, start="wide")
     if dear:
-        found += search.near(_waves(spline, WANDERINGS, WANDERING_RAD))
+        found += search.near(_waves(spline, RANDOM_RESTARTS, RANDOM_RESTART_RAD))
     return found
 
 
-def _blocking(straight: SlewSolution, view: KeepOutView) -> tuple[Region, ...]:
-    """The first region that by itself leaves no way, or all of them."""
+def _blocking_regions(straight: SlewSolution, view: KeepOutView) -> tuple[Region, ...]:
+    """The first region that makes the end unreachable by itself, or all of them."""
     if len(view.regions) == 1:
         return view.regions
     for region in view.regions:
         alone = view.only(region)
-        if is_barred(straight.problem, alone, straight.duration_s, CELLS_RAD):
+        if is_unreachable(straight.problem, alone, straight.duration_s, CELLS_RAD):
             return (region,)
     return view.regions
 
 
-def _together(regions: tuple[Region, ...]) -> str:
+def _titles(regions: tuple[Region, ...]) -> str:
     *before, last = [region.title for region in regions]
     return f"{', '.join(before)} and {last}" if before else last
 

@@ -1,7 +1,7 @@
 """Search for the smoothest detour near given guesses, each checked as rows carry it.
 
 First the regions are kept out of at few instants, which far guesses suit; from there at many, which
-leaves no play between them for a dozen optima that differ only in how they straddle instants.
+leaves no gaps between them for a dozen optima that differ only in how they straddle instants.
 """
 
 import math
@@ -26,15 +26,20 @@ ROUGH_MARGIN_RAD = math.radians(0.1)
 MARGINS_RAD = (math.radians(0.02), math.radians(0.1))  # the first one between many instants
 MARGIN_GROWTHS_RAD = np.radians([0.002, 0.01, 0.05, 0.1])  # in a gap 0.02 at once costs 5 %
 MARGIN_RISE = 0.05  # share of the slew over which the margin grows from its ends
-SINKING = 8  # looks between two instants of few
-HOPELESS_RAD = math.radians(4.0)  # deeper than a path can sink between two of few instants
-# Times the cost of a path, and of its play: where that path was good, a dearer one isn't refined.
-WORTH_SHARE, WORTH_PLAYS = 1.01, 4.0
+SAMPLES_BETWEEN = 8  # samples between two instants of few
+VIOLATION_MAX_RAD = math.radians(4.0)  # deeper than a path can enter between two of few instants
+# Times the cost of a path, and of its sampling gap: where that path was good, a dearer one isn't
+# refined.
+WORTH_SHARE, WORTH_GAPS = 1.01, 4.0
 ALIKE = 1e-3  # in cost: the same optimum again
 REFINED_MAX = 4  # of the guesses tried at once
 SHALLOW_RAD = math.radians(0.02)  # may need a wider margin only near an end, where it is cut
-SUNK_RAD = math.radians(1.0)  # half of it is deeper than a path can sink between many instants
-STUCK = 0.5  # share of a depth that a margin wider by it leaves only to a path through the cone
+VIOLATION_BETWEEN_SAMPLES_RAD = math.radians(
+    1.0
+)  # half of it is deeper than a path can enter between many instants
+UNREDUCED_SHARE = (
+    0.5  # share of a depth that a margin wider by it leaves only to a path through the cone
+)
 # How often a mask's caps are taken, at most: with 4 far ones 15 slews cost the same and took 1.4
 # times as long, with 2 near ones they cost up to 4 % more.
 EXCHANGES = {"far": 2, "wide": 2, "near": 3}
@@ -44,8 +49,10 @@ EXCHANGED = {"far": 0.05, "wide": 0.05, "near": 2e-3}  # share of the cost by wh
 class Detour(NamedTuple):
     """cost: infinite where the result is not good.  off_rows: good but for flying it from rows.
 
-    play_share: share by which many instants cost more or less than few; where it is large, so was
-    the play between these, and other optima may be near.  sunk_rad: how much deeper than the
+    sampling_gap_share: share by which many instants cost more or less than few; where it is large,
+    so was
+    the room between these, and other optima may be near.  violation_between_samples_rad: how much
+    deeper than the
     margin a path goes between few instants.  run: how the motion was solved; iterations: of all
     that was tried.  search_truncated: whether the bound of work ended the search.
     """
@@ -55,8 +62,8 @@ class Detour(NamedTuple):
     off_rows: bool
     run: SolverRun
     iterations: int
-    play_share: float = 0.0
-    sunk_rad: float = 0.0
+    sampling_gap_share: float = 0.0
+    violation_between_samples_rad: float = 0.0
     search_truncated: bool = False
 
 
@@ -113,7 +120,7 @@ class DetourSearch:
             found.append(self._refine(one))
             if math.isfinite(found[-1].cost):
                 dearest = min(
-                    dearest, one.cost * (WORTH_SHARE + WORTH_PLAYS * found[-1].play_share)
+                    dearest, one.cost * (WORTH_SHARE + WORTH_GAPS * found[-1].sampling_gap_share)
                 )
         return found
 
@@ -121,31 +128,33 @@ class DetourSearch:
         ocp = self._ocp(start)
         guess = self._guess(self._straight.profiles, aside_rad)
         profiles, run = self._solve(ocp, guess, ROUGH_MARGIN_RAD)
-        t_s = np.linspace(0.0, self._straight.duration_s, SINKING * (len(ocp.tau) + 1) + 1)
+        t_s = np.linspace(0.0, self._straight.duration_s, SAMPLES_BETWEEN * (len(ocp.tau) + 1) + 1)
         angle = np.stack([profile.evaluate(t_s)[0] for profile in profiles], axis=1)
         depth_rad = float(self._view.depths_rad(t_s, angle).max())
         return Detour(
             profiles=profiles,
-            cost=math.inf if depth_rad > HOPELESS_RAD else _cost(profiles),
+            cost=math.inf if depth_rad > VIOLATION_MAX_RAD else _cost(profiles),
             off_rows=False,
             run=run,
             iterations=run.iterations or 0,
-            sunk_rad=depth_rad + ROUGH_MARGIN_RAD,
+            violation_between_samples_rad=depth_rad + ROUGH_MARGIN_RAD,
         )
 
     def _refine(self, rough: Detour) -> Detour:
         ocp = self._ocp("near")
         profiles, run, iterations = rough.profiles, rough.run, rough.iterations
-        # Between instants so much nearer a path that curves alike sinks less by the square.
+        # Between instants so much nearer a path that curves alike enters less deep by the square.
         nearer = (len(self._ocp("far").tau) + 1) / (len(ocp.tau) + 1)
-        margin_rad = float(np.clip(nearer**2 * rough.sunk_rad, *MARGINS_RAD))
-        depth_rad = SUNK_RAD
+        margin_rad = float(np.clip(nearer**2 * rough.violation_between_samples_rad, *MARGINS_RAD))
+        depth_rad = VIOLATION_BETWEEN_SAMPLES_RAD
         for growth_rad in MARGIN_GROWTHS_RAD:
             guess = self._guess(profiles, np.zeros((2, self.spline.free_count)))
             profiles, run = self._solve(ocp, guess, margin_rad)
             iterations += run.iterations or 0
             before_rad, depth_rad = depth_rad, slew_entry(profiles, self._view).depth_rad
-            if depth_rad <= -TOUCH_RAD or depth_rad > max(STUCK * before_rad, SHALLOW_RAD):
+            if depth_rad <= -TOUCH_RAD or depth_rad > max(
+                UNREDUCED_SHARE * before_rad, SHALLOW_RAD
+            ):
                 break
             margin_rad += max(depth_rad, 0.0) + growth_rad
         axes = list(zip(profiles, self._straight.problem.axes, strict=True))
@@ -160,7 +169,7 @@ class DetourSearch:
             off_rows=keeps and not fits,
             run=run,
             iterations=iterations,
-            play_share=abs(_cost(profiles) / rough.cost - 1.0),
+            sampling_gap_share=abs(_cost(profiles) / rough.cost - 1.0),
         )
 
     def _ocp(self, start: Start) -> DetourOcp:

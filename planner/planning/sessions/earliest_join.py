@@ -18,7 +18,7 @@ from planner.motion.pointing.track import AxisTrack
 from planner.motion.slew.feasibility import fits_without_jerk, next_duration_s, verdict
 from planner.motion.slew.optimal import optimal_slew
 from planner.motion.slew.problem import AxisState, SlewProblem, axis_states, within
-from planner.planning.sessions.lead import LedSlew, slew_within_lead
+from planner.planning.sessions.slew_timing import TimedSlew, slew_within_lead
 from planner.world.platforms import AxisLimits
 from planner.world.scenario import SlewOptions
 
@@ -39,7 +39,7 @@ class EarliestJoin:
     """
 
     t_s: float
-    led: LedSlew
+    timed: TimedSlew
     search_truncated: bool = False
 
 
@@ -87,9 +87,9 @@ class Approach:
             step = DETOUR_ROWS if keep_out is not None else 2 ** max(failures - ROWS_IN_TURN, 0)
             if bad is not None and row < bad + step:
                 continue
-            led = join_at(row)
-            if led is not None:
-                return _earlier(join_at, row - 1 if bad is None else bad, row, led)
+            timed = join_at(row)
+            if timed is not None:
+                return _earlier(join_at, row - 1 if bad is None else bad, row, timed)
             bad, failures = row, failures + 1
             if failures >= FAILURES_MOST:
                 break
@@ -119,7 +119,7 @@ class Approach:
 
     def _slew_to(
         self, row: int, options: SlewOptions, keep_out: KeepOutView | None
-    ) -> LedSlew | None:
+    ) -> TimedSlew | None:
         end = track_states(self.track, row / ROWS_PER_S)
         duration_s = row / ROWS_PER_S - self.start_s
         if not self._is_possible(end, duration_s):
@@ -170,7 +170,7 @@ class Approach:
 
 
 def _earlier(
-    join_at: Callable[[int], LedSlew | None], bad: int, good: int, led: LedSlew
+    join_at: Callable[[int], TimedSlew | None], bad: int, good: int, timed: TimedSlew
 ) -> EarliestJoin:
     """Between a row too early and a good one: the first good one, or the first one found."""
     while good - bad > 1:
@@ -178,9 +178,9 @@ def _earlier(
         try:
             found = join_at(middle)
         except WorkLimitReached:
-            return EarliestJoin(t_s=good / ROWS_PER_S, led=led, search_truncated=True)
+            return EarliestJoin(t_s=good / ROWS_PER_S, timed=timed, search_truncated=True)
         if found is None:
             bad = middle
         else:
-            good, led = middle, found
-    return EarliestJoin(t_s=good / ROWS_PER_S, led=led)
+            good, timed = middle, found
+    return EarliestJoin(t_s=good / ROWS_PER_S, timed=timed)

@@ -8,7 +8,13 @@ import ruckig
 from keep_out_cases import LIMITS, draw_cases
 from scipy_boresight import scipy_boresight
 
-from planner.motion.detour.barrier import CELLS_RAD, FINE_CELLS_RAD, cones_over, is_barred, tube
+from planner.motion.detour.infeasibility_proof import (
+    CELLS_RAD,
+    FINE_CELLS_RAD,
+    cones_over,
+    is_unreachable,
+    tube,
+)
 from planner.motion.pointing.keep_out import KeepOutView, MovingCone
 from planner.motion.slew import AxisState, SlewProblem
 from planner.motion.slew.closed_forms import quickest_profile
@@ -50,7 +56,7 @@ def test_a_gate_may_open_as_late_as_the_rest_of_the_way_takes():
     # Cells cut at what is in reach leak no way, but the gate may open between instants 0.1 s apart.
     for late_s, is_shut in ((-0.01, False), (0.1, True)):
         problem = gate(last_s + late_s)
-        barred = is_barred(problem, problem.keep_out, DURATION_S, FINE_CELLS_RAD[:1])
+        barred = is_unreachable(problem, problem.keep_out, DURATION_S, FINE_CELLS_RAD[:1])
         assert barred is is_shut
 
 
@@ -151,4 +157,4 @@ def test_a_way_too_narrow_by_a_hundredth_of_a_degree_is_proven_shut():
     """Both axes, as quick as they can be, meet the cone where it leaves least of the angles."""
     *_, case = draw_cases(12, 15)
     problem = case.problem
-    assert is_barred(problem, problem.keep_out, problem.duration_s, CELLS_RAD)
+    assert is_unreachable(problem, problem.keep_out, problem.duration_s, CELLS_RAD)
