@@ -116,9 +116,9 @@ def _fly_parts(new: "NewFlights", tell: OnProgress) -> "FlightsFound":
 
     from app.answers.flights import FlightsHead, flights_found
     from app.answers.members import from_store
-    from app.jobs.disposable import Stop
     from app.jobs.executors import LocalExecutor, Task
     from app.jobs.kinds import RUNS
+    from app.jobs.worker_process import Stop
     from app.work.flights import fly_part, unpacked_outcomes
     from app.work.progress import Progress
 

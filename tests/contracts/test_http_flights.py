@@ -10,8 +10,8 @@ from waiting import PatientClient, eventually
 
 import slewtrack
 from app.http.app import create_app
+from app.jobs.job_completion import settle
 from app.jobs.kinds import FLIGHTS, JOB_KINDS, RUNS
-from app.jobs.settling import settle
 from app.requests.examples.plan import LAS_VEGAS
 from app.requests.plan import read_plan_request
 from app.settings import Settings

@@ -19,8 +19,8 @@ from app.cli.service import RefusedThere
 from app.http.app import create_app
 from app.http.routes.opportunities import OPPORTUNITIES
 from app.jobs.child import Bounds
-from app.jobs.disposable import run_disposable
 from app.jobs.kinds import JOB_KINDS, PLAN
+from app.jobs.worker_process import run_in_worker
 from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
 from planner.base.errors import FieldError, InvalidRequest, Refusal, Relaxation
 from planner.spacecraft.imaging.choice_with_slews import LooksTooClose
@@ -92,7 +92,7 @@ def test_every_refusal_survives_its_way(kind):
 def test_every_refusal_comes_out_of_a_child_whole(kind):
     went = whole(kind)
     with pytest.raises(kind) as caught:
-        run_disposable(BOUNDS, refuse_by, went)
+        run_in_worker(BOUNDS, refuse_by, went)
     assert_same(caught.value, went)
 
 

@@ -16,8 +16,8 @@ from planner.base import effort
 from planner.base.arrays import Array, Indices
 from planner.base.compiled import compiled
 from planner.planning.label_search import (
+    ALL_ITEMS,
     COMPLETES,
-    EVERYTHING,
     OPENS,
     WHOLE,
     Memory,
@@ -208,7 +208,7 @@ def _label_paths(imaging: Imaging, graph: SlewGraph, memory: Memory) -> tuple[fl
         visit(labels, (n + now,), j, memory, made)
         visit(labels, graph.before[graph.first[j] : graph.first[j + 1]], j, memory, made)
         free = (imaging.stop_tick[j] + graph.reach_ticks[j] + WAIT_TICKS - 1) // WAIT_TICKS
-        follow(labels, j, (n + free,), EVERYTHING, False)
+        follow(labels, j, (n + free,), ALL_ITEMS, False)
     value, visits, count = best(labels, (0, n))
     return max(value, 0.0), visits, count
 

@@ -14,7 +14,7 @@ from planner.inflight.telemetry.search import OFFSET_MAX_S, STILL, misfit_share
 from planner.world.frames.time_scales import utc_text
 
 _BLOCKS = 40  # whose medians noise and outliers hardly move
-_STRAYS = 0.3  # of the motion's spread: what is off by more isn't on its plan
+_UNRELATED_SHARE = 0.3  # of the motion's spread: what is off by more isn't on its plan
 # Where many rows are put outside the plan, a part of its motion may be met by chance: a constant
 # isn't free then.
 _OUTSIDE_MAX = 0.3
@@ -84,8 +84,8 @@ def follows(value: Array, kind: Kind, t_s: Array, motion: PlannedMotion) -> bool
     if spread < STILL[kind]:
         return None
     if np.mean(~is_within) <= _OUTSIDE_MAX:
-        return bool(np.std(off) < _STRAYS * spread)
-    return bool(np.sqrt(np.mean(off**2)) < _STRAYS * spread)
+        return bool(np.std(off) < _UNRELATED_SHARE * spread)
+    return bool(np.sqrt(np.mean(off**2)) < _UNRELATED_SHARE * spread)
 
 
 def _medians(value: Array) -> Array:

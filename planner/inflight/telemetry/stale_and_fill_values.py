@@ -20,7 +20,7 @@ _FILLS_MAX = 3  # values
 _FILL_FAR = 5.0  # times farther from the plan than nine in ten of the others
 
 
-def leave_out_unmeasured(
+def leave_out_stale_and_fill_values(
     values: dict[Kind, Array],
     t_s: Array,
     motions: Sequence[PlannedMotion],
