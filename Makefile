@@ -108,7 +108,7 @@ test-page: setup web $(KERNELS)
 # What another Python may do otherwise: processes, threads, signals, sockets, texts, and the machine
 # code it makes of our kernels, whose numbers all worked answers show and two files here compare with
 # SciPy's.  The rest is arithmetic and reading of the same packages, which `make test` has tested.
-OF_PROCESSES := $(patsubst %,tests/contracts/test_%.py,client client_faults cluster disposable_child hostile \
+OF_PROCESSES := $(patsubst %,tests/contracts/test_%.py,client client_faults cluster worker_process hostile \
 	http_compression http_in_child http_openapi http_protocol http_refusals limits observability \
 	progress slow_readers stopping worked_answers)
 OF_COMMANDS := $(patsubst %,tests/end_to_end/test_%.py,campaign_command command_line \

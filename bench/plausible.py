@@ -93,7 +93,7 @@ def _tried(kind: str, seeds: list[int], workers: int) -> Iterator[Record]:
 
 def _warm_up() -> None:
     """What is compiled or loaded at first is no request's work."""
-    import app.work.warm  # noqa: F401
+    import app.work.preload  # noqa: F401
 
     outcome(demanding_request(COMPILES))
 

@@ -15,7 +15,7 @@ from datetime import timedelta
 
 import numpy as np
 from imaging_cases import DATA, EPOCH, line, session_request, sun_synchronous
-from spacecraft_choice import bench_choice, bench_turns
+from spacecraft_choice import bench_choice, bench_slews
 from spacecraft_flight import bench_areas, bench_many, bench_settle, bench_timeline
 
 from planner.base.errors import Refusal
@@ -131,7 +131,7 @@ PARTS = {
     "settle": bench_settle,
     "areas": bench_areas,
     "many": bench_many,
-    "turns": bench_turns,
+    "slews": bench_slews,
     "choice": bench_choice,
 }
 

@@ -1,4 +1,4 @@
-"""How good are turns and choices?  Random turns, and 100 requests in 20 minutes."""
+"""How good are slews and choices?  Random slews, and 100 requests in 20 minutes."""
 
 import json
 import math
@@ -19,15 +19,17 @@ from planner.spacecraft.requests import (
     StereoRequest,
     StripRequest,
 )
-from planner.spacecraft.turns.eigenaxis import eigenaxis_turn
-from planner.spacecraft.turns.turn_choice import quickest_turn, smooth_turn
-from planner.spacecraft.turns.turn_ocp import solve_turn
-from planner.spacecraft.turns.turn_problem import EndState, TurnProblem
+from planner.spacecraft.slews.eigenaxis import eigenaxis_slew
+from planner.spacecraft.slews.slew_choice import quickest_slew, smooth_slew
+from planner.spacecraft.slews.slew_ocp import solve_slew
+from planner.spacecraft.slews.slew_problem import AttitudeSlewProblem, EndState
 from planner.spacecraft.vehicle.definition import AGILE_CMG, SlewLimits
 from planner.world.orbits import TleOrbit
 
 
-def random_problem(random: np.random.Generator, moving: bool, per_axis: bool) -> TurnProblem:
+def random_problem(
+    random: np.random.Generator, moving: bool, per_axis: bool
+) -> AttitudeSlewProblem:
     def rates(size_deg: float) -> np.ndarray:
         return np.deg2rad(random.uniform(-size_deg, size_deg, 3)) * moving
 
@@ -39,7 +41,7 @@ def random_problem(random: np.random.Generator, moving: bool, per_axis: bool) ->
         limits = SlewLimits(
             rate_axis_rad_s=math.radians(3.5), rate_rad_s=math.radians(random.uniform(1.5, 3.5))
         )
-    return TurnProblem(
+    return AttitudeSlewProblem(
         start=EndState(
             q_body_from_eci=begin.inv(),
             omega_body_rad_s=rates(0.5),
@@ -56,11 +58,11 @@ def random_problem(random: np.random.Generator, moving: bool, per_axis: bool) ->
     )
 
 
-def bench_turns() -> None:
+def bench_slews() -> None:
     print("Turn OCP, 50 random cases in each of four families, both objectives:")
     warm = random_problem(np.random.default_rng(9), False, True)
-    quickest_turn(warm)
-    smooth_turn(warm, 40.0)
+    quickest_slew(warm)
+    smooth_slew(warm, 40.0)
     all_ms = []
     for moving in (False, True):
         for per_axis in (False, True):
@@ -69,16 +71,16 @@ def bench_turns() -> None:
             solved, fallback, smoothed = 0, 0, 0
             for _ in range(50):
                 problem = random_problem(random, moving, per_axis)
-                baseline = eigenaxis_turn(problem)
+                baseline = eigenaxis_slew(problem)
                 begun = time.process_time()
-                quick = quickest_turn(problem)
+                quick = quickest_slew(problem)
                 quick_ms.append(1e3 * (time.process_time() - begun))
                 ratios.append(quick.duration_s / baseline.duration_s)
                 solved += quick.method == "ocp"
                 fallback += quick.method == "eigenaxis"
                 seconds = 1.2 * quick.duration_s
                 begun = time.process_time()
-                found = solve_turn(problem, eigenaxis_turn(problem, seconds), "smooth", seconds)
+                found = solve_slew(problem, eigenaxis_slew(problem, seconds), "smooth", seconds)
                 smooth_ms.append(1e3 * (time.process_time() - begun))
                 smoothed += found is not None
             all_ms += smooth_ms + quick_ms
@@ -129,9 +131,9 @@ def bench_choice() -> None:
                 refused += 1
         geometry_s = time.process_time() - begun
         priorities = [one.priority for one in request.requests]
-        choose(options[:5], priorities, session.turn_time, {})
+        choose(options[:5], priorities, session.slew_time, {})
         begun = time.process_time()
-        choice = choose(options, priorities, session.turn_time, {})
+        choice = choose(options, priorities, session.slew_time, {})
         chosen_s = time.process_time() - begun
         print(
             f"  {case['case']} {case['satellite']}{' with stereo' if every else ''}: "

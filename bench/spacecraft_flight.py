@@ -1,4 +1,4 @@
-"""How steady is it?  The paper's timeline, settling after a turn, areas in 1,200 s."""
+"""How steady is it?  The paper's timeline, settling after a slew, areas in 1,200 s."""
 
 import dataclasses
 import math
@@ -25,10 +25,10 @@ from planner.spacecraft.imaging.timeline import Timeline, build_timeline, scans_
 from planner.spacecraft.mrp import BodyMotion
 from planner.spacecraft.plan import ImagingPlan, make_table, plan_imaging
 from planner.spacecraft.requests import SpacecraftSettings
+from planner.spacecraft.slews.eigenaxis import eigenaxis_slew
+from planner.spacecraft.slews.slew_choice import smooth_slew
+from planner.spacecraft.slews.slew_problem import AttitudeSlewProblem, EndState
 from planner.spacecraft.table import AttitudeTable, ImagingWindow
-from planner.spacecraft.turns.eigenaxis import eigenaxis_turn
-from planner.spacecraft.turns.turn_choice import smooth_turn
-from planner.spacecraft.turns.turn_problem import EndState, TurnProblem
 from planner.spacecraft.vehicle.definition import (
     AGILE_CMG,
     AgileSpacecraft,
@@ -87,7 +87,7 @@ def verdict(name: str, logs: list, table: AttitudeTable) -> None:
 
 
 def paper_timeline() -> tuple[Timeline, ImagingSession]:
-    """The paper's 32 turns from its 400 s on: inertial to orbital, then 8 areas of 4 strips."""
+    """The paper's 32 slews from its 400 s on: inertial to orbital, then 8 areas of 4 strips."""
     orbit = sun_synchronous(600.0)
     strips = []
     for block in range(8):
@@ -113,21 +113,21 @@ def paper_timeline() -> tuple[Timeline, ImagingSession]:
         fixed.append(dataclasses.replace(first, arcs=arcs))
     begun = time.process_time()
     timeline = build_timeline(session, scans_of(fixed, range(8)))
-    print(f"  33 turns planned and compared in {time.process_time() - begun:.1f} s")
+    print(f"  33 slews planned and compared in {time.process_time() - begun:.1f} s")
     return timeline, session
 
 
 def bench_timeline() -> None:
-    print("The paper's timeline (8 areas x 4 strips, 32 turns), 600 km:")
+    print("The paper's timeline (8 areas x 4 strips, 32 slews), 600 km:")
     paper_timeline()  # compiles
     timeline, session = paper_timeline()
     table = make_table(session, timeline)
     states = session.ephemeris.states(session.instants(table.t_s))
-    angles = [math.degrees(turn.comparison.angle_rad) for turn in timeline.turns[2:-1]]
+    angles = [math.degrees(slew.comparison.angle_rad) for slew in timeline.slews[2:-1]]
     print(
-        f"  turns between strips {min(angles):.1f}-{max(angles):.1f} deg; all OCP: "
-        f"{all(turn.comparison.method == 'ocp' for turn in timeline.turns)}; median solve "
-        f"{1e3 * np.median([turn.comparison.solve_s for turn in timeline.turns]):.0f} ms"
+        f"  slews between strips {min(angles):.1f}-{max(angles):.1f} deg; all OCP: "
+        f"{all(slew.comparison.method == 'ocp' for slew in timeline.slews)}; median solve "
+        f"{1e3 * np.median([slew.comparison.solve_s for slew in timeline.slews]):.0f} ms"
     )
     spacecraft = session.spacecraft
     fly_table(spacecraft, table, states, draw_dispersion(spacecraft, 0))
@@ -149,11 +149,11 @@ def bench_timeline() -> None:
 def settle_table(
     spacecraft: AgileSpacecraft, kind: str, angle_deg: float, seconds: float | None
 ) -> tuple[AttitudeTable, float]:
-    """Rest, a turn in pitch at 10 s, rest until 60 s."""
+    """Rest, a slew in pitch at 10 s, rest until 60 s."""
     still = np.zeros(3)
     axis = np.array([0.12, 0.05, 0.99])
     goal = Rotation.from_rotvec(math.radians(angle_deg) * axis / np.linalg.norm(axis))
-    problem = TurnProblem(
+    problem = AttitudeSlewProblem(
         start=EndState.at_rest(Rotation.identity()),
         end=EndState.at_rest(goal.inv()),
         momentum_eci_n_m_s=still,
@@ -161,17 +161,17 @@ def settle_table(
         limits=spacecraft.slew,
     )
     if kind == "ocp":
-        turn = smooth_turn(problem, seconds)
+        slew = smooth_slew(problem, seconds)
     else:
-        turn = eigenaxis_turn(problem, jerk=kind == "jerk-limited")
+        slew = eigenaxis_slew(problem, jerk=kind == "jerk-limited")
     t_s = np.arange(301) / 5.0
     if kind == "paper":
         after = (t_s >= 10.0)[:, None]
         q = np.where(after, goal.as_quat(), Rotation.identity().as_quat())
         motion = BodyMotion(*(np.zeros((301, 3)) for _ in range(3)))
     else:
-        q_body_from_eci, motion = turn.attitude_at(np.clip(t_s - 10.0, 0.0, turn.duration_s))
-        inside = ((t_s > 10.0) & (t_s < 10.0 + turn.duration_s))[:, None]
+        q_body_from_eci, motion = slew.attitude_at(np.clip(t_s - 10.0, 0.0, slew.duration_s))
+        inside = ((t_s > 10.0) & (t_s < 10.0 + slew.duration_s))[:, None]
         motion = BodyMotion(*(np.where(inside, m, 0.0) for m in motion))
         q = q_body_from_eci.inv().as_quat()
     gimbal = np.tile(spacecraft.array.gimbal_angles(still), (301, 1))
@@ -182,8 +182,8 @@ def settle_table(
         alpha_body_rad_s2=motion.alpha_body_rad_s2,
         gimbal_rad=gimbal,
         gimbal_rate_rad_s=np.zeros((301, 4)),
-        windows=(ImagingWindow(request="turn", look=0, first_row=250, last_row=300),),
-    ), turn.duration_s
+        windows=(ImagingWindow(request="slew", look=0, first_row=250, last_row=300),),
+    ), slew.duration_s
 
 
 def bench_settle() -> None:
@@ -232,7 +232,7 @@ def bench_settle() -> None:
         ]
         note = "not within 50 s" if max(settled) > 49.9 else f"worst {max(settled):.1f} s"
         print(
-            f"  {name}, {angle:.0f} deg: turn {duration_s:.1f} s, median "
+            f"  {name}, {angle:.0f} deg: slew {duration_s:.1f} s, median "
             f"{np.median(settled):.1f} s, {note}"
         )
 
@@ -248,7 +248,7 @@ def bench_areas() -> None:
         planned_s = time.process_time() - begun
         print(
             f"  {name}: {plan.choice.value:.0f} of {count} (bound {plan.choice.bound:.0f}), "
-            f"planned in {planned_s:.1f} s, {len(plan.turns)} turns; fastest axis "
+            f"planned in {planned_s:.1f} s, {len(plan.slews)} slews; fastest axis "
             f"{plan.verification.rate_deg_s.max():.2f} deg/s"
         )
         verdict(

@@ -154,7 +154,7 @@ def estimate_vertical(
 def compare(plan: "FlightPlan", csv: bytes, *, epoch: datetime | None = None) -> "Comparison":
     """What flew beside a plan: telemetry as CSV; epoch: from which its t_s counts, the plan's."""
     from planner.inflight.telemetry.compare import compare as compare_samples
-    from planner.inflight.telemetry.csv_text import read_csv
+    from planner.inflight.telemetry.csv_reader import read_csv
 
     names = plan.scenario.platform.axis_names
     return compare_samples(plan, read_csv(csv, names, epoch, plan.table.epoch_utc))

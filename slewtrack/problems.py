@@ -16,7 +16,7 @@ class FieldFault:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Offer:
+class Relaxation:
     """What one session, by number, would lose if the request's `on_conflict` were set so."""
 
     on_conflict: str
@@ -34,7 +34,7 @@ class Problem:
     axis, limit, at: which limit breaks, and when.
     earliest_feasible_start, feasible_stop: times of a session that works, UTC text that a request
     takes; costs_sessions: numbers of those that can't be flown as asked with it.
-    give_up: what each `on_conflict` would cost.  errors: every field at fault.
+    relaxations: what each `on_conflict` would cost.  errors: every field at fault.
     members: all of it, as it came.
     """
 
@@ -50,7 +50,7 @@ class Problem:
     earliest_feasible_start: str | None = None
     feasible_stop: str | None = None
     costs_sessions: tuple[int, ...] = ()
-    give_up: tuple[Offer, ...] = ()
+    relaxations: tuple[Relaxation, ...] = ()
     errors: tuple[FieldFault, ...] = ()
     members: Mapping[str, Any] = dataclasses.field(repr=False)
 
@@ -75,14 +75,14 @@ def problem_of(members: Mapping[str, Any]) -> Problem:
         detail=str(members.get("detail") or members.get("title", "")),
         instance=str(members.get("instance", "")),
         costs_sessions=tuple(members.get("costs_sessions") or ()),
-        give_up=tuple(
-            Offer(
+        relaxations=tuple(
+            Relaxation(
                 on_conflict=offer["on_conflict"],
                 session=offer["session"],
                 start_later_s=offer["start_later_s"],
                 stop_earlier_s=offer["stop_earlier_s"],
             )
-            for offer in members.get("give_up") or ()
+            for offer in members.get("relaxations") or ()
         ),
         errors=tuple(
             FieldFault(field=fault["field"], detail=fault["detail"], value=fault.get("value"))

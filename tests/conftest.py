@@ -29,5 +29,5 @@ settings.load_profile("slewtrack")
 @pytest.fixture
 def patient_store(monkeypatch):
     """On a loaded machine others write for longer than a service waits; to be asked for first."""
-    for module in ("turns", "database"):
+    for module in ("sqlite_write_lock", "database"):
         monkeypatch.setattr(f"app.store.{module}.PATIENCE_S", 60.0)

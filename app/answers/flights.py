@@ -47,9 +47,10 @@ class NominalOut:
     null for a target in the sky.
     ground_sample_along_m: its length, along the lean; null for a target in the sky, and where a
     pixel reaches the horizon.
-    mover_ground_m: distance that the moving object travels from one frame of its series to the
-    next; null without. E.g. `208.33`.
-    mover_px: the same in the image, by the view of each frame shown; null without. E.g. `[181.2]`.
+    moving_object_ground_m: distance that the moving object travels from one frame of its series to
+    the next; null without. E.g. `208.33`.
+    moving_object_px: the same in the image, by the view of each frame shown; null without. E.g.
+    `[181.2]`.
     """
 
     frames: Count
@@ -64,8 +65,8 @@ class NominalOut:
     north_deg: list[Signed]
     ground_sample_across_m: list[NotNegative] | None
     ground_sample_along_m: list[NotNegative | None] | None
-    mover_ground_m: NotNegative | None
-    mover_px: list[NotNegative] | None
+    moving_object_ground_m: NotNegative | None
+    moving_object_px: list[NotNegative] | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,7 +117,7 @@ class SessionFlightsOut:
 
     session: its number in the plan.
     label: its name in lists.
-    told_probability_in_frame: the same probability by the plan's linear budget.
+    budget_probability_in_frame: the same probability by the plan's linear budget.
     probability_in_frame: share of the runs in which all frames hold the target.
     in_frame_interval: within which that probability lies with 95 % confidence (Wilson).
     probability_sharp: share of the runs in which all frames hold it smeared over less than a pixel.
@@ -133,7 +134,7 @@ class SessionFlightsOut:
 
     session: Count
     label: str
-    told_probability_in_frame: Share
+    budget_probability_in_frame: Share
     probability_in_frame: Share | None
     in_frame_interval: list[Share] | None
     probability_sharp: Share | None
@@ -211,7 +212,7 @@ class SessionHead:
 
     session: int
     label: str
-    told_probability_in_frame: float
+    budget_probability_in_frame: float
     nominal: NominalOut
     saturated_s: dict[str, float] = field(default_factory=dict)
 
@@ -245,8 +246,8 @@ def nominal_out(flown: "NominalSession") -> NominalOut:
         ground_sample_along_m=None
         if along_m is None
         else [length if np.isfinite(length) else None for length in _list(along_m)],
-        mover_ground_m=flown.mover_ground_m,
-        mover_px=_list_or_none(flown.mover_px),
+        moving_object_ground_m=flown.moving_object_ground_m,
+        moving_object_px=_list_or_none(flown.moving_object_px),
     )
 
 
@@ -338,11 +339,11 @@ def _warnings(head: FlightsHead, found: "PlanFlights | None") -> list[str]:
     if found is None:
         return warnings
     for told, flown in zip(head.sessions, found.sessions, strict=True):
-        if flown.in_frame.differs_from(told.told_probability_in_frame):
+        if flown.in_frame.differs_from(told.budget_probability_in_frame):
             low, high = _interval(flown.in_frame)
             warnings.append(
                 f"session {told.session + 1}: the plan's budget tells a probability of "
-                f"{told.told_probability_in_frame:.3f} that the target stays in the frame, the "
+                f"{told.budget_probability_in_frame:.3f} that the target stays in the frame, the "
                 f"flights {flown.in_frame.value:.3f} ({low:.3f} to {high:.3f}): more than chance; "
                 "the budget is linear and knows no drives but their resolution: trust the flights"
             )

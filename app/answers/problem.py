@@ -8,7 +8,7 @@ from pydantic import Field
 
 from app.answers.members import utc_or_none
 from app.answers.ranges import Count
-from planner.base.errors import FieldError, GiveUp, Refusal
+from planner.base.errors import FieldError, Refusal, Relaxation
 
 TYPE_PREFIX = "urn:slewtrack:problem:"
 _TEXT_MAX = 2000
@@ -47,7 +47,7 @@ class Problem:
     feasible_stop: session stop that goes with it; UTC.
     costs_sessions: numbers of the sessions that can't be flown as asked with that start. E.g.
     `[2]`.
-    give_up: the time that sessions would lose under each `on_conflict`.
+    relaxations: the time that sessions would lose under each `on_conflict`.
     errors: every field at fault of a request that can't be read.
     """
 
@@ -63,7 +63,7 @@ class Problem:
     earliest_feasible_start: IfTold[str | None] = None
     feasible_stop: IfTold[str | None] = None
     costs_sessions: IfTold[tuple[Count, ...]] = ()
-    give_up: IfTold[tuple[GiveUp, ...]] = ()
+    relaxations: IfTold[tuple[Relaxation, ...]] = ()
     errors: IfTold[tuple[FieldError, ...]] = ()
 
 
@@ -81,7 +81,7 @@ def problem_of(refusal: Refusal) -> dict[str, Any]:
         "earliest_feasible_start": utc_or_none(refusal.earliest_feasible_start_utc),
         "feasible_stop": utc_or_none(refusal.feasible_stop_utc),
         "costs_sessions": list(refusal.costs_sessions),
-        "give_up": [asdict(offer) for offer in getattr(refusal, "give_up", ())],
+        "relaxations": [asdict(offer) for offer in getattr(refusal, "relaxations", ())],
         "errors": [asdict(error) for error in getattr(refusal, "errors", ())],
     }
     return {name: _short(value) for name, value in members.items() if value not in (None, [])}

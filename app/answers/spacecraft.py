@@ -24,7 +24,7 @@ from planner.world.frames.time_scales import shifted_utc, utc_text
 
 if TYPE_CHECKING:
     from planner.spacecraft.flight.stabilisation import StabilisationReport, WindowSteadiness
-    from planner.spacecraft.imaging.timeline import PlannedTurn
+    from planner.spacecraft.imaging.timeline import PlannedSlew
     from planner.spacecraft.plan import ImagingPlan
     from planner.spacecraft.verification import SpacecraftVerification, VerifiedWindow
 
@@ -92,21 +92,21 @@ class ImagingWindowOut:
 
 
 @dataclass(frozen=True, kw_only=True)
-class TurnOut:
-    """One turn beside its baselines at the same limits.
+class AttitudeSlewOut:
+    """One slew beside its baselines at the same limits.
 
     start: first row; UTC.
     stop: last row; UTC.
     onto: number of the window it leads to, null for orbital orientation.
     angle_deg: between the attitudes at its ends.
-    duration_s: of the turn.
+    duration_s: of the slew.
     eigenaxis_s: least time about the Euler axis with the same torque and torque rate.
     bang_coast_bang_s: the paper's least time about the Euler axis, with any torque rate.
-    torque_rate_peak_n_m_s: largest torque rate of the turn.
-    eigenaxis_torque_rate_peak_n_m_s: largest torque rate of the turn about the Euler axis.
+    torque_rate_peak_n_m_s: largest torque rate of the slew.
+    eigenaxis_torque_rate_peak_n_m_s: largest torque rate of the slew about the Euler axis.
     method: method of the solution.
-    time_from: the method that found the least time a `minimum_time` turn was given: `ocp`, or
-    `eigenaxis` where no shorter turn was found; null for turns that take the time there is.
+    time_from: the method that found the least time a `minimum_time` slew was given: `ocp`, or
+    `eigenaxis` where no shorter slew was found; null for slews that take the time there is.
     status: status in which the solver ended.
     solve_s: time it took to solve.
     """
@@ -230,7 +230,7 @@ class SpacecraftPlanDocument:
     windows: scans of the session, in order of time.
     left_out: requests that don't fit, and why.
     choice: quality of the choice among the requests.
-    turns: between the windows, in order of time.
+    slews: between the windows, in order of time.
     verification: result of the independent verification.
     stabilisation: steadiness of the camera in closed loop.
     assumptions: values assumed because the paper doesn't give them.
@@ -244,7 +244,7 @@ class SpacecraftPlanDocument:
     windows: list[ImagingWindowOut]
     left_out: list[LeftOut]
     choice: ImagingChoiceOut
-    turns: list[TurnOut]
+    slews: list[AttitudeSlewOut]
     verification: SpacecraftVerificationOut
     stabilisation: StabilisationOut
     assumptions: list[str]
@@ -317,7 +317,7 @@ def spacecraft_document(plan: "ImagingPlan", provenance: ProvenanceOut) -> bytes
             windows=[_window(found, plan.table) for found in plan.verification.windows],
             left_out=list(plan.left_out),
             choice=fill(ImagingChoiceOut, plan.choice),
-            turns=[_turn(turn, plan.table) for turn in plan.turns],
+            slews=[_slew(slew, plan.table) for slew in plan.slews],
             verification=_verification(plan.verification),
             stabilisation=_stabilisation(plan.stabilisation),
             assumptions=list(plan.assumptions),
@@ -359,13 +359,13 @@ def _window(window: "VerifiedWindow", table: AttitudeTable) -> ImagingWindowOut:
     )
 
 
-def _turn(turn: "PlannedTurn", table: AttitudeTable) -> TurnOut:
+def _slew(slew: "PlannedSlew", table: AttitudeTable) -> AttitudeSlewOut:
     return fill(
-        TurnOut,
-        turn.comparison,
-        start=row_text(table, turn.first_row),
-        stop=row_text(table, turn.last_row),
-        onto=turn.window,
+        AttitudeSlewOut,
+        slew.comparison,
+        start=row_text(table, slew.first_row),
+        stop=row_text(table, slew.last_row),
+        onto=slew.window,
     )
 
 

@@ -25,7 +25,7 @@ def fly(
     file: RequestFile,
     runs: Annotated[int, typer.Option(help="How many flights.")] = 400,
     seed: Annotated[int, typer.Option(help="Of their errors: the same draws the same.")] = 0,
-    mover_m_s: Annotated[
+    moving_object_m_s: Annotated[
         float | None,
         typer.Option(help="Tell how far what drives so fast moves in the image in 10 s."),
     ] = None,
@@ -45,8 +45,14 @@ def fly(
         console = report_console(to_stderr=takes_standard_output(plot, json))
         image_format = _image_format(plot)
         body, _ = read_request(file)
-        mover = None if mover_m_s is None else {"speed_m_s": mover_m_s, "course_deg": course_deg}
-        asked = json_text.dumps({"runs": runs, "seed": seed, "mover": mover}).encode()
+        moving_object = (
+            None
+            if moving_object_m_s is None
+            else {"speed_m_s": moving_object_m_s, "course_deg": course_deg}
+        )
+        asked = json_text.dumps(
+            {"runs": runs, "seed": seed, "moving_object": moving_object}
+        ).encode()
 
         from app.cli.fly_report import found_in, print_flights
 
@@ -110,9 +116,9 @@ def _fly_parts(new: "NewFlights", tell: OnProgress) -> "FlightsFound":
 
     from app.answers.flights import FlightsHead, flights_found
     from app.answers.members import from_store
-    from app.jobs.disposable import Stop
     from app.jobs.executors import LocalExecutor, Task
     from app.jobs.kinds import RUNS
+    from app.jobs.worker_process import Stop
     from app.work.flights import fly_part, unpacked_outcomes
     from app.work.progress import Progress
 

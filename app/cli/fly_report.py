@@ -58,7 +58,7 @@ def _sessions(found: FlightsFound) -> Table:
         table.add_row(
             str(one.session + 1),
             Text(one.label),
-            f"{one.told_probability_in_frame:.3f}",
+            f"{one.budget_probability_in_frame:.3f}",
             _probability(one.probability_in_frame, one.in_frame_interval),
             _probability(one.probability_sharp, one.sharp_interval),
             or_dash(one.frames_held, ".1%"),
@@ -79,11 +79,11 @@ def _as_planned(found: FlightsFound) -> Table:
         "error arcsec",
         "smear px",
         "sample m",
-        "mover px",
+        "object px",
     )
     for one in found.sessions:
         nominal = one.nominal
-        samples_m, moved_px = nominal.ground_sample_across_m, nominal.mover_px
+        samples_m, moved_px = nominal.ground_sample_across_m, nominal.moving_object_px
         table.add_row(
             str(one.session + 1),
             str(nominal.frames),

@@ -9,11 +9,11 @@ from rich.text import Text
 from app.answers.spacecraft import row_text
 from app.cli.report_parts import print_table, print_warnings, report_table
 from planner.spacecraft.plan import ImagingPlan
-from planner.spacecraft.turns.turn_choice import TurnComparison
+from planner.spacecraft.slews.slew_choice import AttitudeSlewComparison
 
 
 def print_session(console: Console, plan: ImagingPlan) -> None:
-    """Windows with how steady they were, turns, what is left out, limits, the verdict."""
+    """Windows with how steady they were, slews, what is left out, limits, the verdict."""
     console.print(
         Text.assemble(
             (plan.request.name or "Session", "bold"),
@@ -61,20 +61,20 @@ def _windows(plan: ImagingPlan) -> Table:
     return table
 
 
-def _made_by(turn: TurnComparison) -> str:
-    if turn.time_from in (None, turn.method):
-        return turn.method
-    return f"{turn.method}, in the least time of the {turn.time_from}"
+def _made_by(slew: AttitudeSlewComparison) -> str:
+    if slew.time_from in (None, slew.method):
+        return slew.method
+    return f"{slew.method}, in the least time of the {slew.time_from}"
 
 
 def _turns(plan: ImagingPlan) -> Table:
     table = report_table(
-        "turns", "<start", "deg", "seconds", "eigenaxis", "<by", "Nm/s", "eigenaxis"
+        "slews", "<start", "deg", "seconds", "eigenaxis", "<by", "Nm/s", "eigenaxis"
     )
-    for turn in plan.turns:
-        compared = turn.comparison
+    for slew in plan.slews:
+        compared = slew.comparison
         table.add_row(
-            row_text(plan.table, turn.first_row)[11:-1],
+            row_text(plan.table, slew.first_row)[11:-1],
             f"{math.degrees(compared.angle_rad):.1f}",
             f"{compared.duration_s:.1f}",
             f"{compared.eigenaxis_s:.1f}",

@@ -3,14 +3,14 @@
 import shlex
 from collections.abc import Iterator, Sequence
 
-from slewtrack.problems import Offer, Problem
+from slewtrack.problems import Problem, Relaxation
 
 
 def ways_out(problem: Problem, words: Sequence[str]) -> Iterator[str]:
     """Lines; words: of the command that was refused, the program's name first."""
     for fault in problem.errors[1:]:
         yield f"{fault.field}: {fault.detail}"
-    for offer in problem.give_up:
+    for offer in problem.relaxations:
         yield f"with on_conflict {offer.on_conflict}, {_loss(offer)}"
     if words[1:2] == ["plan"]:
         for number, change in enumerate(_changes(problem)):
@@ -18,7 +18,7 @@ def ways_out(problem: Problem, words: Sequence[str]) -> Iterator[str]:
             yield f"{'or:  ' if number else 'try: '}{shlex.join([*words, *sets])}"
 
 
-def _loss(offer: Offer) -> str:
+def _loss(offer: Relaxation) -> str:
     losses = {
         f"starts {offer.start_later_s:.1f} s later": offer.start_later_s,
         f"stops {offer.stop_earlier_s:.1f} s earlier": offer.stop_earlier_s,
@@ -34,5 +34,5 @@ def _changes(problem: Problem) -> Iterator[dict[str, str]]:
     if start is not None and session.startswith("sessions.") and not problem.costs_sessions:
         stop = problem.feasible_stop
         yield {f"{session}.start": start, **({f"{session}.stop": stop} if stop else {})}
-    for name in dict.fromkeys(offer.on_conflict for offer in problem.give_up):
+    for name in dict.fromkeys(offer.on_conflict for offer in problem.relaxations):
         yield {"on_conflict": name}

@@ -14,12 +14,12 @@ from fastapi.routing import APIRoute
 
 from app.http import pages
 from app.http import problems as errors
+from app.http.admission.access import Access
+from app.http.admission.gate import Gate
+from app.http.admission.key_lookup import KeyLookup
+from app.http.admission.origins import Origins
+from app.http.admission.watch import Watch
 from app.http.compression import Compression
-from app.http.door.access import Access
-from app.http.door.gate import Gate
-from app.http.door.key_ring import KeyRing
-from app.http.door.origins import Origins
-from app.http.door.watch import Watch
 from app.http.head_as_get import HeadAsGet
 from app.http.metrics import Metrics
 from app.http.openapi.schema import complete
@@ -47,8 +47,8 @@ from app.http.routes import (
 )
 from app.http.view_cache import ViewCache
 from app.jobs.dispatcher import Dispatcher
-from app.jobs.disposable import spare_children, start_server
 from app.jobs.executors import LocalExecutor, SolveExecutor
+from app.jobs.worker_process import spare_children, start_server
 from app.settings import Settings, settings_of_environment
 from app.store import jobs
 from app.store.database import Database, open_database
@@ -145,7 +145,7 @@ def _guard_and_watch(app: FastAPI, settings: Settings) -> None:
         }
     )
     access = Access(
-        KeyRing(
+        KeyLookup(
             lambda secret: KeyStore(app.state.database).find(secret),
             lambda: KeyStore(app.state.database).good_digests(),
         ),

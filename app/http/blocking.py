@@ -14,7 +14,7 @@ from app.answers.members import ProvenanceOut, provenance
 from app.http.negotiation import JSON
 from app.http.problems import service_stops
 from app.jobs.child import Bounds
-from app.jobs.disposable import Stop, Stopped, run_disposable
+from app.jobs.worker_process import Stop, Stopped, run_in_worker
 from app.store.database import Database
 
 T = TypeVar("T")
@@ -48,9 +48,9 @@ async def answer_in_child(
 async def in_child(
     request: Request, bounds: Bounds, work: Callable[..., T], *arguments: object
 ) -> T:
-    """`run_disposable` when its turn has come; stopped when the client or the service goes away.
+    """`run_in_worker` when its turn has come; stopped when the client or the service goes away.
 
-    Raises ClientDisconnect or 503 then, and else what `run_disposable` does.  The request's body
+    Raises ClientDisconnect or 503 then, and else what `run_in_worker` does.  The request's body
     must have been read.
     """
     stop = Stop()
@@ -61,7 +61,7 @@ async def in_child(
     ]
     try:
         return await anyio.to_thread.run_sync(
-            lambda: run_disposable(bounds, work, *arguments, stop=stop),
+            lambda: run_in_worker(bounds, work, *arguments, stop=stop),
             limiter=request.app.state.children,
         )
     except Stopped:

@@ -9,8 +9,8 @@ from fastapi import APIRouter, FastAPI, Request, Response
 from starlette.staticfiles import StaticFiles
 
 from app.http import planners_page
-from app.http.door.access import BUILT_FILES, PAGE_FILES
-from app.http.door.headers import PAGE_CONTENT_POLICY
+from app.http.admission.access import BUILT_FILES, PAGE_FILES
+from app.http.admission.headers import PAGE_CONTENT_POLICY
 from app.http.negotiation import JSON
 
 router = APIRouter(include_in_schema=False)

@@ -10,8 +10,8 @@ from fastapi import FastAPI, HTTPException, Request, Response
 from starlette.staticfiles import StaticFiles
 from starlette.types import Scope
 
-from app.http.door.access import BUILT_FILES, PAGE_ROOMS
-from app.http.door.headers import PLANNERS_PAGE_CONTENT_POLICY
+from app.http.admission.access import BUILT_FILES, PAGE_ROOMS
+from app.http.admission.headers import PLANNERS_PAGE_CONTENT_POLICY
 from app.http.negotiation import JSON, is_known_already, preferred_type
 
 BUILT = Path(__file__).parent / "page"

@@ -11,7 +11,7 @@ import numpy as np
 from anyio import to_thread
 
 from app.jobs.child import Bounds
-from app.jobs.disposable import run_disposable
+from app.jobs.worker_process import run_in_worker
 from app.log.logs import log
 from app.store.database import Database
 from app.store.unavailable import StoreUnavailable
@@ -113,7 +113,7 @@ def database_takes_writes(database: Database) -> tuple[State, str]:
 
 def solver_answers() -> tuple[State, str]:
     """A child is forked, solves a small problem by Ipopt and hands back its answer."""
-    found = run_disposable(_CHILD_BOUNDS, _least_of_a_parabola)
+    found = run_in_worker(_CHILD_BOUNDS, _least_of_a_parabola)
     if abs(found - 1.0) > 1e-6:  # Ipopt's tolerance is 1e-8
         raise ArithmeticError(f"the least of (x - 1)^2 came out at {found}")
     return "ok", "a child process solved a small problem"

@@ -9,10 +9,10 @@ import uvicorn
 from fastapi import FastAPI
 from starlette.types import Receive, Scope, Send
 
+from app.http.admission.access import is_loopback
+from app.http.admission.protocol import GuardedProtocol, answer_guarded
+from app.http.admission.request_form import HEAD_BYTES_MAX
 from app.http.app import create_app
-from app.http.door.access import is_loopback
-from app.http.door.protocol import GuardedProtocol, answer_guarded
-from app.http.door.request_form import HEAD_BYTES_MAX
 from app.jobs.dask_address import check_scheduler
 from app.log.logs import configure_logs
 from app.settings import Settings

@@ -66,14 +66,14 @@ class TooDemanding(Refusal):
 
 def work_until_closed(line: Connection) -> None:
     """The child's whole life."""
-    from app.work import warm  # here already, since the server imported it
+    from app.work import preload  # here already, since the server imported it
 
-    _die_with_service(warm.SERVER_PID)
+    _die_with_service(preload.SERVER_PID)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the service's to handle
     _limit(resource.RLIMIT_CORE, 0)
     _silence_output()
     if not line.poll(_IDLE_S):
-        warm.warm_up()
+        preload.preload()
     report_through(lambda progress: line.send_bytes(Message("progress", progress).to_bytes()))
     grown_bytes = _bytes(_HELD) + _GROWN_BYTES
     while True:

@@ -19,8 +19,8 @@ from distributed.comm.core import CommClosedError
 from tornado.ioloop import IOLoop
 
 from app.jobs.dask_worker import PROGRESS_TOPIC, SLOT, run_here, stop_here
-from app.jobs.disposable import Stop, Stopped
 from app.jobs.executors import Task
+from app.jobs.worker_process import Stop, Stopped
 from app.log.logs import log
 from app.work.progress import OnProgress, Progress
 

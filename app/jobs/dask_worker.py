@@ -9,16 +9,16 @@ from typing import Any
 from distributed import Worker, get_worker
 from distributed.comm.addressing import get_local_address_for
 
-from app.jobs.disposable import (
+from app.jobs.executors import Task
+from app.jobs.worker_process import (
     ChildDied,
     ChildFailed,
     Stop,
     Stopped,
-    run_disposable,
+    run_in_worker,
     spare_children,
     start_server,
 )
-from app.jobs.executors import Task
 from app.log.logs import log
 from app.versions import VERSION
 from app.work.progress import Progress
@@ -42,7 +42,7 @@ def run_here(key: str, task: Task) -> Outcome:
         worker.log_event(PROGRESS_TOPIC, {"key": key, "progress": asdict(progress)})
 
     try:
-        result = run_disposable(
+        result = run_in_worker(
             task.bounds,
             task.work,
             task.body,

@@ -18,11 +18,11 @@ from sqlalchemy import Connection
 from sqlalchemy.exc import IntegrityError, SQLAlchemyError
 
 from app.jobs.child import Bounds
-from app.jobs.disposable import Stop
 from app.jobs.executors import SolveExecutor, Task
+from app.jobs.job_completion import give_up, settle, take_up_again
 from app.jobs.kinds import JOB_KINDS, JobKind, Settled
 from app.jobs.refusals import QueueFull
-from app.jobs.settling import give_up, settle, take_up_again
+from app.jobs.worker_process import Stop
 from app.log.logs import log
 from app.settings import Settings
 from app.store import audit, events, jobs

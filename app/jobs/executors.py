@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from app.jobs.child import Bounds
-from app.jobs.disposable import Stop, run_disposable
+from app.jobs.worker_process import Stop, run_in_worker
 from app.work.progress import OnProgress
 
 
@@ -25,9 +25,9 @@ class Task:
 
 
 class SolveExecutor(Protocol):
-    """Does `workers` tasks at a time, each in a disposable child, here or elsewhere.
+    """Does `workers` tasks at a time, each in a worker process, here or elsewhere.
 
-    The future of a task ends as `run_disposable` does: with the work's result, a Refusal,
+    The future of a task ends as `run_in_worker` does: with the work's result, a Refusal,
     Stopped, ChildFailed or ChildDied.  Any other error is taken for a loss of the machine that
     was at it, and the task is given to another.
     """
@@ -53,7 +53,7 @@ class LocalExecutor:
 
     def submit(self, task: Task, stop: Stop, on_progress: OnProgress) -> Future[Any]:
         return self._threads.submit(
-            run_disposable,
+            run_in_worker,
             task.bounds,
             task.work,
             task.body,

@@ -97,7 +97,7 @@ SPACECRAFT_PLAN = JobKind(
     store=_store_plan,
     stages={
         "candidates": 0,
-        "choice and turns": 4,
+        "choice and slews": 4,
         "gimbals": 55,
         "verification": 58,
         "flight": 62,

@@ -30,7 +30,7 @@ from app.store.failures import (
 )
 from app.store.ids import new_id
 from app.store.models import ProbeRow
-from app.store.turns import PATIENCE_S, Outage, Turns
+from app.store.sqlite_write_lock import PATIENCE_S, Outage, WriteLock
 from app.store.unavailable import StoreDamaged, StoreUnavailable
 from planner.base.errors import InvalidInput
 
@@ -67,10 +67,10 @@ class Database:
         self.when_outdated: Callable[[], None] = lambda: None
         self._engine = _engine(url)
         self._readers, self._writers = Outage(), Outage()
-        self._turns: Turns | None = None
+        self._write_lock: WriteLock | None = None
         self._damages = 0
         if url.drivername == "sqlite":
-            self._turns = Turns(self._writers)
+            self._write_lock = WriteLock(self._writers)
             event.listen(self._engine, "checkout", self._read_anew_after_damage)
 
     @contextmanager
@@ -146,7 +146,7 @@ class Database:
 
     def _turn(self) -> AbstractContextManager[None]:
         """Before a connection is taken, so that writers who wait leave some to readers."""
-        return nullcontext() if self._turns is None else self._turns.turn()
+        return nullcontext() if self._write_lock is None else self._write_lock.hold()
 
     @contextmanager
     def _raise_outages(self, outage: Outage) -> Iterator[None]:

@@ -32,10 +32,10 @@ from sqlalchemy.orm import aliased
 from app.store import events
 from app.store.columns import database_now_s
 from app.store.ids import OPEN_STATES, JobState
+from app.store.list_filter import EVERY_ROW, ListFilter
 from app.store.listing import Listing
 from app.store.models import JobRow, PlanRow
 from app.store.packed import unzip
-from app.store.sought import EVERYTHING, Sought
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -197,14 +197,14 @@ def latest(
     before: str | None = None,
     parent_id: str | None = None,
     plan_id: str | None = None,
-    sought: Sought = EVERYTHING,
+    list_filter: ListFilter = EVERY_ROW,
 ) -> list[Job]:
     """Jobs of a kind, the latest first; `before` an id.
 
     Parts of the larger job, or without one those that are no parts; with `plan_id` those about
     that plan.
     """
-    conditions = [JobRow.kind == kind, JobRow.parent_id == parent_id, *sought.conditions()]
+    conditions = [JobRow.kind == kind, JobRow.parent_id == parent_id, *list_filter.conditions()]
     if plan_id is not None:
         conditions.append(JobRow.plan_id == plan_id)
     if before is not None:

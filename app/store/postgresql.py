@@ -13,7 +13,7 @@ from psycopg.rows import TupleRow
 from sqlalchemy import Connection, Dialect, Engine, event
 from sqlalchemy.pool import ConnectionPoolEntry
 
-from app.store.turns import Outage
+from app.store.sqlite_write_lock import Outage
 
 # More than a lock is waited for, which the server tells itself; less than two seconds in all.
 SILENCE_MAX_S = 1.6

@@ -93,13 +93,13 @@ def flights_head(
         session = plan.scenario.sessions[scene.number]
         budget = session_budget(plan.scenario, scene.ephemeris, table, session)
         assert budget is not None  # of a target that can be seen
-        nominal = nominal_session(scene, fly, asked.mover)
+        nominal = nominal_session(scene, fly, asked.moving_object)
         axes = plan.scenario.platform.axis_names
         sessions.append(
             SessionHead(
                 session=scene.number,
                 label=session.label,
-                told_probability_in_frame=budget.probability_in_frame,
+                budget_probability_in_frame=budget.probability_in_frame,
                 nominal=nominal_out(nominal),
                 saturated_s=dict(zip(axes, nominal.saturated_s.tolist(), strict=True)),
             )

@@ -12,7 +12,7 @@ from app.store.packed import unpack
 from app.work.plan import stored_plan
 from planner.base.errors import InvalidInput
 from planner.inflight.telemetry.columns import ColumnMeaning, TelemetryColumn, meaning_of
-from planner.inflight.telemetry.csv_text import read_csv, utc_seconds
+from planner.inflight.telemetry.csv_reader import read_csv, utc_seconds
 from planner.inflight.telemetry.figure import write_comparison_png, write_comparison_svg
 from planner.inflight.telemetry.samples import Samples
 from planner.output.export import Exporter

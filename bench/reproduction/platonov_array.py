@@ -15,9 +15,9 @@ from spacecraft_flight import settle_table
 from planner.base.arrays import Array
 from planner.spacecraft.flight.simulation import computer, draw_dispersion, fly_table
 from planner.spacecraft.flight.stabilisation import settled_after_s
-from planner.spacecraft.turns.eigenaxis import eigenaxis_turn
-from planner.spacecraft.turns.turn_choice import quickest_turn
-from planner.spacecraft.turns.turn_problem import EndState, TurnProblem
+from planner.spacecraft.slews.eigenaxis import eigenaxis_slew
+from planner.spacecraft.slews.slew_choice import quickest_slew
+from planner.spacecraft.slews.slew_problem import AttitudeSlewProblem, EndState
 from planner.spacecraft.vehicle.cmg_array import CmgArray
 from planner.spacecraft.vehicle.definition import AGILE_CMG, SlewLimits
 from planner.spacecraft.vehicle.onboard import TABLE, Estimate, estimate_rate, memory_at
@@ -86,8 +86,8 @@ def needed(gimbal_rad: Array, tick_s: float) -> Needed:
     )
 
 
-def _pitch_turn(angle_deg: float, limits: SlewLimits) -> TurnProblem:
-    return TurnProblem(
+def _pitch_turn(angle_deg: float, limits: SlewLimits) -> AttitudeSlewProblem:
+    return AttitudeSlewProblem(
         start=EndState.at_rest(Rotation.identity()),
         end=EndState.at_rest(Rotation.from_euler("z", angle_deg, degrees=True)),
         momentum_eci_n_m_s=np.zeros(3),
@@ -99,7 +99,7 @@ def _pitch_turn(angle_deg: float, limits: SlewLimits) -> TurnProblem:
 def spin_up_s(rate_deg_s: float, torque_n_m: float) -> float:
     """Until a turn about the Euler axis has its full rate, its torque rising by 40 N m/s."""
     limits = SlewLimits(rate_axis_rad_s=math.radians(rate_deg_s), torque_n_m=torque_n_m)
-    turn = eigenaxis_turn(_pitch_turn(60.0, limits))
+    turn = eigenaxis_slew(_pitch_turn(60.0, limits))
     t_s = np.linspace(0.0, turn.duration_s, 4001)
     _, motion = turn.attitude_at(t_s)
     speed = np.linalg.norm(motion.omega_body_rad_s, axis=1)
@@ -108,7 +108,7 @@ def spin_up_s(rate_deg_s: float, torque_n_m: float) -> float:
 
 def quickest_s(angle_deg: float) -> float:
     """Least time of a turn in pitch from rest to rest within the product's limits."""
-    return float(quickest_turn(_pitch_turn(angle_deg, AGILE_CMG.slew)).duration_s)
+    return float(quickest_slew(_pitch_turn(angle_deg, AGILE_CMG.slew)).duration_s)
 
 
 class Turned(NamedTuple):

@@ -108,7 +108,7 @@ def fed_forward_deg_s(name: str, span: Span) -> float:
 
 def _turns() -> Numbers:
     long = planned(AREAS)
-    between = [turn for turn in long.turns if turn.window is not None and turn.window % 4 != 0]
+    between = [slew for slew in long.slews if slew.window is not None and slew.window % 4 != 0]
     angles = [math.degrees(turn.comparison.angle_rad) for turn in between]
     as_told = angles_between_strips_deg(600.0, STRIP_S)
     pitch = [_pitch_share(long, turn.first_row, turn.last_row) for turn in between]

@@ -49,15 +49,15 @@ def numbers() -> Numbers:
 def _strip_and_stereo() -> Numbers:
     found = settling("strip_and_stereo", dispersed=True)
     ideal = settling("strip_and_stereo", dispersed=False)
-    turns = planned("strip_and_stereo").turns
+    slews = planned("strip_and_stereo").slews
     numbers: Numbers = {}
-    for k, (turn, span) in enumerate(zip((0, 2, 3), SHOWN[STRIPS], strict=True)):
+    for k, (slew, span) in enumerate(zip((0, 2, 3), SHOWN[STRIPS], strict=True)):
         what = ("strip", "first look", "second look")[k]
         numbers |= {
             f"own turn to the {what}": float(np.median(found.needed_s[:, k])),
             f"own laws, {what}": float(np.max(found.worst_deg_s[:, k])),
             f"ideal_{k}_s": float(ideal.needed_s[0, k]),
-            f"leaves_{k}_s": turns[turn].first_row / 5.0,
+            f"leaves_{k}_s": slews[slew].first_row / 5.0,
             f"fed_forward_{k}": fed_forward_deg_s(STRIPS, span),
         }
     return numbers

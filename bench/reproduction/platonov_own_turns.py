@@ -18,7 +18,7 @@ from planner.base.arrays import Array
 from planner.spacecraft.flight.closed_loop import Log
 from planner.spacecraft.flight.simulation import Dispersion, draw_dispersion, fly_table
 from planner.spacecraft.flight.stabilisation import settled_after_s
-from planner.spacecraft.imaging.choice_with_turns import options_of
+from planner.spacecraft.imaging.choice_with_slews import options_of
 from planner.spacecraft.imaging.session import make_session
 from planner.spacecraft.imaging.timeline import scans_of
 from planner.spacecraft.table import AttitudeTable

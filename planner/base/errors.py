@@ -154,7 +154,7 @@ class TrackBreaksLimit(Refusal):
 
 
 @dataclass(frozen=True, kw_only=True)
-class GiveUp:
+class Relaxation:
     """The time that one session would lose if the plan's `on_conflict` were set so.
 
     on_conflict: the setting that would lose this. E.g. `"shorten_later"`.
@@ -172,12 +172,12 @@ class GiveUp:
 class InfeasibleSlew(Refusal):
     """The axis can't get from its state to the track in the time available.
 
-    give_up: what would make the sequence fit, one entry per way out and session that loses.
+    relaxations: what would make the sequence fit, one entry per way out and session that loses.
     """
 
     slug = "infeasible-slew"
     title = "The slew doesn't fit in the time available"
-    give_up: tuple[GiveUp, ...] = ()
+    relaxations: tuple[Relaxation, ...] = ()
 
 
 class SearchEnded(Refusal):

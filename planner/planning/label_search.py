@@ -1,7 +1,7 @@
-"""Labels set forward in time: the most valuable visits, each thing once, with a bound.
+"""Labels set forward in time: the most valuable visits, each item once, with a bound.
 
 A caller's sweep goes through places in order of time, has labels follow from place to place and
-visit things on the way.  Repeats are first allowed and then forbidden where they occur
+visit items on the way.  Repeats are first allowed and then forbidden where they occur
 (decremental state-space relaxation with local memory): every round's value bounds the optimum
 from above, and the first path without repeats is optimal.
 Source: Righini, Salani 2008, "New dynamic programming algorithms for the resource constrained
@@ -21,8 +21,8 @@ from planner.base.arrays import Indices
 from planner.base.compiled import compiled
 
 NONE = -1
-EVERYTHING = -1  # a mask of all bits
-WHOLE, OPENS, COMPLETES = 0, 1, 2  # parts of a thing that a visit makes
+ALL_ITEMS = -1  # a mask of all bits
+WHOLE, OPENS, COMPLETES = 0, 1, 2  # parts of a item that a visit makes
 BITS = 62  # of a label's memory, in a signed word
 LABELS_MAX = 4_000_000  # of a round; its value is no bound then
 
@@ -41,10 +41,10 @@ ROUNDING = 1e-12  # by so much a path that looks back must be better to replace 
 _LABEL = np.dtype(
     [
         ("value", "f8"),
-        ("things", "i8"),  # bits of those visited
-        ("halves", "i8"),  # bits of those of which one part was visited
+        ("items", "i8"),  # bits of those visited
+        ("partial_items", "i8"),  # bits of those of which one part was visited
         ("visit", "i8"),  # the caller's number of the last visit, if made here
-        ("thing", "i4"),  # visited then
+        ("item", "i4"),  # visited then
         ("last", "i4"),  # label made by the last visit, NONE
         ("before", "i4"),  # label made by the visit before it, NONE
         ("next", "i4"),  # label at the same place, NONE
@@ -54,12 +54,12 @@ _SLOTS, _MADE, _MOST = 0, 1, 2  # of `Labels.use`
 
 
 class Memory(NamedTuple):
-    """What labels remember of the things visited.
+    """What labels remember of the items visited.
 
-    bit: of each thing, 0 for those forgotten at once; visit_mask: the bits that outlast a visit
-    to it, (things,) each.  tick_mask: bits that mean something then, (ticks,).
+    bit: of each item, 0 for those forgotten at once; visit_mask: the bits that outlast a visit
+    to it, (items,) each.  tick_mask: bits that mean something then, (ticks,).
     once: labels look back at the whole path instead, and only the best at a place is kept: no
-    thing is visited twice, but a better path may be missed.
+    item is visited twice, but a better path may be missed.
     """
 
     bit: Indices
@@ -71,12 +71,12 @@ class Memory(NamedTuple):
 class Visit(NamedTuple):
     """What becomes of a label that makes it.
 
-    number: the caller's.  part: WHOLE, or OPENS and COMPLETES a thing, others between.
+    number: the caller's.  part: WHOLE, or OPENS and COMPLETES a item, others between.
     tick: when it ends.
     """
 
     number: int
-    thing: int
+    item: int
     part: int
     value: float
     tick: int
@@ -96,8 +96,8 @@ class Labels(NamedTuple):
 class Round(NamedTuple):
     """The best path as far as repeats are remembered.
 
-    value: no path that visits each thing once is worth more, unless labels ran out.
-    visits: number and thing of each, in order of time, (n, 2).
+    value: no path that visits each item once is worth more, unless labels ran out.
+    visits: number and item of each, in order of time, (n, 2).
     """
 
     value: float
@@ -112,73 +112,73 @@ class Round(NamedTuple):
 Sweep = Callable[[Memory], Round]
 
 
-def forgetful(things: int, ticks: int, *, once: bool) -> Memory:
-    """No thing is remembered."""
-    none = np.zeros(things, np.int64)
+def forgetful(items: int, ticks: int, *, once: bool) -> Memory:
+    """No item is remembered."""
+    none = np.zeros(items, np.int64)
     return Memory(none, none, np.zeros(ticks, np.int64), once)
 
 
 class Repeats:
-    """Which things are remembered, and where.
+    """Which items are remembered, and where.
 
-    things: how many there are.  thing, first_tick, last_tick: of each place where one can be
+    items: how many there are.  item, first_tick, last_tick: of each place where one can be
     visited, (n,).  Things that lie further apart than a label can leap share a bit.
-    pairs: things visited in two parts, remembered everywhere.
+    pairs: items visited in two parts, remembered everywhere.
     """
 
     def __init__(
         self,
-        things: int,
-        thing: Indices,
+        items: int,
+        item: Indices,
         first_tick: Indices,
         last_tick: Indices,
         leap_ticks: int,
         pairs: Sequence[int],
     ) -> None:
-        self._first, self._last = np.full(things, last_tick.max()), np.zeros(things, np.int64)
-        np.minimum.at(self._first, thing, first_tick)
-        np.maximum.at(self._last, thing, last_tick)
+        self._first, self._last = np.full(items, last_tick.max()), np.zeros(items, np.int64)
+        np.minimum.at(self._first, item, first_tick)
+        np.maximum.at(self._last, item, last_tick)
         self._leap_ticks = leap_ticks
         self._pairs = frozenset(pairs)
         self._number: dict[int, int] = {}
-        self._visit_mask = np.zeros(things, np.int64)
+        self._visit_mask = np.zeros(items, np.int64)
         for pair in pairs:
             self._remember(pair, slice(None))
 
     def memory(self) -> Memory:
         bit = np.zeros_like(self._visit_mask)
         tick_mask = np.zeros(int(self._last.max()) + 1, np.int64)
-        for thing, number in self._number.items():
-            bit[thing] = 1 << number
-            tick_mask[self._first[thing] : self._last[thing] + 1] |= 1 << number
+        for item, number in self._number.items():
+            bit[item] = 1 << number
+            tick_mask[self._first[item] : self._last[item] + 1] |= 1 << number
         return Memory(bit, self._visit_mask.copy(), tick_mask, False)
 
-    def forbid(self, things: Sequence[int]) -> bool:
+    def forbid(self, items: Sequence[int]) -> bool:
         """The shortest way each is repeated in this order; False when none can be."""
         last: dict[int, int] = {}
         changed = False
-        for place, thing in enumerate(things):
-            if thing in self._pairs:
+        for place, item in enumerate(items):
+            if item in self._pairs:
                 continue
-            if thing in last:
-                changed |= self._remember(thing, list(things[last[thing] : place + 1]))
-            last[thing] = place
+            if item in last:
+                changed |= self._remember(item, list(items[last[item] : place + 1]))
+            last[item] = place
         return changed
 
-    def _remember(self, thing: int, among: slice | list[int]) -> bool:
-        """From now on past visits to things `among`; False when all bits are taken."""
-        if thing not in self._number:
+    def _remember(self, item: int, among: slice | list[int]) -> bool:
+        """From now on past visits to items `among`; False when all bits are taken."""
+        if item not in self._number:
             taken = {
                 number
                 for other, number in self._number.items()
-                if self._first[other] <= self._last[thing] + self._leap_ticks
-                and self._first[thing] <= self._last[other] + self._leap_ticks
+                if self._first[other] <= self._last[item] + self._leap_ticks
+                and self._first[item] <= self._last[other] + self._leap_ticks
             }
             free = next((number for number in range(BITS) if number not in taken), None)
             if free is None:
                 return False
-            self._number[thing] = free
-        self._visit_mask[among] |= 1 << self._number[thing]
+            self._number[item] = free
+        self._visit_mask[among] |= 1 << self._number[item]
         return True
 
 
@@ -202,7 +202,7 @@ def rounds(
 
 
 def bound(found: Iterable[Round]) -> float:
-    """No path that visits each thing once has a greater value."""
+    """No path that visits each item once has a greater value."""
     return min((one.value for one in found if one.is_complete), default=np.inf)
 
 
@@ -230,10 +230,12 @@ def follow(labels: Labels, begin: int, places: Iterable[int], mask: int, visited
     while k != NONE:
         here = label[k]
         if here.last == k or not visited:
-            value, things, halves = here.value, here.things & mask, here.halves & mask
+            value, items, partial_items = here.value, here.items & mask, here.partial_items & mask
             for to in places:
-                if to != NONE and not _is_barred(label, first[to], value, things, halves, False):
-                    _keep(labels, to, value, things, halves, here.last)
+                if to != NONE and not _is_dominated(
+                    label, first[to], value, items, partial_items, False
+                ):
+                    _keep(labels, to, value, items, partial_items, here.last)
         k = here.next
 
 
@@ -241,8 +243,8 @@ def follow(labels: Labels, begin: int, places: Iterable[int], mask: int, visited
 def visit(labels: Labels, begins: Iterable[int], to: int, memory: Memory, made: Visit) -> bool:
     """All labels at places `begins` that may come to another one by a visit; whether any did."""
     first, label, once = labels.first, labels.label, memory.once
-    before_mask, after_mask = memory.tick_mask[made.tick], memory.visit_mask[made.thing]
-    bit = memory.bit[made.thing]
+    before_mask, after_mask = memory.tick_mask[made.tick], memory.visit_mask[made.item]
+    bit = memory.bit[made.item]
     is_any = False
     for begin in begins:
         k = first[begin]
@@ -250,16 +252,20 @@ def visit(labels: Labels, begins: Iterable[int], to: int, memory: Memory, made: 
             here = label[k]
             k = here.next
             value = here.value + made.value
-            allowed, things, halves = _remember(
-                made.part, bit, after_mask, here.things & before_mask, here.halves & before_mask
+            allowed, items, partial_items = _remember(
+                made.part,
+                bit,
+                after_mask,
+                here.items & before_mask,
+                here.partial_items & before_mask,
             )
-            if not allowed or _is_barred(label, first[to], value, things, halves, once):
+            if not allowed or _is_dominated(label, first[to], value, items, partial_items, once):
                 continue
-            if once and _is_behind(label, here.last, made.thing):
+            if once and _is_behind(label, here.last, made.item):
                 continue
-            new = _keep(labels, to, value, things, halves, NONE)
+            new = _keep(labels, to, value, items, partial_items, NONE)
             if new != NONE:
-                label[new].visit, label[new].thing = made.number, made.thing
+                label[new].visit, label[new].item = made.number, made.item
                 label[new].last, label[new].before = new, here.last
                 is_any = True
     return is_any
@@ -267,27 +273,31 @@ def visit(labels: Labels, begins: Iterable[int], to: int, memory: Memory, made: 
 
 @compiled
 def _remember(
-    part: int, bit: int, after_mask: int, things: int, halves: int
+    part: int, bit: int, after_mask: int, items: int, partial_items: int
 ) -> tuple[bool, int, int]:
-    """A label's memory after a visit to the thing of that bit: (allowed, things, halves)."""
-    allowed = things & bit == 0
+    """A label's memory after a visit to the item of that bit: (allowed, items, partial_items)."""
+    allowed = items & bit == 0
     if part == OPENS:
-        return allowed and halves & bit == 0, things & after_mask, halves | bit
+        return allowed and partial_items & bit == 0, items & after_mask, partial_items | bit
     if part == COMPLETES:
-        allowed = allowed and (halves & bit != 0 or bit == 0)
-        halves &= ~bit
-    return allowed, (things | bit) & after_mask, halves
+        allowed = allowed and (partial_items & bit != 0 or bit == 0)
+        partial_items &= ~bit
+    return allowed, (items | bit) & after_mask, partial_items
 
 
 @compiled
-def _is_barred(
-    label: NDArray[np.void], k: int, value: float, things: int, halves: int, once: bool
+def _is_dominated(
+    label: NDArray[np.void], k: int, value: float, items: int, partial_items: int, once: bool
 ) -> bool:
     """Whether one of the labels at a place, from k on, is at least as good."""
     least = value - ROUNDING if once else value
     while k != NONE:
         other = label[k]
-        if other.value >= least and other.things & ~things == 0 and halves & ~other.halves == 0:
+        if (
+            other.value >= least
+            and other.items & ~items == 0
+            and partial_items & ~other.partial_items == 0
+        ):
             return True
         k = other.next
     return False
@@ -310,29 +320,35 @@ def best(labels: Labels, places: tuple[int, int]) -> tuple[float, Indices, int]:
     visits = np.empty((count, 2), np.int64)
     k = last
     for row in range(count - 1, -1, -1):
-        visits[row, 0], visits[row, 1], k = label[k].visit, label[k].thing, label[k].before
+        visits[row, 0], visits[row, 1], k = label[k].visit, label[k].item, label[k].before
     return value, visits, labels.use[_MADE]
 
 
 @compiled
-def _is_behind(label: NDArray[np.void], last: int, thing: int) -> bool:
-    """Whether a thing was visited by the last visit or one before it."""
+def _is_behind(label: NDArray[np.void], last: int, item: int) -> bool:
+    """Whether a item was visited by the last visit or one before it."""
     while last != NONE:
-        if label[last].thing == thing:
+        if label[last].item == item:
             return True
         last = label[last].before
     return False
 
 
 @compiled
-def _keep(labels: Labels, place: int, value: float, things: int, halves: int, last: int) -> int:
+def _keep(
+    labels: Labels, place: int, value: float, items: int, partial_items: int, last: int
+) -> int:
     """The new label at a place, where those no better give way; NONE when labels ran out."""
     label = labels.label
     new, before, k = NONE, NONE, labels.first[place]
     while k != NONE:
         other = label[k]
         following = other.next
-        if value >= other.value and things & ~other.things == 0 and other.halves & ~halves == 0:
+        if (
+            value >= other.value
+            and items & ~other.items == 0
+            and other.partial_items & ~partial_items == 0
+        ):
             if before == NONE:
                 labels.first[place] = following
             else:
@@ -348,7 +364,7 @@ def _keep(labels: Labels, place: int, value: float, things: int, halves: int, la
         new = labels.use[_SLOTS]
         labels.use[_SLOTS] += 1
     made = label[new]
-    made.value, made.things, made.halves, made.last = value, things, halves, last
+    made.value, made.items, made.partial_items, made.last = value, items, partial_items, last
     made.next = labels.first[place]
     labels.first[place] = new
     return int(new)

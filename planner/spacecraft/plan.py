@@ -1,4 +1,4 @@
-"""Plans an imaging session: candidates, choice and turns, gimbals, verification, simulation."""
+"""Plans an imaging session: candidates, choice and slews, gimbals, verification, simulation."""
 
 from collections.abc import Callable
 from contextlib import suppress
@@ -27,11 +27,11 @@ from planner.spacecraft.flight.stabilisation import (
     window_steadiness,
 )
 from planner.spacecraft.imaging.alternatives import refusal_with_alternative
-from planner.spacecraft.imaging.choice_with_turns import choose_and_turn, options_of
+from planner.spacecraft.imaging.choice_with_slews import choose_and_slew, options_of
 from planner.spacecraft.imaging.choose import Choice
 from planner.spacecraft.imaging.left_out import LeftOut
 from planner.spacecraft.imaging.session import ImagingSession, make_session
-from planner.spacecraft.imaging.timeline import PlannedTurn, Timeline
+from planner.spacecraft.imaging.timeline import PlannedSlew, Timeline
 from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.table import AttitudeTable, camera_on
 from planner.spacecraft.vehicle.gimbals import gimbal_rows, total_momentum_eci
@@ -62,12 +62,12 @@ def _nobody(stage: str, done: int, of: int) -> None:
 class ImagingPlan(SessionTable):
     """The plan of a session.
 
-    turns: each beside its eigenaxis baselines.  choice: worth and bound of what was chosen
-    (against the turn times as estimated).  stabilisation: of the dispersed closed-loop runs.
+    slews: each beside its eigenaxis baselines.  choice: worth and bound of what was chosen
+    (against the slew times as estimated).  stabilisation: of the dispersed closed-loop runs.
     assumptions: values assumed because the paper doesn't give them.
     """
 
-    turns: tuple[PlannedTurn, ...]
+    slews: tuple[PlannedSlew, ...]
     choice: Choice
     left_out: tuple[LeftOut, ...]
     verification: SpacecraftVerification
@@ -122,8 +122,8 @@ def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, gentler: bool = T
     tell("candidates", 0, 1)
     session = make_session(request)
     options, unseen = options_of(session)
-    tell("choice and turns", 0, 1)
-    chosen = choose_and_turn(session, options, gentler=gentler)
+    tell("choice and slews", 0, 1)
+    chosen = choose_and_slew(session, options, gentler=gentler)
     timeline, warnings = chosen.timeline, chosen.warnings
     tell("gimbals", 0, 1)
     table = make_table(session, timeline)
@@ -141,7 +141,7 @@ def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, gentler: bool = T
     return ImagingPlan(
         request=request,
         table=table,
-        turns=timeline.turns,
+        slews=timeline.slews,
         choice=chosen.choice,
         left_out=(*unseen, *chosen.left_out),
         verification=verification,

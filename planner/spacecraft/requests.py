@@ -16,7 +16,7 @@ from planner.spacecraft.vehicle.definition import (
     SWATH_M,
     AgileSpacecraft,
     SlewLimits,
-    TurnObjective,
+    SlewObjective,
 )
 from planner.world.frames.time_scales import elapsed_s, utc_text
 from planner.world.orbits import Orbit
@@ -135,11 +135,11 @@ Request = Annotated[
 class SpacecraftSettings:
     """Settings of the spacecraft that a session may change; the rest is its definition.
 
-    rate_axis_max_deg_s: of each body axis in turns (the gyro reads 1.6).
-    torque_max_n_m: in turns; four gyros give 30 in every direction whatever they store.
-    torque_rate_max_n_m_s: in turns; the gyros can change their torque once in a control cycle of
+    rate_axis_max_deg_s: of each body axis in slews (the gyro reads 1.6).
+    torque_max_n_m: in slews; four gyros give 30 in every direction whatever they store.
+    torque_rate_max_n_m_s: in slews; the gyros can change their torque once in a control cycle of
     0.2 s.
-    settle_s: between the end of a turn and imaging, on the profile already.
+    settle_s: between the end of a slew and imaging, on the profile already.
     reversible_scan: the detector scans in both senses.
     swath_m: ground width imaged at nadir.
     across_max_deg: farthest the camera looks to the side of the track.
@@ -192,7 +192,7 @@ class ImagingPlanRequest:
     initial_q_body_from_eci_xyzw: attitude at rest at the start, scalar last, as SciPy's `Rotation`
     that carries ECI onto body axes; orbital orientation unless given. E.g. `[0.0, 0.0, 0.0, 1.0]`.
     requests: the requests to be imaged; those that don't fit are left out.
-    objective: of turns: `smooth` spends the least torque rate in the time there is, `minimum_time`
+    objective: of slews: `smooth` spends the least torque rate in the time there is, `minimum_time`
     is as fast as the limits allow.
     simulation_runs: dispersed closed-loop runs behind the stabilisation report.
     seed: of the dispersions; the same gives the same runs.
@@ -206,7 +206,7 @@ class ImagingPlanRequest:
     stop: datetime
     initial_q_body_from_eci_xyzw: tuple[UnitPart, UnitPart, UnitPart, UnitPart] | None = None
     requests: tuple[Request, ...]
-    objective: TurnObjective = "smooth"
+    objective: SlewObjective = "smooth"
     simulation_runs: Annotated[int, Within(0, 100)] = 4
     seed: Annotated[int, Within(0, 2**32 - 1)] = 0
 

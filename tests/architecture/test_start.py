@@ -32,7 +32,7 @@ LOADED_BY_WORK = {
     "planner.inflight.telemetry.compare": "compares",
     "planner.output.view.view": "looks at plans",
     "estimator.pipeline": "measures",
-    "app.work.warm": "is the children's",
+    "app.work.preload": "is the children's",
 }
 
 
@@ -59,7 +59,7 @@ def test_all_that_work_needs_is_loaded_before_children_are_forked() -> None:
         [
             sys.executable,
             "-c",
-            "import app.work.warm, json, sys; print(json.dumps([*sys.modules]))",
+            "import app.work.preload, json, sys; print(json.dumps([*sys.modules]))",
         ],
         check=True,
         capture_output=True,

@@ -9,7 +9,7 @@ from pathlib import Path
 import uvicorn
 from packaging.requirements import Requirement
 
-from app.http.door import protocol
+from app.http.admission import protocol
 from app.http.serving import server
 from app.settings import Settings
 

@@ -4,7 +4,12 @@ import json
 import zlib
 from dataclasses import dataclass
 
-from app.http.door.request_form import HEAD_BYTES_MAX, HEADERS_MAX, PATH_BYTES_MAX, QUERY_BYTES_MAX
+from app.http.admission.request_form import (
+    HEAD_BYTES_MAX,
+    HEADERS_MAX,
+    PATH_BYTES_MAX,
+    QUERY_BYTES_MAX,
+)
 from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
 from app.requests.examples.plan import LAS_VEGAS
 from app.settings import Settings

@@ -116,7 +116,7 @@ def test_a_refusal_lists_what_each_way_out_costs_and_every_field_at_fault(client
     sequence["sessions"][1]["start"] = sequence["sessions"][0]["stop"]
     with pytest.raises(slewtrack.Refused) as refused:
         client.plan(sequence)
-    offer = refused.value.problem.give_up[0]
+    offer = refused.value.problem.relaxations[0]
     client.check(sequence | {"on_conflict": offer.on_conflict})
     with pytest.raises(slewtrack.Refused) as refused:
         client.plan(LAS_VEGAS | {"platform": "hubble", "nmae": "x"})

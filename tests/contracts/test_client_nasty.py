@@ -121,7 +121,7 @@ BODIES = {
     "refused": json.dumps(JOB | {"state": "refused", "problem": {"status": "text", "field": [1]}}),
     "running": json.dumps(JOB | {"state": "running"}),
     "a problem": json.dumps({"type": 5, "status": "text", "detail": {"a": 1}, "field": 9}),
-    "a problem with lists": json.dumps({"errors": [1], "give_up": 7, "costs_sessions": 1.5}),
+    "a problem with lists": json.dumps({"errors": [1], "relaxations": 7, "costs_sessions": 1.5}),
     "events": "event: state\ndata: {}\n\n" * 9,
     "deep events": f"event: progress\ndata: {'[' * DEEP}\n\n",
 }

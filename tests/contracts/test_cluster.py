@@ -21,9 +21,9 @@ from app.jobs.child import Bounds, TooDemanding
 from app.jobs.dask_address import check_scheduler
 from app.jobs.dask_executor import DaskExecutor
 from app.jobs.dask_worker import SLOT
-from app.jobs.disposable import ChildDied, ChildFailed, Stop, Stopped
 from app.jobs.executors import Task
 from app.jobs.kinds import RUNS
+from app.jobs.worker_process import ChildDied, ChildFailed, Stop, Stopped
 from app.requests.examples.plan import LAS_VEGAS
 from app.work.flights import PlanToFly, fly_part
 from app.work.plan import plan_and_pack

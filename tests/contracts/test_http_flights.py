@@ -10,8 +10,8 @@ from waiting import PatientClient, eventually
 
 import slewtrack
 from app.http.app import create_app
+from app.jobs.job_completion import settle
 from app.jobs.kinds import FLIGHTS, JOB_KINDS, RUNS
-from app.jobs.settling import settle
 from app.requests.examples.plan import LAS_VEGAS
 from app.requests.plan import read_plan_request
 from app.settings import Settings
@@ -21,7 +21,7 @@ from planner.base.errors import Unreachable
 from planner.inflight.flights.pipeline import fly_plan
 from planner.planning.sessions.pipeline import make_plan
 
-ASKED = {"runs": 6, "seed": 3, "mover": {"speed_m_s": 20.8}}
+ASKED = {"runs": 6, "seed": 3, "moving_object": {"speed_m_s": 20.8}}
 LATER = {"Prefer": "respond-async"}
 NOBODY = "01a203fd-cbae-73f8-8276-319f76b8842c"
 STILL = {"kind": "constant_rate", "angle_deg": 0.0, "rate_deg_s": 0.0}
@@ -56,7 +56,7 @@ def test_what_is_pinned_is_told(flown, plan_id):
     assert session["probability_sharp"] <= session["probability_in_frame"]
     nominal = session["nominal"]
     assert nominal["held"] == nominal["frames"] == len(nominal["t_s"]) == 270
-    assert nominal["mover_ground_m"] == pytest.approx(208.0)
+    assert nominal["moving_object_ground_m"] == pytest.approx(208.0)
     assert sum(session["misses"]["counts"]) + session["misses"]["beyond"] == 6
 
 
@@ -138,7 +138,7 @@ def test_the_same_key_flies_once(client, plan_id):
         ({"runs": 10**6}, "runs"),
         ({"seed": -1}, "seed"),
         ({"runs": 20_000}, "runs"),  # 200 s of flight each
-        ({"mover": {"speed_m_s": -1.0}}, "mover.speed_m_s"),
+        ({"moving_object": {"speed_m_s": -1.0}}, "moving_object.speed_m_s"),
         ({"flights": 3}, "flights"),
     ],
 )

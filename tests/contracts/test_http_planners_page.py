@@ -7,8 +7,8 @@ import pytest
 from fastapi.testclient import TestClient
 
 from app.http import planners_page
+from app.http.admission.access import PAGE_ROOMS
 from app.http.app import create_app
-from app.http.door.access import PAGE_ROOMS
 from app.settings import Settings
 
 _PUBLISHED = re.findall(

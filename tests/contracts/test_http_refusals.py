@@ -83,9 +83,9 @@ def test_a_refused_sequence_says_what_each_session_would_give_up(client):
     problem = post(client, json.dumps(document)).json()
     assert problem["type"] == "urn:slewtrack:problem:infeasible-slew"
     assert problem["field"] == "sessions.1.start"
-    modes = {offer["on_conflict"] for offer in problem["give_up"]}
+    modes = {offer["on_conflict"] for offer in problem["relaxations"]}
     assert modes == {"shorten_later", "shorten_earlier", "least_loss"}
-    for offer in problem["give_up"]:
+    for offer in problem["relaxations"]:
         document["on_conflict"] = offer["on_conflict"]
         flown = post(client, json.dumps(document)).json()["pointing"][offer["session"]]
         asked = document["sessions"][offer["session"]]

@@ -50,11 +50,11 @@ def test_it_is_steady_while_imaging(plan):
         assert window["spare_s"] > 0.0
 
 
-def test_turns_stand_beside_their_baselines(plan):
-    assert [turn["onto"] for turn in plan["turns"]] == [0, 1, 2, 3, 4, 5, 6, 7, None]
-    for turn in plan["turns"]:
-        assert turn["bang_coast_bang_s"] <= turn["eigenaxis_s"]
-        assert turn["time_from"] is None  # all the time there is
+def test_slews_stand_beside_their_baselines(plan):
+    assert [slew["onto"] for slew in plan["slews"]] == [0, 1, 2, 3, 4, 5, 6, 7, None]
+    for slew in plan["slews"]:
+        assert slew["bang_coast_bang_s"] <= slew["eigenaxis_s"]
+        assert slew["time_from"] is None  # all the time there is
 
 
 def test_rows_begin_in_orbital_orientation(plan):
@@ -65,13 +65,13 @@ def test_rows_begin_in_orbital_orientation(plan):
 
 
 def test_rates_are_those_of_the_attitude(plan):
-    """SciPy's finite turns over 0.4 s: a jerk makes 0.2^2/6 of it; torque rate over inertia."""
+    """SciPy's finite rotations over 0.4 s: a jerk makes 0.2^2/6 of it; torque rate over inertia."""
     table = plan["table"]
     body_from_eci = Rotation.from_quat(table["q_body_from_eci_xyzw"])
     eci_from_body = body_from_eci.inv()
     turned = (eci_from_body[:-2].inv() * eci_from_body[2:]).as_rotvec(degrees=True) / 0.4
     omega = np.array(table["omega_body_deg_s"])[1:-1]
-    fastest_n_m_s = max(turn["torque_rate_peak_n_m_s"] for turn in plan["turns"])
+    fastest_n_m_s = max(slew["torque_rate_peak_n_m_s"] for slew in plan["slews"])
     jerk_deg_s3 = np.degrees(fastest_n_m_s / 500.0)  # the least moment of inertia
     np.testing.assert_allclose(turned, omega, atol=jerk_deg_s3 * 0.2**2 / 6.0)
     # Rates are held between rows: the next row's angle, at the table's nine digits.
@@ -106,9 +106,9 @@ def test_the_worked_geojson_is_planned(files):
     assert plan["table"]["t_s"][-1] == 300.0
 
 
-def test_a_turn_in_least_time_says_what_found_it(client):
+def test_a_slew_in_least_time_says_what_found_it(client):
     answer = client.post(PLANS, json={**STRIP, "simulation_runs": 0}).json()
-    assert {turn["time_from"] for turn in answer["turns"]} <= {"ocp", "eigenaxis"}
+    assert {slew["time_from"] for slew in answer["slews"]} <= {"ocp", "eigenaxis"}
 
 
 def test_csv_is_the_table(files):

@@ -10,12 +10,12 @@ from databases import own_settings
 from fastapi.testclient import TestClient
 from starlette.exceptions import HTTPException
 
+from app.http.admission import key_lookup
+from app.http.admission.access import Access, Caller
+from app.http.admission.gate import Gate
+from app.http.admission.key_lookup import KeyLookup
+from app.http.admission.limits import CALLERS_KEPT, ConcurrencyLimit, RateLimit, network_of
 from app.http.app import create_app
-from app.http.door import key_ring
-from app.http.door.access import Access, Caller
-from app.http.door.gate import Gate
-from app.http.door.key_ring import KeyRing
-from app.http.door.limits import CALLERS_KEPT, ConcurrencyLimit, RateLimit, network_of
 from app.http.metrics import Metrics
 from app.requests.json_reader import DEPTH_MAX, VALUES_MAX, beyond_bounds
 from app.requests.plan import read_plan_request
@@ -159,7 +159,7 @@ def test_wrong_keys_cost_no_more_than_their_share_of_look_ups():
         looked.append("all")
         return frozenset(good)
 
-    ring = KeyRing(find_key, list_digests, clock)
+    ring = KeyLookup(find_key, list_digests, clock)
     access = Access(ring, require_keys=True, hosts=(), failures_per_minute=5, clock_s=clock)
 
     async def asked(sought: str) -> int:
@@ -177,7 +177,7 @@ def test_wrong_keys_cost_no_more_than_their_share_of_look_ups():
         assert len(looked) == 5 + 1
         good.add(digest(secret))
         assert await asked(secret) == 429  # made within the second
-        clock.now_s += key_ring.LIST_AGE_MAX_S
+        clock.now_s += key_lookup.LIST_AGE_MAX_S
         assert await asked(secret) == 200
         assert looked[-2:] == ["all", secret]
 

@@ -19,12 +19,12 @@ from app.cli.service import RefusedThere
 from app.http.app import create_app
 from app.http.routes.opportunities import OPPORTUNITIES
 from app.jobs.child import Bounds
-from app.jobs.disposable import run_disposable
 from app.jobs.kinds import JOB_KINDS, PLAN
+from app.jobs.worker_process import run_in_worker
 from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
-from planner.base.errors import FieldError, GiveUp, InvalidRequest, Refusal
-from planner.spacecraft.imaging.choice_with_turns import LooksTooClose
-from planner.spacecraft.turns.turn_choice import GyrosTooFull, TurnNeedsTime
+from planner.base.errors import FieldError, InvalidRequest, Refusal, Relaxation
+from planner.spacecraft.imaging.choice_with_slews import LooksTooClose
+from planner.spacecraft.slews.slew_choice import GyrosTooFull, SlewNeedsTime
 from slewtrack import problems
 
 BOUNDS = Bounds(deadline_s=120.0, memory_mib=200)
@@ -38,8 +38,8 @@ TOLD = {
     "earliest_feasible_start_utc": LEAP_UTC,
     "feasible_stop_utc": LEAP_UTC,
     "costs_sessions": (1, 3),
-    "give_up": (
-        GiveUp(on_conflict="shorten_later", session=1, start_later_s=12.4, stop_earlier_s=0.5),
+    "relaxations": (
+        Relaxation(on_conflict="shorten_later", session=1, start_later_s=12.4, stop_earlier_s=0.5),
     ),
 }
 # Those whose first arguments are others than a Refusal's.
@@ -49,7 +49,7 @@ MADE_FROM = {
         FieldError(field="name", detail="is too long", value=True),
     ),
     RefusedThere: (problems.problem_of({"status": 503, "detail": "is busy", "field": "name"}),),
-    TurnNeedsTime: (0.5, 30.0, 12.5),
+    SlewNeedsTime: (0.5, 30.0, 12.5),
     GyrosTooFull: (200.0, 150.0),
     LooksTooClose: (1, 20.0, 15.0, 12.5),
 }
@@ -92,7 +92,7 @@ def test_every_refusal_survives_its_way(kind):
 def test_every_refusal_comes_out_of_a_child_whole(kind):
     went = whole(kind)
     with pytest.raises(kind) as caught:
-        run_disposable(BOUNDS, refuse_by, went)
+        run_in_worker(BOUNDS, refuse_by, went)
     assert_same(caught.value, went)
 
 

@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 from waiting import eventually
 
 from app.cli import main
-from app.http.door.connections import connections_to_cut, to_give_way
+from app.http.admission.connections import connections_to_cut, to_give_way
 
 CONNECTIONS = 40
 PIPELINE = 20 * head("GET /openapi.json HTTP/1.1")

@@ -24,10 +24,10 @@ from app.store.columns import PlainString
 from app.store.database import open_database
 from app.store.ids import is_id, new_id
 from app.store.keys import KeyStore
+from app.store.list_filter import ListFilter
 from app.store.migrate import open_migrated, upgrade
 from app.store.models import JobRow, PlanRow
 from app.store.packed import PackedColumns, pack, unpack
-from app.store.sought import Sought
 from app.store.unavailable import StoreDamaged, StoreUnavailable
 from planner.base.errors import InvalidInput
 
@@ -345,8 +345,10 @@ def test_any_text_can_be_stored_and_looked_for(database, tmp_path, name):
     job_id, _ = accepted(database, tmp_path, name=name)
     with database.writing() as connection:
         audit.record(connection, key_id=None, action="x", subject=job_id, detail=name)
-        for sought in (Sought(name=name), Sought(text=name)):
-            assert [job.id for job in jobs.latest(connection, "note", 9, sought=sought)] == [job_id]
+        for list_filter in (ListFilter(name=name), ListFilter(text=name)):
+            assert [
+                job.id for job in jobs.latest(connection, "note", 9, list_filter=list_filter)
+            ] == [job_id]
     KeyStore(database).create(name, ["read"])
 
 

@@ -78,7 +78,7 @@ def test_json_holds_the_problem_of_a_refusal(conflict, tmp_path, to_file):
     refused = run("plan", conflict, "--json", path)
     problem = json.loads(Path(path).read_text() if to_file else refused.stdout)
     assert problem["type"] == "urn:slewtrack:problem:infeasible-slew"
-    assert {offer["on_conflict"] for offer in problem["give_up"]} == {
+    assert {offer["on_conflict"] for offer in problem["relaxations"]} == {
         "shorten_later", "shorten_earlier", "least_loss",
     }  # fmt: skip
 

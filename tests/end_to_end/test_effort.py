@@ -252,7 +252,7 @@ def test_advice_that_is_followed_plans():
                 one for other, one in enumerate(sessions) if other not in refusal.costs_sessions
             ]
             assert make_plan(replace(asked, sessions=tuple(kept))).verification.passed
-        for mode in {offer.on_conflict for offer in getattr(refusal, "give_up", ())}:
+        for mode in {offer.on_conflict for offer in getattr(refusal, "relaxations", ())}:
             assert make_plan(replace(asked, on_conflict=mode)).verification.passed
     assert advised >= 12
 

@@ -329,7 +329,7 @@ def test_a_star_is_held_without_metres():
     )
     [scene] = session_scenes(made)
     shown = nominal_session(scene, as_commanded, None)
-    assert shown.error_m is shown.ground_sample_across_m is shown.mover_px is None
+    assert shown.error_m is shown.ground_sample_across_m is shown.moving_object_px is None
     assert shown.held == shown.frames == 90
     flown = summarise(fly_runs([scene], as_commanded, 1, 0, 40))
     assert flown.sessions[0].miss_m is None

@@ -20,7 +20,7 @@ def fly(*words):
 def told(tmp_path_factory):
     folder = tmp_path_factory.mktemp("fly")
     answer, picture = folder / "told.json", folder / "flights.png"
-    car = ("--mover-m-s", 75.0 / 3.6, "--course-deg", 90.0)
+    car = ("--moving_object-m-s", 75.0 / 3.6, "--course-deg", 90.0)
     result = fly("--runs", 4, "--seed", 2, *car, "--json", answer, "--plot", picture)
     assert result.exit_code == 0, result.stderr
     assert "4 flights (seed 2)" in result.stdout
@@ -34,11 +34,13 @@ def test_here(told):
     assert (told["runs"], told["flown"], told["seed"]) == (4, 4, 2)
     nominal = told["sessions"][0]["nominal"]
     assert nominal["frames"] == 270
-    assert nominal["mover_ground_m"] == pytest.approx(208.0, abs=0.5)  # a car at 75 km/h, in 10 s
+    assert nominal["moving_object_ground_m"] == pytest.approx(
+        208.0, abs=0.5
+    )  # a car at 75 km/h, in 10 s
     # Across the lean of the line of sight a pixel is narrowest, along it longest.
     sizes = zip(
         nominal["ground_sample_across_m"],
-        nominal["mover_px"],
+        nominal["moving_object_px"],
         nominal["ground_sample_along_m"],
         strict=True,
     )
@@ -64,7 +66,7 @@ def test_a_service_flies_the_same(told, tmp_path):
         (("--runs", 1), "runs"),
         (("--seed", -1), "seed"),
         (("--plot", "flights.gif"), "--plot"),
-        (("--mover-m-s", 1e6), "mover.speed_m_s"),
+        (("--moving_object-m-s", 1e6), "moving_object.speed_m_s"),
     ],
 )
 def test_refusals_are_one_line(words, named):

@@ -8,7 +8,7 @@ from scenarios import LAS_VEGAS, STILL, scenario, session
 
 from planner.inflight.flights.drives import flown_by
 from planner.inflight.flights.nominal import nominal_session
-from planner.inflight.flights.request import Mover
+from planner.inflight.flights.request import MovingObject
 from planner.inflight.flights.runs import fly_runs
 from planner.inflight.flights.scene import session_scenes
 from planner.inflight.flights.summary import summarise
@@ -37,7 +37,7 @@ def found(plan, **changes):
     flown = replace(plan, scenario=replace(plan.scenario, **changes))
     [scene] = session_scenes(flown)
     fly = flown_by(flown.scenario.platform)
-    shown = nominal_session(scene, fly, Mover(speed_m_s=20.0))
+    shown = nominal_session(scene, fly, MovingObject(speed_m_s=20.0))
     return shown, summarise(fly_runs([scene], fly, 1, 0, 4))
 
 

@@ -11,8 +11,13 @@ from fastapi.testclient import TestClient
 from live_service import ROOT, SLEWTRACK, live_service
 from pydantic_core import PydanticUndefined
 
+from app.http.admission.request_form import (
+    HEAD_BYTES_MAX,
+    HEADERS_MAX,
+    PATH_BYTES_MAX,
+    QUERY_BYTES_MAX,
+)
 from app.http.app import create_app
-from app.http.door.request_form import HEAD_BYTES_MAX, HEADERS_MAX, PATH_BYTES_MAX, QUERY_BYTES_MAX
 from app.requests.json_reader import DEPTH_MAX, OBJECTS_MAX, VALUES_MAX
 from app.settings import Settings
 

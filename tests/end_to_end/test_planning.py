@@ -114,7 +114,7 @@ def test_a_tight_sequence_is_refused_with_what_each_session_would_give_up():
     with pytest.raises(InfeasibleSlew) as refused:
         make_plan(asked)
     assert refused.value.field == "sessions.1.start"
-    offers = {(offer.on_conflict, offer.session): offer for offer in refused.value.give_up}
+    offers = {(offer.on_conflict, offer.session): offer for offer in refused.value.relaxations}
     assert {mode for mode, _ in offers} == {"shorten_later", "shorten_earlier", "least_loss"}
     # All three sessions are to be flown: what the first slew needs, and the second.
     assert {offers["shorten_later", k].start_later_s > 0.0 for k in (1, 2)} == {True}
@@ -166,7 +166,7 @@ def test_a_session_that_would_lose_everything_is_refused_with_the_reason(first, 
     with pytest.raises(InfeasibleSlew, match=f'"{mode}" finds no slew that leaves') as refused:
         make_plan(scenario(*sessions, on_conflict=mode))
     assert refused.value.field == "sessions.1.start"
-    assert mode not in {offer.on_conflict for offer in refused.value.give_up}
+    assert mode not in {offer.on_conflict for offer in refused.value.relaxations}
 
 
 def test_before_the_first_session_there_is_nothing_to_shorten():
@@ -174,17 +174,17 @@ def test_before_the_first_session_there_is_nothing_to_shorten():
     with pytest.raises(InfeasibleSlew) as refused:
         make_plan(asked)
     assert replanned(asked, refused.value).verification.passed
-    assert "shorten_earlier" not in {offer.on_conflict for offer in refused.value.give_up}
+    assert "shorten_earlier" not in {offer.on_conflict for offer in refused.value.relaxations}
 
 
 def test_what_a_refused_sequence_offers_is_what_planning_so_loses():
     with pytest.raises(InfeasibleSlew) as refused:
         make_plan(scenario(*TIGHT[:2]))
-    for offer in refused.value.give_up:
+    for offer in refused.value.relaxations:
         asked = scenario(*TIGHT[:2], on_conflict=offer.on_conflict)
         offered_s = sum(
             other.start_later_s + other.stop_earlier_s
-            for other in refused.value.give_up
+            for other in refused.value.relaxations
             if other.on_conflict == offer.on_conflict
         )
         assert lost_s(asked, make_plan(asked)) == pytest.approx(offered_s, abs=1e-6)

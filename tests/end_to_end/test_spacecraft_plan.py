@@ -94,10 +94,10 @@ def test_limits_hold_between_rows(plan):
 
 
 def test_every_turn_stands_beside_its_baselines(plan):
-    assert len(plan.turns) == 9
-    for turn in plan.turns:
-        assert turn.comparison.duration_s >= 0.95 * turn.comparison.eigenaxis_s
-        assert turn.comparison.method in ("ocp", "eigenaxis")
+    assert len(plan.slews) == 9
+    for slew in plan.slews:
+        assert slew.comparison.duration_s >= 0.95 * slew.comparison.eigenaxis_s
+        assert slew.comparison.method in ("ocp", "eigenaxis")
 
 
 def tampered(plan, **changes):

@@ -14,8 +14,8 @@ from scipy_boresight import scipy_boresight
 
 from planner.base.commands import CommandTable
 from planner.base.errors import TrackBreaksLimit, Unreachable
-from planner.planning.sessions.holding import session_rows, sight
 from planner.planning.sessions.pipeline import make_plan
+from planner.planning.sessions.track_branches import session_rows, sight
 from planner.verification import verify
 from planner.world.attitude import AttitudeUncertainty
 from planner.world.platforms import ISS_HRC

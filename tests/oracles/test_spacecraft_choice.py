@@ -11,10 +11,10 @@ from scipy.spatial.transform import Rotation
 from planner.spacecraft.imaging.candidates import Candidate
 from planner.spacecraft.imaging.choose import choose
 from planner.spacecraft.imaging.ground_arc import GroundArc
-from planner.spacecraft.turns.turn_time import MovingEnds, turn_time
+from planner.spacecraft.slews.slew_time import MovingEnds, slew_time
 from planner.spacecraft.vehicle.definition import AGILE_CMG
 
-TIME = turn_time(AGILE_CMG)
+TIME = slew_time(AGILE_CMG)
 
 
 def candidate(request, part, start_s, pitch_rad, rate_rad_s=0.0):
@@ -87,7 +87,7 @@ def test_a_pair_that_needs_more_time_gets_it():
 @pytest.mark.parametrize("angle_deg", [4.0, 20.0, 45.0])
 def test_estimated_turn_times_are_a_little_above_the_least_ones(angle_deg, rates_deg_s):
     """About one axis Ruckig's jerk-limited time is the least; 0.8 s are allowed for rates aside,
-    3 % for turns without corners, and one tick is lost by rounding."""
+    3 % for slews without corners, and one tick is lost by rounding."""
     rates = [np.array([0.0, 0.0, math.radians(rate)]) for rate in rates_deg_s]
     ends = [Rotation.identity(), Rotation.from_rotvec([0.0, 0.0, math.radians(angle_deg)])]
     moving = [

@@ -7,7 +7,7 @@ import pytest
 from browsing import PHONE, ROOT, violations
 from playwright.sync_api import expect
 
-from app.http.door.access import PAGE_ROOMS
+from app.http.admission.access import PAGE_ROOMS
 
 ROOMS = re.findall(r'path: "(/[^":]*)"', (ROOT / "web/src/rooms.ts").read_text())
 

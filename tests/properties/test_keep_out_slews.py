@@ -8,9 +8,9 @@ import pytest
 from keep_out_cases import LIMITS, away_rad, draw_cases, hermite
 
 from planner.base.errors import InfeasibleSlew
-from planner.motion.detour.barrier import OPTIONS as BARRIER_OPTIONS
-from planner.motion.detour.barrier import is_barred
 from planner.motion.detour.detour import avoid_cones
+from planner.motion.detour.infeasibility_proof import OPTIONS as PROOF_OPTIONS
+from planner.motion.detour.infeasibility_proof import is_unreachable
 from planner.motion.pointing.keep_out import KeepOutView, MovingCone
 from planner.motion.slew import AxisState, SlewProblem, optimal_slew
 from planner.motion.slew.solution import obeys
@@ -47,8 +47,8 @@ def test_detour_keeps_out_of_the_cone_and_within_the_limits(number):
             np.testing.assert_allclose(values[row], wanted, rtol=0, atol=1e-8)  # 2 mas
     assert solution.jerk_squared_integral >= case.straight.jerk_squared_integral
     # What was flown is possible: the proof of the contrary must not find it otherwise.
-    assert not is_barred(
-        case.problem, case.problem.keep_out, solution.duration_s, BARRIER_OPTIONS.cells_rad
+    assert not is_unreachable(
+        case.problem, case.problem.keep_out, solution.duration_s, PROOF_OPTIONS.cells_rad
     )
 
 

@@ -11,9 +11,12 @@ from mask_shapes import boom, inside, mask_corners, sampled_away_rad, star
 from scipy_boresight import scipy_boresight
 
 from planner.base.errors import InfeasibleSlew
-from planner.motion.detour.barrier import OPTIONS as BARRIER_OPTIONS
-from planner.motion.detour.barrier import MasksOverCells, is_barred
 from planner.motion.detour.detour import avoid_cones
+from planner.motion.detour.infeasibility_proof import OPTIONS as PROOF_OPTIONS
+from planner.motion.detour.infeasibility_proof import (
+    MasksOverCells,
+    is_unreachable,
+)
 from planner.motion.pointing.keep_out import KeepOutView
 from planner.motion.slew import AxisState, SlewProblem, optimal_slew
 from planner.motion.slew.solution import obeys
@@ -53,8 +56,8 @@ def test_what_is_flown_never_enters_a_mask(number):
         ends = (case.problem.start[axis], case.problem.end[axis])
         assert obeys(profile, *ends, case.problem.limits[axis])
     # What was flown is possible: the proof of the contrary must not find it otherwise.
-    assert not is_barred(
-        case.problem, case.problem.keep_out, solution.duration_s, BARRIER_OPTIONS.cells_rad
+    assert not is_unreachable(
+        case.problem, case.problem.keep_out, solution.duration_s, PROOF_OPTIONS.cells_rad
     )
 
 
@@ -108,7 +111,7 @@ def test_masks_that_cut_the_angles_in_two_are_proven_to():
         avoid_cones(optimal_slew(problem, on_rows=True))
 
 
-@pytest.mark.parametrize("cell_rad", [*BARRIER_OPTIONS.cells_rad, *BARRIER_OPTIONS.fine_cells_rad])
+@pytest.mark.parametrize("cell_rad", [*PROOF_OPTIONS.cells_rad, *PROOF_OPTIONS.fine_cells_rad])
 def test_cells_called_inside_are_inside_all_over(cell_rad):
     rng = np.random.default_rng(4)
     for _ in range(5):

@@ -59,10 +59,10 @@ def test_no_earlier_row_can_be_joined(track, start, start_s):
     earlier = [k / 5.0 for k in range(first, row) if feasible(track, start, start_s, k / 5.0)]
     # A continuous slew may exist a row or two before one that rows can carry.
     assert len(earlier) <= 2
-    end = join.led.slew.motion(np.array([join.t_s - start_s]))
+    end = join.timed.slew.motion(np.array([join.t_s - start_s]))
     for order, wanted in enumerate(track.motion(np.array([join.t_s]))):
         np.testing.assert_allclose(end[order], wanted, rtol=0, atol=1e-8)
-    assert join.led.slew.violations == ()
+    assert join.timed.slew.violations == ()
 
 
 def test_track_out_of_reach_in_time_has_no_join():

@@ -11,7 +11,7 @@ from planner.inflight.flights.drives import flown_by
 from planner.inflight.flights.nominal import nominal_session
 from planner.inflight.flights.outcomes import RunOutcomes
 from planner.inflight.flights.proportion import Proportion
-from planner.inflight.flights.request import Mover
+from planner.inflight.flights.request import MovingObject
 from planner.inflight.flights.scene import session_scenes
 from planner.planning.sessions.pipeline import make_plan
 from planner.world.attitude import LvlhAttitude
@@ -22,7 +22,7 @@ from planner.world.targets import GroundTarget
 
 OVERHEAD = datetime(2015, 5, 20, 15, 0, tzinfo=UTC)
 EARTH_KM, HEIGHT_KM = 6378.137, 350.0
-CAR = Mover(speed_m_s=75.0 / 3.6, course_deg=90.0, interval_s=10.0)
+CAR = MovingObject(speed_m_s=75.0 / 3.6, course_deg=90.0, interval_s=10.0)
 
 
 @pytest.fixture(scope="module")
@@ -61,9 +61,11 @@ def test_a_pixel_is_1_15_m_from_350_km(pass_at_350_km):
 
 def test_a_car_at_75_km_h_moves_by_208_m_and_181_pixels_in_10_s(pass_at_350_km):
     """The Boston series of May 2015, four frames 10 s apart."""
-    assert pass_at_350_km.mover_ground_m == pytest.approx(208.0, abs=0.5)  # printed to a metre
+    assert pass_at_350_km.moving_object_ground_m == pytest.approx(
+        208.0, abs=0.5
+    )  # printed to a metre
     overhead = pass_at_350_km.ground_sample_across_m.argmin()
-    assert pass_at_350_km.mover_px[overhead] == pytest.approx(181.0, rel=0.015)
+    assert pass_at_350_km.moving_object_px[overhead] == pytest.approx(181.0, rel=0.015)
 
 
 def test_three_frames_a_second_with_0_3_s_of_exposure(pass_at_350_km):

@@ -11,7 +11,7 @@ from planner.spacecraft.plan import plan_imaging
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 LONG_START_S = 400.0  # the paper's clock at row 0 of the long session
-# Turns onto the first strip and the 31 that follow, below Fig. 7.
+# Slews onto the first strip and the 31 that follow, below Fig. 7.
 COMMANDED_S = (
     600, 725, 756, 789, 821, 882, 914, 946, 979, 1040, 1071, 1104, 1136, 1197, 1229, 1261, 1294,
     1355, 1386, 1419, 1451, 1512, 1544, 1576, 1609, 1670, 1701, 1734, 1766, 1827, 1859, 1891,
@@ -38,8 +38,8 @@ def test_strip_and_stereo_pair_are_imaged_when_the_paper_images_them(strip_and_s
     plan, windows_s = strip_and_stereo
     # Figs. 4 and 6; a scan lasts whole cycles of 0.2 s.
     np.testing.assert_allclose(windows_s, [(128, 144), (338, 354), (448, 464)], atol=0.2)
-    leaving_s = {turn.window: turn.first_row / 5.0 for turn in plan.turns}
-    # The paper commands its turns there: ours need no more time.
+    leaving_s = {slew.window: slew.first_row / 5.0 for slew in plan.slews}
+    # The paper commands its slews there: ours need no more time.
     for window, commanded_s in enumerate((72.0, 252.0, 354.0)):
         assert leaving_s[window] >= commanded_s
 
@@ -52,9 +52,9 @@ def test_the_long_session_has_the_papers_moments():
     for number, shown in ((4, (866.0, 881.0)), (18, (1405.0, 1419.0))):
         np.testing.assert_allclose(clock_s[number], shown, atol=0.3)  # a cycle is 0.2 s
     np.testing.assert_allclose(np.diff(clock_s), [[15.0], *[[14.0]] * 3] * 8, atol=0.3)
-    # Each scan ends where the next turn is commanded, by 1 s at the end of an area's first strip.
+    # Each scan ends where the next slew is commanded, by 1 s at the end of an area's first strip.
     left_s = np.array(COMMANDED_S[1:]) - clock_s[:-1, 1]
     assert np.all((left_s > 0.0) & (left_s < 1.1))
-    into_orbital, onto_the_first, *_ = plan.turns
+    into_orbital, onto_the_first, *_ = plan.slews
     assert into_orbital.first_row == 0
     assert onto_the_first.first_row / 5.0 + LONG_START_S >= COMMANDED_S[0]

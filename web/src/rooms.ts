@@ -5,7 +5,7 @@ import type { Words } from "./i18n/words";
 import type { RoomProps } from "./room";
 
 export interface Room {
-  /** Its first part must be among PAGE_ROOMS in app/http/door/access.py. */
+  /** Its first part must be among PAGE_ROOMS in app/http/admission/access.py. */
   path: string;
   /** Its heading, and its name in the menu. */
   title: keyof Words["shell"]["rooms"];

@@ -10,7 +10,7 @@ from pydantic import TypeAdapter
 
 from app.answers.opportunities_geojson import FeatureCollection
 from app.answers.problem import Problem
-from app.http.door.access import PROBES, scope_needed
+from app.http.admission.access import PROBES, scope_needed
 from app.http.openapi.examples import show_examples
 from app.http.openapi.fields import describe
 from app.http.problems import PROBLEM_JSON

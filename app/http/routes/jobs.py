@@ -113,7 +113,7 @@ async def list_jobs(
             query.limit + 1,  # to know whether more come after
             before=query.cursor,
             parent_id=campaign_id,
-            sought=query.sought(),
+            list_filter=query.list_filter(),
         ),
     )
 

@@ -9,7 +9,7 @@ from pydantic import Field
 from app.answers.ranges import Count, LatitudeDeg, LongitudeDeg, Signed
 from app.http.negotiation import accepts_json
 from app.http.query import Parameters
-from planner.world.targets.completion import places_beginning, stars_beginning
+from planner.world.targets.autocomplete import places_beginning, stars_beginning
 
 router = APIRouter(tags=["platforms"], dependencies=[Depends(accepts_json)])
 

@@ -96,7 +96,7 @@ async def get_flights_of_plan(
             query.limit + 1,
             before=query.cursor,
             plan_id=plan_id,
-            sought=query.sought(),
+            list_filter=query.list_filter(),
         )
 
     return Response(flights_list_json(await read(request, reading), query.limit), media_type=JSON)

@@ -9,7 +9,7 @@ from pydantic import AfterValidator, Field, create_model
 from app.http.query import Parameters
 from app.http.routes.resources import PlanResource
 from app.store.ids import JobState, is_id
-from app.store.sought import Sought
+from app.store.list_filter import ListFilter
 from planner.base.errors import InvalidInput
 from planner.world.frames.time_scales import utc_from_text
 from planner.world.platforms import PIXELS_ARCSEC
@@ -74,9 +74,9 @@ class ListQuery(Parameters):
         "made. With `after`: all that lie in between, in part or in whole.",
     )
 
-    def sought(self) -> Sought:
+    def list_filter(self) -> ListFilter:
         """What the store looks for."""
-        return Sought(
+        return ListFilter(
             state=self.state,
             name=self.name,
             target=self.target,

@@ -17,7 +17,7 @@ _PLANS = PlanResource(
     path="/v1/spacecraft/plans",
     tag="spacecraft",
     what="an imaging session of the CMG spacecraft",
-    about="""Chooses and orders the requests that fit, plans slews between scans, and simulates the
+    about="""Chooses and orders the requests that fit, slews between scans, and simulates the
     table in closed loop.
 
     An independent verification checks every table before it is returned.  Requests that don't

@@ -11,7 +11,7 @@ FLIGHTS_EXAMPLES: dict[str, tuple[str, dict[str, Any]]] = {
         "A car at 75 km/h in a series of frames 10 s apart (Boston, May 2015)",
         {
             "runs": 20,
-            "mover": {"speed_m_s": 20.833, "course_deg": 90.0, "interval_s": 10.0},
+            "moving_object": {"speed_m_s": 20.833, "course_deg": 90.0, "interval_s": 10.0},
         },
     ),
 }

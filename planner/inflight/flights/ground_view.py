@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner.base.arrays import Array
-from planner.inflight.flights.request import Mover
+from planner.inflight.flights.request import MovingObject
 from planner.inflight.flights.scene import SessionScene
 from planner.motion.pointing.frame import places_in_frame
 from planner.planning.opportunities.ground_sample import sample_along_m
@@ -76,16 +76,16 @@ def ground_view(scene: SessionScene, t_s: Array, angle_rad: Array) -> GroundView
     )
 
 
-def shift_px(view: GroundView, mover: Mover, pixel_rad: float) -> Array:
+def shift_px(view: GroundView, moving_object: MovingObject, pixel_rad: float) -> Array:
     """How far it has moved over the ground in the image from one frame to the next, (n,).
 
     At n instants, as the view is then; NaN for a target in the sky, beside which nothing drives.
     """
     if view.scale is None:
         return np.full(len(view.north_rad), np.nan)
-    course_rad = math.radians(mover.course_deg)
+    course_rad = math.radians(moving_object.course_deg)
     way = np.array([math.sin(course_rad), math.cos(course_rad)])
-    moved = view.scale @ (mover.speed_m_s * mover.interval_s * way)
+    moved = view.scale @ (moving_object.speed_m_s * moving_object.interval_s * way)
     return np.asarray(np.linalg.norm(moved, axis=1) / pixel_rad)
 
 

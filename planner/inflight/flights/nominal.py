@@ -7,7 +7,7 @@ import numpy as np
 from planner.base.arrays import Array, Mask
 from planner.inflight.flights.frames import FARTHEST_RAD
 from planner.inflight.flights.ground_view import ground_view, shift_px
-from planner.inflight.flights.request import Mover
+from planner.inflight.flights.request import MovingObject
 from planner.inflight.flights.runs import Fly, fly_nominal
 from planner.inflight.flights.scene import SessionScene
 from planner.planning.sessions.uncertainty import OPTIONS as BUDGET_OPTIONS
@@ -25,9 +25,10 @@ class NominalSession:
     smear_px: while the shutter is open.  holds: whether the target is inside.
     north_rad: from the frame's first side towards its second.  turn_rad: the largest turn of the
     view from a frame to the next of all.  ground_sample_*_m: of a pixel; None in the sky.
-    mover_ground_m, mover_px: how far what was asked about moves from one frame of its series to the
-    next, at each frame shown; None without.  saturated_s: (2,), how long each drive gives all it
-    has.  Where a target is lost beside the camera, the view is that of the commanded angles.
+    moving_object_ground_m, moving_object_px: how far what was asked about moves from one frame of
+    its series to the next, at each frame shown; None without.  saturated_s: (2,), how long each
+    drive gives all it has.  Where a target is lost beside the camera, the view is that of the
+    commanded angles.
     """
 
     frames: int
@@ -42,12 +43,14 @@ class NominalSession:
     turn_rad: float
     ground_sample_across_m: Array | None
     ground_sample_along_m: Array | None
-    mover_ground_m: float | None
-    mover_px: Array | None
+    moving_object_ground_m: float | None
+    moving_object_px: Array | None
     saturated_s: Array
 
 
-def nominal_session(scene: SessionScene, fly: Fly, mover: Mover | None) -> NominalSession:
+def nominal_session(
+    scene: SessionScene, fly: Fly, moving_object: MovingObject | None
+) -> NominalSession:
     """Without errors of orbit, attitude and clock; the drives do what theirs do."""
     frames, range_m, angle_rad, saturated_s = fly_nominal(scene, fly)
     lost = frames.error_rad > FARTHEST_RAD
@@ -55,7 +58,7 @@ def nominal_session(scene: SessionScene, fly: Fly, mover: Mover | None) -> Nomin
     view = ground_view(scene, frames.begins_s, angle_rad)
     shown = slice(None, None, -(-len(frames.begins_s) // SHOWN_MAX))
     on_earth = bool((range_m < BUDGET_OPTIONS.range_max_m).all())
-    moves = mover is not None and view.scale is not None
+    moves = moving_object is not None and view.scale is not None
 
     def columns(numbers: Array | None) -> Array | None:
         return None if numbers is None else numbers[shown]
@@ -73,9 +76,13 @@ def nominal_session(scene: SessionScene, fly: Fly, mover: Mover | None) -> Nomin
         turn_rad=float(np.abs(np.diff(view.north_rad)).max(initial=0.0)),
         ground_sample_across_m=columns(view.ground_sample_across_m),
         ground_sample_along_m=columns(view.ground_sample_along_m),
-        mover_ground_m=mover.speed_m_s * mover.interval_s if mover and moves else None,
-        mover_px=shift_px(view, mover, scene.scenario.platform.camera.pixel_rad)[shown]
-        if mover and moves
+        moving_object_ground_m=moving_object.speed_m_s * moving_object.interval_s
+        if moving_object and moves
+        else None,
+        moving_object_px=shift_px(view, moving_object, scene.scenario.platform.camera.pixel_rad)[
+            shown
+        ]
+        if moving_object and moves
         else None,
         saturated_s=saturated_s,
     )

@@ -29,7 +29,7 @@ class Proportion:
         reach = sigma / (n + z2) * math.sqrt(n * p * (1.0 - p) + 0.25 * z2)
         return max(middle - reach, 0.0), min(middle + reach, 1.0)
 
-    def differs_from(self, told_probability: float) -> bool:
+    def differs_from(self, stated_probability: float) -> bool:
         """Whether chance hardly makes that of the probability told."""
         low, high = self.interval(SIGMAS_WARNED)
-        return not low <= told_probability <= high
+        return not low <= stated_probability <= high

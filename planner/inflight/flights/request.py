@@ -8,7 +8,7 @@ SEED_MAX = 2**32 - 1
 
 
 @spec
-class Mover:
+class MovingObject:
     """Something that moves over the ground at the target, whose shift from frame to frame counts.
 
     speed_m_s: over the ground.

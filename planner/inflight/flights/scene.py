@@ -14,7 +14,7 @@ from planner.base.rotation import Rotation
 from planner.inflight.flights.draws import Draw
 from planner.inflight.flights.errors import SessionErrors, session_errors
 from planner.inflight.flights.frames import exposures_s
-from planner.planning.sessions.holding import Rows, session_rows
+from planner.planning.sessions.track_branches import RowSpan, session_rows
 from planner.planning.sessions.uncertainty import OPTIONS as BUDGET_OPTIONS
 from planner.world.frames.time_scales import Instants, shifted_utc
 from planner.world.orbits import Ephemeris, OrbitStates
@@ -147,7 +147,7 @@ def session_scenes(plan: FlightPlan) -> list[SessionScene]:
     ]
 
 
-def _nodes(table: CommandTable, rows: Rows) -> Instants:
+def _nodes(table: CommandTable, rows: RowSpan) -> Instants:
     start_s, stop_s = rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S
     count = max(int(np.ceil((stop_s - start_s) / NODE_S)) + 1, NODES)
     return Instants(table.epoch_utc, np.linspace(start_s, stop_s, count))

@@ -29,7 +29,7 @@ _PRIOR = math.log(10.0)  # 1 sigma, a factor of ten: what a flight doesn't show 
 # along, 1 sigma of their logarithms (of viscous friction, of what moves it). The loop's damping
 # and lag stand for delays that its law has otherwise.
 _EXCESS = "breakaway_excess"  # of breakaway over Coulomb, as a share
-_LETTING_GO: Mapping[str, float] = {
+_PRESLIDING_PARAMETERS: Mapping[str, float] = {
     _EXCESS: 0.3,
     "stribeck_arcmin_s": 0.7,
     "presliding_arcsec": 1.0,
@@ -163,7 +163,10 @@ def candidates(
             [platform.axis_names.index(name.split(".")[0]) for name in starts], np.intp
         ),
         prior_parameters=np.array(
-            [_PRIOR if name in names else _LETTING_GO[name.split(".")[1]] for name in starts]
+            [
+                _PRIOR if name in names else _PRESLIDING_PARAMETERS[name.split(".")[1]]
+                for name in starts
+            ]
         ),
         clean=(replace(first, **_CLEAN), replace(second, **_CLEAN)),
     )
@@ -202,7 +205,7 @@ def _letting_go(platform: TwoAxisPlatform, names: Sequence[str]) -> dict[str, fl
     for axis, drive in zip(platform.axis_names, platform.drives, strict=True):
         if not any(f"{axis}.{field}" in names for field in FRICTION):
             continue
-        for field in _LETTING_GO:
+        for field in _PRESLIDING_PARAMETERS:
             value = _excess(drive) if field == _EXCESS else getattr(drive, field)
             known = FRICTION[1] if field == _EXCESS else field
             if (value > 0.0 or field == "viscous_per_s") and f"{axis}.{known}" not in names:

@@ -15,18 +15,18 @@ from planner.inflight.telemetry.columns import Kind
 from planner.inflight.telemetry.following import spikes_of_angles, spikes_of_rates
 from planner.inflight.telemetry.motion import PlannedMotion
 from planner.inflight.telemetry.samples import SAMPLES_MIN
-from planner.inflight.telemetry.strays import follows
+from planner.inflight.telemetry.unrelated_columns import follows
 
 _NEAR_S = 60.0  # before and after the plan
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ToldClock:
-    """astray: columns that don't follow their plan, by axis and kind, and tell nothing of it."""
+    """unrelated: columns that don't follow their plan, by axis and kind, and tell nothing of it."""
 
     alignment: Alignment
     is_spike: Mask
-    astray: tuple[tuple[int, Kind], ...]
+    unrelated: tuple[tuple[int, Kind], ...]
 
 
 def tell_clock(
@@ -54,11 +54,11 @@ def tell_clock(
         is_spike = _spikes(alignment.t_s(tag_s), angle_rad, rate_rad_s, motions)
         if not is_spike.any():
             break
-    astray = [channel for channel in channels if channel not in on_plan]
+    unrelated = [channel for channel in channels if channel not in on_plan]
     return ToldClock(
         alignment=alignment,
         is_spike=is_spike,
-        astray=tuple((channel.motion.axis, channel.kind) for channel in astray),
+        unrelated=tuple((channel.motion.axis, channel.kind) for channel in unrelated),
     )
 
 

@@ -30,11 +30,7 @@ from planner.inflight.telemetry.following import (
 )
 from planner.inflight.telemetry.motion import PlannedMotion
 from planner.inflight.telemetry.oscillations import Oscillation, oscillations, searched_hz
-from planner.inflight.telemetry.samples import SAMPLES_MIN, CleanSamples, Dropped, Samples
-from planner.inflight.telemetry.search import OFFSET_MAX_S, in_units
-from planner.inflight.telemetry.stick_slip import StickSlip, stick_slip
-from planner.inflight.telemetry.strays import follows, require_followed
-from planner.inflight.telemetry.unexplained import (
+from planner.inflight.telemetry.residual_diagnostics import (
     alternating,
     beyond_noise,
     clock_jump,
@@ -42,7 +38,11 @@ from planner.inflight.telemetry.unexplained import (
     other_scale,
     outliers_left,
 )
-from planner.inflight.telemetry.unmeasured import leave_out_unmeasured
+from planner.inflight.telemetry.samples import SAMPLES_MIN, CleanSamples, Dropped, Samples
+from planner.inflight.telemetry.search import OFFSET_MAX_S, in_units
+from planner.inflight.telemetry.stale_and_fill_values import leave_out_stale_and_fill_values
+from planner.inflight.telemetry.stick_slip import StickSlip, stick_slip
+from planner.inflight.telemetry.unrelated_columns import follows, require_followed
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.world.plan import FlightPlan
 
@@ -102,12 +102,14 @@ def compare(plan: FlightPlan, samples: Samples) -> Comparison:
     ordered = order(tag_s, np.hstack([angle_rad, rate_rad_s]))
     row, dropped = ordered.row, ordered.dropped
     values: dict[Kind, Array] = {"angle": angle_rad[row], "rate": rate_rad_s[row]}
-    notes_unmeasured = leave_out_unmeasured(values, tag_s[row] - start_s, motions, names, dropped)
+    notes_unmeasured = leave_out_stale_and_fill_values(
+        values, tag_s[row] - start_s, motions, names, dropped
+    )
     angle_rad[row], rate_rad_s[row] = values["angle"], values["rate"]
     row = row[np.isfinite(np.hstack([angle_rad[row], rate_rad_s[row]])).any(axis=1)]
     clock = tell_clock(tag_s[row], angle_rad[row], rate_rad_s[row], motions, start_s)
     alignment, bad = clock.alignment, clock.is_spike
-    notes_astray = _leave_out_astray(angle_rad, rate_rad_s, clock.astray, names)
+    notes_unrelated = _leave_out_unrelated(angle_rad, rate_rad_s, clock.unrelated, names)
     ordered_columns = [replace(column, value=column.value[row]) for column in columns]
     require_followed(ordered_columns, tag_s[row], motions, alignment)
     t_s = alignment.t_s(tag_s[row])
@@ -145,7 +147,7 @@ def compare(plan: FlightPlan, samples: Samples) -> Comparison:
             *_notes_on_units(samples, columns),
             *notes_unmeasured,
             *ordered.notes,
-            *notes_astray,
+            *notes_unrelated,
             *notes,
         ),
     )
@@ -211,18 +213,18 @@ def _in_radians(
     return angle_rad, rate_rad_s, wrapped
 
 
-def _leave_out_astray(
+def _leave_out_unrelated(
     angle_rad: Array,
     rate_rad_s: Array,
-    astray: Sequence[tuple[int, Kind]],
+    unrelated: Sequence[tuple[int, Kind]],
     names: Sequence[str],
 ) -> list[str]:
     """Sets columns that don't follow to NaN, (n, 2), where the axis's other column does; notes."""
     values: dict[Kind, Array] = {"angle": angle_rad, "rate": rate_rad_s}
     notes = []
-    for axis, kind in astray:
+    for axis, kind in unrelated:
         other: Kind = "rate" if kind == "angle" else "angle"
-        if (axis, other) not in astray and np.isfinite(values[other][:, axis]).any():
+        if (axis, other) not in unrelated and np.isfinite(values[other][:, axis]).any():
             values[kind][:, axis] = np.nan
             notes.append(
                 f"{names[axis]}'s {kind}s don't follow its plan, its {other}s do: the {kind}s "

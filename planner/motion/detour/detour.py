@@ -1,4 +1,4 @@
-"""A way around cones and masks, when the straight slew enters one."""
+"""Detours around cones and masks that a straight slew enters."""
 
 import math
 import time
@@ -9,9 +9,12 @@ import numpy as np
 from planner.base.arrays import Array
 from planner.base.effort import WorkLimitReached
 from planner.base.errors import InfeasibleSlew
-from planner.motion.detour.barrier import OPTIONS as BARRIER_OPTIONS
-from planner.motion.detour.barrier import catching_region, is_barred
 from planner.motion.detour.ends import free_part, with_part_replaced
+from planner.motion.detour.infeasibility_proof import OPTIONS as PROOF_OPTIONS
+from planner.motion.detour.infeasibility_proof import (
+    catching_region,
+    is_unreachable,
+)
 from planner.motion.detour.passage import rough_paths
 from planner.motion.detour.search import (
     OPTIONS as DETOUR_SEARCH_OPTIONS,
@@ -43,12 +46,12 @@ class DetourOptions:
     # times the straight slew's cost: then it's worth while to look for better ones
     dear: float = 4.0
     # guesses that wander from end to end, where a way is dear or none was found
-    wanderings: int = 24
-    wandering_rad: float = 2.0  # by so much, over `WAVES`
+    random_restarts: int = 24
+    random_restart_rad: float = 2.0  # by so much, over `WAVES`
     # of the cost: then the optimum has neighbours between the instants, maybe cheaper ones
-    large_play: float = 0.02
-    kicks: int = 8  # guesses beside such a way
-    kick_rad: float = 0.3  # by so much, likewise
+    large_sampling_gap: float = 0.02
+    perturbations: int = 8  # guesses beside such a way
+    perturbation_rad: float = 0.3  # by so much, likewise
     spared: float = 0.97  # of the acceleration limit, where the flown Hermite passed it
 
 
@@ -67,7 +70,7 @@ def avoid_cones(
     Both axes are then solved together from guesses on both sides; the better one that keeps
     every limit, also when flown from rows, and stays outside on a 10 ms grid is taken.
     thorough: also try guesses near what was found, and two dozen others where that is dear, or
-    none is found.  prove: where there is no way, show it before searching long; else that is
+    none is found.  prove: where there is no detour, prove it before searching long; else that is
     only said after the search.  Raises InfeasibleSlew.
     """
     problem = solution.problem
@@ -80,17 +83,17 @@ def avoid_cones(
     _require_ends_outside(problem, problem.keep_out, solution.duration_s)
     catching = catching_region(problem, problem.keep_out, solution.duration_s)
     if catching is not None:
-        raise _no_way(solution, (catching,))
-    found = _between_ends(solution, problem.keep_out, thorough=thorough, prove=prove)
+        raise _infeasible_slew(solution, (catching,))
+    found = _detour_between_ends(solution, problem.keep_out, thorough=thorough, prove=prove)
     if found is None:
-        if prove and is_barred(
-            problem, problem.keep_out, solution.duration_s, BARRIER_OPTIONS.fine_cells_rad
+        if prove and is_unreachable(
+            problem, problem.keep_out, solution.duration_s, PROOF_OPTIONS.fine_cells_rad
         ):
-            raise _no_way(solution, _blocking(solution, problem.keep_out))
+            raise _infeasible_slew(solution, _blocking_regions(solution, problem.keep_out))
         regions = problem.keep_out.regions
         raise InfeasibleSlew(
             f"the straight slew enters {entry.title} by {math.degrees(entry.depth_rad):.2f} deg "
-            f"and no way around {_together(regions)} was found in {solution.duration_s:.1f} s; "
+            f"and no way around {_titles(regions)} was found in {solution.duration_s:.1f} s; "
             f"{_ways_out(regions)}",
             limit="keep_out",
         )
@@ -101,7 +104,7 @@ def avoid_cones(
         runs=(found.run,),
         iterations=solution.iterations + found.iterations,
         wall_s=solution.wall_s + time.perf_counter() - began_s,
-        cut_short=found.cut_short,
+        search_truncated=found.search_truncated,
     )
 
 
@@ -118,7 +121,7 @@ def _require_ends_outside(problem: SlewProblem, view: KeepOutView, duration_s: f
             )
 
 
-def _between_ends(
+def _detour_between_ends(
     straight: SlewSolution, view: KeepOutView, *, thorough: bool, prove: bool
 ) -> Detour | None:
     """Around the regions, after and before what the ends must brake."""
@@ -127,7 +130,7 @@ def _between_ends(
         return _around(straight, view, thorough=thorough, prove=prove)
     free, shifted, begins_s = part
     if prove:
-        _require_way(straight, view)
+        _require_reachable_end(straight, view)
     depths = shifted.depths_rad(
         np.array([0.0, free.duration_s]), free.motion(np.array([0.0, free.duration_s]))[0]
     )
@@ -143,14 +146,14 @@ def _between_ends(
     return found._replace(profiles=profiles)
 
 
-def _require_way(straight: SlewSolution, view: KeepOutView) -> None:
-    if is_barred(straight.problem, view, straight.duration_s, BARRIER_OPTIONS.cells_rad):
-        raise _no_way(straight, _blocking(straight, view))
+def _require_reachable_end(straight: SlewSolution, view: KeepOutView) -> None:
+    if is_unreachable(straight.problem, view, straight.duration_s, PROOF_OPTIONS.cells_rad):
+        raise _infeasible_slew(straight, _blocking_regions(straight, view))
 
 
-def _no_way(straight: SlewSolution, regions: tuple[Region, ...]) -> InfeasibleSlew:
+def _infeasible_slew(straight: SlewSolution, regions: tuple[Region, ...]) -> InfeasibleSlew:
     return InfeasibleSlew(
-        f"no motion within the limits leads around {_together(regions)} in "
+        f"no motion within the limits leads around {_titles(regions)} in "
         f"{straight.duration_s:.1f} s; {_ways_out(regions)}, or choose other times",
         limit="keep_out",
     )
@@ -170,27 +173,32 @@ def _around(
     sides_fail = not any(one.off_rows or math.isfinite(one.cost) for one in found)
     if sides_fail:
         if prove:
-            _require_way(straight, view)
+            _require_reachable_end(straight, view)
         found += _along_rough_paths(straight, view)
-    best, cut_short = min(found, key=lambda one: one.cost), False
+    best, search_truncated = min(found, key=lambda one: one.cost), False
     if thorough:
         dear = sides_fail or best.cost > OPTIONS.dear * straight.jerk_squared_integral
         try:
-            found += _more(straight, search, spline, best, dear=dear)
+            found += _more_detours(straight, search, spline, best, dear=dear)
         except WorkLimitReached:
             if not math.isfinite(best.cost):
                 raise
-            cut_short = True
+            search_truncated = True
     if any(one.off_rows for one in found) and not any(math.isfinite(one.cost) for one in found):
         found += _on_rows(straight, view, min(found, key=lambda one: not one.off_rows))
     best = min(found, key=lambda one: one.cost)
     if not math.isfinite(best.cost):
         return None
-    return best._replace(iterations=sum(one.iterations for one in found), cut_short=cut_short)
+    return best._replace(
+        iterations=sum(one.iterations for one in found), search_truncated=search_truncated
+    )
 
 
 def _along_rough_paths(straight: SlewSolution, view: KeepOutView) -> list[Detour]:
-    """Until one is good; in a narrow way the hulls of finer splines leave a degree more."""
+    """Detours near flooded paths, until one is good.
+
+    In a narrow passage the hulls of finer splines leave a degree more.
+    """
     t_s, paths = rough_paths(straight.problem, view, straight.duration_s)
     found: list[Detour] = []
     for path in paths:
@@ -202,32 +210,36 @@ def _along_rough_paths(straight: SlewSolution, view: KeepOutView) -> list[Detour
     return found
 
 
-def _more(
+def _more_detours(
     straight: SlewSolution, search: DetourSearch, spline: SplineOcp, best: Detour, *, dear: bool
 ) -> list[Detour]:
-    """From guesses near a way that has neighbours, and from any where it is dear or none."""
+    """Detours from guesses near one that has neighbours, and from random ones where it is dear
+    or there is none."""
     found: list[Detour] = []
-    if math.isfinite(best.cost) and best.play_share > OPTIONS.large_play:
+    if math.isfinite(best.cost) and best.sampling_gap_share > OPTIONS.large_sampling_gap:
         aside = _aside_of(best, straight, spline)
-        asides = tuple(aside + kick for kick in _waves(spline, OPTIONS.kicks, OPTIONS.kick_rad))
+        asides = tuple(
+            aside + perturbation
+            for perturbation in _waves(spline, OPTIONS.perturbations, OPTIONS.perturbation_rad)
+        )
         found += search.near(asides, start="wide")
     if dear:
-        found += search.near(_waves(spline, OPTIONS.wanderings, OPTIONS.wandering_rad))
+        found += search.near(_waves(spline, OPTIONS.random_restarts, OPTIONS.random_restart_rad))
     return found
 
 
-def _blocking(straight: SlewSolution, view: KeepOutView) -> tuple[Region, ...]:
-    """The first region that by itself leaves no way, or all of them."""
+def _blocking_regions(straight: SlewSolution, view: KeepOutView) -> tuple[Region, ...]:
+    """The first region that makes the end unreachable by itself, or all of them."""
     if len(view.regions) == 1:
         return view.regions
     for region in view.regions:
         alone = view.only(region)
-        if is_barred(straight.problem, alone, straight.duration_s, BARRIER_OPTIONS.cells_rad):
+        if is_unreachable(straight.problem, alone, straight.duration_s, PROOF_OPTIONS.cells_rad):
             return (region,)
     return view.regions
 
 
-def _together(regions: tuple[Region, ...]) -> str:
+def _titles(regions: tuple[Region, ...]) -> str:
     *before, last = [region.title for region in regions]
     return f"{', '.join(before)} and {last}" if before else last
 

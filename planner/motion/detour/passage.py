@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from planner.base import effort
 from planner.base.arrays import Array
-from planner.motion.detour.barrier import Mask, tube
+from planner.motion.detour.infeasibility_proof import Mask, tube
 from planner.motion.pointing.keep_out import KeepOutView
 from planner.motion.slew.problem import AxisState, SlewProblem
 

@@ -1,7 +1,7 @@
 """Search for the smoothest detour near given guesses, each checked as rows carry it.
 
 First the regions are kept out of at few instants, which far guesses suit; from there at many, which
-leaves no play between them for a dozen optima that differ only in how they straddle instants.
+leaves no gaps between them for a dozen optima that differ only in how they straddle instants.
 """
 
 import math
@@ -33,20 +33,20 @@ class DetourSearchOptions:
     # the first one between many instants
     margins_rad: tuple[float, float] = (math.radians(0.02), math.radians(0.1))
     margin_rise: float = 0.05  # share of the slew over which the margin grows from its ends
-    sinking: int = 8  # looks between two instants of few
-    # deeper than a path can sink between two of few instants
-    hopeless_rad: float = math.radians(4.0)
+    samples_between: int = 8  # samples between two instants of few
+    # deeper than a path can enter between two of few instants
+    violation_max_rad: float = math.radians(4.0)
     # times the cost of a path: where that path was good, a dearer one isn't refined
     worth_share: float = 1.01
-    worth_plays: float = 4.0  # nor one dearer by so many times its play
+    worth_gaps: float = 4.0  # nor one dearer by so many times its play
     alike: float = 1e-3  # in cost: the same optimum again
     refined_max: int = 4  # of the guesses tried at once
     # may need a wider margin only near an end, where it is cut
     shallow_rad: float = math.radians(0.02)
-    # half of it is deeper than a path can sink between many instants
-    sunk_rad: float = math.radians(1.0)
+    # half of it is deeper than a path can enter between many instants
+    violation_between_samples_rad: float = math.radians(1.0)
     # share of a depth that a margin wider by it leaves only to a path through the cone
-    stuck: float = 0.5
+    unreduced_share: float = 0.5
 
 
 OPTIONS = DetourSearchOptions()
@@ -61,10 +61,10 @@ EXCHANGED = {"far": 0.05, "wide": 0.05, "near": 2e-3}  # share of the cost by wh
 class Detour(NamedTuple):
     """cost: infinite where the result is not good.  off_rows: good but for flying it from rows.
 
-    play_share: share by which many instants cost more or less than few; where it is large, so was
-    the play between these, and other optima may be near.  sunk_rad: how much deeper than the
-    margin a path goes between few instants.  run: how the motion was solved; iterations: of all
-    that was tried.  cut_short: whether the search for a better one was.
+    sampling_gap_share: share by which many instants cost more or less than few; where it is large,
+    so was the room between these, and other optima may be near.  violation_between_samples_rad:
+    how much deeper than the margin a path goes between few instants.  run: how the motion was
+    solved; iterations: of all that was tried.  search_truncated: whether the bound of work ended the search.
     """
 
     profiles: Profiles
@@ -72,9 +72,9 @@ class Detour(NamedTuple):
     off_rows: bool
     run: SolverRun
     iterations: int
-    play_share: float = 0.0
-    sunk_rad: float = 0.0
-    cut_short: bool = False
+    sampling_gap_share: float = 0.0
+    violation_between_samples_rad: float = 0.0
+    search_truncated: bool = False
 
 
 class DetourSearch:
@@ -131,7 +131,8 @@ class DetourSearch:
             if math.isfinite(found[-1].cost):
                 dearest = min(
                     dearest,
-                    one.cost * (OPTIONS.worth_share + OPTIONS.worth_plays * found[-1].play_share),
+                    one.cost
+                    * (OPTIONS.worth_share + OPTIONS.worth_gaps * found[-1].sampling_gap_share),
                 )
         return found
 
@@ -139,32 +140,36 @@ class DetourSearch:
         ocp = self._ocp(start)
         guess = self._guess(self._straight.profiles, aside_rad)
         profiles, run = self._solve(ocp, guess, OPTIONS.rough_margin_rad)
-        t_s = np.linspace(0.0, self._straight.duration_s, OPTIONS.sinking * (len(ocp.tau) + 1) + 1)
+        t_s = np.linspace(
+            0.0, self._straight.duration_s, OPTIONS.samples_between * (len(ocp.tau) + 1) + 1
+        )
         angle = np.stack([profile.evaluate(t_s)[0] for profile in profiles], axis=1)
         depth_rad = float(self._view.depths_rad(t_s, angle).max())
         return Detour(
             profiles=profiles,
-            cost=math.inf if depth_rad > OPTIONS.hopeless_rad else _cost(profiles),
+            cost=math.inf if depth_rad > OPTIONS.violation_max_rad else _cost(profiles),
             off_rows=False,
             run=run,
             iterations=run.iterations or 0,
-            sunk_rad=depth_rad + OPTIONS.rough_margin_rad,
+            violation_between_samples_rad=depth_rad + OPTIONS.rough_margin_rad,
         )
 
     def _refine(self, rough: Detour) -> Detour:
         ocp = self._ocp("near")
         profiles, run, iterations = rough.profiles, rough.run, rough.iterations
-        # Between instants so much nearer a path that curves alike sinks less by the square.
+        # Between instants so much nearer a path that curves alike enters less deep by the square.
         nearer = (len(self._ocp("far").tau) + 1) / (len(ocp.tau) + 1)
-        margin_rad = float(np.clip(nearer**2 * rough.sunk_rad, *OPTIONS.margins_rad))
-        depth_rad = OPTIONS.sunk_rad
+        margin_rad = float(
+            np.clip(nearer**2 * rough.violation_between_samples_rad, *OPTIONS.margins_rad)
+        )
+        depth_rad = OPTIONS.violation_between_samples_rad
         for growth_rad in MARGIN_GROWTHS_RAD:
             guess = self._guess(profiles, np.zeros((2, self.spline.free_count)))
             profiles, run = self._solve(ocp, guess, margin_rad)
             iterations += run.iterations or 0
             before_rad, depth_rad = depth_rad, slew_entry(profiles, self._view).depth_rad
             if depth_rad <= -OPTIONS.touch_rad or depth_rad > max(
-                OPTIONS.stuck * before_rad, OPTIONS.shallow_rad
+                OPTIONS.unreduced_share * before_rad, OPTIONS.shallow_rad
             ):
                 break
             margin_rad += max(depth_rad, 0.0) + growth_rad
@@ -180,7 +185,7 @@ class DetourSearch:
             off_rows=keeps and not fits,
             run=run,
             iterations=iterations,
-            play_share=abs(_cost(profiles) / rough.cost - 1.0),
+            sampling_gap_share=abs(_cost(profiles) / rough.cost - 1.0),
         )
 
     def _ocp(self, start: Start) -> DetourOcp:

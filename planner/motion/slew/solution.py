@@ -163,7 +163,7 @@ class SlewSolution:
     states within the limits costs less; none where no optimum was sought.
     runs: of the solver, per axis, None where the motion is no solver's; of a detour the one of
     both axes.
-    cut_short: whether the search for a better one was, by the work that may be done.
+    search_truncated: whether the bound of work ended the search for a better one.
     """
 
     problem: SlewProblem
@@ -176,7 +176,7 @@ class SlewSolution:
     lower_bounds_rad2_s5: tuple[float, ...] = ()
     runs: tuple[SolverRun | None, ...] = ()
     settling_s: float = 0.0
-    cut_short: bool = False
+    search_truncated: bool = False
 
     @property
     def duration_s(self) -> float:

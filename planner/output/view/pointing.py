@@ -10,7 +10,7 @@ from planner.base.commands import ROWS_PER_S
 from planner.output.view.scene import PlanScene
 from planner.output.view.targets import TargetTrack
 from planner.planning.sessions.error_ellipse import error_covariance_rad2
-from planner.planning.sessions.holding import session_rows, sight
+from planner.planning.sessions.track_branches import session_rows, sight
 from planner.world.scenario import Session
 from planner.world.targets import VisibleTarget
 

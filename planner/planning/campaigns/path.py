@@ -10,7 +10,7 @@ from planner.base.compiled import compiled
 from planner.planning import label_search
 from planner.planning.campaigns.network import Network
 from planner.planning.label_search import (
-    EVERYTHING,
+    ALL_ITEMS,
     ROUNDING,
     WHOLE,
     Memory,
@@ -138,9 +138,9 @@ def _sweep(network: Network, worth: Worth, memory: Memory) -> tuple[float, Indic
                     look = Visit(cell * lengths + length, target, WHOLE, value, step)
                     is_seen |= visit(labels, (cell - takes,), done, memory, look)
             if is_seen:
-                follow(labels, done, (rest + step,), EVERYTHING, True)
+                follow(labels, done, (rest + step,), ALL_ITEMS, True)
                 edges = network.edge_from[way + 1] - network.edge_from[way]
                 begin = network.arrival_offset[way] + steps * edges
                 arrivals = network.arrival[begin : begin + edges]
-                follow(labels, done, arrivals, EVERYTHING, True)
+                follow(labels, done, arrivals, ALL_ITEMS, True)
     return best(labels, (rest + end - 1, rest + end))

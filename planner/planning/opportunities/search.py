@@ -15,7 +15,6 @@ from planner.base.errors import SearchEnded
 from planner.planning.opportunities.carrier import Carrier, carrier_over
 from planner.planning.opportunities.conditions import Condition, conditions_of
 from planner.planning.opportunities.description import describe_windows
-from planner.planning.opportunities.held import held_parts
 from planner.planning.opportunities.request import OpportunityRequest
 from planner.planning.opportunities.sights import (
     EarthSight,
@@ -25,6 +24,7 @@ from planner.planning.opportunities.sights import (
     sight_of,
 )
 from planner.planning.opportunities.spans import Margin, Nodes, Spans, nodes_over, stretches
+from planner.planning.opportunities.trackable_spans import held_parts
 from planner.planning.opportunities.windows import Cause, Opportunities, in_order
 from planner.world.frames.earth_orientation import earth_orientation_warnings
 from planner.world.frames.time_scales import Instants
@@ -48,7 +48,7 @@ OPTIONS = WindowSearchOptions()
 
 
 @dataclass(frozen=True)
-class Work:
+class SearchWork:
     """What is spent, in rows of `effort`, to look once whether a target can be seen, and
     to find a window's extremes."""
 
@@ -56,8 +56,8 @@ class Work:
     window_rows: float
 
 
-RESTING = Work(look_rows=0.13, window_rows=1.2)  # many places together
-ALONE = Work(look_rows=3.3, window_rows=440.0)  # frames and ephemerides at every look
+RESTING = SearchWork(look_rows=0.13, window_rows=1.2)  # many places together
+ALONE = SearchWork(look_rows=3.3, window_rows=440.0)  # frames and ephemerides at every look
 
 
 def find_opportunities(request: OpportunityRequest) -> Opportunities:
@@ -110,7 +110,7 @@ def found_spans(
     request: OpportunityRequest,
     carrier: Carrier,
     more: Callable[[Sight], Iterable[Condition]] = lambda _: (),
-) -> Iterator[tuple[Indices, Sight, Spans, Work]]:
+) -> Iterator[tuple[Indices, Sight, Spans, SearchWork]]:
     """When all conditions hold, for targets that are treated alike: their rows in the request, how
     they are seen, the spans by their number among these, and the work of one window more.
 
@@ -121,14 +121,14 @@ def found_spans(
         yield numbers, sight, _windows(request, conditions, sight, nodes, work), work
 
 
-def spend_on(spans: Spans, work: Work, samples: int) -> None:
+def spend_on(spans: Spans, work: SearchWork, samples: int) -> None:
     """The work of describing windows."""
     effort.charge((work.window_rows + OPTIONS.sample_rows * samples) * len(spans.target))
 
 
 def _batches(
     request: OpportunityRequest, carrier: Carrier
-) -> Iterator[tuple[Indices, Sight, Nodes, Work]]:
+) -> Iterator[tuple[Indices, Sight, Nodes, SearchWork]]:
     """Rows of the request's targets that are treated alike, and where to look for them."""
     asked_rad = math.radians(request.conditions.min_elevation_deg)
     targets = [wanted.target for wanted in request.targets]
@@ -187,7 +187,7 @@ def _windows(
     conditions: Iterable[Condition],
     sight: Sight,
     nodes: Nodes,
-    work: Work,
+    work: SearchWork,
 ) -> Spans:
     """When all conditions hold, condition after condition."""
     interval = np.full(len(nodes.target), "interval")
@@ -209,7 +209,7 @@ def _holding(
     cause: Cause,
     opened_by: NDArray[np.str_],
     closed_by: NDArray[np.str_],
-    work: Work,
+    work: SearchWork,
 ) -> Spans:
     """Where a margin holds; opened_by, closed_by: what makes the ends of each group of nodes."""
     effort.charge(work.look_rows * len(nodes.t_s))

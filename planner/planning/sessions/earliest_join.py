@@ -18,7 +18,7 @@ from planner.motion.pointing.track import AxisTrack
 from planner.motion.slew.feasibility import fits_without_jerk, next_duration_s, verdict
 from planner.motion.slew.optimal import optimal_slew
 from planner.motion.slew.problem import AxisState, SlewProblem, axis_states, within
-from planner.planning.sessions.lead import LedSlew, slew_within_lead
+from planner.planning.sessions.slew_timing import TimedSlew, slew_within_lead
 from planner.world.platforms import AxisLimits
 from planner.world.scenario import SlewOptions
 
@@ -46,12 +46,12 @@ OPTIONS = JoinSearchOptions()
 class EarliestJoin:
     """The slew that meets the track at t_s, on the track's clock and on a command row.
 
-    cut_short: whether the search for an earlier row was, by the work that may be done.
+    search_truncated: whether the bound of work ended the search for an earlier row.
     """
 
     t_s: float
-    led: LedSlew
-    cut_short: bool = False
+    timed: TimedSlew
+    search_truncated: bool = False
 
 
 def track_states(track: AxisTrack, t_s: float) -> tuple[AxisState, ...]:
@@ -102,9 +102,9 @@ class Approach:
             )
             if bad is not None and row < bad + step:
                 continue
-            led = join_at(row)
-            if led is not None:
-                return _earlier(join_at, row - 1 if bad is None else bad, row, led)
+            timed = join_at(row)
+            if timed is not None:
+                return _earlier(join_at, row - 1 if bad is None else bad, row, timed)
             bad, failures = row, failures + 1
             if failures >= OPTIONS.failures_most:
                 break
@@ -136,7 +136,7 @@ class Approach:
 
     def _slew_to(
         self, row: int, options: SlewOptions, keep_out: KeepOutView | None
-    ) -> LedSlew | None:
+    ) -> TimedSlew | None:
         end = track_states(self.track, row / ROWS_PER_S)
         duration_s = row / ROWS_PER_S - self.start_s
         if not self._is_possible(end, duration_s):
@@ -187,7 +187,7 @@ class Approach:
 
 
 def _earlier(
-    join_at: Callable[[int], LedSlew | None], bad: int, good: int, led: LedSlew
+    join_at: Callable[[int], TimedSlew | None], bad: int, good: int, timed: TimedSlew
 ) -> EarliestJoin:
     """Between a row too early and a good one: the first good one, or the first one found."""
     while good - bad > 1:
@@ -195,9 +195,9 @@ def _earlier(
         try:
             found = join_at(middle)
         except WorkLimitReached:
-            return EarliestJoin(t_s=good / ROWS_PER_S, led=led, cut_short=True)
+            return EarliestJoin(t_s=good / ROWS_PER_S, timed=timed, search_truncated=True)
         if found is None:
             bad = middle
         else:
-            good, led = middle, found
-    return EarliestJoin(t_s=good / ROWS_PER_S, led=led)
+            good, timed = middle, found
+    return EarliestJoin(t_s=good / ROWS_PER_S, timed=timed)

@@ -12,18 +12,18 @@ from planner.motion.baseline.paper_cubic import paper_duration_s
 from planner.motion.pointing.track import AxisTrack
 from planner.motion.slew import AxisState, SlewProblem
 from planner.planning.sessions.earliest_join import track_states
-from planner.planning.sessions.holding import Rows, Way
 from planner.planning.sessions.joining import Join, slew_onto
-from planner.planning.sessions.lead import (
+from planner.planning.sessions.slew_timing import (
     OPTIONS as LEAD_OPTIONS,
 )
-from planner.planning.sessions.lead import (
+from planner.planning.sessions.slew_timing import (
     States,
     at_rest_after,
     brake_enough_s,
-    enough_s,
     least_slew_s,
+    recommended_duration_s,
 )
+from planner.planning.sessions.track_branches import RowSpan, TrackBranch
 from planner.world.frames.time_scales import shifted_utc
 from planner.world.orbits import Ephemeris
 from planner.world.scenario import BoundedLead, Scenario
@@ -36,7 +36,7 @@ class FinalSlewOptions:
     longest_s: float = 3600.0  # what has no end of its own must have one
     rounding: float = 1e-12  # rad, rad/s, rad/s2: below what a table's rows can tell
     quickly: float = 0.2  # of the time in which braking is smooth: within 3/4 of the limits
-    # the way around a cone may be several times as long
+    # the branch around a cone may be several times as long
     cones_times: tuple[float, ...] = (1.0, 4.0)
 
 
@@ -72,9 +72,9 @@ def with_final_slew(scenario: Scenario, ephemeris: Ephemeris, joins: list[Join])
         rows = math.ceil(min(times * wanted_s, longest_s) * ROWS_PER_S - 1e-6)
         rows = max(rows, LEAD_OPTIONS.fewest_rows)
         there = rest or at_rest_after(state, scenario.axis_limits, rows / ROWS_PER_S)
-        way = _rest_way(scenario, ephemeris, there, last.stop_row, rows)
+        branch = _rest_branch(scenario, ephemeris, there, last.stop_row, rows)
         try:
-            final = slew_onto(scenario, way, last.stop_row, state)
+            final = slew_onto(scenario, branch, last.stop_row, state)
             return [*joins, replace(final, stop_row=final.join_row)]
         except InfeasibleSlew as refusal:
             failed = refusal
@@ -104,7 +104,7 @@ def _wanted_s(scenario: Scenario, state: States, rest: States) -> float:
     """The paper's spline knows a time of its own for the objective "minimum_time"."""
     limits, slew = scenario.axis_limits, scenario.slew
     if slew.keeps_limits or slew.objective == "smooth":
-        return enough_s(state, rest, limits, slew.avoid_modes)
+        return recommended_duration_s(state, rest, limits, slew.avoid_modes)
     return paper_duration_s(
         SlewProblem(
             axis_names=scenario.platform.axis_names,
@@ -132,9 +132,9 @@ def _too_far(scenario: Scenario, least_s: float, longest_s: float) -> Infeasible
     )
 
 
-def _rest_way(
+def _rest_branch(
     scenario: Scenario, ephemeris: Ephemeris, rest: States, from_row: int, rows: int
-) -> Way:
+) -> TrackBranch:
     """Standing still from `from_row` on; it is to be joined so many rows later, or before."""
     t_s = np.array([from_row, from_row + rows]) / ROWS_PER_S
     angle_rad: Array = np.tile([axis.angle_rad for axis in rest], (2, 1))
@@ -142,14 +142,14 @@ def _rest_way(
         epoch_utc = scenario.initial_state.epoch
         begin_utc, end_utc = (shifted_utc(epoch_utc, float(end_s)) for end_s in t_s)
         ephemeris = scenario.orbit.ephemeris(begin_utc, end_utc)
-    return Way(
+    return TrackBranch(
         session=scenario.sessions[-1],
         track=AxisTrack(
             axis_names=scenario.platform.axis_names,
             t_s=t_s,
             axis_states=np.stack([angle_rad, np.zeros((2, 2)), np.zeros((2, 2))]),
         ),
-        rows=Rows(start=from_row + rows, stop=from_row + rows),
+        rows=RowSpan(start=from_row + rows, stop=from_row + rows),
         seen_from_s=(from_row + LEAD_OPTIONS.fewest_rows) / ROWS_PER_S,
         ephemeris=ephemeris,
     )

@@ -12,8 +12,8 @@ from planner.motion.pointing.keep_out import KeepOutView, keep_out_view
 from planner.motion.pointing.track import AxisTrack
 from planner.motion.slew import AxisState, SlewProblem, SlewSolution, broken_limit, optimal_slew
 from planner.planning.sessions.earliest_join import Approach, track_states
-from planner.planning.sessions.holding import Way
-from planner.planning.sessions.lead import LedSlew, may_slew_within_lead, slew_within_lead
+from planner.planning.sessions.slew_timing import TimedSlew, may_slew_within_lead, slew_within_lead
+from planner.planning.sessions.track_branches import TrackBranch
 from planner.world.scenario import Scenario
 
 
@@ -23,8 +23,8 @@ class Join:
 
     brake: what brings the axes to rest at the end of what was before, None where they slew at
     once or are at rest already.
-    cut_short: whether the search for an earlier join or a smoother slew was, by the work that
-    may be done.
+    search_truncated: whether the bound of work ended the search for an earlier join or a smoother
+    slew.
     """
 
     slew: SlewSolution
@@ -33,7 +33,7 @@ class Join:
     join_row: int
     stop_row: int
     brake: SlewSolution | None = None
-    cut_short: bool = False
+    search_truncated: bool = False
 
     @property
     def brake_rows(self) -> int:
@@ -43,7 +43,7 @@ class Join:
 
 def slew_onto(
     scenario: Scenario,
-    way: Way,
+    branch: TrackBranch,
     from_row: int,
     state: tuple[AxisState, ...],
     *,
@@ -51,61 +51,63 @@ def slew_onto(
     early: bool = True,
     prove: bool = False,
 ) -> Join:
-    """Slew from `state` at row `from_row` onto one way's track.
+    """Slew from `state` at row `from_row` onto one branch's track.
 
     With the objective "minimum_time" the track is joined as early as the slew can and the
     target is seen, else at the first row of the session, as without `early`.  thorough: whether
-    the best way around cones is sought, not only some way.  prove: where there is none, show it
-    before searching long.  Raises InfeasibleSlew.
+    the best detour around cones is sought, not only some detour.  prove: where there is none, show
+    it before searching long.  Raises InfeasibleSlew.
     """
-    start_row = way.rows.start
+    start_row = branch.rows.start
     if start_row <= from_row:
         raise InfeasibleSlew("no time is left for a slew before the session", limit="duration")
     for states, does in (
         (state, "begins"),
-        (track_states(way.track, start_row / ROWS_PER_S), "ends"),
+        (track_states(branch.track, start_row / ROWS_PER_S), "ends"),
     ):
         _require_within_limits(scenario, states, does)
-    keep_out = keep_out_view(scenario, way.ephemeris, from_row / ROWS_PER_S, start_row / ROWS_PER_S)
-    met, cut_short = None, False
+    keep_out = keep_out_view(
+        scenario, branch.ephemeris, from_row / ROWS_PER_S, start_row / ROWS_PER_S
+    )
+    met, search_truncated = None, False
     if early and _joins_early(scenario):
         # What is left must do for a slew to the session's first row.
         with at_most(effort.remaining() / 2.0) as search:
-            met = _approach(scenario, way, from_row, state).earliest_join(
+            met = _approach(scenario, branch, from_row, state).earliest_join(
                 scenario.slew,
-                after_s=way.seen_from_s,
+                after_s=branch.seen_from_s,
                 until_s=start_row / ROWS_PER_S,
                 keep_out=keep_out,
             )
-        cut_short = search.is_exhausted
+        search_truncated = search.is_exhausted
     if met is None:
-        led = _slew(scenario, way, from_row, state, keep_out, thorough=thorough, prove=prove)
+        timed = _slew(scenario, branch, from_row, state, keep_out, thorough=thorough, prove=prove)
         join_row = start_row
     else:
-        led, join_row = met.led, round(met.t_s * ROWS_PER_S)
-        cut_short = cut_short or met.cut_short
-    slew = led.slew
+        timed, join_row = met.timed, round(met.t_s * ROWS_PER_S)
+        search_truncated = search_truncated or met.search_truncated
+    slew = timed.slew
     return Join(
         slew=slew,
-        brake=led.brake,
-        track=way.track,
+        brake=timed.brake,
+        track=branch.track,
         slew_row=join_row - round(slew.duration_s * ROWS_PER_S),
         join_row=join_row,
-        stop_row=way.rows.stop,
-        cut_short=cut_short or slew.cut_short,
+        stop_row=branch.rows.stop,
+        search_truncated=search_truncated or slew.search_truncated,
     )
 
 
 def may_slew_onto(
-    scenario: Scenario, way: Way, from_row: int, state: tuple[AxisState, ...]
+    scenario: Scenario, branch: TrackBranch, from_row: int, state: tuple[AxisState, ...]
 ) -> bool:
     """Whether closed forms leave open that `slew_onto` succeeds; microseconds, cones aside."""
-    join_row = way.rows.start
-    there = track_states(way.track, join_row / ROWS_PER_S)
+    join_row = branch.rows.start
+    there = track_states(branch.track, join_row / ROWS_PER_S)
     if may_slew_between(scenario, state, there, join_row - from_row):
         return True
     # The durations a slew can take have gaps: an earlier row may be within reach.
-    return first_row_in_reach(scenario, way, from_row, state, join_row) is not None
+    return first_row_in_reach(scenario, branch, from_row, state, join_row) is not None
 
 
 def may_slew_between(
@@ -120,20 +122,24 @@ def may_slew_between(
 
 
 def first_row_in_reach(
-    scenario: Scenario, way: Way, from_row: int, state: tuple[AxisState, ...], last_row: int
+    scenario: Scenario,
+    branch: TrackBranch,
+    from_row: int,
+    state: tuple[AxisState, ...],
+    last_row: int,
 ) -> int | None:
     """The first row, up to that one, on which closed forms leave open that a slew joins early."""
     if not _joins_early(scenario):
         return None
-    approach = _approach(scenario, way, from_row, state)
-    return next(approach.rows_within_reach(way.seen_from_s, last_row / ROWS_PER_S), None)
+    approach = _approach(scenario, branch, from_row, state)
+    return next(approach.rows_within_reach(branch.seen_from_s, last_row / ROWS_PER_S), None)
 
 
 def _approach(
-    scenario: Scenario, way: Way, from_row: int, state: tuple[AxisState, ...]
+    scenario: Scenario, branch: TrackBranch, from_row: int, state: tuple[AxisState, ...]
 ) -> Approach:
     return Approach(
-        track=way.track, limits=scenario.axis_limits, start=state, start_s=from_row / ROWS_PER_S
+        track=branch.track, limits=scenario.axis_limits, start=state, start_s=from_row / ROWS_PER_S
     )
 
 
@@ -143,21 +149,21 @@ def _joins_early(scenario: Scenario) -> bool:
 
 def _slew(
     scenario: Scenario,
-    way: Way,
+    branch: TrackBranch,
     from_row: int,
     state: tuple[AxisState, ...],
     keep_out: KeepOutView | None,
     *,
     thorough: bool,
     prove: bool,
-) -> LedSlew:
+) -> TimedSlew:
     """To the first row of the session."""
     problem = SlewProblem(
-        axis_names=way.track.axis_names,
+        axis_names=branch.track.axis_names,
         limits=scenario.axis_limits,
         start=state,
-        end=track_states(way.track, way.rows.start / ROWS_PER_S),
-        duration_s=(way.rows.start - from_row) / ROWS_PER_S,
+        end=track_states(branch.track, branch.rows.start / ROWS_PER_S),
+        duration_s=(branch.rows.start - from_row) / ROWS_PER_S,
         avoid_modes=scenario.slew.avoid_modes,
         keep_out=keep_out,
     )

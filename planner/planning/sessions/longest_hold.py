@@ -11,9 +11,9 @@ from planner.base.errors import Refusal
 from planner.motion.pointing.keep_out import keep_out_view
 from planner.motion.pointing.line_of_sight import STENCIL
 from planner.motion.pointing.track import held_cells
-from planner.planning.sessions.holding import OPTIONS as HOLDING_OPTIONS
-from planner.planning.sessions.holding import Rows, sight
 from planner.planning.sessions.sequence import RefusedSession
+from planner.planning.sessions.track_branches import OPTIONS as HOLDING_OPTIONS
+from planner.planning.sessions.track_branches import RowSpan, sight
 from planner.world.orbits import Ephemeris
 from planner.world.targets import BenchMotionTarget
 
@@ -21,10 +21,10 @@ AWAY_ROWS = ROWS_PER_S  # from a cone or mask, out of which no slew comes at onc
 LOOKS_MAX = 20_000  # of more than an hour not every row is looked at
 
 
-def longest_hold(refused: RefusedSession, ephemeris: Ephemeris) -> Rows | None:
+def longest_hold(refused: RefusedSession, ephemeris: Ephemeris) -> RowSpan | None:
     """Rows of the session as asked; None where nothing of it can be held, or that isn't known.
 
-    By one way throughout: one pair of axis angles, seen, within stops and limits and out of all
+    On one branch throughout: one pair of axis angles, seen, within stops and limits and out of all
     cones and masks.  Whether it can be slewed onto is not looked at.
     """
     scenario, wanted, target = refused.scenario, refused.wanted, refused.session.target
@@ -33,7 +33,7 @@ def longest_hold(refused: RefusedSession, ephemeris: Ephemeris) -> Rows | None:
         return None
     stride = math.ceil((wanted.stop - start) / LOOKS_MAX)
     count = (wanted.stop - start) // stride + 1
-    rows = Rows(start=start, stop=start + (count - 1) * stride)
+    rows = RowSpan(start=start, stop=start + (count - 1) * stride)
     effort.charge(HOLDING_OPTIONS.hold + HOLDING_OPTIONS.hold_row * count)
     try:
         los = sight(scenario, ephemeris, target, rows, count)
@@ -41,7 +41,7 @@ def longest_hold(refused: RefusedSession, ephemeris: Ephemeris) -> Rows | None:
     except Refusal:  # nothing is known of the orbit or attitude then
         return None
     platform = scenario.platform.with_limits(scenario.axis_limits)
-    longest: Rows | None = None
+    longest: RowSpan | None = None
     for angle_rad, held in held_cells(platform, los):
         held &= (los.clearance_rad[1:] >= 0.0) & (los.clearance_rad[:-1] >= 0.0)
         if view is not None:
@@ -52,13 +52,13 @@ def longest_hold(refused: RefusedSession, ephemeris: Ephemeris) -> Rows | None:
             held &= ~(near[1:] | near[:-1])
         cells = _longest_run(held)
         if longest is None or (cells.stop - cells.start) * stride > longest.stop - longest.start:
-            longest = Rows(start=start + cells.start * stride, stop=start + cells.stop * stride)
+            longest = RowSpan(start=start + cells.start * stride, stop=start + cells.stop * stride)
     return longest if longest is not None and longest.stop > longest.start else None
 
 
-def _longest_run(held: Mask) -> Rows:
+def _longest_run(held: Mask) -> RowSpan:
     edges = np.flatnonzero(np.diff(np.concatenate([[False], held, [False]]))).reshape(-1, 2)
     if not len(edges):
-        return Rows(start=0, stop=0)
+        return RowSpan(start=0, stop=0)
     start, stop = edges[np.argmax(edges[:, 1] - edges[:, 0])].tolist()
-    return Rows(start=start, stop=stop)
+    return RowSpan(start=start, stop=stop)

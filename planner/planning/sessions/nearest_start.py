@@ -10,12 +10,12 @@ from planner.base import effort
 from planner.base.commands import ROWS_PER_S
 from planner.base.effort import WorkLimitReached, at_most
 from planner.base.errors import InfeasibleSlew, Refusal
-from planner.planning.sessions.holding import Rows
 from planner.planning.sessions.joining import Join
 from planner.planning.sessions.longest_hold import longest_hold
 from planner.planning.sessions.other_sessions import Others
 from planner.planning.sessions.sequence import RefusedSession, SessionRefused, sequence_sessions
 from planner.planning.sessions.start_trials import Trials
+from planner.planning.sessions.track_branches import RowSpan
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 from planner.world.orbits import Ephemeris
 from planner.world.scenario import Scenario, Session
@@ -28,7 +28,7 @@ class NearestStartOptions:
 
     coarse_rows: int = 10 * ROWS_PER_S  # first tries, then halved down to a row
     attempts: int = 60  # rows gone through either way of moving a session
-    search: int = 500_000  # of `effort`: five seconds for either way of moving a session
+    search: int = 500_000  # of `effort`: five seconds for either direction of moving a session
     search_share: float = 0.6  # and of what work is left
     refusals: int = 4  # starts that would cost other sessions, before such a one is named
     # a carrier lower than that is three times as far off, or more
@@ -57,8 +57,8 @@ class _Span:
     """
 
     ephemeris: Ephemeris
-    known: Rows
-    seen: list[Rows]
+    known: RowSpan
+    seen: list[RowSpan]
 
 
 def plan_sessions(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
@@ -106,7 +106,7 @@ def _advise(failed: SessionRefused) -> Refusal:
         costs_sessions=advice.costs,
     )
     if isinstance(advised, InfeasibleSlew):
-        advised.give_up = offers
+        advised.relaxations = offers
     return advised
 
 
@@ -148,7 +148,7 @@ def _seek_start(refused: RefusedSession, span: _Span) -> Advice:
     )
     moved = replace(shortened, stop_utc=lambda row: shifted_utc(refused.utc(row), length_s))
     held = _longest_hold(refused, span)
-    left = held or Rows(start=max(wanted_row, refused.from_row + 1), stop=refused.wanted.stop)
+    left = held or RowSpan(start=max(wanted_row, refused.from_row + 1), stop=refused.wanted.stop)
     shortened = replace(shortened, held=held)
     if left.stop != refused.wanted.stop:
         shortened = replace(shortened, stop_utc=lambda _: refused.utc(left.stop))
@@ -193,13 +193,13 @@ def _not_found(
     wanted = refused.wanted
     first_row = refused.from_row + 1
     last_row = span.known.stop - (wanted.stop - wanted.start)
-    ways = (
+    branches = (
         ("keeping the stop", max(wanted.start, first_row), wanted.stop - 1, later_reach_rows),
         ("moving it", max(span.known.start, first_row), last_row, moved_reach_rows),
     )
     searches = [
         f"{_span_searched(refused, low, high, reach_rows)} {how}"
-        for how, low, high, reach_rows in ways
+        for how, low, high, reach_rows in branches
         if low <= high
     ]
     if not searches:
@@ -271,14 +271,14 @@ def _nearest_feasible(trials: Trials, row: int, wanted_row: int) -> Session | No
     return None
 
 
-def _longest_hold(refused: RefusedSession, span: _Span) -> Rows | None:
+def _longest_hold(refused: RefusedSession, span: _Span) -> RowSpan | None:
     """What of the session can be held; None where that isn't known."""
     with at_most(min(OPTIONS.search, OPTIONS.search_share * effort.remaining())):
         return longest_hold(refused, span.ephemeris)
     return None
 
 
-def _rows_before_stop(span: _Span, left: Rows) -> Iterable[int]:
+def _rows_before_stop(span: _Span, left: RowSpan) -> Iterable[int]:
     """Start rows of the session cut short to what is left of it, the first ones first."""
     step = min(OPTIONS.coarse_rows, max((left.stop - left.start) // 8, 1))
     runs = [run for run in span.seen if run.start <= left.stop <= run.stop]
@@ -310,7 +310,7 @@ def _span(refused: RefusedSession) -> _Span | Refusal:
     for horizon_s in (longest_s, longest_s / 16.0, 0.0):
         # Cones to keep out of must be known along the whole slew.
         early_row = wanted.start - int(horizon_s) * ROWS_PER_S
-        known = Rows(
+        known = RowSpan(
             start=refused.from_row if scenario.slew.keep_out else max(refused.from_row, early_row),
             stop=wanted.stop + int(horizon_s) * ROWS_PER_S,
         )
@@ -324,7 +324,7 @@ def _span(refused: RefusedSession) -> _Span | Refusal:
     return why
 
 
-def _visible_rows(refused: RefusedSession, ephemeris: Ephemeris, known: Rows) -> list[Rows]:
+def _visible_rows(refused: RefusedSession, ephemeris: Ephemeris, known: RowSpan) -> list[RowSpan]:
     """Runs of rows in which the target can be seen, their ends good to the coarse step."""
     target = refused.session.target
     if isinstance(target, BenchMotionTarget):
@@ -334,7 +334,7 @@ def _visible_rows(refused: RefusedSession, ephemeris: Ephemeris, known: Rows) ->
     visible = target.apparent(instants, ephemeris.states(instants)).clearance_rad >= 0.0
     edges = np.flatnonzero(np.diff(np.concatenate([[False], visible, [False]])))
     return [
-        Rows(
+        RowSpan(
             start=max(known.start, int(rows[first]) - OPTIONS.coarse_rows),
             stop=min(known.stop, int(rows[last - 1]) + OPTIONS.coarse_rows),
         )

@@ -7,8 +7,8 @@ from planner.base.effort import at_most
 from planner.base.errors import Refusal
 from planner.planning.sessions.assembly import assemble_table, sessions_after_conflicts, table_work
 from planner.planning.sessions.final import with_final_slew
-from planner.planning.sessions.holding import ephemeris_over, session_rows
 from planner.planning.sessions.sequence import RefusedSession, SessionRefused, sequence_sessions
+from planner.planning.sessions.track_branches import ephemeris_over, session_rows
 from planner.verification import verify
 from planner.world.frames.time_scales import elapsed_s, utc_text
 from planner.world.scenario import Scenario, Session

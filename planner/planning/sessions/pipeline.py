@@ -15,11 +15,11 @@ from planner.motion.baseline import compare_with_spline
 from planner.planning.sessions.assembly import assemble_table, sessions_after_conflicts, table_work
 from planner.planning.sessions.budget import PointingBudget
 from planner.planning.sessions.final import with_final_slew
-from planner.planning.sessions.holding import ephemeris_over, session_rows, sight
 from planner.planning.sessions.joining import Join
-from planner.planning.sessions.lead import least_slew_s
 from planner.planning.sessions.nearest_start import plan_sessions
 from planner.planning.sessions.plan import Plan, SlewRun
+from planner.planning.sessions.slew_timing import least_slew_s
+from planner.planning.sessions.track_branches import ephemeris_over, session_rows, sight
 from planner.planning.sessions.uncertainty import pointing_budget
 from planner.verification import VerificationReport, verify
 from planner.world.frames.earth_orientation import earth_orientation_warnings
@@ -107,7 +107,7 @@ def _joins(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
 
 
 def _cut_short(joins: list[Join]) -> tuple[str, ...]:
-    numbers = [str(number) for number, join in enumerate(joins, start=1) if join.cut_short]
+    numbers = [str(number) for number, join in enumerate(joins, start=1) if join.search_truncated]
     if not numbers:
         return ()
     sessions = f"session {numbers[0]}" if len(numbers) == 1 else f"sessions {', '.join(numbers)}"

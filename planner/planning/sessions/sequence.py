@@ -1,4 +1,4 @@
-"""Which way every session is held, and when each is joined and left."""
+"""The branch on which each session is held, and the rows at which it is joined and left."""
 
 import math
 from dataclasses import dataclass
@@ -11,10 +11,10 @@ from planner.base import effort
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.base.effort import at_most
 from planner.base.errors import (
-    GiveUp,
     InfeasibleSlew,
     NotVisible,
     Refusal,
+    Relaxation,
     SearchEnded,
     SolverFailed,
     TrackBreaksLimit,
@@ -22,10 +22,22 @@ from planner.base.errors import (
 )
 from planner.motion.pointing.keep_out import keep_out_view
 from planner.motion.slew import require_brakable
-from planner.planning.sessions.chain import CONFLICTS, Chain, Stand, States, Steps, initial_state
+from planner.planning.sessions.chain import (
+    CONFLICTS,
+    Chain,
+    SlewStart,
+    States,
+    Steps,
+    initial_state,
+)
 from planner.planning.sessions.earliest_join import track_states
-from planner.planning.sessions.holding import Rows, Way, session_rows, ways_to_hold
 from planner.planning.sessions.joining import Join, slew_onto
+from planner.planning.sessions.track_branches import (
+    RowSpan,
+    TrackBranch,
+    session_rows,
+    track_branches,
+)
 from planner.world.frames.time_scales import shifted_utc
 from planner.world.orbits import Ephemeris
 from planner.world.scenario import Scenario, Session
@@ -65,7 +77,7 @@ class RefusedSession:
         return self.scenario.initial_state.epoch
 
     @property
-    def wanted(self) -> Rows:
+    def wanted(self) -> RowSpan:
         return session_rows(self.session, self.epoch_utc)
 
     def utc(self, row: int) -> datetime:
@@ -82,14 +94,14 @@ class SessionRefused(Exception):
         self.session, self.refusal = session, refusal
         self._chain = chain
 
-    def offers(self) -> tuple[GiveUp, ...]:
+    def offers(self) -> tuple[Relaxation, ...]:
         """What sessions would lose under each `on_conflict` by which all of them can be flown."""
-        found: list[GiveUp] = []
+        found: list[Relaxation] = []
         if self._chain is not None:
             with at_most(OPTIONS.offers_share * effort.remaining()):
                 for mode in CONFLICTS:
                     instead = self._chain.solve(mode)
-                    found += _give_ups(mode, instead[0]) if instead is not None else []
+                    found += _relaxations(mode, instead[0]) if instead is not None else []
         return tuple(found)
 
 
@@ -102,14 +114,14 @@ def sequence_sessions(
     after the least time lost to sessions where `on_conflict` allows some to be lost.  Its tracks
     are then joined as early, and its cones passed as smoothly, as is found by the work that may
     be done.
-    prove: whether to show, where a slew has no way around cones, that there is none.
+    prove: whether to show, where a slew has no detour around cones, that there is none.
     Raises SessionRefused; InfeasibleSlew where it is the initial state's fault; SearchEnded.
     """
     state = initial_state(scenario)
     if scenario.slew.keeps_limits:
         require_brakable(scenario.platform.axis_names, state, scenario.axis_limits)
     _require_start_outside(scenario, ephemeris)
-    chain = Chain(scenario, _ways_by_session(scenario, ephemeris))
+    chain = Chain(scenario, _branches_by_session(scenario, ephemeris))
     found = None
     with at_most(OPTIONS.find_share * effort.remaining()) as search:
         found = chain.solve(scenario.on_conflict)
@@ -147,21 +159,21 @@ def _require_start_outside(scenario: Scenario, ephemeris: Ephemeris) -> None:
         )
 
 
-def _ways_by_session(scenario: Scenario, ephemeris: Ephemeris) -> list[tuple[Way, ...]]:
+def _branches_by_session(scenario: Scenario, ephemeris: Ephemeris) -> list[tuple[TrackBranch, ...]]:
     state, from_row = initial_state(scenario), 0
-    sessions: list[tuple[Way, ...]] = []
+    sessions: list[tuple[TrackBranch, ...]] = []
     for number, session in enumerate(scenario.sessions):
         angle_rad = np.array([axis.angle_rad for axis in state])
         try:
-            ways = ways_to_hold(scenario, ephemeris, number, session, from_row, angle_rad)
+            branches = track_branches(scenario, ephemeris, number, session, from_row, angle_rad)
         except (NotVisible, Unreachable, TrackBreaksLimit) as refusal:
             refused = RefusedSession(
                 scenario=scenario, number=number, from_row=from_row, state=state
             )
             raise SessionRefused(refused, refusal) from None
-        sessions.append(ways)
-        from_row = ways[0].rows.stop
-        state = track_states(ways[0].track, from_row / ROWS_PER_S)
+        sessions.append(branches)
+        from_row = branches[0].rows.stop
+        state = track_states(branches[0].track, from_row / ROWS_PER_S)
     return sessions
 
 
@@ -174,32 +186,34 @@ def _conflict(chain: Chain, *, prove: bool) -> SessionRefused:
         if longer is None:
             break
         steps = longer[0]
-    stand = chain.stand(steps)
-    state = chain.state(stand.way, stand.last_row)
+    slew_start = chain.slew_start(steps)
+    state = chain.state(slew_start.branch, slew_start.last_row)
     refusal = None
     if prove:
         with at_most(OPTIONS.proof_share * effort.remaining()):
-            refusal = _refusal(chain, number, stand, prove=True)
-    refusal = refusal or _refusal(chain, number, stand, prove=False)
-    refused = RefusedSession(scenario=scenario, number=number, from_row=stand.last_row, state=state)
+            refusal = _refusal(chain, number, slew_start, prove=True)
+    refusal = refusal or _refusal(chain, number, slew_start, prove=False)
+    refused = RefusedSession(
+        scenario=scenario, number=number, from_row=slew_start.last_row, state=state
+    )
     return SessionRefused(refused, refusal, chain)
 
 
-def _refusal(chain: Chain, number: int, stand: Stand, *, prove: bool) -> InfeasibleSlew:
-    state = chain.state(stand.way, stand.last_row)
-    for way in chain.sessions[number]:
+def _refusal(chain: Chain, number: int, slew_start: SlewStart, *, prove: bool) -> InfeasibleSlew:
+    state = chain.state(slew_start.branch, slew_start.last_row)
+    for branch in chain.sessions[number]:
         try:
             slew_onto(
                 chain.scenario,
-                way,
-                stand.last_row,
+                branch,
+                slew_start.last_row,
                 state,
                 thorough=False,
                 early=not chain.scenario.keeps_out,
                 prove=prove,
             )
         except InfeasibleSlew as refusal:
-            return _with_mode(refusal, chain.scenario.on_conflict) if stand.way else refusal
+            return _with_mode(refusal, chain.scenario.on_conflict) if slew_start.branch else refusal
     raise SolverFailed(
         f"the slew to session {number + 1} was found impossible and then possible",
         field=f"sessions.{number}.start",
@@ -218,14 +232,14 @@ def _with_mode(refusal: InfeasibleSlew, mode: str) -> InfeasibleSlew:
     )
 
 
-def _give_ups(mode: str, steps: Steps) -> list[GiveUp]:
+def _relaxations(mode: str, steps: Steps) -> list[Relaxation]:
     """What each session loses; a session's start is its own step's, its stop the next one's."""
-    later_s = [(step.join_row - step.way.rows.start) / ROWS_PER_S for step in steps]
+    later_s = [(step.join_row - step.branch.rows.start) / ROWS_PER_S for step in steps]
     earlier_s = [
-        (before.way.rows.stop - step.leave_row) / ROWS_PER_S for before, step in pairwise(steps)
+        (before.branch.rows.stop - step.leave_row) / ROWS_PER_S for before, step in pairwise(steps)
     ] + [0.0]
     return [
-        GiveUp(on_conflict=mode, session=session, start_later_s=later, stop_earlier_s=earlier)
+        Relaxation(on_conflict=mode, session=session, start_later_s=later, stop_earlier_s=earlier)
         for session, (later, earlier) in enumerate(zip(later_s, earlier_s, strict=False))
         if later or earlier
     ]

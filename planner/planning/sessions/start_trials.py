@@ -9,9 +9,14 @@ import numpy as np
 from planner.base.commands import COMMAND_STEP_S
 from planner.base.errors import Refusal
 from planner.motion.pointing.line_of_sight import STENCIL
-from planner.planning.sessions.holding import Rows, Way, session_rows, ways_to_hold
 from planner.planning.sessions.joining import may_slew_onto, slew_onto
 from planner.planning.sessions.sequence import RefusedSession
+from planner.planning.sessions.track_branches import (
+    RowSpan,
+    TrackBranch,
+    session_rows,
+    track_branches,
+)
 from planner.world.frames.time_scales import elapsed_s
 from planner.world.orbits import Ephemeris
 from planner.world.scenario import Session
@@ -29,10 +34,12 @@ class Trials:
 
     refused: RefusedSession
     ephemeris: Ephemeris
-    seen: list[Rows]
+    seen: list[RowSpan]
     stop_utc: Callable[[int], datetime]
-    held: Rows | None = None
-    _latest: dict[tuple[datetime, datetime, bool], tuple[Way, ...]] = field(default_factory=dict)
+    held: RowSpan | None = None
+    _latest: dict[tuple[datetime, datetime, bool], tuple[TrackBranch, ...]] = field(
+        default_factory=dict
+    )
 
     @property
     def _joins_early(self) -> bool:
@@ -70,10 +77,10 @@ class Trials:
             return True
         begun_utc = self.refused.utc(rows.start + STENCIL - 1)
         ended_utc = self.refused.utc(rows.stop - STENCIL + 1)
-        first = self._ways(replace(moved, stop=begun_utc))
+        first = self._branches(replace(moved, stop=begun_utc))
         if not self._joins_early:
-            first = tuple(way for way in first if self._may_be_slewed(way))
-        return bool(first) and bool(self._ways(replace(moved, start=ended_utc)))
+            first = tuple(branch for branch in first if self._may_be_slewed(branch))
+        return bool(first) and bool(self._branches(replace(moved, start=ended_utc)))
 
     def may(self, start_row: int) -> bool:
         """Whether the session can be held, and closed forms leave its slew open."""
@@ -82,66 +89,71 @@ class Trials:
             return False
         if self.held is not None and not self._joins_early:
             return self.ends_may(start_row)
-        ways = self._ways(moved)
-        if any(self._may_be_slewed(way) for way in ways):
+        branches = self._branches(moved)
+        if any(self._may_be_slewed(branch) for branch in branches):
             return True
-        if not ways or not self._joins_early:
+        if not branches or not self._joins_early:
             return False
-        return any(self._may_be_slewed(way) for way in self._ways(moved, early=True))
+        return any(self._may_be_slewed(branch) for branch in self._branches(moved, early=True))
 
     def feasible_session(self, start_row: int) -> Session | None:
         """The moved session, if its slew is really found."""
         moved = self.session(start_row)
         if moved is None:
             return None
-        ways = self._ways(moved, early=True)
-        return moved if any(self._is_slewed(way) for way in ways) else None
+        branches = self._branches(moved, early=True)
+        return moved if any(self._is_slewed(branch) for branch in branches) else None
 
-    def _ways(self, session: Session, *, early: bool = False) -> tuple[Way, ...]:
+    def _branches(self, session: Session, *, early: bool = False) -> tuple[TrackBranch, ...]:
         """None where the session can't be held, or nothing is known of orbit or attitude then.
 
         early: with the time in which its track may be joined before it begins.
         """
         key = session.start, session.stop, early and self._joins_early
         if key not in self._latest:
-            found = self._ways_anew(session, early=early)
+            found = self._branches_anew(session, early=early)
             self._latest.clear()  # a session of hours fills megabytes
             self._latest[key] = found
         return self._latest[key]
 
-    def _ways_anew(self, session: Session, *, early: bool) -> tuple[Way, ...]:
+    def _branches_anew(self, session: Session, *, early: bool) -> tuple[TrackBranch, ...]:
         refused = self.refused
         rows = session_rows(session, refused.epoch_utc)
         from_row = refused.from_row if early else rows.start
         angle_rad = np.array([axis.angle_rad for axis in refused.state])
         try:
-            return ways_to_hold(
+            return track_branches(
                 refused.scenario, self.ephemeris, refused.number, session, from_row, angle_rad
             )
         except Refusal:
             return ()
 
-    def _may_be_slewed(self, way: Way) -> bool:
+    def _may_be_slewed(self, branch: TrackBranch) -> bool:
         refused = self.refused
-        return may_slew_onto(refused.scenario, way, refused.from_row, refused.state)
+        return may_slew_onto(refused.scenario, branch, refused.from_row, refused.state)
 
-    def _is_slewed(self, way: Way) -> bool:
+    def _is_slewed(self, branch: TrackBranch) -> bool:
         """A track that can be joined where its session begins needs no search for an earlier row.
 
-        Where cones leave no way that is found quickly, none is sought for long.
+        Where cones leave no branch that is found quickly, none is sought for long.
         """
         may_be_early = self._joins_early and not self.refused.scenario.keeps_out
-        return self._is_found(way, early=False) or (
-            may_be_early and self._is_found(way, early=True)
+        return self._is_found(branch, early=False) or (
+            may_be_early and self._is_found(branch, early=True)
         )
 
-    def _is_found(self, way: Way, *, early: bool) -> bool:
+    def _is_found(self, branch: TrackBranch, *, early: bool) -> bool:
         refused = self.refused
-        if not self._may_be_slewed(way):
+        if not self._may_be_slewed(branch):
             return False
         try:
             slew_onto(
-                refused.scenario, way, refused.from_row, refused.state, thorough=False, early=early
+                refused.scenario,
+                branch,
+                refused.from_row,
+                refused.state,
+                thorough=False,
+                early=early,
             )
         except Refusal:
             return False

@@ -15,7 +15,7 @@ from planner.base.arrays import Array, cross
 from planner.motion.pointing.frame import frame_axes
 from planner.motion.pointing.line_of_sight import LineOfSight
 from planner.planning.sessions.budget import LIKELY, Contribution, PointingBudget
-from planner.planning.sessions.few_rows import farthest_rows, spread_rows
+from planner.planning.sessions.budget_samples import farthest_rows, spread_rows
 from planner.planning.sessions.probability import lattice_points, probability_inside
 from planner.world.attitude import AttitudeErrors, AttitudeLaw
 from planner.world.frames.earth_orientation import iers_data_end_utc

@@ -1,1 +1,1 @@
-"""From imaging requests to a timeline of scans and turns: what to image, when, in what order."""
+"""From imaging requests to a timeline of scans and slews: what to image, when, in what order."""

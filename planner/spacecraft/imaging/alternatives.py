@@ -22,7 +22,7 @@ from planner.spacecraft.imaging.candidates import (
     candidates,
     middle_of,
 )
-from planner.spacecraft.imaging.choice_with_turns import LooksTooClose
+from planner.spacecraft.imaging.choice_with_slews import LooksTooClose
 from planner.spacecraft.imaging.request_arcs import least_time_s
 from planner.spacecraft.imaging.session import ImagingSession, make_session
 from planner.spacecraft.requests import (
@@ -42,14 +42,14 @@ class AlternativeOptions:
     """What is changed of a request that can't be met, in the order tried."""
 
     tried_max: int = 4  # of the other times at which one request can be met
-    before_s: float = 90.0  # to turn onto the first look
+    before_s: float = 90.0  # to slew onto the first look
     after_s: float = 60.0  # and back after the last
     # tried before and after the session: up to an orbit
     longer_s: tuple[float, float, float] = (0.0, 600.0, 6000.0)
-    much_share: float = 0.6  # of the sphere: then it is the momentum that makes turns slow
+    much_share: float = 0.6  # of the sphere: then it is the momentum that makes slews slow
     # of what is stored at the start
     momentum_shares: tuple[float, ...] = (0.9, 0.75, 0.5, 0.25, 0.0)
-    # a wider gap makes the turn longer
+    # a wider gap makes the slew longer
     gap_more_s: tuple[float, ...] = (0.0, 2.0, 4.0, 8.0, 16.0, 32.0)
     # the line's ends stand further out than its middle
     moved_more_km: tuple[float, float, float] = (5.0, 25.0, 75.0)
@@ -199,7 +199,7 @@ def _shift_s(request: ImagingPlanRequest, bound: Request, start: datetime, stop:
 def _at_time(
     request: ImagingPlanRequest, free: Request, start: datetime, stop: datetime
 ) -> Alternative:
-    """In a window from start to stop, in a session that leaves time to turn there and back."""
+    """In a window from start to stop, in a session that leaves time to slew there and back."""
     early_s = max(0.0, OPTIONS.before_s - elapsed_s(start, request.start))
     late_s = max(0.0, OPTIONS.after_s - elapsed_s(request.stop, stop))
     session_start = shifted_utc(request.start, -TICK_S * np.ceil(early_s / TICK_S))

@@ -22,8 +22,8 @@ from planner.spacecraft.requests import (
     Request,
     StereoRequest,
 )
+from planner.spacecraft.slews.slew_time import MovingEnds
 from planner.spacecraft.table import TICK_S
-from planner.spacecraft.turns.turn_time import MovingEnds
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 
 
@@ -34,9 +34,9 @@ class CandidateOptions:
     grid_s: float = 2.0  # between starts: less than a turn takes
     stereo_steps: int = 5  # starts tried before and after that of the exact angle,
     stereo_step_ticks: int = 2  # so far apart
-    # a turn's time hangs on where its goal has moved meanwhile: the first guess,
-    turn_guess_s: float = 10.0
-    turn_rounds: int = 3  # and how often it is bettered
+    # a slew's time hangs on where its goal has moved meanwhile: the first guess,
+    slew_guess_s: float = 10.0
+    slew_rounds: int = 3  # and how often it is bettered
     passing_rad: float = math.radians(3.0)  # along the track: abeam
     rounding_s: float = 1e-6  # a window may be told to the microsecond
     arc_at_start: float = 5.0  # of `effort`: to look at an arc scanned from one start,
@@ -76,7 +76,7 @@ def candidates(request: Request, number: int, session: ImagingSession) -> list[C
     scans, least_s = least_time_s(request, session)
     if least_s > session.duration_s:
         raise Unreachable(
-            f"{request.name!r} takes {_count(scans)}, which with the turns between last at least "
+            f"{request.name!r} takes {_count(scans)}, which with the slews between last at least "
             f"{least_s:.1f} s, longer than the session's {session.duration_s:.1f} s; ask for less "
             "at a time or for a longer session",
             field=f"requests.{number}",
@@ -162,7 +162,7 @@ def _from_starts(
     for arc in arcs:
         effort.charge(OPTIONS.arc_at_start * len(t_s))
         if exits is not None:
-            t_s = _after_turn_s(exits, t_s, arc, session)
+            t_s = _after_slew_s(exits, t_s, arc, session)
         scan_s = arc.ticks * TICK_S
         kept = np.flatnonzero((t_s >= first_s) & (t_s + scan_s <= last_s))
         in_reach, along_rad = _in_reach(arc, t_s[kept], scan_s, session)
@@ -203,12 +203,12 @@ def _window_s(request: ImagingRequest, session: ImagingSession) -> tuple[float, 
     return first_s, last_s
 
 
-def _after_turn_s(exits: MovingEnds, t_s: Array, arc: GroundArc, session: ImagingSession) -> Array:
-    """Starts of the next arc, by turns that leave the scans before at t_s."""
-    starts_s = t_s + OPTIONS.turn_guess_s
-    for _ in range(OPTIONS.turn_rounds):
+def _after_slew_s(exits: MovingEnds, t_s: Array, arc: GroundArc, session: ImagingSession) -> Array:
+    """Starts of the next arc, by slews that leave the scans before at t_s."""
+    starts_s = t_s + OPTIONS.slew_guess_s
+    for _ in range(OPTIONS.slew_rounds):
         entries = _scanning(arc, 0.0, np.clip(starts_s, 0.0, session.duration_s), session)
-        starts_s = t_s + session.turn_time.ticks(exits, entries) * TICK_S
+        starts_s = t_s + session.slew_time.ticks(exits, entries) * TICK_S
     return np.asarray(starts_s)
 
 
@@ -290,7 +290,7 @@ def _duration(request: Request, session: ImagingSession) -> str:
     scans, least_s = least_time_s(request, session)
     if scans == 1:
         return f"{least_s:.1f} s it takes to scan"
-    return f"{least_s:.1f} s that {scans} scans, with the turns between, take at least"
+    return f"{least_s:.1f} s that {scans} scans, with the slews between, take at least"
 
 
 def _less_asked(request: Request) -> str:

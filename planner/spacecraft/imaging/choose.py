@@ -16,8 +16,8 @@ from planner.base import effort
 from planner.base.arrays import Array, Indices
 from planner.base.compiled import compiled
 from planner.planning.label_search import (
+    ALL_ITEMS,
     COMPLETES,
-    EVERYTHING,
     OPENS,
     WHOLE,
     Memory,
@@ -32,8 +32,8 @@ from planner.planning.label_search import (
     visit,
 )
 from planner.spacecraft.imaging.candidates import Candidate
+from planner.spacecraft.slews.slew_time import MovingEnds, SlewTime
 from planner.spacecraft.table import TICK_S
-from planner.spacecraft.turns.turn_time import MovingEnds, TurnTime
 
 PAIR = 0.06  # of `effort`
 WAIT_TICKS = 10  # of the chain of idle instants: 2 s, the grid of the candidates
@@ -44,7 +44,7 @@ class Choice:
     """Candidates in order of time, and how good the choice of them is.
 
     chosen: indices into the candidates; requests: theirs.  value: sum of priorities
-    fulfilled.  bound: no choice from these candidates and turn times is worth more.
+    fulfilled.  bound: no choice from these candidates and slew times is worth more.
     greedy_value: of taking requests by priority, each at the first moment that fits.
     rounds: relaxations solved.
     """
@@ -72,7 +72,7 @@ class Imaging(NamedTuple):
     priority: Array
 
 
-class TurnGraph(NamedTuple):
+class SlewGraph(NamedTuple):
     """first (n + 1,): candidate j can directly follow before[first[j]] to before[first[j + 1]].
 
     reach_ticks (n,): so long after a candidate's stop any other can be begun.
@@ -85,9 +85,9 @@ class TurnGraph(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class _Nodes:
-    """Candidates by their start, and the turns between them.
+    """Candidates by their start, and the slews between them.
 
-    candidate: index in the order given, (n,).  extra_ticks: (node, node) -> turn time known to be
+    candidate: index in the order given, (n,).  extra_ticks: (node, node) -> slew time known to be
     needed, where it was estimated too short.
     """
 
@@ -96,12 +96,12 @@ class _Nodes:
     entry: MovingEnds
     exit: MovingEnds
     tilt_rad: Array
-    turn_time: TurnTime
+    slew_time: SlewTime
     extra_ticks: dict[tuple[int, int], int]
 
-    def turn_ticks(self, before: Indices, after: int) -> Indices:
-        """Turn time from each of some nodes to one."""
-        ticks = self.turn_time.ticks(self.exit[before], self.entry[after : after + 1])
+    def slew_ticks(self, before: Indices, after: int) -> Indices:
+        """Slew time from each of some nodes to one."""
+        ticks = self.slew_time.ticks(self.exit[before], self.entry[after : after + 1])
         if not self.extra_ticks:
             return ticks
         known = [self.extra_ticks.get((int(k), after), 0) for k in before]
@@ -111,12 +111,12 @@ class _Nodes:
 def choose(
     candidates: Sequence[Candidate],
     priorities: Sequence[float],
-    turn_time: TurnTime,
+    slew_time: SlewTime,
     extra_ticks: dict[tuple[int, int], int],
 ) -> Choice:
-    """The best choice.  extra_ticks: (candidate, candidate) -> turn time known to be needed."""
-    nodes = _nodes(candidates, priorities, turn_time, extra_ticks)
-    imaging, graph = nodes.imaging, _turn_graph(nodes)
+    """The best choice.  extra_ticks: (candidate, candidate) -> slew time known to be needed."""
+    nodes = _nodes(candidates, priorities, slew_time, extra_ticks)
+    imaging, graph = nodes.imaging, _slew_graph(nodes)
     greedy = _greedy(nodes, priorities)
     found: list[Round] = []
     most: tuple[float, list[int]] = (0.0, [])
@@ -144,7 +144,7 @@ def choose(
 def _nodes(
     candidates: Sequence[Candidate],
     priorities: Sequence[float],
-    turn_time: TurnTime,
+    slew_time: SlewTime,
     extra_ticks: dict[tuple[int, int], int],
 ) -> _Nodes:
     order = np.argsort([round(c.start_s / TICK_S) for c in candidates], kind="stable")
@@ -162,28 +162,28 @@ def _nodes(
         entry=MovingEnds.concatenate([c.entry for c in ordered]),
         exit=MovingEnds.concatenate([c.exit for c in ordered]),
         tilt_rad=np.array([c.tilt_rad for c in ordered]),
-        turn_time=turn_time,
+        slew_time=slew_time,
         extra_ticks={(node[a], node[b]): ticks for (a, b), ticks in extra_ticks.items()},
     )
 
 
-def _turn_graph(nodes: _Nodes) -> TurnGraph:
+def _slew_graph(nodes: _Nodes) -> SlewGraph:
     start_tick, stop_tick = nodes.imaging.start_tick, nodes.imaging.stop_tick
-    widest = max([nodes.turn_time.widest_ticks, *nodes.extra_ticks.values()])
+    widest = max([nodes.slew_time.widest_ticks, *nodes.extra_ticks.values()])
     reach_ticks = np.zeros_like(stop_tick)
     before: list[Indices] = []
     for j, start in enumerate(start_tick):
         gap = start - stop_tick
         i = np.flatnonzero((gap > 0) & (gap <= widest))
         effort.charge(PAIR * len(i))
-        needed = nodes.turn_ticks(i, j)
+        needed = nodes.slew_ticks(i, j)
         np.maximum.at(reach_ticks, i, needed)
         before.append(i[needed <= gap[i]])
     first = np.cumsum([0, *map(len, before)])
-    return TurnGraph(first, np.concatenate(before), reach_ticks)
+    return SlewGraph(first, np.concatenate(before), reach_ticks)
 
 
-def _repeats(imaging: Imaging, count: int, graph: TurnGraph) -> Repeats:
+def _repeats(imaging: Imaging, count: int, graph: SlewGraph) -> Repeats:
     longest_ticks = int(np.max(imaging.stop_tick - imaging.start_tick))
     leap_ticks = longest_ticks + int(graph.reach_ticks.max()) + 2 * WAIT_TICKS
     stereo = np.unique(imaging.request[imaging.part != WHOLE]).tolist()
@@ -192,7 +192,7 @@ def _repeats(imaging: Imaging, count: int, graph: TurnGraph) -> Repeats:
 
 
 @compiled
-def _label_paths(imaging: Imaging, graph: TurnGraph, memory: Memory) -> tuple[float, Indices, int]:
+def _label_paths(imaging: Imaging, graph: SlewGraph, memory: Memory) -> tuple[float, Indices, int]:
     """A `Round`.  Places: candidates, then idle instants; visits are numbered by candidate."""
     n = len(imaging.start_tick)
     end = int(imaging.stop_tick.max() + graph.reach_ticks.max()) + 2 * WAIT_TICKS
@@ -208,7 +208,7 @@ def _label_paths(imaging: Imaging, graph: TurnGraph, memory: Memory) -> tuple[fl
         visit(labels, (n + now,), j, memory, made)
         visit(labels, graph.before[graph.first[j] : graph.first[j + 1]], j, memory, made)
         free = (imaging.stop_tick[j] + graph.reach_ticks[j] + WAIT_TICKS - 1) // WAIT_TICKS
-        follow(labels, j, (n + free,), EVERYTHING, False)
+        follow(labels, j, (n + free,), ALL_ITEMS, False)
     value, visits, count = best(labels, (0, n))
     return max(value, 0.0), visits, count
 
@@ -272,11 +272,11 @@ def _less_tilted(nodes: _Nodes, path: list[int]) -> list[int]:
 
 
 def _fits(nodes: _Nodes, placed: list[int], k: int) -> bool:
-    """Whether a node's turns from and to its neighbours among those placed have their time."""
+    """Whether a node's slews from and to its neighbours among those placed have their time."""
     start_tick, stop_tick = nodes.imaging.start_tick, nodes.imaging.stop_tick
     before = [i for i in placed if start_tick[i] <= start_tick[k]]
     after = [i for i in placed if start_tick[i] > start_tick[k]]
     return all(
-        nodes.turn_ticks(np.array([i]), j)[0] <= start_tick[j] - stop_tick[i]
+        nodes.slew_ticks(np.array([i]), j)[0] <= start_tick[j] - stop_tick[i]
         for i, j in (*((i, k) for i in before[-1:]), *((k, j) for j in after[:1]))
     )

@@ -64,7 +64,7 @@ class GroundArc:
     def point_itrf(self, share: Array) -> tuple[Array, Array]:
         """Position (m) and its derivative by the share of the arc, ITRF, (n, 3) each.
 
-        Shares outside 0..1 continue the arc: where a turn joins and leaves it.
+        Shares outside 0..1 continue the arc: where a slew joins and leaves it.
         """
         flat = np.array([1.0, 1.0, 1.0 / (1.0 - WGS84_F) ** 2]) / WGS84_A_M**2
         up = up_itrf(np.array(self.latitude_rad), np.array(self.longitude_rad))

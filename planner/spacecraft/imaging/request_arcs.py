@@ -74,7 +74,7 @@ class _StripPattern:
 
 
 def least_time_s(request: Request, session: ImagingSession) -> tuple[int, float]:
-    """How many scans a request is, and no less than the time they and the turns between take."""
+    """How many scans a request is, and no less than the time they and the slews between take."""
     if isinstance(request, AreaRequest):
         pattern = _strip_pattern(request, session)
         scans = pattern.count

@@ -11,8 +11,8 @@ from planner.base.arrays import Array
 from planner.base.errors import InvalidInput
 from planner.spacecraft.imaging.ground_arc import ChebyshevProfile, GroundArc, fitted_profile
 from planner.spacecraft.requests import ImagingPlanRequest
+from planner.spacecraft.slews.slew_time import SlewTime, slew_time
 from planner.spacecraft.table import TICK_S
-from planner.spacecraft.turns.turn_time import TurnTime, turn_time
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
 from planner.world.frames.earth_orientation import c_itrf_from_eci, itrf_from_eci_state
 from planner.world.frames.geodesy import WGS84_A_M
@@ -20,10 +20,10 @@ from planner.world.frames.local_orbital import q_lvlh_from_eci
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 from planner.world.orbits import Ephemeris
 
-HEIGHT_MAX_M = 2000e3  # a low orbit: from higher the camera's angles and the turns mean little
+HEIGHT_MAX_M = 2000e3  # a low orbit: from higher the camera's angles and the slews mean little
 HEIGHT_STEP_S = 30.0
 TRACK_STEP_S = 5.0  # how closely the path over the ground is looked at
-_ORBIT_MARGIN = timedelta(seconds=200)  # scans are continued backwards, turns forwards
+_ORBIT_MARGIN = timedelta(seconds=200)  # scans are continued backwards, slews forwards
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,7 +34,7 @@ class ImagingSession:
     ephemeris: Ephemeris
     duration_s: float
     spacecraft: AgileSpacecraft
-    turn_time: TurnTime
+    slew_time: SlewTime
 
     @property
     def epoch_utc(self) -> datetime:
@@ -92,7 +92,7 @@ def make_session(request: ImagingPlanRequest) -> ImagingSession:
         ephemeris=ephemeris,
         duration_s=int(elapsed_s(request.stop, request.start) / TICK_S + 1e-6) * TICK_S,
         spacecraft=spacecraft,
-        turn_time=turn_time(spacecraft),
+        slew_time=slew_time(spacecraft),
     )
 
 

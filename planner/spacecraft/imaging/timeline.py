@@ -1,7 +1,7 @@
-"""Makes one attitude for every instant of the chosen candidates: rest, turns, scans.
+"""Makes one attitude for every instant of the chosen candidates: rest, slews, scans.
 
-Orbital orientation until the first turn must begin and after the last one; between scans a
-turn onto the next one's profile, which is then followed until the camera starts.
+Orbital orientation until the first slew must begin and after the last one; between scans a
+slew onto the next one's profile, which is then followed until the camera starts.
 """
 
 import math
@@ -17,18 +17,23 @@ from planner.spacecraft.imaging.candidates import Candidate
 from planner.spacecraft.imaging.ground_arc import GroundArc
 from planner.spacecraft.imaging.session import ImagingSession
 from planner.spacecraft.mrp import BodyMotion
+from planner.spacecraft.slews.slew_choice import (
+    AttitudeSlewComparison,
+    SlewNeedsTime,
+    compare,
+    slew_onto,
+)
+from planner.spacecraft.slews.slew_problem import AttitudeSlew, AttitudeSlewProblem, EndState
+from planner.spacecraft.slews.slew_time import MovingEnds
 from planner.spacecraft.table import TICK_S, ImagingWindow
-from planner.spacecraft.turns.turn_choice import TurnComparison, TurnNeedsTime, compare, turn_onto
-from planner.spacecraft.turns.turn_problem import EndState, Turn, TurnProblem
-from planner.spacecraft.turns.turn_time import MovingEnds
 
 
 @dataclass(frozen=True, kw_only=True)
 class TimelineOptions:
     """How scans, turns and rests follow each other."""
 
-    more_ticks_min: int = 3  # asked for between two scans whose turn doesn't fit
-    # a turn onto a scan leaves orbital orientation about so long before
+    more_ticks_min: int = 3  # asked for between two scans whose slew doesn't fit
+    # a slew onto a scan leaves orbital orientation about so long before
     rest_before_s: float = 20.0
     rest_after_s: float = 150.0  # longer pauses are spent in orbital orientation
     profile_margin_s: float = 1.0  # around the rows it is used for
@@ -56,14 +61,14 @@ class Scan:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlannedTurn:
-    """A turn from row first_row to last_row; window: the number of the imaging window it leads
+class PlannedSlew:
+    """A slew from row first_row to last_row; window: the number of the imaging window it leads
     to, None for orbital orientation."""
 
     first_row: int
     last_row: int
     window: int | None
-    comparison: TurnComparison
+    comparison: AttitudeSlewComparison
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,22 +77,22 @@ class Timeline:
 
     q_body_from_eci: Rotation
     motion: BodyMotion
-    turns: tuple[PlannedTurn, ...]
+    slews: tuple[PlannedSlew, ...]
     windows: tuple[ImagingWindow, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Misfit:
-    """A turn with too little time: between which candidates (None: the session's ends), and
+    """A slew with too little time: between which candidates (None: the session's ends), and
     how many ticks apart they should be."""
 
     before: int | None
     after: int | None
     ticks: int
-    why: TurnNeedsTime
+    why: SlewNeedsTime
 
 
-class TurnsDoNotFit(Exception):
+class SlewsDoNotFit(Exception):
     """Every misfit of a timeline."""
 
     def __init__(self, misfits: Sequence[Misfit]) -> None:
@@ -96,11 +101,11 @@ class TurnsDoNotFit(Exception):
 
 
 @dataclass(frozen=True, kw_only=True)
-class TurnSlot:
-    """The room for a turn: from first_row to last_row, between two scans (None: the session's
+class SlewSlot:
+    """The room for a slew: from first_row to last_row, between two scans (None: the session's
     ends).
 
-    window: as of a `PlannedTurn`.  late: it leaves as late as it can to arrive at last_row, else
+    window: as of a `PlannedSlew`.  late: it leaves as late as it can to arrive at last_row, else
     at first_row, arriving when done.
     """
 
@@ -112,7 +117,7 @@ class TurnSlot:
     late: bool = False
 
 
-Outcomes = dict[TurnSlot, Turn | TurnNeedsTime]
+Outcomes = dict[SlewSlot, AttitudeSlew | SlewNeedsTime]
 
 
 def scans_of(candidates: Sequence[Candidate], chosen: Sequence[int]) -> tuple[Scan, ...]:
@@ -137,23 +142,23 @@ def build_timeline(
     """Scan in order, from orbital orientation or the request's initial attitude, which is left
     at once.
 
-    outcomes: of turns tried in earlier attempts at the same session, kept by the caller.
-    Raises TurnsDoNotFit with every pair that needs more time.
+    outcomes: of slews tried in earlier attempts at the same session, kept by the caller.
+    Raises SlewsDoNotFit with every pair that needs more time.
     """
     builder = _Builder(session, {} if outcomes is None else outcomes)
     builder.leave_initial_attitude(scans[0] if scans else None)
     before: Scan | None = None
     for number, scan in enumerate(scans):
-        builder.turn_onto_scan(before, scan, number)
+        builder.slew_onto_scan(before, scan, number)
         builder.follow(scan.last_row + 1)
         before = scan
     if before is not None:
         now, last = builder.row, session.last_row
-        slot = TurnSlot(before=before, after=None, first_row=now, last_row=last)
-        builder.turn(builder.span(None, now, last), slot)
+        slot = SlewSlot(before=before, after=None, first_row=now, last_row=last)
+        builder.slew(builder.span(None, now, last), slot)
     builder.follow(session.last_row)
     if builder.misfits:
-        raise TurnsDoNotFit(builder.misfits)
+        raise SlewsDoNotFit(builder.misfits)
     return _assemble(builder, scans)
 
 
@@ -164,7 +169,7 @@ class _Builder:
         self.session = session
         self.outcomes = outcomes
         self.stretches: list[tuple[int, AttitudeAt]] = []
-        self.turns: list[PlannedTurn] = []
+        self.slews: list[PlannedSlew] = []
         self.misfits: list[Misfit] = []
         self.row = 0
         self.profile: AttitudeAt = _initial_profile(session)
@@ -188,8 +193,8 @@ class _Builder:
         self.row = until_row
 
     def leave_initial_attitude(self, first: Scan | None) -> None:
-        """Turn to orbital orientation, if not in it: in half the time to the first scan, or as much
-        more as the turn onto that leaves."""
+        """Slew to orbital orientation, if not in it: in half the time to the first scan, or as much
+        more as the slew onto that leaves."""
         last = self.session.last_row
         orbital = self.span(None, 0, last)
         if self.session.request.initial_q_body_from_eci_xyzw is None:
@@ -198,32 +203,32 @@ class _Builder:
         until = last
         if first is not None:
             until = max(first.first_row // 2, first.first_row - self.ticks_onto(first, orbital))
-        self.turn(orbital, TurnSlot(before=None, after=first, first_row=0, last_row=until))
+        self.slew(orbital, SlewSlot(before=None, after=first, first_row=0, last_row=until))
 
     def ticks_onto(self, scan: Scan, orbital: AttitudeAt) -> int:
-        """Estimate of the turn onto a scan from orbital orientation."""
+        """Estimate of the slew onto a scan from orbital orientation."""
         profile = self.span(scan.arc, scan.first_row, scan.last_row)
         leaving = max(scan.first_row - round(OPTIONS.rest_before_s / TICK_S), 0)
-        [ticks] = self.session.turn_time.ticks(
+        [ticks] = self.session.slew_time.ticks(
             MovingEnds.of(_end_state(orbital, leaving)),
             MovingEnds.of(_end_state(profile, scan.first_row)),
         )
         return int(ticks)
 
-    def turn_onto_scan(self, before: Scan | None, scan: Scan, window: int) -> None:
+    def slew_onto_scan(self, before: Scan | None, scan: Scan, window: int) -> None:
         """By way of orbital orientation after a long pause."""
         settle_rows = math.ceil(self.session.spacecraft.slew.settle_s / TICK_S - 1e-6)
         arrive_row = scan.first_row - settle_rows
         pause_s = 0.0 if before is None else (scan.first_row - before.last_row) * TICK_S
         if pause_s > OPTIONS.rest_after_s:
             halfway = self.row + (arrive_row - self.row) // 2
-            self.turn(
+            self.slew(
                 self.span(None, self.row, scan.first_row),
-                TurnSlot(before=before, after=scan, first_row=self.row, last_row=halfway),
+                SlewSlot(before=before, after=scan, first_row=self.row, last_row=halfway),
             )
         # A scan's profile is continued backwards only so far: beyond, it leaves the ground.
         begin_row = max(self.row, scan.first_row - round(OPTIONS.rest_after_s / TICK_S))
-        slot = TurnSlot(
+        slot = SlewSlot(
             before=before,
             after=scan,
             first_row=self.row,
@@ -231,49 +236,49 @@ class _Builder:
             window=window,
             late=before is None or pause_s > OPTIONS.rest_after_s,
         )
-        self.turn(self.span(scan.arc, begin_row, scan.last_row + 1), slot)
+        self.slew(self.span(scan.arc, begin_row, scan.last_row + 1), slot)
 
-    def turn(self, goal: AttitudeAt, slot: TurnSlot) -> None:
-        """Turn onto the goal.  Outcomes are kept for the next attempt at the timeline; a turn
+    def slew(self, goal: AttitudeAt, slot: SlewSlot) -> None:
+        """Slew onto the goal.  Outcomes are kept for the next attempt at the timeline; a slew
         that doesn't fit is noted and taken for done."""
         if slot not in self.outcomes:
-            self.outcomes[slot] = self.try_turn(goal, slot)
-        turn = self.outcomes[slot]
-        if isinstance(turn, TurnNeedsTime):
-            self.misfits.append(self.misfit(slot, turn))
+            self.outcomes[slot] = self.try_slew(goal, slot)
+        slew = self.outcomes[slot]
+        if isinstance(slew, SlewNeedsTime):
+            self.misfits.append(self.misfit(slot, slew))
             self.row = slot.last_row
         else:
-            rows = round(turn.duration_s / TICK_S)
+            rows = round(slew.duration_s / TICK_S)
             if slot.late:
                 self.follow(slot.last_row - rows)
             start_s = self.row * TICK_S
-            self.turns.append(
-                PlannedTurn(
+            self.slews.append(
+                PlannedSlew(
                     first_row=self.row,
                     last_row=self.row + rows,
                     window=slot.window,
-                    comparison=compare(self.problem(goal, self.row, self.row + rows), turn),
+                    comparison=compare(self.problem(goal, self.row, self.row + rows), slew),
                 )
             )
-            self.profile = _turn_profile(turn, start_s)
+            self.profile = _slew_profile(slew, start_s)
             self.follow(self.row + rows)
         self.profile = goal
 
-    def try_turn(self, goal: AttitudeAt, slot: TurnSlot) -> Turn | TurnNeedsTime:
-        def problem_at(duration_s: float) -> TurnProblem:
+    def try_slew(self, goal: AttitudeAt, slot: SlewSlot) -> AttitudeSlew | SlewNeedsTime:
+        def problem_at(duration_s: float) -> AttitudeSlewProblem:
             rows = round(duration_s / TICK_S)
             start_row = slot.last_row - rows if slot.late else slot.first_row
             return self.problem(goal, start_row, start_row + rows)
 
         available_s = (slot.last_row - slot.first_row) * TICK_S
         try:
-            return turn_onto(problem_at, available_s, self.session.request.objective)
-        except TurnNeedsTime as why:
+            return slew_onto(problem_at, available_s, self.session.request.objective)
+        except SlewNeedsTime as why:
             return why
 
-    def problem(self, goal: AttitudeAt, start_row: int, end_row: int) -> TurnProblem:
+    def problem(self, goal: AttitudeAt, start_row: int, end_row: int) -> AttitudeSlewProblem:
         spacecraft = self.session.spacecraft
-        return TurnProblem(
+        return AttitudeSlewProblem(
             start=_end_state(self.profile, start_row),
             end=_end_state(goal, end_row),
             momentum_eci_n_m_s=self.momentum_eci_n_m_s,
@@ -281,7 +286,7 @@ class _Builder:
             limits=spacecraft.slew,
         )
 
-    def misfit(self, slot: TurnSlot, why: TurnNeedsTime) -> Misfit:
+    def misfit(self, slot: SlewSlot, why: SlewNeedsTime) -> Misfit:
         start_row = 0 if slot.before is None else slot.before.last_row
         stop_row = self.session.last_row if slot.after is None else slot.after.first_row
         missing_ticks = math.ceil(why.missing_s / TICK_S - 1e-6)
@@ -305,8 +310,8 @@ def _initial_profile(session: ImagingSession) -> AttitudeAt:
     return at_rest
 
 
-def _turn_profile(turn: Turn, start_s: float) -> AttitudeAt:
-    return lambda t_s: turn.attitude_at(t_s - start_s)
+def _slew_profile(slew: AttitudeSlew, start_s: float) -> AttitudeAt:
+    return lambda t_s: slew.attitude_at(t_s - start_s)
 
 
 def _end_state(profile: AttitudeAt, row: int) -> EndState:
@@ -341,6 +346,6 @@ def _assemble(builder: _Builder, scans: tuple[Scan, ...]) -> Timeline:
     return Timeline(
         q_body_from_eci=Rotation.concatenate(attitudes),
         motion=BodyMotion(*(np.concatenate(column) for column in zip(*motions, strict=True))),
-        turns=tuple(builder.turns),
+        slews=tuple(builder.slews),
         windows=windows,
     )

@@ -13,7 +13,7 @@ from planner.base.arrays import Array
 from planner.base.spec import Within, spec
 from planner.spacecraft.vehicle.cmg_array import CmgArray, Positive
 
-TurnObjective = Literal["smooth", "minimum_time"]
+SlewObjective = Literal["smooth", "minimum_time"]
 Vector3 = tuple[float, float, float]
 SETTLE_S = (0.0, 60.0)
 SWATH_M = (100.0, 500e3)

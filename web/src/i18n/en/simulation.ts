@@ -34,7 +34,7 @@ export const simulation = {
   frames: (frames: number, held: number, sharp: number) =>
     `${counted(frames, "frame", "frames", "frames")}, ${held} hold the target, ${sharp} sharp`,
   turn: (deg: string) => `the view turns by at most ${deg}° between frames`,
-  mover: (px: string) => `the mover shifts by up to ${px} px`,
+  movingObject: (px: string) => `the moving object shifts by up to ${px} px`,
   histogram: "Largest miss of each run.",
   histogramOf: (last: string) => `Histogram of the runs' largest misses, 0 to ${last} arcsec`,
   beyond: (count: number) => `${counted(count, "run", "runs", "runs")} beyond.`,

@@ -35,7 +35,7 @@ export const simulation: Words["simulation"] = {
   frames: (frames: number, held: number, sharp: number) =>
     `${counted(frames, "кадр", "кадра", "кадров")}, с целью ${held}, резких ${sharp}`,
   turn: (deg: string) => `картинка поворачивается между кадрами не больше чем на ${deg}°`,
-  mover: (px: string) => `подвижный объект сдвигается до ${px} px`,
+  movingObject: (px: string) => `подвижный объект сдвигается до ${px} px`,
   histogram: "Наибольший промах каждого прогона.",
   histogramOf: (last: string) => `Гистограмма наибольших промахов прогонов, от 0 до ${last} угл. с`,
   beyond: (count: number) => `Дальше: ${counted(count, "прогон", "прогона", "прогонов")}.`,

@@ -58,7 +58,7 @@ export const spacecraft: Words["spacecraft"] = {
   },
   stages: {
     candidates: "Способы съёмки",
-    "choice and turns": "Выбор и развороты",
+    "choice and slews": "Выбор и развороты",
     gimbals: "Рамки",
     verification: "Проверка",
     flight: "Прогоны в контуре",
@@ -78,7 +78,7 @@ export const spacecraft: Words["spacecraft"] = {
   sphereHint: "Оси аппарата. Момент сферы гироскопы могут принять в любом направлении. Поворачивается мышью или стрелками.",
   leftOut: "Не вошло",
   looks: "Съёмки",
-  turns: "Развороты",
+  slews: "Развороты",
   rest: "орбитальная ориентация",
   yes: "устойчиво",
   no: "неустойчиво",

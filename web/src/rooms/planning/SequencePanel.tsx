@@ -9,7 +9,7 @@ import * as draft from "./draft";
 import { failure, refused } from "./refusal";
 import { textOf } from "./target";
 
-type GiveUp = Schemas["GiveUp"];
+type Relaxation = Schemas["Relaxation"];
 
 export function SequencePanel({ plan }: { plan: () => void }) {
   const text = words.value.plan.sequence;
@@ -129,7 +129,7 @@ function Clashes() {
     overlaps().map(({ later, span }) => [later, text.overlap(later, later + 1, number((span.stop - span.start) / 1000, 1))]),
   );
   const now = refused.value;
-  const { limit, give_up: offers = [] } = now?.problem.document ?? {};
+  const { limit, relaxations: offers = [] } = now?.problem.document ?? {};
   if (now && now.session > 0 && limit === "duration" && offers.length === 0 && !told.has(now.session)) {
     told.set(now.session, text.noRoom(now.session, now.session + 1));
   }
@@ -174,8 +174,8 @@ function WaysOut({ plan }: { plan: () => void }) {
   const text = words.value.plan.sequence;
   const now = refused.value;
   if (!now) return null;
-  const { give_up: offers = [] } = now.problem.document;
-  const ways = new Map<string, GiveUp[]>();
+  const { relaxations: offers = [] } = now.problem.document;
+  const ways = new Map<string, Relaxation[]>();
   for (const offer of offers) ways.set(offer.on_conflict, [...(ways.get(offer.on_conflict) ?? []), offer]);
   if (ways.size === 0) return null;
   const all = spans();
@@ -215,7 +215,7 @@ function WaysOut({ plan }: { plan: () => void }) {
   );
 }
 
-function costs(loss: GiveUp): string {
+function costs(loss: Relaxation): string {
   return words.value.plan.sequence.loses(loss.session + 1, number(loss.start_later_s + loss.stop_earlier_s, 1));
 }
 

@@ -15,7 +15,7 @@ export function Session({ session }: { session: SessionFlights }) {
       <h2 id={id}>{text.session(session.session + 1, session.label)}</h2>
       <dl class="figures">
         <dt>{text.told}</dt>
-        <dd>{percent(session.told_probability_in_frame)}</dd>
+        <dd>{percent(session.budget_probability_in_frame)}</dd>
         <dt>{text.flown}</dt>
         <dd>
           {percent(session.probability_in_frame)} {text.interval(...intervalText(session.in_frame_interval))}
@@ -39,7 +39,7 @@ export function Session({ session }: { session: SessionFlights }) {
         <dt>{text.nominal}</dt>
         <dd>
           {text.frames(nominal.frames, nominal.held, nominal.sharp)}; {text.turn(number(nominal.turn_deg, 3))}
-          {moverOf(session)}
+          {movingObjectOf(session)}
         </dd>
       </dl>
       {session.misses && <Misses misses={session.misses} />}
@@ -51,8 +51,8 @@ function three(values: readonly number[] | null): [string, string, string] {
   return [digits(values?.[0]), digits(values?.[1]), digits(values?.[2])];
 }
 
-function moverOf({ nominal }: SessionFlights): string {
-  const shifts = nominal.mover_px?.filter((shift) => shift !== null);
+function movingObjectOf({ nominal }: SessionFlights): string {
+  const shifts = nominal.moving_object_px?.filter((shift) => shift !== null);
   if (!shifts?.length) return "";
-  return `; ${words.value.simulation.mover(digits(Math.max(...shifts)))}`;
+  return `; ${words.value.simulation.movingObject(digits(Math.max(...shifts)))}`;
 }

@@ -15,7 +15,7 @@ import { MomentumSphere } from "./MomentumSphere";
 import { SessionCharts } from "./SessionCharts";
 import { SessionFiles } from "./SessionFiles";
 import { SessionMap } from "./SessionMap";
-import { LeftOut, Looks, Turns } from "./SessionTables";
+import { LeftOut, Looks, Slews } from "./SessionTables";
 import { fetchSession, fetchView, isSession, PATH, type Session, type SessionView } from "./session";
 import { stretchesOf } from "./stretches";
 
@@ -70,7 +70,7 @@ function Made({ session }: { session: Session }) {
       {!view && error === null && <p class="loading">{words.value.shell.loading}</p>}
       {view && <Seen session={session} view={view} />}
       <Looks session={session} />
-      <Turns session={session} />
+      <Slews session={session} />
       <SessionFiles id={session.id} assumptions={session.assumptions} />
     </>
   );

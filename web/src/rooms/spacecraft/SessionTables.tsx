@@ -88,13 +88,13 @@ export function Looks({ session }: { session: Session }) {
   );
 }
 
-export function Turns({ session }: { session: Session }) {
+export function Slews({ session }: { session: Session }) {
   const text = words.value.spacecraft;
   const { columns } = text;
   return (
-    <section class="panel" aria-labelledby="session-turns">
-      <h2 id="session-turns">{text.turns}</h2>
-      <div class="scroll-x" tabIndex={0} role="group" aria-label={text.turns}>
+    <section class="panel" aria-labelledby="session-slews">
+      <h2 id="session-slews">{text.slews}</h2>
+      <div class="scroll-x" tabIndex={0} role="group" aria-label={text.slews}>
         <table class="session-table">
           <thead>
             <tr>
@@ -121,7 +121,7 @@ export function Turns({ session }: { session: Session }) {
             </tr>
           </thead>
           <tbody>
-            {session.turns.map((one) => {
+            {session.slews.map((one) => {
               const onto = one.onto === null ? null : session.windows[one.onto];
               return (
                 <tr key={one.start}>

@@ -16,7 +16,7 @@ export function stretchesOf(session: Session, text: Words["spacecraft"]): Stretc
       start_s: since(one.start),
       stop_s: since(one.stop),
     })),
-    ...session.turns.map((one) => ({
+    ...session.slews.map((one) => ({
       kind: "slew",
       label: text.turn(number(one.angle_deg)),
       start_s: since(one.start),

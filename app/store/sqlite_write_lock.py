@@ -1,4 +1,4 @@
-"""The lock for writing to SQLite: one writer at a time; all are refused when nothing moves."""
+"""The lock of writers to SQLite: one at a time; all are refused when nothing moves."""
 
 import threading
 import time
@@ -29,7 +29,7 @@ class Outage:
         self._until_s = time.monotonic() + _REST_S
 
 
-class Turns:
+class WriteLock:
     """A queue of writers: it moves as long as one of them gets through."""
 
     def __init__(self, outage: Outage) -> None:
@@ -38,7 +38,7 @@ class Turns:
         self._done = 0
 
     @contextmanager
-    def turn(self) -> Iterator[None]:
+    def hold(self) -> Iterator[None]:
         """Raises StoreUnavailable when no writer got through for PATIENCE_S."""
         done = self._done
         while not self._lock.acquire(timeout=PATIENCE_S):

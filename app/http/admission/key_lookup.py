@@ -19,7 +19,7 @@ FindKey = Callable[[str], Key | None]
 ListDigests = Callable[[], frozenset[str]]
 
 
-class KeyRing:
+class KeyLookup:
     """Keys as the database has them.
 
     find_key: the good key of a secret.  list_digests: those of all good keys.

@@ -9,7 +9,7 @@ from fastapi import Response
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from app.http.door.headers import harden
+from app.http.admission.headers import harden
 
 _ASKS_FIRST = "access-control-request-method"
 _PREFLIGHT = {

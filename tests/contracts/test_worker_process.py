@@ -30,14 +30,14 @@ from child_work import (
 )
 from waiting import alive, eventually
 
-from app.jobs import child, disposable
+from app.jobs import child, worker_process
 from app.jobs.child import Bounds, TooDemanding
-from app.jobs.disposable import (
+from app.jobs.worker_process import (
     ChildDied,
     ChildFailed,
     Stop,
     Stopped,
-    run_disposable,
+    run_in_worker,
     spare_children,
 )
 from app.requests.examples.plan import PLAN_EXAMPLES
@@ -49,81 +49,81 @@ BOUNDS = Bounds(deadline_s=120.0, memory_mib=200)
 
 
 def test_work_is_done_elsewhere():
-    assert run_disposable(BOUNDS, operator.add, 2, 3) == 5
-    assert run_disposable(BOUNDS, os.getpid) != os.getpid()
+    assert run_in_worker(BOUNDS, operator.add, 2, 3) == 5
+    assert run_in_worker(BOUNDS, os.getpid) != os.getpid()
 
 
 def test_much_goes_in_and_out():
     much = os.urandom(5_000_000)  # more than a pipe holds
-    assert run_disposable(BOUNDS, bytes, much) == much
+    assert run_in_worker(BOUNDS, bytes, much) == much
 
 
 def test_progress_comes_through_in_order():
     heard = []
-    run_disposable(BOUNDS, say_how_far, on_progress=heard.append)
+    run_in_worker(BOUNDS, say_how_far, on_progress=heard.append)
     assert heard == [Progress(stage="begun"), Progress(stage="half", done=1, of=2)]
-    run_disposable(BOUNDS, say_how_far)  # nobody need listen
+    run_in_worker(BOUNDS, say_how_far)  # nobody need listen
 
 
 @pytest.mark.parametrize("stream", [1, 2])
 def test_what_a_child_prints_goes_nowhere(stream):
     """It may hold the request."""
-    assert run_disposable(BOUNDS, os.readlink, f"/proc/self/fd/{stream}") == os.devnull
+    assert run_in_worker(BOUNDS, os.readlink, f"/proc/self/fd/{stream}") == os.devnull
 
 
 def test_ctrl_c_ends_no_child():
     """The terminal sends it to all; the service ends its children as it sees fit."""
-    assert run_disposable(BOUNDS, signal.raise_signal, signal.SIGINT) is None
+    assert run_in_worker(BOUNDS, signal.raise_signal, signal.SIGINT) is None
 
 
 def test_too_long_a_work_is_killed():
     with pytest.raises(TooDemanding, match=r"0\.5 s of a processor"):
-        run_disposable(Bounds(deadline_s=0.5, memory_mib=200), spin)
+        run_in_worker(Bounds(deadline_s=0.5, memory_mib=200), spin)
 
 
 def test_work_that_gets_no_processor_is_not_late():
     """A busy machine gives it one later: whether a request is refused must not hang on that."""
-    assert run_disposable(Bounds(deadline_s=0.2, memory_mib=200), time.sleep, 1.0) is None
+    assert run_in_worker(Bounds(deadline_s=0.2, memory_mib=200), time.sleep, 1.0) is None
 
 
 def test_a_child_that_hangs_is_killed_and_the_request_not_blamed(monkeypatch):
-    monkeypatch.setattr(disposable, "_SILENT_S", 0.2)
+    monkeypatch.setattr(worker_process, "_SILENT_S", 0.2)
     with pytest.raises(ChildDied, match=r"did nothing for 0\.2 s"):
-        run_disposable(BOUNDS, time.sleep, 3600.0)
+        run_in_worker(BOUNDS, time.sleep, 3600.0)
     with pytest.raises(TooDemanding):  # this one works all the while
-        run_disposable(Bounds(deadline_s=1.0, memory_mib=200), spin)
+        run_in_worker(Bounds(deadline_s=1.0, memory_mib=200), spin)
 
 
 def test_too_much_memory_is_refused():
     with pytest.raises(TooDemanding, match="200 MiB"):
-        run_disposable(BOUNDS, bytes, 300 * 2**20)
-    assert len(run_disposable(BOUNDS, bytes, 50 * 2**20)) == 50 * 2**20
+        run_in_worker(BOUNDS, bytes, 300 * 2**20)
+    assert len(run_in_worker(BOUNDS, bytes, 50 * 2**20)) == 50 * 2**20
 
 
 def test_a_crash_is_noticed():
     with pytest.raises(ChildDied, match="-6"):  # SIGABRT
-        run_disposable(BOUNDS, os.abort)
+        run_in_worker(BOUNDS, os.abort)
 
 
 def test_a_bug_is_told_with_its_traceback():
     with pytest.raises(ChildFailed, match="ZeroDivisionError"):
-        run_disposable(BOUNDS, operator.truediv, 1.0, 0.0)
+        run_in_worker(BOUNDS, operator.truediv, 1.0, 0.0)
 
 
 @contextmanager
 def one_child():
     """Inside, one and the same does all."""
-    children = disposable._children
+    children = worker_process._children
     with spare_children(1):
         eventually(lambda: children._working == 0 and len(children._waiting) == 1)
-        yield run_disposable(BOUNDS, os.getpid)
+        yield run_in_worker(BOUNDS, os.getpid)
 
 
 def test_sound_work_leaves_its_child_for_more():
     with one_child() as same:
         with pytest.raises(InvalidInput):
-            run_disposable(BOUNDS, refuse, "not so")
-        assert run_disposable(BOUNDS, os.getpid) == same
+            run_in_worker(BOUNDS, refuse, "not so")
+        assert run_in_worker(BOUNDS, os.getpid) == same
 
 
 def test_each_work_has_bounds_of_its_own():
@@ -131,32 +131,32 @@ def test_each_work_has_bounds_of_its_own():
         may_use_s = []
         for deadline_s, memory_mib in ((120.0, 50), (600.0, 200), (240.0, 100)):
             bounds = Bounds(deadline_s=deadline_s, memory_mib=memory_mib)
-            child, most_s = run_disposable(bounds, used_to_end)
+            child, most_s = run_in_worker(bounds, used_to_end)
             assert child == same
             may_use_s.append(most_s)
         assert may_use_s[0] < may_use_s[2] < may_use_s[1]
         with pytest.raises(TooDemanding, match="100 MiB"):
-            run_disposable(bounds, allocate, 150 * 2**20)
-        assert run_disposable(BOUNDS, allocate, 150 * 2**20) == 150 * 2**20
+            run_in_worker(bounds, allocate, 150 * 2**20)
+        assert run_in_worker(BOUNDS, allocate, 150 * 2**20) == 150 * 2**20
 
 
 @pytest.mark.parametrize("work", [keep_much, os.abort, partial(operator.truediv, 1.0, 0.0)])
 def test_a_child_that_grew_or_failed_does_nothing_more(work):
     with one_child() as first:
         with suppress(ChildDied, ChildFailed):
-            run_disposable(BOUNDS, work)
-        assert run_disposable(BOUNDS, os.getpid) != first
+            run_in_worker(BOUNDS, work)
+        assert run_in_worker(BOUNDS, os.getpid) != first
 
 
 def test_a_child_that_works_alone_does_nothing_more():
     with one_child() as first:
         alone = Bounds(deadline_s=120.0, memory_mib=200, alone=True)
-        assert run_disposable(alone, os.getpid) == first
-        assert run_disposable(BOUNDS, os.getpid) != first
+        assert run_in_worker(alone, os.getpid) == first
+        assert run_in_worker(BOUNDS, os.getpid) != first
 
 
 def kill_that_waits(pid):
-    [child] = disposable._children._waiting
+    [child] = worker_process._children._waiting
     os.kill(pid, signal.SIGKILL)
     eventually(lambda: child._has_ended(0.0))
 
@@ -164,7 +164,7 @@ def kill_that_waits(pid):
 def test_a_child_killed_while_it_waits_is_not_noticed():
     with one_child() as first:
         kill_that_waits(first)
-        assert run_disposable(BOUNDS, os.getpid) != first
+        assert run_in_worker(BOUNDS, os.getpid) != first
 
 
 def test_a_child_that_is_dead_already_is_not_killed(monkeypatch):
@@ -173,17 +173,17 @@ def test_a_child_that_is_dead_already_is_not_killed(monkeypatch):
     with one_child() as first:
         kill_that_waits(first)
         monkeypatch.setattr(os, "kill", lambda pid, _: killed.append(pid))
-        assert run_disposable(BOUNDS, os.getpid) != first
+        assert run_in_worker(BOUNDS, os.getpid) != first
         monkeypatch.undo()
     assert first not in killed  # others may be thrown away meanwhile
 
 
 def test_a_child_that_waited_does_the_work():
     with spare_children(1):
-        [child] = eventually(lambda: list(disposable._children._waiting))
+        [child] = eventually(lambda: list(worker_process._children._waiting))
         pid = child._process.pid
         eventually(lambda: all(is_asleep(pid) for _ in range(25)))  # it has warmed up
-        assert run_disposable(BOUNDS, os.getpid) == pid
+        assert run_in_worker(BOUNDS, os.getpid) == pid
 
 
 def is_asleep(pid):
@@ -193,19 +193,19 @@ def is_asleep(pid):
 
 SERVICE = """
 import threading, time
-from app.jobs import disposable
+from app.jobs import worker_process
 
-class Child(disposable._Child):  # the moment is known, as late as it may be
+class Child(worker_process._Child):  # the moment is known, as late as it may be
     def __init__(self):
         super().__init__()
         begun.set()
 
 def work():
-    disposable.run_disposable(BOUNDS, time.sleep, 3600.0)
+    worker_process.run_in_worker(BOUNDS, time.sleep, 3600.0)
 
 begun = threading.Event()
-BOUNDS = disposable.Bounds(deadline_s=3600.0, memory_mib=200)
-disposable._Child = Child
+BOUNDS = worker_process.Bounds(deadline_s=3600.0, memory_mib=200)
+worker_process._Child = Child
 if __name__ == "__main__":
     threading.Thread(target=work, daemon=True).start()
     begun.wait("""
@@ -218,7 +218,7 @@ def test_a_service_ends_whatever_its_child_is_at(ends):
 
 
 def test_a_service_that_needed_no_child_ends_without_complaint():
-    command = [sys.executable, "-c", "import app.jobs.disposable"]
+    command = [sys.executable, "-c", "import app.jobs.worker_process"]
     done = subprocess.run(command, capture_output=True, check=True)
     assert done.stderr == b""
 
@@ -226,7 +226,7 @@ def test_a_service_that_needed_no_child_ends_without_complaint():
 @pytest.mark.parametrize(("work", "exit_code"), [(die_within_a_word, "-6"), (fall_silent, "-9")])
 def test_a_child_that_breaks_off_is_noticed(work, exit_code):
     with pytest.raises(ChildDied, match=exit_code):
-        run_disposable(BOUNDS, work)
+        run_in_worker(BOUNDS, work)
 
 
 def test_work_stopped_before_it_begins_costs_no_child():
@@ -234,8 +234,8 @@ def test_work_stopped_before_it_begins_costs_no_child():
     stop.request()
     with one_child() as same:
         with pytest.raises(Stopped):
-            run_disposable(BOUNDS, os.getpid, stop=stop)
-        assert run_disposable(BOUNDS, os.getpid) == same
+            run_in_worker(BOUNDS, os.getpid, stop=stop)
+        assert run_in_worker(BOUNDS, os.getpid) == same
 
 
 def test_a_fork_that_fails_is_not_missed_by_those_that_follow(monkeypatch):
@@ -243,36 +243,38 @@ def test_a_fork_that_fails_is_not_missed_by_those_that_follow(monkeypatch):
         raise ConnectionRefusedError
 
     with monkeypatch.context() as broken:
-        broken.setattr(disposable, "start_server", fail)
+        broken.setattr(worker_process, "start_server", fail)
         for _ in range(3):
             with pytest.raises(ConnectionRefusedError):
-                run_disposable(BOUNDS, os.getpid)
+                run_in_worker(BOUNDS, os.getpid)
     with one_child() as first:
         with suppress(ChildDied):
-            run_disposable(BOUNDS, os.abort)
-        eventually(lambda: disposable._children._waiting)  # replaced before anything is asked for
-        assert run_disposable(BOUNDS, os.getpid) != first
+            run_in_worker(BOUNDS, os.abort)
+        eventually(
+            lambda: worker_process._children._waiting
+        )  # replaced before anything is asked for
+        assert run_in_worker(BOUNDS, os.getpid) != first
 
 
 def test_a_fork_that_fails_leaves_nothing_open(monkeypatch):
     def fail(_):
         raise EOFError
 
-    run_disposable(BOUNDS, os.getpid)
+    run_in_worker(BOUNDS, os.getpid)
     before = open_when_idle()
     monkeypatch.setattr(forkserver, "read_signed", fail)
     with pytest.raises(EOFError) as kept:
-        run_disposable(BOUNDS, os.getpid)
+        run_in_worker(BOUNDS, os.getpid)
     assert kept.value
     assert open_when_idle() <= before  # others' may be collected meanwhile
 
 
 def test_a_child_that_died_leaves_nothing_open():
     """Whoever keeps the error keeps what it refers to."""
-    run_disposable(BOUNDS, os.getpid)
+    run_in_worker(BOUNDS, os.getpid)
     before = open_when_idle()
     with pytest.raises(ChildDied) as kept:
-        run_disposable(BOUNDS, os.abort)
+        run_in_worker(BOUNDS, os.abort)
     assert kept.value
     assert open_when_idle() <= before
 
@@ -285,18 +287,18 @@ def open_when_idle():
 
 def look_after_parent_is_gone():
     """In a process whose parent isn't the server children are forked from."""
-    from app.work import warm
+    from app.work import preload
 
     orphan = os.fork()
     if orphan == 0:
         with suppress(OSError):  # this child has let go of the pipe itself
-            child._die_with_service(warm.SERVER_PID)
+            child._die_with_service(preload.SERVER_PID)
         os._exit(0)
     return os.waitstatus_to_exitcode(os.waitpid(orphan, 0)[1])
 
 
 def test_a_child_whose_server_was_gone_before_it_began_ends():
-    assert run_disposable(BOUNDS, look_after_parent_is_gone) == -signal.SIGKILL
+    assert run_in_worker(BOUNDS, look_after_parent_is_gone) == -signal.SIGKILL
 
 
 def test_a_child_that_is_stopped_ends(tmp_path):
@@ -304,17 +306,17 @@ def test_a_child_that_is_stopped_ends(tmp_path):
     with one_child() as stopped, ThreadPoolExecutor() as threads:
         threads.submit(lambda: (eventually(notes.pids), stop.request()))
         with pytest.raises(Stopped):
-            run_disposable(BOUNDS, hang, os.fsencode(notes.file), stop=stop)
+            run_in_worker(BOUNDS, hang, os.fsencode(notes.file), stop=stop)
         eventually(lambda: not alive(stopped))
 
 
 def test_a_plan_does_not_depend_on_what_its_child_planned_before():
     requests = [json.dumps(PLAN_EXAMPLES[name][1]).encode() for name in ("tle", "sequence")]
     bounds = Bounds(deadline_s=120.0, memory_mib=1000)
-    fresh = [run_disposable(bounds, plan_and_pack, request).table_columns for request in requests]
+    fresh = [run_in_worker(bounds, plan_and_pack, request).table_columns for request in requests]
     with one_child() as same:
         again = [
-            run_disposable(bounds, plan_and_pack, request) for request in (*requests, *requests)
+            run_in_worker(bounds, plan_and_pack, request) for request in (*requests, *requests)
         ]
-        assert run_disposable(bounds, os.getpid) == same
+        assert run_in_worker(bounds, os.getpid) == same
     assert [made.table_columns for made in again] == [*fresh, *fresh]

@@ -1,4 +1,4 @@
-"""The best turn: an optimal control problem over attitude splines (CasADi + Ipopt).
+"""The best slew: an optimal control problem over attitude splines (CasADi + Ipopt).
 
 The attitude itself is the flat output: sigma(t) is a B-spline in t/T, from which rate, control
 torque and torque rate follow exactly, so the rigid body's equations need no integration and
@@ -20,8 +20,13 @@ from scipy.interpolate import BSpline
 from planner.base.arrays import Array
 from planner.base.solvers import Answer, Options, Solver, Work
 from planner.spacecraft.mrp import MrpMotion, body_motion
-from planner.spacecraft.turns.turn_problem import LIMIT_TOLERANCE, Turn, TurnProblem, loads
-from planner.spacecraft.vehicle.definition import TurnObjective
+from planner.spacecraft.slews.slew_problem import (
+    LIMIT_TOLERANCE,
+    AttitudeSlew,
+    AttitudeSlewProblem,
+    loads,
+)
+from planner.spacecraft.vehicle.definition import SlewObjective
 
 
 class Shape(NamedTuple):
@@ -32,7 +37,7 @@ class Shape(NamedTuple):
     points: int
 
 
-SHAPES: dict[TurnObjective, Shape] = {
+SHAPES: dict[SlewObjective, Shape] = {
     "smooth": Shape(degree=5, spans=12, points=2),
     "minimum_time": Shape(degree=3, spans=18, points=2),
 }
@@ -43,7 +48,7 @@ class TurnProgrammeOptions:
     """How a turn's programme is solved, and its loads kept between points."""
 
     passes: int = 3  # each tightened by what the loads bulge between points
-    hopeless: float = 1.05  # no pass mends a failure that far out
+    unmendable_share: float = 1.05  # no pass mends a failure that far out
     overcorrected: float = 1.5  # tightened by just the bulge, the next pass bulges again
     solve: float = 500.0  # of `effort`: a solve, and
     iteration: float = 350.0  # each of its iterations
@@ -98,7 +103,7 @@ def _point_loads() -> casadi.Function:
 
 
 @cache
-def _transcription(objective: TurnObjective) -> Transcription:
+def _transcription(objective: SlewObjective) -> Transcription:
     """Build the kept solver of an objective (0.5-1 s, once a process)."""
     shape = SHAPES[objective]
     u = _points(shape)
@@ -144,10 +149,13 @@ def _transcription(objective: TurnObjective) -> Transcription:
     return Transcription(shape, Solver(nlp, OPTIONS, Work(PROGRAMME.solve, PROGRAMME.iteration)))
 
 
-def solve_turn(
-    problem: TurnProblem, guess: Turn, objective: TurnObjective, duration_s: float | None
-) -> Turn | None:
-    """The optimal turn from a guess, or None when Ipopt finds none that keeps the limits.
+def solve_slew(
+    problem: AttitudeSlewProblem,
+    guess: AttitudeSlew,
+    objective: SlewObjective,
+    duration_s: float | None,
+) -> AttitudeSlew | None:
+    """The optimal slew from a guess, or None when Ipopt finds none that keeps the limits.
 
     duration_s None: T is free, at most the guess's.  What comes back is checked on a dense
     grid, whatever the solver says of itself; where a load bulges over its limit between the
@@ -164,11 +172,11 @@ def solve_turn(
     for _ in range(PROGRAMME.passes):
         answer = _solve(kept, problem, guess, x, (low_s, high_s), limit_factor)
         x = answer.x_numbers
-        turn = _turn(kept, problem, answer, time.perf_counter() - begun)
-        over = turn.loads.share_of(problem.limits)
-        if over <= 1.0 + LIMIT_TOLERANCE and _miss(problem, turn) < PROGRAMME.end_tolerance:
-            return turn
-        if over > PROGRAMME.hopeless and turn.status != "Solve_Succeeded":
+        slew = _slew(kept, problem, answer, time.perf_counter() - begun)
+        over = slew.loads.share_of(problem.limits)
+        if over <= 1.0 + LIMIT_TOLERANCE and _miss(problem, slew) < PROGRAMME.end_tolerance:
+            return slew
+        if over > PROGRAMME.unmendable_share and slew.status != "Solve_Succeeded":
             break
         limit_factor /= 1.0 + PROGRAMME.overcorrected * (min(over, 1.1) - 1.0)
     return None
@@ -176,8 +184,8 @@ def solve_turn(
 
 def _solve(
     kept: Transcription,
-    problem: TurnProblem,
-    guess: Turn,
+    problem: AttitudeSlewProblem,
+    guess: AttitudeSlew,
     x0: Array,
     span_s: tuple[float, float],
     limit_factor: float,
@@ -214,7 +222,9 @@ def _solve(
     )
 
 
-def _turn(kept: Transcription, problem: TurnProblem, answer: Answer, solve_s: float) -> Turn:
+def _slew(
+    kept: Transcription, problem: AttitudeSlewProblem, answer: Answer, solve_s: float
+) -> AttitudeSlew:
     x = answer.x_numbers
     span_s = float(x[-1])
     spline = BSpline(_knots(kept.shape), x[:-1].reshape(3, -1).T, kept.shape.degree)
@@ -225,7 +235,7 @@ def _turn(kept: Transcription, problem: TurnProblem, answer: Answer, solve_s: fl
             spline(u), spline(u, 1) / span_s, spline(u, 2) / span_s**2, spline(u, 3) / span_s**3
         )
 
-    return Turn(
+    return AttitudeSlew(
         q_middle_from_eci=problem.q_middle_from_eci,
         mrp_at=mrp_at,
         duration_s=span_s,
@@ -236,14 +246,14 @@ def _turn(kept: Transcription, problem: TurnProblem, answer: Answer, solve_s: fl
     )
 
 
-def _miss(problem: TurnProblem, turn: Turn) -> float:
+def _miss(problem: AttitudeSlewProblem, slew: AttitudeSlew) -> float:
     """Largest difference in sigma or its derivatives from what the two ends ask for."""
-    made = np.array(turn.mrp_at(np.array([0.0, turn.duration_s]))[:3])
+    made = np.array(slew.mrp_at(np.array([0.0, slew.duration_s]))[:3])
     return float(np.max(np.abs(made.swapaxes(0, 1) - np.array(problem.ends_mrp()))))
 
 
-def _coefficients(shape: Shape, guess: Turn) -> Array:
-    """Least-squares spline through a turn, shape (k, 3)."""
+def _coefficients(shape: Shape, guess: AttitudeSlew) -> Array:
+    """Least-squares spline through a slew, shape (k, 3)."""
     u = np.linspace(0.0, 1.0, 8 * shape.spans + 1)
     through = guess.mrp_at(u * guess.duration_s).mrp
     return np.asarray(np.linalg.lstsq(_design(shape, u)[0], through, rcond=None)[0])

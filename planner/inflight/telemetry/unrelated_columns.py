@@ -20,7 +20,7 @@ class StrayOptions:
     """When a column is told not to be of its axis."""
 
     blocks: int = 40  # whose medians noise and outliers hardly move
-    strays: float = 0.3  # of the motion's spread: what is off by more isn't on its plan
+    unrelated_share: float = 0.3  # of the motion's spread: what is off by more isn't on its plan
     # share of rows outside the plan: with more a constant isn't free, since part of its motion
     # may be met by chance
     outside_max: float = 0.3
@@ -93,8 +93,8 @@ def follows(value: Array, kind: Kind, t_s: Array, motion: PlannedMotion) -> bool
     if spread < STILL[kind]:
         return None
     if np.mean(~is_within) <= OPTIONS.outside_max:
-        return bool(np.std(off) < OPTIONS.strays * spread)
-    return bool(np.sqrt(np.mean(off**2)) < OPTIONS.strays * spread)
+        return bool(np.std(off) < OPTIONS.unrelated_share * spread)
+    return bool(np.sqrt(np.mean(off**2)) < OPTIONS.unrelated_share * spread)
 
 
 def _medians(value: Array) -> Array:

@@ -7,9 +7,9 @@ from typing import Any
 from sqlalchemy import Connection
 
 from app.answers.problem import bug, problem_of
-from app.jobs.disposable import ChildFailed, Stopped
 from app.jobs.kinds import JobKind, Settled, replace_refused
 from app.jobs.refusals import Interrupted
+from app.jobs.worker_process import ChildFailed, Stopped
 from app.log.logs import log
 from app.store import jobs
 from app.store.ids import JobState

@@ -1,4 +1,5 @@
-"""How much of the time before a track its slew takes; for the rest of it the axes stand still."""
+"""How much of the time before a track its slew takes; for the rest of it the axes slew_start
+still."""
 
 import math
 from collections.abc import Callable
@@ -32,7 +33,7 @@ class LeadOptions:
     # limit, 0.014 of the acceleration limit and 0.002 of the jerk limit: as gentle as following a
     # target (0.012 deg/s2 at most on real passes), so that more time makes the flight no
     # smoother.
-    enough: float = 10.0
+    recommended_times: float = 10.0
     fewest_rows: int = 4  # jerk from row to row meets an angle, a rate and an acceleration in three
     mode_periods: float = 4.0  # of a mode to suppress: twice what that takes
     cone_row: float = 0.3  # of `effort`: to look whether a cone meets a row of a wait
@@ -45,7 +46,7 @@ Solver = Callable[[SlewProblem], SlewSolution]
 
 
 @dataclass(frozen=True, kw_only=True)
-class LedSlew:
+class TimedSlew:
     """The slew that ends when its time does, and what brought the axes to rest at its beginning.
 
     brake: None where the axes were at rest, or slew at once.
@@ -64,7 +65,7 @@ class _Bounded:
     slew_rows: int
 
 
-def slew_within_lead(problem: SlewProblem, options: SlewOptions, solve: Solver) -> LedSlew:
+def slew_within_lead(problem: SlewProblem, options: SlewOptions, solve: Solver) -> TimedSlew:
     """The slew of all the time there is, or braking, a wait and a shorter slew.
 
     problem: over all the time there is, in whole rows.  Where nothing is said of the lead and the
@@ -74,13 +75,13 @@ def slew_within_lead(problem: SlewProblem, options: SlewOptions, solve: Solver) 
     rows = round(problem.duration_s * ROWS_PER_S)
     bounded = _bounded(problem.start, problem.end, problem.limits, options, rows)
     if bounded is None:
-        return LedSlew(slew=solve(problem))
+        return TimedSlew(slew=solve(problem))
     try:
         return _after_wait(problem, bounded, options, solve)
     except InfeasibleSlew as refusal:
         most_s = _most_asked_s(options)
         if most_s is None:
-            return LedSlew(slew=solve(problem))
+            return TimedSlew(slew=solve(problem))
         raise _too_bounded(refusal, most_s) from None
 
 
@@ -98,14 +99,16 @@ def may_slew_within_lead(
     )
 
 
-def enough_s(
+def recommended_duration_s(
     start: States,
     end: States,
     limits: tuple[AxisLimits, ...],
     avoid_modes: tuple[StructuralMode, ...],
 ) -> float:
     """The time after which more makes a slew no smoother than the track it leads to."""
-    return max(OPTIONS.enough * least_slew_s(start, end, limits), _suppressed_s(avoid_modes))
+    return max(
+        OPTIONS.recommended_times * least_slew_s(start, end, limits), _suppressed_s(avoid_modes)
+    )
 
 
 def least_slew_s(start: States, end: States, limits: tuple[AxisLimits, ...]) -> float:
@@ -117,14 +120,18 @@ def least_slew_s(start: States, end: States, limits: tuple[AxisLimits, ...]) -> 
 def brake_enough_s(state: States, limits: tuple[AxisLimits, ...], options: SlewOptions) -> float:
     """The time in which the axes come to rest smoothly, wherever; 0 where they are at rest."""
     least_s = max(_stopping_s(*axis) for axis in zip(state, limits, strict=True))
-    return max(OPTIONS.enough * least_s, _suppressed_s(options.avoid_modes)) if least_s else 0.0
+    return (
+        max(OPTIONS.recommended_times * least_s, _suppressed_s(options.avoid_modes))
+        if least_s
+        else 0.0
+    )
 
 
 def at_rest_after(state: States, limits: tuple[AxisLimits, ...], brake_s: float) -> States:
     """Where the axes come to rest in that time at least jerk.
 
     The smoothest motion to rest anywhere has a rate cubic in time, which sets how far it goes;
-    near a stop at most half the way is taken that the hardest braking would leave.
+    near a stop at most half the distance is taken that the hardest braking would leave.
     Source: Euler-Lagrange equation of the integral of squared jerk with a free end angle.
     """
     return tuple(
@@ -157,13 +164,15 @@ def _most_rows(
     most_s = _most_asked_s(options)
     if most_s is not None:
         return math.floor(most_s * ROWS_PER_S + 1e-6)
-    enough_rows = math.ceil(enough_s(start, end, limits, options.avoid_modes) * ROWS_PER_S)
-    return max(enough_rows, 2 * OPTIONS.fewest_rows)
+    recommended_rows = math.ceil(
+        recommended_duration_s(start, end, limits, options.avoid_modes) * ROWS_PER_S
+    )
+    return max(recommended_rows, 2 * OPTIONS.fewest_rows)
 
 
 def _after_wait(
     problem: SlewProblem, bounded: _Bounded, options: SlewOptions, solve: Solver
-) -> LedSlew:
+) -> TimedSlew:
     brake = None
     if bounded.brake_rows:
         brake_s = bounded.brake_rows / ROWS_PER_S
@@ -180,7 +189,7 @@ def _after_wait(
         duration_s=duration_s,
         keep_out=None if view is None else view.from_time(begins_s),
     )
-    return LedSlew(brake=brake, slew=solve(slew))
+    return TimedSlew(brake=brake, slew=solve(slew))
 
 
 def _require_outside(

@@ -1,8 +1,8 @@
-"""Baseline turns about the Euler axis, accelerating, coasting, braking.
+"""Baseline slews about the Euler axis, accelerating, coasting, braking.
 
 With `jerk=True` the angle follows the jerk-limited time optimum (Ruckig), else the paper's
 bang-coast-bang.  Moving ends are blended in: sigma = (1 - s) sigma_start(t) + s sigma_end(t),
-the two ends' motions continued with constant rate and acceleration, s the share of the turn.
+the two ends' motions continued with constant rate and acceleration, s the share of the slew.
 """
 
 import math
@@ -16,13 +16,18 @@ from scipy.interpolate import PPoly
 from planner.base import effort
 from planner.base.arrays import Array
 from planner.spacecraft.mrp import MrpCurve, MrpMotion
-from planner.spacecraft.turns.turn_problem import LIMIT_TOLERANCE, Turn, TurnProblem, loads
+from planner.spacecraft.slews.slew_problem import (
+    LIMIT_TOLERANCE,
+    AttitudeSlew,
+    AttitudeSlewProblem,
+    loads,
+)
 
-STRETCH = 150.0  # of `effort`: to look at a turn so much longer
+STRETCH = 150.0  # of `effort`: to look at a slew so much longer
 
 
 class AngleLimits(NamedTuple):
-    """The whole angle of a turn and what it may be turned with."""
+    """The whole angle of a slew and what it may be turned with."""
 
     angle_rad: float
     rate_rad_s: float
@@ -30,10 +35,10 @@ class AngleLimits(NamedTuple):
     jerk_rad_s3: float
 
 
-def eigenaxis_turn(
-    problem: TurnProblem, duration_s: float | None = None, *, jerk: bool = True
-) -> Turn:
-    """The quickest turn of this kind, or the one that takes duration_s.
+def eigenaxis_slew(
+    problem: AttitudeSlewProblem, duration_s: float | None = None, *, jerk: bool = True
+) -> AttitudeSlew:
+    """The quickest slew of this kind, or the one that takes duration_s.
 
     Rest-to-rest it is the exact optimum about the Euler axis; with moving ends time is
     stretched until every limit holds (never shorter than needed, 0.2 % accuracy).
@@ -51,7 +56,7 @@ def eigenaxis_turn(
                 break
             stretch_factor *= min(max(over**0.5, 1.002), 1.3)
             mrp_at, span_s = _curve(problem, stretch_factor, jerk)
-    return Turn(
+    return AttitudeSlew(
         q_middle_from_eci=problem.q_middle_from_eci,
         mrp_at=mrp_at,
         duration_s=span_s,
@@ -62,7 +67,9 @@ def eigenaxis_turn(
     )
 
 
-def _curve(problem: TurnProblem, stretch_factor: float, jerk: bool) -> tuple[MrpCurve, float]:
+def _curve(
+    problem: AttitudeSlewProblem, stretch_factor: float, jerk: bool
+) -> tuple[MrpCurve, float]:
     """sigma by time, and the duration."""
     angle_rad = problem.angle_rad()
     rotation_rad = problem.q_start_from_end.as_rotvec()

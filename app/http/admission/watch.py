@@ -13,7 +13,7 @@ from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from app.answers.problem import bug, problem_of
-from app.http.door.headers import REQUEST_ID, harden, remember_request_id, request_id_of
+from app.http.admission.headers import REQUEST_ID, harden, remember_request_id, request_id_of
 from app.http.metrics import UNMATCHED, Metrics
 from app.http.problems import problem_answer, problem_type
 from app.log.logs import log

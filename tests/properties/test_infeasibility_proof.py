@@ -8,8 +8,12 @@ import ruckig
 from keep_out_cases import LIMITS, draw_cases
 from scipy_boresight import scipy_boresight
 
-from planner.motion.detour.barrier import OPTIONS as BARRIER_OPTIONS
-from planner.motion.detour.barrier import cones_over, is_barred, tube
+from planner.motion.detour.infeasibility_proof import OPTIONS as PROOF_OPTIONS
+from planner.motion.detour.infeasibility_proof import (
+    cones_over,
+    is_unreachable,
+    tube,
+)
 from planner.motion.pointing.keep_out import KeepOutView, MovingCone
 from planner.motion.slew import AxisState, SlewProblem
 from planner.motion.slew.closed_forms import quickest_profile
@@ -51,13 +55,13 @@ def test_a_gate_may_open_as_late_as_the_rest_of_the_way_takes():
     # Cells cut at what is in reach leak no way, but the gate may open between instants 0.1 s apart.
     for late_s, is_shut in ((-0.01, False), (0.1, True)):
         problem = gate(last_s + late_s)
-        barred = is_barred(
-            problem, problem.keep_out, DURATION_S, BARRIER_OPTIONS.fine_cells_rad[:1]
+        barred = is_unreachable(
+            problem, problem.keep_out, DURATION_S, PROOF_OPTIONS.fine_cells_rad[:1]
         )
         assert barred is is_shut
 
 
-@pytest.mark.parametrize("cell_rad", [*BARRIER_OPTIONS.cells_rad, *BARRIER_OPTIONS.fine_cells_rad])
+@pytest.mark.parametrize("cell_rad", [*PROOF_OPTIONS.cells_rad, *PROOF_OPTIONS.fine_cells_rad])
 def test_cells_called_inside_are_inside_all_over(cell_rad):
     """Held against sampled boresights by other code than the planner's."""
     rng = np.random.default_rng(5)
@@ -154,4 +158,4 @@ def test_a_way_too_narrow_by_a_hundredth_of_a_degree_is_proven_shut():
     """Both axes, as quick as they can be, meet the cone where it leaves least of the angles."""
     *_, case = draw_cases(12, 15)
     problem = case.problem
-    assert is_barred(problem, problem.keep_out, problem.duration_s, BARRIER_OPTIONS.cells_rad)
+    assert is_unreachable(problem, problem.keep_out, problem.duration_s, PROOF_OPTIONS.cells_rad)

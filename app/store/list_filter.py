@@ -12,7 +12,7 @@ from app.store.models import JobRow
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sought:
+class ListFilter:
     """None: whatever.
 
     name: in the job's.  target: in a target's.  text: in the name, the platform's or a target's.
@@ -43,4 +43,4 @@ class Sought:
             yield JobRow.stop_utc > self.ends_after_utc
 
 
-EVERYTHING = Sought()
+EVERY_ROW = ListFilter()

@@ -14,8 +14,8 @@ from starlette.datastructures import Headers
 from starlette.exceptions import HTTPException
 from starlette.types import Scope
 
-from app.http.door.key_ring import KeyRing
-from app.http.door.limits import RateLimit
+from app.http.admission.key_lookup import KeyLookup
+from app.http.admission.limits import RateLimit
 from app.store.api_keys import Key, KeyScope
 
 # They say what is in the repository, not what the installation holds; and a browser that opens
@@ -50,7 +50,7 @@ class Access:
 
     def __init__(
         self,
-        keys: KeyRing,
+        keys: KeyLookup,
         *,
         require_keys: bool,
         hosts: tuple[str, ...],

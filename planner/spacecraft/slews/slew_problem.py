@@ -1,4 +1,4 @@
-"""A turn from one moving attitude to another within limits of rate, torque and momentum."""
+"""A slew from one moving attitude to another within limits of rate, torque and momentum."""
 
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -16,7 +16,7 @@ LIMIT_TOLERANCE = 1e-3  # relative: how far a limit may be exceeded between coll
 
 @dataclass(frozen=True, kw_only=True)
 class EndState:
-    """Attitude and body rates (3,) at one end of a turn."""
+    """Attitude and body rates (3,) at one end of a slew."""
 
     q_body_from_eci: Rotation
     omega_body_rad_s: Array
@@ -33,10 +33,10 @@ class EndState:
 
 
 @dataclass(frozen=True, kw_only=True)
-class TurnProblem:
+class AttitudeSlewProblem:
     """start -> end; end holds at arrival, whenever that is.
 
-    momentum_eci_n_m_s: total angular momentum of body and gyros, (3,), constant over the turn
+    momentum_eci_n_m_s: total angular momentum of body and gyros, (3,), constant over the slew
     (gravity gradient: under 0.03 N m s in 30 s).  inertia_kg_m2: (3,), principal.
     """
 
@@ -48,7 +48,7 @@ class TurnProblem:
 
     @property
     def q_start_from_end(self) -> Rotation:
-        """The rotation of the whole turn, from body axes at its end."""
+        """The rotation of the whole slew, from body axes at its end."""
         return self.start.q_body_from_eci * self.end.q_body_from_eci.inv()
 
     @property
@@ -67,8 +67,8 @@ class TurnProblem:
 
         return at(self.start), at(self.end)
 
-    def from_rest_to_rest(self) -> "TurnProblem":
-        """The same turn between ends that stand still."""
+    def from_rest_to_rest(self) -> "AttitudeSlewProblem":
+        """The same slew between ends that stand still."""
         start, end = self.start.q_body_from_eci, self.end.q_body_from_eci
         return replace(self, start=EndState.at_rest(start), end=EndState.at_rest(end))
 
@@ -88,7 +88,7 @@ class TurnProblem:
 
 @dataclass(frozen=True, kw_only=True)
 class Loads:
-    """Largest magnitudes along a turn: rate, rate per axis (3,), control torque and its rate,
+    """Largest magnitudes along a slew: rate, rate per axis (3,), control torque and its rate,
     momentum of the gyros."""
 
     rate_rad_s: float
@@ -109,8 +109,8 @@ class Loads:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Turn:
-    """A planned turn; sigma from `q_middle_from_eci`, t from 0 to duration_s.
+class AttitudeSlew:
+    """A planned slew; sigma from `q_middle_from_eci`, t from 0 to duration_s.
 
     method: what made it (an OCP that can't beat the eigenaxis falls back to it).  time_from: what
     found the least time that its duration was taken from, None where that was given.
@@ -134,8 +134,10 @@ def _attitude(q_middle_from_eci: Rotation, motion: MrpMotion) -> tuple[Rotation,
     return Rotation.from_mrp(motion.mrp).inv() * q_middle_from_eci, body_motion(motion)
 
 
-def loads(problem: TurnProblem, mrp_at: MrpCurve, duration_s: float, samples: int = 400) -> Loads:
-    """Largest loads over a dense sampling of the turn.
+def loads(
+    problem: AttitudeSlewProblem, mrp_at: MrpCurve, duration_s: float, samples: int = 400
+) -> Loads:
+    """Largest loads over a dense sampling of the slew.
 
     Control torque is J alpha + omega x (total momentum in body axes): what the gyros give.
     """

@@ -10,11 +10,11 @@ from starlette.datastructures import Headers
 from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from app.http.door import connections
-from app.http.door.access import PROBES, Access, is_page
-from app.http.door.bodies import GuardedBody, HeldBytes
-from app.http.door.limits import ConcurrencyLimit, RateLimit, network_of
-from app.http.door.request_form import require_sound_head
+from app.http.admission import connections
+from app.http.admission.access import PROBES, Access, is_page
+from app.http.admission.bodies import GuardedBody, HeldBytes
+from app.http.admission.limits import ConcurrencyLimit, RateLimit, network_of
+from app.http.admission.request_form import require_sound_head
 from app.http.problems import http_error, service_stops
 from app.settings import Settings
 

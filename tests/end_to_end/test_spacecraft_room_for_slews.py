@@ -1,4 +1,4 @@
-"""Is there room for the turns: between two looks, from the start's attitude, in the session?"""
+"""Is there room for the slews: between two looks, from the start's attitude, in the session?"""
 
 import dataclasses
 import re
@@ -37,7 +37,7 @@ STRIP, STEREO, *_ = four_modes()
 def test_looks_too_close_for_the_turn_between_are_refused_with_the_gap_that_works(closer):
     """Once a plan without an interval, which said that other requests were worth more."""
     pair = dataclasses.replace(STEREO, **closer)
-    with pytest.raises(InfeasibleSlew, match="the turn between about") as why:
+    with pytest.raises(InfeasibleSlew, match="the slew between about") as why:
         plan_imaging(session([pair], 460.0, simulation_runs=0))
     assert why.value.field == "requests.0"
     gap_s = float(re.search(r"works: 'stereo' with a gap_s of (\d+)", why.value.detail)[1])
@@ -51,7 +51,7 @@ def test_what_has_no_room_for_its_own_turn_is_left_out_for_that_reason():
     plan = plan_imaging(session([STRIP, pair], 460.0, simulation_runs=0))
     assert [window.request for window in plan.table.windows] == ["strip"]
     [left_out] = plan.left_out
-    assert "the turn between" in left_out.reason
+    assert "the slew between" in left_out.reason
 
 
 @pytest.mark.parametrize("q", [(0.0, 0.0, 0.0, 1.0), (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)])
@@ -59,7 +59,7 @@ def test_a_far_initial_attitude_delays_the_first_scan_rather_than_bar_it(q):
     """Half the time to the scan nearest overhead, 45 s, is too little for 100 deg and more."""
     plan = plan_imaging(session([STRIP], 300.0, initial_q_body_from_eci_xyzw=q, simulation_runs=0))
     assert [window.request for window in plan.table.windows] == ["strip"]
-    leaving, onto, _ = plan.turns
+    leaving, onto, _ = plan.slews
     assert leaving.window is None
     assert leaving.last_row <= onto.first_row
 
@@ -84,7 +84,7 @@ def test_a_refusal_of_many_legs_counts_the_turns_between():
     east, north = line(90.0).coordinates[0]
     legs = tuple((east + 0.012 * (k % 2), north + 0.012 * k) for k in range(64))
     corridor = CorridorRequest(name="zigzag", geometry=GeoLineString(coordinates=legs))
-    with pytest.raises(Unreachable, match="63 scans, with the turns between, take at least"):
+    with pytest.raises(Unreachable, match="63 scans, with the slews between, take at least"):
         plan_imaging(session([corridor], 300.0))
 
 

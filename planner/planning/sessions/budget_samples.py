@@ -1,4 +1,4 @@
-"""The few rows of a session that stand for all of them in its pointing budget."""
+"""Sample rows of a session for its pointing budget."""
 
 import math
 from itertools import pairwise

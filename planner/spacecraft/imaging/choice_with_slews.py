@@ -1,4 +1,4 @@
-"""Chooses what is imaged and turns between: a choice holds once every turn in it fits."""
+"""Chooses what is imaged and slews between: a choice holds once every slew in it fits."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -21,14 +21,14 @@ from planner.spacecraft.imaging.timeline import (
 from planner.spacecraft.imaging.timeline import (
     Misfit,
     Outcomes,
+    SlewsDoNotFit,
     Timeline,
-    TurnsDoNotFit,
     build_timeline,
     scans_of,
 )
+from planner.spacecraft.slews.slew_problem import EndState
+from planner.spacecraft.slews.slew_time import MovingEnds
 from planner.spacecraft.table import TICK_S
-from planner.spacecraft.turns.turn_problem import EndState
-from planner.spacecraft.turns.turn_time import MovingEnds
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,24 +38,24 @@ class TurnRevisionOptions:
     # tried in this order, added to every turn
     longer_by_s: tuple[float, float, float] = (3.0, 1.5, 0.6)
     longer_rounds: int = 2  # of choices revised at each: it is a try
-    rounds: int = 12  # choices revised when a turn needs more time than estimated
+    rounds: int = 12  # choices revised when a slew needs more time than estimated
     hopeless_s: float = 10.0  # missing: no other moment to image the same will do
     request: float = 1_000.0  # of `effort`, for each request
-    gentler_share: float = 0.6  # of what work is left, for gentler turns
+    gentler_share: float = 0.6  # of what work is left, for gentler slews
 
 
 OPTIONS = TurnRevisionOptions()
 
 
 class LooksTooClose(InfeasibleSlew):
-    """The looks of a stereo pair leave no time for the turn between; gap_s: how far apart they had
-    to begin if the turn were no longer for it."""
+    """The looks of a stereo pair leave no time for the slew between; gap_s: how far apart they had
+    to begin if the slew were no longer for it."""
 
-    def __init__(self, number: int, gap_s: float, scan_s: float, turn_s: float) -> None:
-        self.gap_s = scan_s + turn_s
+    def __init__(self, number: int, gap_s: float, scan_s: float, slew_s: float) -> None:
+        self.gap_s = scan_s + slew_s
         super().__init__(
             f"the looks of requests.{number} begin {gap_s:.1f} s apart; a scan takes "
-            f"{scan_s:.1f} s and the turn between about {turn_s:.1f} s: ask for a larger gap_s "
+            f"{scan_s:.1f} s and the slew between about {slew_s:.1f} s: ask for a larger gap_s "
             "or look_angle_deg, a faster scan or a shorter line",
             field=f"requests.{number}",
             limit="time",
@@ -103,12 +103,12 @@ def _within_session(
     )
     entries = MovingEnds.concatenate([option.entry for option in options])
     exits = MovingEnds.concatenate([option.exit for option in options])
-    there_s = session.turn_time.ticks(ends[:count], entries) * TICK_S
+    there_s = session.slew_time.ticks(ends[:count], entries) * TICK_S
     initial_xyzw = session.request.initial_q_body_from_eci_xyzw
     if initial_xyzw is not None:
         initial = MovingEnds.of(EndState.at_rest(Rotation.from_quat(initial_xyzw)))
-        there_s += session.turn_time.ticks(initial, ends[:count]) * TICK_S
-    back_s = session.turn_time.ticks(exits, ends[count:]) * TICK_S
+        there_s += session.slew_time.ticks(initial, ends[:count]) * TICK_S
+    back_s = session.slew_time.ticks(exits, ends[count:]) * TICK_S
     fits = (there_s <= starts_s) & (stops_s + back_s <= session.duration_s)
     parts = np.array([option.part for option in options])
     lacking = np.flatnonzero(~np.isin(parts, parts[fits]))  # half a pair is no image
@@ -137,7 +137,7 @@ def _refuse_looks_too_close(options: list[Candidate], number: int, session: Imag
     between_s = np.array([second.start_s for second in seconds])[:, None] - [
         first.stop_s for first in firsts
     ]
-    needed_s = TICK_S * np.array([session.turn_time.ticks(exits, one.entry) for one in seconds])
+    needed_s = TICK_S * np.array([session.slew_time.ticks(exits, one.entry) for one in seconds])
     i, k = np.unravel_index(np.argmax(between_s - needed_s), needed_s.shape)
     if needed_s[i, k] > between_s[i, k] + 0.5 * TICK_S:
         gap_s = seconds[i].start_s - firsts[k].start_s
@@ -146,7 +146,7 @@ def _refuse_looks_too_close(options: list[Candidate], number: int, session: Imag
 
 @dataclass(frozen=True, kw_only=True)
 class Chosen:
-    """What is imaged, with its turns, and why the rest of what could be seen is not."""
+    """What is imaged, with its slews, and why the rest of what could be seen is not."""
 
     choice: Choice
     timeline: Timeline
@@ -154,9 +154,9 @@ class Chosen:
     warnings: tuple[str, ...] = ()
 
 
-def choose_and_turn(session: ImagingSession, options: list[Candidate], *, gentler: bool) -> Chosen:
-    """The choice and its timeline.  Where all that can be seen fits, the turns share the time left
-    over (if gentler): a slower turn shakes the structure less."""
+def choose_and_slew(session: ImagingSession, options: list[Candidate], *, gentler: bool) -> Chosen:
+    """The choice and its timeline.  Where all that can be seen fits, the slews share the time left
+    over (if gentler): a slower slew shakes the structure less."""
     first = _Revision().choice(session, options)
     warnings: tuple[str, ...] = ()
     if gentler and set(first.requests) == {option.request for option in options}:
@@ -165,17 +165,17 @@ def choose_and_turn(session: ImagingSession, options: list[Candidate], *, gentle
             if found is not None:
                 return found
         if search.is_exhausted:
-            warnings = ("gentler turns weren't looked for to the end: it takes too much work",)
-    return replace(_with_turns(session, options, first, OPTIONS.rounds), warnings=warnings)
+            warnings = ("gentler slews weren't looked for to the end: it takes too much work",)
+    return replace(_with_slews(session, options, first, OPTIONS.rounds), warnings=warnings)
 
 
 def _gentler(session: ImagingSession, first: Choice) -> Chosen | None:
-    """Everything imaged with the gentlest turns tried, or None.
+    """Everything imaged with the gentlest slews tried, or None.
 
     What the choice is measured by stays.
     """
     for more_s in OPTIONS.longer_by_s:
-        longer = replace(session, turn_time=session.turn_time.plus(more_s))
+        longer = replace(session, slew_time=session.slew_time.plus(more_s))
         try:
             options, _ = options_of(longer)
         except (Unreachable, InfeasibleSlew):
@@ -184,8 +184,8 @@ def _gentler(session: ImagingSession, first: Choice) -> Chosen | None:
         if choice.value < first.value:
             continue
         try:
-            found = _with_turns(longer, options, choice, OPTIONS.longer_rounds)
-        except InfeasibleSlew:  # the turns are as short as they can be already
+            found = _with_slews(longer, options, choice, OPTIONS.longer_rounds)
+        except InfeasibleSlew:  # the slews are as short as they can be already
             return None
         if found.choice.value >= first.value:
             choice = replace(found.choice, bound=first.bound, greedy_value=first.greedy_value)
@@ -193,12 +193,12 @@ def _gentler(session: ImagingSession, first: Choice) -> Chosen | None:
     return None
 
 
-def _with_turns(
+def _with_slews(
     session: ImagingSession, options: list[Candidate], choice: Choice, rounds: int
 ) -> Chosen:
-    """The choice with its turns; where a turn doesn't fit, another choice that allows for it.
+    """The choice with its slews; where a slew doesn't fit, another choice that allows for it.
 
-    Raises InfeasibleSlew when no turns fit in so many rounds.
+    Raises InfeasibleSlew when no slews fit in so many rounds.
     """
     revision = _Revision()
     outcomes: Outcomes = {}
@@ -212,7 +212,7 @@ def _with_turns(
                 break
         try:
             timeline = build_timeline(session, scans_of(options, choice.chosen), outcomes)
-        except TurnsDoNotFit as why:
+        except SlewsDoNotFit as why:
             misfits = why.misfits
             revision.learn(misfits, options)
         else:
@@ -238,7 +238,7 @@ def _left_out(
 
 @dataclass(eq=False)
 class _Revision:
-    """What the turns tried have shown of the candidates, by their numbers among all options.
+    """What the slews tried have shown of the candidates, by their numbers among all options.
 
     extra_ticks: pairs that must stand so far apart.  barred: those that can't be turned to, and
     why not.
@@ -254,7 +254,7 @@ class _Revision:
         choice = choose(
             [options[k] for k in allowed],
             [request.priority for request in session.request.requests],
-            session.turn_time,
+            session.slew_time,
             {
                 (place[a], place[b]): ticks
                 for (a, b), ticks in self.extra_ticks.items()

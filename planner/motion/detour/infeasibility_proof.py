@@ -1,4 +1,4 @@
-"""Proof that cones, masks and limits shut every way from start to end.
+"""Proof that cones, masks and limits leave no slew from start to end.
 
 The angles are cut into cells as wide as an axis may move in one step of time: what is in a cell
 at one step is in it or in one of its eight neighbours at the next.  Left out are cells that lie
@@ -48,26 +48,29 @@ class BarrierOptions:
     sides_a_row: int = 200  # of masks beside a cell, for one of `effort`
     rounding: float = 1e-6  # of a cell
     # from either end: moving axes may be inside a region before they can stop
-    caught_s: float = 4.0
-    caught_step_s: float = 0.1  # between the moments at which that is looked for
+    catching_s: float = 4.0
+    catching_step_s: float = 0.1  # between the moments at which that is looked for
 
 
 OPTIONS = BarrierOptions()
 
 
-def is_barred(
+def is_unreachable(
     problem: SlewProblem, view: KeepOutView, duration_s: float, cells_rad: tuple[float, ...]
 ) -> bool:
     """Whether a flood in cells of any of these sizes doesn't reach the end: no motion does.
 
     The proof is one-sided: acceleration and jerk limits enter only through what is within reach
     of each end by itself, so that a tight slew may be impossible without being proven so.
-    A barrier thinner than a cell leaks, so that a finer flood may prove what a coarser doesn't.
+    A flood leaks through what is thinner than a cell, so a finer one may prove what a coarser
+    doesn't.
     """
-    return any(_shuts(problem, view, duration_s, cell_rad) for cell_rad in cells_rad)
+    return any(_flood_misses_end(problem, view, duration_s, cell_rad) for cell_rad in cells_rad)
 
 
-def _shuts(problem: SlewProblem, view: KeepOutView, duration_s: float, cell_rad: float) -> bool:
+def _flood_misses_end(
+    problem: SlewProblem, view: KeepOutView, duration_s: float, cell_rad: float
+) -> bool:
     rate = max(limits.rate_max_rad_s for limits in problem.limits)
     layers = max(math.ceil(duration_s * rate / cell_rad), OPTIONS.layers_min)
     t_s = np.linspace(0.0, duration_s, layers + 1)
@@ -250,7 +253,7 @@ def catching_region(
 ) -> MovingCone | FieldMask | None:
     """Into which the motion at an end leads, which jerk limits from changing at once."""
     since_s = np.arange(
-        OPTIONS.caught_step_s, min(OPTIONS.caught_s, duration_s / 2.0), OPTIONS.caught_step_s
+        OPTIONS.catching_step_s, min(OPTIONS.catching_s, duration_s / 2.0), OPTIONS.catching_step_s
     )
     off_rad = [limits.jerk_max_rad_s3 * since_s**3 / 6.0 for limits in problem.limits]
     for side, sign in ((problem.start, 1.0), (problem.end, -1.0)):

@@ -49,7 +49,7 @@ SERVER_PID = os.getpid()
 _REQUEST = json.dumps(LAS_VEGAS).encode()
 
 
-def warm_up() -> None:
+def preload() -> None:
     """Plan the worked example, and make the solvers that nine slews in ten ask for."""
     make_solvers(SIZES[:5])
     plan_and_pack(_REQUEST)
@@ -57,6 +57,6 @@ def warm_up() -> None:
 
 for name in _LOADED:
     import_module(name)
-warm_up()
+preload()
 gc.collect()
 gc.freeze()  # no collection touches, and so copies, the pages children share

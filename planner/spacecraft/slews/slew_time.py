@@ -1,7 +1,7 @@
-"""Estimates of a turn's duration, good enough to choose by.
+"""Estimates of a slew's duration, good enough to choose by.
 
 Least time about the hardest axis for the angle, from rest to rest; what ends that move with
-the turn save and ends that move against it cost; an allowance for ends that move aside, the
+the slew save and ends that move against it cost; an allowance for ends that move aside, the
 guard tick after imaging and the settling time before it.
 """
 
@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from planner.base.arrays import Array
 from planner.base.rotation import Rotation
+from planner.spacecraft.slews.eigenaxis import eigenaxis_slew
+from planner.spacecraft.slews.slew_problem import AttitudeSlewProblem, EndState
 from planner.spacecraft.table import TICK_S
-from planner.spacecraft.turns.eigenaxis import eigenaxis_turn
-from planner.spacecraft.turns.turn_problem import EndState, TurnProblem
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
 
 SMOOTH = 1.03  # what a spline without corners in its torque rate takes
@@ -57,7 +57,7 @@ class MovingEnds:
 
 
 @dataclass(frozen=True, eq=False)
-class TurnTime:
+class SlewTime:
     """Seconds between two imaging intervals.
 
     seconds: from rest to rest about one axis through angles_rad, (m,) each, everything else
@@ -69,13 +69,13 @@ class TurnTime:
     rate_rad_s: float
     acceleration_rad_s2: float
 
-    def plus(self, more_s: float) -> "TurnTime":
-        """With so much more for every turn."""
+    def plus(self, more_s: float) -> "SlewTime":
+        """With so much more for every slew."""
         return replace(self, seconds=self.seconds + more_s)
 
     @property
     def widest_ticks(self) -> int:
-        """The most any turn takes: half a revolution with both ends against it at full rate."""
+        """The most any slew takes: half a revolution with both ends against it at full rate."""
         against_s = 2.0 * float(self._gained_s(np.array([-np.inf]), np.array([np.pi]))[0])
         return math.ceil((float(self.seconds[-1]) + against_s) / TICK_S)
 
@@ -101,19 +101,19 @@ class TurnTime:
         return np.asarray(np.ceil(seconds / TICK_S - 1e-6), dtype=np.int64)
 
     def _gained_s(self, along_rad_s: Array, angle_rad: Array) -> Array:
-        """What an end's rate along the turn adds to a trapezoid: -w/a + w^2/(2 a peak)."""
+        """What an end's rate along the slew adds to a trapezoid: -w/a + w^2/(2 a peak)."""
         a = self.acceleration_rad_s2
         peak = np.minimum(self.rate_rad_s, np.sqrt(a * np.maximum(angle_rad, 1e-6)))
         w = np.clip(along_rad_s, -peak, peak)
         return np.asarray((w * w / (2.0 * peak) - w) / a)
 
 
-def turn_time(spacecraft: AgileSpacecraft) -> TurnTime:
+def slew_time(spacecraft: AgileSpacecraft) -> SlewTime:
     """The table for a spacecraft's limits."""
     angles_rad = np.deg2rad(ANGLES_DEG)
     axis_body = np.eye(3)[int(np.argmax(spacecraft.inertia_kg_m2))]
     problems = [
-        TurnProblem(
+        AttitudeSlewProblem(
             start=EndState.at_rest(Rotation.identity()),
             end=EndState.at_rest(Rotation.from_rotvec(-angle_rad * axis_body)),
             momentum_eci_n_m_s=np.zeros(3),
@@ -122,9 +122,9 @@ def turn_time(spacecraft: AgileSpacecraft) -> TurnTime:
         )
         for angle_rad in angles_rad
     ]
-    durations_s = np.array([eigenaxis_turn(problem).duration_s for problem in problems])
+    durations_s = np.array([eigenaxis_slew(problem).duration_s for problem in problems])
     extra_s = ALLOWANCE_S + TICK_S + spacecraft.slew.settle_s
-    return TurnTime(
+    return SlewTime(
         angles_rad=angles_rad,
         seconds=SMOOTH * durations_s + extra_s,
         rate_rad_s=spacecraft.slew.rate_axis_rad_s,

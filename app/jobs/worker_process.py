@@ -26,7 +26,7 @@ from app.work.progress import OnProgress
 
 T = TypeVar("T")
 # What the children run: the server imports it, and warms it up, once for all of them.
-_IMPORTED = ["app.work.warm"]
+_IMPORTED = ["app.work.preload"]
 # A spare is forked and warmed up, 60 ms of a processor, when the answer is out so that it takes
 # nothing from that.
 _ANSWER_S = 0.05
@@ -246,7 +246,7 @@ def spare_children(count: int) -> Iterator[None]:
         _children.keep(0)
 
 
-def run_disposable(
+def run_in_worker(
     bounds: Bounds,
     work: Callable[..., T],
     *arguments: object,

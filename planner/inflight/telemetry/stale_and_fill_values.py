@@ -30,7 +30,7 @@ class UnmeasuredOptions:
 OPTIONS = UnmeasuredOptions()
 
 
-def leave_out_unmeasured(
+def leave_out_stale_and_fill_values(
     values: dict[Kind, Array],
     t_s: Array,
     motions: Sequence[PlannedMotion],

@@ -1,4 +1,4 @@
-"""The ways in which a session's target can be held."""
+"""Track branches and the spans they can be held over."""
 
 import math
 from dataclasses import dataclass
@@ -36,16 +36,16 @@ EARLY_ROWS = 600 * ROWS_PER_S  # how long before its session a target may be tra
 
 
 @dataclass(frozen=True, kw_only=True)
-class Rows:
-    """Rows of the table that enclose a session; `stop` is the last one, included."""
+class RowSpan:
+    """The rows of the table that enclose a session; `stop` is the last one, included."""
 
     start: int
     stop: int
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Way:
-    """One way to hold a session's target: an axis track over `rows` and what lies before.
+class TrackBranch:
+    """A branch of a session's track: an axis track over `rows` and what lies before.
 
     seen_from_s: since when, up to the session, the target can be seen, and looked at out of
     all cones and masks, without a break.  ephemeris: the orbit it was found on.
@@ -53,27 +53,27 @@ class Way:
 
     session: Session
     track: AxisTrack
-    rows: Rows
+    rows: RowSpan
     seen_from_s: float
     ephemeris: Ephemeris
 
 
-def session_rows(session: Session, epoch_utc: datetime) -> Rows:
+def session_rows(session: Session, epoch_utc: datetime) -> RowSpan:
     """The session snapped outwards onto the command grid."""
     start_s = elapsed_s(session.start, epoch_utc) + OPTIONS.grid_tolerance_s
     stop_s = elapsed_s(session.stop, epoch_utc) - OPTIONS.grid_tolerance_s
-    return Rows(start=math.floor(start_s * ROWS_PER_S), stop=math.ceil(stop_s * ROWS_PER_S))
+    return RowSpan(start=math.floor(start_s * ROWS_PER_S), stop=math.ceil(stop_s * ROWS_PER_S))
 
 
-def ways_to_hold(
+def track_branches(
     scenario: Scenario,
     ephemeris: Ephemeris,
     number: int,
     session: Session,
     from_row: int,
     start_angle_rad: Array,
-) -> tuple[Way, ...]:
-    """Every way to hold the target over the session, the shortest slew first.
+) -> tuple[TrackBranch, ...]:
+    """Every branch that holds the target over the session, the shortest slew first.
 
     Where none is exact, by request the one that errs least.
     number: the session's index, for refusals.  session: that session, or the same with other
@@ -103,7 +103,7 @@ def ways_to_hold(
     if view is not None:
         effort.charge(OPTIONS.cone_row * looked_at * len(view.regions) * len(tracks))
     return tuple(
-        Way(
+        TrackBranch(
             session=session,
             track=track,
             rows=rows,
@@ -117,7 +117,7 @@ def ways_to_hold(
 
 
 def _prescribed_track(
-    scenario: Scenario, target: BenchMotionTarget, number: int, rows: Rows
+    scenario: Scenario, target: BenchMotionTarget, number: int, rows: RowSpan
 ) -> AxisTrack:
     """The motion a test target asks for, once it has shown that it can be flown."""
     epoch_utc = scenario.initial_state.epoch
@@ -133,7 +133,7 @@ def _prescribed_track(
     return AxisTrack(axis_names=names, t_s=t_s, axis_states=np.stack(motion))
 
 
-def ephemeris_over(scenario: Scenario, sessions: list[Rows]) -> Ephemeris:
+def ephemeris_over(scenario: Scenario, sessions: list[RowSpan]) -> Ephemeris:
     """The orbit over all sessions and, if it is known, over the time for joining one early."""
     epoch_utc = scenario.initial_state.epoch
     narrow_row = 0 if scenario.slew.keep_out else sessions[0].start
@@ -155,12 +155,12 @@ def _early_row(scenario: Scenario, start_row: int, from_row: int) -> int:
 
 
 def _line_of_sight(
-    scenario: Scenario, ephemeris: Ephemeris, target: VisibleTarget, rows: Rows, from_row: int
+    scenario: Scenario, ephemeris: Ephemeris, target: VisibleTarget, rows: RowSpan, from_row: int
 ) -> LineOfSight:
     """Over the session and, where the orbit is known, over the time for joining it early."""
     early_row = _early_row(scenario, rows.start, from_row)
     try:
-        return sight(scenario, ephemeris, target, Rows(start=early_row, stop=rows.stop))
+        return sight(scenario, ephemeris, target, RowSpan(start=early_row, stop=rows.stop))
     except OutsideCoverage:
         if early_row == rows.start:
             raise
@@ -171,7 +171,7 @@ def sight(
     scenario: Scenario,
     ephemeris: Ephemeris,
     target: VisibleTarget,
-    rows: Rows,
+    rows: RowSpan,
     count: int | None = None,
 ) -> LineOfSight:
     """The target from row to row, or at `count` instants, at least as many as derivatives need."""
@@ -186,7 +186,7 @@ def sight(
     )
 
 
-def _require_visible(los: LineOfSight, rows: Rows, target: VisibleTarget, number: int) -> None:
+def _require_visible(los: LineOfSight, rows: RowSpan, target: VisibleTarget, number: int) -> None:
     in_session = los.instants.t_s > (rows.start - 0.5) / ROWS_PER_S
     hidden = np.flatnonzero(in_session & (los.clearance_rad < 0.0))
     if not hidden.size:
@@ -216,7 +216,7 @@ def _outside_from_s(
     scenario: Scenario,
     number: int,
     track: AxisTrack,
-    rows: Rows,
+    rows: RowSpan,
 ) -> float:
     """Since when the track stays outside of all regions, up to the session; refused if not in it.
 

@@ -1,4 +1,4 @@
-"""Do turns keep their limits and ends, and is the OCP never worse than the eigenaxis?"""
+"""Do slews keep their limits and ends, and is the OCP never worse than the eigenaxis?"""
 
 import dataclasses
 import math
@@ -9,9 +9,9 @@ from scipy.spatial.transform import Rotation, RotationSpline
 
 from planner.base.errors import InfeasibleSlew
 from planner.spacecraft.mrp import MrpMotion, body_motion, mrp_state
-from planner.spacecraft.turns.eigenaxis import eigenaxis_turn
-from planner.spacecraft.turns.turn_choice import compare, quickest_turn, smooth_turn, turn_onto
-from planner.spacecraft.turns.turn_problem import EndState, TurnProblem
+from planner.spacecraft.slews.eigenaxis import eigenaxis_slew
+from planner.spacecraft.slews.slew_choice import compare, quickest_slew, slew_onto, smooth_slew
+from planner.spacecraft.slews.slew_problem import AttitudeSlewProblem, EndState
 from planner.spacecraft.vehicle.definition import SlewLimits
 
 J = np.array([800.0, 500.0, 800.0])
@@ -21,7 +21,7 @@ STILL = np.zeros(3)
 def problem(angle_deg, axis, momentum=STILL, limits=None, omega=STILL, omega_end=STILL):
     begin = Rotation.from_euler("XYZ", [0.4, -1.0, 2.0])
     vector = math.radians(angle_deg) * np.array(axis) / np.linalg.norm(axis)
-    return TurnProblem(
+    return AttitudeSlewProblem(
         start=EndState(
             q_body_from_eci=begin.inv(), omega_body_rad_s=omega, alpha_body_rad_s2=STILL
         ),
@@ -81,16 +81,16 @@ def test_rodrigues_rates_invert():
 
 def test_eigenaxis_bang_coast_bang_takes_the_textbook_time():
     limits = SlewLimits()
-    turn = eigenaxis_turn(problem(20.0, [0, 0, 1]), jerk=False)
+    slew = eigenaxis_slew(problem(20.0, [0, 0, 1]), jerk=False)
     acceleration, rate = limits.torque_n_m / 800.0, limits.rate_axis_rad_s
     expected = math.radians(20.0) / rate + rate / acceleration
-    assert turn.duration_s == pytest.approx(expected, rel=1e-9)
+    assert slew.duration_s == pytest.approx(expected, rel=1e-9)
 
 
 def test_eigenaxis_turn_is_a_rotation_about_one_axis():
     asked = problem(40.0, [1, 2, -1])
-    turn = eigenaxis_turn(asked)
-    q_body_from_eci, _ = turn.attitude_at(np.linspace(0.0, turn.duration_s, 20))
+    slew = eigenaxis_slew(asked)
+    q_body_from_eci, _ = slew.attitude_at(np.linspace(0.0, slew.duration_s, 20))
     vectors = (asked.start.q_body_from_eci * q_body_from_eci.inv()).as_rotvec()
     across = np.cross(vectors, np.array([1, 2, -1]) / math.sqrt(6.0))
     assert np.abs(across).max() < 1e-9
@@ -99,27 +99,27 @@ def test_eigenaxis_turn_is_a_rotation_about_one_axis():
 @pytest.mark.parametrize("seed", range(8))
 def test_quickest_turn_is_never_longer_than_the_eigenaxis(seed):
     asked = random_problem(seed)
-    baseline = eigenaxis_turn(asked)
+    baseline = eigenaxis_slew(asked)
     assert baseline.loads.share_of(asked.limits) <= 1.001
-    turn = quickest_turn(asked)
-    assert turn.duration_s <= baseline.duration_s
-    assert turn.loads.share_of(asked.limits) <= 1.001
+    slew = quickest_slew(asked)
+    assert slew.duration_s <= baseline.duration_s
+    assert slew.loads.share_of(asked.limits) <= 1.001
 
 
 @pytest.mark.parametrize("seed", range(8, 16))
 def test_smooth_turn_meets_both_ends_and_every_limit(seed):
     asked = random_problem(seed)
-    seconds = 1.2 * eigenaxis_turn(asked).duration_s
-    turn = smooth_turn(asked, seconds)
-    assert turn.method == "ocp"
-    q_body_from_eci, motion = turn.attitude_at(np.array([0.0, seconds]))
+    seconds = 1.2 * eigenaxis_slew(asked).duration_s
+    slew = smooth_slew(asked, seconds)
+    assert slew.method == "ocp"
+    q_body_from_eci, motion = slew.attitude_at(np.array([0.0, seconds]))
     for k, end in enumerate((asked.start, asked.end)):
         assert (q_body_from_eci[k] * end.q_body_from_eci.inv()).magnitude() < 1e-7
         np.testing.assert_allclose(motion.omega_body_rad_s[k], end.omega_body_rad_s, atol=1e-7)
         np.testing.assert_allclose(motion.alpha_body_rad_s2[k], end.alpha_body_rad_s2, atol=1e-6)
     # Limits by differences of the attitudes alone, none of the solver's formulas.
     t = np.linspace(0.0, seconds, 4001)
-    fine, _ = turn.attitude_at(t)
+    fine, _ = slew.attitude_at(t)
     omega = (fine[:-1] * fine[1:].inv()).as_rotvec() / t[1]
     alpha = np.diff(omega, axis=0) / t[1]
     total = fine[1:-1].apply(asked.momentum_eci_n_m_s)
@@ -138,19 +138,19 @@ def test_momentum_sphere_binds():
     inside = problem(30.0, [0, 0, 1])
     total = inside.start.q_body_from_eci.inv().apply([0.0, 0.0, -45.0])
     loaded = dataclasses.replace(inside, momentum_eci_n_m_s=total)
-    turn = quickest_turn(loaded)
-    assert turn.loads.momentum_n_m_s <= 60.06
-    assert turn.duration_s > quickest_turn(inside).duration_s + 2.0
+    slew = quickest_slew(loaded)
+    assert slew.loads.momentum_n_m_s <= 60.06
+    assert slew.duration_s > quickest_slew(inside).duration_s + 2.0
 
 
 def test_too_short_a_turn_is_refused_with_the_time_it_needs():
     with pytest.raises(InfeasibleSlew, match=r"needs about 2[0-9]\.[0-9] s"):
-        smooth_turn(problem(30.0, [0, 0, 1]), 10.0)
+        smooth_slew(problem(30.0, [0, 0, 1]), 10.0)
 
 
 def test_comparison_names_both_baselines():
     asked = problem(20.0, [0, 0, 1])
-    compared = compare(asked, smooth_turn(asked, 18.0))
+    compared = compare(asked, smooth_slew(asked, 18.0))
     assert compared.bang_coast_bang_s < compared.eigenaxis_s < compared.duration_s
     assert compared.torque_rate_peak_n_m_s < compared.eigenaxis_torque_rate_peak_n_m_s
 
@@ -163,5 +163,5 @@ def test_a_turn_says_what_found_its_least_time(seed, objective, time_from):
     """About a principal axis from rest, with limits on magnitudes, nothing beats the eigenaxis."""
     magnitudes = SlewLimits(rate_axis_rad_s=math.radians(3.5), rate_rad_s=math.radians(2.0))
     asked = problem(20.0, [0, 0, 1], limits=magnitudes) if seed is None else random_problem(seed)
-    turn = turn_onto(lambda _: asked, 100.0, objective)
-    assert compare(asked, turn).time_from == time_from
+    slew = slew_onto(lambda _: asked, 100.0, objective)
+    assert compare(asked, slew).time_from == time_from

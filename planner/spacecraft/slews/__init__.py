@@ -1,0 +1,1 @@
+"""Slews from one moving attitude to another within the spacecraft's limits."""
