@@ -29,12 +29,6 @@ LATER = {"Prefer": "respond-async"}
 
 
 @pytest.fixture(scope="module")
-def client():
-    with PatientClient(create_app()) as client:
-        yield client
-
-
-@pytest.fixture(scope="module")
 def plan(client):
     answer = client.post(PLANS, json=SHORT)
     assert answer.status_code == 201, answer.text
