@@ -7,7 +7,7 @@ LOCK := $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --genera
 STORING := tests/contracts/test_store.py tests/contracts/test_store_failures.py tests/contracts/test_*jobs.py tests/contracts/test_access.py \
 	$(wildcard tests/contracts/test_*campaign*.py) tests/contracts/test_http_flights.py \
 	tests/contracts/test_http_plans.py tests/contracts/test_http_records.py tests/contracts/test_http_searches.py \
-	tests/contracts/test_http_tables.py $(wildcard tests/end_to_end/test_crash*.py)
+	$(wildcard tests/end_to_end/test_crash*.py)
 
 .PHONY: setup plan web serve quick test test-postgres test-other-arithmetic test-client test-page test-of-python test-as-shipped lint check format answers notebook oracles bench mutants reproduce reproduce-check requirements clean
 
@@ -87,12 +87,16 @@ OF_ARITHMETIC := tests/published $(patsubst %,tests/oracles/test_%.py,telemetry 
 	gimbal_angles uncertainty schedule_brute_force opportunities_exact flight) \
 	$(patsubst %,tests/properties/test_%.py,horizon_estimate slews track opportunities targets_sky) \
 	tests/contracts/test_worked_answers.py
+# Of random slews, and of flights whose drives are fitted by hundreds more, one sample is enough
+# once more.
+ANOTHER_SAMPLE := $(patsubst %,--deselect=tests/properties/test_slews.py::test_500_random_slews_are_all_solved_within_limits[%],1 2 3 4) \
+	$(patsubst %,--deselect=tests/oracles/test_telemetry.py::test_the_friction_that_was_flown_is_found[%],angles-0.3 rates-0.1 rates-0.3)
 OTHER_ARITHMETIC := SLEWTRACK_TEST_OTHER_ARITHMETIC=1 OPENBLAS_CORETYPE=Prescott \
 	NPY_DISABLE_CPU_FEATURES="$$($(BIN)/python -c 'import numpy; print(*numpy.show_config("dicts")["SIMD Extensions"].get("found", ()))')" \
 	GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F
 
 test-other-arithmetic: setup $(KERNELS)
-	$(OTHER_ARITHMETIC) $(PYTEST) tests/architecture/test_other_arithmetic.py $(OF_ARITHMETIC)
+	$(OTHER_ARITHMETIC) $(PYTEST) tests/architecture/test_other_arithmetic.py $(OF_ARITHMETIC) $(ANOTHER_SAMPLE)
 
 test-postgres: setup
 	.ci/with-postgresql $(PYTEST) $(STORING)
@@ -123,8 +127,7 @@ OF_PYTHON := tests/architecture/test_compiled.py tests/architecture/test_uvicorn
 test-of-python: setup $(KERNELS)
 	$(PYTEST) $(STORING) $(OF_PROCESSES)
 	SLEWTRACK_TEST_DATABASE_URL= $(PYTEST) $(OF_COMMANDS) $(OF_PYTHON) \
-		tests/contracts/test_store.py tests/contracts/test_store_failures.py \
-		tests/contracts/test_jobs.py
+		tests/contracts/test_store.py tests/contracts/test_store_failures.py
 
 # Both as they ship: Debian trixie's Python, and PostgreSQL.
 test-as-shipped:

@@ -170,15 +170,24 @@ def test_stopped_work_frees_the_worker(executor, a_worker, tmp_path):
     eventually(lambda: not alive(pid))
 
 
-def test_what_a_lost_worker_was_at_is_done_by_another(executor, scheduler, a_worker, tmp_path):
-    """The first hangs and is killed with its machine; the second finds that it was begun."""
-    future = submitted(executor, "hang_once", tmp_path / "notes")
-    (pid,) = eventually(lambda: pids(tmp_path / "notes"))
+def test_what_a_worker_was_at_is_done_by_another(executor, scheduler, a_worker, tmp_path):
+    """The first hangs and is killed with its machine, the second is told to end; each time the
+    next finds that it was begun."""
+    future = submitted(executor, "hang_once", tmp_path / "lost")
+    (pid,) = eventually(lambda: pids(tmp_path / "lost"))
     a_worker.kill()
+    with worker(scheduler) as second:
+        assert future.result(WITHIN_S).state == "done"
+        assert not alive(pid)
+        assert len(pids(tmp_path / "lost")) == 2
+        future = submitted(executor, "hang_once", tmp_path / "told")
+        (pid,) = eventually(lambda: pids(tmp_path / "told"))
+        second.terminate()
+        assert second.wait(WITHIN_S) == 0
+        eventually(lambda: not alive(pid))
     with worker(scheduler):
         assert future.result(WITHIN_S).state == "done"
-    assert not alive(pid)
-    assert len(pids(tmp_path / "notes")) == 2
+    assert len(pids(tmp_path / "told")) == 2
 
 
 def test_looking_for_a_scheduler_in_vain_leaves_no_descriptors(monkeypatch, tmp_path):
@@ -241,46 +250,42 @@ def test_worker_that_waits_for_its_scheduler_ends_when_told():
         process.stderr.close()
 
 
-def test_worker_ends_when_told_whatever_it_is_at(executor, scheduler, tmp_path):
-    """Its work is done by another."""
-    with worker(scheduler) as told:
-        future = submitted(executor, "hang_once", tmp_path / "notes")
-        (pid,) = eventually(lambda: pids(tmp_path / "notes"))
-        told.terminate()
-        assert told.wait(WITHIN_S) == 0
-        eventually(lambda: not alive(pid))
-    with worker(scheduler):
-        assert future.result(WITHIN_S).state == "done"
+def test_a_worker_tells_no_request_whatever_fails(tmp_path):
+    told = {}
+    with a_scheduler(tmp_path / "scheduler") as address:
+        executor = DaskExecutor(address, 4)
+        for log_format in ("json", "console"):
+            told[log_format] = told_of_failures(executor, address, tmp_path / log_format)
+        executor.close()
+    assert CANARY not in (tmp_path / "scheduler").read_text()
+    for lines in told.values():
+        assert "Compute Failed" in lines
+        assert CANARY not in lines
+    assert all(isinstance(json.loads(line), dict) for line in told["json"].splitlines())
 
 
-@pytest.mark.parametrize("log_format", ["json", "console"])
-def test_a_worker_tells_no_request_whatever_fails(tmp_path, log_format):
-    logs = [tmp_path / name for name in ("scheduler", "worker")]
-    settings = {"SLEWTRACK_LOG_FORMAT": log_format, "SLEWTRACK_LOG_LEVEL": "debug"}
+def told_of_failures(executor, address, folder):
+    """What a worker logs, in the format that the folder is named after, of all that can fail."""
+    folder.mkdir()
+    log, notes = folder / "worker", folder / CANARY
+    settings = {"SLEWTRACK_LOG_FORMAT": folder.name, "SLEWTRACK_LOG_LEVEL": "debug"}
     with (
-        a_scheduler(logs[0]) as address,
-        logs[1].open("wb") as stderr,
+        log.open("wb") as stderr,
         worker(address, stderr=stderr, **settings) as process,
     ):
-        executor = DaskExecutor(address, 4)
         for work, bounds in (("fail", None), ("die", None), ("note", BoundsWithABug(CANARY))):
             # The last is a bug on the worker, which Dask tells in its words.
-            failed = submitted(executor, work, tmp_path / CANARY, bounds=bounds)
+            failed = submitted(executor, work, notes, bounds=bounds)
             assert failed.exception(WITHIN_S) is not None
         stop = Stop()
-        hung = submitted(executor, "hang", tmp_path / f"{CANARY}2", stop)
-        eventually(lambda: pids(tmp_path / f"{CANARY}2"))
+        hung = submitted(executor, "hang", folder / f"{CANARY}2", stop)
+        eventually(lambda: pids(folder / f"{CANARY}2"))
         process.terminate()
         assert process.wait(WITHIN_S) == 0
         stop.request()
         with pytest.raises(Stopped):
             hung.result(WITHIN_S)
-        executor.close()
-    scheduler_told, worker_told = (log.read_text() for log in logs)
-    assert "Compute Failed" in worker_told
-    assert CANARY not in scheduler_told + worker_told
-    if log_format == "json":
-        assert all(isinstance(json.loads(line), dict) for line in worker_told.splitlines())
+    return log.read_text()
 
 
 TLS = "distributed.comm.tls."

@@ -28,12 +28,6 @@ FOUR_SIGMA = 18.4  # chi-square of two degrees of freedom, one in 10,000
 
 
 @pytest.fixture(scope="module")
-def client():
-    with TestClient(create_app(), raise_server_exceptions=False) as client:
-        yield client
-
-
-@pytest.fixture(scope="module")
 def pictures(pytestconfig):
     examples = pytestconfig.rootpath / "examples"
     return [(examples / f"horizon_{name}.png").read_bytes() for name in ("ahead", "right")]

@@ -10,9 +10,8 @@ import pytest
 from child_work import Notes, abort, hang, hoard
 from databases import own_settings
 from refusal_cases import request
-from waiting import PatientClient, alive, eventually
+from waiting import alive, eventually
 
-from app.http.app import create_app
 from app.http.routes import horizon, stored_plans
 from app.http.routes.opportunities import OPPORTUNITIES
 from app.http.routes.plans import PLANS
@@ -44,12 +43,6 @@ ROUTES = {
         {"json": PICTURE_EXAMPLES["ahead"][1]},
     ),
 }
-
-
-@pytest.fixture(scope="module")
-def client():
-    with PatientClient(create_app()) as client:
-        yield client
 
 
 @pytest.fixture

@@ -1,19 +1,11 @@
 """Are places and stars offered as somebody begins to type them?"""
 
 import pytest
-from waiting import PatientClient
 
-from app.http.app import create_app
 from planner.world.targets.place import PlaceTarget
 
 # As geonames.org has 2643743.
 LONDON = (51.5085, -0.1257)
-
-
-@pytest.fixture(scope="module")
-def client():
-    with PatientClient(create_app()) as client:
-        yield client
 
 
 def places(client, begin: str, **more: int) -> list[dict]:

@@ -7,9 +7,7 @@ import re
 import pytest
 from jsonschema import Draft202012Validator
 from openapi_spec_validator import OpenAPIV31SpecValidator
-from waiting import PatientClient
 
-from app.http.app import create_app
 from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
 from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
 from planner.output.export import EXPORTERS
@@ -37,12 +35,6 @@ KINDS = [
     for schema, field, member, registry in REGISTRIES
     for kind, cls in registry.items()
 ]
-
-
-@pytest.fixture(scope="module")
-def client():
-    with PatientClient(create_app()) as client:
-        yield client
 
 
 @pytest.fixture(scope="module")

@@ -7,10 +7,8 @@ from contextlib import nullcontext
 from datetime import datetime
 
 import pytest
-from fastapi.testclient import TestClient
 from skyfield.api import EarthSatellite, load, wgs84
 
-from app.http.app import create_app
 from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
 from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
 from app.requests.json_reader import InvalidRequest
@@ -19,12 +17,6 @@ from app.requests.opportunities import read_opportunity_request
 CITIES = OPPORTUNITY_EXAMPLES["cities"][1]
 CITY = CITIES["targets"][0]["target"]
 STAR = {"id": "Vega", "target": {"mode": "star", "hip": 91262}}
-
-
-@pytest.fixture(scope="module")
-def client():
-    with TestClient(create_app()) as client:
-        yield client
 
 
 @pytest.fixture(scope="module")

@@ -3,6 +3,7 @@
 import pytest
 from fastapi.testclient import TestClient
 from typer.testing import CliRunner
+from waiting import PatientClient
 
 from app.cli import main
 from app.http.app import create_app
@@ -35,7 +36,9 @@ def key(folder):
 
 
 def client_of(app, end):
-    return TestClient(app, base_url="http://localhost", client=end, raise_server_exceptions=False)
+    return PatientClient(
+        app, base_url="http://localhost", client=end, raise_server_exceptions=False
+    )
 
 
 @pytest.fixture(scope="module")

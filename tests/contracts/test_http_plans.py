@@ -12,18 +12,10 @@ from refusal_cases import request
 from scipy.interpolate import CubicHermiteSpline
 from scipy.io import netcdf_file
 from skyfield.api import EarthSatellite, load, wgs84
-from waiting import PatientClient
 
-from app.http.app import create_app
 from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
 
 JSON = {"Content-Type": "application/json"}
-
-
-@pytest.fixture(scope="module")
-def client():
-    with PatientClient(create_app()) as client:
-        yield client
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,7 @@ import uuid
 
 import pytest
 from fastapi.testclient import TestClient
-from waiting import eventually
+from waiting import PatientClient, eventually
 
 from app.http.app import create_app
 from app.http.routes import stored_plans
@@ -18,7 +18,7 @@ BODY = json.dumps(LAS_VEGAS)
 
 @pytest.fixture(scope="module")
 def client():
-    with TestClient(create_app(), raise_server_exceptions=False) as client:
+    with PatientClient(create_app(), raise_server_exceptions=False) as client:
         yield client
 
 

@@ -13,7 +13,7 @@ from app.requests.examples.plan import LAS_VEGAS
 from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
 
 CITIES = CAMPAIGN_EXAMPLES["cities"][1]
-STRIP = SPACECRAFT_EXAMPLES["geojson"][1]
+STRIP = SPACECRAFT_EXAMPLES["geojson"][1] | {"objective": "smooth", "simulation_runs": 0}
 TWO = copy.deepcopy(LAS_VEGAS) | {"name": "Ås and Vegas"}
 TWO["sessions"] = [
     {**LAS_VEGAS["sessions"][0], "id": "LV-7", "name": "Las Vegas, ÖST"},

@@ -7,16 +7,8 @@ import pytest
 from refusal_cases import CASES, Refused, request
 from refusal_kinds import refusal_kinds
 from typer.testing import CliRunner
-from waiting import PatientClient
 
 from app.cli import main
-from app.http.app import create_app
-
-
-@pytest.fixture(scope="module")
-def client():
-    with PatientClient(create_app()) as client:
-        yield client
 
 
 def post(client, body):

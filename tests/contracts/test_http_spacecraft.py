@@ -8,21 +8,12 @@ import netCDF4
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from waiting import PatientClient
 
-from app.http.app import create_app
 from app.requests.examples.spacecraft import FOUR_MODES, SPACECRAFT_EXAMPLES
 from planner.spacecraft.export import IMAGING_EXPORTERS
 
 PLANS = "/v1/spacecraft/plans"
 STRIP = SPACECRAFT_EXAMPLES["geojson"][1]
-
-
-@pytest.fixture(scope="module")
-def client():
-    app = create_app()
-    with PatientClient(app, raise_server_exceptions=False) as client:
-        yield client
 
 
 @pytest.fixture(scope="module")

@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 from refusal_cases import request
 from scipy.io import netcdf_file
-from waiting import PatientClient
 
-from app.http.app import create_app
 from app.requests.examples.plan import LAS_VEGAS
 from planner.output.export import EXPORTERS
 
@@ -18,12 +16,6 @@ from planner.output.export import EXPORTERS
 SHORT = request(
     ("initial_state.epoch", "2015-02-27T17:35:00Z"), ("sessions.0.stop", "2015-02-27T17:36:30Z")
 )
-
-
-@pytest.fixture(scope="module")
-def client():
-    with PatientClient(create_app()) as client:
-        yield client
 
 
 @pytest.fixture(scope="module")

@@ -6,12 +6,10 @@ import numpy as np
 import other_platform
 import pytest
 from damaged_telemetry import CLOCK_AHEAD_S, HEAD, damaged
-from fastapi.testclient import TestClient
 from scipy.spatial.transform import Rotation
 from typer.testing import CliRunner
 
 from app.cli.command import main
-from app.http.app import create_app
 from app.requests.examples.plan import LAS_VEGAS
 from app.requests.examples.telemetry import COMPARISON_EXAMPLES
 from app.store import jobs
@@ -32,12 +30,6 @@ def rows_of(table_csv, tmp_path):
         other_platform.read_table(path), drives, clock, 15.0, 2.0, 0.001, seed=1
     )
     return [row[:3] for row in rows]
-
-
-@pytest.fixture(scope="module")
-def client():
-    with TestClient(create_app(), raise_server_exceptions=False) as client:
-        yield client
 
 
 @pytest.fixture(scope="module")

@@ -5,22 +5,14 @@ import json
 
 import numpy as np
 import pytest
-from waiting import PatientClient
 
 import slewtrack
-from app.http.app import create_app
 from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
 from planner.planning.sessions.slew_timing import OPTIONS as LEAD_OPTIONS
 from planner.world.frames.time_scales import elapsed_s, utc_from_text, utc_text
 
 DENVER = {"mode": "ground", "latitude_deg": 39.74, "longitude_deg": -104.98, "height_m": 1600.0}
 FIRST = utc_from_text(LAS_VEGAS["sessions"][0]["start"])
-
-
-@pytest.fixture(scope="module")
-def client():
-    with PatientClient(create_app()) as client:
-        yield client
 
 
 def request(state=None, sessions=None, example="tle", **changes):

@@ -6,8 +6,7 @@ import re
 import pytest
 from api_document import api_document
 from databases import own_settings
-from fastapi.testclient import TestClient
-from waiting import eventually
+from waiting import PatientClient, eventually
 
 from app.http.app import create_app
 from app.requests.examples.plan import LAS_VEGAS
@@ -31,7 +30,7 @@ NEEDED = {path: f"{name}=a&" for path, _, name, is_needed in PARAMETERS if is_ne
 @pytest.fixture(scope="module")
 def client(tmp_path_factory):
     settings = own_settings(tmp_path_factory.mktemp("query"))
-    with TestClient(create_app(settings), raise_server_exceptions=False) as client:
+    with PatientClient(create_app(settings), raise_server_exceptions=False) as client:
         yield client
 
 

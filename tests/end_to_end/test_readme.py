@@ -12,10 +12,9 @@ from typing import Any, get_args, get_type_hints
 
 import httpx2 as httpx
 import pytest
-from fastapi.testclient import TestClient
 from live_service import live_service
 from refusal_kinds import refusal_kinds
-from waiting import PATIENCE_S
+from waiting import PATIENCE_S, PatientClient
 
 from app.http.app import create_app
 from app.requests.opportunities import read_opportunity_request
@@ -197,7 +196,7 @@ def test_the_refusal_shown_is_the_one_given():
     told = json.loads(shown)
     [conflict] = [fragment for fragment in PLANNED if "on_conflict" in fragment]
     document = example("las_vegas_2015.json") | conflict | {"on_conflict": "refuse"}
-    with TestClient(create_app()) as client:
+    with PatientClient(create_app()) as client:
         problem = client.post("/v1/plans", json=document).json()
     assert problem["detail"].startswith(told.pop("detail").removesuffix("..."))
     assert {name: problem[name] for name in told if name != "instance"} | {

@@ -12,7 +12,7 @@ from plausible_trials import answer, as_advised, outcome
 
 COUNT = 200
 SPARE_COUNT = 40
-LONG = 5  # every fifth may have six sessions, the others one
+LONG = 10  # every tenth may have six sessions, which take 2 s, the others one
 
 
 @pytest.mark.parametrize("seed", range(COUNT))
