@@ -2,11 +2,11 @@
 import { useState } from "preact/hooks";
 
 import example from "../../../../examples/campaign_cities.json";
-import { useMaking } from "../../api/sending";
 import { words } from "../../i18n";
 import { EarthMap } from "../../map/EarthMap";
 import { readable } from "../../map/labels";
 import { DropZone } from "../../parts/DropZone";
+import { useMaking } from "../../parts/making";
 import { OrbitField } from "../../parts/OrbitField";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { RequestText } from "../../parts/RequestText";
