@@ -1,4 +1,4 @@
-/** What is asked of a campaign: targets, days, and what counts in a view. */
+/** The request of a campaign: targets, days, and the weights of a view's qualities. */
 import { useState } from "preact/hooks";
 
 import example from "../../../../examples/campaign_cities.json";

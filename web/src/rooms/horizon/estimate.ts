@@ -1,4 +1,4 @@
-/** What is sent to the estimator, and what of a plan can be filled in. */
+/** The request to the estimator, and the parts of it that a plan can fill in. */
 import { get, post, postForAnswer, type Schemas } from "../../api/client";
 
 export type HorizonRequest = Schemas["HorizonRequest"];

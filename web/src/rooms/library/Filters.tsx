@@ -1,4 +1,4 @@
-/** What the list is asked for. */
+/** The list's filters: kind, words, state, days. */
 import { useState } from "preact/hooks";
 
 import { JOB_STATES } from "../../api/lists";

@@ -1,4 +1,4 @@
-/** What is asked of a plan: orbit, targets, sessions in their windows. */
+/** The request of a plan: orbit, targets, sessions in their windows. */
 import { batch } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 

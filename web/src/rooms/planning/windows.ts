@@ -1,4 +1,4 @@
-/** When the chosen session's target can be seen: asked anew whenever what it depends on changes. */
+/** Windows of the chosen session's target: searched anew whenever something they depend on changes. */
 import { effect, signal } from "@preact/signals";
 
 import { post, remove, type Schemas } from "../../api/client";

@@ -1,4 +1,4 @@
-/** Which plan is flown, how often, and what was flown before. */
+/** The request to fly a plan many times, and the list of earlier flights. */
 import { useState } from "preact/hooks";
 
 import { get } from "../../api/client";

@@ -1,4 +1,4 @@
-/** What the flights tell, and how far they have come. */
+/** The flights of a plan: probabilities, contributors, sessions, and progress while they are flown. */
 import { get } from "../../api/client";
 import { Cancelled } from "../../api/job";
 import { useJob } from "../../api/request";

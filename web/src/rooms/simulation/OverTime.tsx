@@ -34,7 +34,7 @@ export function OverTime({ flights, epoch }: { flights: Flights; epoch: string }
   const stretches = useMemo(() => stretchesOf(flights.sessions, text.pause), [flights.id, known, text]);
   const planned = useMemo(() => view && plannedAt(view, frames.t_s), [view, frames]);
   const first = stretches.find((one) => one.kind === "track");
-  const [chosen, setChosen] = useStateOf<Stretch | null>(stretches, () => first ?? null);
+  const [chosen, setChosen] = useStateOf<Stretch | null>(`${flights.id} ${known}`, () => first ?? null);
   const stop_s = stretches[stretches.length - 1]?.stop_s ?? 0;
   // Before it is painted, so that no move by hand is undone.
   useLayoutEffect(() => moveTo(first?.start_s ?? 0, stop_s), [flights.id, known]);

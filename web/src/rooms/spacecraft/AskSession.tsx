@@ -1,4 +1,4 @@
-/** What a session is asked to image: drawn, dropped as GeoJSON, or written as JSON. */
+/** The request of an imaging session: drawn, dropped as GeoJSON, or written as JSON. */
 import { useState } from "preact/hooks";
 
 import eightAreas from "../../../../examples/spacecraft_eight_areas.json";

@@ -1,4 +1,4 @@
-/** What is asked for, one line each. */
+/** The requested areas, one line each. */
 import { words } from "../../i18n";
 import { named } from "../../i18n/forms";
 import { type Asked, positionsOf } from "./session";

@@ -1,4 +1,4 @@
-/** What flew beside what was planned: a CSV of telemetry against a kept plan. */
+/** Telemetry beside a kept plan: a CSV is compared with its table. */
 import { useEffect, useState } from "preact/hooks";
 
 import { useRequest } from "../../api/request";

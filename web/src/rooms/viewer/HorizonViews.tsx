@@ -1,4 +1,4 @@
-/** What each horizon camera will see: the limb in its frame at a session's start, middle and stop. */
+/** The limb in each horizon camera's frame, at a session's start, middle and stop. */
 import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { clock, number } from "../../i18n/forms";

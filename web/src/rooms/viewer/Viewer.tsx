@@ -1,4 +1,4 @@
-/** What a plan looks like: globe, charts and cameras by one time cursor. */
+/** The view of a plan: globe, charts and cameras by one time cursor. */
 import { useMemo, useRef, useState } from "preact/hooks";
 
 import { useRequest } from "../../api/request";
