@@ -52,7 +52,7 @@ web/node_modules/.package-lock.json: web/package.json web/package-lock.json .ven
 web/openapi.json: $(shell find slewtrack app planner estimator -name '*.py' -o -path '*/openapi/data/*') .venv/installed
 	PYTHONPATH=. $(BIN)/python -m app.http.openapi > $@.new && mv $@.new $@
 
-$(PAGE): web/openapi.json web/node_modules/.package-lock.json $(shell find web -path web/node_modules -prune -o -type f ! -name schema.ts -print)
+$(PAGE): web/openapi.json web/node_modules/.package-lock.json $(shell find web \( -path web/node_modules -o -path web/tests \) -prune -o -type f ! -name schema.ts ! -name lists.ts -print)
 	cd web && $(NPM) run --silent build
 
 serve: web
@@ -105,8 +105,9 @@ test-postgres: setup
 test-client: setup
 	PYTHON=$(PYTHON) .ci/with-client-generator $(BIN)/pytest tests/end_to_end/test_generated_client.py
 
-# The planner's page in Debian's Chromium.
+# The planner's page: its modules by themselves, and all of it in Debian's Chromium.
 test-page: setup web $(KERNELS)
+	cd web && $(NPM) test --silent
 	.ci/with-chromium $(BIN)/pytest tests/page
 
 # What another Python may do otherwise: processes, threads, signals, sockets, texts, and the machine
@@ -133,18 +134,20 @@ test-of-python: setup $(KERNELS)
 test-as-shipped:
 	.ci/with-postgresql .ci/with-python-3.13
 
-lint: setup
+lint: setup web/node_modules/.package-lock.json
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/vulture
+	cd web && $(NPM) run --silent lint
 
 check: lint test
 
-format: setup
+format: setup web/node_modules/.package-lock.json
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
+	cd web && $(NPM) run --silent format
 
 # What the API's pages show as answers; the tests compare.
 answers: setup

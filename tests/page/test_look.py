@@ -19,6 +19,19 @@ HTMLCanvasElement.prototype.getContext = function (kind, ...given) {
 };
 """
 
+# How much was drawn, and for how many of the browser's pictures nothing was.
+_COUNT_DRAWING = """
+window.drawn = window.idle = 0;
+const { drawElements } = WebGL2RenderingContext.prototype;
+WebGL2RenderingContext.prototype.drawElements = function (...given) {
+  window.drawn++;
+  window.idle = 0;
+  return drawElements.apply(this, given);
+};
+const count = () => { window.idle++; requestAnimationFrame(count); };
+count();
+"""
+
 
 @pytest.fixture(scope="module")
 def las_vegas(service) -> str:
@@ -120,6 +133,18 @@ def test_the_globe_plays_the_plan(open_page, las_vegas):
     eventually(lambda: shows_the_earth(globe))
     page.get_by_role("button", name="Flat map").click()
     expect(page.get_by_role("img", name="Map with the ground track")).to_be_visible()
+
+
+def test_the_globe_rests_until_something_moves(open_page, las_vegas):
+    page = open_page("/healthz")
+    page.add_init_script(_COUNT_DRAWING)
+    page.goto(page.url.replace("/healthz", las_vegas))
+    expect(page.locator(".look-globe")).to_have_attribute("data-state", "there")
+    page.wait_for_function("() => window.drawn && window.idle > 30")
+    before = page.evaluate("window.drawn")
+    go_to(page, 170)
+    page.wait_for_function("before => window.drawn > before && window.idle > 30", arg=before)
+    eventually(lambda: shows_the_earth(page.locator(".look-globe")))
 
 
 def test_one_globe_is_kept_from_plan_to_plan(open_page, service, las_vegas):

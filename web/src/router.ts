@@ -1,4 +1,4 @@
-/** Where the page is, and how it goes elsewhere without loading itself anew. */
+/** The page's address, and the way to another without loading the page anew. */
 import { signal } from "@preact/signals";
 
 // The service says by <base> where the page's root is, whatever a proxy puts before it.

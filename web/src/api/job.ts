@@ -77,6 +77,54 @@ export async function untilDone(sent: Sent, tell: (now: Progress) => void, until
   }
 }
 
+const REFRESH_MS = 1500;
+
+interface Job {
+  state: string;
+  problem?: ProblemDocument | null;
+}
+
+function isAtWork({ state }: Partial<Job>): boolean {
+  return state === "queued" || state === "running";
+}
+
+/** What a job has made at its end, shown as far as it is until then; raises Problem or Cancelled where it came to nothing. */
+export async function followed<A extends object>(
+  sent: Sent,
+  fetch: (id: string, until: AbortSignal) => Promise<A>,
+  until: AbortSignal,
+  show: (part: { answer?: A; progress?: Progress }) => void,
+): Promise<A> {
+  let answer = await fetch(sent.id, until);
+  if (isAtWork(answer)) {
+    show({ answer });
+    let asked_ms = Date.now();
+    const tell = (progress: Progress) => {
+      show({ progress });
+      if (Date.now() - asked_ms < REFRESH_MS) return;
+      asked_ms = Date.now();
+      // Only to show how far it is: the end is told by the events.
+      fetch(sent.id, until).then(
+        (answer) => show({ answer }),
+        () => {},
+      );
+    };
+    try {
+      await untilDone(sent, tell, until);
+    } catch (caught) {
+      // However the job ended, its own address tells it best, with what was made until then.
+      if (!(caught instanceof Cancelled) && !(caught instanceof Problem)) throw caught;
+    }
+    answer = await fetch(sent.id, until);
+  }
+  const { state, problem } = answer as Partial<Job>;
+  if (problem || state === "cancelled") {
+    show({ answer });
+    throw problem ? new Problem(problem) : new Cancelled();
+  }
+  return answer;
+}
+
 export class Cancelled extends Error {}
 
 /** Why a job came to nothing, as its own address tells. */

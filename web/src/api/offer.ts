@@ -1,4 +1,4 @@
-/** What a refusal offers in the request's place. */
+/** The times that a refusal offers in place of the request's. */
 import { Problem } from "./problem";
 
 export interface Offer {

@@ -1,5 +1,6 @@
-/** An orbit as it was pasted or dropped: which kind of text it is, and when it holds. */
+/** An orbit as it was pasted or dropped: the kind of its text, and when it holds. */
 import type { Schemas } from "./client";
+import { ORBIT_SOURCES } from "./lists";
 
 export type Orbit = Schemas["PlanRequest"]["orbit"];
 
@@ -7,14 +8,27 @@ const DAY_MS = 86_400_000;
 // The service warns of elements after 3 days and refuses them at 30.
 const FRESH_DAYS = 14;
 
-/** The orbit that a text holds; null for what is none that the service knows. */
+const KINDS = ORBIT_SOURCES.join("|");
+// A CCSDS message names its kind, as KVN or as XML; an OMM may be JSON as well.
+const MESSAGE = new RegExp(`CCSDS_(${KINDS})_VERS|<(${KINDS})[\\s>]`, "i");
+
+/** The orbit that a text holds: a message, or what a request has as JSON; null for what is none that the service knows. */
 export function orbitOf(text: string): Orbit | null {
   const content = text.trim();
+  const member = jsonOf(content) as Orbit | null;
+  if (ORBIT_SOURCES.some((source) => source === member?.source)) return member;
   if (/^1 [0-9A-Z]{5}.*\r?\n\s*2 [0-9A-Z]{5}/im.test(content)) return { source: "tle", content };
-  if (/CCSDS_OEM_VERS|<oem[\s>]/.test(content)) return { source: "oem", content };
-  if (/CCSDS_OPM_VERS|<opm[\s>]/.test(content)) return { source: "opm", content } as Orbit;
-  if (/CCSDS_OMM_VERS|<omm[\s>]|"MEAN_MOTION"/.test(content)) return { source: "omm", content } as Orbit;
-  return null;
+  const [, kvn, xml] = MESSAGE.exec(content) ?? [];
+  const kind = kvn ?? xml ?? (content.includes('"MEAN_MOTION"') ? "omm" : null);
+  return kind ? ({ source: kind.toLowerCase(), content } as Orbit) : null;
+}
+
+function jsonOf(text: string): unknown {
+  try {
+    return JSON.parse(text);
+  } catch {
+    return null;
+  }
 }
 
 /** What stands in the text field for an orbit. */
@@ -34,7 +48,7 @@ export interface Reach {
 
 /** When an orbit holds; null where its text doesn't say so in a way we read. */
 export function reachOf(orbit: Orbit): Reach | null {
-  if (orbit.source === "state") return reach(orbit.epoch);
+  if ("epoch" in orbit && typeof orbit.epoch === "string") return { from_ms: Date.parse(orbit.epoch), to_ms: null };
   const text = textOf(orbit);
   const line = /^1 [0-9A-Z]{5}.*$/m.exec(text)?.[0];
   if (line) {
@@ -65,10 +79,6 @@ export function searchStart(orbit: Orbit, now_ms: number): number {
 
 function upToMinute(ms: number): number {
   return Math.ceil(ms / 60_000) * 60_000;
-}
-
-function reach(epoch: string): Reach {
-  return { from_ms: Date.parse(epoch), to_ms: null };
 }
 
 /** Of a CCSDS message, as KVN, XML or JSON; its times are UTC, calendar or day of year. */

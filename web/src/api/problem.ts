@@ -1,4 +1,4 @@
-/** What the service refuses, or that it doesn't answer at all. */
+/** Refusals of the service, and the lack of any answer. */
 import type { components } from "./schema";
 
 export type ProblemDocument = components["schemas"]["Problem"];

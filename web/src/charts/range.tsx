@@ -1,6 +1,6 @@
 /** The stretch of time that charts show together, and the buttons that change it. */
 import { type Signal, useSignal } from "@preact/signals";
-import { useEffect } from "preact/hooks";
+import { useLayoutEffect } from "preact/hooks";
 
 import { words } from "../i18n";
 import { cursor_s } from "../time/cursor";
@@ -14,14 +14,15 @@ const CLOSER = 0.6;
 /** All of the time, or a stretch of it; it goes along with the cursor. */
 export function useTimeRange(stop_s: number, chosen: Stretch | null): Signal<TimeRange> {
   const range = useSignal<TimeRange>({ from_s: 0, to_s: stop_s });
-  useEffect(() => {
+  // Before it is painted: a zoom by hand comes after it.
+  useLayoutEffect(() => {
     if (!chosen) range.value = { from_s: 0, to_s: stop_s };
     else {
       const length_s = chosen.stop_s - chosen.start_s;
       range.value = within(chosen.start_s - AIR * length_s, Math.max(length_s * (1 + 2 * AIR), LEAST_S), stop_s);
     }
   }, [chosen, stop_s]);
-  useEffect(
+  useLayoutEffect(
     () =>
       cursor_s.subscribe((now_s) => {
         const { from_s, to_s } = range.peek();

@@ -105,8 +105,26 @@ function globe(): Kept {
     (lines) => void draw(scene, lines, LINES, 1),
     (error: unknown) => made.onBroken(error),
   );
+  updateOnceAtATime(widget);
   kept = made;
   return made;
+}
+
+/** Shapes that move are made anew by each update, and ask for another picture: without end. */
+function updateOnceAtATime({ dataSourceDisplay, dataSources }: CesiumWidget): void {
+  const update = dataSourceDisplay.update.bind(dataSourceDisplay);
+  let settled: JulianDate | undefined;
+  dataSourceDisplay.update = (time) => {
+    if (JulianDate.equals(time, settled)) return true;
+    const isSettled = update(time);
+    settled = isSettled ? JulianDate.clone(time) : undefined;
+    return isSettled;
+  };
+  const begin = () => {
+    settled = undefined;
+  };
+  dataSources.dataSourceAdded.addEventListener(begin);
+  dataSources.dataSourceRemoved.addEventListener(begin);
 }
 
 function destroy({ widget }: Kept): void {

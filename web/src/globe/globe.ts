@@ -1,4 +1,4 @@
-/** What the page asks of a globe. */
+/** The globe as the page uses it. */
 export interface Place {
   latitude_deg: number;
   longitude_deg: number;

@@ -1,4 +1,4 @@
-/** How numbers, times and durations are written, the same in every room. */
+/** Numbers, times and durations as they are written, the same in every room. */
 import { language } from "./language";
 
 /** "17:36:20" of "2015-02-27T17:36:20.000Z"; UTC always, as the tables are. */
@@ -40,4 +40,9 @@ export function percent(share: number | null | undefined, decimals = 1): string 
   const least = 10 ** -(decimals + 2);
   if (share > 1 - least && share < 1) return `> ${number((1 - least) * 100, decimals)} %`;
   return `${number(share * 100, decimals)} %`;
+}
+
+/** A member of one of the service's lists in the page's words; as the service says it where it has none yet. */
+export function named(texts: Record<string, string>, name: string): string {
+  return texts[name] ?? name;
 }

@@ -1,7 +1,7 @@
 /** The Earth, flat: moved by hand or keys, closer and further; what is on it is drawn by others. */
 import { type GeoPath, type GeoProjection, geoEquirectangular, geoGraticule10, geoPath } from "d3-geo";
 import type { ComponentChildren } from "preact";
-import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { useEffect, useLayoutEffect, useMemo, useRef, useState } from "preact/hooks";
 
 import { words } from "../i18n";
 import { number } from "../i18n/forms";
@@ -72,7 +72,8 @@ export function EarthMap({ label, hint, around, aroundLabel, fits, onPick, heigh
     if (zoom >= DETAIL_FROM) wantDetail();
   }, [zoom]);
   const fitted = fits ? JSON.stringify(around) : "";
-  useEffect(() => {
+  // Before it is painted: a move by hand comes after it.
+  useLayoutEffect(() => {
     if (fits) fit();
   }, [fitted, wide === 0]);
   const shapes = outlines.value;

@@ -1,4 +1,4 @@
-/** Which names on a map can be read: those that hide none before them. */
+/** Names on a map that can be read: those that hide none before them. */
 const LETTER_PX = 6.8;
 const HIGH_PX = 13;
 

@@ -1,4 +1,4 @@
-/** How far work has come; without a share it only says that it goes on. */
+/** Progress of work; without a share it only says that it goes on. */
 export function Bar({ label, percent }: { label: string; percent: number | null }) {
   return (
     <div class="progress">

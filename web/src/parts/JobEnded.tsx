@@ -1,9 +1,8 @@
-import { useState } from "preact/hooks";
-
 import { send } from "../api/client";
 import { Cancelled, sendOff } from "../api/job";
 import { offerOf } from "../api/offer";
 import { brokeOff, Problem } from "../api/problem";
+import { useRequest } from "../api/request";
 import { go } from "../router";
 import { ProblemNotice } from "./ProblemNotice";
 import { TakeOffer } from "./TakeOffer";
@@ -21,16 +20,12 @@ interface Props {
 
 /** Why a job came to nothing, and the way on; the room's heading has the link that changes the request. */
 export function JobEnded({ work, room, id, error, again, text }: Props) {
-  const [failure, setFailure] = useState<unknown>(null);
-  const askFor = async (changes: object) => {
-    setFailure(null);
-    try {
-      const request = (await (await send("GET", `${work}/{id}/request`, { id })).json()) as object;
-      go(`${room}/${(await sendOff(work, { ...request, ...changes })).id}`);
-    } catch (caught) {
-      setFailure(caught);
-    }
-  };
+  const anew = useRequest<void>(null);
+  const askFor = (changes: object) =>
+    anew.ask(async (until) => {
+      const request = (await (await send("GET", `${work}/{id}/request`, { id, signal: until })).json()) as object;
+      go(`${room}/${(await sendOff(work, { ...request, ...changes }, {}, until)).id}`);
+    });
   const told = error instanceof Cancelled ? text.cancelled : error instanceof Problem && error.status === 404 ? text.gone : null;
   if (told !== null) {
     return (
@@ -46,7 +41,7 @@ export function JobEnded({ work, room, id, error, again, text }: Props) {
       <ProblemNotice error={error} again={once}>
         {offer && <TakeOffer offer={offer} take={() => void askFor({ start: offer.start, stop: offer.stop })} />}
       </ProblemNotice>
-      {failure !== null && <ProblemNotice error={failure} />}
+      {anew.error !== null && <ProblemNotice error={anew.error} />}
     </>
   );
 }

@@ -1,12 +1,12 @@
-/** What is asked of a campaign: targets, days, and what counts in a view. */
+/** The request of a campaign: targets, days, and the weights of a view's qualities. */
 import { useState } from "preact/hooks";
 
 import example from "../../../../examples/campaign_cities.json";
-import { useMaking } from "../../api/sending";
 import { words } from "../../i18n";
 import { EarthMap } from "../../map/EarthMap";
 import { readable } from "../../map/labels";
 import { DropZone } from "../../parts/DropZone";
+import { useMaking } from "../../parts/making";
 import { OrbitField } from "../../parts/OrbitField";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { RequestText } from "../../parts/RequestText";

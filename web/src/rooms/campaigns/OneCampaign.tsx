@@ -1,7 +1,7 @@
 /** One campaign: how far it is, what was chosen and why the rest was not. */
-import { useEffect, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 
-import { useMade } from "../../api/made";
+import { useJob, useRequest } from "../../api/request";
 import { curl } from "../../api/snippets";
 import { words } from "../../i18n";
 import { instant } from "../../i18n/forms";
@@ -10,7 +10,7 @@ import { Copied } from "../../parts/Copied";
 import { JobEnded } from "../../parts/JobEnded";
 import { Link } from "../../parts/Link";
 import { address } from "../../router";
-import { type CampaignRequest, fatesOf, fetchCampaign, fetchRequest, PATH } from "./campaign";
+import { fatesOf, fetchCampaign, fetchRequest, PATH } from "./campaign";
 import { FateMap } from "./FateMap";
 import { Fates } from "./Fates";
 import { Passes } from "./Passes";
@@ -18,14 +18,10 @@ import { Worth } from "./Worth";
 
 export function OneCampaign({ id }: { id: string }) {
   const text = words.value.campaigns;
-  const { answer, progress, error, again, cancel } = useMade(PATH, id, fetchCampaign);
-  const [request, setRequest] = useState<CampaignRequest | null>(null);
+  const { answer, progress, error, ask, cancel } = useJob(PATH, id, fetchCampaign);
+  // Whatever is wrong with the campaign is told by the campaign itself.
+  const { answer: request } = useRequest(id, (until) => fetchRequest(id, until));
   const [chosen, setChosen] = useState<string | null>(null);
-  useEffect(() => {
-    setRequest(null);
-    // Whatever is wrong with the campaign is told by the campaign itself.
-    fetchRequest(id).then(setRequest, () => {});
-  }, [id]);
   const fates = answer && request ? fatesOf(request, answer) : [];
   return (
     <div class="room">
@@ -40,7 +36,9 @@ export function OneCampaign({ id }: { id: string }) {
           {words.value.plan.one.change}
         </Link>
       </div>
-      {error !== null && <JobEnded work="/v1/campaigns" room="/campaigns" id={id} error={error} again={again} text={text} />}
+      {error !== null && (
+        <JobEnded work="/v1/campaigns" room="/campaigns" id={id} error={error} again={() => void ask()} text={text} />
+      )}
       {!answer && error === null && <p class="loading">{words.value.shell.loading}</p>}
       {progress && <AtWork progress={progress} stages={text.stages} onCancel={cancel} />}
       {answer?.choice && <Worth choice={answer.choice} planned={answer.planned} targets={answer.target_count} />}

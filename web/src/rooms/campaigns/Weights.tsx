@@ -1,4 +1,4 @@
-/** How much each quality of a view counts in what a look is worth. */
+/** The weight of each quality of a view in the value of an observation. */
 import { words } from "../../i18n";
 import { Field } from "../../parts/Field";
 import type { CampaignRequest } from "./campaign";

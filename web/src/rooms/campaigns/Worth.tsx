@@ -1,4 +1,4 @@
-/** What the choice is worth, beside the least effort and the most that could be. */
+/** The value of the choice, beside the least effort and the bound. */
 import { words } from "../../i18n";
 import { digits, percent } from "../../i18n/forms";
 import type { Campaign, Choice } from "./campaign";

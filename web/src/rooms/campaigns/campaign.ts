@@ -14,8 +14,8 @@ export function fetchCampaign(id: string, signal: AbortSignal): Promise<Campaign
 }
 
 /** The request as it was sent. */
-export function fetchRequest(id: string): Promise<CampaignRequest> {
-  return get("/v1/campaigns/{id}/request", { id }) as Promise<CampaignRequest>;
+export function fetchRequest(id: string, until: AbortSignal): Promise<CampaignRequest> {
+  return get("/v1/campaigns/{id}/request", { id, signal: until }) as Promise<CampaignRequest>;
 }
 
 /** chosen: in a plan, or to be; refused: chosen, but not planned; open: not decided yet. */

@@ -1,6 +1,7 @@
 /** Position and predicted attitude as a kept plan has them at the frames' epoch. */
 import { useState } from "preact/hooks";
 
+import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { Field } from "../../parts/Field";
 import { ProblemNotice } from "../../parts/ProblemNotice";
@@ -18,22 +19,17 @@ export function FromPlan({ request, onRequest }: Props) {
   const text = words.value.horizon;
   const [id, setId] = useState(place.value.query.get("plan") ?? "");
   const [sigma_deg, setSigma] = useState(SIGMA_DEG);
-  const [isFilled, setFilled] = useState(false);
-  const [error, setError] = useState<unknown>(null);
-  const fill = async (event: Event) => {
+  const { answer: isFilled, error, ask } = useRequest<true>(null);
+  const fill = (event: Event) => {
     event.preventDefault();
     if (!request) return;
-    setError(null);
-    setFilled(false);
-    try {
+    void ask(async () => {
       onRequest(await filledFromPlan(id.trim(), request, sigma_deg));
-      setFilled(true);
-    } catch (caught) {
-      setError(caught);
-    }
+      return true;
+    });
   };
   return (
-    <form onSubmit={(event) => void fill(event)}>
+    <form onSubmit={fill}>
       <div class="from-plan">
         <Field label={text.plan} hint={text.planHint}>
           {(control) => <input {...control} value={id} onInput={(event) => setId(event.currentTarget.value)} />}

@@ -2,6 +2,7 @@
 import { useState } from "preact/hooks";
 
 import example from "../../../../examples/horizon_estimate.json";
+import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { Field } from "../../parts/Field";
 import { ProblemNotice } from "../../parts/ProblemNotice";
@@ -16,25 +17,13 @@ export default function HorizonRoom(_: RoomProps) {
   const text = words.value;
   const [request, setRequest] = useState(JSON.stringify(example, null, 2));
   const [frames, setFrames] = useState<File[]>([]);
-  const [found, setFound] = useState<Estimate | null>(null);
-  const [isAtWork, setAtWork] = useState(false);
-  const [error, setError] = useState<unknown>(null);
+  const { answer: found, error, isAsking, ask } = useRequest<Estimate>(null);
   const read = readRequest(request);
   const asked: HorizonRequest | null = typeof read === "string" ? null : read;
   const cameras = asked?.cameras ?? [];
 
-  const measure = async () => {
-    if (!asked) return;
-    setAtWork(true);
-    setError(null);
-    setFound(null);
-    try {
-      setFound(await estimate(asked, frames));
-    } catch (caught) {
-      setError(caught);
-    } finally {
-      setAtWork(false);
-    }
+  const measure = () => {
+    if (asked) void ask((until) => estimate(asked, frames, until));
   };
   return (
     <div class="room">
@@ -65,14 +54,14 @@ export default function HorizonRoom(_: RoomProps) {
         <button
           type="button"
           class="primary"
-          disabled={isAtWork || !asked || frames.length === 0 || frames.length !== cameras.length}
-          onClick={() => void measure()}
+          disabled={isAsking || !asked || frames.length === 0 || frames.length !== cameras.length}
+          onClick={measure}
         >
           {text.horizon.measure}
         </button>
-        <span role="status">{isAtWork ? text.horizon.atWork : text.horizon.count(frames.length, cameras.length)}</span>
+        <span role="status">{isAsking ? text.horizon.atWork : text.horizon.count(frames.length, cameras.length)}</span>
       </div>
-      {error !== null && <ProblemNotice error={error} again={() => void measure()} />}
+      {error !== null && <ProblemNotice error={error} again={measure} />}
       {found && <Result found={found} />}
     </div>
   );

@@ -1,4 +1,4 @@
-/** What the images say: the verdict, the nadir with its ellipse, each camera's overlay. */
+/** The estimate: the verdict, the nadir with its ellipse, each camera's overlay. */
 import { words } from "../../i18n";
 import { digits, number, percent } from "../../i18n/forms";
 import { Copied } from "../../parts/Copied";

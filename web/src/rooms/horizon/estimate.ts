@@ -1,4 +1,4 @@
-/** What is sent to the estimator, and what of a plan can be filled in. */
+/** The request to the estimator, and the parts of it that a plan can fill in. */
 import { get, post, postForAnswer, type Schemas } from "../../api/client";
 
 export type HorizonRequest = Schemas["HorizonRequest"];
@@ -17,11 +17,11 @@ export function readRequest(text: string): HorizonRequest | string {
   }
 }
 
-export async function estimate(request: HorizonRequest, frames: File[]): Promise<Estimate> {
+export async function estimate(request: HorizonRequest, frames: File[], until: AbortSignal): Promise<Estimate> {
   const form = new FormData();
   form.append("request", new Blob([JSON.stringify({ ...request, overlay: true })], { type: "application/json" }));
   for (const frame of frames) form.append("images", frame, frame.name);
-  const answer = await postForAnswer("/v1/horizon/estimates", form);
+  const answer = await postForAnswer("/v1/horizon/estimates", form, { signal: until });
   return (await answer.json()) as Estimate;
 }
 

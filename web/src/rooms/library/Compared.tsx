@@ -1,8 +1,6 @@
 /** Two plans side by side: every figure, and which of them differ. */
-import { useEffect, useState } from "preact/hooks";
-
 import { get } from "../../api/client";
-import { isAbort } from "../../api/problem";
+import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { Link } from "../../parts/Link";
 import { ProblemNotice } from "../../parts/ProblemNotice";
@@ -10,16 +8,10 @@ import { type Figure, figures, type Plan } from "./figures";
 
 export function Compared({ ids }: { ids: [string, string] }) {
   const text = words.value;
-  const [plans, setPlans] = useState<Plan[] | null>(null);
-  const [error, setError] = useState<unknown>(null);
-  useEffect(() => {
-    const until = new AbortController();
-    Promise.all(ids.map((id) => get("/v1/plans/{id}", { id, signal: until.signal }))).then(
-      (answers) => setPlans(answers.filter((answer): answer is Plan => "table" in answer)),
-      (caught: unknown) => !isAbort(caught) && setError(caught),
-    );
-    return () => until.abort();
-  }, ids);
+  const { answer: plans, error } = useRequest(ids.join(), async (until) => {
+    const answers = await Promise.all(ids.map((id) => get("/v1/plans/{id}", { id, signal: until })));
+    return answers.filter((answer): answer is Plan => "table" in answer);
+  });
   if (error !== null) return <ProblemNotice error={error} />;
   if (!plans) return <p class="loading">{text.shell.loading}</p>;
   const [first, second] = plans;

@@ -1,7 +1,9 @@
-/** What the list is asked for. */
+/** The list's filters: kind, words, state, days. */
 import { useState } from "preact/hooks";
 
+import { JOB_STATES } from "../../api/lists";
 import { words } from "../../i18n";
+import { named } from "../../i18n/forms";
 import { Field } from "../../parts/Field";
 import { KINDS, type Kind, type Wanted } from "./records";
 
@@ -11,8 +13,6 @@ interface Props {
   onWanted: (wanted: Wanted) => void;
   onReload: () => void;
 }
-
-const STATES = ["queued", "running", "done", "refused", "failed", "cancelled"] as const;
 
 export function Filters({ kind, onKind, onWanted, onReload }: Props) {
   const text = words.value;
@@ -55,9 +55,9 @@ export function Filters({ kind, onKind, onWanted, onReload }: Props) {
         {(control) => (
           <select {...control} value={typed.state} onChange={(event) => change({ state: event.currentTarget.value })}>
             <option value="">{text.library.anyState}</option>
-            {STATES.map((state) => (
+            {JOB_STATES.map((state) => (
               <option key={state} value={state}>
-                {text.shell.states[state]}
+                {named(text.shell.states, state)}
               </option>
             ))}
           </select>

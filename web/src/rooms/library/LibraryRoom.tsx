@@ -1,4 +1,4 @@
-/** What is kept: the list, or two plans side by side (`?compare=ID,ID`). */
+/** The library of kept work: the list, or two plans side by side (`?compare=ID,ID`). */
 import { words } from "../../i18n";
 import type { RoomProps } from "../../room";
 import { place } from "../../router";

@@ -1,7 +1,7 @@
 /** The list: what is asked of it, its rows, and what can be done with them. */
-import { useEffect, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 
-import { isAbort } from "../../api/problem";
+import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { Link } from "../../parts/Link";
 import { ProblemNotice } from "../../parts/ProblemNotice";
@@ -13,43 +13,27 @@ export function RecordList() {
   const text = words.value.library;
   const [kind, setKind] = useState<Kind>("plans");
   const [wanted, setWanted] = useState<Wanted>({});
-  const [records, setRecords] = useState<Records | null>(null);
-  const [error, setError] = useState<unknown>(null);
-  const [asked, setAsked] = useState(0);
   const [chosen, setChosen] = useState<string[]>([]);
-  const reload = () => setAsked((times) => times + 1);
-
-  useEffect(() => {
-    const until = new AbortController();
-    list(kind, wanted, undefined, until.signal).then(
-      (found) => {
-        setRecords(found);
-        setError(null);
-      },
-      (caught: unknown) => !isAbort(caught) && setError(caught),
-    );
-    return () => until.abort();
-  }, [kind, wanted, asked]);
-
-  const more = async (cursor: string) => {
-    try {
-      const after = await list(kind, wanted, cursor);
-      setRecords((before) => ({ jobs: [...(before?.jobs ?? []), ...after.jobs], next: after.next }));
-    } catch (caught) {
-      setError(caught);
-    }
+  const {
+    answer: records,
+    error,
+    ask,
+  } = useRequest<Records>(kind, (until) => list(kind, wanted, undefined, until), JSON.stringify(wanted));
+  const reload = () => void ask();
+  const more = async (until: AbortSignal) => {
+    const after = await list(kind, wanted, records?.next ?? "", until);
+    return { jobs: [...(records?.jobs ?? []), ...after.jobs], next: after.next };
   };
   const choose = (id: string, isChosen: boolean) =>
     setChosen((before) => [...before.filter((other) => other !== id), ...(isChosen ? [id] : [])].slice(-2));
-  const ask = (next: Kind) => {
+  const show = (next: Kind) => {
     setKind(next);
-    setRecords(null);
     setChosen([]);
   };
 
   return (
     <>
-      <Filters kind={kind} onKind={ask} onWanted={setWanted} onReload={reload} />
+      <Filters kind={kind} onKind={show} onWanted={setWanted} onReload={reload} />
       {error !== null && <ProblemNotice error={error} again={reload} />}
       {kind === "plans" && (
         <p class="row small">
@@ -97,7 +81,7 @@ export function RecordList() {
         </div>
       )}
       {records?.next && (
-        <button type="button" onClick={() => void more(records.next ?? "")}>
+        <button type="button" onClick={() => void ask(more)}>
           {text.more}
         </button>
       )}

@@ -1,9 +1,9 @@
 /** One record: what it is, how far it has come, and what can be done with it. */
-import { useEffect, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 
 import { remove } from "../../api/client";
-import { type Progress, untilDone } from "../../api/job";
-import { isAbort } from "../../api/problem";
+import { untilDone } from "../../api/job";
+import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { clock, instant, percent } from "../../i18n/forms";
 import { Bar } from "../../parts/Bar";
@@ -24,30 +24,21 @@ interface Props {
 
 export function RecordRow({ job, kind, chosen, onChoose, onChanged }: Props) {
   const text = words.value;
-  const [progress, setProgress] = useState<Progress | null>(null);
-  const [isAsking, setAsking] = useState(false);
-  const [error, setError] = useState<unknown>(null);
+  const [isToDelete, setIsToDelete] = useState(false);
   const atWork = isAtWork(job);
-
-  useEffect(() => {
-    if (!atWork) return;
-    const until = new AbortController();
+  const { progress } = useRequest<void>(atWork ? `${kind} ${job.id}` : null, async (until, show) => {
     const sent = { path: `${SERVICE_PATHS[kind]}/${job.id}`, id: job.id };
     // However it ends, the list tells.
-    untilDone(sent, setProgress, until.signal).then(onChanged, (caught: unknown) => {
-      if (!isAbort(caught)) onChanged();
-    });
-    return () => until.abort();
-  }, [job.id, kind, atWork]);
-
-  const drop = async () => {
-    setAsking(false);
-    try {
-      await remove(`${SERVICE_PATHS[kind]}/{id}`, { id: job.id });
-      onChanged();
-    } catch (caught) {
-      setError(caught);
-    }
+    await untilDone(sent, (progress) => show({ progress }), until).catch(() => undefined);
+    if (!until.aborted) onChanged();
+  });
+  const removal = useRequest<void>(null, async () => {
+    await remove(`${SERVICE_PATHS[kind]}/{id}`, { id: job.id });
+    onChanged();
+  });
+  const drop = () => {
+    setIsToDelete(false);
+    void removal.ask();
   };
   const state = atWork ? (progress?.state ?? job.state) : job.state;
   return (
@@ -81,7 +72,7 @@ export function RecordRow({ job, kind, chosen, onChoose, onChanged }: Props) {
         <span class={`state state-${state}`}>{text.shell.states[state]}</span>
         {atWork && <Bar label={progress?.stage ?? text.library.progress} percent={progress?.percent ?? null} />}
         {job.problem && <div class="small">{job.problem.detail}</div>}
-        {error !== null && <ProblemNotice error={error} />}
+        {removal.error !== null && <ProblemNotice error={removal.error} />}
       </td>
       <td class="mono">{job.start && job.stop ? `${instant(job.start).slice(0, 16)} – ${clock(job.stop)}` : "–"}</td>
       <td>{named(job)}</td>
@@ -92,18 +83,18 @@ export function RecordRow({ job, kind, chosen, onChoose, onChanged }: Props) {
           type="button"
           class="plain"
           aria-label={(atWork ? text.library.cancelOne : text.library.deleteOne)(job.name)}
-          onClick={() => (atWork ? void drop() : setAsking(true))}
+          onClick={() => (atWork ? drop() : setIsToDelete(true))}
         >
           {atWork ? text.shell.cancel : text.library.remove}
         </button>
-        {isAsking && (
-          <Dialog title={text.library.deleteOne(job.name)} onClose={() => setAsking(false)}>
+        {isToDelete && (
+          <Dialog title={text.library.deleteOne(job.name)} onClose={() => setIsToDelete(false)}>
             <p>{text.library.noWayBack}</p>
             <div class="row">
-              <button type="button" class="primary" onClick={() => void drop()}>
+              <button type="button" class="primary" onClick={drop}>
                 {text.library.remove}
               </button>
-              <button type="button" onClick={() => setAsking(false)}>
+              <button type="button" onClick={() => setIsToDelete(false)}>
                 {text.library.keep}
               </button>
             </div>

@@ -1,4 +1,4 @@
-/** What is kept: lists of jobs of each kind, and where one of them is shown. */
+/** Lists of kept jobs of each kind, and the address that shows one of them. */
 import { get, type Schemas } from "../../api/client";
 
 export type Job = Schemas["JobResponse"];

@@ -1,4 +1,4 @@
-/** What the verdict stands on: sessions, margins, the pointing budget, warnings. */
+/** The figures behind the verdict: sessions, margins, the pointing budget, warnings. */
 import { words } from "../../i18n";
 import { clock, digits, number, percent } from "../../i18n/forms";
 import type { Plan } from "./plan";

@@ -1,12 +1,9 @@
 /** One plan: its verdict, what it looks like, what can be taken away; or why there is none. */
-import type { ComponentType } from "preact";
-import { useEffect, useState } from "preact/hooks";
-
-import { remove } from "../../api/client";
-import { Cancelled, type Progress, untilDone } from "../../api/job";
+import { Cancelled } from "../../api/job";
 import { offerOf } from "../../api/offer";
 import { part } from "../../api/part";
 import { brokeOff, NoAnswer, Problem } from "../../api/problem";
+import { useJob, useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { Bar } from "../../parts/Bar";
 import { Link } from "../../parts/Link";
@@ -15,7 +12,7 @@ import { TakeOffer } from "../../parts/TakeOffer";
 import type { RoomProps } from "../../room";
 import { go } from "../../router";
 import { Figures } from "./Figures";
-import { fetchPlan, isPlan, type Plan } from "./plan";
+import { fetchPlan, isPlan } from "./plan";
 import "../planning/planning.css";
 import "./plan.css";
 import { TakeAway } from "./TakeAway";
@@ -24,29 +21,27 @@ import { Verdict } from "./Verdict";
 export default function PlanRoom({ params }: RoomProps) {
   const id = params.id ?? "";
   const text = words.value;
-  const [plan, setPlan] = useState<Plan | null>(null);
-  const [progress, setProgress] = useState<Progress | null>(null);
-  const [error, setError] = useState<unknown>(null);
-  const [tries, setTries] = useState(0);
-  const [Viewer, setViewer] = useState<ComponentType<{ plan: Plan }> | null>(null);
-  useEffect(() => {
-    part(() => import("../viewer/Viewer")).then(
-      (module) => setViewer(() => module.default),
-      (caught) => setError(new NoAnswer(String(caught))),
-    );
-  }, [tries]);
-  useEffect(() => {
-    const wanted = new AbortController();
-    setPlan(null);
-    setError(null);
-    made(id, setProgress, wanted.signal).then(setPlan, (caught: unknown) => wanted.signal.aborted || setError(caught));
-    return () => wanted.abort();
-  }, [id, tries]);
+  const job = useJob("/v1/plans/{id}", id, fetchPlan);
+  const viewer = useRequest("viewer", async () => {
+    try {
+      return (await part(() => import("../viewer/Viewer"))).default;
+    } catch (caught) {
+      throw new NoAnswer(String(caught));
+    }
+  });
+  const plan = job.answer && isPlan(job.answer) ? job.answer : null;
+  const Viewer = viewer.answer;
+  const { progress } = job;
+  const error = job.error ?? viewer.error;
+  const again = () => {
+    if (job.error !== null) void job.ask();
+    if (viewer.error !== null) void viewer.ask();
+  };
   if (error !== null) {
     return (
       <div class="room">
         <h1>{text.shell.rooms.onePlan}</h1>
-        <Why id={id} error={error} again={() => setTries(tries + 1)} />
+        <Why id={id} error={error} again={again} />
       </div>
     );
   }
@@ -57,7 +52,7 @@ export default function PlanRoom({ params }: RoomProps) {
         {progress ? (
           <div class="row">
             <Bar label={progress.stage ?? text.shell.states[progress.state]} percent={progress.percent} />
-            <button type="button" onClick={() => void remove("/v1/plans/{id}", { id }).catch(setError)}>
+            <button type="button" onClick={job.cancel}>
               {text.shell.cancel}
             </button>
           </div>
@@ -85,18 +80,6 @@ export default function PlanRoom({ params }: RoomProps) {
       </div>
     </div>
   );
-}
-
-/** The plan, once it is made. */
-async function made(id: string, tell: (now: Progress) => void, until: AbortSignal): Promise<Plan> {
-  const answer = await fetchPlan(id, until);
-  if (isPlan(answer)) return answer;
-  if (answer.problem) throw new Problem(answer.problem);
-  if (answer.state === "cancelled") throw new Cancelled();
-  await untilDone({ path: `/v1/plans/${id}`, id }, tell, until);
-  const finished = await fetchPlan(id, until);
-  if (isPlan(finished)) return finished;
-  throw new Error(`a plan in the state ${finished.state} has no table`);
 }
 
 /** Why there is no plan, and the ways on. */

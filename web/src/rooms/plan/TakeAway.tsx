@@ -1,46 +1,27 @@
 /** Everything that leaves the page: files, the link, the request in three forms, paper. */
-import { useEffect, useState } from "preact/hooks";
-
 import { send } from "../../api/client";
 import { download } from "../../api/download";
-import type { operations } from "../../api/schema";
+import { PLAN_FORMATS } from "../../api/lists";
+import { useRequest } from "../../api/request";
 import { curl, python } from "../../api/snippets";
 import { words } from "../../i18n";
+import { named } from "../../i18n/forms";
 import { Copied } from "../../parts/Copied";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { address } from "../../router";
 import type { Plan } from "./plan";
 
-type Format = NonNullable<NonNullable<operations["get_plan_table"]["parameters"]["query"]>["format"]>;
-
-const ENDINGS: Record<Format, string> = {
-  csv: "csv",
-  json: "json",
-  netcdf: "nc",
-  aem: "aem",
-  oem: "oem",
-  stk: "sp",
-  "stk-attitude": "a",
-  czml: "czml",
-  geojson: "geojson",
-  kml: "kml",
-  png: "png",
-  svg: "svg",
-};
-const FORMATS = Object.keys(ENDINGS) as Format[];
+type Format = (typeof PLAN_FORMATS)[number];
 
 export function TakeAway({ plan }: { plan: Plan }) {
   const text = words.value.plan.take;
-  const [error, setError] = useState<unknown>(null);
-  const [request, setRequest] = useState<string | null>(null);
-  useEffect(() => {
-    send("GET", "/v1/plans/{id}/request", { id: plan.id })
-      .then((answer) => answer.text())
-      .then(setRequest, setError);
-  }, [plan.id]);
+  const { answer: request, error: unread } = useRequest(plan.id, async (until) =>
+    (await send("GET", "/v1/plans/{id}/request", { id: plan.id, signal: until })).text(),
+  );
+  const saving = useRequest<void>(null);
+  const error = saving.error ?? unread;
   const save = (format: Format) => {
-    setError(null);
-    download("/v1/plans/{id}/table", { id: plan.id, query: { format } }, `plan.${ENDINGS[format]}`).catch(setError);
+    void saving.ask(() => download("/v1/plans/{id}/table", { id: plan.id, query: { format } }, `plan.${format}`));
   };
   const service = new URL(address("/"), location.href).href;
   return (
@@ -57,10 +38,10 @@ export function TakeAway({ plan }: { plan: Plan }) {
       </div>
       <h3>{text.files}</h3>
       <ul class="formats">
-        {FORMATS.filter((format) => format !== "csv").map((format) => (
+        {PLAN_FORMATS.filter((format) => format !== "csv").map((format) => (
           <li key={format}>
             <button type="button" class="plain" onClick={() => save(format)}>
-              {text.formats[format]}
+              {named(text.formats, format)}
             </button>
           </li>
         ))}

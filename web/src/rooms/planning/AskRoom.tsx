@@ -1,10 +1,11 @@
-/** What is asked of a plan: orbit, targets, sessions in their windows. */
+/** The request of a plan: orbit, targets, sessions in their windows. */
 import { batch } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 
 import { get, remove } from "../../api/client";
 import { Cancelled, type Progress, type Sent, sendOff, untilDone } from "../../api/job";
 import { isAbort, NoAnswer, Problem } from "../../api/problem";
+import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { wantOutlines } from "../../map/outlines";
 import { Bar } from "../../parts/Bar";
@@ -40,7 +41,6 @@ export default function AskRoom(_: RoomProps) {
   const text = words.value;
   const [progress, setProgress] = useState<Progress | null>(null);
   const [sent, setSent] = useState<Sent | null>(null);
-  const [loadError, setLoadError] = useState<unknown>(null);
   const told = useRef<HTMLDivElement>(null);
   const work = useRef(new AbortController());
   /** What was sent off and lost from sight. */
@@ -50,29 +50,22 @@ export default function AskRoom(_: RoomProps) {
   useEffect(() => keepSearching(), []);
   const from = place.value.query.get("from");
   const isToPlan = place.value.query.has("plan");
-  const [tries, setTries] = useState(0);
   const isRevision = place.value.query.has("revises"); // of a plan that was made
-  const [isLoading, setIsLoading] = useState(from !== null);
-  useEffect(() => {
-    if (!from) return;
-    setIsLoading(true);
-    setLoadError(null);
-    const given = { id: from, signal: work.current.signal };
-    Promise.all([get("/v1/plans/{id}/request", given), isRevision ? null : fetchPlan(from, given.signal)])
-      .then(
-        ([asked, job]) => {
-          draft.load(asked as unknown as PlanRequest, isRevision ? from : null);
-          const problem = job && !isPlan(job) ? job.problem : null;
-          fail(problem ? new Problem(problem) : null);
-          if (!isToPlan) return;
-          go(`/?from=${from}`, { replace: true }); // loaded anew, the page doesn't plan again
-          if (refused.value?.offered) takeOffered(() => void plan());
-          else void plan();
-        },
-        (error: unknown) => isAbort(error) || setLoadError(error),
-      )
-      .finally(() => setIsLoading(false));
-  }, [from, tries]);
+  const loading = useRequest<void>(from, async (until) => {
+    const given = { id: from ?? "", signal: until };
+    const [asked, job] = await Promise.all([
+      get("/v1/plans/{id}/request", given),
+      isRevision ? null : fetchPlan(given.id, until),
+    ]);
+    if (until.aborted) return;
+    draft.load(asked as unknown as PlanRequest, isRevision ? from : null);
+    const problem = job && !isPlan(job) ? job.problem : null;
+    fail(problem ? new Problem(problem) : null);
+    if (!isToPlan) return;
+    go(`/?from=${from}`, { replace: true }); // loaded anew, the page doesn't plan again
+    if (refused.value?.offered) takeOffered(() => void plan());
+    else void plan();
+  });
 
   const plan = async () => {
     failure.value = null;
@@ -103,12 +96,12 @@ export default function AskRoom(_: RoomProps) {
     }
   };
   const cancel = () => sent && void remove("/v1/plans/{id}", { id: sent.id }).catch((error: unknown) => (failure.value = error));
-  if (isLoading) return <p class="loading">{text.shell.loading}</p>;
+  if (loading.isAsking) return <p class="loading">{text.shell.loading}</p>;
   return (
     <div class="room ask">
       <h1 class="hidden">{text.shell.rooms.plan}</h1>
       <div class="ask-form">
-        {loadError !== null && <ProblemNotice error={loadError} again={() => setTries(tries + 1)} />}
+        {loading.error !== null && <ProblemNotice error={loading.error} again={() => void loading.ask()} />}
         <OrbitPanel />
         <TargetPanel />
         <SequencePanel plan={() => void plan()} />

@@ -1,4 +1,4 @@
-/** Why not: in words, with the button that takes what is offered instead. */
+/** A refusal in words, with the button that takes the times it offers instead. */
 import { words } from "../../i18n";
 import { clock } from "../../i18n/forms";
 import { ProblemNotice } from "../../parts/ProblemNotice";

@@ -2,8 +2,9 @@
 import { batch } from "@preact/signals";
 
 import type { Schemas } from "../../api/client";
+import { CONFLICTS } from "../../api/lists";
 import { words } from "../../i18n";
-import { clock, instant, number, rfc3339 } from "../../i18n/forms";
+import { clock, instant, named, number, rfc3339 } from "../../i18n/forms";
 import { Field } from "../../parts/Field";
 import * as draft from "./draft";
 import { failure, refused } from "./refusal";
@@ -63,9 +64,9 @@ export function SequencePanel({ plan }: { plan: () => void }) {
                   draft.onConflict.value = event.currentTarget.value as draft.Conflict;
                 }}
               >
-                {(["refuse", "shorten_later", "shorten_earlier", "least_loss"] as const).map((one) => (
+                {CONFLICTS.map((one) => (
                   <option key={one} value={one}>
-                    {text.conflicts[one]}
+                    {named(text.conflicts, one)}
                   </option>
                 ))}
               </select>
@@ -207,7 +208,7 @@ function WaysOut({ plan }: { plan: () => void }) {
               plan();
             }}
           >
-            {text.conflicts[way as draft.Conflict]}: {losses.map(costs).join("; ")}
+            {named(text.conflicts, way)}: {losses.map(costs).join("; ")}
           </button>
         </div>
       ))}

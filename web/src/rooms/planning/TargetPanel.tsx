@@ -1,4 +1,4 @@
-/** What the chosen session looks at, and where to look for its windows. */
+/** The chosen session's target: a place, coordinates, a star or a body. */
 import { Problem } from "../../api/problem";
 import { words } from "../../i18n";
 import { Combobox } from "../../parts/Combobox";

@@ -1,4 +1,4 @@
-/** What the form holds: a request in the making. */
+/** The request in the making, as the form holds it. */
 import { batch, computed, signal } from "@preact/signals";
 
 import example from "../../../../examples/las_vegas_2015.json";

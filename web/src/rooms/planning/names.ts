@@ -1,4 +1,4 @@
-/** How a name that is being typed may go on, as the service knows places and stars. */
+/** Offers for a name that is being typed, from the places and stars that the service knows. */
 import { get } from "../../api/client";
 import { number } from "../../i18n/forms";
 import type { Offer } from "../../parts/Combobox";

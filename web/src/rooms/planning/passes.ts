@@ -1,4 +1,4 @@
-/** Where the carrier is over the Earth while it is seen, for drawing: a sphere will do. */
+/** The carrier's way over the Earth while it is seen, for drawing: a sphere will do. */
 import type { LonLat } from "../../map/places";
 import type { Window } from "./windows";
 

@@ -1,4 +1,4 @@
-/** Why the request isn't flown, tied to the session it is about, and the ways out it offers. */
+/** The refusal of a request, tied to the session it is about, and the ways out it offers. */
 import { computed, signal } from "@preact/signals";
 
 import { type Offer, offerOf, sessionOf } from "../../api/offer";

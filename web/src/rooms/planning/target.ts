@@ -1,4 +1,4 @@
-/** What to look at, as a person types it. */
+/** A target as a person types it. */
 import type { Schemas } from "../../api/client";
 
 export type Target = Schemas["Session"]["target"];

@@ -1,7 +1,8 @@
-/** When the chosen session's target can be seen: asked anew whenever what it depends on changes. */
+/** Windows of the chosen session's target: searched anew whenever something they depend on changes. */
 import { effect, signal } from "@preact/signals";
 
 import { post, remove, type Schemas } from "../../api/client";
+import { EARTH_FIXED_MODES, SEARCHED_MODES } from "../../api/lists";
 import { isAbort } from "../../api/problem";
 import { rfc3339 } from "../../i18n/forms";
 import { lightOf } from "../../windows/sight";
@@ -90,6 +91,10 @@ export function best(windows: readonly Window[]): Window | null {
   return windows.reduce<Window | null>((top, one) => (one.session && (!top || rank(one) > rank(top)) ? one : top), null);
 }
 
+function isOneOf(modes: readonly string[], mode: string): boolean {
+  return modes.includes(mode);
+}
+
 let last: string | null = null;
 
 async function search(target: Target, until: AbortSignal): Promise<void> {
@@ -105,8 +110,7 @@ async function search(target: Target, until: AbortSignal): Promise<void> {
         targets: [{ id: "target", target }],
         start: rfc3339(draft.from_ms.peek()),
         stop: rfc3339(draft.to_ms.peek()),
-        conditions:
-          target.mode === "star" || target.mode === "body" ? {} : { min_elevation_deg: draft.leastElevation_deg.peek() },
+        conditions: isOneOf(EARTH_FIXED_MODES, target.mode) ? { min_elevation_deg: draft.leastElevation_deg.peek() } : {},
         samples: SAMPLES,
       },
       { signal: until },
@@ -141,7 +145,7 @@ export function keepSearching(): () => void {
     // What the answer depends on, whose change asks anew; times of sessions are not part of it.
     void [draft.orbit.value, draft.attitude.value, draft.from_ms.value, draft.days.value];
     void [draft.leastElevation_deg.value, retries.value];
-    if (!target || target.mode === "test_motion" || target.mode === "ground_path") {
+    if (!target || !isOneOf(SEARCHED_MODES, target.mode)) {
       found.value = null;
       isSearching.value = false;
       return;

@@ -1,9 +1,9 @@
-/** Which plan is flown, how often, and what was flown before. */
-import { useEffect, useState } from "preact/hooks";
+/** The request to fly a plan many times, and the list of earlier flights. */
+import { useState } from "preact/hooks";
 
-import { get, type Schemas } from "../../api/client";
+import { get } from "../../api/client";
 import { sendOffFlights } from "../../api/job";
-import { isAbort } from "../../api/problem";
+import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { instant, percent } from "../../i18n/forms";
 import { Field } from "../../parts/Field";
@@ -11,43 +11,26 @@ import { Link } from "../../parts/Link";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { go, place } from "../../router";
 
-type Job = Schemas["JobResponse"];
-
 const RUNS = 400;
 
 export function AskSimulation() {
   const text = words.value.simulation;
-  const [plans, setPlans] = useState<Job[]>([]);
-  const [flown, setFlown] = useState<Job[]>([]);
+  const done = useRequest("plans", (signal) => get("/v1/plans", { query: { state: "done", limit: 50 }, signal }));
+  const before = useRequest("flights", (signal) => get("/v1/flights", { query: { limit: 20 }, signal }));
+  const sending = useRequest<void>(null);
   const [plan, setPlan] = useState(place.value.query.get("plan") ?? "");
   const [runs, setRuns] = useState(RUNS);
   const [seed, setSeed] = useState(0);
-  const [error, setError] = useState<unknown>(null);
-
-  useEffect(() => {
-    const until = new AbortController();
-    const fail = (caught: unknown) => {
-      if (!isAbort(caught)) setError(caught);
-    };
-    get("/v1/plans", { query: { state: "done", limit: 50 }, signal: until.signal }).then((found) => setPlans(found.plans), fail);
-    get("/v1/flights", { query: { limit: 20 }, signal: until.signal }).then((found) => setFlown(found.flights), fail);
-    return () => until.abort();
-  }, []);
-
-  const fly = async (event: Event) => {
+  const flown = before.answer?.flights ?? [];
+  const error = sending.error ?? done.error ?? before.error;
+  const fly = (event: Event) => {
     event.preventDefault();
-    setError(null);
-    try {
-      const { id } = await sendOffFlights(plan.trim(), { runs, seed });
-      go(`/flights/${id}`);
-    } catch (caught) {
-      setError(caught);
-    }
+    void sending.ask(async (until) => go(`/flights/${(await sendOffFlights(plan.trim(), { runs, seed }, until)).id}`));
   };
   return (
     <>
       <p>{text.what}</p>
-      <form class="panel fly" onSubmit={(event) => void fly(event)}>
+      <form class="panel fly" onSubmit={fly}>
         <Field label={text.plan} hint={text.planHint}>
           {(control) => (
             <input
@@ -60,7 +43,7 @@ export function AskSimulation() {
           )}
         </Field>
         <datalist id="plans-to-fly">
-          {plans.map((one) => (
+          {done.answer?.plans.map((one) => (
             <option key={one.id} value={one.id}>
               {`${one.name}, ${instant(one.start ?? one.created)}`}
             </option>

@@ -1,4 +1,4 @@
-/** What is to blame for misses and for smear, the most first. */
+/** Contributors to misses and to smear, the greatest first. */
 import { words } from "../../i18n";
 import { number } from "../../i18n/forms";
 import type { Flights } from "./flights";

@@ -1,4 +1,4 @@
-/** How far the target was from the boresight at most, run by run. */
+/** Histogram of the greatest distance of the target from the boresight, run by run. */
 import { words } from "../../i18n";
 import { digits } from "../../i18n/forms";
 import type { Flights } from "./flights";

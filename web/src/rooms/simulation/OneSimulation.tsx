@@ -1,7 +1,7 @@
-/** What the flights tell, and how far they have come. */
+/** The flights of a plan: probabilities, contributors, sessions, and progress while they are flown. */
 import { get } from "../../api/client";
 import { Cancelled } from "../../api/job";
-import { useMade } from "../../api/made";
+import { useJob } from "../../api/request";
 import { words } from "../../i18n";
 import { percent } from "../../i18n/forms";
 import { Bar } from "../../parts/Bar";
@@ -18,10 +18,10 @@ function fetchFlights(id: string, signal: AbortSignal): Promise<Flights> {
 
 export function OneSimulation({ id }: { id: string }) {
   const text = words.value;
-  const { answer: flights, progress, error, again, cancel } = useMade("/v1/flights/{id}", id, fetchFlights);
+  const { answer: flights, progress, error, ask, cancel } = useJob("/v1/flights/{id}", id, fetchFlights);
   const isCancelled = error instanceof Cancelled;
   const problem = error !== null && !isCancelled && (
-    <ProblemNotice error={error} again={again}>
+    <ProblemNotice error={error} again={() => void ask()}>
       {flights && (
         <p>
           <Link to={`/flights?plan=${flights.plan}`} class="button">

@@ -1,14 +1,15 @@
 /** The frames over the plan's time: what the plan's table promises and what is flown, and the smear. */
-import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { useLayoutEffect, useMemo, useRef } from "preact/hooks";
 
 import { get } from "../../api/client";
-import { useFetched } from "../../api/fetched";
+import { useRequest } from "../../api/request";
 import { RangeButtons, useTimeRange } from "../../charts/range";
 import { Strip } from "../../charts/Strip";
 import { type Line, type Shade, TimeChart } from "../../charts/TimeChart";
 import { words } from "../../i18n";
 import { digits } from "../../i18n/forms";
 import { ProblemNotice } from "../../parts/ProblemNotice";
+import { useStateOf } from "../../parts/stateOf";
 import { cursor_s } from "../../time/cursor";
 import { moveTo } from "../../time/playback";
 import { type Stretch, TimeBar } from "../../time/TimeBar";
@@ -22,23 +23,21 @@ const SHARP_PX = [1];
 export function OverTime({ flights, epoch }: { flights: Flights; epoch: string }) {
   const text = words.value.simulation;
   const box = useRef<HTMLElement>(null);
-  const [chosen, setChosen] = useState<Stretch | null>(null);
   const {
     answer: view,
     error,
-    again,
-  } = useFetched(flights.plan, (signal) => get("/v1/plans/{id}/view", { id: flights.plan, signal }));
+    ask,
+  } = useRequest(flights.plan, (signal) => get("/v1/plans/{id}/view", { id: flights.plan, signal }));
   // They don't change while more is flown.
   const known = flights.sessions.map((one) => one.nominal.t_s.length).join();
   const frames = useMemo(() => framesOf(flights.sessions), [flights.id, known]);
   const stretches = useMemo(() => stretchesOf(flights.sessions, text.pause), [flights.id, known, text]);
   const planned = useMemo(() => view && plannedAt(view, frames.t_s), [view, frames]);
-  const first_s = stretches.find((one) => one.kind === "track")?.start_s ?? 0;
+  const first = stretches.find((one) => one.kind === "track");
+  const [chosen, setChosen] = useStateOf<Stretch | null>(`${flights.id} ${known}`, () => first ?? null);
   const stop_s = stretches[stretches.length - 1]?.stop_s ?? 0;
-  useEffect(() => {
-    setChosen(stretches.find((one) => one.kind === "track") ?? null);
-    moveTo(first_s, stop_s);
-  }, [stretches]);
+  // Before it is painted, so that no move by hand is undone.
+  useLayoutEffect(() => moveTo(first?.start_s ?? 0, stop_s), [flights.id, known]);
   const range = useTimeRange(stop_s, chosen);
   const shades = useMemo<Shade[]>(
     () => stretches.filter((one) => one.kind === "track").map((one) => ({ ...one, colour: "good-soft" })),
@@ -68,7 +67,7 @@ export function OverTime({ flights, epoch }: { flights: Flights; epoch: string }
         <h2 id="over-time">{text.overTime}</h2>
         <RangeButtons range={range} stop_s={stop_s} onWhole={() => setChosen(null)} />
       </div>
-      {error !== null && <ProblemNotice error={error} again={again} />}
+      {error !== null && <ProblemNotice error={error} again={() => void ask()} />}
       <Strip name={text.error} unit="″" keys={errors.map((one) => one.label)} fact={text.atMost(worst_arcsec)}>
         <TimeChart {...common} label={text.seriesOf(text.error, worst_arcsec)} lines={errors} isLogarithmic height={HEIGHT} />
       </Strip>

@@ -1,15 +1,16 @@
-/** What a session is asked to image: drawn, dropped as GeoJSON, or written as JSON. */
+/** The request of an imaging session: drawn, dropped as GeoJSON, or written as JSON. */
 import { useState } from "preact/hooks";
 
 import eightAreas from "../../../../examples/spacecraft_eight_areas.json";
 import fourModes from "../../../../examples/spacecraft_four_modes.json";
 import stripAndStereo from "../../../../examples/spacecraft_strip_and_stereo.json";
+import { OBJECTIVES } from "../../api/lists";
 import { Problem } from "../../api/problem";
-import { useMaking } from "../../api/sending";
 import { words } from "../../i18n";
-import { clock } from "../../i18n/forms";
+import { clock, named } from "../../i18n/forms";
 import { DropZone } from "../../parts/DropZone";
 import { Field } from "../../parts/Field";
+import { useMaking } from "../../parts/making";
 import { OrbitField } from "../../parts/OrbitField";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { RequestText } from "../../parts/RequestText";
@@ -22,7 +23,6 @@ import { type Asked, askedOf, askedOfGeoJson, fetchRequest, type SessionRequest 
 const EXAMPLES = { fourModes, eightAreas, stripAndStereo } as unknown as Record<ExampleName, SessionRequest>;
 const NAMES = ["fourModes", "eightAreas", "stripAndStereo"] as const;
 type ExampleName = (typeof NAMES)[number];
-const OBJECTIVES = ["smooth", "minimum_time"] as const;
 const MOST_RUNS = 100;
 
 export function AskSession() {
@@ -89,7 +89,7 @@ export function AskSession() {
                   >
                     {OBJECTIVES.map((one) => (
                       <option key={one} value={one}>
-                        {text.objectives[one]}
+                        {named(text.objectives, one)}
                       </option>
                     ))}
                   </select>

@@ -1,5 +1,6 @@
-/** What is asked for, one line each. */
+/** The requested areas, one line each. */
 import { words } from "../../i18n";
+import { named } from "../../i18n/forms";
 import { type Asked, positionsOf } from "./session";
 
 const LEAST_PRIORITY = 1e-6;
@@ -28,7 +29,7 @@ export function AskedList({ asked, onAsked }: { asked: readonly Asked[]; onAsked
             <tr key={number}>
               <th scope="row">{one.name}</th>
               <td>
-                <span class={`key-mode key-${one.mode}`}>{text.modes[one.mode]}</span>
+                <span class={`key-mode key-${one.mode}`}>{named(text.modes, one.mode)}</span>
               </td>
               <td class="number">{positionsOf(one).length}</td>
               <td>

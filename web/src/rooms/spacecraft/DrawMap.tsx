@@ -1,4 +1,4 @@
-/** What is asked for, on the Earth; positions of the next are clicked, or set by Enter at the cross. */
+/** The requested areas on the Earth; positions of the next are clicked, or set by Enter at the cross. */
 import { useState } from "preact/hooks";
 
 import { words } from "../../i18n";

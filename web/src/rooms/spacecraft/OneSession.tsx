@@ -1,8 +1,7 @@
 /** One session: whether it may be flown, what it images, how steady and how near to its limits. */
-import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { useMemo, useRef, useState } from "preact/hooks";
 
-import { useFetched } from "../../api/fetched";
-import { useMade } from "../../api/made";
+import { useJob, useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { digits, number, percent } from "../../i18n/forms";
 import { AtWork } from "../../parts/AtWork";
@@ -20,7 +19,7 @@ import { fetchSession, fetchView, isSession, PATH, type Session, type SessionVie
 import { stretchesOf } from "./stretches";
 
 export function OneSession({ id }: { id: string }) {
-  const { answer, progress, error, again, cancel } = useMade(PATH, id, fetchSession);
+  const { answer, progress, error, ask, cancel } = useJob(PATH, id, fetchSession);
   const text = words.value.spacecraft;
   const session = answer && isSession(answer) ? answer : null;
   return (
@@ -37,7 +36,7 @@ export function OneSession({ id }: { id: string }) {
           room="/spacecraft/plans"
           id={id}
           error={error}
-          again={again}
+          again={() => void ask()}
           text={{ gone: text.gone, cancelled: words.value.plan.one.cancelled }}
         />
       )}
@@ -49,10 +48,14 @@ export function OneSession({ id }: { id: string }) {
 }
 
 function Made({ session }: { session: Session }) {
-  const { answer: view, error, again } = useFetched(session.id, (signal) => fetchView(session.id, signal));
-  useEffect(() => {
+  const {
+    answer: view,
+    error,
+    ask,
+  } = useRequest(session.id, (until) => {
     cursor_s.value = 0;
-  }, [session.id]);
+    return fetchView(session.id, until);
+  });
   return (
     <>
       <Verdict session={session} />
@@ -66,7 +69,7 @@ function Made({ session }: { session: Session }) {
         </section>
       )}
       {session.left_out.length > 0 && <LeftOut session={session} />}
-      {error !== null && <ProblemNotice error={error} again={again} />}
+      {error !== null && <ProblemNotice error={error} again={() => void ask()} />}
       {!view && error === null && <p class="loading">{words.value.shell.loading}</p>}
       {view && <Seen session={session} view={view} />}
       <Looks session={session} />

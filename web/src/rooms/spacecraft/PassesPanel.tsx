@@ -1,7 +1,7 @@
 /** The passes of the next days over what is asked for; a click takes one for the session's times. */
-import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { useMemo, useState } from "preact/hooks";
 import { searchStart } from "../../api/orbit";
-import { isAbort } from "../../api/problem";
+import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { number } from "../../i18n/forms";
 import { Field } from "../../parts/Field";
@@ -13,13 +13,7 @@ import { type Found, findPasses, highest, type Pass, type Search } from "./passe
 import type { SessionRequest } from "./session";
 
 const MOST_DAYS = 14;
-
-interface Answer {
-  of: Search;
-  isSearching?: boolean;
-  found?: Found;
-  error?: unknown;
-}
+const NOTHING = { answer: null, error: null, isAsking: false };
 
 interface Props {
   request: SessionRequest;
@@ -34,26 +28,18 @@ export function PassesPanel({ request, count, onTimes }: Props) {
   const { orbit, spacecraft, settings, requests } = request;
   const [from, setFrom] = useState<string | null>(null);
   const [days, setDays] = useState(3);
-  const [answer, setAnswer] = useState<Answer | null>(null);
-  const asking = useRef<AbortController | null>(null);
-  useEffect(() => () => asking.current?.abort(), []);
+  const passes = useRequest<Found>(null);
+  const [asked, setAsked] = useState<Search | null>(null);
   const start = from ?? new Date(searchStart(orbit, Date.now())).toISOString();
   const search = useMemo<Search>(
     () => ({ orbit, spacecraft, settings, requests, from_ms: Date.parse(start), days }),
     [orbit, spacecraft, settings, requests, start, days],
   );
   // Of another search it tells nothing.
-  const { found = null, error = null, isSearching = false } = answer?.of === search ? answer : {};
-  const ask = async () => {
-    asking.current?.abort();
-    const wanted = new AbortController();
-    asking.current = wanted;
-    setAnswer({ of: search, isSearching: true });
-    try {
-      setAnswer({ of: search, found: await findPasses(search, wanted.signal) });
-    } catch (caught) {
-      if (!isAbort(caught)) setAnswer({ of: search, error: caught });
-    }
+  const { answer: found, error, isAsking } = asked === search ? passes : NOTHING;
+  const ask = () => {
+    setAsked(search);
+    void passes.ask((until) => findPasses(search, until));
   };
   const taken = found?.passes.find((pass) => isOf(pass, request)) ?? null;
   return (
@@ -61,7 +47,7 @@ export function PassesPanel({ request, count, onTimes }: Props) {
       <div class="row heading">
         <h2 id="session-passes">{text.title}</h2>
         <span role="status" class="small">
-          {isSearching ? text.searching : found ? windows.count(found.passes.length) : ""}
+          {isAsking ? text.searching : found ? windows.count(found.passes.length) : ""}
         </span>
       </div>
       <div class="passes-span">
@@ -81,11 +67,11 @@ export function PassesPanel({ request, count, onTimes }: Props) {
             />
           )}
         </Field>
-        <button type="button" disabled={count === 0 || isSearching} onClick={() => void ask()}>
+        <button type="button" disabled={count === 0 || isAsking} onClick={ask}>
           {text.find}
         </button>
       </div>
-      {error !== null && <ProblemNotice error={error} again={() => void ask()} />}
+      {error !== null && <ProblemNotice error={error} again={ask} />}
       {found && found.unseen.length > 0 && <p class="notice notice-warn">{text.unseen(found.unseen.join(", "))}</p>}
       {found && found.passes.length > 0 && (
         <>

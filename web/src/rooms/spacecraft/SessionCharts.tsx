@@ -1,4 +1,4 @@
-/** How the body and the gyros move over the session, and how steady the camera is. */
+/** Charts over a session: body rates, gyros, and the camera's steadiness. */
 import { useMemo } from "preact/hooks";
 
 import { RangeButtons, useTimeRange } from "../../charts/range";

@@ -1,44 +1,32 @@
 /** Everything of a session that leaves the page, and what its numbers rest on. */
-import { useEffect, useState } from "preact/hooks";
-
 import { send } from "../../api/client";
 import { download } from "../../api/download";
+import { SESSION_FORMATS } from "../../api/lists";
+import { useRequest } from "../../api/request";
 import { curl, python } from "../../api/snippets";
 import { words } from "../../i18n";
+import { named } from "../../i18n/forms";
 import { Copied } from "../../parts/Copied";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { address } from "../../router";
 
-/** Formats of the table, and how their files' names end. */
-const ENDINGS = {
-  csv: "csv",
-  json: "json",
-  netcdf: "nc",
-  aem: "aem",
-  czml: "czml",
-  geojson: "geojson",
-  kml: "kml",
-  png: "png",
-  svg: "svg",
-} as const;
-type Format = keyof typeof ENDINGS;
+const [FIRST, ...OTHERS] = SESSION_FORMATS;
+// JSON is the plan itself, which holds the table.
+const FORMATS = [FIRST, "json", ...OTHERS] as const;
+type Format = (typeof FORMATS)[number];
 
 export function SessionFiles({ id, assumptions }: { id: string; assumptions: readonly string[] }) {
   const text = words.value.spacecraft;
   const take = words.value.plan.take;
-  const [error, setError] = useState<unknown>(null);
-  const [request, setRequest] = useState<string | null>(null);
-  useEffect(() => {
-    send("GET", "/v1/spacecraft/plans/{id}/request", { id })
-      .then((answer) => answer.text())
-      .then(setRequest, setError);
-  }, [id]);
+  const { answer: request, error: unread } = useRequest(id, async (until) =>
+    (await send("GET", "/v1/spacecraft/plans/{id}/request", { id, signal: until })).text(),
+  );
+  const saving = useRequest<void>(null);
+  const error = saving.error ?? unread;
   const save = (format: Format) => {
-    setError(null);
-    // JSON is the plan itself, which holds the table.
     const path = format === "json" ? "/v1/spacecraft/plans/{id}" : "/v1/spacecraft/plans/{id}/table";
     const given = format === "json" ? { id, headers: { Accept: "application/json" } } : { id, query: { format } };
-    download(path, given, `session.${ENDINGS[format]}`).catch(setError);
+    void saving.ask(() => download(path, given, `session.${format}`));
   };
   const service = new URL(address("/"), location.href).href;
   return (
@@ -46,10 +34,10 @@ export function SessionFiles({ id, assumptions }: { id: string; assumptions: rea
       <h2 id="session-files">{take.title}</h2>
       {error !== null && <ProblemNotice error={error} />}
       <ul class="session-formats">
-        {(Object.keys(ENDINGS) as Format[]).map((format) => (
+        {FORMATS.map((format) => (
           <li key={format}>
             <button type="button" onClick={() => save(format)}>
-              {text.formats[format]}
+              {named(text.formats, format)}
             </button>
           </li>
         ))}

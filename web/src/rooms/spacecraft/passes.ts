@@ -1,4 +1,4 @@
-/** When the spacecraft passes what is asked for, as the service finds it. */
+/** Passes of the spacecraft over the requested areas, as the service finds them. */
 import { post, remove, type Schemas } from "../../api/client";
 import { reachOf } from "../../api/orbit";
 import { rfc3339 } from "../../i18n/forms";

@@ -31,8 +31,8 @@ export function fetchView(id: string, signal: AbortSignal): Promise<SessionView>
   return get("/v1/spacecraft/plans/{id}/view", { id, signal });
 }
 
-export function fetchRequest(id: string): Promise<SessionRequest> {
-  return get("/v1/spacecraft/plans/{id}/request", { id }) as Promise<SessionRequest>;
+export function fetchRequest(id: string, until: AbortSignal): Promise<SessionRequest> {
+  return get("/v1/spacecraft/plans/{id}/request", { id, signal: until }) as Promise<SessionRequest>;
 }
 
 /** What is asked, however the request holds it. */
@@ -71,7 +71,7 @@ export function positionsOf({ geometry }: Asked): LonLat[] {
 
 export function shapeOf(asked: Asked): GeoJSON.Geometry {
   const positions = positionsOf(asked);
-  return asked.mode === "area"
+  return asked.geometry?.type === "Polygon"
     ? { type: "Polygon", coordinates: [ringOf(positions)] }
     : { type: "LineString", coordinates: positions };
 }

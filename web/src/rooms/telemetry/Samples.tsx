@@ -1,4 +1,4 @@
-/** What became of the rows that were sent. */
+/** The rows that were sent: used, dropped, reordered. */
 import { words } from "../../i18n";
 import { instant, number } from "../../i18n/forms";
 import type { Comparison } from "./compare";

@@ -1,6 +1,7 @@
-/** What flew beside what was planned: a CSV of telemetry against a kept plan. */
+/** Telemetry beside a kept plan: a CSV is compared with its table. */
 import { useEffect, useState } from "preact/hooks";
 
+import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { DropZone } from "../../parts/DropZone";
 import { Field } from "../../parts/Field";
@@ -16,40 +17,28 @@ export default function TelemetryRoom(_: RoomProps) {
   const text = words.value;
   const [plan, setPlan] = useState(place.value.query.get("plan") ?? "");
   const [file, setFile] = useState<File | null>(null);
-  const [found, setFound] = useState<Compared | null>(null);
-  const [isAtWork, setAtWork] = useState(false);
-  const [error, setError] = useState<unknown>(null);
+  const { answer: found, error, isAsking, ask } = useRequest<Compared>(null);
   useEffect(() => () => void (found && URL.revokeObjectURL(found.picture)), [found]);
 
-  const ask = async (event: Event) => {
+  const submit = (event: Event) => {
     event.preventDefault();
-    if (!file) return;
-    setAtWork(true);
-    setError(null);
-    setFound(null);
-    try {
-      setFound(await compare(plan.trim(), file));
-    } catch (caught) {
-      setError(caught);
-    } finally {
-      setAtWork(false);
-    }
+    if (file) void ask((until) => compare(plan.trim(), file, until));
   };
   return (
     <div class="room">
       <h1>{text.shell.rooms.telemetry}</h1>
       <p>{text.telemetry.what}</p>
-      <form class="panel" onSubmit={(event) => void ask(event)}>
+      <form class="panel" onSubmit={submit}>
         <Field label={text.telemetry.plan} hint={text.telemetry.planHint}>
           {(control) => <input {...control} required value={plan} onInput={(event) => setPlan(event.currentTarget.value)} />}
         </Field>
         <DropZone label={text.telemetry.file} accept=".csv,.txt,text/csv" onFile={setFile}>
           <p class="small">{file ? file.name : text.telemetry.fileHint}</p>
         </DropZone>
-        <button type="submit" class="primary" disabled={!plan.trim() || !file || isAtWork}>
+        <button type="submit" class="primary" disabled={!plan.trim() || !file || isAsking}>
           {text.telemetry.compare}
         </button>{" "}
-        <span role="status">{isAtWork && text.telemetry.atWork}</span>
+        <span role="status">{isAsking && text.telemetry.atWork}</span>
       </form>
       {error !== null && <ProblemNotice error={error} />}
       {found && <Told found={found} />}

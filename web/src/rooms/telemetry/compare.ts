@@ -11,15 +11,15 @@ export interface Compared {
 
 const PATH = "/v1/telemetry/comparisons";
 
-export async function compare(plan: string, file: File): Promise<Compared> {
+export async function compare(plan: string, file: File, until: AbortSignal): Promise<Compared> {
   const form = () => {
     const parts = new FormData();
     parts.append("request", new Blob([JSON.stringify({ plan })], { type: "application/json" }));
     parts.append("samples", file, file.name);
     return parts;
   };
-  const answer = await postForAnswer(PATH, form());
+  const answer = await postForAnswer(PATH, form(), { signal: until });
   const comparison = (await answer.json()) as Comparison;
-  const drawn = await postForAnswer(PATH, form(), { query: { format: "svg" } });
+  const drawn = await postForAnswer(PATH, form(), { query: { format: "svg" }, signal: until });
   return { comparison, picture: URL.createObjectURL(await drawn.blob()) };
 }

@@ -1,4 +1,4 @@
-/** How the axes move, how well they point and what they see, over the plan's time. */
+/** Charts over the plan's time: motion of the axes, pointing, sight. */
 import { useMemo, useState } from "preact/hooks";
 
 import { RangeButtons, useTimeRange } from "../../charts/range";

@@ -1,8 +1,8 @@
-/** What each horizon camera will see: the limb in its frame at a session's start, middle and stop. */
-import { useEffect, useState } from "preact/hooks";
-
+/** The limb in each horizon camera's frame, at a session's start, middle and stop. */
+import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { clock, number } from "../../i18n/forms";
+import { ProblemNotice } from "../../parts/ProblemNotice";
 import { moveTo } from "../../time/playback";
 import type { Plan } from "../plan/plan";
 import { fetchCameras, type HorizonCamera } from "./view";
@@ -15,21 +15,16 @@ interface Props {
 
 export function HorizonViews({ plan, epoch_ms, stop_s }: Props) {
   const text = words.value.viewer.horizon;
-  const [cameras, setCameras] = useState<HorizonCamera[]>([]);
   const checks = plan.horizon_checks;
-  useEffect(() => {
-    if (checks.length === 0) return;
-    const wanted = new AbortController();
-    fetchCameras(plan.id, wanted.signal).then(setCameras, (error: unknown) => wanted.signal.aborted || console.error(error));
-    return () => wanted.abort();
-  }, [plan.id]);
+  const { answer, error, ask } = useRequest(checks.length > 0 ? plan.id : null, (until) => fetchCameras(plan.id, until));
   if (checks.length === 0) return null;
   return (
     <section class="panel look-wide">
       <h2>{text.title}</h2>
+      {error !== null && <ProblemNotice error={error} again={() => void ask()} />}
       <div class="look-cameras">
         {checks.flatMap((check) => {
-          const camera = cameras.find((one) => one.name === check.camera);
+          const camera = answer?.find((one) => one.name === check.camera);
           return check.views.map((view) => (
             <figure key={`${check.session}-${check.camera}-${view.at}`}>
               {camera && <Limb camera={camera} limb_px={view.limb_px} label={text.told(view.camera, clock(view.at))} />}

@@ -1,4 +1,4 @@
-/** Where the target may lie in the camera's frame: the ellipses of the pointing budget. */
+/** The target's place in the camera's frame: the ellipses of the pointing budget. */
 import { Plane, type Scale } from "../../charts/Plane";
 import { words } from "../../i18n";
 import { digits, percent } from "../../i18n/forms";

@@ -1,6 +1,7 @@
-/** What a plan looks like: globe, charts and cameras by one time cursor. */
-import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+/** The view of a plan: globe, charts and cameras by one time cursor. */
+import { useMemo, useRef, useState } from "preact/hooks";
 
+import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { cursor_s } from "../../time/cursor";
@@ -18,18 +19,15 @@ import { fetchView, lastOf, stretchesOf, type View } from "./view";
 
 export default function Viewer({ plan }: { plan: Plan }) {
   const text = words.value;
-  const [view, setView] = useState<View | null>(null);
-  const [error, setError] = useState<unknown>(null);
-  const [tries, setTries] = useState(0);
-  useEffect(() => {
-    const wanted = new AbortController();
-    setView(null);
-    setError(null);
+  const {
+    answer: view,
+    error,
+    ask,
+  } = useRequest(plan.id, (until) => {
     cursor_s.value = 0;
-    fetchView(plan, wanted.signal).then(setView, (caught: unknown) => wanted.signal.aborted || setError(caught));
-    return () => wanted.abort();
-  }, [plan.id, tries]);
-  if (error !== null) return <ProblemNotice error={error} again={() => setTries(tries + 1)} />;
+    return fetchView(plan, until);
+  });
+  if (error !== null) return <ProblemNotice error={error} again={() => void ask()} />;
   if (!view) return <p class="loading">{text.shell.loading}</p>;
   return <Opened view={view} plan={plan} />;
 }

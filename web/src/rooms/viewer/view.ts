@@ -1,4 +1,4 @@
-/** What there is to see of a plan, and what of it holds at an instant. */
+/** The view of a plan, and its values at an instant. */
 import { get, type Schemas, send } from "../../api/client";
 import type { Stretch } from "../../time/TimeBar";
 import type { Plan } from "../plan/plan";

@@ -1,0 +1,81 @@
+/** The request in the making, and the session that a window offers it. */
+import { beforeEach, expect, test } from "vitest";
+
+import "./page";
+
+const draft = await import("../src/rooms/planning/draft");
+const { best, sessionIn, windowNear, windowOf } = await import("../src/rooms/planning/windows");
+type Window = Parameters<typeof sessionIn>[0];
+
+const at = (seconds: number) => new Date(Date.UTC(2015, 1, 27, 17) + 1000 * seconds).toISOString().replace(".000", "");
+const window = (from_s: number, to_s: number, highest_deg = 50, sun_elevation_deg = 40) =>
+  ({
+    rise: at(from_s),
+    set: at(to_s),
+    highest_at: at((from_s + to_s) / 2),
+    highest_deg,
+    session: { start: at(from_s), stop: at(to_s) },
+    closest: { sun_elevation_deg },
+  }) as unknown as Window;
+const example = draft.request.peek();
+
+beforeEach(() => draft.load(example, null));
+
+test("sessions are in order of time, and the chosen one stays chosen", () => {
+  draft.addSession();
+  draft.setTarget({ mode: "place", name: "Reno" });
+  expect(draft.isComplete.value).toBe(false);
+  draft.setTimes("2015-02-27T17:00:00Z", "2015-02-27T17:00:10Z");
+  expect(draft.isComplete.value).toBe(true);
+  expect(draft.request.value.sessions.map((one) => one.start)).toEqual(["2015-02-27T17:00:00Z", example.sessions[0]?.start]);
+  expect(draft.chosen.value).toBe(0);
+});
+
+test("what the form doesn't show goes through it; the initial state goes with the times it was made for", () => {
+  draft.load({ ...example, initial_state: { alpha_deg: 1, beta_deg: 2 }, step_s: 0.2 } as unknown as typeof example, "before");
+  expect(draft.revises.value).toBe("before");
+  expect(draft.request.value).toMatchObject({ step_s: 0.2, initial_state: { alpha_deg: 1 } });
+  draft.setTimes("2015-02-27T17:36:20Z", "2015-02-27T17:36:40Z");
+  expect(draft.request.value).toMatchObject({ step_s: 0.2 });
+  expect(draft.request.value).not.toHaveProperty("initial_state");
+});
+
+test("of another target neither times nor the plan's name are kept", () => {
+  draft.setTarget({ mode: "place", name: "Reno" });
+  expect(draft.session.value).toEqual({ target: { mode: "place", name: "Reno" } });
+  expect(draft.request.value.name).toBe("");
+});
+
+test("the last session that is removed leaves an empty one", () => {
+  draft.removeSession(0);
+  expect(draft.sessions.value).toEqual([{}]);
+});
+
+test("a long window gives its middle five minutes, beside another session what that leaves", () => {
+  draft.removeSession(0);
+  expect(sessionIn(window(0, 100))).toEqual({ start: at(0), stop: at(100) });
+  expect(sessionIn(window(0, 3600))).toEqual({ start: at(1650), stop: at(1950) });
+  draft.setTimes(at(40), at(60));
+  draft.addSession();
+  expect(sessionIn(window(0, 100))).toEqual({ start: at(0), stop: at(40) });
+  expect(sessionIn(window(50, 100))).toEqual({ start: at(60), stop: at(100) });
+  expect(sessionIn(window(42, 58))).toBeNull();
+  expect(sessionIn({ ...window(0, 100), session: null })).toBeNull();
+});
+
+test("a session is drawn in its window, or in one an hour away at most", () => {
+  const windows = [window(0, 100), window(6000, 6100)];
+  const session = (from_s: number) => ({ start: at(from_s), stop: at(from_s + 10) });
+  expect(windowOf(windows, session(6050))).toBe(windows[1]);
+  expect(windowOf(windows, session(3000))).toBeNull();
+  expect(windowNear(windows, session(3000))).toBe(windows[0]);
+  expect(windowNear(windows, session(10_000))).toBeNull();
+  expect(windowNear(windows, {})).toBeNull();
+});
+
+test("the best window is the first of the high ones by day", () => {
+  const [low, night, high, higher] = [window(0, 1, 30), window(2, 3, 89, -20), window(4, 5, 61), window(6, 7, 80)];
+  expect(best([low, night, high, higher])).toBe(high);
+  expect(best([night, { ...high, session: null }])).toBe(night);
+  expect(best([])).toBeNull();
+});

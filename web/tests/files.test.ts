@@ -1,0 +1,99 @@
+/** Targets and requests as dropped files hold them. */
+import { readFileSync } from "node:fs";
+
+import { expect, test } from "vitest";
+
+import "./page";
+
+const { NoTargets, targetsOf } = await import("../src/rooms/campaigns/targets");
+const { askedOfGeoJson, drawn, positionsOf } = await import("../src/rooms/spacecraft/session");
+const { readRequest } = await import("../src/rooms/horizon/estimate");
+
+const OSLO = { id: "Oslo", session_s: 40, target: { mode: "ground", latitude_deg: 59.9, longitude_deg: 10.7, height_m: 0 } };
+
+test.each([
+  ["CSV", "name,lat,lon\nOslo,59.9,10.7\n"],
+  ["CSV with semicolons, quotes and a byte order mark", '\uFEFF# cities\nCity;Latitude;Longitude\r\n"Oslo";59.9;10.7'],
+  ["a list", '[{"id": "Oslo", "latitude_deg": 59.9, "longitude_deg": 10.7}]'],
+  ["a request", JSON.stringify({ targets: [OSLO] })],
+  ["GeoJSON", '{"features": [{"id": "Oslo", "properties": {}, "geometry": {"type": "Point", "coordinates": [10.7, 59.9]}}]}'],
+])("targets of %s", (_, text) => {
+  expect(targetsOf(text)).toEqual([OSLO]);
+});
+
+test("wishes are read, and places by their names", () => {
+  const text = 'id,place,priority,session_s,looks\n"Oslo, twice","Oslo, NO",3,20,2';
+  const target = { mode: "place", name: "Oslo, NO" };
+  expect(targetsOf(text)).toEqual([{ id: "Oslo, twice", priority: 3, session_s: 20, looks: 2, target }]);
+});
+
+test.each([
+  ["name,lat,lon\nOslo,59.9,10.7\nBergen,,5.3", 3, "latitude_deg"],
+  ["name,lat,lon\nOslo,north,10.7", 2, "latitude_deg"],
+  ["name,lat,lon", 1, "id, latitude_deg, longitude_deg"],
+  ['{"features": [{"geometry": {"type": "Polygon"}}]}', 1, "Point"],
+  ['{"request": 1}', null, "targets"],
+])("a file without targets says where: %s", (text, line, missing) => {
+  expect(() => targetsOf(text)).toThrow(expect.objectContaining({ line, missing }));
+  expect(() => targetsOf(text)).toThrow(NoTargets);
+});
+
+test("a session's requests are read as GeoJSON, their modes by their shapes", () => {
+  const asked = askedOfGeoJson(readFileSync("../examples/spacecraft_four_modes.geojson", "utf8"));
+  expect(asked?.map((one) => one.mode).sort()).toEqual(["area", "corridor", "stereo", "strip"]);
+  const line = {
+    type: "Feature",
+    geometry: {
+      type: "LineString",
+      coordinates: [
+        [0, 0],
+        [1, 1],
+      ],
+    },
+  };
+  expect(askedOfGeoJson(JSON.stringify(line))).toMatchObject([{ name: "strip 1", mode: "strip" }]);
+  expect(askedOfGeoJson('{"type": "Feature", "geometry": {"type": "Point"}}')).toBeNull();
+  expect(askedOfGeoJson("{")).toBeNull();
+});
+
+test("what is drawn gets a name of its own", () => {
+  const first = drawn(
+    "strip",
+    [
+      [0, 0],
+      [1, 1],
+    ],
+    [],
+  );
+  const second = drawn(
+    "strip",
+    [
+      [0, 0],
+      [1, 1],
+    ],
+    [first],
+  );
+  expect([first.name, second.name]).toEqual(["strip 1", "strip 2"]);
+  const area = drawn(
+    "area",
+    [
+      [0, 0],
+      [1, 0],
+      [1, 1],
+    ],
+    [{ ...first, name: "area 1" }],
+  );
+  expect(area.name).toBe("area 2");
+  expect(positionsOf(area)).toEqual([
+    [0, 0],
+    [1, 0],
+    [1, 1],
+    [0, 0],
+  ]);
+});
+
+test("a horizon request without cameras is none", () => {
+  expect(readRequest('{"cameras": []}')).toEqual({ cameras: [] });
+  expect(readRequest("[]")).toBe("cameras?");
+  expect(readRequest("{")).toContain("JSON");
+});
