@@ -31,7 +31,6 @@ from planner.slew.spans import (
     jerk_cost,
     least_cost,
     meet_end,
-    trajectory,
     values_at,
 )
 from planner.slew.vibration import JERK_COST, WEIGHTS, residual_vibration_rows, wanted_residuals
@@ -55,9 +54,9 @@ RESIDUAL_SHARE = 0.95  # of the residual that is wanted, so that rows don't exce
 WEIGHT_CHANGES = (0.3, 3.0)  # least and most by which a mode's weight changes at once
 HOPELESS = 20.0  # times the residual wanted: no weights have been seen to gain a tenfold
 JUDGED, JUDGED_SPAN = 100, 1.0  # of `planner.effort`: extremes and the proof, beside solving
-QUICK: tuple[Start, ...] = ("quick", "cold")
 SURE: tuple[Start, ...] = ("warm", "cold", "roomy")
 NO_MODES = np.zeros(0)
+MayFly = Callable[[AxisProfile], bool]
 
 
 class Smoothest(NamedTuple):
@@ -135,26 +134,25 @@ def smoothest(
     known: AxisProfile | None,
     rows: int | None,
     *,
-    may_fly: Callable[[AxisProfile], bool] = lambda _: True,
+    may_fly: MayFly | None = lambda _: True,
     lower_bound_rad2_s5: float = 0.0,
 ) -> Smoothest | None:
     """The smoothest motion in exactly the slew's time; None where none is found.
 
     known: a motion with these ends within the limits, to begin at.  rows: in how many equal
     steps a cubic Hermite must fly the motion; None: the jerk may change anywhere.  may_fly: which
-    motions would be flown, and so must be Ipopt's.  lower_bound_rad2_s5: one that is known already.
+    motions would be flown, and so must be Ipopt's; None: none.  lower_bound_rad2_s5: one that is
+    known already.
     avoid_modes of the slew are left as calm as the limits allow, see `planner.slew.vibration`.
     """
     axis = _Axis(slew, rows, known)
     unit = axis.normal.cost_unit_rad2_s5
-    is_first_flown = axis.is_unbound and not slew.avoid_modes and may_fly(axis.known)
-    placed = _place_knots(
-        axis, lower_bound_rad2_s5 / unit, SURE if is_first_flown or not has_piqp() else QUICK
-    )
+    is_first_flown = axis.is_unbound and not slew.avoid_modes and may_fly is not None
+    placed = _place_knots(axis, lower_bound_rad2_s5 / unit, SURE if is_first_flown else _quick())
     best, iterations = placed.best, placed.iterations
     calm = axis.calmest(best) if best is not None and slew.avoid_modes else None
     found = calm or best
-    if found is not None and not found.is_ipopts and may_fly(found.profile):
+    if found and not found.is_ipopts and may_fly is not None and may_fly(found.profile):
         found = axis.solve_to_fly(found)
         iterations += found.iterations if found is not None else 0
     if found is None:
@@ -167,6 +165,11 @@ def smoothest(
         iterations,
         suppresses_modes=calm is not None,
     )
+
+
+def _quick() -> tuple[Start, ...]:
+    """How motions are solved that nobody flies."""
+    return ("quick", "cold") if has_piqp() else SURE[1:]
 
 
 def _place_knots(axis: "_Axis", bound: float, starts: tuple[Start, ...]) -> _Placed:
@@ -208,9 +211,7 @@ def _place_knots(axis: "_Axis", bound: float, starts: tuple[Start, ...]) -> _Pla
     return _Placed(best, bound, iterations)
 
 
-def _with_braked_ends(
-    slew: AxisSlew, rows: int | None, may_fly: Callable[[AxisProfile], bool]
-) -> Smoothest | None:
+def _with_braked_ends(slew: AxisSlew, rows: int | None, may_fly: MayFly | None) -> Smoothest | None:
     """Braked at the ends, and the smoothest between.
 
     Where an end all but determines how the axis leaves or reaches it, no motion near it is left
@@ -222,11 +223,12 @@ def _with_braked_ends(
     possible = verdict(ends.free.start, ends.free.end, slew.limits, ends.free.duration_s)
     if possible.limit is not None:
         return None
+    flown = may_fly if rows is None else None
     between = smoothest(
         ends.free,
         possible.profile,
         None,
-        may_fly=lambda profile: rows is None and may_fly(ends.around(profile)),
+        may_fly=flown and (lambda profile: flown(ends.around(profile))),
     )
     if between is not None and rows is not None:
         between = smoothest(ends.free, between.profile, rows - ends.rows)
@@ -332,8 +334,7 @@ class _Axis:
             if not solved.run.is_promising:
                 continue
             jerks = np.clip(solved.jerks, -jerk_max, jerk_max)
-            jerks = meet_end(given.widths, flat, self.ends, jerk_max, jerks)
-            states = trajectory(given.widths, self.ends[0], jerks)
+            states, jerks = meet_end(given.widths, flat, self.ends, jerk_max, jerks)
             profile = self.normal.profile(grid.knots, flat, states, jerks)
             if obeys(profile, self.slew.start, self.slew.end, self.slew.limits):
                 return _Motion(grid, given, states, jerks, profile, solved, iterations)
@@ -378,9 +379,8 @@ class _Axis:
         # Modes feel what is flown: exactly the motion, where the jerk is constant on a row.
         single = knots[:-1][~self.can_cut(knots)]
         flat_rows = np.union1d(motion.grid.flat_rows, np.rint(single * (rows or 1)).astype(np.intp))
-        starts = QUICK if has_piqp() else SURE
         for _ in range(WEIGHINGS):
-            found = self.solve_on(knots, flat_rows, begun, starts, weights)
+            found = self.solve_on(knots, flat_rows, begun, _quick(), weights)
             if found is None:
                 break
             begun = found.profile
