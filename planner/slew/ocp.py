@@ -119,6 +119,7 @@ class _Ocp(NamedTuple):
         return ca.Function("nlp_jac_g", [self.x, self.p], made, ["x", "p"], ["g", "jac_g_x"])
 
 
+@lru_cache(maxsize=1)  # a size's solvers are mostly made one after the other
 def slew_ocp(spans: int, *, on_rows: bool, residuals: int) -> _Ocp:
     """The programme in CasADi's symbols.
 
