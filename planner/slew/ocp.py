@@ -74,12 +74,7 @@ WARM: Options = {
     "warm_start_slack_bound_frac": 1e-6,
     "warm_start_mult_bound_push": 1e-6,
 }
-ROOMY: Options = {
-    **WARM,
-    "mehrotra_algorithm": "yes",
-    "mu_init": 1e-6,
-    "bound_relax_factor": 1e-9,
-}
+ROOMY: Options = {**WARM, "mehrotra_algorithm": "yes", "mu_init": 1e-6, "bound_relax_factor": 1e-9}
 QUICK: Options = {"eps_abs": 1e-9, "eps_rel": 1e-9, "max_iter": 60}
 STARTS: dict[Start, tuple[Plugin, Options]] = {
     "quick": ("piqp", QUICK),
@@ -291,12 +286,8 @@ def solve(given: SpanProgramme, begin: Begin, start: Start) -> Solved:
         "ubg": np.concatenate([dynamics, most.ravel(), np.zeros(m)]),
     }
     if start in ("warm", "roomy") and begin.answer is not None:
-        before = begin.answer
-        numbers |= {
-            "x0": before.x_numbers,
-            "lam_x0": before.lam_x_numbers,
-            "lam_g0": before.lam_g_numbers,
-        }
+        x0, lam_x0, lam_g0, _ = begin.answer
+        numbers |= {"x0": x0, "lam_x0": lam_x0, "lam_g0": lam_g0}
     span = SPAN if given.rows is None else SPAN_ON_ROWS
     size = (start, n, given.rows is None, m)
     effort.count_once(size, MADE + (MADE_SPAN * span + MADE_RESIDUAL * m) * n)

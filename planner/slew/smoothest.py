@@ -31,7 +31,9 @@ from planner.slew.spans import (
     jerk_cost,
     least_cost,
     meet_end,
+    turning,
     values_at,
+    where_to_cut,
 )
 from planner.slew.vibration import JERK_COST, WEIGHTS, residual_vibration_rows, wanted_residuals
 from planner.solvers import SolverRun, has_piqp
@@ -121,14 +123,6 @@ class _Losses(NamedTuple):
     cuts: Array
 
 
-class _Placed(NamedTuple):
-    """The best motion, None where none was found; bound: on the cost of any; iterations: in all."""
-
-    best: _Motion | None
-    bound: float
-    iterations: int
-
-
 def smoothest(
     slew: AxisSlew,
     known: AxisProfile | None,
@@ -148,8 +142,8 @@ def smoothest(
     axis = _Axis(slew, rows, known)
     unit = axis.normal.cost_unit_rad2_s5
     is_first_flown = axis.is_unbound and not slew.avoid_modes and may_fly is not None
-    placed = _place_knots(axis, lower_bound_rad2_s5 / unit, SURE if is_first_flown else _quick())
-    best, iterations = placed.best, placed.iterations
+    starts = SURE if is_first_flown else _quick()
+    best, bound, iterations = _place_knots(axis, lower_bound_rad2_s5 / unit, starts)
     calm = axis.calmest(best) if best is not None and slew.avoid_modes else None
     found = calm or best
     if found and not found.is_ipopts and may_fly is not None and may_fly(found.profile):
@@ -159,7 +153,7 @@ def smoothest(
         return _with_braked_ends(slew, rows, may_fly)
     return Smoothest(
         found.profile,
-        placed.bound * unit,
+        bound * unit,
         NOTHING * unit,
         found.solved.run,
         iterations,
@@ -172,8 +166,10 @@ def _quick() -> tuple[Start, ...]:
     return ("quick", "cold") if has_piqp() else SURE[1:]
 
 
-def _place_knots(axis: "_Axis", bound: float, starts: tuple[Start, ...]) -> _Placed:
-    """The best motion on knots that are added to until the gap is closed, and its bound.
+def _place_knots(
+    axis: "_Axis", bound: float, starts: tuple[Start, ...]
+) -> tuple[_Motion | None, float, int]:
+    """The best motion on knots that are added to until the gap is closed, its bound, iterations.
 
     Where the quintic keeps the limits it is where to begin, and its cost the bound: a few spans
     come as near to it as is wanted.
@@ -208,7 +204,7 @@ def _place_knots(axis: "_Axis", bound: float, starts: tuple[Start, ...]) -> _Pla
         is_fine = is_closed or float(losses.by_span[axis.can_cut(knots)].sum()) <= allowed
         spans = len(motion.jerks) + (not is_fine)
         knots = axis.refined(motion, losses, astray, at_least=spans)
-    return _Placed(best, bound, iterations)
+    return best, bound, iterations
 
 
 def _with_braked_ends(slew: AxisSlew, rows: int | None, may_fly: MayFly | None) -> Smoothest | None:
@@ -224,12 +220,8 @@ def _with_braked_ends(slew: AxisSlew, rows: int | None, may_fly: MayFly | None) 
     if possible.limit is not None:
         return None
     flown = may_fly if rows is None else None
-    between = smoothest(
-        ends.free,
-        possible.profile,
-        None,
-        may_fly=flown and (lambda profile: flown(ends.around(profile))),
-    )
+    flies = flown and (lambda profile: flown(ends.around(profile)))
+    between = smoothest(ends.free, possible.profile, None, may_fly=flies)
     if between is not None and rows is not None:
         between = smoothest(ends.free, between.profile, rows - ends.rows)
     if between is None:
@@ -284,7 +276,7 @@ class _Axis:
         if self.rows is not None:
             middle = ((knots[1:] + knots[:-1]) / 2.0 * self.rows).astype(int)
             flat = ~self.can_cut(knots) & np.isin(middle, flat_rows)
-            rows = Rows(flat, _turning(states))
+            rows = Rows(flat, turning(states))
             jerks = np.where(flat[:, None], jerks.mean(axis=1, keepdims=True), jerks)
         inset = INSIDE * np.ptp(self.limits, axis=1)[:, None] * np.array([1.0, -1.0])
         maps = np.zeros((0, len(widths), 2))
@@ -362,7 +354,7 @@ class _Axis:
         by_span = np.where(self.can_cut(motion.grid.knots), missed, 0.0) + held_back
         active = np.abs(multipliers) * (places > 0.0)
         by_order = np.column_stack([active[:, orders == order].sum(axis=1) for order in (0, 1)])
-        return _Losses(bound, by_span, _cuts(motion.states, by_order > 0.0))
+        return _Losses(bound, by_span, where_to_cut(motion.states, by_order > 0.0))
 
     def calmest(self, motion: _Motion) -> _Motion | None:
         """What leaves the modes calmest, with weights shifted towards those that ring too much.
@@ -440,7 +432,7 @@ class _Axis:
             by_order = np.column_stack(
                 [over[:, BETWEEN[0] == order].any(axis=1) for order in (0, 1)]
             )
-            cuts = knots[:-1] + _cuts(states, by_order) * np.diff(knots)
+            cuts = knots[:-1] + where_to_cut(states, by_order) * np.diff(knots)
             knots = np.union1d(knots, cuts[is_cut])
         return self._filled(knots)
 
@@ -491,18 +483,3 @@ class _Axis:
     def _edges(self, rows: Indices) -> Array:
         """Where rows begin and end."""
         return np.asarray(np.union1d(rows, rows + 1) / (self.rows or 1))
-
-
-def _turning(states: Array) -> Array:
-    """Where angle and rate turn within each span, shares (n, 2); a half where they don't."""
-    before, after = states[:-1, 1:], states[1:, 1:]
-    turns = before * after < 0.0
-    return np.asarray(np.where(turns, before / np.where(turns, before - after, 1.0), 0.5))
-
-
-def _cuts(states: Array, active: Mask) -> Array:
-    """Where to cut each span, shares (n,): where angle or rate, the one at its limit, turns, or in
-    the middle."""
-    at = _turning(states)
-    at = np.where(active & (at > 0.1) & (at < 0.9), at, 0.5)
-    return np.where(at[:, 1] != 0.5, at[:, 1], at[:, 0])

@@ -82,20 +82,15 @@ class AxisProfile:
         if self.acceleration_jumps:
             return float("inf")
         jerk = self._derivatives[3]
-        width = np.diff(self.breakpoints_s)
-        total = 0.0
-        for i in range(jerk.shape[1]):
-            for j in range(jerk.shape[1]):
-                power = i + j + 1
-                total += float(np.sum(jerk[:, i] * jerk[:, j] * width**power)) / power
-        return total
+        unit, orders = jerk * self._powers[:, : jerk.shape[1]], np.arange(jerk.shape[1])
+        hilbert = 1.0 / (1.0 + np.add.outer(orders, orders))
+        return float(np.diff(self.breakpoints_s) @ (unit @ hilbert * unit).sum(axis=1))
 
     @cached_property
     def acceleration_jumps(self) -> bool:
         """Whether the acceleration is discontinuous inside the profile, beyond rounding."""
         acceleration = self._derivatives[2]
-        width = np.diff(self.breakpoints_s)
-        at_end = _value(acceleration, width)
+        at_end = (acceleration * self._powers[:, : acceleration.shape[1]]).sum(axis=1)
         scale = np.abs(acceleration[:, 0]).max() + np.abs(at_end).max() + 1e-12
         return bool(np.any(np.abs(at_end[:-1] - acceleration[1:, 0]) > 1e-6 * scale))
 
@@ -246,10 +241,6 @@ def _meets_ends(profile: AxisProfile, start: AxisState, end: AxisState, limits: 
             if abs(value - target) > LIMIT_TOLERANCE * (high - low):
                 return False
     return True
-
-
-def _value(coefficients: Array, x: Array) -> Array:
-    return np.asarray(np.sum(coefficients * x[:, None] ** np.arange(coefficients.shape[1]), axis=1))
 
 
 def _pieces_that_may_reach_beyond(unit: Array) -> NDArray[np.intp]:

@@ -117,3 +117,18 @@ def solve_scaled(system: Array, wanted: Array) -> Array:
     if 1.0 + 2.0 * xy * yz * xz - xy * xy - yz * yz - xz * xz > REGULAR:  # its determinant
         return np.linalg.solve(scaled, share) / size
     return np.linalg.lstsq(scaled, share)[0] / size
+
+
+def turning(states: Array) -> Array:
+    """Where angle and rate turn within each span, shares (n, 2); a half where they don't."""
+    before, after = states[:-1, 1:], states[1:, 1:]
+    turns = before * after < 0.0
+    return np.asarray(np.where(turns, before / np.where(turns, before - after, 1.0), 0.5))
+
+
+def where_to_cut(states: Array, active: Mask) -> Array:
+    """Where to cut each span, shares (n,): where angle or rate, the one at its limit, turns, or in
+    the middle."""
+    at = turning(states)
+    at = np.where(active & (at > 0.1) & (at < 0.9), at, 0.5)
+    return np.where(at[:, 1] != 0.5, at[:, 1], at[:, 0])
