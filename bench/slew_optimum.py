@@ -32,6 +32,7 @@ NEAR, LOOSE = 1.001, 1.005
 BROKEN = 1e-8  # of a limit's range
 ROUNDING = 1e-6  # of the reference's cost
 WARM_UP = 5
+EVERY = 100  # axes: what was seen so far is told
 
 
 def draw_state(rng: np.random.Generator, kind: str) -> AxisState:
@@ -247,7 +248,9 @@ def main() -> None:
     tally = Tally()
     for number in range(asked.axes):
         tally.add(number, draw_axis(asked.seed, number))
-    tally.report()
+        if (number + 1) % EVERY == 0 or number + 1 == asked.axes:
+            print(f"of {number + 1} axes:")
+            tally.report()
 
 
 if __name__ == "__main__":

@@ -55,8 +55,10 @@ def preload() -> None:
     plan_and_pack(_REQUEST)
 
 
+gc.disable()  # nothing that is loaded is garbage
 for name in _LOADED:
     import_module(name)
 preload()
+gc.enable()
 gc.collect()
 gc.freeze()  # no collection touches, and so copies, the pages children share

@@ -119,7 +119,7 @@ class Solver:
         import casadi
 
         self._plugin, self._work, self._lock = plugin, work, Lock()
-        settings: dict[str, Any] = {"print_time": False}
+        settings: dict[str, Any] = {"print_time": False, "record_time": False}
         if plugin == "ipopt":
             # The sensitivity to parameters, which nobody asks for, takes longest to prepare.
             settings |= {"no_nlp_grad": True} | dict.fromkeys(

@@ -36,7 +36,7 @@ def reproduces(profile: AxisProfile, rows: int, limits: AxisLimits) -> bool:
 
 def cells_that_break(profile: AxisProfile, rows: int, limits: AxisLimits) -> Indices:
     """Cells between two rows in which the Hermite passes a limit of angle, rate, acceleration."""
-    angle, rate, _, _ = profile.evaluate(np.linspace(0.0, profile.duration_s, rows + 1))
+    angle, rate = profile.lowest(np.linspace(0.0, profile.duration_s, rows + 1), 2)
     ranges = cubic_range(profile.duration_s / rows, angle[:, None], rate[:, None])
     broken = np.zeros(rows, dtype=bool)
     for (least, greatest), (low, high) in zip(ranges[:3], limits.bounds[:3], strict=True):
@@ -51,10 +51,10 @@ def cells_that_leave(profile: AxisProfile, rows: int) -> Indices:
     cells = _cells_in_doubt(profile, rows)
     s = np.arange(1, SAMPLES_PER_ROW) / SAMPLES_PER_ROW
     starts_s = cells.astype(float) * step_s
-    angle0, rate0, _, _ = profile.evaluate(starts_s)
-    angle1, rate1, _, _ = profile.evaluate(starts_s + step_s)
+    angle0, rate0 = profile.lowest(starts_s, 2)
+    angle1, rate1 = profile.lowest(starts_s + step_s, 2)
     between = (starts_s[:, None] + s * step_s).ravel()
-    planned = profile.evaluate(between)[0].reshape(len(cells), len(s))
+    planned = profile.lowest(between, 1)[0].reshape(len(cells), len(s))
     h00, h01 = (1.0 + 2.0 * s) * (1.0 - s) ** 2, s**2 * (3.0 - 2.0 * s)
     h10, h11 = s * (1.0 - s) ** 2 * step_s, s**2 * (s - 1.0) * step_s
     hermite = (

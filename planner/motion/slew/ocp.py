@@ -67,7 +67,8 @@ COLD: Options = {
 }
 WARM: Options = {
     **COLD,
-    "mu_init": 1e-6,
+    "mehrotra_algorithm": "no",  # which would forget how small mu is
+    "mu_init": 1e-10,
     "warm_start_init_point": "yes",
     "warm_start_bound_push": 1e-6,
     "warm_start_bound_frac": 1e-6,
@@ -75,7 +76,7 @@ WARM: Options = {
     "warm_start_slack_bound_frac": 1e-6,
     "warm_start_mult_bound_push": 1e-6,
 }
-ROOMY: Options = {**WARM, "bound_relax_factor": 1e-9}
+ROOMY: Options = {**WARM, "mehrotra_algorithm": "yes", "mu_init": 1e-6, "bound_relax_factor": 1e-9}
 QUICK: Options = {"eps_abs": 1e-9, "eps_rel": 1e-9, "max_iter": 60}
 STARTS: dict[Start, tuple[Plugin, Options]] = {
     "quick": ("piqp", QUICK),
@@ -115,6 +116,7 @@ class _Ocp(NamedTuple):
         return ca.Function("nlp_jac_g", [self.x, self.p], made, ["x", "p"], ["g", "jac_g_x"])
 
 
+@lru_cache(maxsize=1)  # a size's solvers are mostly made one after the other
 def slew_ocp(spans: int, *, on_rows: bool, residuals: int) -> _Ocp:
     """The programme in CasADi's symbols.
 
@@ -289,12 +291,8 @@ def solve(given: SpanProgramme, begin: Begin, start: Start) -> Solved:
         "ubg": np.concatenate([dynamics, most.ravel(), np.zeros(m)]),
     }
     if start in ("warm", "roomy") and begin.answer is not None:
-        before = begin.answer
-        numbers |= {
-            "x0": before.x_numbers,
-            "lam_x0": before.lam_x_numbers,
-            "lam_g0": before.lam_g_numbers,
-        }
+        x0, lam_x0, lam_g0, _ = begin.answer
+        numbers |= {"x0": x0, "lam_x0": lam_x0, "lam_g0": lam_g0}
     span = SPAN if given.rows is None else SPAN_ON_ROWS
     size = (start, n, given.rows is None, m)
     effort.count_once(size, MADE + (MADE_SPAN * span + MADE_RESIDUAL * m) * n)

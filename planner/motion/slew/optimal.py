@@ -86,13 +86,10 @@ def _solve_axis(name: str, slew: AxisSlew, rows: int | None) -> AxisSolution:
     known = possible.profile
     if rows is None:
         found = smoothest(slew, known, None)
+    elif slew.avoid_modes:
+        found = smoothest(replace(slew, avoid_modes=()), known, None, may_fly=None)
     else:
-        found = smoothest(
-            replace(slew, avoid_modes=()),
-            known,
-            None,
-            may_fly=lambda profile: _is_carried(profile, slew, rows),
-        )
+        found = smoothest(slew, known, None, may_fly=lambda p: _is_carried(p, slew, rows))
     if found is not None:
         bound = found.lower_bound_rad2_s5
         return AxisSolution(

@@ -32,8 +32,9 @@ from planner.motion.slew.spans import (
     jerk_cost,
     least_cost,
     meet_end,
-    trajectory,
+    turning,
     values_at,
+    where_to_cut,
 )
 from planner.motion.slew.vibration import (
     JERK_COST,
@@ -60,9 +61,9 @@ RESIDUAL_SHARE = 0.95  # of the residual that is wanted, so that rows don't exce
 WEIGHT_CHANGES = (0.3, 3.0)  # least and most by which a mode's weight changes at once
 HOPELESS = 20.0  # times the residual wanted: no weights have been seen to gain a tenfold
 JUDGED, JUDGED_SPAN = 100, 1.0  # of `effort`: extremes and the proof, beside solving
-QUICK: tuple[Start, ...] = ("quick", "cold")
 SURE: tuple[Start, ...] = ("warm", "cold", "roomy")
 NO_MODES = np.zeros(0)
+MayFly = Callable[[AxisProfile], bool]
 
 
 class Smoothest(NamedTuple):
@@ -127,46 +128,37 @@ class _Losses(NamedTuple):
     cuts: Array
 
 
-class _Placed(NamedTuple):
-    """The best motion, None where none was found; bound: on the cost of any; iterations: in all."""
-
-    best: _Motion | None
-    bound: float
-    iterations: int
-
-
 def smoothest(
     slew: AxisSlew,
     known: AxisProfile | None,
     rows: int | None,
     *,
-    may_fly: Callable[[AxisProfile], bool] = lambda _: True,
+    may_fly: MayFly | None = lambda _: True,
     lower_bound_rad2_s5: float = 0.0,
 ) -> Smoothest | None:
     """The smoothest motion in exactly the slew's time; None where none is found.
 
     known: a motion with these ends within the limits, to begin at.  rows: in how many equal
     steps a cubic Hermite must fly the motion; None: the jerk may change anywhere.  may_fly: which
-    motions would be flown, and so must be Ipopt's.  lower_bound_rad2_s5: one that is known already.
+    motions would be flown, and so must be Ipopt's; None: none.  lower_bound_rad2_s5: one that is
+    known already.
     avoid_modes of the slew are left as calm as the limits allow, see `slew.vibration`.
     """
     axis = _Axis(slew, rows, known)
     unit = axis.normal.cost_unit_rad2_s5
-    is_first_flown = axis.is_unbound and not slew.avoid_modes and may_fly(axis.known)
-    placed = _place_knots(
-        axis, lower_bound_rad2_s5 / unit, SURE if is_first_flown or not has_piqp() else QUICK
-    )
-    best, iterations = placed.best, placed.iterations
+    is_first_flown = axis.is_unbound and not slew.avoid_modes and may_fly is not None
+    starts = SURE if is_first_flown else _quick()
+    best, bound, iterations = _place_knots(axis, lower_bound_rad2_s5 / unit, starts)
     calm = axis.calmest(best) if best is not None and slew.avoid_modes else None
     found = calm or best
-    if found is not None and not found.is_ipopts and may_fly(found.profile):
+    if found and not found.is_ipopts and may_fly is not None and may_fly(found.profile):
         found = axis.solve_to_fly(found)
         iterations += found.iterations if found is not None else 0
     if found is None:
         return _with_braked_ends(slew, rows, may_fly)
     return Smoothest(
         found.profile,
-        placed.bound * unit,
+        bound * unit,
         NOTHING * unit,
         found.solved.run,
         iterations,
@@ -174,8 +166,15 @@ def smoothest(
     )
 
 
-def _place_knots(axis: "_Axis", bound: float, starts: tuple[Start, ...]) -> _Placed:
-    """The best motion on knots that are added to until the gap is closed, and its bound.
+def _quick() -> tuple[Start, ...]:
+    """How motions are solved that nobody flies."""
+    return ("quick", "cold") if has_piqp() else SURE[1:]
+
+
+def _place_knots(
+    axis: "_Axis", bound: float, starts: tuple[Start, ...]
+) -> tuple[_Motion | None, float, int]:
+    """The best motion on knots that are added to until the gap is closed, its bound, iterations.
 
     Where the quintic keeps the limits it is where to begin, and its cost the bound: a few spans
     come as near to it as is wanted.
@@ -210,12 +209,10 @@ def _place_knots(axis: "_Axis", bound: float, starts: tuple[Start, ...]) -> _Pla
         is_fine = is_closed or float(losses.by_span[axis.can_cut(knots)].sum()) <= allowed
         spans = len(motion.jerks) + (not is_fine)
         knots = axis.refined(motion, losses, astray, at_least=spans)
-    return _Placed(best, bound, iterations)
+    return best, bound, iterations
 
 
-def _with_braked_ends(
-    slew: AxisSlew, rows: int | None, may_fly: Callable[[AxisProfile], bool]
-) -> Smoothest | None:
+def _with_braked_ends(slew: AxisSlew, rows: int | None, may_fly: MayFly | None) -> Smoothest | None:
     """Braked at the ends, and the smoothest between.
 
     Where an end all but determines how the axis leaves or reaches it, no motion near it is left
@@ -227,12 +224,9 @@ def _with_braked_ends(
     possible = verdict(ends.free.start, ends.free.end, slew.limits, ends.free.duration_s)
     if possible.limit is not None:
         return None
-    between = smoothest(
-        ends.free,
-        possible.profile,
-        None,
-        may_fly=lambda profile: rows is None and may_fly(ends.around(profile)),
-    )
+    flown = may_fly if rows is None else None
+    flies = flown and (lambda profile: flown(ends.around(profile)))
+    between = smoothest(ends.free, possible.profile, None, may_fly=flies)
     if between is not None and rows is not None:
         between = smoothest(ends.free, between.profile, rows - ends.rows)
     if between is None:
@@ -287,7 +281,7 @@ class _Axis:
         if self.rows is not None:
             middle = ((knots[1:] + knots[:-1]) / 2.0 * self.rows).astype(int)
             flat = ~self.can_cut(knots) & np.isin(middle, flat_rows)
-            rows = Rows(flat, _turning(states))
+            rows = Rows(flat, turning(states))
             jerks = np.where(flat[:, None], jerks.mean(axis=1, keepdims=True), jerks)
         inset = INSIDE * np.ptp(self.limits, axis=1)[:, None] * np.array([1.0, -1.0])
         maps = np.zeros((0, len(widths), 2))
@@ -337,8 +331,7 @@ class _Axis:
             if not solved.run.is_promising:
                 continue
             jerks = np.clip(solved.jerks, -jerk_max, jerk_max)
-            jerks = meet_end(given.widths, flat, self.ends, jerk_max, jerks)
-            states = trajectory(given.widths, self.ends[0], jerks)
+            states, jerks = meet_end(given.widths, flat, self.ends, jerk_max, jerks)
             profile = self.normal.profile(grid.knots, flat, states, jerks)
             if obeys(profile, self.slew.start, self.slew.end, self.slew.limits):
                 return _Motion(grid, given, states, jerks, profile, solved, iterations)
@@ -366,7 +359,7 @@ class _Axis:
         by_span = np.where(self.can_cut(motion.grid.knots), missed, 0.0) + held_back
         active = np.abs(multipliers) * (places > 0.0)
         by_order = np.column_stack([active[:, orders == order].sum(axis=1) for order in (0, 1)])
-        return _Losses(bound, by_span, _cuts(motion.states, by_order > 0.0))
+        return _Losses(bound, by_span, where_to_cut(motion.states, by_order > 0.0))
 
     def calmest(self, motion: _Motion) -> _Motion | None:
         """What leaves the modes calmest, with weights shifted towards those that ring too much.
@@ -383,9 +376,8 @@ class _Axis:
         # Modes feel what is flown: exactly the motion, where the jerk is constant on a row.
         single = knots[:-1][~self.can_cut(knots)]
         flat_rows = np.union1d(motion.grid.flat_rows, np.rint(single * (rows or 1)).astype(np.intp))
-        starts = QUICK if has_piqp() else SURE
         for _ in range(WEIGHINGS):
-            found = self.solve_on(knots, flat_rows, begun, starts, weights)
+            found = self.solve_on(knots, flat_rows, begun, _quick(), weights)
             if found is None:
                 break
             begun = found.profile
@@ -445,7 +437,7 @@ class _Axis:
             by_order = np.column_stack(
                 [over[:, BETWEEN[0] == order].any(axis=1) for order in (0, 1)]
             )
-            cuts = knots[:-1] + _cuts(states, by_order) * np.diff(knots)
+            cuts = knots[:-1] + where_to_cut(states, by_order) * np.diff(knots)
             knots = np.union1d(knots, cuts[is_cut])
         return self._filled(knots)
 
@@ -496,18 +488,3 @@ class _Axis:
     def _edges(self, rows: Indices) -> Array:
         """Where rows begin and end."""
         return np.asarray(np.union1d(rows, rows + 1) / (self.rows or 1))
-
-
-def _turning(states: Array) -> Array:
-    """Where angle and rate turn within each span, shares (n, 2); a half where they don't."""
-    before, after = states[:-1, 1:], states[1:, 1:]
-    turns = before * after < 0.0
-    return np.asarray(np.where(turns, before / np.where(turns, before - after, 1.0), 0.5))
-
-
-def _cuts(states: Array, active: Mask) -> Array:
-    """Where to cut each span, shares (n,): where angle or rate, the one at its limit, turns, or in
-    the middle."""
-    at = _turning(states)
-    at = np.where(active & (at > 0.1) & (at < 0.9), at, 0.5)
-    return np.where(at[:, 1] != 0.5, at[:, 1], at[:, 0])

@@ -55,17 +55,21 @@ class AxisProfile:
 
     def evaluate(self, t_s: Array) -> tuple[Array, Array, Array, Array]:
         """Angle, rate, acceleration, jerk at t_s (n,); at a breakpoint, of the later piece."""
+        angle, rate, acceleration, jerk = self.lowest(t_s, 4)
+        return angle, rate, acceleration, jerk
+
+    def lowest(self, t_s: Array, orders: int) -> list[Array]:
+        """The first so many of these."""
         last = len(self.coefficients) - 1
         piece = np.clip(np.searchsorted(self.breakpoints_s, t_s, side="right") - 1, 0, last)
         x = t_s - self.breakpoints_s[piece]
         values = []
-        for derivative in self._derivatives:
-            c = derivative[piece]
-            value = c[:, -1]
-            for power in range(c.shape[1] - 2, -1, -1):
-                value = value * x + c[:, power]
+        for derivative in self._derivatives[:orders]:
+            *lower, value = np.take(derivative.T, piece, axis=1)
+            for coefficient in reversed(lower):
+                value = value * x + coefficient
             values.append(value)
-        return values[0], values[1], values[2], values[3]
+        return values
 
     @cached_property
     def extremes(self) -> tuple[Extreme, Extreme, Extreme, Extreme]:
@@ -78,33 +82,26 @@ class AxisProfile:
         if self.acceleration_jumps:
             return float("inf")
         jerk = self._derivatives[3]
-        width = np.diff(self.breakpoints_s)
-        total = 0.0
-        for i in range(jerk.shape[1]):
-            for j in range(jerk.shape[1]):
-                power = i + j + 1
-                total += float(np.sum(jerk[:, i] * jerk[:, j] * width**power)) / power
-        return total
+        unit, orders = jerk * self._powers[:, : jerk.shape[1]], np.arange(jerk.shape[1])
+        hilbert = 1.0 / (1.0 + np.add.outer(orders, orders))
+        return float(np.diff(self.breakpoints_s) @ (unit @ hilbert * unit).sum(axis=1))
 
     @cached_property
     def acceleration_jumps(self) -> bool:
         """Whether the acceleration is discontinuous inside the profile, beyond rounding."""
         acceleration = self._derivatives[2]
-        width = np.diff(self.breakpoints_s)
-        at_end = _value(acceleration, width)
+        at_end = (acceleration * self._powers[:, : acceleration.shape[1]]).sum(axis=1)
         scale = np.abs(acceleration[:, 0]).max() + np.abs(at_end).max() + 1e-12
         return bool(np.any(np.abs(at_end[:-1] - acceleration[1:, 0]) > 1e-6 * scale))
 
     @cached_property
     def end_values(self) -> Array:
         """Angle, rate, acceleration, jerk at the first and the last instant, shape (2, 4)."""
-        width = np.diff(self.breakpoints_s)[-1:]
-        return np.array(
-            [
-                [derivative[0, 0] for derivative in self._derivatives],
-                [_value(derivative[-1:], width)[0] for derivative in self._derivatives],
-            ]
-        )
+        powers = self._powers[-1]
+        at_end = [
+            derivative[-1] @ powers[: derivative.shape[1]] for derivative in self._derivatives
+        ]
+        return np.array([[derivative[0, 0] for derivative in self._derivatives], at_end])
 
     def surely_within(self, limits: AxisLimits) -> bool:
         """Whether the hull of each piece keeps all limits: proof when true, nothing when false."""
@@ -115,14 +112,18 @@ class AxisProfile:
         return not self._all_within(limits, _samples_from_power)
 
     def _all_within(self, limits: AxisLimits, values_from_power: Callable[[int], Array]) -> bool:
-        width = np.diff(self.breakpoints_s)[:, None]
         for derivative, (low, high) in zip(self._derivatives, limits.bounds, strict=True):
             count = derivative.shape[1]
-            values = (derivative * width ** np.arange(count)) @ values_from_power(count).T
+            values = (derivative * self._powers[:, :count]) @ values_from_power(count).T
             slack = LIMIT_TOLERANCE * (high - low)
             if values.min() < low - slack or values.max() > high + slack:
                 return False
         return True
+
+    @cached_property
+    def _powers(self) -> Array:
+        """Of each piece's width, ascending from 0, as many as its polynomial has."""
+        return np.diff(self.breakpoints_s)[:, None] ** np.arange(self.coefficients.shape[1])
 
     @cached_property
     def _derivatives(self) -> tuple[Array, ...]:
@@ -136,9 +137,8 @@ class AxisProfile:
 
     def _extreme(self, order: int) -> Extreme:
         width = np.diff(self.breakpoints_s)
-        unit = self._derivatives[order] * width[:, None] ** np.arange(
-            self._derivatives[order].shape[1]
-        )
+        derivative = self._derivatives[order]
+        unit = derivative * self._powers[:, : derivative.shape[1]]
         values = [unit[:, 0], unit.sum(axis=1)]
         times = [self.breakpoints_s[:-1], self.breakpoints_s[1:]]
         for piece in _pieces_that_may_reach_beyond(unit):
@@ -241,10 +241,6 @@ def _meets_ends(profile: AxisProfile, start: AxisState, end: AxisState, limits: 
             if abs(value - target) > LIMIT_TOLERANCE * (high - low):
                 return False
     return True
-
-
-def _value(coefficients: Array, x: Array) -> Array:
-    return np.asarray(np.sum(coefficients * x[:, None] ** np.arange(coefficients.shape[1]), axis=1))
 
 
 def _pieces_that_may_reach_beyond(unit: Array) -> NDArray[np.intp]:

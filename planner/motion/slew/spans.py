@@ -19,7 +19,8 @@ Quantity = TypeVar("Quantity", Array, "casadi.SX")
 # What of a span's hulls lies between its knots: orders (0 angle to 2 acceleration), and where each
 # coefficient stands, shares of the span (Greville abscissae).
 BETWEEN = np.array([0, 0, 0, 1, 1, 2]), np.array([1 / 4, 1 / 2, 3 / 4, 1 / 3, 2 / 3, 1 / 2])
-MEETINGS = 2  # of the end: the second mends what rounding left of the first
+MEETINGS, MET = 2, 1e-14  # of the end: the second mends what rounding left of the first
+REGULAR = 1e-12  # a determinant, 1 of what is diagonal
 
 
 def hulls(
@@ -58,11 +59,16 @@ def values_at(widths: Array, states: Array, jerks: Array, places: Array, orders:
 def trajectory(widths: Array, start: Array, jerks: Array) -> Array:
     """The states at all knots, from the first one."""
     h, (early, late) = widths, jerks.T
-    a = np.cumsum(np.append(start[2], h * (early + late) / 2.0))
-    v = np.cumsum(np.append(start[1], h * (a[:-1] + h * (2.0 * early + late) / 6.0)))
-    bend = a[:-1] / 2.0 + h * (3.0 * early + late) / 24.0
-    q = np.cumsum(np.append(start[0], h * (v[:-1] + h * bend)))
-    return np.column_stack([q, v, a])
+    states = np.empty((len(h) + 1, 3))
+    states[0] = start
+    q, v, a = states.T
+    a[1:] = h * (early + late) / 2.0
+    np.cumsum(a, out=a)
+    v[1:] = h * (a[:-1] + h * (2.0 * early + late) / 6.0)
+    np.cumsum(v, out=v)
+    q[1:] = h * (v[:-1] + h * (a[:-1] / 2.0 + h * (3.0 * early + late) / 24.0))
+    np.cumsum(q, out=q)
+    return states
 
 
 def jerk_cost(widths: Array, jerks: Array) -> float:
@@ -79,8 +85,10 @@ def least_cost(ends: Array) -> float:
     return float(moments**2 @ np.array([1.0, 3.0, 5.0]))
 
 
-def meet_end(widths: Array, flat: Mask, ends: Array, jerk_max: float, jerks: Array) -> Array:
-    """The jerks, least changed, that lead exactly from ends[0] to ends[1].
+def meet_end(
+    widths: Array, flat: Mask, ends: Array, jerk_max: float, jerks: Array
+) -> tuple[Array, Array]:
+    """The states and the jerks, least changed, that lead exactly from ends[0] to ends[1].
 
     Changed least where they are near their limit, so that none breaks it; equal on flat spans.
     """
@@ -89,14 +97,38 @@ def meet_end(widths: Array, flat: Mask, ends: Array, jerk_max: float, jerks: Arr
     moves = np.array([q + left * (v + left / 2.0 * a), v + left * a, a])
     moves[:, flat] = moves[:, flat].mean(axis=2, keepdims=True)
     moves = moves.reshape(3, -1)
+    states = trajectory(widths, ends[0], jerks)
     for _ in range(MEETINGS):
-        missed = ends[1] - trajectory(widths, ends[0], jerks)[-1]
+        missed = ends[1] - states[-1]
+        if np.abs(missed).max() <= MET:
+            break
         eased = moves * (np.maximum(jerk_max - np.abs(jerks), 0.0) ** 2 / h).ravel()
         jerks = jerks + (solve_scaled(eased @ moves.T, missed) @ eased).reshape(-1, 2)
-    return jerks
+        states = trajectory(widths, ends[0], jerks)
+    return states, jerks
 
 
 def solve_scaled(system: Array, wanted: Array) -> Array:
-    """Least squares of a small symmetric system whose rows and columns are first scaled."""
+    """A small symmetric system whose rows and columns are first scaled, by least squares where it
+    is all but singular."""
     size = np.sqrt(np.diag(system)) + 1e-300
-    return np.linalg.lstsq(system / np.outer(size, size), wanted / size)[0] / size
+    scaled, share = system / np.outer(size, size), wanted / size
+    (_, xy, xz), (_, _, yz) = scaled[:2].tolist()
+    if 1.0 + 2.0 * xy * yz * xz - xy * xy - yz * yz - xz * xz > REGULAR:  # its determinant
+        return np.linalg.solve(scaled, share) / size
+    return np.linalg.lstsq(scaled, share)[0] / size
+
+
+def turning(states: Array) -> Array:
+    """Where angle and rate turn within each span, shares (n, 2); a half where they don't."""
+    before, after = states[:-1, 1:], states[1:, 1:]
+    turns = before * after < 0.0
+    return np.asarray(np.where(turns, before / np.where(turns, before - after, 1.0), 0.5))
+
+
+def where_to_cut(states: Array, active: Mask) -> Array:
+    """Where to cut each span, shares (n,): where angle or rate, the one at its limit, turns, or in
+    the middle."""
+    at = turning(states)
+    at = np.where(active & (at > 0.1) & (at < 0.9), at, 0.5)
+    return np.where(at[:, 1] != 0.5, at[:, 1], at[:, 0])
