@@ -18,7 +18,7 @@ from planner.world.platforms import AxisLimits
 
 LONGEST_S = 3600.0  # Ruckig gives up at 7600 s; most slews of an hour can rest on their way
 SLOW_UNIT_S = 100.0  # for axes that need longer than Ruckig can count in seconds
-LOOK_UP = 12  # of `effort`: with what else is looked at beside it
+LOOK_UP = 16  # of `effort`: with what else is looked at beside it
 DURATION_TOLERANCE = 1e-9  # relative: rounding of a sum of phases
 _SUCCESS = (ruckig.Result.Working, ruckig.Result.Finished)
 Quantity = TypeVar("Quantity", float, Array)

@@ -183,7 +183,7 @@ def slew_solver(start: Start, spans: int, *, on_rows: bool, residuals: int) -> S
     # Of `effort`; PIQP counts no iterations.
     span = SPAN_ON_ROWS if on_rows else SPAN
     iteration = 17.0 + span * spans * (1.0 + residuals / 35.0)
-    work = Work(20.0 + 2.5 * span * spans, iteration, STRAINED_SHARE * iteration)
+    work = Work(60.0 + 2.5 * span * spans, iteration, STRAINED_SHARE * iteration)
     if plugin == "piqp":
         quick = 50.0 + spans * (0.5 + 2.0 * span + 0.3 * residuals)
         work = Work(quick, 0.0, failed_cost=quick)
