@@ -25,7 +25,7 @@ from slewtrack.calls import (
     SPACECRAFT_PLANS,
     SPACECRAFT_SEARCHES,
 )
-from slewtrack.connection import PATIENCE_S, Service, reply_of, request_of
+from slewtrack.connection import PATIENCE_S, Service, in_time, reply_of, request_of, start_clock
 from slewtrack.events import OnProgress
 from slewtrack.filters import Filters
 
@@ -148,7 +148,8 @@ class Carrier:
 
     def _answer(self, ask: Ask) -> Reply:
         time.sleep(ask.after_s)
-        with self._http.stream(**request_of(ask)) as answer:
+        start_clock(ask)
+        with self._http.stream(**request_of(ask), extensions={"trace": in_time}) as answer:
             intake = Intake(ask, answer.status_code)
             for part in answer.iter_bytes():
                 intake.take(part)

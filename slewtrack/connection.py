@@ -1,19 +1,25 @@
 """The address of a service, and one exchange with it in httpx's terms."""
 
+import math
 import os
 import time
+from collections.abc import Callable
+from contextvars import ContextVar
+from functools import partial
 from typing import Any
 from urllib.parse import urlsplit
 
 import httpx
 
-from slewtrack.asking import ANSWER_S, Ask, Reply
+from slewtrack.asking import ANSWER_S, TOO_LONG, Ask, Reply
 from slewtrack.problems import BadAnswer, NoAnswer
 
 URL = "http://127.0.0.1:8000"
 PATIENCE_S = 60.0
 _CONNECT_S = 10.0
 LEAST_S = 0.1  # for an answer that may be there already
+_PART_BYTES = 2**16  # of what is sent, before the time is looked at again
+_until_s: ContextVar[float] = ContextVar("_until_s", default=math.inf)
 
 
 class Service:
@@ -55,6 +61,39 @@ class Service:
 def left_s(ask: Ask) -> float:
     """For the whole answer."""
     return ANSWER_S if ask.until_s is None else max(ask.until_s - time.monotonic(), LEAST_S)
+
+
+def start_clock(ask: Ask) -> None:
+    """Of what this thread reads and writes by a connection whose opening `in_time` was told."""
+    _until_s.set(time.monotonic() + left_s(ask))
+
+
+def in_time(event: str, told: dict[str, Any]) -> None:
+    """Httpcore's `trace`: a connection that opens ends each exchange when its clock says.
+
+    httpx's own timeouts bound each read and write; a head that comes byte by byte has many.
+    Source: https://www.encode.io/httpcore/extensions/#trace
+    """
+    if event.endswith(("connect_tcp.complete", "start_tls.complete")):
+        stream = told["return_value"]  # an httpcore.NetworkStream
+        stream.read = partial(_read, stream.read)
+        stream.write = partial(_write, stream.write)
+
+
+def _read(read: Callable[..., bytes], max_bytes: int, timeout: float | None = None) -> bytes:
+    return read(max_bytes, _bounded(timeout))
+
+
+def _write(write: Callable[..., None], buffer: bytes, timeout: float | None = None) -> None:
+    for begin in range(0, len(buffer), _PART_BYTES):
+        write(buffer[begin : begin + _PART_BYTES], _bounded(timeout))
+
+
+def _bounded(timeout_s: float | None) -> float:
+    left_s = _until_s.get() - time.monotonic()
+    if left_s <= 0.0:
+        raise NoAnswer(TOO_LONG)
+    return left_s if timeout_s is None else min(timeout_s, left_s)
 
 
 def request_of(ask: Ask) -> dict[str, Any]:

@@ -64,15 +64,19 @@ def _require_free(host: str, port: int) -> None:
 def server(host: str, port: int, settings: Settings) -> "_Server":
     """Ready to run, with limits on what a connection may do."""
 
+    async def guarded(scope: Scope, receive: Receive, send: Send) -> None:
+        await answer_guarded(app, scope, receive, send)
+
+    uvicorns = uvicorn.Config(guarded, http="h11", ws="none", log_config=None)
+    uvicorns.load()
+
     class Protocol(GuardedProtocol):
+        by_h11 = uvicorns.http_protocol_class
         connections_max = settings.max_connections
         head_timeout_s = settings.head_timeout_s
         write_timeout_s = settings.write_timeout_s
         unsent_max_bytes = settings.max_unsent_bytes
         held: ClassVar[set[GuardedProtocol]] = set()
-
-    async def guarded(scope: Scope, receive: Receive, send: Send) -> None:
-        await answer_guarded(app, scope, receive, send)
 
     app = create_app(settings)
     service = _Server(

@@ -3,6 +3,7 @@
 import ast
 import asyncio
 import inspect
+import re
 import tomllib
 from pathlib import Path
 
@@ -35,11 +36,17 @@ def test_of_uvicorns_protocol_only_what_every_protocol_has_is_used():
 
 
 def test_it_is_made_as_uvicorn_makes_protocols(tmp_path):
-    """By the documented option `http`, with what the constructor of its own takes by name."""
+    """By the documented option `http`, as its own is, which takes the same by name."""
     config = server("127.0.0.1", 0, Settings(data_dir=tmp_path)).config
     assert issubclass(config.http, protocol.GuardedProtocol)
-    taken = inspect.signature(protocol.H11Protocol.__init__).parameters
+    taken = inspect.signature(config.http.by_h11.__init__).parameters
     assert {"config", "server_state", "app_state"} <= set(taken)
+
+
+def test_no_part_of_uvicorn_is_imported_by_its_file():
+    """Its `__init__` has what it promises to keep."""
+    for path in (PROJECT.parent / "app").rglob("*.py"):
+        assert not re.search(r"^\s*(from|import) uvicorn\.", path.read_text(), re.MULTILINE), path
 
 
 def test_the_server_stops_as_ours_expects():

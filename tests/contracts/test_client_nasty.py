@@ -13,7 +13,7 @@ import httpx
 import pytest
 
 import slewtrack
-from slewtrack import asking, calls
+from slewtrack import asking, calls, connection
 
 REQUEST = {"sessions": []}  # what it says doesn't matter: no service reads it
 ID = "01a203fd-cbae-73f8-8276-319f76b8842c"
@@ -225,10 +225,16 @@ HEAD = b"HTTP/1.1 200 OK\r\nContent-Type: application/json\r\n"
 
 
 class Endless:
-    """Answers each request with a head, then this part over and over until nobody listens."""
+    """Answers a request with a head, then this part over and over until nobody listens.
 
-    def __init__(self, part: bytes, pause_s: float, head: bytes = HEAD + b"\r\n") -> None:
-        self._part, self._pause_s, self._head = part, pause_s, head
+    first: answers one request before it.
+    """
+
+    def __init__(
+        self, part: bytes, pause_s: float, head: bytes = HEAD + b"\r\n", first: bytes | None = None
+    ) -> None:
+        self._part, self._pause_s = part, pause_s
+        self._heads = (head,) if first is None else (first, head)
         self._listener = socket.create_server(("127.0.0.1", 0))
         self.url = f"http://127.0.0.1:{self._listener.getsockname()[1]}"
         threading.Thread(target=self._accept, daemon=True).start()
@@ -240,10 +246,23 @@ class Endless:
 
     def _answer(self, here: socket.socket) -> None:
         with contextlib.suppress(OSError), here:
-            here.recv(65536)
-            here.sendall(self._head)
+            for head in self._heads:
+                here.recv(65536)
+                here.sendall(head)
             while True:
                 here.sendall(self._part)
+                time.sleep(self._pause_s)
+
+
+class Sluggish(Endless):
+    """Reads a request little by little, and never answers."""
+
+    def __init__(self) -> None:
+        super().__init__(b"", 0.01)
+
+    def _answer(self, here: socket.socket) -> None:
+        with contextlib.suppress(OSError), here:
+            while here.recv(2**12):
                 time.sleep(self._pause_s)
 
 
@@ -259,17 +278,52 @@ def test_waiting_ends_though_an_answer_does_not(kind, name):
         carried_out(CALLS[name], client)
 
 
-@pytest.mark.parametrize("name", WAITS)
-def test_waiting_ends_though_a_head_does_not(name):
-    client = slewtrack.AsyncClient(Endless(b"a", 0.01, HEAD + b"X-Endless: ").url)
-    with pytest.raises((slewtrack.NoAnswer, slewtrack.NotFinished)):
-        carried_out(CALLS[name], client)
+CHUNKED = HEAD + b"Transfer-Encoding: chunked\r\n\r\n"
+TRICKLES = {
+    "status line": (b"0", b"HTTP/1.1 2"),
+    "a header": (b"a", HEAD + b"X-Endless: "),
+    "headers": (b"A: b\r\n", HEAD),
+    "interim answers": (b"HTTP/1.1 103 Early Hints\r\n\r\n", b""),
+    "a chunk's head": (b"0", CHUNKED),
+    "chunks": (b"1\r\n \r\n", CHUNKED),
+    "trailers": (b"A: b\r\n", CHUNKED + b"0\r\n"),
+}
 
 
-def test_an_answer_that_takes_too_long_is_none(monkeypatch):
-    monkeypatch.setattr(asking, "ANSWER_S", 0.3)
-    with pytest.raises(slewtrack.NoAnswer, match="longer than it may"):
-        slewtrack.Client(Endless(b" ", 0.01).url, patience_s=0.0).table(ID)
+@pytest.mark.parametrize("kind", [slewtrack.Client, slewtrack.AsyncClient])
+@pytest.mark.parametrize("trickle", TRICKLES)
+def test_waiting_ends_though_what_frames_an_answer_does_not(kind, trickle):
+    part, head = TRICKLES[trickle]
+    for name in ("plan", "wait"):
+        client = kind(Endless(part, 0.01, head).url)
+        with pytest.raises((slewtrack.NoAnswer, slewtrack.NotFinished)):
+            carried_out(CALLS[name], client)
+
+
+def test_time_is_kept_on_a_connection_that_served_before(monkeypatch):
+    body = json.dumps({"places": []}).encode()
+    first = HEAD + b"Content-Length: %d\r\n\r\n%s" % (len(body), body)
+    client = slewtrack.Client(Endless(b"a", 0.01, HEAD, first).url, patience_s=0.0)
+    assert client.places("a") == []
+    monkeypatch.setattr(connection, "ANSWER_S", 0.3)
+    with pytest.raises(slewtrack.NoAnswer):
+        client.table(ID)
+
+
+@pytest.mark.parametrize("kind", [slewtrack.Client, slewtrack.AsyncClient])
+def test_sending_ends_though_it_is_read_byte_by_byte(monkeypatch, kind):
+    monkeypatch.setattr(connection, "ANSWER_S", 0.3)
+    client = kind(Sluggish().url, patience_s=0.0)
+    with pytest.raises(slewtrack.NoAnswer):
+        carried_out(lambda one: one.check(b" " * 2**24), client)
+
+
+@pytest.mark.parametrize("kind", [slewtrack.Client, slewtrack.AsyncClient])
+def test_an_answer_that_takes_too_long_is_none(monkeypatch, kind):
+    monkeypatch.setattr(connection, "ANSWER_S", 0.3)
+    client = kind(Endless(b" ", 0.01).url, patience_s=0.0)
+    with pytest.raises(slewtrack.NoAnswer):
+        carried_out(CALLS["table"], client)
 
 
 @pytest.mark.parametrize("kind", [slewtrack.Client, slewtrack.AsyncClient])

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import httpx2 as httpx
 from live_service import Service
-from playwright.sync_api import Page
+from playwright.sync_api import Locator, Page, expect
 from waiting import eventually
 
 ROOT = Path(__file__).parents[2]
@@ -26,6 +26,13 @@ def made(service: Service, path: str, request: dict[str, object], **query: str) 
         answer = eventually(answered)
     assert answer.status_code == 201, answer.text
     return answer.json()
+
+
+def show_one_instant(marks: Locator, count: int) -> None:
+    """So many charts, all with the cursor at the same place, once they have their widths."""
+    expect(marks).to_have_count(count)
+    places = "all => new Set(all.map(one => one.hidden ? null : one.style.transform)).size"
+    eventually(lambda: marks.evaluate_all(places) == 1)
 
 
 def violations(page: Page) -> list[str]:

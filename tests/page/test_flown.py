@@ -4,7 +4,7 @@ import json
 
 import httpx
 import pytest
-from browsing import ROOT, made, violations
+from browsing import ROOT, made, show_one_instant, violations
 from playwright.sync_api import expect
 
 
@@ -35,9 +35,7 @@ def test_a_plan_is_flown_and_what_is_to_blame_is_told(open_page, plan):
     for _ in range(5):
         slider.press("ArrowRight")
     expect(frame).not_to_contain_text("Frame 1:")
-    marks = over_time.locator(".chart-now").evaluate_all("all => all.map(e => e.style.transform)")
-    assert len(marks) == 2
-    assert len(set(marks)) == 1
+    show_one_instant(over_time.locator(".chart-now"), 2)
     before = slider.input_value()
     page.get_by_label("Language").select_option("ru")
     expect(page.get_by_role("heading", name="По времени плана")).to_be_visible()
@@ -84,7 +82,7 @@ def test_telemetry_is_compared_with_its_plan(open_page, service, plan, tmp_path)
     page.get_by_role("button", name="Compare").click()
     expect(page.get_by_test_id("comparison")).to_contain_text("0.3700")
     drawn = page.get_by_alt_text("Plan and flight drawn over time")
-    assert drawn.evaluate("image => image.naturalWidth") > 0
+    expect(drawn).not_to_have_js_property("naturalWidth", 0)
     expect(page.get_by_text("left out: no_time")).to_be_visible()
     assert violations(page) == []
 

@@ -20,7 +20,7 @@ def test_dropped_images_give_verdict_ellipse_and_overlays(open_page):
         overlay = page.get_by_alt_text(
             f"Limb points and the fitted limb in the image of camera {camera}"
         )
-        assert overlay.evaluate("image => image.naturalWidth") == 640
+        expect(overlay).to_have_js_property("naturalWidth", 640)
     page.get_by_role("heading", name="As a correction for the next plan").click()
     assert "turn_body_deg" in json.loads(page.locator("details pre").inner_text())
     assert violations(page) == []

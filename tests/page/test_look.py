@@ -5,7 +5,7 @@ import json
 import urllib.request
 
 import pytest
-from browsing import PHONE, ROOT, made, violations
+from browsing import PHONE, ROOT, made, show_one_instant, violations
 from PIL import Image
 from playwright.sync_api import Locator, Page, expect
 from waiting import eventually
@@ -71,14 +71,14 @@ def test_the_values_are_those_of_the_view(open_page, service, las_vegas):
     page = open_page(las_vegas)
     go_to(page, 170)
     row = view["t_s"].index(170.0)
+    elevation = f"{view['targets'][0]['elevation_deg'][row]:.2f}°"
+    expect(page.get_by_text(elevation, exact=True)).to_be_visible()
     for name, axis in view["axes"].items():
         told = [float(text.replace("−", "-")) for text in axis_row(page, name)]
         assert told[0] == pytest.approx(axis["angle_deg"][row], abs=1e-4)
         assert told[1] == pytest.approx(axis["rate_deg_s"][row], abs=1e-5)
         assert told[2] == pytest.approx(axis["acceleration_deg_s2"][row], abs=1e-5)
         assert told[3] == pytest.approx(axis["jerk_deg_s3"][row], abs=1e-5)
-    elevation = f"{view['targets'][0]['elevation_deg'][row]:.2f}°"
-    expect(page.get_by_text(elevation, exact=True)).to_be_visible()
     expect(page.get_by_test_id("aloud")).to_contain_text("17:36:50 UTC; session; alpha")
 
 
@@ -106,15 +106,13 @@ def test_keys_move_the_cursor_and_play(open_page, las_vegas):
 def test_dragging_a_chart_moves_the_cursor_for_all(open_page, las_vegas):
     page = open_page(las_vegas)
     rate = page.locator(".chart .u-over").nth(1)
-    box = rate.bounding_box()
-    page.mouse.move(box["x"] + 0.2 * box["width"], box["y"] + 20)
-    page.mouse.down()
-    page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 20)
-    page.mouse.up()
-    assert float(page.get_by_label("Time of the cursor").input_value()) == pytest.approx(115, abs=1)
-    places = page.locator(".chart-now").evaluate_all("all => all.map(one => one.style.transform)")
-    assert len(places) == 6
-    assert len(set(places)) == 1
+    show_one_instant(page.locator(".chart-now"), 6)
+    width = rate.bounding_box()["width"]
+    begin, end = ({"x": share * width, "y": 20} for share in (0.2, 0.5))
+    rate.drag_to(rate, source_position=begin, target_position=end)
+    slider = page.get_by_label("Time of the cursor")
+    eventually(lambda: float(slider.input_value()) == pytest.approx(115, abs=1))
+    show_one_instant(page.locator(".chart-now"), 6)
 
 
 def test_a_closer_look_at_the_session(open_page, service, las_vegas):

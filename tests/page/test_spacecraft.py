@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
-from browsing import PHONE, ROOT, made, violations
+from browsing import PHONE, ROOT, made, show_one_instant, violations
 from playwright.sync_api import expect
 
 FOUR_MODES = json.loads((ROOT / "examples/spacecraft_four_modes.json").read_text())
@@ -54,12 +54,7 @@ def test_time_moves_the_momentum_and_the_scanned_line(open_page, session):
     first.click()
     expect(page.locator(".map .now-on .scanned")).to_be_visible()
     expect(sphere.locator(".mono")).not_to_have_text(before)
-    # All charts show the same instant.
-    marks = page.locator(".session-charts .chart-now").evaluate_all(
-        "lines => lines.map(line => line.hidden ? null : line.style.transform)"
-    )
-    assert len(marks) == 5
-    assert len(set(marks)) == 1
+    show_one_instant(page.locator(".session-charts .chart-now"), 5)
     way = sphere.locator(".sphere-off").get_attribute("d")
     sphere.get_by_role("application").press("ArrowLeft")
     expect(sphere.locator(".sphere-off")).not_to_have_attribute("d", way)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from playwright.sync_api import expect
+from waiting import eventually
 
 from app.requests.examples.plan import LAS_VEGAS
 from planner.output.export import EXPORTERS
@@ -20,6 +21,10 @@ def plan_page(open_page):
     page.get_by_role("button", name="Plan").click()
     expect(page.get_by_test_id("verdict")).to_contain_text("Passed")
     return page
+
+
+def in_clipboard(page):
+    return page.evaluate("navigator.clipboard.readText()")
 
 
 def test_every_export_can_be_saved(plan_page):
@@ -52,8 +57,8 @@ def test_the_verdict_says_what_the_answer_says(plan_page):
 
 def test_the_permalink_opens_the_same_plan(plan_page, open_page):
     plan_page.get_by_role("button", name="Copy Permalink").click()
-    link = plan_page.evaluate("navigator.clipboard.readText()")
-    assert link == plan_page.url
+    link = plan_page.url
+    eventually(lambda: in_clipboard(plan_page) == link)
     other = open_page(link.removeprefix(re.match(r"https?://[^/]+", link)[0]))
     verdict = other.get_by_test_id("verdict")
     expect(verdict).to_have_text(plan_page.get_by_test_id("verdict").inner_text().replace("\n", ""))
@@ -63,7 +68,9 @@ def test_the_request_as_json_curl_and_python(plan_page, service, tmp_path):
     def copied(name):
         plan_page.locator("summary").filter(has_text=name).click()
         plan_page.get_by_role("button", name=f"Copy {name}").click()
-        return plan_page.evaluate("navigator.clipboard.readText()")
+        shown = plan_page.get_by_label(name, exact=True).text_content()
+        eventually(lambda: in_clipboard(plan_page) == shown)
+        return shown
 
     asked = LAS_VEGAS | {"on_conflict": "refuse"}
     assert json.loads(copied("Request as JSON")) == asked

@@ -16,7 +16,6 @@ from typing import Any, ClassVar
 import h11
 from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
-from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from app.http.admission.connections import connection_of, connections_to_cut, state_of, to_give_way
 from app.http.admission.headers import REQUEST_ID, harden
@@ -38,8 +37,12 @@ _DETAILS = {
 
 
 class GuardedProtocol(asyncio.Protocol):
-    """One connection.  The settings of the class are set once, before the server starts."""
+    """One connection.  The settings of the class are set once, before the server starts.
 
+    by_h11: uvicorn's own protocol, made with the arguments that it makes ours with.
+    """
+
+    by_h11: ClassVar[type[asyncio.Protocol]]
     connections_max: ClassVar[int]
     head_timeout_s: ClassVar[float]
     write_timeout_s: ClassVar[float]
@@ -48,7 +51,8 @@ class GuardedProtocol(asyncio.Protocol):
     will_look_at_unsent: ClassVar[bool] = False
 
     def __init__(self, *, app_state: dict[str, Any], **kwargs: Any) -> None:  # noqa: ANN401
-        self._inner: asyncio.Protocol = H11Protocol(app_state=app_state | state_of(self), **kwargs)
+        kwargs["app_state"] = app_state | state_of(self)
+        self._inner = self.by_h11(**kwargs)
         self._loop = asyncio.get_running_loop()
         self._at_work = 0  # requests that have come and aren't answered
         self._waits_for_body = self._has_begun = False  # of the last request: body, answer
