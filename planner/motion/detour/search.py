@@ -64,7 +64,8 @@ class Detour(NamedTuple):
     sampling_gap_share: share by which many instants cost more or less than few; where it is large,
     so was the room between these, and other optima may be near.  violation_between_samples_rad:
     how much deeper than the margin a path goes between few instants.  run: how the motion was
-    solved; iterations: of all that was tried.  search_truncated: whether the bound of work ended the search.
+    solved; iterations: of all that was tried.  search_truncated: whether the bound of work ended
+    the search.
     """
 
     profiles: Profiles
