@@ -58,7 +58,7 @@ class _OneLinePerFault(TyperGroup):
 
 main = typer.Typer(
     cls=_OneLinePerFault,
-    help="Plans how a pointing instrument moves.",
+    help="Plan the motion of pointing instruments.",
     context_settings={"help_option_names": ["-h", "--help"]},
     pretty_exceptions_enable=False,
 )
@@ -77,7 +77,9 @@ def _help_without_command(
     context: typer.Context,
     version: Annotated[
         bool,
-        typer.Option("--version", callback=_print_version, is_eager=True, help="Say which it is."),
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Print the version."
+        ),
     ] = False,
 ) -> None:
     if context.invoked_subcommand is None:
@@ -105,7 +107,7 @@ def windows(
     ] = None,
     json: WholeAnswer = None,
 ) -> None:
-    """Tell when targets can be seen."""
+    """Search for windows of targets."""
     with problem_to(json):
         console = report_console(to_stderr=takes_standard_output(csv, json))
         body, read_utc = read_request(file)
@@ -138,15 +140,13 @@ def campaign(
     csv: Annotated[Path | None, typer.Option(help="Write one line per look here.")] = None,
     json: Annotated[
         Path | None,
-        typer.Option(
-            help="Write what was chosen, how good it is, and each pass with its looks, here."
-        ),
+        typer.Option(help="Write the choice, its bound, and each pass with its looks here."),
     ] = None,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Only choose; plan and write nothing.")
     ] = False,
 ) -> None:
-    """Choose, order and plan sessions for many targets over days."""
+    """Choose and plan sessions of many targets over days."""
     with problem_to(json):
         console = report_console(to_stderr=takes_standard_output(csv, json))
         body, _ = read_request(file)
@@ -178,21 +178,22 @@ def campaign(
 @main.command()
 def horizon(
     request: Annotated[
-        Path, typer.Argument(help="The request for an estimate, a list of them, or a session.")
+        Path,
+        typer.Argument(help="Read the request from this file: an estimate, a list, or a session."),
     ],
     images: Annotated[
         list[Path],
         typer.Argument(
-            help="One image per camera in their order, frame after frame; or one video each."
+            help="Read one image per camera in their order, frame after frame; or one video each."
         ),
     ],
     overlay: Annotated[
         Path | None,
-        typer.Option(help="Write the annotated frame here (PNG); of several cameras -NAME each."),
+        typer.Option(help="Write the annotated frame here (PNG), for several cameras with -NAME."),
     ] = None,
     json: WholeAnswer = None,
 ) -> None:
-    """Measure the local vertical in images of the horizon."""
+    """Estimate the local vertical from images of the horizon."""
     with problem_to(json):
         console = report_console(to_stderr=takes_standard_output(overlay, json))
         from app.cli.horizon import measure_frames, measure_one
@@ -214,7 +215,10 @@ def spacecraft(
     export: Exports = None,
     json: WholeAnswer = None,
     dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Only say what flies; write nothing.")
+        bool,
+        typer.Option(
+            "--dry-run", help="Only check whether the session can be flown; write nothing."
+        ),
     ] = False,
 ) -> None:
     """Plan an imaging session of the CMG spacecraft and report."""
@@ -256,10 +260,15 @@ def _port(text: str | int) -> int:
 
 @main.command()
 def serve(
-    host: Annotated[str, typer.Option(help="Beyond loopback, make a key first.")] = "127.0.0.1",
-    port: Annotated[int, typer.Option(parser=_port, metavar="PORT", help="0 for any free.")] = 8000,
+    host: Annotated[
+        str, typer.Option(help="Listen at this address; beyond loopback, make a key first.")
+    ] = "127.0.0.1",
+    port: Annotated[
+        int,
+        typer.Option(parser=_port, metavar="PORT", help="Listen at this port; 0 takes a free one."),
+    ] = 8000,
 ) -> None:
-    """Serve the planner's page (/) and the HTTP API (/docs); elsewhere with API keys only."""
+    """Serve the planner's page (/) and the HTTP API (/docs), beyond loopback with API keys."""
     gc.disable()  # nothing that is loaded is garbage: looking for some takes a sixth of a start
     from app.http.serving import serve_on
     from app.settings import settings_of_environment
@@ -271,9 +280,12 @@ def serve(
 
 @main.command()
 def worker(
-    scheduler: Annotated[str, typer.Option(help="The Dask scheduler: tcp://HOST:PORT or tls://.")],
+    scheduler: Annotated[
+        str, typer.Option(help="Take work from this Dask scheduler: tcp://HOST:PORT or tls://.")
+    ],
     solves: Annotated[
-        int | None, typer.Option(min=1, help="Solves at a time; default: the processors.")
+        int | None,
+        typer.Option(min=1, help="Solve so many plans at a time; one per processor by default."),
     ] = None,
 ) -> None:
     """Solve for services that are set to the same Dask scheduler."""

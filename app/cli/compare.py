@@ -23,33 +23,34 @@ def compare(
         str,
         typer.Argument(
             metavar="PLAN_OR_REQUEST",
-            help="The request that was planned, as JSON; the whole answer of its plan, with "
-            "--request; or the id of a plan that a service keeps.",
+            help="Take this plan: its request as JSON; its whole answer, with --request; or the id "
+            "of a plan that a service keeps.",
         ),
     ],
     telemetry: Annotated[
-        Path, typer.Argument(help="CSV: t_s or utc, and NAME_deg or NAME_rate_deg_s of the axes.")
+        Path,
+        typer.Argument(help="Read CSV from this file: t_s or utc, NAME_deg or NAME_rate_deg_s."),
     ],
     request: Annotated[
-        Path | None, typer.Option(help="The request, where PLAN_OR_REQUEST is a plan's answer.")
+        Path | None, typer.Option(help="Read the request here, if PLAN_OR_REQUEST is an answer.")
     ] = None,
     epoch: Annotated[
         str | None,
-        typer.Option(metavar="UTC", help="From which t_s counts; the plan's epoch unless given."),
+        typer.Option(metavar="UTC", help="Count t_s from this time; the plan's epoch by default."),
     ] = None,
     beside: Annotated[
         list[Path] | None,
         typer.Option(
-            help="JSON with corrections or image_offsets, or the answer of a horizon estimate "
-            "during the plan (may be repeated)."
+            help="Read corrections or image_offsets (JSON) here, or the answer of a horizon "
+            "estimate during the plan (may be repeated)."
         ),
     ] = None,
     identify: Annotated[
         list[str] | None,
         typer.Option(
             metavar="AXIS.FIELD",
-            help="Find this parameter of the platform's drives, such as beta.coulomb_deg_s2 (may "
-            "be repeated); it takes 20 to 30 s of a processor.",
+            help="Estimate this parameter of the platform's drives, such as beta.coulomb_deg_s2 "
+            "(may be repeated); it takes 20 to 30 s of a processor.",
         ),
     ] = None,
     plot: Annotated[
@@ -59,8 +60,8 @@ def compare(
     url: Annotated[
         str | None,
         typer.Option(
-            help="The service that keeps the plan; SLEWTRACK_URL unless given, or "
-            "http://127.0.0.1:8000. An API key is taken from SLEWTRACK_KEY."
+            help="Ask this service, which keeps the plan; SLEWTRACK_URL by default, or "
+            "http://127.0.0.1:8000. The API key is SLEWTRACK_KEY."
         ),
     ] = None,
 ) -> None:

@@ -14,11 +14,13 @@ from planner.base.errors import InvalidInput, Refusal, Unverified
 
 STANDARD_STREAM = Path("-")
 
-RequestFile = Annotated[str, typer.Argument(help="The request as JSON; - reads standard input.")]
+RequestFile = Annotated[
+    str, typer.Argument(help="Read the request (JSON) from this file; - is standard input.")
+]
 WholeAnswer = Annotated[
     Path | None,
     typer.Option(
-        help="Write the whole answer of the HTTP service here, the problem where it is a refusal; "
+        help="Write the whole answer of the HTTP service here, or the problem of a refusal; "
         "- is standard output."
     ),
 ]
@@ -26,7 +28,7 @@ Exports = Annotated[
     list[str] | None,
     typer.Option(
         metavar="FORMAT=PATH",
-        help="Write the table in a format that says its frames and units: docs/http.md lists "
+        help="Write the table in a format that states its frames and units: docs/http.md lists "
         "them, and so does the refusal of an unknown one (may be repeated).",
     ),
 ]

@@ -23,13 +23,15 @@ PICTURES = ("png", "svg", "pdf")
 
 def fly(
     file: RequestFile,
-    runs: Annotated[int, typer.Option(help="How many flights.")] = 400,
-    seed: Annotated[int, typer.Option(help="Of their errors: the same draws the same.")] = 0,
+    runs: Annotated[int, typer.Option(help="Fly so many runs.")] = 400,
+    seed: Annotated[int, typer.Option(help="Draw the errors from this seed.")] = 0,
     moving_object_m_s: Annotated[
         float | None,
-        typer.Option(help="Tell how far what drives so fast moves in the image in 10 s."),
+        typer.Option(help="Report how far a vehicle of this speed moves in the image in 10 s."),
     ] = None,
-    course_deg: Annotated[float, typer.Option(help="Where it drives, clockwise from north.")] = 0.0,
+    course_deg: Annotated[
+        float, typer.Option(help="Set the vehicle's course, clockwise from north.")
+    ] = 0.0,
     plot: Annotated[
         Path | None,
         typer.Option(help="Draw smear, error and misses here (png, svg, pdf)."),
@@ -37,10 +39,10 @@ def fly(
     json: WholeAnswer = None,
     url: Annotated[
         str | None,
-        typer.Option(help="Have this service plan, fly and keep it: http://127.0.0.1:8000, say."),
+        typer.Option(help="Plan and fly at this service, which keeps both: http://127.0.0.1:8000."),
     ] = None,
 ) -> None:
-    """Plan, fly the table many times with errors drawn anew, and tell what the camera holds."""
+    """Plan, fly the plan many times with errors drawn at random, and report probabilities."""
     with problem_to(json):
         console = report_console(to_stderr=takes_standard_output(plot, json))
         image_format = _image_format(plot)

@@ -25,33 +25,35 @@ _SECOND = 19  # characters of a time to the second
 Url = Annotated[
     str | None,
     typer.Option(
-        help="The service; SLEWTRACK_URL unless given, or http://127.0.0.1:8000. An API "
-        "key is taken from SLEWTRACK_KEY."
+        help="Ask this service; SLEWTRACK_URL by default, or http://127.0.0.1:8000. The API key "
+        "is SLEWTRACK_KEY."
     ),
 ]
-Id = Annotated[str, typer.Argument(metavar="ID", help="As `slewtrack list` shows it.")]
+Id = Annotated[
+    str, typer.Argument(metavar="ID", help="Take this plan, by its id in `slewtrack list`.")
+]
 
 
 def list_plans(
     url: Url = None,
-    limit: Annotated[int, typer.Option(min=1, help="Most plans to list.")] = 20,
+    limit: Annotated[int, typer.Option(min=1, help="List at most so many plans.")] = 20,
     state: Annotated[
         str | None,
-        typer.Option(help="Only those queued, running, done, refused, failed or cancelled."),
+        typer.Option(help="List only plans queued, running, done, refused, failed or cancelled."),
     ] = None,
-    name: Annotated[str | None, typer.Option(help="Only those with this in the name.")] = None,
+    name: Annotated[str | None, typer.Option(help="List only plans with this in the name.")] = None,
     target: Annotated[
-        str | None, typer.Option(help="Only those with this in a target's name.")
+        str | None, typer.Option(help="List only plans with this in a target's name.")
     ] = None,
     text: Annotated[
         str | None,
-        typer.Option(help="Only those with this in the name, the platform's or a target's."),
+        typer.Option(help="List only plans with this in the name, the platform's or a target's."),
     ] = None,
     after: Annotated[
-        str | None, typer.Option(metavar="UTC", help="Only those that end after this time.")
+        str | None, typer.Option(metavar="UTC", help="List only plans that end after this time.")
     ] = None,
     before: Annotated[
-        str | None, typer.Option(metavar="UTC", help="Only those that begin before this time.")
+        str | None, typer.Option(metavar="UTC", help="List only plans that begin before this time.")
     ] = None,
     json: WholeAnswer = None,
 ) -> None:
@@ -89,7 +91,7 @@ def _to_the_second(utc: str | None) -> str:
 
 
 def show(plan_id: Id, url: Url = None, json: WholeAnswer = None) -> None:
-    """Report on a plan that a service keeps."""
+    """Show a plan that a service keeps."""
     from app.cli.service import json_of, print_kept, service
 
     with problem_to(json):
@@ -105,7 +107,10 @@ def export(
     plan_id: Id,
     files: Annotated[
         list[str],
-        typer.Argument(metavar="FORMAT=PATH...", help="As --export of `slewtrack plan` has them."),
+        typer.Argument(
+            metavar="FORMAT=PATH...",
+            help="Write these files, as --export of `slewtrack plan` does.",
+        ),
     ],
     url: Url = None,
 ) -> None:

@@ -15,27 +15,33 @@ if TYPE_CHECKING:
 
 NAME_CHARACTERS_MAX = 100
 
-keys = typer.Typer(help="API keys of the service.", no_args_is_help=True)
+keys = typer.Typer(help="Manage the API keys of the service.", no_args_is_help=True)
 
 
 @keys.command()
 def create(
-    name: Annotated[str, typer.Argument(help="Whose key it is, for people.")],
+    name: Annotated[str, typer.Argument(help="Name the key's holder, for people.")],
     scope: Annotated[
         list[str] | None,
         typer.Option(
-            help="read (GET), write (also POST and DELETE) or admin (also the audit log); "
-            "may be repeated; read without any."
+            help="Allow read (GET), write (also POST and DELETE) or admin (also the audit log); "
+            "read by default (may be repeated)."
         ),
     ] = None,
     rate_per_minute: Annotated[
-        int | None, typer.Option(min=1, help="Most requests a minute, if not the service's.")
+        int | None,
+        typer.Option(
+            min=1, help="Allow so many requests a minute, instead of the service's limit."
+        ),
     ] = None,
     concurrency: Annotated[
-        int | None, typer.Option(min=1, help="Most requests at a time, if not the service's.")
+        int | None,
+        typer.Option(
+            min=1, help="Allow so many requests at a time, instead of the service's limit."
+        ),
     ] = None,
 ) -> None:
-    """Make a key; its secret is shown now and never again."""
+    """Make a key; its secret is shown only now."""
     scopes = tuple(_scope(text) for text in scope or ["read"])
     with _store() as store:
         key, secret = store.create(
@@ -59,7 +65,9 @@ def list_keys() -> None:
 
 @keys.command()
 def revoke(
-    key_id: Annotated[str, typer.Argument(metavar="ID", help="As `slewtrack keys list` shows it.")],
+    key_id: Annotated[
+        str, typer.Argument(metavar="ID", help="Take this key, by its id in `slewtrack keys list`.")
+    ],
 ) -> None:
     """Refuse a key from its next request on."""
     with _store() as store:

@@ -51,7 +51,7 @@ def plan(
         typer.Option(
             "--set",
             metavar="FIELD=VALUE",
-            help="Change a field of the request first, named as refusals name it: "
+            help="Change a field of the request first, by its name in refusals: "
             "sessions.0.start=2015-02-27T17:36:20Z (may be repeated).",
         ),
     ] = None,
@@ -63,17 +63,17 @@ def plan(
     ] = False,
     start: Annotated[
         str | None,
-        typer.Option(help="From when on --next-pass searches: now (unless given), or UTC."),
+        typer.Option(help="Begin the search of --next-pass at this UTC; now by default."),
     ] = None,
     dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Only say whether it flies; write nothing.")
+        bool, typer.Option("--dry-run", help="Only check whether it can be flown; write nothing.")
     ] = False,
     url: Annotated[
         str | None,
-        typer.Option(help="Have this service plan and keep it: http://127.0.0.1:8000, say."),
+        typer.Option(help="Plan at this service, which keeps the plan: http://127.0.0.1:8000."),
     ] = None,
 ) -> None:
-    """Plan the sessions of a request and report."""
+    """Plan sessions of a two-axis platform."""
     with problem_to(json):
         from planner.output.export import EXPORTERS
 

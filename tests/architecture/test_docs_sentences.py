@@ -13,7 +13,7 @@ PAGES = [
     *sorted(page for page in (ROOT / "docs").rglob("*.md") if page.name != "reproduction.md"),
 ]
 WORDS_OF_PROSE, WORDS_OF_CELL = 40, 60
-FENCED = re.compile(r"^( *)(```|\$\$).*?^ *\2$|^    \S.*$", re.MULTILINE | re.DOTALL)
+FENCED = re.compile(r"^( *)(```|\$\$).*?^ *\2$|^    \S[^\n]*$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"!?\[([^\]]*)\]\([^)]*\)")
 BLOCK_START = re.compile(r"\n\s*\n|\n(?=\s*(?:[-*]|\d+\.)\s|#|\|)|(?<=\n)(#+ .*)\n")
 SENTENCE_END = re.compile(r"(?<=[.?!;])[)*\"]*\s+(?=[(*\"]*(?:[A-Z0-9Ω°]|slewtrack))|;\s")
@@ -47,5 +47,7 @@ def test_sentences_are_short(page):
 
 def test_the_count_of_words_sees_prose_lists_and_tables():
     text = "One two `a b c` [four five](x.md). Six\nseven: eight!\n\n- nine ten\n\n| a b | c |\n"
+    text += "## Four more\nOne.\n\n    code\n\n```\ncode\n```\nTwo words\n"
     counted = [(words(sentence), most) for sentence, most in sentences(text) if words(sentence)]
-    assert counted == [(5, 40), (3, 40), (2, 40), (2, 60), (1, 60)]
+    prose = [(5, 40), (3, 40), (2, 40)]
+    assert counted == [*prose, (2, 60), (1, 60), (2, 40), (1, 40), (2, 40)]

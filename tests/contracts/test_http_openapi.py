@@ -116,6 +116,18 @@ def test_texts_state_and_do_not_ask(document):
     assert asking == {}
 
 
+def test_the_glossary_names_members_that_there_are(document, request):
+    page = (request.config.rootpath / "docs" / "glossary.md").read_text()
+    cells = [line.split("|")[3] for line in page.splitlines() if line.count("|") == 4]
+    named = {name for cell in cells for name in re.findall(r"`([^`]+)`", cell)}
+    known = json.dumps(document["components"]["schemas"]) + json.dumps([*document["paths"]])
+    parts = {part for name in named for part in re.split(r"[.: ]+", name)}
+    assert len(parts) > 60
+    assert {part for part in parts if not re.search(rf"(?<!\w){re.escape(part)}(?!\w)", known)} <= {
+        "iss-hrc"
+    }
+
+
 def answers_of(document, operation):
     """Refusals that are the same everywhere are described once."""
     shared = document["components"]["responses"]

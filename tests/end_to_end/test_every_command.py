@@ -233,6 +233,18 @@ def test_every_command_tells_its_help(words):
     assert "Usage" in done.stdout
 
 
+IMPERATIVE = re.compile(
+    r"(Allow|Ask|Begin|Change|Choose|Compare|Count|Draw|Estimate|Fly|Follow|Install|List|Listen|Make|"
+    r"Manage|Move|Name|Only|Plan|Print|Read|Refuse|Report|Search|Serve|Set|Show|Solve|Take|Write)\b"
+)
+
+
+def test_help_is_imperative():
+    texts = [*helps()]
+    assert len(texts) > 60
+    assert [text for text in texts if not IMPERATIVE.match(text)] == []
+
+
 def test_every_flag_is_run():
     run_lines = [*TUTORIAL, *HERE, *ELSEWHERE, *OF_THE_SHELL]
     for words, command in VERBS.items():

@@ -130,7 +130,7 @@ def add_request(router: APIRouter, resource: JobResource) -> None:
                 "description": "The request byte for byte; a POST takes it as it stands",
                 "content": {JSON: {"schema": {"$ref": REF.format(model=resource.request_schema)}}},
             },
-            304: {"description": "If-None-Match names it: it never changes"},
+            304: {"description": "Unchanged, as always: If-None-Match names its ETag"},
             404: no_such(resource),
         },
         dependencies=[Depends(accepts_json)],

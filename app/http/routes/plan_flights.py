@@ -44,7 +44,7 @@ router = APIRouter(tags=["flights"], prefix=f"{PLANS.path}/{{id}}/flights")
             "headers": {"Location": {"schema": {"type": "string"}}},
         },
         404: no_such(PLANS),
-        409: {"description": "There is no table to fly, or not yet; or cancelled while waited for"},
+        409: {"description": "The plan has no table, or none yet; or the flights were cancelled"},
     },
     openapi_extra=request_body(RESOURCE.request_schema, FLIGHTS_EXAMPLES),
     dependencies=[Depends(accepts_json)],

@@ -265,12 +265,12 @@ def _add_table(router: APIRouter, resource: PlanResource) -> None:
         response_class=Response,
         responses={
             200: {
-                "description": "As JSON the `table` of the plan",
+                "description": "The table; as JSON the member `table` of the plan",
                 "content": {media: {} for media in (JSON, *resource.format_by_media_type)},
             },
             304: UNCHANGED,
             404: no_such(resource),
-            409: {"description": "There is no table, or not yet"},
-            422: {"description": "A table the judge rejects is in the whole plan only"},
+            409: {"description": "The plan has no table, or none yet"},
+            422: {"description": "A table that failed verification is in the whole plan only"},
         },
     )(get_table)

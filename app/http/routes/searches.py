@@ -49,7 +49,7 @@ _SUFFIXES = {GEOJSON: ".geojson", CSV: ".csv"}
 FORMS = (JSON, *_SUFFIXES)
 # Turning more than this of packed windows into another form would hold the interpreter for long.
 _PACKED_MAX_BYTES = 100_000
-_UNCHANGED = {"description": "If-None-Match names it: it never changes"}
+_UNCHANGED = {"description": "Unchanged, as always: If-None-Match names its ETag"}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -25,7 +25,7 @@ _PACKED_MAX_BYTES = 200_000
 _NAME_MAX = 60
 
 REVALIDATE = {"Cache-Control": "private, no-cache", "Vary": "Accept"}
-UNCHANGED = {"description": "If-None-Match names what the plan still is"}
+UNCHANGED = {"description": "Unchanged since the ETag that If-None-Match names"}
 
 
 def not_modified(tag: str) -> Response:

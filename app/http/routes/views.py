@@ -96,7 +96,7 @@ def add_view(router: APIRouter, resource: PlanResource) -> None:
             },
             304: UNCHANGED,
             404: no_such(resource),
-            409: {"description": "There is no plan, or not yet"},
+            409: {"description": "The plan was not made, or not yet"},
             422: {
                 "description": "`step_s` fits neither the table nor an answer; or, but for JSON, "
                 "the plan's verification failed"
