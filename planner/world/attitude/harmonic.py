@@ -28,7 +28,7 @@ class HarmonicOptions:
 
     history_orbits: float = 5.0  # of telemetry, at most: older rows tell of another swing
     row_step_s: float = 10.0  # a row kept; the carrier swings in minutes
-    lead_max_s: float = 6.0 * 3600.0  # six hours, as far as forecasts were compared with telemetry
+    lead_max_s: float = 6.0 * 3600.0  # six hours: a little beyond the leads that `blend` weighs
     # Errors of one forecast, 900 and 1,800 s apart, have a correlation of 0.6 and 0.4 about x and
     # y (bench/attitude_figures.py of commit 54f03d3).
     error_memory_s: float = 1250.0

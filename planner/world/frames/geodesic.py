@@ -23,7 +23,7 @@ class GeodesicOptions:
 
     direct_passes: int = 8  # each shrinks the error by e^2: 1e-2
     inverse_passes: int = 50  # each shrinks it by f or better; stops by itself, after 5 as a rule
-    converged_rad: float = 1e-14
+    converged_rad: float = 1e-14  # on the sphere: 0.1 um
 
 
 OPTIONS = GeodesicOptions()
