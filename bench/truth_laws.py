@@ -25,14 +25,14 @@ from planner.world.attitude.extrapolation import (
     Extrapolation,
     fit_extrapolation,
 )
-from planner.world.attitude.harmonic import HISTORY_ORBITS
+from planner.world.attitude.harmonic import OPTIONS as HARMONIC_OPTIONS
 from planner.world.frames.local_orbital import q_lvlh_from_eci
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc
 from planner.world.orbits import TleOrbit
 
 YEAR_UTC = datetime(2017, 12, 31, tzinfo=UTC)  # day 1 of the telemetry's hours is 1 January
 PERIOD_S = 5560.0
-HISTORY_S = HISTORY_ORBITS * PERIOD_S
+HISTORY_S = HARMONIC_OPTIONS.history_orbits * PERIOD_S
 PLAIN_HISTORY_S = 3.3 * PERIOD_S  # of the descriptions by themselves
 LEADS_S = (60, 300, 900, 1800, 5400)
 GOAL = 1.1

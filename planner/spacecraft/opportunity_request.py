@@ -7,11 +7,9 @@ from pydantic import FailFast, Field
 
 from planner.base.spec import Within, spec
 from planner.planning.opportunities.request import (
-    DAYS_MAX,
-    SAMPLES,
-    TARGETS_MAX,
-    WINDOW_COUNTS,
-    WORK_MAX,
+    BOUNDS as BOUNDS,
+)
+from planner.planning.opportunities.request import (
     OpportunityConditions,
 )
 from planner.spacecraft.geojson import Position
@@ -48,7 +46,7 @@ class ImagingOpportunityRequest:
     start: datetime
     stop: datetime
     conditions: OpportunityConditions = OpportunityConditions()
-    samples: Annotated[int, Within(*SAMPLES)] = 5
+    samples: Annotated[int, Within(*BOUNDS.samples)] = 5
 
     def __post_init__(self) -> None:
         if self.spacecraft not in SPACECRAFT:
@@ -74,15 +72,20 @@ class ImagingOpportunityRequest:
 
     def _require_bounds(self) -> None:
         days = elapsed_s(self.stop, self.start) / DAY_S
-        if days > DAYS_MAX:
-            raise ValueError(f"stop must come within {DAYS_MAX:.0f} days of start, not {days:.1f}")
-        count = sum(len(positions_of(request)) for request in self.requests)
-        if count > TARGETS_MAX or count * days * (WINDOW_COUNTS + self.samples) > WORK_MAX:
+        if days > BOUNDS.days_max:
             raise ValueError(
-                f"requests must have at most {TARGETS_MAX} positions together, and positions times "
-                f"days times ({WINDOW_COUNTS} + samples) must not exceed {WORK_MAX}, which these "
-                f"{count} over {days:.1f} days with {self.samples} samples do; ask for fewer at a "
-                "time"
+                f"stop must come within {BOUNDS.days_max:.0f} days of start, not {days:.1f}"
+            )
+        count = sum(len(positions_of(request)) for request in self.requests)
+        if (
+            count > BOUNDS.targets_max
+            or count * days * (BOUNDS.window_counts + self.samples) > BOUNDS.work_max
+        ):
+            raise ValueError(
+                f"requests must have at most {BOUNDS.targets_max} positions together, and "
+                f"positions times days times ({BOUNDS.window_counts} + samples) must not exceed "
+                f"{BOUNDS.work_max}, which these {count} over {days:.1f} days with {self.samples} "
+                "samples do; ask for fewer at a time"
             )
 
     def definition(self) -> AgileSpacecraft:

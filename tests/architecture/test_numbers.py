@@ -12,7 +12,17 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 # By room; when one falls, lower it here.
-MOST = {}
+MOST = {
+    "base": 5,
+    "estimator": 49,
+    "inflight": 63,
+    "motion": 64,
+    "output": 38,
+    "planning": 45,
+    "spacecraft": 46,
+    "verification": 61,
+    "world": 124,
+}
 
 
 def is_number(value):

@@ -95,14 +95,16 @@ def test_the_refusal_says_how_far_was_searched():
 def test_a_search_that_ends_early_says_so_and_always_ends_at_the_same_place(monkeypatch):
     asked = scenario(session(OVERHEAD, 10.0, 40.0))
     whole = refused(asked, NotVisible)
-    monkeypatch.setattr(nearest_start, "SEARCH", 3_000)
+    hasty = replace(nearest_start.OPTIONS, search=3_000)
+    monkeypatch.setattr(nearest_start, "OPTIONS", hasty)
     cut, again = refused(asked, NotVisible), refused(asked, NotVisible)
     assert whole.earliest_feasible_start_utc is not None
     assert cut.earliest_feasible_start_utc is None
     assert "nor looked for farther off" in cut.detail
     assert gone_through(cut)[1] < whole.earliest_feasible_start_utc
     assert again.detail == cut.detail
-    monkeypatch.setattr(nearest_start, "SEARCH", 0)
+    hasty = replace(nearest_start.OPTIONS, search=0)
+    monkeypatch.setattr(nearest_start, "OPTIONS", hasty)
     assert "none was decided before the search ends" in refused(asked, NotVisible).detail
 
 

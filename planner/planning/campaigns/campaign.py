@@ -22,7 +22,8 @@ from planner.planning.campaigns.passes import (
     longest_rest_s,
     longest_slew_s,
 )
-from planner.planning.campaigns.request import LENGTHS, CampaignRequest
+from planner.planning.campaigns.request import BOUNDS as CAMPAIGN_BOUNDS
+from planner.planning.campaigns.request import CampaignRequest
 from planner.planning.campaigns.slew_time import limit_table
 from planner.planning.campaigns.unseen import Unseen, unseen_because
 from planner.planning.campaigns.view import Seen, Viewing
@@ -227,8 +228,8 @@ def _looks(request: CampaignRequest, windows: Windows, rest_s: float) -> Looks:
 
 
 def _looking(request: CampaignRequest) -> Looking:
-    length_steps = np.zeros((len(request.targets), LENGTHS), np.intp)
-    look_value = np.zeros((len(request.targets), LENGTHS))
+    length_steps = np.zeros((len(request.targets), CAMPAIGN_BOUNDS.lengths), np.intp)
+    look_value = np.zeros((len(request.targets), CAMPAIGN_BOUNDS.lengths))
     for row, wanted in enumerate(request.targets):
         for place, length_s in enumerate(wanted.lengths_s):
             length_steps[row, place] = math.ceil(length_s / request.step_s - 1e-9)

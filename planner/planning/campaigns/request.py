@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from datetime import datetime
 from typing import Annotated, Literal
 
@@ -14,7 +15,7 @@ from planner.planning.opportunities import (
     OpportunityRequest,
     OpportunityTarget,
 )
-from planner.planning.opportunities.request import TARGETS_MAX
+from planner.planning.opportunities.request import BOUNDS as OPPORTUNITY_BOUNDS
 from planner.planning.opportunities.windows import Cause
 from planner.world.attitude import Attitude
 from planner.world.attitude.lvlh import LvlhAttitude
@@ -24,14 +25,24 @@ from planner.world.platforms import PIXELS_ARCSEC, AngleDeg, Platform
 from planner.world.scenario import SlewOptions
 from planner.world.targets import WindowTarget
 
-STEPS_S = (0.4, 30.0)
-LENGTHS = 3  # lengths of a look that are tried, evenly from the least to the wanted one
-SESSION_MAX_S = 1200.0
-TARGET_DAYS_MAX = 7000.0  # 1,000 places for 7 days: a minute's choice
-STEP_S = 2.0  # finer steps count more
+
+@dataclass(frozen=True, kw_only=True)
+class CampaignBounds:
+    """What a campaign may ask for, so that its choice takes a minute at most."""
+
+    # grids on which looks begin: from two rows of the table on
+    steps_s: tuple[float, float] = (0.4, 30.0)
+    lengths: int = 3  # lengths of a look that are tried, evenly from the least to the wanted one
+    session_max_s: float = 1200.0  # longer than a pass of any low orbit
+    target_days_max: float = 7000.0  # 1,000 places for 7 days: a minute's choice
+    step_s: float = 2.0  # finer steps count more
+    moving_counts: int = 100  # what is not fixed to the Earth is looked at one by one
+
+
+BOUNDS = CampaignBounds()
+
 # What keeps a target from being looked at.
 Closing = Cause | Literal["duration", "rest", "motion"]
-MOVING_COUNTS = 100  # what is not fixed to the Earth is looked at one by one
 
 _Weight = Annotated[float, Within(0.0, 10.0)]
 
@@ -76,8 +87,8 @@ class CampaignTarget:
     id: str
     target: WindowTarget
     priority: Annotated[float, Within(1e-3, 1e6)] = 1.0
-    session_s: Annotated[float, Within(1.0, SESSION_MAX_S)]
-    min_session_s: Annotated[float, Within(1.0, SESSION_MAX_S)] | None = None
+    session_s: Annotated[float, Within(1.0, BOUNDS.session_max_s)]
+    min_session_s: Annotated[float, Within(1.0, BOUNDS.session_max_s)] | None = None
     looks: Annotated[int, Within(1, 1000)] = 1
 
     def __post_init__(self) -> None:
@@ -89,7 +100,8 @@ class CampaignTarget:
         """The lengths a look may have, ascending, whole command steps."""
         least_s = self.session_s if self.min_session_s is None else self.min_session_s
         wanted = [
-            least_s + share / (LENGTHS - 1) * (self.session_s - least_s) for share in range(LENGTHS)
+            least_s + share / (BOUNDS.lengths - 1) * (self.session_s - least_s)
+            for share in range(BOUNDS.lengths)
         ]
         rows = [math.ceil(length_s / COMMAND_STEP_S - 1e-6) for length_s in wanted]
         return tuple(sorted({row * COMMAND_STEP_S for row in rows}))
@@ -120,14 +132,16 @@ class CampaignRequest:
     orbit: Orbit
     attitude: Attitude = LvlhAttitude()
     rest_angles_deg: Mapping[str, AngleDeg] | None = None
-    targets: Annotated[tuple[CampaignTarget, ...], Field(max_length=TARGETS_MAX), FailFast()]
+    targets: Annotated[
+        tuple[CampaignTarget, ...], Field(max_length=OPPORTUNITY_BOUNDS.targets_max), FailFast()
+    ]
     start: datetime
     stop: datetime
     conditions: OpportunityConditions = OpportunityConditions()
     view: ViewWeights = ViewWeights()
     pixel_arcsec: Annotated[float, Within(*PIXELS_ARCSEC)] | None = None
     slew: SlewOptions = SlewOptions()
-    step_s: Annotated[float, Within(*STEPS_S)] = STEP_S
+    step_s: Annotated[float, Within(*BOUNDS.steps_s)] = BOUNDS.step_s
 
     def __post_init__(self) -> None:
         steps = self.step_s / COMMAND_STEP_S
@@ -164,14 +178,14 @@ class CampaignRequest:
     def _require_bounds(self) -> None:
         days = self.span_s / DAY_S
         counted = sum(
-            1 if wanted.target.rests_on_earth else MOVING_COUNTS for wanted in self.targets
+            1 if wanted.target.rests_on_earth else BOUNDS.moving_counts for wanted in self.targets
         )
-        if counted * days * max(STEP_S / self.step_s, 1.0) > TARGET_DAYS_MAX:
+        if counted * days * max(BOUNDS.step_s / self.step_s, 1.0) > BOUNDS.target_days_max:
             raise ValueError(
-                f"targets times days must not exceed {TARGET_DAYS_MAX:.0f} at a step_s of "
-                f"{STEP_S:g} s (finer counts more, a target that is no point of the ground "
-                f"{MOVING_COUNTS} times), which these {len(self.targets)} over {days:.1f} days do; "
-                "ask for fewer at a time"
+                f"targets times days must not exceed {BOUNDS.target_days_max:.0f} at a step_s of "
+                f"{BOUNDS.step_s:g} s (finer counts more, a target that is no point of the ground "
+                f"{BOUNDS.moving_counts} times), which these {len(self.targets)} over {days:.1f} "
+                "days do; ask for fewer at a time"
             )
 
     def opportunities(self) -> OpportunityRequest:

@@ -1,6 +1,7 @@
 """A request for opportunities: targets, a span of time, and the conditions to be met."""
 
 import math
+from dataclasses import dataclass
 from datetime import datetime
 from typing import Annotated
 
@@ -15,14 +16,22 @@ from planner.world.orbits import Orbit
 from planner.world.platforms import PIXELS_ARCSEC, Platform
 from planner.world.targets import WindowTarget
 
-SAMPLES = (2, 1000)  # a window's edges at least
-TARGETS_MAX = 5000
-DAYS_MAX = 31.0
-# Targets times days times samples and what a window costs without any: the memory they take.
-# 1,000 places for 10 days with 5 samples: 2 s as a rule; the work itself is counted.
-WORK_MAX = 200_000
-WINDOW_COUNTS = 15  # as samples
-MOVING_COUNTS = 150  # as places: what is not fixed to the Earth is looked at one by one
+
+@dataclass(frozen=True, kw_only=True)
+class OpportunityBounds:
+    """What a search for opportunities may ask for."""
+
+    samples: tuple[int, int] = (2, 1000)  # a window's edges at least
+    targets_max: int = 5000  # whole catalogues of cities
+    days_max: float = 31.0  # elements say nothing of a month later
+    # Targets times days times samples and what a window costs without any: the memory they take.
+    # 1,000 places for 10 days with 5 samples: 2 s as a rule; the work itself is counted.
+    work_max: int = 200_000
+    window_counts: int = 15  # as samples
+    moving_counts: int = 150  # as places: what is not fixed to the Earth is looked at one by one
+
+
+BOUNDS = OpportunityBounds()
 
 
 @spec
@@ -103,11 +112,13 @@ class OpportunityRequest:
     platform: Platform
     orbit: Orbit
     attitude: Attitude = LvlhAttitude()
-    targets: Annotated[tuple[OpportunityTarget, ...], Field(max_length=TARGETS_MAX), FailFast()]
+    targets: Annotated[
+        tuple[OpportunityTarget, ...], Field(max_length=BOUNDS.targets_max), FailFast()
+    ]
     start: datetime
     stop: datetime
     conditions: OpportunityConditions = OpportunityConditions()
-    samples: Annotated[int, Within(*SAMPLES)] = 5
+    samples: Annotated[int, Within(*BOUNDS.samples)] = 5
     pixel_arcsec: Annotated[float, Within(*PIXELS_ARCSEC)] | None = None
 
     def __post_init__(self) -> None:
@@ -146,15 +157,17 @@ class OpportunityRequest:
 
     def _require_bounds(self) -> None:
         days = elapsed_s(self.stop, self.start) / DAY_S
-        if days > DAYS_MAX:
-            raise ValueError(f"stop must come within {DAYS_MAX:.0f} days of start, not {days:.1f}")
-        counted = sum(
-            1 if wanted.target.rests_on_earth else MOVING_COUNTS for wanted in self.targets
-        )
-        if counted * days * (WINDOW_COUNTS + self.samples) > WORK_MAX:
+        if days > BOUNDS.days_max:
             raise ValueError(
-                f"targets times days times ({WINDOW_COUNTS} + samples) must not exceed {WORK_MAX} "
-                f"(a target that is no point of the ground counts {MOVING_COUNTS} times), which "
-                f"these {len(self.targets)} over {days:.1f} days with {self.samples} samples do; "
-                "ask for fewer at a time"
+                f"stop must come within {BOUNDS.days_max:.0f} days of start, not {days:.1f}"
+            )
+        counted = sum(
+            1 if wanted.target.rests_on_earth else BOUNDS.moving_counts for wanted in self.targets
+        )
+        if counted * days * (BOUNDS.window_counts + self.samples) > BOUNDS.work_max:
+            raise ValueError(
+                f"targets times days times ({BOUNDS.window_counts} + samples) must not exceed "
+                f"{BOUNDS.work_max} (a target that is no point of the ground counts "
+                f"{BOUNDS.moving_counts} times), which these {len(self.targets)} over {days:.1f} "
+                f"days with {self.samples} samples do; ask for fewer at a time"
             )

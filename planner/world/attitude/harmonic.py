@@ -1,5 +1,6 @@
 """An attitude that keeps swinging as its history shows."""
 
+from dataclasses import dataclass
 from datetime import datetime
 from functools import cached_property
 from typing import Literal
@@ -20,12 +21,21 @@ from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc, u
 from planner.world.messages.aem import AemSegment, read_aem
 from planner.world.orbits import Orbit, OrbitStates
 
-HISTORY_ORBITS = 5.0
-ROW_STEP_S = 10.0
-LEAD_MAX_S = 6.0 * 3600.0
-# Errors of one forecast, 900 and 1,800 s apart, have a correlation of 0.6 and 0.4 about x and y
-# (bench/attitude_figures.py of commit 54f03d3).
-ERROR_MEMORY_S = 1250.0
+
+@dataclass(frozen=True, kw_only=True)
+class HarmonicOptions:
+    """How much of the telemetry forecasts what follows, and how far."""
+
+    history_orbits: float = 5.0  # of telemetry, at most: older rows tell of another swing
+    row_step_s: float = 10.0  # a row kept; the carrier swings in minutes
+    lead_max_s: float = 6.0 * 3600.0  # six hours: a little beyond the leads that `blend` weighs
+    # Errors of one forecast, 900 and 1,800 s apart, have a correlation of 0.6 and 0.4 about x and
+    # y (bench/attitude_figures.py of commit 54f03d3).
+    error_memory_s: float = 1250.0
+
+
+OPTIONS = HarmonicOptions()
+
 _TURN = ", and its manoeuvre's turn, which nothing foretells"
 
 
@@ -124,7 +134,7 @@ class HarmonicAttitude(CorrectableAttitude):
             "measured on the history's own tail, held out of the fit"
             + _TURN * self.carried_on.under_way,
             "a history that ends nearer to the session",
-            ERROR_MEMORY_S,
+            OPTIONS.error_memory_s,
         )
 
     def q_law_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
@@ -138,7 +148,10 @@ class HarmonicAttitude(CorrectableAttitude):
         since_end_s = instants.since_s(self._end_utc)
         for wrong, why in (
             (since_end_s < -OFFSET_TAIL_S, "lies in the history: use the attitude law aem"),
-            (since_end_s > LEAD_MAX_S, f"is more than {LEAD_MAX_S / 3600.0:.0f} h after it"),
+            (
+                since_end_s > OPTIONS.lead_max_s,
+                f"is more than {OPTIONS.lead_max_s / 3600.0:.0f} h after it",
+            ),
         ):
             if wrong.any():
                 at_utc = instants.utc(int(np.argmax(wrong)))
@@ -158,7 +171,7 @@ class HarmonicAttitude(CorrectableAttitude):
     def _history(self) -> tuple[Array, Rotation]:
         """Rows of the last orbits, thinned: seconds since the last segment's epoch, attitudes."""
         last = self.segments[-1]
-        oldest_s = float(last.t_s[-1]) - HISTORY_ORBITS * self.orbital_period_s
+        oldest_s = float(last.t_s[-1]) - OPTIONS.history_orbits * self.orbital_period_s
         times: list[Array] = []
         attitudes: list[Rotation] = []
         for segment in self.segments:
@@ -186,7 +199,7 @@ class HarmonicAttitude(CorrectableAttitude):
 
 
 def _thin(t_s: Array, oldest_s: float) -> Indices:
-    """The last row of every stretch of ROW_STEP_S counted back from the end."""
+    """The last row of every stretch of `row_step_s` counted back from the end."""
     rows = np.flatnonzero(t_s >= oldest_s)[::-1]
-    _, first = np.unique((t_s[-1] - t_s[rows]) // ROW_STEP_S, return_index=True)
+    _, first = np.unique((t_s[-1] - t_s[rows]) // OPTIONS.row_step_s, return_index=True)
     return np.asarray(rows[first][::-1])

@@ -5,6 +5,7 @@ Source: Vincenty 1975, Survey Review 23 (176), the direct and inverse formulae.
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,9 +15,18 @@ from planner.world.frames.geodesy import WGS84_A_M, WGS84_F
 
 LONGEST_M = 10e6  # the inverse formula converges for every pair of points this near
 _B_M = WGS84_A_M * (1.0 - WGS84_F)
-_DIRECT_PASSES = 8  # each shrinks the error by e^2: 1e-2
-_INVERSE_PASSES = 50  # each shrinks it by f or better; stops by itself, after 5 as a rule
-_CONVERGED_RAD = 1e-14
+
+
+@dataclass(frozen=True, kw_only=True)
+class GeodesicOptions:
+    """How far the series for a geodesic are iterated."""
+
+    direct_passes: int = 8  # each shrinks the error by e^2: 1e-2
+    inverse_passes: int = 50  # each shrinks it by f or better; stops by itself, after 5 as a rule
+    converged_rad: float = 1e-14  # on the sphere: 0.1 um
+
+
+OPTIONS = GeodesicOptions()
 
 
 def geodesic_end(
@@ -36,7 +46,7 @@ def geodesic_end(
     big_a, big_b = _series(cos2_a)
     straight = distance / (_B_M * big_a)
     sigma = straight
-    for _ in range(_DIRECT_PASSES):
+    for _ in range(OPTIONS.direct_passes):
         cos_2m = np.cos(2.0 * sigma1 + sigma)
         sigma = straight + _delta_sigma(big_b, sigma, cos_2m)
     cos_2m = np.cos(2.0 * sigma1 + sigma)
@@ -59,7 +69,7 @@ def geodesic_between(
     sin_u2, cos_u2 = _reduced_latitude(to_latitude_rad)
     apart = math.remainder(to_longitude_rad - longitude_rad, 2.0 * math.pi)
     on_sphere = apart
-    for _ in range(_INVERSE_PASSES):
+    for _ in range(OPTIONS.inverse_passes):
         east = cos_u2 * math.sin(on_sphere)
         north = cos_u1 * sin_u2 - sin_u1 * cos_u2 * math.cos(on_sphere)
         sin_s = math.hypot(east, north)
@@ -74,7 +84,7 @@ def geodesic_between(
         cos_2m = cos_s - 2.0 * sin_u1 * sin_u2 / cos2_a if cos2_a > 0.0 else 0.0
         before = on_sphere
         on_sphere = apart + float(_longitude_excess(sin_a, cos2_a, sigma, cos_2m))
-        if abs(on_sphere - before) < _CONVERGED_RAD:
+        if abs(on_sphere - before) < OPTIONS.converged_rad:
             big_a, big_b = _series(cos2_a)
             distance_m = _B_M * big_a * (sigma - _delta_sigma(big_b, sigma, cos_2m))
             return math.atan2(east, north), float(distance_m)
