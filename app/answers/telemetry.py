@@ -63,11 +63,11 @@ class PointingPartsOut:
 
 @dataclass(frozen=True, kw_only=True)
 class ParameterOut:
-    """A parameter of the platform as it must have been.
+    """A parameter of the platform as identified.
 
     name: the axis's name, a dot, and the field's in `platform`. E.g. `"beta.coulomb_deg_s2"`.
     planned: what the plan's platform has, in the field's unit. E.g. `0.05`.
-    found: what it must have been. E.g. `0.1`.
+    found: the estimate. E.g. `0.1`.
     sigma: 1-sigma error; null where the found one is a bound, as of `rate_min_deg_s`, below which
     the axis was seen to stick and slip. E.g. `0.001`.
     """

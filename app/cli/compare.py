@@ -37,7 +37,7 @@ def compare(
         str | None,
         typer.Option(metavar="UTC", help="From which t_s counts; the plan's epoch unless given."),
     ] = None,
-    beside: Annotated[
+    measurements: Annotated[
         list[Path] | None,
         typer.Option(
             help="JSON with corrections or image_offsets, or the answer of a horizon estimate "
@@ -71,7 +71,7 @@ def compare(
         head: dict[str, Any] = {"plan": plan}
         if epoch is not None:
             head["samples"] = {"epoch": epoch}
-        for path in beside or ():
+        for path in measurements or ():
             _add(head, path)
         if identify:
             head["identify"] = identify
@@ -105,7 +105,7 @@ def _add(head: dict[str, Any], path: Path) -> None:
         raise InvalidInput(
             f"{path} has no list corrections or image_offsets, and no horizon estimate's "
             "correction",
-            field="--beside",
+            field="--measurements",
         )
     for kind in kinds:
         head.setdefault(kind, []).extend(found[kind])

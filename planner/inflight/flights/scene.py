@@ -163,7 +163,7 @@ def _rows_from(table: CommandTable, first: int, last: int) -> CommandTable:
 def between(nodes_s: Array, directions_platform: Array, t_s: Array) -> Array:
     """Unit vectors (n, 3) at uniform nodes (n,), by polynomials through the six nearest: (k, 3).
 
-    A little beyond the ends the last polynomial is carried on.
+    A little beyond the ends the last polynomial is extrapolated.
     Source: Berrut and Trefethen 2004, Barycentric Lagrange interpolation, eq. 4.2.
     """
     step_s = (nodes_s[-1] - nodes_s[0]) / (len(nodes_s) - 1)

@@ -23,7 +23,7 @@ ASSUMED_STATE = (
     "10 m and 0.01 m/s at the state's epoch assumed, as of a GNSS receiver; "
     "the force model's growth measured (bench/truth.py)"
 )
-# The air foretold is wrong by so much of itself, rms of ten ephemerides.
+# The air predicted is wrong by so much of itself, rms of ten ephemerides.
 OEM_DRAG_WRONG = 0.2
 # What of the drag in elements is wrong: a share of it, of what the thickest air at their height
 # makes, and what a fit can't see.  No air makes it negative, or far more: as of a fit across a
