@@ -1,4 +1,4 @@
-"""The unavoidable approach of an axis in a given state to its hard stops and its rate limit.
+"""The unavoidable approach of an axis in a given state to its hard stops and its rate limit."""
 
 import math
 from collections.abc import Iterator
