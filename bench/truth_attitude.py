@@ -60,7 +60,7 @@ def law_rows(folder: Path, tles: Path) -> Iterator[Row]:
             unknown = np.logical_not(found[lead_s])
             if not part.startswith("torque") and unknown.any():
                 seen = f"{squares[unknown].mean():.0f} of {unknown.sum()}"
-                yield Row(3, f"{name}, NEES before it shows", "none foretells it", seen, None)
+                yield Row(3, f"{name}, NEES before it shows", "none predicts it", seen, None)
                 squares = squares[~unknown]
             leads = max(1, round(len(squares) * CUT_EVERY_S / lead_s))
             sets = np.array_split(squares[:, None], leads)

@@ -1,8 +1,8 @@
-"""How well is the ISS's attitude foretold?  Errors by lead, for each law, for bench/truth.py.
+"""How well is the ISS's attitude predicted?  Errors by lead, for each law, for bench/truth.py.
 
 The telemetry's folder holds USLAB000018..21 (LVLH quaternion, 18 its scalar) and 25..27 (body
 rates, deg/s) of 2018-10-12, .txt or .txt.gz, from ISS-Mimic/Mimic, Pi/RecordedData/Data/Archive.
-Every 5 minutes the history so far is cut off and what came after is foretold.  Parts of the day
+Every 5 minutes the history so far is cut off and what came after is predicted.  Parts of the day
 apart: the constants of the attitude's `blend`, `extrapolation` and `manoeuvre` were chosen on
 those that say so.
 """
@@ -42,11 +42,11 @@ STEP_S = 10.0
 HELD_MAX_S = 1.5
 CUT_EVERY_S = 300.0
 TUNED = "tuned on"
-# Hours since the recording's begin; in torque equilibrium what is foretold lies within them, too.
+# Hours since the recording's begin; in torque equilibrium what is predicted lies within them, too.
 PARTS_H = {
     f"torque equilibrium, {TUNED}": (2.0, 8.0),
     "torque equilibrium": (8.0, 16.7),
-    "in the yaw manoeuvre (nothing foretells its begin and end)": (16.75, 19.5),
+    "in the yaw manoeuvre (nothing predicts its begin and end)": (16.75, 19.5),
     "its first 45 minutes after": (19.5, 20.25),
     f"after it, {TUNED}": (20.25, 21.75),
     "after it": (21.75, 24.0),
@@ -110,12 +110,12 @@ def forecasts(telemetry: Path, tles: Path) -> Iterator[tuple[str, Errors, Told, 
                     continue
                 truth = q_body_from_lvlh[then]
                 for name, law in laws.items():
-                    foretold = law.at(t_s[then : then + 1])[0]
-                    errors[name][lead_s].append((foretold * truth.inv()).as_rotvec())
+                    predicted = law.at(t_s[then : then + 1])[0]
+                    errors[name][lead_s].append((predicted * truth.inv()).as_rotvec())
                 turned = Rotation.from_rotvec(-body_rate_rad_s * (t_s[then] - t_s[now]))
-                foretold = turned * q_body_from_lvlh[now] * q_lvlh[now] * q_lvlh[then].inv()
+                predicted = turned * q_body_from_lvlh[now] * q_lvlh[now] * q_lvlh[then].inv()
                 errors["the paper's constant body rate, of 10 s"][lead_s].append(
-                    (foretold * truth.inv()).as_rotvec()
+                    (predicted * truth.inv()).as_rotvec()
                 )
                 found[lead_s].append(laws[BLEND].changed_s is not None)
                 told[lead_s].append(laws[BLEND].error_rms_at(np.array([float(lead_s)]))[0])

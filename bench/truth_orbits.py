@@ -87,11 +87,11 @@ def growth_rows(archive: Path) -> Iterator[Row]:
     """Along the track, where the elements' own error at the epoch is small against the growth."""
     tles = [tle for tle in read_tles(archive) if tle.epoch_utc.month >= HELD_OUT_MONTH]
     for age, found in pairs(tles).items():
-        sound = [pair for pair in found if abs(pair.sigmas) < BEYOND_SIGMA]
-        day, sigmas = np.array(sound).T
+        valid = [pair for pair in found if abs(pair.sigmas) < BEYOND_SIGMA]
+        day, sigmas = np.array(valid).T
         week = day // WEEK_DAYS
         weeks = [sigmas[week == one, None] ** 2 for one in np.unique(week)]
-        of = f"of {len(sound)} pairs, {len(found) - len(sound)} beyond {BEYOND_SIGMA:g} sigma"
+        of = f"of {len(valid)} pairs, {len(found) - len(valid)} beyond {BEYOND_SIGMA:g} sigma"
         yield nees_row(1, f"TLE against a later one, along, {age:g} d", weeks, of, LAPLACE)
 
 

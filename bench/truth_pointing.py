@@ -1,7 +1,7 @@
 """Is the told probability kept?  Point 1 of bench/truth.py.
 
 The attitude is the telemetry's second half, its mean stated from the first half and wrong by as
-much as is assumed; the orbit is known (attitude alone), or foretold by elements and truly what
+much as is assumed; the orbit is known (attitude alone), or predicted by elements and truly what
 elements of later days say.
 """
 
@@ -45,9 +45,9 @@ OEM_AGES_DAYS = (2.0, 14.0)
 
 
 class Pair(NamedTuple):
-    """An orbit foretold, what it truly was, and when."""
+    """An orbit predicted, what it truly was, and when."""
 
-    foretold: Orbit
+    predicted: Orbit
     true: Orbit
     start_utc: datetime
 
@@ -99,18 +99,18 @@ def reliability(
         for half_rad, budget in found:
             told.append(budget.probability_in_frame)
             kept.append(np.mean(np.all(np.abs(off_rad) <= half_rad, axis=(1, 2))))
-            orbits.append(id(pair.foretold))
+            orbits.append(id(pair.predicted))
     return np.array(told), np.array(kept), np.array(orbits)
 
 
 def _session(
     pair: Pair, law: LvlhAttitude, rng: np.random.Generator
 ) -> tuple[list[tuple[tuple[float, float], PointingBudget]], np.ndarray, np.ndarray]:
-    """A target near the foretold track: frames with their budgets; where it truly is, in the
+    """A target near the predicted track: frames with their budgets; where it truly is, in the
     platform, and the directions of the frame's sides, as the table is flown."""
     stop_utc = shifted_utc(pair.start_utc, 95.0)
     instants = Instants(pair.start_utc, SESSION_S)
-    ephemeris = pair.foretold.ephemeris(pair.start_utc, stop_utc)
+    ephemeris = pair.predicted.ephemeris(pair.start_utc, stop_utc)
     middle = Instants(pair.start_utc, SESSION_S[5:6])
     r_eci_m = ephemeris.states(middle).r_sat_eci_m
     r_itrf_m = np.einsum("nij,nj->ni", c_itrf_from_eci(middle), r_eci_m)

@@ -1,4 +1,4 @@
-"""Whether the measured vertical agrees with the planned attitude."""
+"""Agreement of the measured vertical with the planned attitude."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What is refused before an image is even measured.
+"""Refusals before an image is measured.
 
 A frame that shows no usable horizon is not a refusal: it is the answer `not_observable`
 with a `Reason`.  Only requests and uploads that can't be read at all are refused.

@@ -1,4 +1,4 @@
-"""What a horizon camera will see under a planned attitude: a usable limb, or why not."""
+"""Predicted sight of a horizon camera under a planned attitude: a usable limb, or why not."""
 
 from dataclasses import dataclass, replace
 

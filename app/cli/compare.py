@@ -38,7 +38,7 @@ def compare(
         str | None,
         typer.Option(metavar="UTC", help="Count t_s from this time; the plan's epoch by default."),
     ] = None,
-    beside: Annotated[
+    measurements: Annotated[
         list[Path] | None,
         typer.Option(
             help="Read corrections or image_offsets (JSON) here, or the answer of a horizon "
@@ -72,7 +72,7 @@ def compare(
         head: dict[str, Any] = {"plan": plan}
         if epoch is not None:
             head["samples"] = {"epoch": epoch}
-        for path in beside or ():
+        for path in measurements or ():
             _add(head, path)
         if identify:
             head["identify"] = identify
@@ -106,7 +106,7 @@ def _add(head: dict[str, Any], path: Path) -> None:
         raise InvalidInput(
             f"{path} has no list corrections or image_offsets, and no horizon estimate's "
             "correction",
-            field="--beside",
+            field="--measurements",
         )
     for kind in kinds:
         head.setdefault(kind, []).extend(found[kind])

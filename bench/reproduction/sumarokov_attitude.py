@@ -46,7 +46,7 @@ def printed_step(q: Quaternion, omega_rad_s: NDArray, tau_s: float, power: int) 
     return np.asarray(q * q_n + turned)
 
 
-def foretold(law: InertialAttitude, at: Instants) -> Rotation:
+def predicted(law: InertialAttitude, at: Instants) -> Rotation:
     """Body from ECI at one instant; an inertial attitude needs no orbit."""
     nowhere = OrbitStates(np.zeros((1, 3)), np.zeros((1, 3)))
     return law.q_law_body_from_eci(at, nowhere)[0]
@@ -59,7 +59,7 @@ def recursion_error_arcsec(span_s: float) -> float:
         q_body_from_eci_xyzw=(0.0, 0.0, 0.0, 1.0),
         omega_body_deg_s=tuple(np.rad2deg(RATE_BODY_RAD_S).tolist()),
     )
-    closed = foretold(law, Instants(CLOCK_UTC, np.array([span_s])))
+    closed = predicted(law, Instants(CLOCK_UTC, np.array([span_s])))
     q = np.array([1.0, 0.0, 0.0, 0.0])
     for _ in range(int(span_s / TAU_S)):
         q = printed_step(q, RATE_BODY_RAD_S, TAU_S, 2)
@@ -92,7 +92,7 @@ def telemetry() -> tuple[NDArray, Rotation, NDArray]:
 
 @cache
 def constant_rate_errors_deg(lead_s: float) -> NDArray:
-    """Of attitudes foretold from telemetry by the law `inertial`, each against telemetry, (k,)."""
+    """Of attitudes predicted from telemetry by the law `inertial`, each against telemetry, (k,)."""
     t_s, q_body_from_eci, rate_deg_s = telemetry()
     errors = []
     for now in range(0, len(t_s), START_EVERY):
@@ -105,7 +105,7 @@ def constant_rate_errors_deg(lead_s: float) -> NDArray:
             omega_body_deg_s=tuple(rate_deg_s[now].tolist()),
         )
         at = Instants(CLOCK_UTC, t_s[then : then + 1])
-        errors.append((foretold(law, at) * q_body_from_eci[then].inv()).magnitude())
+        errors.append((predicted(law, at) * q_body_from_eci[then].inv()).magnitude())
     return np.rad2deg(errors)
 
 

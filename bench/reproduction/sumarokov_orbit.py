@@ -59,8 +59,8 @@ def _miss_m(
         velocity_km_s=tuple((truth.v_sat_eci_m_s[0] / 1e3).tolist()),
         force_model=model,
     )
-    foretold = state.ephemeris(start_utc, stop_utc).states(ends)
-    return float(np.linalg.norm(foretold.r_sat_eci_m[1] - truth.r_sat_eci_m[1]))
+    predicted = state.ephemeris(start_utc, stop_utc).states(ends)
+    return float(np.linalg.norm(predicted.r_sat_eci_m[1] - truth.r_sat_eci_m[1]))
 
 
 def _starts_s(node_s: NDArray, ahead_s: float) -> NDArray:

@@ -1,4 +1,4 @@
-"""Where exactly a frame shows the limb that a trial attitude predicts.
+"""Limb points in a frame, found near the limb that a trial attitude predicts.
 
 The frame is unwrapped into columns across the projected limb; in each the outermost
 significant rise of brightness inwards is taken to a fraction of a pixel.  The profile of an

@@ -1,4 +1,4 @@
-"""Where a camera would see the limb."""
+"""The limb as a camera sees it, projected into the image."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""What is known of the limb and the attitude before an image is looked at."""
+"""Prior knowledge of limb and attitude, before an image is read."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""What kinds of air make of the limb's light along the horizon, for estimator/search/sunlight.py.
+"""Profiles of the limb's light along the horizon by kind of air, for estimator/search/sunlight.py.
 
 Linear fits to the limbs of SASKTRAN2 (the twelve chosen airs of bench/limb_tables.py and sixty
 drawn as its `drawn` draws, seeds 101 to 160; drawn_1 to drawn_6 are not among them) and of 40 airs

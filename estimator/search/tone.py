@@ -1,4 +1,4 @@
-"""Whether a file's brightness is proportional to light, or tone-mapped for viewing.
+"""A test of tone mapping: brightness proportional to light, or mapped for viewing.
 
 Above the limb the air thins by e every 7.6 km, and so does its light.  In an sRGB file, which
 holds about the 2.2nd root of the light, the limb fades half as fast and its steepest point lies

@@ -1,4 +1,4 @@
-"""What a request left to us, and what was taken for it."""
+"""Assumptions: fields a request left out, and the value taken for each."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

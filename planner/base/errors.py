@@ -1,4 +1,4 @@
-"""What can be refused, and what a refusal tells the planner.
+"""Refusals: their kinds, and what each tells the planner.
 
 Each class is one kind of refusal and says who is to blame, which decides how it is answered.
 The message explains the physics and the way out; the attributes carry the same

@@ -1,1 +1,1 @@
-"""What a table does in flight, and did: structure, simulated flights, telemetry."""
+"""The table in flight: structure, simulated flights, telemetry."""

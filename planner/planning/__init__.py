@@ -1,1 +1,1 @@
-"""What is pointed at, and when: windows, sessions, campaigns."""
+"""Choice and timing of what is pointed at: windows, sessions, campaigns."""

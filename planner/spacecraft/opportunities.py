@@ -1,4 +1,4 @@
-"""When the imaging spacecraft passes what is to be imaged.
+"""Passes of the imaging spacecraft over what is to be imaged.
 
 Its camera looks from orbital orientation, so far along the track and so far across it: the search
 for a platform of two axes serves, with these angles for its stops.

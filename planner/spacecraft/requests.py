@@ -1,4 +1,4 @@
-"""What can be asked of the imaging spacecraft: the request's fields, in degrees and GeoJSON."""
+"""Requests to the imaging spacecraft: their fields, in degrees and GeoJSON."""
 
 import math
 from dataclasses import replace

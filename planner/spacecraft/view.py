@@ -1,4 +1,4 @@
-"""What there is to see of an imaging session: from its table to columns over time."""
+"""The view of an imaging session: columns over time from its table."""
 
 from dataclasses import dataclass
 from functools import partial

@@ -1,4 +1,4 @@
-"""How far the standard atmosphere bends a ray, to the ground or past the limb.
+"""Bending of a ray by the standard atmosphere, to the ground or past the limb.
 
 The judge's own air (the printed bases of the U.S. Standard Atmosphere 1976, Ciddor's index)
 and its own quadratures of Bouguer's law, n r sin(zenith angle) = p, layer by layer.

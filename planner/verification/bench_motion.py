@@ -1,4 +1,4 @@
-"""Whether the axes fly a bench session's motion, on the rows and between them."""
+"""The check of a bench session's motion, on the rows and between them."""
 
 import math
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""Where a target fixed to the Earth appears, and whether the Earth hides it."""
+"""The apparent direction of a target fixed to the Earth, and whether the Earth hides it."""
 
 import math
 from dataclasses import dataclass

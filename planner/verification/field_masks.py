@@ -1,4 +1,4 @@
-"""Whether the boresight enters what stands in the platform's view, on rows or between them."""
+"""The check that the boresight enters no mask of the platform's view, on rows or between them."""
 
 import math
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""Whether the boresight enters a cone it must keep out of, on rows or between them."""
+"""The check that the boresight enters no keep-out cone, on rows or between them."""
 
 import math
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""How far from the Earth's limb a line of sight passes, and how high above the ground."""
+"""Angular distance of a line of sight from the Earth's limb, and its height above the ground."""
 
 import numpy as np
 

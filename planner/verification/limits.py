@@ -1,4 +1,4 @@
-"""How close each axis comes to its limits, anywhere between the first and the last row."""
+"""Margins of each axis to its limits, anywhere between the first and the last row."""
 
 import math
 from collections.abc import Iterator

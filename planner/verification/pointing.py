@@ -1,4 +1,4 @@
-"""How far off its target the boresight is, at the rows and between them."""
+"""Pointing errors of the boresight from its target, at the rows and between them."""
 
 import math
 from collections.abc import Iterator

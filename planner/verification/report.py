@@ -1,4 +1,4 @@
-"""What the judge found: margins, pointing errors, findings, a verdict."""
+"""The verification report: margins, pointing errors, findings, a verdict."""
 
 from dataclasses import dataclass
 from datetime import datetime

@@ -1,4 +1,5 @@
-"""Where a star, the Sun, the Moon or a planet appears, and how far from the Earth's limb."""
+"""The apparent direction of a star, the Sun, the Moon or a planet, and its distance from the
+limb."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Whether the table is whole: epoch, axes and start right, finite, long enough."""
+"""The check that the table is whole: epoch, axes and start right, finite, long enough."""
 
 import math
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""What is to be planned: one value with everything the planner and its judge need."""
+"""The scenario: one value with everything the planner and its judge need."""
 
 import math
 from collections.abc import Mapping

@@ -1,6 +1,6 @@
 """Which damage does telemetry come with, and what must be told of it?
 
-Each file is made of sound rows of another program (tests/other_platform.py): angles of a
+Each file is made of valid rows of another program (tests/other_platform.py): angles of a
 clock 0.37 s ahead.
 """
 
@@ -90,7 +90,7 @@ def damaged(rows, utc_of):
     ]
     rates = [(after[1] - before[1]) / (after[0] - before[0]) for before, after in pairwise(rows)]
     files = {
-        "sound": Damaged(_csv(HEAD, text)),
+        "valid": Damaged(_csv(HEAD, text)),
         "a gap of 20 s": Damaged(
             _csv(HEAD, text[:600] + text[900:]), lambda a: len(a["samples"]["gaps"]) == 1
         ),

@@ -1,6 +1,6 @@
 """Does the service keep to its own OpenAPI document, whatever is sent, in whatever order?
 
-Schemathesis makes requests from the document, sound ones and broken ones, and follows ids from
+Schemathesis makes requests from the document, valid ones and broken ones, and follows ids from
 answers to further requests.  SLEWTRACK_EXAMPLES=1000 looks longer.
 """
 

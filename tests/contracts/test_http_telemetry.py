@@ -126,7 +126,7 @@ def test_the_command_tells_the_same_of_each(plan, files, tmp_path):
 
 def test_json_and_csv_tell_the_same(client, plan, rows, files):
     by_json = compare(client, plan, json_samples(rows))
-    by_csv = upload(client, plan, files[0]["sound"].content).json()
+    by_csv = upload(client, plan, files[0]["valid"].content).json()
     assert by_json["time_offset_s"]["value"] == pytest.approx(
         by_csv["time_offset_s"]["value"], abs=1e-5
     )
@@ -155,7 +155,7 @@ def test_the_contract_as_it_is_pinned(client, plan, rows):
 
 
 def test_a_form_may_give_plan_and_epoch_without_json(client, plan, files):
-    parts = {"samples": ("telemetry.csv", files[0]["sound"].content, "text/csv")}
+    parts = {"samples": ("telemetry.csv", files[0]["valid"].content, "text/csv")}
     form = {"plan": plan["id"], "epoch": "2015-02-27T17:33:50Z"}
     answer = client.post(COMPARISONS, data=form, files=parts)
     assert answer.status_code == 200, answer.text

@@ -95,7 +95,7 @@ def test_what_was_not_measured_stays_as_uncertain():
 
 
 def test_two_looks_a_quarter_orbit_apart_fix_a_swing():
-    """Amplitude and phase follow from values a quarter turn apart: then it is foretold."""
+    """Amplitude and phase follow from values a quarter turn apart: then it is predicted."""
     phase = 2.0 * np.pi / 5560.0
     swing = lambda t_s: 0.3 * np.cos(phase * np.asarray(t_s) + 0.7)  # noqa: E731
     looks = (1800.0, 410.0)

@@ -1,4 +1,4 @@
-"""Does an attitude carried on beyond its history meet what the ISS then did?"""
+"""Does an attitude extrapolated beyond its history meet what the ISS then did?"""
 
 from datetime import timedelta
 from pathlib import Path
@@ -43,8 +43,8 @@ def foretold_from(name, cut, **options):
 
 def error_deg(law, lead_s, truth):
     """Error against LVLH: the law's own clock is the message's."""
-    foretold = law.carried_on.at(law.carried_on.end_s + lead_s)
-    return np.rad2deg((foretold * truth.inv()).magnitude())
+    predicted = law.extrapolated.at(law.extrapolated.end_s + lead_s)
+    return np.rad2deg((predicted * truth.inv()).magnitude())
 
 
 def test_torque_equilibrium_is_foretold_to_0_04_deg_after_900_s():
@@ -64,7 +64,7 @@ def test_a_manoeuvre_is_carried_on_by_its_rate_and_said_to_be_uncertain():
     near = (lead_s > 0.0) & (lead_s <= 120.0)
     assert error_deg(law, lead_s, truth)[near].max() < 1.0  # of 8 deg turned meanwhile
     start_utc = shifted_utc(law.segments[0].epoch_utc, 0.0)
-    end_s = law.carried_on.end_s
+    end_s = law.extrapolated.end_s
     instants = Instants(start_utc, end_s + np.array([300.0, 900.0]))
     sigma_deg = np.rad2deg(np.linalg.norm(law.errors(instants).sigma_body_rad, axis=1))
     assert sigma_deg[1] > sigma_deg[0] > 0.17
@@ -102,14 +102,14 @@ def test_where_it_comes_to_rest_is_foretold_from_its_present_rate():
 
 
 def test_in_a_manoeuvre_the_stated_sigma_covers_what_happened():
-    """From where the history shows that one began: how it turns on is not foretold but told."""
+    """From where the history shows that one began: how it turns on is not predicted but told."""
     squares = []
     for cut in range(120, 450, 10):
         law, lead_s, truth = foretold_from(MANOEUVRE, cut)
-        if not law.carried_on.under_way:
+        if not law.extrapolated.under_way:
             continue
         row = int(np.argmin(np.abs(lead_s - 900.0)))
-        at = Instants(law.segments[0].epoch_utc, law.carried_on.end_s + lead_s[row : row + 1])
+        at = Instants(law.segments[0].epoch_utc, law.extrapolated.end_s + lead_s[row : row + 1])
         stated = np.rad2deg(np.linalg.norm(law.errors(at).sigma_body_rad))
         error = error_deg(law, lead_s[row : row + 1], truth[row : row + 1])[0]
         squares.append((error / stated) ** 2)
@@ -123,7 +123,7 @@ def test_the_stated_sigma_covers_what_happened():
     for cut in range(640, 900, 20):
         law, lead_s, truth = foretold_from("iss_attitude_tea_2018-285.aem", cut)
         asked = lead_s <= 900.0
-        end_s = law.carried_on.end_s
+        end_s = law.extrapolated.end_s
         instants = Instants(law.segments[0].epoch_utc, end_s + lead_s[asked])
         stated = np.rad2deg(np.linalg.norm(law.errors(instants).sigma_body_rad, axis=1))
         ratio.append(error_deg(law, lead_s[asked], truth[: asked.sum()]) / stated)
@@ -145,9 +145,9 @@ def test_at_no_lead_does_any_law_do_better():
     for cut in range(560, 690, 10):
         law, lead_s, truth = foretold_from("iss_attitude_tea_2018-285.aem", cut)
         rows = [int(np.argmin(np.abs(lead_s - lead))) for lead in LEADS_S]
-        laws = (law.carried_on, *law.carried_on.extrapolations)
+        laws = (law.extrapolated, *law.extrapolated.extrapolations)
         for lead, row in zip(LEADS_S, rows, strict=True):
-            at = law.carried_on.end_s + lead_s[row : row + 1]
+            at = law.extrapolated.end_s + lead_s[row : row + 1]
             errors = [(one.at(at) * truth[row : row + 1].inv()).magnitude()[0] for one in laws]
             seen[lead].append(errors)
     for lead in LEADS_S:
@@ -171,14 +171,14 @@ def settled_after_manoeuvre():
 
 def test_a_manoeuvre_in_the_history_is_found_and_left_out():
     law, lead_s, truth = settled_after_manoeuvre()
-    at = Instants(law.segments[-1].epoch_utc, law.carried_on.end_s + lead_s)
+    at = Instants(law.segments[-1].epoch_utc, law.extrapolated.end_s + lead_s)
     (warning,) = [text for text in law.warnings_at(at) if "holds a manoeuvre" in text]
     assert "2018-10-13T0" in warning
     assert error_deg(law, lead_s, truth).max() < 0.7  # as far as its swing goes, end to end
     told_deg = np.rad2deg(np.linalg.norm(law.errors(at).sigma_body_rad, axis=1))
     squares = (error_deg(law, lead_s, truth) / told_deg) ** 2
     # it is over: of what was told, no other. Of one forecast with few errors apart
-    assert not law.carried_on.under_way
+    assert not law.extrapolated.under_way
     assert 0.1 < np.mean(squares) < 3.0
 
 
@@ -208,10 +208,10 @@ def test_a_turn_that_began_is_told_from_the_swing_before_it():
 def test_the_attitude_carried_on_has_no_kink_between_leads():
     """A camera follows it: no acceleration beyond what swing and blending make of it."""
     law, *_ = foretold_from("iss_attitude_manoeuvre_2018-285.aem", 350)
-    end_s = law.carried_on.end_s
+    end_s = law.extrapolated.end_s
     for lead in 150.0 * 2.0 ** np.arange(6):
         near_s = end_s + lead + np.array([-2.0, -1.0, 0.0, 1.0, 2.0])
-        steps = law.carried_on.at(near_s)
+        steps = law.extrapolated.at(near_s)
         rate = (steps[1:] * steps[:-1].inv()).as_rotvec()
         acceleration = np.linalg.norm(np.diff(rate, axis=0), axis=1)
         # 0.1 arcsec/s2: what the vehicle itself does (docs/decisions/attitude_from_messages.md)

@@ -32,7 +32,7 @@ def csv_of(t_s, *angles_deg):
     return "\n".join(["t_s,alpha_deg,beta_deg", *text]).encode()
 
 
-def sound(rate_hz=15.0, seed=1):
+def valid(rate_hz=15.0, seed=1):
     """Tags 0.37 s ahead, and the angles as planned, with 2 arcsec of noise."""
     plan = planned()
     t_s = np.arange(0.0, plan.table.t_s[-1], 1.0 / rate_hz)
@@ -64,7 +64,7 @@ OFF_PLAN = {
 @pytest.mark.parametrize("number", [0, 1])
 @pytest.mark.parametrize("name", OFF_PLAN)
 def test_an_axis_off_its_plan_has_no_lag_and_leaves_its_neighbour_alone(name, number):
-    tag_s, angles_deg = sound()
+    tag_s, angles_deg = valid()
     angles_deg[number] = OFF_PLAN[name](angles_deg[number])
     found = slewtrack.compare(planned(), csv_of(tag_s, *angles_deg))
     off, on = found.axes[number], found.axes[1 - number]
@@ -80,7 +80,7 @@ def test_an_axis_off_its_plan_has_no_lag_and_leaves_its_neighbour_alone(name, nu
 
 def test_what_only_a_clock_of_another_pace_explains_is_refused():
     """Gradians named degrees: a tenth farther, as if the clock lost 7 % of time."""
-    tag_s, angles_deg = sound()
+    tag_s, angles_deg = valid()
     with pytest.raises(InvalidInput, match="no clock does"):
         slewtrack.compare(planned(), csv_of(tag_s, *(one / 0.9 for one in angles_deg)))
 
@@ -88,14 +88,14 @@ def test_what_only_a_clock_of_another_pace_explains_is_refused():
 @pytest.mark.parametrize(("ahead_s", "scale"), [(35.0, "TAI"), (16.0, "GPS time"), (67.184, "TT")])
 def test_another_time_scale_is_named(ahead_s, scale):
     """IERS Bulletin C 44: TAI - UTC is 35 s; GPS time is 19 s behind TAI, TT 32.184 s ahead."""
-    tag_s, angles_deg = sound()
+    tag_s, angles_deg = valid()
     found = slewtrack.compare(planned(), csv_of(tag_s - 0.3 + ahead_s, *angles_deg))
     [note] = [note for note in found.notes if "time tags may be of that scale" in note]
     assert f"as {scale} was" in note
 
 
 def test_rows_of_two_sources_by_turns_are_told():
-    tag_s, angles_deg = sound()
+    tag_s, angles_deg = valid()
     late_s = 0.03 * (np.arange(len(tag_s)) % 2)
     found = slewtrack.compare(planned(), csv_of(tag_s + late_s, *angles_deg))
     assert any("alpha change sign from row to row" in note for note in found.notes)

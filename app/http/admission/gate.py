@@ -14,7 +14,7 @@ from app.http.admission import connections
 from app.http.admission.access import PROBES, Access, is_page
 from app.http.admission.bodies import GuardedBody, HeldBytes
 from app.http.admission.limits import ConcurrencyLimit, RateLimit, network_of
-from app.http.admission.request_form import require_sound_head
+from app.http.admission.request_form import require_valid_head
 from app.http.problems import http_error, service_stops
 from app.settings import Settings
 
@@ -55,7 +55,7 @@ class Gate:
             await send(message)
 
         try:
-            require_sound_head(scope)
+            require_valid_head(scope)
             await self._let_others_go_first(scope)
             with await self._place(scope):
                 await self._app(scope, body.receive, begin_and_send)

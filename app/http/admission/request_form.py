@@ -13,7 +13,7 @@ PATH_BYTES_MAX = 2048
 _ONCE = (b"authorization", b"content-length", b"content-type", b"host", b"transfer-encoding")
 
 
-def require_sound_head(scope: Scope) -> None:
+def require_valid_head(scope: Scope) -> None:
     """Raise 400, 414, 415, 431 or 505, each with the cap."""
     if not scope["http_version"].startswith("1."):
         raise HTTPException(HTTPStatus.HTTP_VERSION_NOT_SUPPORTED, "HTTP/1.1 is spoken here")

@@ -95,8 +95,8 @@ async def post_campaign(
     """
     spec = await anyio.to_thread.run_sync(read_campaign_request, body)
     if query.dry_run:
-        sound = CampaignDryRun(valid=True, name=spec.name, targets=len(spec.targets))
-        return Response(to_json(sound), media_type=JSON)
+        valid = CampaignDryRun(valid=True, name=spec.name, targets=len(spec.targets))
+        return Response(to_json(valid), media_type=JSON)
     job = await anyio.to_thread.run_sync(accept_job, request, RESOURCE, spec, body, key, {})
     waits = patience(prefer, 0)
     await wait_for_end(request, job.id, waits.wait_s)

@@ -163,9 +163,9 @@ PLAN_EXAMPLES: dict[str, tuple[str, dict[str, Any]]] = {
         _request("AEM", attitude={"law": "aem", "content": ATTITUDE}),
     ),
     "harmonic": (
-        "An attitude history that ends before the session, carried on",
+        "An attitude history that ends before the session, extrapolated",
         _request(
-            "attitude carried on",
+            "attitude extrapolated",
             attitude={"law": "harmonic", "content": ATTITUDE_HISTORY},
         ),
     ),

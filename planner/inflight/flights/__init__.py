@@ -1,1 +1,1 @@
-"""What the image does when a plan's table is flown, once as planned and many times disturbed."""
+"""Flights of a plan's table and their images, once as planned and many times disturbed."""

@@ -1,4 +1,4 @@
-"""Which cause is to blame for how much of what disturbed flights do: Sobol's indices."""
+"""Contributors to the errors of disturbed flights: Sobol's indices."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

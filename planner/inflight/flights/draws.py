@@ -1,4 +1,4 @@
-"""What is drawn for one disturbed flight: how far each cause is off, in its own sigmas.
+"""Draws of one disturbed flight: how far each cause is off, in its own sigmas.
 
 Each run has a generator of its own (Philox, keyed by the seed and the run's number), so that a
 run is the same whoever flies it and whichever runs are flown beside it.

@@ -1,4 +1,4 @@
-"""How large the errors of a plan's sessions are: the causes of its pointing budget."""
+"""Errors of a plan's sessions: the causes of its pointing budget and their sizes."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Which of a camera's frames hold the target, and how sharp they are."""
+"""Frames that hold the target, and their sharpness."""
 
 import math
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""What the frames show of the ground around the target: its scale, its turn, what moves on it."""
+"""The ground around the target as frames show it: its scale, its turn, what moves on it."""
 
 import math
 from dataclasses import dataclass

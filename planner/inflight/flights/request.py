@@ -1,4 +1,4 @@
-"""What can be asked of flights of a plan."""
+"""The request for flights of a plan."""
 
 from typing import Annotated
 

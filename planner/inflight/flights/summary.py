@@ -1,4 +1,4 @@
-"""What many disturbed flights say together, of each session and of the whole plan."""
+"""Summaries of many disturbed flights, of each session and of the whole plan."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields

@@ -1,1 +1,1 @@
-"""What a table does to what flies it."""
+"""Simulated drives and structure that a table moves."""

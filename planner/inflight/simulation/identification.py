@@ -1,4 +1,4 @@
-"""What a platform's drives must have been, from the angles or rates that they flew."""
+"""Identification of a platform's drives from the angles or rates that they flew."""
 
 import math
 from collections.abc import Mapping, Sequence

@@ -1,4 +1,4 @@
-"""How far fitted parameters may be from the truth, told by what the fit leaves over."""
+"""Scatter of fitted parameters about the truth, from the residuals of the fit."""
 
 import numpy as np
 

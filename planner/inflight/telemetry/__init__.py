@@ -1,1 +1,1 @@
-"""What flew against what was planned: measured shaft angles or rates beside a command table."""
+"""Telemetry against the plan: measured shaft angles or rates beside a command table."""

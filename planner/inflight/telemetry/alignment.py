@@ -1,4 +1,4 @@
-"""How far the telemetry's clock is ahead of the plan's, and how fast it gains, with their errors.
+"""The telemetry clock's offset and drift from the plan's, with their errors.
 
 Robust least squares (Huber 1981, sec. 7.8) of all columns together on the table's cubic Hermite.
 A time tag is t + offset + drift t, t the seconds since the table's epoch.  What isn't time is not

@@ -1,4 +1,4 @@
-"""What looks at the horizon or at the target say beside the axes: how far the carrier was off.
+"""The carrier's attitude error from measurements of the horizon or the target beside the axes.
 
 Angles and rates of the axes are told relative to the carrier: by themselves they say nothing of
 its attitude.  A measured rotation (of a horizon estimate) says where the target was besides; a

@@ -1,4 +1,4 @@
-"""What a column of telemetry holds, by its name: an axis's angle or rate, and in which unit."""
+"""Telemetry columns by their names: an axis's angle or rate, and its unit."""
 
 import math
 import re

@@ -90,12 +90,12 @@ def compare(plan: FlightPlan, samples: Samples) -> Comparison:
     table, platform = plan.table, plan.scenario.platform
     names = platform.axis_names
     motions = [PlannedMotion(table, axis) for axis in range(len(names))]
-    sound = [replace(column, value=_sound(column.value, _VALUE_MAX)) for column in samples.columns]
-    columns = [column for column in sound if np.isfinite(column.value).any()]
-    empty = [column.name for column in sound if column not in columns]
+    valid = [replace(column, value=_valid(column.value, _VALUE_MAX)) for column in samples.columns]
+    columns = [column for column in valid if np.isfinite(column.value).any()]
+    empty = [column.name for column in valid if column not in columns]
     if not columns:
         raise InvalidInput("no column holds a number", field="samples")
-    tag_s = _sound(samples.t_s, _TAG_MAX_S) + elapsed_s(samples.epoch_utc, table.epoch_utc)
+    tag_s = _valid(samples.t_s, _TAG_MAX_S) + elapsed_s(samples.epoch_utc, table.epoch_utc)
     _require_some(tag_s, plan)
     columns, start_s = in_units(columns, tag_s, motions)
     angle_rad, rate_rad_s, wrapped = _in_radians(columns, tag_s - start_s, motions)
@@ -153,7 +153,7 @@ def compare(plan: FlightPlan, samples: Samples) -> Comparison:
     )
 
 
-def _sound(value: Array, bound: float) -> Array:
+def _valid(value: Array, bound: float) -> Array:
     """NaN for what no sensor and no clock tells."""
     return np.where(np.abs(value) < bound, value, np.nan)
 

@@ -1,4 +1,4 @@
-"""How far an axis was from its plan: over all, and in each phase of the table."""
+"""Following errors of an axis: over all, and in each phase of the table."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

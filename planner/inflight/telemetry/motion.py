@@ -1,4 +1,4 @@
-"""What the table has the axes do at any time: the platform's cubic Hermite between rows."""
+"""The planned motion at any time: the platform's cubic Hermite between rows."""
 
 from dataclasses import dataclass
 from functools import cached_property

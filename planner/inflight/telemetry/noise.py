@@ -1,4 +1,4 @@
-"""How finely a column tells: the noise of a row by itself, and the sensor's step."""
+"""The resolution of a column: the noise of a row by itself, and the sensor's step."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What the platform's parameters must have been: of its drives, and its least smooth rate.
+"""The platform's parameters as identified: of its drives, and its least smooth rate.
 
 The drives' are those with which the simulator makes the same of the table.  A delay that the
 drives share looks like a clock that is ahead; here it is taken to be what the platform's own

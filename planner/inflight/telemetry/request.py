@@ -1,4 +1,4 @@
-"""What can be asked of telemetry beside a plan, and how much of it."""
+"""The request for a comparison of telemetry with a plan, and its bounds."""
 
 from datetime import datetime
 from typing import Annotated

@@ -1,4 +1,4 @@
-"""Whether an axis stands and jumps while its command creeps: steps told apart from smooth errors.
+"""A test for staircases: an axis that stands and jumps while its command creeps.
 
 Rows are cut into parts in which the axis either stands (its measured angle is constant) or follows
 (its error is): the cut with the least squares and a price on each part.  Where the same price on

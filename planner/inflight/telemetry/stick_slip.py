@@ -1,4 +1,4 @@
-"""Where an axis stuck and slipped: it stands while its command creeps, then catches up.
+"""Stick-slip of an axis: it stands while its command creeps, then catches up.
 
 Windows of rows, averaged as far as their noise and the command ask for, are cut into parts that
 stand and parts that follow (`staircase.py`).  An axis is told to stick where that explains its

@@ -1,4 +1,4 @@
-"""Whether telemetry is of this plan at all: columns that hold nothing of its motion are refused."""
+"""Refusal of unrelated columns: telemetry that holds nothing of the plan's motion."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What the optimal slew gains over the paper's cubic."""
+"""The gain of the optimal slew over the paper's cubic."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""How much a flexible structure still rings after a slew."""
+"""Residual vibration of a flexible structure after a slew."""
 
 import numpy as np
 

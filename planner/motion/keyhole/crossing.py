@@ -1,4 +1,4 @@
-"""How both axes get from one way of tracking to another, erring least on the way."""
+"""Crossings of both axes from one track branch to another, with the least error on the way."""
 
 import math
 from dataclasses import dataclass

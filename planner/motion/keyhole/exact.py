@@ -1,4 +1,4 @@
-"""Where a target can be tracked exactly, and in which ways, on rows of the table."""
+"""Rows of the table on which a target can be tracked exactly, by track branch."""
 
 import itertools
 import math

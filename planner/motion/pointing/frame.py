@@ -1,4 +1,4 @@
-"""Where the camera's frame lies, and where in it a direction is seen."""
+"""The camera's frame on the platform, and where in it a direction is seen."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""How deep the boresight enters what it must keep out of: cones as they move, masks that stand."""
+"""Depth of the boresight in what it must keep out of: cones as they move, masks that stand."""
 
 import math
 from collections.abc import Callable

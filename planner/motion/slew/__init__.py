@@ -1,4 +1,4 @@
-"""How the axes get from one state to another."""
+"""Slews of the axes from one state to another."""
 
 from planner.motion.slew.feasibility import next_duration_s, require_brakable, verdict
 from planner.motion.slew.optimal import optimal_slew

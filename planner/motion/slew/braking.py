@@ -1,4 +1,4 @@
-"""What an axis must do first, and last, because it is about to pass its rate limit or a stop.
+"""Braking that an axis must do first, and last, before it passes its rate limit or a stop.
 
 An acceleration towards the rate limit leaves an axis that is near it no choice: the jerk must
 take the acceleration back; nor does a rate towards a stop, which must be braked.  Doing so in

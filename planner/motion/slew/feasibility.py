@@ -1,4 +1,4 @@
-"""Whether an axis can slew in exactly the time it has, and if not, why not."""
+"""Feasibility of a slew in exactly the time an axis has, and the reason where it is infeasible."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What rows every 0.2 s make of a motion: the cubic Hermite between them."""
+"""The motion flown from rows every 0.2 s: the cubic Hermite between them."""
 
 import numpy as np
 

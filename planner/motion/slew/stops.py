@@ -1,4 +1,4 @@
-"""How near an axis in a given state comes to its hard stops and its rate limit at best."""
+"""The unavoidable approach of an axis in a given state to its hard stops and its rate limit."""
 
 import math
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""What the reader of an exported file must know: frames, units, time scale, rotations."""
+"""Notes for the reader of an exported file: frames, units, time scale, rotations."""
 
 from dataclasses import dataclass
 from datetime import datetime

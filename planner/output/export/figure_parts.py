@@ -1,4 +1,4 @@
-"""What the figures of all plans share: panels over UTC, shaded spans, the file."""
+"""Parts that the figures of all plans share: panels over UTC, shaded spans, the file."""
 
 from __future__ import annotations
 

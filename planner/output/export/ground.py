@@ -1,4 +1,4 @@
-"""Where on the ellipsoid the payload looks, and what its frame covers."""
+"""Ground points on the ellipsoid: the payload's boresight and its frame's corners."""
 
 from typing import NamedTuple
 

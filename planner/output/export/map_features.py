@@ -1,4 +1,4 @@
-"""What a map shows, whichever format it is written in, and whichever kind of plan it is of."""
+"""Map features, whatever format they are written in and whatever kind of plan they are of."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

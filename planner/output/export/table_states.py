@@ -1,4 +1,4 @@
-"""Where the carrier is and how the payload is turned, row by row of a plan."""
+"""The carrier's states and the payload's attitude, row by row of a plan."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""What there is to see of a plan, and the formats that hold all of it."""
+"""The view of a plan, and the formats that hold all of it."""
 
 from datetime import datetime
 from typing import TYPE_CHECKING

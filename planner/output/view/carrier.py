@@ -1,4 +1,4 @@
-"""Where the carrier is, where it looks, and where the Sun and the Moon stand."""
+"""The carrier's position and look direction, and where the Sun and the Moon stand."""
 
 from dataclasses import dataclass
 

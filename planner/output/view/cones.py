@@ -1,4 +1,4 @@
-"""How near the boresight comes to each cone to keep out of, and how a cone lies on the axes."""
+"""Margins of the boresight to each keep-out cone, and each cone's outline on the axes."""
 
 import math
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""How near the boresight comes to what stands in the view, and how that lies on the axes."""
+"""Margins of the boresight to each mask, and each mask's outline on the axes."""
 
 import math
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""How the axes move: as flown between rows, and as the paper's spline would."""
+"""Motion of the axes: as flown between rows, and as the paper's spline would move them."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

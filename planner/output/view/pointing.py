@@ -1,4 +1,4 @@
-"""How far off the targets the boresight is, and may be, over time."""
+"""Pointing errors over time: planned and budgeted distance of the boresight from its targets."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Which rows of a table a view shows."""
+"""Rows of a table that a view shows."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""How each session's target is seen, before, in and after the session."""
+"""Each session's target as it is seen before, in and after the session."""
 
 import math
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""What there is to see of a plan: from its table to columns over time."""
+"""The view of a plan: columns over time from its table."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""When each session's target can be seen, around the session."""
+"""Windows of each session's target around the session."""
 
 from datetime import datetime
 

@@ -1,4 +1,4 @@
-"""Which sessions a platform is to fly, and in what order."""
+"""Campaigns: the sessions a platform is to fly, and their order."""
 
 from typing import TYPE_CHECKING
 

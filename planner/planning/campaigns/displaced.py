@@ -1,4 +1,4 @@
-"""Which chosen looks stand in the way of a target that got none."""
+"""Chosen observations that displace a target which got none."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

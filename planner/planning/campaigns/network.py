@@ -1,4 +1,4 @@
-"""When each way of a pass can be reached from each other one."""
+"""Reachability between the track branches of a pass, by start and arrival step."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,5 @@
-"""Why a target can't be looked at: how high the carrier gets, and what closes every window."""
+"""Reasons why a target can't be observed: how high the carrier gets, and what closes every
+window."""
 
 import math
 from collections.abc import Mapping, Sequence

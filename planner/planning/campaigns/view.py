@@ -1,4 +1,4 @@
-"""How well a target is seen, from 0 to 1, as the user weighs it."""
+"""Quality of a target's view, from 0 to 1, by the user's weights."""
 
 import math
 from collections.abc import Sequence

@@ -121,10 +121,10 @@ def _runs(
     los_acceleration_s2 = (after - 2.0 * los + before) / OPTIONS.delta_s**2
     for angle_rad in axis_angles(platform, los).angle_rad:
         motion = axis_motion(platform, angle_rad, los, los_rate_s, los_acceleration_s2)
-        sound = singular_margin_rad(platform, angle_rad, los) > OPTIONS.singular_rad
+        off_keyhole = singular_margin_rad(platform, angle_rad, los) > OPTIONS.singular_rad
         for turned_rad in _turns(platform, angle_rad):
             axis_states = np.stack([turned_rad, *motion], axis=1)
-            usable = sound & _within(axis_states, platform.axis_limits)
+            usable = off_keyhole & _within(axis_states, platform.axis_limits)
             yield _split(look, step, axis_states, quality, usable)
 
 

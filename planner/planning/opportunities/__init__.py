@@ -1,4 +1,4 @@
-"""When each target can be seen."""
+"""Windows in which each target can be seen."""
 
 from typing import TYPE_CHECKING
 

@@ -1,4 +1,4 @@
-"""What is said of each window: closest approach, elevation, axis angles, light."""
+"""The description of each window: closest approach, elevation, axis angles, light."""
 
 import math
 

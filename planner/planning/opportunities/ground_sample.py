@@ -1,4 +1,4 @@
-"""How long a pixel is on the ground, along the lean of the line of sight."""
+"""Ground sample distance along the lean of the line of sight."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""When the line of sight runs clear of a platform's masks.
+"""Spans in which the line of sight runs clear of a platform's masks.
 
 A mask may be a boom that the line of sight passes in a moment, and two may be close together, so
 that turning points between nodes don't tell.  But how far off a mask is changes by no more than

@@ -1,4 +1,4 @@
-"""The longest part of each window over which the axes can follow: what a session may ask for.
+"""Trackable spans: the longest part of each window that the axes can follow, for a session.
 
 A window says when a target can be seen by some pair of angles.  A session holds it by one pair
 throughout, within the limits of rate, acceleration and jerk, and meets a stop only as slowly as

@@ -1,4 +1,4 @@
-"""What is known of the opportunities found."""
+"""Windows as values: the opportunities found, and what is known of each."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields

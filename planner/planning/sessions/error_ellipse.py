@@ -1,4 +1,4 @@
-"""How the 1-sigma pointing error lies in the image, over a session."""
+"""The 1-sigma error ellipse of the pointing in the image, over a session."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What moving one session costs the others of its request."""
+"""The cost of moving one session to the others of its request."""
 
 from dataclasses import replace
 

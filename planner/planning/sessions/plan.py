@@ -1,4 +1,4 @@
-"""What comes out of planning."""
+"""The results of planning: the plan, its slews and their figures."""
 
 from dataclasses import dataclass
 

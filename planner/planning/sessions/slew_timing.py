@@ -1,5 +1,4 @@
-"""How much of the time before a track its slew takes; for the rest of it the axes slew_start
-still."""
+"""Slew timing: the share of a lead that a slew takes; for the rest of it the axes stand still."""
 
 import math
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""Where the spacecraft is over the Earth, and what its scanned line covers."""
+"""The spacecraft's ground track, and the swath of its scanned line."""
 
 import math
 from functools import cached_property

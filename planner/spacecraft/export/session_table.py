@@ -1,4 +1,4 @@
-"""What every format of an imaging session is written from."""
+"""The imaging session as every export format is given it."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Which requests are imaged, when and in what order: the best choice, with a bound.
+"""The best choice of requests to image, their times and order, with a bound.
 
 A path through candidates in order of time, worth the priorities of the requests it fulfils, found
 by `label_search`.  The two looks of a stereo pair are candidates of their own; only the

@@ -1,4 +1,4 @@
-"""What a session leaves out."""
+"""Requests that a session leaves out."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""What all requests of a session share: orbit, clock, spacecraft, and where a point is seen."""
+"""The session that all requests share: orbit, clock, spacecraft, and where a point is seen."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Which way of carrying an attitude on is followed how far, and how well it foretells.
+"""Blends of attitude extrapolations: the share of each by lead time, and its expected error.
 
 Measured on the history's own tail: each description is fitted to what came before a cut, for many
 cuts, and compared with what came after.  Each lead has its own weights, since what is best for

@@ -1,4 +1,4 @@
-"""What every attitude law shares: its uncertainty, and how measurements correct it."""
+"""The base of every attitude law: its uncertainty, and its correction by measurements."""
 
 from abc import ABC, abstractmethod
 from functools import cached_property

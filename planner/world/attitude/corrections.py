@@ -1,4 +1,4 @@
-"""What measured small rotations say of an attitude law's error, then and at other times.
+"""Corrections of an attitude law from measured small rotations, then and at other times.
 
 The error is taken as a lasting turn, a swing at the orbital rate and a rest, each about every
 body axis and of the size the law itself tells: the measurements condition these.  A Gaussian

@@ -1,4 +1,4 @@
-"""How far a carrier may be off its predicted attitude."""
+"""Errors of a carrier's predicted attitude."""
 
 from dataclasses import dataclass, field
 from typing import Annotated

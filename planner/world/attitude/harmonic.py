@@ -36,12 +36,12 @@ class HarmonicOptions:
 
 OPTIONS = HarmonicOptions()
 
-_TURN = ", and its manoeuvre's turn, which nothing foretells"
+_TURN = ", and its manoeuvre's turn, which nothing predicts"
 
 
 @spec
 class HarmonicAttitude(CorrectableAttitude):
-    """An attitude history (CCSDS AEM, KVN or XML) carried on beyond its end.
+    """An attitude history (CCSDS AEM, KVN or XML) extrapolated beyond its end.
 
     The history is described by orbital harmonics of its attitude to LVLH and the present offset
     from them, and by the present attitude or rate alone, a rate that slows down coming to rest; at
@@ -65,7 +65,7 @@ class HarmonicAttitude(CorrectableAttitude):
         except InvalidMessage as refusal:
             raise ValueError(f"content: {refusal.detail}") from None
         try:
-            _ = self.carried_on
+            _ = self.extrapolated
         except Refusal as refusal:
             raise ValueError(f"history_orbit: {refusal.detail}") from None
         except ValueError as error:
@@ -85,54 +85,54 @@ class HarmonicAttitude(CorrectableAttitude):
         return read_aem(self.content)
 
     @cached_property
-    def carried_on(self) -> Blend:
+    def extrapolated(self) -> Blend:
         """Fitted once, at construction; its clock is that of the message's last segment."""
         return blend(*self._history, self.orbital_period_s)
 
     def choice_at(self, lead_s: float) -> str:
         """What counts most so long after the history's end, and on what evidence."""
-        shares = [pair for pair in self.carried_on.shares_at(lead_s) if pair[1] >= 0.1]
-        rms_rad = np.linalg.norm(self.carried_on.error_rms_at(np.array([lead_s])))
-        beyond = lead_s > self.carried_on.tried_s
+        shares = [pair for pair in self.extrapolated.shares_at(lead_s) if pair[1] >= 0.1]
+        rms_rad = np.linalg.norm(self.extrapolated.error_rms_at(np.array([lead_s])))
+        beyond = lead_s > self.extrapolated.tried_s
         return (
-            f"the attitude is carried on from {utc_text(self._end_utc)}, {lead_s:.0f} s ahead by "
+            f"the attitude is extrapolated from {utc_text(self._end_utc)}, {lead_s:.0f} s ahead by "
             f"{', '.join(f'{description} ({share:.0%})' for description, share in shares)}: "
             f"{np.rad2deg(rms_rad):.3f} deg rms "
             + (
-                f"expected from its errors up to {self.carried_on.tried_s:.0f} s ahead on "
+                f"expected from its errors up to {self.extrapolated.tried_s:.0f} s ahead on "
                 if beyond
                 else "on "
             )
             + "parts of its own history it had not seen"
-            + _TURN * self.carried_on.under_way
+            + _TURN * self.extrapolated.under_way
         )
 
     def law_warnings_at(self, instants: Instants) -> tuple[str, ...]:
         """The choice: it may be a poor one, and its rms says so; a manoeuvre in the history."""
         lead_s = max(0.0, float(instants.since_s(self._end_utc)[-1]))
-        changed_s = self.carried_on.changed_s
+        changed_s = self.extrapolated.changed_s
         if changed_s is None:
             return (self.choice_at(lead_s),)
         changed_utc = shifted_utc(self.segments[-1].epoch_utc, changed_s)
         what = (
             "is under way, which began about {}: a turn as likely as not is told in the error, "
             "unless attitude.uncertainty states it"
-            if self.carried_on.under_way
+            if self.extrapolated.under_way
             else "began or ended about {}: the error told holds no other"
         )
         return (
             self.choice_at(lead_s),
             f"the attitude history holds a manoeuvre, which {what.format(utc_text(changed_utc))}; "
-            "what is older is not used, and nothing foretells when a manoeuvre begins or ends",
+            "what is older is not used, and nothing predicts when a manoeuvre begins or ends",
         )
 
     def law_errors(self, instants: Instants) -> AttitudeErrors:
         """From the held-out tail, so long after it as the instants are."""
         lead_s = np.maximum(instants.since_s(self._end_utc), 0.0)
         return known_errors(
-            self.carried_on.error_rms_at(lead_s),
+            self.extrapolated.error_rms_at(lead_s),
             "measured on the history's own tail, held out of the fit"
-            + _TURN * self.carried_on.under_way,
+            + _TURN * self.extrapolated.under_way,
             "a history that ends nearer to the session",
             OPTIONS.error_memory_s,
         )
@@ -141,7 +141,7 @@ class HarmonicAttitude(CorrectableAttitude):
         """Attitude at the n instants; raises OutsideCoverage before the history's end."""
         self._refuse_outside(instants)
         since_end_s = instants.since_s(self._end_utc)
-        q_body_from_lvlh = self.carried_on.at(since_end_s + self.carried_on.end_s)
+        q_body_from_lvlh = self.extrapolated.at(since_end_s + self.extrapolated.end_s)
         return q_body_from_lvlh * q_lvlh_from_eci(states.r_sat_eci_m, states.v_sat_eci_m_s)
 
     def _refuse_outside(self, instants: Instants) -> None:

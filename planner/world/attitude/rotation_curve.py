@@ -3,7 +3,7 @@
 Predicted attitudes are smooth and are interpolated.  Measured ones carry noise: a curve
 through every row of real 1 s telemetry accelerates by 10-25 arcsec/s2 where the vehicle does
 by 0.1, and no camera should be made to follow that.  So the curve is the one that best
-foretells rows it has not seen, and what it leaves out is stated.
+predicts rows it has not seen, and what it leaves out is stated.
 """
 
 from dataclasses import dataclass
@@ -38,7 +38,7 @@ class RotationCurveOptions:
 
 OPTIONS = RotationCurveOptions()
 
-# Offsets, in rows, of the four rows that foretell a row: from both sides, from before, from
+# Offsets, in rows, of the four rows that predict a row: from both sides, from before, from
 # after.  A manoeuvre that begins or ends leaves one side right; a damaged row fits none.
 _STENCILS = ((-2, -1, 1, 2), (-4, -3, -2, -1), (1, 2, 3, 4))
 REACH = 2  # rows at either end whose place between neighbours can't be judged
@@ -93,7 +93,7 @@ def rotation_curve(
 
 
 def _knot_spacing_s(t_s: Array, q: Array, q_dot_s: Array | None) -> float:
-    """The widest knot spacing that foretells unseen rows about as well as any; 0 interpolates."""
+    """The widest knot spacing that predicts unseen rows about as well as any; 0 interpolates."""
     starts = np.unique(
         np.linspace(0, max(0, len(t_s) - OPTIONS.sample_rows), OPTIONS.samples).astype(int)
     )

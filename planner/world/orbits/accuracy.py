@@ -27,7 +27,7 @@ ASSUMED_STATE = (
 class OrbitErrorFigures:
     """What predictions were measured to be wrong by; of the ISS."""
 
-    # the air foretold is wrong by so much of itself, rms of ten ephemerides
+    # the air predicted is wrong by so much of itself, rms of ten ephemerides
     oem_drag_wrong: float = 0.2
     tle_drag_wrong: float = 0.5  # what of the drag in elements is wrong: a share of it,
     tle_air_wrong: float = 0.07  # of what the thickest air at their height makes,

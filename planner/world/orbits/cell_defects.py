@@ -1,4 +1,4 @@
-"""By how much an ephemeris misses its next node, if nothing but nature pulls.
+"""Defects of an ephemeris's cells: its miss of each next node under natural forces alone.
 
 What is left shows engines that burn, and nodes that were damaged on their way to us.  A burn
 makes a kink in the acceleration that a polynomial must not cross: it ends an arc.

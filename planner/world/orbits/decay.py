@@ -1,4 +1,4 @@
-"""How much drag an ephemeris holds, by how its orbit shrinks from one day to the next."""
+"""Drag in an ephemeris, from the decay of its orbit from one day to the next."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What every orbit source gives: positions and velocities over a plan's time span."""
+"""The ephemeris that every orbit source gives: positions and velocities over a plan's time span."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What a platform's camera takes: how fine, how long, how often."""
+"""The camera of a platform: pixel, exposure, frame rate."""
 
 import math
 from typing import Annotated

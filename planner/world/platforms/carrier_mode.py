@@ -1,4 +1,4 @@
-"""How the carrier's structure rocks under the platform."""
+"""Modes in which the carrier's structure rocks under the platform."""
 
 import math
 from typing import Annotated

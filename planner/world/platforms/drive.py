@@ -1,4 +1,4 @@
-"""How an axis's drive follows its table: loop, friction, cable and sensors, as a person writes it.
+"""An axis's drive: loop, friction, cable and sensors, in the units a person writes.
 
 What turns an axis is given over its inertia (deg/s2), as its acceleration limit is: the motion
 needs no inertia.  The HRC's papers publish none of these numbers but the least rate that its

@@ -1,4 +1,4 @@
-"""What of the carrier stands in a platform's view."""
+"""Masks: parts of the carrier that stand in a platform's view."""
 
 import math
 from functools import cached_property

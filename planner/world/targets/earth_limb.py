@@ -1,4 +1,4 @@
-"""How near a line of sight into space passes the Earth, and what the air does to it."""
+"""Distance of a line of sight into space from the Earth's limb, and its refraction there."""
 
 import numpy as np
 

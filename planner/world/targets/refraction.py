@@ -1,4 +1,4 @@
-"""How far the air displaces what the carrier sees, on the ground and beyond the limb.
+"""Refraction of what the carrier sees, on the ground and beyond the limb.
 
 Spherical layers of the U.S. Standard Atmosphere; the weather changes it by some 5 %.
 Rays obey Bouguer's law: n r sin(zenith angle) is constant along a ray.

@@ -1,4 +1,4 @@
-"""What a session asks of its target, whatever the mode."""
+"""The interface of a target, whatever its mode, to a session."""
 
 from dataclasses import replace
 from datetime import datetime
