@@ -1,4 +1,4 @@
-/** What Cesium's engine needs beside its code, and what it must not do. */
+/** Files that Cesium's engine needs beside its code, without the styles that the content policy refuses. */
 import { cpSync, mkdirSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 

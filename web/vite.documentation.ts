@@ -1,4 +1,4 @@
-/** What the API's pages load: Swagger UI and ReDoc as they are published, but for what ReDoc would fetch. */
+/** Files of the API's pages: Swagger UI and ReDoc as they are published, but for what ReDoc would fetch. */
 import { cpSync, readFileSync, writeFileSync } from "node:fs";
 import { basename, join } from "node:path";
 
