@@ -50,7 +50,7 @@ def compare(
         typer.Option(
             metavar="AXIS.FIELD",
             help="Estimate this parameter of the platform's drives, such as beta.coulomb_deg_s2 "
-            "(may be repeated); it takes 20 to 30 s of a processor.",
+            "(may be repeated); it takes 15 to 30 s of a processor.",
         ),
     ] = None,
     plot: Annotated[

@@ -41,8 +41,8 @@ class TelemetrySamples:
     them is told.
 
     epoch: from which t_s counts; unless given, the plan's; UTC. E.g. `"2015-02-27T17:34:00Z"`.
-    t_s: time tags, at most 400,000; where JSON of so many is too long for a request, send CSV by
-    multipart. E.g. `[100.0, 100.2, 100.4]`.
+    t_s: time tags, at most 400,000, which take 20 s of a processor; where JSON of so many is too
+    long for a request, send CSV by multipart. E.g. `[100.0, 100.2, 100.4]`.
     utc: time tags instead of t_s; UTC. E.g. `["2015-02-27T17:35:40.000Z"]`.
     """
 
@@ -64,7 +64,7 @@ class ComparisonRequest:
     image_offsets: positions of the target in frames of the session. E.g.
     `[{"epoch": "2015-02-27T17:37:00Z", "offset_deg": [0.12, -0.05], "sigma_deg": 0.001}]`.
     identify: parameters of the platform's drives to find, each `axis.field`, of plans up to 600 s;
-    it takes 20 to 30 s of a processor. E.g. `["alpha.coulomb_deg_s2", "beta.coulomb_deg_s2"]`.
+    it takes 15 to 30 s of a processor. E.g. `["alpha.coulomb_deg_s2", "beta.coulomb_deg_s2"]`.
     """
 
     plan: str

@@ -87,8 +87,8 @@ def test_work_that_gets_no_processor_is_not_late():
 
 
 def test_a_child_that_hangs_is_killed_and_the_request_not_blamed(monkeypatch):
-    monkeypatch.setattr(worker_process, "_SILENT_S", 0.2)
-    with pytest.raises(ChildDied, match=r"did nothing for 0\.2 s"):
+    monkeypatch.setattr(worker_process, "_SILENT_S", 1.0)
+    with pytest.raises(ChildDied, match="did nothing for 1 s"):
         run_in_worker(BOUNDS, time.sleep, 3600.0)
     with pytest.raises(TooDemanding):  # this one works all the while
         run_in_worker(Bounds(deadline_s=1.0, memory_mib=200), spin)

@@ -150,7 +150,7 @@ class House:
         for process in reversed(self.running.values()):
             process.terminate()
         for process in self.running.values():
-            process.wait(timeout=30)
+            process.wait(timeout=PATIENCE_S)
 
     def ask(self, method: str, path: str, body: bytes | None = None, **headers: str) -> Any:
         """The answer's JSON; tried again while the service is down."""

@@ -18,7 +18,7 @@ def test_kill_9_in_the_middle_of_a_campaign_loses_and_doubles_nothing():
         env=os.environ | {"PYTHONPATH": str(ROOT)},
         capture_output=True,
         text=True,
-        timeout=280,
+        timeout=580,
         check=False,
     )
     assert done.returncode == 0, done.stderr

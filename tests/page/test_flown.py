@@ -40,7 +40,6 @@ def test_a_plan_is_flown_and_what_is_to_blame_is_told(open_page, plan):
     page.get_by_label("Language").select_option("ru")
     expect(page.get_by_role("heading", name="По времени плана")).to_be_visible()
     expect(page.locator("[aria-labelledby=over-time]").get_by_role("slider")).to_have_value(before)
-    )
     page.get_by_label("Язык").select_option("en")
     over_time.get_by_role("button", name="Play").click()
     expect(slider).not_to_have_value(before)
