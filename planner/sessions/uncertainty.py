@@ -27,6 +27,7 @@ from planner.targets import VisibleTarget
 
 SAMPLES = 11  # errors change over a pass, not from row to row
 COARSE = 16  # one of so many draws, where instants are many
+COMPARED = 4  # the same, where causes are compared to 0.01
 BATCH = 1000  # instants: 16 MB
 RANDOM_MARGIN_SIGMA = 3.0
 OFF_TARGET = 1e-3  # of the frame: more than a table's rows leave between them
@@ -100,7 +101,7 @@ def pointing_budget(
 
 
 def _probability(
-    biases: Sequence["Bias"], scene: "PointingScene", platform: TwoAxisPlatform
+    biases: Sequence["Bias"], scene: "PointingScene", platform: TwoAxisPlatform, every: int = 1
 ) -> float:
     return probability_inside(
         np.stack(_constant(biases)),
@@ -112,6 +113,7 @@ def _probability(
             if bias.quarter_later_rad is not None
         ],
         laplace=sum(bias.is_laplace for bias in biases),
+        every=every,
     )
 
 
@@ -127,7 +129,8 @@ def _helps_most(
     """
 
     def helps(cause: _Cause) -> tuple[float, float]:
-        left = _probability([bias for bias in biases if bias.cause != cause], scene, platform)
+        others = [bias for bias in biases if bias.cause != cause]
+        left = _probability(others, scene, platform, COMPARED)
         return round(left, 2), float(np.sum(squares_rad2[cause]))
 
     return max(squares_rad2, key=helps).cause
