@@ -67,8 +67,7 @@ COLD: Options = {
 }
 WARM: Options = {
     **COLD,
-    "mehrotra_algorithm": "no",  # which would forget how small mu is
-    "mu_init": 1e-10,
+    "mu_init": 1e-6,
     "warm_start_init_point": "yes",
     "warm_start_bound_push": 1e-6,
     "warm_start_bound_frac": 1e-6,
@@ -76,7 +75,7 @@ WARM: Options = {
     "warm_start_slack_bound_frac": 1e-6,
     "warm_start_mult_bound_push": 1e-6,
 }
-ROOMY: Options = {**WARM, "mehrotra_algorithm": "yes", "mu_init": 1e-6, "bound_relax_factor": 1e-9}
+ROOMY: Options = {**WARM, "bound_relax_factor": 1e-9}
 QUICK: Options = {"eps_abs": 1e-9, "eps_rel": 1e-9, "max_iter": 60}
 STARTS: dict[Start, tuple[Plugin, Options]] = {
     "quick": ("piqp", QUICK),
