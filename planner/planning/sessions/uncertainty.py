@@ -31,11 +31,9 @@ class BudgetOptions:
     """How a pointing budget is sampled, and what it assumes."""
 
     samples: int = 11  # errors change over a pass, not from row to row
-    coarse: int = 16  # one of so many draws, where instants are many⟦O:
-    batch: int⟦B:
-BATCH⟦T:
-COMPARED = 4  # the same, where causes are compared to 0.01
-BATCH⟧ = 1000  # instants: 16 MB
+    coarse: int = 16  # one of so many draws, where instants are many
+    compared: int = 4  # the same, where causes are compared to 0.01
+    batch: int = 1000  # instants: 16 MB
     # of the drives, whose error is another each row: kept free at the frame's edge
     random_margin_sigma: float = 3.0
     off_target: float = 1e-3  # of the frame: more than a table's rows leave between them
@@ -143,7 +141,7 @@ def _helps_most(
 
     def helps(cause: _Cause) -> tuple[float, float]:
         others = [bias for bias in biases if bias.cause != cause]
-        left = _probability(others, scene, platform, COMPARED)
+        left = _probability(others, scene, platform, OPTIONS.compared)
         return round(left, 2), float(np.sum(squares_rad2[cause]))
 
     return max(squares_rad2, key=helps).cause
