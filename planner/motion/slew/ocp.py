@@ -64,6 +64,7 @@ COLD: Options = {
     "min_refinement_steps": 0,
     "mumps_scaling": 0,
     "mumps_permuting_scaling": 0,
+    "mumps_pivot_order": 0,  # AMD: with modes what MUMPS chooses takes up to ten times as long
 }
 WARM: Options = {
     **COLD,
