@@ -1,4 +1,4 @@
-"""Is every command line of the pages and of --help run, and every flag of every command?
+"""Every command line of the pages and of --help is run, and every flag of every command.
 
 Here, by the tutorial's test, or by the test that is named below; a new line, flag, command or
 example fails until something runs it.

@@ -1,4 +1,4 @@
-"""Does `slewtrack fly` fly here and by a service, report, draw, and refuse in one line?"""
+"""`slewtrack fly` flies here and by a service, reports, draws, and refuses in one line."""
 
 import json
 from pathlib import Path
