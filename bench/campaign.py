@@ -1,4 +1,4 @@
-"""How good are the chosen sessions, how near the optimum, and how long does choosing take?
+"""Value, bound and processor time of campaigns as chosen.
 
 Real OCO-3 targets and seeded ones beyond 559, the ISS, elevation of 30 deg, looks of 20 to
 40 s, priorities 1 to 5.  Compared: the choice, its bound, taking pass after pass whatever is

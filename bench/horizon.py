@@ -1,4 +1,4 @@
-"""How well does the horizon estimator do?  Prints the tables of docs/horizon.md.
+"""Errors of the horizon estimator; prints the tables of docs/horizon.md.
 
 Run: OMP_NUM_THREADS=1 python bench/horizon.py [--frames N] [--seed N] [--rows WORD ...]
 Words are groups, or parts of the names of the harder rows.  Images come from the renderer; the

@@ -1,4 +1,4 @@
-"""What does the horizon hold under airs of another model?  Prints the table of docs/horizon.md.
+"""Errors of the horizon under airs of another model; prints the table of docs/horizon.md.
 
     OMP_NUM_THREADS=1 python bench/horizon_air.py [--pairs N] [--seed N] [--airs NAME ... [--each]]
         [--conditions NAME ...]

@@ -1,4 +1,4 @@
-"""Which images does the horizon benchmark use, and what is their truth?"""
+"""Images of the horizon benchmark, and their truth."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""What would a crew's photograph show of a rendered scene?
+"""A rendered scene as a crew's photograph would show it.
 
 All that a photograph adds and nobody calibrates: sRGB with a contrast curve, vignetting, an
 exposure of its own, lateral colour, a window's reflections, panels in frame with bright edges,

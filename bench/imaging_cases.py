@@ -1,4 +1,4 @@
-"""What does the spacecraft's benchmark fly over?  An orbit, and lines and areas along its track."""
+"""Cases of the spacecraft's benchmark: an orbit, and lines and areas along its track."""
 
 import math
 from datetime import UTC, datetime, timedelta

@@ -1,4 +1,4 @@
-"""Are slews that would look into a forbidden cone led around it, well, and quickly?
+"""Detours around forbidden cones: how many are found, at what cost and in what time.
 
 200 random slews (1.2 to 3 times the least time) whose straight path enters a cone of 10 to
 45 deg turning with the carrier.  Each is solved or proven impossible; what is flown is held

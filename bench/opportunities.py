@@ -1,4 +1,4 @@
-"""How fast are windows found for 1,000 targets over 7 days, and are they the peers' windows?
+"""Windows for 1,000 targets over 7 days: processor time, and agreement with the peers' windows.
 
 Ours against Skyfield's find_events and brahe's location_accesses, all on one thread, in one
 run: 559 real OCO-3 targets and 441 seeded ones, the ISS, elevation of 10 deg.  Ours also

@@ -1,4 +1,4 @@
-"""How long does a whole POST /v1/plans take, and where does the time go?
+"""Time of a whole POST /v1/plans, by stage.
 
 Starts the service on loopback in a process of its own and posts the example over one kept
 connection.  Prints how long it takes to listen, to its first answer, p50 and p95 of the later

@@ -1,4 +1,4 @@
-"""What do storage and job add to the bare solve, and does the service's memory stay flat?
+"""The cost of storage and jobs beside the bare solve, and the service's memory over time.
 
 Solves the example in this process and posts it to a service on loopback, turn by turn, so that
 both meet the same machine.  The bare solve goes as far as the answer's bytes.  Prints p50 and

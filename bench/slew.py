@@ -1,4 +1,4 @@
-"""How quick is the slew's optimal control problem beside the same problem in its peers?
+"""Time of the slew's optimal control problem beside the same problem in its peers.
 
 One run, one process, one slew of both axes with limits that bind, per duration:
   ours     `optimal_slew`: Ipopt on spans placed where they matter, limits at every instant, proven

@@ -1,4 +1,4 @@
-"""How near are slews to the least squared jerk there is, as solved and as flown?
+"""Distance of slews from the least squared jerk there is, as solved and as flown.
 
 Random axes of the HRC platform, each end at rest, moving, within 5 deg of a stop or at 0.9 to 1.0
 of the rate limit, in 1.01 to 50 times the least time, 1 to 3,600 s.  Each is held against

@@ -1,4 +1,4 @@
-"""Does the CMG spacecraft hold what is promised?  Prints every figure; run it with python.
+"""Figures of the CMG spacecraft against what is promised; run it with python.
 
 python bench/spacecraft.py            everything
 python bench/spacecraft.py timeline   some parts: timeline, settle, areas, many, turns, choice,

@@ -1,4 +1,4 @@
-"""How good are slews and choices?  Random slews, and 100 requests in 20 minutes."""
+"""Quality of slews and choices: random slews, and 100 requests in 20 minutes."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""How steady is it?  The paper's timeline, settling after a slew, areas in 1,200 s."""
+"""Steadiness in flight: the paper's timeline, settling after a slew, areas in 1,200 s."""
 
 import dataclasses
 import math

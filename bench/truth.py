@@ -1,4 +1,4 @@
-"""Does what slewtrack tells hold on data it wasn't made with?  One table: goal and seen.
+"""Stated errors against data that nothing was made with: one table, goal and seen.
 
     OMP_NUM_THREADS=1 python bench/truth.py DATA_FOLDER [--only 1 3 ...] [--quick]
 

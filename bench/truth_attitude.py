@@ -1,4 +1,4 @@
-"""Is the attitude off by as much as told?  Points 1 and 3 of bench/truth.py.
+"""Attitude errors against the stated ones: points 1 and 3 of bench/truth.py.
 
 The law lvlh's mean is of the telemetry's first half, tried on its second; the law harmonic's
 constants were chosen on the parts that bench/truth_laws.py says.

@@ -1,4 +1,4 @@
-"""Do windows keep what they promise, and choices say why?  Points 5 to 7 of bench/truth.py."""
+"""Windows against what they promise, and reasons of choices: points 5 to 7 of bench/truth.py."""
 
 import time
 from collections import Counter

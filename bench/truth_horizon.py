@@ -1,4 +1,4 @@
-"""Does the horizon hold under air it wasn't made with?  Points 8 and 9 of bench/truth.py.
+"""The horizon under air it wasn't made with: points 8 and 9 of bench/truth.py.
 
 Rendered frames of a seed on which nothing was tuned; the published frame of FOUND is another's,
 and so is the light of SASKTRAN2's airs, those drawn by chance.

@@ -1,4 +1,4 @@
-"""How well is the ISS's attitude predicted?  Errors by lead, for each law, for bench/truth.py.
+"""Errors of the ISS's predicted attitude by lead, for each law, for bench/truth.py.
 
 The telemetry's folder holds USLAB000018..21 (LVLH quaternion, 18 its scalar) and 25..27 (body
 rates, deg/s) of 2018-10-12, .txt or .txt.gz, from ISS-Mimic/Mimic, Pi/RecordedData/Data/Archive.

@@ -1,4 +1,4 @@
-"""Are orbits off by as much as told?  Point 1 of bench/truth.py.
+"""Orbit errors against the stated ones: point 1 of bench/truth.py.
 
 The constants of planner/world/orbits/accuracy.py were chosen on elements of 1998 to 2004, 2017
 and 2024-25 (docs/decisions/orbit_growth.md), those near the epoch on the two ephemerides of 7

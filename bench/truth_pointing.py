@@ -1,4 +1,4 @@
-"""Is the told probability kept?  Point 1 of bench/truth.py.
+"""Frequencies against stated probabilities: point 1 of bench/truth.py.
 
 The attitude is the telemetry's second half, its mean stated from the first half and wrong by as
 much as is assumed; the orbit is known (attitude alone), or predicted by elements and truly what

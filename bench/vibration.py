@@ -1,4 +1,4 @@
-"""How much does a structure still ring after a slew that suppresses it, beside the cubic's slew?
+"""Residual vibration after a slew that suppresses it, beside the cubic's slew.
 
 Random slews of one axis onto tracks, from rest and from motion, at 1.3 and 2 times the least
 time, one mode of 0.1 to 2 Hz each.  What is left is the response of a damped oscillator, exact

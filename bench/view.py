@@ -1,4 +1,4 @@
-"""How long does a view of 4,500 rows take, computed and over HTTP?
+"""Time of a view of 4,500 rows, computed and over HTTP.
 
 The worked example with 11 minutes of waiting before it: 4,501 rows, one session.  Prints the
 median and p95 of the geometry, of its JSON, both in one process, of a service's answer

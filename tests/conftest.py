@@ -1,4 +1,4 @@
-"""How do all tests run?"""
+"""Fixtures and settings of all tests."""
 
 import atexit
 import os

@@ -1,4 +1,4 @@
-"""Which database do tests store in?  SQLite; PostgreSQL where SLEWTRACK_TEST_DATABASE_URL says."""
+"""The store of tests: SQLite, or PostgreSQL where SLEWTRACK_TEST_DATABASE_URL says."""
 
 import os
 import sqlite3

@@ -1,4 +1,4 @@
-"""How do tests reach a service of their own, over a real connection?"""
+"""A service of the tests' own, reached over a real connection."""
 
 import os
 import re

@@ -1,4 +1,4 @@
-"""What lies between a service and its database server, so that the network can fail."""
+"""A relay between a service and its database server, so that the network can fail."""
 
 import contextlib
 import select

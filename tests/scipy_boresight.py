@@ -1,4 +1,4 @@
-"""Where does the payload point?  By SciPy's rotations, not by the planner's."""
+"""The payload's boresight by SciPy's rotations, not by the planner's."""
 
 import numpy as np
 from scipy.spatial.transform import Rotation

@@ -1,4 +1,4 @@
-"""How do tests wait?  For a state, however long a loaded machine takes to come there."""
+"""Waiting of tests for a state, however long a loaded machine takes to come there."""
 
 import time
 import uuid

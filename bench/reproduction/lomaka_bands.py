@@ -1,4 +1,4 @@
-"""What a horizon sensor can reach in visible light and in the infrared, and how often it sees.
+"""Reach of a horizon sensor in visible light and in the infrared, and how often it sees.
 
 The infrared limb is that of carbon dioxide at 14 to 16 um, by day and night: 30 to 40 km high
 (Seshamani, Jain, Kamalakar 1990), taken as spread evenly between.

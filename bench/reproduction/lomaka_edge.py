@@ -1,4 +1,4 @@
-"""Where the paper's method stops: tilt, altitude, length of the arc; and what sets its errors."""
+"""Limits of the paper's method (tilt, altitude, length of the arc), and sources of its errors."""
 
 import numpy as np
 from scipy.optimize import linprog

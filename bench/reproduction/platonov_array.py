@@ -1,4 +1,4 @@
-"""What the paper's four gyros can do, found with the product's array: envelope, torque, spin-up."""
+"""The paper's four gyros by the product's array: envelope, torque, spin-up."""
 
 import dataclasses
 import math

@@ -1,4 +1,4 @@
-"""What the papers state, as statements.toml has it, and what becomes of it by our numbers."""
+"""The papers' statements, as statements.toml has them, beside our numbers."""
 
 import math
 import tomllib

@@ -1,4 +1,4 @@
-"""Does a cache of compiled code hold nothing that was compiled from other sources?"""
+"""The cache of compiled code holds nothing that was compiled from other sources."""
 
 import re
 from pathlib import Path

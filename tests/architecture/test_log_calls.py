@@ -1,4 +1,4 @@
-"""Does no log call of ours put what it was at into its text?  The record's makers can't tell."""
+"""Log calls of ours put no data into their text: the record's makers can't tell it apart."""
 
 import ast
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Is what only work needs loaded only when work is done?"""
+"""Modules that only work needs are loaded only when work is done."""
 
 import json
 import subprocess

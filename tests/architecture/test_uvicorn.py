@@ -1,4 +1,4 @@
-"""Does our protocol ask of uvicorn what it offers to all, so that its updates can be installed?"""
+"""Our protocol asks of uvicorn only what it offers to all, so that its updates can be installed."""
 
 import ast
 import asyncio

@@ -1,4 +1,4 @@
-"""What do children under test do?  They import this, and nothing that they wouldn't have anyway."""
+"""Work of children under test, importing nothing that they wouldn't have anyway."""
 
 import os
 import signal

@@ -1,4 +1,4 @@
-"""Which damage does telemetry come with, and what must be told of it?
+"""Damaged telemetry, and what must be reported of each damage.
 
 Each file is made of valid rows of another program (tests/other_platform.py): angles of a
 clock 0.37 s ahead.

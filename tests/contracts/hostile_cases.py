@@ -1,4 +1,4 @@
-"""What would somebody send who wishes the service ill?  Bytes for a connection, and the refusal."""
+"""Hostile connections: bytes to send, and the refusal of each."""
 
 import json
 import zlib

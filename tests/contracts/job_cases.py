@@ -1,4 +1,4 @@
-"""Which kinds of work put the dispatcher to the test?"""
+"""Kinds of work that put the dispatcher to the test."""
 
 import os
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""Which damaged or mistaken messages, times and targets must be refused, and at which field?"""
+"""Damaged or mistaken messages, times and targets, and the field at which each is refused."""
 
 import gzip
 import json

@@ -1,4 +1,4 @@
-"""Which bad requests must be refused, with which problem and at which field?"""
+"""Bad requests, with the problem and the field of each refusal."""
 
 import copy
 import json

@@ -1,4 +1,4 @@
-"""Who gets in: openly on loopback, and with which key elsewhere?"""
+"""Access: openly on loopback, by the right key elsewhere."""
 
 import hashlib
 import os

@@ -1,4 +1,4 @@
-"""Does a campaign end with its last pass, once, whatever becomes of the passes?"""
+"""A campaign ends with its last pass, once, whatever becomes of the passes."""
 
 import hashlib
 import json

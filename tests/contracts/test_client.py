@@ -1,4 +1,4 @@
-"""Does the client plan, wait, follow, and raise what a served instance refuses?"""
+"""The client plans, waits, follows, and raises what a served instance refuses."""
 
 import asyncio
 import inspect

@@ -1,4 +1,4 @@
-"""Does the client ask again where it helps, and say plainly what failed where it doesn't?"""
+"""The client asks again where it helps, and says plainly what failed where it doesn't."""
 
 import httpx
 import pytest

@@ -1,4 +1,4 @@
-"""Does the client raise a ServiceError, soon and within bounds, whatever answers it?"""
+"""The client raises a ServiceError, soon and within bounds, whatever answers it."""
 
 import asyncio
 import contextlib

@@ -1,4 +1,4 @@
-"""Is work on other machines done, stopped, bounded and, when a machine dies, done again?"""
+"""Work on other machines is done, stopped, bounded and, when a machine dies, done again."""
 
 import json
 import os

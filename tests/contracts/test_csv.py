@@ -1,4 +1,4 @@
-"""Is no text of a CSV that anything of ours writes taken for a formula by a spreadsheet?"""
+"""No text of a CSV that anything of ours writes is taken for a formula by a spreadsheet."""
 
 import ast
 import csv

@@ -1,4 +1,4 @@
-"""Does every export format keep the promises all of them make?"""
+"""Every export format keeps the promises all of them make."""
 
 import csv
 import dataclasses

@@ -1,4 +1,4 @@
-"""Does the service keep to its own OpenAPI document, whatever is sent, in whatever order?
+"""The service keeps to its own OpenAPI document, whatever is sent, in whatever order.
 
 Schemathesis makes requests from the document, valid ones and broken ones, and follows ids from
 answers to further requests.  SLEWTRACK_EXAMPLES=1000 looks longer.

@@ -1,4 +1,4 @@
-"""Are requests about the horizon read with exactly their fields, and within their bounds?"""
+"""Requests about the horizon are read with exactly their fields, and within their bounds."""
 
 import json
 

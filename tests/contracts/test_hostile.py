@@ -1,4 +1,4 @@
-"""Does whoever wishes the service ill get a refusal, quickly, and nothing else?"""
+"""Hostile clients get a refusal, quickly, and nothing else."""
 
 import json
 import socket

@@ -1,4 +1,4 @@
-"""Are answers sent as a client can read them, smaller, and cached without a mix-up?"""
+"""Answers are sent as a client can read them, smaller, and cached without a mix-up."""
 
 import gzip
 import json

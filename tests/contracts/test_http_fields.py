@@ -1,4 +1,4 @@
-"""Does the schema tell of every field what it is, its unit, its range and an example?"""
+"""The schema states of every field what it is, its unit, its range and an example."""
 
 import json
 import re

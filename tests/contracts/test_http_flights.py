@@ -1,4 +1,4 @@
-"""Are flights of a plan a resource like the others, and the same however they are split?"""
+"""Flights of a plan are a resource like the others, and the same however they are split."""
 
 import asyncio
 import json

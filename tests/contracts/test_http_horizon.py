@@ -1,4 +1,4 @@
-"""Does the horizon over HTTP measure, predict and draw, and take no file amiss?"""
+"""The horizon over HTTP measures, predicts and draws, and takes no file amiss."""
 
 import base64
 import json

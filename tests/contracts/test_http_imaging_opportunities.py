@@ -1,4 +1,4 @@
-"""Does the spacecraft have opportunities over HTTP, kept like a platform's, that can be planned?"""
+"""The spacecraft's opportunities over HTTP are kept like a platform's, and can be planned."""
 
 import copy
 import json

@@ -1,4 +1,4 @@
-"""Does work that a client waits for end with the client, and at its limits with a refusal?"""
+"""Work that a client waits for ends with the client, and at its limits with a refusal."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""Are plans kept, found, followed, replaced and removed over HTTP as the contract promises?"""
+"""Plans are kept, found, followed, replaced and removed over HTTP as the contract promises."""
 
 import json
 from concurrent.futures import ThreadPoolExecutor

@@ -1,4 +1,4 @@
-"""Are places and stars offered as somebody begins to type them?"""
+"""Places and stars are offered as somebody begins to type them."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Do the API's pages work without a network and tell all there is, from the registries?"""
+"""The API's pages work without a network and state all there is, from the registries."""
 
 import dataclasses
 import json

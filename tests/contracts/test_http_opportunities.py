@@ -1,4 +1,4 @@
-"""Do opportunities over HTTP hold what the contract promises?"""
+"""Opportunities over HTTP hold what the contract promises."""
 
 import copy
 import hashlib

@@ -1,4 +1,4 @@
-"""Which web pages may use the service, and what may they read?"""
+"""Origins of web pages that may use the service, and what they may read."""
 
 import pytest
 from fastapi.testclient import TestClient

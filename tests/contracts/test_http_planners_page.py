@@ -1,4 +1,4 @@
-"""Does the service answer with the planner's page where, how and to whom it should?"""
+"""The service answers with the planner's page at its addresses, and to those who may have it."""
 
 import re
 from pathlib import Path

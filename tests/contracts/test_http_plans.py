@@ -1,4 +1,4 @@
-"""Does a plan over HTTP hold what the contract promises?"""
+"""A plan over HTTP holds what the contract promises."""
 
 import hashlib
 import io

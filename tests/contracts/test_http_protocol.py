@@ -1,4 +1,4 @@
-"""Does the service keep to HTTP and RFC 9457 whatever a client sends?"""
+"""The service keeps to HTTP and RFC 9457 whatever a client sends."""
 
 import json
 import uuid

@@ -1,4 +1,4 @@
-"""Does what is kept say what it is, is it found by that, and is its request given back?"""
+"""Kept records say what they are, are found by that, and give their requests back."""
 
 import copy
 import json

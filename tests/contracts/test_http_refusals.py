@@ -1,4 +1,4 @@
-"""Is every bad request refused alike by the service and the command, at the field at fault?"""
+"""Every bad request is refused alike by the service and the command, at the field at fault."""
 
 import json
 from datetime import datetime

@@ -1,4 +1,4 @@
-"""Are opportunities kept, paged, and given as GeoJSON and as a pass table?"""
+"""Opportunities are kept, paged, and given as GeoJSON and as a pass table."""
 
 import csv
 import io

@@ -1,4 +1,4 @@
-"""Is an imaging session over HTTP planned, flown steadily, handed out and refused as promised?"""
+"""An imaging session over HTTP is planned, flown steadily, handed out and refused as promised."""
 
 import io
 import json

@@ -1,4 +1,4 @@
-"""Is a plan's table handed out by itself in every registered format, and as RFC 9110 asks?"""
+"""A plan's table is handed out by itself in every registered format, and as RFC 9110 asks."""
 
 import csv
 import io

@@ -1,4 +1,4 @@
-"""Does telemetry over HTTP and by the command tell all that was wrong with it, and never fail?"""
+"""Telemetry over HTTP and by the command reports all that was wrong with it, and never fails."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""Does a plan's view over HTTP hold what there is to see, in every format?"""
+"""A plan's view over HTTP holds what there is to see, in every format."""
 
 import io
 import json

@@ -1,4 +1,4 @@
-"""What is taken where a request leaves the initial state out, in part or whole, or names a plan?"""
+"""The initial state of a request that leaves it out, in part or whole, or names a plan."""
 
 import copy
 import json

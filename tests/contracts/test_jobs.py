@@ -1,4 +1,4 @@
-"""Is accepted work done once, killed when it must be, and reported whatever dies?"""
+"""Accepted work is done once, killed when it must be, and reported whatever dies."""
 
 import os
 import time

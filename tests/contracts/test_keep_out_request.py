@@ -1,4 +1,4 @@
-"""Which cones and modes make no sense, and does the refusal say so?"""
+"""Cones and modes that make no sense are refused, and the refusal says so."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Is what is kept served as it was answered, whatever is asked of requests since?"""
+"""Kept plans are served as they were answered, whatever is asked of requests since."""
 
 import copy
 import json

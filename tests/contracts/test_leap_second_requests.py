@@ -1,4 +1,4 @@
-"""Are times ordered as they passed, through the second that a clock repeats?
+"""Times are ordered as they passed, through the second that a clock repeats.
 
 2016 ended with 23:59:60 UTC (IERS Bulletin C 52).
 """

@@ -1,4 +1,4 @@
-"""Is each limit kept, for each caller apart, and does the refusal say it?"""
+"""Each limit is kept, for each caller apart, and the refusal states it."""
 
 import asyncio
 import json

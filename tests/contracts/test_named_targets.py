@@ -1,4 +1,4 @@
-"""Are names found however they are typed, and refused with a way out that works?"""
+"""Names are found however they are typed, and refused with a way out that works."""
 
 import json
 import re

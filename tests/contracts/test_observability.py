@@ -1,4 +1,4 @@
-"""Can an operator tell from ids, logs, metrics and probes what goes on, and nothing secret?"""
+"""Ids, logs, metrics and probes show an operator what goes on, and nothing secret."""
 
 import json
 import re

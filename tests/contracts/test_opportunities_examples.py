@@ -1,4 +1,4 @@
-"""Do the examples of requests for opportunities say what they mean?"""
+"""The examples of requests for opportunities say what they mean."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Are elements read in every form in which people have them?"""
+"""Elements are read in every form in which people have them."""
 
 import json
 

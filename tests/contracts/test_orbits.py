@@ -1,4 +1,4 @@
-"""What must every orbit source do?  A new source needs one row in EXAMPLES."""
+"""Duties of every orbit source; a new source needs one row in EXAMPLES."""
 
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta

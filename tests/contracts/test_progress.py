@@ -1,4 +1,4 @@
-"""Do events say how far work is, of every kind, and never that it goes back?"""
+"""Events say how far work is, of every kind, and never that it goes back."""
 
 import json
 

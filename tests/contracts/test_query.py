@@ -1,4 +1,4 @@
-"""Is each parameter taken once, known and as documented, on every route; is HEAD wherever GET?"""
+"""Each parameter is taken once, known and as documented; HEAD goes where GET does."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""Does every refusal arrive as it was raised: from a child, from the store, over HTTP?"""
+"""Every refusal arrives as it was raised: from a child, from the store, over HTTP."""
 
 import copy
 import inspect

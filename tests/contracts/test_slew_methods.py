@@ -1,4 +1,4 @@
-"""Does each method of slewing keep the promises both make?"""
+"""Each method of slewing keeps the promises both make."""
 
 import math
 import time

@@ -1,4 +1,4 @@
-"""Do clients that don't read their answers keep nobody out, and take no more than their share?"""
+"""Clients that don't read their answers keep nobody out, and take no more than their share."""
 
 import os
 import socket

@@ -1,4 +1,4 @@
-"""Are the example requests read as the API would read them, and hostile ones refused?"""
+"""The example requests are read as the API would read them, and hostile ones refused."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Is everybody who waits answered when the service is told to stop?"""
+"""Everybody who waits is answered when the service is told to stop."""
 
 import json
 import os

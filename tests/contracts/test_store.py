@@ -1,4 +1,4 @@
-"""Is what is stored kept to the bit, never changed, and handed to one worker at a time?"""
+"""Stored values are kept to the bit, never changed, and handed to one worker at a time."""
 
 import io
 import shutil

@@ -1,4 +1,4 @@
-"""What does a service answer, and log, when its database fails under it?  No secret, and soon."""
+"""Answers and logs of a service whose database fails under it: soon, and without a secret."""
 
 import json
 import os

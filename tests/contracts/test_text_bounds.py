@@ -1,4 +1,4 @@
-"""Is all text of a request short and visible, and is little of it repeated in refusals?"""
+"""All text of a request is short and visible, and little of it is repeated in refusals."""
 
 import json
 import re

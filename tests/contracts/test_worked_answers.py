@@ -1,4 +1,4 @@
-"""Are the answers on the API's pages those that the service gives, all of them, and documented?"""
+"""The answers on the API's pages are those that the service gives, all of them, and documented."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""Can work that runs wild hurt the service?"""
+"""Work that runs wild can't hurt the service."""
 
 import json
 import operator

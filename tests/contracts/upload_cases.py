@@ -1,4 +1,4 @@
-"""Which files does nobody want to decode?  Each with the camera size it claims to be of."""
+"""Files that nobody wants to decode, each with the camera size it claims to be of."""
 
 import io
 import struct

@@ -1,4 +1,4 @@
-"""What does the service answer to the worked examples?
+"""The service's answers to the worked examples.
 
 The API's pages show it, and a test compares; `make answers` writes it down anew.
 """

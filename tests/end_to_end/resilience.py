@@ -1,4 +1,4 @@
-"""Is every accepted job finished or reported, once, whatever is killed in the middle?
+"""Every accepted job is finished or reported, once, whatever is killed in the middle.
 
 Rounds of one campaign each.  While it is chosen and planned, the service, one of its solver
 children or (--cluster) a Dask worker is killed with SIGKILL at random moments, and what a

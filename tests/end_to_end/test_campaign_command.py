@@ -1,4 +1,4 @@
-"""Does `slewtrack campaign` choose, plan, report, write files, and refuse in one line?"""
+"""`slewtrack campaign` chooses, plans, reports, writes files, and refuses in one line."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Does the command behave as a command should: exit codes, streams, files?"""
+"""The command behaves as a command should: exit codes, streams, files."""
 
 import csv
 import json

@@ -1,4 +1,4 @@
-"""Do the commands' reports tell what was taken for granted, and how near masks come?"""
+"""The commands' reports state what was taken for granted, and how near masks come."""
 
 import json
 from pathlib import Path

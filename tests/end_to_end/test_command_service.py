@@ -1,4 +1,4 @@
-"""Does the command plan by a running service, and list, show, export and follow what it keeps?"""
+"""The command plans by a running service, and lists, shows, exports and follows what it keeps."""
 
 import json
 import re

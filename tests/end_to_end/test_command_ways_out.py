@@ -1,4 +1,4 @@
-"""Does a refused command tell what would work, and does that work?"""
+"""A refused command states what would work, and that works."""
 
 import json
 import os

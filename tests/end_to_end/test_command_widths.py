@@ -1,4 +1,4 @@
-"""Is no figure cut, however narrow the place a report goes to?"""
+"""No figure is cut, however narrow the place a report goes to."""
 
 import json
 import re

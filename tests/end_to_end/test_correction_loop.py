@@ -1,4 +1,4 @@
-"""Plan, look, correct, plan again: does a frame of the horizon make the next plan surer, rightly?
+"""Plan, look, correct, plan again: a frame of the horizon makes the next plan surer, rightly.
 
 Over HTTP, with rendered frames: the answers of one request go into the next as they are.
 """

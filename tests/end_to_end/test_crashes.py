@@ -1,4 +1,4 @@
-"""Is every accepted plan finished or reported when the service is killed again and again?
+"""Every accepted plan is finished or reported when the service is killed again and again.
 
 SLEWTRACK_CRASH_ROUNDS=20 kills it so often; the suite has few rounds, each at a random moment.
 """

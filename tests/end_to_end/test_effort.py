@@ -1,4 +1,4 @@
-"""Does every request end by the work that one may make, with the best found by then?
+"""Every request ends by the work that one may make, with the best found by then.
 
 data/cases: requests of an adversary's fuzzing, which took 68 s of CPU, failed, or took 20 to 70 s
 where so much less was counted that nothing ended them.

@@ -1,4 +1,4 @@
-"""Is every command line of the pages and of --help run, and every flag of every command?
+"""Every command line of the pages and of --help is run, and every flag of every command.
 
 Here, by the tutorial's test, or, where it takes long or wants other machines, read here and run in
 parts by the test that is named below; a new line, flag, command or example fails until something
@@ -68,7 +68,7 @@ MORE = """
 --version
 plan {short} --url {url} --csv OUT.csv --json OUT.json
 plan {short} --dry-run --set name=other
-fly {short} --runs 2 --moving_object-m-s 20 --course-deg 90 --json OUT.json --url {url}
+fly {short} --runs 2 --moving-object-m-s 20 --course-deg 90 --json OUT.json --url {url}
 compare {answer} {telemetry} --request {short} --identify beta.coulomb_deg_s2 --json OUT.json
 compare {id} {telemetry} --url {url} --epoch 2015-02-27T17:35:50Z --measurements {offsets} --plot
 OUT.svg list --state done --name vegas --target vegas --url {url} --json OUT.json

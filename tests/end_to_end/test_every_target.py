@@ -1,4 +1,4 @@
-"""Is every target mode planned end to end, and accepted by the judge?"""
+"""Every target mode is planned end to end, and accepted by the judge."""
 
 from typing import get_args
 

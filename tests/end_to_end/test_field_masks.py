@@ -1,5 +1,4 @@
-"""Is a plan led around what stands in the platform's view, refused where it must look there, and
-judged?"""
+"""A plan is led around what stands in the platform's view, or refused, and judged."""
 
 import math
 from dataclasses import replace

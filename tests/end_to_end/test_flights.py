@@ -1,4 +1,4 @@
-"""Do disturbed flights miss by what geometry says, whoever flies them?"""
+"""Disturbed flights miss by what geometry says, whoever flies them."""
 
 import math
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""Does `slewtrack fly` fly here and by a service, report, draw, and refuse in one line?"""
+"""`slewtrack fly` flies here and by a service, reports, draws, and refuses in one line."""
 
 import json
 from pathlib import Path
@@ -20,7 +20,7 @@ def fly(*words):
 def told(tmp_path_factory):
     folder = tmp_path_factory.mktemp("fly")
     answer, picture = folder / "told.json", folder / "flights.png"
-    car = ("--moving_object-m-s", 75.0 / 3.6, "--course-deg", 90.0)
+    car = ("--moving-object-m-s", 75.0 / 3.6, "--course-deg", 90.0)
     result = fly("--runs", 4, "--seed", 2, *car, "--json", answer, "--plot", picture)
     assert result.exit_code == 0, result.stderr
     assert "4 flights (seed 2)" in result.stdout
@@ -66,7 +66,7 @@ def test_a_service_flies_the_same(told, tmp_path):
         (("--runs", 1), "runs"),
         (("--seed", -1), "seed"),
         (("--plot", "flights.gif"), "--plot"),
-        (("--moving_object-m-s", 1e6), "moving_object.speed_m_s"),
+        (("--moving-object-m-s", 1e6), "moving_object.speed_m_s"),
     ],
 )
 def test_refusals_are_one_line(words, named):

@@ -1,4 +1,4 @@
-"""Are the gallery's cities, and the paper's three sessions, planned on real passes?"""
+"""The gallery's cities, and the paper's three sessions, are planned on real passes."""
 
 import json
 from datetime import UTC, datetime, timedelta

@@ -1,4 +1,4 @@
-"""Does a client generated from the schema have every operation, and does it plan Las Vegas?
+"""A client generated from the schema has every operation, and plans Las Vegas.
 
 It is generated and run by the Python of an environment of its own, which
 `.ci/with-client-generator` makes: the generator wants an older typer than ours.

@@ -1,4 +1,4 @@
-"""Do flights that lose their target altogether still tell numbers, and why?"""
+"""Flights that lose their target altogether still report numbers, and why."""
 
 from dataclasses import fields, replace
 

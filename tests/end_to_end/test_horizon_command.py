@@ -1,4 +1,4 @@
-"""Does `slewtrack horizon` measure one frame, and find a bias over a session's frames or video?"""
+"""`slewtrack horizon` measures one frame, and finds a bias over a session's frames or video."""
 
 import json
 from pathlib import Path

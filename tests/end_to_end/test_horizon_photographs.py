@@ -1,4 +1,4 @@
-"""What does the estimator make of photographs taken from the ISS?"""
+"""The estimator on photographs taken from the ISS."""
 
 from datetime import UTC, datetime
 from pathlib import Path

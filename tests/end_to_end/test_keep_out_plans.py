@@ -1,4 +1,4 @@
-"""Is a plan led around the Sun and other cones, refused where it must look there, and judged?"""
+"""A plan is led around the Sun and other cones, or refused, and judged."""
 
 import math
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""With time to spare: do the axes brake, wait and slew within every limit, and rest in the end?"""
+"""With time to spare the axes brake, wait and slew within every limit, and rest in the end."""
 
 from dataclasses import replace
 from itertools import pairwise

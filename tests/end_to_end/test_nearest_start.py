@@ -1,4 +1,4 @@
-"""Does a refusal keep its own reason, whatever the search for another start meets?"""
+"""A refusal keeps its own reason, whatever the search for another start meets."""
 
 import re
 from dataclasses import replace

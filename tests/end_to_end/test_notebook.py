@@ -1,4 +1,4 @@
-"""Does the notebook of examples/ run, and does it show what it says it does?"""
+"""The notebook of examples/ runs, and shows what it says it does."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""Does the operators' page say what there is, and do its ways lead in?"""
+"""The operators' page says what there is, and its ways lead in."""
 
 import os
 import re

@@ -1,4 +1,4 @@
-"""Does every request end in a table the judge accepts, or in a refusal that helps?"""
+"""Every request ends in a table the judge accepts, or in a refusal that helps."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Does what the README and the pages of docs/ show really work?"""
+"""Everything that the README and the pages of docs/ show works."""
 
 import argparse
 import dataclasses

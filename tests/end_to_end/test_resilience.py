@@ -1,4 +1,4 @@
-"""Is an accepted campaign finished, once, when the service or a solver is killed in the middle?"""
+"""An accepted campaign is finished, once, when the service or a solver is killed in the middle."""
 
 import os
 import subprocess

@@ -1,4 +1,4 @@
-"""Does `slewtrack spacecraft` report, write files, and refuse in one line?"""
+"""`slewtrack spacecraft` reports, writes files, and refuses in one line."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""Does a session come out whole: four modes planned, judged, flown steadily, bad input refused?"""
+"""A session comes out whole: four modes planned, judged, flown steadily, bad input refused."""
 
 import dataclasses
 import re

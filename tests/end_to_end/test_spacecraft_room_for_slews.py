@@ -1,4 +1,4 @@
-"""Is there room for the slews: between two looks, from the start's attitude, in the session?"""
+"""Room for the slews: between two looks, from the start's attitude, in the session."""
 
 import dataclasses
 import re

@@ -1,4 +1,4 @@
-"""Is a start that fails one line on stderr and exit code 2, and what is kept the owner's alone?"""
+"""A start that fails is one line on stderr and exit code 2; what is kept is the owner's alone."""
 
 import os
 import socket

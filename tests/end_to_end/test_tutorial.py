@@ -1,4 +1,4 @@
-"""Does every command of the tutorial run, in its order, and say what the page shows?"""
+"""Every command of the tutorial runs, in its order, and says what the page shows."""
 
 import os
 import re

@@ -1,4 +1,4 @@
-"""Can what the windows offer be planned, and does a refusal know the window it missed?"""
+"""Sessions that the windows offer can be planned, and a refusal knows the window it missed."""
 
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta

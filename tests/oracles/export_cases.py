@@ -1,4 +1,4 @@
-"""Which plans are the exports tried on, and how is the payload really turned in them?
+"""Plans that the exports are tried on, and the payload's true attitude in them.
 
 The attitude is made with matrix exponentials and SciPy, none of the planner's geometry.
 """

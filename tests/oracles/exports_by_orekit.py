@@ -1,4 +1,4 @@
-"""What does Orekit read in our AEM and OEM?  Run by `make oracles`; needs Java.
+"""Orekit's reading of our AEM and OEM; run by `make oracles`, needs Java.
 
 Writes tests/data/exports_by_orekit.json, which test_export_orekit.py compares with the plan.
 """

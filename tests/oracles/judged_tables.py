@@ -1,4 +1,4 @@
-"""Which command tables is the judge tried on?
+"""Command tables that the judge is tried on.
 
 Made with ERFA and SciPy, none of the planner's geometry.
 

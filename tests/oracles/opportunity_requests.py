@@ -1,4 +1,4 @@
-"""Which requests for opportunities do the tests share?"""
+"""Requests for opportunities that the tests share."""
 
 import json
 from datetime import UTC, datetime, timedelta

@@ -1,4 +1,4 @@
-"""What do the spacecraft tests fly?  A Sun-synchronous orbit and requests along its track."""
+"""Cases of the spacecraft tests: a Sun-synchronous orbit and requests along its track."""
 
 import math
 from datetime import UTC, datetime, timedelta

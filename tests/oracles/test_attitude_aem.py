@@ -1,4 +1,4 @@
-"""Is the curve flown from an attitude message true to it, smooth, and inside its coverage?"""
+"""The curve flown from an attitude message is true to it, smooth, and inside its coverage."""
 
 from datetime import timedelta
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Do measured rotations correct an attitude law as probability theory says?"""
+"""Measured rotations correct an attitude law as probability theory says."""
 
 from dataclasses import replace
 from datetime import timedelta

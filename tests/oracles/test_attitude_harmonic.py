@@ -1,4 +1,4 @@
-"""Does an attitude extrapolated beyond its history meet what the ISS then did?"""
+"""An attitude extrapolated beyond its history meets what the ISS then did."""
 
 from datetime import timedelta
 from pathlib import Path

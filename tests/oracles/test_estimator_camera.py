@@ -1,4 +1,4 @@
-"""Does the camera model agree with OpenCV's, and the limb with ERFA's geodesy?"""
+"""The camera model agrees with OpenCV's, and the limb with ERFA's geodesy."""
 
 import cv2
 import numpy as np

@@ -1,4 +1,4 @@
-"""Does the picture for Cesium show the ground the camera sees?"""
+"""The picture for Cesium shows the ground the camera sees."""
 
 import json
 from datetime import timedelta

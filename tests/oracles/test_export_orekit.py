@@ -1,4 +1,4 @@
-"""Does Orekit find in our AEM and OEM the attitude and orbit of the plan?
+"""Orekit finds in our AEM and OEM the attitude and orbit of the plan.
 
 Orekit needs Java, so its reading is kept: see exports_by_orekit.py, run by `make oracles`.
 """

@@ -1,4 +1,4 @@
-"""Do readers that others wrote find in our files the attitude and orbit of the plan?"""
+"""Readers that others wrote find in our files the attitude and orbit of the plan."""
 
 import io
 import json

@@ -1,4 +1,4 @@
-"""Is a flight what SciPy makes of the equations in docs/simulation.md?"""
+"""A flight is what SciPy makes of the equations in docs/simulation.md."""
 
 import sys
 from dataclasses import replace

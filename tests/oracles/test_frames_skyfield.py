@@ -1,4 +1,4 @@
-"""Do our frames agree with Skyfield's?"""
+"""Our frames agree with Skyfield's."""
 
 from datetime import UTC, datetime
 from importlib.resources import files

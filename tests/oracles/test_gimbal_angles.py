@@ -1,4 +1,4 @@
-"""Do the axis angles point where SciPy's rotations say, and do their rates follow?"""
+"""The axis angles point where SciPy's rotations say, and their rates follow."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Are a drive's parameters found from a flight that another program made?"""
+"""A drive's parameters are found from a flight that another program made."""
 
 import sys
 from dataclasses import replace

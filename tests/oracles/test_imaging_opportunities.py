@@ -1,4 +1,4 @@
-"""Are the spacecraft's windows where its camera's angles, by Skyfield's frames, are met?"""
+"""The spacecraft's windows lie where its camera's angles, by Skyfield's frames, are met."""
 
 from datetime import timedelta
 from importlib.resources import files

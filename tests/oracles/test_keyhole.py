@@ -1,4 +1,4 @@
-"""Is a target near the outer axis followed as near as the limits allow, and is that told?"""
+"""A target near the outer axis is followed as near as the limits allow, and that is reported."""
 
 import math
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Do names mean what the world means by them, where the world has them?"""
+"""Names mean what the world means by them, where the world has them."""
 
 import math
 import re

@@ -1,4 +1,4 @@
-"""Do OMM and OPM lead to the orbits that other readers and the plain elements give?"""
+"""OMM and OPM lead to the orbits that other readers and the plain elements give."""
 
 import io
 import json

@@ -1,4 +1,4 @@
-"""Are all windows found, and no others, where the planner itself looks second by second?
+"""All windows are found, and no others, where the planner itself looks second by second.
 
 The reference is the chain a plan is made of, on a 1 s grid: the exact orbit, the apparent
 direction, the attitude law, both branches of the axes; none of the search's tables.

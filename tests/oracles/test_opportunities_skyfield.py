@@ -1,4 +1,4 @@
-"""Are the windows Skyfield's, and their edges where Skyfield's own elevation says?"""
+"""The windows are Skyfield's, and their edges lie where Skyfield's own elevation says."""
 
 from importlib.resources import files
 

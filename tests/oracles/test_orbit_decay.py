@@ -1,4 +1,4 @@
-"""Is the drag an ephemeris holds found from its states?"""
+"""The drag an ephemeris holds is found from its states."""
 
 from datetime import UTC, datetime
 

@@ -1,4 +1,4 @@
-"""Are the told errors of orbits those that propagation and real elements show?"""
+"""The stated errors of orbits are those that propagation and real elements show."""
 
 from datetime import timedelta
 

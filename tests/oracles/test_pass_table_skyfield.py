@@ -1,4 +1,4 @@
-"""Are azimuth, elevation, Sun and solar time of the pass table Skyfield's?"""
+"""Azimuth, elevation, Sun and solar time of the pass table are Skyfield's."""
 
 import numpy as np
 from opportunity_requests import iss_request, oco3_targets

@@ -1,4 +1,4 @@
-"""Does the propagated state follow NASA's ephemerides and SciPy's integrator?"""
+"""The propagated state follows NASA's ephemerides and SciPy's integrator."""
 
 from datetime import UTC, datetime, timedelta
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Is a covariance what fits to errors of known kinds scatter by?"""
+"""A covariance is the scatter of fits to errors of known kinds."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Is the choice the best there is, and its bound a bound?  All sequences are tried.
+"""The choice is the best there is, and its bound a bound: all sequences are tried.
 
 The oracle knows every set of targets looked at so far, every way and every step, and asks
 Ruckig for each slew: no estimate, no dominance, no prices.

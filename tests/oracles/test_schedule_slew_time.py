@@ -1,4 +1,4 @@
-"""Do the times that sessions are chosen by enclose the least time of Ruckig?"""
+"""The times that sessions are chosen by enclose the least time of Ruckig."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Are looks where the view is best, and is what is said of views, and of none, Skyfield's?"""
+"""Looks lie where the view is best, and what is said of views, and of none, is Skyfield's."""
 
 import math
 from dataclasses import replace

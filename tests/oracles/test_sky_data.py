@@ -1,4 +1,4 @@
-"""Are the ephemeris and the catalogue that planner and judge read the published ones?"""
+"""The ephemeris and the catalogue that planner and judge read are the published ones."""
 
 import hashlib
 import re

@@ -1,4 +1,4 @@
-"""Are the slews the best there are? Against linear programs, multiple shooting and closed forms."""
+"""Slews are the best there are: against linear programs, multiple shooting and closed forms."""
 
 import math
 

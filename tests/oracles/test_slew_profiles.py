@@ -1,4 +1,4 @@
-"""Are piecewise polynomials, their extremes, the flown Hermite and the comparison right?"""
+"""Piecewise polynomials, their extremes, the flown Hermite and the comparison are right."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Does the body answer its gimbals as Basilisk's does?  (make_spacecraft_basilisk.py)"""
+"""The body answers its gimbals as Basilisk's does (make_spacecraft_basilisk.py)."""
 
 import json
 from pathlib import Path

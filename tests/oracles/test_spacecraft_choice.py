@@ -1,4 +1,4 @@
-"""Is the choice optimal?  Against every subset and order, on small random sessions."""
+"""The choice is optimal: against every subset and order, on small random sessions."""
 
 import itertools
 import math

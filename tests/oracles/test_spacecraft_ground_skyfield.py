@@ -1,4 +1,4 @@
-"""Is the ground point under the slit where Skyfield's geometry puts it?"""
+"""The ground point under the slit lies where Skyfield's geometry puts it."""
 
 from importlib.resources import files
 

@@ -1,4 +1,4 @@
-"""Is a direction as far from a polygon as points along its sides say, and on the side it winds?"""
+"""Distance of a direction from a polygon, by points along its sides, and the side it winds on."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Does a comparison find what another program put into its telemetry?
+"""A comparison finds what another program put into its telemetry.
 
 `other_platform.py` shares no code with the planner: its own interpolation of the table's CSV, its
 own motor, friction, sensors and clock.

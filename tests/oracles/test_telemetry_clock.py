@@ -1,4 +1,4 @@
-"""Is the telemetry's clock told as well as the samples allow, with sigmas that hold?
+"""The telemetry's clock is found as well as the samples allow, with sigmas that hold.
 
 Of other_platform.py's flights; a bound and lags that are known beforehand.
 """

@@ -1,4 +1,4 @@
-"""Is sticking of 10 arcsec told at the rates that telemetry comes at, and nothing else for it?
+"""Sticking of 10 arcsec is found at the rates that telemetry comes at, and nothing else for it.
 
 The platform is that of other_platform.py: friction of 0.3 deg/s2 that lets go at 0.42 against a
 loop of 1 Hz, so that it slips by 9 arcsec and more, while both axes creep for 100 s.

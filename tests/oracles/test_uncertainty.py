@@ -1,4 +1,4 @@
-"""Is the pointing budget what geometry and probability theory say?"""
+"""The pointing budget is what geometry and probability theory say."""
 
 import math
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Does the judge hold a bench session to the motion it prescribes?"""
+"""The judge holds a bench session to the motion it prescribes."""
 
 import dataclasses
 from datetime import timedelta

@@ -1,4 +1,4 @@
-"""Does the judge find each limit that a table breaks, on its axis and at its time?"""
+"""The judge finds each limit that a table breaks, on its axis and at its time."""
 
 import dataclasses
 from datetime import timedelta

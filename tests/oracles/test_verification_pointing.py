@@ -1,4 +1,4 @@
-"""Does the judge pass an exact table made with ERFA, and find pointing that is off?"""
+"""The judge passes an exact table made with ERFA, and finds pointing that is off."""
 
 import dataclasses
 from datetime import timedelta

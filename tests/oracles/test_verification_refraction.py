@@ -1,4 +1,4 @@
-"""Does the light the judge says arrives really come from the target, through curved air?
+"""The light the judge says arrives really comes from the target, through curved air.
 
 Rays are traced back from the carrier in three dimensions by SciPy's ODE solver, d/ds (n dr/ds)
 = grad n (Born and Wolf 1999, 3.2.1), through layers that follow the WGS84 ellipsoid; neither

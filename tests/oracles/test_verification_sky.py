@@ -1,4 +1,4 @@
-"""Does the judge pass exact tables on stars and bodies, and find what is left out of others?
+"""The judge passes exact tables on stars and bodies, and finds what is left out of others.
 
 The tables are made with ERFA's astrometry and, for bodies, jplephem's reading of DE421.
 """

@@ -1,4 +1,4 @@
-"""Does the judge find what is wrong with a table as a whole?"""
+"""The judge finds what is wrong with a table as a whole."""
 
 import dataclasses
 from datetime import UTC, datetime, timedelta

@@ -1,4 +1,4 @@
-"""Is what a slew leaves of a structure's modes what an oscillator does, and little enough?"""
+"""The residual vibration of a slew is an oscillator's, and little enough."""
 
 import math
 from dataclasses import replace

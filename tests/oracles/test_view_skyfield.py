@@ -1,4 +1,4 @@
-"""Does the view of ten passes show what Skyfield computes?
+"""The view of ten passes shows what Skyfield computes.
 
 The plans are tables with the axes at rest, so that the boresight is nadir; the orbit is the
 elements' on both sides.

@@ -1,4 +1,4 @@
-"""How little can any motion within the limits leave of a structural mode?
+"""The least residual vibration of a structural mode after any motion within the limits.
 
 A linear programme over all motions whose jerk is constant between rows, as a table flies them;
 the limits are kept on rows only and the circle of phases is a polygon inside it, so that no

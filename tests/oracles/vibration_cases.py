@@ -1,4 +1,4 @@
-"""Which slews past a mode do test and benchmark pose, and what does a flown one leave of it?"""
+"""Slews past a mode for test and benchmark, and what a flown one leaves of it."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What tests of the planner's page share."""
+"""Steps that tests of the planner's page share."""
 
 import uuid
 from pathlib import Path

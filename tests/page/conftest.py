@@ -1,4 +1,4 @@
-"""How do tests see the planner's page?  In a browser, served by a real service, offline.
+"""The planner's page as tests see it: in a browser, served by a real service, offline.
 
 `make test-page` names the browser; without one they are skipped.
 """

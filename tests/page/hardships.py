@@ -1,4 +1,4 @@
-"""What befalls a service, for real: its workers die or stand still, its disk is full."""
+"""Hardships of a service, for real: its workers die or stand still, its disk is full."""
 
 import errno
 import os

@@ -1,4 +1,4 @@
-"""Flow 1: is what a person clicks, types, pastes, drops or drags what is planned?"""
+"""Flow 1: what a person clicks, types, pastes, drops or drags is what is planned."""
 
 import re
 

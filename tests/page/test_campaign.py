@@ -1,4 +1,4 @@
-"""Flow 5: are a campaign's targets taken, its progress shown, and its choice told with reasons?"""
+"""Flow 5: a campaign's targets are taken, its progress shown, and its choice given with reasons."""
 
 import json
 import re

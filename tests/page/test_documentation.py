@@ -1,4 +1,4 @@
-"""Do the API's pages work offline, and are the licences of all that the pages ship told?"""
+"""The API's pages work offline, and the licences of all that the pages ship are stated."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""What befalls a service for real: is it told in plain words, is nothing lost, does it go on?"""
+"""Faults of a service, for real: stated in plain words, nothing lost, and it goes on."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""Can a plan be flown on the page, and its telemetry be compared?"""
+"""A plan can be flown on the page, and its telemetry be compared."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""Can images of the horizon be measured on the page, and checked against a plan?"""
+"""Images of the horizon can be measured on the page, and checked against a plan."""
 
 import json
 

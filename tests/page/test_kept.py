@@ -1,4 +1,4 @@
-"""Can what is kept be found, compared, cancelled and deleted on the page?"""
+"""Kept plans can be found, compared, cancelled and deleted on the page."""
 
 import json
 

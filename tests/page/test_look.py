@@ -1,4 +1,4 @@
-"""Does the look at a plan show what the plan holds, at the cursor's time, to everyone?"""
+"""The look at a plan shows what the plan holds, at the cursor's time, to everyone."""
 
 import io
 import json

@@ -1,4 +1,4 @@
-"""Does the page open, in every room, and can everyone use it?"""
+"""The page opens, in every room, and everyone can use it."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Flow 4: is a plan printed on one page, light, with nothing that only a screen needs?"""
+"""Flow 4: a plan is printed on one page, light, with nothing that only a screen needs."""
 
 import re
 

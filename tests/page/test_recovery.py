@@ -1,4 +1,4 @@
-"""Short breaks, plans that are gone, API keys: told and recovered from?"""
+"""Short breaks, plans that are gone, API keys: reported and recovered from."""
 
 import os
 from contextlib import closing

@@ -1,4 +1,4 @@
-"""Flow 5: is a session of the imaging spacecraft asked for, followed, looked at and taken away?"""
+"""Flow 5: a session of the imaging spacecraft is asked for, followed, viewed and taken away."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""Flow 4: does everything that leaves the page say what the service says?"""
+"""Flow 4: everything that leaves the page says what the service says."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""Flow 3: is a refusal told in words, drawn where it happens, and its way out one click away?"""
+"""Flow 3: a refusal is explained in words, drawn where it happens, its way out one click away."""
 
 import json
 

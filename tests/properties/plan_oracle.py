@@ -1,4 +1,4 @@
-"""Is an answered plan what was asked?  By geometry that shares nothing with the planner.
+"""An answered plan against what was asked, by geometry that shares nothing with the planner.
 
 Knows the request and the answer as JSON and nothing else: SGP4 by python-sgp4, Earth and sky by
 ERFA and Skyfield, geodesics by GeographicLib, and the table's own cubic Hermite every 5 ms.

@@ -1,4 +1,4 @@
-"""What comes of a plausible request, and of the start that a refusal advises."""
+"""Outcomes of plausible requests, and of the starts that refusals advise."""
 
 import copy
 import json

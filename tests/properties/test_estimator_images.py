@@ -1,4 +1,4 @@
-"""Is every hostile or odd upload refused clearly, before it costs anything?"""
+"""Every hostile or odd upload is refused clearly, before it costs anything."""
 
 import contextlib
 import io

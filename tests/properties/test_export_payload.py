@@ -1,4 +1,4 @@
-"""Are the payload's axes carried by both axes of any platform, and do they turn at their rate?"""
+"""The payload's axes are carried by both axes of any platform, and turn at their rate."""
 
 import numpy as np
 from hypothesis import assume, given, settings

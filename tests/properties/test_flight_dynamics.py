@@ -1,4 +1,4 @@
-"""Do the axes and their carrier keep what mechanics keeps, and does the integrator keep its order?
+"""The axes and their carrier keep what mechanics keeps, and the integrator keeps its order.
 
 The energy and momentum are written anew here from velocities, not from the equations flown.
 """

@@ -1,4 +1,4 @@
-"""What a flight does with latencies, play, counts and clocks; and what it refuses."""
+"""A flight with latencies, play, counts and clocks; and what it refuses."""
 
 from dataclasses import replace
 

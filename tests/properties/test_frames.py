@@ -1,4 +1,4 @@
-"""What holds for frames and times whatever the input?"""
+"""Invariants of frames and times whatever the input."""
 
 from datetime import UTC, datetime, timedelta
 

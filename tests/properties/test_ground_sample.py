@@ -1,4 +1,4 @@
-"""Is a pixel near the horizon as long as the round ground between its edges?"""
+"""A pixel near the horizon is as long as the round ground between its edges."""
 
 import numpy as np
 import pytest

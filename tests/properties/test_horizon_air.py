@@ -1,4 +1,4 @@
-"""Does the vertical lie within its stated error under the air of another model?
+"""The vertical lies within its stated error under the air of another model.
 
 The limbs' light is SASKTRAN2's, stored in tests/data/horizon/air; the frames share only the camera
 model with the estimator.

@@ -1,4 +1,4 @@
-"""Does the estimator find the vertical of rendered horizons, and refuse what is none?
+"""The estimator finds the vertical of rendered horizons, and refuses what is none.
 
 The renderer integrates the scattering of sunlight through a spherical atmosphere and knows
 nothing of the estimator's model of the limb.

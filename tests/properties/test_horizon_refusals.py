@@ -1,4 +1,4 @@
-"""Does a frame without a usable limb say why?  One way to each reason not met elsewhere."""
+"""A frame without a usable limb says why; one way to each reason not met elsewhere."""
 
 import sys
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Is a way called shut where a closed form says so, and are cells inside that are said to be?"""
+"""Unreachable ends are those of closed forms, and cells are inside that are said to be."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Do detours keep out of moving cones and within every limit, and are refusals proven?"""
+"""Detours keep out of moving cones and within every limit, and refusals are proven."""
 
 import math
 from dataclasses import replace

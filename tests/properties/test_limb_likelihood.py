@@ -1,4 +1,4 @@
-"""Is a fit of the limb as likely as its residuals say?"""
+"""A fit of the limb is as likely as its residuals say."""
 
 import sys
 from pathlib import Path

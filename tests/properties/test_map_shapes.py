@@ -1,4 +1,4 @@
-"""Do lines and areas cut for a map cover what they covered before?"""
+"""Lines and areas cut for a map cover what they covered before."""
 
 import itertools
 

@@ -1,4 +1,4 @@
-"""Do slews keep out of masks of any shape, as well as out of cones, and are refusals proven?"""
+"""Slews keep out of masks of any shape, as well as out of cones, and refusals are proven."""
 
 import math
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""What holds for every ephemeris message, however it is cut, framed or thinned out?"""
+"""Invariants of every ephemeris message, however it is cut, framed or thinned out."""
 
 from datetime import timedelta
 from pathlib import Path

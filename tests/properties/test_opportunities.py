@@ -1,4 +1,4 @@
-"""What holds for windows whatever the request?"""
+"""Invariants of windows whatever the request."""
 
 import math
 from datetime import UTC, datetime, timedelta

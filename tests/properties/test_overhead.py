@@ -1,4 +1,4 @@
-"""Is a target straight below the carrier seen, whichever way its sines are rounded?"""
+"""A target straight below the carrier is seen, whichever way its sines are rounded."""
 
 from datetime import UTC, datetime
 

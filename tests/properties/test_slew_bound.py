@@ -1,4 +1,4 @@
-"""Is the lower bound of a slew's cost one, whatever the multipliers it is made from?"""
+"""The lower bound of a slew's cost is one, whatever the multipliers it is made from."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Is the earliest join the earliest, and does the slew meet a moving track there?"""
+"""The earliest join is the earliest, and the slew meets a moving track there."""
 
 import dataclasses
 import math

@@ -1,4 +1,4 @@
-"""Are slews found whose acceleration must be taken back at once, lest the rate pass its limit?"""
+"""Slews are found whose acceleration must be taken back at once, lest the rate pass its limit."""
 
 import math
 from dataclasses import replace

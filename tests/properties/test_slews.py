@@ -1,4 +1,4 @@
-"""Are all feasible slews solved, within every limit at every instant, and the others refused?"""
+"""All feasible slews are solved, within every limit at every instant, and the others refused."""
 
 import math
 from dataclasses import replace

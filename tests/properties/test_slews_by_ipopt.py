@@ -1,4 +1,4 @@
-"""Is every motion that `method: ocp` returns Ipopt's, and what happens where Ipopt fails?"""
+"""Every motion that `method: ocp` returns is Ipopt's, and Ipopt's failures are handled."""
 
 import math
 from dataclasses import replace

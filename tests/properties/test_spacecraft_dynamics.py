@@ -1,4 +1,4 @@
-"""Does the simulated body obey mechanics: conservation, Euler's equations, order of steps?"""
+"""The simulated body obeys mechanics: conservation, Euler's equations, order of steps."""
 
 import dataclasses
 

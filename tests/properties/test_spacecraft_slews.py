@@ -1,4 +1,4 @@
-"""Do slews keep their limits and ends, and is the OCP never worse than the eigenaxis?"""
+"""Slews keep their limits and ends, and the OCP is never worse than the eigenaxis."""
 
 import dataclasses
 import math

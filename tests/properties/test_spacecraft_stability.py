@@ -1,4 +1,4 @@
-"""Does the control loop leave every spacecraft stable that the dispersions allow?
+"""The control loop leaves every spacecraft stable that the dispersions allow.
 
 The loop written anew as a linear sampled system: principal axes, modes, servo and filter as
 matrices, a cycle by SciPy's matrix exponential.  Left out are the gyros' stored momentum and what

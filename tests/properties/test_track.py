@@ -1,4 +1,4 @@
-"""Does a track stay on target, unwrapped and within limits, and is an impossible one refused?"""
+"""A track stays on target, unwrapped and within limits, and an impossible one is refused."""
 
 import dataclasses
 import math

@@ -1,4 +1,4 @@
-"""Do the judge's pieces keep to their closed forms and invariants?"""
+"""The judge's pieces keep to their closed forms and invariants."""
 
 from datetime import UTC, datetime, timedelta
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Do the judge's derivations for the sky keep to closed forms, and to what the planner aims at?"""
+"""The judge's derivations for the sky keep to closed forms, and to what the planner aims at."""
 
 from datetime import UTC, datetime
 

@@ -1,4 +1,4 @@
-"""Are attitude messages read as CCSDS 504.0-B defines them, and others refused?"""
+"""Attitude messages are read as CCSDS 504.0-B defines them, and others refused."""
 
 import numpy as np
 import pytest

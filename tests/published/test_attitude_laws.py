@@ -1,4 +1,4 @@
-"""Are the attitude laws the paper's kinematics and NASA's angles?"""
+"""The attitude laws are the paper's kinematics and NASA's angles."""
 
 from datetime import UTC, datetime
 

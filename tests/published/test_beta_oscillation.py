@@ -1,4 +1,4 @@
-"""Does a flight show Fig. 3 of Sumarokov 2016, and is the ideal one what the table says?
+"""A flight shows Fig. 3 of Sumarokov 2016, and the ideal one is what the table says.
 
 Las Vegas, 27 February 2015: alpha follows, beta oscillates, which the paper lays to "a considerable
 influence of friction and of the tension of the cables inside the platform at low rates" (p. 91),

@@ -1,4 +1,4 @@
-"""Do frames and geodesy agree with published examples?"""
+"""Frames and geodesy agree with published examples."""
 
 from datetime import UTC, datetime
 

@@ -1,4 +1,4 @@
-"""Is our STK quaternion the one of STK's own example?"""
+"""Our STK quaternion is the one of STK's own example."""
 
 from datetime import UTC, datetime, timedelta
 from types import SimpleNamespace

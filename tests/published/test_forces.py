@@ -1,4 +1,4 @@
-"""Are the lesser forces what their sources say?"""
+"""The lesser forces are what their sources say."""
 
 from dataclasses import replace
 from datetime import UTC, datetime

@@ -1,4 +1,4 @@
-"""Does the estimator find what published images and tables say?"""
+"""The estimator finds what published images and tables say."""
 
 from datetime import UTC, datetime
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Does the camera show what the paper says of it, and chance what statisticians published?"""
+"""The camera shows what the paper says of it, and chance what statisticians published."""
 
 from datetime import UTC, datetime, timedelta
 

@@ -1,4 +1,4 @@
-"""Is the planner's line of sight, its rate included, that of Orekit and Skyfield?"""
+"""The planner's line of sight, its rate included, is that of Orekit and Skyfield."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Does friction behave as where its law was published?
+"""Friction behaves as where its law was published.
 
 Canudas de Wit, Olsson, Astrom, Lischinsky: A New Model for Control of Systems with Friction, IEEE
 Trans. Automatic Control 40 (1995), table I: sigma_0 1e5 N/m, sigma_1 sqrt(1e5) N s/m, sigma_2

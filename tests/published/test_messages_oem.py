@@ -1,4 +1,4 @@
-"""Are ephemeris messages read as CCSDS 502.0-B and 505.0-B define them, and others refused?"""
+"""Ephemeris messages are read as CCSDS 502.0-B and 505.0-B define them, and others refused."""
 
 from datetime import UTC, datetime
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Do the orbit sources give Orekit's and Skyfield's lines of sight?"""
+"""The orbit sources give Orekit's and Skyfield's lines of sight."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Does the interpolated ephemeris agree with what NASA publishes beside the states?"""
+"""The interpolated ephemeris agrees with what NASA publishes beside the states."""
 
 import re
 from datetime import timedelta

@@ -1,4 +1,4 @@
-"""Are states taken in every frame, and impossible ones refused?"""
+"""States are taken in every frame, and impossible ones refused."""
 
 from datetime import UTC, datetime, timedelta
 

@@ -1,4 +1,4 @@
-"""Are element sets checked as they are published, and SGP4's verdicts passed on?"""
+"""Element sets are checked as they are published, and SGP4's verdicts passed on."""
 
 from datetime import UTC, datetime, timedelta
 

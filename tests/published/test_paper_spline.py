@@ -1,4 +1,4 @@
-"""Is the baseline the paper's: its durations, its cubic, its filter, and what it breaks?"""
+"""The baseline is the paper's: its durations, its cubic, its filter, and what it breaks."""
 
 import math
 

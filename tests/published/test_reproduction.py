@@ -1,4 +1,4 @@
-"""Does the report of the papers' numbers hold what it says, and notice what moves?"""
+"""The report of the papers' numbers holds what it says, and notices what moves."""
 
 import sys
 from collections import Counter

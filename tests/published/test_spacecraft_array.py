@@ -1,4 +1,4 @@
-"""Are the gyros' momentum, envelope and torque those of the paper (Platonov, Sumarokov 2019)?"""
+"""The gyros' momentum, envelope and torque are the paper's (Platonov, Sumarokov 2019)."""
 
 import numpy as np
 

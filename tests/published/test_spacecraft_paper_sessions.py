@@ -1,4 +1,4 @@
-"""Are the third paper's sessions planned at its moments and flown steadily?"""
+"""The third paper's sessions are planned at its moments and flown steadily."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Do the time scales agree with the IERS's and SOFA's published values?"""
+"""The time scales agree with the IERS's and SOFA's published values."""
 
 from datetime import UTC, datetime, timedelta, timezone
 

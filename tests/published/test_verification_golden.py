@@ -1,4 +1,4 @@
-"""Does the judge's own line of sight agree with Orekit's and Skyfield's?"""
+"""The judge's own line of sight agrees with Orekit's and Skyfield's."""
 
 import json
 from datetime import datetime
