@@ -149,17 +149,17 @@ class Solver:
         self,
         *,
         x0: Array,
-        p: Array,
-        lbx: Array,
-        ubx: Array,
-        lbg: Array,
-        ubg: Array,
+        p: Array | float = 0.0,
+        lbx: Array | float = -np.inf,
+        ubx: Array | float = np.inf,
+        lbg: Array | float = -np.inf,
+        ubg: Array | float = np.inf,
         lam_x0: Array | float = 0.0,
         lam_g0: Array | float = 0.0,
     ) -> Answer:
         """The answer, begun at x0; warm, where multipliers are given too."""
         effort.charge(self._work.solve_cost)
-        given = {"x0": x0, "lbx": lbx, "ubx": ubx}
+        given: dict[str, Array | float] = {"x0": x0, "lbx": lbx, "ubx": ubx}
         with self._lock:
             if self._matrices is not None:
                 self._matrices.evaluate(p=p)
