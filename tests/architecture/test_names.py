@@ -38,9 +38,6 @@ ARRAY = re.compile(
     r"( \| None)?"
 )
 NORMALISED = "normalised time: the motion lasts 1"
-# A first line states what a file holds: "Track branches and the spans they can be held over."
-QUESTION = re.compile(r"(What|How|Where|When|Whether|Which|Who|Why)\b|[^\n]*\?\s*(\n|$)")
-ROOMS_OF_STATEMENTS = ("planner", "estimator", "tests", "bench")
 # A textbook's letter inside a cited formula.
 SYMBOL = re.compile(r"[a-zA-Z]\d?")
 
@@ -92,13 +89,3 @@ def test_every_file_says_what_it_is_for():
     trees = {path: ast.parse(path.read_text()) for path in FILES}
     untold = [path for path, tree in trees.items() if tree.body and not ast.get_docstring(tree)]
     assert untold == []
-
-
-@pytest.mark.parametrize("room", ROOMS_OF_STATEMENTS)
-def test_first_lines_are_statements(room):
-    first_lines = {
-        path.relative_to(ROOT).as_posix(): ast.get_docstring(ast.parse(path.read_text())) or ""
-        for path in sorted((ROOT / room).rglob("*.py"))
-    }
-    assert first_lines
-    assert [path for path, line in first_lines.items() if QUESTION.match(line)] == []
