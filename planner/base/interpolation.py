@@ -64,35 +64,35 @@ def _vandermonde_inverses() -> Array:
     return np.array([np.linalg.inv(np.vander(nodes - float(p), increasing=True)) for p in nodes])
 
 
-def lagrange_weights(nodes: Array) -> Array:
+def lagrange_weights(knots: Array) -> Array:
     """Weights of k nodes each for the value at zero, both of shape (n, k)."""
-    weights = np.ones_like(nodes)
-    for node, other in permutations(range(nodes.shape[1]), 2):
-        weights[:, node] *= nodes[:, other] / (nodes[:, other] - nodes[:, node])
+    weights = np.ones_like(knots)
+    for node, other in permutations(range(knots.shape[1]), 2):
+        weights[:, node] *= knots[:, other] / (knots[:, other] - knots[:, node])
     return weights
 
 
 def cubic_coefficients(
-    step: Array | float, value: Array, next_value: Array, rate: Array, next_rate: Array
+    step: Array | float, value: Array, next_value: Array, value_rate: Array, next_value_rate: Array
 ) -> tuple[Array, Array, Array, Array]:
     """The Hermite cubic between two rows `step` apart, in powers of the share of the step."""
     d = next_value - value
-    c1, last = rate * step, next_rate * step
+    c1, last = value_rate * step, next_value_rate * step
     return value, c1, 3.0 * d - 2.0 * c1 - last, c1 + last - 2.0 * d
 
 
 def quintic_coefficients(
-    step: Array | float, state: tuple[Array, Array, Array], following: tuple[Array, Array, Array]
+    step: Array | float, state: tuple[Array, Array, Array], next_state: tuple[Array, Array, Array]
 ) -> tuple[Array, Array, Array, Array, Array, Array]:
     """The Hermite quintic between two rows `step` apart, in powers of the share of the step.
 
-    state, following: value and its first and second derivative at either row.
+    state, next_state: value and its first and second derivative at either row.
     """
     c0, c1 = state[0], state[1] * step
     c2 = state[2] * step * step / 2.0
-    d_value = following[0] - c0 - c1 - c2
-    d_rate = following[1] * step - c1 - 2.0 * c2
-    d_curvature = following[2] * step * step - 2.0 * c2
+    d_value = next_state[0] - c0 - c1 - c2
+    d_rate = next_state[1] * step - c1 - 2.0 * c2
+    d_curvature = next_state[2] * step * step - 2.0 * c2
     return (
         c0,
         c1,

@@ -1,5 +1,6 @@
-"""SciPy's `Rotation`, loaded when the first one is made: its package takes 0.15 s, which who only
-reads what is asked, or answers what is known, needn't wait for.
+"""SciPy's `Rotation`, loaded when the first one is made.
+
+Its package takes 0.15 s, for which who only reads a request needn't wait.
 """
 
 from typing import TYPE_CHECKING, Any

@@ -100,7 +100,7 @@ class Solver:
     programme: symbols x and p, cost f and constraints g.  options: of the plugin; Ipopt's add to
     and take precedence over IPOPT.  hessian: of the Lagrangian, jacobian: the constraints and
     theirs, where CasADi would take long to find them.  PIQP needs both, of a programme whose cost
-    and constraints are nothing where x is.  multiplier_most: of a bound of x, beyond which Ipopt
+    and constraints are nothing where x is.  multiplier_bound: of a bound of x, beyond which Ipopt
     gives up; without end they grow where nothing keeps the constraints.
     """
 
@@ -113,7 +113,7 @@ class Solver:
         plugin: Plugin = "ipopt",
         hessian: "casadi.Function | None" = None,
         jacobian: "casadi.Function | None" = None,
-        multiplier_most: float | None = None,
+        multiplier_bound: float | None = None,
     ) -> None:
         # CasADi takes 0.1 s to import, which only a process that solves should pay.
         import casadi
@@ -127,8 +127,8 @@ class Solver:
             )
             settings |= {"ipopt": {**IPOPT, **options}}
             given = {"hess_lag": hessian, "jac_g": jacobian}
-            if multiplier_most is not None:
-                given["iteration_callback"] = _diverged(programme, multiplier_most)
+            if multiplier_bound is not None:
+                given["iteration_callback"] = _diverged(programme, multiplier_bound)
             settings |= {name: of for name, of in given.items() if of is not None}
             function = casadi.nlpsol("programme", plugin, programme, settings)
             self._programme, self._matrices = _Asked(function, ("x", "lam_x", "lam_g")), None
@@ -222,7 +222,7 @@ def _strained_iterations(stats: "Mapping[str, Any]") -> int:
 
 
 def _diverged(
-    programme: "dict[str, casadi.SX] | dict[str, casadi.MX]", multiplier_most: float
+    programme: "dict[str, casadi.SX] | dict[str, casadi.MX]", multiplier_bound: float
 ) -> "casadi.Function":
     """Asked after each iteration: other than 0 where it is to be the last."""
     import casadi
@@ -230,7 +230,7 @@ def _diverged(
     sizes = [programme[name].numel() for name in "xfg"]
     sizes += [programme[name].numel() for name in "xgp"]
     answer = [casadi.MX.sym(casadi.nlpsol_out(i), size) for i, size in enumerate(sizes)]
-    return casadi.Function("diverged", answer, [casadi.norm_inf(answer[3]) > multiplier_most])
+    return casadi.Function("diverged", answer, [casadi.norm_inf(answer[3]) > multiplier_bound])
 
 
 @cache

@@ -1,5 +1,4 @@
-"""The apparent direction of a star, the Sun, the Moon or a planet, and its distance from the
-limb."""
+"""The apparent direction of a star, the Sun, the Moon or a planet, and its way from the limb."""
 
 from dataclasses import dataclass
 

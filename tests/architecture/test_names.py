@@ -40,12 +40,23 @@ ARRAY = re.compile(
 NORMALISED = "normalised time: the motion lasts 1"
 # A textbook's letter inside a cited formula.
 SYMBOL = re.compile(r"[a-zA-Z]\d?")
+CASADI = ("x0",)  # by whose name it is passed on
+
+
+def holds_settings(node):
+    """Whether it is a dataclass of nothing but fields with values."""
+    fields = [item for item in node.body if not isinstance(item, ast.Expr)]
+    is_dataclass = any("dataclass(" in ast.unparse(of) for of in node.decorator_list)
+    return is_dataclass and all(isinstance(item, ast.AnnAssign) and item.value for item in fields)
 
 
 def annotated(tree):
-    """Attributes of classes and parameters of functions: (line, name, annotation, is private)."""
+    """Attributes of classes and parameters of functions: (line, name, annotation, is private).
+
+    Settings are left out: most are counts and shares, each with a line that says of what.
+    """
     for node in ast.walk(tree):
-        if isinstance(node, ast.ClassDef):
+        if isinstance(node, ast.ClassDef) and not holds_settings(node):
             for item in node.body:
                 if isinstance(item, ast.AnnAssign) and isinstance(item.target, ast.Name):
                     yield item.lineno, item.target.id, ast.unparse(item.annotation), False
@@ -57,7 +68,12 @@ def annotated(tree):
 
 
 def has_unit_or_needs_none(name, annotation, private):
-    if UNIT.search(f"_{name}") or PURE.search(name) or (private and SYMBOL.fullmatch(name)):
+    if (
+        name in CASADI
+        or UNIT.search(f"_{name}")
+        or PURE.search(name)
+        or (private and SYMBOL.fullmatch(name))
+    ):
         return True
     if annotation in NUMBER:
         return False

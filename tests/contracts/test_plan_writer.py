@@ -1,4 +1,4 @@
-"""Is a request that is written read as the same request?"""
+"""A request that is written is read as the same request."""
 
 import json
 from pathlib import Path

@@ -1,5 +1,7 @@
-"""Errors larger than the telemetry's noise, and what made them so: an axis off its plan, a clock
-that jumped, outliers that are too many to be left out, or what isn't known."""
+"""Errors larger than the telemetry's noise, and their causes.
+
+An axis off its plan, a clock that jumped, outliers too many to be left out, or none known.
+"""
 
 import math
 from collections.abc import Sequence

@@ -1,5 +1,8 @@
-"""Values that are no measurement: rows that repeat the value before while the plan moves on, as of
-telemetry sampled faster than its sensor, and one value in place of those that are missing."""
+"""Values that are no measurement.
+
+Rows that repeat the value before while the plan moves on, as of telemetry sampled faster than its
+sensor, and one value in place of those that are missing.
+"""
 
 from collections import Counter
 from collections.abc import Sequence

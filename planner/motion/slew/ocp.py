@@ -191,7 +191,7 @@ def slew_solver(start: Start, spans: int, *, on_rows: bool, residuals: int) -> S
     programme = {"x": ocp.x, "p": ocp.p, "f": ocp.f, "g": ocp.g}
     derivatives = {"hessian": ocp.hessian(), "jacobian": ocp.jacobian()}
     most = MULTIPLIER_MOST
-    return Solver(programme, options, work, plugin=plugin, multiplier_most=most, **derivatives)
+    return Solver(programme, options, work, plugin=plugin, multiplier_bound=most, **derivatives)
 
 
 def make_solvers(sizes: Iterable[int]) -> None:

@@ -1,5 +1,7 @@
-"""Reasons why a target can't be observed: how high the carrier gets, and what closes every
-window."""
+"""Reasons why a target can't be observed.
+
+The elevation that the carrier reaches, and what closes every window.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
