@@ -1,7 +1,7 @@
 """Figures of the CMG spacecraft against what is promised; run it with python.
 
 python bench/spacecraft.py            everything
-python bench/spacecraft.py timeline   some parts: timeline, settle, areas, many, turns, choice,
+python bench/spacecraft.py timeline   some parts: timeline, settle, areas, many, slews, choice,
                                       physics, ground, refusals
 
 Times are CPU times: others at work on the machine don't count.

@@ -131,7 +131,7 @@ class Solver:
                 given["iteration_callback"] = _diverged(programme, multiplier_bound)
             settings |= {name: of for name, of in given.items() if of is not None}
             function = casadi.nlpsol("programme", plugin, programme, settings)
-            self._programme, self._matrices = _Asked(function, ("x", "lam_x", "lam_g")), None
+            self._programme, self._matrices = _Buffered(function, ("x", "lam_x", "lam_g")), None
             return
         if hessian is None or jacobian is None:
             raise ValueError(f"{plugin} needs the programme's derivatives")
@@ -141,9 +141,9 @@ class Solver:
         matrices = {"h": casadi.triu2symm(upper), "a": rows}
         structure = {name: matrix.sparsity() for name, matrix in matrices.items()}
         function = casadi.conic("programme", plugin, structure, settings)
-        self._programme = _Asked(function, ("x", "lam_x", "lam_a"))
+        self._programme = _Buffered(function, ("x", "lam_x", "lam_a"))
         of_p = casadi.Function("matrices", [p], list(matrices.values()), ["p"], list(matrices))
-        self._matrices = _Asked(of_p, matrices, self._programme.given)
+        self._matrices = _Buffered(of_p, matrices, self._programme.given)
 
     def solve(
         self,
@@ -180,7 +180,7 @@ class Solver:
         return Answer(x, lam_x, lam_g, run)
 
 
-class _Asked:
+class _Buffered:
     """A function of CasADi in memory of its own: a short solve takes a fifth less than by a call.
 
     given: by name what it reads, nonzeros in CasADi's order; what isn't said anew stays.

@@ -25,7 +25,7 @@ from planner.planning.opportunities.search import (
 from planner.planning.opportunities.search import (
     RESTING,
     found_spans,
-    spend_on,
+    charge_for,
 )
 from planner.planning.opportunities.sights import EarthSight, FixedPlaces, Sight
 from planner.planning.opportunities.spans import Spans
@@ -84,7 +84,7 @@ def _found(request: ImagingOpportunityRequest) -> ImagingOpportunities:
     _require_low(carrier)
     of_positions = _spans_of_positions(asked, carrier, camera)
     spans, whole_s = _passes(request, owner, of_positions)
-    spend_on(spans, RESTING, request.samples)
+    charge_for(spans, RESTING, request.samples)
     sight = EarthSight(carrier, _middles(request, carrier), np.zeros(len(request.requests)))
     numbers = np.arange(len(request.requests))
     windows = describe_windows(asked, sight, numbers, spans, (spans.start_s, spans.stop_s))

@@ -87,7 +87,7 @@ def opportunities_however_many(request: OpportunityRequest) -> Opportunities:
     )
     found = []
     for numbers, sight, spans, work in found_spans(request, carrier):
-        spend_on(spans, work, request.samples)
+        charge_for(spans, work, request.samples)
         held_s = held_parts(request.platform, sight, spans, work.look_rows)
         found.append(describe_windows(request, sight, numbers, spans, held_s))
     ends = Instants(request.start, np.array([0.0, carrier.span_s]))
@@ -121,7 +121,7 @@ def found_spans(
         yield numbers, sight, _windows(request, conditions, sight, nodes, work), work
 
 
-def spend_on(spans: Spans, work: SearchWork, samples: int) -> None:
+def charge_for(spans: Spans, work: SearchWork, samples: int) -> None:
     """The work of describing windows."""
     effort.charge((work.window_rows + OPTIONS.sample_rows * samples) * len(spans.target))
 
