@@ -24,8 +24,8 @@ from planner.planning.opportunities.search import (
 )
 from planner.planning.opportunities.search import (
     RESTING,
-    found_spans,
     charge_for,
+    found_spans,
 )
 from planner.planning.opportunities.sights import EarthSight, FixedPlaces, Sight
 from planner.planning.opportunities.spans import Spans

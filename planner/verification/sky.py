@@ -1,27 +1,279 @@
 """The apparent direction of a star, the Sun, the Moon or a planet, and its way from the limb."""
 
+import gzip
+import math
+from bisect import bisect_left
 from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
 
+import erfa
 import numpy as np
+from numpy.polynomial.chebyshev import chebval
 
 from planner.base.arrays import Array
+from planner.base.errors import OutsideCoverage
 from planner.verification.air import TOP_M, limb_bending_rad
-from planner.verification.clock import tt_s
+from planner.verification.clock import DAY_S, tt_s
 from planner.verification.earth import earth_orientation
+from planner.verification.earth_fixed import WGS84_A_M, WGS84_A_OVER_B, vertical
 from planner.verification.light import SPEED_OF_LIGHT_M_S, aberrate, bend_by_sun
-from planner.verification.limb import limb_clearance_rad, lowest_point
-from planner.verification.solar_system import (
-    EARTH,
-    NUMBERS,
-    SUN,
-    r_body_bary_m,
-    tdb_s,
-    v_earth_bary_m_s,
-)
-from planner.verification.stars import towards_star
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import OrbitStates
 from planner.world.targets import BodyTarget, SkyTarget, StarTarget
+
+# Angular distance of a line of sight from the Earth's limb, and its height above the ground.
+
+
+def limb_clearance_rad(sight_itrf: Array, r_sat_itrf_m: Array, raised_m: float) -> Array:
+    """From the raised ellipsoid's limb to the line of sight, away from nadir, shape (n,).
+
+    sight_itrf: unit vectors (n, 3).  The ellipsoid has both semi-axes longer by raised_m;
+    angles lie in the plane of sight and geocentre, where the tangents d to the ellipsoid
+    x M x = 1 obey (d M r)^2 = (d M d)(r M r - 1): a quadratic for the tangent's nadir angle.
+    A carrier inside the raised ellipsoid has its limb at the zenith.
+    """
+    semi_axes_m = WGS84_A_M * np.array([1.0, 1.0, 1.0 / WGS84_A_OVER_B]) + raised_m
+    r = r_sat_itrf_m / semi_axes_m
+    down_itrf = -r_sat_itrf_m / _length(r_sat_itrf_m)
+    from_nadir_rad, aside_itrf = _nadir_angle(sight_itrf, down_itrf)
+    down, aside = down_itrf / semi_axes_m, aside_itrf / semi_axes_m
+
+    above = np.sum(r * r, axis=1) - 1.0
+    down_r, aside_r = np.sum(down * r, axis=1), np.sum(aside * r, axis=1)
+    a = aside_r**2 - above * np.sum(aside * aside, axis=1)
+    b = aside_r * down_r - above * np.sum(aside * down, axis=1)
+    c = down_r**2 - above * np.sum(down * down, axis=1)
+    # a < 0 < c outside: one tangent on either side of nadir; this side's has a positive root.
+    outside = above > 0.0
+    root = np.sqrt(np.where(outside, b * b - a * c, 0.0))
+    limb_rad = np.where(outside, np.arctan2(b + root, -a), np.pi)
+    return np.asarray(from_nadir_rad - limb_rad)
+
+
+def lowest_point(sight_itrf: Array, r_sat_itrf_m: Array) -> tuple[Array, Array, Array]:
+    """Of straight lines: height above the ellipsoid, way to it (n,), and the vertical there (n, 3).
+
+    The way is negative where the line only climbs.  Within 1 m below 200 km.
+    """
+    way_m = -np.sum(sight_itrf * r_sat_itrf_m, axis=1)
+    # Nearest to the geocentre, then to the ellipsoid: the height curves like 1/(Earth's radius).
+    up_itrf, _ = vertical(r_sat_itrf_m + way_m[:, None] * sight_itrf)
+    way_m = way_m - np.sum(up_itrf * sight_itrf, axis=1) * WGS84_A_M
+    up_itrf, height_m = vertical(r_sat_itrf_m + way_m[:, None] * sight_itrf)
+    return height_m, way_m, up_itrf
+
+
+def _nadir_angle(sight_itrf: Array, down_itrf: Array) -> tuple[Array, Array]:
+    """Angle from nadir (n,) and the unit vector (n, 3) across nadir on the sight's side."""
+    along = np.sum(sight_itrf * down_itrf, axis=1)
+    aside = sight_itrf - along[:, None] * down_itrf
+    size = _length(aside)
+    # Straight up or down any side is as good as another.
+    other_axis = np.where(np.abs(down_itrf[:, :1]) < 0.6, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0])
+    any_side = np.cross(down_itrf, other_axis)
+    across = np.where(size > 1e-12, aside / np.maximum(size, 1e-12), any_side / _length(any_side))
+    return np.arctan2(size[:, 0], along), across
+
+
+def _length(v: Array) -> Array:
+    return np.asarray(np.sqrt(np.sum(v * v, axis=1, keepdims=True)))
+
+
+# The Earth, the Sun, the Moon and the planets, by the judge's own reading of DE421.
+#
+# The file's bytes are taken apart here; the Earth's velocity is another theory's, ERFA's.
+# Source: NAIF, DAF and SPK Required Reading (segments of data type 2).
+
+BARYCENTRE = 0
+SUN, MOON, EARTH = 10, 301, 399
+# NAIF numbers; of the giants, what DE421 has: the centre of mass with their moons.
+NUMBERS = {
+    "sun": SUN,
+    "moon": MOON,
+    "mercury": 199,
+    "venus": 299,
+    "mars": 499,
+    "jupiter": 5,
+    "saturn": 6,
+    "uranus": 7,
+    "neptune": 8,
+}
+
+_J2000_JD = 2451545.0
+_AU_PER_DAY_M_S = erfa.DAU / DAY_S
+_NODE_SPACING_MAX_S = 3600.0  # a cubic through the Moon's pull on the Earth: < 1e-8 m/s
+_NODES_MIN = 4
+
+_DE421 = Path(__file__).parent / "data" / "de421.bsp"
+_WORDS_PER_RECORD = 128
+_SUMMARY_WORDS = 5  # two doubles and six 4-byte integers
+
+
+@dataclass(frozen=True, eq=False)
+class _Segment:
+    """Chebyshev records of one body about another: words 0, 1 hold middle and half length (s)."""
+
+    center: int
+    first_s: float
+    record_s: float
+    coefficients: Array  # (k, 2 + 3 times as many as there are, km)
+
+    def position_m(self, tdb_s: Array) -> Array:
+        number = np.floor((tdb_s - self.first_s) / self.record_s).astype(np.intp)
+        if number.min() < 0 or number.max() >= len(self.coefficients):
+            raise OutsideCoverage(
+                "Sun, Moon and planets are known from 1973-01-01 to 2053-10-09 (DE421); "
+                "use times in between"
+            )
+        position_m = np.empty((len(tdb_s), 3))
+        for one in np.unique(number):
+            here = number == one
+            middle_s, half_s = self.coefficients[one, :2]
+            of_xyz = self.coefficients[one, 2:].reshape(3, -1).T
+            position_m[here] = 1e3 * chebval((tdb_s[here] - middle_s) / half_s, of_xyz).T
+        return position_m
+
+
+def tdb_s(tt_s: Array) -> Array:
+    """TDB from TT, both seconds since J2000, shape (n,).
+
+    Within 10 us.  Source: USNO Circular 179, eq. 2.6, its leading term.
+    """
+    centuries = tt_s / (DAY_S * 36525.0)
+    return np.asarray(tt_s + 0.001657 * np.sin(628.3076 * centuries + 6.2401))
+
+
+def r_body_bary_m(number: int, at_tdb_s: Array) -> Array:
+    """A body by its NAIF number from the solar system's barycentre, shape (n, 3), GCRF axes."""
+    position_m = np.zeros((len(at_tdb_s), 3))
+    while number != BARYCENTRE:
+        segment = _segments()[number]
+        position_m += segment.position_m(at_tdb_s)
+        number = segment.center
+    return position_m
+
+
+def v_earth_bary_m_s(at_tdb_s: Array) -> Array:
+    """The Earth's centre, shape (n, 3), GCRF axes, instants in order of time.
+
+    Within 5 mm/s, 3e-6 arcsec of aberration.  Source: ERFA's epv00 (VSOP2000, ELP).
+    """
+    span_s = float(at_tdb_s[-1] - at_tdb_s[0])
+    count = max(_NODES_MIN, int(np.ceil(span_s / _NODE_SPACING_MAX_S)) + 1)
+    node_s = np.linspace(at_tdb_s[0], at_tdb_s[-1], count)
+    _, barycentric = erfa.epv00(_J2000_JD, node_s / DAY_S)
+    # SciPy's interpolators take 0.2 s to import, which only a plan should pay.
+    from scipy.interpolate import CubicSpline
+
+    return np.asarray(CubicSpline(node_s, barycentric["v"] * _AU_PER_DAY_M_S)(at_tdb_s))
+
+
+@cache
+def _segments() -> dict[int, _Segment]:
+    """By the number of the body; each body has one segment in DE421."""
+    words = np.memmap(_DE421, dtype="<f8", mode="r")
+    header = words[:_WORDS_PER_RECORD].tobytes()
+    integers = np.frombuffer(header, dtype="<i4")
+    if header[:7] != b"DAF/SPK" or tuple(integers[2:4]) != (2, 6):
+        raise ValueError("de421.bsp is no little-endian SPK file")
+    segments: dict[int, _Segment] = {}
+    record = int(integers[19])  # FWARD, the first record of summaries
+    while record:
+        page = words[(record - 1) * _WORDS_PER_RECORD :][:_WORDS_PER_RECORD]
+        for k in range(int(page[2])):
+            summary = page[3 + k * _SUMMARY_WORDS :][:_SUMMARY_WORDS]
+            body, center, _, kind, first, last = summary[2:].view("<i4").tolist()
+            if kind == 2:
+                segment = words[first - 1 : last]
+                first_s, record_s, size, count = segment[-4:].tolist()
+                records = segment[: int(size) * int(count)].reshape(int(count), int(size))
+                segments[body] = _Segment(center, first_s, record_s, records)
+        record = int(page[0])
+    return segments
+
+
+# The direction of a star, seen from a place in the solar system.
+
+_CATALOGUE = Path(__file__).parent / "data" / "hipparcos.txt.gz"
+_LINE_BYTES = 60  # sorted by number
+_J2000_JYEAR = 2000.0
+_HIPPARCOS_JYEAR = 1991.25
+_YEAR_S = 365.25 * 86400.0
+_MAS_RAD = float(erfa.DMAS2R)
+
+
+class _Star(NamedTuple):
+    """ICRS at an epoch, and its motion, in the order of the catalogue."""
+
+    jyear: float
+    ra_rad: float
+    dec_rad: float
+    parallax_mas: float
+    pm_east_mas_yr: float
+    pm_north_mas_yr: float
+
+
+def towards_star(target: StarTarget, at_tdb_s: Array, r_observer_bary_m: Array) -> Array:
+    """Unit vectors (n, 3), GCRF axes, at instants counted from J2000; parallax included.
+
+    The star goes on along its great circle: after t years at an angle whose tangent is
+    mu t / (1 + t v/d), mu its proper motion, v/d its recession by its distance.
+    Neglects that its light reaches the observer up to 500 s earlier or later than the Sun:
+    0.2 mas at 10 arcsec a year.  Source: ESA SP-1200 (1997), vol. 1, 1.5.5, rewritten.
+    """
+    number = target.catalogue_number
+    star = _from_coordinates(target) if number is None else _hipparcos(number)
+    towards = erfa.s2c(star.ra_rad, star.dec_rad)
+    east = np.array([-np.sin(star.ra_rad), np.cos(star.ra_rad), 0.0])
+    east_yr, north_yr = star.pm_east_mas_yr * _MAS_RAD, star.pm_north_mas_yr * _MAS_RAD
+    motion_yr = east_yr * east + north_yr * np.cross(towards, east)
+    mu_yr = np.sqrt(motion_yr @ motion_yr)
+    first_parallax_rad = star.parallax_mas * _MAS_RAD
+    receding_yr = target.radial_velocity_km_s * 1e3 * first_parallax_rad / erfa.DAU * _YEAR_S
+
+    since_yr = at_tdb_s / _YEAR_S + (_J2000_JYEAR - star.jyear)
+    across, along = mu_yr * since_yr, 1.0 + receding_yr * since_yr
+    gone_rad = np.arctan2(across, along)[:, None]
+    parallax_rad = first_parallax_rad / np.hypot(across, along)[:, None]
+    ahead = motion_yr / mu_yr if mu_yr > 0.0 else east
+    from_sun = np.cos(gone_rad) * towards + np.sin(gone_rad) * ahead
+    seen = from_sun - parallax_rad / erfa.DAU * r_observer_bary_m
+    return np.asarray(seen / np.sqrt(np.sum(seen * seen, axis=1, keepdims=True)))
+
+
+def _from_coordinates(target: StarTarget) -> _Star:
+    if target.ra_deg is None or target.dec_deg is None:
+        raise TypeError("a star without a catalogue number has coordinates")
+    return _Star(
+        target.epoch_jyear or _J2000_JYEAR,
+        math.radians(target.ra_deg),
+        math.radians(target.dec_deg),
+        target.parallax_mas or 0.0,
+        target.pm_ra_cosdec_mas_yr or 0.0,
+        target.pm_dec_mas_yr or 0.0,
+    )
+
+
+@cache
+def _hipparcos(number: int) -> _Star:
+    """A line of the catalogue: number, RA and Dec in rad, parallax and motions in mas.
+
+    A negative parallax is the noise of a star too far to tell.
+    """
+    lines = gzip.decompress(_CATALOGUE.read_bytes())
+
+    def line(at: int) -> bytes:
+        return lines[at * _LINE_BYTES : (at + 1) * _LINE_BYTES]
+
+    count = len(lines) // _LINE_BYTES
+    fields = line(bisect_left(range(count), number, key=lambda at: int(line(at)[:6]))).split()
+    if int(fields[0]) != number:
+        raise KeyError(number)
+    ra_rad, dec_rad, parallax_mas, pm_east, pm_north = map(float, fields[1:])
+    return _Star(_HIPPARCOS_JYEAR, ra_rad, dec_rad, max(0.0, parallax_mas), pm_east, pm_north)
+
 
 # Two honest models of the standard air beyond the limb differ by this share of the bending: by
 # its colour (1 % from 400 to 700 nm), by rounding the kinks between its layers (0.4 %), by

@@ -12,8 +12,7 @@ from planner.base.errors import InvalidInput
 from planner.inflight.flights.draws import CAUSES, draw_run, undisturbed
 from planner.inflight.flights.drives import flown_by
 from planner.inflight.flights.frames import EXPOSURE_POINTS, exposures_s, frames_of
-from planner.inflight.flights.ground_view import ground_view
-from planner.inflight.flights.nominal import nominal_session
+from planner.inflight.flights.nominal import ground_view, nominal_session
 from planner.inflight.flights.runs import fly_nominal, fly_runs
 from planner.inflight.flights.scene import session_scenes
 from planner.inflight.flights.summary import joined, summarise

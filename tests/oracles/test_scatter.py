@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from planner.inflight.simulation.scatter import covariance
+from planner.inflight.simulation.identification import covariance
 
 SAMPLES, FLIGHTS = 1500, 100
 OPEN = np.array([1e6, 1e6])  # no prior to speak of

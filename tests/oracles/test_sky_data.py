@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from jplephem.spk import SPK
 
-from planner.verification import stars
+from planner.verification import sky as stars
 from planner.world.frames.hipparcos import hipparcos_star
 from planner.world.targets.star_names import star_names
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from mask_shapes import boom, inside, mask_corners, sampled_away_rad, star
 
-from planner.motion.detour.convex_parts import convex_parts
+from planner.motion.detour.caps import convex_parts
 from planner.verification.field_masks import Region
 from planner.world.platforms import FieldMask
 

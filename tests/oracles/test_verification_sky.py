@@ -26,7 +26,7 @@ from judged_tables import (
 
 from planner.base.errors import OutsideCoverage
 from planner.verification import SkyView, verify
-from planner.verification.solar_system import EARTH, MOON, r_body_bary_m, v_earth_bary_m_s
+from planner.verification.sky import EARTH, MOON, r_body_bary_m, v_earth_bary_m_s
 from planner.world.frames.time_scales import Instants
 from planner.world.targets import BodyTarget, SkyTarget, StarTarget
 

@@ -10,8 +10,7 @@ from vibration_bound import Wanted, least_share
 from vibration_cases import LIMITS, left_rad, problem
 
 from planner.motion.baseline import paper_slew
-from planner.motion.baseline.compare import compare_with_spline
-from planner.motion.baseline.residual_vibration import residual_vibration_rad
+from planner.motion.baseline.compare import compare_with_spline, residual_vibration_rad
 from planner.motion.slew import AxisState, next_duration_s, optimal_slew
 from planner.motion.slew.solution import violations
 from planner.world.platforms import StructuralMode

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from planner.motion.baseline.residual_vibration import residual_vibration_rad
+from planner.motion.baseline.compare import residual_vibration_rad
 from planner.motion.slew import AxisState, SlewProblem, SlewSolution
 from planner.world.platforms import ISS_HRC, StructuralMode
 

@@ -11,10 +11,15 @@ from hypothesis import strategies as st
 from planner.verification.earth import earth_orientation
 from planner.verification.earth_fixed import earth_fixed_sight
 from planner.verification.light import bend_by_sun
-from planner.verification.limb import limb_clearance_rad, lowest_point
-from planner.verification.sky import LIMB_MODEL_SHARE, sky_sight
-from planner.verification.solar_system import NUMBERS, tdb_s
-from planner.verification.stars import towards_star
+from planner.verification.sky import (
+    LIMB_MODEL_SHARE,
+    NUMBERS,
+    limb_clearance_rad,
+    lowest_point,
+    sky_sight,
+    tdb_s,
+    towards_star,
+)
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import OrbitStates
 from planner.world.targets import BodyTarget, GroundTarget, StarTarget

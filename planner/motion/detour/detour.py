@@ -26,9 +26,8 @@ from planner.motion.detour.search import (
 )
 from planner.motion.detour.spline_ocp import SplineOcp, graded_ocp, ocp_on_all_rows
 from planner.motion.pointing.keep_out import KeepOutView, MovingCone
-from planner.motion.slew.flown import rows_in
 from planner.motion.slew.problem import SlewProblem
-from planner.motion.slew.solution import SlewSolution
+from planner.motion.slew.solution import SlewSolution, rows_in
 from planner.world.platforms import FieldMask
 
 

@@ -11,9 +11,9 @@ import numpy as np
 
 from planner.base.commands import COMMAND_STEP_S
 from planner.motion.pointing.keep_out import KeepOutView
-from planner.motion.slew.braking import brake
 from planner.motion.slew.problem import AxisState, axis_states
 from planner.motion.slew.solution import AxisProfile, SlewSolution, chain_profiles
+from planner.motion.slew.stops import brake
 
 STEP_ROWS = 2
 ROUNDING_S = 1e-9

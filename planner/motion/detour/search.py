@@ -16,8 +16,7 @@ from planner.motion.detour.caps import cap_count, cone_caps, look_tau, mask_caps
 from planner.motion.detour.ocp import Caps, DetourOcp, Start, detour_ocp
 from planner.motion.detour.spline_ocp import SplineOcp
 from planner.motion.pointing.keep_out import DeepestEntry, KeepOutView, deepest_entry
-from planner.motion.slew.flown import reproduces, rows_in
-from planner.motion.slew.solution import AxisProfile, SlewSolution, obeys
+from planner.motion.slew.solution import AxisProfile, SlewSolution, obeys, reproduces, rows_in
 from planner.world.platforms import AxisLimits
 
 Profiles = tuple[AxisProfile, AxisProfile]

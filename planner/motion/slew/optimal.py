@@ -8,10 +8,9 @@ from planner.base.errors import InfeasibleSlew
 from planner.base.solvers import SolverRun
 from planner.motion.slew.closed_forms import least_jerk_profile
 from planner.motion.slew.feasibility import AxisVerdict, axis_refusal, verdict
-from planner.motion.slew.flown import reproduces, rows_in
 from planner.motion.slew.problem import AxisSlew, SlewProblem
 from planner.motion.slew.smoothest import Smoothest, bound_without_contacts, smoothest
-from planner.motion.slew.solution import AxisProfile, SlewSolution, obeys
+from planner.motion.slew.solution import AxisProfile, SlewSolution, obeys, reproduces, rows_in
 
 OPTIMAL_GAP = 1e-3  # of the cost: what is called optimal is no further from the bound
 FEASIBLE = "feasible, not the smoothest"

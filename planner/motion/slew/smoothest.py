@@ -17,15 +17,13 @@ import numpy as np
 from planner.base import effort
 from planner.base.arrays import Array, Indices, Mask
 from planner.base.solvers import SolverRun, has_piqp
-from planner.motion.slew.braking import braked_ends
 from planner.motion.slew.closed_forms import least_jerk_profile
 from planner.motion.slew.feasibility import verdict
-from planner.motion.slew.flown import cells_that_break, cells_that_leave
 from planner.motion.slew.lower_bound import lower_bound
 from planner.motion.slew.normalised import normalised
 from planner.motion.slew.ocp import Begin, Rows, Solved, SpanProgramme, Start, Vibration, solve
 from planner.motion.slew.problem import AxisSlew
-from planner.motion.slew.solution import AxisProfile, obeys
+from planner.motion.slew.solution import AxisProfile, cells_that_break, cells_that_leave, obeys
 from planner.motion.slew.spans import (
     BETWEEN,
     hull_between,
@@ -36,6 +34,7 @@ from planner.motion.slew.spans import (
     values_at,
     where_to_cut,
 )
+from planner.motion.slew.stops import braked_ends
 from planner.motion.slew.vibration import (
     JERK_COST,
     WEIGHTS,
