@@ -47,7 +47,7 @@ class ImagingOpportunityOut(PassWindow):
     the last is no more.
 
     target: name of the request.
-    session: times for a plan of it, with a minute before and after for the turns.
+    session: times for a plan of it, with a minute before and after for the slews.
     opened_by: the condition that is met from `rise` on: `reach` the angle along the track, `across`
     that across it, "interval" the search's or the request's own start.
     closed_by: the condition that is met until `set`, likewise.
