@@ -24,7 +24,7 @@ from planner.world.targets import BenchMotionTarget, EarthFixedTarget
 
 # The cost of moving one session to the others of its request.
 
-SHARE = 0.6  # of the work that is left, for planning the whole request once more
+SHARE = 0.8  # of the work that is left, for planning the whole request once more
 
 
 class Others:
