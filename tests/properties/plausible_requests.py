@@ -184,7 +184,7 @@ def _platform(rng: np.random.Generator) -> tuple[str | Fields, tuple[_Axis, _Axi
 def _axis(rng: np.random.Generator, name: str) -> _Axis:
     low, high = {
         "wide": (-175.0, 175.0),
-        "slews": (-540.0, 540.0),
+        "turns": (-540.0, 540.0),
         "narrow": (-rng.uniform(60.0, 170.0), rng.uniform(60.0, 170.0)),
     }[_one_of(rng, "wide", "wide", "turns", "narrow")]
     rate = _log(rng, 1.0, 20.0)
