@@ -156,25 +156,28 @@ def test_what_can_not_fly_is_refused_plainly(client):
     answer = client.post(f"/v1/plans/{test['id']}/flights", json={})
     assert (answer.status_code, "no target" in answer.json()["detail"]) == (422, True)
     assert client.post(f"/v1/plans/{NOBODY}/flights", json={}).status_code == 404
-    waits = client.post("/v1/plans", json=LAS_VEGAS, headers=LATER).json()["id"]
-    client.delete(f"/v1/plans/{waits}")
-    eventually(
-        lambda: client.get(f"/v1/plans/{waits}").json()["state"] not in ("queued", "running")
+    with client.app.state.database.writing() as connection:
+        cancelled = job_of("plan", "c")
+        jobs.accept(connection, cancelled)
+        jobs.cancel(connection, cancelled.id)
+    assert client.get(f"/v1/plans/{cancelled.id}").json()["state"] == "cancelled"
+    assert client.post(f"/v1/plans/{cancelled.id}/flights", json={}).status_code == 409
+
+
+def job_of(kind, digit):
+    return jobs.NewJob(
+        id=NOBODY[:-1] + digit,
+        kind=kind,
+        name="",
+        request=b"{}",
+        request_sha256="0" * 64,
+        deadline_s=60.0,
     )
-    if client.get(f"/v1/plans/{waits}").json()["state"] == "cancelled":
-        assert client.post(f"/v1/plans/{waits}/flights", json={}).status_code == 409
 
 
 def test_a_spacecrafts_plan_names_its_own_runs(client):
+    new = job_of("spacecraft", "d")
     with client.app.state.database.writing() as connection:
-        new = jobs.NewJob(
-            id=NOBODY[:-1] + "d",
-            kind="spacecraft",
-            name="",
-            request=b"{}",
-            request_sha256="0" * 64,
-            deadline_s=60.0,
-        )
         jobs.accept(connection, new, lease_s=3600.0)
     answer = client.post(f"/v1/plans/{new.id}/flights", json={})
     assert answer.status_code == 404
