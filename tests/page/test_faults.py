@@ -290,8 +290,11 @@ def test_a_plan_asked_for_in_other_words_is_told(open_page, tmp_path):
 
 
 def test_work_is_followed_where_no_stream_has_a_place(form, tmp_path):
-    """The page asks how the work stands until one has."""
-    with live_service(tmp_path, SLEWTRACK_CONCURRENCY_PER_KEY="8") as service:
+    """The page asks how the work stands until one has.
+
+    A browser asks for six files at once, which must not be refused while the page loads.
+    """
+    with live_service(tmp_path, SLEWTRACK_CONCURRENCY_PER_KEY="16") as service:
         page = form(service)
         with (
             ExitStack() as held,
@@ -301,7 +304,7 @@ def test_work_is_followed_where_no_stream_has_a_place(form, tmp_path):
             before = client.post(
                 "/v1/plans", json=LAS_VEGAS, headers={"Prefer": "respond-async"}
             ).headers["location"]
-            for _ in range(4):
+            for _ in range(8):
                 stream = held.enter_context(client.stream("GET", f"{before}/events"))
                 assert stream.status_code == 200
             with page.expect_response(
