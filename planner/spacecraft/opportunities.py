@@ -62,9 +62,8 @@ def find_imaging_opportunities(request: ImagingOpportunityRequest) -> ImagingOpp
     """All passes over all requests, by no more work than one request may make.
 
     Edges are those of the exact orbit and frames to 0.1 ms.  Neglected: the yaw with which the
-    camera steers against the Earth's rotation, which moves what it looks at by nothing, and how
-    long
-    scans and slews take: the plan tells whether they fit.
+    camera steers against the Earth's rotation, which moves what it looks at by nothing, and the
+    duration of scans and slews: the plan tells whether they fit.
     Raises InvalidInput for a high orbit, OutsideCoverage, SearchEnded.
     """
     with at_most(effort.PLAN):

@@ -8,7 +8,7 @@ import pytest
 
 import slewtrack
 from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
-from planner.planning.sessions.slew_timing import OPTIONS as LEAD_OPTIONS
+from planner.planning.sessions.slew_timing import OPTIONS as SLEW_TIMING_OPTIONS
 from planner.world.frames.time_scales import elapsed_s, utc_from_text, utc_text
 
 DENVER = {"mode": "ground", "latitude_deg": 39.74, "longitude_deg": -104.98, "height_m": 1600.0}
@@ -51,7 +51,9 @@ def test_left_out_it_is_rest_at_zero_in_time_for_the_first_slew(example):
     # Early enough for as gentle a slew as there is, wherever the target: the bound of the lead.
     [run] = plan.slews
     assert run.duration_s <= elapsed_s(FIRST, scenario.initial_state.epoch)
-    assert run.duration_s == pytest.approx(LEAD_OPTIONS.recommended_times * run.minimum_s, abs=0.3)
+    assert run.duration_s == pytest.approx(
+        SLEW_TIMING_OPTIONS.recommended_times * run.minimum_s, abs=0.3
+    )
     told = {one.field: one.members for one in scenario.assumed}
     assert told["initial_state.epoch"] == {"epoch": utc_text(scenario.initial_state.epoch, 1)}
     assert told["initial_state.angles_deg"] == {"angles_deg": scenario.initial_state.angles_deg}

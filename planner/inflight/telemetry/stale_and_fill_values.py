@@ -18,7 +18,7 @@ from planner.inflight.telemetry.samples import Dropped
 
 
 @dataclass(frozen=True, kw_only=True)
-class UnmeasuredOptions:
+class StaleValueOptions:
     """Which values were never measured: repeated ones, and fills."""
 
     same_min: float = 0.2  # of the rows in which the plan moves by more than the sensor's steps
@@ -30,7 +30,7 @@ class UnmeasuredOptions:
     fill_far: float = 5.0  # times farther from the plan than nine in ten of the others
 
 
-OPTIONS = UnmeasuredOptions()
+OPTIONS = StaleValueOptions()
 
 
 def leave_out_stale_and_fill_values(

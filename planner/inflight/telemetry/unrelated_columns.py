@@ -16,7 +16,7 @@ from planner.world.frames.time_scales import utc_text
 
 
 @dataclass(frozen=True, kw_only=True)
-class StrayOptions:
+class UnrelatedColumnOptions:
     """When a column is told not to be of its axis."""
 
     blocks: int = 40  # whose medians noise and outliers hardly move
@@ -28,7 +28,7 @@ class StrayOptions:
     fits: float = 0.1  # of the motion: clearly another axis's, or turned the other way
 
 
-OPTIONS = StrayOptions()
+OPTIONS = UnrelatedColumnOptions()
 
 
 def require_followed(

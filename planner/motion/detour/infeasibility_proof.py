@@ -33,7 +33,7 @@ Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, kw_only=True)
-class BarrierOptions:
+class InfeasibilityProofOptions:
     """How finely a slew that cones forbid is proved impossible."""
 
     # before a detour is sought: most slews that cones shut are proved in these, the wide first
@@ -52,7 +52,7 @@ class BarrierOptions:
     catching_step_s: float = 0.1  # between the moments at which that is looked for
 
 
-OPTIONS = BarrierOptions()
+OPTIONS = InfeasibilityProofOptions()
 
 
 def is_unreachable(

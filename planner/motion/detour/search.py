@@ -37,7 +37,7 @@ class DetourSearchOptions:
     violation_max_rad: float = math.radians(4.0)
     # times the cost of a path: where that path was good, a dearer one isn't refined
     worth_share: float = 1.01
-    worth_gaps: float = 4.0  # nor one dearer by so many times its play
+    worth_gaps: float = 4.0  # nor one dearer by so many times its sampling gap
     alike: float = 1e-3  # in cost: the same optimum again
     refined_max: int = 4  # of the guesses tried at once
     # may need a wider margin only near an end, where it is cut

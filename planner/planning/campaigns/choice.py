@@ -17,7 +17,7 @@ Proposal = tuple[int, tuple[Look, ...]]
 """A pass by its number, and looks it could have, in order of time."""
 
 TOGETHER_S = 5.0  # most time for an integer programme; it is one of a part of the passes
-GAP_ENOUGH = 1e-4  # of it
+TOGETHER_GAP = 1e-4  # of its value, at which it may end sooner
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -56,7 +56,7 @@ def best_together(proposals: Sequence[Proposal], passes: int, look_limit: Array)
             _uses(proposals, passes, look_limit),
             ub=np.concatenate([np.ones(passes), look_limit]),
         ),
-        options={"time_limit": TOGETHER_S, "mip_rel_gap": GAP_ENOUGH},
+        options={"time_limit": TOGETHER_S, "mip_rel_gap": TOGETHER_GAP},
     )
     if found.x is None:
         return []

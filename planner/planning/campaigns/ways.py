@@ -19,7 +19,7 @@ from planner.world.targets import Target
 
 
 @dataclass(frozen=True, kw_only=True)
-class FollowingOptions:
+class BranchFollowingOptions:
     """How closely a track's limits are looked at before it is planned."""
 
     delta_s: float = 1.0  # rates and accelerations are differences over it
@@ -28,7 +28,7 @@ class FollowingOptions:
     batch: int = 100_000  # samples treated at a time: some 100 MB
 
 
-OPTIONS = FollowingOptions()
+OPTIONS = BranchFollowingOptions()
 
 TURN_RAD = 2.0 * math.pi
 

@@ -16,7 +16,7 @@ from planner.planning.sessions.joining import (
     slew_onto,
 )
 from planner.planning.sessions.slew_timing import least_slew_s
-from planner.planning.sessions.track_branches import OPTIONS as HOLDING_OPTIONS
+from planner.planning.sessions.track_branches import OPTIONS as TRACK_BRANCH_OPTIONS
 from planner.planning.sessions.track_branches import TrackBranch
 from planner.world.frames.time_scales import elapsed_s
 from planner.world.scenario import Scenario
@@ -296,7 +296,7 @@ class Chain:
     def _leaves_something(
         self, slew_start: SlewStart, branch: TrackBranch, leave_row: int, join_row: int
     ) -> bool:
-        least_s = COMMAND_STEP_S - HOLDING_OPTIONS.grid_tolerance_s
+        least_s = COMMAND_STEP_S - TRACK_BRANCH_OPTIONS.grid_tolerance_s
         if (
             slew_start.branch
             and self._left_s(slew_start.branch, slew_start.join_row, leave_row) <= least_s

@@ -14,7 +14,7 @@ from planner.motion.slew import AxisState, SlewProblem
 from planner.planning.sessions.earliest_join import track_states
 from planner.planning.sessions.joining import Join, slew_onto
 from planner.planning.sessions.slew_timing import (
-    OPTIONS as LEAD_OPTIONS,
+    OPTIONS as SLEW_TIMING_OPTIONS,
 )
 from planner.planning.sessions.slew_timing import (
     States,
@@ -70,7 +70,7 @@ def with_final_slew(scenario: Scenario, ephemeris: Ephemeris, joins: list[Join])
         raise _too_far(scenario, least_s, longest_s)
     for times in OPTIONS.cones_times:
         rows = math.ceil(min(times * wanted_s, longest_s) * ROWS_PER_S - 1e-6)
-        rows = max(rows, LEAD_OPTIONS.fewest_rows)
+        rows = max(rows, SLEW_TIMING_OPTIONS.fewest_rows)
         there = rest or at_rest_after(state, scenario.axis_limits, rows / ROWS_PER_S)
         branch = _rest_branch(scenario, ephemeris, there, last.stop_row, rows)
         try:
@@ -150,6 +150,6 @@ def _rest_branch(
             axis_states=np.stack([angle_rad, np.zeros((2, 2)), np.zeros((2, 2))]),
         ),
         rows=RowSpan(start=from_row + rows, stop=from_row + rows),
-        seen_from_s=(from_row + LEAD_OPTIONS.fewest_rows) / ROWS_PER_S,
+        seen_from_s=(from_row + SLEW_TIMING_OPTIONS.fewest_rows) / ROWS_PER_S,
         ephemeris=ephemeris,
     )

@@ -25,7 +25,7 @@ from planner.world.scenario import BoundedLead, SlewOptions
 
 
 @dataclass(frozen=True, kw_only=True)
-class LeadOptions:
+class SlewTimingOptions:
     """How much time a slew is given."""
 
     # Times the least time.  From rest to rest a slew's peaks are then at most 0.19 of the rate
@@ -38,7 +38,7 @@ class LeadOptions:
     cone_row: float = 0.3  # of `effort`: to look whether a cone meets a row of a wait
 
 
-OPTIONS = LeadOptions()
+OPTIONS = SlewTimingOptions()
 
 States = tuple[AxisState, ...]
 Solver = Callable[[SlewProblem], SlewSolution]

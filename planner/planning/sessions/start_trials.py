@@ -16,7 +16,7 @@ from planner.motion.pointing.line_of_sight import STENCIL
 from planner.motion.pointing.track import held_cells
 from planner.planning.sessions.joining import may_slew_onto, slew_onto
 from planner.planning.sessions.sequence import RefusedSession
-from planner.planning.sessions.track_branches import OPTIONS as HOLDING_OPTIONS
+from planner.planning.sessions.track_branches import OPTIONS as TRACK_BRANCH_OPTIONS
 from planner.planning.sessions.track_branches import (
     RowSpan,
     TrackBranch,
@@ -48,7 +48,7 @@ def longest_hold(refused: RefusedSession, ephemeris: Ephemeris) -> RowSpan | Non
     stride = math.ceil((wanted.stop - start) / LOOKS_MAX)
     count = (wanted.stop - start) // stride + 1
     rows = RowSpan(start=start, stop=start + (count - 1) * stride)
-    effort.charge(HOLDING_OPTIONS.hold + HOLDING_OPTIONS.hold_row * count)
+    effort.charge(TRACK_BRANCH_OPTIONS.hold + TRACK_BRANCH_OPTIONS.hold_row * count)
     try:
         los = sight(scenario, ephemeris, target, rows, count)
         view = keep_out_view(scenario, ephemeris, rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S)
@@ -59,7 +59,7 @@ def longest_hold(refused: RefusedSession, ephemeris: Ephemeris) -> RowSpan | Non
     for angle_rad, held in held_cells(platform, los):
         held &= (los.clearance_rad[1:] >= 0.0) & (los.clearance_rad[:-1] >= 0.0)
         if view is not None:
-            effort.charge(HOLDING_OPTIONS.cone_row * count * len(view.regions))
+            effort.charge(TRACK_BRANCH_OPTIONS.cone_row * count * len(view.regions))
             t_s = los.instants.t_s - los.instants.t_s[0]
             inside = view.depths_rad(t_s, angle_rad).max(axis=0) > 0.0
             near = np.convolve(inside, np.ones(2 * AWAY_ROWS + 1), "same") > 0.0

@@ -21,7 +21,7 @@ from planner.world.targets import BenchMotionTarget, VisibleTarget
 
 
 @dataclass(frozen=True, kw_only=True)
-class HoldingOptions:
+class TrackBranchOptions:
     """What it takes to look at a track, and how closely times count."""
 
     hold: int = 300  # of `effort`: any stretch of a target
@@ -30,7 +30,7 @@ class HoldingOptions:
     grid_tolerance_s: float = 1e-6  # a microsecond, the resolution of a time in a request
 
 
-OPTIONS = HoldingOptions()
+OPTIONS = TrackBranchOptions()
 
 EARLY_ROWS = 600 * ROWS_PER_S  # how long before its session a target may be tracked already
 

@@ -31,7 +31,7 @@ from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 class CandidateOptions:
     """From which moments on what is asked for is tried."""
 
-    grid_s: float = 2.0  # between starts: less than a turn takes
+    grid_s: float = 2.0  # between starts: less than a slew takes
     stereo_steps: int = 5  # starts tried before and after that of the exact angle,
     stereo_step_ticks: int = 2  # so far apart
     # a slew's time hangs on where its goal has moved meanwhile: the first guess,

@@ -32,10 +32,10 @@ from planner.spacecraft.table import TICK_S
 
 
 @dataclass(frozen=True, kw_only=True)
-class TurnRevisionOptions:
-    """How a choice is revised whose turns need more time than estimated."""
+class SlewRevisionOptions:
+    """How a choice is revised whose slews need more time than estimated."""
 
-    # tried in this order, added to every turn
+    # tried in this order, added to every slew
     longer_by_s: tuple[float, float, float] = (3.0, 1.5, 0.6)
     longer_rounds: int = 2  # of choices revised at each: it is a try
     rounds: int = 12  # choices revised when a slew needs more time than estimated
@@ -44,7 +44,7 @@ class TurnRevisionOptions:
     gentler_share: float = 0.6  # of what work is left, for gentler slews
 
 
-OPTIONS = TurnRevisionOptions()
+OPTIONS = SlewRevisionOptions()
 
 
 class LooksTooClose(InfeasibleSlew):

@@ -13,7 +13,7 @@ from planner.spacecraft.vehicle.definition import SlewObjective
 
 
 @dataclass(frozen=True, kw_only=True)
-class TurnChoiceOptions:
+class SlewChoiceOptions:
     """How long a turn is planned, and by which method."""
 
     first_guess_ticks: int = 200  # 40 s, of the time in which moving ends are continued
@@ -27,7 +27,7 @@ class TurnChoiceOptions:
     attempts: int = 3  # each a little longer; then all the time there is
 
 
-OPTIONS = TurnChoiceOptions()
+OPTIONS = SlewChoiceOptions()
 
 
 class SlewNeedsTime(InfeasibleSlew):

@@ -44,8 +44,8 @@ SHAPES: dict[SlewObjective, Shape] = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class TurnProgrammeOptions:
-    """How a turn's programme is solved, and its loads kept between points."""
+class SlewProgrammeOptions:
+    """How a slew's programme is solved, and its loads kept between points."""
 
     passes: int = 3  # each tightened by what the loads bulge between points
     unmendable_share: float = 1.05  # no pass mends a failure that far out
@@ -57,7 +57,7 @@ class TurnProgrammeOptions:
     limit_factor: float = 0.997
 
 
-PROGRAMME = TurnProgrammeOptions()
+PROGRAMME = SlewProgrammeOptions()
 
 OPTIONS: Options = {"tol": 1e-6, "max_iter": 150, "mu_strategy": "adaptive"}
 # Lower bounds at a collocation point: of |omega|^2, omega (3), |tau|^2, |tau'|^2, |H|^2 by limits.
