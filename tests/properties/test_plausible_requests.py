@@ -7,7 +7,7 @@ import copy
 
 import pytest
 from plan_oracle import ARCSEC, faults
-from plausible_requests import plausible_request, with_time_to_spare
+from plausible_requests import demanding_request, plausible_request, with_time_to_spare
 from plausible_trials import answer, as_advised, outcome
 
 COUNT = 200
@@ -24,6 +24,10 @@ def test_a_plausible_request_is_planned_or_refused_as_documented(seed):
 def test_so_is_one_with_time_to_spare_and_a_final_state(seed):
     request = plausible_request(seed, sessions_max=6 if seed % LONG == 0 else 1)
     assert_planned_or_refused(with_time_to_spare(request, seed))
+
+
+def test_so_is_one_on_the_day_that_ends_with_a_leap_second():
+    assert_planned_or_refused(demanding_request(940354))  # 30 June 2012
 
 
 def assert_planned_or_refused(request):
