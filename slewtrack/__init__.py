@@ -14,19 +14,22 @@ from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, TypeVar
 
-from slewtrack.answers import Columns, Job, Progress, columns_of
-from slewtrack.asking import Json
-from slewtrack.async_client import AsyncClient
-from slewtrack.client import Client
-from slewtrack.events import OnProgress
-from slewtrack.problems import (
+from slewtrack.client import (
+    AsyncClient,
     BadAnswer,
     Cancelled,
+    Client,
+    Columns,
+    Job,
+    Json,
     NoAnswer,
     NotFinished,
+    OnProgress,
     Problem,
+    Progress,
     Refused,
     ServiceError,
+    columns_of,
 )
 
 if TYPE_CHECKING:

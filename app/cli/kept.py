@@ -18,7 +18,7 @@ from app.cli.one_line import FAILED
 from app.cli.report_parts import print_table, report_console, report_table
 
 if TYPE_CHECKING:
-    from slewtrack import Client, Progress
+    from slewtrack.client import Client, Progress
 
 _SECOND = 19  # characters of a time to the second
 
@@ -142,7 +142,7 @@ def watch(plan_id: Id, url: Url = None) -> None:
 
 
 def _follow(client: "Client", job_id: str, tell: "Callable[[Progress], None]") -> bool:
-    from slewtrack import Refused
+    from slewtrack.client import Refused
 
     waits: tuple[Callable[[], bool], ...] = (
         lambda: client.wait(job_id, progress=tell).passed,

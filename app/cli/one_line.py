@@ -53,7 +53,7 @@ def _printable(text: str) -> str:
 def _say_ways_out(refusal: Refusal, words: Sequence[str]) -> None:
     from app.answers.problem import problem_of as members_of
     from app.cli.ways_out import ways_out
-    from slewtrack.problems import problem_of
+    from slewtrack.client import problem_of
 
     problem = getattr(refusal, "problem", None) or problem_of(members_of(refusal))
     for line in ways_out(problem, words):

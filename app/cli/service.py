@@ -12,8 +12,7 @@ from app.answers.plan import PlanDocument
 from app.cli.plan_report import print_report
 from app.cli.progress_bar import progress_bar
 from planner.base.errors import InvalidInput, Refusal
-from slewtrack import BadAnswer, Client, NoAnswer, Progress, Refused, ServiceError
-from slewtrack.problems import Problem
+from slewtrack.client import BadAnswer, Client, NoAnswer, Problem, Progress, Refused, ServiceError
 
 SERVER_ERROR = 500
 

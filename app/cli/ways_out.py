@@ -3,7 +3,7 @@
 import shlex
 from collections.abc import Iterator, Sequence
 
-from slewtrack.problems import Problem, Relaxation
+from slewtrack.client import Problem, Relaxation
 
 
 def ways_out(problem: Problem, words: Sequence[str]) -> Iterator[str]:

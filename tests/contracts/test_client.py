@@ -249,7 +249,7 @@ def test_what_was_searched_for_is_kept(client, carrier, example, target):
 
 
 def test_windows_come_page_after_page(monkeypatch, client):
-    monkeypatch.setattr(slewtrack.calls, "WINDOWS_A_PAGE", 40)
+    monkeypatch.setattr(slewtrack.client.calls, "WINDOWS_A_PAGE", 40)
     found = client.opportunities(GALLERY)
     assert len(found.windows) == 92
     assert tuple(client.windows(found.id)) == found.windows

@@ -13,7 +13,7 @@ import httpx
 import pytest
 
 import slewtrack
-from slewtrack import asking, calls, connection
+from slewtrack.client import asking, calls, connection
 
 REQUEST = {"sessions": []}  # what it says doesn't matter: no service reads it
 ID = "01a203fd-cbae-73f8-8276-319f76b8842c"

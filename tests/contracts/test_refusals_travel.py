@@ -25,7 +25,7 @@ from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
 from planner.base.errors import FieldError, InvalidRequest, Refusal, Relaxation
 from planner.spacecraft.imaging.choice_with_slews import LooksTooClose
 from planner.spacecraft.slews.slew_choice import GyrosTooFull, SlewNeedsTime
-from slewtrack import problems
+from slewtrack.client import problems
 
 BOUNDS = Bounds(deadline_s=120.0, memory_mib=200)
 LEAP_UTC = datetime(2016, 12, 31, 23, 59, 59, 500_000, tzinfo=UTC, fold=1)

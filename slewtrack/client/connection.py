@@ -11,8 +11,8 @@ from urllib.parse import urlsplit
 
 import httpx
 
-from slewtrack.asking import ANSWER_S, TOO_LONG, Ask, Reply
-from slewtrack.problems import BadAnswer, NoAnswer
+from slewtrack.client.asking import ANSWER_S, TOO_LONG, Ask, Reply
+from slewtrack.client.problems import BadAnswer, NoAnswer
 
 URL = "http://127.0.0.1:8000"
 PATIENCE_S = 60.0

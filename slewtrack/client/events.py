@@ -7,8 +7,8 @@ import json
 import time
 from collections.abc import Callable
 
-from slewtrack.answers import OPEN_STATES, Progress, state_of
-from slewtrack.problems import MISREAD, BadAnswer
+from slewtrack.client.answers import OPEN_STATES, Progress, state_of
+from slewtrack.client.problems import MISREAD, BadAnswer
 
 OnProgress = Callable[[Progress], None]
 SILENCE_S = 45.0  # the service says something every 15 s

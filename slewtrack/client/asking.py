@@ -17,8 +17,8 @@ from http import HTTPStatus
 from typing import Any, TypeVar
 from urllib.parse import quote
 
-from slewtrack.answers import Members
-from slewtrack.problems import MISREAD, BadAnswer, NoAnswer, Problem, Refused, problem_of
+from slewtrack.client.answers import Members
+from slewtrack.client.problems import MISREAD, BadAnswer, NoAnswer, Problem, Refused, problem_of
 
 T = TypeVar("T")
 Json = bytes | Mapping[str, Any]

@@ -1,0 +1,158 @@
+"""The clients of a running service: one waits for each call, the other is awaited."""
+
+import time
+from typing import Self, TypeVar
+
+import anyio
+import httpx
+
+from slewtrack.client.asking import TOO_LONG, Ask, Call, Intake, Reply
+from slewtrack.client.calls import (
+    PLATFORM,
+    SPACECRAFT,
+    Awaiting,
+    CarrierCalls,
+    ServiceCalls,
+    Waiting,
+)
+from slewtrack.client.connection import (
+    PATIENCE_S,
+    Service,
+    in_time,
+    left_s,
+    reply_of,
+    request_of,
+    start_clock,
+)
+from slewtrack.client.problems import NoAnswer
+
+T = TypeVar("T")
+
+
+class Carrier(CarrierCalls, Waiting):
+    """Plans and opportunities of one carrier of an instrument, as a service keeps them."""
+
+    def __init__(self, service: Service, http: httpx.Client, paths: tuple[str, str]) -> None:
+        super().__init__(service.patience_s, paths)
+        self._service = service
+        self._http = http
+
+    def _run(self, call: Call[T]) -> T:
+        """Return what the call returns."""
+        try:
+            ask = next(call)
+            while True:
+                try:
+                    reply = self._answer(ask)
+                except Exception as error:  # noqa: BLE001 (the call decides what it means)
+                    ask = call.throw(self._service.meaning(error))
+                else:
+                    ask = call.send(reply)
+        except StopIteration as done:
+            result: T = done.value
+            return result
+
+    def _answer(self, ask: Ask) -> Reply:
+        time.sleep(ask.after_s)
+        start_clock(ask)
+        with self._http.stream(**request_of(ask), extensions={"trace": in_time}) as answer:
+            intake = Intake(ask, answer.status_code)
+            for part in answer.iter_bytes():
+                intake.take(part)
+            return reply_of(answer, intake.body)
+
+
+class Client(ServiceCalls, Carrier):
+    """A service, asked and waited for; close it, or use it in `with`.
+
+    url: default: the environment's SLEWTRACK_URL, else this machine's port 8000.
+    key: an API key, default: SLEWTRACK_KEY; none is needed on loopback.
+    patience_s: for how long a service that is busy or can't be reached is asked again.
+    progress: of what takes long, called with a `Progress` at each step.
+    timeout_s: how long to wait, then `NotFinished`; the work goes on.
+    spacecraft: the same calls for the imaging spacecraft, whose plans are kept apart.
+    """
+
+    def __init__(
+        self,
+        url: str | None = None,
+        key: str | None = None,
+        *,
+        patience_s: float = PATIENCE_S,
+        transport: httpx.BaseTransport | None = None,
+    ) -> None:
+        service = Service(url, key, patience_s=patience_s)
+        http = httpx.Client(transport=transport, **service.options)
+        Carrier.__init__(self, service, http, PLATFORM)
+        self.spacecraft = Carrier(service, http, SPACECRAFT)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End its connections."""
+        self._http.close()
+
+
+class AsyncCarrier(CarrierCalls, Awaiting):
+    """Plans and opportunities of one carrier, awaited."""
+
+    def __init__(self, service: Service, http: httpx.AsyncClient, paths: tuple[str, str]) -> None:
+        super().__init__(service.patience_s, paths)
+        self._service = service
+        self._http = http
+
+    async def _run(self, call: Call[T]) -> T:
+        """Return what the call returns."""
+        try:
+            ask = next(call)
+            while True:
+                try:
+                    reply = await self._answer(ask)
+                except Exception as error:  # noqa: BLE001 (the call decides what it means)
+                    ask = call.throw(self._service.meaning(error))
+                else:
+                    ask = call.send(reply)
+        except StopIteration as done:
+            result: T = done.value
+            return result
+
+    async def _answer(self, ask: Ask) -> Reply:
+        await anyio.sleep(ask.after_s)
+        with anyio.move_on_after(left_s(ask)):  # the head that comes byte by byte, too
+            async with self._http.stream(**request_of(ask)) as answer:
+                intake = Intake(ask, answer.status_code)
+                async for part in answer.aiter_bytes():
+                    intake.take(part)
+                return reply_of(answer, intake.body)
+        raise NoAnswer(TOO_LONG)
+
+
+class AsyncClient(ServiceCalls, AsyncCarrier):
+    """A service, asked and awaited; the same as `Client` otherwise."""
+
+    def __init__(
+        self,
+        url: str | None = None,
+        key: str | None = None,
+        *,
+        patience_s: float = PATIENCE_S,
+        transport: httpx.AsyncBaseTransport | None = None,
+    ) -> None:
+        service = Service(url, key, patience_s=patience_s)
+        http = httpx.AsyncClient(transport=transport, **service.options)
+        AsyncCarrier.__init__(self, service, http, PLATFORM)
+        self.spacecraft = AsyncCarrier(service, http, SPACECRAFT)
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self.close()
+
+    async def close(self) -> None:
+        """End its connections."""
+        await self._http.aclose()
