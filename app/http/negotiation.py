@@ -31,7 +31,15 @@ def preferred_type(request: Request, offered: tuple[str, ...]) -> str:
 def is_known_already(request: Request, tag: str) -> bool:
     """Whether If-None-Match names this ETag.  Source: RFC 9110, section 13.1.2."""
     known = [one.strip() for one in request.headers.get("if-none-match", "").split(",")]
-    return "*" in known or tag in [one.removeprefix("W/") for one in known]
+    return "*" in known or tag.removeprefix("W/") in [one.removeprefix("W/") for one in known]
+
+
+def weak_tag(name: str) -> str:
+    """Return the ETag of a content, whether its bytes go out packed or not.
+
+    Source: RFC 9110, section 8.8.1: one strong tag must not name two strings of bytes.
+    """
+    return f'W/"{name}"'
 
 
 async def json_body(request: Request) -> bytes:

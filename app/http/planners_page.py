@@ -12,7 +12,7 @@ from starlette.types import Scope
 
 from app.http.admission.access import BUILT_FILES, PAGE_ROOMS
 from app.http.admission.headers import PLANNERS_PAGE_CONTENT_POLICY
-from app.http.negotiation import JSON, is_known_already, preferred_type
+from app.http.negotiation import JSON, is_known_already, preferred_type, weak_tag
 
 BUILT = Path(__file__).parent / "page"
 _HTML = "text/html"
@@ -88,7 +88,7 @@ def _document(request: Request) -> Response | None:
         return None
     depth = request.url.path.count("/") - 1
     html = built.replace(_BASE, b'<base href="%s">' % (b"../" * depth or b"./"))
-    tag = f'"{hashlib.sha256(html).hexdigest()[:32]}"'
+    tag = weak_tag(hashlib.sha256(html).hexdigest()[:32])
     headers = {**_page_headers(), "ETag": tag}
     if is_known_already(request, tag):
         return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=headers)

@@ -13,7 +13,7 @@ from sqlalchemy import Connection
 from app.answers.job import JobResponse, job_json
 from app.http.blocking import read
 from app.http.event_stream import EVENT_STREAM, last_seq, stream_events
-from app.http.negotiation import JSON, accepts_json, is_known_already, preferred_type
+from app.http.negotiation import JSON, accepts_json, is_known_already, preferred_type, weak_tag
 from app.http.openapi.schema import REF
 from app.http.routes.plan_queries import ListQuery, PathId, last_event_id
 from app.http.routes.resources import JobResource
@@ -139,7 +139,7 @@ def add_request(router: APIRouter, resource: JobResource) -> None:
     async def get_request(request: Request, job_id: PathId) -> Response:
         """Requests are kept as they were sent; those for passes are written by their campaign."""
         job = await find_job(request, resource, job_id)
-        tag = f'"{job.request_sha256}"'
+        tag = weak_tag(job.request_sha256)
         headers = {"Cache-Control": "private, no-cache", "ETag": tag}
         if is_known_already(request, tag):
             return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=headers)

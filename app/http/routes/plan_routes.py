@@ -15,7 +15,14 @@ from pydantic import BaseModel
 from app.answers.job import JobResponse, PlanList, job_json, list_json
 from app.answers.ranges import NotNegative
 from app.http.blocking import answer_in_child
-from app.http.negotiation import JSON, accepts_json, is_known_already, json_body, preferred_type
+from app.http.negotiation import (
+    JSON,
+    accepts_json,
+    is_known_already,
+    json_body,
+    preferred_type,
+    weak_tag,
+)
 from app.http.openapi.schema import request_body
 from app.http.problems import problem_answer
 from app.http.routes.jobs import (
@@ -231,7 +238,7 @@ def _add_one(router: APIRouter, resource: PlanResource) -> None:
         changes."""
         job, plan = await find(request, resource, plan_id)
         state = job_json(job)
-        tag = immutable_tag(plan) if plan else f'"{hashlib.sha256(state).hexdigest()[:32]}"'
+        tag = immutable_tag(plan) if plan else weak_tag(hashlib.sha256(state).hexdigest()[:32])
         if is_known_already(request, tag):
             return not_modified(tag)
         answer = await whole_json(request, resource, plan) if plan else state

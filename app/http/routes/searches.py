@@ -21,7 +21,14 @@ from app.answers.members import ProvenanceOut, provenance, to_json
 from app.answers.opportunities import FoundWindows, whole_opportunities
 from app.answers.opportunities_geojson import FeatureCollection
 from app.http.blocking import in_child, read
-from app.http.negotiation import JSON, accepts_json, is_known_already, json_body, preferred_type
+from app.http.negotiation import (
+    JSON,
+    accepts_json,
+    is_known_already,
+    json_body,
+    preferred_type,
+    weak_tag,
+)
 from app.http.openapi.schema import REF, request_body
 from app.http.query import Parameters
 from app.http.routes.jobs import (
@@ -287,5 +294,5 @@ async def _find(
 def _immutable(search_id: str, form: str, page: WindowsQuery | None = None) -> dict[str, str]:
     """Headers of all that was found, or of a page of it."""
     which = "" if page is None else f"-{hashlib.sha256(to_json(page)).hexdigest()[:32]}"
-    tag = f'"{search_id}-{form.rsplit("/")[-1]}{which}-{VERSION}"'
+    tag = weak_tag(f"{search_id}-{form.rsplit('/')[-1]}{which}-{VERSION}")
     return {"Cache-Control": "private, no-cache", "Vary": "Accept", "ETag": tag}

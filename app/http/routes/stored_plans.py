@@ -9,7 +9,7 @@ from sqlalchemy import Connection
 
 from app.answers.members import PlanHead, fill, whole_answer
 from app.http.blocking import in_child, read
-from app.http.negotiation import JSON
+from app.http.negotiation import JSON, weak_tag
 from app.http.routes.jobs import job_of
 from app.http.routes.resources import PlanResource
 from app.jobs.child import Bounds
@@ -48,7 +48,7 @@ async def find(
 
 def immutable_tag(plan: StoredPlan, form: str = "json") -> str:
     """The ETag of a plan in one form: it never changes, the program that writes it may."""
-    return f'"{plan.id}-{form}-{VERSION}"'
+    return weak_tag(f"{plan.id}-{form}-{VERSION}")
 
 
 async def whole_json(request: Request, resource: PlanResource, plan: StoredPlan) -> bytes:
