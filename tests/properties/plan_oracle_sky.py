@@ -162,9 +162,12 @@ def _orientation_days() -> Array:
 
 
 def _earth_orientation(mjd: Array) -> tuple[Array, Array, Array]:
-    """UT1 - UTC (s) and polar motion (rad), straight between days; no leap second in between."""
+    """UT1 - UTC (s) and polar motion (rad), straight between days, past a leap second as well."""
     days = _orientation_days()
-    xp, yp, ut1 = (np.interp(mjd, days[:, 0], days[:, k]) for k in (1, 2, 3))
+    xp, yp = (np.interp(mjd, days[:, 0], days[:, k]) for k in (1, 2))
+    first = np.searchsorted(days[:, 0], mjd, side="right") - 1
+    change = days[first + 1, 3] - days[first, 3]  # of a leap second's day: by a second more
+    ut1 = days[first, 3] + (change - np.rint(change)) * (mjd - days[first, 0])
     return ut1, xp * ARCSEC, yp * ARCSEC
 
 

@@ -7,7 +7,7 @@ import copy
 
 import pytest
 from plan_oracle import ARCSEC, faults
-from plausible_requests import plausible_request, with_time_to_spare
+from plausible_requests import demanding_request, plausible_request, with_time_to_spare
 from plausible_trials import answer, as_advised, outcome
 
 COUNT = 200
@@ -24,6 +24,12 @@ def test_a_plausible_request_is_planned_or_refused_as_documented(seed):
 def test_so_is_one_with_time_to_spare_and_a_final_state(seed):
     request = plausible_request(seed, sessions_max=6 if seed % LONG == 0 else 1)
     assert_planned_or_refused(with_time_to_spare(request, seed))
+
+
+# 30 June 2012, which ends with a leap second; a slew of one row, with modes to suppress.
+@pytest.mark.parametrize("seed", [940354, 942548])
+def test_so_is_a_demanding_one(seed):
+    assert_planned_or_refused(demanding_request(seed))
 
 
 def assert_planned_or_refused(request):
