@@ -22,6 +22,7 @@ import multiprocessing
 import sys
 from collections import Counter
 from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
@@ -87,8 +88,9 @@ def _tried(kind: str, seeds: list[int], workers: int) -> Iterator[Record]:
         _warm_up()
         yield from map(_trial, trials)
         return
-    with multiprocessing.get_context("forkserver").Pool(workers, _warm_up) as pool:
-        yield from pool.imap_unordered(_trial, trials)
+    context = multiprocessing.get_context("forkserver")
+    with ProcessPoolExecutor(workers, context, _warm_up) as pool:  # which tells of a crash
+        yield from pool.map(_trial, trials)
 
 
 def _warm_up() -> None:

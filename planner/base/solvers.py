@@ -37,6 +37,7 @@ PROMISING = (
     "Solved_To_Acceptable_Level",
     "Search_Direction_Becomes_Too_Small",
 )
+OVERDETERMINED = "Not_Enough_Degrees_Of_Freedom"  # Ipopt's own word
 STRAINED = 1e8  # a dual infeasibility, beside a cost of about 1
 
 
@@ -157,8 +158,15 @@ class Solver:
         lam_x0: Array | float = 0.0,
         lam_g0: Array | float = 0.0,
     ) -> Answer:
-        """The answer, begun at x0; warm, where multipliers are given too."""
+        """The answer, begun at x0; warm, where multipliers are given too.
+
+        Ipopt isn't asked where there are more equations than unknowns: it would relax the bounds
+        that fix the others, and crash in the callback that watches its multipliers.
+        """
         effort.charge(self._work.solve_cost)
+        if np.sum(np.equal(lbg, ubg)) > np.sum(np.broadcast_to(np.less(lbx, ubx), np.shape(x0))):
+            run = SolverRun(self._plugin, _version(self._plugin), OVERDETERMINED, 0)
+            return Answer(np.array(x0), np.zeros(np.size(x0)), np.zeros(np.size(lbg)), run)
         given: dict[str, Array | float] = {"x0": x0, "lbx": lbx, "ubx": ubx}
         with self._lock:
             if self._matrices is not None:

@@ -26,8 +26,10 @@ def test_so_is_one_with_time_to_spare_and_a_final_state(seed):
     assert_planned_or_refused(with_time_to_spare(request, seed))
 
 
-def test_so_is_one_on_the_day_that_ends_with_a_leap_second():
-    assert_planned_or_refused(demanding_request(940354))  # 30 June 2012
+# 30 June 2012, which ends with a leap second; a slew of one row, with modes to suppress.
+@pytest.mark.parametrize("seed", [940354, 942548])
+def test_so_is_a_demanding_one(seed):
+    assert_planned_or_refused(demanding_request(seed))
 
 
 def assert_planned_or_refused(request):

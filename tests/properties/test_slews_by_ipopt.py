@@ -9,6 +9,7 @@ import pytest
 from slew_cases import LIMITS, deg_state, sampled
 
 from planner.base.errors import InfeasibleSlew
+from planner.base.solvers import Solver, Work
 from planner.motion.slew import SlewProblem, ocp, optimal_slew
 from planner.motion.slew import smoothest as rounds
 from planner.motion.slew.optimal import FEASIBLE
@@ -205,3 +206,21 @@ def test_piqp_and_ipopt_spare_modes_alike(monkeypatch):
     by_ipopt = optimal_slew(SLEWS["modes"])
     assert by_both.status == by_ipopt.status == ("modes suppressed",)
     assert by_both.jerk_squared_integral == pytest.approx(by_ipopt.jerk_squared_integral, rel=1e-2)
+
+
+def test_a_slew_of_one_row_leaves_nothing_to_choose():
+    """Three equations for the two jerks of its span: Ipopt, asked with modes, would crash."""
+    for end in (deg_state(5.1, 0.5), deg_state(5.1001, 0.501)):
+        slew = optimal_slew(posed(deg_state(5, 0.5), end, 0.2, avoid_modes=(MODE,)), on_rows=True)
+        assert slew.status == ("optimal",)
+    with pytest.raises(InfeasibleSlew):
+        optimal_slew(posed(deg_state(5, 0.5), deg_state(5.2, 0.5), 0.2, avoid_modes=(MODE,)))
+
+
+def test_more_equations_than_unknowns_are_not_solved():
+    x = ca.SX.sym("x", 2)
+    programme = {"x": x, "p": ca.SX.sym("p"), "f": ca.sumsqr(x), "g": ca.vertcat(x, x[0] + x[1])}
+    solver = Solver(programme, {}, Work(0.0, 0.0), multiplier_bound=1e12)
+    answer = solver.solve(x0=np.ones(2), lbx=[-1.0, -1.0], lbg=np.zeros(3), ubg=np.zeros(3))
+    assert answer.run.status == "Not_Enough_Degrees_Of_Freedom"
+    assert not answer.run.is_promising

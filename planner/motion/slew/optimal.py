@@ -46,6 +46,8 @@ def optimal_slew(problem: SlewProblem, *, on_rows: bool = False) -> SlewSolution
     began_s = time.perf_counter()
     rows = rows_in(problem.duration_s) if on_rows else None
     slews = dict(zip(problem.axis_names, problem.axes, strict=True))
+    if rows == 1:  # of constant jerk: nothing is left to choose for the modes' sake
+        slews = {name: replace(slew, avoid_modes=()) for name, slew in slews.items()}
     axes = [_solve_axis(name, slew, rows) for name, slew in slews.items()]
     if rows is not None:
         axes = [
