@@ -28,7 +28,6 @@ from reproduction.lomaka_method import horizon_arc_px, paper_nadir
 from reproduction.report import Numbers
 
 # The horizon of a sphere in a frame, its exact arc and what the paper's chord makes of it.
-#
 # No picture is taken: what is left is the method's own error, and that of whole pixels.
 # Source: Lomaka, Ustyugov 2016, p. 467.
 
@@ -289,9 +288,8 @@ def circle_misfit_px(width_deg: float) -> float:
 
 
 # The paper's method and the product's estimator on the same rendered frames.
-#
-# The limb is the paper's: sharp and everywhere at one height, here 17.5 km above WGS84, from
-# 500 km.  Two 4:3 cameras 60 deg wide, 22 deg below the level so that the horizon is in the middle.
+# The limb is the paper's: sharp and everywhere at one height, here 17.5 km above WGS84, from 500
+# km.  Two 4:3 cameras 60 deg wide, 22 deg below the level so that the horizon is in the middle.
 
 EPOCH = datetime(2026, 3, 20, 12, tzinfo=UTC)
 POSITION = Position(frame="ITRF", position_km=(6878.0, 0.0, 0.0))
@@ -381,7 +379,6 @@ def _off_deg(nadir: Array | None, truth: Array) -> float:
 
 
 # Reach of a horizon sensor in visible light and in the infrared, and how often it sees.
-#
 # The infrared limb is that of carbon dioxide at 14 to 16 um, by day and night: 30 to 40 km high
 # (Seshamani, Jain, Kamalakar 1990), taken as spread evenly between.
 
@@ -443,11 +440,10 @@ def over_an_orbit() -> Bands:
 
 
 # The paper's experiment on the bench: a flat picture of the horizon before a tilting camera.
-#
-# A rig carries camera and accelerometer and is turned about a nearly level axis in front of a print
-# or a screen.  What the camera finds for the tilt is compared with what the accelerometer says,
-# both
-# zeroed upright.  Lengths are in distances from which the flat picture's perspective is right.
+# A rig carries camera and accelerometer and is turned about a nearly level axis in front of a
+# print or a screen.  What the camera finds for the tilt is compared with what the accelerometer
+# says, both zeroed upright.  Lengths are in distances from which the flat picture's perspective
+# is right.
 # Source: Lomaka, Ustyugov 2016, p. 468-469; all sizes are assumed, the paper gives none.
 
 HEIGHT_M = 500e3

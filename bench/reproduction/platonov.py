@@ -65,8 +65,7 @@ from reproduction.report import Numbers
 
 # The sessions of Platonov, Sumarokov 2019, Figs. 3 to 9: requests, plans and dispersed flights.
 # `text` makes the requests in examples/.  The paper gives times and sizes, neither orbit nor
-# places;
-# here strips lie along the track where the orbit passes at those times.
+# places; here strips lie along the track where the orbit passes at those times.
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 STRIP_S, STEREO_S, SCAN_S, GAP_S = 128.0, 338.0, 16.0, 110.0  # Figs. 4 and 6
@@ -192,12 +191,11 @@ def text(name: str) -> str:
 
 
 # The paper's own control laws on its own turns, flown in the product's simulation.
-#
-# A goal is given at each of the paper's moments: the attitude that scans the next strip, continued
-# backwards along its line, or orbital orientation.  The laws of the paper turn to it about the
-# Euler
-# axis and hold it; nothing is fed forward.
-# Source: Platonov, Sumarokov 2019, "Control law of the gyro system" and the text at Figs. 3, 5, 7.
+# A goal is given at each of the paper's moments: the attitude that scans the next strip,
+# continued backwards along its line, or orbital orientation.  The laws of the paper turn to it
+# about the Euler axis and hold it; nothing is fed forward.
+# Source: Platonov, Sumarokov 2019, "Control law of the gyro system" and the text at Figs. 3, 5,
+# 7.
 
 OWN_SEEDS = range(4)
 OWN_TURN_RATE_RAD_S = math.radians(2.4)  # the paper: 3.5 at most; its laws settle soonest with this
@@ -317,7 +315,6 @@ def settling(name: str, dispersed: bool) -> Settling:
 
 
 # The laws of Platonov, Sumarokov 2019 taken by the letter: what their misprints do, in numbers.
-#
 # A rigid body, ideal gyros and sensors, the control cycle of 0.2 s.  Source: "Control law of the
 # gyro system", eq. 1 and the laws above it.
 
@@ -557,11 +554,9 @@ def node_drift_deg_day(height_km: float, revolutions: int = 15) -> float:
 
 
 # Two of three star trackers while imaging: which of them can see stars, and how well two do.
-#
-# The paper has three trackers, two of them at work while imaging, and says no more.  Here they look
-# up and aside from the camera, 45 deg from the zenith, 120 deg apart; each is blind near the Sun,
-# the
-# Earth's limb and the Moon, and in a fast turn.
+# The paper has three trackers, two of them at work while imaging, and says no more.  Here they
+# look up and aside from the camera, 45 deg from the zenith, 120 deg apart; each is blind near the
+# Sun, the Earth's limb and the Moon, and in a fast turn.
 
 TILT_DEG = 45.0  # from +Y, the zenith in orbital orientation (the camera looks along -Y)
 FIRST_DEG = 90.0  # of the first tracker's azimuth about +Y, from +Z towards +X: straight ahead
@@ -627,12 +622,10 @@ def sigma_arcsec(which: tuple[int, ...]) -> Array:
 
 
 # Three coils that unload the gyros in the Earth's magnetic field.
-#
 # The paper has three "electromagnetic devices" unload the momentum the gyros gather and says no
-# more.
-# Here they are coils along the body's axes; each takes what part it can of the dipole
-# m = k (H x B)/|B|^2, whose torque m x B = -k (H - b (b.H)) brings down the momentum across the
-# field, never that along it; the field's turn along the orbit makes up for that.
+# more. Here they are coils along the body's axes; each takes what part it can of the dipole m = k
+# (H x B)/|B|^2, whose torque m x B = -k (H - b (b.H)) brings down the momentum across the field,
+# never that along it; the field's turn along the orbit makes up for that.
 # Sources: Wertz 1978, section 18.3 (law); the dipole part of IGRF-13, epoch 2020 (field).
 
 RADIUS_M = 6371.2e3
