@@ -6,7 +6,7 @@ LOCK := $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --genera
 # What stores anything, to be run on PostgreSQL, too.
 STORING := tests/contracts/test_store.py tests/contracts/test_store_failures.py tests/contracts/test_*jobs.py tests/contracts/test_access.py \
 	$(wildcard tests/contracts/test_*campaign*.py) tests/contracts/test_http_flights.py \
-	tests/contracts/test_http_plans.py tests/contracts/test_http_records.py tests/contracts/test_http_searches.py \
+	tests/contracts/test_http_records.py tests/contracts/test_http_searches.py \
 	$(wildcard tests/end_to_end/test_crash*.py)
 
 .PHONY: setup plan web serve quick test test-postgres test-other-arithmetic test-client test-page test-of-python test-as-shipped lint check format answers notebook oracles bench mutants reproduce reproduce-check requirements clean
@@ -116,9 +116,8 @@ test-page: setup web $(KERNELS)
 OF_PROCESSES := $(patsubst %,tests/contracts/test_%.py,client client_faults cluster worker_process hostile \
 	http_compression http_in_child http_openapi http_protocol http_refusals limits observability \
 	progress slow_readers stopping worked_answers)
-OF_COMMANDS := $(patsubst %,tests/end_to_end/test_%.py,campaign_command command_line \
-	command_service command_ways_out fly_command horizon_command notebook operations python_door \
-	readme resilience spacecraft_command start_failures tutorial)
+OF_COMMANDS := $(patsubst %,tests/end_to_end/test_%.py,command_line command_service command_ways_out \
+	operations python_door readme resilience start_failures tutorial)
 OF_PYTHON := tests/architecture/test_compiled.py tests/architecture/test_uvicorn.py \
 	tests/published/test_messages_oem.py tests/published/test_aem.py tests/published/test_time_scales.py \
 	tests/oracles/test_flight.py tests/oracles/test_slew_optimum.py
@@ -164,7 +163,7 @@ oracles: setup
 	$(BIN)/python tests/oracles/make_spacecraft_basilisk.py
 
 # With DATA=FOLDER also what bench/truth.py holds against data that nothing was made with.
-BENCHES := slew slew_optimum slew_contacts vibration keep_out plan plausible service view opportunities campaign horizon horizon_air spacecraft
+BENCHES := slew slew_optimum slew_contacts vibration keep_out plan plausible opportunities campaign horizon horizon_air spacecraft
 
 bench: setup
 	$(PIP_INSTALL) --require-hashes -r requirements-bench.txt

@@ -15,6 +15,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import casadi
 import numpy as np
@@ -91,75 +92,55 @@ def ours(duration_s: float) -> Timing:
     return _timed(solve, OWN_REPEATS)
 
 
-def by_rockit(duration_s: float) -> Timing:
-    problem: dict[str, object] = {}
-
-    def set_up() -> None:
-        ocp = rockit.Ocp(T=duration_s)
-        x, u = ocp.state(6), ocp.control(2)
-        ends = ocp.parameter(6), ocp.parameter(6)
-        ocp.set_der(x, casadi.vertcat(x[2:6], u))
-        ocp.add_objective(ocp.integral(casadi.sumsqr(u / BOUNDS[3])))
-        ocp.subject_to(ocp.at_t0(x) == ends[0])
-        ocp.subject_to(ocp.at_tf(x) == ends[1])
-        for order in range(3):
-            for axis in range(2):
-                part = x[2 * order + axis]
-                ocp.subject_to((-BOUNDS[order] <= part) <= BOUNDS[order])
-        for axis in range(2):
-            ocp.subject_to((-BOUNDS[3] <= u[axis]) <= BOUNDS[3])
-        ocp.solver("ipopt", {"ipopt": IPOPT, "print_time": False, "expand": True})
-        ocp.method(rockit.MultipleShooting(N=round(duration_s / STEP_S), intg="rk"))
-        problem.update(ocp=ocp, u=u, ends=ends)
+@cache
+def by_rockit(duration_s: float) -> Callable[[float], float]:
+    ocp = rockit.Ocp(T=duration_s)
+    x, u = ocp.state(6), ocp.control(2)
+    ends = ocp.parameter(6), ocp.parameter(6)
+    ocp.set_der(x, casadi.vertcat(x[2:6], u))
+    ocp.add_objective(ocp.integral(casadi.sumsqr(u / BOUNDS[3])))
+    ocp.subject_to(ocp.at_t0(x) == ends[0])
+    ocp.subject_to(ocp.at_tf(x) == ends[1])
+    for row, bound in zip(
+        casadi.vertsplit(casadi.vertcat(x, u)), np.repeat(BOUNDS, 2), strict=True
+    ):
+        ocp.subject_to((-bound <= row) <= bound)
+    ocp.solver("ipopt", {"ipopt": IPOPT, "print_time": False, "expand": True})
+    ocp.method(rockit.MultipleShooting(N=round(duration_s / STEP_S), intg="rk"))
 
     def solve(shift_deg: float) -> float:
-        if not problem:
-            set_up()
-        ocp, ends = problem["ocp"], problem["ends"]
         for end, at in zip(ends, states(duration_s, shift_deg), strict=True):
             ocp.set_value(end, _stacked(at))
-        jerk = ocp.solve().sample(problem["u"], grid="control")[1][:-1]
+        jerk = ocp.solve().sample(u, grid="control")[1][:-1]
         return float(np.sum(jerk**2) * STEP_S)
 
-    return _timed(solve, 3)
+    return solve
 
 
-def by_opti(duration_s: float) -> Timing:
-    problem: dict[str, object] = {}
-    nodes = round(duration_s / STEP_S)
-
-    def set_up() -> None:
-        opti = casadi.Opti()
-        x, u = opti.variable(6, nodes + 1), opti.variable(2, nodes)
-        ends = opti.parameter(6), opti.parameter(6)
-        h = STEP_S
-        for k in range(nodes):
-            q, v, a, j = x[:2, k], x[2:4, k], x[4:, k], u[:, k]
-            opti.subject_to(x[:2, k + 1] == q + h * v + h**2 / 2 * a + h**3 / 6 * j)
-            opti.subject_to(x[2:4, k + 1] == v + h * a + h**2 / 2 * j)
-            opti.subject_to(x[4:, k + 1] == a + h * j)
-        opti.subject_to(x[:, 0] == ends[0])
-        opti.subject_to(x[:, -1] == ends[1])
-        for order in range(3):
-            for axis in range(2):
-                part = x[2 * order + axis, 1:-1]
-                opti.subject_to(opti.bounded(-BOUNDS[order], part, BOUNDS[order]))
-        for axis in range(2):
-            opti.subject_to(opti.bounded(-BOUNDS[3], u[axis, :], BOUNDS[3]))
-        opti.minimize(casadi.sumsqr(u / BOUNDS[3]) * h)
-        opti.solver("ipopt", {"print_time": False, "expand": True}, IPOPT)
-        problem.update(opti=opti, u=u, ends=ends)
+@cache
+def by_opti(duration_s: float) -> Callable[[float], float]:
+    opti, nodes, h = casadi.Opti(), round(duration_s / STEP_S), STEP_S
+    x, u = opti.variable(6, nodes + 1), opti.variable(2, nodes)
+    ends = opti.parameter(6), opti.parameter(6)
+    for k in range(nodes):
+        q, v, a, j = x[:2, k], x[2:4, k], x[4:, k], u[:, k]
+        opti.subject_to(x[:2, k + 1] == q + h * v + h**2 / 2 * a + h**3 / 6 * j)
+        opti.subject_to(x[2:4, k + 1] == v + h * a + h**2 / 2 * j)
+        opti.subject_to(x[4:, k + 1] == a + h * j)
+    opti.subject_to(x[:, 0] == ends[0])
+    opti.subject_to(x[:, -1] == ends[1])
+    for row in range(8):
+        of_one = x[row, 1:-1] if row < 6 else u[row - 6, :]
+        opti.subject_to(opti.bounded(-BOUNDS[row // 2], of_one, BOUNDS[row // 2]))
+    opti.minimize(casadi.sumsqr(u / BOUNDS[3]) * h)
+    opti.solver("ipopt", {"print_time": False, "expand": True}, IPOPT)
 
     def solve(shift_deg: float) -> float:
-        if not problem:
-            set_up()
-        opti = problem["opti"]
-        for end, at in zip(problem["ends"], states(duration_s, shift_deg), strict=True):
+        for end, at in zip(ends, states(duration_s, shift_deg), strict=True):
             opti.set_value(end, _stacked(at))
-        jerk = opti.solve().value(problem["u"])
-        return float(np.sum(jerk**2) * STEP_S)
+        return float(np.sum(opti.solve().value(u) ** 2) * STEP_S)
 
-    return _timed(solve, 3)
+    return solve
 
 
 def _stacked(at: tuple[AxisState, ...]) -> list[float]:
@@ -182,6 +163,11 @@ def _timed(solve: Callable[[float], float], repeats: int) -> Timing:
     return Timing(first_s, float(np.median(again_s)), cost)
 
 
+def _timed_peer(peer: Callable[[float], Callable[[float], float]], duration_s: float) -> Timing:
+    """Setting it up is part of its first solve."""
+    return _timed(lambda shift_deg: peer(duration_s)(shift_deg), 3)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="30 and 100 s only")
@@ -194,7 +180,7 @@ def main() -> None:
         own = ours(duration_s)
         print(f"{duration_s:5.0f} s  ours    {_ms(own)}", flush=True)
         for name, peer in (("rockit", by_rockit), ("Opti", by_opti)):
-            other = peer(duration_s)
+            other = _timed_peer(peer, duration_s)
             again, first = other.again_s / own.again_s, other.first_s / own.first_s
             target = TARGET_RATIO.get(duration_s) if name == "rockit" else None
             wanted = f"  (target {target:.0f}x, first 20x)" if target else ""

@@ -1,73 +1,27 @@
 """Figures of the CMG spacecraft against what is promised; run it with python.
 
 python bench/spacecraft.py            everything
-python bench/spacecraft.py timeline   some parts: timeline, settle, areas, many, slews, choice,
-                                      physics, ground, refusals
+python bench/spacecraft.py timeline   some parts: timeline, settle, areas, slews, choice, ground
 
 Times are CPU times: others at work on the machine don't count.
 """
 
-import dataclasses
 import math
 import sys
 import time
-from datetime import timedelta
 
 import numpy as np
-from imaging_cases import DATA, EPOCH, line, session_request, sun_synchronous
+from imaging_cases import line, session_request, sun_synchronous
 from spacecraft_choice import bench_choice, bench_slews
-from spacecraft_flight import bench_areas, bench_many, bench_settle, bench_timeline
+from spacecraft_flight import bench_areas, bench_settle, bench_timeline
 
-from planner.base.errors import Refusal
 from planner.spacecraft.plan import plan_imaging
 from planner.spacecraft.requests import (
     CorridorRequest,
     GeoLineString,
-    SpacecraftSettings,
     StereoRequest,
     StripRequest,
 )
-
-
-def bench_refusals() -> None:
-    print("Bad input:")
-    orbit = sun_synchronous(640.0)
-    strip = StripRequest(name="s", geometry=GeoLineString(coordinates=line(orbit, 100, 30, 0)))
-    far = GeoLineString(coordinates=line(orbit, 100, 30, 900))
-    cases = (
-        lambda: (StripRequest(name="far", geometry=far), {}),
-        lambda: (
-            dataclasses.replace(
-                strip,
-                window_start=EPOCH + timedelta(seconds=96),
-                window_stop=EPOCH + timedelta(seconds=104),
-            ),
-            {},
-        ),
-        lambda: (
-            StripRequest(
-                name="soon",
-                geometry=GeoLineString(coordinates=line(orbit, 10, 30, 300)),
-                start=EPOCH + timedelta(seconds=8),
-            ),
-            {},
-        ),
-        lambda: (strip, {"settings": SpacecraftSettings(momentum_n_m_s=(50.0, 40.0, 0.0))}),
-        lambda: (
-            CorridorRequest(
-                name="loop",
-                geometry=GeoLineString(coordinates=((0, 0), (1, 1), (1, 0), (0, 1))),
-            ),
-            {},
-        ),
-    )
-    for case in cases:
-        try:
-            request, more = case()
-            plan_imaging(session_request(orbit, 240.0, (request,), **more))
-            print("  accepted?!")
-        except (Refusal, ValueError) as why:
-            print(f"  {type(why).__name__}: {why}")
 
 
 def bench_ground() -> None:
@@ -100,37 +54,11 @@ def bench_ground() -> None:
         )
 
 
-def bench_physics() -> None:
-    print("Physics (the same checks as tests/properties/test_spacecraft_dynamics.py):")
-    tests = DATA.parents[1]
-    sys.path[:0] = [str(tests), str(tests / "properties"), str(tests / "oracles")]
-    import test_spacecraft_basilisk as basilisk
-    import test_spacecraft_dynamics as dynamics
-
-    fine = dynamics.flown(0.0005, 4.0, dynamics.COMMAND)[1].state
-    errors = [
-        np.abs(dynamics.flown(h, 4.0, dynamics.COMMAND)[1].state - fine).max()
-        for h in (0.008, 0.004, 0.002)
-    ]
-    print(f"  order of the integrator {np.log2(np.array(errors[:-1]) / errors[1:]).round(2)}")
-    state = dynamics.flown(0.005, 60.0, dynamics.COMMAND)[1].state
-    start = dynamics.flown(0.005, 0.0, dynamics.COMMAND)[1].state
-    leak = np.linalg.norm(state[4:7] - start[4:7]) / np.linalg.norm(start[4:7])
-    print(f"  angular momentum over 60 s without torque: {leak:.1e} relative (a state, exact)")
-    rates, _ = basilisk.flown_by_us()
-    worst = np.rad2deg(np.abs(rates - basilisk.ROWS[:, 8:11]).max())
-    print(f"  Basilisk's 20 deg turn at {np.rad2deg(basilisk.ROWS[:, 8:11].max()):.2f} deg/s fed")
-    print(f"  with its gimbal log: body rates within {worst:.1e} deg/s (gimbal inertia modelled)")
-
-
 PARTS = {
-    "physics": bench_physics,
     "ground": bench_ground,
-    "refusals": bench_refusals,
     "timeline": bench_timeline,
     "settle": bench_settle,
     "areas": bench_areas,
-    "many": bench_many,
     "slews": bench_slews,
     "choice": bench_choice,
 }

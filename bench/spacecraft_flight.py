@@ -4,7 +4,6 @@ import dataclasses
 import math
 import time
 from datetime import timedelta
-from functools import partial
 
 import numpy as np
 from imaging_cases import EPOCH, area, session_request, sun_synchronous
@@ -16,8 +15,6 @@ from planner.spacecraft.flight.simulation import draw_dispersion, fly_many, fly_
 from planner.spacecraft.flight.stabilisation import (
     rate_errors,
     settled_after_s,
-    stabilisation,
-    window_steadiness,
 )
 from planner.spacecraft.imaging.candidates import candidates
 from planner.spacecraft.imaging.session import ImagingSession, make_session
@@ -45,7 +42,6 @@ PAPER_TURNS_S = (
     1355, 1386, 1419, 1451, 1512, 1544, 1576, 1609, 1670, 1701, 1734, 1766, 1827, 1859, 1891, 1923,
 )  # fmt: skip
 SEEDS = range(40)
-MANY_SEEDS = range(1000, 1400)  # nothing was tuned on them
 
 
 def itself(log: Log) -> Log:
@@ -256,19 +252,6 @@ def bench_areas() -> None:
             fly_many(plan.spacecraft, plan.table, orbit_states(plan), SEEDS, itself),
             plan.table,
         )
-
-
-def bench_many() -> None:
-    print(f"{len(MANY_SEEDS)} dispersed runs of 11 areas with reversible scanning:")
-    plan = plan_areas(SpacecraftSettings(reversible_scan=True), 11, 65.0, 107.0)
-    keep = partial(window_steadiness, plan.spacecraft, plan.verification)
-    runs = fly_many(plan.spacecraft, plan.table, orbit_states(plan), MANY_SEEDS, keep)
-    report = stabilisation(runs)
-    steady = sum(window.steady for run in runs for window in run)
-    print(
-        f"  {steady} of {len(runs) * len(report.windows)} intervals within 0.001 deg/s; worst "
-        f"{math.degrees(report.worst_rad_s):.5f} deg/s"
-    )
 
 
 def plan_areas(

@@ -28,12 +28,6 @@ TOO_EARLY = LAS_VEGAS | {"sessions": [LAS_VEGAS["sessions"][0] | {"start": "2015
 
 
 @pytest.fixture(scope="module")
-def service(tmp_path_factory):
-    with live_service(tmp_path_factory.mktemp("service")) as running:
-        yield running
-
-
-@pytest.fixture(scope="module")
 def client(service):
     with slewtrack.Client(service.address) as one:
         yield one

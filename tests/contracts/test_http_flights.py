@@ -5,7 +5,6 @@ import json
 from concurrent.futures import Future
 
 import pytest
-from live_service import live_service
 from waiting import PatientClient, eventually
 
 import slewtrack
@@ -239,26 +238,26 @@ def test_a_part_that_fails_is_told_of_the_whole(client, sent):
     assert set(JOB_KINDS) >= {"flights", "flight runs"}
 
 
-def test_clients_fly_and_wait(tmp_path):
+def test_clients_fly_and_wait(service):
     told = []
-    with live_service(tmp_path) as there, slewtrack.Client(there.address) as service:
-        plan_id = service.plan(LAS_VEGAS).id
-        flown = service.fly(plan_id, {"runs": 2, "seed": 1}, progress=told.append)
+    with slewtrack.Client(service.address) as client:
+        plan_id = client.plan(LAS_VEGAS).id
+        flown = client.fly(plan_id, {"runs": 2, "seed": 1}, progress=told.append)
         assert (flown.flown, flown.state) == (2, "done")
         assert 0.0 <= flown.probability_sharp <= flown.probability_in_frame <= 1.0
-        assert service.wait_for_flights(flown.id).members == flown.members
-        assert [job.id for job in service.flights(plan_id)] == [flown.id]
-        assert flown.id in [job.id for job in service.flights()]
+        assert client.wait_for_flights(flown.id).members == flown.members
+        assert [job.id for job in client.flights(plan_id)] == [flown.id]
+        assert flown.id in [job.id for job in client.flights()]
 
         async def awaited():
-            async with slewtrack.AsyncClient(there.address) as service:
-                again = await service.fly(plan_id, {"runs": 2, "seed": 1})
-                assert len(await service.flights(plan_id)) == 2
-                await service.delete_flights(again.id)
+            async with slewtrack.AsyncClient(service.address) as there:
+                again = await there.fly(plan_id, {"runs": 2, "seed": 1})
+                assert len(await there.flights(plan_id)) == 2
+                await there.delete_flights(again.id)
                 return again
 
         assert asyncio.run(awaited()).sessions == flown.sessions
-        service.delete_flights(flown.id)
+        client.delete_flights(flown.id)
         with pytest.raises(slewtrack.Refused):
-            service.wait_for_flights(flown.id)
+            client.wait_for_flights(flown.id)
     assert "runs" in [progress.stage for progress in told]

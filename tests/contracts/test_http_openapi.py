@@ -5,7 +5,7 @@ import json
 import re
 
 import pytest
-from jsonschema import Draft202012Validator
+from jsonschema_rs import Draft202012Validator
 from openapi_spec_validator import OpenAPIV31SpecValidator
 
 from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
@@ -197,7 +197,7 @@ def faults(document, schema, answer):
     found = Draft202012Validator(
         {"$ref": f"#/components/schemas/{schema}", "components": document["components"]}
     ).iter_errors(answer.json())
-    return [(error.json_path, error.message) for error in found]
+    return [(error.instance_path, error.message) for error in found]
 
 
 @pytest.mark.parametrize("name", OPPORTUNITY_EXAMPLES)

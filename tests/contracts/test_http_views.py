@@ -7,7 +7,7 @@ from datetime import datetime
 
 import numpy as np
 import pytest
-from jsonschema import Draft202012Validator
+from jsonschema_rs import Draft202012Validator
 from lxml import etree
 from PIL import Image
 from refusal_cases import request

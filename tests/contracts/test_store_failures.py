@@ -131,16 +131,14 @@ def network_to(database):
         yield database.url.render_as_string(), None
 
 
-@pytest.mark.parametrize(
-    ("log_format", "failures"), [("json", FAILURES), ("console", FAILURES[:1])]
-)
-def test_a_failing_store_answers_503_and_tells_no_secret(tmp_path, log_format, failures):
-    """Failing in one way after the other, and well between; how it is logged is another matter."""
+def test_a_failing_store_answers_503_and_tells_no_secret(tmp_path):
+    """Failing in one way after the other, and well between; logged as JSON.  On the console the
+    same is hidden: `test_no_bug_tells_what_it_was_at`."""
     with fresh_database(tmp_path) as database, network_to(database) as (url, relay):
         _, secret = KeyStore(database).create("k", ["admin"])
         settings = {
             "SLEWTRACK_DATABASE_URL": url,
-            "SLEWTRACK_LOG_FORMAT": log_format,
+            "SLEWTRACK_LOG_FORMAT": "json",
             "SLEWTRACK_LOG_LEVEL": "debug",
             "SLEWTRACK_REQUIRE_KEYS": "true",
         }
@@ -149,7 +147,7 @@ def test_a_failing_store_answers_503_and_tells_no_secret(tmp_path, log_format, f
             client = httpx.Client(base_url=service.address, headers=headers, timeout=SOON_S)
             accepted = client.post(f"/v1/plans?revises={QUERY}", json=ORDER)
             assert accepted.status_code == 422
-            for failure in failures:
+            for failure in FAILURES:
                 location = client.post("/v1/plans", json=ORDER).headers["location"]
                 assert_told(failure, client, location, (database, service, relay))
                 assert_outlived(client, location)
@@ -161,7 +159,6 @@ def test_a_failing_store_answers_503_and_tells_no_secret(tmp_path, log_format, f
     for canary in (secret, secret.split("_", 2)[2], PASSWORD, BODY, QUERY):
         assert canary not in told
     assert '"bug"' not in told
-    assert " bug " not in told
 
 
 def assert_told(failure, client, location, between):

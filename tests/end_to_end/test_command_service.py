@@ -5,7 +5,6 @@ import re
 from pathlib import Path
 
 import pytest
-from live_service import live_service
 from typer.testing import CliRunner
 from waiting import eventually
 
@@ -15,12 +14,6 @@ from app.cli import main
 EXAMPLES = Path(__file__).parents[2] / "examples"
 LAS_VEGAS = str(EXAMPLES / "las_vegas_2015.json")
 NOBODY = "01a203fd-cbae-73f8-8276-319f76b8842c"
-
-
-@pytest.fixture(scope="module")
-def service(tmp_path_factory):
-    with live_service(tmp_path_factory.mktemp("service")) as one:
-        yield one
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import pytest
 import typer
-from live_service import SLEWTRACK, live_service
+from live_service import SLEWTRACK
 from test_tutorial import commands as tutorial_commands
 from typer.core import TyperCommand
 from typer.testing import CliRunner
@@ -159,12 +159,11 @@ HERE = (
 def folder(tmp_path_factory):
     where = tmp_path_factory.mktemp("commands")
     (where / "examples").symlink_to(ROOT / "examples")
-    (where / "data").mkdir()
     return where
 
 
 @pytest.fixture(scope="module")
-def known(folder):
+def known(folder, service):
     """By name, what lines have between braces: files, a service, a plan that it keeps, a key."""
     files = {name: folder / name for name in ("short", "strip", "answer", "telemetry", "offsets")}
     four_modes = SPACECRAFT_EXAMPLES["four modes"][1]
@@ -172,7 +171,7 @@ def known(folder):
     files["strip"].write_text(json.dumps(four_modes | {"requests": four_modes["requests"][:1]}))
     offset = {"epoch": "2015-02-27T17:36:25Z", "offset_deg": [0.1, 0.0], "sigma_deg": 0.01}
     files["offsets"].write_text(json.dumps({"image_offsets": [offset]}))
-    with live_service(folder / "data") as service, slewtrack.Client(service.address) as client:
+    with slewtrack.Client(service.address) as client:
         plan = client.plan(files["short"].read_bytes())
         files["answer"].write_text(json.dumps(dict(plan.members)))
         with files["telemetry"].open("w") as file:

@@ -4,7 +4,6 @@ import json
 from pathlib import Path
 
 import pytest
-from live_service import live_service
 from typer.testing import CliRunner
 
 from app.cli import main
@@ -49,13 +48,11 @@ def test_here(told):
     )
 
 
-def test_a_service_flies_the_same(told, tmp_path):
-    with live_service(tmp_path) as service:
-        answer = tmp_path / "there.json"
-        words = ("--runs", 4, "--seed", 2, "--json", answer, "--url", service.address)
-        result = fly(*words)
-        assert result.exit_code == 0, result.stderr
-        there = json.loads(answer.read_text())
+def test_a_service_flies_the_same(told, service, tmp_path):
+    answer = tmp_path / "there.json"
+    result = fly("--runs", 4, "--seed", 2, "--json", answer, "--url", service.address)
+    assert result.exit_code == 0, result.stderr
+    there = json.loads(answer.read_text())
     for name in ("probability_in_frame", "probability_sharp", "contributors"):
         assert there[name] == told[name]
 

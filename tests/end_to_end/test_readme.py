@@ -12,7 +12,6 @@ from typing import Any, get_args, get_type_hints
 
 import httpx2 as httpx
 import pytest
-from live_service import live_service
 from refusal_kinds import refusal_kinds
 from waiting import PATIENCE_S, PatientClient
 
@@ -74,9 +73,8 @@ def curl_commands(text: str) -> list[str]:
 
 
 @pytest.fixture(scope="module")
-def address(tmp_path_factory):
-    with live_service(tmp_path_factory.mktemp("service")) as service:
-        yield service.address
+def address(service):
+    return service.address
 
 
 @pytest.fixture(scope="module")

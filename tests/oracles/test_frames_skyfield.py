@@ -1,12 +1,10 @@
 """Our frames agree with Skyfield's."""
 
 from datetime import UTC, datetime
-from importlib.resources import files
 
 import numpy as np
 import pytest
-from skyfield.api import Loader, wgs84
-from skyfield.data import iers
+from skyfield.api import wgs84
 from skyfield.framelib import itrs
 from skyfield.sgp4lib import TEME
 
@@ -22,15 +20,6 @@ EPOCHS = [
     datetime(2016, 12, 31, 23, 59, 55, tzinfo=UTC),
     datetime(2022, 2, 8, 13, 17, tzinfo=UTC),
 ]
-
-
-@pytest.fixture(scope="module")
-def skyfield():
-    load = Loader(str(files("skyfield_data") / "data"))
-    timescale = load.timescale(builtin=False)
-    with load.open("finals2000A.all") as lines:
-        iers.install_polar_motion_table(timescale, iers.parse_x_y_dut1_from_finals_all(lines))
-    return timescale, load("de421.bsp")
 
 
 def times(skyfield, instants):

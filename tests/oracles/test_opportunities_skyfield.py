@@ -1,27 +1,15 @@
 """The windows are Skyfield's, and their edges lie where Skyfield's own elevation says."""
 
-from importlib.resources import files
-
 import numpy as np
 import pytest
-from opportunity_requests import ISS, START, iss_request, oco3_targets
-from skyfield.api import EarthSatellite, Loader, wgs84
-from skyfield.data import iers
+from opportunity_requests import START, iss_request, oco3_targets
+from skyfield.api import wgs84
 
 from planner.planning.opportunities import OpportunityConditions, find_opportunities
 from planner.world.frames.time_scales import Instants
 
 EDGE_S = 1e-3  # promised
 MIN_ELEVATION_DEG = 10.0
-
-
-@pytest.fixture(scope="module")
-def skyfield():
-    load = Loader(str(files("skyfield_data") / "data"))
-    timescale = load.timescale(builtin=False)
-    with load.open("finals2000A.all") as lines:
-        iers.install_polar_motion_table(timescale, iers.parse_x_y_dut1_from_finals_all(lines))
-    return timescale, load("de421.bsp"), EarthSatellite(ISS.line1, ISS.line2, ts=timescale)
 
 
 def at(timescale, t_s):

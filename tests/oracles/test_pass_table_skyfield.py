@@ -3,7 +3,7 @@
 import numpy as np
 from opportunity_requests import iss_request, oco3_targets
 from skyfield.api import wgs84
-from test_opportunities_skyfield import at, site, skyfield  # noqa: F401 (a fixture)
+from test_opportunities_skyfield import at
 
 from planner.planning.opportunities import OpportunityTarget, find_opportunities
 from planner.world.frames.time_scales import DAY_S
@@ -29,7 +29,7 @@ def off_deg(angle_rad, reference_deg):
     return (np.rad2deg(angle_rad) - reference_deg + 180.0) % 360.0 - 180.0
 
 
-def test_rise_culmination_and_set(skyfield):  # noqa: F811
+def test_rise_culmination_and_set(skyfield):
     timescale, kernel, satellite = skyfield
     request = iss_request(3.0, targets=PLACES)
     windows = find_opportunities(request).windows

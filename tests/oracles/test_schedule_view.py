@@ -3,13 +3,11 @@
 import math
 from dataclasses import replace
 from datetime import timedelta
-from importlib.resources import files
 
 import numpy as np
 import pytest
 from opportunity_requests import ISS, START, oco3_targets
-from skyfield.api import EarthSatellite, Loader, wgs84
-from skyfield.data import iers
+from skyfield.api import wgs84
 
 from planner.planning.campaigns import (
     CampaignRequest,
@@ -33,15 +31,6 @@ BELOW = FieldMask(
 )
 STEP_S = 2.0
 LENGTH_S = 40.0
-
-
-@pytest.fixture(scope="module")
-def skyfield():
-    load = Loader(str(files("skyfield_data") / "data"))
-    timescale = load.timescale(builtin=False)
-    with load.open("finals2000A.all") as lines:
-        iers.install_polar_motion_table(timescale, iers.parse_x_y_dut1_from_finals_all(lines))
-    return timescale, load("de421.bsp"), EarthSatellite(ISS.line1, ISS.line2, ts=timescale)
 
 
 def request_for(listed, days=1.0, **fields):

@@ -10,7 +10,6 @@ from judged_tables import (
     changed,
     only,
     scenario_of,
-    table_of,
 )
 from scipy.interpolate import CubicHermiteSpline
 
@@ -18,16 +17,6 @@ from planner.base.commands import CommandTable
 from planner.verification import verify
 from planner.world.platforms import ISS_HRC
 from planner.world.scenario import SlewOptions
-
-
-@pytest.fixture(scope="module")
-def scenario():
-    return scenario_of()
-
-
-@pytest.fixture(scope="module")
-def table(scenario):
-    return table_of(scenario)
 
 
 @pytest.mark.parametrize(("column", "axis"), [(0, "alpha"), (1, "beta")])

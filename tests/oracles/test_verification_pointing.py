@@ -43,16 +43,6 @@ SPINNING = InertialAttitude(
 )
 
 
-@pytest.fixture(scope="module")
-def scenario():
-    return scenario_of()
-
-
-@pytest.fixture(scope="module")
-def table(scenario):
-    return table_of(scenario)
-
-
 @pytest.mark.parametrize(
     ("attitude", "platform"),
     [(LvlhAttitude(), ISS_HRC), (ATTITUDE, ISS_HRC), (ATTITUDE, TILTED_MOUNT)],

@@ -10,22 +10,10 @@ from judged_tables import (
     EPOCH_UTC,
     changed,
     only,
-    scenario_of,
-    table_of,
 )
 
 from planner.verification import verify
 from planner.verification.structure import session_rows
-
-
-@pytest.fixture(scope="module")
-def scenario():
-    return scenario_of()
-
-
-@pytest.fixture(scope="module")
-def table(scenario):
-    return table_of(scenario)
 
 
 def test_a_wrong_epoch_is_found(scenario, table):

@@ -6,13 +6,11 @@ elements' on both sides.
 
 from dataclasses import dataclass
 from datetime import timedelta
-from importlib.resources import files
 
 import numpy as np
 import pytest
 from opportunity_requests import ISS, START, iss_request, oco3_targets
-from skyfield.api import EarthSatellite, Loader, wgs84
-from skyfield.data import iers
+from skyfield.api import wgs84
 
 from planner.base.commands import CommandTable
 from planner.output.view import PlanView, view_plan
@@ -25,15 +23,6 @@ from planner.world.scenario import InitialState, Scenario, Session
 
 PASSES = 10
 ANGLE_DEG, RANGE_M = 1e-3, 1.0  # promised
-
-
-@pytest.fixture(scope="module")
-def skyfield():
-    load = Loader(str(files("skyfield_data") / "data"))
-    timescale = load.timescale(builtin=False)
-    with load.open("finals2000A.all") as lines:
-        iers.install_polar_motion_table(timescale, iers.parse_x_y_dut1_from_finals_all(lines))
-    return timescale, load("de421.bsp"), EarthSatellite(ISS.line1, ISS.line2, ts=timescale)
 
 
 def at_rest(target, start_utc, stop_utc):

@@ -10,23 +10,25 @@ from scipy.spatial.transform import Rotation
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "bench"))
 
-from reproduction.platonov_array import gyro_reach_deg_s, needed, spin_up_s
-from reproduction.platonov_errata import (
+from reproduction.platonov import (
+    DIPOLE_ITRF_T,
+    EXAMPLES,
     INERTIA_KG_M2,
     K2_PER_S2,
-    TURN_RATE_RAD_S,
-    hold,
-    parallel_measure,
-    printed_rates_rad_s,
-)
-from reproduction.platonov_sessions import EXAMPLES, text
-from reproduction.platonov_trackers import boresights_body, sigma_arcsec
-from reproduction.platonov_unloading import (
-    DIPOLE_ITRF_T,
     RADIUS_M,
     STEP_S,
+    TURN_RATE_RAD_S,
+    boresights_body,
     coil_torque_n_m,
     field_eci_t,
+    gyro_reach_deg_s,
+    hold,
+    needed,
+    parallel_measure,
+    printed_rates_rad_s,
+    sigma_arcsec,
+    spin_up_s,
+    text,
     unload,
 )
 

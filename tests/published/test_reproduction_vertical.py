@@ -9,23 +9,24 @@ from scipy.optimize import least_squares
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "bench"))
 
-from reproduction.lomaka_edge import (
+from reproduction.lomaka import (
+    RADIUS_M,
+    Rig,
+    arc_px,
     circle_misfit_px,
+    dip_rad,
     edge_deg,
     highest_m,
-    model_rms_deg,
-    pair,
-)
-from reproduction.lomaka_geometry import (
-    RADIUS_M,
-    arc_px,
-    dip_rad,
+    horizon_print,
     lens,
+    model_rms_deg,
     nadir_error_deg,
+    pair,
     printed_circle,
+    seen,
     tilted_nadir,
+    told_tilt_rad,
 )
-from reproduction.lomaka_print import Rig, horizon_print, seen, told_tilt_rad
 
 
 def test_a_flat_print_seen_square_on_only_turns_and_shrinks():

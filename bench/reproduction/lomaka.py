@@ -1,0 +1,924 @@
+"""Lomaka, Ustyugov 2016: the vertical from two pictures of the horizon."""
+
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime, timedelta
+from functools import lru_cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from horizon_cases import camera, ring
+from matplotlib.figure import Figure
+from scipy.optimize import brentq, linprog
+from scipy.spatial.transform import Rotation
+
+from estimator.camera import HorizonCamera
+from estimator.limb.geometry import Limb
+from estimator.pipeline import estimate_vertical
+from estimator.prediction import predict_horizon
+from estimator.rendering.atmosphere import Atmosphere
+from estimator.rendering.scene import HorizonRenderer, Scene
+from estimator.rendering.sensor import Sensor
+from estimator.request import Body, HorizonRequest, Position, PredictedAttitude
+from estimator.search.plausibility import OPTIONS as PLAUSIBILITY_OPTIONS
+from estimator.surroundings import Surroundings
+from planner.base.arrays import Array
+from planner.world.frames.geodesy import MU_EARTH_M3_S2, WGS84_A_M, WGS84_B_M, itrf_from_geodetic
+from reproduction.lomaka_method import horizon_arc_px, paper_nadir
+from reproduction.report import Numbers
+
+# The horizon of a sphere in a frame, its exact arc and what the paper's chord makes of it.
+# No picture is taken: what is left is the method's own error, and that of whole pixels.
+# Source: Lomaka, Ustyugov 2016, p. 467.
+
+RADIUS_M = 6371e3
+AZIMUTHS = 4000
+
+
+def dip_rad(height_m: float) -> float:
+    """How far below the level the horizon is seen."""
+    return float(np.arccos(RADIUS_M / (RADIUS_M + height_m)))
+
+
+def lens(width_deg: float, width_px: int, down_deg: float, azimuth_deg: float) -> HorizonCamera:
+    """A 4:3 camera on a body whose +Z is nadir at zero pitch and yaw."""
+    height_px = round(0.75 * width_px)
+    one = camera(f"c{azimuth_deg:g}", azimuth_deg, width_px, height_px, down_deg)
+    focal_px = 0.5 * width_px / np.tan(np.deg2rad(0.5 * width_deg))
+    return HorizonCamera(
+        name=one.name,
+        width_px=width_px,
+        height_px=height_px,
+        fx_px=focal_px,
+        fy_px=focal_px,
+        cx_px=one.cx_px,
+        cy_px=one.cy_px,
+        q_camera_from_body_xyzw=one.q_camera_from_body_xyzw,
+    )
+
+
+def limb_rays(nadir_body: Array, height_m: float) -> Array:
+    """Unit vectors to the horizon all around, (n, 3): the cone of half-angle 90 deg - dip."""
+    dip = dip_rad(height_m)
+    across = np.linalg.svd(nadir_body[None])[2][1:]
+    azimuth = np.linspace(-np.pi, np.pi, AZIMUTHS, endpoint=False)
+    around = np.column_stack([np.cos(azimuth), np.sin(azimuth)]) @ across
+    return np.asarray(np.sin(dip) * nadir_body + np.cos(dip) * around)
+
+
+def longest_run(seen: Array) -> Array:
+    """Indices of the longest run of True on a ring, in order; empty without any."""
+    if np.all(seen):
+        return np.arange(len(seen))
+    start = int(np.argmin(seen))
+    turned = np.roll(np.arange(len(seen)), -start)
+    runs = np.split(turned, np.flatnonzero(np.diff(seen[turned].astype(int))) + 1)
+    return max((run for run in runs if seen[run[0]]), key=len, default=turned[:0])
+
+
+def arc_px(camera: HorizonCamera, nadir_body: Array, height_m: float) -> Array:
+    """The longest arc of horizon in the frame, pixels (n, 2) in order; n may be 0."""
+    xy_px = camera.pixels(limb_rays(nadir_body, height_m))
+    edge = [camera.width_px - 1, camera.height_px - 1]
+    seen = np.all((xy_px >= 0.0) & (xy_px <= edge), axis=1)
+    return np.asarray(xy_px[longest_run(seen)])
+
+
+def chord_body(camera: HorizonCamera, ends_px: Array, unit_rays: bool) -> Array:
+    """What joins the ends (2, 2) of an arc, (3,): between unit rays, or as printed on the image."""
+    if unit_rays:
+        first, last = camera.rays_body(ends_px)
+        return np.asarray(last - first)
+    flat = np.append(ends_px[1] - ends_px[0], 0.0)
+    return np.asarray(camera.q_camera_from_body.inv().apply(flat))
+
+
+def nadir_error_deg(
+    cameras: tuple[HorizonCamera, HorizonCamera],
+    nadir_body: Array,
+    height_m: float,
+    *,
+    unit_rays: bool,
+    whole_px: bool = False,
+) -> float:
+    """Of the cross product of both chords; NaN where a camera has no arc of ten pixels."""
+    chords = []
+    for one in cameras:
+        arc = arc_px(one, nadir_body, height_m)
+        if len(arc) < 2 or np.linalg.norm(arc[-1] - arc[0]) < 10.0:
+            return float("nan")
+        ends = arc[[0, -1]]
+        chords.append(chord_body(one, np.rint(ends) if whole_px else ends, unit_rays))
+    found = np.cross(*chords)
+    across = np.linalg.norm(np.cross(found, nadir_body))
+    return float(np.rad2deg(np.arctan2(across, abs(found @ nadir_body))))
+
+
+def roll_error_deg(
+    camera: HorizonCamera, nadir_body: Array, height_m: float, *, unit_rays: bool, whole_px: bool
+) -> float:
+    """Of one camera's chord about its boresight: how far it is from square to the nadir."""
+    arc = arc_px(camera, nadir_body, height_m)
+    if len(arc) < 2:
+        return float("nan")
+    ends = np.rint(arc[[0, -1]]) if whole_px else arc[[0, -1]]
+    chord = chord_body(camera, ends, unit_rays)
+    across = np.cross(camera.boresight_body, nadir_body)
+    return float(np.rad2deg(np.arctan2(chord @ nadir_body, abs(chord @ across))))
+
+
+def tilted_nadir(pitch_deg: float, yaw_deg: float) -> Array:
+    """Nadir in body axes of a craft tilted about +X (yaw here) and +Y (pitch)."""
+    yaw, pitch = np.deg2rad([yaw_deg, pitch_deg])
+    level = np.array([np.sin(pitch), 0.0, np.cos(pitch)])
+    c, s = np.cos(yaw), np.sin(yaw)
+    return np.asarray(np.array([[1, 0, 0], [0, c, -s], [0, s, c]]) @ level)
+
+
+def printed_circle(axis: Array, corrected: bool) -> Array:
+    """The parametric circle (n, 3) in units of its R about the origin, as printed or corrected."""
+    a, b, c = axis
+    t = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False)
+    ac, abc = np.hypot(a, c), np.linalg.norm(axis)
+    third = a if corrected else c
+    return np.column_stack(
+        [
+            (c * np.cos(t) - a * b * np.sin(t) / abc) / ac,
+            ac / abc * np.sin(t),
+            -(third * np.cos(t) + b * c * np.sin(t) / abc) / ac,
+        ]
+    )
+
+
+def geodetic_deg() -> float:
+    """Most that geodetic and geocentric nadir differ at 500 km."""
+    latitudes = np.deg2rad(np.arange(30.0, 61.0, 1.0))
+    limbs = [Limb(itrf_from_geodetic(at, 0.0, 500e3), WGS84_A_M, WGS84_B_M) for at in latitudes]
+    sines = [np.linalg.norm(np.cross(one.nadir_itrf, one.nadir_geodetic_itrf)) for one in limbs]
+    return float(np.rad2deg(np.arcsin(max(sines))))
+
+
+def points_needed() -> int:
+    """Fewest rays d with d.n = sin(dip) that leave n and the dip no freedom but n's length."""
+    rays = limb_rays(tilted_nadir(5.0, 3.0), 500e3)
+    for count in range(1, 6):
+        some = rays[:: len(rays) // count][:count]
+        if np.linalg.matrix_rank(np.column_stack([some, -np.ones(count)])) == 3:
+            return count
+    raise ValueError("five rays don't fix the nadir")
+
+
+# Limits of the paper's method (tilt, altitude, length of the arc), and sources of its errors.
+
+MAP_DEG = np.arange(-30.0, 31.0, 3.0)
+ROLLS_DEG = np.arange(-14.0, 14.1, 0.5)
+PAPERS_HEIGHT_M = 500e3  # ours: the paper names none
+
+
+def pair(width_deg: float, down_deg: float) -> tuple[HorizonCamera, HorizonCamera]:
+    """Two cameras at right angles, each so far below the level (the paper's: 0)."""
+    return lens(width_deg, 640, down_deg, 0.0), lens(width_deg, 640, down_deg, 90.0)
+
+
+def error_map_deg(
+    cameras: tuple[HorizonCamera, HorizonCamera], *, unit_rays: bool, whole_px: bool
+) -> Array:
+    """Errors of the exact arcs' chords over MAP_DEG of yaw (rows) and pitch, at 500 km."""
+    return np.array(
+        [
+            [
+                nadir_error_deg(
+                    cameras,
+                    tilted_nadir(pitch, yaw),
+                    PAPERS_HEIGHT_M,
+                    unit_rays=unit_rays,
+                    whole_px=whole_px,
+                )
+                for pitch in MAP_DEG
+            ]
+            for yaw in MAP_DEG
+        ]
+    )
+
+
+def model_rms_deg(
+    width_deg: float, height_m: float, *, unit_rays: bool, width_px: int = 640
+) -> float:
+    """Of one camera's pitch over +-14 deg, the horizon in the middle, ends in whole pixels."""
+    return _rms(lens(width_deg, width_px, np.rad2deg(dip_rad(height_m)), 0.0), height_m, unit_rays)
+
+
+def strip_rms_deg(arc_width_px: int) -> float:
+    """The same between unit rays of an arc so short in a frame 640 px and 60 deg wide."""
+    width_deg = np.rad2deg(2.0 * np.arctan(arc_width_px / 640.0 * np.tan(np.deg2rad(30.0))))
+    down_deg = np.rad2deg(dip_rad(PAPERS_HEIGHT_M))
+    return _rms(lens(width_deg, arc_width_px, down_deg, 0.0), PAPERS_HEIGHT_M, True)
+
+
+def _rms(one: HorizonCamera, height_m: float, unit_rays: bool) -> float:
+    """Over ROLLS_DEG about the boresight, about which the chord measures."""
+    errors = [
+        roll_error_deg(
+            one,
+            _turned(one.boresight_body, float(roll)),
+            height_m,
+            unit_rays=unit_rays,
+            whole_px=True,
+        )
+        for roll in np.deg2rad(ROLLS_DEG)
+    ]
+    return float(np.sqrt(np.mean(np.square(errors))))
+
+
+def _turned(axis: Array, angle: float) -> Array:
+    nadir, c, s = np.array([0.0, 0.0, 1.0]), np.cos(angle), np.sin(angle)
+    return np.asarray(c * nadir + s * np.cross(axis, nadir) + (1.0 - c) * (axis @ nadir) * axis)
+
+
+def edge_deg(width_deg: float, down_deg: float, height_m: float) -> float:
+    """The smallest pitch, either way, at which one of both cameras has lost the horizon."""
+    cameras = pair(width_deg, down_deg)
+    edges = []
+    for sign in (-1.0, 1.0):
+        low, high = 0.0, next(t for t in range(1, 61) if not _both_see(cameras, sign * t, height_m))
+        while high - low > 1e-3:
+            middle = 0.5 * (low + high)
+            seen = _both_see(cameras, sign * middle, height_m)
+            low, high = (middle, high) if seen else (low, middle)
+        edges.append(high)
+    return min(edges)
+
+
+def _both_see(cameras: tuple[HorizonCamera, HorizonCamera], pitch: float, height_m: float) -> bool:
+    """Is there a point of the horizon on both cameras' pixels, their outer edges included?"""
+    rays = limb_rays(tilted_nadir(pitch, 0.0), height_m)
+    for one in cameras:
+        off_px = np.abs(one.pixels(rays) - [one.cx_px, one.cy_px])
+        if not np.any(np.all(off_px <= [0.5 * one.width_px, 0.5 * one.height_px], axis=1)):
+            return False
+    return True
+
+
+def highest_m(width_deg: float) -> float:
+    """From where level cameras of the paper's arrangement see no horizon at zero tilt."""
+    half_height = np.arctan(0.75 * np.tan(np.deg2rad(0.5 * width_deg)))
+    return float(RADIUS_M / np.cos(half_height) - RADIUS_M)
+
+
+def circle_misfit_px(width_deg: float) -> float:
+    """Most that the horizon's arc in the middle of a frame departs from the circle nearest to it.
+
+    Gauss-Newton in the largest departure: each step is a linear programme in the circle's changes.
+    """
+    one = lens(width_deg, 640, np.rad2deg(dip_rad(PAPERS_HEIGHT_M)), 0.0)
+    arc = arc_px(one, np.array([0.0, 0.0, 1.0]), PAPERS_HEIGHT_M)
+    design = np.column_stack([2.0 * arc, np.ones(len(arc))])
+    x, y, rest = np.linalg.lstsq(design, np.sum(arc**2, axis=1), rcond=None)[0]
+    circle = np.array([x, y, np.sqrt(rest + x * x + y * y)])
+    for _ in range(8):
+        away = arc - circle[:2]
+        distance = np.hypot(*away.T)
+        off = distance - circle[2]
+        slope = np.column_stack([-away / distance[:, None], -np.ones(len(arc))])
+        bound = -np.ones((2 * len(arc), 1))
+        rows = np.hstack([np.vstack([slope, -slope]), bound])
+        step = linprog([0, 0, 0, 1], rows, np.append(-off, off), bounds=(None, None)).x
+        circle += step[:3]
+    return float(np.max(np.abs(np.hypot(*(arc - circle[:2]).T) - circle[2])))
+
+
+# The paper's method and the product's estimator on the same rendered frames.
+# The limb is the paper's: sharp and everywhere at one height, here 17.5 km above WGS84, from 500
+# km.  Two 4:3 cameras 60 deg wide, 22 deg below the level so that the horizon is in the middle.
+
+EPOCH = datetime(2026, 3, 20, 12, tzinfo=UTC)
+POSITION = Position(frame="ITRF", position_km=(6878.0, 0.0, 0.0))
+LEVEL = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+SHARP = Scene(constant_limb_m=17.5e3, cloud_cover=0.0, land=0.0)
+REAL = Scene(atmosphere=Atmosphere(), roughness_m=800.0)
+RENDERED_MAP_DEG = (-12.0, -6.0, 0.0, 6.0, 12.0)
+SWEEP_DEG = (-14.0, -12.0, -9.0, -6.0, -3.0, 0.0, 3.0, 6.0, 9.0, 12.0, 14.0)
+
+
+class Errors(NamedTuple):
+    """Of the nadir by three methods, deg; NaN where a method gives none."""
+
+    as_printed: float
+    unit_rays: float
+    estimator: float
+
+
+@lru_cache(maxsize=256)
+def errors_deg(pitch_deg: float, yaw_deg: float) -> Errors:
+    """At one attitude of the craft."""
+    request, images, truth = frames(pitch_deg, yaw_deg, SHARP, Sensor())
+    found = [paper_nadir(images, request.cameras, unit_rays) for unit_rays in (False, True)]
+    answer = estimate_vertical(images, request)
+    found.append(answer.geocentric.nadir_body if answer.geocentric else None)
+    return Errors(*(_off_deg(nadir, truth) for nadir in found))
+
+
+def sweep(pitches_deg: tuple[float, ...]) -> Array:
+    """Errors over pitch, yaw zero: (n, 3)."""
+    return np.array([errors_deg(pitch, 0.0) for pitch in pitches_deg])
+
+
+def error_map() -> Array:
+    """Errors over RENDERED_MAP_DEG of yaw and pitch: (5, 5, 3)."""
+    return np.array(
+        [[errors_deg(pitch, yaw) for pitch in RENDERED_MAP_DEG] for yaw in RENDERED_MAP_DEG]
+    )
+
+
+class RealAir(NamedTuple):
+    """On frames with real air: mean height of the limb found, km, and rms errors, deg."""
+
+    limb_km: float
+    unit_rays: float
+    estimator: float
+
+
+@lru_cache(maxsize=1)
+def real_air() -> RealAir:
+    """What the estimator and the paper's method make of four frames with real air."""
+    heights_km, errors = [], []
+    for pitch, yaw in ((3.0, -2.0), (-7.0, 5.0), (8.0, 8.0), (-4.0, -9.0)):
+        request, images, truth = frames(pitch, yaw, REAL, Sensor(colour=True))
+        answer = estimate_vertical(images, request)
+        if answer.geocentric is None or answer.limb_height_m is None:
+            raise RuntimeError(f"no vertical in a plain daylight frame: {answer.reason}")
+        heights_km.append(answer.limb_height_m / 1e3)
+        found = (paper_nadir(images, request.cameras, True), answer.geocentric.nadir_body)
+        errors.append([_off_deg(nadir, truth) for nadir in found])
+    unit_rays, estimator = np.sqrt(np.mean(np.square(errors), axis=0))
+    return RealAir(float(np.mean(heights_km)), float(unit_rays), float(estimator))
+
+
+def frames(
+    pitch_deg: float, yaw_deg: float, scene: Scene, sensor: Sensor
+) -> tuple[HorizonRequest, list, Array]:
+    """A request, its two images and the true geocentric nadir in body axes."""
+    around = Surroundings(EPOCH, POSITION, Body())
+    tilt = Rotation.from_euler("xy", [yaw_deg, pitch_deg], degrees=True).as_matrix()
+    c_body_from_itrf = tilt @ LEVEL
+    cameras = ring(2)
+    horizon = HorizonRenderer(around.limb.r_itrf_m, c_body_from_itrf, around.sun_itrf, scene, 3)
+    images = [horizon.picture(one, sensor) for one in cameras]
+    q = Rotation.from_matrix(c_body_from_itrf @ around.c_itrf_from_eci).as_quat()
+    request = HorizonRequest(epoch=EPOCH, position=POSITION, cameras=cameras)
+    told = PredictedAttitude(q_body_from_eci_xyzw=tuple(q.tolist()), sigma_deg=1.0)
+    truth = np.asarray(c_body_from_itrf @ around.limb.nadir_itrf)
+    return replace(request, predicted=told), images, truth
+
+
+def _off_deg(nadir: Array | None, truth: Array) -> float:
+    if nadir is None:
+        return float("nan")
+    across = np.linalg.norm(np.cross(nadir, truth))
+    return float(np.rad2deg(np.arctan2(across, nadir @ truth)))
+
+
+# Reach of a horizon sensor in visible light and in the infrared, and how often it sees.
+# The infrared limb is that of carbon dioxide at 14 to 16 um, by day and night: 30 to 40 km high
+# (Seshamani, Jain, Kamalakar 1990), taken as spread evenly between.
+
+ORBIT_RADIUS_M = 6878e3
+INCLINATION_DEG, NODE_DEG = 51.6, 10.0  # on 20 March the Sun is near this plane
+INSTANTS = 36
+INFRARED = Body(limb_height_km=35.0, limb_height_sigma_km=2.9)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bands:
+    """Over one orbit at 500 km, two cameras 60 deg wide that look at the horizon: ahead and aside.
+
+    visible_share, infrared_share: of instants at which both see a usable limb.
+    sunlit_frames: share of frames with the Sun in them.
+    visible_sigma_deg, infrared_sigma_deg: median expected error of the nadir from one camera.
+    """
+
+    visible_share: float
+    infrared_share: float
+    sunlit_frames: float
+    visible_sigma_deg: float
+    infrared_sigma_deg: float
+
+
+def over_an_orbit() -> Bands:
+    """Predict both bands' views along an orbit, the craft level."""
+    period_s = 2.0 * np.pi * np.sqrt(ORBIT_RADIUS_M**3 / MU_EARTH_M3_S2)
+    usable, sigmas, sunny = np.zeros((2, INSTANTS)), np.full((2, INSTANTS), np.nan), []
+    for k, phase in enumerate(np.linspace(0.0, 2.0 * np.pi, INSTANTS, endpoint=False)):
+        plane = Rotation.from_euler(
+            "ZXZ", [NODE_DEG, INCLINATION_DEG, np.rad2deg(phase)], degrees=True
+        )
+        position_km = plane.apply([ORBIT_RADIUS_M / 1e3, 0.0, 0.0])
+        x_eci, z_eci = plane.apply([0.0, 1.0, 0.0]), -position_km / np.linalg.norm(position_km)
+        axes = np.stack([x_eci, np.cross(z_eci, x_eci), z_eci])
+        for band, body in enumerate((Body(), INFRARED)):
+            around = Surroundings(
+                EPOCH + timedelta(seconds=float(phase / (2.0 * np.pi) * period_s)),
+                Position(frame="GCRF", position_km=tuple(position_km.tolist())),
+                body,
+            )
+            views = [
+                predict_horizon(one, around, Rotation.from_matrix(axes), 0.5) for one in ring(2)
+            ]
+            usable[band, k] = all(view.reason is None for view in views)
+            known = [view.sigma_rad for view in views if view.sigma_rad is not None]
+            if known:
+                sigmas[band, k] = np.rad2deg(np.mean(known))
+            if band == 0:
+                sunny += [view.sun_in_frame for view in views]
+    return Bands(
+        visible_share=float(usable[0].mean()),
+        infrared_share=float(usable[1].mean()),
+        sunlit_frames=float(np.mean(sunny)),
+        visible_sigma_deg=float(np.nanmedian(sigmas[0])),
+        infrared_sigma_deg=float(np.nanmedian(sigmas[1])),
+    )
+
+
+# The paper's experiment on the bench: a flat picture of the horizon before a tilting camera.
+# A rig carries camera and accelerometer and is turned about a nearly level axis in front of a
+# print or a screen.  What the camera finds for the tilt is compared with what the accelerometer
+# says, both zeroed upright.  Lengths are in distances from which the flat picture's perspective
+# is right.
+# Source: Lomaka, Ustyugov 2016, p. 468-469; all sizes are assumed, the paper gives none.
+
+HEIGHT_M = 500e3
+HALF_WIDTH, HALF_HEIGHT = np.tan(np.deg2rad(30.0)), 0.75 * np.tan(np.deg2rad(30.0))
+WIDTH_PX = 640
+TILTS_DEG = np.linspace(-14.0, 14.0, 29)
+SWING_S = 20.0  # of a full swing to both sides, during which the video runs
+UPRIGHT = len(TILTS_DEG) // 2
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rig:
+    """What is not as it should be; all zeros (distance 1) is a perfect one.
+
+    distance: of the camera, by that from which the picture's perspective is right.
+    off_square_deg: of the print, about the upright axis through its middle.
+    leaning_deg: of the print, about the level axis through its middle.
+    off_middle: how far below the frame's middle the horizon is, by half the frame's height.
+    axis_off_deg: of the axis of tilt from the optical axis, sideways.
+    pivot_below: the axis passes so far below the lens.
+    distortion: of the lens, at the frame's corner, by the distance from the middle.
+    whole_px: whether the arc's ends are whole pixels of a frame 640 wide.
+    edge_noise_px: 1-sigma of each end.
+    scale_error: of the accelerometer's sideways channel.  quantum_g, noise_g: of a sample.
+    delay_s: of the video behind the accelerometer, during the swing.
+    """
+
+    distance: float = 1.0
+    off_square_deg: float = 0.0
+    leaning_deg: float = 0.0
+    off_middle: float = 0.0
+    axis_off_deg: float = 0.0
+    pivot_below: float = 0.0
+    distortion: float = 0.0
+    whole_px: bool = False
+    edge_noise_px: float = 0.0
+    scale_error: float = 0.0
+    quantum_g: float = 0.0
+    noise_g: float = 0.0
+    delay_s: float = 0.0
+
+
+def horizon_print(count: int = 1600) -> Array:
+    """Points (n, 2) of the horizon on the print: seen from 500 km, its top in the middle.
+
+    x to the right, y down, in distances; it goes on beyond what the camera sees at first.
+    """
+    dip = dip_rad(HEIGHT_M)
+    # The optical axis (+z) points at the horizon, nadir is mostly down (+y).
+    rays = limb_rays(np.array([0.0, np.cos(dip), np.sin(dip)]), HEIGHT_M)
+    ahead = rays[rays[:, 2] > 0.25]
+    flat = ahead[:, :2] / ahead[:, 2:]
+    order = np.argsort(flat[:, 0])
+    # Close together in the middle, where most rigs see it.
+    x = 3.6 * np.sinh(np.linspace(-3.0, 3.0, count)) / np.sinh(3.0)
+    return np.column_stack([x, np.interp(x, flat[order, 0], flat[order, 1])])
+
+
+def seen(print_xy: Array, rig: Rig, tilt_rad: float) -> Array:
+    """Where the camera sees points (n, 2) of the print, on its own plane at unit depth, (n, 2)."""
+    plane = Rotation.from_euler("yx", [rig.off_square_deg, rig.leaning_deg], degrees=True)
+    point = plane.apply(np.column_stack([print_xy, np.zeros(len(print_xy))]))
+    point += [0.0, rig.off_middle * HALF_HEIGHT * rig.distance, rig.distance]
+    off = np.deg2rad(rig.axis_off_deg)
+    turn = Rotation.from_rotvec(tilt_rad * np.array([np.sin(off), 0.0, np.cos(off)]))
+    pivot = np.array([0.0, rig.pivot_below, 0.0])
+    lens_at = pivot - turn.apply(pivot)
+    x, y, z = turn.inv().apply(point - lens_at).T
+    flat = np.column_stack([x, y]) / z[:, None]
+    far2 = np.sum(flat**2, axis=1, keepdims=True) / (HALF_WIDTH**2 + HALF_HEIGHT**2)
+    return np.asarray(flat * (1.0 + rig.distortion * far2))
+
+
+def found_tilt_rad(
+    print_xy: Array, rig: Rig, tilt_rad: float, unit_rays: bool, random: np.random.Generator
+) -> float:
+    """The tilt the camera finds by the chord of the arc in its frame; NaN without one."""
+    flat = seen(print_xy, rig, tilt_rad)
+    inside = (np.abs(flat[:, 0]) <= HALF_WIDTH) & (np.abs(flat[:, 1]) <= HALF_HEIGHT)
+    run = longest_run(inside)
+    if len(run) < 2:
+        return float("nan")
+    ends = flat[run[[0, -1]]]
+    pixel = 2.0 * HALF_WIDTH / WIDTH_PX
+    ends = ends + rig.edge_noise_px * pixel * random.standard_normal((2, 2))
+    if rig.whole_px:
+        ends = np.rint(ends / pixel) * pixel
+    if not unit_rays:
+        x, y = ends[1] - ends[0]
+        return -float(np.arctan2(y, x))
+    rays = np.column_stack([ends, np.ones(2)])
+    rays /= np.linalg.norm(rays, axis=1, keepdims=True)
+    x, y, z = rays[1] - rays[0]
+    # Square to the nadir [-sin, cos] cos(dip) + [0, 0, sin(dip)], the camera looking at the
+    # horizon as it believes.
+    lift = np.arcsin(np.clip(z * np.tan(dip_rad(HEIGHT_M)) / np.hypot(x, y), -1.0, 1.0))
+    return -float(np.arctan2(y, x) + lift)
+
+
+def told_tilt_rad(tilt_rad: Array, rig: Rig, random: np.random.Generator) -> Array:
+    """What the accelerometer tells at tilts (n,), from both its channels."""
+    g = np.stack([np.sin(tilt_rad) * (1.0 + rig.scale_error), np.cos(tilt_rad)])
+    g = g + rig.noise_g * random.standard_normal(g.shape)
+    if rig.quantum_g > 0.0:
+        g = np.rint(g / rig.quantum_g) * rig.quantum_g
+    return np.asarray(np.arctan2(g[0], g[1]))
+
+
+def differences_deg(rig: Rig, *, unit_rays: bool, seed: int = 0) -> Array:
+    """Camera minus accelerometer over TILTS_DEG, both zeroed upright."""
+    random = np.random.default_rng(seed)
+    tilt_rad = np.deg2rad(TILTS_DEG)
+    # A swing about its middle: fast upright, at rest at the ends.
+    rate_rad_s = 2.0 * np.pi / SWING_S * np.sqrt(tilt_rad[-1] ** 2 - tilt_rad**2)
+    print_xy = horizon_print()
+    found_rad = np.array(
+        [
+            found_tilt_rad(print_xy, rig, float(late_rad), unit_rays, random)
+            for late_rad in tilt_rad - rate_rad_s * rig.delay_s
+        ]
+    )
+    upright = replace(rig, noise_g=0.0, edge_noise_px=0.0, whole_px=False)
+    zero_found = found_tilt_rad(print_xy, upright, 0.0, unit_rays, random)
+    zero_told = told_tilt_rad(np.zeros(1), upright, random)[0]
+    told_rad = told_tilt_rad(tilt_rad, rig, random)
+    return np.asarray(np.rad2deg((found_rad - zero_found) - (told_rad - zero_told)))
+
+
+def rms_deg(rig: Rig, *, unit_rays: bool, seed: int = 0) -> float:
+    """Root mean square of `differences_deg`."""
+    return float(np.sqrt(np.nanmean(differences_deg(rig, unit_rays=unit_rays, seed=seed) ** 2)))
+
+
+# The experiment of Lomaka, Ustyugov 2016, simulated: what makes 0.752 deg of a model's 0.038.
+
+EXPERIMENT_DEG = 0.752
+DRAWS = 300
+TOLD = ("scale_error", "delay_s", "noise_g", "quantum_g")  # of what the accelerometer tells
+VIDEO = Sensor(full_well_e=2e3, read_noise_e=40.0, jpeg_quality=50)
+QUIET = Sensor(full_well_e=0.0)
+
+
+class Cause(NamedTuple):
+    """Something that may be wrong with the rig: a field of it, its usual size and its largest.
+
+    Usual sizes are assumed (1 sigma), the accelerometer's from a common one's data sheet
+    (ADXL345: 3.9 mg a step, 0.75 steps of noise, sensitivity within 10 %).
+    """
+
+    name: str
+    field: str
+    usual: float
+    largest: float
+    unit: str
+    factor: float = 1.0  # from the field's unit to the one shown
+
+
+CAUSES = (
+    Cause("accelerometer's scale", "scale_error", 0.05, 0.2, "%", 100.0),
+    Cause("video late, rig swinging 14 deg in 5 s", "delay_s", 0.08, 1.0, "s"),
+    Cause("accelerometer's noise", "noise_g", 0.0029, 0.05, "mg", 1e3),
+    Cause("accelerometer's step", "quantum_g", 0.0039, 0.1, "mg", 1e3),
+    Cause("camera farther than the picture's perspective", "distance", 0.3, 5.0, "times farther"),
+    Cause("horizon below the frame's middle", "off_middle", 0.15, 0.95, "% of half", 100.0),
+    Cause("axis of tilt below the lens", "pivot_below", 0.1, 1.5, "% of distance", 100.0),
+    Cause("axis of tilt off the optical axis", "axis_off_deg", 3.0, 40.0, "deg"),
+    Cause("print leaning", "leaning_deg", 3.0, 40.0, "deg"),
+    Cause("print turned aside", "off_square_deg", 3.0, 40.0, "deg"),
+    Cause("lens distortion at the corner", "distortion", 0.03, 0.4, "%", 100.0),
+    Cause("noise of the arc's ends", "edge_noise_px", 0.0, 12.0, "px"),
+)
+
+
+def rig_with(cause: Cause, size: float) -> Rig:
+    """One cause alone."""
+    base = 1.0 if cause.field == "distance" else 0.0
+    return replace(Rig(), **{cause.field: base + size})
+
+
+def size_for(cause: Cause, unit_rays: bool) -> float:
+    """How large a cause must be to make the experiment's error by itself; NaN: no size does."""
+
+    def short_of(size: float) -> float:
+        seeds = range(6 if cause.field in ("noise_g", "edge_noise_px") else 1)
+        squares = [rms_deg(rig_with(cause, size), unit_rays=unit_rays, seed=s) ** 2 for s in seeds]
+        return float(np.sqrt(np.mean(squares))) - EXPERIMENT_DEG
+
+    # Not every one makes ever more: the first size that is enough.
+    tried = np.linspace(0.0, cause.largest, 13)
+    enough = next((k for k, size in enumerate(tried) if short_of(size) > 0.0), None)
+    if enough is None:
+        return float("nan")
+    return float(brentq(short_of, tried[enough - 1], tried[enough], xtol=1e-4 * cause.largest))
+
+
+def typical(cause: Cause, noise_px: float) -> float:
+    """The usual size; of the ends' noise the measured one."""
+    return noise_px if cause.field == "edge_noise_px" else cause.usual
+
+
+@lru_cache(maxsize=1)
+def frame_noise_px() -> float:
+    """1-sigma of an arc's ends by noise and coding of a video frame, as the paper's method finds.
+
+    Rendered frames, the same with and without noise, at six attitudes.
+    """
+    around, [camera] = Surroundings(EPOCH, POSITION, Body()), ring(1)
+    random, shifts = np.random.default_rng(4), []
+    for roll in np.deg2rad([-14.0, -8.0, -2.0, 3.0, 9.0, 14.0]):
+        c, s = np.cos(roll), np.sin(roll)
+        turn = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
+        horizon = HorizonRenderer(
+            around.limb.r_itrf_m, turn @ LEVEL, around.sun_itrf, SHARP, seed=3
+        )
+        light = horizon.radiance(camera, random)
+        ends = []
+        for sensor in (QUIET, VIDEO):
+            arc = horizon_arc_px(sensor.expose(light, random), camera)
+            if arc is None:
+                raise RuntimeError("no horizon is found in a plain frame")
+            ends.append(arc[0])
+        along = ends[0][1] - ends[0][0]
+        across = np.array([-along[1], along[0]]) / np.linalg.norm(along)
+        shifts.append((ends[1] - ends[0]) @ across)
+    return float(np.sqrt(np.mean(np.square(shifts))))
+
+
+@lru_cache(maxsize=2)
+def drawn_rigs(unit_rays: bool) -> Array:
+    """Rms differences of rigs whose causes are all drawn at their usual sizes, deg, sorted."""
+    noise_px, found = frame_noise_px(), []
+    for seed in range(DRAWS):
+        random = np.random.default_rng(seed)
+        rig = Rig(whole_px=True, quantum_g=0.0039, noise_g=0.0029, edge_noise_px=noise_px)
+        sizes = {
+            cause.field: cause.usual * random.standard_normal()
+            for cause in CAUSES
+            if cause.field not in ("quantum_g", "noise_g", "edge_noise_px", "distance", "delay_s")
+        }
+        distance = float(np.exp(0.3 * random.standard_normal()))
+        delay_s = abs(0.08 * random.standard_normal())
+        rig = replace(rig, distance=distance, delay_s=delay_s, **sizes)
+        found.append(rms_deg(rig, unit_rays=unit_rays, seed=seed))
+    return np.sort(found)
+
+
+@lru_cache(maxsize=1)
+def causes_alone() -> tuple[tuple[Cause, float, float, float], ...]:
+    """Each cause, its rms at its usual size (unit rays), and the sizes that make 0.752 deg:
+    between unit rays, as printed."""
+    noise_px = frame_noise_px()
+    return tuple(
+        (
+            cause,
+            rms_deg(rig_with(cause, typical(cause, noise_px)), unit_rays=True),
+            size_for(cause, unit_rays=True),
+            size_for(cause, unit_rays=False),
+        )
+        for cause in CAUSES
+    )
+
+
+def experiment_numbers() -> Numbers:
+    noise_px = frame_noise_px()
+    unit, printed = drawn_rigs(unit_rays=True), drawn_rigs(unit_rays=False)
+    low, high = np.quantile(unit, [0.05, 0.95])
+    alone = {row[0].field: row for row in causes_alone()}
+    told_deg, seen_deg = (
+        float(np.sqrt(sum(row[1] ** 2 for field, row in alone.items() if (field in TOLD) is told)))
+        for told in (True, False)
+    )
+    sizes = [
+        f"{cause.name} {cause.factor * size:.3g} {cause.unit}"
+        for cause, _, size, _ in causes_alone()
+        if not np.isnan(size)
+    ]
+    return {
+        "experiment's error": float(np.median(unit)),
+        "noise of the frames": rms_deg(Rig(edge_noise_px=noise_px, whole_px=True), unit_rays=True),
+        "imperfect rig": float(np.hypot(told_deg, seen_deg)),
+        "flat picture": rms_deg(Rig(), unit_rays=False),
+        "rigs": DRAWS,
+        "low": float(low),
+        "high": float(high),
+        "median_printed": float(np.median(printed)),
+        "as_bad": 100.0 * float(np.mean(unit >= EXPERIMENT_DEG)),
+        "noise_px": noise_px,
+        "told_deg": told_deg,
+        "seen_deg": seen_deg,
+        "sizes": "; ".join(sizes),
+        "flat_unit_rays": rms_deg(Rig(), unit_rays=True),
+        "from_half": rms_deg(Rig(distance=0.5), unit_rays=False),
+        "from_twice": rms_deg(Rig(distance=2.0), unit_rays=False),
+        "distance": 1.0 + alone["distance"][3],
+    }
+
+
+def draw_experiment(folder: Path) -> None:
+    figure = Figure(figsize=(10.0, 4.8), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    examples = (
+        ("perfect rig, as printed", Rig(), False),
+        ("twice the distance, as printed", Rig(distance=2.0), False),
+        ("accelerometer's scale 9 % off", Rig(scale_error=0.09), True),
+        ("axis 25 % above the lens", Rig(pivot_below=-0.25), True),
+        ("video 0.2 s late", Rig(delay_s=0.2), True),
+        ("noise of frame and accelerometer", Rig(whole_px=True, noise_g=0.0029), True),
+    )
+    for name, rig, unit_rays in examples:
+        left.plot(TILTS_DEG, differences_deg(rig, unit_rays=unit_rays), label=name, lw=1.2)
+    left.axhspan(-EXPERIMENT_DEG, EXPERIMENT_DEG, color="0.9", zorder=0)
+    left.set(xlabel="tilt of the rig, deg", ylabel="camera minus accelerometer, deg")
+    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    rows = sorted(causes_alone(), key=lambda row: row[1])
+    right.barh([row[0].name for row in rows], [row[1] for row in rows], color="C0")
+    right.axvline(EXPERIMENT_DEG, color="0.3", lw=0.8)
+    right.tick_params(axis="y", labelsize="small")
+    right.set_xlabel("rms at its usual size, deg")
+    right.annotate("the paper", (0.74, 0.0), ha="right", fontsize="small", color="0.3")
+    figure.savefig(folder / "reproduction_vertical_print.png", dpi=90)
+
+
+# The vertical from two cameras: Lomaka, Ustyugov 2016, its equations, Figs. 3, 5 and 6.
+
+MODEL_DEG = 0.038
+FIELDS_DEG = (20.0, 25.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0)
+DOWN_DEG = float(np.rad2deg(dip_rad(PAPERS_HEIGHT_M)))
+
+
+def vertical_numbers() -> Numbers:
+    return {**_method(), **_figures(), **_edges(), **_bands()}
+
+
+def _method() -> Numbers:
+    axis = np.array([0.0, 0.0, 1.0])  # of the horizon's circle: the vertical at (0, 0, R + H)
+    printed = np.linalg.norm(printed_circle(axis, corrected=False), axis=1)
+    mended = np.linalg.norm(printed_circle(axis, corrected=True), axis=1)
+    exact, flat = (
+        nadir_error_deg(
+            pair(60.0, DOWN_DEG), tilted_nadir(12.0, 12.0), PAPERS_HEIGHT_M, unit_rays=unit
+        )
+        for unit in (True, False)
+    )
+    return {
+        "circle's radii": float(printed.max() / printed.min()),
+        "circle's size": float(np.sin(dip_rad(PAPERS_HEIGHT_M))),
+        "circle on the image": circle_misfit_px(60.0),
+        "chord in the image plane": flat,
+        "sphere": geodetic_deg(),
+        "mended": float(mended.max() / mended.min()),
+        "centre": float(np.cos(dip_rad(PAPERS_HEIGHT_M))),
+        "misfit_40_px": circle_misfit_px(40.0),
+        "misfit_90_px": circle_misfit_px(90.0),
+        "exact_deg": exact,
+    }
+
+
+def _figures() -> Numbers:
+    over_map, over_sweep = _rms_of_each(error_map()), _rms_of_each(sweep(SWEEP_DEG))
+    narrow, half, double = (
+        model_rms_deg(60.0, PAPERS_HEIGHT_M, unit_rays=True, width_px=px) for px in (640, 320, 1280)
+    )
+    return {
+        "model's error": narrow,
+        "pitch sweep, edges found": float(over_sweep[1]),
+        "error map": float(over_map[1]),
+        "theory_deg": float(np.rad2deg(np.sqrt(1 / 6) / 640)),
+        "at_320_px": half,
+        "at_1280_px": double,
+        "narrow_deg": max(f for f in FIELDS_DEG if _model(f, unit_rays=False) < 1.2 * MODEL_DEG),
+        "printed_at_60": _model(60.0, unit_rays=False),
+        "sweep_printed": float(over_sweep[0]),
+        "sweep_estimator": float(over_sweep[2]),
+        "map_printed": float(over_map[0]),
+        "map_printed_worst": float(np.nanmax(error_map()[..., 0])),
+        "map_estimator": float(over_map[2]),
+    }
+
+
+@lru_cache(maxsize=64)
+def _model(field_deg: float, unit_rays: bool) -> float:
+    return model_rms_deg(field_deg, PAPERS_HEIGHT_M, unit_rays=unit_rays)
+
+
+def _rms_of_each(errors: Array) -> Array:
+    return np.asarray(np.sqrt(np.nanmean(errors.reshape(-1, 3) ** 2, axis=0)))
+
+
+def _edges() -> Numbers:
+    inside, outside = errors_deg(24.0, 0.0), errors_deg(28.0, 0.0)
+    beyond = "gives no vertical" if np.isnan(outside.unit_rays) else (
+        f"gives one {outside.unit_rays:.0f} deg off, from an edge of the frame"
+    )  # fmt: skip
+    return {
+        "widest tilt": edge_deg(60.0, 0.0, PAPERS_HEIGHT_M),
+        "highest orbit": highest_m(60.0) / 1e3,
+        "shortest arc": strip_rms_deg(32),
+        "three points": float(points_needed()),
+        "aimed_deg": edge_deg(60.0, DOWN_DEG, PAPERS_HEIGHT_M),
+        "inside_deg": inside.unit_rays,
+        "beyond": beyond,
+        "estimator_deg": outside.estimator,
+        "highest_40_km": highest_m(40.0) / 1e3,
+        "highest_90_km": highest_m(90.0) / 1e3,
+        "down_deg": DOWN_DEG,
+        "long_deg": strip_rms_deg(640),
+        "asked_deg": float(np.rad2deg(PLAUSIBILITY_OPTIONS.min_arc_of_all_rad)),
+    }
+
+
+def _bands() -> Numbers:
+    orbit, air = over_an_orbit(), real_air()
+    return {
+        "infrared verticals": orbit.infrared_sigma_deg,
+        "visible limb": air.limb_km,
+        "lit part of the orbit": 100.0 * orbit.visible_share,
+        "Sun in frame": 100.0 * orbit.sunlit_frames,
+        "visible_sigma_deg": orbit.visible_sigma_deg,
+        "air_unit_rays": air.unit_rays,
+        "air_estimator": air.estimator,
+        "infrared_percent": 100.0 * orbit.infrared_share,
+    }
+
+
+def draw_vertical(folder: Path) -> None:
+    _draw_map().savefig(folder / "reproduction_vertical_map.png", dpi=90)
+    _draw_model().savefig(folder / "reproduction_vertical_model.png", dpi=90)
+
+
+def _draw_map() -> Figure:
+    figure = Figure(figsize=(10.0, 5.6), layout="constrained")
+    rows = figure.subplots(2, 2, sharex=True, sharey=True)
+    for row, (down_deg, aim) in zip(
+        rows, ((0.0, "level (Fig. 2)"), (DOWN_DEG, "at the horizon")), strict=True
+    ):
+        for panel, unit_rays in zip(row, (False, True), strict=True):
+            errors = error_map_deg(pair(60.0, down_deg), unit_rays=unit_rays, whole_px=True)
+            shown = panel.pcolormesh(
+                MAP_DEG,
+                MAP_DEG,
+                np.log10(np.maximum(errors, 1e-3)),
+                vmin=-2.5,
+                vmax=1.0,
+                cmap="viridis",
+            )
+            yaw, pitch = np.nonzero(np.isnan(errors))
+            panel.plot(MAP_DEG[pitch], MAP_DEG[yaw], "x", color="0.6", ms=3.0)
+            name = "between unit rays" if unit_rays else "as printed"
+            panel.set_title(f"cameras {aim}, chord {name}", fontsize="medium")
+        row[0].set_ylabel("yaw, deg")
+    for panel in rows[-1]:
+        panel.set_xlabel("pitch, deg")
+    bar = figure.colorbar(shown, ax=rows, ticks=[-2, -1, 0, 1])
+    bar.ax.set_yticklabels(["0.01", "0.1", "1", "10"])
+    bar.set_label("error of the vertical, deg")
+    return figure
+
+
+def _draw_model() -> Figure:
+    figure = Figure(figsize=(10.0, 3.6), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    for height_m, dash in ((300e3, ":"), (500e3, "-"), (700e3, "--")):
+        for unit_rays, colour in ((False, "C1"), (True, "C0")):
+            name = "unit rays" if unit_rays else "as printed"
+            rms = [model_rms_deg(f, height_m, unit_rays=unit_rays) for f in FIELDS_DEG]
+            label = f"{name}, {height_m / 1e3:.0f} km"
+            left.plot(FIELDS_DEG, rms, color=colour, ls=dash, label=label)
+    left.axhline(MODEL_DEG, color="0.3", lw=0.8)
+    left.annotate("the paper: 0.038", (62.0, 0.041), fontsize="small", color="0.3")
+    left.set(xlabel="width of the field, deg", ylabel="rms of pitch, deg", yscale="log")
+    left.legend(fontsize="x-small")
+    errors = sweep(SWEEP_DEG)
+    for k, name in enumerate(("as printed", "unit rays", "our estimator")):
+        right.plot(SWEEP_DEG, errors[:, k], "o-", color=("C1", "C0", "C2")[k], ms=3, label=name)
+    right.axhline(MODEL_DEG, color="0.3", lw=0.8)
+    right.set(xlabel="pitch, deg", ylabel="error of the vertical, deg", yscale="log")
+    right.legend(fontsize="x-small")
+    return figure

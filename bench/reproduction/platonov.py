@@ -1,0 +1,1170 @@
+"""Platonov, Sumarokov 2019: imaging from a spacecraft with control moment gyros."""
+
+import dataclasses
+import json
+import math
+from collections.abc import Sequence
+from datetime import timedelta
+from functools import lru_cache
+from itertools import pairwise
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from imaging_cases import EPOCH, area, line, local_axes, positions, session_request, sun_synchronous
+from matplotlib.figure import Figure
+from scipy.optimize import brentq
+from scipy.signal import butter, freqz
+from scipy.spatial.transform import Rotation
+from spacecraft_flight import PAPER_TURNS_S, itself, orbit_states, settle_table
+
+from app.requests.spacecraft import read_spacecraft_request
+from planner.base.arrays import Array
+from planner.spacecraft.flight.closed_loop import Log
+from planner.spacecraft.flight.simulation import (
+    Dispersion,
+    computer,
+    draw_dispersion,
+    fly_many,
+    fly_table,
+)
+from planner.spacecraft.flight.stabilisation import rate_errors, settled_after_s
+from planner.spacecraft.imaging.candidates import candidates
+from planner.spacecraft.imaging.choice_with_slews import options_of
+from planner.spacecraft.imaging.ground_arc import orbital_q_body_from_eci
+from planner.spacecraft.imaging.session import make_session
+from planner.spacecraft.imaging.timeline import scans_of
+from planner.spacecraft.plan import ImagingPlan, plan_imaging
+from planner.spacecraft.requests import (
+    SCAN_SPEED_M_S,
+    GeoLineString,
+    ImagingPlanRequest,
+    StripRequest,
+)
+from planner.spacecraft.slews.eigenaxis import eigenaxis_slew
+from planner.spacecraft.slews.slew_choice import quickest_slew
+from planner.spacecraft.slews.slew_problem import AttitudeSlewProblem, EndState
+from planner.spacecraft.table import TICK_S, AttitudeTable
+from planner.spacecraft.vehicle.cmg_array import CmgArray
+from planner.spacecraft.vehicle.definition import (
+    AGILE_CMG,
+    AgileSpacecraft,
+    ControlGains,
+    SlewLimits,
+)
+from planner.spacecraft.vehicle.gimbals import total_momentum_eci
+from planner.spacecraft.vehicle.onboard import PAPER, TABLE, Estimate, estimate_rate, memory_at
+from planner.spacecraft.vehicle.steering import steer
+from planner.world.frames.earth_orientation import c_itrf_from_eci
+from planner.world.frames.geodesy import WGS84_A_M
+from planner.world.frames.solar_system import r_moon_eci_m, r_sun_eci_m
+from planner.world.frames.time_scales import Instants, utc_text
+from planner.world.orbits import StateVectorOrbit
+from planner.world.orbits.ephemeris import OrbitStates
+from reproduction.report import Numbers
+
+# The sessions of Platonov, Sumarokov 2019, Figs. 3 to 9: requests, plans and dispersed flights.
+# `text` makes the requests in examples/.  The paper gives times and sizes, neither orbit nor
+# places; here strips lie along the track where the orbit passes at those times.
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+STRIP_S, STEREO_S, SCAN_S, GAP_S = 128.0, 338.0, 16.0, 110.0  # Figs. 4 and 6
+STEREO_KM, AREAS_KM = 700.0, 640.0  # of the paper's 600 to 700; lower, the ends lie beyond 30 deg
+LONG_START_S = 400.0  # the paper's clock at row 0 of the long session
+FIRST_SCAN_S, SCAN_AFTER_S = 15.0, 14.0  # Figs. 8 and 9: 866-881 and 1405-1419 s
+SEEDS = range(8)  # dispersed runs: 40 move the worst by a fifth
+
+
+def at(t_s: float) -> str:
+    return utc_text(EPOCH + timedelta(seconds=t_s), 1)
+
+
+def lines(
+    orbit: StateVectorOrbit, t_s: float, half_m: float, across_m: tuple[float, ...]
+) -> list[Sequence]:
+    """Lines along the track beside each other, where the orbit passes at t_s."""
+    origin, along, across = local_axes(orbit, t_s)
+    return [
+        positions([origin + a * across - half_m * along, origin + a * across + half_m * along])
+        for a in across_m
+    ]
+
+
+def one(name: str, mode: str, line: Sequence, start_s: float, **more: object) -> dict:
+    coordinates = [[round(x, 6) for x in position] for position in line]
+    return {
+        "mode": mode,
+        "name": name,
+        "geometry": {"type": "LineString", "coordinates": coordinates},
+        "start": at(start_s),
+        **more,
+    }
+
+
+def session(
+    name: str, orbit: StateVectorOrbit, stop_s: float, requests: list[dict], **more: object
+) -> dict:
+    return {
+        "name": name,
+        "orbit": {
+            "source": "state",
+            "frame": "GCRF",
+            "epoch": at(0.0),
+            "position_km": [round(x, 6) for x in orbit.position_km],
+            "velocity_km_s": [round(x, 9) for x in orbit.velocity_km_s],
+        },
+        "start": at(0.0),
+        "stop": at(stop_s),
+        **more,
+        "requests": requests,
+    }
+
+
+def strip_and_stereo() -> dict:
+    orbit = sun_synchronous(STEREO_KM)
+    half_m = 0.5 * SCAN_S * SCAN_SPEED_M_S
+    [strip] = lines(orbit, STRIP_S + 0.5 * SCAN_S, half_m, (0.0,))
+    [stereo] = lines(orbit, STEREO_S + 0.5 * (GAP_S + SCAN_S), half_m, (0.0,))
+    return session(
+        "Strip and stereo pair of Platonov, Sumarokov 2019",
+        orbit,
+        560.0,
+        [
+            one("strip", "strip", strip, STRIP_S),
+            one("stereo", "stereo", stereo, STEREO_S, gap_s=GAP_S),
+        ],
+    )
+
+
+def eight_areas() -> dict:
+    """Each area of 48 x 60 km as its four strips, so that each has the paper's moment."""
+    orbit = sun_synchronous(AREAS_KM)
+    requests = []
+    for block in range(8):
+        turns_s = [t - LONG_START_S for t in PAPER_TURNS_S[4 * block : 4 * block + 5]]
+        scans_s = [FIRST_SCAN_S, *[SCAN_AFTER_S] * 3]
+        stops_s = [turns_s[1] - 1.0, *[t - 0.2 for t in turns_s[2:]]]
+        starts_s = [stop - scan for stop, scan in zip(stops_s, scans_s, strict=True)]
+        aside_m = 60e3 * (-1) ** block
+        across_m = tuple(aside_m + 12e3 * (k - 1.5) for k in range(4))
+        middle_s = 0.5 * (starts_s[0] + stops_s[-1])
+        strips = lines(orbit, middle_s, 30e3, across_m)
+        requests += [
+            one(
+                f"area {block + 1} strip {k + 1}",
+                "strip",
+                strip,
+                start_s,
+                scan_speed_m_s=round(60e3 / (scan_s - 0.05), 3),
+            )
+            for k, (strip, scan_s, start_s) in enumerate(
+                zip(strips, scans_s, starts_s, strict=True)
+            )
+        ]
+    inertial = Rotation.from_euler("XYZ", [0.3, 1.0, -0.4]).as_quat()
+    return session(
+        "The long session of Platonov, Sumarokov 2019: eight areas",
+        orbit,
+        1590.0,
+        requests,
+        initial_q_body_from_eci_xyzw=[round(x, 9) for x in inertial.tolist()],
+    )
+
+
+@lru_cache(maxsize=2)
+def planned(name: str) -> ImagingPlan:
+    """The plan of "strip_and_stereo" or "eight_areas"."""
+    return plan_imaging(read_spacecraft_request(text(name).encode()))
+
+
+@lru_cache(maxsize=2)
+def flown(name: str) -> tuple[Log, ...]:
+    """Its table in closed loop, one run for each of SEEDS."""
+    plan = planned(name)
+    return tuple(fly_many(plan.spacecraft, plan.table, orbit_states(plan), SEEDS, itself))
+
+
+def text(name: str) -> str:
+    """The request as a file."""
+    document = {"strip_and_stereo": strip_and_stereo, "eight_areas": eight_areas}[name]()
+    return json.dumps(document, indent=2) + "\n"
+
+
+# The paper's own control laws on its own turns, flown in the product's simulation.
+# A goal is given at each of the paper's moments: the attitude that scans the next strip,
+# continued backwards along its line, or orbital orientation.  The laws of the paper turn to it
+# about the Euler axis and hold it; nothing is fed forward.
+# Source: Platonov, Sumarokov 2019, "Control law of the gyro system" and the text at Figs. 3, 5,
+# 7.
+
+OWN_SEEDS = range(4)
+OWN_TURN_RATE_RAD_S = math.radians(2.4)  # the paper: 3.5 at most; its laws settle soonest with this
+TOLD_STRIP_S = 11.0  # of a strip as the paper's text has it, instead of 14 or 15 as its figures
+# When goals are given, and the number of the scan each is for (None: orbital orientation).
+COMMANDS: dict[str, tuple[tuple[float, int | None], ...]] = {
+    "strip_and_stereo": ((72.0, 0), (144.0, None), (252.0, 1), (354.0, 2), (464.0, None)),
+    "eight_areas": (
+        (0.2, None),
+        *((t - LONG_START_S, k) for k, t in enumerate(PAPER_TURNS_S[:-1])),
+        (PAPER_TURNS_S[-1] - LONG_START_S, None),
+    ),
+}
+# Stiffer than when a table is fed forward: these settle the paper's laws soonest.
+GAINS = ControlGains(k1_per_s=1.8, k2_per_s2=1.0)
+
+
+class Settling(NamedTuple):
+    """After each goal that is for a scan: seconds to the scan, to the rate error's being within
+    0.001 deg/s for good until its end, and the greatest rate error in it and in its last 11 s,
+    deg/s: (runs, goals).  The last tick, in which the next goal is given, is left out."""
+
+    given_s: Array  # (goals,)
+    needed_s: Array
+    worst_deg_s: Array
+    worst_of_11_s_deg_s: Array
+    interval: tuple[str, ...]  # of each goal
+
+
+def spacecraft_of(name: str) -> AgileSpacecraft:
+    """The product's, with the torque of 30 N m that the paper counts on and gains for its laws."""
+    limits = SlewLimits(torque_n_m=30.0, rate_axis_rad_s=OWN_TURN_RATE_RAD_S)
+    return dataclasses.replace(planned(name).spacecraft, gains=GAINS, slew=limits)
+
+
+def nominal(spacecraft: AgileSpacecraft) -> Dispersion:
+    """The spacecraft as designed, sensors and gimbals without errors."""
+    zero, one = np.zeros(3), np.ones(len(spacecraft.modes))
+    ripple = draw_dispersion(spacecraft, 0).ripple
+    return Dispersion(
+        frequency_factor=one,
+        coupling_factor=one,
+        damping_factor=one,
+        inertia_factor=np.ones(3),
+        gimbal_scale=np.ones(4),
+        gimbal_offset_rad_s=np.zeros(4),
+        gimbal_jitter_rad_s=0.0,
+        ripple=ripple._replace(torque_n_m=np.zeros(4)),
+        gyro_bias_rad_s=zero,
+        gyro_scale=zero,
+        noise=False,
+        seed=0,
+    )
+
+
+@lru_cache(maxsize=2)
+def goal_table(name: str) -> tuple[AttitudeTable, tuple[int, ...]]:
+    """A table of goals that jumps at the paper's moments, and the rows of the jumps."""
+    plan = planned(name)
+    session = make_session(plan.request)
+    options, _ = options_of(session)
+    scans = scans_of(options, range(len(options)))
+    rows = len(plan.table.t_s)
+    q = plan.table.eci_from_body_xyzw.copy()
+    omega, alpha = np.zeros((rows, 3)), np.zeros((rows, 3))
+    given = [round(t * 5.0) for t, _ in COMMANDS[name]]
+    stops = [*given[1:], rows]
+    stretches = [(a, b, k) for a, b, (_, k) in zip(given, stops, COMMANDS[name], strict=True)]
+    if plan.request.initial_q_body_from_eci_xyzw is None:
+        stretches.insert(0, (0, given[0], None))
+    else:
+        q[: given[0]] = q[0]  # at rest
+    for start, stop, number in stretches:
+        arc = None if number is None else scans[number].arc
+        t_s = plan.table.t_s[start:stop]
+        turned, motion = session.profile(arc, t_s[0] - 1.0, t_s[-1] + 1.0).attitude_at(t_s)
+        q[start:stop] = turned.inv().as_quat()
+        omega[start:stop], alpha[start:stop] = motion.omega_body_rad_s, motion.alpha_body_rad_s2
+    table = dataclasses.replace(
+        plan.table, eci_from_body_xyzw=q, omega_body_rad_s=omega, alpha_body_rad_s2=alpha
+    )
+    return table, tuple(given)
+
+
+def fly(name: str, dispersion: Dispersion) -> Log:
+    """One run of the paper's laws over all goals of a session."""
+    table, given = goal_table(name)
+    spacecraft = spacecraft_of(name)
+    states = orbit_states(planned(name))
+    return fly_table(spacecraft, table, states, dispersion, law=PAPER, commanded=given)
+
+
+@lru_cache(maxsize=4)
+def settling(name: str, dispersed: bool) -> Settling:
+    """How the paper's laws meet the paper's intervals, in one nominal or in OWN_SEEDS runs."""
+    spacecraft, windows = spacecraft_of(name), planned(name).table.windows
+    runs = [draw_dispersion(spacecraft, seed) for seed in OWN_SEEDS] if dispersed else [
+        nominal(spacecraft)
+    ]  # fmt: skip
+    goals = [(round(t * 5.0), k) for t, k in COMMANDS[name] if k is not None]
+    needed, worst, late = [], [], []
+    for one in runs:
+        log = fly(name, one)
+        needed.append([settled_after_s(log, row, windows[k].last_row - 1) for row, k in goals])
+        errors = [
+            log.rate_error_rad_s[windows[k].first_row : windows[k].last_row - 1] for _, k in goals
+        ]
+        worst.append([np.rad2deg(np.abs(error).max()) for error in errors])
+        late.append([np.rad2deg(np.abs(e[-round(5 * TOLD_STRIP_S) :]).max()) for e in errors])
+    return Settling(
+        given_s=np.array([(windows[k].first_row - row) / 5.0 for row, k in goals]),
+        needed_s=np.array(needed),
+        worst_deg_s=np.array(worst),
+        worst_of_11_s_deg_s=np.array(late),
+        interval=tuple(f"{windows[k].request} {windows[k].look}" for _, k in goals),
+    )
+
+
+# The laws of Platonov, Sumarokov 2019 taken by the letter: what their misprints do, in numbers.
+# A rigid body, ideal gyros and sensors, the control cycle of 0.2 s.  Source: "Control law of the
+# gyro system", eq. 1 and the laws above it.
+
+INERTIA_KG_M2 = np.array(AGILE_CMG.inertia_kg_m2)
+ARRAY = CmgArray()
+K1_PER_S, K2_PER_S2 = 1.8, 1.0
+ORBITAL_RATE_RAD_S = np.array([0.0, 0.0, -np.deg2rad(0.0617)])  # in pitch, from 600 km
+TURN_RATE_RAD_S = np.array([0.0, 0.0, np.deg2rad(1.5)])
+SUBSTEPS = 10
+
+
+def parallel_measure(gimbal_rad: Array) -> float:
+    """The paper's Phi = -(m1 x m2)^2 - (m3 x m4)^2: 0 where each pair's torques are parallel."""
+    m = ARRAY.jacobian(gimbal_rad).T
+    return -float(np.sum(np.cross(m[0], m[1]) ** 2) + np.sum(np.cross(m[2], m[3]) ** 2))
+
+
+def printed_rates_rad_s(
+    gimbal_rad: Array, torque_n_m: Array, weight_rad_s: float, xi_sign: float
+) -> Array:
+    """Gimbal rates of eq. 1: D'(DD')^-1 M/h + rho (D'(DD')^-1 D - E) xi, xi = sign dPhi/dd.
+
+    xi_sign: -1 as printed.
+    """
+    d = ARRAY.jacobian(gimbal_rad)
+    inverse = d.T @ np.linalg.inv(d @ d.T)
+    step = 1e-6 * np.eye(4)
+    gradient = np.array(
+        [parallel_measure(gimbal_rad + e) - parallel_measure(gimbal_rad - e) for e in step]
+    ) / 2e-6  # fmt: skip
+    null = (inverse @ d - np.eye(4)) @ (xi_sign * gradient)
+    return np.asarray(inverse @ torque_n_m / ARRAY.momentum_n_m_s + weight_rad_s * null)
+
+
+def margin_under_null_motion(xi_sign: float, seconds: float = 120.0) -> Array:
+    """Least singular value of D every 0.2 s, from empty gyros and without torque: (n,)."""
+    gimbal_rad = ARRAY.gimbal_angles(np.zeros(3))
+    margins = []
+    for _ in range(round(seconds / TICK_S)):
+        margins.append(float(ARRAY.singularity_margin(gimbal_rad)))
+        if margins[-1] < 1e-2:
+            break
+        rates = printed_rates_rad_s(gimbal_rad, np.zeros(3), 0.02, xi_sign)
+        gimbal_rad = gimbal_rad + TICK_S * rates
+    return np.array(margins)
+
+
+class Hold(NamedTuple):
+    """Of the imaging law at a steady rate: the error left, deg, and its torque, N m."""
+
+    error_deg: float
+    torque_n_m: float
+
+
+def hold(rate_rad_s: Array, stored_n_m_s: Array, twice: bool, seconds: float = 40.0) -> Hold:
+    """The imaging law on a steadily turning goal with momentum stored in the gyros.
+
+    twice: with M* = M + omega x H as in the text, M holding omega x G already; else omega x G
+    once.  stored_n_m_s: in ECI; the gyros hold what the body doesn't.
+    """
+    goal, omega = Rotation.identity(), rate_rad_s.copy()
+    q_eci_from_body = goal
+    total_eci = INERTIA_KG_M2 * omega + stored_n_m_s
+    step_s = TICK_S / SUBSTEPS
+    gyros = stored_n_m_s.copy()
+    for _ in range(round(seconds / TICK_S)):
+        error = (goal.inv() * q_eci_from_body).as_quat(canonical=True)[:3]
+        total = q_eci_from_body.inv().apply(total_eci)
+        # What the gyros take up: M = -J(k2 2n + k1 (omega - goal's)) is given to the body.
+        acceleration = -K2_PER_S2 * 2.0 * error - K1_PER_S * (omega - rate_rad_s)
+        taken = -INERTIA_KG_M2 * acceleration - np.cross(omega, total)
+        if twice:
+            taken -= np.cross(omega, gyros)
+        for _ in range(SUBSTEPS):
+            gyros = gyros + step_s * taken
+            half = q_eci_from_body * Rotation.from_rotvec(0.5 * step_s * omega)
+            middle = (half.inv().apply(total_eci) - gyros + 0.5 * step_s * taken) / INERTIA_KG_M2
+            q_eci_from_body = q_eci_from_body * Rotation.from_rotvec(step_s * middle)
+            omega = (q_eci_from_body.inv().apply(total_eci) - gyros) / INERTIA_KG_M2
+        goal = goal * Rotation.from_rotvec(TICK_S * rate_rad_s)
+    left = (goal.inv() * q_eci_from_body).magnitude()
+    return Hold(float(np.rad2deg(left)), float(np.linalg.norm(np.cross(omega, gyros))))
+
+
+def switching_rate_deg_s(torque_n_m: float, share: float = 0.75) -> float:
+    """Rate the imaging law asks for where the paper hands over to it without a limit of rate.
+
+    sqrt(2 a1 phi) = phi k2/k1 at phi = 2 a1 (k1/k2)^2; the rate is 2 a1 k1/k2.
+    """
+    a1 = share * torque_n_m / INERTIA_KG_M2[2]
+    return float(np.rad2deg(2.0 * a1 * K1_PER_S / K2_PER_S2))
+
+
+# The paper's four gyros by the product's array: envelope, torque, spin-up.
+
+ARRAY = AGILE_CMG.array
+SETTLE_SEEDS = range(6)
+
+
+def reach_n_m_s(direction: Array) -> float:
+    """Momentum at which the array's envelope ends, by bisection."""
+
+    def beyond(length: float) -> float:
+        return -1.0 if ARRAY.in_envelope(length * direction) else 1.0
+
+    return float(brentq(beyond, 1.0, 300.0, xtol=1e-6))
+
+
+def least_torque_n_m(momentum_n_m_s: float, places: int = 1500) -> float:
+    """Least torque the steering law gives in any way, gyros holding so much in any direction.
+
+    A way is worst for the gimbal whose row of D's pseudo-inverse lies along it.
+    """
+    random, gyros = np.random.default_rng(1), ARRAY.gyros()
+    directions = random.standard_normal((places, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    rates, least = np.empty(4), math.inf
+    for held in (*directions, *np.eye(3)):
+        gimbal_rad = ARRAY.gimbal_angles(momentum_n_m_s * held)
+        d = ARRAY.jacobian(gimbal_rad)
+        rows = np.linalg.pinv(d)
+        row = rows[np.argmax(np.linalg.norm(rows, axis=1))]
+        way = row / np.linalg.norm(row)
+        steer(gyros, gimbal_rad, 1e3 * way, 0.0, rates)  # more than there is: all it can
+        least = min(least, float(ARRAY.momentum_n_m_s * (d @ rates) @ way))
+    return least
+
+
+class Needed(NamedTuple):
+    """Of a flown session: most momentum held and its greatest part along each axis, N m s, most
+    torque, N m, and the size of each of four gyros whose envelope would just do, N m s."""
+
+    held_n_m_s: float
+    by_axis_n_m_s: Array
+    torque_n_m: float
+    gyro_n_m_s: float
+
+
+def needed(gimbal_rad: Array, tick_s: float) -> Needed:
+    """From the rows (n, 4) of a table, or of a run."""
+    h = ARRAY.momentum(gimbal_rad)
+
+    def fits(size: float) -> bool:
+        return bool(np.all(CmgArray(momentum_n_m_s=size).in_envelope(h)))
+
+    low, high = 0.1, 60.0
+    while high - low > 0.01:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if fits(middle) else (middle, high)
+    return Needed(
+        float(np.linalg.norm(h, axis=1).max()),
+        np.abs(h).max(axis=0),
+        float(np.linalg.norm(np.diff(h, axis=0), axis=1).max() / tick_s),
+        high,
+    )
+
+
+def _pitch_turn(angle_deg: float, limits: SlewLimits) -> AttitudeSlewProblem:
+    return AttitudeSlewProblem(
+        start=EndState.at_rest(Rotation.identity()),
+        end=EndState.at_rest(Rotation.from_euler("z", angle_deg, degrees=True)),
+        momentum_eci_n_m_s=np.zeros(3),
+        inertia_kg_m2=np.array(AGILE_CMG.inertia_kg_m2),
+        limits=limits,
+    )
+
+
+def spin_up_s(rate_deg_s: float, torque_n_m: float) -> float:
+    """Until a turn about the Euler axis has its full rate, its torque rising by 40 N m/s."""
+    limits = SlewLimits(rate_axis_rad_s=math.radians(rate_deg_s), torque_n_m=torque_n_m)
+    turn = eigenaxis_slew(_pitch_turn(60.0, limits))
+    t_s = np.linspace(0.0, turn.duration_s, 4001)
+    _, motion = turn.attitude_at(t_s)
+    speed = np.linalg.norm(motion.omega_body_rad_s, axis=1)
+    return float(t_s[np.argmax(speed >= 0.999 * speed.max())])
+
+
+def quickest_s(angle_deg: float) -> float:
+    """Least time of a turn in pitch from rest to rest within the product's limits."""
+    return float(quickest_slew(_pitch_turn(angle_deg, AGILE_CMG.slew)).duration_s)
+
+
+class Turned(NamedTuple):
+    """A turn flown in dispersed runs: its time and the median from command to settled, s."""
+
+    turn_s: float
+    settled_s: float
+
+
+@lru_cache(maxsize=4)
+def turned(rate_deg_s: float, seconds: float, angle_deg: float = 20.0) -> Turned:
+    """A smooth turn in so many seconds up to a rate, followed by the product's law."""
+    limits = SlewLimits(rate_axis_rad_s=math.radians(rate_deg_s), torque_n_m=15.0)
+    spacecraft = dataclasses.replace(AGILE_CMG, slew=limits)
+    table, duration_s = settle_table(spacecraft, "ocp", angle_deg, seconds)
+    ephemeris = sun_synchronous(600.0).ephemeris(EPOCH, EPOCH + timedelta(seconds=60))
+    states = ephemeris.states(Instants(EPOCH, table.t_s))
+    settled = [
+        settled_after_s(
+            fly_table(spacecraft, table, states, draw_dispersion(spacecraft, seed)), 50, 300
+        )
+        for seed in SETTLE_SEEDS
+    ]
+    return Turned(duration_s, float(np.median(settled)))
+
+
+def gyro_reach_deg_s() -> float:
+    """Rate about one body axis up to which the four channels still give the rate."""
+    onboard = computer(AGILE_CMG, TABLE, noise=False)
+    memory = memory_at(onboard, np.zeros(3), np.zeros((4, 3)))
+    estimate = Estimate(np.array([0.0, 0.0, 0.0, 1.0]), np.empty(3), np.zeros(4))
+
+    def beyond(rate_deg_s: float) -> float:
+        z = math.radians(rate_deg_s)
+        channels = np.array([0.0, 0.0, z, z / math.sqrt(3.0)])
+        return -1.0 if estimate_rate(onboard, memory, estimate, channels) else 1.0
+
+    return float(brentq(beyond, 0.5, 10.0, xtol=1e-6))
+
+
+def node_drift_deg_day(height_km: float, revolutions: int = 15) -> float:
+    """How fast the plane of the bench's Sun-synchronous orbit turns, in the product's orbit."""
+    orbit = sun_synchronous(height_km)
+    period_s = 2.0 * math.pi * math.sqrt((6378.137e3 + 1e3 * height_km) ** 3 / 3.986004418e14)
+    ephemeris = orbit.ephemeris(EPOCH, EPOCH + timedelta(seconds=(revolutions + 1) * period_s))
+    t_s = np.arange(0.0, (revolutions + 0.9) * period_s, 20.0)
+    states = ephemeris.states(Instants(EPOCH, t_s))
+    normal = np.cross(states.r_sat_eci_m, states.v_sat_eci_m_s)
+    node = np.unwrap(np.arctan2(normal[:, 0], -normal[:, 1]))
+    z = states.r_sat_eci_m[:, 2]
+    up = np.flatnonzero((z[:-1] < 0.0) & (z[1:] >= 0.0))
+    share = -z[up] / (z[up + 1] - z[up])
+    at_node = node[up] + share * (node[up + 1] - node[up])
+    at_s = t_s[up] + share * 20.0
+    drift = (at_node[-1] - at_node[0]) / (at_s[-1] - at_s[0])
+    return float(np.rad2deg(drift) * 86400.0)
+
+
+# Two of three star trackers while imaging: which of them can see stars, and how well two do.
+# The paper has three trackers, two of them at work while imaging, and says no more.  Here they
+# look up and aside from the camera, 45 deg from the zenith, 120 deg apart; each is blind near the
+# Sun, the Earth's limb and the Moon, and in a fast turn.
+
+TILT_DEG = 45.0  # from +Y, the zenith in orbital orientation (the camera looks along -Y)
+FIRST_DEG = 90.0  # of the first tracker's azimuth about +Y, from +Z towards +X: straight ahead
+SUN_DEG, LIMB_DEG, MOON_DEG = 35.0, 20.0, 12.0  # assumed: of a common small tracker
+RATE_MAX_DEG_S = 2.0
+ACROSS_ARCSEC, ABOUT_ARCSEC = 5.0, 40.0  # 1 sigma of a fix, across and about the boresight
+
+
+class Seen(NamedTuple):
+    """At n rows: which of the three trackers see stars, (n, 3)."""
+
+    usable: Array
+    sun: Array
+    limb: Array
+
+
+def boresights_body() -> Array:
+    """Unit vectors (3, 3), one a row."""
+    azimuth = np.deg2rad(FIRST_DEG + 120.0 * np.arange(3))
+    tilt = np.deg2rad(TILT_DEG)
+    return np.column_stack(
+        [
+            np.sin(tilt) * np.sin(azimuth),
+            np.full(3, np.cos(tilt)),
+            np.sin(tilt) * np.cos(azimuth),
+        ]
+    )
+
+
+def seen(table: AttitudeTable, states: OrbitStates, instants: Instants) -> Seen:
+    """Which trackers are usable at each row of a table."""
+    turned = table.q_body_from_eci.inv()
+    eci = np.stack([turned.apply(one) for one in boresights_body()], axis=1)
+    r = states.r_sat_eci_m
+    distance_m = np.linalg.norm(r, axis=1, keepdims=True)
+    limb_rad = np.arcsin(WGS84_A_M / distance_m)
+    nadir_rad = np.arccos(np.clip(np.einsum("nij,nj->ni", eci, -r / distance_m), -1.0, 1.0))
+
+    def off_deg(target_m: Array) -> Array:
+        unit = target_m - r
+        unit /= np.linalg.norm(unit, axis=1, keepdims=True)
+        return np.rad2deg(np.arccos(np.clip(np.einsum("nij,nj->ni", eci, unit), -1.0, 1.0)))
+
+    sun_m = r_sun_eci_m(instants)
+    # Behind the Earth it does no harm.
+    hidden = np.einsum("ij,ij->i", sun_m, -r) > np.cos(limb_rad[:, 0]) * (
+        np.linalg.norm(sun_m, axis=1) * distance_m[:, 0]
+    )
+    sun = (off_deg(sun_m) < SUN_DEG) & ~hidden[:, None]
+    limb = np.rad2deg(nadir_rad - limb_rad) < LIMB_DEG
+    moon = off_deg(r_moon_eci_m(instants)) < MOON_DEG
+    rate_deg_s = np.rad2deg(np.linalg.norm(table.omega_body_rad_s, axis=1))
+    return Seen(~(sun | limb | moon) & (rate_deg_s < RATE_MAX_DEG_S)[:, None], sun, limb)
+
+
+def sigma_arcsec(which: tuple[int, ...]) -> Array:
+    """1-sigma of the attitude from trackers together, principal axes in order of size, (3,)."""
+    information = np.zeros((3, 3))
+    for one in boresights_body()[list(which)]:
+        about = np.outer(one, one)
+        information += (np.eye(3) - about) / ACROSS_ARCSEC**2 + about / ABOUT_ARCSEC**2
+    return np.asarray(np.sqrt(1.0 / np.linalg.eigvalsh(information)[::-1]))
+
+
+# Three coils that unload the gyros in the Earth's magnetic field.
+# The paper has three "electromagnetic devices" unload the momentum the gyros gather and says no
+# more. Here they are coils along the body's axes; each takes what part it can of the dipole m = k
+# (H x B)/|B|^2, whose torque m x B = -k (H - b (b.H)) brings down the momentum across the field,
+# never that along it; the field's turn along the orbit makes up for that.
+# Sources: Wertz 1978, section 18.3 (law); the dipole part of IGRF-13, epoch 2020 (field).
+
+RADIUS_M = 6371.2e3
+# g11, h11, g10 of IGRF-13 (Alken and others 2021), as the dipole's vector in ITRF.
+DIPOLE_ITRF_T = np.array([-1450.9, 4652.5, -29404.8]) * 1e-9
+COIL_A_M2 = 140.0  # assumed: a common size for a craft of one to two tonnes
+GAIN_PER_S = 5e-3  # with it the coils are at their limit above 1 N m s
+STEP_S = 5.0
+
+
+class Unloading(NamedTuple):
+    """Momentum of body and gyros over time, ECI: t_s (n,), h_eci_n_m_s (n, 3), and the coils'
+    torque, N m, (n,)."""
+
+    t_s: Array
+    h_eci_n_m_s: Array
+    torque_n_m: Array
+
+
+def field_eci_t(r_eci_m: Array, instants: Instants) -> Array:
+    """The dipole's field at positions (n, 3), T: 3 percent to 10 from the real one."""
+    c_itrf = c_itrf_from_eci(instants)
+    r_itrf = np.einsum("nij,nj->ni", c_itrf, r_eci_m)
+    distance_m = np.linalg.norm(r_itrf, axis=1, keepdims=True)
+    up = r_itrf / distance_m
+    along = up @ DIPOLE_ITRF_T
+    field_itrf = (RADIUS_M / distance_m) ** 3 * (3.0 * along[:, None] * up - DIPOLE_ITRF_T)
+    return np.asarray(np.einsum("nji,nj->ni", c_itrf, field_itrf))
+
+
+def coil_torque_n_m(h_n_m_s: Array, field_t: Array, axes: Array, coil_a_m2: float) -> Array:
+    """Torque of three coils along axes (3, 3, rows) against momentum, any one frame, (3,)."""
+    wanted = GAIN_PER_S * np.cross(h_n_m_s, field_t) / (field_t @ field_t)
+    dipole = axes @ wanted
+    # All scaled down together, so that what is left stays square to the field and against H.
+    dipole *= min(1.0, coil_a_m2 / max(float(np.max(np.abs(dipole))), 1e-12))
+    return np.asarray(np.cross(dipole @ axes, field_t))
+
+
+def unload(
+    states: OrbitStates,
+    instants: Instants,
+    axes_eci: Array,
+    start_eci_n_m_s: Array,
+    disturbance_eci_n_m: Array,
+    coil_a_m2: float = COIL_A_M2,
+) -> Unloading:
+    """Momentum along an orbit whose states are STEP_S apart.
+
+    axes_eci: the coils' axes (n, 3, 3), rows; disturbance_eci_n_m: (n, 3), outer torque.
+    """
+    field = field_eci_t(states.r_sat_eci_m, instants)
+    h, rows, torques = start_eci_n_m_s.copy(), [], []
+    for k in range(len(field)):
+        torque = coil_torque_n_m(h, field[k], axes_eci[k], coil_a_m2)
+        rows.append(h)
+        torques.append(float(np.linalg.norm(torque)))
+        h = h + STEP_S * (torque + disturbance_eci_n_m[k])
+    return Unloading(np.arange(len(rows)) * STEP_S, np.array(rows), np.array(torques))
+
+
+# Imaging from a CMG spacecraft: Platonov, Sumarokov 2019, Figs. 3 to 9.
+
+LIMIT_DEG_S = 1e-3
+ASIDE_KM = 670.0
+STRIPS = "strip_and_stereo"
+AREAS = "eight_areas"
+Span = tuple[str, float, float]  # name and the paper's interval on its clock, s
+SHOWN: dict[str, tuple[Span, ...]] = {
+    STRIPS: (
+        ("Fig. 4: strip", 128.0, 144.0),
+        ("Fig. 6: stereo pair, first look", 338.0, 354.0),
+        ("Fig. 6: stereo pair, second look", 448.0, 464.0),
+    ),
+    AREAS: (
+        ("Fig. 8: second area, first strip", 866.0, 881.0),
+        ("Fig. 9: fifth area, third strip", 1405.0, 1419.0),
+    ),
+}
+CLOCK_S = {STRIPS: 0.0, AREAS: LONG_START_S}  # the paper's at row 0
+
+
+def angles_between_strips_deg(height_km: float, scan_s: float) -> list[float]:
+    """Of the three turns of the paper's second area, its strips scanned so fast."""
+    commands_s = [t - PAPER_TURNS_S[4] for t in PAPER_TURNS_S[4:9]]
+    starts_s = [round(5.0 * (t - scan_s)) / 5.0 for t in commands_s[1:]]
+    orbit = sun_synchronous(height_km)
+    middle_s = 0.5 * (starts_s[0] + starts_s[-1] + scan_s)
+    request = area(orbit, middle_s, "area", across_km=60.0)
+    session = make_session(session_request(orbit, commands_s[-1] + 60.0, (request,)))
+    ends = []
+    for strip, start_s in zip(candidates(request, 0, session)[0].arcs, starts_s, strict=True):
+        arc = dataclasses.replace(strip, start_s=start_s)
+        t_s = np.array([start_s, start_s + arc.duration_s])
+        turned, _ = session.profile(arc, start_s - 1.0, t_s[1] + 1.0).attitude_at(t_s)
+        ends.append(turned)
+    # Both ends lie in inertial axes: what the Earth and the orbit turn meanwhile is in it.
+    return [
+        float(np.rad2deg((after[0] * before[1].inv()).magnitude()))
+        for before, after in pairwise(ends)
+    ]
+
+
+def _pitch_share(plan: ImagingPlan, first_row: int, last_row: int) -> float:
+    turned = np.abs(plan.table.omega_body_rad_s[first_row:last_row].sum(axis=0))
+    return float(turned[2] / np.linalg.norm(turned))
+
+
+def _along_deg(height_km: float) -> float:
+    """How far ahead or behind an area's ends are seen at the paper's moments, flat ground."""
+    orbit = sun_synchronous(height_km)
+    speed_m_s = 1e3 * math.hypot(*orbit.velocity_km_s)
+    ground_m_s = speed_m_s * 6378.137 / (6378.137 + height_km)
+    # From the middle of the area's time to the last strip's end, which lies 30 km beyond.
+    half_s = 0.5 * (PAPER_TURNS_S[4] - PAPER_TURNS_S[1] + 14.0)
+    return math.degrees(math.atan2(ground_m_s * half_s - 30e3, 1e3 * height_km))
+
+
+def imaging_numbers() -> Numbers:
+    return {**_simulation(), **_turns(), **_session()}
+
+
+def _simulation() -> Numbers:
+    array, modes = AGILE_CMG.array, [mode.frequency_hz for mode in AGILE_CMG.modes]
+    return {
+        "control cycle": TICK_S,
+        "rate_max_deg_s": math.degrees(array.rate_max_rad_s),
+        "rate_step_deg_s": math.degrees(array.rate_step_rad_s),
+        "error_percent": 100 * array.rate_error_share,
+        "error_deg_s": math.degrees(array.rate_error_rad_s),
+        "slowest_hz": min(modes),
+        "fastest_hz": max(modes),
+    }
+
+
+def worst_deg_s(log: Log, first_row: int, last_row: int) -> float:
+    """Largest rate error of any axis between two rows."""
+    return float(np.rad2deg(np.abs(rate_errors(log, first_row, last_row)).max()))
+
+
+def fed_forward_deg_s(name: str, span: Span) -> float:
+    """Worst rate error in an interval of the paper, of all runs of the planner's table."""
+    rows = [round((t - CLOCK_S[name]) * 5.0) for t in span[1:]]
+    return max(worst_deg_s(log, *rows) for log in flown(name))
+
+
+def _turns() -> Numbers:
+    long = planned(AREAS)
+    between = [slew for slew in long.slews if slew.window is not None and slew.window % 4 != 0]
+    angles = [math.degrees(turn.comparison.angle_rad) for turn in between]
+    as_told = angles_between_strips_deg(600.0, TOLD_STRIP_S)
+    pitch = [_pitch_share(long, turn.first_row, turn.last_row) for turn in between]
+    return {
+        "angle between strips": float(np.mean(angles)),
+        "mostly in pitch": 100.0 * float(np.median(pitch)),
+        "least_deg": min(angles),
+        "most_deg": max(angles),
+        "eigenaxis_s": float(np.median([turn.comparison.eigenaxis_s for turn in between])),
+        "at_600_km_deg": float(np.mean(as_told)),
+    }
+
+
+def _session() -> Numbers:
+    plan, logs = planned(AREAS), flown(AREAS)
+    windows = plan.table.windows
+    worst = [worst_deg_s(log, w.first_row, w.last_row) for log in logs for w in windows]
+    aside = plan_imaging(far_aside())
+    scans_s = np.diff(PAPER_TURNS_S[1:])[::4]
+    return {
+        "eight areas": (windows[-1].last_row - windows[0].first_row) / 300.0,
+        "time of a strip": (windows[1].last_row - windows[1].first_row) / 5.0,
+        "angle along the track": max(w.along_deg for w in plan.verification.windows),
+        "angle across the track": max(abs(w.across_deg) for w in aside.verification.windows),
+        "strips": len(windows),
+        "steady_percent": 100.0 * float(np.mean(np.array(worst) <= LIMIT_DEG_S)),
+        "intervals": len(worst),
+        "worst_deg_s": max(worst),
+        "scan_least_s": float(scans_s.min()),
+        "scan_most_s": float(scans_s.max()),
+        "along_640_deg": _along_deg(AREAS_KM),
+        "along_600_deg": _along_deg(600.0),
+        "aside_deg_s": math.degrees(aside.stabilisation.worst_rad_s),
+        "aside_runs": aside.request.simulation_runs,
+    }
+
+
+def far_aside() -> ImagingPlanRequest:
+    """Two strips of 60 km as far to either side of the track as the camera may look."""
+    orbit = sun_synchronous(AREAS_KM)
+    strips = tuple(
+        StripRequest(
+            name=f"strip {k + 1}",
+            geometry=GeoLineString(coordinates=line(orbit, at_s, 30.0, side * ASIDE_KM)),
+        )
+        for k, (at_s, side) in enumerate(((120.0, 1.0), (260.0, -1.0)))
+    )
+    return session_request(orbit, 400.0, strips, simulation_runs=8)
+
+
+def draw_imaging(folder: Path) -> None:
+    for name in (STRIPS, AREAS):
+        figure = draw(planned(name), flown(name)[0], SHOWN[name], CLOCK_S[name])
+        figure.savefig(folder / f"reproduction_spacecraft_{name}.png", dpi=90)
+
+
+def draw(plan: ImagingPlan, log: Log, spans: Sequence[Span], clock_s: float) -> Figure:
+    """Rates of the table, whole, and rate errors of a run in each span of the paper's clock."""
+    t_s = np.arange(len(log.rate_error_rad_s) * log.rate_error_rad_s.shape[1]) * 0.005 + clock_s
+    error_deg_s = np.rad2deg(log.rate_error_rad_s.reshape(-1, 3))
+    rate_deg_s = np.rad2deg(plan.table.omega_body_rad_s)
+    figure = Figure(figsize=(9.0, 2.2 * (1 + len(spans))), layout="constrained")
+    top, *details = figure.subplots(1 + len(spans), 1)
+    for k, axis in enumerate("XYZ"):
+        top.plot(plan.table.t_s + clock_s, rate_deg_s[:, k], label=axis, lw=1.0)
+    top.set_ylabel("body rate, deg/s")
+    for window in plan.table.windows:
+        top.axvspan(window.first_row / 5 + clock_s, window.last_row / 5 + clock_s, alpha=0.15)
+    top.legend(loc="upper right", ncols=3)
+    for panel, (name, start_s, stop_s) in zip(details, spans, strict=True):
+        inside = (t_s >= start_s - 6.0) & (t_s <= stop_s)
+        for k in range(3):
+            panel.plot(t_s[inside], error_deg_s[inside, k], color=f"C{k}", lw=0.8)
+        panel.axvspan(start_s, stop_s, alpha=0.15)
+        for limit in (-LIMIT_DEG_S, LIMIT_DEG_S):
+            panel.axhline(limit, color="0.4", lw=0.8, ls="--")
+        panel.set_ylim(-2.5e-3, 2.5e-3)
+        panel.set_ylabel("rate error, deg/s")
+        panel.set_title(name, fontsize="medium")
+    details[-1].set_xlabel("time on the paper's clock, s")
+    return figure
+
+
+# The paper's own laws on its own turns, and its misprints: Platonov, Sumarokov 2019.
+
+CLOCK = "time on the paper's clock, s"
+STORED_N_M_S = np.array([40.0, 20.0, 20.0])
+
+
+def _filter_share(frequency_hz: float) -> float:
+    """What the on-board filter leaves of a rate at a frequency."""
+    b, a = butter(2, AGILE_CMG.gains.cutoff_hz, fs=1.0 / TICK_S)
+    _, response = freqz(b, a, worN=[frequency_hz], fs=1.0 / TICK_S)
+    return float(np.abs(response[0]))
+
+
+@lru_cache(maxsize=1)
+def _log_by_own_laws() -> tuple[Array, Array]:
+    """Time on the paper's clock and rate errors, deg/s, of an undispersed run of the session."""
+    log = fly("eight_areas", nominal(spacecraft_of("eight_areas")))
+    errors = np.rad2deg(log.rate_error_rad_s.reshape(-1, 3))
+    return np.arange(len(errors)) * 0.005 + LONG_START_S, errors
+
+
+def laws_numbers() -> Numbers:
+    return {**_strip_and_stereo(), **_long_session(), **_errata()}
+
+
+def _strip_and_stereo() -> Numbers:
+    found = settling("strip_and_stereo", dispersed=True)
+    ideal = settling("strip_and_stereo", dispersed=False)
+    slews = planned("strip_and_stereo").slews
+    numbers: Numbers = {}
+    for k, (slew, span) in enumerate(zip((0, 2, 3), SHOWN[STRIPS], strict=True)):
+        what = ("strip", "first look", "second look")[k]
+        numbers |= {
+            f"own turn to the {what}": float(np.median(found.needed_s[:, k])),
+            f"own laws, {what}": float(np.max(found.worst_deg_s[:, k])),
+            f"ideal_{k}_s": float(ideal.needed_s[0, k]),
+            f"leaves_{k}_s": slews[slew].first_row / 5.0,
+            f"fed_forward_{k}": fed_forward_deg_s(STRIPS, span),
+        }
+    return numbers
+
+
+def _long_session() -> Numbers:
+    found, ideal = settling("eight_areas", dispersed=True), settling("eight_areas", dispersed=False)
+    needed = found.needed_s[:, found.given_s < 30.0]
+    numbers: Numbers = {
+        "own time of a turn": float(np.median(needed)),
+        "own laws over the long session": 100.0 * _share(found.worst_of_11_s_deg_s),
+        "needed_least_s": float(needed.min()),
+        "needed_most_s": float(needed.max()),
+        "steady_percent": 100.0 * _share(found.worst_deg_s),
+        "worst_deg_s": float(found.worst_deg_s.max()),
+        "ideal_deg_s": float(ideal.worst_deg_s.max()),
+        "runs": len(OWN_SEEDS),
+    }
+    for figure, k, span in (("8", 4, SHOWN[AREAS][0]), ("9", 18, SHOWN[AREAS][1])):
+        worst = found.worst_deg_s[:, k]
+        numbers |= {
+            f"own laws in Fig. {figure}": float(np.median(worst)),
+            f"least_{figure}": float(worst.min()),
+            f"most_{figure}": float(worst.max()),
+            f"given_{figure}_s": float(found.given_s[k]),
+            f"fed_forward_{figure}": fed_forward_deg_s(AREAS, span),
+        }
+    return numbers
+
+
+def _share(worst_deg_s: Array) -> float:
+    return float(np.mean(worst_deg_s <= LIMIT_DEG_S))
+
+
+def _errata() -> Numbers:
+    printed, turned = margin_under_null_motion(-1.0), margin_under_null_motion(1.0)
+    orbit, turning = (
+        [hold(rate, STORED_N_M_S, twice) for twice in (False, True)]
+        for rate in (ORBITAL_RATE_RAD_S, TURN_RATE_RAD_S)
+    )
+    array, gains = AGILE_CMG.array, AGILE_CMG.gains
+    return {
+        "sign of xi": float(printed[-1]),
+        "omega x H twice": turning[1].error_deg,
+        "rate at the hand-over": switching_rate_deg_s(30.0),
+        "filter of the modes": _filter_share(2.0),
+        "servo": float(array.servo_rad_s),
+        "printed_s": len(printed) * 0.2,
+        "margin_first": float(printed[0]),
+        "margin_other": float(turned[-1]),
+        "turned_s": len(turned) * 0.2,
+        "twice_n_m": turning[1].torque_n_m,
+        "least_torques": turning[1].torque_n_m / (array.momentum_n_m_s * array.rate_step_rad_s),
+        "once_deg": turning[0].error_deg,
+        "orbit_twice_deg": orbit[1].error_deg,
+        "orbit_once_deg": orbit[0].error_deg,
+        "cutoff_hz": gains.cutoff_hz,
+        "passes_2_1_hz": _filter_share(2.1),
+        "servo_damping": array.servo_damping,
+    }
+
+
+def draw_laws(folder: Path) -> None:
+    figure = Figure(figsize=(10.0, 6.4), layout="constrained")
+    (top, needed), (eight, nine) = figure.subplots(2, 2)
+    t_s, errors = _log_by_own_laws()
+    for k, axis in enumerate("XYZ"):
+        top.plot(t_s[::40], errors[::40, k], lw=0.8, label=axis)
+    top.set(title="Fig. 7: rates relative to the goal's", xlabel=CLOCK, ylabel="rate, deg/s")
+    top.legend(fontsize="x-small", ncols=3, loc="upper left")
+    found: Settling = settling("eight_areas", dispersed=True)
+    needed.plot(found.given_s, "k_", ms=8, label="given until imaging")
+    for run in found.needed_s:
+        needed.plot(run, "C0.", ms=4)
+    needed.plot([], "C0.", label="taken until settled, each run")
+    needed.set(title="its turns", xlabel="strip", ylabel="duration, s", ylim=(0.0, 60.0))
+    needed.legend(fontsize="x-small")
+    for panel, name, start_s, stop_s in (
+        (eight, "Fig. 8", 866.0, 881.0),
+        (nine, "Fig. 9", 1405.0, 1419.0),
+    ):
+        inside = (t_s >= start_s - 8.0) & (t_s <= stop_s - 0.4)
+        for k in range(3):
+            panel.plot(t_s[inside], errors[inside, k], lw=0.9)
+        panel.axvspan(start_s, stop_s, alpha=0.15)
+        for limit in (-LIMIT_DEG_S, LIMIT_DEG_S):
+            panel.axhline(limit, color="0.4", lw=0.8, ls="--")
+        panel.set(ylim=(-4e-3, 4e-3), title=name, xlabel=CLOCK, ylabel="rate error, deg/s")
+    figure.savefig(folder / "reproduction_spacecraft_own_laws.png", dpi=90)
+
+
+# The spacecraft itself: gyros, unloading coils and trackers of Platonov, Sumarokov 2019.
+
+HEIGHT_KM = 650.0
+START_N_M_S = np.array([20.0, -15.0, math.sqrt(30.0**2 - 25.0**2)])
+SOLAR_AND_AIR_N_M = np.array([1e-4, 0.0, 1e-4])  # assumed, always the same way: the worst kind
+ORBITS = 3.0
+NAMES = ("strip_and_stereo", "eight_areas")
+COILS_A_M2 = (50.0, COIL_A_M2, 300.0)
+
+
+class Gathered(NamedTuple):
+    """Momentum that the gravity gradient adds over the long session, N m s, and coils' runs."""
+
+    session_n_m_s: float
+    runs: tuple[Unloading, ...]
+    field_t: tuple[float, float]
+
+
+@lru_cache(maxsize=1)
+def _gathered() -> Gathered:
+    plan = planned("eight_areas")
+    total = total_momentum_eci(
+        plan.table.q_body_from_eci,
+        np.zeros(3),
+        orbit_states(plan).r_sat_eci_m,
+        np.array(AGILE_CMG.inertia_kg_m2),
+    )
+    period_s = 2.0 * math.pi * math.sqrt((6378.137e3 + 1e3 * HEIGHT_KM) ** 3 / 3.986004418e14)
+    t_s = np.arange(0.0, ORBITS * period_s, STEP_S)
+    instants = Instants(EPOCH, t_s)
+    ephemeris = sun_synchronous(HEIGHT_KM).ephemeris(
+        EPOCH - timedelta(seconds=10.0), EPOCH + timedelta(seconds=float(t_s[-1]) + 10.0)
+    )
+    states = ephemeris.states(instants)
+    # In orbital orientation the principal axes see no gravity gradient.
+    axes = orbital_q_body_from_eci(ephemeris, instants).as_matrix()
+    disturbance = np.tile(SOLAR_AND_AIR_N_M, (len(t_s), 1))
+    runs = tuple(
+        unload(states, instants, axes, START_N_M_S, disturbance, coil) for coil in COILS_A_M2
+    )
+    strength = np.linalg.norm(field_eci_t(states.r_sat_eci_m, instants), axis=1)
+    return Gathered(
+        float(np.linalg.norm(total, axis=1).max()),
+        runs,
+        (float(strength.min()), float(strength.max())),
+    )
+
+
+class Trackers(NamedTuple):
+    """Of a session: rows' times, trackers usable (n, 3), and which rows image (n,)."""
+
+    t_s: np.ndarray
+    usable: np.ndarray
+    imaging: np.ndarray
+
+
+@lru_cache(maxsize=2)
+def _trackers_of(name: str) -> Trackers:
+    plan = planned(name)
+    table = plan.table
+    found = seen(table, orbit_states(plan), Instants(table.epoch_utc, table.t_s))
+    return Trackers(table.t_s, found.usable, np.append(table.imaging(), False))
+
+
+def spacecraft_numbers() -> Numbers:
+    return {**_gyros(), **_rates(), **_craft(), **_coils(), **_trackers()}
+
+
+def _gyros() -> Numbers:
+    array, inertia = AGILE_CMG.array, np.array(AGILE_CMG.inertia_kg_m2)
+    short, long = (needed(planned(name).table.gimbal_rad, TICK_S) for name in NAMES)
+    most = max(short.gyro_n_m_s, long.gyro_n_m_s)
+    held = max(short.held_n_m_s, long.held_n_m_s)
+    least_n_m = array.momentum_n_m_s * array.rate_step_rad_s
+    x, y, z = (math.degrees(least_n_m / j) for j in inertia)
+    envelope = {
+        f"envelope along {axis}": reach_n_m_s(np.eye(3)[k])
+        for k, axis in enumerate(("OX", "OY", "OZ"))
+    }
+    return {
+        **envelope,
+        "four times what is needed": 60.0 / most,
+        "torque in the sphere": least_torque_n_m(60.0),
+        "momentum at 3.5 deg/s": float(inertia.max() * math.radians(3.5)),
+        "least torque": least_n_m,
+        "least acceleration": z,
+        "most": most,
+        "held": held,
+        "in_pitch": float(long.by_axis_n_m_s[2]),
+        "long_torque": long.torque_n_m,
+        "times_held": 60.0 / held,
+        "empty_torque": least_torque_n_m(0.0, 1),
+        "about_y": y,
+        "in_a_cycle": 0.2 * x,
+    }
+
+
+def _rates() -> Numbers:
+    usual, fast = turned(1.58, 15.4), turned(3.3, 13.0)
+    return {
+        "spin-up": spin_up_s(3.5, 30.0),
+        "20 deg by table": usual.settled_s,
+        "3.5 deg/s against 1.6": gyro_reach_deg_s(),
+        "spin_up_1_58": spin_up_s(1.58, 30.0),
+        "spin_up_15_n_m": spin_up_s(3.5, 15.0),
+        "spin_up_1_58_15_n_m": spin_up_s(1.58, 15.0),
+        "turn_s": usual.turn_s,
+        "quickest_s": quickest_s(20.0),
+        "fast_s": fast.turn_s,
+        "fast_settled_s": fast.settled_s,
+    }
+
+
+def _craft() -> Numbers:
+    low_m, middle_m, high_m = (AGILE_CMG.camera.pixel_rad * km * 1e3 for km in (600, 650, 700))
+    return {
+        "Sun-synchronous": node_drift_deg_day(HEIGHT_KM),
+        "resolution": middle_m,
+        "low_m": low_m,
+        "high_m": high_m,
+    }
+
+
+def _coils() -> Numbers:
+    found = _gathered()
+    usual = found.runs[COILS_A_M2.index(COIL_A_M2)]
+    h = np.linalg.norm(usual.h_eci_n_m_s, axis=1)
+    left = ", ".join(
+        f"{np.linalg.norm(run.h_eci_n_m_s[-1]):.2g} with {coil:.0f}"
+        for coil, run in zip(COILS_A_M2, found.runs, strict=True)
+    )
+    return {
+        "unloading coils": float(usual.t_s[np.argmax(h < 0.1 * h[0])]) / 60.0,
+        "what a session gathers": found.session_n_m_s,
+        "least_ut": 1e6 * found.field_t[0],
+        "most_ut": 1e6 * found.field_t[1],
+        "left": left,
+        "kept_n_m_s": float(h[-(len(h) // 3) :].max()),
+        "coil_mn_m": 1e3 * float(usual.torque_n_m.max()),
+    }
+
+
+def _trackers() -> Numbers:
+    shares = []
+    for one in map(_trackers_of, NAMES):
+        two = one.usable.sum(axis=1) >= 2
+        shares.append((100.0 * two[one.imaging].mean(), 100.0 * two[~one.imaging].mean()))
+    single, pair, three = (float(sigma_arcsec(k)[-1]) for k in ((0,), (0, 1), (0, 1, 2)))
+    return {
+        "two of three trackers": float(shares[1][0]),
+        "why two trackers": pair,
+        "strip_percent": float(shares[0][0]),
+        "turning_percent": float(shares[1][1]),
+        "single": single,
+        "three": three,
+        "assumed": math.degrees(AGILE_CMG.sensors.star_tracker_noise_rad) * 3600.0,
+    }
+
+
+def draw_spacecraft(folder: Path) -> None:
+    figure = Figure(figsize=(10.0, 3.8), layout="constrained")
+    left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.2))
+    for coil, run in zip(COILS_A_M2, _gathered().runs, strict=True):
+        h = np.linalg.norm(run.h_eci_n_m_s, axis=1)
+        left.semilogy(run.t_s / 3600.0, h, label=f"{coil:.0f} A m²")
+    left.set(xlabel="time, h", ylabel="momentum in the gyros, N m s", title="three coils")
+    left.legend(fontsize="small")
+    one = _trackers_of("eight_areas")
+    for k in range(3):
+        right.fill_between(
+            one.t_s + 400.0, k + 0.1, k + 0.9, where=one.usable[:, k], color=f"C{k}", lw=0.0
+        )
+    right.fill_between(
+        one.t_s + 400.0, 3.1, 3.4, where=one.imaging, color="0.4", lw=0.0, label="imaging"
+    )
+    right.set(
+        xlabel="time on the paper's clock, s",
+        yticks=[0.5, 1.5, 2.5, 3.25],
+        yticklabels=["tracker 1", "tracker 2", "tracker 3", "imaging"],
+        title="when each tracker sees stars, eight areas",
+    )
+    figure.savefig(folder / "reproduction_spacecraft_coils_and_trackers.png", dpi=90)
