@@ -10,37 +10,6 @@ from types import TracebackType
 
 _CHAIN_MAX = 8
 _FRAMES_MAX = 40  # of each exception, the outermost and the innermost half
-# What SQLite, libpq and PostgreSQL say that holds no name, no address and no value.
-_WORDS = (
-    "database is locked",
-    "database table is locked",
-    "database or disk is full",
-    "attempt to write a readonly database",
-    "unable to open database file",
-    "file is not a database",
-    "database disk image is malformed",
-    "disk I/O error",
-    "invalid connection option",
-    "connection refused",
-    "connection timeout expired",
-    "timeout expired",
-    "password authentication failed",
-    "no password supplied",
-    "no pg_hba.conf entry",
-    "does not exist",
-    "could not translate host name",
-    "name or service not known",
-    "failed to resolve host",
-    "network is unreachable",
-    "no such file or directory",
-    "server closed the connection unexpectedly",
-    "the connection is lost",
-    "the database system is",
-    "remaining connection slots are reserved",
-    "too many clients already",
-    "terminating connection",
-    "the connection is closed",
-)
 
 
 def reason(error: BaseException) -> str:
@@ -54,10 +23,7 @@ def reason(error: BaseException) -> str:
         return os.strerror(error.errno)
     cause = getattr(error, "orig", None) or error  # SQLAlchemy's, of the driver's
     codes = (getattr(cause, name, None) for name in ("sqlite_errorname", "sqlstate"))
-    code = next((code for code in codes if code), "")
-    text = str(cause).lower() if type(cause).__module__.startswith(("sqlite3", "psycopg")) else ""
-    words = next((words for words in _WORDS if words.lower() in text), "")
-    return ", ".join(part for part in (code, words) if part)
+    return next((str(code) for code in codes if code), "")
 
 
 def describe_error(error: BaseException) -> str:

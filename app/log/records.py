@@ -4,10 +4,8 @@ Made where all records are made, so that no handler and no call, of ours or a li
 """
 
 import logging
-import sys
 import threading
 import time
-from collections.abc import Mapping
 from types import TracebackType
 from typing import Any
 
@@ -15,27 +13,15 @@ from app.log.exceptions import describe_error, traceback_text
 
 OURS = "slewtrack"
 WITHHELD = "text withheld, it may hold what nobody should read"
-_STACK_MAX = 20
 # They say which addresses are listened on, and which migrations run.
 _PLAIN_INFORMERS = ("uvicorn.error", "alembic.runtime.migration")
-# Its default handler joins these with reprs of what it was at.
-_ASYNCIO = (
-    "Task exception was never retrieved",
-    "Future exception was never retrieved",
-    "Task was destroyed but it is pending!",
-    "socket.accept() out of system resource",
-    "Exception in callback",
-    "Fatal read error on socket transport",
-    "Fatal write error on socket transport",
-)
-
 _ExcInfo = (
     tuple[type[BaseException], BaseException, TracebackType | None] | tuple[None, None, None] | None
 )
 
 
 class SafeRecord(logging.LogRecord):
-    """Of an exception it holds the places and types; of a library's text, literals and numbers."""
+    """Of an exception it holds the places and types; of a library's record, where it was made."""
 
     def __init__(  # noqa: PLR0913, RUF100 (logging's own signature)
         self,
@@ -52,44 +38,12 @@ class SafeRecord(logging.LogRecord):
     ) -> None:
         foreign = bool(name) and name != OURS
         if foreign and not (name in _PLAIN_INFORMERS and level <= logging.INFO):
-            msg = _literal(name, msg)
-            args = () if msg == WITHHELD else _numbers(args)
+            msg, args = describe_error(msg) if isinstance(msg, BaseException) else WITHHELD, ()
         super().__init__(name, level, pathname, lineno, msg, args, None, func, sinfo)
         if foreign and level >= logging.WARNING:
             self.at = f"{pathname}:{lineno} {func}"
         if exc_info and exc_info[1] is not None:
             self.exception = self.exc_text = traceback_text(exc_info[1])
-
-
-def _literal(logger: str, msg: object) -> str:
-    """The text when it stands in the code that logs it, so that it is made of no data."""
-    if isinstance(msg, BaseException):
-        return describe_error(msg)
-    if not isinstance(msg, str):
-        return WITHHELD
-    if logger == "asyncio":
-        known = (text for text in _ASYNCIO if msg.startswith(text))
-        return next(known, WITHHELD)
-    frame = sys._getframe(2)
-    for _ in range(_STACK_MAX):
-        if msg in frame.f_code.co_consts:
-            return msg
-        if frame.f_back is None:
-            break
-        frame = frame.f_back
-    return WITHHELD
-
-
-def _numbers(args: Any) -> Any:  # noqa: ANN401 (logging's own)
-    if isinstance(args, Mapping):
-        return {name: _number(value) for name, value in args.items()}
-    return tuple(_number(value) for value in args or ())
-
-
-def _number(value: object) -> object:
-    if isinstance(value, BaseException):
-        return describe_error(value)
-    return value if isinstance(value, int | float) else "..."
 
 
 def keep_loggable(_: object, __: str, event: dict[str, Any]) -> dict[str, Any]:
@@ -123,7 +77,8 @@ class OneASecond(logging.Filter):
         """False for what is left out."""
         if record.levelno < logging.WARNING:
             return True
-        kind = (record.name, record.levelno, record.pathname, record.lineno, record.msg)
+        where = (record.name, record.levelno, record.pathname, record.lineno)
+        kind = (*where, record.msg, getattr(record, "exception", None))
         now_s = time.monotonic()
         with self._lock:
             if now_s - self._last_s.get(kind, -1.0) < 1.0:

@@ -57,9 +57,8 @@ def upgrade(database: Database) -> None:
 
 
 def _unusable(database: Database, error: BaseException) -> InvalidInput:
-    why = reason(error)
-    detail = f"the database can't be used: {why}" if why else "the database can't be used"
-    return InvalidInput(detail, field=database.name)
+    why = reason(error) or "does its server run, and are host, user and password right?"
+    return InvalidInput(f"the database can't be used: {why}", field=database.name)
 
 
 def _is_locked(error: StoreUnavailable) -> bool:

@@ -267,7 +267,8 @@ def test_no_bug_tells_what_it_was_at(tmp_path, log_format):
     assert ran.returncode == 1
     for told in ("KeyError", "ExceptionGroup", "RuntimeError", "print_nothing", "uncaught"):
         assert told in ran.stderr
-    assert "it failed for ... at 7" in ran.stderr
+    assert "text withheld" in ran.stderr
+    assert "it failed" not in ran.stderr
     for canary in (BODY, QUERY, COOKIE):
         assert canary not in ran.stderr
     if log_format == "json":

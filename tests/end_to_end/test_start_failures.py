@@ -33,7 +33,7 @@ def line_of(code: int, stderr: str) -> str:
 @pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
 @pytest.mark.parametrize(
     ("url", "why"),
-    [("", "not a database"), ("postgresql+psycopg://u:canary@127.0.0.1:1/x", "connection refused")],
+    [("", "SQLITE_NOTADB"), ("postgresql+psycopg://u:canary@127.0.0.1:1/x", "does its server run")],
 )
 def test_one_line_whoever_else_could_write(tmp_path, words, url, why):
     """Seen from outside, where Python writes what is logged and nobody takes."""
@@ -89,7 +89,7 @@ def test_a_locked_database(tmp_path, monkeypatch):
     upgrade(database)
     other = sqlite3.connect(tmp_path / FILE, isolation_level=None)
     other.execute("BEGIN EXCLUSIVE")
-    with pytest.raises(Exception, match="database is locked"):
+    with pytest.raises(Exception, match="SQLITE_BUSY"):
         upgrade(database)
     other.close()
 
