@@ -11,6 +11,7 @@ import anyio
 import anyio.to_thread
 from fastapi import Depends, FastAPI
 from fastapi.routing import APIRoute
+from starlette.middleware.cors import CORSMiddleware
 from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddleware
 
 from app.http import pages
@@ -18,7 +19,6 @@ from app.http import problems as errors
 from app.http.admission.access import Access
 from app.http.admission.gate import Gate
 from app.http.admission.key_lookup import KeyLookup
-from app.http.admission.origins import Origins
 from app.http.admission.watch import Watch
 from app.http.head_as_get import HeadAsGet
 from app.http.metrics import Metrics
@@ -83,6 +83,27 @@ _TAGS = [
         ("system", "Health, metrics and audit log, for operators and monitors."),
     )
 ]
+
+# Of pages of other origins, and for them: Fetch standard, section 3.2 (CORS protocol).
+_HEADERS_TAKEN = (
+    "Authorization",
+    "Idempotency-Key",
+    "If-None-Match",
+    "Last-Event-ID",
+    "Prefer",
+    "X-Request-ID",
+)
+_HEADERS_TO_READ = (
+    "Allow",
+    "Content-Disposition",
+    "ETag",
+    "Link",
+    "Location",
+    "Preference-Applied",
+    "Retry-After",
+    "WWW-Authenticate",
+    "X-Request-ID",
+)
 
 _OF_API = (
     plans,
@@ -165,7 +186,14 @@ def _guard_and_watch(app: FastAPI, settings: Settings) -> None:
     app.add_middleware(Gate, access=access, settings=settings, stopping=app.state.stopping)
     app.add_middleware(Watch, metrics=app.state.metrics)
     # The last added is the outermost: pages may read whatever is answered.
-    app.add_middleware(Origins, allowed=settings.origins)
+    if settings.origins:
+        app.add_middleware(
+            CORSMiddleware,
+            allow_origins=sorted(settings.origins),
+            allow_methods=["GET", "HEAD", "POST", "DELETE"],
+            allow_headers=_HEADERS_TAKEN,
+            expose_headers=_HEADERS_TO_READ,
+        )
 
 
 @asynccontextmanager

