@@ -14,7 +14,7 @@ from spacecraft_flight import orbit_states
 from planner.spacecraft.imaging.ground_arc import orbital_q_body_from_eci
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.vehicle.definition import AGILE_CMG
-from planner.spacecraft.vehicle.gimbals import total_momentum_eci
+from planner.spacecraft.vehicle.steering import total_momentum_eci
 from planner.world.frames.time_scales import Instants
 from reproduction.platonov_array import (
     gyro_reach_deg_s,
