@@ -2,7 +2,7 @@
 
 python bench/spacecraft.py            everything
 python bench/spacecraft.py timeline   some parts: timeline, settle, areas, many, slews, choice,
-                                      physics, ground, refusals
+                                      random, physics, ground, refusals
 
 Times are CPU times: others at work on the machine don't count.
 """
@@ -17,6 +17,7 @@ import numpy as np
 from imaging_cases import DATA, EPOCH, line, session_request, sun_synchronous
 from spacecraft_choice import bench_choice, bench_slews
 from spacecraft_flight import bench_areas, bench_many, bench_settle, bench_timeline
+from spacecraft_random import bench_random
 
 from planner.base.errors import Refusal
 from planner.spacecraft.plan import plan_imaging
@@ -133,6 +134,7 @@ PARTS = {
     "many": bench_many,
     "slews": bench_slews,
     "choice": bench_choice,
+    "random": bench_random,
 }
 
 if __name__ == "__main__":

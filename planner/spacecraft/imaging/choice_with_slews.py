@@ -45,8 +45,9 @@ class SlewRevisionOptions:
     hopeless_s: float = 30.0  # unless so much is
     one_more_rounds: int = 4  # choices revised for one request beside those kept
     request: float = 1_000.0  # of `effort`, for each request
-    gentler_share: float = 0.5  # of what work is left, for gentler slews
-    together_share: float = 0.6  # and for all requests at once; the rest for one after another
+    gentler_share: float = 0.4  # of what work is left, for gentler slews,
+    together_share: float = 0.7  # then for all requests at once,
+    one_share: float = 0.5  # and for each one after another
 
 
 OPTIONS = SlewRevisionOptions()
@@ -169,8 +170,8 @@ class Chosen:
 def choose_and_slew(
     session: ImagingSession, options: list[Candidate], *, gentler: bool
 ) -> Chosen | None:
-    """The choice and its timeline.  Where all that can be seen fits, the slews share the time left
-    over (if gentler): a slower slew shakes the structure less.
+    """The choice and its timeline.  Where all that can be seen fits, smooth slews share the time
+    left over (if gentler): a slower slew shakes the structure less.
 
     None where the work that may be done is done before anything fits.
     Raises InfeasibleSlew where nothing does.
@@ -178,6 +179,7 @@ def choose_and_slew(
     search = _Search(session, options)
     first = search.choice()
     warnings: tuple[str, ...] = ()
+    gentler = gentler and session.request.objective == "smooth"
     if gentler and set(first.requests) == {option.request for option in options}:
         with at_most(OPTIONS.gentler_share * effort.remaining()) as work:
             found = _gentler(session, first)
@@ -284,14 +286,14 @@ class _Search:
         return None
 
     def one_by_one(self) -> Chosen | None:
-        """Requests by falling priority, each kept if it fits beside those kept before, with an even
-        share of the work that is left."""
+        """Requests by falling priority, each kept if it fits beside those kept before, with half of
+        the work that is left."""
         asked = self.session.request.requests
         order = sorted({one.request for one in self.options}, key=lambda k: -asked[k].priority)
         kept: Chosen | None = None
-        for done, number in enumerate(order):
+        for number in order:
             before = set(kept.choice.requests) if kept else set()
-            with at_most(effort.remaining() / (len(order) - done + 1)):
+            with at_most(OPTIONS.one_share * effort.remaining()):
                 found = self.fitting(OPTIONS.one_more_rounds, before | {number})
                 if found and (kept is None or found.choice.value > kept.choice.value):
                     kept = found
