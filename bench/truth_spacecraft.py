@@ -16,7 +16,7 @@ from planner.spacecraft.requests import GeoLineString, ImagingPlanRequest, Strip
 from planner.spacecraft.slews import slew_time
 
 SESSIONS, STRIPS, SECONDS = 5, 14, 260.0
-SHORTER = {"SMOOTH": 1.0, "ALLOWANCE_S": 0.0}
+SHORTER = slew_time.SlewTimeOptions(smooth=1.0, allowance_s=0.0)
 
 
 def rows() -> Iterator[Row]:
@@ -54,12 +54,11 @@ def _dense_session(seed: int) -> ImagingPlanRequest:
 
 @contextmanager
 def _shorter_slew_times() -> Iterator[None]:
-    usual = {name: getattr(slew_time, name) for name in SHORTER}
-    vars(slew_time).update(SHORTER)
+    usual, slew_time.OPTIONS = slew_time.OPTIONS, SHORTER
     try:
         yield
     finally:
-        vars(slew_time).update(usual)
+        slew_time.OPTIONS = usual
 
 
 if __name__ == "__main__":

@@ -157,14 +157,15 @@ class SpacecraftSettings:
     reversible scan, 12 km, 45 and 30 deg.
 
     rate_axis_max_deg_s: of each body axis in slews (the gyro of `agile-cmg` reads 1.6).
-    torque_max_n_m: in slews; its gyros give 30 in every direction whatever they store.
+    E.g. `1.58`.
+    torque_max_n_m: in slews; the gyros of `agile-cmg` give 30 in every direction. E.g. `15.0`.
     torque_rate_max_n_m_s: in slews; the gyros can change their torque once in a control cycle of
-    0.2 s.
-    settle_s: between the end of a slew and imaging, on the profile already.
+    0.2 s. E.g. `40.0`.
+    settle_s: between the end of a slew and imaging, on the profile already. E.g. `2.6`.
     reversible_scan: the detector scans in both senses.
-    swath_m: ground width imaged at nadir.
-    across_max_deg: farthest the camera looks to the side of the track.
-    along_max_deg: farthest the camera looks ahead and behind.
+    swath_m: ground width imaged at nadir. E.g. `12000.0`.
+    across_max_deg: farthest the camera looks to the side of the track. E.g. `45.0`.
+    along_max_deg: farthest the camera looks ahead and behind. E.g. `30.0`.
     momentum_n_m_s: stored in the gyros at the start, body axes.
     """
 

@@ -1,4 +1,4 @@
-"""What can't be flown of a session costs that request only; a spacecraft's own limits are flown."""
+"""A request that can't be flown costs itself only; a spacecraft's own limits are flown."""
 
 import dataclasses
 import math

@@ -57,7 +57,7 @@ class Candidate:
     request: its number in the session.  part: 0 for a whole request, 1 and 2 for the two looks
     of a stereo pair (which may have others between).  entry, exit: attitude and rate at the
     first arc's start and the last one's end, n = 1.  tilt_rad: largest angle along the track.
-    used: largest shares of the limits of axis rate, rate, torque and momentum while it is scanned.
+    used_shares: largest of the limits of axis rate, rate, torque and momentum while it is scanned.
     """
 
     request: int
@@ -66,7 +66,7 @@ class Candidate:
     entry: MovingEnds
     exit: MovingEnds
     tilt_rad: float
-    used: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    used_shares: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
 
     @property
     def start_s(self) -> float:
@@ -102,7 +102,7 @@ def candidates(request: Request, number: int, session: ImagingSession) -> list[C
         ]
     if not found:
         raise _unreachable(request, number, session)
-    kept = [one for one in found if max(one.used) <= OPTIONS.used_max]
+    kept = [one for one in found if max(one.used_shares) <= OPTIONS.used_max]
     if {one.part for one in kept} != {one.part for one in found}:  # half a pair is no image
         raise _overloaded(request, number, found, session)
     return kept
@@ -200,7 +200,7 @@ def _from_starts(
             entry=entries[k : k + 1],
             exit=exits[k : k + 1],
             tilt_rad=float(tilt_rad[k]),
-            used=tuple(used[:, k].tolist()),
+            used_shares=tuple(used[:, k].tolist()),
         )
         for k in range(len(t_s))
     ]
@@ -317,7 +317,7 @@ def _overloaded(
     """What the scan that comes nearest to the limits asks for, of the look that none can scan."""
     slew = session.spacecraft.slew
     nearest = (
-        min((one.used for one in found if one.part == part), key=max)
+        min((one.used_shares for one in found if one.part == part), key=max)
         for part in {one.part for one in found}
     )
     used = max(nearest, key=max)

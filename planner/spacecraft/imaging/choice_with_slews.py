@@ -27,7 +27,7 @@ from planner.spacecraft.imaging.timeline import (
 )
 from planner.spacecraft.requests import LeftOut
 from planner.spacecraft.slews.slew_choice import SlewNeedsTime
-from planner.spacecraft.slews.slew_problem import EndState
+from planner.spacecraft.slews.slew_problem import AttitudeSlew, EndState
 from planner.spacecraft.slews.slew_time import MovingEnds
 from planner.spacecraft.table import TICK_S
 
@@ -46,7 +46,7 @@ class SlewRevisionOptions:
     one_more_rounds: int = 4  # choices revised for one request beside those kept
     request: float = 1_000.0  # of `effort`, for each request
     gentler_share: float = 0.4  # of what work is left, for gentler slews,
-    together_share: float = 0.7  # then for all requests at once,
+    together_share: float = 0.6  # then for all requests at once,
     one_share: float = 0.5  # and for each one after another
 
 
@@ -193,7 +193,8 @@ def choose_and_slew(
             return replace(found, warnings=warnings)
     found = search.one_by_one()
     if found is not None:
-        return replace(found, warnings=(*warnings, "requests were fitted in one after another"))
+        alone = "requests were kept as they fitted, one after another: more may fit"
+        return replace(found, warnings=(*warnings, alone))
     if work.is_exhausted or search.why_not is None:
         return None
     raise InfeasibleSlew(search.why_not.detail, field="requests", limit=search.why_not.limit)
@@ -237,6 +238,7 @@ class _Search:
         self.barred: dict[int, str] = {}
         self.longer: dict[int, tuple[int, float]] = {}
         self.why_not: InfeasibleSlew | None = None
+        self.tried: Choice | None = None
 
     def choice(self, among: Collection[int] | None = None) -> Choice:
         """The best choice among some requests (None: all) that allows for what is known."""
@@ -274,6 +276,7 @@ class _Search:
             choice = choice or self.choice(among)
             if not choice.chosen:
                 return None
+            self.tried = choice
             scans = scans_of(self.options, choice.chosen)
             try:
                 timeline = build_timeline(self.session, scans, self.outcomes)
@@ -286,18 +289,41 @@ class _Search:
         return None
 
     def one_by_one(self) -> Chosen | None:
-        """Requests by falling priority, each kept if it fits beside those kept before, with half of
-        the work that is left."""
+        """What was slewed to in the choice tried last; then requests by falling priority, each kept
+        if it fits beside those kept before, with half of the work that is left."""
         asked = self.session.request.requests
         order = sorted({one.request for one in self.options}, key=lambda k: -asked[k].priority)
         kept: Chosen | None = None
+        begun = self._slewed_to()
+        if begun.chosen:
+            with at_most(OPTIONS.one_share * effort.remaining()):
+                kept = self.fitting(OPTIONS.one_more_rounds, {*begun.requests}, begun)
         for number in order:
+            if kept and number in kept.choice.requests:
+                continue
             before = set(kept.choice.requests) if kept else set()
             with at_most(OPTIONS.one_share * effort.remaining()):
                 found = self.fitting(OPTIONS.one_more_rounds, before | {number})
                 if found and (kept is None or found.choice.value > kept.choice.value):
                     kept = found
         return kept and replace(kept, left_out=self._left_out(kept.choice))
+
+    def _slewed_to(self) -> Choice:
+        """The part of the choice tried last whose scans have slews onto them."""
+        tried = self.tried or self.choice(())
+        scans = scans_of(self.options, tried.chosen)
+        onto = {(slot.before, slot.after): slew for slot, slew in self.outcomes.items()
+                if slot.window is not None}  # fmt: skip
+        missing = {
+            scan.request
+            for before, scan in zip((None, *scans), scans, strict=False)
+            if not isinstance(onto.get((before, scan)), AttitudeSlew)
+        }
+        chosen = tuple(k for k in tried.chosen if self.options[k].request not in missing)
+        requests = tuple(self.options[k].request for k in chosen)
+        asked = self.session.request.requests
+        value = sum(asked[number].priority for number in set(requests))
+        return replace(tried, chosen=chosen, requests=requests, value=value)
 
     def _learn(self, misfits: Sequence[Misfit]) -> None:
         """Keep pairs further apart, give the slews within a request more time, and bar candidates

@@ -128,18 +128,20 @@ def slew_onto(
         raise SlewNeedsTime(problem.angle_rad(), quickest_slew(problem).duration_s, available_s)
     used = min(ticks, OPTIONS.first_guess_ticks)
     time_from: Method | None = None
-    for _ in range(3):
+    for is_first in (True, False, False):
         problem = problem_at(used * TICK_S)
         stored, sphere = problem.ends_momentum_n_m_s(), problem.limits.momentum_sphere_n_m_s
         if stored > sphere:
             raise GyrosTooFull(stored, sphere)
         if objective == "smooth":
             wanted_s = max(OPTIONS.easy * eigenaxis_slew(problem).duration_s, OPTIONS.easy_least_s)
+        elif is_first:  # near enough to where the quickest one ends
+            wanted_s = eigenaxis_slew(problem).duration_s
         else:
             quickest = quickest_slew(problem)
             wanted_s, time_from = quickest.duration_s + 0.5 * TICK_S, quickest.method
         guessed, used = used, min(ticks, math.ceil(wanted_s / TICK_S))
-        if used == guessed:
+        if used == guessed and (objective == "smooth" or not is_first):
             break
     for _ in range(OPTIONS.attempts):
         if used >= ticks:

@@ -19,9 +19,17 @@ from planner.spacecraft.slews.slew_problem import AttitudeSlewProblem, EndState
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
 
-SMOOTH = 1.03  # what a spline without corners in its torque rate takes
-LEAST_RAD_S = 1e-4  # of a slew whose gyros are full: an hour for 20 deg
-ALLOWANCE_S = 0.8  # for rates of 0.4 deg/s aside at 1 deg/s^2, both ends
+
+@dataclass(frozen=True, kw_only=True)
+class SlewTimeOptions:
+    """What an estimate adds to the eigenaxis slew from rest to rest."""
+
+    smooth: float = 1.03  # what a spline without corners in its torque rate takes
+    allowance_s: float = 0.8  # for rates of 0.4 deg/s aside at 1 deg/s^2, both ends
+    least_rad_s: float = 1e-4  # of a slew whose gyros are full: an hour for 20 deg
+
+
+OPTIONS = SlewTimeOptions()
 ANGLES_DEG = np.array(
     [0.05, 1.0, 2.0, 4.0, 7.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0, 130.0, 180.0]
 )
@@ -121,7 +129,9 @@ class SlewTime:
         h_n_m_s = axis_eci @ self.momentum_eci_n_m_s
         room = self.sphere_n_m_s**2 - np.sum(self.momentum_eci_n_m_s**2)
         most_rad_s = (h_n_m_s + np.sqrt(np.maximum(h_n_m_s**2 + room, 0.0))) / self.inertia_kg_m2
-        return np.minimum(self._free_peak_rad_s(angle_rad), np.maximum(most_rad_s, LEAST_RAD_S))
+        return np.minimum(
+            self._free_peak_rad_s(angle_rad), np.maximum(most_rad_s, OPTIONS.least_rad_s)
+        )
 
     def _slower_s(self, peak_rad_s: Array, angle_rad: Array) -> Array:
         """What a lower peak adds to a trapezoid of angle/peak + peak/a seconds."""
@@ -150,10 +160,10 @@ def slew_time(spacecraft: AgileSpacecraft, momentum_eci_n_m_s: Array) -> SlewTim
         for angle_rad in angles_rad
     ]
     durations_s = np.array([eigenaxis_slew(problem).duration_s for problem in problems])
-    extra_s = ALLOWANCE_S + TICK_S + spacecraft.slew.settle_s
+    extra_s = OPTIONS.allowance_s + TICK_S + spacecraft.slew.settle_s
     return SlewTime(
         angles_rad=angles_rad,
-        seconds=SMOOTH * durations_s + extra_s,
+        seconds=OPTIONS.smooth * durations_s + extra_s,
         rate_rad_s=min(spacecraft.slew.rate_axis_rad_s, spacecraft.slew.rate_rad_s),
         acceleration_rad_s2=spacecraft.slew.torque_n_m / max(spacecraft.inertia_kg_m2),
         inertia_kg_m2=max(spacecraft.inertia_kg_m2),
