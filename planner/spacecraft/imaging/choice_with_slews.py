@@ -1,12 +1,13 @@
 """Chooses what is imaged and slews between: a choice holds once every slew in it fits."""
 
 from collections.abc import Collection, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from planner.base import effort
-from planner.base.effort import at_most
+from planner.base.effort import WorkLimitReached, at_most
 from planner.base.errors import InfeasibleSlew, Refusal, Unreachable
 from planner.base.rotation import Rotation
 from planner.planning.label_search import COMPLETES, OPENS
@@ -228,6 +229,7 @@ class _Search:
 
     extra_ticks: pairs that must stand so far apart.  barred: those that can't be turned to, and
     why not.  longer: how often the slews within a request were given more time, and how much.
+    untried: requests for which no work was left.
     """
 
     def __init__(self, session: ImagingSession, options: Sequence[Candidate]) -> None:
@@ -239,6 +241,7 @@ class _Search:
         self.longer: dict[int, tuple[int, float]] = {}
         self.why_not: InfeasibleSlew | None = None
         self.tried: Choice | None = None
+        self.untried: set[int] = set()
 
     def choice(self, among: Collection[int] | None = None) -> Choice:
         """The best choice among some requests (None: all) that allows for what is known."""
@@ -295,17 +298,20 @@ class _Search:
         order = sorted({one.request for one in self.options}, key=lambda k: -asked[k].priority)
         kept: Chosen | None = None
         begun = self._slewed_to()
-        if begun.chosen:
-            with at_most(OPTIONS.one_share * effort.remaining()):
-                kept = self.fitting(OPTIONS.one_more_rounds, {*begun.requests}, begun)
-        for number in order:
-            if kept and number in kept.choice.requests:
-                continue
-            before = set(kept.choice.requests) if kept else set()
-            with at_most(OPTIONS.one_share * effort.remaining()):
-                found = self.fitting(OPTIONS.one_more_rounds, before | {number})
-                if found and (kept is None or found.choice.value > kept.choice.value):
-                    kept = found
+        self.untried = {*order}
+        with suppress(WorkLimitReached):
+            if begun.chosen:
+                with at_most(OPTIONS.one_share * effort.remaining()):
+                    kept = self.fitting(OPTIONS.one_more_rounds, {*begun.requests}, begun)
+            for number in order:
+                before = set(kept.choice.requests) if kept else set()
+                if number in before:
+                    continue
+                with at_most(OPTIONS.one_share * effort.remaining()):
+                    found = self.fitting(OPTIONS.one_more_rounds, before | {number})
+                    self.untried.discard(number)
+                    if found and (kept is None or found.choice.value > kept.choice.value):
+                        kept = found
         return kept and replace(kept, left_out=self._left_out(kept.choice))
 
     def _slewed_to(self) -> Choice:
@@ -371,8 +377,8 @@ class _Search:
         self.barred |= {k: self.barred.get(k, reason) for k in own}
 
     def _left_out(self, choice: Choice) -> tuple[LeftOut, ...]:
-        """Requests with candidates that aren't chosen: none of a look can be turned to, or others
-        are worth more."""
+        """Requests with candidates that aren't chosen: none of a look can be turned to, no work was
+        left to try it, or others are worth more."""
         looks: dict[tuple[int, int], list[int]] = {}
         for k, option in enumerate(self.options):
             looks.setdefault((option.request, option.part), []).append(k)
@@ -381,9 +387,13 @@ class _Search:
             for (number, _), looked in looks.items()
             if all(k in self.barred for k in looked)
         }
+        reasons = dict.fromkeys(
+            self.untried,
+            "fitting it in takes more work than may be done for one session; ask for it by itself",
+        )
         beside = "no time beside requests worth more, in the best choice found"
         asked = self.session.request.requests
         return tuple(
-            LeftOut(name=asked[number].name, reason=barred.get(number, beside))
+            LeftOut(name=asked[number].name, reason=(reasons | barred).get(number, beside))
             for number in sorted({option.request for option in self.options} - {*choice.requests})
         )
