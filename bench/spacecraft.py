@@ -1,7 +1,8 @@
 """Figures of the CMG spacecraft against what is promised; run it with python.
 
 python bench/spacecraft.py            everything
-python bench/spacecraft.py timeline   some parts: timeline, settle, areas, slews, choice, ground
+python bench/spacecraft.py timeline   some parts: timeline, settle, areas, slews, choice, random,
+                                      ground
 
 Times are CPU times: others at work on the machine don't count.
 """
@@ -14,6 +15,7 @@ import numpy as np
 from imaging_cases import line, session_request, sun_synchronous
 from spacecraft_choice import bench_choice, bench_slews
 from spacecraft_flight import bench_areas, bench_settle, bench_timeline
+from spacecraft_random import bench_random
 
 from planner.spacecraft.plan import plan_imaging
 from planner.spacecraft.requests import (
@@ -61,6 +63,7 @@ PARTS = {
     "areas": bench_areas,
     "slews": bench_slews,
     "choice": bench_choice,
+    "random": bench_random,
 }
 
 if __name__ == "__main__":

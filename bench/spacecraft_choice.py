@@ -138,8 +138,7 @@ def bench_choice() -> None:
         print(
             f"  {case['case']} {case['satellite']}{' with stereo' if every else ''}: "
             f"{100 - refused} requests in reach, "
-            f"{len(options)} candidates in {geometry_s:.1f} s; worth {choice.value:.1f}, bound "
-            f"{choice.bound:.1f} ({'optimal' if choice.proven_optimal else 'gap'}), "
+            f"{len(options)} candidates in {geometry_s:.1f} s; worth {choice.value:.1f}, "
             f"{100 * (choice.value / choice.greedy_value - 1):.0f} % above greedy, "
             f"{choice.rounds} rounds, {chosen_s:.2f} s"
         )

@@ -243,7 +243,7 @@ def bench_areas() -> None:
         plan = plan_areas(settings, count, first, step)
         planned_s = time.process_time() - begun
         print(
-            f"  {name}: {plan.choice.value:.0f} of {count} (bound {plan.choice.bound:.0f}), "
+            f"  {name}: {plan.choice.value:.0f} of {count}, "
             f"planned in {planned_s:.1f} s, {len(plan.slews)} slews; fastest axis "
             f"{plan.verification.rate_deg_s.max():.2f} deg/s"
         )

@@ -18,7 +18,7 @@ from app.answers.members import (
 )
 from app.answers.ranges import Count, DirectionPart, HalfTurnDeg, NotNegative, Share, Signed
 from planner.output.export.table_states import continuous
-from planner.spacecraft.imaging.left_out import LeftOut
+from planner.spacecraft.requests import LeftOut
 from planner.spacecraft.table import TICK_S, AttitudeTable
 from planner.world.frames.time_scales import shifted_utc, utc_text
 
@@ -100,13 +100,15 @@ class AttitudeSlewOut:
     onto: number of the window it leads to, null for orbital orientation.
     angle_deg: between the attitudes at its ends.
     duration_s: of the slew.
-    eigenaxis_s: least time about the Euler axis with the same torque and torque rate.
-    bang_coast_bang_s: the paper's least time about the Euler axis, with any torque rate.
+    eigenaxis_s: of the quickest slew found about the Euler axis with the same torque and torque
+    rate.
+    bang_coast_bang_s: of the paper's about the Euler axis, with any torque rate.
     torque_rate_peak_n_m_s: largest torque rate of the slew.
     eigenaxis_torque_rate_peak_n_m_s: largest torque rate of the slew about the Euler axis.
     method: method of the solution.
-    time_from: the method that found the least time a `minimum_time` slew was given: `ocp`, or
-    `eigenaxis` where no shorter slew was found; null for slews that take the time there is.
+    time_from: the method of the quickest slew found, whose time a `minimum_time` slew was given:
+    `ocp`, or `eigenaxis` where no shorter one was found; null for slews that take the time there
+    is.
     status: status in which the solver ended.
     solve_s: time it took to solve.
     """
@@ -128,18 +130,14 @@ class AttitudeSlewOut:
 
 @dataclass(frozen=True, kw_only=True)
 class ImagingChoiceOut:
-    """Quality of the choice among the requests.
+    """The best choice found among the requests; a better one may exist.
 
     value: of the requests chosen.
-    bound: no choice is worth more.
-    proven_optimal: true when the choice is proven to be the best.
     greedy_value: worth of the choice that takes the most valuable request that fits, one after
     another.
     """
 
     value: NotNegative
-    bound: NotNegative
-    proven_optimal: bool
     greedy_value: NotNegative
 
 

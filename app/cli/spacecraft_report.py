@@ -18,8 +18,8 @@ def print_session(console: Console, plan: ImagingPlan) -> None:
         Text.assemble(
             (plan.request.name or "Session", "bold"),
             f", {plan.spacecraft.name}: {len(plan.table.t_s)} rows from "
-            f"{row_text(plan.table, 0)}, worth {plan.choice.value:g} of at most "
-            f"{plan.choice.bound:g}, by priority alone {plan.choice.greedy_value:g}",
+            f"{row_text(plan.table, 0)}, worth {plan.choice.value:g} (best found; "
+            f"by priority alone {plan.choice.greedy_value:g})",
         ),
     )
     for part in (_windows(plan), _turns(plan)):
@@ -64,7 +64,7 @@ def _windows(plan: ImagingPlan) -> Table:
 def _made_by(slew: AttitudeSlewComparison) -> str:
     if slew.time_from in (None, slew.method):
         return slew.method
-    return f"{slew.method}, in the least time of the {slew.time_from}"
+    return f"{slew.method}, in the quickest {slew.time_from}'s time"
 
 
 def _turns(plan: ImagingPlan) -> Table:

@@ -52,7 +52,7 @@ from planner.spacecraft.vehicle.definition import (
     ControlGains,
     SlewLimits,
 )
-from planner.spacecraft.vehicle.gimbals import total_momentum_eci
+from planner.spacecraft.vehicle.steering import total_momentum_eci
 from planner.spacecraft.vehicle.onboard import PAPER, TABLE, Estimate, estimate_rate, memory_at
 from planner.spacecraft.vehicle.steering import steer
 from planner.world.frames.earth_orientation import c_itrf_from_eci

@@ -69,6 +69,7 @@ class ImagingOpportunityRequest:
                 )
             seen.add(request.name)
         self._require_bounds()
+        self.definition()
 
     def _require_bounds(self) -> None:
         days = elapsed_s(self.stop, self.start) / DAY_S

@@ -29,12 +29,11 @@ from planner.spacecraft.flight.stabilisation import (
 from planner.spacecraft.imaging.alternatives import refusal_with_alternative
 from planner.spacecraft.imaging.choice_with_slews import choose_and_slew, options_of
 from planner.spacecraft.imaging.choose import Choice
-from planner.spacecraft.imaging.left_out import LeftOut
 from planner.spacecraft.imaging.session import ImagingSession, make_session
 from planner.spacecraft.imaging.timeline import PlannedSlew, Timeline
-from planner.spacecraft.requests import ImagingPlanRequest
+from planner.spacecraft.requests import ImagingPlanRequest, LeftOut
 from planner.spacecraft.table import AttitudeTable, camera_on
-from planner.spacecraft.vehicle.gimbals import gimbal_rows, total_momentum_eci
+from planner.spacecraft.vehicle.steering import gimbal_rows, total_momentum_eci
 from planner.spacecraft.verification import SpacecraftVerification, verify_table
 
 
@@ -62,8 +61,8 @@ def _nobody(stage: str, done: int, of: int) -> None:
 class ImagingPlan(SessionTable):
     """The plan of a session.
 
-    slews: each beside its eigenaxis baselines.  choice: worth and bound of what was chosen
-    (against the slew times as estimated).  stabilisation: of the dispersed closed-loop runs.
+    slews: each beside its eigenaxis baselines.  choice: worth of what was chosen, the best found.
+    stabilisation: of the dispersed closed-loop runs.
     assumptions: values assumed because the paper doesn't give them.
     """
 
@@ -92,12 +91,16 @@ def plan_imaging(request: ImagingPlanRequest, tell: Reporter = _nobody) -> Imagi
             with suppress(WorkLimitReached):
                 raise refusal_with_alternative(request, why, _works) from why
             raise
+    raise _search_ended(request)
+
+
+def _search_ended(request: ImagingPlanRequest) -> SearchEnded:
     easier = ["ask for fewer or smaller requests at a time"]
     if request.objective == "minimum_time":
         easier.append('for the objective "smooth"')
     if any(request.settings.momentum_n_m_s):
         easier.append("for less momentum in the gyros")
-    raise SearchEnded(
+    return SearchEnded(
         "what is asked of this session takes more work than may be done for it before any plan "
         f"is found; {', or '.join(easier)}",
         field="requests",
@@ -124,6 +127,8 @@ def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, gentler: bool = T
     options, unseen = options_of(session)
     tell("choice and slews", 0, 1)
     chosen = choose_and_slew(session, options, gentler=gentler)
+    if chosen is None:
+        raise _search_ended(request)
     timeline, warnings = chosen.timeline, chosen.warnings
     tell("gimbals", 0, 1)
     table = make_table(session, timeline)

@@ -1,27 +1,33 @@
 """Requests to the imaging spacecraft: their fields, in degrees and GeoJSON."""
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from datetime import datetime
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, TypeVar
 
 from pydantic import Field
 
+from planner.base.commands import COMMAND_STEP_S
+from planner.base.errors import figures
 from planner.base.spec import UnitPart, Within, spec
 from planner.spacecraft.geojson import GeoLineString, GeoPolygon
+from planner.spacecraft.vehicle.cmg_array import Positive
 from planner.spacecraft.vehicle.definition import (
     OFF_NADIR_DEG,
     SETTLE_S,
     SPACECRAFT,
     SWATH_M,
     AgileSpacecraft,
-    SlewLimits,
     SlewObjective,
 )
 from planner.world.frames.time_scales import elapsed_s, utc_text
 from planner.world.orbits import Orbit
 
-_MomentumPart = Annotated[float, Within(-240.0, 240.0)]  # four gyros of 60 in one direction
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+_Part = TypeVar("_Part", bound="DataclassInstance")
+_MomentumPart = Annotated[float, Within(-1e9, 1e9)]  # the spacecraft's sphere decides
 SESSION_MAX_S = 3600.0
 LOOK_ANGLE_DEG = 24.0  # of a stereo pair, unless it says otherwise
 SCAN_SPEED_M_S = 60e3 / 11.0  # Platonov, Sumarokov 2019: a strip of 60 km in about 11 s
@@ -119,6 +125,18 @@ class CorridorRequest(ImagingRequest):
     geometry: GeoLineString
 
 
+@dataclass(frozen=True, kw_only=True)
+class LeftOut:
+    """A request that isn't imaged, and why.
+
+    name: the request's. E.g. `"strip"`.
+    reason: the obstacle. E.g. `"others are worth more"`.
+    """
+
+    name: str
+    reason: str
+
+
 def _two_positions(line: GeoLineString) -> None:
     if len(line.coordinates) != 2:
         raise ValueError(
@@ -135,46 +153,67 @@ Request = Annotated[
 class SpacecraftSettings:
     """Settings of the spacecraft that a session may change; the rest is its definition.
 
-    rate_axis_max_deg_s: of each body axis in slews (the gyro reads 1.6).
-    torque_max_n_m: in slews; four gyros give 30 in every direction whatever they store.
+    What isn't given is the spacecraft's own; of `agile-cmg` 1.58 deg/s, 15 N m, 40 N m/s, 2.6 s, no
+    reversible scan, 12 km, 45 and 30 deg.
+
+    rate_axis_max_deg_s: of each body axis in slews (the gyro of `agile-cmg` reads 1.6).
+    E.g. `1.58`.
+    torque_max_n_m: in slews; the gyros of `agile-cmg` give 30 in every direction. E.g. `15.0`.
     torque_rate_max_n_m_s: in slews; the gyros can change their torque once in a control cycle of
-    0.2 s.
-    settle_s: between the end of a slew and imaging, on the profile already.
+    0.2 s. E.g. `40.0`.
+    settle_s: between the end of a slew and imaging, on the profile already. E.g. `2.6`.
     reversible_scan: the detector scans in both senses.
-    swath_m: ground width imaged at nadir.
-    across_max_deg: farthest the camera looks to the side of the track.
-    along_max_deg: farthest the camera looks ahead and behind.
+    swath_m: ground width imaged at nadir. E.g. `12000.0`.
+    across_max_deg: farthest the camera looks to the side of the track. E.g. `45.0`.
+    along_max_deg: farthest the camera looks ahead and behind. E.g. `30.0`.
     momentum_n_m_s: stored in the gyros at the start, body axes.
     """
 
-    rate_axis_max_deg_s: Annotated[float, Within(0.1, 3.5)] = 1.58
-    torque_max_n_m: Annotated[float, Within(1.0, 30.0)] = 15.0
-    torque_rate_max_n_m_s: Annotated[float, Within(1.0, 150.0)] = 40.0
-    settle_s: Annotated[float, Within(*SETTLE_S)] = 2.6
-    reversible_scan: bool = False
-    swath_m: Annotated[float, Within(*SWATH_M)] = 12e3
-    across_max_deg: Annotated[float, Within(*OFF_NADIR_DEG)] = 45.0
-    along_max_deg: Annotated[float, Within(*OFF_NADIR_DEG)] = 30.0
+    rate_axis_max_deg_s: Annotated[float, Within(1e-3, 180.0)] | None = None
+    torque_max_n_m: Positive | None = None
+    torque_rate_max_n_m_s: Positive | None = None
+    settle_s: Annotated[float, Within(*SETTLE_S)] | None = None
+    reversible_scan: bool | None = None
+    swath_m: Annotated[float, Within(*SWATH_M)] | None = None
+    across_max_deg: Annotated[float, Within(*OFF_NADIR_DEG)] | None = None
+    along_max_deg: Annotated[float, Within(*OFF_NADIR_DEG)] | None = None
     momentum_n_m_s: tuple[_MomentumPart, _MomentumPart, _MomentumPart] = (0.0, 0.0, 0.0)
 
     def applied_to(self, spacecraft: AgileSpacecraft) -> AgileSpacecraft:
-        """The spacecraft with these settings."""
-        return replace(
-            spacecraft,
-            slew=SlewLimits(
-                rate_axis_rad_s=math.radians(self.rate_axis_max_deg_s),
-                torque_n_m=self.torque_max_n_m,
-                torque_rate_n_m_s=self.torque_rate_max_n_m_s,
-                settle_s=self.settle_s,
-            ),
-            camera=replace(
-                spacecraft.camera,
-                swath_m=self.swath_m,
-                reversible=self.reversible_scan,
-                across_max_deg=self.across_max_deg,
-                along_max_deg=self.along_max_deg,
-            ),
+        """The spacecraft with these settings.  Raises ValueError where it can't keep one."""
+        torque_n_m = spacecraft.array.torque_n_m
+        for name, most in (
+            ("rate_axis_max_deg_s", math.degrees(spacecraft.slew.rate_rad_s)),
+            ("torque_max_n_m", torque_n_m),
+            ("torque_rate_max_n_m_s", torque_n_m / COMMAND_STEP_S),
+        ):
+            value = getattr(self, name)
+            if value is not None and value > most * (1.0 + 1e-9):  # radians and back
+                raise ValueError(
+                    f"settings.{name} ({figures(value, most)}) is more than the {most:.4g} that "
+                    f"{spacecraft.name!r} can do; ask for less, or leave it out"
+                )
+        rate_deg_s = self.rate_axis_max_deg_s
+        slew = _with_given(
+            spacecraft.slew,
+            rate_axis_rad_s=None if rate_deg_s is None else math.radians(rate_deg_s),
+            torque_n_m=self.torque_max_n_m,
+            torque_rate_n_m_s=self.torque_rate_max_n_m_s,
+            settle_s=self.settle_s,
         )
+        camera = _with_given(
+            spacecraft.camera,
+            swath_m=self.swath_m,
+            reversible=self.reversible_scan,
+            across_max_deg=self.across_max_deg,
+            along_max_deg=self.along_max_deg,
+        )
+        return replace(spacecraft, slew=slew, camera=camera)
+
+
+def _with_given(own: _Part, **asked: float | None) -> _Part:
+    """The part with what isn't None of it changed."""
+    return replace(own, **{name: value for name, value in asked.items() if value is not None})
 
 
 @spec
@@ -193,7 +232,7 @@ class ImagingPlanRequest:
     that carries ECI onto body axes; orbital orientation unless given. E.g. `[0.0, 0.0, 0.0, 1.0]`.
     requests: the requests to be imaged; those that don't fit are left out.
     objective: of slews: `smooth` spends the least torque rate in the time there is, `minimum_time`
-    is as fast as the limits allow.
+    takes the quickest found within the limits.
     simulation_runs: dispersed closed-loop runs behind the stabilisation report.
     seed: of the dispersions; the same gives the same runs.
     """
@@ -231,6 +270,7 @@ class ImagingPlanRequest:
                 f"initial_q_body_from_eci_xyzw must have unit length, not {math.hypot(*q):.6g}"
             )
         self._check_requests()
+        self.definition()
 
     def _check_requests(self) -> None:
         if not 1 <= len(self.requests) <= 200:

@@ -79,12 +79,13 @@ class VerifiedWindow:
 class TableExtremes:
     """Extremes of a table, between rows too.
 
-    rate_deg_s per axis (3,), torque_n_m, momentum_n_m_s; gimbal_rate_deg_s; gimbal_margin,
+    rate_deg_s per axis (3,), and of its magnitude; torque_n_m, momentum_n_m_s; gimbal_margin,
     least singular value of D; momentum_mismatch_n_m_s, between what the gimbal angles hold
     and what the attitude needs.
     """
 
     rate_deg_s: Array
+    rate_magnitude_deg_s: float
     torque_n_m: float
     momentum_n_m_s: float
     gimbal_rate_deg_s: float
@@ -153,6 +154,7 @@ def _extremes(session: _Session) -> TableExtremes:
     )
     return TableExtremes(
         rate_deg_s=np.rad2deg(np.max(np.abs(omega_body_rad_s), axis=0)),
+        rate_magnitude_deg_s=float(np.rad2deg(np.max(np.linalg.norm(omega_body_rad_s, axis=1)))),
         torque_n_m=float(np.max(np.linalg.norm(torque_n_m, axis=1))),
         momentum_n_m_s=float(np.max(np.linalg.norm(stored_n_m_s, axis=1))),
         gimbal_rate_deg_s=float(np.rad2deg(np.max(np.abs(table.gimbal_rate_rad_s)))),
@@ -215,10 +217,11 @@ def _kinematic_miss_rad(table: AttitudeTable) -> float:
 
 def _limit_findings(extremes: TableExtremes, spacecraft: AgileSpacecraft) -> Iterator[str]:
     slew, array = spacecraft.slew, spacecraft.array
-    rate_deg_s = float(np.max(extremes.rate_deg_s))
+    axis_deg_s, all_deg_s = float(np.max(extremes.rate_deg_s)), extremes.rate_magnitude_deg_s
     mismatch_n_m_s = extremes.momentum_mismatch_n_m_s
     for what, value, limit in (
-        ("body rate, deg/s", rate_deg_s, math.degrees(slew.rate_axis_rad_s)),
+        ("body rate, deg/s", axis_deg_s, math.degrees(slew.rate_axis_rad_s)),
+        ("body rate's magnitude, deg/s", all_deg_s, math.degrees(slew.rate_rad_s)),
         ("control torque, N m", extremes.torque_n_m, slew.torque_n_m),
         ("gyro momentum, N m s", extremes.momentum_n_m_s, slew.momentum_sphere_n_m_s),
         ("gimbal rate, deg/s", extremes.gimbal_rate_deg_s, math.degrees(array.rate_max_rad_s)),

@@ -19,7 +19,7 @@ MOST = {
     "motion": 68,
     "output": 38,
     "planning": 45,
-    "spacecraft": 46,
+    "spacecraft": 45,
     "verification": 61,
     "world": 124,
 }

@@ -47,7 +47,9 @@ def test_features_and_request_say_the_same():
         (("stop",), "2024-06-01T09:00:00Z", "10 to 3600 s"),
         (("spacecraft",), "teapot", "unknown"),
         (("simulation_runs",), 10_000, "simulation_runs"),
-        (("settings",), {"rate_axis_max_deg_s": 99.0}, "rate_axis_max_deg_s"),
+        (("settings",), {"rate_axis_max_deg_s": 99.0}, r"rate_axis_max_deg_s \(99\) .* the 3.5 "),
+        (("settings",), {"torque_max_n_m": 31.0}, r"settings.torque_max_n_m \(31\) .* the 30 "),
+        (("settings",), {"torque_rate_max_n_m_s": 151.0}, "settings.torque_rate_max_n_m_s"),
     ],
 )
 def test_bad_values_are_refused_by_name(path, value, message):

@@ -1,8 +1,10 @@
 """The gyros' momentum, envelope and torque are the paper's (Platonov, Sumarokov 2019)."""
 
 import numpy as np
+import pytest
 
 from planner.spacecraft.vehicle.cmg_array import CmgArray
+from planner.spacecraft.vehicle.definition import AgileSpacecraft, SlewLimits
 from planner.spacecraft.vehicle.steering import rotor_momentum, steer
 
 ARRAY = CmgArray()
@@ -97,3 +99,27 @@ def test_kernel_and_definition_agree():
     angles, out = np.array([0.1, 0.9, -2.0, 1.4]), np.zeros(3)
     rotor_momentum(ARRAY.gyros(), angles, out)
     np.testing.assert_allclose(out, ARRAY.momentum(angles), atol=1e-12)
+
+
+@pytest.mark.parametrize("momentum_n_m_s", [60.0, 10.0])
+def test_torque_told_for_every_direction_is_there_in_each(momentum_n_m_s):
+    """The least singular value of D at full gimbal rates, by numpy; the paper's 30 N m of 60."""
+    array = CmgArray(momentum_n_m_s=momentum_n_m_s)
+    assert array.torque_n_m == pytest.approx(0.5 * momentum_n_m_s, rel=1e-4)
+    rng = np.random.default_rng(5)
+    for held in rng.standard_normal((40, 3)):
+        held *= array.sphere_n_m_s / np.linalg.norm(held)
+        d = array.jacobian(array.gimbal_angles(held))
+        least = np.linalg.svd(d, compute_uv=False)[-1]
+        assert least * momentum_n_m_s * array.rate_max_rad_s > array.torque_n_m
+
+
+def test_slews_beyond_what_the_gyros_have_are_refused():
+    """10 N m s a gyro were steered in a sphere of 60, and the judge found them 1.1 N m s short."""
+    small = CmgArray(momentum_n_m_s=10.0)
+    with pytest.raises(ValueError, match=r"momentum_sphere_n_m_s \(60\) is more than the 10 "):
+        AgileSpacecraft(array=small)
+    with pytest.raises(ValueError, match=r"slew.torque_n_m \(15\) is more than the 5"):
+        AgileSpacecraft(array=small, slew=SlewLimits(momentum_sphere_n_m_s=10.0))
+    slew = SlewLimits(momentum_sphere_n_m_s=10.0, torque_n_m=5.0)
+    assert AgileSpacecraft(array=small, slew=slew).slew == slew

@@ -50,7 +50,7 @@ FOUR_MODES: dict[str, Any] = {
 SPACECRAFT_EXAMPLES: dict[str, tuple[str, dict[str, Any]]] = {
     "four modes": ("A strip, a stereo pair, a corridor and an area in ten minutes", FOUR_MODES),
     "geojson": (
-        "The requests as a GeoJSON FeatureCollection, slews in least time",
+        "The requests as a GeoJSON FeatureCollection, slews as quick as found",
         {
             "name": "One strip",
             "orbit": _ORBIT,

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from planner.base import effort
 from planner.base.arrays import Array
-from planner.base.errors import Unreachable
+from planner.base.errors import InfeasibleSlew, Unreachable, figures
 from planner.spacecraft.imaging.ground_arc import GroundArc, scan_q_body_from_eci
 from planner.spacecraft.imaging.request_arcs import least_time_s, scan_orders
 from planner.spacecraft.imaging.session import ImagingSession
@@ -41,6 +41,10 @@ class CandidateOptions:
     rounding_s: float = 1e-6  # a window may be told to the microsecond
     arc_at_start: float = 5.0  # of `effort`: to look at an arc scanned from one start,
     point_at_tick: float = 0.25  # and at one point of it
+    load_step_s: float = 2.0  # between instants whose loads are looked at: 0.1 % of a rate's peak
+    # of a limit: the slews onto and from a scan keep a little less than that
+    used_max: float = 0.99
+    load: float = 3.0  # of `effort`: to look at the loads of one instant
 
 
 OPTIONS = CandidateOptions()
@@ -53,6 +57,7 @@ class Candidate:
     request: its number in the session.  part: 0 for a whole request, 1 and 2 for the two looks
     of a stereo pair (which may have others between).  entry, exit: attitude and rate at the
     first arc's start and the last one's end, n = 1.  tilt_rad: largest angle along the track.
+    used_shares: largest of the limits of axis rate, rate, torque and momentum while it is scanned.
     """
 
     request: int
@@ -61,6 +66,7 @@ class Candidate:
     entry: MovingEnds
     exit: MovingEnds
     tilt_rad: float
+    used_shares: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
 
     @property
     def start_s(self) -> float:
@@ -72,7 +78,10 @@ class Candidate:
 
 
 def candidates(request: Request, number: int, session: ImagingSession) -> list[Candidate]:
-    """Every candidate of the number-th request.  Raises Unreachable when there is none."""
+    """Every candidate of the number-th request.
+
+    Raises Unreachable when it is never seen, InfeasibleSlew when no scan of it keeps the limits.
+    """
     scans, least_s = least_time_s(request, session)
     if least_s > session.duration_s:
         raise Unreachable(
@@ -93,7 +102,10 @@ def candidates(request: Request, number: int, session: ImagingSession) -> list[C
         ]
     if not found:
         raise _unreachable(request, number, session)
-    return found
+    kept = [one for one in found if max(one.used_shares) <= OPTIONS.used_max]
+    if {one.part for one in kept} != {one.part for one in found}:  # half a pair is no image
+        raise _overloaded(request, number, found, session)
+    return kept
 
 
 def _start_times_s(request: ImagingRequest, session: ImagingSession) -> Array:
@@ -158,6 +170,7 @@ def _from_starts(
     first_s, last_s = _window_s(request, session)
     t_s, tilt_rad = starts_s, np.zeros(len(starts_s))
     begins_s = np.empty((0, len(starts_s)))  # of each arc so far, for each start still open
+    used = np.zeros((4, len(starts_s)))
     exits: MovingEnds | None = None
     for arc in arcs:
         effort.charge(OPTIONS.arc_at_start * len(t_s))
@@ -171,6 +184,7 @@ def _from_starts(
             return []
         begins_s = np.vstack([begins_s[:, kept], t_s[kept]])
         tilt_rad = np.maximum(tilt_rad[kept], along_rad[in_reach])
+        used = np.maximum(used[:, kept], _used(arc, t_s[kept], scan_s, session))
         t_s = t_s[kept] + scan_s
         exits = _scanning(arc, scan_s / arc.duration_s, t_s, session)
     assert exits is not None
@@ -186,6 +200,7 @@ def _from_starts(
             entry=entries[k : k + 1],
             exit=exits[k : k + 1],
             tilt_rad=float(tilt_rad[k]),
+            used_shares=tuple(used[:, k].tolist()),
         )
         for k in range(len(t_s))
     ]
@@ -229,6 +244,43 @@ def _scanning(arc: GroundArc, share: float, t_s: Array, session: ImagingSession)
     )
 
 
+def _used(arc: GroundArc, begins_s: Array, scan_s: float, session: ImagingSession) -> Array:
+    """Shares of the limits of axis rate, rate, torque and momentum, (4, n), most used from when
+    each scan's profile is joined until it is left; by differences over a tick."""
+    slew = session.spacecraft.slew
+    span_s = slew.settle_s + scan_s + TICK_S
+    count = math.ceil(span_s / OPTIONS.load_step_s) + 1
+    effort.charge(OPTIONS.load * count * len(begins_s))
+    after_s = np.tile(np.linspace(-slew.settle_s, scan_s + TICK_S, count), len(begins_s))
+    t_s = np.repeat(begins_s, count) + after_s
+    before, now, later = (
+        scan_q_body_from_eci(
+            arc,
+            (after_s + shift_s) / arc.duration_s,
+            session.ephemeris,
+            session.instants(t_s + shift_s),
+        )
+        for shift_s in (-TICK_S, 0.0, TICK_S)
+    )
+    rates_body_rad_s = [
+        now.apply((end.inv() * begin).as_rotvec() / TICK_S)
+        for begin, end in ((before, now), (now, later))
+    ]
+    omega_body_rad_s = 0.5 * (rates_body_rad_s[0] + rates_body_rad_s[1])
+    alpha_body_rad_s2 = (rates_body_rad_s[1] - rates_body_rad_s[0]) / TICK_S
+    inertia_kg_m2 = np.array(session.spacecraft.inertia_kg_m2)
+    total_n_m_s = now.apply(session.momentum_eci_n_m_s)
+    torque_n_m = inertia_kg_m2 * alpha_body_rad_s2 + np.cross(omega_body_rad_s, total_n_m_s)
+    used = (
+        np.max(np.abs(omega_body_rad_s), axis=1) / slew.rate_axis_rad_s,
+        np.linalg.norm(omega_body_rad_s, axis=1) / slew.rate_rad_s,
+        np.linalg.norm(torque_n_m, axis=1) / slew.torque_n_m,
+        np.linalg.norm(total_n_m_s - inertia_kg_m2 * omega_body_rad_s, axis=1)
+        / slew.momentum_sphere_n_m_s,
+    )
+    return np.asarray(np.max(np.reshape(used, (4, len(begins_s), count)), axis=2))
+
+
 def _in_reach(
     arc: GroundArc, t_s: Array, scan_s: float, session: ImagingSession
 ) -> tuple[NDArray[np.bool_], Array]:
@@ -257,6 +309,33 @@ def middle_of(request: Request, session: ImagingSession) -> Array:
     arcs = scan_orders(request, session)[0]
     ends_itrf_m = np.concatenate([arc.point_itrf(np.array([0.0, 1.0]))[0] for arc in arcs])
     return np.asarray(ends_itrf_m.mean(axis=0))
+
+
+def _overloaded(
+    request: Request, number: int, found: list[Candidate], session: ImagingSession
+) -> InfeasibleSlew:
+    """What the scan that comes nearest to the limits asks for, of the look that none can scan."""
+    slew = session.spacecraft.slew
+    nearest = (
+        min((one.used_shares for one in found if one.part == part), key=max)
+        for part in {one.part for one in found}
+    )
+    used = max(nearest, key=max)
+    worst = used.index(max(used))
+    limit, most, text = (
+        ("rate", math.degrees(slew.rate_axis_rad_s), "turn the body at {} deg/s about an axis"),
+        ("rate", math.degrees(slew.rate_rad_s), "turn the body at {} deg/s"),
+        ("torque", slew.torque_n_m, "take {} N m of the gyros"),
+        ("momentum", slew.momentum_sphere_n_m_s, "have the gyros hold {} N m s"),
+    )[worst]
+    less = "unload momentum first" if limit == "momentum" else "ask for another scan_speed_m_s"
+    told = text.format(figures(used[worst] * most, OPTIONS.used_max * most))
+    return InfeasibleSlew(
+        f"scanning {request.name!r} would {told} at least, more than {OPTIONS.used_max:.0%} of the "
+        f"{most:.4g} there are; {less} or use another pass",
+        field=f"requests.{number}",
+        limit=limit,
+    )
 
 
 def _unreachable(request: Request, number: int, session: ImagingSession) -> Unreachable:

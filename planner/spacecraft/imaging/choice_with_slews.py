@@ -1,19 +1,19 @@
 """Chooses what is imaged and slews between: a choice holds once every slew in it fits."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Collection, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from planner.base import effort
-from planner.base.effort import at_most
+from planner.base.effort import WorkLimitReached, at_most
 from planner.base.errors import InfeasibleSlew, Refusal, Unreachable
 from planner.base.rotation import Rotation
 from planner.planning.label_search import COMPLETES, OPENS
 from planner.spacecraft.imaging.candidates import Candidate, candidates
 from planner.spacecraft.imaging.choose import Choice, choose
 from planner.spacecraft.imaging.ground_arc import ChebyshevProfile
-from planner.spacecraft.imaging.left_out import LeftOut
 from planner.spacecraft.imaging.session import ImagingSession
 from planner.spacecraft.imaging.timeline import (
     OPTIONS as TIMELINE_OPTIONS,
@@ -26,7 +26,9 @@ from planner.spacecraft.imaging.timeline import (
     build_timeline,
     scans_of,
 )
-from planner.spacecraft.slews.slew_problem import EndState
+from planner.spacecraft.requests import LeftOut
+from planner.spacecraft.slews.slew_choice import SlewNeedsTime
+from planner.spacecraft.slews.slew_problem import AttitudeSlew, EndState
 from planner.spacecraft.slews.slew_time import MovingEnds
 from planner.spacecraft.table import TICK_S
 
@@ -39,9 +41,14 @@ class SlewRevisionOptions:
     longer_by_s: tuple[float, float, float] = (3.0, 1.5, 0.6)
     longer_rounds: int = 2  # of choices revised at each: it is a try
     rounds: int = 12  # choices revised when a slew needs more time than estimated
-    hopeless_s: float = 10.0  # missing: no other moment to image the same will do
+    longer_times: int = 3  # that the slews within a request are given more time
+    longer_more_s: float = 0.4  # than is missing,
+    hopeless_s: float = 30.0  # unless so much is
+    one_more_rounds: int = 4  # choices revised for one request beside those kept
     request: float = 1_000.0  # of `effort`, for each request
-    gentler_share: float = 0.6  # of what work is left, for gentler slews
+    gentler_share: float = 0.4  # of what work is left, for gentler slews,
+    together_share: float = 0.6  # then for all requests at once,
+    one_share: float = 0.5  # and for each one after another
 
 
 OPTIONS = SlewRevisionOptions()
@@ -70,22 +77,29 @@ def options_of(session: ImagingSession) -> tuple[list[Candidate], tuple[LeftOut,
     options: list[Candidate] = []
     left_out: list[LeftOut] = []
     refusal: Refusal | None = None
-    rest = session.profile(
-        None,
-        -TIMELINE_OPTIONS.profile_margin_s,
-        session.duration_s + TIMELINE_OPTIONS.profile_margin_s,
-    )
+    rest = _rest(session)
     for number, request in enumerate(session.request.requests):
-        effort.charge(OPTIONS.request)
         try:
-            found = candidates(request, number, session)
-            options += _within_session(found, number, session, rest)
+            options += _options_of_one(number, session, rest)
         except (Unreachable, InfeasibleSlew) as why:
             refusal = refusal or why
             left_out.append(LeftOut(name=request.name, reason=why.detail))
     if not options and refusal is not None:
         raise refusal
     return options, tuple(left_out)
+
+
+def _rest(session: ImagingSession) -> ChebyshevProfile:
+    margin_s = TIMELINE_OPTIONS.profile_margin_s
+    return session.profile(None, -margin_s, session.duration_s + margin_s)
+
+
+def _options_of_one(
+    number: int, session: ImagingSession, rest: ChebyshevProfile
+) -> list[Candidate]:
+    effort.charge(OPTIONS.request)
+    found = candidates(session.request.requests[number], number, session)
+    return _within_session(found, number, session, rest)
 
 
 def _within_session(
@@ -154,19 +168,37 @@ class Chosen:
     warnings: tuple[str, ...] = ()
 
 
-def choose_and_slew(session: ImagingSession, options: list[Candidate], *, gentler: bool) -> Chosen:
-    """The choice and its timeline.  Where all that can be seen fits, the slews share the time left
-    over (if gentler): a slower slew shakes the structure less."""
-    first = _Revision().choice(session, options)
+def choose_and_slew(
+    session: ImagingSession, options: list[Candidate], *, gentler: bool
+) -> Chosen | None:
+    """The choice and its timeline.  Where all that can be seen fits, smooth slews share the time
+    left over (if gentler): a slower slew shakes the structure less.
+
+    None where the work that may be done is done before anything fits.
+    Raises InfeasibleSlew where nothing does.
+    """
+    search = _Search(session, options)
+    first = search.choice()
     warnings: tuple[str, ...] = ()
+    gentler = gentler and session.request.objective == "smooth"
     if gentler and set(first.requests) == {option.request for option in options}:
-        with at_most(OPTIONS.gentler_share * effort.remaining()) as search:
+        with at_most(OPTIONS.gentler_share * effort.remaining()) as work:
             found = _gentler(session, first)
             if found is not None:
                 return found
-        if search.is_exhausted:
+        if work.is_exhausted:
             warnings = ("gentler slews weren't looked for to the end: it takes too much work",)
-    return replace(_with_slews(session, options, first, OPTIONS.rounds), warnings=warnings)
+    with at_most(OPTIONS.together_share * effort.remaining()) as work:
+        found = search.fitting(OPTIONS.rounds, choice=first)
+        if found is not None:
+            return replace(found, warnings=warnings)
+    found = search.one_by_one()
+    if found is not None:
+        alone = "requests were kept as they fitted, one after another: more may fit"
+        return replace(found, warnings=(*warnings, alone))
+    if work.is_exhausted or search.why_not is None:
+        return None
+    raise InfeasibleSlew(search.why_not.detail, field="requests", limit=search.why_not.limit)
 
 
 def _gentler(session: ImagingSession, first: Choice) -> Chosen | None:
@@ -180,81 +212,51 @@ def _gentler(session: ImagingSession, first: Choice) -> Chosen | None:
             options, _ = options_of(longer)
         except (Unreachable, InfeasibleSlew):
             continue
-        choice = _Revision().choice(longer, options)
+        search = _Search(longer, options)
+        choice = search.choice()
         if choice.value < first.value:
             continue
-        try:
-            found = _with_slews(longer, options, choice, OPTIONS.longer_rounds)
-        except InfeasibleSlew:  # the slews are as short as they can be already
+        found = search.fitting(OPTIONS.longer_rounds, choice=choice)
+        if found is None:  # the slews are as short as they can be already
             return None
         if found.choice.value >= first.value:
-            choice = replace(found.choice, bound=first.bound, greedy_value=first.greedy_value)
-            return replace(found, choice=choice)
+            return replace(found, choice=replace(found.choice, greedy_value=first.greedy_value))
     return None
 
 
-def _with_slews(
-    session: ImagingSession, options: list[Candidate], choice: Choice, rounds: int
-) -> Chosen:
-    """The choice with its slews; where a slew doesn't fit, another choice that allows for it.
-
-    Raises InfeasibleSlew when no slews fit in so many rounds.
-    """
-    revision = _Revision()
-    outcomes: Outcomes = {}
-    misfits: tuple[Misfit, ...] = ()
-    for revised in range(rounds):
-        if revised:
-            if len(revision.barred) == len(options):
-                break
-            choice = revision.choice(session, options)
-            if not choice.chosen:  # of pairs, the first looks are left
-                break
-        try:
-            timeline = build_timeline(session, scans_of(options, choice.chosen), outcomes)
-        except SlewsDoNotFit as why:
-            misfits = why.misfits
-            revision.learn(misfits, options)
-        else:
-            left_out = _left_out(session, options, choice, revision)
-            return Chosen(choice=choice, timeline=timeline, left_out=left_out)
-    why_not = misfits[0].why
-    raise InfeasibleSlew(why_not.detail, field="requests", limit=why_not.limit)
-
-
-def _left_out(
-    session: ImagingSession, options: list[Candidate], choice: Choice, revision: "_Revision"
-) -> tuple[LeftOut, ...]:
-    """Requests with candidates that aren't chosen: none of a look can be turned to, or others are
-    worth more."""
-    gap = "no better choice exists" if choice.proven_optimal else "the choice is not proven best"
-    beside = f"no time beside requests worth more ({gap})"
-    barred = revision.barred_requests(options)
-    return tuple(
-        LeftOut(name=session.request.requests[number].name, reason=barred.get(number, beside))
-        for number in sorted({option.request for option in options} - set(choice.requests))
-    )
-
-
-@dataclass(eq=False)
-class _Revision:
-    """What the slews tried have shown of the candidates, by their numbers among all options.
+class _Search:
+    """Choices, and what the slews tried have shown of the candidates, by their place in `options`.
 
     extra_ticks: pairs that must stand so far apart.  barred: those that can't be turned to, and
-    why not.
+    why not.  longer: how often the slews within a request were given more time, and how much.
+    untried: requests for which no work was left.
     """
 
-    extra_ticks: dict[tuple[int, int], int] = field(default_factory=dict)
-    barred: dict[int, str] = field(default_factory=dict)
+    def __init__(self, session: ImagingSession, options: Sequence[Candidate]) -> None:
+        self.session = session
+        self.options = list(options)
+        self.outcomes: Outcomes = {}
+        self.extra_ticks: dict[tuple[int, int], int] = {}
+        self.barred: dict[int, str] = {}
+        self.longer: dict[int, tuple[int, float]] = {}
+        self.why_not: InfeasibleSlew | None = None
+        self.tried: Choice | None = None
+        self.untried: set[int] = set()
 
-    def choice(self, session: ImagingSession, options: list[Candidate]) -> Choice:
-        """The best choice that allows for it."""
-        allowed = [k for k in range(len(options)) if k not in self.barred]
+    def choice(self, among: Collection[int] | None = None) -> Choice:
+        """The best choice among some requests (None: all) that allows for what is known."""
+        allowed = [
+            k
+            for k, option in enumerate(self.options)
+            if k not in self.barred and (among is None or option.request in among)
+        ]
         place = {k: position for position, k in enumerate(allowed)}
+        if not allowed:
+            return Choice(chosen=(), requests=(), value=0.0, greedy_value=0.0, rounds=0)
         choice = choose(
-            [options[k] for k in allowed],
-            [request.priority for request in session.request.requests],
-            session.slew_time,
+            [self.options[k] for k in allowed],
+            [request.priority for request in self.session.request.requests],
+            self.session.slew_time,
             {
                 (place[a], place[b]): ticks
                 for (a, b), ticks in self.extra_ticks.items()
@@ -263,28 +265,135 @@ class _Revision:
         )
         return replace(choice, chosen=tuple(allowed[k] for k in choice.chosen))
 
-    def learn(self, misfits: Sequence[Misfit], options: Sequence[Candidate]) -> None:
-        """Keep pairs further apart; bar candidates that don't fit with themselves or the ends,
-        and where far too much time is missing, all of their request."""
-        for misfit in misfits:
-            if misfit.before is None or misfit.after is None or misfit.before == misfit.after:
-                culprit = next(k for k in (misfit.after, misfit.before) if k is not None)
-                same = [culprit]
-                if misfit.why.missing_s > OPTIONS.hopeless_s:
-                    request = options[culprit].request
-                    same = [k for k, option in enumerate(options) if option.request == request]
-                self.barred |= dict.fromkeys(same, misfit.why.detail)
-            else:
-                pair = (misfit.before, misfit.after)
-                self.extra_ticks[pair] = max(misfit.ticks, self.extra_ticks.get(pair, 0))
+    def fitting(
+        self,
+        rounds: int,
+        among: Collection[int] | None = None,
+        choice: Choice | None = None,
+    ) -> Chosen | None:
+        """The choice with its slews; where a slew doesn't fit, another choice that allows for it.
 
-    def barred_requests(self, options: Sequence[Candidate]) -> dict[int, str]:
-        """Those of which every candidate of a look is barred, and why the last one is."""
+        None when no slews fit in so many rounds.
+        """
+        for _ in range(rounds):
+            choice = choice or self.choice(among)
+            if not choice.chosen:
+                return None
+            self.tried = choice
+            scans = scans_of(self.options, choice.chosen)
+            try:
+                timeline = build_timeline(self.session, scans, self.outcomes)
+            except SlewsDoNotFit as why:
+                self.why_not = why.misfits[0].why
+                self._learn(why.misfits)
+                choice = None
+            else:
+                return Chosen(choice=choice, timeline=timeline, left_out=self._left_out(choice))
+        return None
+
+    def one_by_one(self) -> Chosen | None:
+        """What was slewed to in the choice tried last; then requests by falling priority, each kept
+        if it fits beside those kept before, with half of the work that is left."""
+        asked = self.session.request.requests
+        order = sorted({one.request for one in self.options}, key=lambda k: -asked[k].priority)
+        kept: Chosen | None = None
+        begun = self._slewed_to()
+        self.untried = {*order}
+        with suppress(WorkLimitReached):
+            if begun.chosen:
+                with at_most(OPTIONS.one_share * effort.remaining()):
+                    kept = self.fitting(OPTIONS.one_more_rounds, {*begun.requests}, begun)
+            for number in order:
+                before = set(kept.choice.requests) if kept else set()
+                if number in before:
+                    continue
+                with at_most(OPTIONS.one_share * effort.remaining()):
+                    found = self.fitting(OPTIONS.one_more_rounds, before | {number})
+                    self.untried.discard(number)
+                    if found and (kept is None or found.choice.value > kept.choice.value):
+                        kept = found
+        return kept and replace(kept, left_out=self._left_out(kept.choice))
+
+    def _slewed_to(self) -> Choice:
+        """The part of the choice tried last whose scans have slews onto them."""
+        tried = self.tried or self.choice(())
+        scans = scans_of(self.options, tried.chosen)
+        onto = {(slot.before, slot.after): slew for slot, slew in self.outcomes.items()
+                if slot.window is not None}  # fmt: skip
+        missing = {
+            scan.request
+            for before, scan in zip((None, *scans), scans, strict=False)
+            if not isinstance(onto.get((before, scan)), AttitudeSlew)
+        }
+        chosen = tuple(k for k in tried.chosen if self.options[k].request not in missing)
+        requests = tuple(self.options[k].request for k in chosen)
+        asked = self.session.request.requests
+        value = sum(asked[number].priority for number in set(requests))
+        return replace(tried, chosen=chosen, requests=requests, value=value)
+
+    def _learn(self, misfits: Sequence[Misfit]) -> None:
+        """Keep pairs further apart, give the slews within a request more time, and bar candidates
+        too near the session's ends."""
+        within: dict[int, Misfit] = {}
+        for misfit in misfits:
+            before, after = misfit.before, misfit.after
+            if before is not None and before == after:
+                number = self.options[before].request
+                if number not in within or misfit.why.missing_s > within[number].why.missing_s:
+                    within[number] = misfit
+            elif before is None or after is None:
+                self._bar_near_end(misfit)
+            else:
+                pair = (before, after)
+                self.extra_ticks[pair] = max(misfit.ticks, self.extra_ticks.get(pair, 0))
+        for number, misfit in within.items():
+            self._make_longer(number, misfit.why)
+
+    def _bar_near_end(self, misfit: Misfit) -> None:
+        """Those of the same look that have no more time, or less than half of the time missing."""
+        more_s = 0.5 * misfit.why.missing_s
+        culprit = self.options[next(k for k in (misfit.after, misfit.before) if k is not None)]
+        for k, option in enumerate(self.options):
+            if (option.request, option.part) == (culprit.request, culprit.part) and (
+                option.start_s <= culprit.start_s + more_s
+                if misfit.before is None
+                else option.stop_s >= culprit.stop_s - more_s
+            ):
+                self.barred.setdefault(k, misfit.why.detail)
+
+    def _make_longer(self, number: int, why: SlewNeedsTime) -> None:
+        """Other candidates of a request, whose own slews have more time."""
+        own = [k for k, option in enumerate(self.options) if option.request == number]
+        times, longer_s = self.longer.get(number, (0, 0.0))
+        longer_s += why.missing_s + OPTIONS.longer_more_s
+        self.longer[number] = (times + 1, longer_s)
+        reason = why.detail
+        if times < OPTIONS.longer_times and why.missing_s <= OPTIONS.hopeless_s:
+            longer = replace(self.session, slew_time=self.session.slew_time.plus(longer_s))
+            try:
+                self.options += _options_of_one(number, longer, _rest(self.session))
+            except (Unreachable, InfeasibleSlew) as refusal:
+                reason = refusal.detail
+        self.barred |= {k: self.barred.get(k, reason) for k in own}
+
+    def _left_out(self, choice: Choice) -> tuple[LeftOut, ...]:
+        """Requests with candidates that aren't chosen: none of a look can be turned to, no work was
+        left to try it, or others are worth more."""
         looks: dict[tuple[int, int], list[int]] = {}
-        for k, option in enumerate(options):
+        for k, option in enumerate(self.options):
             looks.setdefault((option.request, option.part), []).append(k)
-        return {
-            request: self.barred[looked[-1]]
-            for (request, _), looked in looks.items()
+        barred = {
+            number: self.barred[looked[-1]]
+            for (number, _), looked in looks.items()
             if all(k in self.barred for k in looked)
         }
+        reasons = dict.fromkeys(
+            self.untried,
+            "fitting it in takes more work than may be done for one session; ask for it by itself",
+        )
+        beside = "no time beside requests worth more, in the best choice found"
+        asked = self.session.request.requests
+        return tuple(
+            LeftOut(name=asked[number].name, reason=(reasons | barred).get(number, beside))
+            for number in sorted({option.request for option in self.options} - {*choice.requests})
+        )

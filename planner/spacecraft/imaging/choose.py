@@ -1,4 +1,4 @@
-"""The best choice of requests to image, their times and order, with a bound.
+"""The best choice found of requests to image, their times and order.
 
 A path through candidates in order of time, worth the priorities of the requests it fulfils, found
 by `label_search`.  The two looks of a stereo pair are candidates of their own; only the
@@ -25,7 +25,6 @@ from planner.planning.label_search import (
     Round,
     Visit,
     best,
-    bound,
     follow,
     no_labels,
     rounds,
@@ -41,24 +40,19 @@ WAIT_TICKS = 10  # of the chain of idle instants: 2 s, the grid of the candidate
 
 @dataclass(frozen=True, kw_only=True)
 class Choice:
-    """Candidates in order of time, and how good the choice of them is.
+    """Candidates in order of time, and how good the choice of them is: the best found for slew
+    times that are estimated, mostly longer than the slews', so that a better one may exist.
 
     chosen: indices into the candidates; requests: theirs.  value: sum of priorities
-    fulfilled.  bound: no choice from these candidates and slew times is worth more.
-    greedy_value: of taking requests by priority, each at the first moment that fits.
+    fulfilled.  greedy_value: of taking requests by priority, each at the first moment that fits.
     rounds: relaxations solved.
     """
 
     chosen: tuple[int, ...]
     requests: tuple[int, ...]
     value: float
-    bound: float
     greedy_value: float
     rounds: int
-
-    @property
-    def proven_optimal(self) -> bool:
-        return self.bound <= self.value * (1.0 + 1e-9)
 
 
 class Imaging(NamedTuple):
@@ -114,17 +108,20 @@ def choose(
     slew_time: SlewTime,
     extra_ticks: dict[tuple[int, int], int],
 ) -> Choice:
-    """The best choice.  extra_ticks: (candidate, candidate) -> slew time known to be needed."""
+    """The best choice for these slew times, if labels last.
+
+    extra_ticks: (candidate, candidate) -> slew time known to be needed.
+    """
     nodes = _nodes(candidates, priorities, slew_time, extra_ticks)
     imaging, graph = nodes.imaging, _slew_graph(nodes)
     greedy = _greedy(nodes, priorities)
-    found: list[Round] = []
+    solved = 0
     most: tuple[float, list[int]] = (0.0, [])
     for one in rounds(
         lambda memory: Round(*_label_paths(imaging, graph, memory)),
         _repeats(imaging, len(priorities), graph),
     ):
-        found.append(one)
+        solved += 1
         flyable = _without_repeats(imaging, one.visits[:, 0].tolist())
         most = max(most, flyable, key=lambda item: item[0])
         if one.value <= max(most[0], greedy[0]):
@@ -135,9 +132,8 @@ def choose(
         chosen=tuple(int(nodes.candidate[k]) for k in path),
         requests=tuple(int(imaging.request[k]) for k in path),
         value=value,
-        bound=bound(found),
         greedy_value=greedy[0],
-        rounds=len(found),
+        rounds=solved,
     )
 
 

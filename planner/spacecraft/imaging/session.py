@@ -1,6 +1,7 @@
 """The session that all requests share: orbit, clock, spacecraft, and where a point is seen."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from functools import cached_property
@@ -9,7 +10,9 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.errors import InvalidInput
+from planner.base.rotation import Rotation
 from planner.spacecraft.imaging.ground_arc import ChebyshevProfile, GroundArc, fitted_profile
+from planner.spacecraft.mrp import BodyMotion
 from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.slews.slew_time import SlewTime, slew_time
 from planner.spacecraft.table import TICK_S
@@ -23,17 +26,25 @@ from planner.world.orbits import Ephemeris
 HEIGHT_MAX_M = 2000e3  # a low orbit: from higher the camera's angles and the slews mean little
 HEIGHT_STEP_S = 30.0
 TRACK_STEP_S = 5.0  # how closely the path over the ground is looked at
+START_SPAN_S = (-1.0, 30.0)  # of the profile that the rate at row 0 is taken from
 _ORBIT_MARGIN = timedelta(seconds=200)  # scans are continued backwards, slews forwards
+
+# q_body_from_eci and body rates at instants (m,): what a stretch of a timeline follows.
+AttitudeAt = Callable[[Array], tuple[Rotation, BodyMotion]]
 
 
 @dataclass(frozen=True, kw_only=True)
 class ImagingSession:
-    """Times are seconds since the session's start; duration_s: a whole number of ticks."""
+    """Times are seconds since the session's start; duration_s: a whole number of ticks.
+
+    momentum_eci_n_m_s: of body and gyros at the start, (3,).
+    """
 
     request: ImagingPlanRequest
     ephemeris: Ephemeris
     duration_s: float
     spacecraft: AgileSpacecraft
+    momentum_eci_n_m_s: Array
     slew_time: SlewTime
 
     @property
@@ -87,13 +98,34 @@ def make_session(request: ImagingPlanRequest) -> ImagingSession:
     spacecraft = request.definition()
     ephemeris = request.orbit.ephemeris(request.start - _ORBIT_MARGIN, request.stop + _ORBIT_MARGIN)
     _refuse_height(request, ephemeris)
+    q_body_from_eci, motion = initial_profile(request, ephemeris)(np.zeros(1))
+    gyros_body_n_m_s = np.array(request.settings.momentum_n_m_s)
+    momentum_eci_n_m_s = (
+        q_body_from_eci[0]
+        .inv()
+        .apply(np.array(spacecraft.inertia_kg_m2) * motion.omega_body_rad_s[0] + gyros_body_n_m_s)
+    )
     return ImagingSession(
         request=request,
         ephemeris=ephemeris,
         duration_s=int(elapsed_s(request.stop, request.start) / TICK_S + 1e-6) * TICK_S,
         spacecraft=spacecraft,
-        slew_time=slew_time(spacecraft),
+        momentum_eci_n_m_s=momentum_eci_n_m_s,
+        slew_time=slew_time(spacecraft, momentum_eci_n_m_s),
     )
+
+
+def initial_profile(request: ImagingPlanRequest, ephemeris: Ephemeris) -> AttitudeAt:
+    """What the spacecraft follows at row 0: orbital orientation, or rest in another attitude."""
+    q_body_from_eci_xyzw = request.initial_q_body_from_eci_xyzw
+    if q_body_from_eci_xyzw is None:
+        return fitted_profile(None, ephemeris, request.start, START_SPAN_S).attitude_at
+
+    def at_rest(t_s: Array) -> tuple[Rotation, BodyMotion]:
+        still = BodyMotion(*np.zeros((3, len(t_s), 3)))
+        return Rotation.from_quat([q_body_from_eci_xyzw] * len(t_s)), still
+
+    return at_rest
 
 
 def _refuse_height(request: ImagingPlanRequest, ephemeris: Ephemeris) -> None:

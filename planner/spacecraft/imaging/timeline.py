@@ -5,17 +5,16 @@ slew onto the next one's profile, which is then followed until the camera starts
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from planner.base.arrays import Array
 from planner.base.commands import ROWS_PER_S
 from planner.base.rotation import Rotation
 from planner.spacecraft.imaging.candidates import Candidate
 from planner.spacecraft.imaging.ground_arc import GroundArc
-from planner.spacecraft.imaging.session import ImagingSession
+from planner.spacecraft.imaging.session import AttitudeAt, ImagingSession, initial_profile
 from planner.spacecraft.mrp import BodyMotion
 from planner.spacecraft.slews.slew_choice import (
     AttitudeSlewComparison,
@@ -37,13 +36,9 @@ class TimelineOptions:
     rest_before_s: float = 20.0
     rest_after_s: float = 150.0  # longer pauses are spent in orbital orientation
     profile_margin_s: float = 1.0  # around the rows it is used for
-    start_span_s: float = 30.0  # of the profile that the rate at row 0 is taken from
 
 
 OPTIONS = TimelineOptions()
-
-# q_body_from_eci and body rates at instants (m,): what a stretch of the timeline follows.
-AttitudeAt = Callable[[Array], tuple[Rotation, BodyMotion]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -169,16 +164,10 @@ class _Builder:
         self.session = session
         self.outcomes = outcomes
         self.stretches: list[tuple[int, AttitudeAt]] = []
-        self.slews: list[PlannedSlew] = []
+        self.slews: list[tuple[SlewSlot, int, AttitudeSlewProblem, AttitudeSlew]] = []
         self.misfits: list[Misfit] = []
         self.row = 0
-        self.profile: AttitudeAt = _initial_profile(session)
-        start = _end_state(self.profile, 0)
-        inertia_kg_m2 = np.array(session.spacecraft.inertia_kg_m2)
-        gyros_body_n_m_s = np.array(session.request.settings.momentum_n_m_s)
-        self.momentum_eci_n_m_s = start.q_body_from_eci.inv().apply(
-            inertia_kg_m2 * start.omega_body_rad_s + gyros_body_n_m_s
-        )
+        self.profile = initial_profile(session.request, session.ephemeris)
 
     def span(self, arc: GroundArc | None, first_row: int, last_row: int) -> AttitudeAt:
         """The profile of an arc (None: orbital orientation) over some rows."""
@@ -251,16 +240,9 @@ class _Builder:
             rows = round(slew.duration_s / TICK_S)
             if slot.late:
                 self.follow(slot.last_row - rows)
-            start_s = self.row * TICK_S
-            self.slews.append(
-                PlannedSlew(
-                    first_row=self.row,
-                    last_row=self.row + rows,
-                    window=slot.window,
-                    comparison=compare(self.problem(goal, self.row, self.row + rows), slew),
-                )
-            )
-            self.profile = _slew_profile(slew, start_s)
+            problem = self.problem(goal, self.row, self.row + rows)
+            self.slews.append((slot, self.row, problem, slew))
+            self.profile = _slew_profile(slew, self.row * TICK_S)
             self.follow(self.row + rows)
         self.profile = goal
 
@@ -281,7 +263,7 @@ class _Builder:
         return AttitudeSlewProblem(
             start=_end_state(self.profile, start_row),
             end=_end_state(goal, end_row),
-            momentum_eci_n_m_s=self.momentum_eci_n_m_s,
+            momentum_eci_n_m_s=self.session.momentum_eci_n_m_s,
             inertia_kg_m2=np.array(spacecraft.inertia_kg_m2),
             limits=spacecraft.slew,
         )
@@ -296,18 +278,6 @@ class _Builder:
             ticks=stop_row - start_row + max(missing_ticks, OPTIONS.more_ticks_min),
             why=why,
         )
-
-
-def _initial_profile(session: ImagingSession) -> AttitudeAt:
-    q_body_from_eci_xyzw = session.request.initial_q_body_from_eci_xyzw
-    if q_body_from_eci_xyzw is None:
-        return session.profile(None, -OPTIONS.profile_margin_s, OPTIONS.start_span_s).attitude_at
-
-    def at_rest(t_s: Array) -> tuple[Rotation, BodyMotion]:
-        still = BodyMotion(*np.zeros((3, len(t_s), 3)))
-        return Rotation.from_quat([q_body_from_eci_xyzw] * len(t_s)), still
-
-    return at_rest
 
 
 def _slew_profile(slew: AttitudeSlew, start_s: float) -> AttitudeAt:
@@ -346,6 +316,14 @@ def _assemble(builder: _Builder, scans: tuple[Scan, ...]) -> Timeline:
     return Timeline(
         q_body_from_eci=Rotation.concatenate(attitudes),
         motion=BodyMotion(*(np.concatenate(column) for column in zip(*motions, strict=True))),
-        slews=tuple(builder.slews),
+        slews=tuple(
+            PlannedSlew(
+                first_row=first_row,
+                last_row=first_row + round(slew.duration_s / TICK_S),
+                window=slot.window,
+                comparison=compare(problem, slew),
+            )
+            for slot, first_row, problem, slew in builder.slews
+        ),
         windows=windows,
     )

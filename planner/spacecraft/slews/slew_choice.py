@@ -21,7 +21,7 @@ class SlewChoiceOptions:
     runaway: float = 2.5  # moving ends continued for longer than that swing a blend too far
     # jerk steps inside a 0.2 s row make the table's torque bulge by 5 %
     fallback_share: float = 0.9
-    # a smooth slew with time to spare takes this much of the eigenaxis's least time
+    # a smooth slew with time to spare takes this much of the eigenaxis's quickest time
     easy: float = 2.0
     easy_least_s: float = 8.0  # and so much at least: a short turn is no smoother for being doubled
     attempts: int = 3  # each a little longer; then all the time there is
@@ -61,8 +61,8 @@ class GyrosTooFull(SlewNeedsTime):
 class AttitudeSlewComparison:
     """One slew beside its baselines at the same limits.
 
-    angle_rad: of the rotation between its ends.  eigenaxis_s: least time about the Euler axis
-    with the same torque and torque rate; bang_coast_bang_s: the paper's, unlimited torque rate.
+    angle_rad: of the rotation between its ends.  eigenaxis_s: the quickest found about the Euler
+    axis with the same torque and torque rate; bang_coast_bang_s: the paper's, any torque rate.
     The torque rate's peak, of this slew and of the eigenaxis one of the same duration, is what
     shakes the modes.  time_from: as of an `AttitudeSlew`.
     """
@@ -95,7 +95,7 @@ def quickest_slew(problem: AttitudeSlewProblem) -> AttitudeSlew:
 def smooth_slew(problem: AttitudeSlewProblem, duration_s: float) -> AttitudeSlew:
     """The slew of this duration that shakes the structure least.
 
-    Raises SlewNeedsTime, with the least time found, when it doesn't fit.
+    Raises SlewNeedsTime, with the quickest time found, when it doesn't fit.
     """
     found = _smooth(problem, duration_s)
     if found is not None:
@@ -128,18 +128,20 @@ def slew_onto(
         raise SlewNeedsTime(problem.angle_rad(), quickest_slew(problem).duration_s, available_s)
     used = min(ticks, OPTIONS.first_guess_ticks)
     time_from: Method | None = None
-    for _ in range(3):
+    for is_first in (True, False, False):
         problem = problem_at(used * TICK_S)
         stored, sphere = problem.ends_momentum_n_m_s(), problem.limits.momentum_sphere_n_m_s
         if stored > sphere:
             raise GyrosTooFull(stored, sphere)
         if objective == "smooth":
             wanted_s = max(OPTIONS.easy * eigenaxis_slew(problem).duration_s, OPTIONS.easy_least_s)
+        elif is_first:  # near enough to where the quickest one ends
+            wanted_s = eigenaxis_slew(problem).duration_s
         else:
             quickest = quickest_slew(problem)
             wanted_s, time_from = quickest.duration_s + 0.5 * TICK_S, quickest.method
         guessed, used = used, min(ticks, math.ceil(wanted_s / TICK_S))
-        if used == guessed:
+        if used == guessed and (objective == "smooth" or not is_first):
             break
     for _ in range(OPTIONS.attempts):
         if used >= ticks:

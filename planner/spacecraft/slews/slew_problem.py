@@ -113,7 +113,7 @@ class AttitudeSlew:
     """A planned slew; sigma from `q_middle_from_eci`, t from 0 to duration_s.
 
     method: what made it (an OCP that can't beat the eigenaxis falls back to it).  time_from: what
-    found the least time that its duration was taken from, None where that was given.
+    found the quickest slew, whose time its duration was taken from, None where that was given.
     """
 
     q_middle_from_eci: Rotation

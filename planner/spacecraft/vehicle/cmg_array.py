@@ -52,6 +52,16 @@ class CmgArray:
     rotor_axes_body: ClassVar[Array] = np.tile([0.0, 0.0, 1.0], (4, 1))
     torque_axes_body: ClassVar[Array] = np.cross(gimbal_axes_body, rotor_axes_body)
 
+    @property
+    def sphere_n_m_s(self) -> float:
+        """Momentum that is held in every direction well away from singular: that of one gyro."""
+        return self.momentum_n_m_s
+
+    @property
+    def torque_n_m(self) -> float:
+        """What every direction can count on while no more than that is held; the paper's 30 N m."""
+        return 0.5 * self.momentum_n_m_s * self.rate_max_rad_s
+
     def gyros(self) -> Gyros:
         """The array for compiled code."""
         return Gyros(

@@ -94,7 +94,7 @@ class ControlGains:
 
 @spec
 class SlewLimits:
-    """What a planned turn may ask for.
+    """What a planned turn may ask for; of the gyros no more than `CmgArray` has everywhere.
 
     rate_rad_s: vector magnitude; rate_axis_rad_s: each body axis, 1.58 deg/s by default so that
     the gyro (1.6) always reads.  torque, torque_rate: magnitude of the control torque and of
@@ -151,6 +151,15 @@ class AgileSpacecraft:
                 f"inertia_kg_m2 {self.inertia_kg_m2}: no body has these moments (each must be "
                 "positive and at most the sum of the others)"
             )
+        for name, value, most in (
+            ("momentum_sphere_n_m_s", self.slew.momentum_sphere_n_m_s, self.array.sphere_n_m_s),
+            ("torque_n_m", self.slew.torque_n_m, self.array.torque_n_m),
+        ):
+            if value > most:
+                raise ValueError(
+                    f"slew.{name} ({value:g}) is more than the {most:g} that the gyros of "
+                    f"{self.name!r} have in every direction; ask for less of them"
+                )
         d = self.couplings_sqrt_kg_m()
         if np.linalg.eigvalsh(np.diag(self.inertia_kg_m2) - d.T @ d)[0] <= 0.0:
             raise ValueError("the modes' inertia shares leave no rigid body; make them smaller")

@@ -64,8 +64,7 @@ export const spacecraft = {
   },
   gone: "There is no such session: it was deleted, or its time is over.",
   imaged: (count: number, of: number) => `${count} of ${of} requests imaged`,
-  best: "no choice is worth more",
-  worth: (value: string, bound: string) => `worth ${value} of at most ${bound}`,
+  worth: (value: string) => `worth ${value}, the best choice found`,
   steady: (share: string, worst: string, runs: number) =>
     `steady in ${share} of the intervals of ${runs} runs, worst rate error ${worst}°/s`,
   momentum: (most: string) => `momentum up to ${most} N·m·s`,

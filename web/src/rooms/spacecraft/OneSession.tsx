@@ -111,13 +111,12 @@ function Verdict({ session }: { session: Session }) {
   const text = words.value.spacecraft;
   const { passed, findings, momentum_max_n_m_s, gimbal_margin } = session.verification;
   const { runs, share_steady, worst_deg_s } = session.stabilisation;
-  const { value, bound, proven_optimal } = session.choice;
   const imaged = session.summary.requests.filter((one) => one.looks > 0).length;
   return (
     <div class={`session-verdict ${passed ? "" : "session-verdict-bad"}`} data-testid="session-verdict">
       <b>{passed ? words.value.plan.one.passed : words.value.plan.one.failed}</b>
       <span>{text.imaged(imaged, session.summary.requests.length)}</span>
-      <span>{proven_optimal ? text.best : text.worth(digits(value), digits(bound))}</span>
+      <span>{text.worth(digits(session.choice.value))}</span>
       {runs > 0 && <span>{text.steady(percent(share_steady, 0), digits(worst_deg_s, 2), runs)}</span>}
       <span>{text.momentum(number(momentum_max_n_m_s))}</span>
       <span>{text.gimbalMargin(number(gimbal_margin, 2))}</span>

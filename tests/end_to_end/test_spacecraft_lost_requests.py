@@ -1,0 +1,126 @@
+"""A request that can't be flown costs itself only; a spacecraft's own limits are flown."""
+
+import dataclasses
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "oracles"))
+from spacecraft_cases import four_modes, line, session, sun_synchronous
+
+from planner.base import effort
+from planner.base.errors import InfeasibleSlew
+from planner.spacecraft.imaging import choice_with_slews
+from planner.spacecraft.imaging.candidates import candidates
+from planner.spacecraft.imaging.session import make_session
+from planner.spacecraft.imaging.timeline import Misfit, SlewsDoNotFit, build_timeline
+from planner.spacecraft.plan import plan_imaging
+from planner.spacecraft.requests import CorridorRequest, SpacecraftSettings, StripRequest
+from planner.spacecraft.slews.slew_choice import SlewNeedsTime
+from planner.spacecraft.vehicle.definition import (
+    AGILE_CMG,
+    SPACECRAFT,
+    AgileSpacecraft,
+    PushbroomCamera,
+    SlewLimits,
+)
+
+STRIP, STEREO, *_ = four_modes()
+
+
+def low(requests, seconds, **more):
+    """From 406 km, where a scan against the flight turns the body at (7.2 + 4.6) / 406 rad/s."""
+    asked = session(requests, seconds, simulation_runs=0, **more)
+    return dataclasses.replace(asked, orbit=sun_synchronous(406.0))
+
+
+def test_a_scan_faster_than_the_body_may_turn_costs_its_request_only():
+    """It broke the axis rate in the table, and the session ended as a failure of ours."""
+    backwards = CorridorRequest(
+        name="back", geometry=line(200.0, azimuth_deg=180.0), scan_speed_m_s=4648.0, priority=9.0
+    )
+    plan = plan_imaging(low([StripRequest(name="strip", geometry=line(90.0)), backwards], 300.0))
+    assert [window.request for window in plan.table.windows] == ["strip"]
+    [left_out] = plan.left_out
+    assert "'back' would turn the body at 1.6" in left_out.reason
+    with pytest.raises(InfeasibleSlew, match=r"1\.6\d+ deg/s about an axis .* the 1\.58") as why:
+        candidates(backwards, 0, make_session(low([backwards], 300.0)))
+    assert (why.value.limit, why.value.field) == ("rate", "requests.0")
+
+
+def test_of_a_reversible_detectors_scans_those_too_fast_are_none():
+    strip = StripRequest(name="strip", geometry=line(90.0), scan_speed_m_s=4648.0)
+    asked = low([strip], 300.0, settings=SpacecraftSettings(reversible_scan=True))
+    made = make_session(asked)
+    found = candidates(strip, 0, made)
+    assert found
+    for one in found:
+        [arc] = one.arcs
+        _, motion = made.profile(arc, one.start_s - 3.0, one.stop_s + 1.0).attitude_at(
+            np.linspace(one.start_s, one.stop_s, 50)
+        )
+        assert np.rad2deg(np.abs(motion.omega_body_rad_s).max()) <= 1.58
+
+
+def test_a_request_whose_slews_never_fit_leaves_the_others(monkeypatch):
+    """Each try took a sixth of the work there is: the session ended before anything was kept."""
+
+    def costly(made, scans, outcomes=None):
+        for scan in scans:
+            if scan.request == 1:
+                effort.charge(effort.PLAN / 6.0)
+                why = SlewNeedsTime(0.7, 28.8, 26.0)
+                misfit = Misfit(before=scan.candidate, after=scan.candidate, ticks=9, why=why)
+                raise SlewsDoNotFit([misfit])
+        return build_timeline(made, scans, outcomes)
+
+    monkeypatch.setattr(choice_with_slews, "build_timeline", costly)
+    corridor = CorridorRequest(name="corridor", geometry=line(300.0), priority=9.0)
+    plan = plan_imaging(session([STRIP, corridor], 400.0, simulation_runs=0))
+    assert [window.request for window in plan.table.windows] == ["strip"]
+    [left_out] = plan.left_out
+    assert "needs about 28.8 s" in left_out.reason
+
+
+@pytest.mark.parametrize(
+    ("momentum_n_m_s", "imaged"), [((0.0, 0.0, -59.0), {"strip"}), ((59.0, 0.0, 0.0), None)]
+)
+def test_nearly_full_gyros_are_decided(momentum_n_m_s, imaged):
+    """All the work was spent on slews that the momentum leaves too slow."""
+    settings = SpacecraftSettings(momentum_n_m_s=momentum_n_m_s)
+    asked = session([STRIP, STEREO], 460.0, settings=settings, simulation_runs=0)
+    if imaged is None:
+        with pytest.raises(InfeasibleSlew, match=r"works: \d+ N m s"):
+            plan_imaging(asked)
+    else:
+        plan = plan_imaging(asked)
+        assert {window.request for window in plan.table.windows} == imaged
+        assert "needs about" in plan.left_out[0].reason
+
+
+def test_a_spacecrafts_own_limits_are_flown(monkeypatch):
+    """1.75 deg/s were, where the definition said 0.5, and the verification passed."""
+    slew = SlewLimits(rate_rad_s=math.radians(0.5), momentum_sphere_n_m_s=20.0, torque_n_m=5.0)
+    slow = AgileSpacecraft(name="slow", slew=slew)
+    monkeypatch.setitem(SPACECRAFT, slow.name, slow)
+    plan = plan_imaging(session([STRIP], 300.0, spacecraft="slow", simulation_runs=0))
+    rate_deg_s = np.rad2deg(np.linalg.norm(plan.table.omega_body_rad_s, axis=1))
+    assert 0.3 < rate_deg_s.max() <= 0.5 * 1.002
+    assert plan.verification.rate_magnitude_deg_s <= 0.5 * 1.002
+    assert plan.verification.torque_n_m <= 5.0 * 1.002
+    assert plan.verification.momentum_n_m_s <= 20.0 * 1.002
+
+
+def test_settings_change_what_they_name_only():
+    own = dataclasses.replace(
+        AGILE_CMG,
+        slew=SlewLimits(rate_axis_rad_s=0.01, torque_n_m=9.0, torque_rate_n_m_s=8.0, settle_s=7.0),
+        camera=PushbroomCamera(swath_m=5e3, reversible=True, across_max_deg=20.0),
+    )
+    assert SpacecraftSettings().applied_to(own) == own
+    changed = SpacecraftSettings(settle_s=1.0, reversible_scan=False).applied_to(own)
+    assert changed.slew == dataclasses.replace(own.slew, settle_s=1.0)
+    assert changed.camera == dataclasses.replace(own.camera, reversible=False)
