@@ -226,7 +226,7 @@ def photographs(rng: np.random.Generator, count: int) -> None:
     for name, unknown in (("photographs", 0.0), ("photographs, lens unknown to 1 %", 0.01)):
         rows = Row(name, ""), Row(f"{name}, no prediction", "")
         for _ in range(count):
-            cameras = ring(2)
+            cameras = tuple(replace(c, lens_sigma=None) for c in ring(2))
             taken_by = tuple(
                 replace(
                     c,
@@ -289,6 +289,7 @@ def reference_error_arcsec() -> float:
         cx_px=255.5,
         cy_px=255.5,
         q_camera_from_body_xyzw=q,
+        lens_sigma=0.0,
     )
     request = HorizonRequest(
         epoch=datetime(2026, 3, 20, 12, tzinfo=UTC),

@@ -75,7 +75,8 @@ def test_real_limb_lies_within_its_stated_error(seed):
 
 
 def test_the_last_digit_of_what_is_known_moves_nothing(pair):
-    """A micrometre of orbit is 1e-13 rad, and all sums are others."""
+    """A micrometre of orbit is 1e-13 rad, and all sums are others; where a pixel is looked up is
+    rounded to 3e-5 of it, 5e-8 rad."""
     here = pair.request.position
     found = [
         estimate_vertical(pair.images, replace(pair.request, position=moved(here, step)))
@@ -83,7 +84,7 @@ def test_the_last_digit_of_what_is_known_moves_nothing(pair):
     ]
     for one in found[1:]:
         off = one.geocentric.nadir_body - found[0].geocentric.nadir_body
-        assert np.abs(off).max() < 1e-9
+        assert np.abs(off).max() < 5e-8
 
 
 def test_no_prediction_is_needed(pair):
