@@ -287,7 +287,8 @@ def mirrored(rng: np.random.Generator, count: int) -> None:
 def negatives(rng: np.random.Generator, count: int) -> None:
     answered, slowest_s = negatives_answered(rng, count)
     print(
-        f"{'images without a horizon':44s} {answered} of {count} answered, {slowest_s:.2f} s at most"
+        f"{'images without a horizon':44s} {answered} of {count} answered, "
+        f"{slowest_s:.2f} s at most"
     )
 
 

@@ -146,12 +146,15 @@ def _coverage(nadir_body: Array, edges: Edges, cone: _LimbCone) -> float:
 
 _DISAGREE_SIGMA = 5.0
 _SEED = 20161
-_UNEXPLAINED = (Reason.NO_HORIZON, Reason.BROKEN_ARC, Reason.ELSEWHERE, Reason.RESIDUALS)
+_UNEXPLAINED = (
+    *(Reason.NO_HORIZON, Reason.BROKEN_ARC, Reason.ELSEWHERE),
+    *(Reason.RESIDUALS, Reason.COLOUR),
+)
 # What the Sun's glare looks like.
 _GLARE = (
     *_UNEXPLAINED,
     *(Reason.GLOWING_LAYER, Reason.BLURRED, Reason.SHARP, Reason.NO_SKY),
-    *(Reason.SATURATED, Reason.COLOUR, Reason.LIMB_HEIGHT),
+    *(Reason.SATURATED, Reason.LIMB_HEIGHT),
 )
 # The sky's brightness against the brightest in the frame: dark ocean in full sun has more.
 _SKY_SHARE = 0.12

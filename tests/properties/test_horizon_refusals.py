@@ -60,6 +60,13 @@ def test_a_disc_with_the_night_behind_is_no_earth(pair, alone):
     assert answer.reason is Reason.GLOWING_LAYER
 
 
+def test_the_suns_glare_is_no_glowing_layer(pair, alone, monkeypatch):
+    monkeypatch.setattr(Surroundings, "is_sun_in_frame", lambda *_: True)
+    crescent = np.where(below_limb_px(alone)[..., None] > 60.0, 3, pair.images[0])
+    answer = estimate_vertical([crescent.astype(np.uint8)], alone)
+    assert answer.reason is answer.cameras[0].reason is Reason.SUN_IN_FRAME
+
+
 def test_a_bright_limb_before_a_dark_sea_is_no_airglow():
     """In thin, clean air it is as bright against what lies behind as a layer of airglow."""
     air = Atmosphere(air_density=0.7, dust_optical_depth=0.0, haze_optical_depth=0.0, ozone=0.0)
