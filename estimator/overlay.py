@@ -24,12 +24,10 @@ def draw_overlay(
     """The frame in 8-bit colour with the limb points used (green), the limb a plan expects
     (orange; `HorizonPrediction.limb_px`) and the verdict, at most 1600 pixels a side."""
     shrink = max(1.0, max(pixels.shape[:2]) / _LONGEST_PX)
-    if shrink > 1.0:
-        height, width = pixels.shape[:2]
-        size = (max(round(width / shrink), 1), max(round(height / shrink), 1))
-        pixels = cv2.resize(pixels, size, interpolation=cv2.INTER_AREA)
+    size = [max(round(side / shrink), 1) for side in pixels.shape[1::-1]]
+    small = cv2.resize(pixels, size, interpolation=cv2.INTER_AREA)
     scale = 1.0 / 257.0 if pixels.dtype == np.uint16 else 1.0
-    picture = np.asarray(np.rint(pixels * scale), dtype=np.uint8)
+    picture = np.asarray(np.rint(small * scale), dtype=np.uint8)
     if picture.ndim == 2 or picture.shape[2] == 1:
         grey = picture.reshape(picture.shape[:2])
         picture = np.stack([grey, grey, grey], axis=-1)
@@ -46,11 +44,11 @@ def draw_overlay(
     lines = [f"{camera.name}: {verdict}", f"arc {report.arc_deg:.0f} deg"]
     if report.reason is not None:
         lines.append(report.reason.name.lower().replace("_", " "))
-    size = max(0.4, picture.shape[1] / 1400.0)
+    letters = max(0.4, picture.shape[1] / 1400.0)
     for k, text in enumerate(lines):
-        place = (8, int(40 * size * (k + 1)))
-        cv2.putText(picture, text, place, cv2.FONT_HERSHEY_SIMPLEX, size, (0, 0, 0), 3 * thick)
-        cv2.putText(picture, text, place, cv2.FONT_HERSHEY_SIMPLEX, size, (255, 255, 255), thick)
+        place = (8, int(40 * letters * (k + 1)))
+        cv2.putText(picture, text, place, cv2.FONT_HERSHEY_SIMPLEX, letters, (0, 0, 0), 3 * thick)
+        cv2.putText(picture, text, place, cv2.FONT_HERSHEY_SIMPLEX, letters, (255, 255, 255), thick)
     return picture
 
 

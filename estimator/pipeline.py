@@ -19,8 +19,8 @@ from planner.base.arrays import Array
 from planner.world.frames.earth_orientation import earth_orientation_warnings
 from planner.world.frames.time_scales import Instants
 
-# Under another renderer's air the heading's errors had 2.6 times the variance that the light's
-# likelihood tells.
+# By which the headings' likelihood counts less for the covariance than for the nadir: the air in
+# view may be of no kind that the light's model knows (2.6 times the variance told, by one).
 _DOUBT = 2.0
 
 
@@ -160,11 +160,7 @@ def _warnings(request: HorizonRequest, cameras: tuple[CameraReport, ...]) -> tup
 
 
 def _nadir(fits: tuple[Fit, ...], limb: Limb, nadir_itrf: Array) -> Nadir:
-    """A nadir and its covariance, over all headings tried by their weights.
-
-    The air in view may be of no kind that the light's model knows: its word counts in full for
-    the nadir, and a part of it for the covariance.
-    """
+    """A nadir and its covariance, over all headings tried by their weights."""
     mean_body = sum(one.weight * (one.c_body_from_itrf @ nadir_itrf) for one in fits)
     mean_body = np.asarray(mean_body) / np.linalg.norm(mean_body)
     axes_body = across_axes(mean_body)

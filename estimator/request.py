@@ -100,9 +100,7 @@ class HorizonRequest:
     overlay: bool = False
 
     def __post_init__(self) -> None:
-        if not 1 <= len(self.cameras) <= MAX_CAMERAS:
-            raise ValueError(f"cameras: 1 to {MAX_CAMERAS}, not {len(self.cameras)}")
-        _require_own_names("cameras", self.cameras)
+        require_cameras("cameras", self.cameras)
         range_km = float(np.linalg.norm(self.position.position_km))
         least_km = self.body.a_km * 1.015 + self.body.highest_limb_km
         if not least_km < range_km < _MAX_RANGE_KM:
@@ -116,10 +114,6 @@ def require_cameras(field: str, cameras: tuple[HorizonCamera, ...]) -> None:
     """Raise ValueError unless there are one to sixteen, each with a name of its own."""
     if not 1 <= len(cameras) <= MAX_CAMERAS:
         raise ValueError(f"{field} must hold 1 to {MAX_CAMERAS} of them, not {len(cameras)}")
-    _require_own_names(field, cameras)
-
-
-def _require_own_names(field: str, cameras: tuple[HorizonCamera, ...]) -> None:
     names = [camera.name for camera in cameras]
     if len(set(names)) < len(names):
         raise ValueError(f"{field} need names of their own, not {names}")

@@ -285,11 +285,9 @@ def _inside(frame: Frame, x_px: Grey, y_px: Grey, blurred: int) -> NDArray[np.bo
         clear = cv2.erode(frame.usable.astype(np.uint8), np.ones((7, 7), np.uint8))
         inside &= cv2.remap(clear, x_px, y_px, cv2.INTER_NEAREST, borderValue=0).astype(bool)
     # A border or the strip's end inside the blur makes an edge of its own, along the projection.
+    inside[:, [0, -1]] = False
     kernel = np.ones((1, 2 * blurred + 1), np.uint8)
-    return np.asarray(
-        cv2.erode(inside.astype(np.uint8), kernel, borderType=cv2.BORDER_CONSTANT, borderValue=0),
-        dtype=bool,
-    )
+    return np.asarray(cv2.erode(inside.astype(np.uint8), kernel).astype(bool))
 
 
 def _find_edge(strip: _Strip, step: float) -> _Edge:

@@ -146,10 +146,7 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Array, prior: Pr
     drawn_m = np.concatenate([p.drawn_m[p.found] for p in used])
     per_patch = np.concatenate([p.columns_per_patch()[p.found] for p in used])
     clipped_mask = _clipped_mask(used, by_daylight=prior.sun_itrf is not None)
-    lens_shift_body = _lens_shift_body(used)
-    turn_shift_body, turn = _turn_shift_body(used, prior)
-    shift_body = np.concatenate([lens_shift_body, turn_shift_body], axis=2)
-    shift = [0.0] * lens_shift_body.shape[2] + turn
+    shift_body, shift = _shift_body(used, prior)
     axes_itrf = np.stack([*limb.axes_itrf, limb.nadir_itrf])
     reach_m = limb.touch_range_m(prior.height_m)
     cone_per_m = (limb.cone(prior.height_m + 50.0) - limb.cone(prior.height_m - 50.0)) / 100.0
@@ -194,6 +191,7 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Array, prior: Pr
     loss = own_share * (
         (OPTIONS.tukey**2 / 3.0) * (1.0 - (1.0 - share2) ** 3) + 2.0 * np.log(scale)
     )
+    bent = np.abs(unknowns - expected)[len(expected) - len(shift) :]
     # A fit worse than its model says is less certain than its model says.
     misfit2 = _misfit2(residual_rad, weight, sigma_rad, variance_rad2)
     return Fit(
@@ -203,9 +201,7 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Array, prior: Pr
         residual_rad=_per_camera(points, residual_rad),
         tolerance_rad=_per_camera(points, sigma_rad),
         cost=float(np.sum(loss) + np.sum(information * (unknowns - expected) ** 2)),
-        bent_sigma=float(
-            np.max(np.abs(unknowns - expected)[len(expected) - len(shift) :], initial=0)
-        ),
+        bent_sigma=float(np.max(bent, initial=0.0)),
     )
 
 
@@ -234,11 +230,8 @@ def possible_fits(result: Fit, limb: Limb) -> list[Fit]:
     return slices
 
 
-def _expected_unknowns(prior: Prior, overexposed: int, shift: list[float]) -> tuple[Array, Array]:
-    """All unknowns but the tilts beforehand, and their 1-sigma.
-
-    shift: those of what moves the rays, in units of their 1-sigma.
-    """
+def _expected_unknowns(prior: Prior, overexposed: int, shift: Array) -> tuple[Array, Array]:
+    """All unknowns but the tilts beforehand, those of `_shift_body` last, and their 1-sigma."""
     expected = [
         0.0,
         prior.height_m,
@@ -297,27 +290,25 @@ def _clipped_mask(used: list[LimbPoints], *, by_daylight: bool) -> Array:
     return np.repeat(np.eye(len(used)), counts, axis=0)[:, over]
 
 
-def _lens_shift_body(used: list[LimbPoints]) -> Array:
-    """How found rays change with each unmeasured lens's unknowns, (n, 3, 2 k)."""
+def _shift_body(used: list[LimbPoints], prior: Prior) -> tuple[Array, Array]:
+    """How found rays change with each unmeasured lens's unknowns and, under a rolling shutter, with
+    the body's rate, (n, 3, k), and what is expected of these (k,); all in their 1-sigma."""
+    sigma_rad_s = max(prior.rate_sigma_rad_s, 1e-9)
     per_camera = []
     for k, p in enumerate(used):
-        own = np.zeros((int(np.sum(p.found)), 3, 2 * len(used)))
+        own = np.zeros((int(np.sum(p.found)), 3, 2 * len(used) + 3))
         own[:, :, 2 * k : 2 * k + 2] = p.lens_shift_body[p.found]
+        turn_rad = sigma_rad_s * p.exposed_s[p.found][:, None]
+        own[:, :, -3:] = np.moveaxis(
+            np.cross(np.eye(3)[:, None], p.ray_body[p.found]) * turn_rad, 0, 2
+        )
         per_camera.append(own)
     shift_body = np.concatenate(per_camera)
-    return shift_body[:, :, np.any(shift_body, axis=(0, 1))]
-
-
-def _turn_shift_body(used: list[LimbPoints], prior: Prior) -> tuple[Array, list[float]]:
-    """How found rays change with each part of the body's rate, (n, 3, 3), and what that is
-    expected to be, both in its 1-sigma; nothing where all rows are exposed at once."""
-    exposed_s = np.concatenate([p.exposed_s[p.found] for p in used])
-    if not np.any(exposed_s):
-        return np.zeros((len(exposed_s), 3, 0)), []
-    ray_body = np.concatenate([p.ray_body[p.found] for p in used])
-    sigma_rad_s = max(prior.rate_sigma_rad_s, 1e-9)
-    turned = np.cross(np.eye(3)[:, None], ray_body) * (sigma_rad_s * exposed_s[:, None])
-    return np.moveaxis(turned, 0, 2), [rate / sigma_rad_s for rate in prior.rate_body_rad_s]
+    expected = np.concatenate(
+        [np.zeros(2 * len(used)), np.array(prior.rate_body_rad_s) / sigma_rad_s]
+    )
+    moves = np.any(shift_body, axis=(0, 1))
+    return shift_body[:, :, moves], expected[moves]
 
 
 def _inside(

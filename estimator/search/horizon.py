@@ -146,16 +146,10 @@ def _coverage(nadir_body: Array, edges: Edges, cone: _LimbCone) -> float:
 
 _DISAGREE_SIGMA = 5.0
 _SEED = 20161
-_UNEXPLAINED = (
-    *(Reason.NO_HORIZON, Reason.BROKEN_ARC, Reason.ELSEWHERE),
-    *(Reason.RESIDUALS, Reason.COLOUR),
-)
-# What the Sun's glare looks like.
-_GLARE = (
-    *_UNEXPLAINED,
-    *(Reason.GLOWING_LAYER, Reason.BLURRED, Reason.SHARP, Reason.NO_SKY),
-    *(Reason.SATURATED, Reason.LIMB_HEIGHT),
-)
+_SHAPES = (Reason.NO_HORIZON, Reason.BROKEN_ARC, Reason.ELSEWHERE, Reason.RESIDUALS)
+_UNEXPLAINED = (*_SHAPES, Reason.COLOUR)
+_LIGHTS = (Reason.GLOWING_LAYER, Reason.BLURRED, Reason.SHARP, Reason.NO_SKY, Reason.SATURATED)
+_GLARE = (*_UNEXPLAINED, *_LIGHTS, Reason.LIMB_HEIGHT)  # what the Sun's may look like
 # The sky's brightness against the brightest in the frame: dark ocean in full sun has more.
 _SKY_SHARE = 0.12
 
@@ -247,8 +241,7 @@ def _explain(result: SearchResult, views: Sequence[View], search: Search) -> Sea
     if common in _GLARE and Reason.SUN_IN_FRAME in reasons:
         common = Reason.SUN_IN_FRAME
     elif common in _UNEXPLAINED:
-        plain = [reason for reason in reasons if reason and reason not in _UNEXPLAINED]
-        common = plain[0] if plain else common
+        common = next((one for one in reasons if one and one not in _UNEXPLAINED), common)
     return replace(result, reason=common, parts=parts)
 
 

@@ -186,8 +186,7 @@ def is_dark_within(
 
 
 def judge_height(result: Fit, body: Body) -> Reason | None:
-    """Whether the limb stands where the daylight limb can, or where the request says it is, as seen
-    by a lens like the one stated."""
+    """Whether lens and limb's height are those that daylight or the request allow."""
     if result.bent_sigma > OPTIONS.most_bent_sigma:
         return Reason.RESIDUALS
     low_m, high_m = OPTIONS.height_m

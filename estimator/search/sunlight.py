@@ -333,12 +333,8 @@ def is_no_bluer_above(
     coarse = camera.rad_per_px * reach_m > OPTIONS.coarsest_m
     if not frame.blue or coarse or np.sum(good) < OPTIONS.fewest:
         return False
-    light = np.hstack(
-        [
-            _light(p.ray_body[good], frame, camera, nadir_body, reach_m, at_m)
-            for at_m in (OPTIONS.above_m, OPTIONS.within_m)
-        ]
-    )
+    along = (p.ray_body[good], frame, camera, nadir_body, reach_m)
+    light = np.hstack([_light(*along, at_m) for at_m in (OPTIONS.above_m, OPTIONS.within_m)])
     unsaturated = np.all(np.isfinite(light), axis=1)
     if np.sum(unsaturated) < OPTIONS.fewest:
         return False
@@ -357,8 +353,7 @@ def _light(
     reach_m: float,
     at_m: tuple[float, ...],
 ) -> Array:
-    """How much brighter than the sky it is at depths below the limb along rays (n, 3): (n, 3)
-    colours."""
+    """Light over the sky's, at depths below the limb along rays (n, 3): (n, 3) colours."""
     across_body = nadir_body - (ray_body @ nadir_body)[:, None] * ray_body
     across_body /= np.linalg.norm(across_body, axis=1, keepdims=True)
     lower_rad = np.array([*at_m, *OPTIONS.beyond_m])[:, None, None] / reach_m
