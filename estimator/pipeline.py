@@ -19,8 +19,7 @@ from planner.base.arrays import Array
 from planner.world.frames.earth_orientation import earth_orientation_warnings
 from planner.world.frames.time_scales import Instants
 
-# By which the headings' likelihood counts less for the covariance than for the nadir: the air in
-# view may be of no kind that the light's model knows (2.6 times the variance told, by one).
+# The headings' likelihood counts less for the covariance: no model may know the air in view.
 _DOUBT = 2.0
 
 

@@ -325,10 +325,7 @@ def _colour(
 def is_no_bluer_above(
     p: LimbPoints, frame: Frame, camera: HorizonCamera, nadir_body: Array, reach_m: float
 ) -> bool:
-    """Whether the edge's light has one colour throughout, or is redder above.
-
-    Thin air scatters blue light most; further down it is spent, and clouds and ground are white.
-    """
+    """Whether the edge is no bluer above, where thin air would scatter blue most, than within."""
     good = p.found & ~p.clipped
     coarse = camera.rad_per_px * reach_m > OPTIONS.coarsest_m
     if not frame.blue or coarse or np.sum(good) < OPTIONS.fewest:
