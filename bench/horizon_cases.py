@@ -1,6 +1,6 @@
 """Images of the horizon benchmark, and their truth."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 
@@ -53,7 +53,24 @@ def camera(
         cx_px=0.5 * (width - 1),
         cy_px=0.5 * (height - 1),
         q_camera_from_body_xyzw=tuple(Rotation.from_matrix(c_camera_from_body).as_quat().tolist()),
+        lens_sigma=0.0,
     )
+
+
+class RollingShutter:
+    """A camera on a turning body whose rows are exposed one after another, for a renderer."""
+
+    def __init__(self, stated: HorizonCamera, rate_body_deg_s: Floats) -> None:
+        self._stated, self._rate_rad_s = stated, np.deg2rad(rate_body_deg_s)
+
+    def __getattr__(self, name: str) -> object:
+        return getattr(self._stated, name)
+
+    def rays_body(self, xy_px: Floats) -> Floats:
+        """On the body's axes in the middle of the exposure."""
+        exposed_s = self._stated.readout_s * ((xy_px[:, 1] + 0.5) / self._stated.height_px - 0.5)
+        turn = Rotation.from_rotvec(exposed_s[:, None] * self._rate_rad_s)
+        return np.asarray(turn.apply(self._stated.rays_body(xy_px)))
 
 
 def ring(count: int, width: int = 640, height: int = 480) -> tuple[HorizonCamera, ...]:
@@ -102,7 +119,7 @@ def case(
     sun_from_boresight_deg: tuple[float, float] = (0.0, 180.0),
     attitude_deg: float = 8.0,
     predicted_off_deg: float | None = 0.0,
-    true_cameras: tuple[HorizonCamera, ...] | None = None,
+    true_cameras: Sequence[HorizonCamera | RollingShutter] | None = None,
 ) -> Case:
     """One frame per camera from a random place, time and attitude.
 
@@ -169,6 +186,13 @@ NEGATIVES = (
     "text",
     "blobs",
     "terminator",
+    "straight, soft",
+    "straight, fading as air",
+    "straight, fading as sRGB",
+    "straight, a ramp",
+    "red limb",
+    "limb without air",
+    "aurora",
 )
 
 
@@ -176,8 +200,10 @@ def negative(kind: str, rng: np.random.Generator) -> tuple[Pixels, HorizonReques
     """An image without a usable horizon, at an epoch and place where it would be day."""
     if kind in ("ground", "cloud deck"):
         return _looking_down(rng, kind == "cloud deck"), case_frame(rng)
-    if kind in ("airglow", "terminator"):
+    if kind in ("airglow", "terminator", "aurora"):
         return _night(rng, kind)
+    if kind in ("red limb", "limb without air"):
+        return _other_planet(rng, airless=kind == "limb without air")
     image = _DRAWN[kind](rng) + rng.normal(0.0, 1.0, _SHAPE)
     return np.asarray(np.clip(np.rint(image), 0, 255), dtype=np.uint8), case_frame(rng)
 
@@ -211,6 +237,14 @@ def _edge(rng: np.random.Generator) -> Floats:
     return np.asarray(_dark(rng) + cv2.GaussianBlur(rng.uniform(60, 220) * side, (0, 0), 1.5))
 
 
+def _soft(rng: np.random.Generator, profile: Callable[[Floats], Floats]) -> Floats:
+    """A straight edge as wide as a limb or wider; profile: of widths inwards, from 0 to 1."""
+    angle, offset = rng.uniform(0.0, 2.0 * np.pi), rng.uniform(-150.0, 150.0)
+    inwards_px = (_X - 320.0) * np.cos(angle) + (_Y - 240.0) * np.sin(angle) - offset
+    width_px = np.exp(rng.uniform(np.log(4.0), np.log(25.0)))
+    return np.asarray(3.0 + rng.uniform(80.0, 350.0) * profile(inwards_px / width_px))
+
+
 def _text(rng: np.random.Generator) -> Floats:
     page = np.zeros(_SHAPE, dtype=np.uint8)
     for _ in range(12):
@@ -236,6 +270,12 @@ _DRAWN: dict[str, Callable[[np.random.Generator], Floats]] = {
     "stars": _stars,
     "moon": _moon,
     "straight edge": _edge,
+    "straight, soft": lambda rng: _soft(rng, lambda w: 0.5 * (1.0 + np.tanh(w))),
+    "straight, fading as air": lambda rng: _soft(
+        rng, lambda w: 1.0 - np.exp(-np.exp(np.clip(w, -50.0, 50.0)))
+    ),
+    "straight, fading as sRGB": lambda rng: _soft(rng, lambda w: np.exp(np.minimum(w, 0.0))),
+    "straight, a ramp": lambda rng: _soft(rng, lambda w: np.clip(w / 3.0, 0.0, 1.0)),
     "text": _text,
     "blobs": _blobs,
 }
@@ -286,10 +326,27 @@ def _night(rng: np.random.Generator, kind: str) -> tuple[Pixels, HorizonRequest]
 
     The request claims daylight: the image alone has to give the night away.
     """
-    sun_deg = (-60.0, -30.0) if kind == "airglow" else (-5.0, 10.0)
-    down_deg = 22.0 if kind == "airglow" else 60.0
+    sun_deg = (-5.0, 10.0) if kind == "terminator" else (-60.0, -30.0)
+    down_deg = 60.0 if kind == "terminator" else 22.0
     request, around = _request(rng, sun_deg, down_deg)
-    glow = Atmosphere(airglow=rng.uniform(0.002, 0.02), airglow_height_m=rng.uniform(86e3, 96e3))
+    height_m = (100e3, 110e3) if kind == "aurora" else (86e3, 96e3)
+    glow = Atmosphere(airglow=rng.uniform(0.002, 0.02), airglow_height_m=rng.uniform(*height_m))
     scene = Scene(atmosphere=glow, moonlight=rng.choice([0.0, 3e-3]), stars=100)
     image = _seen(rng, around, request.cameras[0], scene)
     return image, case_frame(rng)
+
+
+def _other_planet(rng: np.random.Generator, *, airless: bool) -> tuple[Pixels, HorizonRequest]:
+    """A limb as large as the Earth's, of dust reddish throughout or without any air.
+
+    Brightness alone tells neither from the Earth's air: dust fades as air does.
+    """
+    request, around = _request(rng, (30.0, 80.0), 22.0)
+    limb = Scene(constant_limb_m=rng.uniform(12e3, 25e3), cloud_cover=0.0)
+    if airless:
+        limb = Scene(atmosphere=Atmosphere(air_density=1e-3, dust_optical_depth=0.0), land=1.0)
+    grey = _seen(rng, around, request.cameras[0], limb).mean(axis=2, keepdims=True)
+    tint = np.ones(3) if airless else np.array([rng.uniform(0.3, 0.6), rng.uniform(0.5, 0.8), 1.0])
+    noise = rng.normal(0.0, 1.5, (*_SHAPE, 3))
+    image = np.clip(np.rint(grey * tint + noise), 0, 255).astype(np.uint8)
+    return image, request

@@ -22,7 +22,7 @@ Polygon = tuple[tuple[_CornerPx, _CornerPx], ...]
 MAX_SIDE_PX = 16384
 _NEWTON_STEPS = 12
 # Within 1 %, evenly.
-_PHOTOGRAPHED_SIGMA = 0.01 / np.sqrt(3.0)
+_UNSTATED_SIGMA = 0.01 / np.sqrt(3.0)
 _LEAST_KNOWN_SIGMA = 0.05
 _CONVERGED = 1e-9  # of the focal length: 1e-5 px at most
 
@@ -44,8 +44,11 @@ class HorizonCamera:
     mask: polygons, corners as [x, y], that hide the craft's own structure. E.g. `[[[0, 900], [640,
     900], [0, 1023]]]` [pixels]
     lens_sigma: uncertainty of the lens: the 1-sigma of its focal length, and of its distortion
-    at the image's corner, as fractions. Null: perfectly, but for frames stored as photographs,
-    whose lenses are taken as known to within 1 %. E.g. `0.002`.
+    at the image's corner, as fractions; 0 for a calibrated lens. Null: not stated, and taken as
+    known to within 1 %. E.g. `0.002`.
+    readout_s: time from the first row's exposure to the last's, which a rolling shutter reads one
+    after another; negative where it begins with the last. The epoch is that of the middle row.
+    0 for a global shutter. E.g. `0.03`.
     """
 
     name: str
@@ -59,6 +62,7 @@ class HorizonCamera:
     q_camera_from_body_xyzw: tuple[UnitPart, UnitPart, UnitPart, UnitPart]
     mask: tuple[Polygon, ...] = ()
     lens_sigma: Annotated[float, Within(0.0, _LEAST_KNOWN_SIGMA)] | None = None
+    readout_s: Annotated[float, Within(-1.0, 1.0)] = 0.0
 
     def __post_init__(self) -> None:
         require_unit_quaternion("q_camera_from_body_xyzw", self.q_camera_from_body_xyzw)
@@ -93,11 +97,13 @@ class HorizonCamera:
         ray_camera /= np.linalg.norm(ray_camera, axis=1, keepdims=True)
         return np.asarray(ray_camera @ self._c_camera_from_body)
 
-    def lens_shift_body(self, ray_body: Array, photographed: bool) -> Array:
+    def exposed_s(self, xy_px: Array) -> Array:
+        """When the rows of pixels (n, 2) are exposed, after the middle row, (n,)."""
+        return np.asarray(self.readout_s * ((xy_px[:, 1] + 0.5) / self.height_px - 0.5))
+
+    def lens_shift_body(self, ray_body: Array) -> Array:
         """How rays (n, 3) change with 1-sigma of focal length and distortion, (n, 3, 2)."""
-        sigma = self.lens_sigma
-        if sigma is None:
-            sigma = _PHOTOGRAPHED_SIGMA if photographed else 0.0
+        sigma = _UNSTATED_SIGMA if self.lens_sigma is None else self.lens_sigma
         ray_camera = ray_body @ self._c_camera_from_body.T
         if sigma == 0.0:
             return np.zeros((len(ray_camera), 3, 2))

@@ -44,6 +44,7 @@ class Reason(StrEnum):
     BLURRED = "the edge found is far too soft for the limb: a terminator, glow or cloud edge"
     SHARP = "the edge found is too sharp for air: the craft's structure, a window or a drawing"
     GLOWING_LAYER = "it grows dark again behind the edge: airglow or aurora, not the lit Earth"
+    COLOUR = "the light above the edge is no bluer than below it, as it is in the Earth's air"
     LIMB_HEIGHT = "the edge lies at a height the limb doesn't have: airglow, aurora or cloud tops"
     RESIDUALS = "the edge found does not follow the limb's shape; suspect the intrinsics"
     CAMERAS_DISAGREE = "cameras see horizons that contradict each other: check mounts and order"

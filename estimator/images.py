@@ -2,8 +2,8 @@
 
 Decoding trusts nothing: the kind is known by the file's first bytes, the size by its header,
 and both are checked before a decoder sees the file.  `decode_image` is meant to run in a
-disposable process.  EXIF rotation is ignored on purpose: the camera model describes the
-sensor's pixels as they were read out, whichever way up somebody wants to look at them.
+process of its own, ended afterwards.  EXIF rotation is ignored on purpose: the camera model
+describes the sensor's pixels as they were read out, whichever way up somebody looks at them.
 """
 
 import struct

@@ -1,7 +1,7 @@
 """From images to the nadir, its uncertainty, and its agreement with the planned attitude."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from estimator.surroundings import Surroundings
 from planner.base.arrays import Array
 from planner.world.frames.earth_orientation import earth_orientation_warnings
 from planner.world.frames.time_scales import Instants
+
+# The headings' likelihood counts less for the covariance: no model may know the air in view.
+_DOUBT = 2.0
 
 
 @dataclass(frozen=True)
@@ -90,7 +93,11 @@ def estimate_vertical(images: Sequence[Pixels], request: HorizonRequest) -> Vert
     predicted = request.predicted
     search = Search(
         around=around,
-        prior=prior_of(around, None if predicted is None else predicted.sigma_deg, blue),
+        prior=replace(
+            prior_of(around, None if predicted is None else predicted.sigma_deg, blue),
+            rate_body_rad_s=tuple(np.deg2rad(request.rate_body_deg_s).tolist()),
+            rate_sigma_rad_s=float(np.deg2rad(request.rate_sigma_deg_s)),
+        ),
         c_body_from_itrf_predicted=(
             None if predicted is None else around.c_body_from_itrf(predicted)
         ),
@@ -158,10 +165,11 @@ def _nadir(fits: tuple[Fit, ...], limb: Limb, nadir_itrf: Array) -> Nadir:
     axes_body = across_axes(mean_body)
     turns_itrf = np.cross(np.stack([*limb.axes_itrf, limb.nadir_itrf]), nadir_itrf)
     covariance_rad2 = np.zeros((2, 2))
-    for one in fits:
+    doubted = np.array([one.weight for one in fits]) ** (1.0 / _DOUBT)
+    for one, weight in zip(fits, doubted / doubted.sum(), strict=True):
         across_from_turns = -axes_body @ one.c_body_from_itrf @ turns_itrf.T
         off_rad = axes_body @ (one.c_body_from_itrf @ nadir_itrf)
         turns_rad2 = one.covariance_matrix[:3, :3]
         own_rad2 = across_from_turns @ turns_rad2 @ across_from_turns.T
-        covariance_rad2 += one.weight * (own_rad2 + np.outer(off_rad, off_rad))
+        covariance_rad2 += weight * (own_rad2 + np.outer(off_rad, off_rad))
     return Nadir(nadir_body=mean_body, axes_body=axes_body, covariance_rad2=covariance_rad2)

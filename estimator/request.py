@@ -10,7 +10,9 @@ from planner.base.spec import UnitPart, Within, spec
 from planner.world.frames.geodesy import WGS84_A_M, WGS84_B_M
 
 MAX_CAMERAS = 16
+RATE_SIGMA_DEG_S = 3.0  # a craft that turns as fast as it may
 _MAX_RANGE_KM = 500_000.0
+_RateDegS = Annotated[float, Within(-20.0, 20.0)]
 _PartKm = Annotated[float, Within(-_MAX_RANGE_KM, _MAX_RANGE_KM)]
 
 
@@ -82,6 +84,9 @@ class HorizonRequest:
     position: position of the craft.
     cameras: those that took the images, in the images' order.
     predicted: the attitude to be checked; none is measured against nothing.
+    rate_body_deg_s: the body's rate against the stars, on its axes. It matters for cameras with
+    `readout_s`, whose rows then see the limb from different attitudes.
+    rate_sigma_deg_s: its 1-sigma on each axis. Left out, the rate is as good as unknown.
     overlay: true to get the frames annotated, as PNG.
     """
 
@@ -90,12 +95,12 @@ class HorizonRequest:
     cameras: tuple[HorizonCamera, ...]
     body: Body = Body()
     predicted: PredictedAttitude | None = None
+    rate_body_deg_s: tuple[_RateDegS, _RateDegS, _RateDegS] = (0.0, 0.0, 0.0)
+    rate_sigma_deg_s: Annotated[float, Within(0.0, 20.0)] = RATE_SIGMA_DEG_S
     overlay: bool = False
 
     def __post_init__(self) -> None:
-        if not 1 <= len(self.cameras) <= MAX_CAMERAS:
-            raise ValueError(f"cameras: 1 to {MAX_CAMERAS}, not {len(self.cameras)}")
-        _require_own_names("cameras", self.cameras)
+        require_cameras("cameras", self.cameras)
         range_km = float(np.linalg.norm(self.position.position_km))
         least_km = self.body.a_km * 1.015 + self.body.highest_limb_km
         if not least_km < range_km < _MAX_RANGE_KM:
@@ -109,10 +114,6 @@ def require_cameras(field: str, cameras: tuple[HorizonCamera, ...]) -> None:
     """Raise ValueError unless there are one to sixteen, each with a name of its own."""
     if not 1 <= len(cameras) <= MAX_CAMERAS:
         raise ValueError(f"{field} must hold 1 to {MAX_CAMERAS} of them, not {len(cameras)}")
-    _require_own_names(field, cameras)
-
-
-def _require_own_names(field: str, cameras: tuple[HorizonCamera, ...]) -> None:
     names = [camera.name for camera in cameras]
     if len(set(names)) < len(names):
         raise ValueError(f"{field} need names of their own, not {names}")

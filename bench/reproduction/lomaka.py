@@ -54,6 +54,7 @@ def lens(width_deg: float, width_px: int, down_deg: float, azimuth_deg: float) -
         cx_px=one.cx_px,
         cy_px=one.cy_px,
         q_camera_from_body_xyzw=one.q_camera_from_body_xyzw,
+        lens_sigma=0.0,
     )
 
 

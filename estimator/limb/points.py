@@ -30,6 +30,7 @@ class LimbPointOptions:
     """How the limb's edge is told from noise, clouds and the sky."""
 
     smoothing_m: float = 5.0e3  # across the limb: less than its own width
+    blur_reach: float = 3.0  # smoothing widths that a place's blur looks at
     fewest_columns: int = 8  # with a limb, for an image to be fitted
     correlated_rad: float = np.deg2rad(5.0)  # neighbours within share the limb's roughness
     apart: int = 6  # columns whose noise is their own
@@ -48,6 +49,7 @@ class LimbPointOptions:
     cloudless_share: float = 0.86
     sure_sigma: float = 3.0  # of the noise, by which a slope must be above it
     clear_of_clouds_m: float = 6e3  # above an edge, where cloud tops don't reach
+    most_drawn_m: float = 22e3  # by clouds: from the highest limbs in grey down to the ground
     separate_m: float = 6e3  # smoothed by more, clouds and the air above them are one edge
 
 
@@ -64,7 +66,7 @@ class LimbPoints:
     blocked (n,): the craft's own structure, or the dark, hides the column.
     step_rad: azimuth per column.
     Of the edge: xy_px (n, 2), ray_body (n, 3), and lens_shift_body (n, 3, 2), how the ray changes
-    with 1-sigma of the lens's focal length and distortion.
+    with 1-sigma of the lens's focal length and distortion.  exposed_s (n,): when its row was.
     sigma_rad (n,): noise of the edge alone.  drawn_m (n,): how much lower clouds had drawn
     it before it was moved back.  slope_per_px (n,): of brightness, inwards.
     width_m (n,): 1-sigma width at the limb, which holds smooth_m, what the profile was smoothed
@@ -80,6 +82,7 @@ class LimbPoints:
     xy_px: Array
     ray_body: Array
     lens_shift_body: Array
+    exposed_s: Array
     sigma_rad: Array
     drawn_m: Array
     slope_per_px: Array
@@ -137,7 +140,8 @@ def ideal_points(
         step_rad=step_rad,
         xy_px=camera.pixels(ray_body),
         ray_body=ray_body,
-        lens_shift_body=camera.lens_shift_body(ray_body, photographed=False),
+        lens_shift_body=camera.lens_shift_body(ray_body),
+        exposed_s=camera.exposed_s(np.nan_to_num(camera.pixels(ray_body))),
         sigma_rad=OPTIONS.ideal_edge_px * camera.rad_per_px * one,
         drawn_m=0.0 * one,
         slope_per_px=one,
@@ -188,7 +192,8 @@ def find_limb(
         step_rad=step_rad,
         xy_px=xy_px,
         ray_body=ray_body,
-        lens_shift_body=camera.lens_shift_body(ray_body, frame.decoded),
+        lens_shift_body=camera.lens_shift_body(ray_body),
+        exposed_s=camera.exposed_s(xy_px),
         sigma_rad=edge.sigma_px * strip.m_per_px / reach_m,
         drawn_m=edge.drawn_px * strip.m_per_px,
         slope_per_px=edge.slope_per_px,
@@ -207,6 +212,7 @@ class _Strip:
     middle_px (n, 2): on the projection.  outward_unit (n, 2): the column's way in the image.
     offset_px (m,): from the middle, pitch_px apart.  level (n, m): brightness, smoothed by
     smooth_px along the columns.  inside (n, m): in the frame, and nothing hides it.
+    searched: the steps whose blur the strip's ends don't reach.
     """
 
     middle_px: Array
@@ -216,6 +222,7 @@ class _Strip:
     offset_px: Array
     pitch_px: float
     smooth_px: float
+    searched: slice
     level: Grey
     inside: NDArray[np.bool_]
 
@@ -248,8 +255,10 @@ def _unwrap(frame: Frame, low_px: Array, high_px: Array, half_m: float, window_m
     typical_m_per_px = float(np.median(m_per_px))
     smooth_px = max(OPTIONS.smoothing_m / typical_m_per_px, 0.9)
     pitch_px = float(np.clip(smooth_px / 3.0, 0.35, 2.0))
+    blurred = int(np.ceil(OPTIONS.blur_reach * smooth_px / pitch_px))
     # Of a pitch of a third 5 smoothing widths are 15, which rounding must not make 16.
     steps = int(np.ceil(max(window_m / typical_m_per_px, 5.0 * smooth_px) / pitch_px - 1e-6))
+    steps += blurred
     offset_px = pitch_px * np.arange(-steps, steps + 1.0)
     xy_px = middle_px[:, None] + offset_px[:, None] * outward_unit[:, None]
     x_px, y_px = np.moveaxis(xy_px, 2, 0).astype(np.float32, order="C")
@@ -263,19 +272,22 @@ def _unwrap(frame: Frame, low_px: Array, high_px: Array, half_m: float, window_m
         offset_px=offset_px,
         pitch_px=pitch_px,
         smooth_px=smooth_px,
+        searched=slice(blurred, -blurred),
         level=np.asarray(level, dtype=np.float32),
-        inside=_inside(frame, x_px, y_px),
+        inside=_inside(frame, x_px, y_px, blurred),
     )
 
 
-def _inside(frame: Frame, x_px: Grey, y_px: Grey) -> NDArray[np.bool_]:
+def _inside(frame: Frame, x_px: Grey, y_px: Grey, blurred: int) -> NDArray[np.bool_]:
     height, width = frame.grey.shape
     inside = (x_px >= 0) & (x_px <= width - 1) & (y_px >= 0) & (y_px <= height - 1)
     if not frame.usable.all():
         clear = cv2.erode(frame.usable.astype(np.uint8), np.ones((7, 7), np.uint8))
         inside &= cv2.remap(clear, x_px, y_px, cv2.INTER_NEAREST, borderValue=0).astype(bool)
-    # A border inside the blur makes an edge of its own.
-    return np.asarray(cv2.erode(inside.astype(np.uint8), np.ones((1, 7), np.uint8)).astype(bool))
+    # A border or the strip's end inside the blur makes an edge of its own, along the projection.
+    inside[:, [0, -1]] = False
+    kernel = np.ones((1, 2 * blurred + 1), np.uint8)
+    return np.asarray(cv2.erode(inside.astype(np.uint8), kernel).astype(bool))
 
 
 def _find_edge(strip: _Strip, step: float) -> _Edge:
@@ -284,8 +296,7 @@ def _find_edge(strip: _Strip, step: float) -> _Edge:
     step: the frame's smallest difference of brightness that tells.
     """
     rise = -np.gradient(strip.level, axis=1) / np.float32(strip.pitch_px)
-    rise[~strip.inside] = 0.0
-    peak, significant, noise_per_px = _outermost_peak(rise, strip.smooth_px, step)
+    peak, significant, noise_per_px = _outermost_peak(rise, strip, step)
     row = np.arange(len(peak))
     before, at, after = (rise[row, peak + k].astype(float) for k in (-1, 0, 1))
     bend = np.maximum(2.0 * at - before - after, 1e-12)
@@ -312,7 +323,8 @@ def _above_clouds(edge: _Edge, strip: _Strip) -> _Edge:
     if not edge.significant.any() or strip.smooth_px * strip.typical_m_per_px > OPTIONS.separate_m:
         return edge
     row, last = np.arange(len(edge.peak)), strip.level.shape[1] - 1
-    sky = np.median(strip.level[:, -OPTIONS.sky_steps :], axis=1, keepdims=True)
+    beyond_level = strip.level[:, strip.searched][:, -OPTIONS.sky_steps :]
+    sky = np.median(beyond_level, axis=1, keepdims=True)
     light = strip.level - sky
     growth_per_px = edge.rise_per_px / np.maximum(light, edge.noise_per_px)
     at_peak = growth_per_px[row, edge.peak]
@@ -332,8 +344,9 @@ def _above_clouds(edge: _Edge, strip: _Strip) -> _Edge:
     above, below = growth_per_px[row, index], growth_per_px[row, index - 1]
     part = np.clip((above - least) / np.maximum(above - below, 1e-9), 0.0, 1.0)
     from_middle_px = strip.offset_px[index] - strip.pitch_px * (part + steps)
-    # Clouds only draw inwards.
-    drawn &= reaches.any(axis=1) & (from_middle_px > edge.from_middle_px)
+    # Clouds only draw inwards, and not below the ground.
+    moved_m = (from_middle_px - edge.from_middle_px) * strip.m_per_px
+    drawn &= reaches.any(axis=1) & (moved_m > 0.0) & (moved_m < OPTIONS.most_drawn_m)
     peak = np.where(drawn, np.maximum(index - steps, 0), edge.peak)
     by_px = np.where(drawn, from_middle_px - edge.from_middle_px, 0.0)
     return replace(
@@ -346,16 +359,16 @@ def _above_clouds(edge: _Edge, strip: _Strip) -> _Edge:
 
 
 def _outermost_peak(
-    rise: Grey, smooth_px: float, step: float
+    rise: Grey, strip: _Strip, step: float
 ) -> tuple[NDArray[np.intp], NDArray[np.bool_], float]:
     """Index of each column's outermost significant peak, whether it has one, and the noise."""
     # Neighbours far enough apart to have noise of their own share the limb's smooth profile.
-    beyond = rise[:, rise.shape[1] // 2 :]
+    beyond = rise[:, rise.shape[1] // 2 : strip.searched.stop]
     noise = float(np.median(np.abs(beyond[OPTIONS.apart :] - beyond[: -OPTIONS.apart]))) / (
         0.6745 * np.sqrt(2.0)
     )
-    noise = max(noise, OPTIONS.step_of_noise * step / (3.0 * smooth_px))
-    inner = rise[:, 1:-1]
+    noise = max(noise, OPTIONS.step_of_noise * step / (3.0 * strip.smooth_px))
+    inner = np.where(strip.inside, rise, 0.0)[:, 1:-1]
     top = (inner >= rise[:, :-2]) & (inner > rise[:, 2:])
     highest = inner.max(axis=1)
     reference = highest

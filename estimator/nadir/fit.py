@@ -4,8 +4,8 @@ Gauss-Newton on the angles between limb rays and the cone of an ellipsoid's limb
 Tukey's weights; unknowns are two tilts, the heading (held by its prior, since a round limb
 hardly shows it), the limb's height, how strongly it rises under a low Sun, how it leans along
 the Sun's azimuth and bends across it, how much clouds draw it inwards, the lift, lean and bend of
-each overexposed camera by itself, and each camera's focal length and distortion where nobody
-measured them.
+each overexposed camera by itself, each camera's focal length and distortion where nobody
+measured them, and the body's turn while a rolling shutter reads the frames.
 The limb's roughness is common to neighbouring columns: n columns within 5 deg of azimuth
 carry the information of one.
 Source: Christian 2017 for the cone; Beaton and Tukey 1974 for the weights.
@@ -18,6 +18,7 @@ import numpy as np
 from estimator.limb.geometry import Limb
 from estimator.limb.low_sun import sun_rise_m
 from estimator.limb.points import LimbPoints
+from estimator.request import RATE_SIGMA_DEG_S
 from planner.base.arrays import Array
 
 ROUGHNESS_M = 0.8e3
@@ -60,6 +61,7 @@ class Prior:
     lean_sigma_m: of the height's slope along the Sun's azimuth.  bend_sigma_m: of its part that
     repeats twice around the limb, along the Sun against across it.
     sun_itrf: None where the limb doesn't follow the Sun.
+    rate_body_rad_s: of the body against the stars, on its axes, each to rate_sigma_rad_s.
     """
 
     height_m: float
@@ -69,6 +71,8 @@ class Prior:
     bend_sigma_m: float
     roughness_m: float
     sun_itrf: Array | None
+    rate_body_rad_s: tuple[float, ...] = (0.0, 0.0, 0.0)
+    rate_sigma_rad_s: float = np.deg2rad(RATE_SIGMA_DEG_S)
 
 
 @dataclass(frozen=True)
@@ -78,10 +82,12 @@ class Fit:
     Those are: tilt about the limb's east and north axes, turn about nadir (rad); height (m), the
     rise under a low Sun over its model, the limb's lean and bend by the Sun's azimuth (m); the
     share left of what clouds drew it by; by how much overexposed cameras' limbs are higher, lean
-    and bend (m); and unmeasured lenses' focal lengths and distortions.
+    and bend (m); unmeasured lenses' focal lengths and distortions, and the turn during a rolling
+    shutter's reading, in units of their 1-sigma.
     residual_rad: per camera, over its columns, NaN where nothing was found.
     tolerance_rad: their expected 1-sigma.  cost: minus twice the log likelihood, for residuals
     on their own scale where that is beyond the expected one.
+    bent_sigma: of lenses and turn, how far the one farthest from what is stated is.
     weight: probability against the fits at other headings; 1 where the heading is known.
     """
 
@@ -91,6 +97,7 @@ class Fit:
     residual_rad: tuple[Array, ...]
     tolerance_rad: tuple[Array, ...]
     cost: float
+    bent_sigma: float = 0.0
     weight: float = 1.0
 
     @property
@@ -139,13 +146,13 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Array, prior: Pr
     drawn_m = np.concatenate([p.drawn_m[p.found] for p in used])
     per_patch = np.concatenate([p.columns_per_patch()[p.found] for p in used])
     clipped_mask = _clipped_mask(used, by_daylight=prior.sun_itrf is not None)
-    lens_shift_body = _lens_shift_body(used)
+    shift_body, shift = _shift_body(used, prior)
     axes_itrf = np.stack([*limb.axes_itrf, limb.nadir_itrf])
     reach_m = limb.touch_range_m(prior.height_m)
     cone_per_m = (limb.cone(prior.height_m + 50.0) - limb.cone(prior.height_m - 50.0)) / 100.0
     c = c_body_from_itrf.copy()
     # Besides the tilts: turn, height, and what lifts the limb from place to place.
-    expected, sigma = _expected_unknowns(prior, clipped_mask.shape[1], lens_shift_body.shape[2])
+    expected, sigma = _expected_unknowns(prior, clipped_mask.shape[1], shift)
     unknowns = expected.copy()
     information = sigma**-2
     # Out of this range it will be refused; within it, there is a limb to compare with.
@@ -157,8 +164,8 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Array, prior: Pr
         if turned_rad > OPTIONS.still_rad:
             lifts, rough_m = _lifts(ray_itrf, clipped_mask, drawn_m, limb, prior, height_m)
         inside_rad, by_ray, by_height = _inside(limb, cone_per_m, ray_itrf, height_m)
-        by_lens = np.einsum("ni,nik->nk", by_ray @ c.T, lens_shift_body)
-        by_lift = np.column_stack([by_height[:, None] * lifts, by_lens])
+        by_shift = np.einsum("ni,nik->nk", by_ray @ c.T, shift_body)
+        by_lift = np.column_stack([by_height[:, None] * lifts, by_shift])
         jacobian = np.column_stack([np.cross(ray_itrf, by_ray) @ axes_itrf.T, by_height, by_lift])
         residual_rad = inside_rad + by_lift @ unknowns[2:]
         sigma_rad = np.hypot(edge_rad, rough_m / reach_m)
@@ -184,6 +191,7 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Array, prior: Pr
     loss = own_share * (
         (OPTIONS.tukey**2 / 3.0) * (1.0 - (1.0 - share2) ** 3) + 2.0 * np.log(scale)
     )
+    bent = np.abs(unknowns - expected)[len(expected) - len(shift) :]
     # A fit worse than its model says is less certain than its model says.
     misfit2 = _misfit2(residual_rad, weight, sigma_rad, variance_rad2)
     return Fit(
@@ -193,6 +201,7 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Array, prior: Pr
         residual_rad=_per_camera(points, residual_rad),
         tolerance_rad=_per_camera(points, sigma_rad),
         cost=float(np.sum(loss) + np.sum(information * (unknowns - expected) ** 2)),
+        bent_sigma=float(np.max(bent, initial=0.0)),
     )
 
 
@@ -221,8 +230,8 @@ def possible_fits(result: Fit, limb: Limb) -> list[Fit]:
     return slices
 
 
-def _expected_unknowns(prior: Prior, overexposed: int, bends: int) -> tuple[Array, Array]:
-    """All unknowns but the tilts beforehand, and their 1-sigma; lenses' in units of theirs."""
+def _expected_unknowns(prior: Prior, overexposed: int, shift: Array) -> tuple[Array, Array]:
+    """All unknowns but the tilts beforehand, those of `_shift_body` last, and their 1-sigma."""
     expected = [
         0.0,
         prior.height_m,
@@ -231,8 +240,8 @@ def _expected_unknowns(prior: Prior, overexposed: int, bends: int) -> tuple[Arra
         0.0,
         0.0,
         *[OPTIONS.clipped_m, 0.0, 0.0] * overexposed,
+        *shift,
     ]
-    expected += [0.0] * bends
     sigma = [
         prior.heading_sigma_rad,
         max(prior.height_sigma_m, 1.0),
@@ -241,7 +250,7 @@ def _expected_unknowns(prior: Prior, overexposed: int, bends: int) -> tuple[Arra
         prior.bend_sigma_m,
         OPTIONS.drawn_sigma,
         *[OPTIONS.clipped_m, OPTIONS.clipped_lean_m, OPTIONS.clipped_bend_m] * overexposed,
-        *[1.0] * bends,
+        *[1.0] * len(shift),
     ]
     return np.array(expected), np.array(sigma)
 
@@ -281,15 +290,25 @@ def _clipped_mask(used: list[LimbPoints], *, by_daylight: bool) -> Array:
     return np.repeat(np.eye(len(used)), counts, axis=0)[:, over]
 
 
-def _lens_shift_body(used: list[LimbPoints]) -> Array:
-    """How found rays change with each unmeasured lens's unknowns, (n, 3, 2 k)."""
+def _shift_body(used: list[LimbPoints], prior: Prior) -> tuple[Array, Array]:
+    """How found rays change with each unmeasured lens's unknowns and, under a rolling shutter, with
+    the body's rate, (n, 3, k), and what is expected of these (k,); all in their 1-sigma."""
+    sigma_rad_s = max(prior.rate_sigma_rad_s, 1e-9)
     per_camera = []
     for k, p in enumerate(used):
-        own = np.zeros((int(np.sum(p.found)), 3, 2 * len(used)))
+        own = np.zeros((int(np.sum(p.found)), 3, 2 * len(used) + 3))
         own[:, :, 2 * k : 2 * k + 2] = p.lens_shift_body[p.found]
+        turn_rad = sigma_rad_s * p.exposed_s[p.found][:, None]
+        own[:, :, -3:] = np.moveaxis(
+            np.cross(np.eye(3)[:, None], p.ray_body[p.found]) * turn_rad, 0, 2
+        )
         per_camera.append(own)
     shift_body = np.concatenate(per_camera)
-    return shift_body[:, :, np.any(shift_body, axis=(0, 1))]
+    expected = np.concatenate(
+        [np.zeros(2 * len(used)), np.array(prior.rate_body_rad_s) / sigma_rad_s]
+    )
+    moves = np.any(shift_body, axis=(0, 1))
+    return shift_body[:, :, moves], expected[moves]
 
 
 def _inside(

@@ -9,6 +9,7 @@ Source: Chandrasekhar 1960, ch. I; Bucholtz 1995 for Rayleigh cross-sections.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Annotated
 
 import numpy as np
@@ -104,7 +105,7 @@ def limb_radiance(
     total_per_m = air_per_m + dust_per_m + ozone_per_m
     depth = np.cumsum(total_per_m * step_m, axis=1) - 0.5 * total_per_m * step_m
     weight = np.exp(-depth) * step_m
-    lit = np.exp(-_SunDepth(air)(height_m[None], sun_cosine))
+    lit = np.exp(-_sun_depth(air)(height_m[None], sun_cosine))
     # Light scattered more than once: grey, from a bright ground under the same Sun.
     diffuse = (
         air.diffuse_share
@@ -131,7 +132,7 @@ def limb_radiance(
 
 def sunlight_at_ground(air: Atmosphere, sun_cosine: Array) -> Array:
     """Direct and diffuse sunlight on level ground, shape (..., 3), 1 for the bare overhead Sun."""
-    direct = np.exp(-_SunDepth(air)(np.zeros_like(sun_cosine), sun_cosine))
+    direct = np.exp(-_sun_depth(air)(np.zeros_like(sun_cosine), sun_cosine))
     level = np.clip(sun_cosine, 0.0, 1.0)[..., None]
     twilight = 0.12 * np.exp(np.minimum(sun_cosine, 0.0) / 0.05)[..., None]
     return np.asarray(direct * level + twilight * np.clip(level + 0.25, 0.0, 1.0))
@@ -185,6 +186,9 @@ class _SunDepth:
         row = np.interp(height_m, self.height_m, np.arange(len(self.height_m)))
         column = np.interp(cosine, self.cosine, np.arange(len(self.cosine)))
         return interpolate(self.depth, row, column)
+
+
+_sun_depth = lru_cache(maxsize=2)(_SunDepth)
 
 
 def _in_colour(

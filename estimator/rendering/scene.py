@@ -215,10 +215,11 @@ def _look_up(tables: LimbRadiance, azimuth_rad: Array, tangent_m: Array) -> tupl
     row = np.clip(row, 0.0, len(grid_rad) - 1.001)
     column = np.interp(tangent_m, grid_m, np.arange(len(grid_m)))
     column = np.clip(column, 0.0, len(grid_m) - 1.001)
-    sky = (tangent_m > grid_m[-1])[:, None]
-    radiance = interpolate(tables.radiance_ratio, row, column)
-    transmittance = interpolate(tables.transmittance, row, column)
-    return np.where(sky, 0.0, radiance), np.where(sky, 1.0, transmittance)
+    radiance, transmittance = np.zeros((len(row), 3)), np.ones((len(row), 3))
+    low = tangent_m <= grid_m[-1]  # above it is sky
+    radiance[low] = interpolate(tables.radiance_ratio, row[low], column[low])
+    transmittance[low] = interpolate(tables.transmittance, row[low], column[low])
+    return radiance, transmittance
 
 
 def _textbook(azimuth_rad: Array, height_m: float) -> LimbRadiance:

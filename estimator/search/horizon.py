@@ -146,7 +146,10 @@ def _coverage(nadir_body: Array, edges: Edges, cone: _LimbCone) -> float:
 
 _DISAGREE_SIGMA = 5.0
 _SEED = 20161
-_UNEXPLAINED = (Reason.NO_HORIZON, Reason.BROKEN_ARC, Reason.ELSEWHERE, Reason.RESIDUALS)
+_SHAPES = (Reason.NO_HORIZON, Reason.BROKEN_ARC, Reason.ELSEWHERE, Reason.RESIDUALS)
+_UNEXPLAINED = (*_SHAPES, Reason.COLOUR)
+_LIGHTS = (Reason.GLOWING_LAYER, Reason.BLURRED, Reason.SHARP, Reason.NO_SKY, Reason.SATURATED)
+_GLARE = (*_UNEXPLAINED, *_LIGHTS, Reason.LIMB_HEIGHT)  # what the Sun's may look like
 # The sky's brightness against the brightest in the frame: dark ocean in full sun has more.
 _SKY_SHARE = 0.12
 
@@ -233,20 +236,22 @@ def _explain(result: SearchResult, views: Sequence[View], search: Search) -> Sea
         part.with_reason(_plainer(part.agreement.reason, view, search))
         for part, view in zip(result.parts, views, strict=True)
     )
+    reasons = [part.agreement.reason for part in parts]
     common = result.reason
-    if common in _UNEXPLAINED:
-        reasons = [part.agreement.reason for part in parts]
-        common = next((reason for reason in reasons if reason not in _UNEXPLAINED), common)
+    if common in _GLARE and Reason.SUN_IN_FRAME in reasons:
+        common = Reason.SUN_IN_FRAME
+    elif common in _UNEXPLAINED:
+        common = next((one for one in reasons if one and one not in _UNEXPLAINED), common)
     return replace(result, reason=common, parts=parts)
 
 
 def _plainer(reason: Reason | None, view: View, search: Search) -> Reason | None:
     around, c_predicted = search.around, search.c_body_from_itrf_predicted
-    if reason not in _UNEXPLAINED or not around.daylight:
+    if reason not in _GLARE or not around.daylight:
         return reason
     if c_predicted is not None and around.is_sun_in_frame(view.camera, c_predicted):
         return Reason.SUN_IN_FRAME
-    if reason is not Reason.RESIDUALS and not _has_sky(view.frame):
+    if reason in _UNEXPLAINED and reason is not Reason.RESIDUALS and not _has_sky(view.frame):
         return Reason.NO_SKY
     return reason
 

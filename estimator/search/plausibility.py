@@ -48,6 +48,8 @@ class PlausibilityOptions:
     sharpest_m: float = 3.2e3
     sharpest_clipped_m: float = 2.5e3  # overexposure less
     lens_px: float = 0.76  # a lens blurs a step as well, with the pixel itself
+    # from the lens that is stated: an error of up to 1 %, any alike, is 1.73 at most
+    most_bent_sigma: float = 2.5
     height_m: tuple[float, float] = (2e3, 45e3)  # daylight limbs lie between, overexposed ones too
     # 1-sigma of a tilt that the limb's lean leaves: with more the Sun must be known
     vague_rad: float = np.deg2rad(0.15)
@@ -184,7 +186,9 @@ def is_dark_within(
 
 
 def judge_height(result: Fit, body: Body) -> Reason | None:
-    """Whether the limb stands where the daylight limb can, or where the request says it is."""
+    """Whether lens and limb's height are those that daylight or the request allow."""
+    if result.bent_sigma > OPTIONS.most_bent_sigma:
+        return Reason.RESIDUALS
     low_m, high_m = OPTIONS.height_m
     if body.limb_height_km is not None and body.limb_height_sigma_km is not None:
         reach_m = 5.0 * (body.limb_height_sigma_km * 1e3) + 2e3

@@ -130,7 +130,12 @@ class SunlightOptions:
     colour_scatter: float = 0.015  # of the logarithm of red over blue, likewise
     # depths below the edge at which the limb's brightness is taken
     within_m: tuple[float, float, float] = (6e3, 10e3, 14e3)
-    beyond_m: tuple[float, float] = (-30e3, -36e3)  # and heights above it, for the sky's
+    above_m: tuple[float, float, float] = (-8e3, -10e3, -12e3)  # heights above it, of thin air,
+    beyond_m: tuple[float, float] = (-30e3, -36e3)  # and for the sky's
+    # Blue over red above the edge against within it, as a logarithm: 0.13 to 1.4 by airs of
+    # SASKTRAN2 (bench/limb_frames.py), the Sun 4 deg high and up; 0 of an edge of one colour
+    least_bluer: float = 0.08
+    coarsest_m: float = 8e3  # a pixel that still tells above from within
 
 
 OPTIONS = SunlightOptions()
@@ -301,7 +306,7 @@ def _colour(
     good = np.flatnonzero(p.found & ~p.clipped)
     if not frame.blue or len(good) < OPTIONS.fewest:
         return None
-    light = _light(p.ray_body[good], frame, camera, nadir_body, reach_m)
+    light = _light(p.ray_body[good], frame, camera, nadir_body, reach_m, OPTIONS.within_m)
     # Full ones are not a number.
     positive = np.all(light > 0.0, axis=1)
     good, light = good[positive], light[positive]
@@ -317,17 +322,42 @@ def _colour(
     )
 
 
+def is_no_bluer_above(
+    p: LimbPoints, frame: Frame, camera: HorizonCamera, nadir_body: Array, reach_m: float
+) -> bool:
+    """Whether the edge is no bluer above, where thin air would scatter blue most, than within."""
+    good = p.found & ~p.clipped
+    coarse = camera.rad_per_px * reach_m > OPTIONS.coarsest_m
+    if not frame.blue or coarse or np.sum(good) < OPTIONS.fewest:
+        return False
+    along = (p.ray_body[good], frame, camera, nadir_body, reach_m)
+    light = np.hstack([_light(*along, at_m) for at_m in (OPTIONS.above_m, OPTIONS.within_m)])
+    unsaturated = np.all(np.isfinite(light), axis=1)
+    if np.sum(unsaturated) < OPTIONS.fewest:
+        return False
+    blue_above, _, red_above, blue, _, red = np.median(light[unsaturated], axis=0)
+    if min(blue_above, red_above, blue, red) <= 0.0:
+        return False
+    bluer = np.log(blue_above / red_above) - np.log(blue / red)
+    return bool(bluer < OPTIONS.least_bluer)
+
+
 def _light(
-    ray_body: Array, frame: Frame, camera: HorizonCamera, nadir_body: Array, reach_m: float
+    ray_body: Array,
+    frame: Frame,
+    camera: HorizonCamera,
+    nadir_body: Array,
+    reach_m: float,
+    at_m: tuple[float, ...],
 ) -> Array:
-    """How much brighter than the sky it is within the limb along rays (n, 3): (n, 3) colours."""
+    """Light over the sky's, at depths below the limb along rays (n, 3): (n, 3) colours."""
     across_body = nadir_body - (ray_body @ nadir_body)[:, None] * ray_body
     across_body /= np.linalg.norm(across_body, axis=1, keepdims=True)
-    lower_rad = np.array([*OPTIONS.within_m, *OPTIONS.beyond_m])[:, None, None] / reach_m
+    lower_rad = np.array([*at_m, *OPTIONS.beyond_m])[:, None, None] / reach_m
     look_body = np.cos(lower_rad) * ray_body + np.sin(lower_rad) * across_body
     x, y = camera.pixels(look_body.reshape(-1, 3)).astype(np.float32).T.copy()
     picked = cv2.remap(frame.pixels, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     level = frame.table[picked].reshape(len(lower_rad), len(ray_body), -1)[..., :3].astype(float)
     level[frame.is_full(picked).reshape(*level.shape[:2], -1)[..., :3]] = np.nan
-    within = len(OPTIONS.within_m)
-    return np.asarray(level[:within].mean(axis=0) - level[within:].mean(axis=0))
+    here = len(at_m)
+    return np.asarray(level[:here].mean(axis=0) - level[here:].mean(axis=0))

@@ -31,7 +31,7 @@ from estimator.search.plausibility import (
     judge_height,
     judge_low_sun,
 )
-from estimator.search.sunlight import sunlight_along
+from estimator.search.sunlight import is_no_bluer_above, sunlight_along
 from estimator.search.tone import fade_ratio, linear
 from estimator.surroundings import Surroundings
 from planner.base.arrays import Array
@@ -295,8 +295,12 @@ def _night_reason(part: CameraPart, search: Search, rough: Fit) -> Reason | None
         return None
     view, points = part.view, part.points
     dark = is_dark_within(view.frame, view.camera, points, search.around, rough)
-    glows = dark or (is_glowing_layer(points) and not _curves_as_low(part, search, rough))
-    return Reason.GLOWING_LAYER if glows else None
+    if dark or (is_glowing_layer(points) and not _curves_as_low(part, search, rough)):
+        return Reason.GLOWING_LAYER
+    limb = search.around.limb
+    nadir_body, reach_m = rough.c_body_from_itrf @ limb.nadir_itrf, limb.touch_range_m(0.0)
+    foreign = is_no_bluer_above(points, view.frame, view.camera, nadir_body, reach_m)
+    return Reason.COLOUR if foreign else None
 
 
 def _curves_as_low(part: CameraPart, search: Search, rough: Fit) -> bool:

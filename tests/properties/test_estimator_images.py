@@ -15,8 +15,11 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from estimator.camera import HorizonCamera
+from estimator.check import Verdict
 from estimator.errors import InvalidImage
 from estimator.images import decode_image, prepare
+from estimator.overlay import draw_overlay
+from estimator.pipeline import CameraReport, VerticalEstimate
 
 PICTURE = np.random.default_rng(0).integers(0, 255, (48, 64, 3), dtype=np.uint8)
 
@@ -43,6 +46,26 @@ def exif_rotated(content):
     tiff = b"MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0"
     data = b"Exif\0\0" + tiff
     return content[:2] + b"\xff\xe1" + struct.pack(">H", len(data) + 2) + data + content[2:]
+
+
+def test_a_large_frame_is_annotated_at_reduced_size():
+    """In full size 20.7 megapixels would take more memory than a measurement has."""
+    camera = HorizonCamera(
+        name="large",
+        width_px=5568,
+        height_px=3712,
+        fx_px=5000.0,
+        fy_px=5000.0,
+        cx_px=2783.5,
+        cy_px=1855.5,
+        q_camera_from_body_xyzw=(0.0, 0.0, 0.0, 1.0),
+    )
+    limb_px = np.array([[2784.0, 1856.0]])
+    report = CameraReport("large", True, None, 30.0, 0.2, limb_px)
+    estimate = VerticalEstimate(verdict=Verdict.NOT_OBSERVABLE, cameras=(report,))
+    picture = draw_overlay(np.zeros((3712, 5568), dtype=np.uint8), camera, report, estimate)
+    assert picture.shape == (1067, 1600, 3)
+    assert picture[533, 800, 1] == 255  # green, in the middle
 
 
 @pytest.mark.parametrize("extension", [".png", ".jpg", ".tiff"])

@@ -43,12 +43,14 @@ def below_limb_px(request):
 
 
 @pytest.mark.parametrize(
-    ("half_width_px", "reason"), [(10.0, Reason.BLURRED), (25.0, Reason.NO_HORIZON)]
+    ("half_width_px", "sky", "noise", "reason"),
+    [(10.0, 20.0, 1.0, Reason.BLURRED), (25.0, 3.0, 0.0, Reason.NO_HORIZON)],
 )
-def test_a_terminator_taken_for_the_limb(alone, half_width_px, reason):
+def test_a_terminator_taken_for_the_limb(alone, half_width_px, sky, noise, reason):
     # Dusk on the ground takes some 10 deg of Sun, 1100 km; here 80 and 200, right at the limb.
-    soft = 100.0 * (1.0 + np.tanh(below_limb_px(alone) / half_width_px)) + 3.0
-    assert estimate_vertical([soft.astype(np.uint8)], alone).reason is reason
+    soft = 100.0 * (1.0 + np.tanh(below_limb_px(alone) / half_width_px)) + sky
+    soft += np.random.default_rng(1).normal(0.0, noise, (480, 640))
+    assert estimate_vertical([soft.clip(0.0, 255.0).astype(np.uint8)], alone).reason is reason
 
 
 def test_a_disc_with_the_night_behind_is_no_earth(pair, alone):
@@ -56,6 +58,13 @@ def test_a_disc_with_the_night_behind_is_no_earth(pair, alone):
     crescent = np.where(below_limb_px(alone)[..., None] > 60.0, 3, pair.images[0])
     answer = estimate_vertical([crescent.astype(np.uint8)], alone)
     assert answer.reason is Reason.GLOWING_LAYER
+
+
+def test_the_suns_glare_is_no_glowing_layer(pair, alone, monkeypatch):
+    monkeypatch.setattr(Surroundings, "is_sun_in_frame", lambda *_: True)
+    crescent = np.where(below_limb_px(alone)[..., None] > 60.0, 3, pair.images[0])
+    answer = estimate_vertical([crescent.astype(np.uint8)], alone)
+    assert answer.reason is answer.cameras[0].reason is Reason.SUN_IN_FRAME
 
 
 def test_a_bright_limb_before_a_dark_sea_is_no_airglow():

@@ -32,6 +32,7 @@ def test_found_image_within_a_tenth_of_a_pixel(limb_height_sigma_km):
         cx_px=255.5,
         cy_px=255.5,
         q_camera_from_body_xyzw=tuple(Rotation.from_matrix(c).as_quat().tolist()),
+        lens_sigma=0.0,
     )
     request = HorizonRequest(
         epoch=datetime(2026, 3, 20, 12, tzinfo=UTC),
