@@ -52,9 +52,8 @@ from planner.spacecraft.vehicle.definition import (
     ControlGains,
     SlewLimits,
 )
-from planner.spacecraft.vehicle.steering import total_momentum_eci
 from planner.spacecraft.vehicle.onboard import PAPER, TABLE, Estimate, estimate_rate, memory_at
-from planner.spacecraft.vehicle.steering import steer
+from planner.spacecraft.vehicle.steering import steer, total_momentum_eci
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.geodesy import WGS84_A_M
 from planner.world.frames.solar_system import r_moon_eci_m, r_sun_eci_m
