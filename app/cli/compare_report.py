@@ -19,10 +19,16 @@ def print_comparison(console: Console, answer: ComparisonResponse) -> None:
         f"clock {offset.value:+.6f} s ahead at {answer.epoch}, 1 sigma {offset.sigma:.2g}; "
         f"drift {1e6 * drift.value:+.3f} ppm, 1 sigma {1e6 * drift.sigma:.2g}"
     )
+    console.print(f"  if {offset.assumes}")
     if common := answer.common_offset_s:
+        console.print(f"clock {common.value:+.6f} s, 1 sigma {common.sigma:.2g}")
+        console.print(f"  if {common.assumes}")
+    if (ideal := answer.ideal_offset_s) and (ideal_drift := answer.ideal_drift):
         console.print(
-            f"if both axes are equally late: {common.value:+.6f} s, 1 sigma {common.sigma:.2g}"
+            f"clock {ideal.value:+.6f} s, 1 sigma {ideal.sigma:.2g}; "
+            f"drift {1e6 * ideal_drift.value:+.3f} ppm, 1 sigma {1e6 * ideal_drift.sigma:.2g}"
         )
+        console.print(f"  if {ideal.assumes}")
     table = report_table(
         "errors",
         *(
@@ -64,6 +70,18 @@ def print_comparison(console: Console, answer: ComparisonResponse) -> None:
                 "",
             )
     print_table(console, table)
+    for name, axis in answer.axes.items():
+        if axis.gain and axis.bias:
+            console.print(
+                Text(
+                    f"{name} gain {axis.gain.value:+.7f}, 1 sigma {axis.gain.sigma:.2g}; "
+                    f"bias {axis.bias.value:+.3f} {axis.bias_unit}, 1 sigma {axis.bias.sigma:.2g}"
+                )
+            )
+    for pair in answer.inseparable:
+        console.print(
+            Text(f"{' and '.join(pair.members)} are hardly told apart: {pair.correlation:+.3f}")
+        )
     for name, axis in answer.axes.items():
         _print_what_it_did(console, name, axis)
     for parts in answer.pointing:

@@ -15,8 +15,8 @@ from other_platform import Clock, Drive
 import slewtrack
 from planner.base.errors import InvalidInput
 from planner.inflight.telemetry.following import Followed, gap_starts, phases
-from planner.inflight.telemetry.motion import PlannedMotion
-from planner.inflight.telemetry.parameters import platform_found
+from planner.inflight.telemetry.following import PlannedMotion
+from planner.inflight.telemetry.next_plan import platform_found
 from planner.world.platforms import AxisDrive
 
 ARCSEC = np.radians(1.0 / 3600.0)

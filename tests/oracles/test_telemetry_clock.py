@@ -17,7 +17,7 @@ from app.requests.examples.plan import LAS_VEGAS
 from app.requests.plan import read_plan_request
 from planner.base.errors import InvalidInput
 from planner.inflight.telemetry.alignment import Channel, align
-from planner.inflight.telemetry.motion import PlannedMotion
+from planner.inflight.telemetry.following import PlannedMotion
 from planner.output.export.csv import table_csv
 from planner.planning.sessions.pipeline import make_plan
 
