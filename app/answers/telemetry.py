@@ -16,7 +16,7 @@ from planner.world.frames.time_scales import utc_text
 from planner.world.platforms import PlatformDefinition
 
 if TYPE_CHECKING:
-    from planner.inflight.telemetry.alignment import ClockEstimate
+    from planner.inflight.telemetry.alignment import Estimate
     from planner.inflight.telemetry.compare import Comparison
     from planner.inflight.telemetry.next_plan import Parameter, PlatformFound, PointingParts
 
@@ -206,12 +206,12 @@ def _correction(correction: AttitudeCorrection) -> CorrectionOut:
     )
 
 
-def _clock(found: "ClockEstimate", decimals: int, assumes: str) -> ClockEstimateOut:
+def _clock(found: "Estimate", decimals: int, assumes: str) -> ClockEstimateOut:
     return fill(ClockEstimateOut, estimate(found, decimals), assumes=assumes)
 
 
 def _clock_or_none(
-    found: "ClockEstimate | None", decimals: int, assumes: str
+    found: "Estimate | None", decimals: int, assumes: str
 ) -> ClockEstimateOut | None:
     return None if found is None else _clock(found, decimals, assumes)
 

@@ -11,7 +11,7 @@ from planner.inflight.telemetry.following import Basis, Limit
 from planner.world.plan import SegmentKind
 
 if TYPE_CHECKING:
-    from planner.inflight.telemetry.alignment import ClockEstimate
+    from planner.inflight.telemetry.alignment import Estimate
     from planner.inflight.telemetry.compare import AxisComparison, Comparison
     from planner.inflight.telemetry.following import Exceeded, PhaseErrors
 
@@ -161,8 +161,8 @@ def axis_of(comparison: "Comparison", axis: "AxisComparison") -> AxisComparisonO
         rms_arcsec=arcsec(axis.error.rms_rad),
         max_arcsec=arcsec(axis.error.max_rad),
         mean_arcsec=arcsec(axis.error.mean_rad),
-        gain=axis.gain and estimate(axis.gain, 9),
-        bias=axis.bias and estimate(axis.bias, 6, ARCSEC_PER_RAD),
+        gain=estimate(axis.gain, 9) if axis.gain else None,
+        bias=estimate(axis.bias, 6, ARCSEC_PER_RAD) if axis.bias else None,
         bias_unit="arcsec" if axis.followed.basis == "angles" else "arcsec/s",
         lag_s=None if axis.lag_s is None else round(axis.lag_s.value, 9),
         lag_sigma_s=None if axis.lag_s is None else round(axis.lag_s.sigma, 9),
@@ -191,7 +191,7 @@ def axis_of(comparison: "Comparison", axis: "AxisComparison") -> AxisComparisonO
     )
 
 
-def estimate(found: "ClockEstimate", decimals: int, scale: float = 1.0) -> EstimateOut:
+def estimate(found: "Estimate", decimals: int, scale: float = 1.0) -> EstimateOut:
     """Scaled into its member's unit."""
     return EstimateOut(
         value=round(scale * found.value, decimals) + 0.0,

@@ -57,7 +57,8 @@ class SamplesOut:
     gaps: stretches without rows, at most 200. E.g.
     `[{"start": "2015-02-27T17:35:00.000Z", "stop": "2015-02-27T17:35:10.000Z"}]`.
     columns: those read.
-    ignored_columns: names of those that are none of the contract nor in `columns`, or are empty. E.g. `["temperature"]`.
+    ignored_columns: names of those that are none of the contract nor in `columns`, or are empty.
+    E.g. `["temperature"]`.
     """
 
     read: Count

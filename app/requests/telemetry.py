@@ -139,7 +139,9 @@ def _sent(members: dict[str, Any]) -> SentSamples:
     t_s = members.pop("t_s", None)
     count = len(utc or t_s) if isinstance(utc or t_s, list) else 0
     if count > OPTIONS.rows_max:
-        raise _fault(f"samples.{times[0]}", f"has {count} tags; at most {OPTIONS.rows_max} are read")
+        raise _fault(
+            f"samples.{times[0]}", f"has {count} tags; at most {OPTIONS.rows_max} are read"
+        )
     columns = {name: _column(name, value) for name, value in members.items()}
     for name, column in columns.items():
         if len(column) != count:

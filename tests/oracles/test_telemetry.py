@@ -367,8 +367,9 @@ def test_rows_where_phases_meet_are_counted_whichever_way_they_are_rounded():
             motion=motion,
             t_s=plan.table.t_s * near,
             error_rad=np.zeros(len(plan.table.t_s)),
+            left_rad=np.zeros(len(plan.table.t_s)),
             rate_rad_s=None,
-            rate_error_rad_s=None,
+            rate_left_rad_s=None,
             basis="angles",
             starts=(0,),
         )

@@ -52,6 +52,7 @@ class AlignmentOptions:
 
 OPTIONS = AlignmentOptions()
 
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Channel:
     """One column: tag_s and value, (n,), in radians or rad/s and without gaps."""
@@ -91,7 +92,7 @@ class Channel:
 
 
 @dataclass(frozen=True)
-class ClockEstimate:
+class Estimate:
     """With its 1-sigma error."""
 
     value: float
@@ -102,6 +103,10 @@ class ClockEstimate:
         """Whether it is clearly not zero."""
         return abs(self.value) > OPTIONS.seen_sigma * self.sigma
 
+    def turned(self, sign: int) -> "Estimate":
+        """Of what is measured the other way round, where the sign is -1."""
+        return Estimate(sign * self.value, self.sigma)
+
 
 @dataclass(frozen=True, kw_only=True)
 class ColumnScale:
@@ -109,8 +114,8 @@ class ColumnScale:
 
     axis: int
     kind: Kind
-    gain: ClockEstimate
-    bias: ClockEstimate
+    gain: Estimate
+    bias: Estimate
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -130,10 +135,10 @@ class Alignment:
     reference_offset_s, reference_drift: those that the axes' errors are taken with.
     """
 
-    offset_s: ClockEstimate
-    drift: ClockEstimate
-    common_offset_s: ClockEstimate | None
-    lags_s: tuple[ClockEstimate | None, ...]
+    offset_s: Estimate
+    drift: Estimate
+    common_offset_s: Estimate | None
+    lags_s: tuple[Estimate | None, ...]
     scales: tuple[ColumnScale, ...]
     fit: "Fit"
     reference_offset_s: float
@@ -155,10 +160,10 @@ class Fit:
     covariance_parameters: Array
     places: tuple[Indices, ...]
 
-    def estimate(self, place: int) -> ClockEstimate:
+    def estimate(self, place: int) -> Estimate:
         """Of a parameter by itself."""
         sigma = math.sqrt(self.covariance_parameters[place, place])
-        return ClockEstimate(float(self.parameters[place]), sigma)
+        return Estimate(float(self.parameters[place]), sigma)
 
     def scales(self) -> tuple[ColumnScale, ...]:
         """Of each channel."""
@@ -169,7 +174,7 @@ class Fit:
                 ColumnScale(
                     axis=channel.motion.axis,
                     kind=channel.kind,
-                    gain=ClockEstimate(1.0 + above.value, above.sigma),
+                    gain=Estimate(1.0 + above.value, above.sigma),
                     bias=self.estimate(columns[2]),
                 )
             )
@@ -189,21 +194,21 @@ def align(channels: Sequence[Channel], start_offset_s: float, axes: int) -> Alig
     each = _fit(channels, float(shared.parameters[1]), told) if len(told) > 1 else shared
     own_s = [each.estimate(1 + place) for place in range(len(told))]
     lag_s = _lag_s(each) if len(told) > 1 else None
-    lags_s: list[ClockEstimate | None] = [None] * axes
+    lags_s: list[Estimate | None] = [None] * axes
     if lag_s is None or lag_s.sigma > OPTIONS.lag_sigma_max_s:
         best = min(range(len(told)), key=lambda place: own_s[place].sigma)
-        lags_s[told[best]] = ClockEstimate(0.0, own_s[best].sigma)
+        lags_s[told[best]] = Estimate(0.0, own_s[best].sigma)
         offset_s, reference, common_s = shared.estimate(1), shared, None
     else:
         first = int(own_s[1].value < own_s[0].value)
-        lags_s[told[first]] = ClockEstimate(0.0, lag_s.sigma)
+        lags_s[told[first]] = Estimate(0.0, lag_s.sigma)
         lags_s[told[1 - first]] = lag_s
         if lag_s.value > OPTIONS.late_sigma * lag_s.sigma:
             offset_s, reference, common_s = own_s[first], each, None
         else:
             common_s = shared.estimate(1)
             offset_s, reference = (
-                ClockEstimate(common_s.value, _earlier_sigma(each, common_s)),
+                Estimate(common_s.value, _earlier_sigma(each, common_s)),
                 shared,
             )
     return Alignment(
@@ -218,14 +223,14 @@ def align(channels: Sequence[Channel], start_offset_s: float, axes: int) -> Alig
     )
 
 
-def _lag_s(each: Fit) -> ClockEstimate:
+def _lag_s(each: Fit) -> Estimate:
     """By how much the offsets of two axes differ."""
     ends = np.array([1.0, -1.0])
     variance_s2 = float(ends @ each.covariance_parameters[1:3, 1:3] @ ends)
-    return ClockEstimate(abs(float(ends @ each.parameters[1:3])), math.sqrt(variance_s2))
+    return Estimate(abs(float(ends @ each.parameters[1:3])), math.sqrt(variance_s2))
 
 
-def _earlier_sigma(each: Fit, told: ClockEstimate) -> float:
+def _earlier_sigma(each: Fit, told: Estimate) -> float:
     """Rms error of an offset that is told for the earlier of two axes, of which each is known as
     the fit has it.  Source: moments of the least of two normal variables, Clark 1961, eqs. 2-4."""
     apart_s = OPTIONS.lag_room * _lag_s(each).sigma
@@ -241,7 +246,7 @@ def _earlier_sigma(each: Fit, told: ClockEstimate) -> float:
     return max(math.sqrt(max(squares_s2, 0.0)), told.sigma)
 
 
-def ideal_clock(alignment: Alignment) -> tuple[ClockEstimate, ClockEstimate] | None:
+def ideal_clock(alignment: Alignment) -> tuple[Estimate, Estimate] | None:
     """Offset and drift if the axes do as they are told, which is sharper: no friction, lag or gain,
     but for a bias.  None where the samples show any of these."""
     fit = alignment.fit

@@ -244,8 +244,8 @@ def require_followed(
         raise InvalidInput(
             f"the telemetry's clock is {abs(offset_s):.1f} s "
             f"{'ahead of' if offset_s > 0.0 else 'behind'} the plan's, which begins at "
-            f"{utc_text(motions[0].table.epoch_utc)}; up to {OPTIONS.offset_max_s:g} s are told: give the "
-            "epoch that t_s counts from",
+            f"{utc_text(motions[0].table.epoch_utc)}; up to {OPTIONS.offset_max_s:g} s are told: "
+            "give the epoch that t_s counts from",
             field="samples.epoch",
         )
     drift = alignment.drift.value
@@ -263,8 +263,8 @@ def require_followed(
     raise InvalidInput(
         f"{names} hold nothing of the plan's motion{_why(columns, tag_s, motions)}; send the "
         "measured angles or rates of the flight, each under its axis's name, and the id of the "
-        f"plan that was flown, with t_s from samples.epoch; clocks up to {OPTIONS.offset_max_s:g} s off "
-        "are found",
+        f"plan that was flown, with t_s from samples.epoch; clocks up to {OPTIONS.offset_max_s:g} "
+        "s off are found",
         field=f"samples.{columns[0].name[:40]}" if len(columns) == 1 else "samples",
     )
 

@@ -14,7 +14,7 @@ from planner.inflight.telemetry.alignment import (
 )
 from planner.inflight.telemetry.alignment import (
     Alignment,
-    ClockEstimate,
+    Estimate,
     Inseparable,
     ideal_clock,
     inseparable,
@@ -81,9 +81,9 @@ class AxisComparison:
     name: str
     followed: Followed
     error: ErrorSize
-    gain: ClockEstimate | None
-    bias: ClockEstimate | None
-    lag_s: ClockEstimate | None
+    gain: Estimate | None
+    bias: Estimate | None
+    lag_s: Estimate | None
     phases: tuple[PhaseErrors, ...]
     oscillations: tuple[Oscillation, ...]
     oscillations_searched_hz: tuple[float, float] | None
@@ -103,7 +103,7 @@ class Comparison:
     columns: tuple[TelemetryColumn, ...]
     ignored: tuple[str, ...]
     alignment: Alignment
-    ideal_clock: tuple[ClockEstimate, ClockEstimate] | None
+    ideal_clock: tuple[Estimate, Estimate] | None
     inseparable: tuple[Inseparable, ...]
     axes: tuple[AxisComparison, ...]
     step_s: float
@@ -294,8 +294,8 @@ def _axes(
                 name=name,
                 followed=followed,
                 error=error_size(followed.error_rad),
-                gain=scale and ClockEstimate(sign * scale.gain.value, scale.gain.sigma),
-                bias=scale and ClockEstimate(sign * scale.bias.value, scale.bias.sigma),
+                gain=scale.gain.turned(sign) if scale else None,
+                bias=scale.bias.turned(sign) if scale else None,
                 lag_s=lag_s,
                 phases=tuple(phases(followed, plan.segments)),
                 oscillations=tuple(oscillations(followed)),
@@ -370,8 +370,10 @@ def _explained(axis: AxisComparison) -> Mask:
     """Rows in which the axis swings or sticks."""
     t_s = axis.followed.t_s
     rows = np.zeros(len(t_s), dtype=bool)
-    for one in (*axis.oscillations, *axis.stick_slip):
-        rows |= (t_s >= one.start_s) & (t_s <= one.stop_s)
+    stretches = [(one.start_s, one.stop_s) for one in axis.oscillations]
+    stretches += [(one.start_s, one.stop_s) for one in axis.stick_slip]
+    for start_s, stop_s in stretches:
+        rows |= (t_s >= start_s) & (t_s <= stop_s)
     return rows
 
 

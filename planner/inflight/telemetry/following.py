@@ -1,4 +1,4 @@
-"""One axis beside its plan: the planned motion, what it was off by, its noise, limits it exceeded."""
+"""One axis beside its plan: the planned motion, errors, noise, outliers, limits exceeded."""
 
 import math
 from collections.abc import Sequence
@@ -35,6 +35,8 @@ class FollowingOptions:
     spike_min_rad: float = math.radians(5.0 / 3600.0)  # what a platform can do from row to row
     spike_min_rad_s: float = math.radians(20.0 / 3600.0)
     outlier_rows: int = 31  # of the median that an outlier is far from: a third may be outliers
+    quiet_percent: float = 40.0  # of the deviations, which a third of outliers doesn't reach:
+    quiet_sigmas: float = 0.524  # so many sigmas of white noise
     outlier_sigmas: float = 8.0  # of the noise: none of a million rows of white noise is so far off
     lattice_min: float = 0.9  # of the gaps between values, to be whole multiples of the least
     whole: float = 0.02  # of a step, off the lattice: digits printed round it
@@ -172,7 +174,8 @@ def outlier_rows(error: Array) -> Mask:
     from scipy.ndimage import median_filter
 
     off = np.abs(error - median_filter(error, OPTIONS.outlier_rows, mode="mirror"))
-    return np.asarray(off > OPTIONS.outlier_sigmas * 1.4826 * _around(off, 50.0))
+    sigma = _around(off, OPTIONS.quiet_percent) / OPTIONS.quiet_sigmas
+    return np.asarray(off > OPTIONS.outlier_sigmas * sigma)
 
 
 def _around(off: Array, percent: float) -> Array:
@@ -276,7 +279,8 @@ def phases(followed: Followed, segments: Sequence[Segment]) -> list[PhaseErrors]
     for segment in segments:
         start_s, stop_s = (elapsed_s(at, epoch_utc) for at in (segment.start_utc, segment.stop_utc))
         # A row where two meet is the later one's, though the clock that was found be a little off.
-        ends_s = [start_s - OPTIONS.edge_s, stop_s + (OPTIONS.edge_s if segment is segments[-1] else -OPTIONS.edge_s)]
+        edge_s = OPTIONS.edge_s
+        ends_s = [start_s - edge_s, stop_s + (edge_s if segment is segments[-1] else -edge_s)]
         rows = slice(*np.searchsorted(followed.t_s, ends_s))
         found.append(
             PhaseErrors(

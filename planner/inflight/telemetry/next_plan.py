@@ -12,7 +12,6 @@ own drives have, and the rest the clock's.
 """
 
 import math
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
@@ -123,8 +122,9 @@ def from_image(
     axes = _axes_part(platform, planned_rad, off_rad, sides)
     if axes is None:
         raise InvalidInput(
-            f"there are no angles of both axes within {OPTIONS.near_s:g} s of {utc_text(found.epoch)}, so "
-            "that what the frame shows can't be told from what the axes did; leave it out",
+            f"there are no angles of both axes within {OPTIONS.near_s:g} s of "
+            f"{utc_text(found.epoch)}, so that what the frame shows can't be told from what the "
+            "axes did; leave it out",
             field=f"{field}.epoch",
         )
     in_frame = np.tan(np.deg2rad(found.offset_deg))
@@ -137,7 +137,8 @@ def from_image(
     )
     line_body = mount.inv().apply(boresight)
     across = np.eye(3) - np.outer(line_body, line_body)
-    covariance = found.sigma_deg**2 * across + OPTIONS.unmeasured_deg2 * np.outer(line_body, line_body)
+    along = np.outer(line_body, line_body)
+    covariance = found.sigma_deg**2 * across + OPTIONS.unmeasured_deg2 * along
     covariance = 0.5 * (covariance + covariance.T)
     x, y, z = np.rad2deg(total.as_rotvec()).tolist()
     rows = [tuple(row) for row in covariance.tolist()]
@@ -331,8 +332,8 @@ def _require_identifiable(names: Sequence[str], platform: TwoAxisPlatform, table
             raise InvalidInput(f"{name!r} is named twice", field=f"identify.{number}")
     if table_s > OPTIONS.table_max_s:
         raise InvalidInput(
-            f"parameters are found of plans up to {OPTIONS.table_max_s:g} s, not {table_s:g}: leave "
-            "identify out, or compare with a plan of one session",
+            f"parameters are found of plans up to {OPTIONS.table_max_s:g} s, not {table_s:g}: "
+            "leave identify out, or compare with a plan of one session",
             field="identify",
         )
 

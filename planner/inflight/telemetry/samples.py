@@ -285,8 +285,8 @@ def _recognised(
 def _cells(reader: Iterable[list[str]], places: Sequence[int], width: int) -> list[list[str]]:
     """Of the columns at these places; empty of a row that is too short or too long."""
     found: list[list[str]] = [[] for _ in places]
-    longer, count, example = 0, 0, [""]
-    for count, row in enumerate(reader, 1):
+    longer, example = 0, [""]
+    for row in reader:
         while len(row) > width and not row[-1]:
             row.pop()
         if len(row) > width:
@@ -294,7 +294,7 @@ def _cells(reader: Iterable[list[str]], places: Sequence[int], width: int) -> li
             row = []
         for cells, place in zip(found, places, strict=True):
             cells.append(row[place] if place < len(row) else "")
-    if 2 * longer > count:
+    if 2 * longer > len(found[0]):
         raise _refusal(
             f"the first line names {width} columns, but rows have {len(example)} cells, such as "
             f"{', '.join(map(repr, example))[:100]}; write decimals with a point, and a name for "

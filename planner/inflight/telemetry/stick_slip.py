@@ -16,6 +16,7 @@ import numpy as np
 from planner.base.arrays import Array, Mask
 from planner.inflight.telemetry.following import Followed, row_noise, sensor_step
 
+
 @dataclass(frozen=True, kw_only=True)
 class StickSlipOptions:
     """When an axis is told to have stuck and slipped."""
@@ -77,7 +78,8 @@ def fit_staircase(
     is_stand = np.zeros_like(cost_of_part, dtype=bool)
     if may_stand:
         standing = _squares_of_parts(angle_rad)
-        standing[np.tri(count, count + 1, OPTIONS.stand_rows_min - 1, dtype=bool)] = np.inf  # too short
+        too_short = np.tri(count, count + 1, OPTIONS.stand_rows_min - 1, dtype=bool)
+        standing[too_short] = np.inf
         is_stand = standing < cost_of_part
         cost_of_part = np.minimum(cost_of_part, standing)
     cost_of_part = cost_of_part / variance_rad2 + OPTIONS.part_price
