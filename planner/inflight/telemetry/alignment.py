@@ -10,7 +10,7 @@ they share.  A drive may be late and never early: the clock's offset is that of 
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations, pairwise
 
 import numpy as np
@@ -45,6 +45,7 @@ class AlignmentOptions:
     # Times what is not known of a lag: the mean square of the offset's error over its sigma is at
     # most 1.3 at any lag, in the mean of many noises; 1.9 without.
     lag_room: float = 1.25
+    poor: float = 0.05  # mean error, as a share of the motion, with which no offset is tried, too
     lag_sigma_max_s: float = 1.0  # no drive is so late: an axis known worse tells nothing of it
     seen_sigma: float = 3.0  # friction, lag and gain that are less leave the ideal clock standing
     inseparable: float = 0.98  # correlation: either sigma is five times what the other known makes
@@ -144,6 +145,11 @@ class Alignment:
     reference_offset_s: float
     reference_drift: float
 
+    def by(self, fit: "Fit") -> "Alignment":
+        """The same, with the axes' errors taken with a fit's clock."""
+        drift, offset_s = fit.parameters[:2].tolist()
+        return replace(self, reference_offset_s=offset_s, reference_drift=drift)
+
     def t_s(self, tag_s: Array) -> Array:
         """Seconds after the table's epoch at time tags."""
         return np.asarray((tag_s - self.reference_offset_s) / (1.0 + self.reference_drift))
@@ -164,6 +170,16 @@ class Fit:
         """Of a parameter by itself."""
         sigma = math.sqrt(self.covariance_parameters[place, place])
         return Estimate(float(self.parameters[place]), sigma)
+
+    def parts(self) -> dict[tuple[int, Kind], tuple[float, float]]:
+        """By axis and kind what a gain is above one by, and a bias."""
+        return {
+            (channel.motion.axis, channel.kind): (
+                float(self.parameters[columns[3]]) if len(columns) > 3 else 0.0,
+                float(self.parameters[columns[2]]),
+            )
+            for channel, columns in zip(self.channels, self.places, strict=True)
+        }
 
     def scales(self) -> tuple[ColumnScale, ...]:
         """Of each channel."""
@@ -188,8 +204,9 @@ def align(channels: Sequence[Channel], start_offset_s: float, axes: int) -> Alig
     both, and its sigma holds that either may be the earlier by what is not known of their
     difference: nothing is known of lags beforehand.  The drift suits the axes with an offset each.
     """
-    starts = dict.fromkeys((start_offset_s, 0.0))
-    shared = min((_fit(channels, start) for start in starts), key=lambda one: _cost(channels, one))
+    shared = _fit(channels, start_offset_s)
+    if _cost(channels, shared) > OPTIONS.poor:
+        shared = min(shared, _fit(channels, 0.0), key=lambda one: _cost(channels, one))
     told = sorted({channel.motion.axis for channel in channels})
     each = _fit(channels, float(shared.parameters[1]), told) if len(told) > 1 else shared
     own_s = [each.estimate(1 + place) for place in range(len(told))]
@@ -246,16 +263,15 @@ def _earlier_sigma(each: Fit, told: Estimate) -> float:
     return max(math.sqrt(max(squares_s2, 0.0)), told.sigma)
 
 
-def ideal_clock(alignment: Alignment) -> tuple[Estimate, Estimate] | None:
-    """Offset and drift if the axes do as they are told, which is sharper: no friction, lag or gain,
-    but for a bias.  None where the samples show any of these."""
+def ideal_fit(alignment: Alignment) -> Fit | None:
+    """The clock if the axes do as they are told, which is sharper: no friction, lag or gain, but
+    for a bias.  None where the samples show any of these."""
     fit = alignment.fit
     shown = [fit.estimate(place) for columns in fit.places for place in columns[3:]]
     lags_s = [lag_s for lag_s in alignment.lags_s if lag_s is not None]
     if any(one.is_seen for one in (*shown, *lags_s)):
         return None
-    ideal = _fit(fit.channels, alignment.offset_s.value, is_ideal=True)
-    return ideal.estimate(1), ideal.estimate(0)
+    return _fit(fit.channels, alignment.offset_s.value, is_ideal=True)
 
 
 def inseparable(alignment: Alignment, axis_names: Sequence[str]) -> list[Inseparable]:

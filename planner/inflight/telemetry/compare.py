@@ -4,6 +4,7 @@ import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import get_args
 
 import numpy as np
 
@@ -15,8 +16,9 @@ from planner.inflight.telemetry.alignment import (
 from planner.inflight.telemetry.alignment import (
     Alignment,
     Estimate,
+    Fit,
     Inseparable,
-    ideal_clock,
+    ideal_fit,
     inseparable,
 )
 from planner.inflight.telemetry.clock import OPTIONS as CLOCK
@@ -94,7 +96,7 @@ class AxisComparison:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Comparison:
-    """ideal_clock: offset and drift if the axes do as they are told, see `ideal_clock`.
+    """ideal_clock: offset and drift if the axes do as they are told, see `ideal_fit`.
     gaps_s: (start, stop) after the table's epoch, of all axes.  wrapped: angles brought within
     half a turn of the plan."""
 
@@ -132,7 +134,10 @@ def compare(plan: FlightPlan, samples: Samples) -> Comparison:
     angle_rad[row], rate_rad_s[row] = values["angle"], values["rate"]
     row = row[np.isfinite(np.hstack([angle_rad[row], rate_rad_s[row]])).any(axis=1)]
     clock = tell_clock(tag_s[row], angle_rad[row], rate_rad_s[row], motions, start_s)
-    alignment, bad = clock.alignment, clock.is_spike
+    alignment, ideal = clock.alignment, ideal_fit(clock.alignment)
+    if ideal is not None:  # the errors are those beside the sharpest clock that nothing contradicts
+        alignment = alignment.by(ideal)
+    bad = clock.is_spike
     notes_unrelated = _leave_out_unrelated(angle_rad, rate_rad_s, clock.unrelated, names)
     ordered_columns = [replace(column, value=column.value[row]) for column in columns]
     require_followed(ordered_columns, tag_s[row], motions, alignment)
@@ -154,7 +159,7 @@ def compare(plan: FlightPlan, samples: Samples) -> Comparison:
         (column.meaning.axis, column.meaning.kind): sign
         for column, sign in zip(columns, signs, strict=True)
     }
-    axes, notes = _axes(plan, clean, alignment, motions, turned)
+    axes, notes = _axes(plan, clean, alignment, ideal or alignment.fit, motions, turned)
     own_s = t_s[kept]
     gaps_s = [(float(own_s[k - 1]), float(own_s[k])) for k in gap_starts(own_s)[1:]]
     return Comparison(
@@ -163,7 +168,7 @@ def compare(plan: FlightPlan, samples: Samples) -> Comparison:
         columns=tuple(columns),
         ignored=(*samples.ignored, *empty),
         alignment=alignment,
-        ideal_clock=ideal_clock(alignment),
+        ideal_clock=ideal and (ideal.estimate(1), ideal.estimate(0)),
         inseparable=tuple(inseparable(alignment, names)),
         axes=tuple(axes),
         step_s=float(np.median(np.diff(own_s))),
@@ -262,6 +267,7 @@ def _axes(
     plan: FlightPlan,
     clean: CleanSamples,
     alignment: Alignment,
+    fit: Fit,
     motions: Sequence[PlannedMotion],
     turned: Mapping[tuple[int, Kind], int],
 ) -> tuple[list[AxisComparison], list[str]]:
@@ -274,10 +280,7 @@ def _axes(
         motions, platform.axis_names, platform.axis_limits, alignment.lags_s, strict=True
     ):
         axis = motion.axis
-        parts = [
-            (one.gain.value - 1.0, one.bias.value) if one else (0.0, 0.0)
-            for one in (scales.get((axis, "angle")), scales.get((axis, "rate")))
-        ]
+        parts = [fit.parts().get((axis, kind), (0.0, 0.0)) for kind in get_args(Kind)]
         columns = clean.angle_rad[:, axis], clean.rate_rad_s[:, axis]
         followed = follow(motion, t_s, *columns, *parts)
         if followed is None:

@@ -217,8 +217,8 @@ def follow(
     t_s: Array,
     angle_rad: Array,
     rate_rad_s: Array,
-    angle_part: tuple[float, float],
-    rate_part: tuple[float, float],
+    angle_part: tuple[float, float] = (0.0, 0.0),
+    rate_part: tuple[float, float] = (0.0, 0.0),
 ) -> Followed | None:
     """The axis where it has samples within the table: angles where there are any, else rates.
 
