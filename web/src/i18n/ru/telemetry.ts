@@ -15,7 +15,8 @@ export const telemetry: Words["telemetry"] = {
   clock: "Часы, план и полёт",
   offset: (value: string, sigma: string) => `Часы телеметрии спешат на ${value} ± ${sigma} с`,
   drift: (value: string, sigma: string) => `и уходят на ${value} ± ${sigma} миллионной.`,
-  ideal: (value: string, sigma: string) => `Если у осей нет ни трения, ни запаздывания, ни ошибки масштаба: ${value} ± ${sigma} с.`,
+  ideal: (value: string, sigma: string) =>
+    `Если у осей нет ни трения, ни запаздывания, ни ошибки масштаба: ${value} ± ${sigma} с.`,
   inseparable: (members: string) => `По этим отсчётам почти не различить: ${members}.`,
   picture: "План и полёт во времени, по осям",
   bases: { angles: "по углам", rates: "по сложенным скоростям" },
