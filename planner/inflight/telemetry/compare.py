@@ -168,7 +168,7 @@ def compare(plan: FlightPlan, samples: Samples) -> Comparison:
         columns=tuple(columns),
         ignored=(*samples.ignored, *empty),
         alignment=alignment,
-        ideal_clock=ideal and (ideal.estimate(1), ideal.estimate(0)),
+        ideal_clock=(ideal.estimate(1), ideal.estimate(0)) if ideal else None,
         inseparable=tuple(inseparable(alignment, names)),
         axes=tuple(axes),
         step_s=float(np.median(np.diff(own_s))),
