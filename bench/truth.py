@@ -5,6 +5,7 @@
 DATA_FOLDER holds `attitude` (telemetry as bench/truth_laws.py reads it), `tle` and `oem` (NASA's
 ephemerides).  Point 1: told probabilities and sigmas.  2: warnings of likely misses.  3: the law
 harmonic.  5: windows.  6, 7: campaigns.  8, 9: the horizon.  10: choices of imaging sessions.
+11: clock, gain and lag of telemetry, of flights of the tests' own program.
 What was tuned on which data each truth_*.py says.  About 12 minutes of a core; --quick takes
 fewer samples.
 """
@@ -19,6 +20,7 @@ import truth_horizon
 import truth_orbits
 import truth_pointing
 import truth_spacecraft
+import truth_telemetry
 from truth_rows import Row
 
 VERDICTS = {True: "met", False: "MISSED", None: "-"}
@@ -27,7 +29,7 @@ VERDICTS = {True: "met", False: "MISSED", None: "-"}
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("data", type=Path)
-    parser.add_argument("--only", type=int, nargs="*", default=range(1, 11), metavar="POINT")
+    parser.add_argument("--only", type=int, nargs="*", default=range(1, 12), metavar="POINT")
     parser.add_argument("--quick", action="store_true")
     asked = parser.parse_args()
     print(f"{'':2} {'what':62} {'goal':24} {'':7} seen")
@@ -60,6 +62,8 @@ def rows(data: Path, points: set[int], quick: bool) -> Iterator[Row]:
         yield from truth_horizon.rows(frames=4 if quick else 20)
     if 10 in points:
         yield from truth_spacecraft.rows()
+    if 11 in points:
+        yield from truth_telemetry.rows(flights=8 if quick else 20)
 
 
 if __name__ == "__main__":

@@ -154,13 +154,22 @@ def estimate_vertical(
     return estimate(pixels, _value_of(request, read_estimate_request))
 
 
-def compare(plan: "FlightPlan", csv: bytes, *, epoch: datetime | None = None) -> "Comparison":
-    """What flew beside a plan: telemetry as CSV; epoch: from which its t_s counts, the plan's."""
+def compare(
+    plan: "FlightPlan",
+    csv: bytes,
+    *,
+    epoch: datetime | None = None,
+    columns: Mapping[str, str] | None = None,
+) -> "Comparison":
+    """What flew beside a plan: telemetry as CSV; epoch: from which its t_s counts, the plan's.
+
+    columns: what the file calls its columns, by names such as t_s, alpha_deg, beta_rate_deg_s.
+    """
     from planner.inflight.telemetry.compare import compare as compare_samples
-    from planner.inflight.telemetry.csv_reader import read_csv
+    from planner.inflight.telemetry.samples import read_csv
 
     names = plan.scenario.platform.axis_names
-    return compare_samples(plan, read_csv(csv, names, epoch, plan.table.epoch_utc))
+    return compare_samples(plan, read_csv(csv, names, epoch, plan.table.epoch_utc, columns))
 
 
 def plan_imaging(

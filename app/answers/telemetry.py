@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from app.answers.horizon import CorrectionOut
-from app.answers.members import BUILT_ON_FIRST_USE, ProvenanceOut, to_json
+from app.answers.members import BUILT_ON_FIRST_USE, ProvenanceOut, fill, to_json
 from app.answers.platform import definition_of
 from app.answers.ranges import Count, NotNegative, Signed
-from app.answers.telemetry_axes import AxisComparisonOut, arcsec, axis_of
+from app.answers.telemetry_axes import AxisComparisonOut, EstimateOut, arcsec, axis_of, estimate
 from app.answers.telemetry_samples import SamplesOut, samples_of
 from planner.base.arrays import Array
 from planner.world.attitude.corrections import AttitudeCorrection
@@ -16,22 +16,36 @@ from planner.world.frames.time_scales import utc_text
 from planner.world.platforms import PlatformDefinition
 
 if TYPE_CHECKING:
-    from planner.inflight.telemetry.alignment import ClockEstimate
-    from planner.inflight.telemetry.attitude import PointingParts
+    from planner.inflight.telemetry.alignment import Estimate
     from planner.inflight.telemetry.compare import Comparison
-    from planner.inflight.telemetry.parameters import Parameter, PlatformFound
+    from planner.inflight.telemetry.next_plan import Parameter, PlatformFound, PointingParts
+
+
+_LEAST = "one axis is on time; bias, gain, friction and lag of each are estimated beside it"
+_EQUALLY_LATE = "both axes are equally late; bias, gain and friction are estimated beside it"
+_IDEAL = "no friction, no lag and gains of one, none of which is seen; each bias is estimated"
 
 
 @dataclass(frozen=True, kw_only=True)
-class EstimateOut:
-    """An estimate, in the unit that the name of its member says.
+class ClockEstimateOut(EstimateOut):
+    """An estimate of the clock, in the unit that the name of its member says.
 
-    value: the most likely.
-    sigma: its 1-sigma error, of the errors' own size and of how they go together in time.
+    assumes: what it takes for granted of the axes.
     """
 
-    value: Signed
-    sigma: NotNegative
+    assumes: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class InseparableOut:
+    """Two estimates that the samples hardly tell apart: one's error is made up for by the other's.
+
+    members: both, as they stand in this answer. E.g. `["clock_drift", "axes.alpha.gain"]`.
+    correlation: of their errors, from -1 to 1. E.g. `-0.994`.
+    """
+
+    members: list[str]
+    correlation: Signed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,6 +106,10 @@ class ComparisonResponse:
     clock_drift: by how much the telemetry's clock gains, a share of time.
     common_offset_s: the same if both axes are equally late, as those of one make are; null where
     they clearly aren't, or where one axis alone gives the time. E.g. `null`.
+    ideal_offset_s: the same if the axes do as they are told, but for a bias: sharper, as nothing
+    else is estimated beside it; null where the samples show friction, a lag or a gain.
+    ideal_drift: the drift likewise.
+    inseparable: estimates among clock, lags, gains and biases that the samples hardly tell apart.
     axes: by the axis's name, those with samples.
     pointing: pointing errors from corrections and image offsets.
     corrections: of the attitude against its law, as `attitude.corrections` of the next request
@@ -102,7 +120,7 @@ class ComparisonResponse:
     platform: as planned with, but for `parameters`, as `platform` of the next request takes it;
     null where none was found. E.g. `null`.
     warnings: cautions to read before relying on it. E.g.
-    `["alpha_deg fits the plan in rad and was read so, not in deg as its name says"]`.
+    `["there is no telemetry of beta"]`.
     """
 
     __pydantic_config__ = BUILT_ON_FIRST_USE
@@ -111,9 +129,12 @@ class ComparisonResponse:
     name: str
     epoch: str
     samples: SamplesOut
-    time_offset_s: EstimateOut
-    clock_drift: EstimateOut
-    common_offset_s: EstimateOut | None
+    time_offset_s: ClockEstimateOut
+    clock_drift: ClockEstimateOut
+    common_offset_s: ClockEstimateOut | None
+    ideal_offset_s: ClockEstimateOut | None
+    ideal_drift: ClockEstimateOut | None
+    inseparable: list[InseparableOut]
     axes: dict[str, AxisComparisonOut]
     pointing: list[PointingPartsOut]
     corrections: list[CorrectionOut]
@@ -132,16 +153,22 @@ def comparison_json(
 ) -> bytes:
     """The whole answer as UTF-8 JSON."""
     scenario, alignment = comparison.plan.scenario, comparison.alignment
-    common_s = alignment.common_offset_s
+    ideal_s, ideal_drift = comparison.ideal_clock or (None, None)
     return to_json(
         ComparisonResponse(
             plan=plan_id,
             name=scenario.name,
             epoch=utc_text(comparison.plan.table.epoch_utc, 1),
             samples=samples_of(comparison),
-            time_offset_s=_estimate(alignment.offset_s, 9),
-            clock_drift=_estimate(alignment.drift, 15),
-            common_offset_s=_estimate(common_s, 9) if common_s else None,
+            time_offset_s=_clock(alignment.offset_s, 9, _LEAST),
+            clock_drift=_clock(alignment.drift, 15, _LEAST),
+            common_offset_s=_clock_or_none(alignment.common_offset_s, 9, _EQUALLY_LATE),
+            ideal_offset_s=_clock_or_none(ideal_s, 9, _IDEAL),
+            ideal_drift=_clock_or_none(ideal_drift, 15, _IDEAL),
+            inseparable=[
+                InseparableOut(members=list(one.names), correlation=round(one.correlation, 4))
+                for one in comparison.inseparable
+            ],
             axes={axis.name: axis_of(comparison, axis) for axis in comparison.axes},
             pointing=[_pointing(parts) for parts in pointing],
             corrections=[_correction(parts.correction) for parts in pointing],
@@ -179,8 +206,14 @@ def _correction(correction: AttitudeCorrection) -> CorrectionOut:
     )
 
 
-def _estimate(estimate: "ClockEstimate", decimals: int) -> EstimateOut:
-    return EstimateOut(value=round(estimate.value, decimals), sigma=round(estimate.sigma, decimals))
+def _clock(found: "Estimate", decimals: int, assumes: str) -> ClockEstimateOut:
+    return fill(ClockEstimateOut, estimate(found, decimals), assumes=assumes)
+
+
+def _clock_or_none(
+    found: "Estimate | None", decimals: int, assumes: str
+) -> ClockEstimateOut | None:
+    return None if found is None else _clock(found, decimals, assumes)
 
 
 def _arcsecs(angle_rad: Sequence[float] | Array | None) -> list[float] | None:

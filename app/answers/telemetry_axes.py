@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING, Literal
 from app.answers.pointing import ARCSEC_PER_RAD
 from app.answers.ranges import Count, NotNegative, Share, Signed
 from app.answers.telemetry_samples import StretchOut, span
-from planner.inflight.telemetry.exceeded import Limit
-from planner.inflight.telemetry.following import Basis
+from planner.inflight.telemetry.following import Basis, Limit
 from planner.world.plan import SegmentKind
 
 if TYPE_CHECKING:
+    from planner.inflight.telemetry.alignment import Estimate
     from planner.inflight.telemetry.compare import AxisComparison, Comparison
-    from planner.inflight.telemetry.exceeded import Exceeded
-    from planner.inflight.telemetry.following import PhaseErrors
+    from planner.inflight.telemetry.following import Exceeded, PhaseErrors
 
 _LIST_MAX = 1000
 _LimitUnit = Literal["deg", "deg/s", "deg/s2"]
@@ -24,6 +23,18 @@ _UNITS: dict[Limit, _LimitUnit] = {
     "rate": "deg/s",
     "acceleration": "deg/s2",
 }
+
+
+@dataclass(frozen=True, kw_only=True)
+class EstimateOut:
+    """An estimate, in the unit that the name of its member says.
+
+    value: the most likely.
+    sigma: its 1-sigma error, of the errors' own size and of how they go together in time.
+    """
+
+    value: Signed
+    sigma: NotNegative
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,6 +115,12 @@ class AxisComparisonOut:
     rms_arcsec: of all errors.
     max_arcsec: the largest, either way.
     mean_arcsec: of all errors.
+    gain: measured over planned: of an encoder's scale, a gear or a unit; near -1 where the axis is
+    measured the other way round, whose errors are those with the sign changed. Null where the axis
+    doesn't follow its plan.
+    bias: what is measured where the plan is at zero: of an encoder's zero, or a gyro's; null
+    without `gain`.
+    bias_unit: of `bias`: of angles, or of rates where `basis` is rates.
     lag_s: delay of the axis behind the other one; a delay of both can't be separated from the
     clock, and is in `time_offset_s`. Null for an axis that gives no time, as it doesn't follow its
     plan or hardly moves; `warnings` say which.
@@ -111,10 +128,11 @@ class AxisComparisonOut:
     phases: segment by segment of the table.
     oscillations: in order of time, at most 1,000.
     oscillations_searched_hz: lowest and highest frequency that the samples are long and fine enough
-    to show; null where they are too few. E.g. `[0.067, 6.8]`.
+    to show; null where they are too few. E.g. `[0.05, 6.8]`.
     stick_slip: stretches in order of time, at most 1,000.
     limits_exceeded: stretches in order of time, at most 1,000.
-    limits_checked: limits that the samples are fine enough to check.
+    limits_checked: limits that the samples are fine enough to check; none of an axis that doesn't
+    follow its plan.
     """
 
     basis: Basis
@@ -122,6 +140,9 @@ class AxisComparisonOut:
     rms_arcsec: NotNegative
     max_arcsec: NotNegative
     mean_arcsec: Signed
+    gain: EstimateOut | None
+    bias: EstimateOut | None
+    bias_unit: Literal["arcsec", "arcsec/s"]
     lag_s: Signed | None
     lag_sigma_s: NotNegative | None
     phases: list[PhaseErrorsOut]
@@ -140,6 +161,9 @@ def axis_of(comparison: "Comparison", axis: "AxisComparison") -> AxisComparisonO
         rms_arcsec=arcsec(axis.error.rms_rad),
         max_arcsec=arcsec(axis.error.max_rad),
         mean_arcsec=arcsec(axis.error.mean_rad),
+        gain=estimate(axis.gain, 9) if axis.gain else None,
+        bias=estimate(axis.bias, 6, ARCSEC_PER_RAD) if axis.bias else None,
+        bias_unit="arcsec" if axis.followed.basis == "angles" else "arcsec/s",
         lag_s=None if axis.lag_s is None else round(axis.lag_s.value, 9),
         lag_sigma_s=None if axis.lag_s is None else round(axis.lag_s.sigma, 9),
         phases=[_phase(comparison, phase) for phase in axis.phases],
@@ -164,6 +188,14 @@ def axis_of(comparison: "Comparison", axis: "AxisComparison") -> AxisComparisonO
         ],
         limits_exceeded=[_exceeded(comparison, one) for one in axis.limits_exceeded[:_LIST_MAX]],
         limits_checked=list(axis.limits_checked),
+    )
+
+
+def estimate(found: "Estimate", decimals: int, scale: float = 1.0) -> EstimateOut:
+    """Scaled into its member's unit."""
+    return EstimateOut(
+        value=round(scale * found.value, decimals) + 0.0,
+        sigma=round(scale * found.sigma, decimals),
     )
 
 

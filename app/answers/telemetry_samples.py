@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING
 
 from app.answers.members import fill
 from app.answers.ranges import Count, NotNegative
-from planner.inflight.telemetry.columns import AngleUnit, Kind, UnitFrom
-from planner.inflight.telemetry.samples import Dropped
+from planner.inflight.telemetry.samples import AngleUnit, Dropped, Kind
 from planner.world.frames.time_scales import shifted_utc, utc_text
 
 if TYPE_CHECKING:
@@ -32,16 +31,13 @@ class TelemetryColumnOut:
     name: as it was sent.
     axis: the axis it belongs to.
     kind: of its angle or of its rate.
-    unit: in which it was read; of a rate, the unit's part before the time.
-    unit_from: source of the unit: the column's name, a row of units under the names, or which unit
-    fits the plan.
+    unit: in which it was read, as its name or `columns` says; of a rate, per second.
     """
 
     name: str
     axis: str
     kind: Kind
     unit: AngleUnit
-    unit_from: UnitFrom
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,9 +47,8 @@ class SamplesOut:
     read: rows there were: those used and those dropped.
     used: rows that the comparison rests on.
     dropped: rows by reason: `no_time` and `no_value` hold no number there, `repeated` have a time
-    tag again, `held` only values of the row before while the plan moves on, `clock_reset` belong to
-    a clock that began anew, `outside_plan` lie before or after its table, `outlier` stand out from
-    those around. E.g. `{"outlier": 3}`.
+    tag again, `held` only values of the row before while the plan moves on, `outside_plan` lie
+    before or after its table, `outlier` stand out from those around. E.g. `{"outlier": 3}`.
     reordered: rows used that came before an earlier one.
     wrapped: angles that were brought within half a turn of the plan.
     start: of the first row used; UTC.
@@ -62,7 +57,8 @@ class SamplesOut:
     gaps: stretches without rows, at most 200. E.g.
     `[{"start": "2015-02-27T17:35:00.000Z", "stop": "2015-02-27T17:35:10.000Z"}]`.
     columns: those read.
-    ignored_columns: names of those that belong to no axis, or hold nothing. E.g. `["temperature"]`.
+    ignored_columns: names of those that are none of the contract nor in `columns`, or are empty.
+    E.g. `["temperature"]`.
     """
 
     read: Count

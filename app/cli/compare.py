@@ -38,6 +38,14 @@ def compare(
         str | None,
         typer.Option(metavar="UTC", help="Count t_s from this time; the plan's epoch by default."),
     ] = None,
+    column: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=OWN",
+            help="Take the file's column OWN for NAME, such as alpha_arcsec='AZ encoder' "
+            "(may be repeated).",
+        ),
+    ] = None,
     measurements: Annotated[
         list[Path] | None,
         typer.Option(
@@ -72,6 +80,8 @@ def compare(
         head: dict[str, Any] = {"plan": plan}
         if epoch is not None:
             head["samples"] = {"epoch": epoch}
+        if column:
+            head["columns"] = _mapping(column)
         for path in measurements or ():
             _add(head, path)
         if identify:
@@ -92,6 +102,15 @@ def compare(
             write(json, answer)
         if plot and picture is not None:
             write(plot, picture)
+
+
+def _mapping(pairs: Sequence[str]) -> dict[str, str]:
+    columns = dict(pair.split("=", 1) for pair in pairs if "=" in pair)
+    if len(columns) < len(pairs):
+        raise InvalidInput(
+            "write each once and as NAME=OWN, such as alpha_arcsec='AZ encoder'", field="--column"
+        )
+    return columns
 
 
 def _add(head: dict[str, Any], path: Path) -> None:

@@ -14,15 +14,7 @@ _TIME = slice(11, 23)
 def print_comparison(console: Console, answer: ComparisonResponse) -> None:
     """Samples, clock, axes and phases, what they did, what was seen beside."""
     _print_samples(console, answer.samples)
-    offset, drift = answer.time_offset_s, answer.clock_drift
-    console.print(
-        f"clock {offset.value:+.6f} s ahead at {answer.epoch}, 1 sigma {offset.sigma:.2g}; "
-        f"drift {1e6 * drift.value:+.3f} ppm, 1 sigma {1e6 * drift.sigma:.2g}"
-    )
-    if common := answer.common_offset_s:
-        console.print(
-            f"if both axes are equally late: {common.value:+.6f} s, 1 sigma {common.sigma:.2g}"
-        )
+    _print_clock(console, answer)
     table = report_table(
         "errors",
         *(
@@ -78,6 +70,28 @@ def print_comparison(console: Console, answer: ComparisonResponse) -> None:
     print_warnings(console, answer.warnings)
 
 
+def _print_clock(console: Console, answer: ComparisonResponse) -> None:
+    offset, drift = answer.time_offset_s, answer.clock_drift
+    console.print(
+        f"clock {offset.value:+.6f} s ahead at {answer.epoch}, 1 sigma {offset.sigma:.2g}; "
+        f"drift {1e6 * drift.value:+.3f} ppm, 1 sigma {1e6 * drift.sigma:.2g}"
+    )
+    console.print(f"  if {offset.assumes}")
+    if common := answer.common_offset_s:
+        console.print(f"clock {common.value:+.6f} s, 1 sigma {common.sigma:.2g}")
+        console.print(f"  if {common.assumes}")
+    if (ideal := answer.ideal_offset_s) and (ideal_drift := answer.ideal_drift):
+        console.print(
+            f"clock {ideal.value:+.6f} s, 1 sigma {ideal.sigma:.2g}; "
+            f"drift {1e6 * ideal_drift.value:+.3f} ppm, 1 sigma {1e6 * ideal_drift.sigma:.2g}"
+        )
+        console.print(f"  if {ideal.assumes}")
+    for pair in answer.inseparable:
+        console.print(
+            Text(f"{' and '.join(pair.members)} are hardly told apart: {pair.correlation:+.3f}")
+        )
+
+
 def _print_samples(console: Console, samples: SamplesOut) -> None:
     lost = ", ".join(f"{count} {reason}" for reason, count in samples.dropped.items())
     units = ", ".join(f"{column.name} in {column.unit}" for column in samples.columns)
@@ -92,6 +106,13 @@ def _print_samples(console: Console, samples: SamplesOut) -> None:
 
 
 def _print_what_it_did(console: Console, name: str, axis: AxisComparisonOut) -> None:
+    if axis.gain and axis.bias:
+        console.print(
+            Text(
+                f"{name} gain {axis.gain.value:.7f}, 1 sigma {axis.gain.sigma:.2g}; "
+                f"bias {axis.bias.value:+.3f} {axis.bias_unit}, 1 sigma {axis.bias.sigma:.2g}"
+            )
+        )
     for swing in axis.oscillations:
         console.print(
             Text(

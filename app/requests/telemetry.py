@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Annotated, Any
 
@@ -13,12 +13,7 @@ from app.requests.json_reader import JsonReader, json_document
 from planner.base.arrays import Array
 from planner.base.errors import FieldError, InvalidRequest
 from planner.base.spec import Within, spec
-from planner.inflight.telemetry.request import (
-    PARAMETERS_MAX,
-    SAMPLES_MAX,
-    SECOND_MEASUREMENTS_MAX,
-    ImageOffset,
-)
+from planner.inflight.telemetry.samples import OPTIONS, ImageOffset
 from planner.world.attitude.corrections import Corrections
 
 _Second = Annotated[float, Within(-1e10, 1e10)] | None
@@ -28,7 +23,7 @@ _COLUMN_SCHEMA: dict[str, Any] = {
     "type": "array",
     "items": {"anyOf": [{"type": "number"}, {"type": "null"}]},
     "description": "A measured column, a number or null per time tag: NAME_deg and NAME_rate_deg_s "
-    "for each axis NAME of the platform; also in _rad, _mrad, _arcmin, _arcsec.",
+    "for each axis NAME of the platform; also in rad, mrad, arcmin, arcsec.",
 }
 
 
@@ -57,6 +52,9 @@ class ComparisonRequest:
     time.
 
     plan: id of the plan that was flown. E.g. `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
+    columns: names of columns that the samples call otherwise, by what they hold: t_s, utc, unix_s,
+    or an axis's NAME_deg, NAME_rate_deg_s or the like in its own unit. E.g.
+    `{"t_s": "Time", "alpha_arcsec": "AZ encoder"}`.
     corrections: measured rotations of the carrier during the plan, each as a horizon estimate
     answers its `correction`. E.g. `[{"epoch": "2015-02-27T17:37:00Z", "turn_body_deg":
     [0.25, 0.05, 0.0], "covariance_deg2": [[4e-4, 0.0, 0.0], [0.0, 4e-4, 0.0],
@@ -69,11 +67,14 @@ class ComparisonRequest:
 
     plan: str
     samples: TelemetrySamples | None = None
+    columns: Annotated[Mapping[str, str], Field(max_length=_COLUMNS_MAX)] = field(
+        default_factory=dict
+    )
     corrections: Corrections = ()
     image_offsets: Annotated[
-        tuple[ImageOffset, ...], Field(max_length=SECOND_MEASUREMENTS_MAX)
+        tuple[ImageOffset, ...], Field(max_length=OPTIONS.image_offsets_max)
     ] = ()
-    identify: Annotated[tuple[str, ...], Field(max_length=PARAMETERS_MAX)] = ()
+    identify: Annotated[tuple[str, ...], Field(max_length=OPTIONS.parameters_max)] = ()
 
     def __post_init__(self) -> None:
         if not self.plan:
@@ -103,7 +104,11 @@ def read_comparison_request(body: bytes) -> tuple[ComparisonRequest, SentSamples
     sent = {name: samples[name] for name in samples if name != "epoch"}
     rest = {name: samples[name] for name in samples if name == "epoch"}
     request = _READER.read(json.dumps(document | {"samples": rest}).encode())
-    return request, _sent(sent)
+    for name, own in request.columns.items():
+        if own not in sent:
+            raise _fault(f"columns.{name}"[:80], f"names {own[:60]!r}, which samples doesn't hold")
+    name_by_own = {own: name for name, own in request.columns.items()}
+    return request, _sent({name_by_own.get(name, name): sent[name] for name in sent})
 
 
 def read_comparison_head(body: bytes) -> ComparisonRequest:
@@ -133,8 +138,10 @@ def _sent(members: dict[str, Any]) -> SentSamples:
         raise _fault("samples.utc", "must be a list of texts such as 2015-02-27T17:36:20.000Z")
     t_s = members.pop("t_s", None)
     count = len(utc or t_s) if isinstance(utc or t_s, list) else 0
-    if count > SAMPLES_MAX:
-        raise _fault(f"samples.{times[0]}", f"has {count} tags; at most {SAMPLES_MAX} are read")
+    if count > OPTIONS.rows_max:
+        raise _fault(
+            f"samples.{times[0]}", f"has {count} tags; at most {OPTIONS.rows_max} are read"
+        )
     columns = {name: _column(name, value) for name, value in members.items()}
     for name, column in columns.items():
         if len(column) != count:

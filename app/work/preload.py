@@ -39,9 +39,8 @@ _LOADED = (
     "planner.planning.opportunities.search",
     "planner.spacecraft.opportunities",
     "planner.spacecraft.plan",
-    "planner.inflight.telemetry.attitude",
     "planner.inflight.telemetry.compare",
-    "planner.inflight.telemetry.parameters",
+    "planner.inflight.telemetry.next_plan",
     "planner.output.view.netcdf",
     "planner.spacecraft.view",
 )

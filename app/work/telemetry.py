@@ -1,6 +1,5 @@
 """A child's work on telemetry: it is read and compared with a stored plan."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import TYPE_CHECKING
@@ -10,17 +9,14 @@ from app.answers.telemetry import comparison_json
 from app.requests.telemetry import ComparisonRequest, SentSamples
 from app.store.packed import unpack
 from app.work.plan import stored_plan
-from planner.base.errors import InvalidInput
-from planner.inflight.telemetry.columns import ColumnMeaning, TelemetryColumn, meaning_of
-from planner.inflight.telemetry.csv_reader import read_csv, utc_seconds
 from planner.inflight.telemetry.figure import write_comparison_png, write_comparison_svg
-from planner.inflight.telemetry.samples import Samples
+from planner.inflight.telemetry.samples import Samples, read_csv, samples_of
 from planner.output.export import Exporter
 from planner.world.plan import FlightPlan
 
 if TYPE_CHECKING:
-    from planner.inflight.telemetry.attitude import PointingParts
     from planner.inflight.telemetry.compare import Comparison
+    from planner.inflight.telemetry.next_plan import PointingParts
 
 PICTURES: dict[str, "Exporter[Comparison]"] = {
     "png": Exporter("plan and flight, drawn", "image/png", ".png", write_comparison_png),
@@ -62,7 +58,7 @@ def answer_json(
     comparison: "Comparison", request: ComparisonRequest, plan_id: str, provenance: ProvenanceOut
 ) -> bytes:
     """With what was measured beside the axes, and the platform found; raises Refusals."""
-    from planner.inflight.telemetry.parameters import platform_found
+    from planner.inflight.telemetry.next_plan import platform_found
 
     pointing = _pointing(comparison, request)
     found = platform_found(comparison, request.identify)
@@ -70,7 +66,7 @@ def answer_json(
 
 
 def _pointing(comparison: "Comparison", request: ComparisonRequest) -> list["PointingParts"]:
-    from planner.inflight.telemetry.attitude import from_image, from_rotation
+    from planner.inflight.telemetry.next_plan import from_image, from_rotation
 
     plan = comparison.plan
     followed = [axis.followed for axis in comparison.axes]
@@ -86,44 +82,9 @@ def _pointing(comparison: "Comparison", request: ComparisonRequest) -> list["Poi
 
 
 def _samples(plan: FlightPlan, sent: SentTelemetry) -> Samples:
-    names = plan.scenario.platform.axis_names
-    epoch_utc = sent.request.samples and sent.request.samples.epoch
+    names, plan_epoch_utc = plan.scenario.platform.axis_names, plan.table.epoch_utc
+    epoch_utc = sent.request.samples.epoch if sent.request.samples else None
     if isinstance(sent.samples, bytes):
-        return read_csv(sent.samples, names, epoch_utc or None, plan.table.epoch_utc)
-    since_utc = epoch_utc or plan.table.epoch_utc
-    columns = tuple(
-        TelemetryColumn(name=name, meaning=_meaning(name, names), value=value)
-        for name, value in sent.samples.columns.items()
-    )
-    _require_each_once(columns, names)
-    notes: tuple[str, ...] = ()
-    t_s = sent.samples.t_s
-    if t_s is None:
-        t_s, notes = utc_seconds(sent.samples.utc, since_utc)
-    return Samples(epoch_utc=since_utc, t_s=t_s, columns=columns, notes=notes)
-
-
-def _meaning(name: str, axis_names: Sequence[str]) -> ColumnMeaning:
-    meaning = meaning_of(name, axis_names)
-    if meaning is None:
-        raise _fault(
-            name,
-            "tells of no axis of this platform; give t_s, "
-            + ", ".join(f"{axis}_deg or {axis}_rate_deg_s" for axis in axis_names),
-        )
-    return meaning
-
-
-def _require_each_once(columns: Sequence[TelemetryColumn], axis_names: Sequence[str]) -> None:
-    if not columns:
-        raise _fault(f"{axis_names[0]}_deg", "is required, or a column of another axis or of rates")
-    seen: dict[tuple[int, str], str] = {}
-    for column in columns:
-        key = (column.meaning.axis, column.meaning.kind)
-        if key in seen:
-            raise _fault(column.name, f"tells the same as {seen[key][:80]}; send one of them")
-        seen[key] = column.name
-
-
-def _fault(name: str, detail: str) -> InvalidInput:
-    return InvalidInput(f"{name[:60]} {detail}", field=f"samples.{name}"[:80])
+        return read_csv(sent.samples, names, epoch_utc, plan_epoch_utc, sent.request.columns)
+    values = sent.samples
+    return samples_of(values.t_s, values.utc, values.columns, names, epoch_utc or plan_epoch_utc)

@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[2]
 MOST = {
     "base": 6,
     "estimator": 49,
-    "inflight": 63,
+    "inflight": 39,
     "motion": 68,
     "output": 38,
     "planning": 45,

@@ -7,6 +7,7 @@ clock 0.37 s ahead.
 import random
 from collections.abc import Callable
 from dataclasses import dataclass
+from dataclasses import field as member
 from itertools import pairwise
 
 CLOCK_AHEAD_S = 0.37
@@ -14,21 +15,24 @@ CLOCK_AHEAD_S = 0.37
 
 @dataclass(frozen=True)
 class Damaged:
-    """content: of the file.  told: whether an answer tells of it.  drops: rows by reason."""
+    """content: of the file.  told: whether an answer tells of it.  drops: rows by reason.
+    columns: what the request says they are."""
 
     content: bytes
     told: Callable[[dict], bool] = lambda _: True
     drops: tuple[tuple[str, int], ...] = ()
     offset_within_s: float = 0.005
+    columns: dict[str, str] = member(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Refused:
-    """word: what the refusal says.  field: what it names."""
+    """words: what the refusal says.  field: what it names."""
 
     content: bytes
-    word: str
+    words: tuple[str, ...]
     field: str = "samples"
+    columns: dict[str, str] = member(default_factory=dict)
 
 
 def _csv(header, rows, mark=",", end="\n"):
@@ -43,147 +47,75 @@ def _warned(*words):
     return lambda answer: any(all(w in one for w in words) for one in answer["warnings"])
 
 
-def _unit(name, unit, unit_from="fit"):
-    def told(answer):
-        columns = {one["name"]: one for one in answer["samples"]["columns"]}
-        return (columns[name]["unit"], columns[name]["unit_from"]) == (unit, unit_from)
-
-    return told
-
-
-def _scaled(rows, factor):
-    return [[row[0], row[1] * factor, row[2] * factor] for row in rows]
+def _in_unit(unit):
+    return lambda answer: {one["unit"] for one in answer["samples"]["columns"]} == {unit}
 
 
 HEAD = ["t_s", "alpha_deg", "beta_deg"]
-DEG_PER_RAD = 57.29577951308232
 
 
 def damaged(rows, utc_of):
     """By name; rows: tag, alpha, beta in seconds and degrees.  utc_of: RFC 3339 of a tag."""
-    chance = random.Random(5)
     text = _texts(rows)
-    half = len(rows) // 2
+    count = len(rows)
     shuffled = text[:]
-    chance.shuffle(shuffled)
-    spiky = [row[:] for row in text]
-    for place in range(40, len(rows), 97):
-        spiky[place][1] = "170.0"
-    spikes = len(range(40, len(rows), 97))
-    holes = [row[:] for row in text]
-    for place in range(10, len(rows), 50):
-        holes[place][1:] = ["NaN", ""]
-    empty_rows = len(range(10, len(rows), 50))
-    words = [row[:] for row in text]
-    for place in range(5, len(rows), 200):
-        words[place][0] = "ERROR"
-    timeless = len(range(5, len(rows), 200))
-    one_beta_missing = [[*row[:2], "N/A" if k % 3 else row[2]] for k, row in enumerate(text)]
-    reset = [
-        *text[: half + 200],
-        *([f"{float(t) - rows[half][0]:.6f}", a, b] for t, a, b in text[half:]),
-    ]
-    wrapped = [[row[0], row[1] % 360.0, row[2] % 360.0] for row in rows]
-    missing = [
-        [t, "0" if (k // 100) % 5 == 0 else a, "-9999" if k % 4 == 0 else b]
-        for k, (t, a, b) in enumerate(text)
-    ]
+    random.Random(5).shuffle(shuffled)
+    spiky = [[row[0], "170.0", row[2]] if k % 97 == 40 else row for k, row in enumerate(text)]
+    holes = [[row[0], "NaN", ""] if k % 50 == 10 else row for k, row in enumerate(text)]
+    words = [["ERROR", *row[1:]] if k % 200 == 5 else row for k, row in enumerate(text)]
+    arcsec = [[row[0], row[1] * 3600.0, row[2] * 3600.0] for row in rows]
+    in_utc = [[utc_of(row[0]), *cells[1:]] for row, cells in zip(rows, text, strict=True)]
     rates = [(after[1] - before[1]) / (after[0] - before[0]) for before, after in pairwise(rows)]
+    own_names = {"t_s": "Time [s]", "alpha_deg": "Winkel, außen", "beta_deg": "inner"}
+    own = [f'"{name}"' for name in own_names.values()]
     files = {
         "valid": Damaged(_csv(HEAD, text)),
         "a gap of 20 s": Damaged(
             _csv(HEAD, text[:600] + text[900:]), lambda a: len(a["samples"]["gaps"]) == 1
         ),
         "rows shuffled": Damaged(
-            _csv(HEAD, shuffled), lambda a: a["samples"]["reordered"] > len(rows) / 2
-        ),
-        "every row twice": Damaged(
-            _csv(HEAD, [row for row in text for _ in range(2)]), drops=(("repeated", len(rows)),)
+            _csv(HEAD, shuffled), lambda a: a["samples"]["reordered"] > count / 2
         ),
         "a packet sent again": Damaged(
             _csv(HEAD, [*text[:500], *text[300:]]), drops=(("repeated", 200),)
         ),
-        "the counter begins anew": Damaged(
-            _csv(HEAD, reset), drops=(("clock_reset", len(rows) - half),)
+        "spikes": Damaged(_csv(HEAD, spiky), drops=(("outlier", len(range(40, count, 97))),)),
+        "NaN and empty cells": Damaged(
+            _csv(HEAD, holes), drops=(("no_value", len(range(10, count, 50))),)
         ),
-        "spikes": Damaged(_csv(HEAD, spiky), drops=(("outlier", spikes),)),
-        "NaN and empty cells": Damaged(_csv(HEAD, holes), drops=(("no_value", empty_rows),)),
-        "numbers beyond all bounds": Damaged(
-            _csv(
-                HEAD,
-                [
-                    ["1e300", "inf", "-1e308"] if k % 100 == 50 else row
-                    for k, row in enumerate(text)
-                ],
-            ),
-            drops=(("no_time", len(range(50, len(rows), 100))),),
+        "words for times": Damaged(
+            _csv(HEAD, words), drops=(("no_time", len(range(5, count, 200))),)
         ),
-        "words for times": Damaged(_csv(HEAD, words), drops=(("no_time", timeless),)),
-        "most of beta missing": Damaged(_csv(HEAD, one_beta_missing)),
         "wrapped at 360": Damaged(
-            _csv(HEAD, _texts(wrapped)), lambda a: a["samples"]["wrapped"] > len(rows) / 2
+            _csv(HEAD, _texts([[t, a % 360.0, b % 360.0] for t, a, b in rows])),
+            lambda a: a["samples"]["wrapped"] > count / 2,
         ),
-        "wrapped at 180, half a turn off": Damaged(
-            _csv(HEAD, _texts([[t, a + 360.0, b - 360.0] for t, a, b in rows])),
-            lambda a: a["samples"]["wrapped"] == 2 * len(rows),
+        "arcsec by name": Damaged(
+            _csv(["t_s", "alpha_arcsec", "beta_arcsec"], _texts(arcsec)), _in_unit("arcsec")
         ),
-        "radians named degrees": Damaged(
-            _csv(HEAD, _texts(_scaled(rows, 1.0 / DEG_PER_RAD))), _unit("alpha_deg", "rad")
+        "arcsec by the mapping": Damaged(
+            _csv(["t_s", "A", "B"], _texts(arcsec)),
+            _in_unit("arcsec"),
+            columns={"alpha_arcsec": "A", "beta_arcsec": "B"},
         ),
-        "arcmin without a unit": Damaged(
-            _csv(["t_s", "alpha", "beta"], _texts(_scaled(rows, 60.0))), _unit("alpha", "arcmin")
+        "other names": Damaged(_csv(own, text), columns=own_names),
+        "a mapping before a name": Damaged(
+            _csv([*HEAD, "encoder"], [[row[0], "5.0", row[2], row[1]] for row in text]),
+            lambda a: a["samples"]["ignored_columns"] == ["alpha_deg"],
+            columns={"alpha_deg": "encoder"},
         ),
-        "radians by name": Damaged(
-            _csv(["time", "alpha_rad", "beta_rad"], _texts(_scaled(rows, 1.0 / DEG_PER_RAD))),
-            _unit("alpha_rad", "rad", "name"),
+        "a byte order mark, odd case": Damaged(
+            b"\xef\xbb\xbf" + _csv(["T_S", "Alpha_Deg", "BETA_DEG"], text)
         ),
-        "a row of units": Damaged(
-            _csv(
-                ["time", "alpha", "beta"],
-                [["s", "arcsec", "arcsec"], *_texts(_scaled(rows, 3600.0))],
-            ),
-            _unit("alpha", "arcsec", "unit row"),
-        ),
-        "a byte order mark": Damaged(b"\xef\xbb\xbf" + _csv(HEAD, text)),
-        "UTF-16": Damaged(_csv(HEAD, text).decode().encode("utf-16")),
-        "Latin-1": Damaged(
-            _csv(["t_s", "alpha [\u00b0]", "beta [\u00b0]"], text).decode().encode("latin-1"),
-            _warned("Latin-1"),
-        ),
-        "semicolons and decimal commas": Damaged(
-            _csv(HEAD, [[cell.replace(".", ",") for cell in row] for row in text], ";"),
-            _warned("decimal commas"),
-        ),
-        "tabs": Damaged(_csv(HEAD, text, "\t"), _warned("parted by")),
-        "spaces, aligned": Damaged(_csv(HEAD, text, "   ")),
-        "CRLF and blank lines": Damaged(_csv(HEAD, text, end="\r\n\r\n")),
-        "other names": Damaged(
-            _csv(["Time [s]", "Alpha (deg)", "BETA angle, deg".replace(",", "")], text)
-        ),
-        "quoted cells": Damaged(
-            _csv([f'"{name}"' for name in HEAD], [[f'"{cell}"' for cell in row] for row in text])
-        ),
-        "UTC for times": Damaged(
-            _csv(
-                ["utc", *HEAD[1:]],
-                [[utc_of(row[0]), *cells[1:]] for row, cells in zip(rows, text, strict=True)],
-            )
-        ),
-        "an empty column": Damaged(
-            _csv([*HEAD, "beta_rate_deg_s"], [[*row, ""] for row in text]),
-            lambda a: a["samples"]["ignored_columns"] == ["beta_rate_deg_s"],
-        ),
+        "UTF-16 and tabs": Damaged(_csv(HEAD, text, "\t").decode().encode("utf-16")),
+        "semicolons, CRLF, blank lines": Damaged(_csv(HEAD, text, ";", end="\r\n\r\n")),
+        "UTC for times": Damaged(_csv(["utc", *HEAD[1:]], in_utc)),
         "columns of other things": Damaged(
-            _csv([*HEAD, "alpha_cmd_deg", "temperature"], [[*row, "0", "21.5"] for row in text]),
-            lambda a: a["samples"]["ignored_columns"] == ["alpha_cmd_deg", "temperature"],
+            _csv([*HEAD, "alpha_cmd_deg", "beta_rate_deg_s"], [[*row, "0", ""] for row in text]),
+            lambda a: a["samples"]["ignored_columns"] == ["alpha_cmd_deg", "beta_rate_deg_s"],
         ),
-        "a column twice": Damaged(
-            _csv([*HEAD, "alpha_deg"], [[*row, "5.0"] for row in text]),
-            _warned("alpha_deg", "again"),
-        ),
-        "cut off in a row": Damaged(_csv(HEAD, text)[:-14]),
-        "rows of different length": Damaged(
-            _csv(HEAD, [row[: 1 + k % 3] if k % 7 == 0 else row for k, row in enumerate(text)])
+        "cut off, and rows of different length": Damaged(
+            _csv(HEAD, [row[: 1 + k % 3] if k % 7 == 0 else row for k, row in enumerate(text)])[:-9]
         ),
         "before and after the plan": Damaged(
             _csv(
@@ -199,61 +131,89 @@ def damaged(rows, utc_of):
         "values held for a second": Damaged(
             _csv(HEAD, [[row[0], *text[k - k % 15][1:]] for k, row in enumerate(text)]),
             _warned("repeat the row before"),
-            (("held", len(rows) - len(text[::15])),),
+            (("held", count - len(text[::15])),),
         ),
-        "one value for those missing": Damaged(_csv(HEAD, missing), _warned("one value far from")),
         "tags of whole seconds": Damaged(
             _csv(HEAD, [[f"{float(row[0]) // 1:.0f}", *row[1:]] for row in text]),
             _warned("tags are too coarse"),
             offset_within_s=1.0,
         ),
-        "rates of another sign": Damaged(
+        "rates of another plan": Damaged(
             _csv(
                 [*HEAD, "alpha_rate_deg_s"],
-                [[*row, f"{-rate:.7f}"] for row, rate in zip(text, [*rates, 0.0], strict=True)],
+                [[*row, f"{rate + 3.0 * (k % 600 > 300):.7f}"]
+                 for k, (row, rate) in enumerate(zip(text, [*rates, 0.0], strict=True))],
             ),
             _warned("alpha's rates don't follow its plan"),
         ),
-        "minus signs of a typesetter": Damaged(
-            _csv(HEAD, text).decode().replace("-", "\u2212").encode()
-        ),
         "a frozen sensor": Damaged(
             _csv(HEAD, [[*row[:2], "0.0"] for row in text]),
-            lambda a: a["axes"]["beta"]["max_arcsec"] > 3600,
+            lambda a: a["axes"]["beta"]["gain"] is None and not a["axes"]["beta"]["limits_checked"],
         ),
-    }
+    }  # fmt: skip
+    comma = [[cell.replace(".", ",") for cell in row] for row in text]
     refused = {
-        "nothing": Refused(b"", "is empty"),
-        "a header alone": Refused(_csv(HEAD, []), "is empty"),
-        "no header": Refused(_csv(text[0], text[1:]), "name the columns"),
-        "bytes": Refused(bytes(range(256)) * 20, "is no text"),
-        "no axis": Refused(_csv(["t_s", "x", "y"], text), "no column tells of alpha or beta"),
-        "no time": Refused(_csv(["row", *HEAD[1:]], text), "no column tells the time"),
-        "all cells words": Refused(_csv(HEAD, [["a", "b", "c"]] * 50), "no column holds a number"),
+        "nothing": Refused(b"", ("is empty",)),
+        "a header alone": Refused(_csv(HEAD, []), ("is empty",)),
+        "no header": Refused(_csv(text[0], text[1:]), ("no column is named", repr(text[0][1]))),
+        "bytes": Refused(bytes(range(256)) * 20, ("no text in UTF-8: byte 129 is 0x80",)),
+        "other names": Refused(
+            _csv(["Time", "Alpha angle", "inner"], text),
+            (
+                "parted by ',', as 'Time', 'Alpha angle', 'inner'",
+                '{"t_s": "Time", "alpha_deg": "Alpha angle", "beta_deg": "inner"}',
+            ),
+        ),
+        "no unit": Refused(_csv(["t_s", "alpha", "beta"], text), ('"alpha_deg": "alpha"',)),
+        "no time": Refused(_csv(["row", *HEAD[1:]], text), ("as one of the time",)),
+        "a column twice": Refused(
+            _csv([*HEAD, "ALPHA_rad"], [[*row, "5.0"] for row in text]),
+            ("ALPHA_rad tells the same as alpha_deg",),
+        ),
+        "a mapping to nothing": Refused(
+            _csv(HEAD, text), ("has no column 'A'", "as 't_s',"), "columns.alpha_deg",
+            {"alpha_deg": "A"},
+        ),
+        "a mapping of no axis": Refused(
+            _csv(HEAD, text), ("'gamma_deg' is no column",), "columns.gamma_deg",
+            {"gamma_deg": "alpha_deg"},
+        ),
+        "all cells words": Refused(
+            _csv(HEAD, [[row[0], "a", "b"] for row in text]),
+            ("alpha_deg, row 1: 'a' is no number",),
+        ),
+        "times all words": Refused(
+            _csv(HEAD, [["later", *row[1:]] for row in text]), ("t_s, row 1: 'later'",)
+        ),
+        "dates all words": Refused(
+            _csv(["utc", *HEAD[1:]], [["later", *row[1:]] for row in text]), ("'later' is no time",)
+        ),
         "times of another day": Refused(
             _csv(
                 ["utc", *HEAD[1:]],
-                [
-                    [utc_of(row[0] + 86400), *cells[1:]]
-                    for row, cells in zip(rows, text, strict=True)
-                ],
+                [[utc_of(row[0] + 86400), *cells[1:]]
+                 for row, cells in zip(rows, text, strict=True)],
             ),
-            "the samples run from",
+            ("the samples run from",),
             "samples.epoch",
         ),
-        "times all words": Refused(
-            _csv(HEAD, [["later", *row[1:]] for row in text]), "time tag", "samples.t_s"
+        "decimal commas": Refused(
+            _csv(HEAD, comma, ";"), (f"t_s, row 1: {comma[0][0]!r} is no number", "with a point")
+        ),
+        "one decimal comma": Refused(
+            _csv(HEAD, [*text[:9], comma[9], *text[10:]], ";"), ("t_s, row 10",)
         ),
         "commas for decimals too": Refused(
-            _csv(HEAD, [[cell.replace(".", ",") for cell in row] for row in text]),
-            "names 3 columns, but rows have up to 6 cells: the comma both parts columns and marks",
+            _csv(HEAD, comma), ("names 3 columns, but rows have 6 cells",)
         ),
-        "JSON": Refused(b'{"t_s": [1, 2],\n "alpha_deg": [1, 2]}', "is JSON, not CSV"),
-        "gradians": Refused(_csv(HEAD, _texts(_scaled(rows, 1.0 / 0.9))), "no clock does"),
+        "radians named degrees": Refused(
+            _csv(HEAD, _texts([[t, a / 57.29578, b / 57.29578] for t, a, b in rows])),
+            ("each fits in rad: name them so",),
+        ),
         "columns swapped": Refused(
-            _csv(HEAD, [[t, b, a] for t, a, b in text]), "their names are swapped"
+            _csv(HEAD, [[t, b, a] for t, a, b in text]), ("their names are swapped",)
         ),
-        "zeros": Refused(_csv(HEAD, [[t, "0", "0"] for t, _, _ in text]), "they stay at 0"),
-        "too few rows": Refused(_csv(HEAD, text[500:504]), "needs 8"),
-    }
+        "zeros": Refused(_csv(HEAD, [[t, "0", "0"] for t, _, _ in text]), ("they stay at 0",)),
+        "too few rows": Refused(_csv(HEAD, text[500:504]), ("needs 8",)),
+    }  # fmt: skip
     return files, refused

@@ -8,15 +8,15 @@ import other_platform
 
 def drift_bound(table, t_s, noise_rad, *, with_drives=True):
     """table: as `other_platform.read_table` has it.  Each axis has an offset of its own and a
-    constant; with_drives: friction and a share of the acceleration, too."""
+    constant; with_drives: a gain, friction and a share of the acceleration, too."""
     times, motion = table
     blocks = []
     for number, columns in enumerate(motion.values()):
         state = np.radians([other_platform.commanded(times, *columns, t) for t in t_s])
-        rate, acceleration = state[:, 1], state[:, 2]
+        angle, rate, acceleration = state.T
         own = [rate, np.ones(len(t_s))]
         if with_drives:
-            own += [np.tanh(rate / math.radians(0.01)), acceleration]
+            own += [angle, np.tanh(rate / math.radians(0.01)), acceleration]
         slope = np.zeros((len(t_s), 1 + 2 * len(own)))
         slope[:, 0] = rate * t_s
         slope[:, 1 + number * len(own) : 1 + (number + 1) * len(own)] = np.column_stack(own)

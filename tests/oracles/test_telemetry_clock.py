@@ -15,9 +15,8 @@ from flown_las_vegas import planned
 import slewtrack
 from app.requests.examples.plan import LAS_VEGAS
 from app.requests.plan import read_plan_request
-from planner.base.errors import InvalidInput
 from planner.inflight.telemetry.alignment import Channel, align
-from planner.inflight.telemetry.motion import PlannedMotion
+from planner.inflight.telemetry.following import PlannedMotion
 from planner.output.export.csv import table_csv
 from planner.planning.sessions.pipeline import make_plan
 
@@ -54,9 +53,7 @@ OFF_PLAN = {
     "dead": lambda one: np.full(len(one), 3.1),
     "noise alone": lambda one: np.random.default_rng(7).normal(10.0, 20.0, len(one)),
     "of another plan": lambda one: 20.0 * np.sin(np.arange(len(one)) / 600.0),
-    "the other way round": lambda one: -one,
     "a straight line": lambda one: np.linspace(one[0], one[-1], len(one)),
-    "stops at once": lambda one: stopped(one, 0.2),
     "stops on its way": lambda one: stopped(one, 0.6),
 }
 
@@ -78,27 +75,13 @@ def test_an_axis_off_its_plan_has_no_lag_and_leaves_its_neighbour_alone(name, nu
     assert on.error.rms_rad == pytest.approx(2.0 * ARCSEC, rel=0.06)
 
 
-def test_what_only_a_clock_of_another_pace_explains_is_refused():
-    """Gradians named degrees: a tenth farther, as if the clock lost 7 % of time."""
+def test_gradians_named_degrees_are_a_gain():
+    """A tenth farther: it was taken for a clock that loses 7 % of time."""
     tag_s, angles_deg = valid()
-    with pytest.raises(InvalidInput, match="no clock does"):
-        slewtrack.compare(planned(), csv_of(tag_s, *(one / 0.9 for one in angles_deg)))
-
-
-@pytest.mark.parametrize(("ahead_s", "scale"), [(35.0, "TAI"), (16.0, "GPS time"), (67.184, "TT")])
-def test_another_time_scale_is_named(ahead_s, scale):
-    """IERS Bulletin C 44: TAI - UTC is 35 s; GPS time is 19 s behind TAI, TT 32.184 s ahead."""
-    tag_s, angles_deg = valid()
-    found = slewtrack.compare(planned(), csv_of(tag_s - 0.3 + ahead_s, *angles_deg))
-    [note] = [note for note in found.notes if "time tags may be of that scale" in note]
-    assert f"as {scale} was" in note
-
-
-def test_rows_of_two_sources_by_turns_are_told():
-    tag_s, angles_deg = valid()
-    late_s = 0.03 * (np.arange(len(tag_s)) % 2)
-    found = slewtrack.compare(planned(), csv_of(tag_s + late_s, *angles_deg))
-    assert any("alpha change sign from row to row" in note for note in found.notes)
+    found = slewtrack.compare(planned(), csv_of(tag_s, *(one / 0.9 for one in angles_deg)))
+    for axis in found.axes:
+        assert abs(axis.gain.value - 1.0 / 0.9) < SIGMAS * axis.gain.sigma < 1e-4
+    assert abs(found.alignment.drift.value) < SIGMAS * found.alignment.drift.sigma
 
 
 def late_alignments(late_s, seeds, rate_hz=5.0):
@@ -171,11 +154,11 @@ def test_a_pass_of_several_targets_tells_the_drift_to_a_millionth(tmp_path):
     bound = drift_bound(table, (tag_s - OFFSET_S) / (1.0 + 5e-6), 5.0 * ARCSEC)
     assert 1e-7 < bound < 2.5e-7
     told = []
-    for seed in range(8):
+    for seed in range(4):
         noise_deg = np.random.default_rng(seed).normal(0.0, 5.0 / 3600.0, (2, len(tag_s)))
         content = csv_of(tag_s, alpha_deg + noise_deg[0], beta_deg + noise_deg[1])
         drift = slewtrack.compare(plan, content).alignment.drift
         assert drift.value == pytest.approx(5e-6, abs=1e-6)
         assert drift.sigma == pytest.approx(bound, rel=0.3)  # of 40 blocks' scatter: 11 %
         told.append((drift.value - 5e-6) / bound)
-    assert 0.6 < np.sum(np.square(told)) < 28.0  # chi-square of 8 in 999 of 1000
+    assert 0.06 < np.sum(np.square(told)) < 20.0  # chi-square of 4 in 999 of 1000

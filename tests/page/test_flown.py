@@ -87,10 +87,19 @@ def test_telemetry_is_compared_with_its_plan(open_page, service, plan, tmp_path)
     assert violations(page) == []
 
 
-def test_a_file_that_tells_nothing_is_refused_in_words(open_page, plan, tmp_path):
-    file = tmp_path / "notes.csv"
-    file.write_text("dear diary\n")
+def test_a_file_of_other_names_is_refused_with_the_mapping_to_send(
+    open_page, service, plan, tmp_path
+):
+    file = tmp_path / "flight.csv"
+    content = telemetry(service, plan, 0.37).decode()
+    file.write_text(content.replace("t_s,alpha_deg,beta_deg", "Time,AZ alpha,EL beta"))
     page = open_page(f"/telemetry?plan={plan}")
     page.get_by_label("Telemetry, CSV").set_input_files(str(file))
     page.get_by_role("button", name="Compare").click()
-    expect(page.get_by_role("alert")).to_contain_text("samples")
+    alert = page.get_by_role("alert")
+    expect(alert).to_contain_text("samples")
+    told = alert.inner_text()
+    mapping = told[told.index("{") : told.index("}") + 1]
+    page.get_by_label("Columns that the file names otherwise").fill(mapping)
+    page.get_by_role("button", name="Compare").click()
+    expect(page.get_by_test_id("comparison")).to_contain_text("0.3700")

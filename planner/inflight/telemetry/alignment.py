@@ -1,8 +1,8 @@
-"""The telemetry clock's offset and drift from the plan's, with their errors.
+"""The telemetry's clock, and the gain and bias of every column, with their errors.
 
 Robust least squares (Huber 1981, sec. 7.8) of all columns together on the table's cubic Hermite.
 A time tag is t + offset + drift t, t the seconds since the table's epoch.  What isn't time is not
-taken for it: a constant of every column (an encoder's zero, a gyro's bias), and of angles what
+taken for it: a column's gain and bias (an encoder's scale and zero, a gyro's), and of angles what
 friction holds an axis back by, one way or the other, and what a drive lags by under acceleration.
 What both axes are late by is the clock's: no telemetry of the axes alone can tell it from a delay
 they share.  A drive may be late and never early: the clock's offset is that of the earlier axis.
@@ -10,42 +10,48 @@ they share.  A drive may be late and never early: the clock's offset is that of 
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from itertools import pairwise
+from dataclasses import dataclass, replace
+from itertools import combinations, pairwise
 
 import numpy as np
 from scipy.special import ndtr
 
 from planner.base.arrays import Array, Indices
-from planner.inflight.telemetry.columns import Kind
-from planner.inflight.telemetry.motion import PlannedMotion
+from planner.inflight.telemetry.following import PlannedMotion
+from planner.inflight.telemetry.samples import Kind
 
 
 @dataclass(frozen=True, kw_only=True)
 class AlignmentOptions:
-    """How a clock's offset, drift and lag are fitted, and when a lag is told."""
+    """How clock, gains and biases are fitted, and when a lag is told.
 
-    drift_sigma: float = 1e-3  # before anything is measured: worse ones are no clocks
+    The sigmas are those before anything is measured.
+    """
+
+    drift_sigma: float = 1e-3  # worse ones are no clocks
+    offset_sigma_s: float = 100.0  # as good as unknown
+    gain_sigma: float = 0.3  # what differs by more isn't told to follow its plan
+    bias_sigma_rad: float = math.radians(1.0)
+    bias_sigma_rad_s: float = math.radians(0.1)
+    friction_sigma_rad: float = math.radians(0.1)
+    late_sigma_s2: float = 0.1  # of an angle's share of the acceleration
     creep_rad_s: float = math.radians(0.01)  # over which friction turns with the motion
-    offset_sigma_s: float = 100.0  # before anything is measured: as good as unknown
     huber: float = 2.0  # sigmas; beyond them an error counts by its size, not its square
-    rounds_max: int = 40  # of reweighting
+    rounds_max: int = 40  # of reweighting,
+    settled: float = 1e-8  # or until a round's step is this, in sigmas squared
     scale_min: float = 1e-10  # rad: JSON's ninth decimal of a degree is 2e-11
     blocks: int = 40  # of time: errors within one may go together, and the sigmas tell it
     late_sigma: float = 4.0  # an axis is later than the other when it is by more
     # Times what is not known of a lag: the mean square of the offset's error over its sigma is at
     # most 1.3 at any lag, in the mean of many noises; 1.9 without.
     lag_room: float = 1.25
+    poor: float = 0.05  # mean error, as a share of the motion, with which no offset is tried, too
     lag_sigma_max_s: float = 1.0  # no drive is so late: an axis known worse tells nothing of it
+    seen_sigma: float = 3.0  # friction, lag and gain that are less leave the ideal clock standing
+    inseparable: float = 0.98  # correlation: either sigma is five times what the other known makes
 
 
 OPTIONS = AlignmentOptions()
-
-# Of a column's constant, an angle's friction, and its share of the acceleration, s^2.
-_NUISANCE_SIGMA = {
-    "angle": (math.radians(1.0), math.radians(0.1), 0.1),
-    "rate": (math.radians(0.1),),
-}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -63,26 +69,62 @@ class Channel:
             return self.motion.angle_rad(t_s), self.motion.rate_rad_s(t_s)
         return self.motion.rate_rad_s(t_s), self.motion.acceleration_rad_s2(t_s)
 
-    def nuisance(self, t_s: Array) -> Array:
-        """What else the value may be off by, (n, k), each part in its own unit."""
+    def nuisance(self, t_s: Array, is_ideal: bool) -> Array:
+        """What else the value may be off by, (n, k), each part in its own unit: bias, and of axes
+        that aren't ideal the gain above one, friction and the share of the acceleration."""
         constant = np.ones(len(t_s))
-        if self.kind == "rate":
+        if is_ideal:
             return constant[:, None]
-        friction = -np.tanh(self.motion.rate_rad_s(t_s) / OPTIONS.creep_rad_s)
-        return np.stack([constant, friction, -self.motion.acceleration_rad_s2(t_s)], axis=1)
+        if self.kind == "rate":
+            return np.stack([constant, self.motion.rate_rad_s(t_s)], axis=1)
+        rate_rad_s = self.motion.rate_rad_s(t_s)
+        friction = -np.tanh(rate_rad_s / OPTIONS.creep_rad_s)
+        late = -self.motion.acceleration_rad_s2(t_s)
+        return np.stack([constant, self.motion.angle_rad(t_s), friction, late], axis=1)
 
-    @property
-    def nuisance_sigma(self) -> tuple[float, ...]:
+    def nuisance_sigma(self, is_ideal: bool) -> tuple[float, ...]:
         """Before anything is measured, (k,)."""
-        return _NUISANCE_SIGMA[self.kind]
+        is_angle = self.kind == "angle"
+        bias = OPTIONS.bias_sigma_rad if is_angle else OPTIONS.bias_sigma_rad_s
+        if is_ideal:
+            return (bias,)
+        drive = (OPTIONS.friction_sigma_rad, OPTIONS.late_sigma_s2) if is_angle else ()
+        return (bias, OPTIONS.gain_sigma, *drive)
 
 
 @dataclass(frozen=True)
-class ClockEstimate:
+class Estimate:
     """With its 1-sigma error."""
 
     value: float
     sigma: float
+
+    @property
+    def is_seen(self) -> bool:
+        """Whether it is clearly not zero."""
+        return abs(self.value) > OPTIONS.seen_sigma * self.sigma
+
+    def turned(self, sign: int) -> "Estimate":
+        """Of what is measured the other way round, where the sign is -1."""
+        return Estimate(sign * self.value, self.sigma)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ColumnScale:
+    """A column is its gain times the plan's value, plus its bias [rad, or rad/s]."""
+
+    axis: int
+    kind: Kind
+    gain: Estimate
+    bias: Estimate
+
+
+@dataclass(frozen=True, kw_only=True)
+class Inseparable:
+    """Two estimates that the samples hardly tell apart, by their names in the answer."""
+
+    names: tuple[str, str]
+    correlation: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,33 +132,69 @@ class Alignment:
     """offset_s, drift: of the telemetry's clock at the table's epoch.  common_offset_s: the same if
     both axes are equally late; None where they clearly aren't, or one tells no time.
     lags_s: by axis, how much later it moves than the earlier one of them, with the error of the
-    difference; None where it tells no time.  reference_offset_s, reference_gain: those that the
-    axes' errors are taken with.
+    difference; None where it tells no time.  scales: of the columns that tell the time.
+    reference_offset_s, reference_drift: those that the axes' errors are taken with.
     """
 
-    offset_s: ClockEstimate
-    drift: ClockEstimate
-    common_offset_s: ClockEstimate | None
-    lags_s: tuple[ClockEstimate | None, ...]
+    offset_s: Estimate
+    drift: Estimate
+    common_offset_s: Estimate | None
+    lags_s: tuple[Estimate | None, ...]
+    scales: tuple[ColumnScale, ...]
+    fit: "Fit"
     reference_offset_s: float
-    reference_gain: float
+    reference_drift: float
+
+    def by(self, fit: "Fit") -> "Alignment":
+        """The same, with the axes' errors taken with a fit's clock."""
+        drift, offset_s = fit.parameters[:2].tolist()
+        return replace(self, reference_offset_s=offset_s, reference_drift=drift)
 
     def t_s(self, tag_s: Array) -> Array:
         """Seconds after the table's epoch at time tags."""
-        return np.asarray((tag_s - self.reference_offset_s) / (1.0 + self.reference_gain))
+        return np.asarray((tag_s - self.reference_offset_s) / (1.0 + self.reference_drift))
 
 
 @dataclass(frozen=True, eq=False)
-class _Fit:
-    """parameters: drift, the offsets, then each channel's own.  covariance_parameters: of them."""
+class Fit:
+    """parameters: drift, the offsets, then each channel's own.  covariance_parameters: of them.
+    places: by channel."""
 
+    channels: tuple[Channel, ...]
+    axes_apart: tuple[int, ...]
     parameters: Array
     covariance_parameters: Array
+    places: tuple[Indices, ...]
 
-    def estimate(self, place: int) -> ClockEstimate:
+    def estimate(self, place: int) -> Estimate:
         """Of a parameter by itself."""
         sigma = math.sqrt(self.covariance_parameters[place, place])
-        return ClockEstimate(float(self.parameters[place]), sigma)
+        return Estimate(float(self.parameters[place]), sigma)
+
+    def parts(self) -> dict[tuple[int, Kind], tuple[float, float]]:
+        """By axis and kind what a gain is above one by, and a bias."""
+        return {
+            (channel.motion.axis, channel.kind): (
+                float(self.parameters[columns[3]]) if len(columns) > 3 else 0.0,
+                float(self.parameters[columns[2]]),
+            )
+            for channel, columns in zip(self.channels, self.places, strict=True)
+        }
+
+    def scales(self) -> tuple[ColumnScale, ...]:
+        """Of each channel."""
+        found = []
+        for channel, columns in zip(self.channels, self.places, strict=True):
+            above = self.estimate(columns[3])
+            found.append(
+                ColumnScale(
+                    axis=channel.motion.axis,
+                    kind=channel.kind,
+                    gain=Estimate(1.0 + above.value, above.sigma),
+                    bias=self.estimate(columns[2]),
+                )
+            )
+        return tuple(found)
 
 
 def align(channels: Sequence[Channel], start_offset_s: float, axes: int) -> Alignment:
@@ -126,27 +204,28 @@ def align(channels: Sequence[Channel], start_offset_s: float, axes: int) -> Alig
     both, and its sigma holds that either may be the earlier by what is not known of their
     difference: nothing is known of lags beforehand.  The drift suits the axes with an offset each.
     """
-    starts = dict.fromkeys((start_offset_s, 0.0))
-    shared = min((_fit(channels, start) for start in starts), key=lambda one: _cost(channels, one))
+    shared = _fit(channels, start_offset_s)
+    if _cost(channels, shared) > OPTIONS.poor:
+        shared = min(shared, _fit(channels, 0.0), key=lambda one: _cost(channels, one))
     told = sorted({channel.motion.axis for channel in channels})
     each = _fit(channels, float(shared.parameters[1]), told) if len(told) > 1 else shared
     own_s = [each.estimate(1 + place) for place in range(len(told))]
     lag_s = _lag_s(each) if len(told) > 1 else None
-    lags_s: list[ClockEstimate | None] = [None] * axes
+    lags_s: list[Estimate | None] = [None] * axes
     if lag_s is None or lag_s.sigma > OPTIONS.lag_sigma_max_s:
         best = min(range(len(told)), key=lambda place: own_s[place].sigma)
-        lags_s[told[best]] = ClockEstimate(0.0, own_s[best].sigma)
+        lags_s[told[best]] = Estimate(0.0, own_s[best].sigma)
         offset_s, reference, common_s = shared.estimate(1), shared, None
     else:
         first = int(own_s[1].value < own_s[0].value)
-        lags_s[told[first]] = ClockEstimate(0.0, lag_s.sigma)
+        lags_s[told[first]] = Estimate(0.0, lag_s.sigma)
         lags_s[told[1 - first]] = lag_s
         if lag_s.value > OPTIONS.late_sigma * lag_s.sigma:
             offset_s, reference, common_s = own_s[first], each, None
         else:
             common_s = shared.estimate(1)
             offset_s, reference = (
-                ClockEstimate(common_s.value, _earlier_sigma(each, common_s)),
+                Estimate(common_s.value, _earlier_sigma(each, common_s)),
                 shared,
             )
     return Alignment(
@@ -154,19 +233,21 @@ def align(channels: Sequence[Channel], start_offset_s: float, axes: int) -> Alig
         drift=each.estimate(0),
         common_offset_s=common_s,
         lags_s=tuple(lags_s),
+        scales=each.scales(),
+        fit=each,
         reference_offset_s=offset_s.value,
-        reference_gain=float(reference.parameters[0]),
+        reference_drift=float(reference.parameters[0]),
     )
 
 
-def _lag_s(each: _Fit) -> ClockEstimate:
+def _lag_s(each: Fit) -> Estimate:
     """By how much the offsets of two axes differ."""
     ends = np.array([1.0, -1.0])
     variance_s2 = float(ends @ each.covariance_parameters[1:3, 1:3] @ ends)
-    return ClockEstimate(abs(float(ends @ each.parameters[1:3])), math.sqrt(variance_s2))
+    return Estimate(abs(float(ends @ each.parameters[1:3])), math.sqrt(variance_s2))
 
 
-def _earlier_sigma(each: _Fit, told: ClockEstimate) -> float:
+def _earlier_sigma(each: Fit, told: Estimate) -> float:
     """Rms error of an offset that is told for the earlier of two axes, of which each is known as
     the fit has it.  Source: moments of the least of two normal variables, Clark 1961, eqs. 2-4."""
     apart_s = OPTIONS.lag_room * _lag_s(each).sigma
@@ -182,17 +263,58 @@ def _earlier_sigma(each: _Fit, told: ClockEstimate) -> float:
     return max(math.sqrt(max(squares_s2, 0.0)), told.sigma)
 
 
+def ideal_fit(alignment: Alignment) -> Fit | None:
+    """The clock if the axes do as they are told, which is sharper: no friction, lag or gain, but
+    for a bias.  None where the samples show any of these."""
+    fit = alignment.fit
+    shown = [fit.estimate(place) for columns in fit.places for place in columns[3:]]
+    lags_s = [lag_s for lag_s in alignment.lags_s if lag_s is not None]
+    if any(one.is_seen for one in (*shown, *lags_s)):
+        return None
+    return _fit(fit.channels, alignment.offset_s.value, is_ideal=True)
+
+
+def inseparable(alignment: Alignment, axis_names: Sequence[str]) -> list[Inseparable]:
+    """Of clock, lag, gains and biases those that the samples don't tell apart."""
+    fit = alignment.fit
+    told = {"clock_drift": {0: 1.0}, "time_offset_s": {1: 1.0}}
+    if len(fit.axes_apart) > 1:
+        first = int(fit.parameters[2] < fit.parameters[1])
+        told["time_offset_s"] = {1 + first: 1.0}
+        late = axis_names[fit.axes_apart[1 - first]]
+        told[f"axes.{late}.lag_s"] = {2 - first: 1.0, 1 + first: -1.0}
+    for channel, columns in zip(fit.channels, fit.places, strict=True):
+        name = f"axes.{axis_names[channel.motion.axis]}"
+        if f"{name}.gain" not in told:  # an angle's, where there are rates besides
+            told[f"{name}.gain"], told[f"{name}.bias"] = {columns[3]: 1.0}, {columns[2]: 1.0}
+    parts = np.zeros((len(told), len(fit.parameters)))
+    for row, weights in zip(parts, told.values(), strict=True):
+        row[[*weights]] = [*weights.values()]
+    covariance = parts @ fit.covariance_parameters @ parts.T
+    sigma = np.sqrt(np.diag(covariance))
+    correlation = covariance / np.outer(sigma, sigma)
+    return [
+        Inseparable(names=(a, b), correlation=float(correlation[i, j]))
+        for (i, a), (j, b) in combinations(enumerate(told), 2)
+        if abs(correlation[i, j]) > OPTIONS.inseparable
+    ]
+
+
 def _fit(
-    channels: Sequence[Channel], start_offset_s: float, axes_apart: Sequence[int] = ()
-) -> _Fit:
+    channels: Sequence[Channel],
+    start_offset_s: float,
+    axes_apart: Sequence[int] = (),
+    *,
+    is_ideal: bool = False,
+) -> Fit:
     """axes_apart: those that have an offset each; none: all share one."""
-    nuisance_sigma = [sigma for channel in channels for sigma in channel.nuisance_sigma]
+    nuisance_sigma = [one for channel in channels for one in channel.nuisance_sigma(is_ideal)]
     clocks = max(len(axes_apart), 1)
     offset_sigmas_s = [OPTIONS.offset_sigma_s] * clocks
     prior_weights = 1.0 / np.array([OPTIONS.drift_sigma, *offset_sigmas_s, *nuisance_sigma]) ** 2
     parameters = np.zeros(len(prior_weights))
     parameters[1 : 1 + clocks] = start_offset_s
-    places = _places(channels, axes_apart)
+    places = _places(channels, axes_apart, is_ideal)
     for channel, columns in zip(channels, places, strict=True):
         off, _ = _residual(channel, parameters, columns)
         parameters[columns[2]] = np.median(off) if len(off) else 0.0
@@ -208,15 +330,17 @@ def _fit(
             right_parameters[columns] += weighted.T @ residual
         step = _solve(normal, right_parameters)
         parameters = parameters + step
-        if abs(step[0]) < 1e-13 and np.abs(step[1 : 1 + clocks]).max() < 1e-9:
+        if step @ normal @ step < OPTIONS.settled:
             break
     covariance = _covariance(channels, places, parameters, scale_by_channel, prior_weights)
-    return _Fit(parameters, covariance)
+    return Fit(tuple(channels), tuple(axes_apart), parameters, covariance, tuple(places))
 
 
-def _places(channels: Sequence[Channel], axes_apart: Sequence[int] = ()) -> list[Indices]:
+def _places(
+    channels: Sequence[Channel], axes_apart: Sequence[int], is_ideal: bool
+) -> list[Indices]:
     """Of each channel the parameters it hangs on: drift and offset, then its own."""
-    counts = [len(channel.nuisance_sigma) for channel in channels]
+    counts = [len(channel.nuisance_sigma(is_ideal)) for channel in channels]
     ends = 1 + max(len(axes_apart), 1) + np.cumsum([0, *counts])
     return [
         np.array([0, 1 + (axes_apart.index(channel.motion.axis) if axes_apart else 0), *own])
@@ -231,8 +355,9 @@ def _residual(channel: Channel, parameters: Array, columns: Indices) -> tuple[Ar
     inside = channel.motion.is_within(t_s)
     t_s = t_s[inside]
     planned, change = channel.planned(t_s)
-    nuisance = channel.nuisance(t_s)
-    slope = np.column_stack([-change * t_s, -change, nuisance])
+    nuisance = channel.nuisance(t_s, is_ideal=len(columns) == 3)
+    gain = 1.0 if len(columns) == 3 else 1.0 + parameters[columns[3]]
+    slope = np.column_stack([-gain * change * t_s, -gain * change, nuisance])
     return channel.value[inside] - planned - nuisance @ parameters[columns[2:]], slope
 
 
@@ -291,10 +416,10 @@ def _covariance(
     return np.asarray(clustered * np.outer(grown, grown))
 
 
-def _cost(channels: Sequence[Channel], fit: _Fit) -> float:
+def _cost(channels: Sequence[Channel], fit: Fit) -> float:
     """Mean error by its size, rows outside the table as a whole motion off."""
     total, rows = 0.0, 0
-    for channel, columns in zip(channels, _places(channels), strict=True):
+    for channel, columns in zip(channels, fit.places, strict=True):
         residual, _ = _residual(channel, fit.parameters, columns)
         planned, _ = channel.planned(channel.tag_s)
         room = max(float(np.std(planned)), OPTIONS.scale_min)

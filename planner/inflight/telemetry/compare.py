@@ -1,65 +1,91 @@
 """Telemetry beside its plan, from the rows as they came to what they say: the story of the room."""
 
+import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import get_args
 
 import numpy as np
 
-from planner.base.arrays import Array
+from planner.base.arrays import Array, Mask
 from planner.base.errors import InvalidInput
 from planner.inflight.telemetry.alignment import (
-    OPTIONS as ALIGNMENT_OPTIONS,
+    OPTIONS as ALIGNMENT,
 )
 from planner.inflight.telemetry.alignment import (
     Alignment,
-    ClockEstimate,
+    Estimate,
+    Fit,
+    Inseparable,
+    ideal_fit,
+    inseparable,
 )
-from planner.inflight.telemetry.cleaning import order
-from planner.inflight.telemetry.clock import tell_clock
-from planner.inflight.telemetry.columns import RAD_BY_UNIT, Kind, TelemetryColumn
-from planner.inflight.telemetry.exceeded import Exceeded, Limit, limits_exceeded
+from planner.inflight.telemetry.clock import OPTIONS as CLOCK
+from planner.inflight.telemetry.clock import follows, require_followed, tell_clock, turned_to_plan
 from planner.inflight.telemetry.following import (
     ErrorSize,
+    Exceeded,
     Followed,
+    Limit,
     PhaseErrors,
+    PlannedMotion,
     error_size,
     follow,
     gap_starts,
+    limits_exceeded,
+    outlier_rows,
     phases,
+    row_noise,
 )
-from planner.inflight.telemetry.motion import PlannedMotion
 from planner.inflight.telemetry.oscillations import Oscillation, oscillations, searched_hz
-from planner.inflight.telemetry.residual_diagnostics import (
-    alternating,
-    beyond_noise,
-    clock_jump,
-    no_lag,
-    other_scale,
-    outliers_left,
+from planner.inflight.telemetry.samples import OPTIONS as SAMPLES
+from planner.inflight.telemetry.samples import (
+    CleanSamples,
+    Dropped,
+    Kind,
+    Samples,
+    TelemetryColumn,
+    leave_out_held,
+    order_rows,
 )
-from planner.inflight.telemetry.samples import SAMPLES_MIN, CleanSamples, Dropped, Samples
-from planner.inflight.telemetry.search import OFFSET_MAX_S, in_units
-from planner.inflight.telemetry.stale_and_fill_values import leave_out_stale_and_fill_values
 from planner.inflight.telemetry.stick_slip import StickSlip, stick_slip
-from planner.inflight.telemetry.unrelated_columns import follows, require_followed
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.world.plan import FlightPlan
 
 _TURN_RAD = 2.0 * np.pi
-GAPS_MAX = 200
-_TAG_MAX_S, _VALUE_MAX = 1e10, 1e9
+_ARCSEC_PER_RAD = math.degrees(1.0) * 3600.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class ComparisonOptions:
+    """When what is left of an error is told, and as what."""
+
+    gaps_max: int = 200  # told
+    worth_telling_rad: float = math.radians(60.0 / 3600.0)  # rms of an error: 60 arcsec
+    times_noise: float = 10.0  # rms over the noise: less is noise that isn't white
+    poor: float = 0.3  # of the motion: errors so large mean another plan, or columns mistaken
+    outliers_make: float = 2.0  # times the rms of the other rows, at least
+    jump_rows: int = 2000  # of each axis, evenly
+    splits: int = 50  # tried, and once more between the neighbours of the best
+    jump_leaves: float = 0.1  # of the squares that no jump explains, at most
+
+
+OPTIONS = ComparisonOptions()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AxisComparison:
-    """What one axis did.  lag_s: see `Alignment.lags_s`.  oscillations_searched_hz: lowest and
-    highest frequency; None where the samples are too few."""
+    """What one axis did.  gain, bias: as it was measured, of its angles or else its rates [rad, or
+    rad/s]; None where it doesn't follow its plan.  lag_s: see `Alignment.lags_s`.
+    oscillations_searched_hz: lowest and highest frequency; None where the samples are too few."""
 
     name: str
     followed: Followed
     error: ErrorSize
-    lag_s: ClockEstimate | None
+    gain: Estimate | None
+    bias: Estimate | None
+    lag_s: Estimate | None
     phases: tuple[PhaseErrors, ...]
     oscillations: tuple[Oscillation, ...]
     oscillations_searched_hz: tuple[float, float] | None
@@ -70,7 +96,8 @@ class AxisComparison:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Comparison:
-    """gaps_s: (start, stop) after the table's epoch, of all axes.  wrapped: angles brought within
+    """ideal_clock: offset and drift if the axes do as they are told, see `ideal_fit`.
+    gaps_s: (start, stop) after the table's epoch, of all axes.  wrapped: angles brought within
     half a turn of the plan."""
 
     plan: FlightPlan
@@ -78,6 +105,8 @@ class Comparison:
     columns: tuple[TelemetryColumn, ...]
     ignored: tuple[str, ...]
     alignment: Alignment
+    ideal_clock: tuple[Estimate, Estimate] | None
+    inseparable: tuple[Inseparable, ...]
     axes: tuple[AxisComparison, ...]
     step_s: float
     gaps_s: tuple[tuple[float, float], ...]
@@ -87,28 +116,28 @@ class Comparison:
 
 def compare(plan: FlightPlan, samples: Samples) -> Comparison:
     """Raises InvalidInput for telemetry that tells nothing of the plan."""
-    table, platform = plan.table, plan.scenario.platform
-    names = platform.axis_names
+    table, names = plan.table, plan.scenario.platform.axis_names
     motions = [PlannedMotion(table, axis) for axis in range(len(names))]
-    valid = [replace(column, value=_valid(column.value, _VALUE_MAX)) for column in samples.columns]
+    valid = [replace(one, value=_valid(one.value, SAMPLES.value_max)) for one in samples.columns]
     columns = [column for column in valid if np.isfinite(column.value).any()]
     empty = [column.name for column in valid if column not in columns]
     if not columns:
         raise InvalidInput("no column holds a number", field="samples")
-    tag_s = _valid(samples.t_s, _TAG_MAX_S) + elapsed_s(samples.epoch_utc, table.epoch_utc)
+    tag_s = _valid(samples.t_s, SAMPLES.tag_max_s) + elapsed_s(samples.epoch_utc, table.epoch_utc)
     _require_some(tag_s, plan)
-    columns, start_s = in_units(columns, tag_s, motions)
+    columns, signs, start_s = turned_to_plan(columns, tag_s, motions)
     angle_rad, rate_rad_s, wrapped = _in_radians(columns, tag_s - start_s, motions)
-    ordered = order(tag_s, np.hstack([angle_rad, rate_rad_s]))
+    ordered = order_rows(tag_s, np.hstack([angle_rad, rate_rad_s]))
     row, dropped = ordered.row, ordered.dropped
     values: dict[Kind, Array] = {"angle": angle_rad[row], "rate": rate_rad_s[row]}
-    notes_unmeasured = leave_out_stale_and_fill_values(
-        values, tag_s[row] - start_s, motions, names, dropped
-    )
+    notes_held = leave_out_held(values, tag_s[row] - start_s, motions, names, dropped)
     angle_rad[row], rate_rad_s[row] = values["angle"], values["rate"]
     row = row[np.isfinite(np.hstack([angle_rad[row], rate_rad_s[row]])).any(axis=1)]
     clock = tell_clock(tag_s[row], angle_rad[row], rate_rad_s[row], motions, start_s)
-    alignment, bad = clock.alignment, clock.is_spike
+    alignment, ideal = clock.alignment, ideal_fit(clock.alignment)
+    if ideal is not None:  # the errors are those beside the sharpest clock that nothing contradicts
+        alignment = alignment.by(ideal)
+    bad = clock.is_spike
     notes_unrelated = _leave_out_unrelated(angle_rad, rate_rad_s, clock.unrelated, names)
     ordered_columns = [replace(column, value=column.value[row]) for column in columns]
     require_followed(ordered_columns, tag_s[row], motions, alignment)
@@ -126,9 +155,11 @@ def compare(plan: FlightPlan, samples: Samples) -> Comparison:
         dropped={reason: count for reason, count in sorted(dropped.items()) if count},
         reordered=ordered.reordered,
     )
-    axes, notes = _axes(plan, clean, alignment, motions)
-    scale = other_scale(alignment.offset_s.value, table.epoch_utc)
-    notes += [] if scale is None else [scale]
+    turned: dict[tuple[int, Kind], int] = {
+        (column.meaning.axis, column.meaning.kind): sign
+        for column, sign in zip(columns, signs, strict=True)
+    }
+    axes, notes = _axes(plan, clean, alignment, ideal or alignment.fit, motions, turned)
     own_s = t_s[kept]
     gaps_s = [(float(own_s[k - 1]), float(own_s[k])) for k in gap_starts(own_s)[1:]]
     return Comparison(
@@ -137,15 +168,16 @@ def compare(plan: FlightPlan, samples: Samples) -> Comparison:
         columns=tuple(columns),
         ignored=(*samples.ignored, *empty),
         alignment=alignment,
+        ideal_clock=(ideal.estimate(1), ideal.estimate(0)) if ideal else None,
+        inseparable=tuple(inseparable(alignment, names)),
         axes=tuple(axes),
         step_s=float(np.median(np.diff(own_s))),
-        gaps_s=tuple(gaps_s[:GAPS_MAX]),
+        gaps_s=tuple(gaps_s[: OPTIONS.gaps_max]),
         wrapped=wrapped,
         notes=(
-            *samples.notes,
             *(f"{name} holds no number" for name in empty),
-            *_notes_on_units(samples, columns),
-            *notes_unmeasured,
+            *_notes_on_signs(columns, signs),
+            *notes_held,
             *ordered.notes,
             *notes_unrelated,
             *notes,
@@ -159,7 +191,7 @@ def _valid(value: Array, bound: float) -> Array:
 
 
 def _require_some(tag_s: Array, plan: FlightPlan) -> None:
-    table = plan.table
+    table, reach_s = plan.table, CLOCK.offset_max_s
     known = tag_s[np.isfinite(tag_s)]
     if not len(known):
         raise InvalidInput(
@@ -168,7 +200,7 @@ def _require_some(tag_s: Array, plan: FlightPlan) -> None:
             field="samples.t_s",
         )
     stop_s = float(table.t_s[-1])
-    if known.max() < -OFFSET_MAX_S or known.min() > stop_s + OFFSET_MAX_S:
+    if known.max() < -reach_s or known.min() > stop_s + reach_s:
         first, last = (
             utc_text(shifted_utc(table.epoch_utc, float(np.clip(t, -1e9, 1e9))))
             for t in (known.min(), known.max())
@@ -176,18 +208,18 @@ def _require_some(tag_s: Array, plan: FlightPlan) -> None:
         raise InvalidInput(
             f"the samples run from {first} to {last}, the plan from {utc_text(table.epoch_utc)} "
             f"to {utc_text(shifted_utc(table.epoch_utc, stop_s))}: give the epoch that t_s counts "
-            f"from, or the plan that was flown; offsets up to {OFFSET_MAX_S:g} s are found",
+            f"from, or the plan that was flown; offsets up to {reach_s:g} s are found",
             field="samples.epoch",
         )
 
 
 def _require_enough(kept: int, dropped: Counter[Dropped], plan: FlightPlan) -> None:
-    if kept < SAMPLES_MIN:
+    if kept < SAMPLES.rows_min:
         lost = ", ".join(f"{count} {reason}" for reason, count in dropped.items() if count)
         raise InvalidInput(
             f"{kept} rows are left ({lost or 'none was dropped'}); a comparison needs "
-            f"{SAMPLES_MIN} within the plan, which runs from {utc_text(plan.table.epoch_utc)} for "
-            f"{plan.table.t_s[-1]:g} s",
+            f"{SAMPLES.rows_min} within the plan, which runs from "
+            f"{utc_text(plan.table.epoch_utc)} for {plan.table.t_s[-1]:g} s",
             field="samples",
         )
 
@@ -200,16 +232,14 @@ def _in_radians(
     rate_rad_s = np.full_like(angle_rad, np.nan)
     wrapped = 0
     for column in columns:
-        meaning = column.meaning
-        assert meaning.unit is not None
-        value = column.value * RAD_BY_UNIT[meaning.unit]
-        if meaning.kind == "rate":
-            rate_rad_s[:, meaning.axis] = value / meaning.per_s
+        axis, value = column.meaning.axis, column.value_rad
+        if column.meaning.kind == "rate":
+            rate_rad_s[:, axis] = value
             continue
-        off_rad = motions[meaning.axis].angle_rad(np.nan_to_num(t_s)) - value
+        off_rad = motions[axis].angle_rad(np.nan_to_num(t_s)) - value
         turns = np.round(np.nan_to_num(off_rad / _TURN_RAD))
         wrapped += int(np.sum(turns != 0.0))
-        angle_rad[:, meaning.axis] = value + _TURN_RAD * turns
+        angle_rad[:, axis] = value + _TURN_RAD * turns
     return angle_rad, rate_rad_s, wrapped
 
 
@@ -237,39 +267,57 @@ def _axes(
     plan: FlightPlan,
     clean: CleanSamples,
     alignment: Alignment,
+    fit: Fit,
     motions: Sequence[PlannedMotion],
+    turned: Mapping[tuple[int, Kind], int],
 ) -> tuple[list[AxisComparison], list[str]]:
     platform = plan.scenario.platform
     t_s = alignment.t_s(clean.tag_s)
+    scales = {(one.axis, one.kind): one for one in alignment.scales}
     axes: list[AxisComparison] = []
     notes: list[str] = []
     for motion, name, limits, lag_s in zip(
         motions, platform.axis_names, platform.axis_limits, alignment.lags_s, strict=True
     ):
-        columns = clean.angle_rad[:, motion.axis], clean.rate_rad_s[:, motion.axis]
-        followed = follow(motion, t_s, *columns)
+        axis = motion.axis
+        parts = [fit.parts().get((axis, kind), (0.0, 0.0)) for kind in get_args(Kind)]
+        columns = clean.angle_rad[:, axis], clean.rate_rad_s[:, axis]
+        followed = follow(motion, t_s, *columns, *parts)
         if followed is None:
             notes.append(f"there is no telemetry of {name}")
             continue
-        error = error_size(followed.error_rad)
-        exceeded, checked = limits_exceeded(followed, limits)
-        angle_rad = motion.angle_rad(followed.t_s) + followed.error_rad
-        creeps = follows(angle_rad, "angle", followed.t_s, motion) is not False
+        kind: Kind = "angle" if followed.basis == "angles" else "rate"
+        scale, sign = scales.get((axis, kind)), turned.get((axis, kind), 1)
+        angle_rad = motion.angle_rad(followed.t_s) + followed.left_rad
+        is_on_plan = follows(angle_rad, "angle", followed.t_s, motion) is not False
+        # Off its plan it was brought near it by whole turns, which are no motion of its own.
+        exceeded, checked = limits_exceeded(followed, limits) if is_on_plan else ([], [])
         axes.append(
             AxisComparison(
                 name=name,
                 followed=followed,
-                error=error,
+                error=error_size(followed.error_rad),
+                gain=scale.gain.turned(sign) if scale else None,
+                bias=scale.bias.turned(sign) if scale else None,
                 lag_s=lag_s,
                 phases=tuple(phases(followed, plan.segments)),
                 oscillations=tuple(oscillations(followed)),
                 oscillations_searched_hz=searched_hz(followed),
-                stick_slip=tuple(stick_slip(followed)) if creeps else (),
+                stick_slip=tuple(stick_slip(followed)) if is_on_plan else (),
                 limits_exceeded=tuple(exceeded),
                 limits_checked=tuple(checked),
             )
         )
     return axes, notes + _notes_on_errors(axes)
+
+
+def _notes_on_signs(columns: Sequence[TelemetryColumn], signs: Sequence[int]) -> list[str]:
+    return [
+        f"{column.name} is measured the other way round: its gain is about -1, and its errors are "
+        "those with its sign changed"
+        for column, sign in zip(columns, signs, strict=True)
+        if sign < 0
+    ]
 
 
 def _notes_on_errors(axes: Sequence[AxisComparison]) -> list[str]:
@@ -280,24 +328,130 @@ def _notes_on_errors(axes: Sequence[AxisComparison]) -> list[str]:
     for axis in axes:
         lag_s = axis.lag_s
         if lag_s is None:
-            notes.append(no_lag(axis.name, axis.followed))
+            notes.append(_no_lag(axis))
             continue
-        is_late = lag_s.value > ALIGNMENT_OPTIONS.late_sigma * lag_s.sigma
+        is_late = lag_s.value > ALIGNMENT.late_sigma * lag_s.sigma
         is_told = bool(jump or is_late or axis.oscillations or axis.stick_slip)
-        note = (
-            outliers_left(axis.name, axis.followed)
-            or alternating(axis.name, axis.followed)
-            or beyond_noise(axis.name, axis.followed, is_told)
-        )
+        note = _outliers_left(axis) or _beyond_noise(axis, is_told)
         notes += [] if note is None else [note]
     return notes
 
 
-def _notes_on_units(samples: Samples, columns: Sequence[TelemetryColumn]) -> list[str]:
-    named = {column.name: column.meaning.unit for column in samples.columns}
-    return [
-        f"{column.name} fits the plan in {column.meaning.unit} and was read so"
-        + (f", not in {named[column.name]} as its name says" if named[column.name] else "")
-        for column in columns
-        if column.unit_from == "fit"
-    ]
+def _no_lag(axis: AxisComparison) -> str:
+    """Words on why no lag of the axis is told."""
+    size = error_size(axis.followed.left_rad)
+    if size.rms_rad > OPTIONS.poor * _spread_rad(axis.followed):
+        return (
+            f"{axis.name} doesn't follow its plan, it is {math.degrees(size.rms_rad):.3g} deg rms "
+            "off: it has no lag_s, and the other axis tells the clock; is it the plan that was "
+            "flown, and the column of this axis?"
+        )
+    return (
+        f"{axis.name} has no lag_s: it is not known to a second, as the plan moves the axis too "
+        "little, or it follows too loosely; the other axis tells the clock"
+    )
+
+
+def _outliers_left(axis: AxisComparison) -> str | None:
+    """Words on rows far from those around, where they make most of the error."""
+    left_rad = axis.followed.left_rad
+    far = outlier_rows(left_rad) & ~_explained(axis)
+    if not far.any() or far.all():
+        return None
+    all_rad, others_rad = (error_size(one).rms_rad for one in (left_rad, left_rad[~far]))
+    if all_rad < OPTIONS.outliers_make * others_rad or all_rad < OPTIONS.worth_telling_rad / 10.0:
+        return None
+    return (
+        f"{int(far.sum())} of {len(far)} rows of {axis.name} ({100.0 * far.mean():.2g} %) are "
+        "likely outliers that were not left out; beside gain and bias its rms is "
+        f"{_ARCSEC_PER_RAD * others_rad:.3g} arcsec without them, {_ARCSEC_PER_RAD * all_rad:,.0f} "
+        "with them"
+    )
+
+
+def _explained(axis: AxisComparison) -> Mask:
+    """Rows in which the axis swings or sticks."""
+    t_s = axis.followed.t_s
+    rows = np.zeros(len(t_s), dtype=bool)
+    stretches = [(one.start_s, one.stop_s) for one in axis.oscillations]
+    stretches += [(one.start_s, one.stop_s) for one in axis.stick_slip]
+    for start_s, stop_s in stretches:
+        rows |= (t_s >= start_s) & (t_s <= stop_s)
+    return rows
+
+
+def _beyond_noise(axis: AxisComparison, is_told: bool) -> str | None:
+    """Words on errors that neither gain and bias nor noise from row to row explain.
+
+    is_told: whether the answer explains them otherwise.
+    """
+    left_rad = axis.followed.left_rad
+    size = error_size(left_rad)
+    if len(left_rad) < 4 or size.rms_rad < OPTIONS.worth_telling_rad:
+        return None
+    if size.rms_rad > OPTIONS.poor * _spread_rad(axis.followed):
+        return (
+            f"{axis.name} is {math.degrees(size.rms_rad):.3g} deg rms off, hardly on its plan: is "
+            "it the plan that was flown, and the column of this axis?"
+        )
+    noise_rad = row_noise(left_rad)
+    if is_told or size.rms_rad < OPTIONS.times_noise * noise_rad:
+        return None
+    return (
+        f"beside gain and bias {axis.name} is {_ARCSEC_PER_RAD * size.rms_rad:,.0f} arcsec rms "
+        f"off, its noise is {_ARCSEC_PER_RAD * noise_rad:.2g}: this comes and goes with the motion "
+        "or in time, see phases; clock, gain and lags may be off by more than their sigmas"
+    )
+
+
+def _spread_rad(followed: Followed) -> float:
+    """Of the planned motion."""
+    return float(np.std(followed.motion.angle_rad(followed.t_s)))
+
+
+def clock_jump(axes: Sequence[Followed]) -> str | None:
+    """Words on a jump of the telemetry's clock, if one explains the errors of all axes."""
+    if max(error_size(one.left_rad).rms_rad for one in axes) < OPTIONS.worth_telling_rad / 10.0:
+        return None
+    t_s, error_rad, design = _rows(axes)
+    if len(t_s) < 2 * OPTIONS.splits:
+        return None
+    before = _squares(design, error_rad)[0]
+    low_s, high_s = np.quantile(t_s, [0.02, 0.98])
+    best = (math.inf, 0.0, 0.0)
+    for _ in range(2):
+        for split_s in np.linspace(low_s, high_s, OPTIONS.splits):
+            step = design[:, 0] * (t_s > split_s)
+            left, parts = _squares(np.column_stack([step, design]), error_rad)
+            best = min(best, (left, float(split_s), float(parts[0])))
+        room_s = (high_s - low_s) / (OPTIONS.splits - 1)
+        low_s, high_s = best[1] - room_s, best[1] + room_s
+    left, split_s, jump_s = best
+    if left > OPTIONS.jump_leaves * before:
+        return None
+    at = utc_text(shifted_utc(axes[0].motion.table.epoch_utc, split_s))
+    return (
+        f"the telemetry's clock jumps by about {jump_s:+.3g} s near {at}: time_offset_s, "
+        "clock_drift, lags and errors are those of no one clock; compare the rows before and after "
+        "by themselves"
+    )
+
+
+def _rows(axes: Sequence[Followed]) -> tuple[Array, Array, Array]:
+    """Times, errors and what they hang on: the clock's offset and drift, each axis's bias, gain."""
+    parts = []
+    for number, one in enumerate(axes):
+        last = len(one.t_s) - 1
+        rows = np.unique(np.linspace(0, last, OPTIONS.jump_rows).round().astype(np.intp))
+        t_s = one.t_s[rows]
+        slope = -one.motion.rate_rad_s(t_s)
+        own = np.zeros((len(rows), 2 * len(axes)))
+        own[:, 2 * number], own[:, 2 * number + 1] = 1.0, one.motion.angle_rad(t_s)
+        parts.append(np.column_stack([t_s, one.left_rad[rows], slope, slope * t_s, own]))
+    table = np.vstack(parts)
+    return table[:, 0], table[:, 1], table[:, 2:]
+
+
+def _squares(slope_matrix: Array, error_rad: Array) -> tuple[float, Array]:
+    parts = np.asarray(np.linalg.lstsq(slope_matrix, error_rad, rcond=None)[0], dtype=np.float64)
+    return float(np.sum((error_rad - slope_matrix @ parts) ** 2)), parts

@@ -12,8 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from planner.base.arrays import Array
-from planner.inflight.telemetry.following import Followed
-from planner.inflight.telemetry.noise import sensor_step
+from planner.inflight.telemetry.following import Followed, sensor_step
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,7 +20,7 @@ class OscillationOptions:
     """When a peak of an error's spectrum is told as an oscillation."""
 
     # short ones for swings that come and go, long ones for slow swings
-    windows_s: tuple[float, float] = (24.0, 60.0)
+    windows_s: tuple[float, ...] = (24.0, 60.0, 80.0)
     window_rows_min: int = 32  # of a spectrum
     cycles_min: float = 4.0  # of a window
     # of a window: what peaks here is drift, or a swing too slow to be told from it
@@ -61,12 +60,12 @@ def oscillations(followed: Followed) -> list[Oscillation]:
     if followed.basis == "angles":
         step_rad = sensor_step(followed.motion.angle_rad(followed.t_s) + followed.error_rad)
     for run in _long_enough(followed):
-        if followed.rate_error_rad_s is None:
-            found += _in_run(followed.t_s[run], followed.error_rad[run])
+        if followed.rate_left_rad_s is None:
+            found += _in_run(followed.t_s[run], followed.left_rad[run])
         else:  # whose noise is white, while that of their integral wanders
             found += [
                 replace(one, amplitude_rad=one.amplitude_rad / (2.0 * math.pi * one.frequency_hz))
-                for one in _in_run(followed.t_s[run], followed.rate_error_rad_s[run])
+                for one in _in_run(followed.t_s[run], followed.rate_left_rad_s[run])
             ]
     # A steady motion beats with the steps of an encoder, at 0.32 of them.
     return [one for one in found if one.amplitude_rad > 0.5 * step_rad]

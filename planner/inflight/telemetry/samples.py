@@ -1,23 +1,104 @@
-"""Telemetry as it came, and what was left of it: rows, what was dropped and why."""
+"""The contract of telemetry, and its rows in order: named columns with units, as JSON or CSV."""
 
-from collections.abc import Mapping
+import codecs
+import csv
+import json
+import re
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from datetime import datetime
-from typing import Literal
+from datetime import UTC, datetime
+from typing import Annotated, Literal
 
-from planner.base.arrays import Array
-from planner.inflight.telemetry.columns import TelemetryColumn
+import numpy as np
 
-SAMPLES_MIN = 8  # fewer tell nothing of a clock
-Dropped = Literal[
-    "no_time",
-    "no_value",
-    "repeated",
-    "held",
-    "clock_reset",
-    "outside_plan",
-    "outlier",
-]
+from planner.base.arrays import Array, Indices, Mask
+from planner.base.errors import InvalidInput
+from planner.base.spec import Within, spec
+from planner.inflight.telemetry.following import PlannedMotion, sensor_step
+from planner.world.frames.time_scales import (
+    KNOWN_FROM_UTC,
+    KNOWN_TO_UTC,
+    elapsed_s,
+    utc_from_text,
+)
+
+Kind = Literal["angle", "rate"]
+AngleUnit = Literal["deg", "rad", "mrad", "arcmin", "arcsec"]
+Dropped = Literal["no_time", "no_value", "repeated", "held", "outside_plan", "outlier"]
+Columns = Mapping[str, str]
+
+RAD_BY_UNIT: dict[AngleUnit, float] = {
+    "deg": np.radians(1.0),
+    "rad": 1.0,
+    "mrad": 1e-3,
+    "arcmin": np.radians(1.0 / 60.0),
+    "arcsec": np.radians(1.0 / 3600.0),
+}
+TIMES = ("t_s", "utc", "unix_s")
+
+
+@dataclass(frozen=True, kw_only=True)
+class SampleOptions:
+    """How much is read, and which rows measure nothing of their own."""
+
+    rows_max: int = 400_000  # 15 Hz for seven hours
+    rows_min: int = 8  # fewer tell nothing of a clock
+    columns_max: int = 200  # of a CSV file
+    image_offsets_max: int = 100
+    parameters_max: int = 8
+    tag_max_s: float = 1e10  # what no clock shows
+    value_max: float = 1e9  # what no sensor shows
+    same_tag_s: float = 1e-6  # a microsecond, the resolution of a time tag
+    coarse_min: float = 0.2  # of the rows; fewer are packets sent again
+    # Of the rows in which the plan moves by more than the sensor's steps: rows that repeat the one
+    # before come from a sensor that is slower than they are.
+    held_min: float = 0.2
+    held_runs_min: int = 10  # fewer are an axis that stood
+    steps_clear: float = 2.0  # of the sensor, by which the plan must move
+
+
+OPTIONS = SampleOptions()
+
+_OffsetDeg = Annotated[float, Within(-10.0, 10.0)]
+_DATE = re.compile(r"(\d{4}-\d\d-\d\d)[ Tt](\d\d:\d\d:\d\d(?:\.\d+)?)[Zz]?", re.ASCII)
+
+
+@spec
+class ImageOffset:
+    """Position of the target in a frame, from its centre.
+
+    epoch: time of the frame, by the plan's clock; UTC. E.g. `"2015-02-27T17:37:00Z"`.
+    offset_deg: along the frame's first side and along its second. E.g. `[0.12, -0.05]`.
+    sigma_deg: 1-sigma of each.
+    """
+
+    epoch: datetime
+    offset_deg: tuple[_OffsetDeg, _OffsetDeg]
+    sigma_deg: Annotated[float, Within(1e-6, 10.0)] = 0.001
+
+
+@dataclass(frozen=True, kw_only=True)
+class ColumnMeaning:
+    """axis: its number.  unit: of an angle, or of a rate's angle per second."""
+
+    axis: int
+    kind: Kind
+    unit: AngleUnit
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TelemetryColumn:
+    """Values as they were sent, (n,), NaN where there is none; in the meaning's unit."""
+
+    name: str
+    meaning: ColumnMeaning
+    value: Array
+
+    @property
+    def value_rad(self) -> Array:
+        """In radians, or radians per second."""
+        return self.value * RAD_BY_UNIT[self.meaning.unit]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -25,15 +106,13 @@ class Samples:
     """Rows in the order in which they came.
 
     epoch_utc: from which t_s counts by the telemetry's clock.  t_s: (n,), NaN where there is no
-    time tag.  columns: each (n,).  ignored: names of columns that were not read.  notes: what was
-    found out or taken for granted in reading.
+    time tag.  columns: each (n,).  ignored: names of columns that were not read.
     """
 
     epoch_utc: datetime
     t_s: Array
     columns: tuple[TelemetryColumn, ...]
     ignored: tuple[str, ...] = ()
-    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -51,3 +130,369 @@ class CleanSamples:
     read: int
     dropped: Mapping[Dropped, int]
     reordered: int
+
+
+def meaning_of(name: str, axis_names: Sequence[str]) -> ColumnMeaning | None:
+    """Of `NAME_deg` or `NAME_rate_deg_s` in any case; None of any other name."""
+    plain = name.strip().lower()
+    for axis, axis_name in enumerate(axis_names):
+        for unit in RAD_BY_UNIT:
+            if plain == f"{axis_name.lower()}_{unit}":
+                return ColumnMeaning(axis=axis, kind="angle", unit=unit)
+            if plain == f"{axis_name.lower()}_rate_{unit}_s":
+                return ColumnMeaning(axis=axis, kind="rate", unit=unit)
+    return None
+
+
+def read_csv(
+    content: bytes,
+    axis_names: Sequence[str],
+    epoch_utc: datetime | None,
+    plan_epoch_utc: datetime,
+    columns: Columns | None = None,
+) -> Samples:
+    """Rows in the file's order; raises InvalidInput for what is not as the contract has it.
+
+    epoch_utc: from which a column t_s counts; None: the plan's.  columns: the file's name of a
+    column by the contract's.
+    """
+    lines, delimiter = _lines_of(content)
+    reader = csv.reader(lines, delimiter=delimiter, skipinitialspace=True)
+    try:
+        names = [name.strip() for name in next(reader)]
+        if len(names) > OPTIONS.columns_max:
+            raise _refusal(f"has {len(names)} columns; up to {OPTIONS.columns_max} are read")
+        place_by_name = _recognised(names, axis_names, columns or {}, delimiter)
+        cells = _cells(reader, [*place_by_name.values()], len(names))
+    except csv.Error as error:
+        raise _refusal(f"can't be read as CSV: {error}") from None
+    texts = dict(zip(place_by_name, cells, strict=True))
+    time, *rest = place_by_name
+    t_s, since_utc = _times(time, texts[time], epoch_utc or plan_epoch_utc)
+    taken = {*place_by_name.values()}
+    return Samples(
+        epoch_utc=since_utc,
+        t_s=t_s,
+        columns=tuple(
+            TelemetryColumn(
+                name=names[place_by_name[name]],
+                meaning=_known(name, axis_names),
+                value=_numbers(names[place_by_name[name]], texts[name]),
+            )
+            for name in rest
+        ),
+        ignored=tuple(
+            dict.fromkeys(name for k, name in enumerate(names) if name and k not in taken)
+        ),
+    )
+
+
+def samples_of(
+    t_s: Array | None,
+    utc: Sequence[str],
+    value_by_name: Mapping[str, Array],
+    axis_names: Sequence[str],
+    since_utc: datetime,
+) -> Samples:
+    """Of JSON: columns by the contract's names, (n,) each; t_s: (n,), None where utc tells it."""
+    columns: list[TelemetryColumn] = []
+    seen: dict[tuple[int, Kind], str] = {}
+    for name, value in value_by_name.items():
+        meaning = meaning_of(name, axis_names)
+        if meaning is None:
+            raise _fault(
+                name,
+                f"is of no axis of this platform; give t_s, {_wanted(axis_names)}, or name this "
+                "column in `columns`",
+            )
+        if other := seen.get((meaning.axis, meaning.kind)):
+            raise _fault(name, f"tells the same as {other[:80]}; send one of them")
+        seen[meaning.axis, meaning.kind] = name
+        columns.append(TelemetryColumn(name=name, meaning=meaning, value=value))
+    if not columns:
+        raise _fault(f"{axis_names[0]}_deg", "is required, or a column of another axis or of rates")
+    if t_s is None:
+        t_s = utc_seconds(utc, since_utc)
+    return Samples(epoch_utc=since_utc, t_s=t_s, columns=tuple(columns))
+
+
+def _lines_of(content: bytes) -> tuple[list[str], str]:
+    """Without comments and empty ones, and the mark that parts columns."""
+    is_utf16 = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    try:
+        text = content.decode("utf-16" if is_utf16 else "utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise _refusal(
+            f"is no text in UTF-8: byte {error.start + 1} is 0x{content[error.start]:02x}; save it "
+            "as CSV in UTF-8"
+        ) from None
+    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    if len(lines) < 2:
+        raise _refusal(
+            "is empty: send CSV with a line that names the columns and a line per sample"
+        )
+    if len(lines) - 1 > OPTIONS.rows_max:
+        raise _refusal(
+            f"has {len(lines) - 1} rows; up to {OPTIONS.rows_max} are read: cut it to the session, "
+            "or thin it"
+        )
+    return lines, max(",;\t", key=lines[0].count)
+
+
+def _recognised(
+    names: Sequence[str], axis_names: Sequence[str], columns: Columns, delimiter: str
+) -> dict[str, int]:
+    """Places of the columns that are read by the contract's names, the time's first."""
+    named = {}
+    for name, own in columns.items():
+        if name not in TIMES and meaning_of(name, axis_names) is None:
+            raise InvalidInput(
+                f"{name[:60]!r} is no column that is read; name t_s, {_wanted(axis_names)}",
+                field=f"columns.{name}"[:80],
+            )
+        if own not in names:
+            raise InvalidInput(
+                f"the file has no column {own[:60]!r}; {_read_as(names, delimiter)}",
+                field=f"columns.{name}"[:80],
+            )
+        named[own] = name
+    found: dict[str, int] = {}
+    of_axis: dict[tuple[int, Kind], str] = {}
+    for place in sorted(range(len(names)), key=lambda place: names[place] not in named):
+        name = named.get(names[place], names[place].lower())
+        if name in TIMES:
+            found.setdefault(name, place)
+        elif meaning := meaning_of(name, axis_names):
+            key = (meaning.axis, meaning.kind)
+            if key not in of_axis:
+                of_axis[key] = names[place]
+                found[name] = place
+            elif of_axis[key] not in named or names[place] in named:
+                raise _refusal(f"{names[place][:40]} tells the same as {of_axis[key][:40]}; "
+                               "send one of them, or say which in `columns`")  # fmt: skip
+    time = next((name for name in (*columns, *TIMES) if name in TIMES and name in found), None)
+    if time is None or not of_axis:
+        lacks = "the time" if time is None else f"an angle or a rate of {' or '.join(axis_names)}"
+        sent = json.dumps(_proposed(names, axis_names), ensure_ascii=False)
+        raise _refusal(
+            f"no column is named as one of {lacks}: name it t_s, {_wanted(axis_names)}. "
+            f"{_read_as(names, delimiter)}. Where the file names them otherwise, send `columns` "
+            f"with the request, such as {sent}, with each one's own unit"
+        )
+    return {time: found[time]} | {name: k for name, k in found.items() if name not in TIMES}
+
+
+def _cells(reader: Iterable[list[str]], places: Sequence[int], width: int) -> list[list[str]]:
+    """Of the columns at these places; empty of a row that is too short or too long."""
+    found: list[list[str]] = [[] for _ in places]
+    longer, example = 0, [""]
+    for row in reader:
+        while len(row) > width and not row[-1]:
+            row.pop()
+        if len(row) > width:
+            longer, example = longer + 1, row
+            row = []
+        for cells, place in zip(found, places, strict=True):
+            cells.append(row[place] if place < len(row) else "")
+    if 2 * longer > len(found[0]):
+        raise _refusal(
+            f"the first line names {width} columns, but rows have {len(example)} cells, such as "
+            f"{', '.join(map(repr, example))[:100]}; write decimals with a point, and a name for "
+            "each column"
+        )
+    return found
+
+
+def _numbers(name: str, cells: list[str]) -> Array:
+    """NaN where there is none; raises InvalidInput for decimal commas, and for no number at all."""
+    try:
+        return np.array(cells, dtype=np.float64)
+    except ValueError:
+        value = np.array([_number(cell) for cell in cells])
+    filled = [row for row, cell in enumerate(cells) if cell.strip()]
+    wrong = [row for row in filled if "," in cells[row] and np.isnan(value[row])]
+    wrong = [row for row in wrong if np.isfinite(_number(cells[row].replace(",", ".", 1)))]
+    if not wrong and filled and not np.isfinite(value).any():
+        wrong = filled
+    if wrong:
+        raise _refusal(
+            f"column {name[:40]}, row {wrong[0] + 1}: {cells[wrong[0]][:40]!r} is no number; write "
+            "numbers such as -12.5, with a point, and nothing where there is none"
+        )
+    return value
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return float("nan")
+
+
+def _times(name: str, cells: list[str], since_utc: datetime) -> tuple[Array, datetime]:
+    """Seconds, and since when."""
+    if name == "utc":
+        t_s = utc_seconds(cells, since_utc)
+        if any(cells) and not np.isfinite(t_s).any():
+            row = next(row for row, cell in enumerate(cells) if cell)
+            raise _refusal(
+                f"column utc, row {row + 1}: {cells[row][:40]!r} is no time; write UTC such as "
+                "2015-02-27T17:34:00.2Z"
+            )
+        return t_s, since_utc
+    t_s = _numbers(name, cells)
+    if name == "t_s":
+        return t_s, since_utc
+    # Unix time counts no leap seconds: those since 1970 come with the date of its first row.
+    is_known = (t_s > KNOWN_FROM_UTC.timestamp()) & (t_s < KNOWN_TO_UTC.timestamp())
+    if not is_known.any():
+        return np.full(len(t_s), np.nan), since_utc
+    first_s = float(np.floor(t_s[is_known][0]))
+    return np.where(is_known, t_s - first_s, np.nan), datetime.fromtimestamp(first_s, tz=UTC)
+
+
+def utc_seconds(texts: Sequence[str], since_utc: datetime) -> Array:
+    """Seconds of texts such as 2015-02-27T17:34:00.2Z, (n,); NaN of what is no time."""
+    t_s = np.full(len(texts), np.nan)
+    plain = [_DATE.fullmatch(text.strip()) for text in texts]
+    clear = {k: f"{match[1]}T{match[2]}" for k, match in enumerate(plain) if match is not None}
+    try:
+        stamps = np.array([*clear.values()], dtype="datetime64[us]")
+    except ValueError:  # a leap second, or no such day: one by one
+        stamps = np.array([], dtype="datetime64[us]")
+    low, high = (np.datetime64(one.replace(tzinfo=None)) for one in (KNOWN_FROM_UTC, KNOWN_TO_UTC))
+    if len(stamps) and stamps.min() >= low and stamps.max() <= high:
+        first_utc, last_utc = (stamps[k].item().replace(tzinfo=UTC) for k in (0, -1))
+        since_first_s = (stamps - stamps[0]) / np.timedelta64(1, "s")
+        if elapsed_s(last_utc, first_utc) == since_first_s[-1]:  # no leap second between
+            t_s[[*clear]] = elapsed_s(first_utc, since_utc) + since_first_s
+    for row in np.flatnonzero(np.isnan(t_s)).tolist():
+        text = f"{clear[row][:29]}Z" if row in clear else texts[row].strip()  # 29: nanoseconds
+        try:
+            t_s[row] = elapsed_s(utc_from_text(text), since_utc)
+        except ValueError:
+            continue  # counted as no_time
+    return t_s
+
+
+def _known(name: str, axis_names: Sequence[str]) -> ColumnMeaning:
+    meaning = meaning_of(name, axis_names)
+    assert meaning is not None
+    return meaning
+
+
+def _wanted(axis_names: Sequence[str]) -> str:
+    names = [f"{name}_{one}" for name in axis_names for one in ("deg", "rate_deg_s")]
+    return f"{', '.join(names)}, or in {', '.join(unit for unit in RAD_BY_UNIT if unit != 'deg')}"
+
+
+def _read_as(names: Sequence[str], delimiter: str) -> str:
+    shown = ", ".join(repr(name[:40]) for name in names[:12])
+    return f"its first line was read, parted by {delimiter!r}, as {shown}"
+
+
+def _proposed(names: Sequence[str], axis_names: Sequence[str]) -> dict[str, str]:
+    """A mapping such as is meant, of the file's own names, taken in their order at worst."""
+    left, found = [name[:40] for name in names if name], {}
+    for name, word in (("t_s", "time"), *((f"{axis}_deg", axis.lower()) for axis in axis_names)):
+        own = next((one for one in left if word in one.lower()), left[0] if left else "...")
+        left = [one for one in left if one != own]
+        found[name] = own
+    return found
+
+
+def _refusal(detail: str) -> InvalidInput:
+    return InvalidInput(detail, field="samples")
+
+
+def _fault(name: str, detail: str) -> InvalidInput:
+    return InvalidInput(f"{name[:60]} {detail}", field=f"samples.{name}"[:80])
+
+
+@dataclass(frozen=True, eq=False)
+class OrderedRows:
+    """row: numbers of the rows kept, by their tags.  dropped: rows by reason.  reordered: how
+    many of the kept came before an earlier one.  notes: on tags too coarse."""
+
+    row: Indices
+    dropped: Counter[Dropped]
+    reordered: int
+    notes: tuple[str, ...]
+
+
+def order_rows(tag_s: Array, value: Array) -> OrderedRows:
+    """Sorted, each time once.  tag_s: (n,), NaN where unreadable.  value: (n, k), NaN likewise."""
+    dropped: Counter[Dropped] = Counter()
+    has_time, has_value = np.isfinite(tag_s), np.isfinite(value).any(axis=1)
+    dropped["no_time"] = int(np.sum(~has_time))
+    dropped["no_value"] = int(np.sum(has_time & ~has_value))
+    row = np.flatnonzero(has_time & has_value)
+    reordered = int(np.sum(tag_s[row] < np.maximum.accumulate(tag_s[row]))) if len(row) else 0
+    row = row[np.argsort(tag_s[row], kind="stable")]
+    is_new = np.diff(tag_s[row], prepend=-np.inf) > OPTIONS.same_tag_s
+    dropped["repeated"] = int(np.sum(~is_new))
+    notes = _notes_on_tags(tag_s[row], value[row], is_new)
+    return OrderedRows(row[is_new], dropped, reordered, notes)
+
+
+def _notes_on_tags(tag_s: Array, value: Array, is_new: Mask) -> tuple[str, ...]:
+    """tag_s: increasing, as are the rows of value."""
+    first = np.maximum.accumulate(np.where(is_new, np.arange(len(is_new)), 0))
+    differs = ~is_new & ~((value == value[first]) | ~np.isfinite(value)).all(axis=1)
+    if differs.sum() < OPTIONS.coarse_min * len(is_new):
+        return ()
+    step_s = float(np.median(np.diff(tag_s[is_new]))) if is_new.sum() > 1 else 0.0
+    return (
+        f"{int(differs.sum())} rows have the time tag of another row, and other values: the tags "
+        f"are too coarse; time_offset_s may be off by {step_s:.3g} s, whatever its sigma",
+    )
+
+
+def leave_out_held(
+    values: dict[Kind, Array],
+    t_s: Array,
+    motions: Sequence[PlannedMotion],
+    names: Sequence[str],
+    dropped: Counter[Dropped],
+) -> list[str]:
+    """Sets values that only repeat the row before to NaN, and counts the rows left without any.
+
+    values: (n, 2) each, in order of t_s, (n,), which is about the plan's time.
+    """
+    notes = []
+    any_held = np.zeros(len(t_s), dtype=bool)
+    for kind, value in values.items():
+        for motion, name in zip(motions, names, strict=True):
+            own = value[:, motion.axis]
+            planned = motion.angle_rad(t_s) if kind == "angle" else motion.rate_rad_s(t_s)
+            held = held_rows(own, planned)
+            if held.any():
+                notes.append(
+                    f"{int(held.sum())} {kind}s of {name} repeat the row before while the plan "
+                    "moves on: the sensor gives its values less often than rows come, and only "
+                    "the first of each was used"
+                )
+            own[held] = np.nan
+            any_held |= held
+    has_value = np.isfinite(np.hstack([*values.values()])).any(axis=1)
+    dropped["held"] += int(np.sum(any_held & ~has_value))
+    return notes
+
+
+def held_rows(value: Array, planned_value: Array) -> Mask:
+    """Rows of a column whose value is an earlier row's, (n,); none where values don't come so.
+
+    value: (n,) in order of time, NaN where there is none.  planned_value: of the same rows.
+    """
+    held = np.zeros(len(value), dtype=bool)
+    own = np.flatnonzero(np.isfinite(value))
+    is_same = np.diff(value[own]) == 0.0
+    if not is_same.any():
+        return held
+    # An encoder's values stay the same, too, while the plan moves by less than its step.
+    is_clear = np.abs(np.diff(planned_value[own])) > OPTIONS.steps_clear * sensor_step(value[own])
+    stays = is_same & is_clear
+    runs = int(np.sum(np.diff(stays.astype(np.int8), prepend=0) == 1))
+    if runs >= OPTIONS.held_runs_min and stays.sum() > OPTIONS.held_min * is_clear.sum():
+        held[own[1:][is_same]] = True
+    return held

@@ -1,8 +1,10 @@
 """Stick-slip of an axis: it stands while its command creeps, then catches up.
 
-Windows of rows, averaged as far as their noise and the command ask for, are cut into parts that
-stand and parts that follow (`staircase.py`).  An axis is told to stick where that explains its
-errors better than steps of an axis that follows and than a swing, by more than chance.
+Windows of rows, averaged as far as their noise and the command ask for, are cut into parts in
+which the axis stands (its measured angle is constant) or follows (its error is): the cut with the
+least squares and a price on each part.  An axis is told to stick where that explains its errors
+better than steps of an axis that follows and than a swing, by more than chance.  Source: optimal
+partitioning, Jackson et al. 2005, sec. 2.
 """
 
 import itertools
@@ -12,18 +14,31 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner.base.arrays import Array, Mask
-from planner.inflight.telemetry.following import Followed
-from planner.inflight.telemetry.noise import row_noise, sensor_step
+from planner.inflight.telemetry.following import Followed, row_noise, sensor_step
 
-# A test for staircases: an axis that stands and jumps while its command creeps.
-#
-# Rows are cut into parts in which the axis either stands (its measured angle is constant) or
-# follows (its error is): the cut with the least squares and a price on each part. Where the same
-# price on parts that only follow does clearly worse, the axis stood. Source: optimal partitioning,
-# Jackson et al. 2005, sec. 2.
 
-_PART_PRICE = 6.0  # squares over the noise's: two free numbers a part
-_STAND_ROWS_MIN = 3
+@dataclass(frozen=True, kw_only=True)
+class StickSlipOptions:
+    """When an axis is told to have stuck and slipped."""
+
+    window: int = 288  # of averaged rows
+    coarser: tuple[int, ...] = (1, 2, 4, 8, 16)  # rows averaged: slow slips show in many
+    # sigmas that a window's squares are beyond those of noise, to be looked at
+    above_noise: float = 4.0
+    clearly: float = 80.0  # squares over the noise's: errors that wander by chance come to 63
+    slips_min: int = 3  # fewer are no series
+    # of the time stuck: a swing about the command stands still for 0.25 at most
+    share_min: float = 0.3
+    quanta_min: float = 3.0  # of an encoder's steps in a slip
+    exact_rad: float = 1e-10  # JSON's ninth decimal of a degree is 2e-11
+    # faster is no creeping: what is told then is a servo's swing
+    rate_max_rad_s: float = np.radians(0.2)
+    rate_min_rad_s: float = np.radians(0.5 / 3600.0)  # slower is standing
+    part_price: float = 6.0  # squares over the noise's: two free numbers a part
+    stand_rows_min: int = 3  # fewer may be level by chance
+
+
+OPTIONS = StickSlipOptions()
 
 
 @dataclass(frozen=True)
@@ -63,10 +78,11 @@ def fit_staircase(
     is_stand = np.zeros_like(cost_of_part, dtype=bool)
     if may_stand:
         standing = _squares_of_parts(angle_rad)
-        standing[np.tri(count, count + 1, _STAND_ROWS_MIN - 1, dtype=bool)] = np.inf  # too short
+        too_short = np.tri(count, count + 1, OPTIONS.stand_rows_min - 1, dtype=bool)
+        standing[too_short] = np.inf
         is_stand = standing < cost_of_part
         cost_of_part = np.minimum(cost_of_part, standing)
-    cost_of_part = cost_of_part / variance_rad2 + _PART_PRICE
+    cost_of_part = cost_of_part / variance_rad2 + OPTIONS.part_price
     cost, origin = np.zeros(count + 1), np.zeros(count + 1, dtype=np.intp)
     for last in range(1, count + 1):
         total = cost[:last] + cost_of_part[:last, last]
@@ -80,7 +96,7 @@ def fit_staircase(
         level = float(np.mean((angle_rad if stands else error_rad)[first:last]))
         parts.append(StaircasePart(first, last, stands, level))
         last = first
-    left = (float(cost[count]) - _PART_PRICE * len(parts)) * variance_rad2
+    left = (float(cost[count]) - OPTIONS.part_price * len(parts)) * variance_rad2
     free = max(count - 2 * len(parts), 1)
     return Staircase(float(cost[count]), left / free, tuple(reversed(parts)))
 
@@ -97,7 +113,7 @@ def swing_squares(t_s: Array, error: Array, variance_rad2: float) -> float:
     along = waves @ left
     inverse = np.linalg.pinv(waves @ waves.transpose(0, 2, 1), 1e-9)
     explained = np.einsum("fi,fij,fj->f", along, inverse, along)
-    return float(left @ left - explained.max()) / variance_rad2 + 3.0 * _PART_PRICE
+    return float(left @ left - explained.max()) / variance_rad2 + 3.0 * OPTIONS.part_price
 
 
 def _squares_of_parts(value: Array) -> Array:
@@ -108,29 +124,6 @@ def _squares_of_parts(value: Array) -> Array:
     rows = last - last[:-1, None]
     own = squares - squares[:-1, None] - (sums - sums[:-1, None]) ** 2 / np.maximum(rows, 1)
     return np.where(rows > 0, np.maximum(own, 0.0), np.inf)
-
-
-@dataclass(frozen=True, kw_only=True)
-class StickSlipOptions:
-    """When an axis is told to have stuck and slipped."""
-
-    window: int = 288  # of averaged rows
-    coarser: tuple[int, ...] = (1, 2, 4, 8, 16)  # rows averaged: slow slips show in many
-    # sigmas that a window's squares are beyond those of noise, to be looked at
-    above_noise: float = 4.0
-    clearly: float = 80.0  # squares over the noise's: errors that wander by chance come to 63
-    slips_min: int = 3  # fewer are no series
-    # of the time stuck: a swing about the command stands still for 0.25 at most
-    share_min: float = 0.3
-    quanta_min: float = 3.0  # of an encoder's steps in a slip
-    exact_rad: float = 1e-10  # JSON's ninth decimal of a degree is 2e-11
-    # faster is no creeping: what is told then is a servo's swing
-    rate_max_rad_s: float = np.radians(0.2)
-
-
-OPTIONS = StickSlipOptions()
-
-_RATE_MIN_RAD_S = np.radians(0.5 / 3600.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -171,12 +164,12 @@ def stick_slip(followed: Followed) -> list[StickSlip]:
         if len(t_s) < 8:
             continue
         rate_rad_s = followed.motion.rate_rad_s(t_s)
-        creeps = (np.abs(rate_rad_s) > _RATE_MIN_RAD_S) & (
+        creeps = (np.abs(rate_rad_s) > OPTIONS.rate_min_rad_s) & (
             np.abs(rate_rad_s) < OPTIONS.rate_max_rad_s
         )
         kind = np.where(creeps, np.sign(rate_rad_s), 0.0)
         ends = [0, *(np.flatnonzero(np.diff(kind)) + 1).tolist(), len(kind)]
-        noise_rad = row_noise(followed.error_rad[run])
+        noise_rad = row_noise(followed.left_rad[run])
         for first, last in itertools.pairwise(ends):
             if kind[first]:
                 rows = slice(run.start + first, run.start + last)
@@ -187,7 +180,7 @@ def stick_slip(followed: Followed) -> list[StickSlip]:
 def _in_stretch(
     followed: Followed, rows: slice, noise_rad: float, quantum_rad: float
 ) -> list[StickSlip]:
-    t_s, error_rad = followed.t_s[rows], followed.error_rad[rows]
+    t_s, error_rad = followed.t_s[rows], followed.left_rad[rows]
     command_rad = followed.motion.angle_rad(t_s)
     if command_rad[-1] < command_rad[0]:
         command_rad, error_rad = -command_rad, -error_rad

@@ -7,14 +7,20 @@ export const telemetry = {
   file: "Telemetry, CSV",
   fileHint:
     "A line that names the columns (t_s or utc, then NAME_deg and NAME_rate_deg_s of the axes), then a line per sample. Or drop the file here.",
+  columns: "Columns that the file names otherwise",
+  columnsHint: "As JSON, each in its own unit; empty where the names are those above.",
   compare: "Compare",
   atWork: "The telemetry is compared…",
   clock: "Clock, plan and flight",
   offset: (value: string, sigma: string) => `The telemetry's clock is ${value} ± ${sigma} s ahead`,
   drift: (value: string, sigma: string) => `and gains ${value} ± ${sigma} parts per million.`,
+  ideal: (value: string, sigma: string) => `If the axes show neither friction nor lag nor gain: ${value} ± ${sigma} s.`,
+  inseparable: (members: string) => `Hardly told apart by these samples: ${members}.`,
   picture: "Plan and flight drawn over time, axis by axis",
   bases: { angles: "of angles", rates: "of rates added up" },
   errors: (rms: string, max: string, basis: string) => `Error ${rms}″ rms, ${max}″ at most, ${basis}.`,
+  gain: (gain: string, sigma: string, bias: string, biasSigma: string, unit: string) =>
+    `Gain ${gain} ± ${sigma}, bias ${bias} ± ${biasSigma} ${unit}.`,
   lag: (value: string, sigma: string) => `It moves ${value} ± ${sigma} s later than the other axis.`,
   noLag: "It tells no lag: it doesn’t follow its plan, or hardly moves.",
   phases: "Errors by phase",
@@ -42,7 +48,6 @@ export const telemetry = {
   wrapped: (count: number) => `${counted(count, "angle", "angles", "angles")} brought within half a turn of the plan`,
   gaps: (count: number) => counted(count, "gap", "gaps", "gaps"),
   columnKinds: { angle: "angle", rate: "rate" },
-  unitFrom: { name: "by its name", fit: "because that fits the plan", "unit row": "by the row of units" },
   ignored: (names: string) => `Columns not read: ${names}`,
   corrections: "As corrections for the next plan (attitude.corrections)",
 };

@@ -8,14 +8,21 @@ export const telemetry: Words["telemetry"] = {
   file: "Телеметрия, CSV",
   fileHint:
     "Строка с именами столбцов (t_s или utc, затем ИМЯ_deg и ИМЯ_rate_deg_s осей), затем по строке на отсчёт. Файл можно перетащить сюда.",
+  columns: "Столбцы, названные в файле иначе",
+  columnsHint: "В виде JSON, каждый в своих единицах; пусто, если имена таковы, как выше.",
   compare: "Сравнить",
   atWork: "Телеметрия сравнивается…",
   clock: "Часы, план и полёт",
   offset: (value: string, sigma: string) => `Часы телеметрии спешат на ${value} ± ${sigma} с`,
   drift: (value: string, sigma: string) => `и уходят на ${value} ± ${sigma} миллионной.`,
+  ideal: (value: string, sigma: string) =>
+    `Если у осей нет ни трения, ни запаздывания, ни ошибки масштаба: ${value} ± ${sigma} с.`,
+  inseparable: (members: string) => `По этим отсчётам почти не различить: ${members}.`,
   picture: "План и полёт во времени, по осям",
   bases: { angles: "по углам", rates: "по сложенным скоростям" },
   errors: (rms: string, max: string, basis: string) => `Ошибка: СКО ${rms}″, не больше ${max}″, ${basis}.`,
+  gain: (gain: string, sigma: string, bias: string, biasSigma: string, unit: string) =>
+    `Масштаб ${gain} ± ${sigma}, смещение ${bias} ± ${biasSigma} ${unit}.`,
   lag: (value: string, sigma: string) => `Движется на ${value} ± ${sigma} с позже другой оси.`,
   noLag: "Запаздывание не определить: ось не следует плану или почти не движется.",
   phases: "Ошибки по участкам",
@@ -43,7 +50,6 @@ export const telemetry: Words["telemetry"] = {
   wrapped: (count: number) => `${counted(count, "угол", "угла", "углов")} приведено к полуобороту от плана`,
   gaps: (count: number) => counted(count, "пропуск", "пропуска", "пропусков"),
   columnKinds: { angle: "угол", rate: "скорость" },
-  unitFrom: { name: "по имени", fit: "так подходит к плану", "unit row": "по строке единиц" },
   ignored: (names: string) => `Не прочитаны столбцы: ${names}`,
   corrections: "Как поправки для следующего плана (attitude.corrections)",
 };

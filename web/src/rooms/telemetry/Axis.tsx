@@ -16,7 +16,16 @@ export function Axis({ name, axis }: { name: string; axis: AxisComparison }) {
         {text.errors(digits(axis.rms_arcsec), digits(axis.max_arcsec), text.bases[axis.basis])}{" "}
         {axis.lag_s === null || axis.lag_sigma_s === null
           ? text.noLag
-          : text.lag(axis.lag_s.toFixed(4), axis.lag_sigma_s.toFixed(4))}
+          : text.lag(axis.lag_s.toFixed(4), axis.lag_sigma_s.toFixed(4))}{" "}
+        {axis.gain &&
+          axis.bias &&
+          text.gain(
+            axis.gain.value.toFixed(6),
+            axis.gain.sigma.toFixed(6),
+            axis.bias.value.toFixed(2),
+            axis.bias.sigma.toFixed(2),
+            axis.bias_unit,
+          )}
       </p>
       <Stretches
         axis={name}

@@ -19,8 +19,7 @@ export function Samples({ samples }: Pick<Comparison, "samples">) {
         {samples.gaps.length > 0 && <li>{text.gaps(samples.gaps.length)}</li>}
         {samples.columns.map((column) => (
           <li key={column.name}>
-            <code>{column.name}</code>: {column.axis}, {text.columnKinds[column.kind]}, {column.unit} (
-            {text.unitFrom[column.unit_from]})
+            <code>{column.name}</code>: {column.axis}, {text.columnKinds[column.kind]}, {column.unit}
           </li>
         ))}
         {samples.ignored_columns.length > 0 && <li>{text.ignored(samples.ignored_columns.join(", "))}</li>}

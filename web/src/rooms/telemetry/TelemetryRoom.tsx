@@ -9,20 +9,21 @@ import { ProblemNotice } from "../../parts/ProblemNotice";
 import type { RoomProps } from "../../room";
 import { place } from "../../router";
 import { Axis } from "./Axis";
-import { type Compared, compare } from "./compare";
+import { type Compared, compare, requestOf } from "./compare";
 import { Samples } from "./Samples";
 import "./telemetry.css";
 
 export default function TelemetryRoom(_: RoomProps) {
   const text = words.value;
   const [plan, setPlan] = useState(place.value.query.get("plan") ?? "");
+  const [columns, setColumns] = useState("");
   const [file, setFile] = useState<File | null>(null);
   const { answer: found, error, isAsking, ask } = useRequest<Compared>(null);
   useEffect(() => () => void (found && URL.revokeObjectURL(found.picture)), [found]);
 
   const submit = (event: Event) => {
     event.preventDefault();
-    if (file) void ask((until) => compare(plan.trim(), file, until));
+    if (file) void ask((until) => compare(requestOf(plan.trim(), columns), file, until));
   };
   return (
     <div class="room">
@@ -35,6 +36,16 @@ export default function TelemetryRoom(_: RoomProps) {
         <DropZone label={text.telemetry.file} accept=".csv,.txt,text/csv" onFile={setFile}>
           <p class="small">{file ? file.name : text.telemetry.fileHint}</p>
         </DropZone>
+        <Field label={text.telemetry.columns} hint={text.telemetry.columnsHint}>
+          {(control) => (
+            <input
+              {...control}
+              value={columns}
+              placeholder='{"t_s": "Time", "alpha_deg": "AZ", "beta_deg": "EL"}'
+              onInput={(event) => setColumns(event.currentTarget.value)}
+            />
+          )}
+        </Field>
         <button type="submit" class="primary" disabled={!plan.trim() || !file || isAsking}>
           {text.telemetry.compare}
         </button>{" "}
@@ -48,7 +59,7 @@ export default function TelemetryRoom(_: RoomProps) {
 
 function Told({ found: { comparison, picture } }: { found: Compared }) {
   const text = words.value.telemetry;
-  const { time_offset_s, clock_drift } = comparison;
+  const { time_offset_s, clock_drift, ideal_offset_s, inseparable } = comparison;
   return (
     <>
       <section class="panel" aria-labelledby="clock" data-testid="comparison">
@@ -57,6 +68,12 @@ function Told({ found: { comparison, picture } }: { found: Compared }) {
           {text.offset(time_offset_s.value.toFixed(4), time_offset_s.sigma.toFixed(4))}{" "}
           {text.drift((Math.round(1e8 * clock_drift.value) / 100 + 0).toFixed(2), (1e6 * clock_drift.sigma).toFixed(2))}
         </p>
+        {ideal_offset_s && <p>{text.ideal(ideal_offset_s.value.toFixed(6), ideal_offset_s.sigma.toFixed(6))}</p>}
+        {inseparable.map(({ members }) => (
+          <p key={members.join()} class="small">
+            {text.inseparable(members.join(", "))}
+          </p>
+        ))}
         {comparison.warnings.map((warning) => (
           <p key={warning} class="notice notice-warn">
             {warning}

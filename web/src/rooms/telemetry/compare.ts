@@ -11,10 +11,15 @@ export interface Compared {
 
 const PATH = "/v1/telemetry/comparisons";
 
-export async function compare(plan: string, file: File, until: AbortSignal): Promise<Compared> {
+/** The request beside a file; columns: JSON or nothing, sent as typed, for the service to refuse. */
+export function requestOf(plan: string, columns: string): string {
+  return columns.trim() ? `{"plan": ${JSON.stringify(plan)}, "columns": ${columns}}` : JSON.stringify({ plan });
+}
+
+export async function compare(request: string, file: File, until: AbortSignal): Promise<Compared> {
   const form = () => {
     const parts = new FormData();
-    parts.append("request", new Blob([JSON.stringify({ plan })], { type: "application/json" }));
+    parts.append("request", new Blob([request], { type: "application/json" }));
     parts.append("samples", file, file.name);
     return parts;
   };

@@ -1,14 +1,19 @@
-"""The carrier's attitude error from measurements of the horizon or the target beside the axes.
+"""What a flight tells the next plan: the carrier's attitude error, and the platform's parameters.
 
 Angles and rates of the axes are told relative to the carrier: by themselves they say nothing of
 its attitude.  A measured rotation (of a horizon estimate) says where the target was besides; a
 target found in the frame says how far axes and attitude were off together, of which the axes'
 part is known.  What is left then is the attitude's, but for errors of the orbit, the mount and
 the target's own place, which no frame tells apart.
+
+The drives' parameters are those with which the simulator makes the same of the table.  A delay
+that the drives share looks like a clock that is ahead; here it is taken to be what the platform's
+own drives have, and the rest the clock's.
 """
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import Literal
 
@@ -17,17 +22,33 @@ import numpy as np
 from planner.base.arrays import Array
 from planner.base.errors import InvalidInput
 from planner.base.rotation import Rotation
-from planner.inflight.telemetry.following import Followed
-from planner.inflight.telemetry.motion import PlannedMotion
-from planner.inflight.telemetry.request import ImageOffset
+from planner.inflight.simulation.candidates import IDENTIFIABLE
+from planner.inflight.simulation.flight import fly
+from planner.inflight.simulation.identification import identify
+from planner.inflight.telemetry.alignment import Channel, align
+from planner.inflight.telemetry.compare import Comparison
+from planner.inflight.telemetry.following import Followed, PlannedMotion
+from planner.inflight.telemetry.samples import ImageOffset
 from planner.motion.pointing.angles import boresight_platform, carried_axes
 from planner.world.attitude.corrections import AttitudeCorrection
 from planner.world.frames.time_scales import Instants, elapsed_s, utc_text
 from planner.world.plan import FlightPlan
-from planner.world.platforms import TwoAxisPlatform
+from planner.world.platforms import AxisDrive, TwoAxisPlatform
 
-UNMEASURED_DEG2 = 32_400.0  # 180 deg: the turn about the line of sight
-_NEAR_S = 2.0  # of a sample, for the axes' error to be known
+
+@dataclass(frozen=True, kw_only=True)
+class NextPlanOptions:
+    """What is unknown of an image, and how far parameters of drives are sought."""
+
+    unmeasured_deg2: float = 32_400.0  # 180 deg: the turn about the line of sight
+    near_s: float = 2.0  # of a sample, for the axes' error to be known
+    table_max_s: float = 600.0  # flown about a hundred times, 0.3 s each
+    samples_max: int = 20_000  # more are thinned: they tell no more of a drive
+    room: float = 1.1  # above the fastest command at which an axis was seen to stick
+
+
+OPTIONS = NextPlanOptions()
+_LEAST_RATE = "rate_min_deg_s"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,8 +122,9 @@ def from_image(
     axes = _axes_part(platform, planned_rad, off_rad, sides)
     if axes is None:
         raise InvalidInput(
-            f"there are no angles of both axes within {_NEAR_S:g} s of {utc_text(found.epoch)}, so "
-            "that what the frame shows can't be told from what the axes did; leave it out",
+            f"there are no angles of both axes within {OPTIONS.near_s:g} s of "
+            f"{utc_text(found.epoch)}, so that what the frame shows can't be told from what the "
+            "axes did; leave it out",
             field=f"{field}.epoch",
         )
     in_frame = np.tan(np.deg2rad(found.offset_deg))
@@ -115,7 +137,8 @@ def from_image(
     )
     line_body = mount.inv().apply(boresight)
     across = np.eye(3) - np.outer(line_body, line_body)
-    covariance = found.sigma_deg**2 * across + UNMEASURED_DEG2 * np.outer(line_body, line_body)
+    along = np.outer(line_body, line_body)
+    covariance = found.sigma_deg**2 * across + OPTIONS.unmeasured_deg2 * along
     covariance = 0.5 * (covariance + covariance.T)
     x, y, z = np.rad2deg(total.as_rotvec()).tolist()
     rows = [tuple(row) for row in covariance.tolist()]
@@ -165,7 +188,7 @@ def _angles(
     )
     off_rad = np.full((1, count), np.nan)
     for one in followed:
-        is_near = np.min(np.abs(one.t_s - t_s)) <= _NEAR_S
+        is_near = np.min(np.abs(one.t_s - t_s)) <= OPTIONS.near_s
         if one.basis == "angles" and is_near:
             off_rad[0, one.motion.axis] = np.interp(t_s, one.t_s, one.error_rad)
     return planned_rad, off_rad if np.isfinite(off_rad).all() else None
@@ -204,3 +227,134 @@ def _pair(value: Array | None) -> tuple[float, float] | None:
 
 def _two(value: Array) -> tuple[float, float]:
     return float(value[0]), float(value[1])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parameter:
+    """name: `axis.field`.  planned_value: what the platform has.  found_value, sigma: the estimate;
+    sigma None where it is a bound."""
+
+    name: str
+    planned_value: float
+    found_value: float
+    sigma: float | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlatformFound:
+    """parameters: those found.  platform: as planned with, but for these."""
+
+    parameters: tuple[Parameter, ...]
+    platform: TwoAxisPlatform
+
+
+def platform_found(comparison: Comparison, names: Sequence[str]) -> PlatformFound | None:
+    """With the drives' parameters of these names, `axis.field`; None where nothing was found.
+
+    Raises InvalidInput for names and plans that can't be identified.
+    """
+    platform = comparison.plan.scenario.platform
+    found: tuple[Parameter, ...] = ()
+    if names:
+        found, drives = _drives(comparison, names)
+        platform = replace(platform, drives=drives)
+    least = _least_rates(comparison)
+    if not found and not least:
+        return None
+    limits = list(platform.axis_limits)
+    for one in least:
+        axis = platform.axis_names.index(one.name.rpartition(".")[0])
+        limits[axis] = replace(limits[axis], rate_min_rad_s=math.radians(one.found_value))
+    return PlatformFound(
+        parameters=(*found, *least), platform=platform.with_limits((limits[0], limits[1]))
+    )
+
+
+def _least_rates(comparison: Comparison) -> list[Parameter]:
+    """Of axes that stuck and slipped at commands that the platform takes for smooth."""
+    found = []
+    for axis in comparison.axes:
+        motion = axis.followed.motion
+        limits = comparison.plan.scenario.platform.axis_limits[motion.axis]
+        fastest_rad_s = max((one.rate_rad_s for one in axis.stick_slip), default=0.0)
+        if limits.rate_min_rad_s < fastest_rad_s < limits.rate_max_rad_s / OPTIONS.room:
+            found.append(
+                Parameter(
+                    name=f"{axis.name}.{_LEAST_RATE}",
+                    planned_value=math.degrees(limits.rate_min_rad_s),
+                    found_value=math.degrees(OPTIONS.room * fastest_rad_s),
+                    sigma=None,
+                )
+            )
+    return found
+
+
+def _drives(
+    comparison: Comparison, names: Sequence[str]
+) -> tuple[tuple[Parameter, ...], tuple[AxisDrive, AxisDrive]]:
+    plan, platform = comparison.plan, comparison.plan.scenario.platform
+    _require_identifiable(names, platform, plan.table.t_s[-1])
+    clean = comparison.samples
+    t_s = comparison.alignment.t_s(clean.tag_s) + _own_delay_s(comparison)
+    inside = (t_s >= 0.0) & (t_s <= plan.table.t_s[-1])
+    rows = np.flatnonzero(inside)[:: -(-int(inside.sum()) // OPTIONS.samples_max)]
+    angle_rad, rate_rad_s = (
+        column[rows] if np.isfinite(column[rows]).any() else None
+        for column in (clean.angle_rad, clean.rate_rad_s)
+    )
+    try:
+        found = identify(plan.table, platform, t_s[rows], angle_rad, rate_rad_s, names)
+    except ValueError as fault:
+        raise InvalidInput(f"can't be found: {fault}", field="identify") from None
+    sigma = np.sqrt(np.diag(found.covariance_parameters))
+    parameters = tuple(
+        Parameter(
+            name=name,
+            planned_value=_value(platform, name),
+            found_value=float(value),
+            sigma=float(error),
+        )
+        for name, value, error in zip(found.names, found.parameters, sigma, strict=True)
+    )
+    return parameters, found.drives
+
+
+def _require_identifiable(names: Sequence[str], platform: TwoAxisPlatform, table_s: float) -> None:
+    for number, name in enumerate(names):
+        axis, _, field = name.rpartition(".")
+        if axis not in platform.axis_names or field not in IDENTIFIABLE:
+            raise InvalidInput(
+                f"{name[:60]!r} is no parameter that a flight shows; name an axis "
+                f"({', '.join(platform.axis_names)}), a dot and one of {', '.join(IDENTIFIABLE)}",
+                field=f"identify.{number}",
+            )
+        if name in names[:number]:
+            raise InvalidInput(f"{name!r} is named twice", field=f"identify.{number}")
+    if table_s > OPTIONS.table_max_s:
+        raise InvalidInput(
+            f"parameters are found of plans up to {OPTIONS.table_max_s:g} s, not {table_s:g}: "
+            "leave identify out, or compare with a plan of one session",
+            field="identify",
+        )
+
+
+def _own_delay_s(comparison: Comparison) -> float:
+    """By how much the platform's drives are late by themselves, as telemetry would show it."""
+    table, platform = comparison.plan.table, comparison.plan.scenario.platform
+    flown = fly(table, platform)
+    told = {one.followed.motion.axis for one in comparison.axes}
+    channels = [
+        Channel(
+            motion=PlannedMotion(table, axis),
+            kind="angle",
+            tag_s=flown.t_s,
+            value=flown.measured_angle_rad[:, axis],
+        )
+        for axis in sorted(told)
+    ]
+    return align(channels, 0.0, len(platform.axis_names)).offset_s.value
+
+
+def _value(platform: TwoAxisPlatform, name: str) -> float:
+    axis, _, field = name.rpartition(".")
+    return float(getattr(platform.drives[platform.axis_names.index(axis)], field))
