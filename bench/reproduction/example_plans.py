@@ -1,7 +1,9 @@
 """The requests of examples/, planned, and what there is to see of them."""
 
+import json
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from numpy.typing import NDArray
 
@@ -17,9 +19,15 @@ BOSTON = "gallery/boston.json"
 THREE_SESSIONS = "three_sessions.json"
 
 
+def level_request(example: str) -> dict[str, Any]:
+    request: dict[str, Any] = json.loads((EXAMPLES / example).read_text(encoding="utf-8"))
+    return {**request, "attitude": {"law": "lvlh"}}
+
+
 @cache
 def plan_of(example: str) -> Plan:
-    return plan(read_request((EXAMPLES / example).read_bytes()))
+    """With the attitude level, as the papers tell none."""
+    return plan(read_request(level_request(example)))
 
 
 @cache

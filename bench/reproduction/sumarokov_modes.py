@@ -1,13 +1,12 @@
 """The other modes of pointing: Sumarokov 2016, pp. 86 and 96."""
 
-import json
 from datetime import timedelta
 from typing import Any
 
 import numpy as np
 
 from planner.world.frames.time_scales import utc_from_text, utc_text
-from reproduction.example_plans import EXAMPLES, LAS_VEGAS
+from reproduction.example_plans import LAS_VEGAS, level_request
 from reproduction.statements import Numbers
 from slewtrack import opportunities, plan, read_request
 
@@ -29,7 +28,7 @@ MODES: dict[str, dict[str, Any]] = {
 
 def session_start(target: dict[str, Any]) -> str:
     """The first of the day at which a minute of the target can be had."""
-    base = json.loads((EXAMPLES / LAS_VEGAS).read_text(encoding="utf-8"))
+    base = level_request(LAS_VEGAS)
     if target["mode"] == "test_motion":
         return str(base["sessions"][0]["start"])
     found = opportunities(
@@ -49,7 +48,7 @@ def session_start(target: dict[str, Any]) -> str:
 
 def worst_arcsec(target: dict[str, Any]) -> float:
     """Of a planned session of the mode, by the independent judge, who must pass it."""
-    request = json.loads((EXAMPLES / LAS_VEGAS).read_text(encoding="utf-8"))
+    request = level_request(LAS_VEGAS)
     start = session_start(target)
     begins_utc = utc_from_text(start)
     request["initial_state"]["epoch"] = utc_text(begins_utc - timedelta(seconds=LEAD_S), 0)

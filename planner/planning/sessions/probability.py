@@ -71,10 +71,10 @@ def _farthest(part_shares: Array, points: "NDArray[np.floating]") -> Array:
     return np.asarray(np.abs(places, out=places).max(axis=0))
 
 
-def mixed(points: Array, row: int, mixture: NormalMixture) -> Array:
-    """Points whose row, normal so far, follows the mixture."""
-    found = points.copy()
-    found[row] = mixture.scores(points[row])
+def mixed(scores: Array, row: int, mixture: NormalMixture) -> Array:
+    """Points of the lattice whose row, normal so far, follows the mixture."""
+    found = scores.copy()
+    found[row] = mixture.scores(scores[row])
     return found
 
 

@@ -104,7 +104,7 @@ class LvlhAttitude(CorrectableAttitude):
         if not wander_deg > MEAN_SIGMA_DEG:
             return ()
         return (
-            f"the carrier's manoeuvre ended {float(np.min(since_s)) / 3600.0:.1f} h before: the ISS "
+            f"the carrier's manoeuvre ended {np.min(since_s) / 3600.0:.1f} h before: the ISS "
             "is not yet in torque equilibrium then and wanders about its mean attitude by "
             f"{wander_deg:.2g} deg (1 sigma; in pitch by 0.1 deg still after 4.4 h)",
         )

@@ -29,11 +29,11 @@ ASSUMED_STATE = (
 class NormalMixture(NamedTuple):
     """Normal distributions about zero, of which each case has one.
 
-    shares: of the cases, one in all.  sizes: their sigmas, over the one that is told.
+    shares: of the cases, one in all.  sigma_ratios: their sigmas, over the one that is told.
     """
 
     shares: tuple[float, ...]
-    sizes: tuple[float, ...]
+    sigma_ratios: tuple[float, ...]
 
     def scores(self, normal: Array) -> Array:
         """Scores of the standard normal distribution carried onto the mixture, each to one as rare.
@@ -43,8 +43,8 @@ class NormalMixture(NamedTuple):
         # SciPy's special functions take 0.1 s to import, which only a plan should pay.
         from scipy.special import ndtr, ndtri
 
-        score = np.unique(np.outer(self.sizes, np.linspace(0.0, 8.0, 81)))
-        beyond = ndtr(-score[:, None] / np.array(self.sizes)) @ np.array(self.shares)
+        score = np.unique(np.outer(self.sigma_ratios, np.linspace(0.0, 8.0, 81)))
+        beyond = ndtr(-score[:, None] / np.array(self.sigma_ratios)) @ np.array(self.shares)
         return np.asarray(np.sign(normal) * np.interp(np.abs(normal), -ndtri(beyond), score))
 
 
@@ -129,7 +129,7 @@ def tle_sigma(age_s: Array, drag_in_a_day_m: float, air_in_a_day_m: float) -> Or
         better="younger elements, or an ephemeris (OEM)",
         along=NormalMixture(
             (*((1.0 - share) * part for part in USUAL.shares), share),
-            (*USUAL.sizes, math.hypot(1.0, reboost_m / float(np.mean(along_m)))),
+            (*USUAL.sigma_ratios, math.hypot(1.0, reboost_m / float(np.mean(along_m)))),
         ),
     )
 
@@ -143,16 +143,22 @@ def reboost_since(age_s: float) -> tuple[float, float]:
     return share, 3.0 * FIGURES.reboost_m_s * age_s
 
 
+class PlannedBurn(NamedTuple):
+    """A burn that an ephemeris forecasts: since_s ago, (n,), 0 before; gain along the track."""
+
+    since_s: Array
+    gain_m_s: float
+
+
 def oem_sigma(
-    age_s: Array, drag_in_a_day_m: float, burns: Sequence[tuple[Array, float]] = ()
+    age_s: Array, drag_in_a_day_m: float, burns: Sequence[PlannedBurn] = ()
 ) -> OrbitSigma:
     """Of an operator's ephemeris, this long after it was made.
 
     drag_in_a_day_m: how far along the track the drag in it takes the satellite in a day.  The
     operator's forecast of the air stays wrong by the same share, so the error grows as drag does.
     It is the cause of the elements' error, too, and as often small.
-    burns: planned when it was made, each the time since it, (n,), none before, and its gain of
-    velocity along the track, m/s.
+    burns: planned when it was made.
     """
     days = age_s / DAY_S
     drag_m = FIGURES.oem_drag_wrong * drag_in_a_day_m * days  # per day

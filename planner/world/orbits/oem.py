@@ -22,7 +22,7 @@ from planner.world.frames.time_scales import (
     utc_text,
 )
 from planner.world.messages.oem import Oem, OemSegment, read_oem
-from planner.world.orbits.accuracy import OrbitSigma, oem_sigma
+from planner.world.orbits.accuracy import OrbitSigma, PlannedBurn, oem_sigma
 from planner.world.orbits.burns import Burn, burns_between
 from planner.world.orbits.cell_defects import (
     OPTIONS as CELL_DEFECT_OPTIONS,
@@ -184,7 +184,7 @@ class OemEphemeris(Ephemeris):
     def sigma(self, instants: Instants) -> OrbitSigma:
         """By the drag in the message, which its operator had to forecast, and planned burns."""
         burns = [
-            (np.maximum(instants.since_s(burn.ignition_utc), 0.0), burn.along_m_s)
+            PlannedBurn(np.maximum(instants.since_s(burn.ignition_utc), 0.0), burn.along_m_s)
             for burn in self.burns
         ]
         return oem_sigma(self.age_s(instants), self.drag_in_a_day_m, burns)
