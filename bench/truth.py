@@ -51,6 +51,7 @@ def rows(data: Path, points: set[int], quick: bool) -> Iterator[Row]:
         yield from truth_pointing.rows(data, sessions=40 if quick else 200)
     if 1 in points:
         yield from truth_attitude.swing_rows(attitude)
+        yield from truth_attitude.settling_rows(attitude)
         yield from truth_orbits.rows(data)
     if 3 in points:
         yield from truth_attitude.law_rows(attitude, data / "tle" / "iss_tles.txt")

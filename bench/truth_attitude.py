@@ -15,6 +15,7 @@ from truth_laws import (
     GOAL,
     PERIOD_S,
     TUNED,
+    YEAR_UTC,
     Errors,
     Told,
     forecasts,
@@ -25,9 +26,12 @@ from truth_rows import Row, nees_row
 
 from planner.world.attitude import LvlhAttitude
 from planner.world.attitude.errors import MEAN_SIGMA_DEG
-from planner.world.frames.time_scales import Instants
+from planner.world.frames.time_scales import Instants, elapsed_s
 
 NOON_UTC = datetime(2018, 10, 12, 12, tzinfo=UTC)
+MANOEUVRE_END_UTC = datetime(2018, 10, 13, 0, 33, tzinfo=UTC)
+SETTLED_S = 3.0 * 3600.0
+HALF_HOUR_S = 1800.0
 STRETCH = 3  # forecasts, 5 minutes apart
 DRAWS = 400
 ASKED_LEADS_S = (300, 900, 1800, 5400)  # of the law harmonic
@@ -47,6 +51,25 @@ def swing_rows(folder: Path) -> Iterator[Row]:
     for k, axis in enumerate("xyz"):
         sets = [orbit[:, k : k + 1] for orbit in orbits]
         yield nees_row(1, f"attitude lvlh about body {axis}", sets, "")
+
+
+def settling_rows(folder: Path) -> Iterator[Row]:
+    """After the recorded manoeuvre, about the mean of the end, where the telemetry reaches so far;
+    what is told was chosen on it."""
+    t_s, q_body_from_lvlh = telemetry(folder)
+    since_s = t_s - elapsed_s(MANOEUVRE_END_UTC, YEAR_UTC)
+    settled = since_s > SETTLED_S
+    after = since_s > 0.0
+    if not settled.any():
+        return
+    turn_rad = (q_body_from_lvlh[after] * q_body_from_lvlh[settled].mean().inv()).as_rotvec()
+    law = LvlhAttitude(manoeuvre_end=MANOEUVRE_END_UTC)
+    told = law.errors(Instants(MANOEUVRE_END_UTC, since_s[after]))
+    squares = turn_rad**2 / (told.sigma_body_rad**2 + told.swing_rms_body_rad**2)
+    hours = np.array_split(squares, round(np.ptp(since_s[after]) / HALF_HOUR_S))
+    for k, axis in enumerate("xyz"):
+        sets = [hour[:, k : k + 1] for hour in hours]
+        yield nees_row(1, f"attitude lvlh after a manoeuvre, about body {axis}", sets, "")
 
 
 def law_rows(folder: Path, tles: Path) -> Iterator[Row]:

@@ -1,8 +1,8 @@
 """Elements and ephemerides, read and differenced, for bench/truth.py.
 
 Element sets against later ones of the same satellite share near their epoch what is wrong with
-SGP4: the growth alone is seen, plus the noise of both fits.  Pairs with a reboost between are left
-out.  Figures with their archives' sources: docs/decisions/orbit_growth.md.
+SGP4: the growth alone is seen, plus the noise of both fits.  Figures with their archives' sources:
+docs/decisions/orbit_growth.md.
 """
 
 import gzip
@@ -16,15 +16,16 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import norm
 
 from planner.base.errors import OutsideCoverage
 from planner.world.frames.time_scales import DAY_S, Instants, elapsed_s, shifted_utc
 from planner.world.orbits import OemOrbit, Orbit, OrbitStates, TleOrbit
+from planner.world.orbits.accuracy import NormalMixture, OrbitSigma
 
 AGES_DAYS = (1.0, 2.0, 3.0, 5.0, 7.0, 10.0)
 SPREAD = 0.15  # of the age
 REBOOST_REV_DAY = -3e-4  # of the mean motion, from elements to the next
-BEYOND_SIGMA = 6.0
 WEEK_DAYS = 7.0  # elements of a week share their tracking and their air
 
 
@@ -72,10 +73,20 @@ def read_tles(path: Path) -> Iterator[TleOrbit]:
 
 
 class Pair(NamedTuple):
-    """day: of the earlier set's epoch.  sigmas: its error along the track at the later's epoch."""
+    """day: of the earlier set's epoch.  sigmas: its error along the track at the later's epoch.
+
+    along: how that is told to be distributed.  reboosted: whether it was in between.
+    """
 
     day: float
     sigmas: float
+    along: NormalMixture
+    reboosted: bool
+
+    def within(self, share: float) -> bool:
+        """Whether it lies in the interval that so many errors are told to lie in."""
+        edge = float(self.along.scores(np.array(norm.ppf(0.5 + 0.5 * share))))
+        return abs(self.sigmas) <= edge
 
 
 def pairs(tles: list[TleOrbit], every: int = 1) -> dict[float, list[Pair]]:
@@ -87,16 +98,18 @@ def pairs(tles: list[TleOrbit], every: int = 1) -> dict[float, list[Pair]]:
     for first, age in product(range(0, len(tles), every), AGES_DAYS):
         later = int(np.argmin(np.abs(days - days[first] - age)))
         apart = float(days[later] - days[first])
-        if abs(apart - age) > SPREAD * age or raised[first:later].any():
+        if abs(apart - age) > SPREAD * age:
             continue
         off_m = differences(tles[later], tles[first], tles[first].epoch_utc, apart)
         if len(off_m):
-            told_m = _told_along_m(tles[first], apart)
-            found[age].append(Pair(float(days[first]), float(np.mean(off_m[:, 1])) / told_m))
+            told = _told(tles[first], apart)
+            sigmas = float(np.mean(off_m[:, 1]) / told.along_m[0])
+            reboosted = bool(raised[first:later].any())
+            found[age].append(Pair(float(days[first]), sigmas, told.along, reboosted))
     return found
 
 
-def _told_along_m(tle: TleOrbit, age_days: float) -> float:
+def _told(tle: TleOrbit, age_days: float) -> OrbitSigma:
     at_utc = shifted_utc(tle.epoch_utc, age_days * DAY_S)
     ephemeris = tle.ephemeris(at_utc, shifted_utc(at_utc, 1.0))
-    return float(ephemeris.sigma(Instants(at_utc, np.zeros(1))).along_m[0])
+    return ephemeris.sigma(Instants(at_utc, np.zeros(1)))

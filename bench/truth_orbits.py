@@ -15,7 +15,6 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import brentq
 from truth_elements import (
-    BEYOND_SIGMA,
     WEEK_DAYS,
     created,
     differences,
@@ -24,7 +23,7 @@ from truth_elements import (
     read_tles,
     ric_m,
 )
-from truth_rows import GAUSS, LAPLACE, Row, nees_row
+from truth_rows import GAUSS, USUAL, Row, nees_row, share_row
 
 from planner.world.frames.time_scales import DAY_S, Instants, elapsed_s, shifted_utc
 from planner.world.orbits import OemOrbit, Orbit, StateVectorOrbit, TleOrbit
@@ -47,6 +46,13 @@ NEAR_EPOCH_DAYS = 0.04
 OEM_AGE_MIN_DAYS = 1.5  # where it is worse than the elements it is tried on
 OEM_YOUNG_DAYS = 0.3  # as truth for an older one
 BURN_MOVED_S = 3600.0  # a burn moved by more is another
+LOST_SIGMA = 3.0
+ORBIT_DAYS = 5560.0 / DAY_S
+HELD_OUT_DAY = 90.0  # of the archive
+TOLD_SHARES = (0.5, 0.9)
+SHARE_GOAL = 0.05
+BURN_GOAL = (0.5, 2.0)
+
 BURN_STEP_S = 60.0  # nodes crowd where an engine burns
 STATE_LEADS_S = (900.0, 2700.0, 5400.0, 10800.0, 21600.0)
 STATE_DAYS = (0.5, 1.6, 4.3)
@@ -62,6 +68,7 @@ def rows(data: Path) -> Iterator[Row]:
     for which, few in (("held out", held_out), ("all", list(read.values()))):
         yield from _tle_rows(tles, few, which)
     yield from _oem_rows(tles, list(read.values()))
+    yield from burn_rows(list(read.values()))
     yield from growth_rows(data / "tle" / ARCHIVE)
     yield from _state_rows(list(read.values()))
 
@@ -79,20 +86,56 @@ def _tle_rows(tles: list[TleOrbit], oems: list[OemOrbit], which: str) -> Iterato
     of = f"of {sum(map(len, found.values()))} cases, {len(found)} element sets, to 5 days of age"
     for k, axis in enumerate(AXES):
         sets = [np.array(cases)[:, k : k + 1] for cases in found.values()]
-        spread = LAPLACE if axis == "along" else GAUSS
+        spread = USUAL if axis == "along" else GAUSS
         yield nees_row(1, f"TLE against ephemerides, {which}, {axis}", sets, of, spread)
 
 
 def growth_rows(archive: Path) -> Iterator[Row]:
     """Along the track, where the elements' own error at the epoch is small against the growth."""
-    tles = [tle for tle in read_tles(archive) if tle.epoch_utc.month >= HELD_OUT_MONTH]
-    for age, found in pairs(tles).items():
-        valid = [pair for pair in found if abs(pair.sigmas) < BEYOND_SIGMA]
-        day, sigmas = np.array(valid).T
+    found = pairs(list(read_tles(archive)))
+    for age, all_of in found.items():
+        weeks = len({pair.day // WEEK_DAYS for pair in all_of})
+        for share in TOLD_SHARES:
+            kept = np.mean([pair.within(share) for pair in all_of])
+            what = f"TLE against a later one, reboosts included, along, {age:g} d"
+            yield share_row(1, what, share, float(kept), weeks, SHARE_GOAL)
+        held_out = [pair for pair in all_of if pair.day >= HELD_OUT_DAY and not pair.reboosted]
+        day, sigmas = np.array([(pair.day, pair.sigmas) for pair in held_out]).T
         week = day // WEEK_DAYS
-        weeks = [sigmas[week == one, None] ** 2 for one in np.unique(week)]
-        of = f"of {len(valid)} pairs, {len(found) - len(valid)} beyond {BEYOND_SIGMA:g} sigma"
-        yield nees_row(1, f"TLE against a later one, along, {age:g} d", weeks, of, LAPLACE)
+        by_week = [sigmas[week == one, None] ** 2 for one in np.unique(week)]
+        of = f"of {len(held_out)} pairs"
+        yield nees_row(1, f"TLE against a later one, no reboost, along, {age:g} d", by_week, of,
+                       USUAL)  # fmt: skip
+
+
+def burn_rows(oems: list[OemOrbit]) -> Iterator[Row]:
+    """Ephemerides past burns that they planned, against those made after them."""
+    by_oem = [cases for oem in oems if (cases := _past_burns(oem, oems))]
+    if by_oem:
+        squares = [np.array(cases) for cases in by_oem]
+        of = f"of {sum(map(len, by_oem))} cases"
+        for k, axis in enumerate(AXES):
+            sets = [cases[:, k : k + 1] for cases in squares]
+            yield nees_row(1, f"OEM past a planned burn, {axis}", sets, of, goal=BURN_GOAL)
+
+
+def _past_burns(oem: OemOrbit, oems: list[OemOrbit]) -> list[np.ndarray]:
+    """Squares of errors over told sigmas; none where it was lost before, by a burn it knew not."""
+    cases = []
+    for truth in (one for one in oems if created(one) > created(oem)):
+        segment = truth.message.segments[0]
+        for from_utc in (segment.epoch_utc, created(truth)):
+            found_m = differences(truth, oem, from_utc, 0.5 * ORBIT_DAYS)
+            if not len(found_m):
+                continue
+            ephemeris = oem.ephemeris(from_utc, shifted_utc(from_utc, ORBIT_DAYS * DAY_S))
+            told_m = _axes_m(ephemeris.sigma(Instants(from_utc, np.array([2780.0]))))[0]
+            squares = np.mean(found_m**2, axis=0) / told_m**2
+            if ephemeris.burns and elapsed_s(ephemeris.burns[0].ignition_utc, from_utc) < 0.0:
+                cases.append(squares)
+            elif squares[1] > LOST_SIGMA**2:
+                return []
+    return cases
 
 
 def _oem_rows(tles: list[TleOrbit], oems: list[OemOrbit]) -> Iterator[Row]:
@@ -108,9 +151,9 @@ def _oem_rows(tles: list[TleOrbit], oems: list[OemOrbit]) -> Iterator[Row]:
     share = brentq(lambda share: _oem_nees(by_oem, share).mean() - 1.0, 0.01, 2.0)
     of = f"of {sum(map(len, by_oem))} cases; drag wrong by {share:.2f} of itself, of all"
     left_out = [nees[:, None] for nees in squares]
-    yield nees_row(1, "OEM, its share from the others, along", left_out, of, LAPLACE)
+    yield nees_row(1, "OEM, its share from the others, along", left_out, of, USUAL)
     told = [_oem_nees([cases], ORBIT_ERROR_FIGURES.oem_drag_wrong)[:, None] for cases in by_oem]
-    yield nees_row(1, "OEM as told, along", told, f"of {sum(map(len, by_oem))} cases", LAPLACE)
+    yield nees_row(1, "OEM as told, along", told, f"of {sum(map(len, by_oem))} cases", USUAL)
 
 
 def _oem_cases(oem: OemOrbit, tles: list[TleOrbit], oems: list[OemOrbit]) -> list[np.ndarray]:

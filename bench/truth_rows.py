@@ -9,7 +9,7 @@ from scipy.stats import chi2, norm
 NEES_GOAL = (0.8, 1.3)
 # A goal missed by less than this may be missed for the number of sets alone.
 FEW_SIGMA = 2.0
-GAUSS, LAPLACE = 2.0, 5.0  # variance of the square of an error of variance 1
+GAUSS, USUAL = 2.0, 4.4  # variance of the square of an error of variance 1
 
 
 class Row(NamedTuple):
@@ -27,7 +27,12 @@ class Row(NamedTuple):
 
 
 def nees_row(
-    point: int, what: str, sets: Sequence[np.ndarray], of: str, spread: float = GAUSS
+    point: int,
+    what: str,
+    sets: Sequence[np.ndarray],
+    of: str,
+    spread: float = GAUSS,
+    goal: tuple[float, float] = NEES_GOAL,
 ) -> Row:
     """NEES of each of m axes, of (k, m) squares of errors over their told sigma, in sets that are
     independent: one satellite's elements, a stretch of telemetry.
@@ -35,7 +40,7 @@ def nees_row(
     The sampling error is that of a law that tells the truth, one error a set.
     """
     nees = np.mean(np.concatenate(sets), axis=0)
-    low, high = NEES_GOAL
+    low, high = goal
     by_number = np.sqrt(spread / len(sets))
     freedom = len(sets) * GAUSS / spread
     power = chi2.cdf(high * freedom, freedom) - chi2.cdf(low * freedom, freedom)

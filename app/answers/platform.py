@@ -31,6 +31,7 @@ def definition_of(platform: TwoAxisPlatform) -> PlatformDefinition:
         ),
         frame_turn_deg=degrees(platform.frame_turn_rad, _DECIMALS),
         camera=platform.camera,
+        usual_yaw_pitch_roll_deg=platform.usual_yaw_pitch_roll_deg,
         park_positions_deg={
             position.name: {
                 axis: degrees(angle_rad, _DECIMALS)

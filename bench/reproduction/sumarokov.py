@@ -77,9 +77,15 @@ BOSTON = "gallery/boston.json"
 THREE_SESSIONS = "three_sessions.json"
 
 
+def level_request(example: str) -> dict[str, Any]:
+    request: dict[str, Any] = json.loads((EXAMPLES / example).read_text(encoding="utf-8"))
+    return {**request, "attitude": {"law": "lvlh"}}
+
+
 @cache
 def plan_of(example: str) -> Plan:
-    return plan(read_request((EXAMPLES / example).read_bytes()))
+    """With the attitude level, as the papers state none."""
+    return plan(read_request(level_request(example)))
 
 
 @cache
@@ -825,7 +831,7 @@ class Swings(NamedTuple):
 
 @cache
 def the_plan() -> Plan:
-    request = json.loads((EXAMPLES / LAS_VEGAS).read_text(encoding="utf-8"))
+    request = level_request(LAS_VEGAS)
     return plan(read_request({**request, "attitude": TORQUE_EQUILIBRIUM}))
 
 
@@ -1132,7 +1138,7 @@ MODES: dict[str, dict[str, Any]] = {
 
 def session_start(target: dict[str, Any]) -> str:
     """The first of the day at which a minute of the target can be had."""
-    base = json.loads((EXAMPLES / LAS_VEGAS).read_text(encoding="utf-8"))
+    base = level_request(LAS_VEGAS)
     if target["mode"] == "test_motion":
         return str(base["sessions"][0]["start"])
     found = opportunities(
@@ -1152,7 +1158,7 @@ def session_start(target: dict[str, Any]) -> str:
 
 def worst_arcsec(target: dict[str, Any]) -> float:
     """Of a planned session of the mode, by the independent judge, who must pass it."""
-    request = json.loads((EXAMPLES / LAS_VEGAS).read_text(encoding="utf-8"))
+    request = level_request(LAS_VEGAS)
     start = session_start(target)
     begins_utc = utc_from_text(start)
     request["initial_state"]["epoch"] = utc_text(begins_utc - timedelta(seconds=LEAD_S), 0)

@@ -89,6 +89,7 @@ FRAGMENTS = [
         "zero_direction_platform": [0.0, 0.0, 1.0],
         "q_platform_from_body_xyzw": [0.0, 0.0, 0.0, 1.0],
         "field_of_view_deg": [0.9, 0.6],
+        "usual_yaw_pitch_roll_deg": [-4.0, -2.0, 1.0],
         "camera": {},
         "structural_modes": [{"axis_platform": [1.0, 0.0, 0.0], "frequency_hz": 0.3,
                               "inertia_kg_m2": 5e5}],

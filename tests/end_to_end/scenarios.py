@@ -1,5 +1,6 @@
 """Scenarios on the real pass over Las Vegas, 27 Feb 2015."""
 
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 
 from planner.world.attitude import AttitudeUncertainty, LvlhAttitude
@@ -17,7 +18,8 @@ LAS_VEGAS = GroundTarget(latitude_deg=36.1147, longitude_deg=-115.1728, height_m
 SALT_LAKE = GroundTarget(latitude_deg=40.76, longitude_deg=-111.89, height_m=1288.0)
 LARAMIE = GroundTarget(latitude_deg=41.31, longitude_deg=-105.59, height_m=2184.0)
 
-
+# On a carrier that flies level.
+HRC = replace(PLATFORMS["iss-hrc"], usual_yaw_pitch_roll_deg=None)
 STILL = AttitudeUncertainty(sigma_body_deg=(0.0, 0.0, 0.0), swing_rms_body_deg=(0.0, 0.0, 0.0))
 
 
@@ -37,7 +39,7 @@ def scenario(*sessions, alpha=(0.0, 0.0, 0.0), beta=(0.0, 0.0, 0.0), epoch_s=0, 
     return Scenario(
         orbit=TLE,
         attitude=LvlhAttitude(uncertainty=STILL),
-        platform=PLATFORMS["iss-hrc"],
+        platform=HRC,
         initial_state=InitialState(epoch=at(epoch_s), **motion),
         sessions=sessions,
         slew=slew or SlewOptions(),

@@ -124,7 +124,7 @@ def test_a_refusal_is_told_as_here(run, url, tmp_path):
     assert there.stderr.splitlines()[:3] == here.stderr.splitlines()[:3]
     assert f"--url {url} " in there.stderr
     problem = json.loads((tmp_path / "problem.json").read_text())
-    assert problem["earliest_feasible_start"] == "2015-02-27T17:34:26.600Z"
+    assert problem["earliest_feasible_start"] == "2015-02-27T17:34:27.200Z"
 
 
 def test_what_is_kept_is_shown_and_exported(run, plan_id, tmp_path):

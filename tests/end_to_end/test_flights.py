@@ -127,7 +127,6 @@ def test_small_errors_displace_the_target_as_the_linear_budget_has_it(plan, scen
     drawn = replace(
         drawn,
         orbit_scores=drawn.orbit_scores * small,
-        along_laplace_score=drawn.along_laplace_score * small,
         attitude_scores=drawn.attitude_scores * small,
         swing_share=small,
         earth_score=drawn.earth_score * small,
@@ -152,9 +151,10 @@ def test_small_errors_displace_the_target_as_the_linear_budget_has_it(plan, scen
     errors = plan.scenario.attitude.errors(told.instants)
     biases = error_biases(told, los, scene.ephemeris, errors, BUDGET_OPTIONS.clock_s)
     mine = [bias for bias in biases if bias.cause.cause == cause]
-    orbit = [drawn.orbit_scores[0], drawn.along_laplace_score, drawn.orbit_scores[2]]
+    orbit = drawn.orbit_scores.copy()
+    orbit[1] = scene.errors.along.scores(orbit[1])
     scores = {
-        "orbit": np.array(orbit) / small,
+        "orbit": orbit / small,
         "attitude": drawn.attitude_scores / small,
         "Earth orientation": np.array([drawn.earth_score]) / small,
         "clock": np.array([-drawn.clock_score]) / small,  # flown late it sees what comes later

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scenarios import (
+    HRC,
     LARAMIE,
     LAS_VEGAS,
     SALT_LAKE,
@@ -15,9 +16,13 @@ from scenarios import (
 
 from planner.base.commands import COMMAND_STEP_S
 from planner.base.errors import InfeasibleSlew, NotVisible, Refusal
+from planner.planning.opportunities.request import OpportunityRequest, OpportunityTarget
+from planner.planning.opportunities.search import opportunities_however_many
 from planner.planning.sessions import chain
 from planner.planning.sessions.joining import slew_onto
 from planner.planning.sessions.pipeline import make_plan
+from planner.world.attitude import LvlhAttitude
+from planner.world.platforms import ISS_HRC
 from planner.world.scenario import SlewOptions
 from planner.world.targets import GroundTarget
 
@@ -231,3 +236,30 @@ def test_minimum_time_joins_the_track_early_and_the_paper_waits():
     assert not paper.verification.passed
     broken = {finding.limit for finding in paper.verification.findings}
     assert "pointing" in broken  # the filter's lag, 8 arcsec at the join
+
+
+@pytest.mark.parametrize(
+    ("attitude", "platform", "warns"),
+    [
+        (LvlhAttitude(), ISS_HRC, True),
+        (LvlhAttitude(yaw_deg=-4.0, pitch_deg=-2.0, roll_deg=1.0), ISS_HRC, False),
+        (LvlhAttitude(yaw_deg=177.0, pitch_deg=-2.0, roll_deg=1.0), ISS_HRC, False),
+        (LvlhAttitude(), HRC, False),
+    ],
+)
+def test_a_level_station_is_warned_of(attitude, platform, warns):
+    """Plans and windows: the ISS's HRC flies at -4/-2/1 deg, 15 to 20 km beside 0/0/0."""
+    asked = replace(scenario(session(LAS_VEGAS, 140, 230)), attitude=attitude, platform=platform)
+    windows = opportunities_however_many(
+        OpportunityRequest(
+            platform=platform,
+            orbit=asked.orbit,
+            attitude=attitude,
+            targets=(OpportunityTarget(id="LV", target=LAS_VEGAS),),
+            start=at(0.0),
+            stop=at(600.0),
+        )
+    )
+    for warnings in (make_plan(asked).warnings, windows.warnings):
+        told = [text for text in warnings if "usually flies at yaw/pitch/roll -4/-2/1" in text]
+        assert len(told) == warns

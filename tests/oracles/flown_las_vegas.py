@@ -29,6 +29,8 @@ def planned_in_a_minute():
 
 
 def _made(request):
+    """With the attitude level: where an axis sticks hangs on it."""
+    request = request | {"attitude": {"law": "lvlh"}}
     return make_plan(read_plan_request(json.dumps(request).encode()))
 
 

@@ -1,15 +1,18 @@
 """The stated errors of orbits are those that propagation and real elements show."""
 
 from datetime import timedelta
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.special import i0
+from scipy.stats import norm
 
 from planner.world.frames.time_scales import Instants, elapsed_s
 from planner.world.orbits import StateVectorOrbit, TleOrbit
-from planner.world.orbits.accuracy import state_sigma, tle_sigma
+from planner.world.orbits.accuracy import GAUSS, NormalMixture, state_sigma, tle_sigma
 
+DATA = Path(__file__).parents[1] / "data"
 TLE = TleOrbit(
     line1="1 25544U 98067A   15058.48161588  .00023857  00000-0  35618-3 0  9991",
     line2="2 25544  51.6478 271.9610 0008043  54.4849  18.6646 15.54887163930964",
@@ -58,6 +61,70 @@ def test_a_states_errors_grow_as_propagation_makes_them(age_s):
     seen_m = np.sqrt(np.sum(np.square(moved), axis=0) + np.square([0.06, 1.0, 0.01]) * model_m**2)
     told_m = [told.radial_m[0], told.along_m[0], told.cross_m[0]]
     assert told_m == pytest.approx(seen_m, rel=0.02, abs=0.3)
+
+
+def archived_elements():
+    """One set a day of half a year in which the ISS was reboosted six times."""
+    lines = (DATA / "iss_tles_2017.txt").read_text().splitlines()[1:]
+    return [
+        TleOrbit(line1=one, line2=two) for one, two in zip(lines[::2], lines[1::2], strict=True)
+    ]
+
+
+def along_at_epoch_m(old, new):
+    """By how far the younger elements have the satellite ahead, and what the older are told to be
+    off by: 1 sigma and its distribution."""
+    at_utc = new.epoch_utc
+    now = Instants(at_utc, np.zeros(1))
+    ephemeris = old.ephemeris(at_utc, at_utc)
+    found, truth = ephemeris.states(now), new.ephemeris(at_utc, at_utc).states(now)
+    r, r_true, v_true = found.r_sat_eci_m[0], truth.r_sat_eci_m[0], truth.v_sat_eci_m_s[0]
+    up = r_true / np.linalg.norm(r_true)
+    ahead = np.cross(np.cross(r_true, v_true), r_true)
+    ahead /= np.linalg.norm(ahead)
+    told = ephemeris.sigma(now)
+    return np.linalg.norm(r) * np.arctan2(r @ ahead, r @ up), float(told.along_m[0]), told.along
+
+
+@pytest.mark.parametrize("days", [1, 3, 7])
+def test_elements_are_as_often_wrong_as_told_reboosts_included(days):
+    """Half and 90 % of them within what is told of these; how many beyond 6 sigma.
+
+    Within two sampling errors of 25 independent weeks; of six reboosts, a factor of 2.5.
+    """
+    elements = archived_elements()
+    cases = [
+        along_at_epoch_m(old, new)
+        for old in elements
+        for new in elements
+        if abs(elapsed_s(new.epoch_utc, old.epoch_utc) / 86400.0 - days) < 0.5 * 0.9
+    ]
+    assert len(cases) > 120
+    off_m, told_m = np.array([case[:2] for case in cases]).T
+    for share, sampling in ((0.5, 0.1), (0.9, 0.06)):
+        edge_m = [
+            sigma_m * float(along.scores(norm.ppf(0.5 + 0.5 * share)))
+            for _, sigma_m, along in cases
+        ]
+        kept = np.mean(np.abs(off_m) < edge_m)
+        assert kept == pytest.approx(share, abs=2.0 * sampling)
+    beyond = np.mean(np.abs(off_m) > 6.0 * told_m)
+    scores = norm.ppf(np.linspace(0.0005, 0.9995, 1000))
+    told = np.mean([np.mean(np.abs(along.scores(scores)) > 6.0) for *_, along in cases])
+    assert told / 2.5 < beyond < told * 2.5
+
+
+def test_a_mixtures_scores_are_as_rare_as_the_normal_ones():
+    """Against the mixture's own distribution function."""
+    mixture = NormalMixture((0.6, 0.3, 0.1), (0.7, 1.6, 150.0))
+    normal = np.array([-4.0, -1.0, -0.1, 0.0, 0.5, 1.2, 1.3, 2.0, 3.5])
+    found = mixture.scores(normal)
+    rare = sum(
+        share * norm.cdf(found / ratio)
+        for share, ratio in zip(mixture.shares, mixture.sigma_ratios, strict=True)
+    )
+    np.testing.assert_allclose(rare, norm.cdf(normal), atol=2e-4, rtol=0.02)
+    np.testing.assert_allclose(GAUSS.scores(normal), normal, atol=1e-9)
 
 
 def test_drag_is_what_the_elements_state():

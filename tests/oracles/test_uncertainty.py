@@ -19,7 +19,7 @@ from planner.world.attitude import AttitudeUncertainty, InertialAttitude, LvlhAt
 from planner.world.frames.time_scales import Instants, utc_from_text
 from planner.world.messages.aem import read_aem
 from planner.world.orbits import StateVectorOrbit, TleOrbit
-from planner.world.orbits.accuracy import tle_sigma
+from planner.world.orbits.accuracy import NormalMixture, tle_sigma
 from planner.world.platforms.iss_hrc import ISS_HRC
 from planner.world.targets.ground import GroundTarget
 
@@ -120,7 +120,7 @@ def test_five_independent_causes_add_in_quadrature():
 @pytest.mark.parametrize("size", [1e-3, 1.0, 1e4])
 def test_a_draw_at_the_edge_of_the_frame_is_judged_in_full_precision(size):
     """Frames whose edge lies 1e-12 beyond, or before, a draw: it counts, or not."""
-    draws = np.abs(lattice_points(1, 0, 0)[0])
+    draws = np.abs(lattice_points(1, 0)[0])
     offsets = size * np.array([[[0.0, 1.0]]])
     for draw in draws[::997]:
         for side in (-1e-12, 1e-12):
@@ -138,12 +138,29 @@ def test_the_instants_looked_at_later_count_as_the_few_looked_at_first(rough, co
     parts = rng.normal(size=(6, 1, 2)) + along * rng.normal(size=(6, 1, 2))
     parts = 0.3 * HALF_RAD * (parts + rough * rng.normal(size=(6, count, 2)))
     *constant, sine, cosine, known = parts
-    draws = lattice_points(2, 1, 1)
+    reboosts = NormalMixture((0.7, 0.2, 0.1), (0.7, 1.6, 200.0))
+    draws = lattice_points(3, 1).copy()
+    draws[2] = reboosts.scores(draws[2])
     places = known[..., None] + np.stack([*constant, sine, cosine], axis=-1) @ draws
     farthest = np.abs(places / HALF_RAD[:, None]).max(axis=(0, 1))
     swing = np.stack([sine, cosine])
-    found = probability_inside(np.stack(constant), HALF_RAD, known, [swing], laplace=1)
+    found = probability_inside(np.stack(constant), HALF_RAD, known, [swing], reboosts)
     assert found == np.mean(farthest <= 1.0)
+
+
+@pytest.mark.parametrize("rare", [0.0, 0.12, 0.3])
+def test_an_error_of_several_normals_falls_in_the_frame_as_their_shares_say(rare):
+    """The shares times what each of the distributions has there, by SciPy's normal distribution."""
+    sigma = 0.5 * HALF_RAD[0]
+    parts = ((0.75 * (1.0 - rare), 0.7), (0.25 * (1.0 - rare), 1.6), (rare, 300.0))
+    expected = sum(
+        share * (1.0 - 2.0 * norm.cdf(-HALF_RAD[0] / (ratio * sigma))) for share, ratio in parts
+    )
+    offsets = np.array([[[0.0, 0.0]], [[sigma, 0.0]]])
+    found = probability_inside(
+        offsets, HALF_RAD, MIDDLE, (), NormalMixture(*zip(*parts, strict=True))
+    )
+    assert found == pytest.approx(expected, abs=QUASI_RANDOM)
 
 
 @pytest.mark.parametrize("turned", [0.0, 2.0])

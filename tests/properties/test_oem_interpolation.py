@@ -102,7 +102,8 @@ def test_a_burn_between_distant_nodes_is_warned_of():
     before_s, after_s = REBOOST.t_s[in_burn[0]], REBOOST.t_s[in_burn[-1] + 1]
     t_s = np.linspace(before_s - 30.0, after_s + 30.0, 50)
     ephemeris, thinned_m = positions_m(orbit, REBOOST, t_s)
-    (warning,) = ephemeris.warnings
+    warning, planned = ephemeris.warnings
+    assert "a burn it plans: 0.26 m/s" in planned
     assert "142 s apart during a burn of 1.8" in warning
     stated_m = float(warning.rsplit("some ", 1)[1].removesuffix(" m"))
     _, full_m = positions_m(OemOrbit(content=kvn(REBOOST, [slice(None)])), REBOOST, t_s)

@@ -27,7 +27,7 @@ SESSION_S = (140.0, 230.0)
 @pytest.fixture(scope="module")
 def table():
     request = json.loads(EXAMPLE.read_text())
-    request["attitude"]["yaw_deg"] = -4.0
+    request["attitude"] = {"law": "lvlh", "yaw_deg": -4.0}
     return slewtrack.plan(request).table
 
 

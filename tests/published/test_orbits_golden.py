@@ -30,7 +30,7 @@ def test_line_of_sight_and_range(case):
     utc = [utc_from_text(epoch["utc"]) for epoch in case["epochs"]]
     instants = Instants(utc[0], np.array([elapsed_s(at, utc[0]) for at in utc]))
     ephemeris = orbit_of(case["orbit_source"]).ephemeris(utc[0], utc[-1])
-    assert ephemeris.warnings == ()
+    assert all("a burn it plans" in warning for warning in ephemeris.warnings)
     states = ephemeris.states(instants)
     c = c_itrf_from_eci(instants)
     target = case["target"]

@@ -1,6 +1,7 @@
 """The interpolated ephemeris agrees with what NASA publishes beside the states."""
 
 import re
+from dataclasses import replace
 from datetime import timedelta
 from pathlib import Path
 
@@ -12,7 +13,9 @@ from scipy.optimize import brentq
 from planner.base.errors import OutsideCoverage
 from planner.base.interpolation import hermite
 from planner.world.frames.time_scales import Instants, shifted_utc, utc_from_text
-from planner.world.orbits import OemOrbit
+from planner.world.orbits import OemOrbit, StateVectorOrbit
+from planner.world.orbits.accuracy import oem_sigma
+from planner.world.orbits.burns import burns_between
 from planner.world.orbits.cell_defects import cell_defects, odd_nodes, smooth_arcs, strongest_push
 from planner.world.orbits.collocation import node_times_s, propagate_segment
 from planner.world.orbits.forces import forces_at
@@ -20,6 +23,7 @@ from planner.world.orbits.forces import forces_at
 DATA = Path(__file__).parents[1] / "data"
 FILES = sorted(DATA.glob("iss_oem_*_excerpt.xml"))
 REBOOST = DATA / "iss_oem_2022-038_excerpt.xml"
+CALM = DATA / "iss_oem_2022-017_excerpt.xml"
 EARTH_RADIUS_M = 6378137.0
 ISS = 2.0 * 1500.0 / 450e3  # m2/kg
 
@@ -128,7 +132,8 @@ def test_no_polynomial_crosses_the_reboost():
     ephemeris = orbit.ephemeris(
         ignition_utc - timedelta(seconds=700), ignition_utc + timedelta(seconds=900)
     )
-    assert ephemeris.warnings == ()
+    [planned] = ephemeris.warnings
+    assert "a burn it plans: 0.26 m/s at 2022-02-08T07:56:00Z" in planned
     for first_s, last_s in ((-240.0, -1.0), (1.0, 141.0), (143.0, 382.0)):
         t_s = np.arange(first_s, last_s, 1.0)
         at = Instants(ignition_utc, t_s)
@@ -163,3 +168,64 @@ def test_instants_outside_the_prepared_span_are_refused():
     ephemeris = orbit.ephemeris(start_utc, start_utc + timedelta(seconds=60))
     with pytest.raises(OutsideCoverage, match="prepared only from"):
         ephemeris.states(Instants(start_utc, np.array([61.0])))
+
+
+MOVED = DATA / "iss_oem_2022-031_excerpt.oem"  # its reboost of 037/09:30 was flown on 039
+
+
+def test_a_planned_burn_before_the_session_is_named_and_widens_the_error():
+    """NASA's next ephemeris has the station 77 km from there: told to a factor of three, no less.
+
+    Without the burn's part 20 km were told.
+    """
+    start_utc, stop_utc = (utc_from_text(f"2022-02-07T{t}:00Z") for t in ("12:00", "13:20"))
+    at = Instants(start_utc, np.arange(0.0, 4800.0, 60.0))
+    planned = OemOrbit(content=MOVED.read_text()).ephemeris(start_utc, stop_utc)
+    truth = OemOrbit(content=REBOOST.read_text()).ephemeris(start_utc, stop_utc)
+    off_m = planned.states(at).r_sat_eci_m - truth.states(at).r_sat_eci_m
+    seen_m = float(np.sqrt(np.mean(np.sum(off_m**2, axis=1))))
+    told = planned.sigma(at)
+    assert 70e3 < seen_m < 3.0 * told.along_m.mean() < 6.0 * seen_m
+    [warning] = planned.warnings
+    assert "0.20 m/s at 2022-02-06T09:30:00Z" in warning
+    assert truth.warnings == ()  # its own burn comes later
+
+
+def test_before_its_planned_burn_an_ephemeris_is_as_good_as_without():
+    before_utc = [utc_from_text(f"2022-02-06T09:{minute}:00Z") for minute in (20, 25)]
+    ephemeris = OemOrbit(content=MOVED.read_text()).ephemeris(*before_utc)
+    assert ephemeris.warnings == ()
+    told = ephemeris.sigma(Instants(before_utc[0], np.zeros(1)))
+    assert (
+        told.along_m
+        == oem_sigma(
+            ephemeris.age_s(Instants(before_utc[0], np.zeros(1))), ephemeris.drag_in_a_day_m
+        ).along_m
+    )
+
+
+@pytest.mark.parametrize("gain_m_s", [0.3, -0.05])
+def test_a_jump_of_velocity_from_one_segment_to_the_next_is_a_burn(gain_m_s):
+    """As of a message that splits where an engine burns for an instant."""
+    segment = OemOrbit(content=CALM.read_text()).message.segments[0]
+    epoch_utc, middle = segment.epoch_utc, len(segment.t_s) // 2
+    kick = segment.v_m_s[middle] / np.linalg.norm(segment.v_m_s[middle]) * gain_m_s
+    after = StateVectorOrbit(
+        frame="EME2000",
+        epoch=shifted_utc(epoch_utc, float(segment.t_s[middle])),
+        position_km=tuple(segment.r_m[middle] / 1e3),
+        velocity_km_s=tuple((segment.v_m_s[middle] + kick) / 1e3),
+    )
+    seconds = segment.t_s[middle:] - segment.t_s[middle]
+    stop_utc = shifted_utc(after.epoch, float(seconds[-1]))
+    states = after.ephemeris(after.epoch, stop_utc).states(Instants(after.epoch, seconds))
+    parts = [
+        replace(segment, t_s=segment.t_s[: middle + 1], r_m=segment.r_m[: middle + 1],
+                v_m_s=segment.v_m_s[: middle + 1]),
+        replace(segment, t_s=segment.t_s[middle:], r_m=states.r_sat_eci_m,
+                v_m_s=states.v_sat_eci_m_s),
+    ]  # fmt: skip
+    [burn] = burns_between(parts, epoch_utc, stop_utc)
+    assert burn.ignition_utc == after.epoch
+    assert burn.along_m_s == pytest.approx(gain_m_s, abs=5e-3)  # the cell bends between both
+    assert burns_between([segment], epoch_utc, stop_utc) == ()

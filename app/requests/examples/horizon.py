@@ -4,7 +4,9 @@ from typing import Any
 
 from app.requests.examples.plan import LAS_VEGAS
 
-_CARRIER = {name: LAS_VEGAS[name] for name in ("orbit", "attitude")}
+# Level, as the pictures were rendered.
+_LEVEL = {"law": "lvlh", "yaw_deg": 0.0, "pitch_deg": 0.0, "roll_deg": 0.0}
+_CARRIER = {"orbit": LAS_VEGAS["orbit"], "attitude": _LEVEL}
 _EPOCH = "2015-02-27T17:37:00Z"
 
 

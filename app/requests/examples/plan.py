@@ -44,7 +44,7 @@ LAS_VEGAS: dict[str, Any] = {
         "line1": "1 25544U 98067A   15058.48161588  .00023857  00000-0  35618-3 0  9991",
         "line2": "2 25544  51.6478 271.9610 0008043  54.4849  18.6646 15.54887163930964",
     },
-    "attitude": {"law": "lvlh", "yaw_deg": 0.0, "pitch_deg": 0.0, "roll_deg": 0.0},
+    "attitude": {"law": "lvlh", "yaw_deg": -4.0, "pitch_deg": -2.0, "roll_deg": 1.0},
     "initial_state": {
         "epoch": "2015-02-27T17:34:00Z",
         "angles_deg": {"alpha": 0.0, "beta": 0.0},

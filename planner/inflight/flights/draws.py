@@ -25,14 +25,13 @@ CAUSES = (ORBIT, ATTITUDE, EARTH, CLOCK, DRIVE)
 class Draw:
     """One run's errors, each of unit variance.
 
-    orbit_scores: radial, along and across the track, (3,).  along_laplace_score: the second where
-    that error is rather Laplace's than Gauss's.  attitude_scores: of each mode or body axis.
+    orbit_scores: radial, along and across the track, (3,), the second carried onto that error's
+    own distribution.  attitude_scores: of each mode or body axis.
     phase_rad: of the swing about each body axis, (3,); swing_share: 1, or 0 for none.
     drive: the seed of what the drives do.
     """
 
     orbit_scores: Array
-    along_laplace_score: float
     attitude_scores: Array
     phase_rad: Array
     swing_share: float
@@ -46,7 +45,7 @@ class Draw:
 
 
 _MEMBERS = {
-    ORBIT: ("orbit_scores", "along_laplace_score"),
+    ORBIT: ("orbit_scores",),
     ATTITUDE: ("attitude_scores", "phase_rad", "swing_share"),
     EARTH: ("earth_score",),
     CLOCK: ("clock_score",),
@@ -60,7 +59,6 @@ def draw_run(seed: int, run: int, modes: int) -> Draw:
     orbit, earth_and_clock = random.standard_normal(3), random.standard_normal(2)
     return Draw(
         orbit_scores=orbit,
-        along_laplace_score=float(random.laplace(scale=np.sqrt(0.5))),
         phase_rad=random.uniform(0.0, 2.0 * np.pi, 3),
         swing_share=1.0,
         earth_score=float(earth_and_clock[0]),
@@ -74,7 +72,6 @@ def undisturbed(modes: int) -> Draw:
     """Everything as the plan has it; the drives as the seed 0 makes them."""
     return Draw(
         orbit_scores=np.zeros(3),
-        along_laplace_score=0.0,
         attitude_scores=np.zeros(modes),
         phase_rad=np.zeros(3),
         swing_share=0.0,

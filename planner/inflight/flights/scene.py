@@ -19,6 +19,7 @@ from planner.planning.sessions.uncertainty import ut1_sigma_s
 from planner.world.attitude import AttitudeLaw
 from planner.world.frames.time_scales import Instants, shifted_utc
 from planner.world.orbits import Ephemeris, OrbitStates
+from planner.world.orbits.accuracy import NormalMixture
 from planner.world.plan import FlightPlan
 from planner.world.scenario import Scenario
 from planner.world.targets import VisibleTarget
@@ -33,13 +34,13 @@ _INSTANTS = 330  # of all of them: the attitude's joint covariance takes their n
 class SessionErrors:
     """1-sigma errors over one session, at n instants.
 
-    orbit_m: (n, 3), radial, along and across the track.  attitude_body_rad: (m, n, 3), independent
-    turns.  swing_body_rad: (3,), rms; its phase grows by swing_phase_rad (n,), from the plan's
-    first session on.  ut1_s: of the Earth's turning.
+    orbit_m: (n, 3), radial, along and across the track, the second times scores of `along`.
+    attitude_body_rad: (m, n, 3), independent turns.  swing_body_rad: (3,), rms; its phase grows by
+    swing_phase_rad (n,), from the plan's first session on.  ut1_s: of the Earth's turning.
     """
 
     orbit_m: Array
-    is_along_laplace: bool
+    along: NormalMixture
     attitude_body_rad: Array
     swing_body_rad: Array
     swing_phase_rad: Array
@@ -47,10 +48,9 @@ class SessionErrors:
 
     def moved(self, states: OrbitStates, draw: Draw) -> OrbitStates:
         """The orbit as flown: raised, turned ahead about its normal, and shifted across."""
-        along = draw.along_laplace_score if self.is_along_laplace else draw.orbit_scores[1]
-        radial_m, along_m, cross_m = (
-            self.orbit_m * [draw.orbit_scores[0], along, draw.orbit_scores[2]]
-        ).T
+        scores = draw.orbit_scores.copy()
+        scores[1] = self.along.scores(scores[1])
+        radial_m, along_m, cross_m = (self.orbit_m * scores).T
         r, v = states.r_sat_eci_m, states.v_sat_eci_m_s
         radius = np.linalg.norm(r, axis=1)
         normal = cross(r, v)
@@ -98,7 +98,7 @@ def session_errors(
         found.append(
             SessionErrors(
                 orbit_m=np.stack([sigma_m.radial_m, sigma_m.along_m, sigma_m.cross_m], axis=1),
-                is_along_laplace=sigma_m.is_along_laplace,
+                along=sigma_m.along,
                 attitude_body_rad=_between(at.t_s, few_s[number], modes[:, mine]),
                 swing_body_rad=told.swing_rms_body_rad,
                 swing_phase_rad=rate_rad_s * (at.t_s - begin_s),

@@ -26,6 +26,7 @@ from planner.planning.opportunities.sights import (
 from planner.planning.opportunities.spans import Margin, Nodes, Spans, nodes_over, stretches
 from planner.planning.opportunities.trackable_spans import held_parts
 from planner.planning.opportunities.windows import Cause, Opportunities, in_order
+from planner.world.attitude.lvlh import level_warnings
 from planner.world.frames.earth_orientation import earth_orientation_warnings
 from planner.world.frames.time_scales import Instants
 from planner.world.targets import EarthFixedTarget
@@ -99,6 +100,7 @@ def opportunities_however_many(request: OpportunityRequest) -> Opportunities:
         assumed=request.assumed,
         warnings=(
             *ephemeris.warnings,
+            *level_warnings(request.attitude, request.platform),
             *request.attitude.warnings_at(ends),
             *earth_orientation_warnings(ends),
         ),

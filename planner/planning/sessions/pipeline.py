@@ -22,6 +22,7 @@ from planner.planning.sessions.slew_timing import least_slew_s
 from planner.planning.sessions.track_branches import ephemeris_over, session_rows, sight
 from planner.planning.sessions.uncertainty import pointing_budget
 from planner.verification import VerificationReport, verify
+from planner.world.attitude.lvlh import level_warnings
 from planner.world.frames.earth_orientation import earth_orientation_warnings
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc
 from planner.world.orbits import Ephemeris
@@ -82,6 +83,7 @@ def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: No
             *losses,
             *_cut_short(joins),
             *ephemeris.warnings,
+            *level_warnings(scenario.attitude, scenario.platform),
             *scenario.attitude.warnings_at(Instants(epoch_utc, table.t_s)),
             *filter(None, misses),
             *earth_orientation_warnings(Instants(epoch_utc, table.t_s)),

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.base.arrays import Array
+from planner.world.orbits.accuracy import GAUSS, NormalMixture
 
 DRAWS = 1 << 14
 EVERY = 4  # instants, of which one is looked at first
@@ -18,7 +19,7 @@ def probability_inside(
     half_rad: Array,
     known_rad: Array,
     swings_rad: Sequence[Array] = (),
-    laplace: int = 0,
+    along: NormalMixture = GAUSS,
     *,
     every: int = 1,
 ) -> float:
@@ -27,8 +28,8 @@ def probability_inside(
     offsets_rad: shape (m, n, 2), where a 1-sigma constant error of each of m causes puts the
     target in the image at n instants.  half_rad: shape (2,).  known_rad: (n, 2), where the target
     is without errors.  swings_rad: (2, n, 2) of each sinusoid, times 1 / sqrt(2) what it puts
-    there when its phase is 0 and a quarter turn, every phase as likely.  laplace: so many of the
-    causes, the last, follow Laplace's distribution, the others Gauss's.
+    there when its phase is 0 and a quarter turn, every phase as likely.  along: the distribution
+    of the last cause; the others follow Gauss's.
     By 16384 quasi-random points, good to 0.003 (0.001 where few are lost), or each `every`-th.
     Source: Genz and Bretz 2009, section 4.2 (Richtmyer lattices).
     """
@@ -38,8 +39,10 @@ def probability_inside(
     parts = np.concatenate(
         [offsets_rad / half_rad, *(s / half_rad for s in swings_rad), known[None]]
     )
-    kinds = (len(offsets_rad) - laplace, laplace, len(swings_rad))
-    points, short, lengths = _points(*kinds, every)
+    points, short, lengths = _points(len(offsets_rad), len(swings_rad), every)
+    if along != GAUSS:
+        points = mixed(points, len(offsets_rad) - 1, along)
+        short, lengths = points.astype(np.float32), np.linalg.norm(points, axis=0)
     # A few instants tell nearly all draws: between them none goes farther from a straight line
     # than its parts bend, times its length.
     instants = np.arange(len(known))
@@ -68,33 +71,35 @@ def _farthest(part_shares: Array, points: "NDArray[np.floating]") -> Array:
     return np.asarray(np.abs(places, out=places).max(axis=0))
 
 
+def mixed(scores: Array, row: int, mixture: NormalMixture) -> Array:
+    """Points of the lattice whose row, normal so far, follows the mixture."""
+    found = scores.copy()
+    found[row] = mixture.scores(scores[row])
+    return found
+
+
 @cache
-def _points(
-    normal: int, laplace: int, phases: int, every: int
-) -> tuple[Array, NDArray[np.float32], Array]:
+def _points(normal: int, phases: int, every: int) -> tuple[Array, NDArray[np.float32], Array]:
     """The lattice, the same in half as long numbers, which take half the time, and its points'
     lengths."""
-    points = lattice_points(normal, laplace, phases)[:, ::every]
+    points = lattice_points(normal, phases)[:, ::every]
     return points, np.ascontiguousarray(points, np.float32), np.linalg.norm(points, axis=0)
 
 
 @cache
-def lattice_points(normal: int, laplace: int, phases: int) -> Array:
+def lattice_points(normal: int, phases: int) -> Array:
     """A Richtmyer lattice mapped to unit variances and to circles of radius sqrt(2).
 
-    Shape (normal + laplace + 2 phases, DRAWS).
+    Shape (normal + 2 phases, DRAWS).
     """
     # SciPy's special functions take 0.1 s to import, which only a plan should pay.
     from scipy.special import ndtri
 
-    constant = normal + laplace
-    primes = np.array([2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37])[: constant + phases]
-    if len(primes) < constant + phases:
-        raise ValueError(f"at most 12 causes can be drawn, not {constant + phases}")
+    primes = np.array([2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37])[: normal + phases]
+    if len(primes) < normal + phases:
+        raise ValueError(f"at most 12 causes can be drawn, not {normal + phases}")
     lattice = np.outer(np.arange(DRAWS) + 0.5, np.sqrt(primes)) % 1.0
-    from_median = lattice[:, normal:constant] - 0.5
-    two_sided = -np.sign(from_median) * np.log1p(-2.0 * np.abs(from_median)) / np.sqrt(2.0)
-    phase_rad = 2.0 * np.pi * lattice[:, constant:, None]
+    phase_rad = 2.0 * np.pi * lattice[:, normal:, None]
     circles = np.sqrt(2.0) * np.concatenate([np.cos(phase_rad), np.sin(phase_rad)], axis=2)
-    points = np.hstack([ndtri(lattice[:, :normal]), two_sided, circles.reshape(DRAWS, 2 * phases)])
+    points = np.hstack([ndtri(lattice[:, :normal]), circles.reshape(DRAWS, 2 * phases)])
     return np.ascontiguousarray(points.T)

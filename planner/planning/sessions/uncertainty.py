@@ -16,12 +16,13 @@ from planner.base.arrays import Array, Indices, cross
 from planner.motion.pointing.frame import frame_axes
 from planner.motion.pointing.line_of_sight import LineOfSight
 from planner.planning.sessions.budget import LIKELY, Contribution, PointingBudget
-from planner.planning.sessions.probability import lattice_points, probability_inside
+from planner.planning.sessions.probability import lattice_points, mixed, probability_inside
 from planner.world.attitude import AttitudeErrors, AttitudeLaw
 from planner.world.frames.earth_orientation import iers_data_end_utc
 from planner.world.frames.iers import RAD_PER_ARCSEC
 from planner.world.frames.time_scales import DAY_S, Instants, elapsed_s
 from planner.world.orbits import Ephemeris, OrbitStates
+from planner.world.orbits.accuracy import GAUSS, NormalMixture
 from planner.world.platforms import TwoAxisPlatform
 from planner.world.targets import VisibleTarget
 
@@ -146,7 +147,7 @@ def _probability(
             for bias in biases
             if bias.quarter_later_rad is not None
         ],
-        laplace=sum(bias.is_laplace for bias in biases),
+        _along(biases),
         every=every,
     )
 
@@ -197,10 +198,8 @@ def probabilities_at(
         if bias.quarter_later_rad is not None
         for part in (bias.offsets_rad, bias.quarter_later_rad)
     ]
-    laplace = sum(bias.is_laplace for bias in biases)
-    points = lattice_points(len(constant) - laplace, laplace, len(swings) // 2)[
-        :, :: OPTIONS.coarse
-    ]
+    points = lattice_points(len(constant), len(swings) // 2)[:, :: OPTIONS.coarse]
+    points = mixed(points, len(constant) - 1, _along(biases))
     offsets = np.stack([*constant, *swings], axis=-1) / half_rad[:, None]
     middle = scene.off_rad / half_rad
     parts = []
@@ -278,13 +277,13 @@ class Bias(NamedTuple):
     """Where a 1-sigma error of one cause puts the target in the image, (n, 2).
 
     quarter_later_rad: of a sinusoid of unknown phase, the same a quarter turn later.
-    is_laplace: of a constant error that is often small and sometimes very large.
+    mixture: distribution of a constant error, where it isn't Gauss's.
     """
 
     cause: _Cause
     offsets_rad: Array
     quarter_later_rad: Array | None = None
-    is_laplace: bool = False
+    mixture: NormalMixture = GAUSS
 
     @property
     def sigma_rad(self) -> Array:
@@ -296,9 +295,14 @@ class Bias(NamedTuple):
 
 
 def _constant(biases: Sequence[Bias]) -> list[Array]:
-    """Those that don't swing, Laplace's last."""
+    """Those that don't swing, that of `_along` last."""
     steady = [bias for bias in biases if bias.quarter_later_rad is None]
-    return [bias.offsets_rad for bias in sorted(steady, key=lambda bias: bias.is_laplace)]
+    return [bias.offsets_rad for bias in sorted(steady, key=lambda bias: bias.mixture != GAUSS)]
+
+
+def _along(biases: Sequence[Bias]) -> NormalMixture:
+    """How the only error that isn't Gauss's is distributed."""
+    return next((bias.mixture for bias in biases if bias.mixture != GAUSS), GAUSS)
 
 
 def error_biases(
@@ -344,14 +348,14 @@ def _orbit_offsets(
     """
     sigma = ephemeris.sigma(scene.instants)
     sizes_m = (sigma.radial_m, sigma.along_m, sigma.cross_m)
-    laplace = (False, sigma.is_along_laplace, False)
+    mixtures = (GAUSS, sigma.along, GAUSS)
     return [
         Bias(
             _Cause("orbit", sigma.basis, sigma.better),
             scene.in_image(direction - scene.los_platform) * (size_m / OPTIONS.probe_m)[:, None],
-            is_laplace=is_laplace,
+            mixture=mixture,
         )
-        for direction, size_m, is_laplace in zip(moved_platform, sizes_m, laplace, strict=True)
+        for direction, size_m, mixture in zip(moved_platform, sizes_m, mixtures, strict=True)
     ]
 
 

@@ -1,7 +1,9 @@
 """Error laws of predicted orbits, by the age of what they rest on."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,17 +12,45 @@ from planner.world.frames.time_scales import DAY_S
 
 MEASURED_TLE = (
     "measured: ISS TLEs against NASA ephemerides near their epoch, 2,300 of 1998-2004, 2017 and "
-    "2024-25 against later ones for the growth, by the drag in the elements; reboosts excluded "
+    "2024-25 against later ones for the growth, by the drag in the elements; reboosts since, one "
+    "in 24 days as the ISS's, count in the probability, not in sigma "
     "(bench/truth.py, docs/decisions/orbit_growth.md)"
 )
 MEASURED_OEM = (
-    "growth measured on ISS ephemerides of 2021 to 2025 by the drag in each (bench/truth.py); "
-    "20, 50, 40 m at its creation assumed"
+    "growth measured on ISS ephemerides of 2021 to 2025 by the drag in each, and past planned "
+    "burns (bench/truth.py); 20, 50, 40 m at its creation assumed"
 )
 ASSUMED_STATE = (
     "10 m and 0.01 m/s at the state's epoch assumed, as of a GNSS receiver; "
     "the force model's growth measured (bench/truth.py)"
 )
+
+
+class NormalMixture(NamedTuple):
+    """Normal distributions about zero, of which each case has one.
+
+    shares: of the cases, one in all.  sigma_ratios: their sigmas, over the one that is told.
+    """
+
+    shares: tuple[float, ...]
+    sigma_ratios: tuple[float, ...]
+
+    def scores(self, normal: Array) -> Array:
+        """Scores of the standard normal distribution carried onto the mixture, each to one as rare.
+
+        Linear between 81 scores of each part, up to 8 of its sigmas.
+        """
+        # SciPy's special functions take 0.1 s to import, which only a plan should pay.
+        from scipy.special import ndtr, ndtri
+
+        score = np.unique(np.outer(self.sigma_ratios, np.linspace(0.0, 8.0, 81)))
+        beyond = ndtr(-score[:, None] / np.array(self.sigma_ratios)) @ np.array(self.shares)
+        return np.asarray(np.sign(normal) * np.interp(np.abs(normal), -ndtri(beyond), score))
+
+
+GAUSS = NormalMixture((1.0,), (1.0,))
+# Often small and sometimes large: the same at all ages, fitted to elements of 1 to 7 days.
+USUAL = NormalMixture((0.75, 0.25), (0.7, 1.6))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,6 +70,11 @@ class OrbitErrorFigures:
     tle_negative_air_wrong: float = 2.0  # of what that air makes
     # power of the age: 1.5 if the air were wrong anew each day, 2 if for good
     tle_growth: float = 1.65
+    reboosts_a_day: float = 0.042  # 19 seen in 356 days; small ones count as usual errors
+    reboost_m_s: float = 0.9  # rms of a reboost, the time since it as the elements' age
+    # of a burn in an ephemeris what isn't flown as planned, moved ones included: rms of eight,
+    burn_wrong: float = 0.4  # as to the drift that it makes,
+    burn_radial_wrong: float = 0.6  # and to the height
     state_m: float = 10.0  # of a GNSS receiver, at the state's epoch
     state_m_s: float = 0.01  # the same in velocity
 
@@ -55,7 +90,7 @@ class OrbitSigma:
 
     Of a prediction free of manoeuvres the source didn't know of.  The ISS's figures.
     basis: on what evidence.  better: a way to make them smaller.
-    is_along_laplace: whether the error along the track is rather Laplace's than Gauss's.
+    along: how the error along the track is distributed, over along_m; reboosts since are in it.
     """
 
     radial_m: Array
@@ -63,7 +98,7 @@ class OrbitSigma:
     cross_m: Array
     basis: str
     better: str
-    is_along_laplace: bool = False
+    along: NormalMixture = GAUSS
 
 
 def tle_sigma(age_s: Array, drag_in_a_day_m: float, air_in_a_day_m: float) -> OrbitSigma:
@@ -84,32 +119,62 @@ def tle_sigma(age_s: Array, drag_in_a_day_m: float, air_in_a_day_m: float) -> Or
         of_drag * drag_in_a_day_m, of_air * air_in_a_day_m, FIGURES.tle_unseen_in_a_day_m
     )
     drift_m_day = FIGURES.tle_growth * wrong_m * days ** (FIGURES.tle_growth - 1.0)
+    along_m = np.hypot(1200.0, wrong_m * days**FIGURES.tle_growth)
+    share, reboost_m = reboost_since(float(np.mean(age_s)))
     return OrbitSigma(
         radial_m=np.sqrt(150.0**2 + (60.0 * days) ** 2 + _radial_m(drift_m_day) ** 2),
-        along_m=np.hypot(1200.0, wrong_m * days**FIGURES.tle_growth),
-        cross_m=np.hypot(400.0, 155.0 * days),
+        along_m=along_m,
+        cross_m=np.hypot(450.0, 155.0 * days),
         basis=MEASURED_TLE,
         better="younger elements, or an ephemeris (OEM)",
-        is_along_laplace=True,
+        along=NormalMixture(
+            (*((1.0 - share) * part for part in USUAL.shares), share),
+            (*USUAL.sigma_ratios, math.hypot(1.0, reboost_m / float(np.mean(along_m)))),
+        ),
     )
 
 
-def oem_sigma(age_s: Array, drag_in_a_day_m: float) -> OrbitSigma:
+def reboost_since(age_s: float) -> tuple[float, float]:
+    """How likely one is since elements this old, and how far along the track it takes: rms, m.
+
+    Drift of 3 times the gain of velocity, Clohessy and Wiltshire 1960.
+    """
+    share = -math.expm1(-FIGURES.reboosts_a_day * age_s / DAY_S)
+    return share, 3.0 * FIGURES.reboost_m_s * age_s
+
+
+class PlannedBurn(NamedTuple):
+    """A burn that an ephemeris forecasts: since_s ago, (n,), 0 before; gain along the track."""
+
+    since_s: Array
+    gain_m_s: float
+
+
+def oem_sigma(
+    age_s: Array, drag_in_a_day_m: float, burns: Sequence[PlannedBurn] = ()
+) -> OrbitSigma:
     """Of an operator's ephemeris, this long after it was made.
 
     drag_in_a_day_m: how far along the track the drag in it takes the satellite in a day.  The
     operator's forecast of the air stays wrong by the same share, so the error grows as drag does.
     It is the cause of the elements' error, too, and as often small.
+    burns: planned when it was made.
     """
     days = age_s / DAY_S
     drag_m = FIGURES.oem_drag_wrong * drag_in_a_day_m * days  # per day
+    along_m2 = (drag_m * days) ** 2
+    radial_m2 = 20.0**2 + _radial_m(2.0 * drag_m) ** 2
+    for since_s, gain_m_s in burns:
+        along_m2 = along_m2 + (3.0 * FIGURES.burn_wrong * gain_m_s * since_s) ** 2
+        height_m = 2.0 * FIGURES.burn_radial_wrong * gain_m_s / _RATE_RAD_S
+        radial_m2 = radial_m2 + np.where(since_s > 0.0, height_m, 0.0) ** 2
     return OrbitSigma(
-        radial_m=np.hypot(20.0, _radial_m(2.0 * drag_m)),
-        along_m=np.sqrt(50.0**2 + (1000.0 * days) ** 2 + (drag_m * days) ** 2),
-        cross_m=np.hypot(40.0, 8e-4 * drag_m * days),  # the node turns at another rate
+        radial_m=np.sqrt(radial_m2),
+        along_m=np.sqrt(50.0**2 + (1000.0 * days) ** 2 + along_m2),
+        cross_m=np.hypot(40.0, 8e-4 * np.sqrt(along_m2)),  # the node turns at another rate
         basis=MEASURED_OEM,
         better="a younger ephemeris",
-        is_along_laplace=True,
+        along=USUAL,
     )
 
 

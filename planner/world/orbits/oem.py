@@ -1,6 +1,7 @@
 """An orbit from an ephemeris message (CCSDS OEM)."""
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from datetime import datetime
 from functools import cached_property
 from typing import ClassVar, Literal
@@ -21,7 +22,8 @@ from planner.world.frames.time_scales import (
     utc_text,
 )
 from planner.world.messages.oem import Oem, OemSegment, read_oem
-from planner.world.orbits.accuracy import OrbitSigma, oem_sigma
+from planner.world.orbits.accuracy import OrbitSigma, PlannedBurn, oem_sigma
+from planner.world.orbits.burns import Burn, burns_between
 from planner.world.orbits.cell_defects import (
     OPTIONS as CELL_DEFECT_OPTIONS,
 )
@@ -96,14 +98,38 @@ class OemOrbit(OrbitSource):
                 f"it covers {_coverage(self.message)}",
                 field="orbit.content",
             )
-        return OemEphemeris(
-            epoch_utc=self.message.creation_utc or self.message.segments[0].epoch_utc,
+        burns = self._burns_before(stop_utc)
+        ephemeris = OemEphemeris(
+            epoch_utc=self._made_utc,
             start_utc=start_utc,
             stop_utc=stop_utc,
             warnings=tuple(dict.fromkeys(warning for arc in arcs for warning in arc.warnings)),
             drag_in_a_day_m=self._drag_in_a_day_m,
+            burns=burns,
             arcs=tuple(arcs),
         )
+        return replace(ephemeris, warnings=(*ephemeris.warnings, *_burn_warning(ephemeris)))
+
+    @property
+    def _made_utc(self) -> datetime:
+        """What lies after it was a forecast."""
+        return self.message.creation_utc or self.message.segments[0].epoch_utc
+
+    def _burns_before(self, stop_utc: datetime) -> tuple[Burn, ...]:
+        """Planned when the message was made, and begun before."""
+        days = math.ceil(elapsed_s(stop_utc, self._made_utc) / DAY_S)
+        if days > 0 and days not in self._burns_by_day:
+            until_utc = shifted_utc(self._made_utc, days * DAY_S)
+            self._burns_by_day[days] = burns_between(
+                self.message.segments, self._made_utc, until_utc
+            )
+        burns = self._burns_by_day.get(days, ())
+        return tuple(burn for burn in burns if elapsed_s(burn.ignition_utc, stop_utc) < 0.0)
+
+    @cached_property
+    def _burns_by_day(self) -> dict[int, tuple[Burn, ...]]:
+        """What was searched for already, until so many days after it was made."""
+        return {}
 
     @cached_property
     def _drag_in_a_day_m(self) -> float:
@@ -130,10 +156,11 @@ class Arc:
 class OemEphemeris(Ephemeris):
     """Hermite interpolation within each arc, never across a burn or a segment's end.
 
-    drag_in_a_day_m: as `oem_sigma` takes it.
+    drag_in_a_day_m: as `oem_sigma` takes it.  burns: planned ones before its stop.
     """
 
     drag_in_a_day_m: float
+    burns: tuple[Burn, ...]
     arcs: tuple[Arc, ...]
 
     def interpolate(self, instants: Instants) -> OrbitStates:
@@ -155,8 +182,27 @@ class OemEphemeris(Ephemeris):
         return np.maximum(instants.since_s(self.epoch_utc), 0.0)
 
     def sigma(self, instants: Instants) -> OrbitSigma:
-        """By the drag in the message, which its operator had to forecast."""
-        return oem_sigma(self.age_s(instants), self.drag_in_a_day_m)
+        """By the drag in the message, which its operator had to forecast, and planned burns."""
+        burns = [
+            PlannedBurn(np.maximum(instants.since_s(burn.ignition_utc), 0.0), burn.along_m_s)
+            for burn in self.burns
+        ]
+        return oem_sigma(self.age_s(instants), self.drag_in_a_day_m, burns)
+
+
+def _burn_warning(ephemeris: OemEphemeris) -> tuple[str, ...]:
+    """That planned burns lie before the stop, and how well the orbit is known there."""
+    if not ephemeris.burns:
+        return ()
+    first, *others = ephemeris.burns
+    more = f" and {len(others)} more" if others else ""
+    along_m = float(ephemeris.sigma(Instants(ephemeris.stop_utc, np.zeros(1))).along_m[0])
+    return (
+        f"the OEM was made {utc_text(ephemeris.epoch_utc, 0)}, before a burn it plans: "
+        f"{first.gain_m_s:.2f} m/s at {utc_text(first.ignition_utc, 0)}{more}; planned burns are "
+        f"moved and changed: expect an error of some {along_m / 1e3:.0f} km (1 sigma) along the "
+        "track, or take an ephemeris made after it",
+    )
 
 
 def _arcs(segment: OemSegment, start_utc: datetime, stop_utc: datetime) -> list[Arc]:

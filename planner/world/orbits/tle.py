@@ -15,7 +15,7 @@ from planner.world.frames.earth_orientation import eci_from_frame_state
 from planner.world.frames.geodesy import MU_EARTH_M3_S2
 from planner.world.frames.time_scales import DAY_S, Instants, elapsed_s, require_known, utc_text
 from planner.world.messages.omm import MEAN_MOTION_REV_DAY
-from planner.world.orbits.accuracy import OrbitSigma, tle_sigma
+from planner.world.orbits.accuracy import OrbitSigma, reboost_since, tle_sigma
 from planner.world.orbits.atmosphere import thickest_kg_m3
 from planner.world.orbits.ephemeris import CarrierName, Ephemeris, OrbitSource, OrbitStates
 from planner.world.orbits.gravity import RADIUS_M
@@ -184,8 +184,11 @@ def sgp4_ephemeris(
     if age_days >= WARN_AGE_DAYS:
         sigma = tle_sigma(np.array(age_days * DAY_S), drag_in_a_day_m, air_in_a_day_m)
         sigma_km = float(sigma.along_m) / 1e3
+        share, reboost_m = reboost_since(age_days * DAY_S)
         warnings = (
-            f"{sentence}: expect an error of some {sigma_km:.0f} km (1 sigma) along the track",
+            f"{sentence}: expect an error of some {sigma_km:.0f} km (1 sigma) along the track; if "
+            f"the satellite is reboosted as the ISS is, it was with a probability of {share:.2f}, "
+            f"which makes it some {reboost_m / 1e3:.0f} km",
         )
     return TleEphemeris(
         epoch_utc=epoch_utc,

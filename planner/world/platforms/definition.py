@@ -29,6 +29,7 @@ JerkDegS3 = Annotated[float, Within(1e-4, 1e3)]
 MASKS_MAX = 8  # each makes the way around them a larger problem
 MODES_MAX = 8  # each makes a flight longer to compute
 _MotionLimit = Annotated[float, Within(1e-4, 1e3)]
+_TurnDeg = Annotated[float, Within(-360.0, 360.0)]
 _WidthDeg = Annotated[float, Within(1e-6, 170.0)]
 
 
@@ -99,6 +100,8 @@ class PlatformDefinition:
     frame_turn_deg: angle from the inner axis to the frame's first side, right-handed about the
     boresight; that of the HRC isn't published, 0 is assumed.
     camera: pixel, exposure and frame rate of the camera; the HRC's unless given.
+    usual_yaw_pitch_roll_deg: mean attitude to LVLH that the carrier usually has, if one is known; a
+    request whose attitude is 0/0/0 is warned of it. E.g. `[-4.0, -2.0, 1.0]`.
     park_positions_deg: by name, the angle of each axis by its name; a plan's `final_state` may
     name one.
     masks: up to 8 regions fixed to the platform's base that the boresight never enters: kept by
@@ -114,6 +117,7 @@ class PlatformDefinition:
     field_of_view_deg: tuple[_WidthDeg, _WidthDeg] = HRC_FIELD_OF_VIEW_DEG
     frame_turn_deg: Annotated[float, Within(-180.0, 180.0)] = 0.0
     camera: Camera = HRC_CAMERA
+    usual_yaw_pitch_roll_deg: tuple[_TurnDeg, _TurnDeg, _TurnDeg] | None = None
     park_positions_deg: Mapping[str, Mapping[str, AngleDeg]] = field(default_factory=dict)
     masks: tuple[FieldMask, ...] = ()
     structural_modes: tuple[CarrierMode, ...] = ()
@@ -168,6 +172,7 @@ class PlatformDefinition:
             ),
             frame_turn_rad=math.radians(self.frame_turn_deg),
             camera=self.camera,
+            usual_yaw_pitch_roll_deg=self.usual_yaw_pitch_roll_deg,
             park_positions=tuple(
                 ParkPosition(
                     name=name,

@@ -27,5 +27,7 @@ ISS_HRC = PlatformDefinition(
     name="iss-hrc",
     outer=_axis("alpha", (0.0, -math.cos(_TILT_RAD), math.sin(_TILT_RAD))),
     inner=_axis("beta", (1.0, 0.0, 0.0)),
+    # in torque equilibrium, forward: telemetry of 2018-10-12 (docs/sources.md) has -4.0/-2.2/0.8
+    usual_yaw_pitch_roll_deg=(-4.0, -2.0, 1.0),
     park_positions_deg={"zero": {"alpha": 0.0, "beta": 0.0}},  # the index marks; none is published
 ).platform()

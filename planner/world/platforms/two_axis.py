@@ -71,6 +71,7 @@ class TwoAxisPlatform:
     second.  frame_turn_rad: how far the first side is turned from the inner axis, right-handed
     about the boresight.
     camera: pixel, exposure and frame rate of the camera.
+    usual_yaw_pitch_roll_deg: mean attitude to LVLH that its carrier usually has, where it is known.
     park_positions: where it may be left at rest.
     masks: what stands in its view; fixed to the base, as the carrier is.
     drives: how the axes follow a table, in the order of `axis_names`.  structural_modes: how the
@@ -90,6 +91,7 @@ class TwoAxisPlatform:
     frame_half_rad: tuple[float, float] = HRC_FRAME_HALF_RAD
     frame_turn_rad: float = 0.0
     camera: Camera = HRC_CAMERA
+    usual_yaw_pitch_roll_deg: tuple[float, float, float] | None = None
     park_positions: tuple[ParkPosition, ...] = ()
     masks: tuple[FieldMask, ...] = ()
     drives: tuple[AxisDrive, AxisDrive] = (AxisDrive(), AxisDrive())
