@@ -14,7 +14,7 @@ import numpy as np
 from truth_rows import Row
 
 import slewtrack
-from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
+from app.requests.examples import LAS_VEGAS, PLAN_EXAMPLES
 from app.requests.plan import read_plan_request
 from planner.output.export.csv import table_csv
 from planner.planning.sessions.pipeline import make_plan

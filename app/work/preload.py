@@ -10,7 +10,7 @@ import json
 import os
 from importlib import import_module
 
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import LAS_VEGAS
 from app.work.plan import plan_and_pack
 from planner.motion.slew.ocp import make_solvers
 from planner.motion.slew.smoothest import SIZES

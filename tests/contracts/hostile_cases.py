@@ -10,8 +10,7 @@ from app.http.admission.request_form import (
     PATH_BYTES_MAX,
     QUERY_BYTES_MAX,
 )
-from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import LAS_VEGAS, OPPORTUNITY_EXAMPLES
 from app.settings import Settings
 
 MEBIBYTE = 2**20

@@ -4,7 +4,13 @@ import gzip
 import json
 from typing import Any
 
-from app.requests.examples.messages import ATTITUDE, ATTITUDE_HISTORY, OEM, OMM, OPM
+from app.requests.examples import message
+
+ATTITUDE = message("attitude.aem")
+ATTITUDE_HISTORY = message("attitude_history.aem")
+OEM = message("orbit.oem")
+OMM = message("elements.json")
+OPM = message("state.opm")
 
 Changes = tuple[tuple[str, object], ...]
 READ, MESSAGE, UNCOVERED = "invalid-request", "invalid-message", "outside-coverage"

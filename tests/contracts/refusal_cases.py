@@ -10,7 +10,7 @@ from message_cases import MESSAGE_CASES
 from pydantic import TypeAdapter
 
 from app.http.routes.platforms import definition_of
-from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
+from app.requests.examples import LAS_VEGAS, PLAN_EXAMPLES
 from planner.world.platforms import PLATFORMS
 
 Request = dict[str, Any]

@@ -12,7 +12,7 @@ from databases import fresh_database
 from app.answers.campaign import campaign_json
 from app.jobs.job_completion import settle
 from app.jobs.kinds import CAMPAIGN, JOB_KINDS, PLAN
-from app.requests.examples.campaign import CAMPAIGN_EXAMPLES
+from app.requests.examples import CAMPAIGN_EXAMPLES
 from app.store import events, jobs, plans
 from app.store.ids import new_id
 from app.store.jobs import NewJob

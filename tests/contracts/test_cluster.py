@@ -24,7 +24,7 @@ from app.jobs.dask_worker import SLOT
 from app.jobs.executors import Task
 from app.jobs.kinds import RUNS
 from app.jobs.worker_process import ChildDied, ChildFailed, Stop, Stopped
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import LAS_VEGAS
 from app.work.flights import PlanToFly, fly_part
 from app.work.plan import plan_and_pack
 from app.work.progress import Progress

@@ -18,8 +18,7 @@ from app.answers.members import to_json
 from app.answers.opportunities import windows_out
 from app.cli.campaign import PlannedPass, campaign_csv
 from app.cli.windows_report import windows_csv
-from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
-from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
+from app.requests.examples import OPPORTUNITY_EXAMPLES, SPACECRAFT_EXAMPLES
 from app.requests.opportunities import read_opportunity_request
 from app.requests.spacecraft import read_spacecraft_request
 from app.work.searches import CSV, windows_in_form

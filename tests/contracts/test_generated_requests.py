@@ -22,8 +22,7 @@ from schemathesis.specs.openapi.checks import (
     use_after_free,
 )
 
-from app.requests.examples.campaign import CAMPAIGN_EXAMPLES
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import CAMPAIGN_EXAMPLES, LAS_VEGAS
 
 CHECKS = [
     not_a_server_error,

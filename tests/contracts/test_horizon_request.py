@@ -5,12 +5,13 @@ import json
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from app.requests.examples.horizon import AHEAD, PICTURE_EXAMPLES, PREDICTION_EXAMPLES
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import ESTIMATE_EXAMPLE, LAS_VEGAS, PICTURE_EXAMPLES, PREDICTION_EXAMPLES
 from app.requests.horizon import read_picture_request, read_prediction_request
 from app.requests.plan import read_plan_request
 from estimator.request import HorizonRequest
 from planner.base.errors import InvalidRequest
+
+AHEAD = ESTIMATE_EXAMPLE["cameras"][0]
 
 CAMERA = {
     "name": "pitch",

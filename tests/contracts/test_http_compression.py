@@ -8,7 +8,7 @@ from waiting import PatientClient
 
 from app.http import planners_page
 from app.http.app import create_app
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import LAS_VEGAS
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ import slewtrack
 from app.http.app import create_app
 from app.jobs.job_completion import settle
 from app.jobs.kinds import FLIGHTS, JOB_KINDS, RUNS
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import LAS_VEGAS
 from app.requests.plan import read_plan_request
 from app.settings import Settings
 from app.store import events, jobs

@@ -12,15 +12,11 @@ from scipy.spatial.transform import Rotation
 from upload_cases import ANSWERED, REFUSED
 
 from app.http.app import create_app
-from app.requests.examples.horizon import (
-    AHEAD,
-    ESTIMATE_EXAMPLE,
-    PICTURE_EXAMPLES,
-    PREDICTION_EXAMPLES,
-    RIGHT,
-)
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import ESTIMATE_EXAMPLE, LAS_VEGAS, PICTURE_EXAMPLES, PREDICTION_EXAMPLES
 from app.settings import Settings
+
+AHEAD = ESTIMATE_EXAMPLE["cameras"][0]
+RIGHT = ESTIMATE_EXAMPLE["cameras"][1]
 
 ESTIMATES = "/v1/horizon/estimates"
 ONE_CAMERA = {**ESTIMATE_EXAMPLE, "cameras": [AHEAD]}

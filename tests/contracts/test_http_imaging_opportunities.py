@@ -8,7 +8,7 @@ from databases import own_settings
 from waiting import PatientClient
 
 from app.http.app import create_app
-from app.requests.examples.spacecraft import IMAGING_OPPORTUNITY_EXAMPLES, SPACECRAFT_EXAMPLES
+from app.requests.examples import IMAGING_OPPORTUNITY_EXAMPLES, SPACECRAFT_EXAMPLES
 
 ASKED = IMAGING_OPPORTUNITY_EXAMPLES["four modes"][1]
 PATH = "/v1/spacecraft/opportunities"

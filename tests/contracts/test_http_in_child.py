@@ -17,8 +17,12 @@ from app.http.routes.opportunities import OPPORTUNITIES
 from app.http.routes.plans import PLANS
 from app.http.serving import server
 from app.jobs.child import Bounds
-from app.requests.examples.horizon import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, PREDICTION_EXAMPLES
-from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
+from app.requests.examples import (
+    ESTIMATE_EXAMPLE,
+    OPPORTUNITY_EXAMPLES,
+    PICTURE_EXAMPLES,
+    PREDICTION_EXAMPLES,
+)
 
 CITIES = OPPORTUNITY_EXAMPLES["cities"][1]
 SHORT = request(

@@ -13,7 +13,7 @@ from waiting import PatientClient, eventually
 
 from app.http.app import create_app
 from app.jobs.kinds import JOB_KINDS, JobKind
-from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
+from app.requests.examples import SPACECRAFT_EXAMPLES
 from app.requests.plan import read_plan_request
 from app.store import audit, jobs, plans
 from app.store.packed import unpack

@@ -8,8 +8,7 @@ import pytest
 from jsonschema_rs import Draft202012Validator
 from openapi_spec_validator import OpenAPIV31SpecValidator
 
-from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
-from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
+from app.requests.examples import LAS_VEGAS, OPPORTUNITY_EXAMPLES, PLAN_EXAMPLES
 from planner.output.export import EXPORTERS
 from planner.world.attitude import ATTITUDES
 from planner.world.orbits import ORBITS

@@ -9,8 +9,7 @@ from datetime import datetime
 import pytest
 from skyfield.api import EarthSatellite, load, wgs84
 
-from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
-from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
+from app.requests.examples import LAS_VEGAS, OPPORTUNITY_EXAMPLES, PLAN_EXAMPLES
 from app.requests.json_reader import InvalidRequest
 from app.requests.opportunities import read_opportunity_request
 

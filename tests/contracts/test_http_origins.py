@@ -7,7 +7,7 @@ from waiting import PatientClient
 
 from app.cli import main
 from app.http.app import create_app
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import LAS_VEGAS
 from app.settings import Settings
 from planner.base.errors import InvalidInput
 

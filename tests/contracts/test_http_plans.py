@@ -13,7 +13,7 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.io import netcdf_file
 from skyfield.api import EarthSatellite, load, wgs84
 
-from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
+from app.requests.examples import LAS_VEGAS, PLAN_EXAMPLES
 
 JSON = {"Content-Type": "application/json"}
 

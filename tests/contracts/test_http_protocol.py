@@ -9,7 +9,7 @@ from waiting import PatientClient, eventually
 
 from app.http.app import create_app
 from app.http.routes import stored_plans
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import LAS_VEGAS
 from app.settings import Settings
 
 JSON = {"Content-Type": "application/json"}

@@ -8,9 +8,7 @@ from databases import own_settings
 from waiting import PatientClient, eventually
 
 from app.http.app import create_app
-from app.requests.examples.campaign import CAMPAIGN_EXAMPLES
-from app.requests.examples.plan import LAS_VEGAS
-from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
+from app.requests.examples import CAMPAIGN_EXAMPLES, LAS_VEGAS, SPACECRAFT_EXAMPLES
 
 CITIES = CAMPAIGN_EXAMPLES["cities"][1]
 STRIP = SPACECRAFT_EXAMPLES["geojson"][1] | {"objective": "smooth", "simulation_runs": 0}

@@ -10,7 +10,7 @@ from databases import own_settings
 from fastapi.testclient import TestClient
 
 from app.http.app import create_app
-from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
+from app.requests.examples import OPPORTUNITY_EXAMPLES
 from app.store.ids import new_id
 from app.store.searches import PAGE_WINDOWS
 

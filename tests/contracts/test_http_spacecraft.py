@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from app.requests.examples.spacecraft import FOUR_MODES, SPACECRAFT_EXAMPLES
+from app.requests.examples import FOUR_MODES, SPACECRAFT_EXAMPLES
 from planner.spacecraft.export import IMAGING_EXPORTERS
 
 PLANS = "/v1/spacecraft/plans"

@@ -9,7 +9,7 @@ import pytest
 from refusal_cases import request
 from scipy.io import netcdf_file
 
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import LAS_VEGAS
 from planner.output.export import EXPORTERS
 
 # The first ten seconds of the session, to keep every format quick.

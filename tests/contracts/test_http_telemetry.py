@@ -10,8 +10,7 @@ from scipy.spatial.transform import Rotation
 from typer.testing import CliRunner
 
 from app.cli.command import main
-from app.requests.examples.plan import LAS_VEGAS
-from app.requests.examples.telemetry import COMPARISON_EXAMPLES
+from app.requests.examples import COMPARISON_EXAMPLES, LAS_VEGAS
 from app.store import jobs
 from planner.world.frames.time_scales import shifted_utc, utc_from_text, utc_text
 

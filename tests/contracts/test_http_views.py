@@ -15,8 +15,7 @@ from scipy.io import netcdf_file
 from scipy.spatial.transform import Rotation
 
 from app.http.routes import plans as plan_routes
-from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
-from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
+from app.requests.examples import LAS_VEGAS, PLAN_EXAMPLES, SPACECRAFT_EXAMPLES
 from app.requests.plan import read_plan_request
 from app.work.view import DRAWN, DRAWN_SESSION
 from planner.motion.pointing.angles import boresight_platform

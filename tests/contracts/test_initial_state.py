@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import slewtrack
-from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
+from app.requests.examples import LAS_VEGAS, PLAN_EXAMPLES
 from planner.planning.sessions.slew_timing import OPTIONS as SLEW_TIMING_OPTIONS
 from planner.world.frames.time_scales import elapsed_s, utc_from_text, utc_text
 

@@ -11,8 +11,7 @@ from waiting import PatientClient
 
 from app.http.app import create_app
 from app.http.view_cache import ViewCache
-from app.requests.examples.plan import PLAN_EXAMPLES
-from app.requests.examples.spacecraft import FOUR_MODES
+from app.requests.examples import FOUR_MODES, PLAN_EXAMPLES
 from app.requests.spacecraft import read_kept_spacecraft_request, read_spacecraft_request
 from app.store.models import JobRow
 from app.work.view import DRAWN_SESSION

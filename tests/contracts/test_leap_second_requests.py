@@ -7,7 +7,7 @@ import json
 
 import pytest
 
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import LAS_VEGAS
 from app.requests.plan import read_plan_request
 from planner.base.errors import InvalidRequest
 from planner.world.frames.time_scales import elapsed_s

@@ -10,7 +10,7 @@ from dataclasses import replace
 import pytest
 
 import slewtrack
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import LAS_VEGAS
 from app.requests.json_reader import JsonReader
 from planner.base.errors import InvalidRequest
 from planner.world.targets import GroundTarget, PlaceTarget, StarTarget

@@ -16,17 +16,19 @@ from typing import Any
 import pytest
 
 from app.requests.campaign import campaign_request_json_schema, read_campaign_request
-from app.requests.examples.campaign import CAMPAIGN_EXAMPLES
-from app.requests.examples.flights import FLIGHTS_EXAMPLES
-from app.requests.examples.horizon import (
+from app.requests.examples import (
+    CAMPAIGN_EXAMPLES,
     ESTIMATE_EXAMPLE,
+    FLIGHTS_EXAMPLES,
+    IMAGING_OPPORTUNITY_EXAMPLES,
+    LAS_VEGAS,
+    OPPORTUNITY_EXAMPLES,
     PICTURE_EXAMPLES,
+    PLAN_EXAMPLES,
     PREDICTION_EXAMPLES,
     SESSION_EXAMPLE,
+    SPACECRAFT_EXAMPLES,
 )
-from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
-from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
-from app.requests.examples.spacecraft import IMAGING_OPPORTUNITY_EXAMPLES, SPACECRAFT_EXAMPLES
 from app.requests.flights import flights_request_json_schema, read_flights_request
 from app.requests.horizon import (
     horizon_request_json_schemas,

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 import slewtrack
-from app.requests.examples.messages import OMM
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import LAS_VEGAS, message
 from planner.base.errors import InvalidRequest, OutsideCoverage
 from planner.world.frames.time_scales import Instants, utc_from_text
+
+OMM = message("elements.json")
 
 [ELEMENTS] = json.loads(OMM)
 LINES = [LAS_VEGAS["orbit"]["line1"], LAS_VEGAS["orbit"]["line2"]]

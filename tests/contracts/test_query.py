@@ -9,7 +9,7 @@ from databases import own_settings
 from waiting import PatientClient, eventually
 
 from app.http.app import create_app
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import LAS_VEGAS
 from app.store.ids import new_id
 
 PATHS = api_document()["paths"]

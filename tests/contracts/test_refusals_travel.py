@@ -21,7 +21,7 @@ from app.http.routes.opportunities import OPPORTUNITIES
 from app.jobs.child import Bounds
 from app.jobs.kinds import JOB_KINDS, PLAN
 from app.jobs.worker_process import run_in_worker
-from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
+from app.requests.examples import OPPORTUNITY_EXAMPLES
 from planner.base.errors import FieldError, InvalidRequest, Refusal, Relaxation
 from planner.spacecraft.imaging.choice_with_slews import LooksTooClose
 from planner.spacecraft.slews.slew_choice import GyrosTooFull, SlewNeedsTime

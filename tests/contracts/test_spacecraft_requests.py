@@ -7,7 +7,7 @@ from typing import get_args
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
+from app.requests.examples import SPACECRAFT_EXAMPLES
 from app.requests.json_reader import VALUES_MAX
 from app.requests.spacecraft import read_spacecraft_request
 from planner.base.errors import InvalidMessage, InvalidRequest

@@ -20,8 +20,7 @@ from waiting import eventually
 from app.http.app import create_app
 from app.http.routes import searches
 from app.jobs.kinds import JOB_KINDS, JobKind
-from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import LAS_VEGAS, OPPORTUNITY_EXAMPLES
 from app.store.database import open_database
 
 PATIENT = {"Prefer": "wait=60"}

@@ -25,7 +25,7 @@ from sqlalchemy.exc import DBAPIError, OperationalError
 from waiting import eventually
 
 from app.http.app import create_app
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import LAS_VEGAS
 from app.store import jobs
 from app.store.database import FILE, open_database
 from app.store.failures import is_damage, is_of_the_store, keeps_all_waiting

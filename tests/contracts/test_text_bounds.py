@@ -12,16 +12,22 @@ from fastapi.testclient import TestClient
 from app.answers.problem import problem_of
 from app.http.app import create_app
 from app.requests.campaign import read_campaign_request
-from app.requests.examples.campaign import CAMPAIGN_EXAMPLES
-from app.requests.examples.horizon import PREDICTION_EXAMPLES
-from app.requests.examples.messages import OEM
-from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
-from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
-from app.requests.examples.spacecraft import IMAGING_OPPORTUNITY_EXAMPLES, SPACECRAFT_EXAMPLES
+from app.requests.examples import (
+    CAMPAIGN_EXAMPLES,
+    IMAGING_OPPORTUNITY_EXAMPLES,
+    LAS_VEGAS,
+    OPPORTUNITY_EXAMPLES,
+    PLAN_EXAMPLES,
+    PREDICTION_EXAMPLES,
+    SPACECRAFT_EXAMPLES,
+    message,
+)
 from app.requests.opportunities import read_opportunity_request
 from app.requests.plan import read_plan_request
 from app.requests.spacecraft import read_imaging_opportunity_request, read_spacecraft_request
 from planner.base.errors import InvalidInput, Refusal
+
+OEM = message("orbit.oem")
 
 MOST = 200
 READERS: dict[Callable[[bytes], object], dict] = {

@@ -40,7 +40,7 @@ from app.jobs.worker_process import (
     run_in_worker,
     spare_children,
 )
-from app.requests.examples.plan import PLAN_EXAMPLES
+from app.requests.examples import PLAN_EXAMPLES
 from app.work.plan import plan_and_pack
 from app.work.progress import Progress
 from planner.base.errors import InvalidInput

@@ -23,13 +23,18 @@ from app.http.negotiation import JSON
 from app.http.openapi.schema import ANSWERS
 from app.http.routes import jobs as job_routes
 from app.jobs.kinds import JOB_KINDS
-from app.requests.examples.campaign import CAMPAIGN_EXAMPLES
-from app.requests.examples.flights import FLIGHTS_EXAMPLES
-from app.requests.examples.horizon import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, PREDICTION_EXAMPLES
-from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
-from app.requests.examples.plan import LAS_VEGAS
-from app.requests.examples.spacecraft import IMAGING_OPPORTUNITY_EXAMPLES, SPACECRAFT_EXAMPLES
-from app.requests.examples.telemetry import COMPARISON_EXAMPLES
+from app.requests.examples import (
+    CAMPAIGN_EXAMPLES,
+    COMPARISON_EXAMPLES,
+    ESTIMATE_EXAMPLE,
+    FLIGHTS_EXAMPLES,
+    IMAGING_OPPORTUNITY_EXAMPLES,
+    LAS_VEGAS,
+    OPPORTUNITY_EXAMPLES,
+    PICTURE_EXAMPLES,
+    PREDICTION_EXAMPLES,
+    SPACECRAFT_EXAMPLES,
+)
 from app.settings import Settings
 from app.store import jobs
 from app.store.ids import new_id

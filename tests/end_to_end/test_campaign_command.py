@@ -7,7 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from app.cli import main
-from app.requests.examples.campaign import CAMPAIGN_EXAMPLES
+from app.requests.examples import CAMPAIGN_EXAMPLES
 from app.requests.plan import read_plan_request
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "campaign_cities.json"

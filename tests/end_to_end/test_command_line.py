@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from app.cli import main
-from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
+from app.requests.examples import LAS_VEGAS, PLAN_EXAMPLES
 from planner.base.errors import VerificationFailed
 from planner.output.export import EXPORTERS
 

@@ -7,7 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from app.cli import main
-from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
+from app.requests.examples import LAS_VEGAS, PLAN_EXAMPLES
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 LJUBLJANA = {"mode": "place", "name": "Ljubljana"}

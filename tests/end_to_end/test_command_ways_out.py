@@ -12,7 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from app.cli import main
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import LAS_VEGAS
 
 SLEWTRACK = Path(sys.executable).with_name("slewtrack")
 EXAMPLES = Path(__file__).parents[2] / "examples"

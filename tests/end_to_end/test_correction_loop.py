@@ -14,9 +14,11 @@ from waiting import PatientClient
 
 import slewtrack
 from app.http.app import create_app
-from app.requests.examples.horizon import AHEAD, RIGHT
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import ESTIMATE_EXAMPLE, LAS_VEGAS
 from planner.world.frames.time_scales import Instants, utc_from_text
+
+AHEAD = ESTIMATE_EXAMPLE["cameras"][0]
+RIGHT = ESTIMATE_EXAMPLE["cameras"][1]
 
 MEAN = {"law": "lvlh", "yaw_deg": -4.0, "pitch_deg": -2.0, "roll_deg": 0.8}
 # An error that the law's own figures allow: 1 sigma of the mean about Y, the swing at its 1.3

@@ -17,7 +17,7 @@ from live_service import children_of, live_service
 from sqlalchemy import func, select
 from waiting import PATIENCE_S, alive, eventually
 
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import LAS_VEGAS
 from app.store import events, jobs
 from app.store.ids import OPEN_STATES
 from app.store.models import EventRow, JobRow, PlanRow

@@ -23,8 +23,7 @@ from typer.testing import CliRunner
 
 import slewtrack
 from app.cli import main
-from app.requests.examples.plan import LAS_VEGAS
-from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
+from app.requests.examples import LAS_VEGAS, SPACECRAFT_EXAMPLES
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]

@@ -14,7 +14,7 @@ import pytest
 from live_service import live_service
 
 from app.http.app import create_app
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import LAS_VEGAS
 
 PYTHON = os.environ.get("SLEWTRACK_TEST_CLIENT_PYTHON")
 pytestmark = pytest.mark.skipif(PYTHON is None, reason="run it by .ci/with-client-generator")

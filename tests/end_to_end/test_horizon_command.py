@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from app.cli import main
-from app.requests.examples.horizon import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, SESSION_EXAMPLE
+from app.requests.examples import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, SESSION_EXAMPLE
 from app.requests.horizon import read_picture_request
 from app.work.horizon import picture
 

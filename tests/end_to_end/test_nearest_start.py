@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scenarios import EPOCH, LAS_VEGAS, TLE, at, scenario, session
 
-from app.requests.examples.messages import ATTITUDE, OEM
+from app.requests.examples import message
 from planner.base.errors import InfeasibleSlew, NotVisible
 from planner.planning.sessions import nearest_start
 from planner.planning.sessions.pipeline import make_plan
@@ -18,6 +18,9 @@ from planner.world.orbits import OemOrbit, state_vector
 from planner.world.orbits.state_vector import StateVectorOrbit
 from planner.world.targets import GroundTarget, MovingGroundTarget
 from planner.world.targets.ground_moving import LEAD_MAX_S
+
+ATTITUDE = message("attitude.aem")
+OEM = message("orbit.oem")
 
 OVERHEAD = replace(LAS_VEGAS, min_elevation_deg=60.0)  # from 17:36:40 to 17:38:20
 NEVER = GroundTarget(latitude_deg=85.0, longitude_deg=0.0)  # the ISS turns back at 51.6 deg

@@ -5,7 +5,7 @@ import json
 from typer.testing import CliRunner
 
 from app.cli import main
-from app.requests.examples.spacecraft import FOUR_MODES, SPACECRAFT_EXAMPLES
+from app.requests.examples import FOUR_MODES, SPACECRAFT_EXAMPLES
 
 STRIP = {**SPACECRAFT_EXAMPLES["geojson"][1], "objective": "smooth", "simulation_runs": 1}
 

@@ -6,7 +6,7 @@ from functools import cache
 import other_platform
 from other_platform import Clock
 
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import LAS_VEGAS
 from app.requests.plan import read_plan_request
 from planner.output.export.csv import table_csv
 from planner.planning.sessions.pipeline import make_plan

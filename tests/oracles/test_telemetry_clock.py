@@ -13,7 +13,7 @@ from clock_bound import drift_bound
 from flown_las_vegas import planned
 
 import slewtrack
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import LAS_VEGAS
 from app.requests.plan import read_plan_request
 from planner.inflight.telemetry.alignment import Channel, align
 from planner.inflight.telemetry.following import PlannedMotion

@@ -13,7 +13,7 @@ import other_platform
 import pytest
 
 import slewtrack
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import LAS_VEGAS
 from app.requests.plan import read_plan_request
 from planner.output.export.csv import table_csv
 from planner.planning.sessions.pipeline import make_plan

@@ -6,7 +6,7 @@ import pytest
 from browsing import ROOT, violations
 from playwright.sync_api import expect
 
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import LAS_VEGAS
 
 OEM = (ROOT / "app/requests/examples/data/orbit.oem").read_text()
 TLE = (

@@ -17,7 +17,7 @@ from hardships import dying_workers, full_disk, idle_workers, small_disk, spend_
 from live_service import Service, live_service
 from playwright.sync_api import expect
 
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import LAS_VEGAS
 from app.store.database import FILE
 
 PLACE = "36.17, -115.14, 620"

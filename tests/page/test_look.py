@@ -10,7 +10,10 @@ from PIL import Image
 from playwright.sync_api import Locator, Page, expect
 from waiting import eventually
 
-from app.requests.examples.horizon import AHEAD, RIGHT
+from app.requests.examples import ESTIMATE_EXAMPLE
+
+AHEAD = ESTIMATE_EXAMPLE["cameras"][0]
+RIGHT = ESTIMATE_EXAMPLE["cameras"][1]
 
 _WITHOUT_WEBGL = """
 const { getContext } = HTMLCanvasElement.prototype;

@@ -6,7 +6,7 @@ import pytest
 from browsing import made
 from playwright.sync_api import expect
 
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import LAS_VEGAS
 
 PLACES = [(36.1, -115.2), (38.6, -109.6), (40.8, -96.7), (41.9, -87.6), (42.3, -83.0)]
 

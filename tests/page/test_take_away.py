@@ -10,7 +10,7 @@ import pytest
 from playwright.sync_api import expect
 from waiting import eventually
 
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import LAS_VEGAS
 from planner.output.export import EXPORTERS
 
 

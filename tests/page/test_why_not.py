@@ -7,7 +7,7 @@ from browsing import violations
 from playwright.sync_api import expect
 from waiting import eventually
 
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples import LAS_VEGAS
 
 TOO_EARLY = {"start": "2015-02-27T17:35:00Z", "stop": "2015-02-27T17:37:00Z"}
 

@@ -36,7 +36,7 @@ from app.http.routes.resources import JobResource
 from app.http.waiting import patience, wait_for_end
 from app.jobs.kinds import CAMPAIGN
 from app.requests.campaign import read_campaign_request
-from app.requests.examples.campaign import CAMPAIGN_EXAMPLES
+from app.requests.examples import CAMPAIGN_EXAMPLES
 from app.requests.listings import listing_of_search
 from app.store import jobs, plans
 from app.store.jobs import Job

@@ -14,7 +14,7 @@ from app.http.negotiation import JSON, accepts_json, json_body, preferred_type
 from app.http.openapi.schema import REF, request_body
 from app.jobs.child import Bounds
 from app.jobs.worker_process import ChildDied
-from app.requests.examples.horizon import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, PREDICTION_EXAMPLES
+from app.requests.examples import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, PREDICTION_EXAMPLES
 from app.requests.horizon import (
     read_estimate_request,
     read_picture_request,

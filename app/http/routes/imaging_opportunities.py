@@ -3,7 +3,7 @@
 from app.answers.imaging_opportunities import ImagingOpportunitiesResponse, ImagingWindowsPage
 from app.http.routes.searches import SearchResource, search_routes
 from app.jobs.child import Bounds
-from app.requests.examples.spacecraft import IMAGING_OPPORTUNITY_EXAMPLES
+from app.requests.examples import IMAGING_OPPORTUNITY_EXAMPLES
 from app.requests.listings import listing_of_imaging
 from app.requests.spacecraft import read_imaging_opportunity_request
 from app.work.spacecraft import answer_imaging_opportunities

@@ -3,7 +3,7 @@
 from app.answers.opportunities import OpportunitiesResponse, WindowsPage
 from app.http.routes.searches import SearchResource, search_routes
 from app.jobs.child import Bounds
-from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
+from app.requests.examples import OPPORTUNITY_EXAMPLES
 from app.requests.listings import listing_of_search
 from app.requests.opportunities import read_opportunity_request
 from app.work.campaign import answer_opportunities

@@ -20,7 +20,7 @@ from app.http.routes.plans import PLANS
 from app.http.waiting import WAIT_S, patience, wait_for_end
 from app.jobs.kinds import SPACECRAFT_PLAN
 from app.jobs.refusals import Conflict
-from app.requests.examples.flights import FLIGHTS_EXAMPLES
+from app.requests.examples import FLIGHTS_EXAMPLES
 from app.requests.flights import read_flights_request
 from app.store import jobs, plans
 from app.store.database import Database

@@ -6,7 +6,7 @@ from app.http.routes.end_of_plan import from_end_of_plan
 from app.http.routes.plan_routes import plan_routes
 from app.http.routes.resources import PlanResource
 from app.jobs.kinds import PLAN
-from app.requests.examples.plan import PLAN_EXAMPLES
+from app.requests.examples import PLAN_EXAMPLES
 from app.requests.listings import listing_of_scenario
 from app.requests.plan import read_plan_request
 from app.work.plan import stored_table_file, stored_table_json, try_plan

@@ -5,7 +5,7 @@ from app.answers.spacecraft_view import SpacecraftViewResponse
 from app.http.routes.plan_routes import plan_routes
 from app.http.routes.resources import PlanResource
 from app.jobs.kinds import SPACECRAFT_PLAN
-from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
+from app.requests.examples import SPACECRAFT_EXAMPLES
 from app.requests.listings import listing_of_imaging
 from app.requests.spacecraft import read_spacecraft_request
 from app.work.spacecraft import stored_session_file, stored_session_json, try_session

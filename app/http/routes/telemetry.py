@@ -18,7 +18,7 @@ from app.http.telemetry_upload import sent_telemetry, telemetry_body
 from app.jobs.child import Bounds
 from app.jobs.kinds import PLAN, SPACECRAFT_PLAN
 from app.jobs.refusals import Conflict
-from app.requests.examples.telemetry import COMPARISON_EXAMPLES
+from app.requests.examples import COMPARISON_EXAMPLES
 from app.store import jobs, plans
 from app.store.ids import is_id
 from app.store.plans import StoredPlan
