@@ -91,7 +91,7 @@ def _flood_misses_end(
         effort.charge(OPTIONS.layer + size / OPTIONS.cells_a_row)
         if size > OPTIONS.layer_max or cells > OPTIONS.flood_cells_max:
             return False
-        wet = _with_neighbours(wet)[_within(spans, corner)]
+        wet = with_neighbours(wet)[_within(spans, corner)]
         if size and masks:
             wet &= ~masks.inside(spans)
         for cone in cones:
@@ -236,7 +236,7 @@ class MasksOverCells:
         return np.asarray(self._is_inside[window])
 
 
-def _with_neighbours(mask: Mask) -> Mask:
+def with_neighbours(mask: Mask) -> Mask:
     """With all eight neighbours of each cell, in an array larger by one cell all around."""
     rows, columns = mask.shape
     tall = np.zeros((rows + 2, columns), dtype=bool)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from planner.base import effort
 from planner.base.arrays import Array
-from planner.motion.detour.infeasibility_proof import Mask, tube
+from planner.motion.detour.infeasibility_proof import Mask, tube, with_neighbours
 from planner.motion.pointing.keep_out import KeepOutView
 from planner.motion.slew.problem import AxisState, SlewProblem
 
@@ -111,13 +111,14 @@ def _flood(
             slice(one.start - wide.start, one.stop - wide.start)
             for one, wide in zip(window, around, strict=True)
         )
-        reached = _with_neighbours(flooded[layer - 1][around])[inside] & is_open[window]
+        near = with_neighbours(flooded[layer - 1][around])[1:-1, 1:-1]
+        reached = near[inside] & is_open[window]
         effort.charge(OPTIONS.layer + reached.size * (1 + len(cones)) / OPTIONS.cells_a_row)
         for towards, counts, edge in cones:
             if counts[layer]:
                 reached &= boresight[window] @ towards[layer] < edge
         flooded[layer][window] = reached
-    reached_end = bool(_with_neighbours(flooded[-2])[end_cell])
+    reached_end = bool(with_neighbours(flooded[-2])[1:-1, 1:-1][end_cell])
     flooded[-1] = False
     flooded[(-1, *end_cell)] = reached_end
     return flooded
@@ -136,17 +137,6 @@ def _off_masks(view: KeepOutView, boresight_platform: Array, apart_rad: float) -
         )
         found[near] &= mask.depth_rad(boresight_platform[near]) < -apart_rad
     return found
-
-
-def _with_neighbours(mask: Mask) -> Mask:
-    """With all eight neighbours of each cell."""
-    tall = mask.copy()
-    tall[1:] |= mask[:-1]
-    tall[:-1] |= mask[1:]
-    wide = tall.copy()
-    wide[:, 1:] |= tall[:, :-1]
-    wide[:, :-1] |= tall[:, 1:]
-    return wide
 
 
 def _back(

@@ -244,11 +244,9 @@ def slew_entry(profiles: tuple[AxisProfile, ...], view: KeepOutView) -> DeepestE
     """How deep a slew goes into what it must keep out of."""
 
     def motion(t_s: Array) -> tuple[Array, Array]:
-        values = [profile.evaluate(t_s) for profile in profiles]
-        return (
-            np.stack([value[0] for value in values], axis=1),
-            np.stack([value[1] for value in values], axis=1),
-        )
+        values = [profile.lowest(t_s, 2) for profile in profiles]
+        angle, rate = (np.stack(of_axes, axis=1) for of_axes in zip(*values, strict=True))
+        return angle, rate
 
     return deepest_entry(view, motion, 0.0, profiles[0].duration_s)
 
