@@ -1,7 +1,7 @@
 """Dense imaging sessions against better choices of the same planner: point 10 of bench/truth.py.
 
-14 strips in 260 s.  With slew times estimated shorter (`SHORTER`), choices worth more are found,
-and their plans pass the judge: nothing that is told of a choice may say that there are none.
+14 strips in 260 s.  With slew times estimated shorter (`SHORTER`), choices worth more are found in
+some, and their plans pass the judge: nothing told of a choice may say that there are none.
 """
 
 from collections.abc import Iterator
