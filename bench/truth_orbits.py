@@ -1,9 +1,9 @@
 """Orbit errors against the stated ones: point 1 of bench/truth.py.
 
 The constants of planner/world/orbits/accuracy.py were chosen on elements of 1998 to 2004, 2017
-and 2024-25 (docs/decisions/orbit_growth.md), those near the epoch on the two ephemerides of 7
-and 11 February 2022; what is tried here is April to June 2017, 1 % of
-those, and the other ephemerides.
+and 2024-25 (docs/decisions/orbit_growth.md), reboosts on those of 2017 and 2024-25, those near the
+epoch on ephemerides of 2021 to 2025, and what is wrong past planned burns on the eight of these
+that tell it.  Of elements April to June 2017 are tried apart, 1 % of those of the growth.
 """
 
 from collections import defaultdict
