@@ -20,6 +20,7 @@ def _camera(name: str, q_camera_from_body_xyzw: list[float]) -> dict[str, Any]:
         "cy_px": 239.5,
         "distortion": [0.0, 0.0, 0.0, 0.0, 0.0],
         "q_camera_from_body_xyzw": q_camera_from_body_xyzw,
+        "lens_sigma": 0.0,
     }
 
 
