@@ -18,7 +18,7 @@ import numpy as np
 from estimator.limb.geometry import Limb
 from estimator.limb.low_sun import sun_rise_m
 from estimator.limb.points import LimbPoints
-from estimator.request import RATE_SIGMA_DEG_S
+from estimator.request import HorizonRequest
 from planner.base.arrays import Array
 
 ROUGHNESS_M = 0.8e3
@@ -72,7 +72,7 @@ class Prior:
     roughness_m: float
     sun_itrf: Array | None
     rate_body_rad_s: tuple[float, ...] = (0.0, 0.0, 0.0)
-    rate_sigma_rad_s: float = np.deg2rad(RATE_SIGMA_DEG_S)
+    rate_sigma_rad_s: float = np.deg2rad(HorizonRequest.rate_sigma_deg_s)
 
 
 @dataclass(frozen=True)
@@ -230,7 +230,7 @@ def possible_fits(result: Fit, limb: Limb) -> list[Fit]:
     return slices
 
 
-def _expected_unknowns(prior: Prior, overexposed: int, shift: Array) -> tuple[Array, Array]:
+def _expected_unknowns(prior: Prior, overexposed: int, shift_numbers: Array) -> tuple[Array, Array]:
     """All unknowns but the tilts beforehand, those of `_shift_body` last, and their 1-sigma."""
     expected = [
         0.0,
@@ -240,7 +240,7 @@ def _expected_unknowns(prior: Prior, overexposed: int, shift: Array) -> tuple[Ar
         0.0,
         0.0,
         *[OPTIONS.clipped_m, 0.0, 0.0] * overexposed,
-        *shift,
+        *shift_numbers,
     ]
     sigma = [
         prior.heading_sigma_rad,
@@ -250,7 +250,7 @@ def _expected_unknowns(prior: Prior, overexposed: int, shift: Array) -> tuple[Ar
         prior.bend_sigma_m,
         OPTIONS.drawn_sigma,
         *[OPTIONS.clipped_m, OPTIONS.clipped_lean_m, OPTIONS.clipped_bend_m] * overexposed,
-        *[1.0] * len(shift),
+        *[1.0] * len(shift_numbers),
     ]
     return np.array(expected), np.array(sigma)
 
