@@ -69,7 +69,7 @@ MORE = """
 plan {short} --url {url} --csv OUT.csv --json OUT.json
 plan {short} --dry-run --set name=other
 fly {short} --runs 2 --moving-object-m-s 20 --course-deg 90 --json OUT.json --url {url}
-compare {answer} {telemetry} --request {short} --identify beta.coulomb_deg_s2 --json OUT.json
+compare {answer} {telemetry} --request {short} --column alpha_deg=alpha_deg --identify beta.coulomb_deg_s2 --json OUT.json
 compare {id} {telemetry} --url {url} --epoch 2015-02-27T17:35:50Z --measurements {offsets}
 compare {id} {telemetry} --url {url} --plot OUT.svg
 list --state done --name vegas --target vegas --url {url} --json OUT.json
