@@ -17,7 +17,7 @@ UNIT = re.compile(
 PURE = re.compile(
     r"(^|_)(probability|share|ratio|damping|coefficient|weight|gain|score|priority|price|cost|factor|scale"
     r"|value|extreme|margin|limit|bound|sigma|cover|depth|density|sign|step|gamma|exposure|blur"
-    r"|ozone|airglow|moonlight|quality|glare|land|up|default|bstar|eccentricity|error|integral|spread"
+    r"|correlation|ozone|airglow|moonlight|quality|glare|land|up|default|bstar|eccentricity|error|integral|spread"
     r"|objective|level|size|inclusive|threshold|least|greatest|exponent|cosine|sine|contrast"
     r"|transmittance|index|tau)(_|$)"
 )

@@ -70,7 +70,7 @@ plan {short} --dry-run --set name=other
 fly {short} --runs 2 --moving-object-m-s 20 --course-deg 90 --json OUT.json --url {url}
 compare {answer} {telemetry} --request {short} --identify beta.coulomb_deg_s2 --json OUT.json
 compare {id} {telemetry} --url {url} --epoch 2015-02-27T17:35:50Z --measurements {offsets}
-compare {id} {telemetry} --url {url} --plot OUT.svg
+compare {id} {telemetry} --url {url} --plot OUT.svg --column alpha_deg=alpha_deg
 list --state done --name vegas --target vegas --url {url} --json OUT.json
 show {id} --url {url} --json OUT.json
 export {id} --url {url} csv=OUT.csv

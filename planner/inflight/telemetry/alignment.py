@@ -133,7 +133,7 @@ class Alignment:
     both axes are equally late; None where they clearly aren't, or one tells no time.
     lags_s: by axis, how much later it moves than the earlier one of them, with the error of the
     difference; None where it tells no time.  scales: of the columns that tell the time.
-    reference_offset_s, reference_drift: those that the axes' errors are taken with.
+    reference_offset_s, reference_drift_share: those that the axes' errors are taken with.
     """
 
     offset_s: Estimate
@@ -143,16 +143,16 @@ class Alignment:
     scales: tuple[ColumnScale, ...]
     fit: "Fit"
     reference_offset_s: float
-    reference_drift: float
+    reference_drift_share: float
 
     def by(self, fit: "Fit") -> "Alignment":
         """The same, with the axes' errors taken with a fit's clock."""
         drift, offset_s = fit.parameters[:2].tolist()
-        return replace(self, reference_offset_s=offset_s, reference_drift=drift)
+        return replace(self, reference_offset_s=offset_s, reference_drift_share=drift)
 
     def t_s(self, tag_s: Array) -> Array:
         """Seconds after the table's epoch at time tags."""
-        return np.asarray((tag_s - self.reference_offset_s) / (1.0 + self.reference_drift))
+        return np.asarray((tag_s - self.reference_offset_s) / (1.0 + self.reference_drift_share))
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,7 +236,7 @@ def align(channels: Sequence[Channel], start_offset_s: float, axes: int) -> Alig
         scales=each.scales(),
         fit=each,
         reference_offset_s=offset_s.value,
-        reference_drift=float(reference.parameters[0]),
+        reference_drift_share=float(reference.parameters[0]),
     )
 
 

@@ -178,15 +178,17 @@ def outlier_rows(error: Array) -> Mask:
     return np.asarray(off > OPTIONS.outlier_sigmas * sigma)
 
 
-def _around(off: Array, percent: float) -> Array:
-    """The percentile of deviations in a block of rows or in one beside it, for each row."""
+def _around(error: Array, level: float) -> Array:
+    """The percentile of errors' sizes in a block of rows or in one beside it, for each row."""
     from scipy.ndimage import maximum_filter1d
 
     size = OPTIONS.block_rows
-    blocks = -(-len(off) // size)
-    padded = np.pad(off, (0, blocks * size - len(off)), mode="reflect" if blocks > 1 else "wrap")
-    usual = np.percentile(padded.reshape(blocks, -1), percent, axis=1)
-    return np.repeat(maximum_filter1d(usual, 3, mode="nearest"), size)[: len(off)]
+    blocks = -(-len(error) // size)
+    padded = np.pad(
+        error, (0, blocks * size - len(error)), mode="reflect" if blocks > 1 else "wrap"
+    )
+    usual = np.percentile(padded.reshape(blocks, -1), level, axis=1)
+    return np.repeat(maximum_filter1d(usual, 3, mode="nearest"), size)[: len(error)]
 
 
 def spikes_of_angles(error_rad: Array) -> Mask:
@@ -217,13 +219,13 @@ def follow(
     t_s: Array,
     angle_rad: Array,
     rate_rad_s: Array,
-    angle_part: tuple[float, float] = (0.0, 0.0),
-    rate_part: tuple[float, float] = (0.0, 0.0),
+    angle_scale: tuple[float, float] = (0.0, 0.0),
+    rate_scale: tuple[float, float] = (0.0, 0.0),
 ) -> Followed | None:
     """The axis where it has samples within the table: angles where there are any, else rates.
 
-    t_s: (n,), increasing; angle_rad and rate_rad_s: (n,), NaN where there is none.  angle_part,
-    rate_part: the share of the motion by which the gain is above one, and the bias.
+    t_s: (n,), increasing; angle_rad and rate_rad_s: (n,), NaN where there is none.  angle_scale,
+    rate_scale: the share of the motion by which the gain is above one, and the bias.
     """
     inside = motion.is_within(t_s)
     has_angle, has_rate = inside & np.isfinite(angle_rad), inside & np.isfinite(rate_rad_s)
@@ -235,7 +237,7 @@ def follow(
             motion=motion,
             t_s=own_s,
             error_rad=error_rad,
-            left_rad=error_rad - angle_part[0] * planned_rad - angle_part[1],
+            left_rad=error_rad - angle_scale[0] * planned_rad - angle_scale[1],
             rate_rad_s=rates if np.isfinite(rates).all() else None,
             rate_left_rad_s=None,
             basis="angles",
@@ -247,7 +249,7 @@ def follow(
     starts = gap_starts(own_s)
     planned_rad_s = motion.rate_rad_s(own_s)
     off_rad_s = rates - planned_rad_s
-    left_rad_s = off_rad_s - rate_part[0] * planned_rad_s - rate_part[1]
+    left_rad_s = off_rad_s - rate_scale[0] * planned_rad_s - rate_scale[1]
     return Followed(
         motion=motion,
         t_s=own_s,

@@ -1,4 +1,4 @@
-"""What a flight tells the next plan: the carrier's attitude error, and the platform's parameters.
+"""The attitude error and platform parameters that a flight shows, for the next plan.
 
 Angles and rates of the axes are told relative to the carrier: by themselves they say nothing of
 its attitude.  A measured rotation (of a horizon estimate) says where the target was besides; a

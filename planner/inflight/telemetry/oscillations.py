@@ -21,6 +21,7 @@ class OscillationOptions:
 
     # short ones for swings that come and go, long ones for slow swings
     windows_s: tuple[float, ...] = (24.0, 60.0, 80.0)
+    overlap: float = 1.1  # of the bands that the longest windows and the shorter ones search
     window_rows_min: int = 32  # of a spectrum
     cycles_min: float = 4.0  # of a window
     # of a window: what peaks here is drift, or a swing too slow to be told from it
@@ -107,17 +108,22 @@ def _in_run(t_s: Array, error_rad: Array) -> list[Oscillation]:
     step_s = _step_s(t_s)
     even_s = t_s[0] + step_s * np.arange(len(t_s))
     even_rad = np.interp(even_s, t_s, error_rad)
-    lines = [
-        _Line(float(even_s[first]), float(even_s[first] + step_s * size), frequency_hz)
-        for size in sorted(_sizes(len(even_s), step_s))
-        for first in [*range(0, len(even_s) - size, max(size // 4, 1)), len(even_s) - size]
-        if (frequency_hz := _line_hz(even_rad[first : first + size], step_s)) is not None
-    ]
+    lines = []
+    *shorter, last = sorted(_sizes(len(even_s), step_s))
+    for size in (*shorter, last):
+        highest_hz, hop = _band_hz(size, step_s)[1], max(size // 4, 1)
+        if len(shorter) > 1 and size == last:  # the shorter ones tell the rest
+            highest_hz, hop = OPTIONS.overlap * _band_hz(shorter[-1], step_s)[0], size // 2
+        for first in [*range(0, len(even_s) - size, hop), len(even_s) - size]:
+            found_hz = _line_hz(even_rad[first : first + size], step_s, highest_hz)
+            if found_hz is not None:
+                start_s = float(even_s[first])
+                lines.append(_Line(start_s, start_s + step_s * size, found_hz))
     found = (_oscillation(even_s, even_rad, line, step_s) for line in _joined(lines))
     return [one for one in found if one is not None]
 
 
-def _line_hz(error_rad: Array, step_s: float) -> float | None:
+def _line_hz(error_rad: Array, step_s: float, highest_hz: float) -> float | None:
     """The frequency that stands out of a window's spectrum."""
     count = len(error_rad)
     place = np.linspace(-1.0, 1.0, count)
@@ -131,7 +137,7 @@ def _line_hz(error_rad: Array, step_s: float) -> float | None:
     power = np.abs(np.fft.rfft(left * window, padded)) ** 2
     frequency_hz = np.fft.rfftfreq(padded, step_s)
     span_s = count * step_s
-    lowest_hz, highest_hz = _band_hz(count, step_s)
+    lowest_hz, _ = _band_hz(count, step_s)
     usable = frequency_hz >= OPTIONS.cycles_slow / span_s
     peak = int(np.flatnonzero(usable)[np.argmax(power[usable])])
     if not lowest_hz <= frequency_hz[peak] <= highest_hz:
