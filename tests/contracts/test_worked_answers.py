@@ -108,7 +108,7 @@ def test_a_changed_answer_is_noticed():
     for one, other in (
         ('"state": "done"', '"state": "failed"'),
         ('"margins": {', '"margin": {'),
-        ("-54.033", "-54.133"),
+        ("-55.648", "-55.748"),
         ("17:36:20.0Z", "17:36:21.0Z"),
         ("NORAD 25544", "NORAD 25545"),
     ):
