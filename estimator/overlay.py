@@ -11,7 +11,6 @@ from planner.base.arrays import Array
 
 _MEASURED = (60, 255, 60)
 _EXPECTED = (60, 160, 255)
-_LONGEST_PX = 1600
 
 
 def draw_overlay(
@@ -20,10 +19,11 @@ def draw_overlay(
     report: CameraReport,
     estimate: VerticalEstimate,
     expected_px: Array | None = None,
+    longest_px: int = 1600,
 ) -> NDArray[np.uint8]:
     """The frame in 8-bit colour with the limb points used (green), the limb a plan expects
-    (orange; `HorizonPrediction.limb_px`) and the verdict, at most 1600 pixels a side."""
-    shrink = max(1.0, max(pixels.shape[:2]) / _LONGEST_PX)
+    (orange; `HorizonPrediction.limb_px`) and the verdict, reduced to longest_px a side."""
+    shrink = max(1.0, max(pixels.shape[:2]) / longest_px)
     size = [max(round(side / shrink), 1) for side in pixels.shape[1::-1]]
     small = cv2.resize(pixels, size, interpolation=cv2.INTER_AREA)
     scale = 1.0 / 257.0 if pixels.dtype == np.uint16 else 1.0

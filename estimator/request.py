@@ -10,7 +10,6 @@ from planner.base.spec import UnitPart, Within, spec
 from planner.world.frames.geodesy import WGS84_A_M, WGS84_B_M
 
 MAX_CAMERAS = 16
-RATE_SIGMA_DEG_S = 3.0  # a craft that turns as fast as it may
 _MAX_RANGE_KM = 500_000.0
 _RateDegS = Annotated[float, Within(-20.0, 20.0)]
 _PartKm = Annotated[float, Within(-_MAX_RANGE_KM, _MAX_RANGE_KM)]
@@ -96,7 +95,7 @@ class HorizonRequest:
     body: Body = Body()
     predicted: PredictedAttitude | None = None
     rate_body_deg_s: tuple[_RateDegS, _RateDegS, _RateDegS] = (0.0, 0.0, 0.0)
-    rate_sigma_deg_s: Annotated[float, Within(0.0, 20.0)] = RATE_SIGMA_DEG_S
+    rate_sigma_deg_s: Annotated[float, Within(0.0, 20.0)] = 3.0
     overlay: bool = False
 
     def __post_init__(self) -> None:
