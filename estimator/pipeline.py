@@ -13,7 +13,7 @@ from estimator.nadir.fit import Fit
 from estimator.nadir.prior import prior_of
 from estimator.request import HorizonRequest
 from estimator.search.horizon import find_horizon
-from estimator.search.trial import Search, SearchResult
+from estimator.search.trial import OPTIONS, Search, SearchResult
 from estimator.surroundings import Surroundings
 from planner.base.arrays import Array
 from planner.world.frames.earth_orientation import earth_orientation_warnings
@@ -163,7 +163,7 @@ def _nadir(fits: tuple[Fit, ...], limb: Limb, nadir_itrf: Array) -> Nadir:
     turns_itrf = np.cross(np.stack([*limb.axes_itrf, limb.nadir_itrf]), nadir_itrf)
     covariance_rad2 = np.zeros((2, 2))
     # The headings' likelihood counts less here: no model may know the air in view.
-    doubted = np.array([one.weight for one in fits]) ** 0.5
+    doubted = np.array([one.weight for one in fits]) ** 0⟦O:.5⟦B: / _DOUBT)⟦T: / OPTIONS.doubt)⟧
     for one, weight in zip(fits, doubted / doubted.sum(), strict=True):
         across_from_turns = -axes_body @ one.c_body_from_itrf @ turns_itrf.T
         off_rad = axes_body @ (one.c_body_from_itrf @ nadir_itrf)

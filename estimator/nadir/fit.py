@@ -18,8 +18,9 @@ import numpy as np
 from estimator.limb.geometry import Limb
 from estimator.limb.low_sun import sun_rise_m
 from estimator.limb.points import LimbPoints
-from estimator.request import HorizonRequest
-from planner.base.arrays import Array
+from ⟦O:estimator.request import HorizonRequest
+from ⟦B:estimator.request import RATE_SIGMA_DEG_S
+from ⟦T:⟧planner.base.arrays import Array
 
 ROUGHNESS_M = 0.8e3
 
@@ -72,7 +73,7 @@ class Prior:
     roughness_m: float
     sun_itrf: Array | None
     rate_body_rad_s: tuple[float, ...] = (0.0, 0.0, 0.0)
-    rate_sigma_rad_s: float = np.deg2rad(HorizonRequest.rate_sigma_deg_s)
+    rate_sigma_rad_s: float = np.deg2rad(⟦O:HorizonRequest.rate_sigma_deg_s⟦B:RATE_SIGMA_DEG_S⟦T:3.0⟧)  # as good as unknown
 
 
 @dataclass(frozen=True)
@@ -146,13 +147,13 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Array, prior: Pr
     drawn_m = np.concatenate([p.drawn_m[p.found] for p in used])
     per_patch = np.concatenate([p.columns_per_patch()[p.found] for p in used])
     clipped_mask = _clipped_mask(used, by_daylight=prior.sun_itrf is not None)
-    shift_body, shift = _shift_body(used, prior)
+    shift_body, shift_parameters = _shift_body(used, prior)
     axes_itrf = np.stack([*limb.axes_itrf, limb.nadir_itrf])
     reach_m = limb.touch_range_m(prior.height_m)
     cone_per_m = (limb.cone(prior.height_m + 50.0) - limb.cone(prior.height_m - 50.0)) / 100.0
     c = c_body_from_itrf.copy()
     # Besides the tilts: turn, height, and what lifts the limb from place to place.
-    expected, sigma = _expected_unknowns(prior, clipped_mask.shape[1], shift)
+    expected, sigma = _expected_unknowns(prior, clipped_mask.shape[1], shift_parameters)
     unknowns = expected.copy()
     information = sigma**-2
     # Out of this range it will be refused; within it, there is a limb to compare with.
@@ -191,7 +192,7 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Array, prior: Pr
     loss = own_share * (
         (OPTIONS.tukey**2 / 3.0) * (1.0 - (1.0 - share2) ** 3) + 2.0 * np.log(scale)
     )
-    bent = np.abs(unknowns - expected)[len(expected) - len(shift) :]
+    bent = np.abs(unknowns - expected)[len(expected) - len(shift_parameters) :]
     # A fit worse than its model says is less certain than its model says.
     misfit2 = _misfit2(residual_rad, weight, sigma_rad, variance_rad2)
     return Fit(
@@ -230,7 +231,9 @@ def possible_fits(result: Fit, limb: Limb) -> list[Fit]:
     return slices
 
 
-def _expected_unknowns(prior: Prior, overexposed: int, shift_numbers: Array) -> tuple[Array, Array]:
+def _expected_unknowns(
+    prior: Prior, overexposed: int, ⟦O:shift_numbers⟦B:shift⟦T:shift_parameters⟧: Array
+) -> tuple[Array, Array]:
     """All unknowns but the tilts beforehand, those of `_shift_body` last, and their 1-sigma."""
     expected = [
         0.0,
@@ -240,7 +243,7 @@ def _expected_unknowns(prior: Prior, overexposed: int, shift_numbers: Array) -> 
         0.0,
         0.0,
         *[OPTIONS.clipped_m, 0.0, 0.0] * overexposed,
-        *shift_numbers,
+        *⟦O:shift_numbers⟦B:shift⟦T:shift_parameters⟧,
     ]
     sigma = [
         prior.heading_sigma_rad,
@@ -250,7 +253,7 @@ def _expected_unknowns(prior: Prior, overexposed: int, shift_numbers: Array) -> 
         prior.bend_sigma_m,
         OPTIONS.drawn_sigma,
         *[OPTIONS.clipped_m, OPTIONS.clipped_lean_m, OPTIONS.clipped_bend_m] * overexposed,
-        *[1.0] * len(shift_numbers),
+        *[1.0] * len(⟦O:shift_numbers⟦B:shift⟦T:shift_parameters⟧),
     ]
     return np.array(expected), np.array(sigma)
 

@@ -50,6 +50,8 @@ class TrialOptions:
     # by how much the brightness may speak against a heading, in chi-square: between two of the
     # first, 45 deg apart, it changes by as much
     unlikely: float = 14.0
+    # less that a heading's likelihood counts for the covariance: no model may know the air in view
+    doubt: float = 2.0
     thinned: int = 8  # points one is kept, while headings are compared
     layer_least_m: float = 70e3  # Airglow lies at 80 to 100 km; lower is no layer
     any_height_m: float = 50e3  # a limb's height is then as good as unknown before its fit:
