@@ -22,7 +22,7 @@ def draw_overlay(
     longest_px: int = 1600,
 ) -> NDArray[np.uint8]:
     """The frame in 8-bit colour with the limb points used (green), the limb a plan expects
-    (orange; `HorizonPrediction.limb_px`) and the verdict, reduced ⟦O:longest_px⟦B:1600 pixels⟦T:to longest_px⟧ a side."""
+    (orange; `HorizonPrediction.limb_px`) and the verdict, reduced to longest_px a side."""
     shrink = max(1.0, max(pixels.shape[:2]) / longest_px)
     size = [max(round(side / shrink), 1) for side in pixels.shape[1::-1]]
     small = cv2.resize(pixels, size, interpolation=cv2.INTER_AREA)

@@ -162,8 +162,7 @@ def _nadir(fits: tuple[Fit, ...], limb: Limb, nadir_itrf: Array) -> Nadir:
     axes_body = across_axes(mean_body)
     turns_itrf = np.cross(np.stack([*limb.axes_itrf, limb.nadir_itrf]), nadir_itrf)
     covariance_rad2 = np.zeros((2, 2))
-    # The headings' likelihood counts less here: no model may know the air in view.
-    doubted = np.array([one.weight for one in fits]) ** 0⟦O:.5⟦B: / _DOUBT)⟦T: / OPTIONS.doubt)⟧
+    doubted = np.array([one.weight for one in fits]) ** (1.0 / OPTIONS.doubt)
     for one, weight in zip(fits, doubted / doubted.sum(), strict=True):
         across_from_turns = -axes_body @ one.c_body_from_itrf @ turns_itrf.T
         off_rad = axes_body @ (one.c_body_from_itrf @ nadir_itrf)

@@ -95,9 +95,7 @@ class HorizonRequest:
     body: Body = Body()
     predicted: PredictedAttitude | None = None
     rate_body_deg_s: tuple[_RateDegS, _RateDegS, _RateDegS] = (0.0, 0.0, 0.0)
-    rate_sigma_deg_s: Annotated[float, Within(0.0, 20.0)] = ⟦O:(
-        3.0  # of a craft that turns as fast as it may
-    )⟦B:RATE_SIGMA_DEG_S⟦T:3.0⟧
+    rate_sigma_deg_s: Annotated[float, Within(0.0, 20.0)] = 3.0
     overlay: bool = False
 
     def __post_init__(self) -> None:

@@ -18,9 +18,7 @@ import numpy as np
 from estimator.limb.geometry import Limb
 from estimator.limb.low_sun import sun_rise_m
 from estimator.limb.points import LimbPoints
-from ⟦O:estimator.request import HorizonRequest
-from ⟦B:estimator.request import RATE_SIGMA_DEG_S
-from ⟦T:⟧planner.base.arrays import Array
+from planner.base.arrays import Array
 
 ROUGHNESS_M = 0.8e3
 
@@ -73,7 +71,7 @@ class Prior:
     roughness_m: float
     sun_itrf: Array | None
     rate_body_rad_s: tuple[float, ...] = (0.0, 0.0, 0.0)
-    rate_sigma_rad_s: float = np.deg2rad(⟦O:HorizonRequest.rate_sigma_deg_s⟦B:RATE_SIGMA_DEG_S⟦T:3.0⟧)  # as good as unknown
+    rate_sigma_rad_s: float = np.deg2rad(3.0)  # as good as unknown
 
 
 @dataclass(frozen=True)
@@ -232,7 +230,7 @@ def possible_fits(result: Fit, limb: Limb) -> list[Fit]:
 
 
 def _expected_unknowns(
-    prior: Prior, overexposed: int, ⟦O:shift_numbers⟦B:shift⟦T:shift_parameters⟧: Array
+    prior: Prior, overexposed: int, shift_parameters: Array
 ) -> tuple[Array, Array]:
     """All unknowns but the tilts beforehand, those of `_shift_body` last, and their 1-sigma."""
     expected = [
@@ -243,7 +241,7 @@ def _expected_unknowns(
         0.0,
         0.0,
         *[OPTIONS.clipped_m, 0.0, 0.0] * overexposed,
-        *⟦O:shift_numbers⟦B:shift⟦T:shift_parameters⟧,
+        *shift_parameters,
     ]
     sigma = [
         prior.heading_sigma_rad,
@@ -253,7 +251,7 @@ def _expected_unknowns(
         prior.bend_sigma_m,
         OPTIONS.drawn_sigma,
         *[OPTIONS.clipped_m, OPTIONS.clipped_lean_m, OPTIONS.clipped_bend_m] * overexposed,
-        *[1.0] * len(⟦O:shift_numbers⟦B:shift⟦T:shift_parameters⟧),
+        *[1.0] * len(shift_parameters),
     ]
     return np.array(expected), np.array(sigma)
 
