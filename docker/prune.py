@@ -45,11 +45,10 @@ for line in open("/proc/self/maps"):
 """
 _TESTS = ("tests", "tornado/test", "sqlalchemy/testing", "alembic/testing")
 _DEVELOPMENT = ("*.a", "*.pyi", "*.h", "*.hpp", "*.cmake", "*.pc", "*.px?", "*.pyx", "*.lib", "*.c")
-# The IERS's other series; what zstandard takes where its own extension is not to be had; of Dask's
-# collections, XML, fonts, NumPy's tests and SciPy's formats what nothing here uses.
+# The IERS's other series; of Dask's collections, XML, fonts, NumPy's tests and SciPy's formats what
+# nothing here uses.
 _UNREAD = (
     "astropy_iers_data/data/eopc04*",
-    "zstandard/_cffi*",
     "dask/array",
     "dask/bag",
     "dask/dataframe",
