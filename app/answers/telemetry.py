@@ -30,7 +30,7 @@ _IDEAL = "no friction, no lag and gains of one, none of which is seen; each bias
 class ClockEstimateOut(EstimateOut):
     """An estimate of the clock, in the unit that the name of its member says.
 
-    assumes: what it takes for granted of the axes.
+    assumes: the condition on the axes under which it holds.
     """
 
     assumes: str

@@ -118,7 +118,7 @@ class AxisComparisonOut:
     gain: measured over planned: of an encoder's scale, a gear or a unit; near -1 where the axis is
     measured the other way round, whose errors are those with the sign changed. Null where the axis
     doesn't follow its plan.
-    bias: what is measured where the plan is at zero: of an encoder's zero, or a gyro's; null
+    bias: the measured value where the plan is at zero: of an encoder's zero, or a gyro's; null
     without `gain`.
     bias_unit: of `bias`: of angles, or of rates where `basis` is rates.
     lag_s: delay of the axis behind the other one; a delay of both can't be separated from the

@@ -96,7 +96,7 @@ def test_a_plan_never_changes_so_need_not_be_sent_twice(client, plan):
     as_it_is = {"Accept-Encoding": "identity"}
     tag = client.get(location, headers=as_it_is).headers["etag"]
     assert client.get(location).headers["cache-control"] == "private, no-cache"
-    for known in (tag, f'"other", W/{tag}', "*"):
+    for known in (tag, f'"other", {tag.removeprefix("W/")}', "*"):
         answer = client.get(location, headers=as_it_is | {"If-None-Match": known})
         assert (answer.status_code, answer.content) == (304, b"")
         assert answer.headers["etag"] == tag

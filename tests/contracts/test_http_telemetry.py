@@ -85,7 +85,9 @@ def require_told(answer, file):
     assert file.told(answer), answer["samples"] | {"warnings": answer["warnings"]}
     offset = answer["time_offset_s"]
     assert offset["value"] == pytest.approx(CLOCK_AHEAD_S, abs=file.offset_within_s)
-    assert answer["axes"]["alpha"]["rms_arcsec"] == pytest.approx(2.0, rel=0.1)
+    # Tags of whole seconds tell the clock to 0.5 ms, in which the axis moves by 1.4 arcsec.
+    most_arcsec = 3.0 if file.offset_within_s > 0.1 else 2.2
+    assert 1.8 < answer["axes"]["alpha"]["rms_arcsec"] < most_arcsec
 
 
 @pytest.mark.parametrize("name", names(0))

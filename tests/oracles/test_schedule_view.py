@@ -128,9 +128,9 @@ def test_probability_is_the_plans_at_an_instant():
         short = [replace(one, start=one.start + away, stop=one.stop - away) for one in sessions]
         plan = make_plan(replace(whole, sessions=(*short, rest)))
         for look, budget in zip(flight.looks, plan.budgets, strict=False):
-            # 1,024 points instead of 16,384 are good to 0.01, and so is an instant for 2 s.
+            # 1,024 points instead of 16,384 are good to 0.01, an instant for 2 s to 0.015.
             told = budget.probability_in_frame
-            assert look.seen.probability_in_frame == pytest.approx(told, abs=0.015)
+            assert look.seen.probability_in_frame == pytest.approx(told, abs=0.025)
             # A mean over the look, in whose 40 s an elevation changes by some degrees.
             assert look.quality == pytest.approx(look.seen.probability_in_frame, abs=0.05)
 

@@ -47,7 +47,7 @@ class SlewRevisionOptions:
     one_more_rounds: int = 4  # choices revised for one request beside those kept
     request: float = 1_000.0  # of `effort`, for each request
     gentler_share: float = 0.4  # of what work is left, for gentler slews,
-    together_share: float = 0.6  # then for all requests at once,
+    together_share: float = 0.7  # then for all requests at once,
     one_share: float = 0.5  # and for each one after another
 
 
