@@ -103,15 +103,19 @@ def _misfit_shares(
     rows = rows[np.unique(np.linspace(0, len(rows) - 1, OPTIONS.rows).round().astype(np.intp))]
     t_s = tag_s[rows] - offsets_s()[:, None]
     planned = _planned(motion, kind, t_s)
-    off = value[rows] - planned
-    if kind == "angle":
-        off = off - _TURN_RAD * np.round(off / _TURN_RAD)
+    off = _off_plan(value[rows], planned, kind)
     if is_biased:
         off = off - np.median(off, axis=1, keepdims=True)
     room = max(float(np.std(_planned(motion, kind, tag_s[rows]))), _still(kind))
     return np.asarray(
         np.where(motion.is_within(t_s), np.minimum(np.abs(off) / room, 1.0), 0.5).mean(axis=1)
     )
+
+
+def _off_plan(value: Array, planned_value: Array, kind: Kind) -> Array:
+    """Measured less planned; of angles to the nearest whole turn."""
+    off = value - planned_value
+    return off - _TURN_RAD * np.round(off / _TURN_RAD) if kind == "angle" else off
 
 
 def _planned(motion: PlannedMotion, kind: Kind, t_s: Array) -> Array:
@@ -278,9 +282,7 @@ def follows(value: Array, kind: Kind, t_s: Array, motion: PlannedMotion) -> bool
     if len(rows) < SAMPLES.rows_min:
         return None
     planned = (motion.angle_rad if kind == "angle" else motion.rate_rad_s)(t_s[rows])
-    off = value[rows] - planned
-    if kind == "angle":
-        off = off - 2.0 * np.pi * np.round(off / (2.0 * np.pi))
+    off = _off_plan(value[rows], planned, kind)
     planned, off = (_medians(one) for one in (planned, off))
     spread = float(np.std(planned))
     if spread < _still(kind):
