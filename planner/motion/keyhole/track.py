@@ -94,6 +94,7 @@ def nearest_track(
         axis_names=platform.axis_names,
         t_s=np.arange(motion.first_row, motion.last_row + 1) / ROWS_PER_S,
         axis_states=motion.axis_states,
+        los=los,
     )
 
 

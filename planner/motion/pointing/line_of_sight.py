@@ -13,6 +13,7 @@ from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.targets import VisibleTarget
 
 STENCIL = 7
+_SAME_S = 1e-6  # the resolution of a time in a request
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,6 +32,21 @@ class LineOfSight:
     los_acceleration_platform_per_s2: Array
     range_m: Array
     clearance_rad: Array
+
+    def between(self, start_s: float, stop_s: float) -> "LineOfSight":
+        """Its instants from one time to another, both included, on the clock of its instants."""
+        first, last = np.searchsorted(self.instants.t_s, [start_s - _SAME_S, stop_s + _SAME_S])
+        rows = slice(first, last)
+        states = OrbitStates(self.states.r_sat_eci_m[rows], self.states.v_sat_eci_m_s[rows])
+        return LineOfSight(
+            instants=Instants(self.instants.epoch_utc, self.instants.t_s[rows]),
+            states=states,
+            los_platform=self.los_platform[rows],
+            los_rate_platform_per_s=self.los_rate_platform_per_s[rows],
+            los_acceleration_platform_per_s2=self.los_acceleration_platform_per_s2[rows],
+            range_m=self.range_m[rows],
+            clearance_rad=self.clearance_rad[rows],
+        )
 
 
 def line_of_sight(

@@ -33,12 +33,14 @@ class AxisTrack:
 
     t_s: (n,), rows on the clock of the line of sight: the session, and the time around it
     over which the target can be followed within the limits too.
-    axis_states: angle, rate and acceleration (rad, s), (3, n, 2).
+    axis_states: angle, rate and acceleration (rad, s), (3, n, 2).  los: what is followed; None
+    where the motion itself is asked for.
     """
 
     axis_names: tuple[str, str]
     t_s: Array
     axis_states: Array
+    los: LineOfSight | None = None
 
     def motion(self, t_s: Array) -> tuple[Array, Array, Array]:
         """Angle, rate, acceleration, each (k, 2), at t_s (k,) within the rows."""
@@ -170,6 +172,7 @@ def _follow(
                     axis_names=platform.axis_names,
                     t_s=t_s[here][rows],
                     axis_states=axis_states[:, rows],
+                    los=los,
                 )
             )
     return ways, breaks

@@ -12,6 +12,7 @@ from planner.base.effort import at_most
 from planner.base.errors import SearchEnded, VerificationFailed
 from planner.base.solvers import merged
 from planner.motion.baseline import compare_with_spline
+from planner.motion.pointing.line_of_sight import LineOfSight
 from planner.planning.sessions.assembly import assemble_table, sessions_after_conflicts, table_work
 from planner.planning.sessions.budget import PointingBudget
 from planner.planning.sessions.final import with_final_slew
@@ -29,8 +30,6 @@ from planner.world.orbits import Ephemeris
 from planner.world.plan import Segment, SegmentKind
 from planner.world.scenario import Scenario, Session, SlewOptions
 from planner.world.targets import BenchMotionTarget
-
-BUDGET_INSTANTS = 31  # errors vary over a pass, not from row to row
 
 
 def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: None) -> Plan:
@@ -65,7 +64,8 @@ def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: No
     table = assemble_table(epoch_utc, scenario.platform.axis_names, joins)
     with stage("pointing budget"):
         budgets = tuple(
-            session_budget(final, ephemeris, table, session) for session in final.sessions
+            session_budget(final, ephemeris, table, session, join.track.los)
+            for session, join in zip(final.sessions, onto_tracks, strict=True)
         )
     misses = [budget.warning(number) for number, budget in enumerate(budgets) if budget]
     with stage("verification"):
@@ -170,15 +170,22 @@ def _segments(scenario: Scenario, joins: list[Join]) -> tuple[Segment, ...]:
 
 
 def session_budget(
-    scenario: Scenario, ephemeris: Ephemeris, table: CommandTable, session: Session
+    scenario: Scenario,
+    ephemeris: Ephemeris,
+    table: CommandTable,
+    session: Session,
+    los: LineOfSight | None = None,
 ) -> PointingBudget | None:
-    """Of the linear kind; None where no target is looked at.  ephemeris: over the session."""
+    """Of the linear kind; None where no target is looked at.
+
+    ephemeris: over the session.  los: over the session and more, where it is known already.
+    """
     if isinstance(session.target, BenchMotionTarget):
         return None
     rows = session_rows(session, scenario.initial_state.epoch)
-    # A target followed only nearly is off by itself, for seconds: every row is looked at.
-    count = BUDGET_INSTANTS if session.keyhole == "refuse" else None
-    los = sight(scenario, ephemeris, session.target, rows, count)
+    if los is None:
+        los = sight(scenario, ephemeris, session.target, rows)
+    los = los.between(rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S)
     angle_rad = [np.interp(los.instants.t_s, table.t_s, angle) for angle in table.angle_rad.T]
     return pointing_budget(
         los,
