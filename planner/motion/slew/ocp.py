@@ -43,10 +43,10 @@ SPAN, SPAN_ON_ROWS = 1.15, 2.4
 STRAINED_SHARE = 4.0  # of an iteration that is strained, and by so much dearer
 MADE, MADE_SPAN, MADE_RESIDUAL = 300.0, 20.0, 0.5
 MULTIPLIER_MOST = 1e12  # beside a cost of 1: no motion keeps the limits, and to go on is dear
-Start = Literal["quick", "warm", "cold", "roomy"]
+Start = Literal["quick", "near", "warm", "cold", "roomy"]
 
-# How the programme is solved.  Cold: from a rough motion.  Warm: from one that all but solves it,
-# with its multipliers.  Roomy: the same, where an end leaves no room between bounds.  Quick: by
+# How the programme is solved.  Cold: from a rough motion.  Near: from one that all but solves it.
+# Warm: the same with its multipliers.  Roomy: the same, where an end leaves no room between bounds.  Quick: by
 # PIQP, to learn where knots belong.
 COLD: Options = {
     "tol": 1e-5,  # of the dual; the cost is right to 1e-8
@@ -66,6 +66,7 @@ COLD: Options = {
     "mumps_permuting_scaling": 0,
     "mumps_pivot_order": 0,  # AMD: with modes what MUMPS chooses takes up to ten times as long
 }
+NEAR: Options = {**COLD, "mu_init": 1e-6, "bound_push": 1e-6, "bound_frac": 1e-6}
 WARM: Options = {
     **COLD,
     "mu_init": 1e-6,
@@ -83,6 +84,7 @@ ROOMY: Options = {**WARM, "bound_relax_factor": 1e-9}
 QUICK: Options = {"eps_abs": 1e-9, "eps_rel": 1e-9, "max_iter": 60}
 STARTS: dict[Start, tuple[Plugin, Options]] = {
     "quick": ("piqp", QUICK),
+    "near": ("ipopt", NEAR),
     "warm": ("ipopt", WARM),
     "cold": ("ipopt", COLD),
     "roomy": ("ipopt", ROOMY),

@@ -146,7 +146,7 @@ def smoothest(
     axis = _Axis(slew, rows, known)
     unit = axis.normal.cost_unit_rad2_s5
     is_first_flown = axis.is_unbound and not slew.avoid_modes and may_fly is not None
-    starts = SURE if is_first_flown else _quick()
+    starts = ("near", *SURE[1:]) if is_first_flown else _quick()
     best, bound, iterations = _place_knots(axis, lower_bound_rad2_s5 / unit, starts)
     calm = axis.calmest(best) if best is not None and slew.avoid_modes else None
     found = calm or best
