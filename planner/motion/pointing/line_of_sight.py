@@ -13,7 +13,6 @@ from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.targets import VisibleTarget
 
 STENCIL = 7
-_SAME_S = 1e-6  # the resolution of a time in a request
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,7 +34,9 @@ class LineOfSight:
 
     def between(self, start_s: float, stop_s: float) -> "LineOfSight":
         """Its instants from one time to another, both included, on the clock of its instants."""
-        first, last = np.searchsorted(self.instants.t_s, [start_s - _SAME_S, stop_s + _SAME_S])
+        half_step_s = 0.5 * (self.instants.t_s[1] - self.instants.t_s[0])
+        ends_s = [start_s - half_step_s, stop_s + half_step_s]
+        first, last = np.searchsorted(self.instants.t_s, ends_s)
         rows = slice(first, last)
         states = OrbitStates(self.states.r_sat_eci_m[rows], self.states.v_sat_eci_m_s[rows])
         return LineOfSight(

@@ -46,8 +46,8 @@ MULTIPLIER_MOST = 1e12  # beside a cost of 1: no motion keeps the limits, and to
 Start = Literal["quick", "near", "warm", "cold", "roomy"]
 
 # How the programme is solved.  Cold: from a rough motion.  Near: from one that all but solves it.
-# Warm: the same with its multipliers.  Roomy: the same, where an end leaves no room between bounds.  Quick: by
-# PIQP, to learn where knots belong.
+# Warm: from such a one with its multipliers.  Roomy: the same, where an end leaves no room between
+# bounds.  Quick: by PIQP, to learn where knots belong.
 COLD: Options = {
     "tol": 1e-5,  # of the dual; the cost is right to 1e-8
     "max_iter": 50,  # those that succeed need a dozen; what fails goes on at five times the cost
