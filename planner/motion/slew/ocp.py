@@ -310,9 +310,8 @@ def solve(given: SpanProgramme, begin: Begin, start: Start) -> Solved:
         jerks[given.rows.flat, 1] = jerks[given.rows.flat, 0]
     at_knots = answer.lam_x_numbers[: 3 * n].reshape(n, 3) / UNITS[:3]
     at_knots[0] = 0.0  # the first state is given
-    between = (
-        answer.lam_g_numbers[3 * n : 3 * n + places.size].reshape(places.shape) / UNITS[orders]
-    )
+    held = answer.lam_g_numbers[3 * n : 3 * n + places.size]
+    between = held.reshape(places.shape) / UNITS[orders]
     return Solved(
         jerks=jerks,
         multipliers=np.hstack([at_knots, between]) / (2.0 * given.weight),

@@ -319,10 +319,8 @@ class _Axis:
     def _by_first(
         self, grid: _Grid, given: SpanProgramme, begin: Begin, starts: tuple[Start, ...]
     ) -> _Motion | None:
-        jerk_max, flat = self.limits[3, 1], np.zeros(len(given.widths), dtype=bool)
-        if given.rows is not None:
-            flat = given.rows.flat
-        iterations = 0
+        jerk_max, iterations = self.limits[3, 1], 0
+        flat = np.zeros(len(given.widths), bool) if given.rows is None else given.rows.flat
         for start in starts:
             solved = solve(given, begin, start)
             effort.count(JUDGED + JUDGED_SPAN * len(flat))

@@ -302,9 +302,8 @@ def reproduces(profile: AxisProfile, rows: int, limits: AxisLimits) -> bool:
 
     The jerk of the Hermite is a weighted mean of the plan's, so it needs no test.
     """
-    return (
-        not cells_that_break(profile, rows, limits).size
-        and not cells_that_leave(profile, rows).size
+    return not (
+        cells_that_break(profile, rows, limits).size or cells_that_leave(profile, rows).size
     )
 
 
