@@ -16,7 +16,7 @@ from planner.base.arrays import Array
 from planner.base.errors import OutsideCoverage
 from planner.verification.air import TOP_M, limb_bending_rad
 from planner.verification.clock import DAY_S, tt_s
-from planner.verification.earth import earth_orientation
+from planner.verification.earth import earth_orientation, interpolate_evenly
 from planner.verification.earth_fixed import WGS84_A_M, WGS84_A_OVER_B, vertical
 from planner.verification.light import SPEED_OF_LIGHT_M_S, aberrate, bend_by_sun
 from planner.world.frames.time_scales import Instants
@@ -164,10 +164,7 @@ def v_earth_bary_m_s(at_tdb_s: Array) -> Array:
     count = max(_NODES_MIN, int(np.ceil(span_s / _NODE_SPACING_MAX_S)) + 1)
     node_s = np.linspace(at_tdb_s[0], at_tdb_s[-1], count)
     _, barycentric = erfa.epv00(_J2000_JD, node_s / DAY_S)
-    # SciPy's interpolators take 0.2 s to import, which only a plan should pay.
-    from scipy.interpolate import CubicSpline
-
-    return np.asarray(CubicSpline(node_s, barycentric["v"] * _AU_PER_DAY_M_S)(at_tdb_s))
+    return interpolate_evenly(node_s, barycentric["v"] * _AU_PER_DAY_M_S, at_tdb_s)
 
 
 @cache
