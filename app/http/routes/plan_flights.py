@@ -138,6 +138,6 @@ def _require_plan(connection: Connection, plan_id: str) -> Job:
         raise HTTPException(
             HTTPStatus.NOT_FOUND,
             "flights are of plans of the platform; a spacecraft's plan tells what its own "
-            "closed-loop runs did, in `flight`",
+            "closed-loop runs did, in `stabilisation`",
         )
     return job_of(connection, PLANS, plan_id)

@@ -127,7 +127,7 @@ async def _plan_of(request: Request, plan_id: str) -> tuple[bytes, StoredPlan]:
         if job is not None and job.kind == SPACECRAFT_PLAN.name:
             raise InvalidInput(
                 "telemetry is compared with plans of the platform; a spacecraft's plan tells what "
-                "its own closed-loop runs did, in `flight`",
+                "its own closed-loop runs did, in `stabilisation`",
                 field="plan",
             )
         if job is None or job.kind != PLAN.name:
