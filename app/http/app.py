@@ -19,7 +19,6 @@ from app.http import problems as errors
 from app.http.admission.access import Access
 from app.http.admission.gate import Gate
 from app.http.admission.key_lookup import KeyLookup
-from app.http.admission.watch import Watch
 from app.http.head_as_get import HeadAsGet
 from app.http.metrics import Metrics
 from app.http.openapi.schema import DESCRIPTION, TAGS, complete
@@ -31,6 +30,7 @@ from app.http.readiness import (
     earth_orientation_covers_now,
     solver_answers,
 )
+from app.http.request_log import RequestLog
 from app.http.routes import (
     campaigns,
     flights,
@@ -152,7 +152,7 @@ def _guard_and_watch(app: FastAPI, settings: Settings) -> None:
     )
     app.add_middleware(HeadAsGet)
     app.add_middleware(Gate, access=access, settings=settings, stopping=app.state.stopping)
-    app.add_middleware(Watch, metrics=app.state.metrics)
+    app.add_middleware(RequestLog, metrics=app.state.metrics)
     # The last added is the outermost: pages may read whatever is answered.
     if settings.origins:
         app.add_middleware(

@@ -131,7 +131,7 @@ def _add_post(router: APIRouter, resource: SearchResource) -> None:
 
         The search is kept under `id`, at Location.
         """
-        form = preferred_type(request, FORMS)
+        media_type = preferred_type(request, FORMS)
         begun_utc = datetime.now(UTC)
         spec = await anyio.to_thread.run_sync(resource.read, body)
         origin = provenance(begun_utc, body)
@@ -140,15 +140,15 @@ def _add_post(router: APIRouter, resource: SearchResource) -> None:
         new = new_job(request, resource, spec, body, deadline_s=deadline_s)
         await anyio.to_thread.run_sync(_keep, request, new, begun_utc, found)
         headers = {"Location": f"{resource.path}/{new.id}", "Vary": "Accept"}
-        answer = await _whole(request, new.id, found, form)
-        return Response(answer, HTTPStatus.OK, headers | _saved(found.head, form), form)
+        answer = await _whole(request, new.id, found, media_type)
+        return Response(answer, HTTPStatus.OK, headers | _saved(found.head, media_type), media_type)
 
 
-def _saved(head: bytes, form: str) -> dict[str, str]:
+def _saved(head: bytes, media_type: str) -> dict[str, str]:
     """The header that names a file after its search."""
-    if form == JSON:
+    if media_type == JSON:
         return {}
-    return saved_as(json.loads(head)["name"], "opportunities", _SUFFIXES[form])
+    return saved_as(json.loads(head)["name"], "opportunities", _SUFFIXES[media_type])
 
 
 def _keep(request: Request, new: NewJob, begun_utc: datetime, found: FoundWindows) -> None:
@@ -160,20 +160,20 @@ def _keep(request: Request, new: NewJob, begun_utc: datetime, found: FoundWindow
         audit.record(connection, key_id=new.key_id, action=f"{new.kind}.accept", subject=new.id)
 
 
-async def _whole(request: Request, search_id: str, found: FoundWindows, form: str) -> bytes:
+async def _whole(request: Request, search_id: str, found: FoundWindows, media_type: str) -> bytes:
     """All that was found."""
-    if form == JSON:
+    if media_type == JSON:
         return whole_opportunities(search_id, found)
     members = {"id": search_id, **json.loads(found.head)}
-    return await _in_form(request, form, found.windows, members)
+    return await _in_form(request, media_type, found.windows, members)
 
 
 async def _in_form(
-    request: Request, form: str, windows: Sequence[bytes], members: Mapping[str, object]
+    request: Request, media_type: str, windows: Sequence[bytes], members: Mapping[str, object]
 ) -> bytes:
     if sum(map(len, windows)) > _PACKED_MAX_BYTES:
-        return await in_child(request, EXPORT_BOUNDS, windows_in_form, form, windows, members)
-    return windows_in_form(form, windows, members)
+        return await in_child(request, EXPORT_BOUNDS, windows_in_form, media_type, windows, members)
+    return windows_in_form(media_type, windows, members)
 
 
 def _add_one(router: APIRouter, resource: SearchResource) -> None:
@@ -185,16 +185,16 @@ def _add_one(router: APIRouter, resource: SearchResource) -> None:
     )
     async def get_search(request: Request, search_id: PathId) -> Response:
         """A search never changes."""
-        form = preferred_type(request, FORMS)
-        tag = _tag(search_id, form)
+        media_type = preferred_type(request, FORMS)
+        tag = _tag(search_id, media_type)
         if is_known_already(request, tag):
             await find_job(request, resource, search_id)
             return not_modified(tag)
         search = await _find(request, resource, search_id)
         found = FoundWindows(search.head, search.windows)
-        answer = await _whole(request, search_id, found, form)
-        headers = revalidated(tag) | _saved(found.head, form)
-        return Response(answer, HTTPStatus.OK, headers, form)
+        answer = await _whole(request, search_id, found, media_type)
+        headers = revalidated(tag) | _saved(found.head, media_type)
+        return Response(answer, HTTPStatus.OK, headers, media_type)
 
 
 def _add_windows(router: APIRouter, resource: SearchResource) -> None:
@@ -218,8 +218,8 @@ def _add_windows(router: APIRouter, resource: SearchResource) -> None:
         request: Request, search_id: PathId, query: Annotated[WindowsQuery, Query()]
     ) -> Response:
         """They follow the order of the request's targets, those of each target in order of time."""
-        form = preferred_type(request, FORMS)
-        tag = _tag(search_id, form, query)
+        media_type = preferred_type(request, FORMS)
+        tag = _tag(search_id, media_type, query)
         if is_known_already(request, tag):
             await find_job(request, resource, search_id)
             return not_modified(tag)
@@ -237,12 +237,12 @@ def _add_windows(router: APIRouter, resource: SearchResource) -> None:
         if after is not None:
             url = request.url.include_query_params(cursor=after)
             headers["Link"] = f'<{url.path}?{url.query}>; rel="next"'
-        if form == JSON:
+        if media_type == JSON:
             body = b"".join([b'{"windows":[', b",".join(shown), b'],"next":', to_json(after), b"}"])
-            return Response(body, HTTPStatus.OK, headers, form)
-        headers |= _saved(search.head, form)
-        answer = await _in_form(request, form, shown, {"next": after})
-        return Response(answer, HTTPStatus.OK, headers, form)
+            return Response(body, HTTPStatus.OK, headers, media_type)
+        headers |= _saved(search.head, media_type)
+        answer = await _in_form(request, media_type, shown, {"next": after})
+        return Response(answer, HTTPStatus.OK, headers, media_type)
 
 
 def _add_delete(router: APIRouter, resource: SearchResource) -> None:
@@ -278,7 +278,7 @@ async def _find(
     return search
 
 
-def _tag(search_id: str, form: str, page: WindowsQuery | None = None) -> str:
+def _tag(search_id: str, media_type: str, page: WindowsQuery | None = None) -> str:
     """Of all that was found, or of a page of it."""
     which = "" if page is None else f"-{hashlib.sha256(to_json(page)).hexdigest()[:32]}"
-    return tag_for_good(search_id, f"{form.rsplit('/')[-1]}{which}")
+    return tag_for_good(search_id, f"{media_type.rsplit('/')[-1]}{which}")

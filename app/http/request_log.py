@@ -13,7 +13,7 @@ from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from app.answers.problem import bug, problem_of
-from app.http.admission.headers import REQUEST_ID, harden, remember_request_id, request_id_of
+from app.http.headers import REQUEST_ID, harden, remember_request_id, request_id_of
 from app.http.metrics import UNMATCHED, Metrics
 from app.http.problems import problem_answer, problem_type
 from app.log.logs import log
@@ -24,8 +24,8 @@ CLIENT_GONE = 499  # as nginx logs it; never sent
 _QUIET = frozenset({"/healthz", "/readyz", "/metrics"})  # asked every few seconds for ever
 
 
-class Watch:
-    """ASGI middleware."""
+class RequestLog:
+    """ASGI middleware, the outermost of ours."""
 
     def __init__(self, app: ASGIApp, metrics: Metrics) -> None:
         self._app = app
