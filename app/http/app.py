@@ -14,7 +14,7 @@ from fastapi.routing import APIRoute
 from starlette.middleware.cors import CORSMiddleware
 from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddleware
 
-from app.http import pages
+from app.http import documentation
 from app.http import problems as errors
 from app.http.admission.access import Access
 from app.http.admission.gate import Gate
@@ -103,7 +103,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         openapi_tags=TAGS,
         docs_url=None,  # our own work without a CDN
         redoc_url=None,
-        openapi_url=None,  # pages.py answers it without building it anew each time
+        openapi_url=None,  # documentation.py answers it without building it anew each time
         dependencies=[Depends(require_sound_query)],
     )
     app.state.settings = settings
@@ -114,9 +114,9 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     for route in _routes():
         app.state.methods.setdefault(route.path, set()).update(route.methods)
     app.state.children = anyio.CapacityLimiter(os.cpu_count() or 1)
-    for router in (*_OF_API, pages.router):
+    for router in (*_OF_API, documentation.router):
         app.include_router(router)
-    pages.serve_files(app)
+    documentation.serve_files(app)
     serve_page(app)
     errors.install(app)
     _guard_and_watch(app, settings)

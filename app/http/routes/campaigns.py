@@ -30,7 +30,7 @@ from app.http.routes.job_routes import (
     answer_to_post,
     job_of,
 )
-from app.http.routes.queries import IdempotencyKey, Prefer
+from app.http.routes.parameters import IdempotencyKey, Prefer
 from app.http.routes.resources import JobResource
 from app.jobs.kinds import CAMPAIGN
 from app.requests.campaign import read_campaign_request

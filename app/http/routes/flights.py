@@ -22,8 +22,8 @@ from app.http.routes.job_routes import (
     answer_to_post,
     job_of,
 )
+from app.http.routes.parameters import IdempotencyKey, ListQuery, PathId, Prefer
 from app.http.routes.plans import PLANS
-from app.http.routes.queries import IdempotencyKey, ListQuery, PathId, Prefer
 from app.http.routes.resources import JobResource
 from app.http.waiting import WAIT_S
 from app.jobs.kinds import FLIGHTS, SPACECRAFT_PLAN

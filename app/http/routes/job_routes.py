@@ -25,7 +25,7 @@ from app.http.negotiation import (
 )
 from app.http.openapi.schema import REF
 from app.http.problems import problem_answer
-from app.http.routes.queries import ListQuery, PathId, last_event_id, read_query
+from app.http.routes.parameters import ListQuery, PathId, last_event_id, read_query
 from app.http.routes.resources import JobResource
 from app.http.waiting import Patience, patience, wait_for_end
 from app.jobs.dispatcher import Dispatcher

@@ -40,7 +40,7 @@ from app.http.routes.job_routes import (
     tag_for_good,
     tag_of,
 )
-from app.http.routes.queries import (
+from app.http.routes.parameters import (
     IdempotencyKey,
     PathId,
     PlanViewQuery,

@@ -5,8 +5,8 @@ from app.answers.spacecraft import SpacecraftDryRunResponse, SpacecraftPlanRespo
 from app.answers.spacecraft_view import SpacecraftViewResponse
 from app.answers.view import PlanViewResponse
 from app.http.routes.end_of_plan import from_end_of_plan
+from app.http.routes.parameters import PlanListQuery
 from app.http.routes.plan_routes import plan_routes
-from app.http.routes.queries import PlanListQuery
 from app.http.routes.resources import PlanResource
 from app.jobs.kinds import PLAN, SPACECRAFT_PLAN
 from app.requests.examples import PLAN_EXAMPLES, SPACECRAFT_EXAMPLES

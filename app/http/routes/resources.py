@@ -8,7 +8,7 @@ from typing import Any
 from app.answers.job import PlanList, list_json
 from app.answers.members import ProvenanceOut
 from app.http.negotiation import JSON
-from app.http.routes.queries import ListQuery
+from app.http.routes.parameters import ListQuery
 from app.requests.examples import Examples
 from app.store.database import Database
 from app.store.jobs import Job

@@ -42,7 +42,7 @@ from app.http.routes.job_routes import (
     new_job,
     tag_for_good,
 )
-from app.http.routes.queries import PathId
+from app.http.routes.parameters import PathId
 from app.http.routes.resources import JobResource
 from app.jobs.child import Bounds
 from app.store import audit, jobs, searches

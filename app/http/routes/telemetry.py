@@ -21,7 +21,7 @@ from app.http.negotiation import (
     whole_body,
 )
 from app.http.openapi.schema import REF, form_body_of, json_body_of
-from app.http.routes.queries import TableQuery, read_query, with_formats
+from app.http.routes.parameters import TableQuery, read_query, with_formats
 from app.jobs.child import Bounds
 from app.jobs.kinds import PLAN, SPACECRAFT_PLAN
 from app.jobs.refusals import Conflict
