@@ -14,15 +14,14 @@ from fastapi.routing import APIRoute
 from starlette.middleware.cors import CORSMiddleware
 from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddleware
 
-from app.http import pages
+from app.http import documentation
 from app.http import problems as errors
 from app.http.admission.access import Access
 from app.http.admission.gate import Gate
 from app.http.admission.key_lookup import KeyLookup
-from app.http.admission.watch import Watch
 from app.http.head_as_get import HeadAsGet
 from app.http.metrics import Metrics
-from app.http.openapi.schema import complete
+from app.http.openapi.schema import DESCRIPTION, TAGS, complete
 from app.http.planners_page import serve_page
 from app.http.query import require_sound_query
 from app.http.readiness import (
@@ -31,17 +30,14 @@ from app.http.readiness import (
     earth_orientation_covers_now,
     solver_answers,
 )
+from app.http.request_log import RequestLog
 from app.http.routes import (
     campaigns,
     flights,
     horizon,
-    imaging_opportunities,
     names,
     opportunities,
-    plan_flights,
     plans,
-    platforms,
-    spacecraft,
     system,
     telemetry,
 )
@@ -56,33 +52,6 @@ from app.store.ids import JobState
 from app.store.keys import KeyStore
 from app.store.migrate import upgrade
 from app.versions import VERSION
-
-_DESCRIPTION = """\
-Plans how a two-axis platform on a spacecraft points its camera: target and session time in,
-a verified command table every 0.2 s out.
-
-Angles are in degrees, times RFC 3339 with an offset, quaternions scalar last. Whatever is
-refused is refused as `application/problem+json` with the field, the reason and the way out.
-Every answer carries `X-Request-ID`, yours if you sent one; a problem's `instance` and the
-service's log name the same. Beyond loopback send `Authorization: Bearer` with an API key."""
-
-_TAGS = [
-    {"name": name, "description": meaning}
-    for name, meaning in (
-        ("plans", "Verified command tables of a two-axis platform, planned from sessions."),
-        ("flights", "Plans simulated many times with errors drawn at random."),
-        ("opportunities", "Windows of time in which targets can be seen."),
-        ("campaigns", "Sessions of many targets over days, chosen, ordered and planned."),
-        (
-            "horizon",
-            "The local vertical measured in images of the horizon, and views of horizon cameras.",
-        ),
-        ("telemetry", "Telemetry compared with the plan that was flown."),
-        ("spacecraft", "Imaging sessions of the agile CMG spacecraft."),
-        ("platforms", "Platforms, places and stars that a request can name."),
-        ("system", "Health, metrics and audit log, for operators and monitors."),
-    )
-]
 
 # Of pages of other origins, and for them: Fetch standard, section 3.2 (CORS protocol).
 _HEADERS_TAKEN = (
@@ -106,18 +75,17 @@ _HEADERS_TO_READ = (
 )
 
 _OF_API = (
-    plans,
-    opportunities,
-    campaigns,
-    plan_flights,
-    flights,
-    horizon,
-    telemetry,
-    spacecraft,
-    imaging_opportunities,
-    platforms,
-    names,
-    system,
+    plans.router,
+    opportunities.router,
+    campaigns.router,
+    flights.of_plan,
+    flights.router,
+    horizon.router,
+    telemetry.router,
+    plans.of_spacecraft,
+    opportunities.of_spacecraft,
+    names.router,
+    system.router,
 )
 
 
@@ -127,15 +95,15 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app = FastAPI(
         title="slewtrack",
         version=VERSION,
-        description=_DESCRIPTION,
+        description=DESCRIPTION,
         redirect_slashes=False,
         lifespan=_ready_for_children,
         separate_input_output_schemas=False,
         generate_unique_id_function=_operation_id,
-        openapi_tags=_TAGS,
+        openapi_tags=TAGS,
         docs_url=None,  # our own work without a CDN
         redoc_url=None,
-        openapi_url=None,  # pages.py answers it without building it anew each time
+        openapi_url=None,  # documentation.py answers it without building it anew each time
         dependencies=[Depends(require_sound_query)],
     )
     app.state.settings = settings
@@ -146,9 +114,9 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     for route in _routes():
         app.state.methods.setdefault(route.path, set()).update(route.methods)
     app.state.children = anyio.CapacityLimiter(os.cpu_count() or 1)
-    for resource in (*_OF_API, pages):
-        app.include_router(resource.router)
-    pages.serve_files(app)
+    for router in (*_OF_API, documentation.router):
+        app.include_router(router)
+    documentation.serve_files(app)
     serve_page(app)
     errors.install(app)
     _guard_and_watch(app, settings)
@@ -184,7 +152,7 @@ def _guard_and_watch(app: FastAPI, settings: Settings) -> None:
     )
     app.add_middleware(HeadAsGet)
     app.add_middleware(Gate, access=access, settings=settings, stopping=app.state.stopping)
-    app.add_middleware(Watch, metrics=app.state.metrics)
+    app.add_middleware(RequestLog, metrics=app.state.metrics)
     # The last added is the outermost: pages may read whatever is answered.
     if settings.origins:
         app.add_middleware(
@@ -265,8 +233,8 @@ def _answers() -> Iterator[object]:
 
 
 def _routes() -> Iterator[APIRoute]:
-    for resource in _OF_API:
-        yield from (route for route in resource.router.routes if isinstance(route, APIRoute))
+    for router in _OF_API:
+        yield from (route for route in router.routes if isinstance(route, APIRoute))
 
 
 def _operation_id(route: APIRoute) -> str:

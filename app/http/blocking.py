@@ -19,6 +19,9 @@ from app.store.database import Database
 
 T = TypeVar("T")
 
+# Enough for many times a pass; the longest table there is covers a day.
+EXPORT_BOUNDS = Bounds(deadline_s=120.0, memory_mib=2000)
+
 
 async def read(request: Request, reading: Callable[[Connection], T]) -> T:
     """What `reading` returns in one transaction, in a thread."""

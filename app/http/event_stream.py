@@ -21,7 +21,6 @@ from app.store.jobs import Job
 from app.store.unavailable import StoreDamaged, StoreUnavailable
 from planner.world.frames.time_scales import utc_text
 
-EVENT_STREAM = "text/event-stream"
 _LOOK_S = 0.25
 _SILENCE_S = 15.0  # proxies cut connections nothing comes over
 _RETRY_MS = 2000  # before a browser asks again where a connection broke

@@ -1,15 +1,23 @@
-"""Content negotiation: the forms this service reads and writes."""
+"""Content negotiation: the media types this service reads and writes, and ETags."""
 
+import re
+from collections.abc import Mapping
 from http import HTTPStatus
 
-from fastapi import HTTPException, Request
+from fastapi import Depends, HTTPException, Request, Response
 
 JSON = "application/json"
+MULTIPART = "multipart/form-data"
+EVENT_STREAM = "text/event-stream"
+_NAME_MAX = 60
 
 
-async def accepts_json(request: Request) -> None:
-    """Refuse with 406 a client that wants something else than JSON."""
+async def _accepts_json(request: Request) -> None:
     preferred_type(request, (JSON,))
+
+
+# Of a route: it refuses with 406 a client that wants something else than JSON.
+ONLY_JSON = (Depends(_accepts_json),)
 
 
 def preferred_type(request: Request, offered: tuple[str, ...]) -> str:
@@ -28,6 +36,12 @@ def preferred_type(request: Request, offered: tuple[str, ...]) -> str:
     return offered[weights.index(best)]
 
 
+def format_of(request: Request, media_type_by_format: Mapping[str, str]) -> str:
+    """The format that the Accept header asks for; raises 406."""
+    wanted = preferred_type(request, tuple(media_type_by_format.values()))
+    return next(name for name, media in media_type_by_format.items() if media == wanted)
+
+
 def is_known_already(request: Request, tag: str) -> bool:
     """Whether If-None-Match names this ETag.  Source: RFC 9110, section 13.1.2."""
     known = [one.strip() for one in request.headers.get("if-none-match", "").split(",")]
@@ -42,14 +56,42 @@ def weak_tag(name: str) -> str:
     return f'W/"{name}"'
 
 
+def revalidated(tag: str) -> dict[str, str]:
+    """Headers of an answer to keep by a client that asks each time whether it still holds."""
+    return {"Cache-Control": "private, no-cache", "Vary": "Accept", "ETag": tag}
+
+
+def not_modified(tag: str) -> Response:
+    """Of what the client has already."""
+    return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=revalidated(tag))
+
+
+def saved_as(name: str, otherwise: str, suffix: str, shown_as: str | None = None) -> dict[str, str]:
+    """The header of a file to save, named in letters, digits and hyphens after what it is of.
+
+    shown_as: its media type, where a browser may show it: pictures are.
+    """
+    words = re.findall(r"[A-Za-z0-9]+", name)
+    file = ("-".join(words)[:_NAME_MAX] or otherwise) + suffix
+    how = "inline" if shown_as is not None and shown_as.startswith("image/") else "attachment"
+    return {"Content-Disposition": f'{how}; filename="{file}"'}
+
+
+def media_type_of(request: Request) -> str:
+    """The media type of its body; empty without."""
+    return request.headers.get("content-type", "").split(";")[0].strip().lower()
+
+
+def unsupported(request: Request, way_out: str) -> HTTPException:
+    """The 415 of a body of another media type; way_out: what to send."""
+    given = media_type_of(request)[:80] or "without a Content-Type"
+    return HTTPException(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, f"send {way_out}, not {given}")
+
+
 async def json_body(request: Request) -> bytes:
     """The whole body; refused with 415 when it isn't JSON, with 413 when it is too long."""
-    media_type = request.headers.get("content-type", "").split(";")[0].strip().lower()
-    if media_type != JSON:
-        raise HTTPException(
-            HTTPStatus.UNSUPPORTED_MEDIA_TYPE,
-            f"send the request with Content-Type: {JSON}, not {media_type[:80] or 'without one'}",
-        )
+    if media_type_of(request) != JSON:
+        raise unsupported(request, f"the request with Content-Type: {JSON}")
     return await whole_body(request, request.app.state.settings.max_body_bytes)
 
 

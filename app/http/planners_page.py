@@ -11,7 +11,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import Scope
 
 from app.http.admission.access import BUILT_FILES, PAGE_ROOMS
-from app.http.admission.headers import PLANNERS_PAGE_CONTENT_POLICY
+from app.http.headers import PLANNERS_PAGE_CONTENT_POLICY
 from app.http.negotiation import JSON, is_known_already, preferred_type, weak_tag
 
 BUILT = Path(__file__).parent / "page"

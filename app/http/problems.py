@@ -14,7 +14,7 @@ from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
 
 from app.answers.problem import TYPE_PREFIX, Problem, problem_of
-from app.http.admission.headers import instance
+from app.http.headers import instance
 from app.requests.json_reader import field_errors
 from app.store.unavailable import StoreDamaged
 from planner.base.errors import InvalidRequest, Refusal

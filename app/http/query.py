@@ -50,7 +50,8 @@ async def require_sound_query(request: Request) -> None:
         for name, count in times.items()
         if count > 1
     ]
-    if not route.dependant.query_params:
+    whole = route.dependant
+    if not any(one.query_params for one in (whole, *whole.dependencies)):
         detail = "is not known here; remove it or correct its name"
         errors += [FieldError(field=f"query.{name}", detail=detail) for name in times]
     if errors:

@@ -3,13 +3,12 @@
 import asyncio
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from datetime import UTC, datetime
-from typing import Literal
 
 import numpy as np
 from anyio import to_thread
 
+from app.answers.service import ReadinessCheckOut, State
 from app.jobs.child import Bounds
 from app.jobs.worker_process import run_in_worker
 from app.log.logs import log
@@ -19,7 +18,6 @@ from planner.base.solvers import Solver, Work
 from planner.world.frames.earth_orientation import iers_data_end_utc
 from planner.world.frames.time_scales import DAY_S, elapsed_s
 
-State = Literal["ok", "degraded", "failed"]
 # Asked for by everyone without a key: answered anew no more often than this.
 _KEPT_S = 5.0
 # Most time for an answer, more than a silent database is waited for; a check that takes longer is
@@ -27,20 +25,6 @@ _KEPT_S = 5.0
 _WAIT_S, _OLD_S = 1.8, 20.0
 _CHILD_BOUNDS = Bounds(deadline_s=10.0, memory_mib=300)
 IERS_WARNING_DAYS = 30.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class ReadinessCheckOut:
-    """One thing the service depends on.
-
-    name: name of the dependency.
-    state: `degraded` still works, and `detail` says how well.
-    detail: the finding in words.
-    """
-
-    name: str
-    state: State
-    detail: str
 
 
 Check = Callable[[], tuple[State, str]]

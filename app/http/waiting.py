@@ -29,7 +29,7 @@ class Patience:
     headers: Mapping[str, str] = field(default_factory=dict)
 
     @property
-    def is_none(self) -> bool:
+    def answers_at_once(self) -> bool:
         """Whether the answer is 202 wherever the work is by then."""
         return self.wait_s == 0
 

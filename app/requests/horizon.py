@@ -1,7 +1,7 @@
 """Requests about the horizon, besides those for an estimate."""
 
 from datetime import datetime
-from typing import Annotated, Any
+from typing import Annotated
 
 from pydantic import FailFast, Field
 
@@ -84,12 +84,6 @@ _PICTURE = JsonReader(PictureRequest)
 read_estimate_request = _ESTIMATE.read
 read_prediction_request = _PREDICTION.read
 read_picture_request = _PICTURE.read
-
-
-def horizon_request_json_schemas(ref_template: str) -> dict[str, dict[str, Any]]:
-    """JSON Schemas by name; their `$defs` hold what they refer to by `ref_template`."""
-    return {
-        "HorizonRequest": _ESTIMATE.json_schema(ref_template),
-        "PredictionRequest": _PREDICTION.json_schema(ref_template),
-        "PictureRequest": _PICTURE.json_schema(ref_template),
-    }
+estimate_request_json_schema = _ESTIMATE.json_schema
+prediction_request_json_schema = _PREDICTION.json_schema
+picture_request_json_schema = _PICTURE.json_schema

@@ -9,7 +9,7 @@ from typing import Any
 from message_cases import MESSAGE_CASES
 from pydantic import TypeAdapter
 
-from app.http.routes.platforms import definition_of
+from app.answers.platform import definition_of
 from app.requests.examples import LAS_VEGAS, PLAN_EXAMPLES
 from planner.world.platforms import PLATFORMS
 

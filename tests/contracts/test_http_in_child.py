@@ -12,7 +12,7 @@ from databases import own_settings
 from refusal_cases import request
 from waiting import alive, eventually
 
-from app.http.routes import horizon, stored_plans
+from app.http.routes import horizon, plan_routes
 from app.http.routes.opportunities import OPPORTUNITIES
 from app.http.routes.plans import PLANS
 from app.http.serving import server
@@ -91,7 +91,7 @@ def test_a_table_beyond_its_bounds_is_refused(client, monkeypatch, wild, query):
     doing, within, bound = wild
     for work in ("table_json", "table_file"):
         monkeypatch.setitem(vars(PLANS), work, doing)
-    monkeypatch.setattr(stored_plans, "EXPORT_BOUNDS", within)
+    monkeypatch.setattr(plan_routes, "EXPORT_BOUNDS", within)
     answer = client.get(f"{plan.headers['location']}/table{query}")
     refused_as_documented(client, answer, bound, "/v1/plans/{id}/table", "get")
 

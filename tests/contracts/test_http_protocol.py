@@ -8,7 +8,7 @@ from fastapi.testclient import TestClient
 from waiting import PatientClient, eventually
 
 from app.http.app import create_app
-from app.http.routes import stored_plans
+from app.http.routes import plan_routes
 from app.requests.examples import LAS_VEGAS
 from app.settings import Settings
 
@@ -103,7 +103,7 @@ def test_a_bug_says_nothing_of_itself(client, monkeypatch, caplog):
     def broken(*_):
         raise RuntimeError("secret /etc/passwd")
 
-    monkeypatch.setattr(stored_plans, "whole_answer", broken)
+    monkeypatch.setattr(plan_routes, "whole_answer", broken)
     answer = client.post("/v1/plans", content=BODY, headers=JSON)
     problem = assert_problem(answer, 500)
     assert problem["title"] == "Internal Server Error"

@@ -333,7 +333,7 @@ def test_a_spacecrafts_plan_names_its_own_runs(client, rows):
     answer = client.post(COMPARISONS, json=request)
     assert answer.status_code == 422
     assert answer.json()["field"] == "plan"
-    assert "closed-loop runs" in answer.json()["detail"]
+    assert "closed-loop runs did, in `stabilisation`" in answer.json()["detail"]
 
 
 def boresight(plan_answer, at):

@@ -14,7 +14,7 @@ from refusal_cases import request
 from scipy.io import netcdf_file
 from scipy.spatial.transform import Rotation
 
-from app.http.routes import plans as plan_routes
+from app.http.routes.plans import PLANS
 from app.requests.examples import LAS_VEGAS, PLAN_EXAMPLES, SPACECRAFT_EXAMPLES
 from app.requests.plan import read_plan_request
 from app.work.view import DRAWN, DRAWN_SESSION
@@ -312,7 +312,7 @@ def test_it_is_computed_once(client, plan, monkeypatch):
     def not_again(*_):
         raise AssertionError("it was computed once more")
 
-    monkeypatch.setattr("app.http.routes.views.in_child", not_again)
+    monkeypatch.setattr("app.http.routes.plan_routes.in_child", not_again)
     assert seen(client, plan, "?step_s=3").content == first.content
 
 
@@ -337,14 +337,14 @@ def test_a_plan_that_failed_can_be_looked_at_but_not_taken_along(client):
         assert problem["type"] == "urn:slewtrack:problem:unverified"
 
 
-@pytest.mark.parametrize("name", ["json", *plan_routes.PLANS.view_exporters])
+@pytest.mark.parametrize("name", ["json", *PLANS.view_exporters])
 def test_every_format_by_name_and_media_type(client, plan, name):
     answer = seen(client, plan, f"?format={name}")
     media_type = answer.headers["content-type"].split(";")[0]
     by_type = client.get(f"/v1/plans/{plan['id']}/view", headers={"Accept": media_type})
     assert by_type.content == answer.content
     if name != "json":
-        suffix = plan_routes.PLANS.view_exporters[name].suffix
+        suffix = PLANS.view_exporters[name].suffix
         disposition = answer.headers["content-disposition"]
         how = "inline" if media_type.startswith("image/") else "attachment"
         assert disposition == f'{how}; filename="Las-Vegas{suffix}"'

@@ -31,7 +31,9 @@ from app.requests.examples import (
 )
 from app.requests.flights import flights_request_json_schema, read_flights_request
 from app.requests.horizon import (
-    horizon_request_json_schemas,
+    estimate_request_json_schema,
+    picture_request_json_schema,
+    prediction_request_json_schema,
     read_estimate_request,
     read_picture_request,
     read_prediction_request,
@@ -146,7 +148,6 @@ def _shown(examples: dict[str, tuple[str, Document]]) -> tuple[Document, ...]:
 @cache
 def _kinds() -> tuple[Asked, ...]:
     template = REFERENCE + "{model}"
-    horizon = horizon_request_json_schemas(template)
     return (
         Asked("plan", read_plan_request, plan_request_json_schema(template),
               (*_shown(PLAN_EXAMPLES), *FRAGMENTS)),
@@ -164,11 +165,11 @@ def _kinds() -> tuple[Asked, ...]:
               imaging_opportunity_json_schema(template),
               tuple(d | {"settings": _SPACECRAFT["settings"], "conditions": {}}
                     for d in _shown(IMAGING_OPPORTUNITY_EXAMPLES))),
-        Asked("estimate", read_estimate_request, horizon["HorizonRequest"],
+        Asked("estimate", read_estimate_request, estimate_request_json_schema(template),
               (ESTIMATE_EXAMPLE | {"body": {}},)),
-        Asked("prediction", read_prediction_request, horizon["PredictionRequest"],
+        Asked("prediction", read_prediction_request, prediction_request_json_schema(template),
               tuple(d | {"body": {}} for d in _shown(PREDICTION_EXAMPLES))),
-        Asked("picture", read_picture_request, horizon["PictureRequest"],
+        Asked("picture", read_picture_request, picture_request_json_schema(template),
               tuple(d | {"scene": {"atmosphere": {}}, "sensor": {}}
                     for d in _shown(PICTURE_EXAMPLES))),
         Asked("series", _SESSION.read, _SESSION.json_schema(template),

@@ -18,7 +18,7 @@ from sqlalchemy import text
 from waiting import eventually
 
 from app.http.app import create_app
-from app.http.routes import searches
+from app.http.routes import search_routes
 from app.jobs.kinds import JOB_KINDS, JobKind
 from app.requests.examples import LAS_VEGAS, OPPORTUNITY_EXAMPLES
 from app.store.database import open_database
@@ -90,13 +90,13 @@ def _spin(*_: object) -> None:
 
 def test_direct_answers_are_given_up(client, monkeypatch):
     begun = threading.Event()
-    real = searches.in_child
+    real = search_routes.in_child
 
     async def in_child(request, bounds, _work, *_given):
         begun.set()
         return await real(request, bounds, _spin)
 
-    monkeypatch.setattr(searches, "in_child", in_child)
+    monkeypatch.setattr(search_routes, "in_child", in_child)
     example = OPPORTUNITY_EXAMPLES["cities"][1]
     answer = answered(client, lambda: client.post("/v1/opportunities", json=example), begun.is_set)
     assert answer.status_code == 503

@@ -18,10 +18,9 @@ from fastapi.testclient import TestClient
 from waiting import eventually
 
 from app.http.app import create_app
-from app.http.event_stream import EVENT_STREAM
-from app.http.negotiation import JSON
+from app.http.negotiation import EVENT_STREAM, JSON
 from app.http.openapi.schema import ANSWERS
-from app.http.routes import jobs as job_routes
+from app.http.routes import job_routes
 from app.jobs.kinds import JOB_KINDS
 from app.requests.examples import (
     CAMPAIGN_EXAMPLES,

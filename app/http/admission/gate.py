@@ -14,7 +14,7 @@ from app.http.admission import connections
 from app.http.admission.access import PROBES, Access, is_page
 from app.http.admission.bodies import GuardedBody, HeldBytes
 from app.http.admission.limits import ConcurrencyLimit, RateLimit, network_of
-from app.http.admission.request_form import require_valid_head
+from app.http.admission.request_head import require_valid_head
 from app.http.problems import http_error, service_stops
 from app.settings import Settings
 

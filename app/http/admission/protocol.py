@@ -18,9 +18,9 @@ from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from app.http.admission.connections import connection_of, connections_to_cut, state_of, to_give_way
-from app.http.admission.headers import REQUEST_ID, harden
 from app.http.admission.limits import network_of
-from app.http.admission.request_form import HEAD_BYTES_MAX
+from app.http.admission.request_head import HEAD_BYTES_MAX
+from app.http.headers import REQUEST_ID, harden
 from app.http.problems import PROBLEM_JSON, RETRY_AFTER_S
 
 # What the kernel holds back of an answer: little, so that we see a slow client read on.

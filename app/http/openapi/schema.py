@@ -1,25 +1,28 @@
 """Additions to the OpenAPI document that FastAPI makes: requests, refusals, keys, answers."""
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from http import HTTPStatus
 from pathlib import Path
-from typing import Any
 
 from pydantic import TypeAdapter
 
 from app.answers.opportunities_geojson import FeatureCollection
 from app.answers.problem import Problem
 from app.http.admission.access import PROBES, scope_needed
+from app.http.negotiation import EVENT_STREAM, JSON, MULTIPART
 from app.http.openapi.examples import show_examples
-from app.http.openapi.fields import describe
+from app.http.openapi.fields import Schema, describe
 from app.http.problems import PROBLEM_JSON
 from app.requests.campaign import campaign_request_json_schema
+from app.requests.examples import Examples
 from app.requests.flights import FlightsRequest, flights_request_json_schema
 from app.requests.horizon import (
     PictureRequest,
     PredictionRequest,
-    horizon_request_json_schemas,
+    estimate_request_json_schema,
+    picture_request_json_schema,
+    prediction_request_json_schema,
 )
 from app.requests.opportunities import opportunity_request_json_schema
 from app.requests.plan import PlanRequest, plan_request_json_schema
@@ -35,77 +38,76 @@ from planner.spacecraft.opportunity_request import ImagingOpportunityRequest
 from planner.spacecraft.requests import ImagingPlanRequest
 
 _DATA = Path(__file__).parent / "data"
+DESCRIPTION = (_DATA / "description.md").read_text().rstrip()
+TAGS: list[Schema] = json.loads((_DATA / "tags.json").read_text())
 ANSWERS = _DATA / "answers.json"
 # By status: when it comes, an example of its detail, further members and headers.
-_REFUSALS: dict[str, dict[str, Any]] = json.loads((_DATA / "refusals.json").read_text())
+_REFUSALS: dict[str, Schema] = json.loads((_DATA / "refusals.json").read_text())
 _OF_BODIES = {"408", "413", "415"}
 _OF_ACCESS = {"401", "403", "421", "429"}
 REF = "#/components/schemas/{model}"
 
 KEY_SCHEME = "key"
+# By the class of each request that we read ourselves.
 _REQUESTS = {
-    "PlanRequest": plan_request_json_schema,
-    "CampaignRequest": campaign_request_json_schema,
-    "FlightsRequest": flights_request_json_schema,
-    "OpportunityRequest": opportunity_request_json_schema,
-    "ImagingPlanRequest": spacecraft_request_json_schema,
-    "ImagingOpportunityRequest": imaging_opportunity_json_schema,
-    "ComparisonRequest": comparison_request_json_schema,
+    PlanRequest: plan_request_json_schema,
+    CampaignRequest: campaign_request_json_schema,
+    FlightsRequest: flights_request_json_schema,
+    OpportunityRequest: opportunity_request_json_schema,
+    ImagingPlanRequest: spacecraft_request_json_schema,
+    ImagingOpportunityRequest: imaging_opportunity_json_schema,
+    ComparisonRequest: comparison_request_json_schema,
+    HorizonRequest: estimate_request_json_schema,
+    PredictionRequest: prediction_request_json_schema,
+    PictureRequest: picture_request_json_schema,
 }
 
-_REQUEST_KINDS = (
-    PlanRequest,
-    CampaignRequest,
-    FlightsRequest,
-    OpportunityRequest,
-    ImagingPlanRequest,
-    ImagingOpportunityRequest,
-    HorizonRequest,
-    PredictionRequest,
-    PictureRequest,
-    ComparisonRequest,
-)
 
-
-def request_body(schema: str, examples: dict[str, tuple[str, dict[str, Any]]]) -> dict[str, Any]:
+def json_body_of(schema: str, examples: Examples) -> Schema:
     """An operation's JSON body with its worked examples, by name: (summary, request)."""
-    return {
-        "requestBody": {
-            "required": True,
-            "content": {
-                "application/json": {
-                    "schema": {"$ref": REF.format(model=schema)},
-                    "examples": {
-                        name: {"summary": summary, "value": value}
-                        for name, (summary, value) in examples.items()
-                    },
-                }
-            },
-        }
+    shown = {
+        name: {"summary": summary, "value": value} for name, (summary, value) in examples.items()
     }
+    return _body({JSON: {"schema": {"$ref": REF.format(model=schema)}, "examples": shown}})
 
 
-def complete(document: dict[str, Any], answers: Iterable[object]) -> dict[str, Any]:
+def form_body_of(request: Schema, files: Mapping[str, Schema]) -> Schema:
+    """An operation's multipart body: the part `request` holds JSON, the others are files."""
+    form = {
+        "type": "object",
+        "required": ["request", *files],
+        "properties": {"request": request, **files},
+    }
+    return _body({MULTIPART: {"schema": form, "encoding": {"request": {"contentType": JSON}}}})
+
+
+def _body(content: Schema) -> Schema:
+    return {"requestBody": {"required": True, "content": content}}
+
+
+def complete(document: Schema, answers: Iterable[object]) -> Schema:
     """FastAPI's document with our requests, which we read ourselves, and all that is answered.
 
     answers: the classes of what the operations answer.
     """
     schemas = document.setdefault("components", {}).setdefault("schemas", {})
-    described = {name: json_schema(REF) for name, json_schema in _REQUESTS.items()}
-    described |= horizon_request_json_schemas(REF)
+    described = {kind.__name__: json_schema(REF) for kind, json_schema in _REQUESTS.items()}
     for kind in (Problem, FeatureCollection):
         described[kind.__name__] = TypeAdapter(kind).json_schema(ref_template=REF)
     for name, schema in described.items():
         schemas |= schema.pop("$defs", {})
         schemas[name] = schema
-    describe(schemas, (*_REQUEST_KINDS, Problem, FeatureCollection, *answers))
-    _document_refusals(document)
+    describe(schemas, (*_REQUESTS, Problem, FeatureCollection, *answers))
+    document["components"]["responses"] = {code: _refusal(code) for code in _REFUSALS}
     for path, operations in document["paths"].items():
         for method, operation in operations.items():
             if path not in PROBES:
                 # OpenAPI 3.1 lists a key's roles here; the empty way is that of loopback.
                 operation["security"] = [{KEY_SCHEME: [scope_needed(method.upper(), path)]}, {}]
-    _document_answers(document)
+            _add_by_rule(document["paths"], path, method)
+            _add_refusals(path, operation)
+            _tidy_parameters(operation)
+    _add_worked_answers(document)
     document["components"]["securitySchemes"] = {
         KEY_SCHEME: {
             "type": "http",
@@ -117,27 +119,53 @@ def complete(document: dict[str, Any], answers: Iterable[object]) -> dict[str, A
     }
     for stock in ("HTTPValidationError", "ValidationError"):
         schemas.pop(stock, None)
-    _document_parameters(document)
     show_examples(document)
     return document
 
 
-def _document_parameters(document: dict[str, Any]) -> None:
+def _add_by_rule(paths: Mapping[str, Schema], path: str, method: str) -> None:
+    """Add the 404 of an id, the 304 of what has an ETag and the Location of what a POST makes.
+
+    What is at an address of its own has an ETag: no list, to which one could POST, and no stream.
+    """
+    answers = paths[path][method]["responses"]
+    owner, has_id, _ = path.partition("/{id}")
+    if has_id:
+        answers["404"] = {"description": f"There is no such {_singular(owner)}"}
+    if has_id and method == "get" and "post" not in paths[path] and not _is_stream(answers["200"]):
+        answers["304"] = {"description": "Unchanged since the ETag that If-None-Match names"}
+    if method == "post":
+        is_searched = path + "/{id}" in paths and "201" not in answers
+        for code in answers.keys() & ({"200"} if is_searched else {"201", "202"}):
+            meaning = f"Address of the {_singular(path).split()[0]}"
+            answers[code]["headers"] = {
+                "Location": {"description": meaning, "schema": {"type": "string"}}
+            }
+
+
+def _singular(path: str) -> str:
+    """One of what is at a path, in words."""
+    word = path.rsplit("/", 1)[1]
+    return "search for opportunities" if word == "opportunities" else word.removesuffix("s")
+
+
+def _is_stream(answer: Schema) -> bool:
+    return EVENT_STREAM in answer["content"]
+
+
+def _tidy_parameters(operation: Schema) -> None:
     """A parameter is left out, never null, and needs no title that repeats its name."""
-    for operations in document["paths"].values():
-        for operation in operations.values():
-            for parameter in operation.get("parameters", ()):
-                schema = parameter["schema"]
-                schema.pop("title", None)
-                if "anyOf" in schema:
-                    [given] = [one for one in schema.pop("anyOf") if one != {"type": "null"}]
-                    schema |= given
+    for parameter in operation.get("parameters", ()):
+        schema = parameter["schema"]
+        schema.pop("title", None)
+        if "anyOf" in schema:
+            [given] = [one for one in schema.pop("anyOf") if one != {"type": "null"}]
+            schema |= given
 
 
-def _document_answers(document: dict[str, Any]) -> None:
-    """Add the worked answers, as they were really given and as the document nests them."""
-    shown = json.loads(ANSWERS.read_text())
-    for path, methods in shown.items():
+def _add_worked_answers(document: Schema) -> None:
+    """As they were really given and as the document nests them."""
+    for path, methods in json.loads(ANSWERS.read_text()).items():
         for method, statuses in methods.items():
             for status, media_types in statuses.items():
                 content = document["paths"][path][method]["responses"][status]["content"]
@@ -145,24 +173,21 @@ def _document_answers(document: dict[str, Any]) -> None:
                     content[media_type]["examples"] = examples
 
 
-def _document_refusals(document: dict[str, Any]) -> None:
-    """Add what each operation may refuse; what it says itself of a status stays."""
-    document["components"]["responses"] = {code: _refusal(code) for code in _REFUSALS}
-    for path, operations in document["paths"].items():
-        for operation in operations.values():
-            codes = _REFUSALS.keys() - (_OF_ACCESS if path in PROBES else ())
-            if "requestBody" not in operation:
-                codes -= _OF_BODIES
-            answers = {code: {"$ref": f"#/components/responses/{code}"} for code in codes}
-            for code, answer in operation["responses"].items():
-                if int(code) < 400:
-                    answers[code] = answer
-                elif "content" not in answer:  # FastAPI's own 422 has content
-                    answers[code] = _refusal(code, answer["description"])
-            operation["responses"] = dict(sorted(answers.items()))
+def _add_refusals(path: str, operation: Schema) -> None:
+    """What each operation may refuse; what it says itself of a status stays."""
+    codes = _REFUSALS.keys() - (_OF_ACCESS if path in PROBES else ())
+    if "requestBody" not in operation:
+        codes -= _OF_BODIES
+    answers = {code: {"$ref": f"#/components/responses/{code}"} for code in codes}
+    for code, answer in operation["responses"].items():
+        if int(code) < 400:
+            answers[code] = answer
+        elif "content" not in answer:  # FastAPI's own 422 has content
+            answers[code] = _refusal(code, answer["description"])
+    operation["responses"] = dict(sorted(answers.items()))
 
 
-def _refusal(code: str, description: str | None = None) -> dict[str, Any]:
+def _refusal(code: str, description: str | None = None) -> Schema:
     """Shown by its example, or by the description alone where there is none."""
     refusal = _REFUSALS.get(code) or {"detail": description}
     example = {
@@ -173,7 +198,7 @@ def _refusal(code: str, description: str | None = None) -> dict[str, Any]:
         "instance": "urn:uuid:7d3f2c1e-5b1a-4a52-9a7e-0c2f6f1d8b34",
     } | refusal.get("members", {})
     schema = {"$ref": REF.format(model="Problem")}
-    response: dict[str, Any] = {
+    response: Schema = {
         "description": description or refusal["when"],
         "content": {PROBLEM_JSON: {"schema": schema, "example": example}},
     }

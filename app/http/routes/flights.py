@@ -1,66 +1,60 @@
-"""Routes of flights: listed, followed, ended."""
+"""Routes of flights: a plan's posted and listed; those of all plans listed, followed, ended."""
 
+from dataclasses import replace
+from http import HTTPStatus
 from typing import Annotated
 
 import anyio.to_thread
-from fastapi import APIRouter, Depends, Query, Request, Response
+from fastapi import APIRouter, Depends, HTTPException, Query, Request, Response
 from sqlalchemy import Connection
 
 from app.answers.flights import FlightsList, FlightsResponse, flights_json, flights_list_json
 from app.http.blocking import read
-from app.http.negotiation import JSON, accepts_json
-from app.http.routes.jobs import add_delete, add_events, job_of, list_jobs, no_such
-from app.http.routes.plan_queries import ListQuery, PathId
+from app.http.negotiation import ONLY_JSON, json_body
+from app.http.openapi.schema import json_body_of
+from app.http.routes.job_routes import (
+    accept_job,
+    add_delete,
+    add_events,
+    add_list,
+    add_one,
+    answer_list,
+    answer_to_post,
+    job_of,
+)
+from app.http.routes.parameters import IdempotencyKey, ListQuery, PathId, Prefer
+from app.http.routes.plans import PLANS
 from app.http.routes.resources import JobResource
-from app.jobs.kinds import FLIGHTS
-from app.requests.flights import FlightsRequest
-from app.store import flights
-from app.store.jobs import Job
+from app.http.waiting import WAIT_S
+from app.jobs.kinds import FLIGHTS, SPACECRAFT_PLAN
+from app.jobs.refusals import Conflict
+from app.requests.examples import FLIGHTS_EXAMPLES
+from app.requests.flights import read_flights_request
+from app.store import flights, jobs, plans
+from app.store.database import Database
+from app.store.jobs import NEEDS_ALL, Job
 from app.store.listing import Listing
-from app.work.flights import unpacked_outcomes
+from app.work.flights import PlanToFly, unpacked_outcomes
 
 RESOURCE = JobResource(
     kind=FLIGHTS.name,
     path="/v1/flights",
-    request_schema=FlightsRequest.__name__,
+    tag="flights",
+    request_schema="FlightsRequest",
+    examples=FLIGHTS_EXAMPLES,
     listing=lambda _: Listing(),
     singular="flight",
+    plural="flights",
+    response=FlightsResponse,
+    list_response=FlightsList,
+    list_json=flights_list_json,
+    about_list="Flights of all plans are listed, the latest first.",
 )
-router = APIRouter(tags=["flights"], prefix=RESOURCE.path)
+router = APIRouter(tags=[RESOURCE.tag], prefix=RESOURCE.path)
+of_plan = APIRouter(tags=[RESOURCE.tag], prefix=f"{PLANS.path}/{{id}}/flights")
 
 
-@router.get(
-    "",
-    summary="List flights",
-    response_model=FlightsList,
-    dependencies=[Depends(accepts_json)],
-)
-async def get_flights(request: Request, query: Annotated[ListQuery, Query()]) -> Response:
-    """Flights of all plans are listed, the latest first."""
-    jobs_and_one = await list_jobs(request, RESOURCE, query)
-    return Response(flights_list_json(jobs_and_one, query.limit), media_type=JSON)
-
-
-@router.get(
-    "/{id}",
-    summary="Get flights",
-    response_model=FlightsResponse,
-    responses={404: no_such(RESOURCE)},
-    dependencies=[Depends(accepts_json)],
-)
-async def get_flight(request: Request, flights_id: PathId) -> Response:
-    """The answer covers the runs flown so far; it doesn't change once all are flown."""
-    _, answer = await find_flights(request, flights_id)
-    return Response(answer, media_type=JSON, headers={"Cache-Control": "no-cache"})
-
-
-add_delete(router, RESOURCE)
-add_events(router, RESOURCE)
-
-
-async def find_flights(request: Request, job_id: str) -> tuple[Job, bytes]:
-    """The job, and the answer that tells of it; raises 404."""
-
+async def _find_flights(request: Request, job_id: str) -> tuple[Job, bytes]:
     def reading(connection: Connection) -> tuple[Job, bytes | None, list[bytes]]:
         job = job_of(connection, RESOURCE, job_id)
         return job, flights.get(connection, job_id), flights.parts_of(connection, job_id)
@@ -71,3 +65,103 @@ async def find_flights(request: Request, job_id: str) -> tuple[Job, bytes]:
         return flights_json(job, document, [unpacked_outcomes(part) for part in parts])
 
     return job, await anyio.to_thread.run_sync(answer)
+
+
+add_list(router, RESOURCE)
+add_one(
+    router,
+    RESOURCE,
+    _find_flights,
+    summary="Get flights",
+    about="The answer covers the runs flown so far; it doesn't change once all are flown.",
+)
+add_delete(router, RESOURCE)
+add_events(router, RESOURCE)
+
+
+@of_plan.post(
+    "",
+    summary="Fly a plan many times",
+    status_code=HTTPStatus.CREATED,
+    response_model=FlightsResponse,
+    responses={
+        201: {"description": "All runs are flown"},
+        202: {
+            "model": FlightsResponse,
+            "description": "Accepted; GET Location covers the runs flown so far",
+        },
+        409: {"description": "The plan has no table, or none yet; or the flights were cancelled"},
+    },
+    openapi_extra=json_body_of(RESOURCE.request_schema, RESOURCE.examples),
+    dependencies=ONLY_JSON,
+)
+async def post_flights(
+    request: Request,
+    plan_id: PathId,
+    body: Annotated[bytes, Depends(json_body)],
+    key: IdempotencyKey,
+    prefer: Prefer = None,
+) -> Response:
+    """Simulates the table with errors drawn at random for each run, and reports how often the
+    camera holds the target, how sharply, and which error contributes most.
+
+    The errors of orbit, attitude, clock, Earth orientation and drives have the sigmas of the
+    plan's pointing budget; the runs are shared among all processors.
+    """
+    job = await anyio.to_thread.run_sync(_accept, request, plan_id, body, key)
+    return await answer_to_post(request, RESOURCE, job, prefer, WAIT_S, _find_flights)
+
+
+@of_plan.get(
+    "",
+    summary="List flights of a plan",
+    response_model=FlightsList,
+    dependencies=ONLY_JSON,
+)
+async def get_flights_of_plan(
+    request: Request, plan_id: PathId, query: Annotated[ListQuery, Query()]
+) -> Response:
+    """The latest come first."""
+    await read(request, lambda connection: _require_plan(connection, plan_id))
+    return await answer_list(request, RESOURCE, query, plan_id)
+
+
+def _accept(request: Request, plan_id: str, body: bytes, key: str | None) -> Job:
+    """The job, new or known by its key; raises 404, Conflict, KeyReused, QueueFull."""
+    spec = read_flights_request(body)
+    database: Database = request.app.state.database
+    with database.reading() as connection:
+        job = _require_plan(connection, plan_id)
+        plan = plans.get(connection, plan_id)
+        asked = jobs.request_of(connection, plan_id)
+    if plan is None or plan.state != "done" or asked is None:
+        raise Conflict(
+            f"there is no verified table to fly: the plan's state is {job.state}; GET "
+            f"{PLANS.path}/{plan_id} tells more"
+        )
+    what = PlanToFly(plan_id=plan_id, asked=body, request=asked, table_columns=plan.table_columns)
+    resource = replace(RESOURCE, listing=lambda _: _listing(job))
+    options = {"runs": spec.runs, "seed": spec.seed, NEEDS_ALL: "runs"}
+    return accept_job(request, resource, spec, what.to_bytes(), key, options, plan_id=plan_id)
+
+
+def _listing(plan: Job) -> Listing:
+    """What lists tell of its flights, too."""
+    return Listing(
+        platform=plan.platform or "",
+        start_utc=plan.start_utc,
+        stop_utc=plan.stop_utc,
+        targets=tuple(plan.targets or ()),
+    )
+
+
+def _require_plan(connection: Connection, plan_id: str) -> Job:
+    """Raises 404, with what flies a spacecraft."""
+    job = jobs.get(connection, plan_id)
+    if job is not None and job.kind == SPACECRAFT_PLAN.name:
+        raise HTTPException(
+            HTTPStatus.NOT_FOUND,
+            "flights are of plans of the platform; a spacecraft's plan tells what its own "
+            "closed-loop runs did, in `stabilisation`",
+        )
+    return job_of(connection, PLANS, plan_id)

@@ -9,9 +9,18 @@ from fastapi import APIRouter, Depends, Request, Response
 from app.answers.horizon import EstimateResponse, PictureOut, PredictionResponse
 from app.answers.members import provenance
 from app.http.blocking import answer_in_child, in_child
-from app.http.horizon_upload import MULTIPART, HorizonUpload, horizon_upload
-from app.http.negotiation import JSON, accepts_json, json_body, preferred_type
-from app.http.openapi.schema import REF, request_body
+from app.http.multipart import MAX_REQUEST_BYTES, Part, read_parts, unreadable
+from app.http.negotiation import (
+    JSON,
+    MULTIPART,
+    ONLY_JSON,
+    json_body,
+    media_type_of,
+    preferred_type,
+    unsupported,
+    whole_body,
+)
+from app.http.openapi.schema import REF, form_body_of, json_body_of
 from app.jobs.child import Bounds
 from app.jobs.worker_process import ChildDied
 from app.requests.examples import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, PREDICTION_EXAMPLES
@@ -23,6 +32,7 @@ from app.requests.horizon import (
 from app.work.horizon import estimate_json, picture, picture_json
 from app.work.horizon_views import prediction_json
 from estimator.errors import InvalidImage
+from estimator.request import MAX_CAMERAS
 
 router = APIRouter(tags=["horizon"])
 
@@ -33,32 +43,18 @@ ESTIMATE_BOUNDS = Bounds(deadline_s=20.0, memory_mib=500, alone=True)
 PREDICTION_BOUNDS = Bounds(deadline_s=60.0, memory_mib=1000)
 PICTURE_BOUNDS = Bounds(deadline_s=60.0, memory_mib=2000)
 
-_MULTIPART_BODY: dict[str, Any] = {
-    "requestBody": {
-        "required": True,
-        "content": {
-            MULTIPART: {
-                "schema": {
-                    "type": "object",
-                    "required": ["request", "images"],
-                    "properties": {
-                        "request": {
-                            "$ref": REF.format(model="HorizonRequest"),
-                            "examples": [ESTIMATE_EXAMPLE],
-                        },
-                        "images": {
-                            "type": "array",
-                            "description": "One PNG, JPEG or TIFF of 8 or 16 bit per camera, in "
-                            "the cameras' order, as read out: rotation by EXIF is ignored.",
-                            "items": {"type": "string", "format": "binary"},
-                        },
-                    },
-                },
-                "encoding": {"request": {"contentType": JSON}},
-            }
-        },
-    }
-}
+_PARTS = (Part("request", 1, MAX_REQUEST_BYTES), Part("images", MAX_CAMERAS))
+_UPLOAD_BODY = form_body_of(
+    {"$ref": REF.format(model="HorizonRequest"), "examples": [ESTIMATE_EXAMPLE]},
+    {
+        "images": {
+            "type": "array",
+            "description": "One PNG, JPEG or TIFF of 8 or 16 bit per camera, in the cameras' "
+            "order, as read out: rotation by EXIF is ignored.",
+            "items": {"type": "string", "format": "binary"},
+        }
+    },
+)
 
 # The picture first, so that pages which try it out ask for it and show it.
 _PICTURE_ANSWERS: dict[str, Any] = {
@@ -68,24 +64,38 @@ _PICTURE_ANSWERS: dict[str, Any] = {
 }
 
 
+async def _upload(request: Request) -> dict[str, list[bytes]]:
+    """The parts `request` and `images`; refused when others are sent, or some are missing."""
+    if media_type_of(request) != MULTIPART:
+        way_out = f"{MULTIPART} (its part `request` holds JSON, its parts `images` one file each)"
+        raise unsupported(request, way_out)
+    body = await whole_body(request, request.app.state.settings.max_upload_bytes)
+    found = await read_parts(request, body, _PARTS)
+    if not found["request"]:
+        raise unreadable("request", "is needed: JSON with the cameras")
+    if not found["images"]:
+        raise unreadable("images", "are needed, one part per camera in the cameras' order")
+    return found
+
+
 @router.post(
     "/v1/horizon/estimates",
     summary="Estimate the local vertical from images of the horizon",
     response_model=EstimateResponse,
-    dependencies=[Depends(accepts_json)],
-    openapi_extra=_MULTIPART_BODY,
+    dependencies=ONLY_JSON,
+    openapi_extra=_UPLOAD_BODY,
 )
 async def post_estimate(
-    request: Request, upload: Annotated[HorizonUpload, Depends(horizon_upload)]
+    request: Request, upload: Annotated[dict[str, list[bytes]], Depends(_upload)]
 ) -> Response:
     """Measures the nadir in body axes with its covariance, and checks an attitude against it.
 
     Frames that show no usable horizon get the answer `not_observable` with a reason, not a
     refusal; files that are no images are refused.
     """
-    now_utc, images = datetime.now(UTC), upload.images
-    spec = await anyio.to_thread.run_sync(read_estimate_request, upload.request)
-    origin = await anyio.to_thread.run_sync(provenance, now_utc, upload.request, *images)
+    now_utc, [head], images = datetime.now(UTC), upload["request"], tuple(upload["images"])
+    spec = await anyio.to_thread.run_sync(read_estimate_request, head)
+    origin = await anyio.to_thread.run_sync(provenance, now_utc, head, *images)
     try:
         answer = await in_child(request, ESTIMATE_BOUNDS, estimate_json, spec, images, origin)
     except ChildDied:  # of its images
@@ -100,8 +110,8 @@ async def post_estimate(
     "/v1/horizon/predictions",
     summary="Predict the views of horizon cameras",
     response_model=PredictionResponse,
-    dependencies=[Depends(accepts_json)],
-    openapi_extra=request_body("PredictionRequest", PREDICTION_EXAMPLES),
+    dependencies=ONLY_JSON,
+    openapi_extra=json_body_of("PredictionRequest", PREDICTION_EXAMPLES),
 )
 async def post_prediction(request: Request, body: Annotated[bytes, Depends(json_body)]) -> Response:
     """For each instant and camera the answer has the limb in pixels, its arc and light, and the
@@ -119,7 +129,7 @@ async def post_prediction(request: Request, body: Annotated[bytes, Depends(json_
     summary="Render a picture of the horizon",
     response_class=Response,
     responses={200: _PICTURE_ANSWERS},
-    openapi_extra=request_body("PictureRequest", PICTURE_EXAMPLES),
+    openapi_extra=json_body_of("PictureRequest", PICTURE_EXAMPLES),
 )
 async def post_picture(request: Request, body: Annotated[bytes, Depends(json_body)]) -> Response:
     """The picture shows Earth, air, clouds and Sun as a camera would take it.

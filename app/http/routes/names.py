@@ -1,17 +1,18 @@
-"""Routes of the places and stars that a request can name, found by the beginning of a name."""
+"""Routes of what a request can name: platforms; places and stars by the beginning of a name."""
 
-from dataclasses import dataclass
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Query
+from fastapi import APIRouter, Query
 from pydantic import Field
 
-from app.answers.ranges import Count, LatitudeDeg, LongitudeDeg, Signed
-from app.http.negotiation import accepts_json
+from app.answers.names import KnownPlace, KnownPlaces, KnownStar, KnownStars, PlatformList
+from app.answers.platform import definition_of
+from app.http.negotiation import ONLY_JSON
 from app.http.query import Parameters
+from planner.world.platforms import PLATFORMS
 from planner.world.targets.autocomplete import places_beginning, stars_beginning
 
-router = APIRouter(tags=["platforms"], dependencies=[Depends(accepts_json)])
+router = APIRouter(tags=["platforms"], dependencies=ONLY_JSON)
 
 
 class NamesQuery(Parameters):
@@ -27,60 +28,16 @@ class NamesQuery(Parameters):
     limit: int = Field(default=8, ge=1, le=50, description="The largest number of names.")
 
 
-@dataclass(frozen=True, kw_only=True)
-class KnownPlace:
-    """A town of 15,000 people or more.
-
-    name: the shortest that means it alone, for `name` of a target of mode `place`. E.g.
-    `"London, GB"`.
-    words: its name with region and country. E.g. `"London, England, GB"`.
-    latitude_deg: geodetic, WGS84; north positive.
-    longitude_deg: WGS84; east positive.
-    height_m: above the WGS84 ellipsoid.
-    """
-
-    name: str
-    words: str
-    latitude_deg: LatitudeDeg
-    longitude_deg: LongitudeDeg
-    height_m: Signed
-
-
-@dataclass(frozen=True, kw_only=True)
-class KnownPlaces:
-    """Those of just the letters given first, then those whose own name they begin.
-
-    places: of each kind the most populous first.
-    """
-
-    places: list[KnownPlace]
-
-
-@dataclass(frozen=True, kw_only=True)
-class KnownStar:
-    """A star with a proper name.
-
-    name: for `name` of a target of mode `star`. E.g. `"Vega"`.
-    hip: Hipparcos number. E.g. `91262`.
-    """
-
-    name: str
-    hip: Count
-
-
-@dataclass(frozen=True, kw_only=True)
-class KnownStars:
-    """Stars whose names begin so.
-
-    stars: in order of the alphabet.
-    """
-
-    stars: list[KnownStar]
+@router.get("/v1/platforms", summary="List platforms")
+async def get_platforms() -> PlatformList:
+    """Each has axes, limits and mount; copy one into a request's `platform` to change it."""
+    return PlatformList(platforms=[definition_of(platform) for platform in PLATFORMS.values()])
 
 
 @router.get("/v1/places", summary="List places by the beginning of their names")
 def get_places(query: Annotated[NamesQuery, Query()]) -> KnownPlaces:
     """Completes what somebody types; where several places share a name, all are listed."""
+    found = places_beginning(query.begin, query.limit)
     return KnownPlaces(
         places=[
             KnownPlace(
@@ -90,7 +47,7 @@ def get_places(query: Annotated[NamesQuery, Query()]) -> KnownPlaces:
                 longitude_deg=place.longitude_deg,
                 height_m=place.height_m,
             )
-            for name, place in places_beginning(query.begin, query.limit)
+            for name, place in found
         ]
     )
 

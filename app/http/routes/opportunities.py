@@ -1,27 +1,41 @@
-"""Opportunities of the two-axis platform over HTTP."""
+"""Opportunities over HTTP: of the two-axis platform, and passes of the spacecraft."""
 
+from app.answers.imaging_opportunities import ImagingOpportunitiesResponse, ImagingWindowsPage
 from app.answers.opportunities import OpportunitiesResponse, WindowsPage
-from app.http.routes.searches import SearchResource, search_routes
-from app.jobs.child import Bounds
-from app.requests.examples import OPPORTUNITY_EXAMPLES
-from app.requests.listings import listing_of_search
+from app.http.routes.search_routes import SearchResource, search_routes
+from app.requests.examples import IMAGING_OPPORTUNITY_EXAMPLES, OPPORTUNITY_EXAMPLES
+from app.requests.listings import listing_of_imaging, listing_of_search
 from app.requests.opportunities import read_opportunity_request
+from app.requests.spacecraft import read_imaging_opportunity_request
 from app.work.campaign import answer_opportunities
+from app.work.spacecraft import answer_imaging_opportunities
 
 OPPORTUNITIES = SearchResource(
     kind="opportunities",
     path="/v1/opportunities",
     request_schema="OpportunityRequest",
     listing=listing_of_search,
-    singular="search for opportunities",
     tag="opportunities",
     summary="Search for windows of targets",
     examples=OPPORTUNITY_EXAMPLES,
     read=read_opportunity_request,
     find=answer_opportunities,
-    bounds=Bounds(deadline_s=120.0, memory_mib=2000),
     response=OpportunitiesResponse,
-    page=WindowsPage,
+    windows_response=WindowsPage,
+)
+IMAGING_OPPORTUNITIES = SearchResource(
+    kind="imaging_opportunities",
+    path="/v1/spacecraft/opportunities",
+    request_schema="ImagingOpportunityRequest",
+    listing=listing_of_imaging,
+    tag="spacecraft",
+    summary="Search for passes of the imaging spacecraft",
+    examples=IMAGING_OPPORTUNITY_EXAMPLES,
+    read=read_imaging_opportunity_request,
+    find=answer_imaging_opportunities,
+    response=ImagingOpportunitiesResponse,
+    windows_response=ImagingWindowsPage,
 )
 
 router = search_routes(OPPORTUNITIES)
+of_spacecraft = search_routes(IMAGING_OPPORTUNITIES)

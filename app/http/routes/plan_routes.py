@@ -1,77 +1,82 @@
-"""Routes of plans: posted, found, listed, followed and removed.
+"""Routes of plans: posted, found, listed, seen, followed and removed.
 
 The same for every resource that holds plans.
 """
 
-import hashlib
 from dataclasses import replace
 from http import HTTPStatus
+from inspect import cleandoc
 from typing import Annotated, Any
 
 import anyio.to_thread
-from fastapi import APIRouter, Depends, Header, Query, Request, Response
-from pydantic import BaseModel
+from fastapi import APIRouter, Depends, Request, Response
+from sqlalchemy import Connection
 
-from app.answers.job import JobResponse, PlanList, job_json, list_json
-from app.answers.ranges import NotNegative
-from app.http.blocking import answer_in_child
+from app.answers.job import JobResponse, job_json
+from app.answers.members import PlanHead, fill, whole_answer
+from app.answers.table import TableAlone
+from app.http.blocking import EXPORT_BOUNDS, answer_in_child, in_child, read
 from app.http.negotiation import (
     JSON,
-    accepts_json,
+    ONLY_JSON,
+    format_of,
     is_known_already,
     json_body,
+    not_modified,
     preferred_type,
-    weak_tag,
+    revalidated,
+    saved_as,
 )
-from app.http.openapi.schema import request_body
-from app.http.problems import problem_answer
-from app.http.routes.jobs import (
-    PREFER,
+from app.http.openapi.schema import json_body_of
+from app.http.routes.job_routes import (
     accept_job,
     add_delete,
     add_events,
+    add_list,
     add_request,
-    list_jobs,
-    no_such,
+    answer_unmade,
+    headers_of_post,
+    job_of,
+    tag_for_good,
+    tag_of,
 )
-from app.http.routes.plan_queries import (
-    ListQuery,
+from app.http.routes.parameters import (
+    IdempotencyKey,
     PathId,
-    PlanListQuery,
+    PlanViewQuery,
     PostQuery,
+    Prefer,
     TableQuery,
-    idempotency_key,
-    with_table_formats,
+    ViewQuery,
+    read_query,
+    with_formats,
 )
 from app.http.routes.resources import PlanResource
-from app.http.routes.stored_plans import (
-    REVALIDATE,
-    UNCHANGED,
-    find,
-    immutable_tag,
-    not_modified,
-    table_answer,
-    whole_json,
-)
-from app.http.routes.views import add_view
+from app.http.view_cache import ViewCache
 from app.http.waiting import WAIT_S, patience, wait_for_end
 from app.jobs.child import Bounds
 from app.jobs.kinds import JOB_KINDS
 from app.jobs.refusals import Conflict
-from app.store import jobs
+from app.store import jobs, plans
 from app.store.database import Database
 from app.store.jobs import Job
-from planner.base.errors import InvalidInput
+from app.store.plans import StoredPlan
+from app.work.view import AskedView
+from planner.base.errors import InvalidInput, Refusal
+
+# Turning more than this of a packed table into JSON would hold the interpreter for long.
+_PACKED_MAX_BYTES = 200_000
+_JSON_FORMAT = "json"
 
 
 def plan_routes(resource: PlanResource) -> APIRouter:
     """All routes of a resource."""
     router = APIRouter(tags=[resource.tag], prefix=resource.path)
     _add_post(router, resource)
-    _add_list(router, resource)
+    add_list(router, resource)
     _add_one(router, resource)
     _add_table(router, resource)
-    add_view(router, resource)
+    _add_view(router, resource)
     add_request(router, resource)
     add_delete(router, resource)
     add_events(router, resource)
@@ -79,16 +84,38 @@ def plan_routes(resource: PlanResource) -> APIRouter:
 
 
 def _add_post(router: APIRouter, resource: PlanResource) -> None:
-    query_model = with_table_formats(PostQuery, resource)
-
+    @router.post(
+        "",
+        summary=f"Plan {resource.what}",
+        description=cleandoc(resource.about),
+        status_code=HTTPStatus.CREATED,
+        response_model=(
+            resource.response | TableAlone if "json" in resource.exporters else resource.response
+        ),
+        responses={
+            200: {
+                "model": resource.dry_run_response,
+                "description": "`dry_run`: a summary of the plan that would be made",
+            },
+            201: {
+                "description": "The plan; or its table by itself, as `format` or Accept asks",
+                "content": {media_type: {} for media_type in resource.format_by_media_type},
+            },
+            202: {"model": JobResponse, "description": "Accepted; the plan will be at Location"},
+            409: {
+                "description": "Cancelled while it was waited for, or `revises` names no plan made"
+            },
+        },
+        openapi_extra=json_body_of(resource.request_schema, resource.examples),
+    )
     async def post(
         request: Request,
         body: Annotated[bytes, Depends(json_body)],
-        query: Annotated[PostQuery, Query()],
-        key: Annotated[str | None, Depends(idempotency_key)],
-        prefer: Annotated[str | None, Header(description=PREFER)] = None,
+        query: Annotated[PostQuery, Depends(_read_table_query(PostQuery, resource))],
+        key: IdempotencyKey,
+        prefer: Prefer = None,
     ) -> Response:
-        form = _form(request, resource, query)
+        format_name = _format(request, resource, query)
         database = request.app.state.database
         body = await anyio.to_thread.run_sync(resource.fill_in, database, body)
         if query.dry_run:
@@ -96,54 +123,23 @@ def _add_post(router: APIRouter, resource: PlanResource) -> None:
             return await answer_in_child(request, body, resource.read, bounds, resource.dry_run)
         job = await anyio.to_thread.run_sync(_accept_plan, request, resource, body, query, key)
         waits = patience(prefer, WAIT_S)
+        headers = headers_of_post(resource, job, waits)
         plan = await wait_for_end(request, job.id, waits.wait_s)
-        headers = {
-            "Location": f"{resource.path}/{job.id}",
-            "Vary": "Accept, Prefer",
-            **waits.headers,
-        }
         if plan is None:
-            job, plan = await find(request, resource, job.id)
-            if job.is_open or waits.is_none:  # though it may be done by now
-                return Response(job_json(job), HTTPStatus.ACCEPTED, headers, JSON)
-            if job.problem is not None:
-                return problem_answer(request, job.problem, headers)
-            if plan is None:
-                raise Conflict("the plan was cancelled while it was waited for; ask again")
-        if form is not None:
-            return await table_answer(request, resource, plan, form, HTTPStatus.CREATED, headers)
-        answer = await whole_json(request, resource, plan)
-        return Response(answer, HTTPStatus.CREATED, headers, JSON)
-
-    post.__doc__ = resource.about
-    post.__annotations__["query"] = Annotated[query_model, Query()]
-    router.post(
-        "",
-        summary=f"Plan {resource.what}",
-        status_code=HTTPStatus.CREATED,
-        response_model=(
-            resource.response | TableAlone if "json" in resource.exporters else resource.response
-        ),
-        responses=_answers_to_post(resource),
-        openapi_extra=request_body(resource.request_schema, resource.examples),
-    )(post)
+            job, plan = await _find(request, resource, job.id)
+            if unmade := answer_unmade(request, job, waits, headers, job_json(job)):
+                return unmade
+            assert plan is not None
+        if format_name is None:
+            answer = await _whole_json(request, resource, plan)
+            return Response(answer, HTTPStatus.CREATED, headers, JSON)
+        status = HTTPStatus.CREATED
+        return await _table_answer(request, resource, plan, format_name, status, headers)
 
 
-class TableAlone(BaseModel, extra="allow"):
-    """The table by itself, as `format=json` asks: a list per column, and what they mean.
-
-    name: of the plan, as its request gives it.
-    epoch: of row 0; UTC.
-    step_s: from row to row.
-    t_s: of each row, since the epoch.
-    description: frames, units and the interpolation.
-    """
-
-    name: str
-    epoch: str
-    step_s: NotNegative
-    t_s: list[NotNegative]
-    description: dict[str, Any]
+def _read_table_query(query: type[TableQuery], resource: PlanResource) -> Any:  # noqa: ANN401
+    titles = {name: exporter.title for name, exporter in resource.exporters.items()}
+    return read_query(with_formats(query, "The table by itself in this format", titles))
 
 
 def _dry_run_bounds(request: Request, resource: PlanResource) -> Bounds:
@@ -153,28 +149,7 @@ def _dry_run_bounds(request: Request, resource: PlanResource) -> Bounds:
     return replace(bounds, deadline_s=deadline_s)
 
 
-def _answers_to_post(resource: PlanResource) -> dict[int | str, dict[str, Any]]:
-    location = {"Location": {"description": "Address of the plan", "schema": {"type": "string"}}}
-    return {
-        200: {
-            "model": resource.dry_run_response,
-            "description": "`dry_run`: a summary of the plan that would be made",
-        },
-        201: {
-            "description": "The plan; or its table by itself, as `format` or Accept asks",
-            "content": {media_type: {} for media_type in resource.format_by_media_type},
-            "headers": location,
-        },
-        202: {
-            "model": JobResponse,
-            "description": "Accepted; the plan will be at Location",
-            "headers": location,
-        },
-        409: {"description": "Cancelled while it was waited for, or `revises` names no plan made"},
-    }
-
-
-def _form(request: Request, resource: PlanResource, query: TableQuery) -> str | None:
+def _format(request: Request, resource: PlanResource, query: TableQuery) -> str | None:
     """The format asked for, None for JSON; raises 406."""
     by_media_type = resource.format_by_media_type
     return query.format or by_media_type.get(preferred_type(request, (JSON, *by_media_type)))
@@ -189,10 +164,10 @@ def _accept_plan(
 ) -> Job:
     """The job for a request, new or known by its key; raises KeyReused, QueueFull."""
     spec = resource.read(body)
-    if query.revises is not None:
-        _require_made(request.app.state.database, resource, query.revises)
-    options = {} if query.revises is None else {"revises": query.revises}
-    return accept_job(request, resource, spec, body, key, options)
+    if query.revises is None:
+        return accept_job(request, resource, spec, body, key, {})
+    _require_made(request.app.state.database, resource, query.revises)
+    return accept_job(request, resource, spec, body, key, {"revises": query.revises})
 
 
 def _require_made(database: Database, resource: PlanResource, plan_id: str) -> None:
@@ -208,65 +183,27 @@ def _require_made(database: Database, resource: PlanResource, plan_id: str) -> N
         )
 
 
-def _add_list(router: APIRouter, resource: PlanResource) -> None:
-    async def get_plans(request: Request, query: Annotated[ListQuery, Query()]) -> Response:
-        """The latest come first; plans that wait or run, were refused or cancelled are included."""
-        campaign_id = query.campaign if isinstance(query, PlanListQuery) else None
-        jobs_and_one = await list_jobs(request, resource, query, campaign_id)
-        return Response(list_json(jobs_and_one, query.limit), media_type=JSON)
-
-    query_model = PlanListQuery if resource.in_campaigns else ListQuery
-    get_plans.__annotations__["query"] = Annotated[query_model, Query()]
-    router.get(
-        "",
-        summary="List plans",
-        response_model=PlanList,
-        dependencies=[Depends(accepts_json)],
-    )(get_plans)
-
-
 def _add_one(router: APIRouter, resource: PlanResource) -> None:
     @router.get(
         "/{id}",
         summary="Get a plan",
         response_model=resource.response | JobResponse,
-        responses={304: UNCHANGED, 404: no_such(resource)},
-        dependencies=[Depends(accepts_json)],
+        dependencies=ONLY_JSON,
     )
     async def get_plan(request: Request, plan_id: PathId) -> Response:
         """The answer is the state of the work until the plan is made, then the plan, which never
         changes."""
-        job, plan = await find(request, resource, plan_id)
+        job, plan = await _find(request, resource, plan_id)
         state = job_json(job)
-        tag = immutable_tag(plan) if plan else weak_tag(hashlib.sha256(state).hexdigest()[:32])
+        tag = tag_for_good(plan.id) if plan else tag_of(state)
         if is_known_already(request, tag):
             return not_modified(tag)
-        answer = await whole_json(request, resource, plan) if plan else state
-        return Response(answer, HTTPStatus.OK, REVALIDATE | {"ETag": tag}, JSON)
+        answer = await _whole_json(request, resource, plan) if plan else state
+        return Response(answer, headers=revalidated(tag), media_type=JSON)
 
 
 def _add_table(router: APIRouter, resource: PlanResource) -> None:
-    query_model = with_table_formats(TableQuery, resource)
-
-    async def get_table(
-        request: Request, plan_id: PathId, query: Annotated[TableQuery, Query()]
-    ) -> Response:
-        """The table comes in the format that `format` or the Accept header names."""
-        form = _form(request, resource, query)
-        job, plan = await find(request, resource, plan_id)
-        if plan is None:
-            raise Conflict(
-                f"there is no table: the plan's state is {job.state}; GET "
-                f"{resource.path}/{job.id} tells more"
-            )
-        tag = immutable_tag(plan, form or "table")
-        if is_known_already(request, tag):
-            return not_modified(tag)
-        headers = REVALIDATE | {"ETag": tag}
-        return await table_answer(request, resource, plan, form, HTTPStatus.OK, headers)
-
-    get_table.__annotations__["query"] = Annotated[query_model, Query()]
-    router.get(
+    @router.get(
         "/{id}/table",
         summary="Get the table of a plan",
         response_class=Response,
@@ -275,9 +212,158 @@ def _add_table(router: APIRouter, resource: PlanResource) -> None:
                 "description": "The table; as JSON the member `table` of the plan",
                 "content": {media: {} for media in (JSON, *resource.format_by_media_type)},
             },
-            304: UNCHANGED,
-            404: no_such(resource),
             409: {"description": "The plan has no table, or none yet"},
             422: {"description": "A table that failed verification is in the whole plan only"},
         },
-    )(get_table)
+    )
+    async def get_table(
+        request: Request,
+        plan_id: PathId,
+        query: Annotated[TableQuery, Depends(_read_table_query(TableQuery, resource))],
+    ) -> Response:
+        """The table comes in the format that `format` or the Accept header names."""
+        format_name = _format(request, resource, query)
+        plan = await _find_made(request, resource, plan_id, "there is no table")
+        tag = tag_for_good(plan.id, format_name or "table")
+        if is_known_already(request, tag):
+            return not_modified(tag)
+        status, headers = HTTPStatus.OK, revalidated(tag)
+        return await _table_answer(request, resource, plan, format_name, status, headers)
+
+
+def _add_view(router: APIRouter, resource: PlanResource) -> None:
+    exporters = resource.view_exporters
+    media_types = {_JSON_FORMAT: JSON}
+    media_types |= {name: exporter.media_type for name, exporter in exporters.items()}
+    titles = {_JSON_FORMAT: "columns over time"}
+    titles |= {name: exporter.title for name, exporter in exporters.items()}
+    query_model = PlanViewQuery if resource.takes_pixel else ViewQuery
+    read_view_query = read_query(with_formats(query_model, "The view in this format", titles))
+
+    @router.get(
+        "/{id}/view",
+        summary="View a plan as columns over time, map or plot",
+        response_model=resource.view_response,
+        responses={
+            200: {
+                "description": "The columns; or a file, as `format` or Accept asks",
+                "content": {media: {} for media in media_types.values() if media != JSON},
+            },
+            409: {"description": "The plan was not made, or not yet"},
+            422: {
+                "description": "`step_s` fits neither the table nor an answer; or, but for JSON, "
+                "the plan's verification failed"
+            },
+        },
+    )
+    async def get_view(
+        request: Request, plan_id: PathId, query: Annotated[ViewQuery, Depends(read_view_query)]
+    ) -> Response:
+        """The view is computed from the table and the request of any kept plan.
+
+        Columns have a number for each row and their unit in the name; null stands where nothing is
+        defined.
+        """
+        name = query.format or format_of(request, media_types)
+        plan = await _find_made(request, resource, plan_id, "there is nothing to see yet")
+        pixel_arcsec = query.pixel_arcsec if isinstance(query, PlanViewQuery) else None
+        tag = tag_for_good(plan.id, f"view-{name}-{query.step_s}-{pixel_arcsec}")
+        if is_known_already(request, tag):
+            return not_modified(tag)
+        cache: ViewCache = request.app.state.views
+        content = cache.get(tag)
+        if content is None:
+            asked = AskedView(
+                plan_id=plan.id,
+                verified=plan.state == "done",
+                format_name=None if name == _JSON_FORMAT else name,
+                step_s=query.step_s,
+                pixel_arcsec=pixel_arcsec,
+                created_utc=plan.planned_utc,
+            )
+            content = await _view(request, resource, plan, asked)
+            cache.keep(tag, content)
+        headers = revalidated(tag)
+        if name != _JSON_FORMAT:
+            suffix = exporters[name].suffix
+            headers |= saved_as(plan.name, resource.file_stem, suffix, media_types[name])
+        return Response(content, HTTPStatus.OK, headers, media_types[name])
+
+
+async def _view(
+    request: Request, resource: PlanResource, plan: StoredPlan, asked: AskedView
+) -> bytes:
+    """Raises a refusal of what was asked with the parameter's name."""
+    body = await read(request, lambda connection: jobs.request_of(connection, plan.id))
+    try:
+        return await in_child(
+            request, EXPORT_BOUNDS, resource.view_file, body or b"", plan.table_columns, asked
+        )
+    except Refusal as refusal:
+        if refusal.field == "step_s":
+            refusal.field = "query.step_s"
+        raise
+
+
+async def _find(
+    request: Request, resource: PlanResource, plan_id: str
+) -> tuple[Job, StoredPlan | None]:
+    """A job of a resource, with its plan where there is one; raises 404."""
+
+    def reading(connection: Connection) -> tuple[Job, StoredPlan | None]:
+        job = job_of(connection, resource, plan_id)
+        is_made = job.state in ("done", "failed")
+        return job, plans.get(connection, plan_id) if is_made else None
+
+    return await read(request, reading)
+
+
+async def _find_made(
+    request: Request, resource: PlanResource, plan_id: str, without: str
+) -> StoredPlan:
+    """A plan; raises 404, and Conflict where it isn't made, which begins with `without`."""
+    job, plan = await _find(request, resource, plan_id)
+    if plan is None:
+        raise Conflict(
+            f"{without}: the plan's state is {job.state}; GET {resource.path}/{job.id} tells more"
+        )
+    return plan
+
+
+async def _whole_json(request: Request, resource: PlanResource, plan: StoredPlan) -> bytes:
+    """The answer to the request it was planned for."""
+    if len(plan.table_columns) > _PACKED_MAX_BYTES:
+        table = await in_child(request, EXPORT_BOUNDS, resource.table_json, plan.table_columns)
+    else:
+        table = await anyio.to_thread.run_sync(resource.table_json, plan.table_columns)
+    return whole_answer(fill(PlanHead, plan), plan.document, table)
+
+
+async def _table_answer(
+    request: Request,
+    resource: PlanResource,
+    plan: StoredPlan,
+    format_name: str | None,
+    status: HTTPStatus,
+    headers: dict[str, str],
+) -> Response:
+    """The table by itself, without a format as the whole answer holds it.
+
+    Raises Unverified, OutsideCoverage.
+    """
+    if format_name is None:
+        table = await in_child(request, EXPORT_BOUNDS, resource.table_json, plan.table_columns)
+        return Response(table, status, headers, JSON)
+    exporter = resource.exporters[format_name]
+    body = await read(request, lambda connection: jobs.request_of(connection, plan.id))
+    content = await in_child(
+        request,
+        EXPORT_BOUNDS,
+        resource.table_file,
+        body or b"",
+        plan.table_columns,
+        format_name,
+        plan.planned_utc,
+    )
+    headers |= saved_as(plan.name, resource.file_stem, exporter.suffix)
+    return Response(content, status, headers, exporter.media_type)

@@ -1,18 +1,24 @@
-"""Plans of the two-axis platform over HTTP."""
+"""Plans over HTTP: of the two-axis platform, and imaging sessions of the spacecraft."""
 
 from app.answers.plan import DryRunResponse, PlanResponse
+from app.answers.spacecraft import SpacecraftDryRunResponse, SpacecraftPlanResponse
+from app.answers.spacecraft_view import SpacecraftViewResponse
 from app.answers.view import PlanViewResponse
 from app.http.routes.end_of_plan import from_end_of_plan
+from app.http.routes.parameters import PlanListQuery
 from app.http.routes.plan_routes import plan_routes
 from app.http.routes.resources import PlanResource
-from app.jobs.kinds import PLAN
-from app.requests.examples import PLAN_EXAMPLES
-from app.requests.listings import listing_of_scenario
+from app.jobs.kinds import PLAN, SPACECRAFT_PLAN
+from app.requests.examples import PLAN_EXAMPLES, SPACECRAFT_EXAMPLES
+from app.requests.listings import listing_of_imaging, listing_of_scenario
 from app.requests.plan import read_plan_request
+from app.requests.spacecraft import read_spacecraft_request
 from app.work.plan import stored_table_file, stored_table_json, try_plan
-from app.work.view import DRAWN, stored_plan_view
+from app.work.spacecraft import stored_session_file, stored_session_json, try_session
+from app.work.view import DRAWN, DRAWN_SESSION, stored_plan_view, stored_session_view
 from planner.output.export import EXPORTERS
 from planner.output.view import VIEW_EXPORTERS
+from planner.spacecraft.export import IMAGING_EXPORTERS
 
 PLANS = PlanResource(
     kind=PLAN.name,
@@ -26,6 +32,7 @@ PLANS = PlanResource(
     """,
     request_schema="PlanRequest",
     listing=listing_of_scenario,
+    list_query=PlanListQuery,
     examples=PLAN_EXAMPLES,
     response=PlanResponse,
     read=read_plan_request,
@@ -39,8 +46,35 @@ PLANS = PlanResource(
     view_file=stored_plan_view,
     file_stem="plan",
     takes_pixel=True,
-    in_campaigns=True,
     fill_in=from_end_of_plan,
+)
+SPACECRAFT_PLANS = PlanResource(
+    kind=SPACECRAFT_PLAN.name,
+    path="/v1/spacecraft/plans",
+    tag="spacecraft",
+    what="an imaging session of the CMG spacecraft",
+    about="""Chooses and orders the requests that fit, slews between scans, and simulates the
+    table in closed loop.
+
+    An independent verification checks every table before it is returned.  Requests that don't
+    fit are listed in `left_out` with the reason; when none fits, the session is refused with
+    the nearest way out.
+    """,
+    request_schema="ImagingPlanRequest",
+    listing=listing_of_imaging,
+    examples=SPACECRAFT_EXAMPLES,
+    response=SpacecraftPlanResponse,
+    read=read_spacecraft_request,
+    dry_run=try_session,
+    dry_run_response=SpacecraftDryRunResponse,
+    exporters=IMAGING_EXPORTERS,
+    table_json=stored_session_json,
+    table_file=stored_session_file,
+    view_response=SpacecraftViewResponse,
+    view_exporters=DRAWN_SESSION,
+    view_file=stored_session_view,
+    file_stem="session",
 )
 
 router = plan_routes(PLANS)
+of_spacecraft = plan_routes(SPACECRAFT_PLANS)

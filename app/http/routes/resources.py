@@ -1,13 +1,17 @@
 """The resources that jobs make, and the differences between those that hold plans."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
+from app.answers.job import PlanList, list_json
 from app.answers.members import ProvenanceOut
 from app.http.negotiation import JSON
+from app.http.routes.parameters import ListQuery
+from app.requests.examples import Examples
 from app.store.database import Database
+from app.store.jobs import Job
 from app.store.listing import Listing
 from app.work.view import AskedView
 from planner.output.export.exporter import Exporter
@@ -17,15 +21,24 @@ from planner.output.export.exporter import Exporter
 class JobResource:
     """What is at `path` and kept as jobs of one kind, by its name.
 
-    singular: what one of them is called.  request_schema: name of the schema of its request.
-    listing: what lists tell of a request, as it was read.
+    singular, plural: what they are called.  request_schema: name of the schema of its request.
+    listing: what lists tell of a request, as it was read.  response: of one; list_response: of
+    several, which list_json writes.  list_query: which of them to list, about_list: in what order.
     """
 
     kind: str
     path: str
+    tag: str
     request_schema: str
+    examples: Examples
     listing: Callable[[Any], Listing]
-    singular: str = "plan"
+    singular: str
+    plural: str
+    response: type
+    list_response: type
+    list_json: Callable[[Sequence[Job], int], bytes]
+    list_query: type[ListQuery] = ListQuery
+    about_list: str = "The latest come first."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,16 +50,20 @@ class PlanResource(JobResource):
     table_file: of (request, stored table, format, date the file states) the file's bytes; done
     in a child.  view_response: what there is to see of a plan, as JSON.  view_exporters: its other
     formats.  view_file: of (request, stored table, what is asked) the view's bytes, in a child.
-    file_stem: of files whose plan has no name.  in_campaigns: campaigns make some.
+    file_stem: of files whose plan has no name.
     takes_pixel: its views are told what a pixel sees, as no camera is defined.
     fill_in: a request with what only the store can tell.
     """
 
-    tag: str
+    singular: str = "plan"
+    plural: str = "plans"
+    list_response: type = PlanList
+    list_json: Callable[[Sequence[Job], int], bytes] = list_json
+    about_list: str = (
+        "The latest come first; plans that wait or run, were refused or cancelled are included."
+    )
     what: str
     about: str
-    examples: dict[str, tuple[str, dict[str, Any]]]
-    response: type
     read: Callable[[bytes], Any]
     dry_run: Callable[[Any, ProvenanceOut], bytes]
     dry_run_response: type
@@ -58,7 +75,6 @@ class PlanResource(JobResource):
     view_file: Callable[[bytes, bytes, AskedView], bytes]
     file_stem: str
     takes_pixel: bool = False
-    in_campaigns: bool = False
     fill_in: Callable[[Database, bytes], bytes] = lambda _, body: body
 
     @property

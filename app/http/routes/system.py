@@ -1,18 +1,17 @@
 """Routes of the service itself: health, readiness, version, metrics, the audit log."""
 
-from dataclasses import dataclass
 from http import HTTPStatus
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from anyio import to_thread
-from fastapi import APIRouter, Depends, HTTPException, Query, Request, Response
+from fastapi import APIRouter, HTTPException, Query, Request, Response
 from pydantic import Field
 
+from app.answers.service import AuditLog, Health, ReadinessResponse
 from app.http.metrics import CONTENT_TYPE
-from app.http.negotiation import accepts_json
+from app.http.negotiation import ONLY_JSON
 from app.http.query import Parameters
-from app.http.readiness import ReadinessCheckOut
-from app.store.audit import AuditEntry, entries
+from app.store.audit import entries
 from app.versions import VERSION
 
 router = APIRouter(tags=["system"])
@@ -27,41 +26,13 @@ _NOT_READY: dict[int | str, dict[str, Any]] = {
 }
 
 
-@dataclass(frozen=True, kw_only=True)
-class Health:
-    """The process answers.
-
-    status: ok, as long as there is an answer.
-    version: of slewtrack, as installed.
-    """
-
-    status: Literal["ok"]
-    version: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class ReadinessResponse:
-    """State of the service and of what it depends on.
-
-    status: `degraded` when a check is, which plans then warn of.
-    checks: the checks, one by one.
-    """
-
-    status: Literal["ready", "degraded"]
-    checks: list[ReadinessCheckOut]
-
-
 @router.get("/healthz", summary="Check that the process answers")
 async def get_health() -> Health:
     """Says nothing of what the service depends on; Accept is disregarded."""
     return Health(status="ok", version=VERSION)
 
 
-@router.get(
-    "/readyz",
-    summary="Check that the service can work",
-    responses=_NOT_READY,
-)
+@router.get("/readyz", summary="Check that the service can work", responses=_NOT_READY)
 async def get_readiness(request: Request) -> ReadinessResponse:
     """The checks cover database, solver (a child process solves a problem) and Earth orientation.
 
@@ -93,16 +64,6 @@ async def get_metrics(request: Request) -> Response:
     return Response(text, headers={"Content-Type": CONTENT_TYPE})
 
 
-@dataclass(frozen=True, kw_only=True)
-class AuditLog:
-    """Actions and the keys that took them.
-
-    entries: the latest first; for older ones ask again with `before` the last id.
-    """
-
-    entries: list[AuditEntry]
-
-
 class AuditQuery(Parameters):
     """Parameters of GET /v1/audit."""
 
@@ -115,7 +76,7 @@ class AuditQuery(Parameters):
     )
 
 
-@router.get("/v1/audit", summary="List the audit log", dependencies=[Depends(accepts_json)])
+@router.get("/v1/audit", summary="List the audit log", dependencies=ONLY_JSON)
 def get_audit(request: Request, query: Annotated[AuditQuery, Query()]) -> AuditLog:
     """Lists keys made and revoked, plans made, cancelled and deleted; needs an admin key."""
     database = request.app.state.database

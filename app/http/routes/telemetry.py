@@ -1,28 +1,36 @@
 """The route of comparisons of telemetry with a plan."""
 
+import json
 from datetime import UTC, datetime
-from typing import Annotated, Any
+from typing import Annotated
 
 import anyio.to_thread
-from fastapi import APIRouter, Depends, Query, Request, Response
+from fastapi import APIRouter, Depends, Request, Response
 from sqlalchemy import Connection
 
 from app.answers.members import provenance
 from app.answers.telemetry import ComparisonResponse
 from app.http.blocking import in_child, read
-from app.http.horizon_upload import MULTIPART
-from app.http.negotiation import JSON, preferred_type
-from app.http.openapi.schema import REF
-from app.http.routes.plan_queries import TableQuery, with_formats
-from app.http.telemetry_upload import sent_telemetry, telemetry_body
+from app.http.multipart import MAX_REQUEST_BYTES, Part, read_parts, unreadable
+from app.http.negotiation import (
+    JSON,
+    MULTIPART,
+    format_of,
+    media_type_of,
+    unsupported,
+    whole_body,
+)
+from app.http.openapi.schema import REF, form_body_of, json_body_of
+from app.http.routes.parameters import TableQuery, read_query, with_formats
 from app.jobs.child import Bounds
 from app.jobs.kinds import PLAN, SPACECRAFT_PLAN
 from app.jobs.refusals import Conflict
 from app.requests.examples import COMPARISON_EXAMPLES
+from app.requests.telemetry import read_comparison_head, read_comparison_request
 from app.store import jobs, plans
 from app.store.ids import is_id
 from app.store.plans import StoredPlan
-from app.work.telemetry import PICTURES, compare_stored
+from app.work.telemetry import PICTURES, SentTelemetry, compare_stored
 from planner.base.errors import InvalidInput
 
 router = APIRouter(tags=["telemetry"])
@@ -32,76 +40,66 @@ _BOUNDS = Bounds(deadline_s=120.0, memory_mib=2000)
 _JSON_FORMAT = "json"
 _MEDIA_TYPES = {_JSON_FORMAT: JSON} | {name: one.media_type for name, one in PICTURES.items()}
 
-_QUERY = with_formats(
-    TableQuery,
-    "The comparison in this format",
-    {_JSON_FORMAT: "numbers"} | {name: one.title for name, one in PICTURES.items()},
-)
-_BODY: dict[str, Any] = {
-    "requestBody": {
-        "required": True,
-        "content": {
-            JSON: {
-                "schema": {"$ref": REF.format(model="ComparisonRequest")},
-                "examples": {
-                    name: {"summary": summary, "value": value}
-                    for name, (summary, value) in COMPARISON_EXAMPLES.items()
-                },
-            },
-            MULTIPART: {
-                "schema": {
-                    "type": "object",
-                    "required": ["request", "samples"],
-                    "properties": {
-                        "request": {"$ref": REF.format(model="ComparisonRequest")},
-                        "samples": {
-                            "type": "string",
-                            "format": "binary",
-                            "description": "CSV: a line that names the columns (t_s or utc, then "
-                            "NAME_deg and NAME_rate_deg_s of the axes), a line per sample.",
-                        },
-                    },
-                },
-                "encoding": {"request": {"contentType": JSON}},
-            },
-        },
-    }
+_TITLES = {_JSON_FORMAT: "numbers"} | {name: one.title for name, one in PICTURES.items()}
+_read_query = read_query(with_formats(TableQuery, "The comparison in this format", _TITLES))
+_FIELDS = ("request", "plan", "epoch")  # a form may give plan and epoch without writing JSON
+_PARTS = (*(Part(name, 1, MAX_REQUEST_BYTES) for name in _FIELDS), Part("samples"))
+_REQUEST = "ComparisonRequest"
+_CSV = {
+    "type": "string",
+    "format": "binary",
+    "description": "CSV: a line that names the columns (t_s or utc, then NAME_deg and "
+    "NAME_rate_deg_s of the axes), a line per sample.",
 }
+_BODY = json_body_of(_REQUEST, COMPARISON_EXAMPLES)
+_FORM = form_body_of({"$ref": REF.format(model=_REQUEST)}, {"samples": _CSV})
+_BODY["requestBody"]["content"] |= _FORM["requestBody"]["content"]
 
 
-async def post_comparison(
-    request: Request,
-    sent: Annotated[tuple[str, bytes], Depends(telemetry_body)],
-    query: Annotated[TableQuery, Query()],
-) -> Response:
-    """Estimates the telemetry's clock, then reports each axis's errors session by session, and the
-    times at which it oscillated, stuck or exceeded a limit.
-
-    Damaged rows are left out and counted; a file that has no sample of the plan is refused.
-    Nothing is kept.
-    """
-    form = query.format or _asked_form(request)
-    media_type, body = sent
-    now_utc = datetime.now(UTC)
-    telemetry = await sent_telemetry(request, media_type, body)
-    plan_request, plan = await _plan_of(request, telemetry.request.plan)
-    origin = await anyio.to_thread.run_sync(provenance, now_utc, body)
-    answer = await in_child(
+async def _body(request: Request) -> bytes:
+    """The whole body, JSON or a form; refused with 415 and 413."""
+    media_type, settings = media_type_of(request), request.app.state.settings
+    if media_type == JSON:
+        way_out = (
+            f"; send more samples as CSV by {MULTIPART}, up to {settings.max_upload_bytes} bytes"
+        )
+        return await whole_body(request, settings.max_body_bytes, way_out)
+    if media_type == MULTIPART:
+        return await whole_body(request, settings.max_upload_bytes)
+    raise unsupported(
         request,
-        _BOUNDS,
-        compare_stored,
-        plan_request,
-        plan.table_columns,
-        telemetry,
-        origin,
-        None if form == _JSON_FORMAT else form,
-        now_utc,
+        f"{JSON} with the samples in it, or {MULTIPART} (its part `request` holds JSON, its part "
+        "`samples` CSV)",
     )
-    return Response(answer, media_type=_MEDIA_TYPES[form])
 
 
-post_comparison.__annotations__["query"] = Annotated[_QUERY, Query()]
-router.post(
+async def _sent(request: Request, body: bytes) -> SentTelemetry:
+    """Raises InvalidRequest."""
+    if media_type_of(request) == JSON:
+        spec, samples = read_comparison_request(body)
+        return SentTelemetry(request=spec, samples=samples)
+    parts = await read_parts(request, body, _PARTS)
+    if not parts["samples"]:
+        raise unreadable("samples", "is needed: a CSV file")
+    return SentTelemetry(request=read_comparison_head(_head(parts)), samples=parts["samples"][0])
+
+
+def _head(parts: dict[str, list[bytes]]) -> bytes:
+    fields = {name: parts[name][0] for name in _FIELDS if parts[name]}
+    if "request" in fields:
+        if len(fields) > 1:
+            raise unreadable("plan", "goes into the part request where there is one")
+        return fields["request"]
+    text = {name: content.decode("utf-8", "replace") for name, content in fields.items()}
+    if "plan" not in text:
+        raise unreadable("request", "is needed: JSON with the id of the plan")
+    head: dict[str, object] = {"plan": text["plan"]}
+    if "epoch" in text:
+        head["samples"] = {"epoch": text["epoch"]}
+    return json.dumps(head).encode()
+
+
+@router.post(
     "/v1/telemetry/comparisons",
     summary="Compare telemetry with a plan",
     response_model=ComparisonResponse,
@@ -113,12 +111,35 @@ router.post(
         409: {"description": "There is no such plan yet: it is queued, running or was not made"},
     },
     openapi_extra=_BODY,
-)(post_comparison)
+)
+async def post_comparison(
+    request: Request,
+    body: Annotated[bytes, Depends(_body)],
+    query: Annotated[TableQuery, Depends(_read_query)],
+) -> Response:
+    """Estimates the telemetry's clock, then reports each axis's errors session by session, and the
+    times at which it oscillated, stuck or exceeded a limit.
 
-
-def _asked_form(request: Request) -> str:
-    wanted = preferred_type(request, tuple(_MEDIA_TYPES.values()))
-    return next(name for name, media in _MEDIA_TYPES.items() if media == wanted)
+    Damaged rows are left out and counted; a file that has no sample of the plan is refused.
+    Nothing is kept.
+    """
+    format_name = query.format or format_of(request, _MEDIA_TYPES)
+    now_utc = datetime.now(UTC)
+    telemetry = await _sent(request, body)
+    plan_request, plan = await _plan_of(request, telemetry.request.plan)
+    origin = await anyio.to_thread.run_sync(provenance, now_utc, body)
+    answer = await in_child(
+        request,
+        _BOUNDS,
+        compare_stored,
+        plan_request,
+        plan.table_columns,
+        telemetry,
+        origin,
+        None if format_name == _JSON_FORMAT else format_name,
+        now_utc,
+    )
+    return Response(answer, media_type=_MEDIA_TYPES[format_name])
 
 
 async def _plan_of(request: Request, plan_id: str) -> tuple[bytes, StoredPlan]:
@@ -127,7 +148,7 @@ async def _plan_of(request: Request, plan_id: str) -> tuple[bytes, StoredPlan]:
         if job is not None and job.kind == SPACECRAFT_PLAN.name:
             raise InvalidInput(
                 "telemetry is compared with plans of the platform; a spacecraft's plan tells what "
-                "its own closed-loop runs did, in `flight`",
+                "its own closed-loop runs did, in `stabilisation`",
                 field="plan",
             )
         if job is None or job.kind != PLAN.name:

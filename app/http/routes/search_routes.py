@@ -20,43 +20,43 @@ from app.answers.job import SearchList, search_list_json
 from app.answers.members import ProvenanceOut, provenance, to_json
 from app.answers.opportunities import FoundWindows, whole_opportunities
 from app.answers.opportunities_geojson import FeatureCollection
-from app.http.blocking import in_child, read
+from app.http.blocking import EXPORT_BOUNDS, in_child, read
 from app.http.negotiation import (
     JSON,
-    accepts_json,
+    ONLY_JSON,
     is_known_already,
     json_body,
+    not_modified,
     preferred_type,
-    weak_tag,
+    revalidated,
+    saved_as,
 )
-from app.http.openapi.schema import REF, request_body
+from app.http.openapi.schema import REF, json_body_of
 from app.http.query import Parameters
-from app.http.routes.jobs import (
-    add_removal,
+from app.http.routes.job_routes import (
+    add_list,
     add_request,
+    answer_removal,
     find_job,
     job_of,
-    list_jobs,
-    no_such,
+    new_job,
+    tag_for_good,
 )
-from app.http.routes.plan_queries import ListQuery, PathId
+from app.http.routes.parameters import PathId
 from app.http.routes.resources import JobResource
-from app.http.routes.stored_plans import EXPORT_BOUNDS, saved_as
 from app.jobs.child import Bounds
 from app.store import audit, jobs, searches
 from app.store.database import Database
-from app.store.ids import new_id
-from app.store.jobs import NewJob
+from app.store.jobs import Job, NewJob
 from app.store.searches import StoredWindows
-from app.versions import VERSION
 from app.work.searches import CSV, GEOJSON, windows_in_form
 
 PAGE_MAX = 1000
+SEARCH_BOUNDS = Bounds(deadline_s=120.0, memory_mib=2000)
 _SUFFIXES = {GEOJSON: ".geojson", CSV: ".csv"}
 FORMS = (JSON, *_SUFFIXES)
 # Turning more than this of packed windows into another form would hold the interpreter for long.
 _PACKED_MAX_BYTES = 100_000
-_UNCHANGED = {"description": "Unchanged, as always: If-None-Match names its ETag"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,17 +64,18 @@ class SearchResource(JobResource):
     """One that holds what searches found.
 
     read: the request, which has a `name`, or InvalidRequest.  find: what a child does.
-    response: of all that was found; page: of some of it.
+    windows_response: of some of what was found.
     """
 
-    tag: str
+    singular: str = "search for opportunities"
+    plural: str = "searches"
+    list_response: type = SearchList
+    list_json: Callable[[Sequence[Job], int], bytes] = search_list_json
     summary: str
-    examples: dict[str, tuple[str, dict[str, Any]]]
     read: Callable[[bytes], Any]
     find: Callable[[Any, ProvenanceOut], FoundWindows]
-    bounds: Bounds
-    response: type
-    page: type
+    bounds: Bounds = SEARCH_BOUNDS
+    windows_response: type
 
 
 class WindowsQuery(Parameters):
@@ -98,11 +99,11 @@ def search_routes(resource: SearchResource) -> APIRouter:
     """All routes of a resource."""
     router = APIRouter(tags=[resource.tag], prefix=resource.path)
     _add_post(router, resource)
-    _add_list(router, resource)
+    add_list(router, resource)
     _add_one(router, resource)
     _add_windows(router, resource)
     add_request(router, resource)
-    add_removal(router, resource)
+    _add_delete(router, resource)
     return router
 
 
@@ -113,8 +114,6 @@ def _in_all_forms(description: str) -> dict[str, Any]:
 
 
 def _add_post(router: APIRouter, resource: SearchResource) -> None:
-    found_at = {"Location": {"description": "Address of the search", "schema": {"type": "string"}}}
-
     @router.post(
         "",
         summary=resource.summary,
@@ -123,9 +122,8 @@ def _add_post(router: APIRouter, resource: SearchResource) -> None:
             200: _in_all_forms(
                 "The windows found; as GeoJSON if `Accept` asks, or as a pass table in CSV"
             )
-            | {"headers": found_at}
         },
-        openapi_extra=request_body(resource.request_schema, resource.examples),
+        openapi_extra=json_body_of(resource.request_schema, resource.examples),
     )
     async def post(request: Request, body: Annotated[bytes, Depends(json_body)]) -> Response:
         """Windows are found to the millisecond, with the limits that open and close each, and the
@@ -133,32 +131,24 @@ def _add_post(router: APIRouter, resource: SearchResource) -> None:
 
         The search is kept under `id`, at Location.
         """
-        form = preferred_type(request, FORMS)
+        media_type = preferred_type(request, FORMS)
         begun_utc = datetime.now(UTC)
         spec = await anyio.to_thread.run_sync(resource.read, body)
         origin = provenance(begun_utc, body)
         found = await in_child(request, resource.bounds, resource.find, spec, origin)
-        new = NewJob(
-            id=new_id(),
-            kind=resource.kind,
-            name=spec.name,
-            listing=resource.listing(spec),
-            request=body,
-            request_sha256=hashlib.sha256(body).hexdigest(),
-            deadline_s=resource.bounds.deadline_s,
-            key_id=getattr(request.state, "key_id", None),
-        )
+        deadline_s = resource.bounds.deadline_s
+        new = new_job(request, resource, spec, body, deadline_s=deadline_s)
         await anyio.to_thread.run_sync(_keep, request, new, begun_utc, found)
         headers = {"Location": f"{resource.path}/{new.id}", "Vary": "Accept"}
-        answer = await _whole(request, new.id, found, form)
-        return Response(answer, HTTPStatus.OK, headers | _saved(found.head, form), form)
+        answer = await _whole(request, new.id, found, media_type)
+        return Response(answer, HTTPStatus.OK, headers | _saved(found.head, media_type), media_type)
 
 
-def _saved(head: bytes, form: str) -> dict[str, str]:
+def _saved(head: bytes, media_type: str) -> dict[str, str]:
     """The header that names a file after its search."""
-    if form == JSON:
+    if media_type == JSON:
         return {}
-    return saved_as(json.loads(head)["name"], "opportunities", _SUFFIXES[form])
+    return saved_as(json.loads(head)["name"], "opportunities", _SUFFIXES[media_type])
 
 
 def _keep(request: Request, new: NewJob, begun_utc: datetime, found: FoundWindows) -> None:
@@ -170,33 +160,20 @@ def _keep(request: Request, new: NewJob, begun_utc: datetime, found: FoundWindow
         audit.record(connection, key_id=new.key_id, action=f"{new.kind}.accept", subject=new.id)
 
 
-async def _whole(request: Request, search_id: str, found: FoundWindows, form: str) -> bytes:
+async def _whole(request: Request, search_id: str, found: FoundWindows, media_type: str) -> bytes:
     """All that was found."""
-    if form == JSON:
+    if media_type == JSON:
         return whole_opportunities(search_id, found)
     members = {"id": search_id, **json.loads(found.head)}
-    return await _in_form(request, form, found.windows, members)
+    return await _in_form(request, media_type, found.windows, members)
 
 
 async def _in_form(
-    request: Request, form: str, windows: Sequence[bytes], members: Mapping[str, object]
+    request: Request, media_type: str, windows: Sequence[bytes], members: Mapping[str, object]
 ) -> bytes:
     if sum(map(len, windows)) > _PACKED_MAX_BYTES:
-        return await in_child(request, EXPORT_BOUNDS, windows_in_form, form, windows, members)
-    return windows_in_form(form, windows, members)
-
-
-def _add_list(router: APIRouter, resource: SearchResource) -> None:
-    @router.get(
-        "",
-        summary="List searches",
-        response_model=SearchList,
-        dependencies=[Depends(accepts_json)],
-    )
-    async def get_searches(request: Request, query: Annotated[ListQuery, Query()]) -> Response:
-        """The latest come first."""
-        jobs_and_one = await list_jobs(request, resource, query)
-        return Response(search_list_json(jobs_and_one, query.limit), media_type=JSON)
+        return await in_child(request, EXPORT_BOUNDS, windows_in_form, media_type, windows, members)
+    return windows_in_form(media_type, windows, members)
 
 
 def _add_one(router: APIRouter, resource: SearchResource) -> None:
@@ -204,30 +181,27 @@ def _add_one(router: APIRouter, resource: SearchResource) -> None:
         "/{id}",
         summary="Get a search",
         response_model=resource.response,
-        responses={
-            200: _in_all_forms("The answer to its POST; in another form if `Accept` asks"),
-            304: _UNCHANGED,
-            404: no_such(resource),
-        },
+        responses={200: _in_all_forms("The answer to its POST; in another form if `Accept` asks")},
     )
     async def get_search(request: Request, search_id: PathId) -> Response:
         """A search never changes."""
-        form = preferred_type(request, FORMS)
-        headers = _immutable(search_id, form)
-        if is_known_already(request, headers["ETag"]):
+        media_type = preferred_type(request, FORMS)
+        tag = _tag(search_id, media_type)
+        if is_known_already(request, tag):
             await find_job(request, resource, search_id)
-            return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=headers)
+            return not_modified(tag)
         search = await _find(request, resource, search_id)
         found = FoundWindows(search.head, search.windows)
-        answer = await _whole(request, search_id, found, form)
-        return Response(answer, HTTPStatus.OK, headers | _saved(found.head, form), form)
+        answer = await _whole(request, search_id, found, media_type)
+        headers = revalidated(tag) | _saved(found.head, media_type)
+        return Response(answer, HTTPStatus.OK, headers, media_type)
 
 
 def _add_windows(router: APIRouter, resource: SearchResource) -> None:
     @router.get(
         "/{id}/windows",
         summary="List windows of a search",
-        response_model=resource.page,
+        response_model=resource.windows_response,
         responses={
             200: _in_all_forms("A page of the windows; in another form if `Accept` asks")
             | {
@@ -237,20 +211,18 @@ def _add_windows(router: APIRouter, resource: SearchResource) -> None:
                         "schema": {"type": "string"},
                     }
                 }
-            },
-            304: _UNCHANGED,
-            404: no_such(resource),
+            }
         },
     )
     async def get_windows(
         request: Request, search_id: PathId, query: Annotated[WindowsQuery, Query()]
     ) -> Response:
         """They follow the order of the request's targets, those of each target in order of time."""
-        form = preferred_type(request, FORMS)
-        headers = _immutable(search_id, form, query)
-        if is_known_already(request, headers["ETag"]):
+        media_type = preferred_type(request, FORMS)
+        tag = _tag(search_id, media_type, query)
+        if is_known_already(request, tag):
             await find_job(request, resource, search_id)
-            return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=headers)
+            return not_modified(tag)
         stop = query.cursor + query.limit
         if query.target is None:
             search = await _find(request, resource, search_id, query.cursor, stop)
@@ -260,16 +232,31 @@ def _add_windows(router: APIRouter, resource: SearchResource) -> None:
             search = await _find(request, resource, search_id)
             windows = [window for window in search.windows if window.startswith(begins)]
             shown, count = windows[query.cursor : stop], len(windows)
+        headers = revalidated(tag)
         after = stop if stop < count else None
         if after is not None:
             url = request.url.include_query_params(cursor=after)
             headers["Link"] = f'<{url.path}?{url.query}>; rel="next"'
-        if form == JSON:
+        if media_type == JSON:
             body = b"".join([b'{"windows":[', b",".join(shown), b'],"next":', to_json(after), b"}"])
-            return Response(body, HTTPStatus.OK, headers, form)
-        headers |= _saved(search.head, form)
-        answer = await _in_form(request, form, shown, {"next": after})
-        return Response(answer, HTTPStatus.OK, headers, form)
+            return Response(body, HTTPStatus.OK, headers, media_type)
+        headers |= _saved(search.head, media_type)
+        answer = await _in_form(request, media_type, shown, {"next": after})
+        return Response(answer, HTTPStatus.OK, headers, media_type)
+
+
+def _add_delete(router: APIRouter, resource: SearchResource) -> None:
+    @router.delete(
+        "/{id}",
+        summary=f"Delete a {resource.singular}",
+        status_code=HTTPStatus.NO_CONTENT,
+        response_class=Response,
+        dependencies=ONLY_JSON,
+    )
+    async def delete(request: Request, search_id: PathId) -> Response:
+        """Only the audit log remembers a search that was deleted."""
+        job = await find_job(request, resource, search_id)
+        return await answer_removal(request, resource, job)
 
 
 async def _find(
@@ -291,8 +278,7 @@ async def _find(
     return search
 
 
-def _immutable(search_id: str, form: str, page: WindowsQuery | None = None) -> dict[str, str]:
-    """Headers of all that was found, or of a page of it."""
+def _tag(search_id: str, media_type: str, page: WindowsQuery | None = None) -> str:
+    """Of all that was found, or of a page of it."""
     which = "" if page is None else f"-{hashlib.sha256(to_json(page)).hexdigest()[:32]}"
-    tag = weak_tag(f"{search_id}-{form.rsplit('/')[-1]}{which}-{VERSION}")
-    return {"Cache-Control": "private, no-cache", "Vary": "Accept", "ETag": tag}
+    return tag_for_good(search_id, f"{media_type.rsplit('/')[-1]}{which}")

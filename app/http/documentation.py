@@ -10,7 +10,7 @@ from starlette.staticfiles import StaticFiles
 
 from app.http import planners_page
 from app.http.admission.access import BUILT_FILES, PAGE_FILES
-from app.http.admission.headers import PAGE_CONTENT_POLICY
+from app.http.headers import PAGE_CONTENT_POLICY
 from app.http.negotiation import JSON
 
 router = APIRouter(include_in_schema=False)

@@ -5,6 +5,7 @@ carries the id and the security headers.
 """
 
 import time
+from typing import Any
 
 import structlog
 from fastapi import Request
@@ -13,7 +14,7 @@ from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from app.answers.problem import bug, problem_of
-from app.http.admission.headers import REQUEST_ID, harden, remember_request_id, request_id_of
+from app.http.headers import REQUEST_ID, harden, remember_request_id, request_id_of
 from app.http.metrics import UNMATCHED, Metrics
 from app.http.problems import problem_answer, problem_type
 from app.log.logs import log
@@ -24,8 +25,8 @@ CLIENT_GONE = 499  # as nginx logs it; never sent
 _QUIET = frozenset({"/healthz", "/readyz", "/metrics"})  # asked every few seconds for ever
 
 
-class Watch:
-    """ASGI middleware."""
+class RequestLog:
+    """ASGI middleware, the outermost of ours."""
 
     def __init__(self, app: ASGIApp, metrics: Metrics) -> None:
         self._app = app
@@ -35,23 +36,37 @@ class Watch:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        this = _Answer(scope, send)
-        began_s = time.perf_counter()
+        scope["state"] = dict(scope.get("state", {}))  # of this request, not the connection's
+        request_id = request_id_of(Headers(scope=scope).get(REQUEST_ID))
+        remember_request_id(scope, request_id)
+        began_s, status = time.perf_counter(), 0
+
+        async def send_with_headers(message: Message) -> None:
+            nonlocal status
+            if message["type"] == "http.response.start":
+                status = message["status"]
+                headers = MutableHeaders(scope=message)
+                headers[REQUEST_ID] = request_id
+                harden(headers)
+            await send(message)
+
         with (
-            structlog.contextvars.bound_contextvars(request_id=this.request_id),
+            structlog.contextvars.bound_contextvars(request_id=request_id),
             self._metrics.http_in_flight.track_inprogress(),
         ):
             try:
-                await self._app(scope, receive, this.send)
+                await self._app(scope, receive, send_with_headers)
             except ClientDisconnect:
-                this.status = this.status or CLIENT_GONE
-            except Exception as error:  # noqa: BLE001 (the edge: the log gets all, the client none)
-                await this.fail(error, receive)
+                pass
+            except Exception as error:  # the log gets all of it, the client none
+                problem = _fault(error)
+                if status:  # too late for another: break off, so that none takes it for whole
+                    raise
+                await problem_answer(Request(scope), problem)(scope, receive, send_with_headers)
             finally:
-                self._report(scope, this, time.perf_counter() - began_s)
+                self._report(scope, status or CLIENT_GONE, time.perf_counter() - began_s)
 
-    def _report(self, scope: Scope, answer: "_Answer", took_s: float) -> None:
-        status = int(answer.status or CLIENT_GONE)
+    def _report(self, scope: Scope, status: int, took_s: float) -> None:
         problem = problem_type(scope)
         route = getattr(scope.get("route"), "path", UNMATCHED)
         self._metrics.count_answer(
@@ -70,36 +85,12 @@ class Watch:
         )
 
 
-class _Answer:
-    """What becomes of one request's answer on its way out."""
-
-    def __init__(self, scope: Scope, send: Send) -> None:
-        self.status = 0
-        self._scope = scope
-        self._send = send
-        scope["state"] = dict(scope.get("state", {}))  # of this request, not the connection's
-        self.request_id = request_id_of(Headers(scope=scope).get(REQUEST_ID))
-        remember_request_id(scope, self.request_id)
-
-    async def send(self, message: Message) -> None:
-        if message["type"] == "http.response.start":
-            self.status = message["status"]
-            headers = MutableHeaders(scope=message)
-            headers[REQUEST_ID] = self.request_id
-            harden(headers)
-        await self._send(message)
-
-    async def fail(self, error: Exception, receive: Receive) -> None:
-        """By our fault, or the database's: before the request was let in, or after its answer."""
-        if isinstance(error, StoreUnavailable):
-            problem = problem_of(error)
-        else:
-            problem = bug()
-            log.error("bug", exc_info=error)
-        if self.status:  # too late for another answer: break off, so that none takes it for whole
-            raise error
-        answer = problem_answer(Request(self._scope), problem)
-        await answer(self._scope, receive, self.send)
+def _fault(error: Exception) -> dict[str, Any]:
+    """The database's problem, or ours, which is logged."""
+    if isinstance(error, StoreUnavailable):
+        return problem_of(error)
+    log.error("bug", exc_info=error)
+    return bug()
 
 
 def _shown_path(scope: Scope) -> str:

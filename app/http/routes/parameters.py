@@ -1,18 +1,19 @@
-"""Query parameters of the resources that hold plans; a misspelled one is refused."""
+"""Parameters and headers of the resources that jobs make; a misspelled parameter is refused."""
 
-from collections.abc import Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from typing import Annotated, TypeVar
 
-from fastapi import Header, Path
+from fastapi import Depends, Header, Path, Query
 from pydantic import AfterValidator, Field, create_model
 
 from app.http.query import Parameters
-from app.http.routes.resources import PlanResource
 from app.store.ids import JobState, is_id
 from app.store.list_filter import ListFilter
 from planner.base.errors import InvalidInput
 from planner.world.frames.time_scales import utc_from_text
 from planner.world.platforms import PIXELS_ARCSEC
+
+Asked = TypeVar("Asked", bound=Parameters)
 
 LIST_MAX = 200
 _KEY_CHARACTERS_MAX = 255
@@ -126,9 +127,6 @@ class PlanViewQuery(ViewQuery):
     )
 
 
-Formatted = TypeVar("Formatted", bound=TableQuery)
-
-
 class PostQuery(TableQuery):
     """How to plan."""
 
@@ -141,22 +139,28 @@ class PostQuery(TableQuery):
     )
 
 
-def with_formats(
-    query: type[Formatted], text: str, title_by_name: Mapping[str, str]
-) -> type[Formatted]:
-    """The same parameters, `format` one of these; text: what it chooses."""
-    names = list(title_by_name)
+def read_query(model: type[Asked]) -> Callable[[Asked], Awaitable[Asked]]:
+    """A dependency: the parameters of a query, read as this model has them."""
+
+    async def query(asked: Annotated[model, Query()]) -> Asked:  # type: ignore[valid-type]
+        return asked
+
+    return query
+
+
+def with_formats(query: type[TableQuery], text: str, titles: Mapping[str, str]) -> type[TableQuery]:
+    """The same parameters, `format` one of those that have a title; text: what it chooses."""
 
     def require_registered(name: str) -> str:
-        if name not in names:
-            raise ValueError(f"must be one of {', '.join(names)}")
+        if name not in titles:
+            raise ValueError(f"must be one of {', '.join(titles)}")
         return name
 
-    titles = "; ".join(f"`{name}` {title}" for name, title in title_by_name.items())
+    told = "; ".join(f"`{name}` {title}" for name, title in titles.items())
     field = Field(
         default=None,
-        description=f"{text}, whatever the Accept header says: {titles}",
-        json_schema_extra={"enum": [*names]},
+        description=f"{text}, whatever the Accept header says: {told}",
+        json_schema_extra={"enum": [*titles]},
     )
     return create_model(
         query.__name__,
@@ -166,10 +170,13 @@ def with_formats(
     )
 
 
-def with_table_formats(query: type[Formatted], resource: PlanResource) -> type[Formatted]:
-    """The same parameters, `format` one of those of a resource's tables."""
-    titles = {name: exporter.title for name, exporter in resource.exporters.items()}
-    return with_formats(query, "The table by itself in this format", titles)
+Prefer = Annotated[
+    str | None,
+    Header(
+        description="`wait=N`: answer 202 when it isn't done within N seconds (30 by default, at "
+        "most 60); `respond-async`, `wait=0`: answer 202 at once."
+    ),
+]
 
 
 async def idempotency_key(
@@ -188,6 +195,9 @@ async def idempotency_key(
             field="header.Idempotency-Key",
         )
     return key
+
+
+IdempotencyKey = Annotated[str | None, Depends(idempotency_key)]
 
 
 def last_event_id(

@@ -1,0 +1,56 @@
+"""The state of the service, and what was done with it, as answered."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from app.store.audit import AuditEntry
+
+State = Literal["ok", "degraded", "failed"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Health:
+    """The process answers.
+
+    status: ok, as long as there is an answer.
+    version: of slewtrack, as installed.
+    """
+
+    status: Literal["ok"]
+    version: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReadinessCheckOut:
+    """One thing the service depends on.
+
+    name: name of the dependency.
+    state: `degraded` still works, and `detail` says how well.
+    detail: the finding in words.
+    """
+
+    name: str
+    state: State
+    detail: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReadinessResponse:
+    """State of the service and of what it depends on.
+
+    status: `degraded` when a check is, which plans then warn of.
+    checks: the checks, one by one.
+    """
+
+    status: Literal["ready", "degraded"]
+    checks: list[ReadinessCheckOut]
+
+
+@dataclass(frozen=True, kw_only=True)
+class AuditLog:
+    """Actions and the keys that took them.
+
+    entries: the latest first; for older ones ask again with `before` the last id.
+    """
+
+    entries: list[AuditEntry]
