@@ -1,5 +1,6 @@
 """Routes of flights: listed, followed, ended."""
 
+from collections.abc import Sequence
 from typing import Annotated
 
 import anyio.to_thread
@@ -14,7 +15,7 @@ from app.http.routes.plan_queries import ListQuery, PathId
 from app.http.routes.resources import JobResource
 from app.jobs.kinds import FLIGHTS
 from app.requests.flights import FlightsRequest
-from app.store import flights
+from app.store import results
 from app.store.jobs import Job
 from app.store.listing import Listing
 from app.work.flights import unpacked_outcomes
@@ -61,9 +62,10 @@ add_events(router, RESOURCE)
 async def find_flights(request: Request, job_id: str) -> tuple[Job, bytes]:
     """The job, and the answer that tells of it; raises 404."""
 
-    def reading(connection: Connection) -> tuple[Job, bytes | None, list[bytes]]:
+    def reading(connection: Connection) -> tuple[Job, bytes | None, Sequence[bytes]]:
         job = job_of(connection, RESOURCE, job_id)
-        return job, flights.get(connection, job_id), flights.parts_of(connection, job_id)
+        document = results.document(connection, job_id)
+        return job, document, results.documents_of_parts(connection, job_id)
 
     job, document, parts = await read(request, reading)
 

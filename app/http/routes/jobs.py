@@ -46,10 +46,11 @@ def accept_job(
     key: str | None,
     options: Mapping[str, Any],
     plan_id: str | None = None,
+    revises: str | None = None,
 ) -> Job:
     """The job for a request, new or known by its key; raises KeyReused, QueueFull.
 
-    plan_id: of the plan it is about.
+    plan_id: of the plan it is about.  revises: of the plan it replaces.
     """
     state, kind = request.app.state, JOB_KINDS[resource.kind]
     dispatcher: Dispatcher = state.dispatcher
@@ -65,16 +66,21 @@ def accept_job(
         options=options,
         key_id=key_id,
         plan_id=plan_id,
+        revises=revises,
         idempotency=None if key is None else _digest(key_id or "", kind.name, key),
     )
     job = dispatcher.submit(new, spec)
-    if (job.request_sha256, job.options) != (new.request_sha256, new.options):
+    if any(getattr(job, name) != getattr(new, name) for name in _ASKED):
         raise KeyReused(
             "this Idempotency-Key came with another request before; send a new key with a new "
             "request",
             field="header.Idempotency-Key",
         )
     return job
+
+
+# What is asked again with a key must be the same.
+_ASKED = ("request_sha256", "options", "revises")
 
 
 def _digest(*parts: str) -> str:

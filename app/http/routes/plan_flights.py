@@ -108,7 +108,7 @@ def _accept(request: Request, plan_id: str, body: bytes, key: str | None) -> Job
     database: Database = request.app.state.database
     with database.reading() as connection:
         job = _require_plan(connection, plan_id)
-        plan = plans.get(connection, plan_id)
+        plan = plans.get(connection, job)
         asked = jobs.request_of(connection, plan_id)
     if plan is None or plan.state != "done" or asked is None:
         raise Conflict(

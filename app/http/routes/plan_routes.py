@@ -191,8 +191,7 @@ def _accept_plan(
     spec = resource.read(body)
     if query.revises is not None:
         _require_made(request.app.state.database, resource, query.revises)
-    options = {} if query.revises is None else {"revises": query.revises}
-    return accept_job(request, resource, spec, body, key, options)
+    return accept_job(request, resource, spec, body, key, {}, revises=query.revises)
 
 
 def _require_made(database: Database, resource: PlanResource, plan_id: str) -> None:

@@ -43,7 +43,7 @@ from app.http.routes.plan_queries import ListQuery, PathId
 from app.http.routes.resources import JobResource
 from app.http.routes.stored_plans import EXPORT_BOUNDS, saved_as
 from app.jobs.child import Bounds
-from app.store import audit, jobs, searches
+from app.store import audit, jobs, results, searches
 from app.store.database import Database
 from app.store.ids import new_id
 from app.store.jobs import NewJob
@@ -163,10 +163,10 @@ def _saved(head: bytes, form: str) -> dict[str, str]:
 
 def _keep(request: Request, new: NewJob, begun_utc: datetime, found: FoundWindows) -> None:
     database: Database = request.app.state.database
-    search = searches.packed(found.head, found.windows)
+    content = searches.packed(found.head, found.windows)
     with database.writing() as connection:
         jobs.record_done(connection, new, begun_utc)
-        searches.store(connection, new.id, search)
+        results.store(connection, new.id, content)
         audit.record(connection, key_id=new.key_id, action=f"{new.kind}.accept", subject=new.id)
 
 

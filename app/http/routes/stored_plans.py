@@ -41,7 +41,7 @@ async def find(
     def reading(connection: Connection) -> tuple[Job, StoredPlan | None]:
         job = job_of(connection, resource, plan_id)
         is_made = job.state in ("done", "failed")
-        return job, plans.get(connection, plan_id) if is_made else None
+        return job, plans.get(connection, job) if is_made else None
 
     return await read(request, reading)
 
