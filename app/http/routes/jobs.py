@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from http import HTTPStatus
 from typing import Annotated, Any
 
-import anyio.to_thread
 from fastapi import APIRouter, Depends, HTTPException, Request, Response
 from fastapi.responses import StreamingResponse
 from sqlalchemy import Connection
@@ -163,12 +162,13 @@ def add_delete(router: APIRouter, resource: JobResource) -> None:
         is finished."""
         job = await find_job(request, resource, job_id)
         key_id = getattr(request.state, "key_id", None)
+        database: Database = request.app.state.database
         if not job.is_open:
-            if not await anyio.to_thread.run_sync(_remove, request, job, key_id):
+            if not await database.answer(_remove, database, job, key_id):
                 raise _not_found(resource)  # another removed it just now
             return Response(status_code=HTTPStatus.NO_CONTENT)
         dispatcher: Dispatcher = request.app.state.dispatcher
-        await anyio.to_thread.run_sync(dispatcher.cancel, job_id, key_id)
+        await database.answer(dispatcher.cancel, job_id, key_id)
         await wait_for_end(request, job_id, CANCEL_WAIT_S)
         job = await find_job(request, resource, job_id)
         status = HTTPStatus.ACCEPTED if job.is_open else HTTPStatus.OK
@@ -196,7 +196,8 @@ def add_removal(router: APIRouter, resource: JobResource) -> None:
         """Only the audit log remembers a search that was deleted."""
         job = await find_job(request, resource, job_id)
         key_id = getattr(request.state, "key_id", None)
-        if not await anyio.to_thread.run_sync(_remove, request, job, key_id):
+        database: Database = request.app.state.database
+        if not await database.answer(_remove, database, job, key_id):
             raise _not_found(resource)  # another removed it just now
         return Response(status_code=HTTPStatus.NO_CONTENT)
 
@@ -211,8 +212,7 @@ def add_removal(router: APIRouter, resource: JobResource) -> None:
     )(delete)
 
 
-def _remove(request: Request, job: Job, key_id: str | None) -> bool:
-    database: Database = request.app.state.database
+def _remove(database: Database, job: Job, key_id: str | None) -> bool:
     with database.writing() as connection:
         gone = jobs.remove(connection, job.id)
         if gone:

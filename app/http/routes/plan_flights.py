@@ -4,7 +4,6 @@ from dataclasses import replace
 from http import HTTPStatus
 from typing import Annotated
 
-import anyio.to_thread
 from fastapi import APIRouter, Depends, Header, HTTPException, Query, Request, Response
 from sqlalchemy import Connection
 
@@ -62,7 +61,8 @@ async def post_flights(
     The errors of orbit, attitude, clock, Earth orientation and drives have the sigmas of the
     plan's pointing budget; the runs are shared among all processors.
     """
-    job = await anyio.to_thread.run_sync(_accept, request, plan_id, body, key)
+    database: Database = request.app.state.database
+    job = await database.answer(_accept, request, plan_id, body, key)
     waits = patience(prefer, WAIT_S)
     await wait_for_end(request, job.id, waits.wait_s)
     job, answer = await find_flights(request, job.id)

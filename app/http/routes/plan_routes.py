@@ -89,12 +89,13 @@ def _add_post(router: APIRouter, resource: PlanResource) -> None:
         prefer: Annotated[str | None, Header(description=PREFER)] = None,
     ) -> Response:
         form = _form(request, resource, query)
-        database = request.app.state.database
-        body = await anyio.to_thread.run_sync(resource.fill_in, database, body)
+        database: Database = request.app.state.database
+        body = await database.answer(resource.fill_in, database, body)
         if query.dry_run:
             bounds = _dry_run_bounds(request, resource)
             return await answer_in_child(request, body, resource.read, bounds, resource.dry_run)
-        job = await anyio.to_thread.run_sync(_accept_plan, request, resource, body, query, key)
+        spec = await anyio.to_thread.run_sync(resource.read, body)
+        job = await database.answer(_accept_plan, request, resource, spec, body, query.revises, key)
         waits = patience(prefer, WAIT_S)
         plan = await wait_for_end(request, job.id, waits.wait_s)
         headers = {
@@ -183,15 +184,15 @@ def _form(request: Request, resource: PlanResource, query: TableQuery) -> str | 
 def _accept_plan(
     request: Request,
     resource: PlanResource,
+    spec: Any,  # noqa: ANN401 (what the resource reads)
     body: bytes,
-    query: PostQuery,
+    revises: str | None,
     key: str | None,
 ) -> Job:
     """The job for a request, new or known by its key; raises KeyReused, QueueFull."""
-    spec = resource.read(body)
-    if query.revises is not None:
-        _require_made(request.app.state.database, resource, query.revises)
-    return accept_job(request, resource, spec, body, key, {}, revises=query.revises)
+    if revises is not None:
+        _require_made(request.app.state.database, resource, revises)
+    return accept_job(request, resource, spec, body, key, {}, revises=revises)
 
 
 def _require_made(database: Database, resource: PlanResource, plan_id: str) -> None:

@@ -148,7 +148,9 @@ def _add_post(router: APIRouter, resource: SearchResource) -> None:
             deadline_s=resource.bounds.deadline_s,
             key_id=getattr(request.state, "key_id", None),
         )
-        await anyio.to_thread.run_sync(_keep, request, new, begun_utc, found)
+        content = await anyio.to_thread.run_sync(searches.packed, found.head, found.windows)
+        database: Database = request.app.state.database
+        await database.answer(_keep, database, new, begun_utc, content)
         headers = {"Location": f"{resource.path}/{new.id}", "Vary": "Accept"}
         answer = await _whole(request, new.id, found, form)
         return Response(answer, HTTPStatus.OK, headers | _saved(found.head, form), form)
@@ -161,9 +163,7 @@ def _saved(head: bytes, form: str) -> dict[str, str]:
     return saved_as(json.loads(head)["name"], "opportunities", _SUFFIXES[form])
 
 
-def _keep(request: Request, new: NewJob, begun_utc: datetime, found: FoundWindows) -> None:
-    database: Database = request.app.state.database
-    content = searches.packed(found.head, found.windows)
+def _keep(database: Database, new: NewJob, begun_utc: datetime, content: Sequence[bytes]) -> None:
     with database.writing() as connection:
         jobs.record_done(connection, new, begun_utc)
         results.store(connection, new.id, content)

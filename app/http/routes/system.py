@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from http import HTTPStatus
 from typing import Annotated, Any, Literal
 
-from anyio import to_thread
 from fastapi import APIRouter, Depends, HTTPException, Query, Request, Response
 from pydantic import Field
 
@@ -13,6 +12,7 @@ from app.http.negotiation import accepts_json
 from app.http.query import Parameters
 from app.http.readiness import ReadinessCheckOut
 from app.store.audit import AuditEntry, entries
+from app.store.database import Database
 from app.versions import VERSION
 
 router = APIRouter(tags=["system"])
@@ -89,7 +89,8 @@ async def get_metrics(request: Request) -> Response:
     """The metrics cover requests by route, refusals by type, solve times, iterations and jobs by
     state since the start; the answer is the same whatever Accept asks for.
     """
-    text = await to_thread.run_sync(request.app.state.metrics.text)
+    database: Database = request.app.state.database
+    text = await database.answer(request.app.state.metrics.text)
     return Response(text, headers={"Content-Type": CONTENT_TYPE})
 
 
@@ -116,7 +117,7 @@ class AuditQuery(Parameters):
 
 
 @router.get("/v1/audit", summary="List the audit log", dependencies=[Depends(accepts_json)])
-def get_audit(request: Request, query: Annotated[AuditQuery, Query()]) -> AuditLog:
+async def get_audit(request: Request, query: Annotated[AuditQuery, Query()]) -> AuditLog:
     """Lists keys made and revoked, plans made, cancelled and deleted; needs an admin key."""
-    database = request.app.state.database
-    return AuditLog(entries=entries(database, limit=query.limit, before=query.before))
+    database: Database = request.app.state.database
+    return AuditLog(entries=await database.answer(entries, database, query.limit, query.before))
