@@ -236,6 +236,8 @@ def test_the_same_key_and_request_get_the_same_plan(client):
     assert other.status_code == 422
     assert other.json()["type"].endswith("idempotency-key-reused")
     assert other.json()["field"] == "header.Idempotency-Key"
+    revised = f"{PLANS}?revises={answers[0].json()['id']}"
+    assert client.post(revised, json=SHORT, headers=key).status_code == 422
     unlike = client.post(PLANS, json=SHORT, headers={"Idempotency-Key": "pass 4712"})
     assert unlike.json()["id"] != answers[0].json()["id"]
 
