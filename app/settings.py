@@ -95,13 +95,10 @@ class Settings(BaseSettings):
         default=256 * 2**20,
         gt=0,
         description="Most bytes of all answers that clients have yet to take; the slowest are cut "
-        "off beyond, those without a good key first",
+        "off beyond",
     )
     max_connections: int = Field(
-        default=512,
-        gt=0,
-        description="Most connections at a time; beyond, one without a good key gives way, "
-        "else 503",
+        default=512, gt=0, description="Most connections at a time; 503 beyond"
     )
 
     require_keys: bool = Field(

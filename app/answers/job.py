@@ -102,7 +102,6 @@ def job_out(job: "Job") -> JobResponse:
         job,
         targets=list(job.targets or ()),
         target_count=job.target_count or 0,
-        revises=job.options.get("revises"),
         input_sha256=job.request_sha256,
         problem=None
         if problem is None

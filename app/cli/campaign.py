@@ -14,9 +14,9 @@ from rich.text import Text
 from app.answers.campaign import CampaignLookOut
 from app.cli.progress_bar import progress_bar, reported_work
 from app.cli.report_parts import print_assumed, print_table, print_warnings, report_table
-from app.store.packed import NewPlan
-from app.work.campaign import NewCampaign, Part, choose, without_refused
+from app.work.campaign import choose, without_refused
 from app.work.plan import plan_and_pack, stored_table_json
+from app.work.result import Part, Result
 from planner.base.csv_cells import csv_lines
 from planner.base.errors import Refusal
 
@@ -29,11 +29,11 @@ class PlannedPass:
     """A pass with its plan; None where it was not wanted, or where no look can be flown: why."""
 
     part: Part
-    plan: NewPlan | None
+    plan: Result | None
     refusal: str | None
 
 
-def run_campaign(body: bytes, *, plans_too: bool) -> tuple[NewCampaign, list[PlannedPass]]:
+def run_campaign(body: bytes, *, plans_too: bool) -> tuple[Result, list[PlannedPass]]:
     """Choose and plan, with a bar on a terminal; raises a Refusal of the request."""
     with reported_work("opportunities"):
         choice = choose(body)

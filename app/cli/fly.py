@@ -16,7 +16,7 @@ from planner.base.errors import InvalidInput
 
 if TYPE_CHECKING:
     from app.answers.flights import FlightsFound
-    from app.work.flights import NewFlights
+    from app.work.result import Result
 
 PICTURES = ("png", "svg", "pdf")
 
@@ -112,7 +112,7 @@ def _fly_here(body: bytes, asked: bytes) -> Mapping[str, Any]:
     return members
 
 
-def _fly_parts(new: "NewFlights", tell: OnProgress) -> "FlightsFound":
+def _fly_parts(new: "Result", tell: OnProgress) -> "FlightsFound":
     """On all processors, each part in a child."""
     import zlib
 
@@ -136,13 +136,13 @@ def _fly_parts(new: "NewFlights", tell: OnProgress) -> "FlightsFound":
     try:
         futures = [
             executor.submit(
-                Task(job_id=str(number), bounds=RUNS.bounds, work=fly_part, body=body),
+                Task(job_id=str(number), bounds=RUNS.bounds, work=fly_part, body=part.request),
                 stop,
                 lambda progress, number=number: told_by(number, progress),  # type: ignore[misc]
             )
-            for number, (body, stop) in enumerate(zip(new.parts, stops, strict=True))
+            for number, (part, stop) in enumerate(zip(new.parts, stops, strict=True))
         ]
-        outcomes = [unpacked_outcomes(future.result()) for future in futures]
+        outcomes = [unpacked_outcomes(future.result().document) for future in futures]
     finally:
         for stop in stops:
             stop.request()

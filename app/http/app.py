@@ -135,8 +135,8 @@ def _guard_and_watch(app: FastAPI, settings: Settings) -> None:
     )
     access = Access(
         KeyLookup(
-            lambda secret: KeyStore(app.state.database).find(secret),
-            lambda: KeyStore(app.state.database).good_digests(),
+            lambda secret: _database(app).answer(KeyStore(_database(app)).find, secret),
+            lambda: _database(app).answer(KeyStore(_database(app)).good_digests),
         ),
         require_keys=settings.require_keys,
         hosts=tuple(name.strip() for name in settings.allowed_hosts.split(",")),
@@ -162,6 +162,11 @@ def _guard_and_watch(app: FastAPI, settings: Settings) -> None:
             allow_headers=_HEADERS_TAKEN,
             expose_headers=_HEADERS_TO_READ,
         )
+
+
+def _database(app: FastAPI) -> Database:
+    database: Database = app.state.database
+    return database
 
 
 @asynccontextmanager

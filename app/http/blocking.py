@@ -31,7 +31,7 @@ async def read(request: Request, reading: Callable[[Connection], T]) -> T:
         with database.reading() as connection:
             return reading(connection)
 
-    return await anyio.to_thread.run_sync(in_transaction)
+    return await database.answer(in_transaction)
 
 
 async def answer_in_child(

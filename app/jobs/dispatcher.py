@@ -12,15 +12,14 @@ from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime, timedelta
 from itertools import chain, repeat
 from threading import Event, Lock, Thread
-from typing import Any
 
 from sqlalchemy import Connection
 from sqlalchemy.exc import IntegrityError, SQLAlchemyError
 
 from app.jobs.child import Bounds
 from app.jobs.executors import SolveExecutor, Task
-from app.jobs.job_completion import give_up, settle, take_up_again
-from app.jobs.kinds import JOB_KINDS, JobKind, Settled
+from app.jobs.job_completion import Settled, give_up, settle, take_up_again
+from app.jobs.kinds import JOB_KINDS, JobKind
 from app.jobs.refusals import QueueFull
 from app.jobs.worker_process import Stop
 from app.log.logs import log
@@ -31,6 +30,7 @@ from app.store.ids import OPEN_STATES, JobState
 from app.store.jobs import Claim, Job, NewJob
 from app.store.unavailable import StoreUnavailable
 from app.work.progress import Progress
+from app.work.result import Result
 
 POLL_S = 0.25  # for work and cancellations that other services on the database wrote
 PROGRESS_S = 0.5  # least time between two progress events of one job
@@ -205,7 +205,7 @@ class Dispatcher:
 
     def _work(
         self, running: _Running, deadline_s: float, body: bytes, request: object = None
-    ) -> Future[Any]:
+    ) -> Future[Result]:
         kind = running.kind
         task = Task(
             job_id=running.job_id,
@@ -218,7 +218,7 @@ class Dispatcher:
             task, running.stop, lambda progress: self._record_progress(running, progress)
         )
 
-    def _follow(self, running: _Running, work: Future[Any]) -> None:
+    def _follow(self, running: _Running, work: Future[Result]) -> None:
         with self._lock:
             before = self._running.get(running.job_id)
             self._running[running.job_id] = running
@@ -248,14 +248,14 @@ class Dispatcher:
             if (untold := running.untold) is not None:
                 self._record_progress(running, untold)
 
-    def _end(self, running: _Running, done: Future[Any]) -> None:
+    def _end(self, running: _Running, done: Future[Result]) -> None:
         took_s = time.monotonic() - running.began_s
         settled = None
         try:
             settled = self._store_end(running, done)
             if settled is not None:
                 result = done.result() if done.exception() is None else None
-                iterations = None if result is None else running.kind.iterations(result)
+                iterations = None if result is None else result.iterations
                 self._on_end(running.kind.name, settled.state, took_s, iterations)
         except Exception as error:  # noqa: BLE001 (its lease runs out, and it is taken up again)
             log.error("the end couldn't be stored", job=running.job_id, exc_info=error)
@@ -270,7 +270,7 @@ class Dispatcher:
             if self._may_wait or is_open or running.parent_id is not None:
                 self._wake_up()
 
-    def _store_end(self, running: _Running, done: Future[Any]) -> Settled | None:
+    def _store_end(self, running: _Running, done: Future[Result]) -> Settled | None:
         """What the job has become; None when it is no longer ours.
 
         What no database takes would fail again at every attempt: it is given up at once.
@@ -297,7 +297,8 @@ class Dispatcher:
         while True:
             try:
                 # What has no parts is made again from its request, were this lost.
-                with self._database.writing(lasting=running.kind.has_parts) as connection:
+                lasting = running.kind.parts is not None
+                with self._database.writing(lasting=lasting) as connection:
                     job = jobs.job_of_lease(connection, running.token)
                     if job is None:
                         log.warning("a lease was lost", job=running.job_id)

@@ -48,7 +48,7 @@ def record(
     connection.execute(_NEW, row | {"at_utc": datetime.now(UTC)})
 
 
-def entries(database: Database, *, limit: int, before: int) -> list[AuditEntry]:
+def entries(database: Database, limit: int, before: int) -> list[AuditEntry]:
     """The latest first, of those older than the one with the id `before`."""
     query = _ENTRIES.where(AuditRow.id < before).order_by(AuditRow.id.desc()).limit(limit)
     with database.reading() as connection:

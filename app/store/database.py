@@ -7,6 +7,7 @@ takes some 4 ms.  It doesn't wait for what would be made again from that: a plan
 failure takes back is made once more when the service is back, under its id, the same.
 """
 
+import asyncio
 import os
 import random
 import sqlite3
@@ -15,7 +16,10 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
+from typing import TypeVar
 
+import anyio
+from anyio import to_thread
 from sqlalchemy import URL, Connection, Engine, create_engine, delete, event, insert, make_url, or_
 from sqlalchemy.engine.interfaces import DBAPIConnection
 from sqlalchemy.exc import ArgumentError, SQLAlchemyError
@@ -34,9 +38,13 @@ from app.store.sqlite_write_lock import PATIENCE_S, Outage, WriteLock
 from app.store.unavailable import StoreDamaged, StoreUnavailable
 from planner.base.errors import InvalidInput
 
+T = TypeVar("T")
 FILE = "slewtrack.sqlite3"
 DRIVERS = ("sqlite", "postgresql+psycopg")
 _POOLED, _POOLED_MORE = 5, 20
+# More than a lock or a connection of the pool is waited for, less than two seconds; counted in
+# looks, as a service that stands still itself hears nothing.
+_LOOKS_FOR_ANSWER, _LOOK_FOR_ANSWER_S = 9, 0.2
 _WRITES = "slewtrack_writes"  # how, as SQLite's `synchronous` has it
 # SQLite's own waiting looks ten times a second, and finds no gap between the transactions of
 # another busy service; so often it does.
@@ -57,12 +65,14 @@ class Database:
     Where the database itself is at fault, full, locked or away, either way raises
     StoreUnavailable, within two seconds.
 
+    looks_for_answer: how often `answer` looks before it leaves a server that says nothing.
     revision: of the tables this program knows, once they are up to date: then it writes to no
     others.  when_outdated: called when it would have, from any thread and more than once.
     """
 
     def __init__(self, url: URL) -> None:
         self.url = url
+        self.looks_for_answer = _LOOKS_FOR_ANSWER
         self.revision: str | None = None
         self.when_outdated: Callable[[], None] = lambda: None
         self._engine = _engine(url)
@@ -72,6 +82,29 @@ class Database:
         if url.drivername == "sqlite":
             self._write_lock = WriteLock(self._writers)
             event.listen(self._engine, "checkout", self._read_anew_after_damage)
+
+    async def answer(self, asking: Callable[..., T], *arguments: object) -> T:
+        """What `asking` returns, which reads or writes, in a thread; raises StoreUnavailable.
+
+        A thread is left to a server that falls silent, until that answers or is gone.
+        """
+        if self._write_lock is not None:  # no server
+            return await to_thread.run_sync(asking, *arguments)
+        async with to_thread.current_default_thread_limiter():
+            its_own = anyio.CapacityLimiter(1)
+            asked = asyncio.ensure_future(
+                to_thread.run_sync(asking, *arguments, abandon_on_cancel=True, limiter=its_own)
+            )
+            try:
+                for _ in range(self.looks_for_answer):
+                    await asyncio.wait((asked,), timeout=_LOOK_FOR_ANSWER_S)
+                    if asked.done():
+                        return asked.result()
+            finally:
+                asked.cancel()
+        self._readers.begin()
+        self._writers.begin()
+        raise StoreUnavailable("the database doesn't answer; ask again later")
 
     @contextmanager
     def reading(self) -> Iterator[Connection]:
@@ -105,12 +138,8 @@ class Database:
 
     @contextmanager
     def migrating(self) -> Iterator[Connection]:
-        """As `writing`, for what may take the database long."""
-        with (
-            self._writer(lasting=True) as connection,
-            _as_long_as_it_takes(connection),
-            connection.begin(),
-        ):
+        """As `writing`, for what makes the tables that `writing` looks into."""
+        with self._writer(lasting=True) as connection, connection.begin():
             yield connection
 
     @contextmanager
@@ -223,7 +252,10 @@ def _engine(url: URL) -> Engine:
     to_server = {
         "client_encoding": "utf8",  # else a database made as SQL_ASCII answers in bytes
         "connect_timeout": 2,  # psycopg's least
+        # One that is gone is noticed, also by who only waits for its answer.
         "tcp_user_timeout": int(PATIENCE_S * 1e3),
+        "keepalives_idle": 2,
+        "keepalives_interval": 1,
         "options": f"-c lock_timeout={PATIENCE_S * 1e3:.0f}",
     }
     engine = create_engine(
@@ -238,19 +270,7 @@ def _engine(url: URL) -> Engine:
     if is_file:
         event.listen(engine, "connect", _set_up_sqlite)
         event.listen(engine, "begin", _begin_sqlite)
-    else:
-        from app.store.postgresql import bound_silence
-
-        bound_silence(engine)
     return engine
-
-
-def _as_long_as_it_takes(connection: Connection) -> AbstractContextManager[None]:
-    if connection.dialect.name == "sqlite":
-        return nullcontext()
-    from app.store.postgresql import any_silence
-
-    return any_silence(connection)
 
 
 def _set_up_sqlite(connection: DBAPIConnection, _: ConnectionPoolEntry) -> None:

@@ -7,7 +7,7 @@ the work goes on, and asked for again when the result is stored: whoever lost it
 import secrets
 import zlib
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from typing import Any
 
@@ -34,7 +34,7 @@ from app.store.columns import database_now_s
 from app.store.ids import OPEN_STATES, JobState
 from app.store.list_filter import EVERY_ROW, ListFilter
 from app.store.listing import Listing
-from app.store.models import JobRow, PlanRow
+from app.store.models import JobRow
 from app.store.packed import unzip
 
 
@@ -53,6 +53,7 @@ class NewJob:
     idempotency: str | None = None
     parent_id: str | None = None
     plan_id: str | None = None
+    revises: str | None = None
     rank: int = 0
     listing: Listing = field(default_factory=Listing)
 
@@ -63,7 +64,7 @@ class Job:
 
     cancel_requested: of itself, or of the job it is a part of.  platform, start_utc, stop_utc,
     targets (the first of target_count), probability_in_frame: `app.store.listing`.
-    revision: of the plan it made.
+    revises, series, revision: `JobRow`.
     """
 
     id: str
@@ -88,6 +89,8 @@ class Job:
     targets: Sequence[str] | None
     target_count: int | None
     probability_in_frame: float | None
+    revises: str | None
+    series: str | None
     revision: int | None
 
     @property
@@ -112,10 +115,8 @@ _UNWANTED: ColumnElement[bool] = or_(
     JobRow.cancel_requested,
     exists().where(_WHOLE.id == JobRow.parent_id, _WHOLE.cancel_requested),
 )
-_REVISION = select(PlanRow.revision).where(PlanRow.id == JobRow.id).scalar_subquery()
-_FOUND = {"cancel_requested": _UNWANTED, "revision": _REVISION}
 _COLUMNS = tuple(
-    _FOUND[name].label(name) if name in _FOUND else getattr(JobRow, name)
+    _UNWANTED.label(name) if name == "cancel_requested" else getattr(JobRow, name)
     for name in Job.__dataclass_fields__
 )
 # Statements of every plan, built once: that takes longer than SQLite needs to answer them.
@@ -134,43 +135,39 @@ _CHANGE = update(JobRow).where(JobRow.id == bindparam("of_job"))
 
 def accept(connection: Connection, new: NewJob, lease_s: float | None = None) -> str | None:
     """Store a job; with `lease_s` it is the caller's at once, under the token returned."""
-    token = None if lease_s is None else secrets.token_hex(16)
-    now_utc = datetime.now(UTC)
-    begun = {
-        "state": "queued" if token is None else "running",
-        "request": zlib.compress(new.request),
-        "attempts": 0 if token is None else 1,
-        "lease_token": token,
-        "lease_s": lease_s,
-        "created_utc": now_utc,
-        "started_utc": None if token is None else now_utc,
-        "cancel_requested": False,
-    }
-    connection.execute(_NEW, _asked(new) | begun)
-    began = () if token is None else ({"state": "running", "attempt": 1},)
-    events.begin(connection, new.id, {"state": "queued"}, *began)
+    if lease_s is None:
+        _insert(connection, new, {})
+        events.begin(connection, new.id, {"state": "queued"})
+        return None
+    token = secrets.token_hex(16)
+    begun = {"state": "running", "attempts": 1, "lease_token": token, "lease_s": lease_s}
+    _insert(connection, new, begun | {"started_utc": datetime.now(UTC)})
+    events.begin(connection, new.id, {"state": "queued"}, {"state": "running", "attempt": 1})
     return token
 
 
 def record_done(connection: Connection, new: NewJob, begun_utc: datetime) -> None:
     """Keep what was done before anybody else could be told of it."""
-    done = {
-        "state": "done",
-        "request": zlib.compress(new.request),
-        "attempts": 1,
+    begun = {"created_utc": begun_utc, "started_utc": begun_utc, "attempts": 1}
+    done = {"state": "done", "finished_utc": datetime.now(UTC)}
+    _insert(connection, new, begun | done)
+
+
+def _insert(connection: Connection, new: NewJob, stands: dict[str, Any]) -> None:
+    """As it stands, in the queue unless that says otherwise."""
+    asked = {name: value for name, value in vars(new).items() if name != "listing"}
+    queued = {
+        "state": "queued",
+        "attempts": 0,
         "lease_token": None,
         "lease_s": None,
-        "created_utc": begun_utc,
-        "started_utc": begun_utc,
-        "finished_utc": datetime.now(UTC),
+        "created_utc": datetime.now(UTC),
+        "started_utc": None,
+        "finished_utc": None,
         "cancel_requested": False,
+        "request": zlib.compress(new.request),
     }
-    connection.execute(_NEW, _asked(new) | done)
-
-
-def _asked(new: NewJob) -> dict[str, Any]:
-    asked = {name: value for name, value in vars(new).items() if name != "listing"}
-    return asked | new.listing.columns(new.name)
+    connection.execute(_NEW, asked | new.listing.columns(new.name) | queued | stands)
 
 
 def get(connection: Connection, job_id: str) -> Job | None:
@@ -211,11 +208,6 @@ def latest(
         conditions.append(JobRow.id < before)
     found = connection.execute(_JOBS.where(*conditions).order_by(JobRow.id.desc()).limit(limit))
     return [_job(row) for row in found]
-
-
-def list_anew(connection: Connection, job: Job, listing: Listing) -> None:
-    """Tell of a job as it turned out."""
-    connection.execute(_CHANGE, {"of_job": job.id, **listing.columns(job.name)})
 
 
 def count_waiting(connection: Connection) -> int:
@@ -308,19 +300,33 @@ def job_of_lease(connection: Connection, token: str) -> Job | None:
 
 
 def finish(
-    connection: Connection, job: Job, state: JobState, problem: Mapping[str, Any] | None = None
-) -> None:
-    """What became of a job that this transaction has locked."""
-    _change(
-        connection,
-        job,
-        state,
-        {"state": state} if problem is None else {"state": state, "problem": dict(problem)},
-        finished_utc=datetime.now(UTC),
-        problem=None if problem is None else dict(problem),
-    )
+    connection: Connection,
+    job: Job,
+    state: JobState,
+    problem: Mapping[str, Any] | None = None,
+    **columns: Any,  # noqa: ANN401 (of a row)
+) -> Job:
+    """What became of a job that this transaction has locked; columns: told anew of it."""
+    told = None if problem is None else dict(problem)
+    columns |= {"finished_utc": datetime.now(UTC), "problem": told}
+    data = {"state": state} if told is None else {"state": state, "problem": told}
+    finished = _change(connection, job, state, data, **columns)
     if job.parent_id is not None:
         _record_end_of_part(connection, job.parent_id)
+    return finished
+
+
+def place_in_series(connection: Connection, job: Job) -> dict[str, Any]:
+    """Of a plan that is made now: the latest revision of the series of the one it revises."""
+    of_revised = select(JobRow.series).where(JobRow.id == job.revises)
+    series = None if job.revises is None else connection.scalar(of_revised)
+    if series is None:
+        return {"series": job.id, "revision": 1}
+    of_series = JobRow.series == series
+    locked = select(JobRow.id).where(of_series).order_by(JobRow.id).with_for_update(key_share=True)
+    connection.execute(locked)  # one by one
+    last = connection.scalar(select(func.max(JobRow.revision)).where(of_series)) or 0
+    return {"series": series, "revision": last + 1}
 
 
 def wait_for_parts(connection: Connection, job: Job) -> None:
@@ -367,11 +373,13 @@ def give_back(connection: Connection, job: Job, *, counted: bool) -> None:
 
 
 def _change(
-    connection: Connection, job: Job, state: JobState, data: dict[str, Any], **values: object
-) -> None:
+    connection: Connection, job: Job, state: JobState, data: dict[str, Any], **columns: object
+) -> Job:
     ends_lease = {"lease_token": None, "lease_until_s": None}
-    connection.execute(_CHANGE, {"of_job": job.id, "state": state, **ends_lease, **values})
+    connection.execute(_CHANGE, {"of_job": job.id, "state": state, **ends_lease, **columns})
     events.record(connection, job.id, events.STATE, data)
+    changed = {name: value for name, value in columns.items() if name in Job.__dataclass_fields__}
+    return replace(job, state=state, **changed)  # type: ignore[arg-type]
 
 
 def cancel(connection: Connection, job_id: str) -> Job | None:
@@ -387,7 +395,7 @@ def cancel(connection: Connection, job_id: str) -> Job | None:
 
 
 def remove(connection: Connection, job_id: str) -> bool:
-    """Delete a finished job with its plan, events and flights; False when there is none such."""
+    """Delete a finished job with what it made, its events and flights; False if there is none."""
     gone = connection.execute(
         delete(JobRow).where(JobRow.id == job_id, JobRow.state.not_in(OPEN_STATES))
     )

@@ -1,4 +1,4 @@
-"""The tables: jobs, plans, campaigns, flights, events, probes, keys and the audit log."""
+"""The tables: jobs, their results and events, probes, keys and the audit log."""
 
 from datetime import datetime
 from typing import Any
@@ -44,6 +44,8 @@ class JobRow(Base):
     rank: smaller goes first.  lease_until_s: by `database_now_s`; a running job without a lease
     waits for others.
     plan_id: the job of the plan that this one is about; whoever deletes that deletes this.
+    revises: the job of the plan that this one is to replace.  series: of a plan that is made, the
+    job of its first revision; revision: from 1 within the series.
     platform ... target_words: `app.store.listing`; targets: the first of target_count.
     words, target_words: what filters look into, `folded`.
     """
@@ -61,6 +63,9 @@ class JobRow(Base):
     idempotency: Mapped[str | None] = mapped_column(PlainString(64), unique=True)
     parent_id: Mapped[str | None] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"))
     plan_id: Mapped[str | None] = mapped_column(_ID)
+    revises: Mapped[str | None] = mapped_column(_ID)
+    series: Mapped[str | None] = mapped_column(_ID)
+    revision: Mapped[int | None]
     rank: Mapped[int]
     attempts: Mapped[int]
     lease_token: Mapped[str | None] = mapped_column(PlainString(32))
@@ -82,6 +87,7 @@ class JobRow(Base):
 
     __table_args__ = (
         CheckConstraint(f"state IN ({_STATES})", name="state"),
+        UniqueConstraint("series", "revision"),
         Index(None, "state", "rank", "id"),  # what to take up next
         Index(None, "kind", "id"),  # lists
         Index(None, "parent_id", "state"),
@@ -89,32 +95,6 @@ class JobRow(Base):
         Index(None, "lease_token"),
         Index(None, "finished_utc"),  # retention
     )
-
-
-class PlanRow(Base):
-    """What a job planned; never changed: a trigger refuses UPDATE.
-
-    series: id of the first revision.  revises: id of the plan this one replaces.
-    state: `done`, or `failed` where the judge rejects the table.  document: the answer's JSON
-    without the table, zlib.  table_columns: `app.store.packed`.
-    """
-
-    __tablename__ = "plans"
-
-    id: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
-    kind: Mapped[str] = mapped_column(PlainString(32))
-    series: Mapped[str] = mapped_column(_ID)
-    revision: Mapped[int]
-    revises: Mapped[str | None] = mapped_column(_ID)
-    name: Mapped[str] = mapped_column(PlainText)
-    state: Mapped[JobState] = mapped_column(PlainString(16))
-    input_sha256: Mapped[str] = mapped_column(PlainString(64))
-    versions: Mapped[dict[str, str]] = mapped_column(JSON)
-    document: Mapped[bytes] = mapped_column(LargeBinary)
-    table_columns: Mapped[bytes] = mapped_column(LargeBinary)
-    planned_utc: Mapped[datetime] = mapped_column(UtcDateTime)
-
-    __table_args__ = (UniqueConstraint("series", "revision"),)
 
 
 class EventRow(Base):
@@ -129,53 +109,17 @@ class EventRow(Base):
     data: Mapped[dict[str, Any]] = mapped_column(JSON)
 
 
-class CampaignRow(Base):
-    """What a campaign's job chose; its passes are jobs with it for a parent.
+class ResultRow(Base):
+    """Bytes that a job made; never changed: a trigger refuses UPDATE.
 
-    document: the choice as a whole, JSON, zlib.
+    part: 0 is the document, from 1 on what belongs to it; see `app.work.result`.
     """
 
-    __tablename__ = "campaigns"
+    __tablename__ = "results"
 
-    id: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
-    document: Mapped[bytes] = mapped_column(LargeBinary)
-
-
-class FlightsRow(Base):
-    """What a job of flights found: of all of them at first, or of some runs, its parts.
-
-    document: as `app.work.flights` packs it.
-    """
-
-    __tablename__ = "flights"
-
-    id: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
-    document: Mapped[bytes] = mapped_column(LargeBinary)
-
-
-class SearchRow(Base):
-    """The opportunities that were found.
-
-    head: the answer's JSON without its id and its windows, zlib.
-    """
-
-    __tablename__ = "searches"
-
-    id: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
-    head: Mapped[bytes] = mapped_column(LargeBinary)
-    window_count: Mapped[int]
-
-
-class SearchPageRow(Base):
-    """Some of a search's windows, in their order; windows: JSON, one a line, zlib."""
-
-    __tablename__ = "search_pages"
-
-    search_id: Mapped[str] = mapped_column(
-        ForeignKey("searches.id", ondelete="CASCADE"), primary_key=True
-    )
-    number: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
-    windows: Mapped[bytes] = mapped_column(LargeBinary)
+    job_id: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
+    part: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
+    content: Mapped[bytes] = mapped_column(LargeBinary)
 
 
 class ProbeRow(Base):

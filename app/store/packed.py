@@ -1,4 +1,4 @@
-"""A plan as the child that made it hands it back: its columns packed small, every bit kept.
+"""Columns of doubles, a plan's table, say, packed small with every bit kept.
 
 Rows lie on smooth curves: fifth differences of the doubles' bit patterns, as integers that wrap
 around, are small; with their bytes sorted by weight, zlib makes 12 bytes of a row of two axes
@@ -10,41 +10,18 @@ import math
 import struct
 import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from datetime import datetime
-from typing import Any, Literal
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from app.store.listing import Listing
 from app.store.unavailable import StoreDamaged
 from planner.base.arrays import Array
 
 _LEVEL = 3  # 3 % larger than 6 in a third of the time
 _DIFFERENCES = 5  # one more or less takes a byte more a row
 _HEAD = struct.Struct("<I")
-
-
-@dataclass(frozen=True, kw_only=True)
-class NewPlan:
-    """A plan as it is stored.
-
-    state: `failed` where the judge rejects the table.  document: the answer's JSON without the
-    table and without what only the service knows, zlib.  table_columns: packed.
-    iterations: of the solver over all slews, where they are counted.
-    listing: what lists tell of it.
-    """
-
-    name: str
-    state: Literal["done", "failed"]
-    input_sha256: str
-    versions: dict[str, str]
-    document: bytes
-    table_columns: bytes
-    planned_utc: datetime
-    iterations: int | None = None
-    listing: Listing = field(default_factory=Listing)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,77 +1,50 @@
-"""The plans made and the choices of campaigns, stored once and never changed."""
+"""Plans, the results of jobs that make them, and the choices of campaigns."""
 
 import json
-import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import Connection, bindparam, func, insert, select
+from sqlalchemy import Connection
 
-from app.store.ids import JobState
-from app.store.models import CampaignRow, PlanRow
-from app.store.packed import NewPlan, unzip
+from app.store import results
+from app.store.jobs import Job
+from app.store.packed import unzip
 
 
 @dataclass(frozen=True, kw_only=True)
-class StoredPlan:
-    """A plan as it is read again."""
+class StoredPlan(Job):
+    """A job with the plan it made.
 
-    id: str
-    series: str
-    revision: int
-    revises: str | None
-    name: str
-    state: JobState
+    document: the answer's JSON without the table.  table_columns: `app.store.packed`.
+    """
+
     document: bytes
     table_columns: bytes
-    planned_utc: datetime
+
+    @property
+    def planned_utc(self) -> datetime:
+        """When it was made: the date its files state."""
+        assert self.finished_utc is not None
+        return self.finished_utc
 
 
-# Built once: that takes longer than SQLite needs to answer them.
-_PLAN = select(*(getattr(PlanRow, name) for name in StoredPlan.__dataclass_fields__)).where(
-    PlanRow.id == bindparam("of_job")
-)
-_NEW = insert(PlanRow)
-_NOT_ITS_OWN = ("iterations", "listing")  # counted, and kept with the job
+def plan_of(job: Job, content: Sequence[bytes]) -> StoredPlan:
+    """What a job that has ended made, as it is stored."""
+    document, table_columns = content
+    return StoredPlan(**vars(job), document=unzip(document), table_columns=table_columns)
 
 
-def store(
-    connection: Connection, job_id: str, kind: str, revises: str | None, new: NewPlan
-) -> StoredPlan:
-    """The plan of a job, as the latest revision of the series of the plan it revises."""
-    series, last = None, 0
-    if revises is not None:
-        series = connection.scalar(select(PlanRow.series).where(PlanRow.id == revises))
-    if series is not None:
-        of_series = PlanRow.series == series
-        connection.execute(select(PlanRow.id).where(of_series).with_for_update())  # one by one
-        last = connection.scalar(select(func.max(PlanRow.revision)).where(of_series)) or 0
-    columns = {name: value for name, value in vars(new).items() if name not in _NOT_ITS_OWN}
-    place = {"series": series or job_id, "revision": last + 1, "revises": revises}
-    connection.execute(_NEW, {"id": job_id, "kind": kind, **columns, **place})
-    known = columns | place | {"id": job_id, "document": zlib.decompress(new.document)}
-    return StoredPlan(**{name: known[name] for name in StoredPlan.__dataclass_fields__})
-
-
-def get(connection: Connection, plan_id: str) -> StoredPlan | None:
-    """By its id."""
-    row = connection.execute(_PLAN, {"of_job": plan_id}).one_or_none()
-    if row is None:
-        return None
-    members = dict(row._mapping)
-    return StoredPlan(**members | {"document": unzip(members["document"])})
-
-
-def store_choice(connection: Connection, job_id: str, document: bytes) -> None:
-    """Of a campaign's job; document: JSON, zlib."""
-    connection.execute(insert(CampaignRow).values(id=job_id, document=document))
+def get(connection: Connection, job: Job) -> StoredPlan | None:
+    """What a job made; None before it is made, or where it couldn't be."""
+    content = results.get(connection, job.id)
+    return plan_of(job, content) if content else None
 
 
 def choice_of(connection: Connection, job_id: str) -> Mapping[str, Any] | None:
     """What a campaign chose; None before anything was chosen."""
-    found = connection.scalar(select(CampaignRow.document).where(CampaignRow.id == job_id))
+    found = results.document(connection, job_id)
     if found is None:
         return None
     choice: Mapping[str, Any] = json.loads(unzip(found))

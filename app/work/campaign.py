@@ -4,7 +4,7 @@ import json
 import re
 import zlib
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any
 
 from app.answers.campaign import CampaignChoiceOut, CampaignLookOut, TargetLeftOut, UnseenTarget
@@ -14,6 +14,7 @@ from app.requests.campaign import read_campaign_request
 from app.requests.plan import write_plan_request
 from app.store.listing import Listing
 from app.work.progress import Progress, report
+from app.work.result import Part, Result
 from planner.planning.campaigns import CampaignRequest
 from planner.planning.opportunities import OpportunityRequest
 from planner.world.frames.time_scales import utc_from_text, utc_text
@@ -25,28 +26,6 @@ _CARRIED_OVER = ("platform", "orbit", "attitude", "slew")
 _SESSION = re.compile(r"sessions\.(\d+)(\.|$)")
 
 
-@dataclass(frozen=True, kw_only=True)
-class Part:
-    """A pass to be planned.
-
-    request: a plan request.  name, listing: what lists tell of it.
-    facts: the pass's number, times, looks, and what was left out.
-    """
-
-    request: bytes
-    name: str
-    listing: Listing
-    facts: Mapping[str, Any]
-
-
-@dataclass(frozen=True, kw_only=True)
-class NewCampaign:
-    """document: the choice as a whole, JSON, zlib."""
-
-    document: bytes
-    parts: tuple[Part, ...]
-
-
 def answer_opportunities(request: OpportunityRequest, provenance: ProvenanceOut) -> FoundWindows:
     """The answer in parts."""
     from planner.planning.opportunities import find_opportunities
@@ -55,7 +34,7 @@ def answer_opportunities(request: OpportunityRequest, provenance: ProvenanceOut)
     return found_windows(result, request.name, provenance, windows_out(result))
 
 
-def choose(body: bytes, request: CampaignRequest | None = None) -> NewCampaign:
+def choose(body: bytes, request: CampaignRequest | None = None) -> Result:
     """Read unless that is done, choose and write down; raises a Refusal."""
     from planner.planning.campaigns import choose_campaign
 
@@ -64,8 +43,8 @@ def choose(body: bytes, request: CampaignRequest | None = None) -> NewCampaign:
     campaign = choose_campaign(
         request, lambda stage, done, of: report(Progress(stage=stage, done=done, of=of))
     )
-    return NewCampaign(
-        document=zlib.compress(json.dumps(asdict(_choice(request, campaign))).encode()),
+    return Result(
+        content=(zlib.compress(json.dumps(asdict(_choice(request, campaign))).encode()),),
         parts=tuple(
             _part(document, request, number, flight)
             for number, flight in enumerate(campaign.passes)

@@ -12,6 +12,7 @@ from app.requests.flights import read_flights_request
 from app.store.packed import PackedColumns, pack, unpack
 from app.work.plan import require_verified_table, stored_plan
 from app.work.progress import Progress, report
+from app.work.result import Part, Result
 from planner.base.errors import InvalidInput
 from planner.inflight.flights.outcomes import RunOutcomes
 from planner.world.frames.time_scales import utc_text
@@ -49,15 +50,7 @@ class PlanToFly:
         ).encode()
 
 
-@dataclass(frozen=True, kw_only=True)
-class NewFlights:
-    """document: what is known of all runs before any: a FlightsHead, JSON, zlib.  parts: to fly."""
-
-    document: bytes
-    parts: tuple[bytes, ...]
-
-
-def prepare_flights(body: bytes, _: object = None) -> NewFlights:
+def prepare_flights(body: bytes, _: object = None) -> Result:
     """Fly it once as planned, and split the runs; raises a Refusal."""
     from planner.inflight.flights.scene import session_scenes
 
@@ -69,10 +62,13 @@ def prepare_flights(body: bytes, _: object = None) -> NewFlights:
     counts = _runs_by_part(scenes, asked.runs)
     head = flights_head(plan, scenes, what)
     firsts = [sum(counts[:number]) for number in range(len(counts))]
-    return NewFlights(
-        document=zlib.compress(json.dumps(asdict(head)).encode()),
+    return Result(
+        content=(zlib.compress(json.dumps(asdict(head)).encode()),),
         parts=tuple(
-            what.to_bytes(first=first, count=count)
+            Part(
+                request=what.to_bytes(first=first, count=count),
+                name=f"{asked.name} runs from {first}",
+            )
             for first, count in zip(firsts, counts, strict=True)
         ),
     )
@@ -113,7 +109,7 @@ def flights_head(
     )
 
 
-def fly_part(body: bytes, _: object = None) -> bytes:
+def fly_part(body: bytes, _: object = None) -> Result:
     """Outcomes of some runs, packed."""
     from planner.inflight.flights.drives import flown_by
     from planner.inflight.flights.runs import fly_runs
@@ -130,7 +126,7 @@ def fly_part(body: bytes, _: object = None) -> bytes:
         part["count"],
         lambda done: report(Progress(stage="runs", done=done, of=part["count"])),
     )
-    return packed_outcomes(outcomes, part["first"])
+    return Result(content=(packed_outcomes(outcomes, part["first"]),))
 
 
 def packed_outcomes(sessions: Sequence[RunOutcomes], first: int) -> bytes:

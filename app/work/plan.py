@@ -17,9 +17,10 @@ from app.answers.plan import (
 )
 from app.answers.summary import listing_of_plan
 from app.requests.plan import PlanRequest, read_kept_plan_request, read_plan_request
-from app.store.packed import NewPlan, PackedColumns, pack, unpack
+from app.store.packed import PackedColumns, pack, unpack
 from app.work.horizon_views import horizon_checks
 from app.work.progress import Progress, report
+from app.work.result import Result
 from planner.base.commands import COMMAND_STEP_S, CommandTable
 from planner.base.spec import as_kept
 from planner.output.export import EXPORTERS
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     from planner.planning.sessions.plan import Plan
 
 
-def plan_and_pack(body: bytes, request: PlanRequest | None = None) -> NewPlan:
+def plan_and_pack(body: bytes, request: PlanRequest | None = None) -> Result:
     """Read unless that is done, plan, judge and pack; raises a Refusal."""
     from planner.planning.sessions.pipeline import make_plan
 
@@ -40,14 +41,10 @@ def plan_and_pack(body: bytes, request: PlanRequest | None = None) -> NewPlan:
     plan = make_plan(request, on_stage=lambda stage: report(Progress(stage=stage)))
     origin = provenance(now_utc, body)
     checks = horizon_checks(plan.scenario, request.horizon_cameras)
-    return NewPlan(
-        name=request.name,
+    document = zlib.compress(plan_document(plan, checks, origin))
+    return Result(
+        content=(document, pack(_pack(plan))),
         state=verdict_state(plan),
-        input_sha256=origin.input_sha256,
-        versions=origin.versions,
-        document=zlib.compress(plan_document(plan, checks, origin)),
-        table_columns=pack(_pack(plan)),
-        planned_utc=now_utc,
         listing=listing_of_plan(plan),
         iterations=sum(run.iterations for run in plan.slews),
     )

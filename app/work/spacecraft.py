@@ -14,8 +14,9 @@ from app.answers.spacecraft import (
 )
 from app.requests.listings import listing_of_imaging
 from app.requests.spacecraft import read_kept_spacecraft_request, read_spacecraft_request
-from app.store.packed import NewPlan, PackedColumns, pack, unpack
+from app.store.packed import PackedColumns, pack, unpack
 from app.work.progress import Progress, report
+from app.work.result import Result
 from planner.spacecraft.export import IMAGING_EXPORTERS, SessionTable
 from planner.spacecraft.opportunity_request import ImagingOpportunityRequest
 from planner.spacecraft.requests import ImagingPlanRequest
@@ -31,7 +32,7 @@ _COLUMNS = (
 )
 
 
-def plan_and_pack_session(body: bytes, request: ImagingPlanRequest | None = None) -> NewPlan:
+def plan_and_pack_session(body: bytes, request: ImagingPlanRequest | None = None) -> Result:
     """Read unless that is done, plan, judge, fly and pack; raises a Refusal."""
     from planner.spacecraft.plan import plan_imaging
 
@@ -40,15 +41,9 @@ def plan_and_pack_session(body: bytes, request: ImagingPlanRequest | None = None
         request or read_spacecraft_request(body),
         lambda stage, done, of: report(Progress(stage=stage, done=done, of=of)),
     )
-    origin = provenance(now_utc, body)
-    return NewPlan(
-        name=plan.request.name,
-        state="done",
-        input_sha256=origin.input_sha256,
-        versions=origin.versions,
-        document=zlib.compress(spacecraft_document(plan, origin)),
-        table_columns=pack(_pack(plan.table)),
-        planned_utc=now_utc,
+    document = zlib.compress(spacecraft_document(plan, provenance(now_utc, body)))
+    return Result(
+        content=(document, pack(_pack(plan.table))),
         listing=listing_of_imaging(plan.request),
     )
 

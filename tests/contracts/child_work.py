@@ -6,12 +6,11 @@ import struct
 import time
 import zlib
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-from app.store.packed import NewPlan
 from app.work.progress import Progress, report
+from app.work.result import Result
 from planner.base.errors import FieldError, InvalidInput, InvalidRequest
 
 
@@ -34,59 +33,51 @@ def let_go(file: Path) -> None:
     _gate(file).touch()
 
 
-def made() -> NewPlan:
-    return NewPlan(
-        name="",
-        state="done",
-        input_sha256="",
-        versions={},
-        document=zlib.compress(b"{}"),
-        table_columns=b"",
-        planned_utc=datetime.now(UTC),
-    )
+def made() -> Result:
+    return Result(content=(zlib.compress(b"{}"), b""))
 
 
-def note(request: bytes, *_: object) -> NewPlan:
+def note(request: bytes, *_: object) -> Result:
     """Adds its process to a file."""
     with Path(os.fsdecode(request)).open("a") as file:
         file.write(f"{os.getpid()}\n")
     return made()
 
 
-def spin(*_: object) -> NewPlan:
+def spin(*_: object) -> Result:
     while True:
         pass
 
 
-def hang(request: bytes, *_: object) -> NewPlan:
+def hang(request: bytes, *_: object) -> Result:
     """Never ends, and uses a whole processor for it."""
     note(request)
     spin(request)
     return made()
 
 
-def die(request: bytes, *_: object) -> NewPlan:
+def die(request: bytes, *_: object) -> Result:
     note(request)
     os.kill(os.getpid(), signal.SIGKILL)
     return made()
 
 
-def die_once(request: bytes, *_: object) -> NewPlan:
+def die_once(request: bytes, *_: object) -> Result:
     return note(request) if Path(os.fsdecode(request)).exists() else die(request)
 
 
-def hang_once(request: bytes, *_: object) -> NewPlan:
+def hang_once(request: bytes, *_: object) -> Result:
     return note(request) if Path(os.fsdecode(request)).exists() else hang(request)
 
 
-def linger(request: bytes, *_: object) -> NewPlan:
+def linger(request: bytes, *_: object) -> Result:
     """Until let go."""
     while not _gate(Path(os.fsdecode(request))).exists():
         time.sleep(0.02)
     return note(request)
 
 
-def tell(request: bytes, *_: object) -> NewPlan:
+def tell(request: bytes, *_: object) -> Result:
     """Lingers, and says how far it is."""
     told = 0
     while not _gate(Path(os.fsdecode(request))).exists():
@@ -96,7 +87,7 @@ def tell(request: bytes, *_: object) -> NewPlan:
     return note(request)
 
 
-def dwell(request: bytes, *_: object) -> NewPlan:
+def dwell(request: bytes, *_: object) -> Result:
     """Goes from stage to stage at once, and lingers in the last."""
     for stage in ("one", "two", "three"):
         report(Progress(stage=stage))
@@ -107,8 +98,14 @@ def abort(*_: object) -> None:
     os.abort()
 
 
-def fail(*_: object) -> NewPlan:
+def fail(*_: object) -> Result:
     raise RuntimeError("secret /etc/passwd")
+
+
+def leave_out(request: bytes, *_: object) -> Result:
+    """What no database takes."""
+    note(request)
+    return Result(content=(None,))
 
 
 def hoard(*_: object) -> bytes:
@@ -116,7 +113,7 @@ def hoard(*_: object) -> bytes:
     return bytes(2**30)
 
 
-def repeat(request: bytes, asked: object = None) -> NewPlan:
+def repeat(request: bytes, asked: object = None) -> Result:
     """Writes down what it was given beside the request's bytes."""
     with Path(os.fsdecode(request)).open("a") as file:
         file.write(f"{asked}\n")

@@ -1,7 +1,7 @@
 """Kinds of work that put the dispatcher to the test."""
 
 import os
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from child_work import (
@@ -11,6 +11,7 @@ from child_work import (
     fail,
     hang,
     hang_once,
+    leave_out,
     linger,
     note,
     repeat,
@@ -18,13 +19,11 @@ from child_work import (
     tell,
 )
 from distributed import get_worker
-from sqlalchemy import Connection
 
 from app.jobs.child import Bounds
-from app.jobs.kinds import PLAN, JobKind
-from app.store.ids import JobState, new_id
-from app.store.jobs import Job, NewJob
-from app.store.packed import NewPlan
+from app.jobs.kinds import JobKind
+from app.store.ids import new_id
+from app.store.jobs import NewJob
 
 
 @dataclass(frozen=True)
@@ -41,23 +40,16 @@ class BoundsWithABug:
         raise RuntimeError(self.told)
 
 
-def _store_twice(connection: Connection, job: Job, result: NewPlan) -> JobState:
-    """What no database takes."""
-    PLAN.store(connection, job, result)
-    return PLAN.store(connection, job, result)
-
-
-WORKS = (note, spin, hang, die, die_once, hang_once, linger, tell, dwell, fail, repeat)
+WORKS = (note, spin, hang, die, die_once, hang_once, linger, tell, dwell, fail, repeat, leave_out)
 KINDS = {
     work.__name__: JobKind(
         name=work.__name__,
         bounds=Bounds(deadline_s=120.0, memory_mib=200),
         work=work,
-        store=PLAN.store,
+        makes_plans=True,
     )
     for work in WORKS
 }
-KINDS["unstorable"] = replace(KINDS["note"], name="unstorable", store=_store_twice)
 
 
 def new_job(kind: str, file: Path, **members: object) -> NewJob:

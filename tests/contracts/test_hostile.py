@@ -7,6 +7,7 @@ from contextlib import ExitStack, closing, suppress
 import pytest
 from hostile_cases import CASES, GET, Hostile, head, post
 from live_service import live_service
+from waiting import eventually
 
 SLOW_S = 1.0
 CONNECTIONS = 20
@@ -130,9 +131,18 @@ def test_a_smuggled_request_is_not_answered(service):
         assert answer_of_stream(connection)[0] == 400
 
 
-def test_of_connections_beyond_the_cap_who_is_silent_gives_way(service):
-    with ExitStack() as held:
-        first, *_ = [held.enter_context(closing(connected(service))) for _ in range(CONNECTIONS)]
-        with closing(ask(service, head(GET))) as one_more:
-            assert answer(one_more)[0] == 200
-        refused(first, 503, f"{CONNECTIONS} connections")
+def test_a_connection_beyond_the_cap_is_refused_until_the_silent_are_let_go(service):
+    def told() -> list[int]:
+        with ExitStack() as held:
+            *silent, one_more = [
+                held.enter_context(closing(connected(service))) for _ in range(CONNECTIONS + 1)
+            ]
+            try:
+                refused(one_more, 503, f"{CONNECTIONS} connections")
+            except AssertionError:  # it took so long that the first were let go
+                return []
+            return [answer(one)[0] for one in silent]
+
+    assert eventually(told) == CONNECTIONS * [408]
+    with closing(ask(service, head(GET))) as later:
+        assert answer(later)[0] == 200

@@ -85,13 +85,17 @@ def test_the_service_flies_what_python_flies(flown):
     ]
 
 
+def outcomes_of(part):
+    return flights_work.unpacked_outcomes(flights_work.fly_part(part).document)
+
+
 def test_it_is_the_same_however_it_is_split(sent):
     plan, _ = flights_work._read(sent)
     split = flights_work.prepare_flights(plan.to_bytes())
     assert len(split.parts) == 1
     by_two = [plan.to_bytes(first=first, count=2) for first in (4, 0, 2)]
-    outcomes = [flights_work.unpacked_outcomes(flights_work.fly_part(part)) for part in by_two]
-    whole = flights_work.unpacked_outcomes(flights_work.fly_part(split.parts[0]))
+    outcomes = [outcomes_of(part) for part in by_two]
+    whole = outcomes_of(split.parts[0].request)
     in_order = sorted(outcomes, key=lambda part: part[0])
     for name, values in whole[1][0].columns.items():
         parts = [runs.columns[name] for _, [runs] in in_order]

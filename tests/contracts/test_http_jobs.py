@@ -43,9 +43,7 @@ def busy(tmp_path, monkeypatch):
     """
     file = tmp_path / "notes"
     work = KINDS["spin"].work
-    hanging = JobKind(
-        name="plan", bounds=KINDS["spin"].bounds, work=work, store=JOB_KINDS["plan"].store
-    )
+    hanging = JobKind(name="plan", bounds=KINDS["spin"].bounds, work=work, makes_plans=True)
     monkeypatch.setitem(JOB_KINDS, "plan", hanging)
     settings = own_settings(tmp_path, workers=1, queue_max=1)
     with PatientClient(create_app(settings)) as client:
@@ -83,7 +81,7 @@ def test_a_plan_is_read_again_as_it_was_answered(client, plan):
 def test_the_stored_table_is_the_planned_one_to_the_bit(client, plan):
     table = make_plan(read_plan_request(json.dumps(SHORT).encode())).table
     with client.app.state.database.reading() as connection:
-        stored = plans.get(connection, plan["id"])
+        stored = plans.get(connection, jobs.get(connection, plan["id"]))
     columns = unpack(stored.table_columns).columns
     assert columns["angle_rad"].tobytes() == np.ascontiguousarray(table.angle_rad).tobytes()
     assert columns["rate_rad_s"].tobytes() == np.ascontiguousarray(table.rate_rad_s).tobytes()
@@ -120,7 +118,7 @@ def written(client, plan, document, name):
     """The file of a plan that was never stored, as of the same moment."""
     fresh = make_plan(read_plan_request(json.dumps(document).encode()))
     with client.app.state.database.reading() as connection:
-        planned_utc = plans.get(connection, plan["id"]).planned_utc
+        planned_utc = plans.get(connection, jobs.get(connection, plan["id"])).planned_utc
     return EXPORTERS[name].write(fresh, planned_utc)
 
 
@@ -238,6 +236,8 @@ def test_the_same_key_and_request_get_the_same_plan(client):
     assert other.status_code == 422
     assert other.json()["type"].endswith("idempotency-key-reused")
     assert other.json()["field"] == "header.Idempotency-Key"
+    revised = f"{PLANS}?revises={answers[0].json()['id']}"
+    assert client.post(revised, json=SHORT, headers=key).status_code == 422
     unlike = client.post(PLANS, json=SHORT, headers={"Idempotency-Key": "pass 4712"})
     assert unlike.json()["id"] != answers[0].json()["id"]
 

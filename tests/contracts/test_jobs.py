@@ -18,7 +18,7 @@ from app.jobs.executors import LocalExecutor
 from app.jobs.kinds import JOB_KINDS
 from app.jobs.refusals import QueueFull
 from app.settings import Settings
-from app.store import audit, events, jobs, plans
+from app.store import audit, events, jobs, results
 from app.store.database import Database
 from app.store.models import JobRow
 from app.store.unavailable import StoreUnavailable
@@ -231,13 +231,13 @@ def test_a_bug_is_reported_without_its_text(database, tmp_path, caplog):
 def test_a_result_no_database_takes_ends_its_job(database, tmp_path, caplog):
     notes = Notes(tmp_path / "notes")
     with dispatching(database) as dispatcher:
-        job = dispatcher.submit(new_job("unstorable", notes.file))
+        job = dispatcher.submit(new_job("leave_out", notes.file))
         found = ended(database, job.id)
     assert found.state == "failed"
     assert found.problem["type"].endswith("internal-error")
     assert len(notes.pids()) == 1  # the next attempt would fail as this one did
     with database.reading() as connection:
-        assert plans.get(connection, job.id) is None
+        assert results.get(connection, job.id) == []
     assert any("can't be stored" in str(record.__dict__) for record in caplog.records)
 
 
@@ -299,7 +299,7 @@ def test_a_service_that_lost_its_lease_stores_nothing(database, tmp_path):
             assert not is_here or not work_ended.result()
     assert job_of(database, job.id).state == "running"
     with database.reading() as connection:
-        assert plans.get(connection, job.id) is None
+        assert results.get(connection, job.id) == []
 
 
 def test_a_service_that_takes_up_its_own_job_again_ends_what_it_did_at_it(database, tmp_path):

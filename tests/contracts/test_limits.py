@@ -151,11 +151,11 @@ def test_wrong_keys_cost_no_more_than_their_share_of_look_ups():
     secret, looked, good, clock = new_secret()[1], [], set(), Clock()
     key = SOME_KEY
 
-    def find_key(sought: str) -> Key | None:
+    async def find_key(sought: str) -> Key | None:
         looked.append(sought)
         return key if digest(sought) in good else None
 
-    def list_digests() -> frozenset[str]:
+    async def list_digests() -> frozenset[str]:
         looked.append("all")
         return frozenset(good)
 

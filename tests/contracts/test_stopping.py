@@ -33,7 +33,7 @@ def client(tmp_path, monkeypatch):
         name="plan",
         bounds=KINDS["spin"].bounds,
         work=KINDS["spin"].work,
-        store=JOB_KINDS["plan"].store,
+        makes_plans=True,
     )
     monkeypatch.setitem(JOB_KINDS, "plan", hanging)
     with TestClient(create_app(own_settings(tmp_path, workers=1))) as client:

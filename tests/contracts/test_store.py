@@ -2,7 +2,7 @@
 
 import io
 import shutil
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from datetime import UTC, datetime, timedelta
 
@@ -15,23 +15,25 @@ from databases import empty_database, fresh_database
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+from job_cases import KINDS as TRIED
 from job_cases import new_job
 from sqlalchemy import String, Text, select, text, update
 from sqlalchemy.exc import DatabaseError
 
-from app.store import audit, events, jobs, migrate, models, plans
+from app.jobs.job_completion import settle
+from app.store import audit, events, jobs, migrate, models, plans, results
 from app.store.columns import PlainString
 from app.store.database import open_database
 from app.store.ids import is_id, new_id
 from app.store.keys import KeyStore
 from app.store.list_filter import ListFilter
 from app.store.migrate import open_migrated, upgrade
-from app.store.models import JobRow, PlanRow
+from app.store.models import JobRow, ResultRow
 from app.store.packed import PackedColumns, pack, unpack
 from app.store.unavailable import StoreDamaged, StoreUnavailable
 from planner.base.errors import InvalidInput
 
-KINDS = ("note",)
+KINDS, NOTE = ("note",), TRIED["note"]
 
 
 @pytest.fixture
@@ -128,6 +130,14 @@ def test_nobody_migrates_under_who_writes(database, tmp_path, next_version):
             assert connection.scalar(text("SELECT colour FROM jobs")) == "blue"
 
 
+def finish(database, token):
+    """As work ends that made a plan."""
+    done = Future()
+    done.set_result(made())
+    with database.writing() as connection:
+        settle(connection, jobs.job_of_lease(connection, token), NOTE, done, 3)
+
+
 @contextmanager
 def second(database, tmp_path):
     """Another service's way to it."""
@@ -197,7 +207,7 @@ def test_what_can_no_longer_be_unpacked_is_damaged(database, tmp_path, kept):
         unpack(kept)
     job_id, _ = accepted(database, tmp_path, lease_s=60.0)
     with database.writing() as connection:
-        plans.store_choice(connection, job_id, kept)
+        results.store(connection, job_id, [kept])
         connection.execute(update(JobRow).values(request=kept))
         for read in (plans.choice_of, jobs.request_of):
             with pytest.raises(StoreDamaged):
@@ -222,12 +232,18 @@ def test_only_what_can_be_made_again_does_not_wait_for_the_disk(tmp_path):
         assert found == [2, 1, 2]
 
 
-def test_the_database_refuses_to_change_a_plan(database, tmp_path):
+def test_the_database_refuses_to_change_a_result(database, tmp_path):
+    """Of any kind of work, and all that belongs to it."""
     job_id, _ = accepted(database, tmp_path, lease_s=60.0)
     with database.writing() as connection:
-        plans.store(connection, job_id, "note", None, made())
-    with pytest.raises(DatabaseError, match="immutable"), database.writing() as connection:
-        connection.execute(update(PlanRow).values(name="other"))
+        results.store(connection, job_id, [b"document", b"table", b"more"])
+    for part in range(3):
+        changed = update(ResultRow).where(ResultRow.part == part).values(content=b"other")
+        with pytest.raises(DatabaseError, match="immutable"), database.writing() as connection:
+            connection.execute(changed)
+    with database.reading() as connection:
+        assert results.get(connection, job_id) == [b"document", b"table", b"more"]
+        assert results.get(connection, job_id, 1, 2) == [b"table"]
 
 
 @pytest.mark.usefixtures("patient_store")
@@ -288,38 +304,31 @@ def test_a_cancelled_lease_is_unwanted(database, tmp_path):
 
 @pytest.mark.usefixtures("patient_store")
 def test_revisions_count_up_however_many_come_at_once(database, tmp_path):
-    first, _ = accepted(database, tmp_path, lease_s=60.0)
-    with database.writing() as connection:
-        plans.store(connection, first, "note", None, made())
-    ids = [accepted(database, tmp_path, lease_s=60.0)[0] for _ in range(6)]
-
-    def revise(job_id):
-        with database.writing() as connection:
-            plans.store(connection, job_id, "note", first, made())
-
+    first, token = accepted(database, tmp_path, lease_s=60.0)
+    finish(database, token)
+    new = [accepted(database, tmp_path, lease_s=60.0, revises=first) for _ in range(6)]
     with ThreadPoolExecutor(3) as threads:
-        list(threads.map(revise, ids))
+        list(threads.map(lambda one: finish(database, one[1]), new))
     with database.reading() as connection:
-        found = [plans.get(connection, job_id) for job_id in ids]
+        found = [jobs.get(connection, job_id) for job_id, _ in new]
     assert sorted(one.revision for one in found) == [2, 3, 4, 5, 6, 7]
     assert {(one.series, one.revises) for one in found} == {(first, first)}
 
 
 def test_what_is_old_and_finished_goes_with_all_it_made(database, tmp_path):
-    old, _ = accepted(database, tmp_path, lease_s=60.0)
-    young, _ = accepted(database, tmp_path, lease_s=60.0)
+    begun = [accepted(database, tmp_path, lease_s=60.0) for _ in range(2)]
     waiting, _ = accepted(database, tmp_path)
+    for _, token in begun:
+        finish(database, token)
+    (old, _), (young, _) = begun
     with database.writing() as connection:
-        for job_id in (old, young):
-            plans.store(connection, job_id, "note", None, made())
-            jobs.finish(connection, jobs.get(connection, job_id), "done")
         long_ago = datetime.now(UTC) - timedelta(days=9)
         connection.execute(update(JobRow).where(JobRow.id == old).values(finished_utc=long_ago))
         before = datetime.now(UTC) - timedelta(days=8)
         assert jobs.remove_finished(connection, before, 100) == [old]
-        assert plans.get(connection, old) is None
+        assert results.get(connection, old) == []
         assert events.after(connection, old, 0) == []
-        assert plans.get(connection, young) is not None
+        assert plans.get(connection, jobs.get(connection, young)).document == b"{}"
         assert not jobs.remove(connection, waiting)
 
 

@@ -1,13 +1,15 @@
 """Answers and logs of a service whose database fails under it: soon, and without a secret."""
 
+import asyncio
 import json
 import os
 import resource
 import signal
-import socket
 import sqlite3
 import subprocess
 import sys
+import threading
+import time
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -21,7 +23,7 @@ from job_cases import new_job
 from live_service import ROOT, children_of, live_service
 from relay import Relay
 from sqlalchemy import create_engine, text
-from sqlalchemy.exc import DBAPIError, OperationalError
+from sqlalchemy.exc import DBAPIError
 from waiting import eventually
 
 from app.http.app import create_app
@@ -31,7 +33,6 @@ from app.store.database import FILE, open_database
 from app.store.failures import is_damage, is_of_the_store, keeps_all_waiting
 from app.store.keys import KeyStore
 from app.store.migrate import upgrade
-from app.store.postgresql import SilentServer, bound_silence
 from app.store.unavailable import StoreDamaged, StoreUnavailable
 
 PASSWORD, BODY, QUERY, COOKIE = (f"canary{word}4711" for word in ("pass", "body", "query", "head"))
@@ -57,7 +58,7 @@ def locked(database, service, relay):
     if SERVER:
         engine = create_engine(database.url)
         with engine.connect() as connection:
-            tables = "jobs, keys, audit, events, plans, probes"
+            tables = "jobs, keys, audit, events, results, probes"
             connection.execute(text(f"LOCK TABLE {tables} IN ACCESS EXCLUSIVE MODE"))
             yield
         engine.dispose()
@@ -313,20 +314,27 @@ def test_a_server_that_takes_no_connection_in_time_is_at_fault():
     assert keeps_all_waiting(error)
 
 
-def test_a_server_that_is_silent_while_a_connection_is_made_is_not_waited_for_as_psycopg_does():
-    """Its own patience, of 2 s at least, is longer than any answer may take."""
-    with socket.create_server(("127.0.0.1", 0)) as silent:
-        engine = create_engine(
-            f"postgresql+psycopg://nobody@127.0.0.1:{silent.getsockname()[1]}/none",
-            connect_args={"connect_timeout": 60},
-        )
-        bound_silence(engine)
-        with pytest.raises(OperationalError) as failed:
-            engine.connect()
-        assert isinstance(failed.value.orig, SilentServer)
-        assert keeps_all_waiting(failed.value)
-        with pytest.raises(StoreUnavailable):
-            engine.connect()  # nobody else waits for it just after
+def test_a_silent_server_is_left_to_the_thread_that_asks_it(tmp_path):
+    """It is told while the thread still waits, and nobody else waits just after."""
+    answers = threading.Event()
+    database = open_database("postgresql+psycopg://nobody@127.0.0.1:1/none", tmp_path)
+    database.looks_for_answer = 1
+    try:
+        with pytest.raises(StoreUnavailable, match="doesn't answer"):
+            asyncio.run(database.answer(answers.wait))
+        for begin in (database.reading, database.writing):
+            with pytest.raises(StoreUnavailable, match="just now"), begin():
+                pass
+    finally:
+        answers.set()
+        database.close()
+
+
+def test_what_sqlite_takes_its_time_for_is_waited_for(tmp_path):
+    """Its writers queue as long as one of them gets through."""
+    database = open_database("", tmp_path)
+    assert asyncio.run(database.answer(lambda: time.sleep(2.5) or "written")) == "written"
+    database.close()
 
 
 @pytest.mark.skipif(bool(SERVER), reason="of SQLite")

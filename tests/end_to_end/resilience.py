@@ -31,7 +31,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from app.store import events, jobs, plans
+from app.store import events, jobs, plans, results
 from app.store.database import Database, open_database
 
 ROOT = Path(__file__).parents[2]
@@ -224,7 +224,7 @@ def _audited(house: House, name: str) -> dict[str, int]:
         replaced = [part for part in parts if part.id != last[part.options["campaign"]["pass"]].id]
         assert all(part.state == "refused" for part in replaced), name
         for part in parts:
-            stored = plans.get(connection, part.id) is not None
+            stored = bool(results.get(connection, part.id))
             assert stored == (part.state == "done"), (name, part.id, part.state)
         told = [part.options["campaign"] for part in last.values()]
         looks = sum(len(one["looks"]) + len(one["left_out"]) for one in told)

@@ -10,8 +10,7 @@ from starlette.datastructures import Headers
 from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from app.http.admission import connections
-from app.http.admission.access import PROBES, Access, is_page
+from app.http.admission.access import PROBES, Access
 from app.http.admission.bodies import GuardedBody, HeldBytes
 from app.http.admission.limits import ConcurrencyLimit, RateLimit, network_of
 from app.http.admission.request_head import require_valid_head
@@ -84,7 +83,6 @@ class Gate:
         address = network_of((scope.get("client") or ("local",))[0])
         caller = await self._access.caller(scope, address)
         key, settings = caller.key, self._settings
-        connections.remember(scope, has_key=key is not None, is_let_in=not is_page(scope))
         scope["state"]["key_id"] = key.id if key else None
         per_minute = (key and key.rate_per_minute) or settings.rate_per_minute
         self._rate.charge(caller.name, per_minute)

@@ -7,16 +7,14 @@ is answered however many wrong ones come from the same address, and a revoked on
 
 import asyncio
 import time
-from collections.abc import Callable
-
-from anyio import to_thread
+from collections.abc import Awaitable, Callable
 
 from app.store.api_keys import Key, digest
 
 LIST_AGE_MAX_S = 1.0
 
-FindKey = Callable[[str], Key | None]
-ListDigests = Callable[[], frozenset[str]]
+FindKey = Callable[[str], Awaitable[Key | None]]
+ListDigests = Callable[[], Awaitable[frozenset[str]]]
 
 
 class KeyLookup:
@@ -42,12 +40,12 @@ class KeyLookup:
         """The good key; sparing: look only for what may be one."""
         if sparing and digest(secret) not in await self._good():
             return None
-        return await to_thread.run_sync(self._find_key, secret)
+        return await self._find_key(secret)
 
     async def _good(self) -> frozenset[str]:
         async with self._listing:
             now_s = self._clock_s()
             if now_s - self._listed_s >= LIST_AGE_MAX_S:
                 self._listed_s = now_s  # also when it fails: a sick database isn't asked on and on
-                self._digests = await to_thread.run_sync(self._list_digests)
+                self._digests = await self._list_digests()
             return self._digests

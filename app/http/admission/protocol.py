@@ -17,15 +17,13 @@ import h11
 from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from app.http.admission.connections import connection_of, connections_to_cut, state_of, to_give_way
-from app.http.admission.limits import network_of
 from app.http.admission.request_head import HEAD_BYTES_MAX
 from app.http.headers import REQUEST_ID, harden
 from app.http.problems import PROBLEM_JSON, RETRY_AFTER_S
 
 # What the kernel holds back of an answer: little, so that we see a slow client read on.
 _UNSENT_IN_KERNEL_BYTES = 64 * 1024
-_BODY = {b"content-length", b"transfer-encoding"}
+_STATE = "connection"  # of each request
 
 _DETAILS = {
     HTTPStatus.BAD_REQUEST: "this is not HTTP/1.1 as RFC 9112 has it",
@@ -48,26 +46,18 @@ class GuardedProtocol(asyncio.Protocol):
     write_timeout_s: ClassVar[float]
     unsent_max_bytes: ClassVar[int]
     held: ClassVar[set["GuardedProtocol"]]
-    will_look_at_unsent: ClassVar[bool] = False
 
     def __init__(self, *, app_state: dict[str, Any], **kwargs: Any) -> None:  # noqa: ANN401
-        kwargs["app_state"] = app_state | state_of(self)
+        kwargs["app_state"] = app_state | {_STATE: self}
         self._inner = self.by_h11(**kwargs)
         self._loop = asyncio.get_running_loop()
         self._at_work = 0  # requests that have come and aren't answered
-        self._waits_for_body = self._has_begun = False  # of the last request: body, answer
+        self._has_begun = False  # the answer to the last of them
         self._is_read = asyncio.Event()  # all that was to be sent
         self._is_read.set()
         self._deadline: asyncio.TimerHandle | None = None
         self._write_deadline: asyncio.TimerHandle | None = None
-        self.has_key = self.is_let_in = False
-        self.network = ""
-        self.since_s = self.stuck_since_s = self._loop.time()
-
-    @property
-    def waits_for_client(self) -> bool:
-        """For a head, a body or the reading of an answer."""
-        return not self._at_work or self._waits_for_body or not self._is_read.is_set()
+        self.stuck_since_s = 0.0
 
     @property
     def unsent_bytes(self) -> int:
@@ -79,12 +69,12 @@ class GuardedProtocol(asyncio.Protocol):
         self._transport = transport
         transport.set_write_buffer_limits(high=0)  # so that we hear of anything that waits
         _hold_little_back(transport.get_extra_info("socket"))
-        self.network = network_of((transport.get_extra_info("peername") or ("local",))[0])
         self._inner.connection_made(_Transport(self, transport))
-        self.held.add(self)
-        if len(self.held) > self.connections_max and not self._find_place():
-            self.refuse(HTTPStatus.SERVICE_UNAVAILABLE, self._full())
+        if len(self.held) >= self.connections_max:
+            detail = f"{self.connections_max} connections are served at a time; ask again later"
+            self.refuse(HTTPStatus.SERVICE_UNAVAILABLE, detail)
         else:
+            self.held.add(self)
             self._watch_head()
 
     def connection_lost(self, exc: Exception | None) -> None:
@@ -112,9 +102,7 @@ class GuardedProtocol(asyncio.Protocol):
         self._is_read.clear()
         self.stuck_since_s = self._loop.time()
         self._watch_reading(self.unsent_bytes)
-        if not type(self).will_look_at_unsent:  # once for all that pause in this turn of the loop
-            type(self).will_look_at_unsent = True
-            self._loop.call_soon(self._cut_slowest)
+        self._cut_slowest()
 
     def resume_writing(self) -> None:
         self._stop_write_clock()
@@ -122,19 +110,17 @@ class GuardedProtocol(asyncio.Protocol):
         self._inner.resume_writing()
 
     def _cut_slowest(self) -> None:
-        type(self).will_look_at_unsent = False
-        for slow in connections_to_cut(self.held, self.unsent_max_bytes):
-            slow._transport.abort()
+        """Answers may take up so much memory together; one that is alone may take more."""
+        stuck = {one for one in self.held - {self} if one.unsent_bytes}
+        while stuck and sum(one.unsent_bytes for one in self.held) > self.unsent_max_bytes:
+            slowest = min(stuck, key=lambda one: one.stuck_since_s)
+            stuck.remove(slowest)
+            slowest._transport.abort()
 
     async def answer(self, app: ASGIApp, scope: Scope, receive: Receive, send: Send) -> None:
         """A request whose head has come, once what was answered before it has been read."""
         self._stop_head_clock()
         self._at_work += 1
-
-        async def receive_more() -> Message:
-            message = await receive()
-            self._waits_for_body = bool(message.get("more_body"))
-            return message
 
         async def begin_and_send(message: Message) -> None:
             self._has_begun = True
@@ -143,8 +129,7 @@ class GuardedProtocol(asyncio.Protocol):
         try:
             await self._is_read.wait()
             self._has_begun = False
-            self._waits_for_body = not _BODY.isdisjoint(name for name, _ in scope["headers"])
-            await app(scope, receive_more, begin_and_send)
+            await app(scope, receive, begin_and_send)
         finally:
             self._at_work -= 1
 
@@ -182,24 +167,6 @@ class GuardedProtocol(asyncio.Protocol):
             self._write_deadline.cancel()
             self._write_deadline = None
 
-    def _find_place(self) -> bool:
-        """Whether another connection gave way."""
-        other = to_give_way(one for one in self.held if one is not self)
-        if other is None:
-            return False
-        self.held.discard(other)
-        if other._has_begun:
-            other._transport.abort()
-        else:
-            other.refuse(HTTPStatus.SERVICE_UNAVAILABLE, self._full())
-        return True
-
-    def _full(self) -> str:
-        return (
-            f"{self.connections_max} connections are served at a time, and one that keeps the "
-            "service waiting gives way to others; ask again later"
-        )
-
     def refuse(self, status: HTTPStatus, detail: str) -> None:
         """Answer for the application, which never saw the request, and hang up."""
         self._stop_head_clock()
@@ -233,8 +200,8 @@ class _Transport(asyncio.Transport):
 
 async def answer_guarded(app: ASGIApp, scope: Scope, receive: Receive, send: Send) -> None:
     """As an ASGI application: through the connection on which the request came."""
-    connection = connection_of(scope) if scope["type"] == "http" else None
-    if isinstance(connection, GuardedProtocol):
+    connection = scope.get("state", {}).get(_STATE)
+    if scope["type"] == "http" and isinstance(connection, GuardedProtocol):
         await connection.answer(app, scope, receive, send)
     else:
         await app(scope, receive, send)

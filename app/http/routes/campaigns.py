@@ -37,6 +37,7 @@ from app.requests.campaign import read_campaign_request
 from app.requests.examples import CAMPAIGN_EXAMPLES
 from app.requests.listings import listing_of_search
 from app.store import jobs, plans
+from app.store.database import Database
 from app.store.jobs import Job
 
 RESOURCE = JobResource(
@@ -99,7 +100,8 @@ async def post_campaign(
     if query.dry_run:
         valid = CampaignDryRun(valid=True, name=spec.name, targets=len(spec.targets))
         return Response(to_json(valid), media_type=JSON)
-    job = await anyio.to_thread.run_sync(accept_job, request, RESOURCE, spec, body, key, {})
+    database: Database = request.app.state.database
+    job = await database.answer(accept_job, request, RESOURCE, spec, body, key, {})
     return await answer_to_post(request, RESOURCE, job, prefer, 0, _find_campaign)
 
 

@@ -57,7 +57,7 @@ def _table_of(database: Database, plan_id: str) -> bytes:
     """Of a plan that may be flown."""
     with database.reading() as connection:
         job = jobs.get(connection, plan_id) if is_id(plan_id) else None
-        plan = plans.get(connection, plan_id) if job is not None else None
+        plan = plans.get(connection, job) if job is not None else None
     if job is None or job.kind != PLAN.name:
         raise InvalidInput(
             f"there is no plan {plan_id!r}; GET /v1/plans lists them, or give epoch and angles_deg",

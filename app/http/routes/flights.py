@@ -1,5 +1,6 @@
 """Routes of flights: a plan's posted and listed; those of all plans listed, followed, ended."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from http import HTTPStatus
 from typing import Annotated
@@ -30,7 +31,7 @@ from app.jobs.kinds import FLIGHTS, SPACECRAFT_PLAN
 from app.jobs.refusals import Conflict
 from app.requests.examples import FLIGHTS_EXAMPLES
 from app.requests.flights import read_flights_request
-from app.store import flights, jobs, plans
+from app.store import jobs, plans, results
 from app.store.database import Database
 from app.store.jobs import NEEDS_ALL, Job
 from app.store.listing import Listing
@@ -55,9 +56,10 @@ of_plan = APIRouter(tags=[RESOURCE.tag], prefix=f"{PLANS.path}/{{id}}/flights")
 
 
 async def _find_flights(request: Request, job_id: str) -> tuple[Job, bytes]:
-    def reading(connection: Connection) -> tuple[Job, bytes | None, list[bytes]]:
+    def reading(connection: Connection) -> tuple[Job, bytes | None, Sequence[bytes]]:
         job = job_of(connection, RESOURCE, job_id)
-        return job, flights.get(connection, job_id), flights.parts_of(connection, job_id)
+        document = results.document(connection, job_id)
+        return job, document, results.documents_of_parts(connection, job_id)
 
     job, document, parts = await read(request, reading)
 
@@ -108,7 +110,8 @@ async def post_flights(
     The errors of orbit, attitude, clock, Earth orientation and drives have the sigmas of the
     plan's pointing budget; the runs are shared among all processors.
     """
-    job = await anyio.to_thread.run_sync(_accept, request, plan_id, body, key)
+    database: Database = request.app.state.database
+    job = await database.answer(_accept, request, plan_id, body, key)
     return await answer_to_post(request, RESOURCE, job, prefer, WAIT_S, _find_flights)
 
 
@@ -132,7 +135,7 @@ def _accept(request: Request, plan_id: str, body: bytes, key: str | None) -> Job
     database: Database = request.app.state.database
     with database.reading() as connection:
         job = _require_plan(connection, plan_id)
-        plan = plans.get(connection, plan_id)
+        plan = plans.get(connection, job)
         asked = jobs.request_of(connection, plan_id)
     if plan is None or plan.state != "done" or asked is None:
         raise Conflict(

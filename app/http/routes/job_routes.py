@@ -5,7 +5,6 @@ from collections.abc import Awaitable, Callable, Mapping
 from http import HTTPStatus
 from typing import Annotated, Any
 
-import anyio.to_thread
 from fastapi import APIRouter, Depends, HTTPException, Request, Response
 from fastapi.responses import StreamingResponse
 from sqlalchemy import Connection
@@ -77,10 +76,11 @@ def accept_job(
     key: str | None,
     options: Mapping[str, Any],
     plan_id: str | None = None,
+    revises: str | None = None,
 ) -> Job:
     """The job for a request, new or known by its key; raises KeyReused, QueueFull.
 
-    plan_id: of the plan it is about.
+    plan_id: of the plan it is about.  revises: of the plan it replaces.
     """
     state, bounds = request.app.state, JOB_KINDS[resource.kind].bounds
     dispatcher: Dispatcher = state.dispatcher
@@ -93,16 +93,21 @@ def accept_job(
         deadline_s=min(bounds.deadline_s, state.settings.job_deadline_s),
         options=options,
         plan_id=plan_id,
+        revises=revises,
         idempotency=None if key is None else _digest(owner, resource.kind, key),
     )
     job = dispatcher.submit(new, spec)
-    if (job.request_sha256, job.options) != (new.request_sha256, new.options):
+    if any(getattr(job, name) != getattr(new, name) for name in _ASKED):
         raise KeyReused(
             "this Idempotency-Key came with another request before; send a new key with a new "
             "request",
             field="header.Idempotency-Key",
         )
     return job
+
+
+# What is asked again with a key must be the same.
+_ASKED = ("request_sha256", "options", "revises")
 
 
 def _digest(*parts: str) -> str:
@@ -284,7 +289,8 @@ def add_delete(router: APIRouter, resource: JobResource) -> None:
         if not job.is_open:
             return await answer_removal(request, resource, job)
         dispatcher: Dispatcher = request.app.state.dispatcher
-        await anyio.to_thread.run_sync(dispatcher.cancel, job_id, key_id_of(request))
+        database: Database = request.app.state.database
+        await database.answer(dispatcher.cancel, job_id, key_id_of(request))
         await wait_for_end(request, job_id, CANCEL_WAIT_S)
         job = await find_job(request, resource, job_id)
         status = HTTPStatus.ACCEPTED if job.is_open else HTTPStatus.OK
@@ -303,7 +309,7 @@ async def answer_removal(request: Request, resource: JobResource, job: Job) -> R
                 audit.record(connection, key_id=key_id, action=f"{job.kind}.delete", subject=job.id)
         return gone
 
-    if not await anyio.to_thread.run_sync(remove):
+    if not await database.answer(remove):
         raise _not_found(resource)  # another removed it just now
     return Response(status_code=HTTPStatus.NO_CONTENT)
 

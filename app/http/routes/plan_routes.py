@@ -116,12 +116,13 @@ def _add_post(router: APIRouter, resource: PlanResource) -> None:
         prefer: Prefer = None,
     ) -> Response:
         format_name = _format(request, resource, query)
-        database = request.app.state.database
-        body = await anyio.to_thread.run_sync(resource.fill_in, database, body)
+        database: Database = request.app.state.database
+        body = await database.answer(resource.fill_in, database, body)
         if query.dry_run:
             bounds = _dry_run_bounds(request, resource)
             return await answer_in_child(request, body, resource.read, bounds, resource.dry_run)
-        job = await anyio.to_thread.run_sync(_accept_plan, request, resource, body, query, key)
+        spec = await anyio.to_thread.run_sync(resource.read, body)
+        job = await database.answer(_accept_plan, request, resource, spec, body, query.revises, key)
         waits = patience(prefer, WAIT_S)
         headers = headers_of_post(resource, job, waits)
         plan = await wait_for_end(request, job.id, waits.wait_s)
@@ -158,16 +159,15 @@ def _format(request: Request, resource: PlanResource, query: TableQuery) -> str 
 def _accept_plan(
     request: Request,
     resource: PlanResource,
+    spec: Any,  # noqa: ANN401 (what the resource reads)
     body: bytes,
-    query: PostQuery,
+    revises: str | None,
     key: str | None,
 ) -> Job:
     """The job for a request, new or known by its key; raises KeyReused, QueueFull."""
-    spec = resource.read(body)
-    if query.revises is None:
-        return accept_job(request, resource, spec, body, key, {})
-    _require_made(request.app.state.database, resource, query.revises)
-    return accept_job(request, resource, spec, body, key, {"revises": query.revises})
+    if revises is not None:
+        _require_made(request.app.state.database, resource, revises)
+    return accept_job(request, resource, spec, body, key, {}, revises=revises)
 
 
 def _require_made(database: Database, resource: PlanResource, plan_id: str) -> None:
@@ -313,7 +313,7 @@ async def _find(
     def reading(connection: Connection) -> tuple[Job, StoredPlan | None]:
         job = job_of(connection, resource, plan_id)
         is_made = job.state in ("done", "failed")
-        return job, plans.get(connection, plan_id) if is_made else None
+        return job, plans.get(connection, job) if is_made else None
 
     return await read(request, reading)
 

@@ -45,7 +45,7 @@ from app.http.routes.job_routes import (
 from app.http.routes.parameters import PathId
 from app.http.routes.resources import JobResource
 from app.jobs.child import Bounds
-from app.store import audit, jobs, searches
+from app.store import audit, jobs, results, searches
 from app.store.database import Database
 from app.store.jobs import Job, NewJob
 from app.store.searches import StoredWindows
@@ -138,7 +138,9 @@ def _add_post(router: APIRouter, resource: SearchResource) -> None:
         found = await in_child(request, resource.bounds, resource.find, spec, origin)
         deadline_s = resource.bounds.deadline_s
         new = new_job(request, resource, spec, body, deadline_s=deadline_s)
-        await anyio.to_thread.run_sync(_keep, request, new, begun_utc, found)
+        content = await anyio.to_thread.run_sync(searches.packed, found.head, found.windows)
+        database: Database = request.app.state.database
+        await database.answer(_keep, database, new, begun_utc, content)
         headers = {"Location": f"{resource.path}/{new.id}", "Vary": "Accept"}
         answer = await _whole(request, new.id, found, media_type)
         return Response(answer, HTTPStatus.OK, headers | _saved(found.head, media_type), media_type)
@@ -151,12 +153,10 @@ def _saved(head: bytes, media_type: str) -> dict[str, str]:
     return saved_as(json.loads(head)["name"], "opportunities", _SUFFIXES[media_type])
 
 
-def _keep(request: Request, new: NewJob, begun_utc: datetime, found: FoundWindows) -> None:
-    database: Database = request.app.state.database
-    search = searches.packed(found.head, found.windows)
+def _keep(database: Database, new: NewJob, begun_utc: datetime, content: Sequence[bytes]) -> None:
     with database.writing() as connection:
         jobs.record_done(connection, new, begun_utc)
-        searches.store(connection, new.id, search)
+        results.store(connection, new.id, content)
         audit.record(connection, key_id=new.key_id, action=f"{new.kind}.accept", subject=new.id)
 
 

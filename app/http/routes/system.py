@@ -3,7 +3,6 @@
 from http import HTTPStatus
 from typing import Annotated, Any
 
-from anyio import to_thread
 from fastapi import APIRouter, HTTPException, Query, Request, Response
 from pydantic import Field
 
@@ -12,6 +11,7 @@ from app.http.metrics import CONTENT_TYPE
 from app.http.negotiation import ONLY_JSON
 from app.http.query import Parameters
 from app.store.audit import entries
+from app.store.database import Database
 from app.versions import VERSION
 
 router = APIRouter(tags=["system"])
@@ -60,7 +60,8 @@ async def get_metrics(request: Request) -> Response:
     """The metrics cover requests by route, refusals by type, solve times, iterations and jobs by
     state since the start; the answer is the same whatever Accept asks for.
     """
-    text = await to_thread.run_sync(request.app.state.metrics.text)
+    database: Database = request.app.state.database
+    text = await database.answer(request.app.state.metrics.text)
     return Response(text, headers={"Content-Type": CONTENT_TYPE})
 
 
@@ -77,7 +78,7 @@ class AuditQuery(Parameters):
 
 
 @router.get("/v1/audit", summary="List the audit log", dependencies=ONLY_JSON)
-def get_audit(request: Request, query: Annotated[AuditQuery, Query()]) -> AuditLog:
+async def get_audit(request: Request, query: Annotated[AuditQuery, Query()]) -> AuditLog:
     """Lists keys made and revoked, plans made, cancelled and deleted; needs an admin key."""
-    database = request.app.state.database
-    return AuditLog(entries=entries(database, limit=query.limit, before=query.before))
+    database: Database = request.app.state.database
+    return AuditLog(entries=await database.answer(entries, database, query.limit, query.before))

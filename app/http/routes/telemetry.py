@@ -153,7 +153,7 @@ async def _plan_of(request: Request, plan_id: str) -> tuple[bytes, StoredPlan]:
             )
         if job is None or job.kind != PLAN.name:
             return None, None, None
-        return job.state, jobs.request_of(connection, plan_id), plans.get(connection, plan_id)
+        return job.state, jobs.request_of(connection, plan_id), plans.get(connection, job)
 
     state, plan_request, plan = await read(request, reading)
     if state is None:

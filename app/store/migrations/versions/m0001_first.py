@@ -13,8 +13,6 @@ _ID = sa.String(36)
 def upgrade() -> None:
     """Make them."""
     _jobs()
-    _plans()
-    _results()
     _keys_and_audit()
     op.create_table(
         "probes",
@@ -23,7 +21,7 @@ def upgrade() -> None:
         sa.Column("content", sa.LargeBinary(), nullable=False),
         sa.PrimaryKeyConstraint("id", name="pk_probes"),
     )
-    _refuse("UPDATE", "plans", "plans are immutable")
+    _refuse("UPDATE", "results", "results are immutable")
     _refuse("UPDATE", "audit", "the audit log is only added to")
     _refuse("DELETE", "audit", "the audit log is only added to")
 
@@ -42,6 +40,9 @@ def _jobs() -> None:
         sa.Column("idempotency", sa.String(64), nullable=True),
         sa.Column("parent_id", _ID, nullable=True),
         sa.Column("plan_id", _ID, nullable=True),
+        sa.Column("revises", _ID, nullable=True),
+        sa.Column("series", _ID, nullable=True),
+        sa.Column("revision", sa.Integer(), nullable=True),
         sa.Column("rank", sa.Integer(), nullable=False),
         sa.Column("attempts", sa.Integer(), nullable=False),
         sa.Column("lease_token", sa.String(32), nullable=True),
@@ -69,6 +70,7 @@ def _jobs() -> None:
         ),
         sa.PrimaryKeyConstraint("id", name="pk_jobs"),
         sa.UniqueConstraint("idempotency", name="uq_jobs_idempotency"),
+        sa.UniqueConstraint("series", "revision", name="uq_jobs_series_revision"),
     )
     for columns in (
         ["state", "rank", "id"],
@@ -89,56 +91,13 @@ def _jobs() -> None:
         sa.ForeignKeyConstraint(["job_id"], ["jobs.id"], "fk_events_job_id", ondelete="CASCADE"),
         sa.PrimaryKeyConstraint("job_id", "seq", name="pk_events"),
     )
-
-
-def _plans() -> None:
     op.create_table(
-        "plans",
-        sa.Column("id", _ID, nullable=False),
-        sa.Column("kind", sa.String(32), nullable=False),
-        sa.Column("series", _ID, nullable=False),
-        sa.Column("revision", sa.Integer(), nullable=False),
-        sa.Column("revises", _ID, nullable=True),
-        sa.Column("name", sa.Text(), nullable=False),
-        sa.Column("state", sa.String(16), nullable=False),
-        sa.Column("input_sha256", sa.String(64), nullable=False),
-        sa.Column("versions", sa.JSON(), nullable=False),
-        sa.Column("document", sa.LargeBinary(), nullable=False),
-        sa.Column("table_columns", sa.LargeBinary(), nullable=False),
-        sa.Column("planned_utc", _UTC, nullable=False),
-        sa.ForeignKeyConstraint(["id"], ["jobs.id"], "fk_plans_id", ondelete="CASCADE"),
-        sa.PrimaryKeyConstraint("id", name="pk_plans"),
-        sa.UniqueConstraint("series", "revision", name="uq_plans_series_revision"),
-    )
-
-
-def _results() -> None:
-    """Of the other kinds of job."""
-    for table in ("campaigns", "flights"):
-        op.create_table(
-            table,
-            sa.Column("id", _ID, nullable=False),
-            sa.Column("document", sa.LargeBinary(), nullable=False),
-            sa.ForeignKeyConstraint(["id"], ["jobs.id"], f"fk_{table}_id", ondelete="CASCADE"),
-            sa.PrimaryKeyConstraint("id", name=f"pk_{table}"),
-        )
-    op.create_table(
-        "searches",
-        sa.Column("id", _ID, nullable=False),
-        sa.Column("head", sa.LargeBinary(), nullable=False),
-        sa.Column("window_count", sa.Integer(), nullable=False),
-        sa.ForeignKeyConstraint(["id"], ["jobs.id"], "fk_searches_id", ondelete="CASCADE"),
-        sa.PrimaryKeyConstraint("id", name="pk_searches"),
-    )
-    op.create_table(
-        "search_pages",
-        sa.Column("search_id", _ID, nullable=False),
-        sa.Column("number", sa.Integer(), autoincrement=False, nullable=False),
-        sa.Column("windows", sa.LargeBinary(), nullable=False),
-        sa.ForeignKeyConstraint(
-            ["search_id"], ["searches.id"], "fk_search_pages_search_id", ondelete="CASCADE"
-        ),
-        sa.PrimaryKeyConstraint("search_id", "number", name="pk_search_pages"),
+        "results",
+        sa.Column("job_id", _ID, nullable=False),
+        sa.Column("part", sa.Integer(), autoincrement=False, nullable=False),
+        sa.Column("content", sa.LargeBinary(), nullable=False),
+        sa.ForeignKeyConstraint(["job_id"], ["jobs.id"], "fk_results_job_id", ondelete="CASCADE"),
+        sa.PrimaryKeyConstraint("job_id", "part", name="pk_results"),
     )
 
 
