@@ -11,7 +11,7 @@ from app.answers.horizon import estimate_out
 from app.answers.members import provenance, to_json
 from app.cli.files import write
 from app.cli.horizon_report import print_estimate, print_series
-from app.cli.progress_bar import OnProgress, progress_bar
+from app.cli.progress_bar import Tell, progress_bar
 from app.requests.horizon import read_estimate_request
 from app.work.horizon import measure
 from app.work.horizon_series import (
@@ -81,7 +81,7 @@ def measure_frames(
     return series_json(series, provenance(datetime.now(UTC), body))
 
 
-def _told(frames: Iterator[list[Pixels]], count: int, tell: OnProgress) -> Iterator[list[Pixels]]:
+def _told(frames: Iterator[list[Pixels]], count: int, tell: Tell) -> Iterator[list[Pixels]]:
     """The same, each told as it is taken."""
     for number, frame in enumerate(frames):
         tell("frames", number, count)

@@ -13,6 +13,7 @@ from app.cli.files import (
     problem_to,
     takes_standard_output,
     write,
+    write_json,
 )
 from app.cli.one_line import FAILED
 from app.cli.report_parts import print_table, report_console, report_table
@@ -58,7 +59,7 @@ def list_plans(
     json: WholeAnswer = None,
 ) -> None:
     """List the plans that a service keeps, the latest first."""
-    from app.cli.service import json_of, service
+    from app.cli.service import service
 
     with problem_to(json):
         console = report_console(to_stderr=takes_standard_output(json))
@@ -82,8 +83,7 @@ def list_plans(
         print_table(console, table)
         if not found:
             console.print("there are none")
-        if json:
-            write(json, json_of({"plans": [dict(job.members) for job in found]}))
+        write_json(json, {"plans": [dict(job.members) for job in found]})
 
 
 def _to_the_second(utc: str | None) -> str:
@@ -92,15 +92,15 @@ def _to_the_second(utc: str | None) -> str:
 
 def show(plan_id: Id, url: Url = None, json: WholeAnswer = None) -> None:
     """Show a plan that a service keeps."""
-    from app.cli.service import json_of, print_kept, service
+    from app.cli.plan_report import print_kept
+    from app.cli.service import service
 
     with problem_to(json):
         console = report_console(to_stderr=takes_standard_output(json))
         with service(url) as client:
             plan = client.get(plan_id)
         print_kept(console, plan.members)
-        if json:
-            write(json, json_of(plan.members))
+        write_json(json, plan.members)
 
 
 def export(

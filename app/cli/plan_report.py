@@ -4,8 +4,10 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from app.answers.members import from_store
 from app.answers.plan import PlanDocument
 from app.answers.pointing import PointingOut
+from app.cli.planner import Members
 from app.cli.report_parts import (
     or_dash,
     print_assumed,
@@ -16,6 +18,13 @@ from app.cli.report_parts import (
 from planner.world.frames.time_scales import elapsed_s, utc_from_text
 
 _MS_PER_S = 1e3
+
+
+def print_kept(console: Console, members: Members) -> None:
+    """The report of a plan by its whole answer."""
+    table = members["table"]
+    document = from_store(PlanDocument, dict(members))
+    print_report(console, document, table["epoch"], len(table["t_s"]))
 
 
 def print_report(console: Console, plan: PlanDocument, epoch: str, rows: int) -> None:

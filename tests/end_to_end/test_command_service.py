@@ -2,6 +2,7 @@
 
 import json
 import re
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -165,7 +166,10 @@ def test_what_is_not_kept(run, words):
         (["plan", LAS_VEGAS, "--url", "http://127.0.0.1:9", "--plot", "x.pdf"], ".svg"),
     ],
 )
-def test_a_service_that_can_not_be_asked(run, words, said):
+def test_a_service_that_can_not_be_asked(run, monkeypatch, words, said):
+    """By a client that asks again for less than its minute, which test_client_faults measures."""
+    impatient = partial(slewtrack.Client, patience_s=1.0)
+    monkeypatch.setattr("app.cli.service.Client", impatient)
     refused = run(*words)
     assert refused.exit_code == 2
     [line] = refused.stderr.splitlines()

@@ -1,0 +1,219 @@
+"""Plans made, flown and compared in this process, by what a service's children run."""
+
+import json
+import os
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from functools import cached_property, partial
+from typing import TYPE_CHECKING
+
+from app.cli.planner import Answer, Members, OnProgress
+from app.cli.progress_bar import reported_to
+from app.store.packed import NewPlan, PackedColumns, pack, unpack, unzip
+from planner.base.errors import FieldError, InvalidRequest
+
+if TYPE_CHECKING:
+    from app.answers.flights import FlightsFound
+    from app.answers.members import PlanHead
+    from app.work.flights import NewFlights
+    from planner.inflight.telemetry.compare import Comparison
+
+
+@dataclass(frozen=True)
+class LocalPlan:
+    """A plan under an id of its own."""
+
+    head: "PlanHead"
+    new: NewPlan
+
+    @property
+    def id(self) -> str:
+        """Under which it is asked for."""
+        return self.head.id
+
+    @property
+    def passed(self) -> bool:
+        """Whether its verification did."""
+        return self.new.state == "done"
+
+    @cached_property
+    def members(self) -> Members:
+        """Of the whole answer, as a service gives it."""
+        from app.answers.members import whole_answer
+        from app.work.plan import stored_table_json
+
+        table = stored_table_json(self.new.table_columns)
+        return Answer(whole_answer(self.head, unzip(self.new.document), table))
+
+
+@dataclass(frozen=True)
+class LocalFlights:
+    """Flights of a plan."""
+
+    members: Members
+
+
+class Local:
+    """Each plan is kept for as long as the command runs."""
+
+    def __init__(self) -> None:
+        self._stored: dict[str, tuple[bytes, bytes]] = {}  # request and packed table, by id
+        self._compared: tuple[Members, Comparison] | None = None
+
+    def plan(self, request: bytes, *, progress: OnProgress | None = None) -> LocalPlan:
+        """Slews and tracks for every session, as a verified command table."""
+        from app.work.plan import plan_and_pack
+
+        with reported_to(progress):
+            new = plan_and_pack(request)
+
+        from app.answers.members import new_head
+
+        made = LocalPlan(new_head(new.state), new)
+        self._stored[made.id] = (request, new.table_columns)
+        return made
+
+    def take(self, plan: Members, request: bytes) -> str:
+        """The id of a plan that its whole answer tells; raises InvalidRequest for another text."""
+        import numpy as np
+
+        from app.requests.plan import read_plan_request
+        from app.store.ids import new_id
+        from app.work.plan import stored_plan
+        from planner.world.frames.time_scales import utc_text
+
+        scenario = read_plan_request(request)
+        names, table = scenario.platform.axis_names, plan["table"]
+        try:
+            angle_rad, rate_rad_s = (
+                np.radians(np.array([table[f"{name}{kind}"] for name in names], dtype=float).T)
+                for kind in ("_deg", "_rate_deg_s")
+            )
+            packed = PackedColumns(
+                columns={"angle_rad": angle_rad, "rate_rad_s": rate_rad_s},
+                facts={
+                    "epoch": table["epoch"],
+                    "axes": names,
+                    "sessions": [
+                        [utc_text(one.start, 6), utc_text(one.stop, 6)] for one in scenario.sessions
+                    ],
+                    "segments": [
+                        [one[name] for name in ("kind", "session", "start", "stop")]
+                        for one in plan["segments"]
+                    ],
+                    "errors": [],
+                },
+            )
+            stored_plan(request, packed)
+        except (KeyError, TypeError, ValueError) as fault:
+            detail = f"is no whole answer of a plan of this request: {fault}"
+            raise InvalidRequest(FieldError(field="PLAN_OR_REQUEST", detail=detail)) from None
+        plan_id = str(plan.get("id") or new_id())
+        self._stored[plan_id] = (request, pack(packed))
+        return plan_id
+
+    def check(self, request: bytes) -> Members:
+        """Whether a request for a plan flies, and what to know before."""
+        from app.requests.plan import read_plan_request
+
+        now_utc, asked = datetime.now(UTC), read_plan_request(request)
+
+        from app.answers.members import provenance
+        from app.work.plan import try_plan
+
+        return Answer(try_plan(asked, provenance(now_utc, request)))
+
+    def export(self, plan_id: str, format_name: str) -> bytes:
+        """The table as a file; a picture, pdf too, though its verification failed."""
+        from app.work.plan import stored_plan, stored_table_file
+        from planner.output.export.figure import draw_plan
+        from planner.output.export.figure_parts import FORMATS
+
+        request, table_columns = self._stored[plan_id]
+        now_utc = datetime.now(UTC)
+        if format_name in FORMATS:
+            return draw_plan(stored_plan(request, unpack(table_columns)), format_name, now_utc)
+        return stored_table_file(request, table_columns, format_name, now_utc)
+
+    def fly(
+        self, plan_id: str, request: bytes, *, progress: OnProgress | None = None
+    ) -> LocalFlights:
+        """A plan flown many times with errors drawn anew."""
+        from app.answers.members import to_json
+        from app.work.flights import PlanToFly, prepare_flights
+
+        of_plan, table_columns = self._stored[plan_id]
+        what = PlanToFly(
+            plan_id=plan_id, asked=request, request=of_plan, table_columns=table_columns
+        )
+        with reported_to(progress):
+            new = prepare_flights(what.to_bytes())
+        return LocalFlights(json.loads(to_json(_fly_parts(new, progress))))
+
+    def compare(self, request: Members, csv: bytes) -> Members:
+        """What flew beside a plan: its samples in a CSV file."""
+        from app.answers.members import provenance
+        from app.requests.telemetry import read_comparison_head
+        from app.work.telemetry import answer_json
+
+        now_utc = datetime.now(UTC)
+        asked = read_comparison_head(json.dumps(request).encode())
+        comparison = self._comparison(request, csv)
+        return Answer(answer_json(comparison, asked, asked.plan, provenance(now_utc, csv)))
+
+    def draw_comparison(self, request: Members, csv: bytes, format_name: str) -> bytes:
+        """The same as a picture: png, svg or pdf."""
+        from planner.inflight.telemetry.figure import draw_comparison
+
+        return draw_comparison(self._comparison(request, csv), format_name, datetime.now(UTC))
+
+    def _comparison(self, request: Members, csv: bytes) -> "Comparison":
+        """Made once for numbers and picture, which ask for it one after the other."""
+        from app.requests.telemetry import read_comparison_head
+        from app.work.plan import stored_plan
+        from app.work.telemetry import SentTelemetry, compare_sent
+
+        if self._compared is None or self._compared[0] is not request:
+            asked = read_comparison_head(json.dumps(request).encode())
+            of_plan, table_columns = self._stored[asked.plan]
+            plan = stored_plan(of_plan, unpack(table_columns))
+            found = compare_sent(plan, SentTelemetry(request=asked, samples=csv))
+            self._compared = (request, found)
+        return self._compared[1]
+
+
+def _fly_parts(new: "NewFlights", progress: OnProgress | None) -> "FlightsFound":
+    """On all processors, each part in a child."""
+    from app.answers.flights import FlightsHead, flights_found
+    from app.answers.members import from_store
+    from app.jobs.executors import LocalExecutor, Task
+    from app.jobs.kinds import RUNS
+    from app.jobs.worker_process import Stop
+    from app.work.flights import fly_part, unpacked_outcomes
+    from app.work.progress import Progress
+
+    head = from_store(FlightsHead, json.loads(unzip(new.document)))
+    done = [0] * len(new.parts)
+
+    def told_by(part: int, now: Progress) -> None:
+        done[part] = now.done or 0
+        if progress is not None:
+            progress(Progress(stage="runs", done=sum(done), of=head.runs))
+
+    stops = [Stop() for _ in new.parts]
+    executor = LocalExecutor(min(len(new.parts), os.cpu_count() or 1))
+    try:
+        futures = [
+            executor.submit(
+                Task(job_id=str(number), bounds=RUNS.bounds, work=fly_part, body=body),
+                stop,
+                partial(told_by, number),
+            )
+            for number, (body, stop) in enumerate(zip(new.parts, stops, strict=True))
+        ]
+        outcomes = [unpacked_outcomes(future.result()) for future in futures]
+    finally:
+        for stop in stops:
+            stop.request()
+        executor.close()
+    return flights_found(head, outcomes)
