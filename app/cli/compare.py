@@ -105,13 +105,9 @@ def compare(
             head["plan"] = _take(here, Path(plan), request)
             answer, drawn = _compare(here, head, content, picture)
 
-        from app.answers.members import from_store
-        from app.answers.telemetry import ComparisonResponse
         from app.cli.compare_report import print_comparison
 
-        # The platform found is for the next request, which reads it strictly; the report tells what
-        # was found of it.
-        print_comparison(console, from_store(ComparisonResponse, {**answer, "platform": None}))
+        print_comparison(console, answer)
         write_json(json, answer)
         if plot and drawn is not None:
             write(plot, drawn)

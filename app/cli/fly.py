@@ -60,12 +60,11 @@ def fly(
             plan = planner.plan(body, progress=tell)
             told = planner.fly(plan.id, asked, progress=tell).members
 
-        from app.cli.fly_report import found_in, print_flights
+        from app.cli.fly_report import print_flights
 
-        found = found_in(told)
-        print_flights(console, found)
+        print_flights(console, told)
         if plot and image_format:
             from app.cli.fly_figure import draw_flights
 
-            write(plot, draw_flights(found, image_format))
+            write(plot, draw_flights(told, image_format))
         write_json(json, told)

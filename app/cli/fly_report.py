@@ -1,38 +1,71 @@
 """The report of flights on the terminal."""
 
-from collections.abc import Mapping
-from typing import Any
-
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
-from app.answers.flights import ContributorOut, FlightsFound
-from app.answers.members import from_store
-from app.cli.report_parts import or_dash, print_table, print_warnings, report_table
+from app.cli.plan_report import session_number
+from app.cli.planner import Members
+from app.cli.report_parts import print_rows, print_warnings
 
 
-def found_in(members: Mapping[str, Any]) -> FlightsFound:
-    """Of an answer, this command's or a service's."""
-    return from_store(FlightsFound, dict(members))
-
-
-def print_flights(console: Console, found: FlightsFound) -> None:
+def print_flights(console: Console, found: Members) -> None:
     """Probabilities, sessions, what is to blame, warnings."""
     console.print(
         Text.assemble(
-            (f"{found.flown} flights", "bold"),
-            f" (seed {found.seed}): all frames hold their target with a probability of ",
-            (_probability(found.probability_in_frame, found.in_frame_interval), "bold"),
+            (f"{found['flown']} flights", "bold"),
+            f" (seed {found['seed']}): all frames hold their target with a probability of ",
+            (_in_frame(found), "bold"),
             ", sharp as well ",
-            (_probability(found.probability_sharp, found.sharp_interval), "bold"),
+            (_sharp(found), "bold"),
             "; between brackets 95 % confidence",
         )
     )
-    print_table(console, _sessions(found))
-    print_table(console, _as_planned(found))
-    print_table(console, _contributors(found.contributors))
-    print_warnings(console, found.warnings)
+    print_rows(
+        console,
+        "under errors",
+        found["sessions"],
+        ("session", "session", session_number),
+        ("<target", "label"),
+        ("told", "budget_probability_in_frame", ".3f"),
+        ("in frame", _in_frame),
+        ("sharp", _sharp),
+        ("frames held", "frames_held", ".1%"),
+        ("frames sharp", "frames_sharp", ".1%"),
+        ("smear px", lambda one: one["smear_px"] and one["smear_px"][1], ".2f"),
+        ("miss m", lambda one: one["miss_m"] and one["miss_m"][1], ".0f"),
+    )
+    print_rows(
+        console,
+        "as planned",
+        ({"session": one["session"], **one["nominal"]} for one in found["sessions"]),
+        ("session", "session", session_number),
+        ("frames", "frames"),
+        ("held", "held"),
+        ("sharp", "sharp"),
+        ("error arcsec", lambda one: max(one["error_arcsec"]), ".2f"),
+        ("smear px", lambda one: max(one["smear_px"]), ".2f"),
+        ("sample m", lambda one: min(one["ground_sample_across_m"] or (), default=None), ".2f"),
+        ("object px", "moving_object_px", _range),
+    )
+    print_rows(
+        console,
+        "to blame",
+        found["contributors"],
+        ("<cause", "cause"),
+        ("of misses", "share", ".1%"),
+        ("+-", "share_sigma", ".1%"),
+        ("of smear", "smear_share", ".1%"),
+        ("+-", "smear_share_sigma", ".1%"),
+    )
+    print_warnings(console, found["warnings"])
+
+
+def _in_frame(one: Members) -> str:
+    return _probability(one["probability_in_frame"], one["in_frame_interval"])
+
+
+def _sharp(one: Members) -> str:
+    return _probability(one["probability_sharp"], one["sharp_interval"])
 
 
 def _probability(value: float | None, share_interval: list[float] | None) -> str:
@@ -41,70 +74,5 @@ def _probability(value: float | None, share_interval: list[float] | None) -> str
     return f"{value:.3f} ({share_interval[0]:.3f}..{share_interval[1]:.3f})"
 
 
-def _sessions(found: FlightsFound) -> Table:
-    table = report_table(
-        "under errors",
-        "session",
-        "<target",
-        "told",
-        "in frame",
-        "sharp",
-        "frames held",
-        "frames sharp",
-        "smear px",
-        "miss m",
-    )
-    for one in found.sessions:
-        table.add_row(
-            str(one.session + 1),
-            Text(one.label),
-            f"{one.budget_probability_in_frame:.3f}",
-            _probability(one.probability_in_frame, one.in_frame_interval),
-            _probability(one.probability_sharp, one.sharp_interval),
-            or_dash(one.frames_held, ".1%"),
-            or_dash(one.frames_sharp, ".1%"),
-            or_dash(one.smear_px[1] if one.smear_px else None, ".2f"),
-            or_dash(one.miss_m[1] if one.miss_m else None, ".0f"),
-        )
-    return table
-
-
-def _as_planned(found: FlightsFound) -> Table:
-    table = report_table(
-        "as planned",
-        "session",
-        "frames",
-        "held",
-        "sharp",
-        "error arcsec",
-        "smear px",
-        "sample m",
-        "object px",
-    )
-    for one in found.sessions:
-        nominal = one.nominal
-        samples_m, moved_px = nominal.ground_sample_across_m, nominal.moving_object_px
-        table.add_row(
-            str(one.session + 1),
-            str(nominal.frames),
-            str(nominal.held),
-            str(nominal.sharp),
-            f"{max(nominal.error_arcsec):.2f}",
-            f"{max(nominal.smear_px):.2f}",
-            or_dash(min(samples_m) if samples_m else None, ".2f"),
-            f"{min(moved_px):.0f}..{max(moved_px):.0f}" if moved_px else "-",
-        )
-    return table
-
-
-def _contributors(contributors: list[ContributorOut]) -> Table:
-    table = report_table("to blame", "<cause", "of misses", "+-", "of smear", "+-")
-    for one in contributors:
-        table.add_row(
-            one.cause,
-            f"{one.share:.1%}",
-            f"{one.share_sigma:.1%}",
-            f"{one.smear_share:.1%}",
-            f"{one.smear_share_sigma:.1%}",
-        )
-    return table
+def _range(moved_px: list[float] | None) -> str:
+    return f"{min(moved_px):.0f}..{max(moved_px):.0f}" if moved_px else "-"

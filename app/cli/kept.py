@@ -16,7 +16,7 @@ from app.cli.files import (
     write_json,
 )
 from app.cli.one_line import FAILED
-from app.cli.report_parts import print_table, report_console, report_table
+from app.cli.report_parts import print_rows, report_console
 
 if TYPE_CHECKING:
     from slewtrack.client import Client, Progress
@@ -73,14 +73,17 @@ def list_plans(
                 after=after,
                 before=before,
             )
-        table = report_table(
-            None, "<id", "<state", "<created", "<start", "<name", "<targets", wrapped="targets"
+        print_rows(
+            console,
+            None,
+            [dict(job.members) for job in found],
+            ("<id", "id"),
+            ("<state", "state"),
+            ("<created", "created", _to_the_second),
+            ("<start", "start", _to_the_second),
+            ("<name", "name"),
+            ("~targets", "targets", ", ".join),
         )
-        for job in found:
-            created, start = map(_to_the_second, (job.created, job.members["start"]))
-            targets = ", ".join(job.members["targets"])
-            table.add_row(job.id, job.state, created, start, Text(job.name), Text(targets))
-        print_table(console, table)
         if not found:
             console.print("there are none")
         write_json(json, {"plans": [dict(job.members) for job in found]})
@@ -92,14 +95,14 @@ def _to_the_second(utc: str | None) -> str:
 
 def show(plan_id: Id, url: Url = None, json: WholeAnswer = None) -> None:
     """Show a plan that a service keeps."""
-    from app.cli.plan_report import print_kept
+    from app.cli.plan_report import print_plan
     from app.cli.service import service
 
     with problem_to(json):
         console = report_console(to_stderr=takes_standard_output(json))
         with service(url) as client:
             plan = client.get(plan_id)
-        print_kept(console, plan.members)
+        print_plan(console, plan.members)
         write_json(json, plan.members)
 
 

@@ -2,6 +2,7 @@
 
 import json
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import cached_property, partial
@@ -25,6 +26,7 @@ class LocalPlan:
 
     head: "PlanHead"
     new: NewPlan
+    table_json: Callable[[bytes], bytes]
 
     @property
     def id(self) -> str:
@@ -40,9 +42,8 @@ class LocalPlan:
     def members(self) -> Members:
         """Of the whole answer, as a service gives it."""
         from app.answers.members import whole_answer
-        from app.work.plan import stored_table_json
 
-        table = stored_table_json(self.new.table_columns)
+        table = self.table_json(self.new.table_columns)
         return Answer(whole_answer(self.head, unzip(self.new.document), table))
 
 
@@ -62,14 +63,22 @@ class Local:
 
     def plan(self, request: bytes, *, progress: OnProgress | None = None) -> LocalPlan:
         """Slews and tracks for every session, as a verified command table."""
-        from app.work.plan import plan_and_pack
+        from app.work.plan import plan_and_pack, stored_table_json
 
-        with reported_to(progress):
-            new = plan_and_pack(request)
+        return self._make(plan_and_pack, stored_table_json, request, progress)
 
+    def _make(
+        self,
+        work: Callable[[bytes], NewPlan],
+        table_json: Callable[[bytes], bytes],
+        request: bytes,
+        progress: OnProgress | None,
+    ) -> LocalPlan:
         from app.answers.members import new_head
 
-        made = LocalPlan(new_head(new.state), new)
+        with reported_to(progress):
+            new = work(request)
+        made = LocalPlan(new_head(new.state), new, table_json)
         self._stored[made.id] = (request, new.table_columns)
         return made
 
@@ -180,6 +189,22 @@ class Local:
             found = compare_sent(plan, SentTelemetry(request=asked, samples=csv))
             self._compared = (request, found)
         return self._compared[1]
+
+
+class LocalSpacecraft(Local):
+    """The same of the imaging spacecraft."""
+
+    def plan(self, request: bytes, *, progress: OnProgress | None = None) -> LocalPlan:
+        """A session, as a verified attitude table."""
+        from app.work.spacecraft import plan_and_pack_session, stored_session_json
+
+        return self._make(plan_and_pack_session, stored_session_json, request, progress)
+
+    def export(self, plan_id: str, format_name: str) -> bytes:
+        """The table as a file."""
+        from app.work.spacecraft import stored_session_file
+
+        return stored_session_file(*self._stored[plan_id], format_name, datetime.now(UTC))
 
 
 def _fly_parts(new: "NewFlights", progress: OnProgress | None) -> "FlightsFound":

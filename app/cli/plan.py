@@ -80,9 +80,9 @@ def plan(
                 return
             with told_progress("planning") as tell:
                 made = planner.plan(body, progress=tell)
-            from app.cli.plan_report import print_kept
+            from app.cli.plan_report import print_plan
 
-            print_kept(console, made.members)
+            print_plan(console, made.members)
             if url is not None:
                 console.print(f"kept as {made.id}")
             write_json(json, made.members)
