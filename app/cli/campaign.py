@@ -117,17 +117,12 @@ def print_campaign(console: Console, document: Members, passes: Sequence[Planned
     )
     print_assumed(console, document["assumed"])
     print_rows(
-        console,
-        None,
-        looks[:SHOWN_MAX],
-        ("<pass", "pass"),
-        ("<target", "target"),
+        console, None, looks[:SHOWN_MAX],
+        ("<pass", "pass"), ("<target", "target"),
         ("<start", lambda look: f"{look['start'][:10]} {look['start'][11:21]}"),
-        ("<stop", lambda look: look["stop"][11:21]),
-        ("<value", "value", ".4g"),
-        ("quality", "quality", ".2f"),
-        ("elev deg", "elevation_deg", ".1f"),
-    )
+        ("<stop", lambda look: look["stop"][11:21]), ("<value", "value", ".4g"),
+        ("quality", "quality", ".2f"), ("elev deg", "elevation_deg", ".1f"),
+    )  # fmt: skip
     print_more(console, len(looks))
     for name, meaning in (("unseen", "can't be seen"), ("left_out", "left out for others")):
         told = document[name]

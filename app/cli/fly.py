@@ -5,6 +5,8 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.console import Console
+from rich.text import Text
 
 from app.cli.files import (
     RequestFile,
@@ -16,9 +18,10 @@ from app.cli.files import (
     write,
     write_json,
 )
-from app.cli.planner import planner_at
+from app.cli.plan_report import session_number
+from app.cli.planner import Members, planner_at
 from app.cli.progress_bar import told_progress
-from app.cli.report_parts import report_console
+from app.cli.report_parts import print_rows, print_warnings, report_console
 
 
 def fly(
@@ -59,12 +62,64 @@ def fly(
         with planner_at(url) as planner, told_progress("planning") as tell:
             plan = planner.plan(body, progress=tell)
             told = planner.fly(plan.id, asked, progress=tell).members
-
-        from app.cli.fly_report import print_flights
-
         print_flights(console, told)
         if plot and image_format:
             from app.cli.fly_figure import draw_flights
 
             write(plot, draw_flights(told, image_format))
         write_json(json, told)
+
+
+def print_flights(console: Console, found: Members) -> None:
+    """Probabilities, sessions, what is to blame, warnings."""
+    console.print(
+        Text.assemble(
+            (f"{found['flown']} flights", "bold"),
+            f" (seed {found['seed']}): all frames hold their target with a probability of ",
+            (_in_frame(found), "bold"),
+            ", sharp as well ",
+            (_sharp(found), "bold"),
+            "; between brackets 95 % confidence",
+        )
+    )
+    print_rows(
+        console, "under errors", found["sessions"],
+        ("session", "session", session_number), ("<target", "label"),
+        ("told", "budget_probability_in_frame", ".3f"), ("in frame", _in_frame), ("sharp", _sharp),
+        ("frames held", "frames_held", ".1%"), ("frames sharp", "frames_sharp", ".1%"),
+        ("smear px", lambda one: one["smear_px"] and one["smear_px"][1], ".2f"),
+        ("miss m", lambda one: one["miss_m"] and one["miss_m"][1], ".0f"),
+    )  # fmt: skip
+    print_rows(
+        console, "as planned",
+        ({"session": one["session"], **one["nominal"]} for one in found["sessions"]),
+        ("session", "session", session_number), ("frames", "frames"), ("held", "held"),
+        ("sharp", "sharp"), ("error arcsec", lambda one: max(one["error_arcsec"]), ".2f"),
+        ("smear px", lambda one: max(one["smear_px"]), ".2f"),
+        ("sample m", lambda one: min(one["ground_sample_across_m"] or (), default=None), ".2f"),
+        ("object px", "moving_object_px", _range),
+    )  # fmt: skip
+    print_rows(
+        console, "to blame", found["contributors"],
+        ("<cause", "cause"), ("of misses", "share", ".1%"), ("+-", "share_sigma", ".1%"),
+        ("of smear", "smear_share", ".1%"), ("+-", "smear_share_sigma", ".1%"),
+    )  # fmt: skip
+    print_warnings(console, found["warnings"])
+
+
+def _in_frame(one: Members) -> str:
+    return _probability(one["probability_in_frame"], one["in_frame_interval"])
+
+
+def _sharp(one: Members) -> str:
+    return _probability(one["probability_sharp"], one["sharp_interval"])
+
+
+def _probability(value: float | None, share_interval: list[float] | None) -> str:
+    if value is None or share_interval is None:
+        return "-"
+    return f"{value:.3f} ({share_interval[0]:.3f}..{share_interval[1]:.3f})"
+
+
+def _range(moved_px: list[float] | None) -> str:
+    return f"{min(moved_px):.0f}..{max(moved_px):.0f}" if moved_px else "-"

@@ -68,30 +68,21 @@ def print_estimate(console: Console, estimate: Members) -> None:
         )
     why = estimate["explanation"]
     print_rows(
-        console,
-        None,
-        estimate["cameras"],
-        ("<camera", "name"),
-        ("arc deg", "arc_deg", ".1f"),
-        ("residual px", "residual_px", ".2f"),
+        console, None, estimate["cameras"],
+        ("<camera", "name"), ("arc deg", "arc_deg", ".1f"), ("residual px", "residual_px", ".2f"),
         ("~used", lambda one: "yes" if one["used"] else f"no: {one['explanation'] or why}"),
-    )
+    )  # fmt: skip
     print_warnings(console, estimate["warnings"])
 
 
 def print_series(console: Console, series: Members) -> None:
     """One line per frame, then the bias."""
     print_rows(
-        console,
-        None,
-        series["frames"],
-        ("<UTC", "at"),
-        ("<verdict", "verdict"),
-        ("sigma deg", "sigma_deg", ".4f"),
-        ("along deg", "along_deg", ".4f"),
-        ("across deg", "across_deg", ".4f"),
+        console, None, series["frames"],
+        ("<UTC", "at"), ("<verdict", "verdict"), ("sigma deg", "sigma_deg", ".4f"),
+        ("along deg", "along_deg", ".4f"), ("across deg", "across_deg", ".4f"),
         ("~reason", "reason", lambda reason: reason or ""),
-    )
+    )  # fmt: skip
     console.print(_verdict(series))
     if not series["used"]:
         return

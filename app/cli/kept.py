@@ -74,16 +74,11 @@ def list_plans(
                 before=before,
             )
         print_rows(
-            console,
-            None,
-            [dict(job.members) for job in found],
-            ("<id", "id"),
-            ("<state", "state"),
-            ("<created", "created", _to_the_second),
-            ("<start", "start", _to_the_second),
-            ("<name", "name"),
+            console, None, [dict(job.members) for job in found],
+            ("<id", "id"), ("<state", "state"), ("<created", "created", _to_the_second),
+            ("<start", "start", _to_the_second), ("<name", "name"),
             ("~targets", "targets", ", ".join),
-        )
+        )  # fmt: skip
         if not found:
             console.print("there are none")
         write_json(json, {"plans": [dict(job.members) for job in found]})

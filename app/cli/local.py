@@ -16,6 +16,7 @@ from planner.base.errors import FieldError, InvalidRequest
 if TYPE_CHECKING:
     from app.answers.flights import FlightsFound
     from app.answers.members import PlanHead
+    from app.requests.telemetry import ComparisonRequest
     from app.work.flights import NewFlights
     from planner.inflight.telemetry.compare import Comparison
 
@@ -59,7 +60,7 @@ class Local:
 
     def __init__(self) -> None:
         self._stored: dict[str, tuple[bytes, bytes]] = {}  # request and packed table, by id
-        self._compared: tuple[Members, Comparison] | None = None
+        self._compared: tuple[Members, tuple[ComparisonRequest, Comparison]] | None = None
 
     def plan(self, request: bytes, *, progress: OnProgress | None = None) -> LocalPlan:
         """Slews and tracks for every session, as a verified command table."""
@@ -162,21 +163,20 @@ class Local:
     def compare(self, request: Members, csv: bytes) -> Members:
         """What flew beside a plan: its samples in a CSV file."""
         from app.answers.members import provenance
-        from app.requests.telemetry import read_comparison_head
         from app.work.telemetry import answer_json
 
         now_utc = datetime.now(UTC)
-        asked = read_comparison_head(json.dumps(request).encode())
-        comparison = self._comparison(request, csv)
-        return Answer(answer_json(comparison, asked, asked.plan, provenance(now_utc, csv)))
+        asked, found = self._comparison(request, csv)
+        return Answer(answer_json(found, asked, asked.plan, provenance(now_utc, csv)))
 
     def draw_comparison(self, request: Members, csv: bytes, format_name: str) -> bytes:
         """The same as a picture: png, svg or pdf."""
         from planner.inflight.telemetry.figure import draw_comparison
 
-        return draw_comparison(self._comparison(request, csv), format_name, datetime.now(UTC))
+        _, found = self._comparison(request, csv)
+        return draw_comparison(found, format_name, datetime.now(UTC))
 
-    def _comparison(self, request: Members, csv: bytes) -> "Comparison":
+    def _comparison(self, request: Members, csv: bytes) -> "tuple[ComparisonRequest, Comparison]":
         """Made once for numbers and picture, which ask for it one after the other."""
         from app.requests.telemetry import read_comparison_head
         from app.work.plan import stored_plan
@@ -187,7 +187,7 @@ class Local:
             of_plan, table_columns = self._stored[asked.plan]
             plan = stored_plan(of_plan, unpack(table_columns))
             found = compare_sent(plan, SentTelemetry(request=asked, samples=csv))
-            self._compared = (request, found)
+            self._compared = (request, (asked, found))
         return self._compared[1]
 
 

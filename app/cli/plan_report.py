@@ -23,104 +23,65 @@ def print_plan(console: Console, plan: Members) -> None:
     )
     print_assumed(console, plan["assumed"])
     print_rows(
-        console,
-        "segments",
-        plan["segments"],
-        ("<kind", "kind"),
-        _SESSION,
-        ("<start", "start"),
-        ("<stop", "stop"),
+        console, "segments", plan["segments"],
+        ("<kind", "kind"), _SESSION, ("<start", "start"), ("<stop", "stop"),
         ("seconds", _seconds, ".1f"),
-    )
+    )  # fmt: skip
     print_rows(
-        console,
-        "pointing error",
-        plan["pointing"],
-        _SESSION,
-        ("max arcsec", "max_arcsec", ".3g"),
-        ("rms arcsec", "rms_arcsec", ".3g"),
-        ("ground m", "ground_max_m", ".2g"),
-        ("least elevation deg", "elevation_min_deg", ".2f"),
+        console, "pointing error", plan["pointing"],
+        _SESSION, ("max arcsec", "max_arcsec", ".3g"), ("rms arcsec", "rms_arcsec", ".3g"),
+        ("ground m", "ground_max_m", ".2g"), ("least elevation deg", "elevation_min_deg", ".2f"),
         ("least range km", "range_min_km", ".6g"),
-        ("above the limb deg", "limb_clearance_min_deg", ".2f"),
-        sparse=True,
-    )
+        ("above the limb deg", "limb_clearance_min_deg", ".2f"), sparse=True,
+    )  # fmt: skip
     print_rows(
-        console,
-        "pointing budget, 1 sigma",
-        plan["uncertainty"],
-        _SESSION,
-        ("arcsec", "sigma_arcsec", ".0f"),
-        ("ground m", "ground_m", ".0f"),
-        ("stays in the frame", "probability_in_frame", ".1%"),
-        ("~most of it by", _largest_cause),
-    )
+        console, "pointing budget, 1 sigma", plan["uncertainty"],
+        _SESSION, ("arcsec", "sigma_arcsec", ".0f"), ("ground m", "ground_m", ".0f"),
+        ("stays in the frame", "probability_in_frame", ".1%"), ("~most of it by", _largest_cause),
+    )  # fmt: skip
     print_rows(
-        console,
-        "least margins",
+        console, "least margins",
         (
             {"axis": axis, "name": name, **margin}
             for axis, margins in plan["margins"].items()
             for name, margin in margins.items()
         ),
-        ("<axis", "axis"),
-        ("<limit of", "name"),
-        ("limit", "limit", ".6g"),
-        ("closest", "extreme", ".6g"),
-        ("margin", "margin", ".6g"),
-        ("<unit", "unit"),
-        _AT,
+        ("<axis", "axis"), ("<limit of", "name"), ("limit", "limit", ".6g"),
+        ("closest", "extreme", ".6g"), ("margin", "margin", ".6g"), ("<unit", "unit"), _AT,
         red=lambda margin: margin["margin"] < 0.0,
-    )
+    )  # fmt: skip
     print_rows(
-        console,
-        "cones to keep out of",
-        plan["keep_out"],
-        ("<about", "about"),
-        ("half angle deg", "half_angle_deg", "g"),
-        ("closest deg", "away_min_deg", ".3f"),
-        _AT,
-        red=_is_entered,
-    )
+        console, "cones to keep out of", plan["keep_out"],
+        ("<about", "about"), ("half angle deg", "half_angle_deg", "g"),
+        ("closest deg", "away_min_deg", ".3f"), _AT, red=_is_entered,
+    )  # fmt: skip
     print_rows(
-        console,
-        "masks to keep out of",
-        plan["masks"],
-        ("<name", "name"),
-        ("asked deg", "asked_deg", "g"),
-        ("closest deg", "away_min_deg", ".3f"),
-        _AT,
-        red=_is_entered,
-    )
+        console, "masks to keep out of", plan["masks"],
+        ("<name", "name"), ("asked deg", "asked_deg", "g"), ("closest deg", "away_min_deg", ".3f"),
+        _AT, red=_is_entered,
+    )  # fmt: skip
     print_rows(
-        console,
-        "optimal slew against the spline",
-        _methods(plan),
-        ("<slew", "session", session_number),
-        ("<axis", "axis"),
-        ("<by", "by"),
-        ("deg/s", "peak_rate_deg_s", ".4f"),
-        ("deg/s2", "peak_acceleration_deg_s2", ".4f"),
+        console, "optimal slew against the spline", _methods(plan),
+        ("<slew", "session", session_number), ("<axis", "axis"), ("<by", "by"),
+        ("deg/s", "peak_rate_deg_s", ".4f"), ("deg/s2", "peak_acceleration_deg_s2", ".4f"),
         ("deg/s3", "peak_jerk_deg_s3", _or_jump),
         ("jerk², deg²/s⁵", "jerk_squared_integral_deg2_s5", _or_jump),
         ("~breaks", "limits_broken", lambda broken: ", ".join(broken) or "-"),
         red=lambda figures: figures["limits_broken"],
-    )
+    )  # fmt: skip
     print_rows(
-        console,
-        "vibration left after the slew",
+        console, "vibration left after the slew",
         (
             {"session": slew["session"], "axis": axis, "mode": mode}
             for slew in plan["comparison"]
             for mode in slew["residual_vibration"]
             for axis in mode["ocp_arcsec"]
         ),
-        ("slew", "session", session_number),
-        ("<axis", "axis"),
+        ("slew", "session", session_number), ("<axis", "axis"),
         ("mode Hz", "mode.frequency_hz", "g"),
         ("ocp arcsec", lambda one: one["mode"]["ocp_arcsec"][one["axis"]], ".2g"),
         ("spline arcsec", lambda one: one["mode"]["spline_arcsec"][one["axis"]], ".2g"),
-    )
+    )  # fmt: skip
     print_warnings(console, plan["warnings"])
     passed = plan["verification"]["passed"]
     console.print(

@@ -72,30 +72,22 @@ def print_session(console: Console, plan: Members, momentum_sphere_n_m_s: float)
     )
     steadiness = plan["stabilisation"]["windows"] or [None] * len(plan["windows"])
     print_rows(
-        console,
-        "imaging",
-        zip(plan["windows"], steadiness, strict=True),
-        ("<request", lambda one: one[0]["request"]),
-        ("look", lambda one: one[0]["look"]),
+        console, "imaging", zip(plan["windows"], steadiness, strict=True),
+        ("<request", lambda one: one[0]["request"]), ("look", lambda one: one[0]["look"]),
         ("<start", lambda one: _time(one[0]["start"])),
         ("<stop", lambda one: _time(one[0]["stop"])),
         ("across", lambda one: one[0]["across_deg"], ".1f"),
         ("along", lambda one: one[0]["along_deg"], ".1f"),
         ("deg/s off", lambda one: one[1] and max(one[1]["rate_error_deg_s"]), ".5f"),
         ("smear px", lambda one: one[1] and one[1]["smear_px"], ".3f"),
-    )
+    )  # fmt: skip
     print_rows(
-        console,
-        "slews",
-        plan["slews"],
-        ("<start", "start", _time),
-        ("deg", "angle_deg", ".1f"),
-        ("seconds", "duration_s", ".1f"),
-        ("eigenaxis", "eigenaxis_s", ".1f"),
-        ("<by", _made_by),
+        console, "slews", plan["slews"],
+        ("<start", "start", _time), ("deg", "angle_deg", ".1f"), ("seconds", "duration_s", ".1f"),
+        ("eigenaxis", "eigenaxis_s", ".1f"), ("<by", _made_by),
         ("Nm/s", "torque_rate_peak_n_m_s", ".1f"),
         ("eigenaxis", "eigenaxis_torque_rate_peak_n_m_s", ".1f"),
-    )
+    )  # fmt: skip
     for one in plan["left_out"]:
         console.print(Text(f"left out: {one['name']}: {one['reason']}", style="yellow"))
     console.print(

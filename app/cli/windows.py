@@ -79,18 +79,14 @@ def print_windows(
     """One line per window, seen at its closest approach."""
     print_assumed(console, head["assumed"])
     print_rows(
-        console,
-        "edges UTC, the rest at closest approach",
-        shown,
+        console, "edges UTC, the rest at closest approach", shown,
         ("<target", "target"),
         ("<rise", lambda window: f"{window['rise'][:10]} {window['rise'][11:-5]}"),
-        ("<set", lambda window: window["set"][11:-5]),
-        ("elev", "closest.elevation_deg", ".1f"),
-        ("km", "closest.range_km", _kilometres),
-        ("m/px", "closest.ground_sample_across_m", ".2f"),
+        ("<set", lambda window: window["set"][11:-5]), ("elev", "closest.elevation_deg", ".1f"),
+        ("km", "closest.range_km", _kilometres), ("m/px", "closest.ground_sample_across_m", ".2f"),
         ("Sun", "closest.sun_elevation_deg", ".0f"),
         *((axis, partial(_angle_deg, axis), ".1f") for axis in axis_names),
-    )
+    )  # fmt: skip
     print_more(console, count)
     print_warnings(console, head["warnings"])
 
