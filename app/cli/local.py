@@ -15,7 +15,6 @@ from planner.base.errors import FieldError, InvalidRequest
 
 if TYPE_CHECKING:
     from app.answers.flights import FlightsFound
-    from app.answers.members import PlanHead
     from app.requests.telemetry import ComparisonRequest
     from app.work.flights import NewFlights
     from planner.inflight.telemetry.compare import Comparison
@@ -23,29 +22,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class LocalPlan:
-    """A plan under an id of its own."""
+    """A plan under an id of its own; text: makes the whole answer, as a service gives it."""
 
-    head: "PlanHead"
-    new: NewPlan
-    table_json: Callable[[bytes], bytes]
-
-    @property
-    def id(self) -> str:
-        """Under which it is asked for."""
-        return self.head.id
-
-    @property
-    def passed(self) -> bool:
-        """Whether its verification did."""
-        return self.new.state == "done"
+    id: str
+    passed: bool
+    text: Callable[[], bytes]
 
     @cached_property
     def members(self) -> Members:
-        """Of the whole answer, as a service gives it."""
-        from app.answers.members import whole_answer
-
-        table = self.table_json(self.new.table_columns)
-        return Answer(whole_answer(self.head, unzip(self.new.document), table))
+        """Of the whole answer."""
+        return Answer(self.text())
 
 
 @dataclass(frozen=True)
@@ -75,13 +61,17 @@ class Local:
         request: bytes,
         progress: OnProgress | None,
     ) -> LocalPlan:
-        from app.answers.members import new_head
+        from app.answers.members import new_head, whole_answer
 
         with reported_to(progress):
             new = work(request)
-        made = LocalPlan(new_head(new.state), new, table_json)
-        self._stored[made.id] = (request, new.table_columns)
-        return made
+        head = new_head(new.state)
+        self._stored[head.id] = (request, new.table_columns)
+
+        def text() -> bytes:
+            return whole_answer(head, unzip(new.document), table_json(new.table_columns))
+
+        return LocalPlan(head.id, passed=new.state == "done", text=text)
 
     def take(self, plan: Members, request: bytes) -> str:
         """The id of a plan that its whole answer tells; raises InvalidRequest for another text."""
