@@ -7,30 +7,21 @@ Imports wait until a command needs them: `plan` must not pay for the web server.
 
 import gc
 import sys
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
+from app.cli.campaign import campaign
 from app.cli.compare import compare
-from app.cli.files import (
-    Exports,
-    RequestFile,
-    WholeAnswer,
-    formats_and_paths,
-    problem_to,
-    read_request,
-    takes_standard_output,
-    write,
-)
 from app.cli.fly import fly
+from app.cli.horizon import horizon
 from app.cli.kept import export, list_plans, show, watch
 from app.cli.keys import keys
 from app.cli.one_line import FAILED, REFUSED, one_line_for_what_goes_wrong, say
 from app.cli.plan import plan
-from app.cli.progress_bar import progress_bar, reported_work
-from app.cli.report_parts import report_console
+from app.cli.spacecraft import spacecraft
+from app.cli.windows import windows
 
 
 class _OneLinePerFault(TyperGroup):
@@ -99,157 +90,8 @@ main.command()(watch)
 main.command()(compare)
 
 
-@main.command()
-def windows(
-    file: RequestFile,
-    csv: Annotated[
-        Path | None, typer.Option(help="Write one line per window here, at its closest approach.")
-    ] = None,
-    json: WholeAnswer = None,
-) -> None:
-    """Search for windows of targets."""
-    with problem_to(json):
-        console = report_console(to_stderr=takes_standard_output(csv, json))
-        body, read_utc = read_request(file)
-
-        from app.requests.opportunities import read_opportunity_request
-
-        request = read_opportunity_request(body)
-
-        from app.answers.members import provenance
-        from app.answers.opportunities import opportunities_json, windows_out
-        from app.cli.windows_report import print_windows, windows_csv
-        from planner.planning.opportunities import find_opportunities
-
-        with reported_work("searching"):
-            result = find_opportunities(request)
-        answer = windows_out(result)
-        print_windows(console, result, answer)
-        if csv:
-            write(csv, windows_csv(result.axis_names, answer).encode())
-        if json:
-            write(json, opportunities_json(result, request.name, provenance(read_utc, body)))
-
-
-@main.command()
-def campaign(
-    file: RequestFile,
-    plans: Annotated[
-        Path | None, typer.Option(help="Write each pass's plan and its request into this folder.")
-    ] = None,
-    csv: Annotated[Path | None, typer.Option(help="Write one line per look here.")] = None,
-    json: Annotated[
-        Path | None,
-        typer.Option(help="Write the choice, its bound, and each pass with its looks here."),
-    ] = None,
-    dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Only choose; plan and write nothing.")
-    ] = False,
-) -> None:
-    """Choose and plan sessions of many targets over days."""
-    with problem_to(json):
-        console = report_console(to_stderr=takes_standard_output(csv, json))
-        body, _ = read_request(file)
-
-        import zlib
-        from json import loads
-
-        from app.cli.campaign import (
-            campaign_csv,
-            campaign_json,
-            print_campaign,
-            run_campaign,
-            write_plans,
-        )
-
-        choice, passes = run_campaign(body, plans_too=not dry_run)
-        document = zlib.decompress(choice.document)
-        print_campaign(console, loads(document), passes)
-        if dry_run:
-            return
-        if plans:
-            write_plans(plans, passes)
-        if csv:
-            write(csv, campaign_csv(passes).encode())
-        if json:
-            write(json, campaign_json(document, passes))
-
-
-@main.command()
-def horizon(
-    request: Annotated[
-        Path,
-        typer.Argument(help="Read the request from this file: an estimate, a list, or a session."),
-    ],
-    images: Annotated[
-        list[Path],
-        typer.Argument(
-            help="Read one image per camera in their order, frame after frame; or one video each."
-        ),
-    ],
-    overlay: Annotated[
-        Path | None,
-        typer.Option(help="Write the annotated frame here (PNG), for several cameras with -NAME."),
-    ] = None,
-    json: WholeAnswer = None,
-) -> None:
-    """Estimate the local vertical from images of the horizon."""
-    with problem_to(json):
-        console = report_console(to_stderr=takes_standard_output(overlay, json))
-        from app.cli.horizon import measure_frames, measure_one
-        from app.work.horizon_series import read_series
-
-        body = request.read_bytes()
-        series = read_series(body)
-        if series is None:
-            answer = measure_one(console, body, images, overlay)
-        else:
-            answer = measure_frames(console, series, body, images)
-        if json:
-            write(json, answer)
-
-
-@main.command()
-def spacecraft(
-    file: RequestFile,
-    export: Exports = None,
-    json: WholeAnswer = None,
-    dry_run: Annotated[
-        bool,
-        typer.Option(
-            "--dry-run", help="Only check whether the session can be flown; write nothing."
-        ),
-    ] = False,
-) -> None:
-    """Plan an imaging session of the CMG spacecraft and report."""
-    with problem_to(json):
-        from planner.spacecraft.export import IMAGING_EXPORTERS
-
-        exports = list(formats_and_paths(export, IMAGING_EXPORTERS))
-        console = report_console(
-            to_stderr=takes_standard_output(json, *(path for _, path in exports))
-        )
-        body, read_utc = read_request(file)
-
-        from app.requests.spacecraft import read_spacecraft_request
-
-        request = read_spacecraft_request(body)
-
-        from app.cli.spacecraft_report import print_session
-        from planner.spacecraft.plan import plan_imaging
-
-        with progress_bar("planning") as tell:
-            result = plan_imaging(request, tell)
-        print_session(console, result)
-        if dry_run:
-            return
-        for name, path in exports:
-            write(path, IMAGING_EXPORTERS[name].write(result, read_utc))
-        if json:
-            from app.answers.members import provenance
-            from app.answers.spacecraft import spacecraft_plan_json
-
-            write(json, spacecraft_plan_json(result, provenance(read_utc, body)))
+for command in (windows, campaign, horizon, spacecraft):
+    main.command()(command)
 
 
 def _port(text: str | int) -> int:

@@ -1,21 +1,30 @@
 """`slewtrack compare`: telemetry is compared with a plan, here or by a running service."""
 
-import json as json_text
-from collections.abc import Sequence
-from datetime import UTC, datetime
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from rich.console import Console
+from rich.text import Text
 
-from app.cli.files import WholeAnswer, problem_to, takes_standard_output, write
-from app.cli.report_parts import report_console
-from planner.base.errors import FieldError, InvalidInput, InvalidRequest
+from app.cli.files import (
+    WholeAnswer,
+    picture_format,
+    problem_to,
+    takes_standard_output,
+    write,
+    write_json,
+)
+from app.cli.planner import Members, Planner
+from app.cli.progress_bar import told_progress
+from app.cli.report_parts import print_rows, print_warnings, report_console
+from planner.base.errors import InvalidInput
 
 if TYPE_CHECKING:
-    from planner.world.plan import FlightPlan
+    from app.cli.local import Local
 
-_PICTURES = ("png", "svg")
+_TIME = slice(11, 23)
 
 
 def compare(
@@ -74,8 +83,10 @@ def compare(
     ] = None,
 ) -> None:
     """Compare telemetry with the plan that was flown: clock, errors, oscillations, friction."""
+    is_kept = not Path(plan).is_file()
     with problem_to(json):
         console = report_console(to_stderr=takes_standard_output(plot, json))
+        picture = picture_format(plot, by_service=is_kept)
         content = telemetry.read_bytes()
         head: dict[str, Any] = {"plan": plan}
         if epoch is not None:
@@ -86,22 +97,22 @@ def compare(
             _add(head, path)
         if identify:
             head["identify"] = identify
-        if Path(plan).is_file():
-            answer, picture = _here(Path(plan), request, head, content, _format(plot))
-        else:
-            answer, picture = _there(url, head, content, _format(plot))
-        from app.answers.members import from_store
-        from app.answers.telemetry import ComparisonResponse
-        from app.cli.compare_report import print_comparison
+        if is_kept:
+            from app.cli.service import service
 
-        # The platform found is for the next request, which reads it strictly; the report tells what
-        # was found of it.
-        told = json_text.loads(answer) | {"platform": None}
-        print_comparison(console, from_store(ComparisonResponse, told))
-        if json:
-            write(json, answer)
-        if plot and picture is not None:
-            write(plot, picture)
+            with service(url) as client:
+                answer, drawn = _compare(client, head, content, picture)
+        else:
+            from app.cli.local import Local
+
+            here = Local()
+            head["plan"] = _take(here, Path(plan), request)
+            answer, drawn = _compare(here, head, content, picture)
+
+        print_comparison(console, answer)
+        write_json(json, answer)
+        if plot and drawn is not None:
+            write(plot, drawn)
 
 
 def _mapping(pairs: Sequence[str]) -> dict[str, str]:
@@ -131,109 +142,142 @@ def _add(head: dict[str, Any], path: Path) -> None:
         head.setdefault(kind, []).extend(found[kind])
 
 
-def _format(plot: Path | None) -> str | None:
-    return None if plot is None else plot.suffix.lstrip(".").lower() or "png"
+def _compare(
+    planner: Planner, head: Members, content: bytes, picture: str | None
+) -> tuple[Members, bytes | None]:
+    answer = planner.compare(head, content)
+    return answer, planner.draw_comparison(head, content, picture) if picture else None
 
 
-def _here(
-    path: Path, request: Path | None, head: dict[str, Any], content: bytes, image: str | None
-) -> tuple[bytes, bytes | None]:
-    from app.answers.members import provenance
-    from app.requests.telemetry import read_comparison_head
-    from app.work.telemetry import SentTelemetry, answer_json, compare_sent
-
-    plan, plan_id = _plan_of(path.read_bytes(), request)
-    spec = read_comparison_head(json_text.dumps(head | {"plan": plan_id}).encode())
-    now_utc = datetime.now(UTC)
-    comparison = compare_sent(plan, SentTelemetry(request=spec, samples=content))
-    answer = answer_json(comparison, spec, plan_id, provenance(now_utc, content))
-    if image is None:
-        return answer, None
-    from planner.inflight.telemetry.figure import draw_comparison
-
-    return answer, draw_comparison(comparison, image, now_utc)
-
-
-def _plan_of(body: bytes, request: Path | None) -> "tuple[FlightPlan, str]":
-    """Planned anew from a request, or as an answer has it; and the plan's id."""
+def _take(here: "Local", path: Path, request: Path | None) -> str:
+    """Planned anew from a request, or as an answer has it: the plan's id."""
     from app.requests.json_reader import json_document
-    from app.requests.plan import read_plan_request
-    from app.store.ids import new_id
 
+    body = path.read_bytes()
     document = json_document(body)
-    if isinstance(document, dict) and "table" in document:
-        if request is None:
-            raise InvalidInput(
-                "PLAN_OR_REQUEST is a plan's answer, which doesn't hold the platform: name its "
-                "request, too",
-                field="--request",
-            )
-        return _of_answer(document, request.read_bytes()), str(document.get("id") or new_id())
-    spec = read_plan_request(body)
-
-    from app.cli.progress_bar import reported_work
-    from app.work import progress
-    from planner.planning.sessions.pipeline import make_plan
-
-    with reported_work("planning"):
-        made = make_plan(
-            spec, on_stage=lambda stage: progress.report(progress.Progress(stage=stage))
+    if not isinstance(document, dict) or "table" not in document:
+        with told_progress("planning") as tell:
+            return here.plan(body, progress=tell).id
+    if request is None:
+        raise InvalidInput(
+            "PLAN_OR_REQUEST is a plan's answer, which doesn't hold the platform: name its "
+            "request, too",
+            field="--request",
         )
-    return made, new_id()
+    return here.take(document, request.read_bytes())
 
 
-def _of_answer(document: dict[str, Any], request: bytes) -> "FlightPlan":
-    import numpy as np
-
-    from app.requests.plan import read_plan_request
-    from planner.base.commands import CommandTable
-    from planner.world.frames.time_scales import utc_from_text
-    from planner.world.plan import FlightPlan, Segment
-
-    scenario = read_plan_request(request)
-    names, table = scenario.platform.axis_names, document["table"]
-    try:
-        columns = [
-            np.radians(np.array([table[f"{name}{kind}"] for name in names], dtype=float).T)
-            for kind in ("_deg", "_rate_deg_s")
-        ]
-        segments = tuple(
-            Segment(
-                kind=one["kind"],
-                session=one["session"],
-                start_utc=utc_from_text(one["start"]),
-                stop_utc=utc_from_text(one["stop"]),
-            )
-            for one in document["segments"]
+def print_comparison(console: Console, answer: Members) -> None:
+    """Samples, clock, axes and phases, what they did, what was seen beside."""
+    for line in (*_samples(answer["samples"]), *_clock(answer)):
+        console.print(Text(line))
+    print_rows(
+        console, "errors", _errors(answer),
+        ("<axis", "axis"), ("<phase", "phase"), ("<from", "from"), ("samples", "samples"),
+        ("rms arcsec", "rms_arcsec", ".2f"), ("max arcsec", "max_arcsec", ".2f"),
+        ("mean arcsec", "mean_arcsec", ".2f"), ("lag ms", "lag_s", _milliseconds),
+        ("1 sigma", "lag_sigma_s", _milliseconds),
+    )  # fmt: skip
+    for name, axis in answer["axes"].items():
+        for line, style in _what_it_did(name, axis):
+            console.print(Text(line, style=style))
+    for parts in answer["pointing"]:
+        along, across = parts["attitude_arcsec"]
+        console.print(
+            f"{parts['at'][_TIME]} by {parts['measured']}: attitude moves the target by "
+            f"{along:+.1f}, {across:+.1f} arcsec in the frame"
         )
-        epoch_utc = utc_from_text(table["epoch"])
-    except (KeyError, TypeError, ValueError) as fault:
-        detail = f"is no whole answer of a plan of this request: {fault}"
-        raise InvalidRequest(FieldError(field="PLAN_OR_REQUEST", detail=detail)) from None
-    return FlightPlan(
-        scenario=scenario,
-        segments=segments,
-        table=CommandTable(
-            epoch_utc=epoch_utc, axis_names=names, angle_rad=columns[0], rate_rad_s=columns[1]
-        ),
+    for one in answer["parameters"]:
+        error = "" if one["sigma"] is None else f", 1 sigma {one['sigma']:.2g}"
+        told = f"{one['name']} {one['found']:.4g}{error}; planned with {one['planned']:.4g}"
+        console.print(Text(told))
+    print_warnings(console, answer["warnings"])
+
+
+def _samples(samples: Members) -> Iterator[str]:
+    lost = ", ".join(f"{count} {reason}" for reason, count in samples["dropped"].items())
+    units = ", ".join(f"{column['name']} in {column['unit']}" for column in samples["columns"])
+    yield (
+        f"{samples['used']} of {samples['read']} rows used"
+        + (f" (dropped: {lost})" if lost else "")
+        + f", {samples['start'][_TIME]} to {samples['stop'][_TIME]}, {len(samples['gaps'])} gaps; "
+        + units
     )
 
 
-def _there(
-    url: str | None, head: dict[str, Any], content: bytes, image: str | None
-) -> tuple[bytes, bytes | None]:
-    _require_drawn_there(image)
-    from app.cli.service import json_of, service
+def _clock(answer: Members) -> Iterator[str]:
+    offset, drift = answer["time_offset_s"], answer["clock_drift"]
+    since = f" ahead at {answer['epoch']}"
+    yield f"{_ahead(offset, since)}; {_drift(drift)}"
+    yield f"  if {offset['assumes']}"
+    if common := answer["common_offset_s"]:
+        yield _ahead(common)
+        yield f"  if {common['assumes']}"
+    if (ideal := answer["ideal_offset_s"]) and (ideal_drift := answer["ideal_drift"]):
+        yield f"{_ahead(ideal)}; {_drift(ideal_drift)}"
+        yield f"  if {ideal['assumes']}"
+    for pair in answer["inseparable"]:
+        yield f"{' and '.join(pair['members'])} are hardly told apart: {pair['correlation']:+.3f}"
 
-    with service(url) as client:
-        answer = json_of(client.compare(head, content))
-        picture = client.draw_comparison(head, content, image) if image else None
-    return answer, picture
+
+def _ahead(offset: Members, since: str = "") -> str:
+    return f"clock {offset['value']:+.6f} s{since}, 1 sigma {offset['sigma']:.2g}"
 
 
-def _require_drawn_there(image: str | None, drawn: Sequence[str] = _PICTURES) -> None:
-    if image is not None and image not in drawn:
-        raise InvalidInput(
-            f"a service draws {' and '.join(drawn)}, not {image[:20]}; name one of these",
-            field="--plot",
+def _drift(drift: Members) -> str:
+    return f"drift {1e6 * drift['value']:+.3f} ppm, 1 sigma {1e6 * drift['sigma']:.2g}"
+
+
+def _errors(answer: Members) -> Iterator[dict[str, Any]]:
+    """Of each axis, then of its phases, which have no lag of their own."""
+    for name, axis in answer["axes"].items():
+        yield {**axis, "axis": name, "phase": f"all, of {axis['basis']}", "from": ""}
+        for phase in axis["phases"]:
+            session = "" if phase["session"] is None else f" {phase['session'] + 1}"
+            told = {"axis": "", "phase": f"{phase['kind']}{session}", "from": phase["start"][_TIME]}
+            yield {**phase, **told, "lag_s": "", "lag_sigma_s": ""}
+
+
+def _milliseconds(size: float | str | None) -> str:
+    return size if isinstance(size, str) else "-" if size is None else f"{1e3 * size:.2f}"
+
+
+def _what_it_did(name: str, axis: Members) -> Iterator[tuple[str, str]]:
+    """Lines, and the style of each."""
+    if (gain := axis["gain"]) and (bias := axis["bias"]):
+        yield (
+            (
+                f"{name} gain {gain['value']:.7f}, 1 sigma {gain['sigma']:.2g}; "
+                f"bias {bias['value']:+.3f} {axis['bias_unit']}, 1 sigma {bias['sigma']:.2g}"
+            ),
+            "",
         )
+    for swing in axis["oscillations"]:
+        yield (
+            (
+                f"{name} oscillates {_span(swing)}: "
+                f"{swing['frequency_hz']:.3f} Hz, {swing['amplitude_arcsec']:.2f} arcsec"
+            ),
+            "",
+        )
+    for stuck in axis["stick_slip"]:
+        yield (
+            (
+                f"{name} sticks and slips {_span(stuck)}: "
+                f"{stuck['slips']} slips of up to {stuck['slip_arcsec']:.2f} arcsec below "
+                f"{stuck['rate_arcsec_s']:.1f} arcsec/s"
+            ),
+            "",
+        )
+    for beyond in axis["limits_exceeded"]:
+        yield (
+            (
+                f"{name} {beyond['limit']} {beyond['value']:g} {beyond['unit']} beyond "
+                f"{beyond['bound']:g} from {_span(beyond)}"
+            ),
+            "red",
+        )
+
+
+def _span(stretch: Members) -> str:
+    return f"{stretch['start'][_TIME]} to {stretch['stop'][_TIME]}"

@@ -10,9 +10,11 @@ from typing import Annotated, Any
 
 import typer
 
+from app.cli.planner import Answer, Members
 from planner.base.errors import InvalidInput, Refusal, Unverified
 
 STANDARD_STREAM = Path("-")
+PICTURES = ("png", "svg", "pdf")
 
 RequestFile = Annotated[
     str, typer.Argument(help="Read the request (JSON) from this file; - is standard input.")
@@ -70,6 +72,24 @@ def formats_and_paths(
                 field="--export",
             )
         yield name, Path(path)
+
+
+def picture_format(plot: Path | None, *, by_service: bool = False) -> str | None:
+    """As the file's name ends, png where it doesn't; raises InvalidInput."""
+    if plot is None:
+        return None
+    image_format = plot.suffix.lstrip(".").lower() or "png"
+    if image_format not in (PICTURES[:2] if by_service else PICTURES):
+        drawn = ".png or .svg, which a service draws" if by_service else ".png, .svg or .pdf"
+        raise InvalidInput(f"must end in {drawn}, not .{image_format[:20]}", field="--plot")
+    return image_format
+
+
+def write_json(path: Path | None, members: Members) -> None:
+    """As it was answered, if anywhere."""
+    if path is not None:
+        whole = members.text if isinstance(members, Answer) else None
+        write(path, whole or json.dumps(dict(members)).encode() + b"\n")
 
 
 @contextmanager

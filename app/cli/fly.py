@@ -1,24 +1,27 @@
 """`slewtrack fly`: a plan is made and flown many times, here or by a running service."""
 
 import json as json_text
-import os
-from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
+from rich.console import Console
+from rich.text import Text
 
-from app.cli.files import RequestFile, WholeAnswer, problem_to, read_request, takes_standard_output
-from app.cli.files import write as write_file
-from app.cli.progress_bar import OnProgress, progress_bar, reported_work
-from app.cli.report_parts import report_console
-from planner.base.errors import InvalidInput
-
-if TYPE_CHECKING:
-    from app.answers.flights import FlightsFound
-    from app.work.result import Result
-
-PICTURES = ("png", "svg", "pdf")
+from app.cli.files import (
+    RequestFile,
+    WholeAnswer,
+    picture_format,
+    problem_to,
+    read_request,
+    takes_standard_output,
+    write,
+    write_json,
+)
+from app.cli.plan_report import session_number
+from app.cli.planner import Members, planner_at
+from app.cli.progress_bar import told_progress
+from app.cli.report_parts import print_rows, print_warnings, report_console
 
 
 def fly(
@@ -45,106 +48,78 @@ def fly(
     """Plan, fly the plan many times with errors drawn at random, and report probabilities."""
     with problem_to(json):
         console = report_console(to_stderr=takes_standard_output(plot, json))
-        image_format = _image_format(plot)
+        image_format = picture_format(plot)
         body, _ = read_request(file)
-        moving_object = (
-            None
-            if moving_object_m_s is None
-            else {"speed_m_s": moving_object_m_s, "course_deg": course_deg}
-        )
+        vehicle = {"speed_m_s": moving_object_m_s, "course_deg": course_deg}
+        moving_object = None if moving_object_m_s is None else vehicle
         asked = json_text.dumps(
             {"runs": runs, "seed": seed, "moving_object": moving_object}
         ).encode()
 
-        from app.cli.fly_report import found_in, print_flights
+        from app.requests.flights import read_flights_request
 
-        told = _fly_here(body, asked) if url is None else _fly_there(url, body, asked)
-        found = found_in(told)
-        print_flights(console, found)
-        if plot:
+        read_flights_request(asked)  # before anything is planned
+        with planner_at(url) as planner, told_progress("planning") as tell:
+            plan = planner.plan(body, progress=tell)
+            told = planner.fly(plan.id, asked, progress=tell).members
+        print_flights(console, told)
+        if plot and image_format:
             from app.cli.fly_figure import draw_flights
 
-            write_file(plot, draw_flights(found, image_format))
-        if json:
-            write_file(json, json_text.dumps(told).encode() + b"\n")
+            write(plot, draw_flights(told, image_format))
+        write_json(json, told)
 
 
-def _image_format(plot: Path | None) -> str:
-    image_format = plot.suffix.lstrip(".") or "png" if plot else "png"
-    if image_format not in PICTURES:
-        raise InvalidInput(
-            f"must end in one of {', '.join(PICTURES)}, not {image_format!r}", field="--plot"
+def print_flights(console: Console, found: Members) -> None:
+    """Probabilities, sessions, what is to blame, warnings."""
+    console.print(
+        Text.assemble(
+            (f"{found['flown']} flights", "bold"),
+            f" (seed {found['seed']}): all frames hold their target with a probability of ",
+            (_in_frame(found), "bold"),
+            ", sharp as well ",
+            (_sharp(found), "bold"),
+            "; between brackets 95 % confidence",
         )
-    return image_format
+    )
+    print_rows(
+        console, "under errors", found["sessions"],
+        ("session", "session", session_number), ("<target", "label"),
+        ("told", "budget_probability_in_frame", ".3f"), ("in frame", _in_frame), ("sharp", _sharp),
+        ("frames held", "frames_held", ".1%"), ("frames sharp", "frames_sharp", ".1%"),
+        ("smear px", lambda one: one["smear_px"] and one["smear_px"][1], ".2f"),
+        ("miss m", lambda one: one["miss_m"] and one["miss_m"][1], ".0f"),
+    )  # fmt: skip
+    print_rows(
+        console, "as planned",
+        ({"session": one["session"], **one["nominal"]} for one in found["sessions"]),
+        ("session", "session", session_number), ("frames", "frames"), ("held", "held"),
+        ("sharp", "sharp"), ("error arcsec", lambda one: max(one["error_arcsec"]), ".2f"),
+        ("smear px", lambda one: max(one["smear_px"]), ".2f"),
+        ("sample m", lambda one: min(one["ground_sample_across_m"] or (), default=None), ".2f"),
+        ("object px", "moving_object_px", _range),
+    )  # fmt: skip
+    print_rows(
+        console, "to blame", found["contributors"],
+        ("<cause", "cause"), ("of misses", "share", ".1%"), ("+-", "share_sigma", ".1%"),
+        ("of smear", "smear_share", ".1%"), ("+-", "smear_share_sigma", ".1%"),
+    )  # fmt: skip
+    print_warnings(console, found["warnings"])
 
 
-def _fly_there(url: str, body: bytes, asked: bytes) -> Mapping[str, Any]:
-    from app.cli.service import service, told_progress
-    from app.requests.flights import read_flights_request
-
-    read_flights_request(asked)  # before anything is planned
-    with service(url) as client, told_progress() as tell:
-        plan = client.plan(body, progress=tell)
-        return client.fly(plan.id, asked, progress=tell).members
+def _in_frame(one: Members) -> str:
+    return _probability(one["probability_in_frame"], one["in_frame_interval"])
 
 
-def _fly_here(body: bytes, asked: bytes) -> Mapping[str, Any]:
-    from app.requests.flights import read_flights_request
-
-    read_flights_request(asked)
-
-    from app.store.ids import new_id
-    from app.work.flights import PlanToFly, prepare_flights
-    from app.work.plan import plan_and_pack
-
-    with reported_work("planning"):
-        plan = plan_and_pack(body)
-        what = PlanToFly(
-            plan_id=new_id(), asked=asked, request=body, table_columns=plan.table_columns
-        )
-        new = prepare_flights(what.to_bytes())
-    with progress_bar("runs") as tell:
-        found = _fly_parts(new, tell)
-
-    from app.answers.members import to_json
-
-    members: Mapping[str, Any] = json_text.loads(to_json(found))
-    return members
+def _sharp(one: Members) -> str:
+    return _probability(one["probability_sharp"], one["sharp_interval"])
 
 
-def _fly_parts(new: "Result", tell: OnProgress) -> "FlightsFound":
-    """On all processors, each part in a child."""
-    import zlib
+def _probability(value: float | None, share_interval: list[float] | None) -> str:
+    if value is None or share_interval is None:
+        return "-"
+    return f"{value:.3f} ({share_interval[0]:.3f}..{share_interval[1]:.3f})"
 
-    from app.answers.flights import FlightsHead, flights_found
-    from app.answers.members import from_store
-    from app.jobs.executors import LocalExecutor, Task
-    from app.jobs.kinds import RUNS
-    from app.jobs.worker_process import Stop
-    from app.work.flights import fly_part, unpacked_outcomes
-    from app.work.progress import Progress
 
-    head = from_store(FlightsHead, json_text.loads(zlib.decompress(new.document)))
-    done = [0] * len(new.parts)
-
-    def told_by(part: int, progress: Progress) -> None:
-        done[part] = progress.done or 0
-        tell("runs", sum(done), head.runs)
-
-    stops = [Stop() for _ in new.parts]
-    executor = LocalExecutor(min(len(new.parts), os.cpu_count() or 1))
-    try:
-        futures = [
-            executor.submit(
-                Task(job_id=str(number), bounds=RUNS.bounds, work=fly_part, body=part.request),
-                stop,
-                lambda progress, number=number: told_by(number, progress),  # type: ignore[misc]
-            )
-            for number, (part, stop) in enumerate(zip(new.parts, stops, strict=True))
-        ]
-        outcomes = [unpacked_outcomes(future.result().document) for future in futures]
-    finally:
-        for stop in stops:
-            stop.request()
-        executor.close()
-    return flights_found(head, outcomes)
+def _range(moved_px: list[float] | None) -> str:
+    return f"{min(moved_px):.0f}..{max(moved_px):.0f}" if moved_px else "-"

@@ -1,96 +1,104 @@
-"""`slewtrack horizon`: the local vertical is measured in image files."""
+"""`slewtrack horizon`: the local vertical is measured in image files and reported."""
 
-from collections.abc import Iterator, Sequence
-from datetime import UTC, datetime
+import math
 from pathlib import Path
+from typing import Annotated
 
-import cv2
+import typer
 from rich.console import Console
+from rich.text import Text
 
-from app.answers.horizon import estimate_out
-from app.answers.members import provenance, to_json
-from app.cli.files import write
-from app.cli.horizon_report import print_estimate, print_series
-from app.cli.progress_bar import OnProgress, progress_bar
-from app.requests.horizon import read_estimate_request
-from app.work.horizon import measure
-from app.work.horizon_series import (
-    HorizonFrames,
-    HorizonSession,
-    frame_requests,
-    measure_series,
-    series_json,
-    video_frames,
-)
-from estimator.errors import InvalidImage
-from estimator.images import Pixels, decode_image
-from estimator.request import HorizonRequest
+from app.cli.files import WholeAnswer, problem_to, takes_standard_output, write_json
+from app.cli.planner import Members
+from app.cli.report_parts import print_rows, print_warnings, report_console
 
-_VIDEOS = {".mp4", ".avi", ".mkv", ".mov", ".m4v", ".mpg", ".mpeg", ".webm", ".ts"}
+_STYLES = {"inconsistent": "red", "not_observable": "yellow"}
 
 
-def measure_one(
-    console: Console, body: bytes, paths: Sequence[Path], overlay: Path | None
-) -> bytes:
-    """Report on one frame; the service's answer."""
-    cv2.setNumThreads(1)  # a frame is too small to share
-    images = tuple(path.read_bytes() for path in paths)
-    request = read_estimate_request(body)
-    estimate, overlays = measure(request, images, draw=overlay is not None)
-    print_estimate(console, estimate)
-    if overlay is not None:
-        names = [camera.name for camera in request.cameras]
-        for path, png in zip(overlay_paths(overlay, names), overlays, strict=True):
-            write(path, png)
-    origin = provenance(datetime.now(UTC), body, *images)
-    return to_json(
-        estimate_out(estimate, request.epoch, overlays if request.overlay else (), origin)
+def horizon(
+    request: Annotated[
+        Path,
+        typer.Argument(help="Read the request from this file: an estimate, a list, or a session."),
+    ],
+    images: Annotated[
+        list[Path],
+        typer.Argument(
+            help="Read one image per camera in their order, frame after frame; or one video each."
+        ),
+    ],
+    overlay: Annotated[
+        Path | None,
+        typer.Option(help="Write the annotated frame here (PNG), for several cameras with -NAME."),
+    ] = None,
+    json: WholeAnswer = None,
+) -> None:
+    """Estimate the local vertical from images of the horizon."""
+    with problem_to(json):
+        console = report_console(to_stderr=takes_standard_output(overlay, json))
+        from app.cli.horizon_images import measure_frames, measure_one
+        from app.work.horizon_series import read_series
+
+        body = request.read_bytes()
+        series = read_series(body)
+        if series is None:
+            answer = measure_one(body, images, overlay)
+            print_estimate(console, answer)
+        else:
+            answer = measure_frames(series, body, images)
+            print_series(console, answer)
+        write_json(json, answer)
+
+
+def print_estimate(console: Console, estimate: Members) -> None:
+    """Verdict, nadirs, check, cameras, warnings."""
+    console.print(_verdict(estimate))
+    for name, member in (("geocentric", ""), ("geodetic", "geodetic_")):
+        nadir, sigma_deg = estimate[f"nadir_{member}body"], estimate[f"{member}sigma_deg"]
+        if nadir is not None:
+            axes = ", ".join(f"{part:.6f}" for part in nadir)
+            console.print(Text(f"{name} nadir in body axes [{axes}], 1 sigma {sigma_deg:.4f} deg"))
+    height_km, sigma_km = estimate["limb_height_km"], estimate["limb_height_sigma_km"]
+    if height_km is not None and sigma_km is not None:
+        console.print(f"limb {height_km:.1f} km high, 1 sigma {sigma_km:.1f} km")
+    if (check := estimate["check"]) is not None:
+        console.print(
+            f"off the prediction by {check['angle_deg']:.4f} deg "
+            f"({check['along_deg']:+.4f} along, "
+            f"{check['across_deg']:+.4f} across), probability {check['probability']:.2g}",
+        )
+    why = estimate["explanation"]
+    print_rows(
+        console, None, estimate["cameras"],
+        ("<camera", "name"), ("arc deg", "arc_deg", ".1f"), ("residual px", "residual_px", ".2f"),
+        ("~used", lambda one: "yes" if one["used"] else f"no: {one['explanation'] or why}"),
+    )  # fmt: skip
+    print_warnings(console, estimate["warnings"])
+
+
+def print_series(console: Console, series: Members) -> None:
+    """One line per frame, then the bias."""
+    print_rows(
+        console, None, series["frames"],
+        ("<UTC", "at"), ("<verdict", "verdict"), ("sigma deg", "sigma_deg", ".4f"),
+        ("along deg", "along_deg", ".4f"), ("across deg", "across_deg", ".4f"),
+        ("~reason", "reason", lambda reason: reason or ""),
+    )  # fmt: skip
+    console.print(_verdict(series))
+    if not series["used"]:
+        return
+    for axis, name in enumerate(("along", "across")):
+        sigma_deg = math.sqrt(series["covariance_deg2"][axis][axis])
+        console.print(
+            f"bias {name} {series['bias_deg'][axis]:+.4f} deg, 1 sigma {sigma_deg:.4f}, "
+            f"scatter {series['scatter_deg'][axis]:.4f}"
+        )
+    console.print(
+        f"{series['used']} of {len(series['frames'])} frames used, probability "
+        f"{series['probability']:.2g}"
     )
 
 
-def overlay_paths(path: Path, cameras: Sequence[str]) -> list[Path]:
-    """The path itself for one camera, with each camera's place and name for several."""
-    if len(cameras) == 1:
-        return [path]
-    plain = ["".join(c if c.isalnum() else "-" for c in name)[:40] for name in cameras]
-    if len(set(plain)) < len(plain):
-        plain = [f"{k}-{name}" for k, name in enumerate(plain)]
-    return [path.with_name(f"{path.stem}-{name}{path.suffix or '.png'}") for name in plain]
-
-
-def measure_frames(
-    console: Console, request: HorizonSession | HorizonFrames, body: bytes, paths: Sequence[Path]
-) -> bytes:
-    """Report on a series of frames; as JSON."""
-    cv2.setNumThreads(1)
-    if all(path.suffix.lower() in _VIDEOS for path in paths):
-        if not isinstance(request, HorizonSession) or len(paths) != len(request.cameras):
-            raise InvalidImage(
-                "videos go with a session (orbit, cameras, start, step_s), one per camera",
-                field="images",
-            )
-        count, films = video_frames([str(path) for path in paths], request.step_s)
-        with progress_bar("frames") as tell:
-            series = measure_series(request.requests(count), _told(films, count, tell))
-    else:
-        requests = frame_requests(request, len(paths))
-        with progress_bar("frames") as tell:
-            pictures = _told(_pictures(requests, iter(paths)), len(requests), tell)
-            series = measure_series(requests, pictures)
-    print_series(console, series)
-    return series_json(series, provenance(datetime.now(UTC), body))
-
-
-def _told(frames: Iterator[list[Pixels]], count: int, tell: OnProgress) -> Iterator[list[Pixels]]:
-    """The same, each told as it is taken."""
-    for number, frame in enumerate(frames):
-        tell("frames", number, count)
-        yield frame
-
-
-def _pictures(requests: Sequence[HorizonRequest], paths: Iterator[Path]) -> Iterator[list[Pixels]]:
-    for number, request in enumerate(requests):
-        yield [
-            decode_image(next(paths).read_bytes(), f"frames.{number}.{camera.name}", camera)
-            for camera in request.cameras
-        ]
+def _verdict(answer: Members) -> Text:
+    verdict, why = answer["verdict"], answer.get("explanation")
+    text = verdict.replace("_", " ") + (f": {why}" if why else "")
+    return Text(text, style=_STYLES.get(verdict, "green"))

@@ -13,9 +13,10 @@ from app.cli.files import (
     problem_to,
     takes_standard_output,
     write,
+    write_json,
 )
 from app.cli.one_line import FAILED
-from app.cli.report_parts import print_table, report_console, report_table
+from app.cli.report_parts import print_rows, report_console
 
 if TYPE_CHECKING:
     from slewtrack.client import Client, Progress
@@ -58,7 +59,7 @@ def list_plans(
     json: WholeAnswer = None,
 ) -> None:
     """List the plans that a service keeps, the latest first."""
-    from app.cli.service import json_of, service
+    from app.cli.service import service
 
     with problem_to(json):
         console = report_console(to_stderr=takes_standard_output(json))
@@ -72,18 +73,15 @@ def list_plans(
                 after=after,
                 before=before,
             )
-        table = report_table(
-            None, "<id", "<state", "<created", "<start", "<name", "<targets", wrapped="targets"
-        )
-        for job in found:
-            created, start = map(_to_the_second, (job.created, job.members["start"]))
-            targets = ", ".join(job.members["targets"])
-            table.add_row(job.id, job.state, created, start, Text(job.name), Text(targets))
-        print_table(console, table)
+        print_rows(
+            console, None, [dict(job.members) for job in found],
+            ("<id", "id"), ("<state", "state"), ("<created", "created", _to_the_second),
+            ("<start", "start", _to_the_second), ("<name", "name"),
+            ("~targets", "targets", ", ".join),
+        )  # fmt: skip
         if not found:
             console.print("there are none")
-        if json:
-            write(json, json_of({"plans": [dict(job.members) for job in found]}))
+        write_json(json, {"plans": [dict(job.members) for job in found]})
 
 
 def _to_the_second(utc: str | None) -> str:
@@ -92,15 +90,15 @@ def _to_the_second(utc: str | None) -> str:
 
 def show(plan_id: Id, url: Url = None, json: WholeAnswer = None) -> None:
     """Show a plan that a service keeps."""
-    from app.cli.service import json_of, print_kept, service
+    from app.cli.plan_report import print_plan
+    from app.cli.service import service
 
     with problem_to(json):
         console = report_console(to_stderr=takes_standard_output(json))
         with service(url) as client:
             plan = client.get(plan_id)
-        print_kept(console, plan.members)
-        if json:
-            write(json, json_of(plan.members))
+        print_plan(console, plan.members)
+        write_json(json, plan.members)
 
 
 def export(

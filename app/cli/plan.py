@@ -1,9 +1,6 @@
 """`slewtrack plan`: a request is planned here, or by a running service."""
 
-import json as json_text
 from collections.abc import Sequence
-from dataclasses import dataclass
-from datetime import datetime
 from pathlib import Path
 from typing import Annotated
 
@@ -15,24 +12,17 @@ from app.cli.files import (
     RequestFile,
     WholeAnswer,
     formats_and_paths,
+    picture_format,
     problem_to,
     read_request,
     takes_standard_output,
     write,
+    write_json,
 )
-from app.cli.progress_bar import reported_work
+from app.cli.planner import Members, planner_at
+from app.cli.progress_bar import told_progress
 from app.cli.report_parts import print_warnings, report_console
 from planner.base.errors import InvalidInput, Unverified
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Outputs:
-    """Where to write what is made."""
-
-    csv: Path | None
-    exports: Sequence[tuple[str, Path]]
-    plot: Path | None
-    json: Path | None
 
 
 def plan(
@@ -77,17 +67,44 @@ def plan(
     with problem_to(json):
         from planner.output.export import EXPORTERS
 
-        exports = tuple(formats_and_paths(export, EXPORTERS))
-        outputs = _Outputs(csv=csv, exports=exports, plot=plot, json=json)
-        paths = (csv, plot, json, *(path for _, path in exports))
-        console = report_console(to_stderr=takes_standard_output(*paths))
-        body, read_utc = read_request(file)
+        exports = [*formats_and_paths(export, EXPORTERS)]
+        outputs = (csv, plot, json, *(path for _, path in exports))
+        console = report_console(to_stderr=takes_standard_output(*outputs))
+        picture = picture_format(plot, by_service=url is not None)
+        body, _ = read_request(file)
         if settings or next_pass or start is not None:
             body = _changed(console, body, settings, start, next_pass=next_pass)
-        if url is not None:
-            _plan_there(console, url, body, outputs, dry_run=dry_run)
-        else:
-            _plan_here(console, body, read_utc, outputs, dry_run=dry_run)
+        with planner_at(url) as planner:
+            if dry_run:
+                _say_whether_it_flies(console, planner.check(body))
+                return
+            with told_progress("planning") as tell:
+                made = planner.plan(body, progress=tell)
+            from app.cli.plan_report import print_plan
+
+            print_plan(console, made.members)
+            if url is not None:
+                console.print(f"kept as {made.id}")
+            write_json(json, made.members)
+            # A table that fails is shown beside the verdict, and nowhere else.
+            if plot and picture and (made.passed or url is None):
+                write(plot, planner.export(made.id, picture))
+            _require_verified(made.members["verification"])
+            if csv:
+                write(csv, table_only_csv(planner.export(made.id, "csv")))
+            for name, path in exports:
+                write(path, planner.export(made.id, name))
+
+
+def _require_verified(verdict: Members) -> None:
+    """Raises Unverified."""
+    if verdict["passed"]:
+        return
+    from app.answers.plan import require_verified
+    from planner.verification import Finding
+
+    told = ("severity", "limit", "axis", "detail")
+    require_verified(Finding(**{name: one[name] for name in told}) for one in verdict["findings"])
 
 
 def _changed(
@@ -110,119 +127,16 @@ def _changed(
     return with_settings(body, settings)  # again, for what is set of the session that was moved
 
 
-def _plan_here(
-    console: Console, body: bytes, read_utc: datetime, outputs: _Outputs, *, dry_run: bool
-) -> None:
-    from app.requests.plan import read_plan_request
+def table_only_csv(content: bytes) -> bytes:
+    """Without the lines that say what the columns don't."""
+    lines = content.splitlines(keepends=True)
+    return b"".join(line for line in lines if not line.startswith(b"#"))
 
-    request = read_plan_request(body)
 
-    from app.work import progress
-    from planner.planning.sessions.pipeline import make_plan
-
-    with reported_work("planning"):
-        result = make_plan(
-            request, on_stage=lambda stage: progress.report(progress.Progress(stage=stage))
+def _say_whether_it_flies(console: Console, found: Members) -> None:
+    print_warnings(console, found["warnings"])
+    if not found["flies"]:
+        raise Unverified(
+            "the table failed its verification; only the whole answer holds it, beside the verdict"
         )
-
-    from app.answers.members import from_store, new_head, provenance, whole_answer
-    from app.answers.plan import (
-        PlanDocument,
-        plan_document,
-        require_verified,
-        table_json,
-        verdict_state,
-    )
-    from planner.world.frames.time_scales import utc_text
-
-    if dry_run:
-        passed = result.verification.passed
-        _say_whether_it_flies(console, passed, len(result.table.t_s), result.warnings)
-        return
-    checks = []
-    if outputs.json and request.horizon_cameras:
-        from app.work.horizon_views import horizon_checks
-
-        checks = horizon_checks(result.scenario, request.horizon_cameras)
-    document = plan_document(result, checks, provenance(read_utc, body))
-
-    from app.cli.plan_report import print_report
-
-    epoch = utc_text(result.table.epoch_utc, 1)
-    told = from_store(PlanDocument, json_text.loads(document))
-    print_report(console, told, epoch, len(result.table.t_s))
-    if outputs.json:
-        head = new_head(verdict_state(result))
-        write(outputs.json, whole_answer(head, document, table_json(result.table)))
-    if outputs.plot:
-        from planner.output.export.figure import draw_plan
-
-        image_format = outputs.plot.suffix.lstrip(".") or "png"
-        write(outputs.plot, draw_plan(result, image_format, read_utc))
-    # A table that fails is shown beside the verdict, above, and nowhere else.
-    require_verified(result.verification.findings)
-    if outputs.csv:
-        from planner.output.export.csv import table_csv
-
-        write(outputs.csv, table_csv(result.table).encode())
-    if outputs.exports:
-        from planner.output.export import EXPORTERS
-
-        for name, path in outputs.exports:
-            write(path, EXPORTERS[name].write(result, read_utc))
-
-
-def _plan_there(
-    console: Console, url: str, body: bytes, outputs: _Outputs, *, dry_run: bool
-) -> None:
-    drawn = _drawn_there(outputs.plot)
-    from app.cli.service import json_of, print_kept, service, table_only_csv, told_progress
-
-    with service(url) as client:
-        if dry_run:
-            found = client.check(body)
-            _say_whether_it_flies(console, found["flies"], found["rows"], found["warnings"])
-            return
-        with told_progress() as tell:
-            made = client.plan(body, progress=tell)
-        print_kept(console, made.members)
-        console.print(f"kept as {made.id}")
-        if outputs.json:
-            write(outputs.json, json_of(made.members))
-        if not made.passed:
-            raise _unverified()
-        wanted = (*outputs.exports, *drawn)
-        files = [(path, client.export(made.id, name)) for name, path in wanted]
-        if outputs.csv:
-            files.append((outputs.csv, table_only_csv(client.export(made.id, "csv"))))
-    for path, content in files:
-        write(path, content)
-
-
-def _drawn_there(plot: Path | None) -> Sequence[tuple[str, Path]]:
-    """The picture as one of the formats that a service writes."""
-    if plot is None:
-        return ()
-    image_format = plot.suffix.lstrip(".") or "png"
-    if image_format not in ("png", "svg"):
-        raise InvalidInput(
-            f"a service draws .png and .svg, not {plot.suffix}; name one of these, or leave out "
-            "--url",
-            field="--plot",
-        )
-    return ((image_format, plot),)
-
-
-def _unverified() -> Unverified:
-    return Unverified(
-        "the table failed its verification; only the whole answer holds it, beside the verdict"
-    )
-
-
-def _say_whether_it_flies(
-    console: Console, flies: bool, rows: int, warnings: Sequence[str]
-) -> None:
-    print_warnings(console, warnings)
-    if not flies:
-        raise _unverified()
-    console.print(f"flies: {rows} rows, verification passed; nothing was written")
+    console.print(f"flies: {found['rows']} rows, verification passed; nothing was written")

@@ -1,204 +1,121 @@
 """The summary of a plan on the terminal."""
 
+from collections.abc import Iterator
+from typing import Any
+
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
-from app.answers.plan import PlanDocument
-from app.answers.pointing import PointingOut
-from app.cli.report_parts import (
-    or_dash,
-    print_assumed,
-    print_table,
-    print_warnings,
-    report_table,
-)
+from app.cli.planner import Members
+from app.cli.report_parts import print_assumed, print_rows, print_warnings
 from planner.world.frames.time_scales import elapsed_s, utc_from_text
 
-_MS_PER_S = 1e3
 
-
-def print_report(console: Console, plan: PlanDocument, epoch: str, rows: int) -> None:
+def print_plan(console: Console, plan: Members) -> None:
     """What was taken for granted, segments, pointing error, margins, the spline, warnings."""
-    total_ms = _MS_PER_S * sum(plan.solver.stages_wall_s.values())
+    table, total_s = plan["table"], sum(plan["solver"]["stages_wall_s"].values())
     console.print(
         Text.assemble(
-            (plan.name or "Plan", "bold"),
-            f", {plan.platform}: {rows} rows from {epoch}, planned in {total_ms:.0f} ms",
+            (plan["name"] or "Plan", "bold"),
+            f", {plan['platform']}: {len(table['t_s'])} rows from {table['epoch']}, planned in "
+            f"{1e3 * total_s:.0f} ms",
         )
     )
-    print_assumed(console, ((one.field, one.detail) for one in plan.assumed or ()))
-    parts = (
-        _segments(plan),
-        _pointing(plan.pointing),
-        _uncertainty(plan),
-        _margins(plan),
-        _keep_out(plan),
-        _masks(plan),
-        _comparison(plan),
-        _vibration(plan),
-    )
-    for part in parts:
-        print_table(console, part)
-    print_warnings(console, plan.warnings)
-    passed = plan.verification.passed
+    print_assumed(console, plan["assumed"])
+    print_rows(
+        console, "segments", plan["segments"],
+        ("<kind", "kind"), _SESSION, ("<start", "start"), ("<stop", "stop"),
+        ("seconds", _seconds, ".1f"),
+    )  # fmt: skip
+    print_rows(
+        console, "pointing error", plan["pointing"],
+        _SESSION, ("max arcsec", "max_arcsec", ".3g"), ("rms arcsec", "rms_arcsec", ".3g"),
+        ("ground m", "ground_max_m", ".2g"), ("least elevation deg", "elevation_min_deg", ".2f"),
+        ("least range km", "range_min_km", ".6g"),
+        ("above the limb deg", "limb_clearance_min_deg", ".2f"), sparse=True,
+    )  # fmt: skip
+    print_rows(
+        console, "pointing budget, 1 sigma", plan["uncertainty"],
+        _SESSION, ("arcsec", "sigma_arcsec", ".0f"), ("ground m", "ground_m", ".0f"),
+        ("stays in the frame", "probability_in_frame", ".1%"), ("~most of it by", _largest_cause),
+    )  # fmt: skip
+    print_rows(
+        console, "least margins",
+        (
+            {"axis": axis, "name": name, **margin}
+            for axis, margins in plan["margins"].items()
+            for name, margin in margins.items()
+        ),
+        ("<axis", "axis"), ("<limit of", "name"), ("limit", "limit", ".6g"),
+        ("closest", "extreme", ".6g"), ("margin", "margin", ".6g"), ("<unit", "unit"), _AT,
+        red=lambda margin: margin["margin"] < 0.0,
+    )  # fmt: skip
+    print_rows(
+        console, "cones to keep out of", plan["keep_out"],
+        ("<about", "about"), ("half angle deg", "half_angle_deg", "g"),
+        ("closest deg", "away_min_deg", ".3f"), _AT, red=_is_entered,
+    )  # fmt: skip
+    print_rows(
+        console, "masks to keep out of", plan["masks"],
+        ("<name", "name"), ("asked deg", "asked_deg", "g"), ("closest deg", "away_min_deg", ".3f"),
+        _AT, red=_is_entered,
+    )  # fmt: skip
+    print_rows(
+        console, "optimal slew against the spline", _methods(plan),
+        ("<slew", "session", session_number), ("<axis", "axis"), ("<by", "by"),
+        ("deg/s", "peak_rate_deg_s", ".4f"), ("deg/s2", "peak_acceleration_deg_s2", ".4f"),
+        ("deg/s3", "peak_jerk_deg_s3", _or_jump),
+        ("jerk², deg²/s⁵", "jerk_squared_integral_deg2_s5", _or_jump),
+        ("~breaks", "limits_broken", lambda broken: ", ".join(broken) or "-"),
+        red=lambda figures: figures["limits_broken"],
+    )  # fmt: skip
+    print_rows(
+        console, "vibration left after the slew",
+        (
+            {"session": slew["session"], "axis": axis, "mode": mode}
+            for slew in plan["comparison"]
+            for mode in slew["residual_vibration"]
+            for axis in mode["ocp_arcsec"]
+        ),
+        ("slew", "session", session_number), ("<axis", "axis"),
+        ("mode Hz", "mode.frequency_hz", "g"),
+        ("ocp arcsec", lambda one: one["mode"]["ocp_arcsec"][one["axis"]], ".2g"),
+        ("spline arcsec", lambda one: one["mode"]["spline_arcsec"][one["axis"]], ".2g"),
+    )  # fmt: skip
+    print_warnings(console, plan["warnings"])
+    passed = plan["verification"]["passed"]
     console.print(
         Text(f"verification {'passed' if passed else 'FAILED'}", style="green" if passed else "red")
     )
 
 
-def _segments(plan: PlanDocument) -> Table:
-    table = report_table("segments", "<kind", "session", "<start", "<stop", "seconds")
-    for segment in plan.segments:
-        start, stop = utc_from_text(segment.start), utc_from_text(segment.stop)
-        table.add_row(
-            segment.kind,
-            _session(segment.session),
-            segment.start,
-            segment.stop,
-            f"{elapsed_s(stop, start):.1f}",
-        )
-    return table
-
-
-def _pointing(pointing: list[PointingOut]) -> Table:
-    columns = {
-        "session": [_session(session.session) for session in pointing],
-        "max arcsec": [f"{session.max_arcsec:.3g}" for session in pointing],
-        "rms arcsec": [f"{session.rms_arcsec:.3g}" for session in pointing],
-        "ground m": [or_dash(session.ground_max_m, ".2g") for session in pointing],
-        "least elevation deg": [or_dash(session.elevation_min_deg, ".2f") for session in pointing],
-        "least range km": [or_dash(session.range_min_km, ".6g") for session in pointing],
-        "above the limb deg": [
-            or_dash(session.limb_clearance_min_deg, ".2f") for session in pointing
-        ],
-    }
-    columns = {heading: texts for heading, texts in columns.items() if set(texts) != {"-"}}
-    table = report_table("pointing error", *columns)
-    for row in zip(*columns.values(), strict=True):
-        table.add_row(*row)
-    return table
-
-
-def _uncertainty(plan: PlanDocument) -> Table:
-    table = report_table(
-        "pointing budget, 1 sigma",
-        "session",
-        "arcsec",
-        "ground m",
-        "stays in the frame",
-        "<most of it by",
-        wrapped="most of it by",
-    )
-    for budget in plan.uncertainty:
-        worst = max(budget.contributions, key=lambda part: part.sigma_arcsec)
-        table.add_row(
-            _session(budget.session),
-            f"{budget.sigma_arcsec:.0f}",
-            or_dash(budget.ground_m, ".0f"),
-            f"{budget.probability_in_frame:.1%}",
-            worst.cause,
-        )
-    return table
-
-
-def _margins(plan: PlanDocument) -> Table:
-    table = report_table(
-        "least margins", "<axis", "<limit of", "limit", "closest", "margin", "<unit", "<at UTC"
-    )
-    for axis, margins in plan.margins.items():
-        for name, margin in margins.items():
-            table.add_row(
-                axis,
-                name,
-                f"{margin.limit:.6g}",
-                f"{margin.extreme:.6g}",
-                f"{margin.margin:.6g}",
-                margin.unit,
-                margin.at[11:-3],  # to a tenth of a second
-                style="red" if margin.margin < 0.0 else None,
-            )
-    return table
-
-
-def _keep_out(plan: PlanDocument) -> Table:
-    table = report_table(
-        "cones to keep out of", "<about", "half angle deg", "closest deg", "<at UTC"
-    )
-    for cone in plan.keep_out:
-        table.add_row(
-            Text(cone.about),
-            f"{cone.half_angle_deg:g}",
-            or_dash(cone.away_min_deg, ".3f"),
-            "-" if cone.at is None else cone.at[11:-3],
-            style="red" if cone.margin_deg is not None and cone.margin_deg < 0.0 else None,
-        )
-    return table
-
-
-def _masks(plan: PlanDocument) -> Table:
-    table = report_table("masks to keep out of", "<name", "asked deg", "closest deg", "<at UTC")
-    for mask in plan.masks or ():
-        table.add_row(
-            Text(mask.name),
-            f"{mask.asked_deg:g}",
-            f"{mask.away_min_deg:.3f}",
-            mask.at[11:-3],
-            style="red" if mask.margin_deg < 0.0 else None,
-        )
-    return table
-
-
-def _comparison(plan: PlanDocument) -> Table:
-    table = report_table(
-        "optimal slew against the spline",
-        "<slew",
-        "<axis",
-        "<by",
-        "deg/s",
-        "deg/s2",
-        "deg/s3",
-        "jerk², deg²/s⁵",
-        "<breaks",
-        wrapped="breaks",
-    )
-    for compared in plan.comparison:
-        for axis in compared.ocp:
-            for method, figures in (("ocp", compared.ocp[axis]), ("spline", compared.spline[axis])):
-                table.add_row(
-                    _session(compared.session),
-                    axis,
-                    method,
-                    f"{figures.peak_rate_deg_s:.4f}",
-                    f"{figures.peak_acceleration_deg_s2:.4f}",
-                    _or_jump(figures.peak_jerk_deg_s3),
-                    _or_jump(figures.jerk_squared_integral_deg2_s5),
-                    ", ".join(figures.limits_broken) or "-",
-                    style="red" if figures.limits_broken else None,
-                )
-    return table
-
-
-def _vibration(plan: PlanDocument) -> Table:
-    table = report_table(
-        "vibration left after the slew", "slew", "<axis", "mode Hz", "ocp arcsec", "spline arcsec"
-    )
-    for compared in plan.comparison:
-        for residual in compared.residual_vibration:
-            for axis, ocp_arcsec in residual.ocp_arcsec.items():
-                table.add_row(
-                    _session(compared.session),
-                    axis,
-                    f"{residual.frequency_hz:g}",
-                    f"{ocp_arcsec:.2g}",
-                    f"{residual.spline_arcsec[axis]:.2g}",
-                )
-    return table
-
-
-def _session(number: int | None) -> str:
+def session_number(number: int | None) -> str:
     """Counted from 1, as everything that people read; the answer's own number is an index."""
     return "final" if number is None else str(number + 1)
+
+
+_SESSION = ("session", "session", session_number)
+_AT = ("<at UTC", "at", lambda at: "-" if at is None else at[11:-3])  # to a tenth of a second
+
+
+def _seconds(segment: Members) -> float:
+    return elapsed_s(utc_from_text(segment["stop"]), utc_from_text(segment["start"]))
+
+
+def _largest_cause(budget: Members) -> str:
+    worst = max(budget["contributions"], key=lambda part: part["sigma_arcsec"])
+    return str(worst["cause"])
+
+
+def _is_entered(keep_out: Members) -> bool:
+    return keep_out["margin_deg"] is not None and keep_out["margin_deg"] < 0.0
+
+
+def _methods(plan: Members) -> Iterator[dict[str, Any]]:
+    for slew in plan["comparison"]:
+        for axis in slew["ocp"]:
+            for method in ("ocp", "spline"):
+                yield {"session": slew["session"], "axis": axis, "by": method, **slew[method][axis]}
 
 
 def _or_jump(value: float | None) -> str:

@@ -7,7 +7,9 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn, TimeElapsedColumn
 from rich.text import Text
 
-OnProgress = Callable[[str, int | None, int | None], None]
+from app.cli.planner import OnProgress
+
+Tell = Callable[[str, int | None, int | None], None]
 
 
 class _Count(ProgressColumn):
@@ -20,7 +22,7 @@ class _Count(ProgressColumn):
 
 
 @contextmanager
-def progress_bar(stage: str) -> Iterator[OnProgress]:
+def progress_bar(stage: str) -> Iterator[Tell]:
     """Tell it each stage, and how many parts of how many are done; it beats until it knows."""
     columns = (TextColumn("{task.description}"), BarColumn(), _Count(), TimeElapsedColumn())
     console = Console(stderr=True)
@@ -35,13 +37,26 @@ def progress_bar(stage: str) -> Iterator[OnProgress]:
 
 
 @contextmanager
-def reported_work(stage: str) -> Iterator[None]:
+def told_progress(stage: str) -> Iterator[OnProgress]:
+    """The same for who tells of work as a whole."""
+    with progress_bar(stage) as tell:
+        yield lambda now: tell(now.stage or str(getattr(now, "state", stage)), now.done, now.of)
+
+
+@contextmanager
+def reported_to(on_progress: OnProgress | None) -> Iterator[None]:
     """What the work inside reports of itself."""
     from app.work import progress
 
-    with progress_bar(stage) as tell:
-        progress.report_through(lambda now: tell(now.stage, now.done, now.of))
-        try:
-            yield
-        finally:
-            progress.report_through(lambda _: None)
+    progress.report_through(on_progress or (lambda _: None))
+    try:
+        yield
+    finally:
+        progress.report_through(lambda _: None)
+
+
+@contextmanager
+def reported_work(stage: str) -> Iterator[None]:
+    """The same, as a bar."""
+    with told_progress(stage) as tell, reported_to(tell):
+        yield

@@ -1,18 +1,10 @@
-"""The command line's calls to a running service, with its refusals, progress and plans."""
+"""The command line's calls to a running service, whose refusals are told as if from here."""
 
-import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
 
-from rich.console import Console
-
-from app.answers.members import from_store
-from app.answers.plan import PlanDocument
-from app.cli.plan_report import print_report
-from app.cli.progress_bar import progress_bar
 from planner.base.errors import InvalidInput, Refusal
-from slewtrack.client import BadAnswer, Client, NoAnswer, Problem, Progress, Refused, ServiceError
+from slewtrack.client import BadAnswer, Client, NoAnswer, Problem, Refused, ServiceError
 
 SERVER_ERROR = 500
 
@@ -42,28 +34,3 @@ def service(url: str | None) -> Iterator[Client]:
             raise InvalidInput(str(error), field="--url") from None
         except ServiceError as error:
             raise Refusal(str(error)) from None
-
-
-@contextmanager
-def told_progress() -> Iterator[Callable[[Progress], None]]:
-    """As a bar."""
-    with progress_bar("planning") as tell:
-        yield lambda now: tell(now.stage or now.state, now.done, now.of)
-
-
-def print_kept(console: Console, members: Mapping[str, Any]) -> None:
-    """The report of a plan as the service answers it."""
-    table = members["table"]
-    document = from_store(PlanDocument, dict(members))
-    print_report(console, document, table["epoch"], len(table["t_s"]))
-
-
-def table_only_csv(content: bytes) -> bytes:
-    """Without the lines that say what the columns don't."""
-    lines = content.splitlines(keepends=True)
-    return b"".join(line for line in lines if not line.startswith(b"#"))
-
-
-def json_of(members: Mapping[str, Any]) -> bytes:
-    """What a service answered."""
-    return json.dumps(members).encode() + b"\n"

@@ -17,7 +17,7 @@ from app.answers.campaign import CampaignLookOut
 from app.answers.members import to_json
 from app.answers.opportunities import windows_out
 from app.cli.campaign import PlannedPass, campaign_csv
-from app.cli.windows_report import windows_csv
+from app.cli.windows import windows_csv
 from app.requests.examples import OPPORTUNITY_EXAMPLES, SPACECRAFT_EXAMPLES
 from app.requests.opportunities import read_opportunity_request
 from app.requests.spacecraft import read_spacecraft_request
@@ -83,7 +83,7 @@ def opportunities_csv(text):
 
 
 def search_csv(text):
-    return windows_csv((text, text), windows_of(text))
+    return windows_csv((text, text), [json.loads(to_json(one)) for one in windows_of(text)])
 
 
 def looks_csv(text):

@@ -1,13 +1,17 @@
 """The commands' reports state what was taken for granted, and how near masks come."""
 
+import io
 import json
 from pathlib import Path
 
 import pytest
+from rich.console import Console
 from typer.testing import CliRunner
 
 from app.cli import main
+from app.cli.report_parts import print_rows
 from app.requests.examples import LAS_VEGAS, PLAN_EXAMPLES
+from app.work import telemetry
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 LJUBLJANA = {"mode": "place", "name": "Ljubljana"}
@@ -79,3 +83,45 @@ def test_how_near_a_mask_comes(tmp_path):
         f"{mask['away_min_deg']:.3f}",
         mask["at"][11:-3],
     ]
+
+
+@pytest.mark.parametrize("width", [80, 10])
+def test_no_text_of_an_answer_is_markup(width):
+    """Whoever named it: a plan's target, or a service that isn't ours."""
+    told = io.StringIO()
+    row = {"name": "[red]Denver[/red] :smile:", "seen": {"at": None}}
+    columns = (("<target", "name"), ("at", "seen.at", ".1f"))
+    print_rows(Console(file=told, width=width, soft_wrap=True), None, [row], *columns)
+    assert "[red]Denver[/red] :smile:" in " ".join(told.getvalue().split())
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["plan", "las_vegas_2015.json"],
+        ["fly", "las_vegas_2015.json"],
+        ["compare", "las_vegas_2015.json", "las_vegas_telemetry.csv"],
+    ],
+    ids=lambda words: words[0],
+)
+def test_a_picture_that_can_not_be_drawn_is_refused_before_the_work(words, monkeypatch):
+    verb, *files = words
+    monkeypatch.delattr("planner.planning.sessions.pipeline.make_plan")
+    given = [verb, *(str(EXAMPLES / file) for file in files), "--plot", "out/it.gif"]
+    done = CliRunner().invoke(main, given)
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert done.stderr == "slewtrack: --plot: must end in .png, .svg or .pdf, not .gif\n"
+
+
+def test_numbers_and_picture_are_of_one_comparison(tmp_path, monkeypatch):
+    """Which takes half a minute where parameters are identified."""
+    made = []
+    compare = telemetry.compare_sent
+    monkeypatch.setattr(telemetry, "compare_sent", lambda *sent: made.append(1) or compare(*sent))
+    files = [EXAMPLES / "las_vegas_2015.json", EXAMPLES / "las_vegas_telemetry.csv"]
+    words = ["compare", *files, "--plot", tmp_path / "it.pdf", "--json", tmp_path / "it.json"]
+    done = CliRunner().invoke(main, [*map(str, words)])
+    assert done.exit_code == 0, done.stderr
+    assert (tmp_path / "it.pdf").read_bytes().startswith(b"%PDF")
+    assert json.loads((tmp_path / "it.json").read_text())["axes"]
+    assert made == [1]

@@ -2,6 +2,7 @@
 
 import json
 import re
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -127,6 +128,21 @@ def test_a_refusal_is_told_as_here(run, url, tmp_path):
     assert problem["earliest_feasible_start"] == "2015-02-27T17:34:27.200Z"
 
 
+def test_a_table_that_fails_is_told_as_here(run, url, tmp_path):
+    """With what breaks; it is drawn beside the verdict here, and by no service."""
+    document = json.loads(Path(LAS_VEGAS).read_text()) | {"slew": {"method": "spline"}}
+    document["initial_state"]["epoch"] = "2015-02-27T17:35:50Z"
+    file = tmp_path / "spline.json"
+    file.write_text(json.dumps(document))
+    here = run("plan", file, "--plot", tmp_path / "here.png", "--csv", tmp_path / "here.csv")
+    words = ["--plot", tmp_path / "there.png", "--csv", tmp_path / "there.csv"]
+    there = run("plan", file, "--url", url, *words)
+    assert here.exit_code == there.exit_code == 1
+    assert "the table failed its verification: alpha reaches" in here.stderr
+    assert there.stderr.splitlines()[0] == here.stderr.splitlines()[0]
+    assert [one.name for one in tmp_path.iterdir() if one != file] == ["here.png"]
+
+
 def test_what_is_kept_is_shown_and_exported(run, plan_id, tmp_path):
     shown = run("show", plan_id, "--json", "-")
     assert json.loads(shown.stdout)["id"] == plan_id
@@ -165,7 +181,10 @@ def test_what_is_not_kept(run, words):
         (["plan", LAS_VEGAS, "--url", "http://127.0.0.1:9", "--plot", "x.pdf"], ".svg"),
     ],
 )
-def test_a_service_that_can_not_be_asked(run, words, said):
+def test_a_service_that_can_not_be_asked(run, monkeypatch, words, said):
+    """By a client that asks again for less than its minute, which test_client_faults measures."""
+    impatient = partial(slewtrack.Client, patience_s=1.0)
+    monkeypatch.setattr("app.cli.service.Client", impatient)
     refused = run(*words)
     assert refused.exit_code == 2
     [line] = refused.stderr.splitlines()

@@ -1,0 +1,234 @@
+"""Plans made, flown and compared in this process, by what a service's children run."""
+
+import json
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from functools import cached_property, partial
+from typing import TYPE_CHECKING
+
+from app.cli.planner import Answer, Members, OnProgress
+from app.cli.progress_bar import reported_to
+from app.store.packed import PackedColumns, pack, unpack, unzip
+from app.work.result import Result
+from planner.base.errors import FieldError, InvalidRequest
+
+if TYPE_CHECKING:
+    from app.answers.flights import FlightsFound
+    from app.requests.telemetry import ComparisonRequest
+    from planner.inflight.telemetry.compare import Comparison
+
+
+@dataclass(frozen=True)
+class LocalPlan:
+    """A plan under an id of its own; text: makes the whole answer, as a service gives it."""
+
+    id: str
+    passed: bool
+    text: Callable[[], bytes]
+
+    @cached_property
+    def members(self) -> Members:
+        """Of the whole answer."""
+        return Answer(self.text())
+
+
+@dataclass(frozen=True)
+class LocalFlights:
+    """Flights of a plan."""
+
+    members: Members
+
+
+class Local:
+    """Each plan is kept for as long as the command runs."""
+
+    def __init__(self) -> None:
+        self._stored: dict[str, tuple[bytes, bytes]] = {}  # request and packed table, by id
+        self._compared: tuple[Members, tuple[ComparisonRequest, Comparison]] | None = None
+
+    def plan(self, request: bytes, *, progress: OnProgress | None = None) -> LocalPlan:
+        """Slews and tracks for every session, as a verified command table."""
+        from app.work.plan import plan_and_pack, stored_table_json
+
+        return self._make(plan_and_pack, stored_table_json, request, progress)
+
+    def _make(
+        self,
+        work: Callable[[bytes], Result],
+        table_json: Callable[[bytes], bytes],
+        request: bytes,
+        progress: OnProgress | None,
+    ) -> LocalPlan:
+        from app.answers.members import new_head, whole_answer
+
+        with reported_to(progress):
+            new = work(request)
+        head = new_head(new.state)
+        self._stored[head.id] = (request, new.table_columns)
+
+        def text() -> bytes:
+            return whole_answer(head, unzip(new.document), table_json(new.table_columns))
+
+        return LocalPlan(head.id, passed=new.state == "done", text=text)
+
+    def take(self, plan: Members, request: bytes) -> str:
+        """The id of a plan that its whole answer tells; raises InvalidRequest for another text."""
+        import numpy as np
+
+        from app.requests.plan import read_plan_request
+        from app.store.ids import new_id
+        from app.work.plan import stored_plan
+        from planner.world.frames.time_scales import utc_text
+
+        scenario = read_plan_request(request)
+        names, table = scenario.platform.axis_names, plan["table"]
+        try:
+            angle_rad, rate_rad_s = (
+                np.radians(np.array([table[f"{name}{kind}"] for name in names], dtype=float).T)
+                for kind in ("_deg", "_rate_deg_s")
+            )
+            packed = PackedColumns(
+                columns={"angle_rad": angle_rad, "rate_rad_s": rate_rad_s},
+                facts={
+                    "epoch": table["epoch"],
+                    "axes": names,
+                    "sessions": [
+                        [utc_text(one.start, 6), utc_text(one.stop, 6)] for one in scenario.sessions
+                    ],
+                    "segments": [
+                        [one[name] for name in ("kind", "session", "start", "stop")]
+                        for one in plan["segments"]
+                    ],
+                    "errors": [],
+                },
+            )
+            stored_plan(request, packed)
+        except (KeyError, TypeError, ValueError) as fault:
+            detail = f"is no whole answer of a plan of this request: {fault}"
+            raise InvalidRequest(FieldError(field="PLAN_OR_REQUEST", detail=detail)) from None
+        plan_id = str(plan.get("id") or new_id())
+        self._stored[plan_id] = (request, pack(packed))
+        return plan_id
+
+    def check(self, request: bytes) -> Members:
+        """Whether a request for a plan flies, and what to know before."""
+        from app.requests.plan import read_plan_request
+
+        now_utc, asked = datetime.now(UTC), read_plan_request(request)
+
+        from app.answers.members import provenance
+        from app.work.plan import try_plan
+
+        return Answer(try_plan(asked, provenance(now_utc, request)))
+
+    def export(self, plan_id: str, format_name: str) -> bytes:
+        """The table as a file; a picture, pdf too, though its verification failed."""
+        from app.work.plan import stored_plan, stored_table_file
+        from planner.output.export.figure import draw_plan
+        from planner.output.export.figure_parts import FORMATS
+
+        request, table_columns = self._stored[plan_id]
+        now_utc = datetime.now(UTC)
+        if format_name in FORMATS:
+            return draw_plan(stored_plan(request, unpack(table_columns)), format_name, now_utc)
+        return stored_table_file(request, table_columns, format_name, now_utc)
+
+    def fly(
+        self, plan_id: str, request: bytes, *, progress: OnProgress | None = None
+    ) -> LocalFlights:
+        """A plan flown many times with errors drawn anew."""
+        from app.answers.members import to_json
+        from app.work.flights import PlanToFly, prepare_flights
+
+        of_plan, table_columns = self._stored[plan_id]
+        what = PlanToFly(
+            plan_id=plan_id, asked=request, request=of_plan, table_columns=table_columns
+        )
+        with reported_to(progress):
+            new = prepare_flights(what.to_bytes())
+        return LocalFlights(json.loads(to_json(_fly_parts(new, progress))))
+
+    def compare(self, request: Members, csv: bytes) -> Members:
+        """What flew beside a plan: its samples in a CSV file."""
+        from app.answers.members import provenance
+        from app.work.telemetry import answer_json
+
+        now_utc = datetime.now(UTC)
+        asked, found = self._comparison(request, csv)
+        return Answer(answer_json(found, asked, asked.plan, provenance(now_utc, csv)))
+
+    def draw_comparison(self, request: Members, csv: bytes, format_name: str) -> bytes:
+        """The same as a picture: png, svg or pdf."""
+        from planner.inflight.telemetry.figure import draw_comparison
+
+        _, found = self._comparison(request, csv)
+        return draw_comparison(found, format_name, datetime.now(UTC))
+
+    def _comparison(self, request: Members, csv: bytes) -> "tuple[ComparisonRequest, Comparison]":
+        """Made once for numbers and picture, which ask for it one after the other."""
+        from app.requests.telemetry import read_comparison_head
+        from app.work.plan import stored_plan
+        from app.work.telemetry import SentTelemetry, compare_sent
+
+        if self._compared is None or self._compared[0] is not request:
+            asked = read_comparison_head(json.dumps(request).encode())
+            of_plan, table_columns = self._stored[asked.plan]
+            plan = stored_plan(of_plan, unpack(table_columns))
+            found = compare_sent(plan, SentTelemetry(request=asked, samples=csv))
+            self._compared = (request, (asked, found))
+        return self._compared[1]
+
+
+class LocalSpacecraft(Local):
+    """The same of the imaging spacecraft."""
+
+    def plan(self, request: bytes, *, progress: OnProgress | None = None) -> LocalPlan:
+        """A session, as a verified attitude table."""
+        from app.work.spacecraft import plan_and_pack_session, stored_session_json
+
+        return self._make(plan_and_pack_session, stored_session_json, request, progress)
+
+    def export(self, plan_id: str, format_name: str) -> bytes:
+        """The table as a file."""
+        from app.work.spacecraft import stored_session_file
+
+        return stored_session_file(*self._stored[plan_id], format_name, datetime.now(UTC))
+
+
+def _fly_parts(new: Result, progress: OnProgress | None) -> "FlightsFound":
+    """On all processors, each part in a child."""
+    from app.answers.flights import FlightsHead, flights_found
+    from app.answers.members import from_store
+    from app.jobs.executors import LocalExecutor, Task
+    from app.jobs.kinds import RUNS
+    from app.jobs.worker_process import Stop
+    from app.work.flights import fly_part, unpacked_outcomes
+    from app.work.progress import Progress
+
+    head = from_store(FlightsHead, json.loads(unzip(new.document)))
+    done = [0] * len(new.parts)
+
+    def told_by(part: int, now: Progress) -> None:
+        done[part] = now.done or 0
+        if progress is not None:
+            progress(Progress(stage="runs", done=sum(done), of=head.runs))
+
+    stops = [Stop() for _ in new.parts]
+    executor = LocalExecutor(min(len(new.parts), os.cpu_count() or 1))
+    try:
+        futures = [
+            executor.submit(
+                Task(job_id=str(number), bounds=RUNS.bounds, work=fly_part, body=part.request),
+                stop,
+                partial(told_by, number),
+            )
+            for number, (part, stop) in enumerate(zip(new.parts, stops, strict=True))
+        ]
+        outcomes = [unpacked_outcomes(future.result().document) for future in futures]
+    finally:
+        for stop in stops:
+            stop.request()
+        executor.close()
+    return flights_found(head, outcomes)

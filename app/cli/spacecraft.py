@@ -1,0 +1,116 @@
+"""`slewtrack spacecraft`: an imaging session is planned and reported."""
+
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.text import Text
+
+from app.cli.files import (
+    Exports,
+    RequestFile,
+    WholeAnswer,
+    formats_and_paths,
+    problem_to,
+    read_request,
+    takes_standard_output,
+    write,
+    write_json,
+)
+from app.cli.planner import Members
+from app.cli.progress_bar import told_progress
+from app.cli.report_parts import print_rows, print_warnings, report_console
+
+
+def spacecraft(
+    file: RequestFile,
+    export: Exports = None,
+    json: WholeAnswer = None,
+    dry_run: Annotated[
+        bool,
+        typer.Option(
+            "--dry-run", help="Only check whether the session can be flown; write nothing."
+        ),
+    ] = False,
+) -> None:
+    """Plan an imaging session of the CMG spacecraft and report."""
+    with problem_to(json):
+        from planner.spacecraft.export import IMAGING_EXPORTERS
+
+        exports = list(formats_and_paths(export, IMAGING_EXPORTERS))
+        console = report_console(
+            to_stderr=takes_standard_output(json, *(path for _, path in exports))
+        )
+        body, _ = read_request(file)
+
+        from app.requests.spacecraft import read_spacecraft_request
+
+        request = read_spacecraft_request(body)
+
+        from app.cli.local import LocalSpacecraft
+
+        planner = LocalSpacecraft()
+        with told_progress("planning") as tell:
+            made = planner.plan(body, progress=tell)
+        print_session(console, made.members, request.definition().slew.momentum_sphere_n_m_s)
+        if dry_run:
+            return
+        for name, path in exports:
+            write(path, planner.export(made.id, name))
+        write_json(json, made.members)
+
+
+def print_session(console: Console, plan: Members, momentum_sphere_n_m_s: float) -> None:
+    """Windows with how steady they were, slews, what is left out, limits, the verdict."""
+    table, choice, found = plan["table"], plan["choice"], plan["verification"]
+    console.print(
+        Text.assemble(
+            (plan["name"] or "Session", "bold"),
+            f", {plan['spacecraft']}: {len(table['t_s'])} rows from {table['epoch']}, worth "
+            f"{choice['value']:g} (best found; by priority alone {choice['greedy_value']:g})",
+        ),
+    )
+    steadiness = plan["stabilisation"]["windows"] or [None] * len(plan["windows"])
+    print_rows(
+        console, "imaging", zip(plan["windows"], steadiness, strict=True),
+        ("<request", lambda one: one[0]["request"]), ("look", lambda one: one[0]["look"]),
+        ("<start", lambda one: _time(one[0]["start"])),
+        ("<stop", lambda one: _time(one[0]["stop"])),
+        ("across", lambda one: one[0]["across_deg"], ".1f"),
+        ("along", lambda one: one[0]["along_deg"], ".1f"),
+        ("deg/s off", lambda one: one[1] and max(one[1]["rate_error_deg_s"]), ".5f"),
+        ("smear px", lambda one: one[1] and one[1]["smear_px"], ".3f"),
+    )  # fmt: skip
+    print_rows(
+        console, "slews", plan["slews"],
+        ("<start", "start", _time), ("deg", "angle_deg", ".1f"), ("seconds", "duration_s", ".1f"),
+        ("eigenaxis", "eigenaxis_s", ".1f"), ("<by", _made_by),
+        ("Nm/s", "torque_rate_peak_n_m_s", ".1f"),
+        ("eigenaxis", "eigenaxis_torque_rate_peak_n_m_s", ".1f"),
+    )  # fmt: skip
+    for one in plan["left_out"]:
+        console.print(Text(f"left out: {one['name']}: {one['reason']}", style="yellow"))
+    console.print(
+        f"torque {found['torque_max_n_m']:.1f} N m, momentum {found['momentum_max_n_m_s']:.1f} of "
+        f"{momentum_sphere_n_m_s:.0f} N m s, gimbals {found['gimbal_rate_max_deg_s']:.1f} deg/s"
+    )
+    stabilisation = plan["stabilisation"]
+    if stabilisation["share_steady"] is not None:
+        console.print(
+            f"steady within 0.001 deg/s in {stabilisation['share_steady']:.0%} of the intervals "
+            f"of {stabilisation['runs']} closed-loop runs"
+        )
+    print_warnings(console, plan["warnings"])
+    console.print(Text("verification passed", style="green"))
+
+
+def _time(utc: str) -> str:
+    """Of the day."""
+    return utc[11:-1]
+
+
+def _made_by(slew: Members) -> str:
+    method, time_from = slew["method"], slew["time_from"]
+    return (
+        method if time_from in (None, method) else f"{method}, in the quickest {time_from}'s time"
+    )
