@@ -125,9 +125,8 @@ def _plan_here(
             request, on_stage=lambda stage: progress.report(progress.Progress(stage=stage))
         )
 
-    from app.answers.members import from_store, new_head, provenance, whole_answer
+    from app.answers.members import new_head, provenance, whole_answer
     from app.answers.plan import (
-        PlanDocument,
         plan_document,
         require_verified,
         table_json,
@@ -149,8 +148,7 @@ def _plan_here(
     from app.cli.plan_report import print_report
 
     epoch = utc_text(result.table.epoch_utc, 1)
-    told = from_store(PlanDocument, json_text.loads(document))
-    print_report(console, told, epoch, len(result.table.t_s))
+    print_report(console, json_text.loads(document), epoch, len(result.table.t_s))
     if outputs.json:
         head = new_head(verdict_state(result))
         write(outputs.json, whole_answer(head, document, table_json(result.table)))

@@ -7,8 +7,6 @@ from typing import Any
 
 from rich.console import Console
 
-from app.answers.members import from_store
-from app.answers.plan import PlanDocument
 from app.cli.plan_report import print_report
 from app.cli.progress_bar import progress_bar
 from planner.base.errors import InvalidInput, Refusal
@@ -54,8 +52,7 @@ def told_progress() -> Iterator[Callable[[Progress], None]]:
 def print_kept(console: Console, members: Mapping[str, Any]) -> None:
     """The report of a plan as the service answers it."""
     table = members["table"]
-    document = from_store(PlanDocument, dict(members))
-    print_report(console, document, table["epoch"], len(table["t_s"]))
+    print_report(console, members, table["epoch"], len(table["t_s"]))
 
 
 def table_only_csv(content: bytes) -> bytes:

@@ -27,7 +27,7 @@ from planner.world.frames.earth_orientation import earth_orientation_warnings
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc
 from planner.world.orbits import Ephemeris
 from planner.world.plan import Segment, SegmentKind
-from planner.world.scenario import Scenario, Session, SlewOptions
+from planner.world.scenario import Scenario, SlewOptions
 from planner.world.targets import BenchMotionTarget
 
 BUDGET_INSTANTS = 31  # errors vary over a pass, not from row to row
@@ -65,9 +65,9 @@ def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: No
     table = assemble_table(epoch_utc, scenario.platform.axis_names, joins)
     with stage("pointing budget"):
         budgets = tuple(
-            session_budget(final, ephemeris, table, session) for session in final.sessions
+            session_budget(final, ephemeris, table, number) for number in range(len(final.sessions))
         )
-    misses = [budget.warning(number) for number, budget in enumerate(budgets) if budget]
+    misses = [budget.warning() for budget in budgets if budget]
     with stage("verification"):
         report = verify(table, final)
     if scenario.slew.keeps_limits and not report.passed:
@@ -170,9 +170,10 @@ def _segments(scenario: Scenario, joins: list[Join]) -> tuple[Segment, ...]:
 
 
 def session_budget(
-    scenario: Scenario, ephemeris: Ephemeris, table: CommandTable, session: Session
+    scenario: Scenario, ephemeris: Ephemeris, table: CommandTable, number: int
 ) -> PointingBudget | None:
     """Of the linear kind; None where no target is looked at.  ephemeris: over the session."""
+    session = scenario.sessions[number]
     if isinstance(session.target, BenchMotionTarget):
         return None
     rows = session_rows(session, scenario.initial_state.epoch)
@@ -187,6 +188,7 @@ def session_budget(
         session.target,
         scenario.platform,
         np.stack(angle_rad, axis=1),
+        session=number,
     )
 
 
