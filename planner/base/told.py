@@ -133,7 +133,9 @@ def told(cls: type[T]) -> type[T]:
 
 
 def told_names(kind: type) -> dict[str, str]:
-    """The members that a class under `@told` is told as, by the names of its own."""
+    """The members that a class under `@told` is told as, by the names of its own; else empty."""
+    if not (dataclasses.is_dataclass(kind) and hasattr(kind, "__get_pydantic_core_schema__")):
+        return {}
     return {name: _mark(hint).name(name) for name, hint in _members(kind)}
 
 

@@ -94,9 +94,7 @@ def class_text(kind: type) -> str:
 
 def _names(kind: type) -> dict[str, str]:
     """Of its members, by those of its fields and of properties that are told."""
-    return {name: name for name in get_type_hints(kind)} | (
-        told_names(kind) if is_dataclass(kind) else {}
-    )
+    return {name: name for name in get_type_hints(kind)} | told_names(kind)
 
 
 def unit_of(name: str) -> str:
