@@ -12,7 +12,6 @@ from app.answers.members import (
     PlanHead,
     ProvenanceOut,
     degrees_of,
-    fill,
     new_head,
     to_json,
     whole_answer,
@@ -27,27 +26,10 @@ from planner.planning.sessions.budget import PointingBudget
 from planner.verification import Finding, LimitMargin, SessionReport, VerificationReport
 from planner.verification.report import KeepOutMargin, MaskMargin, SlowStretch
 from planner.world.frames.time_scales import utc_text
-from planner.world.plan import Segment, SegmentKind
+from planner.world.plan import Segment
 
 if TYPE_CHECKING:
     from planner.planning.sessions.plan import Plan
-
-
-@dataclass(frozen=True, kw_only=True)
-class SegmentOut:
-    """A stretch of the table.
-
-    kind: at rest, brought to rest in order to wait, on the way to a session's target, or tracking
-    it.
-    session: number of the session it belongs to, from 0; null on the way to the final state.
-    start: its first row; UTC.
-    stop: its last row; UTC.
-    """
-
-    kind: SegmentKind
-    session: Count | None
-    start: str
-    stop: str
 
 
 class TableOut(BaseModel):
@@ -96,7 +78,7 @@ class PlanDocument:
     name: str
     platform: str
     summary: PlanSummaryOut
-    segments: list[SegmentOut]
+    segments: tuple[Segment, ...]
     margins: dict[str, dict[str, LimitMargin]]
     keep_out: tuple[KeepOutMargin, ...]
     masks: tuple[MaskMargin, ...]
@@ -211,7 +193,7 @@ def plan_document(
             name=plan.scenario.name,
             platform=plan.scenario.platform.name,
             summary=summary_out(plan),
-            segments=[_segment(segment) for segment in plan.segments],
+            segments=plan.segments,
             margins=margins,
             keep_out=report.keep_out,
             masks=report.masks,
@@ -246,13 +228,4 @@ def table_out(table: CommandTable) -> TableOut:
         step_s=COMMAND_STEP_S,
         t_s=table.t_s.tolist(),
         **columns,
-    )
-
-
-def _segment(segment: Segment) -> SegmentOut:
-    return fill(
-        SegmentOut,
-        segment,
-        start=utc_text(segment.start_utc, 1),
-        stop=utc_text(segment.stop_utc, 1),
     )

@@ -16,7 +16,7 @@ from app.answers.ranges import (
     NotNegative,
     Signed,
 )
-from app.answers.view import BodyTrackOut, CarrierTrackOut
+from planner.output.view.columns import BodyTrack, CarrierTrack
 from planner.spacecraft.export.map import asked_rad
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.vehicle.definition import RATE_ERROR_MAX_RAD_S, AgileSpacecraft
@@ -158,10 +158,10 @@ class SpacecraftViewResponse:
     gimbal_rate_deg_s: list[list[Signed]]
     momentum_n_m_s: list[list[Signed]]
     limits: SessionLimitsOut
-    carrier: CarrierTrackOut
+    carrier: CarrierTrack
     line: LineTraceOut
-    sun: BodyTrackOut
-    moon: BodyTrackOut
+    sun: BodyTrack
+    moon: BodyTrack
     swaths: list[SwathOut]
     requests: list[AskedPlacesOut]
 
@@ -183,10 +183,10 @@ def spacecraft_view_json(view: "SessionView", plan_id: str, *, verified: bool) -
             window=[None if one == NO_WINDOW else one for one in view.window.tolist()],
             momentum_n_m_s=numbers(view.momentum_body_n_m_s, 1.0, 6),
             limits=_limits(view.plan.spacecraft),
-            carrier=columns_of(CarrierTrackOut, view.carrier),
+            carrier=view.carrier,
             line=columns_of(LineTraceOut, view.line),
-            sun=columns_of(BodyTrackOut, view.sun),
-            moon=columns_of(BodyTrackOut, view.moon),
+            sun=view.sun,
+            moon=view.moon,
             swaths=_swaths(view),
             requests=_asked(view),
         )

@@ -14,7 +14,8 @@ A property is told, too, after the fields, if its type is one of these (`Text` a
 that).  Every number needs one, for its range; other types are told as pydantic tells them, classes
 under `@told` by this rule again.  An array is an `Annotated[Array, Told(...)]`, told as lists.
 
-Only `app` imports pydantic, which asks types for their `__get_pydantic_core_schema__`.
+The service imports these classes at its start: their modules load no solver.  Only `app` imports
+pydantic, which asks types for their `__get_pydantic_core_schema__`.
 """
 
 import dataclasses
@@ -33,6 +34,8 @@ from typing import (
 
 import numpy as np
 from numpy.typing import NDArray
+
+from planner.base.arrays import Array
 
 T = TypeVar("T")
 Schema = dict[str, Any]
@@ -123,6 +126,16 @@ HalfTurn = Annotated[float, Told("deg", 0.0, 180.0, decimals=9)]
 Elevation = Annotated[float, Told("deg", -90.0, 90.0, decimals=9)]
 Arcsec = Annotated[float, Told("arcsec", 0.0, decimals=9)]
 Km = Annotated[float, Told("km", 0.0, decimals=9)]
+
+# Columns, an entry a row; null where nothing is known.  1e-6 deg is 0.1 m on the ground.
+Latitudes = Annotated[Array, Told("deg", -90.0, 90.0, decimals=6, gaps=True)]
+Longitudes = Annotated[Array, Told("deg", -180.0, 180.0, decimals=6, gaps=True)]
+Angles = Annotated[Array, Told("deg", decimals=6, gaps=True)]
+HalfTurns = Annotated[Array, Told("deg", 0.0, 180.0, decimals=6, gaps=True)]
+Lengths = Annotated[Array, Told(least=0.0, decimals=3, gaps=True)]
+Heights = Annotated[Array, Told(decimals=3, gaps=True)]
+Motions = Annotated[Array, Told("deg", decimals=9)]
+Times = Annotated[Array, Told(least=0.0)]
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True)

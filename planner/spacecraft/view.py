@@ -6,7 +6,8 @@ from functools import partial
 import numpy as np
 
 from planner.base.arrays import Array, Indices
-from planner.output.view.carrier import BodyTrack, CarrierTrack, body_track, carrier_track
+from planner.output.view.carrier import body_track, carrier_track
+from planner.output.view.columns import BodyTrack, CarrierTrack
 from planner.output.view.rows import view_rows
 from planner.output.view.scene import CarrierScene
 from planner.output.view.targets import sun_elevation_rad
