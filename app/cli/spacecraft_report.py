@@ -28,9 +28,9 @@ def print_session(console: Console, plan: ImagingPlan) -> None:
         console.print(Text(f"left out: {one.name}: {one.reason}", style="yellow"))
     found = plan.verification
     console.print(
-        f"torque {found.torque_n_m:.1f} N m, momentum {found.momentum_n_m_s:.1f} of "
+        f"torque {found.torque_max_n_m:.1f} N m, momentum {found.momentum_max_n_m_s:.1f} of "
         f"{plan.spacecraft.slew.momentum_sphere_n_m_s:.0f} N m s, gimbals "
-        f"{found.gimbal_rate_deg_s:.1f} deg/s"
+        f"{found.gimbal_rate_max_deg_s:.1f} deg/s"
     )
     if plan.stabilisation.share_steady is not None:
         console.print(
@@ -47,12 +47,11 @@ def _windows(plan: ImagingPlan) -> Table:
     )
     steadiness = plan.stabilisation.windows or [None] * len(plan.verification.windows)
     for seen, steady in zip(plan.verification.windows, steadiness, strict=True):
-        window = seen.window
         table.add_row(
-            Text(window.request),
-            str(window.look),
-            row_text(plan.table, window.first_row)[11:-1],
-            row_text(plan.table, window.last_row)[11:-1],
+            Text(seen.request),
+            str(seen.look),
+            row_text(plan.table, seen.first_row)[11:-1],
+            row_text(plan.table, seen.last_row)[11:-1],
             f"{seen.across_deg:.1f}",
             f"{seen.along_deg:.1f}",
             "-" if steady is None else f"{math.degrees(max(steady.rate_error_rad_s)):.5f}",
