@@ -44,11 +44,10 @@ def bench_ground() -> None:
     print(f"  planned, judged and flown 4 times in {time.process_time() - begun:.1f} s")
     rates = np.rad2deg(np.linalg.norm(plan.table.omega_body_rad_s, axis=1))
     for seen, flown in zip(plan.verification.windows, plan.stabilisation.windows, strict=True):
-        window = seen.window
         print(
-            f"  {window.request} look {window.look}: miss {seen.miss_m:.2e} m, speed off "
+            f"  {seen.request} look {seen.look}: miss {seen.miss_m:.2e} m, speed off "
             f"{100 * seen.speed_spread:.4f} %, drift {math.degrees(seen.drift_rad):.1e} deg, along "
-            f"{seen.along_deg:.1f} deg, body rate {rates[window.first_row]:.2f} deg/s; flown: "
+            f"{seen.along_deg:.1f} deg, body rate {rates[seen.first_row]:.2f} deg/s; flown: "
             f"{np.rad2deg(flown.rate_error_rad_s).max():.5f} deg/s, pointing "
             f"{math.degrees(flown.pointing_error_rad) * 3600:.1f} arcsec, smear "
             f"{flown.smear_px:.3f} px, settled {flown.spare_s:.1f} s before, gimbal margin "

@@ -245,7 +245,7 @@ def bench_areas() -> None:
         print(
             f"  {name}: {plan.choice.value:.0f} of {count}, "
             f"planned in {planned_s:.1f} s, {len(plan.slews)} slews; fastest axis "
-            f"{plan.verification.rate_deg_s.max():.2f} deg/s"
+            f"{plan.verification.rate_max_deg_s.max():.2f} deg/s"
         )
         verdict(
             name,

@@ -134,7 +134,9 @@ def _session(
     for size in SIZES:
         half_rad = tuple(size * np.array(ISS_HRC.frame_half_rad))
         frame = replace(ISS_HRC, frame_half_rad=half_rad)
-        budget = pointing_budget(los, ephemeris, law, target, frame, angle_rad, clock_s=0.0)
+        budget = pointing_budget(
+            los, ephemeris, law, target, frame, angle_rad, session=0, clock_s=0.0
+        )
         found.append((half_rad, budget))
     return found, true_sight, sides
 

@@ -54,7 +54,7 @@ def _member(name: str, values: tuple[object, ...], decimals: int | None) -> obje
 def to_json(answer: object) -> bytes:
     """UTF-8, by the members as the answer's class declares them."""
     kind: type = type(answer)
-    return _adapter(kind).dump_json(answer)
+    return _adapter(kind).dump_json(answer, by_alias=True)
 
 
 def from_store(kind: type[Answer], members: object) -> Answer:

@@ -8,57 +8,28 @@ from pydantic import BaseModel, ConfigDict
 
 from app.answers.comparison import SlewComparisonOut, comparison_out
 from app.answers.horizon_view import HorizonCheckOut
-from app.answers.masks import MaskMarginOut, mask_margin_out
 from app.answers.members import (
     PlanHead,
     ProvenanceOut,
-    degrees,
     degrees_of,
-    fill,
     new_head,
     to_json,
     whole_answer,
 )
-from app.answers.pointing import PointingOut, SlowStretchOut, UncertaintyOut, pointing_out
-from app.answers.ranges import Count, HalfTurnDeg, NotNegative, Signed
+from app.answers.ranges import Count, NotNegative
 from app.answers.solver import SolverOut, solver_out
 from app.answers.summary import PlanSummaryOut, summary_out
 from planner.base.assumed import Assumed
 from planner.base.commands import COMMAND_STEP_S, CommandTable
 from planner.base.errors import Unverified
-from planner.verification import Finding, LimitMargin
-from planner.verification.report import KeepOutMargin
+from planner.planning.sessions.budget import PointingBudget
+from planner.verification import Finding, LimitMargin, SessionReport, VerificationReport
+from planner.verification.report import KeepOutMargin, MaskMargin, SlowStretch
 from planner.world.frames.time_scales import utc_text
-from planner.world.plan import Segment, SegmentKind
+from planner.world.plan import Segment
 
 if TYPE_CHECKING:
     from planner.planning.sessions.plan import Plan
-
-_UNITS = {
-    "angle_min": "deg",
-    "angle_max": "deg",
-    "rate": "deg/s",
-    "acceleration": "deg/s2",
-    "acceleration_jump": "deg/s2",
-    "jerk": "deg/s3",
-}
-
-
-@dataclass(frozen=True, kw_only=True)
-class SegmentOut:
-    """A stretch of the table.
-
-    kind: at rest, brought to rest in order to wait, on the way to a session's target, or tracking
-    it.
-    session: number of the session it belongs to, from 0; null on the way to the final state.
-    start: its first row; UTC.
-    stop: its last row; UTC.
-    """
-
-    kind: SegmentKind
-    session: Count | None
-    start: str
-    stop: str
 
 
 class TableOut(BaseModel):
@@ -79,82 +50,6 @@ class TableOut(BaseModel):
     epoch: str
     step_s: NotNegative
     t_s: list[NotNegative]
-
-
-@dataclass(frozen=True, kw_only=True)
-class MarginOut:
-    """The closest an axis comes to a limit, anywhere on or between rows.
-
-    limit: the most the axis may. [see `unit`]
-    extreme: the nearest to it that the axis comes. [see `unit`]
-    margin: distance from the limit; negative when the limit is broken. [see `unit`]
-    unit: of limit, extreme and margin.
-    t_s: time of the margin, since the table's epoch.
-    at: the same instant; UTC.
-    """
-
-    limit: Signed
-    extreme: Signed
-    margin: Signed
-    unit: str
-    t_s: NotNegative
-    at: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class KeepOutMarginOut:
-    """The least angle between the boresight and the axis of one cone of `slew.keep_out`.
-
-    number: of the cone in the request, from 0. E.g. `0`.
-    about: the body or direction at the cone's centre. E.g. `"the Sun"`.
-    half_angle_deg: of the cone. E.g. `25.0`.
-    away_min_deg: least angle between boresight and the cone's axis; null when the cone never counts
-    (the Earth hides its body). E.g. `31.2`.
-    margin_deg: least angle less the half angle; null when the cone never counts. E.g.
-    `6.2`.
-    at: time of the least angle; UTC, null when the cone never counts. E.g.
-    `"2015-02-27T17:36:10.000Z"`.
-    """
-
-    number: Count
-    about: str
-    half_angle_deg: HalfTurnDeg
-    away_min_deg: HalfTurnDeg | None
-    margin_deg: Signed | None
-    at: str | None
-
-
-@dataclass(frozen=True, kw_only=True)
-class FindingOut:
-    """One thing the verification found wrong or worth knowing.
-
-    severity: an error fails the plan.
-    limit: the property that was checked. E.g. `"rate"`.
-    axis: its name; null when it is no single axis's. E.g. `"alpha"`.
-    at: time of the finding; UTC, null when it has no time. E.g. `"2015-02-27T17:36:10.000Z"`.
-    detail: the finding in words. E.g. `"alpha reaches 3.1 deg/s, 0.1 deg/s past its limit of 3
-    deg/s"`.
-    """
-
-    severity: Literal["error", "warning"]
-    limit: str
-    axis: str | None
-    at: str | None
-    detail: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class VerificationOut:
-    """The verdict of a judge that shares no code with the planner's geometry and solver.
-
-    passed: true when the table may be flown.
-    findings: faults, and what is worth knowing.
-    taken_as_given: inputs that the verification did not derive for itself.
-    """
-
-    passed: bool
-    findings: list[FindingOut]
-    taken_as_given: list[str]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -183,14 +78,14 @@ class PlanDocument:
     name: str
     platform: str
     summary: PlanSummaryOut
-    segments: list[SegmentOut]
-    margins: dict[str, dict[str, MarginOut]]
-    keep_out: list[KeepOutMarginOut]
-    masks: list[MaskMarginOut]
-    pointing: list[PointingOut]
-    slow_stretches: list[SlowStretchOut]
-    uncertainty: list[UncertaintyOut]
-    verification: VerificationOut
+    segments: tuple[Segment, ...]
+    margins: dict[str, dict[str, LimitMargin]]
+    keep_out: tuple[KeepOutMargin, ...]
+    masks: tuple[MaskMargin, ...]
+    pointing: tuple[SessionReport, ...]
+    slow_stretches: tuple[SlowStretch, ...]
+    uncertainty: list[PointingBudget]
+    verification: VerificationReport
     comparison: list[SlewComparisonOut]
     horizon_checks: list[HorizonCheckOut]
     solver: SolverOut
@@ -290,27 +185,22 @@ def plan_document(
 ) -> bytes:
     """A PlanDocument as UTF-8 JSON."""
     report = plan.verification
+    margins: dict[str, dict[str, LimitMargin]] = {}
+    for margin in report.limits:
+        margins.setdefault(margin.axis, {})[margin.kind] = margin
     return to_json(
         PlanDocument(
             name=plan.scenario.name,
             platform=plan.scenario.platform.name,
             summary=summary_out(plan),
-            segments=[_segment(segment) for segment in plan.segments],
-            margins=margins_out(report.limits),
-            keep_out=[keep_out_margin_out(margin) for margin in report.keep_out],
-            masks=[mask_margin_out(margin) for margin in report.masks],
-            pointing=[pointing_out(session) for session in report.sessions],
-            slow_stretches=[fill(SlowStretchOut, slow) for slow in report.slow_stretches],
-            uncertainty=[
-                fill(UncertaintyOut, budget, session=session)
-                for session, budget in enumerate(plan.budgets)
-                if budget is not None
-            ],
-            verification=fill(
-                VerificationOut,
-                report,
-                findings=[fill(FindingOut, finding) for finding in report.findings],
-            ),
+            segments=plan.segments,
+            margins=margins,
+            keep_out=report.keep_out,
+            masks=report.masks,
+            pointing=report.sessions,
+            slow_stretches=report.slow_stretches,
+            uncertainty=[budget for budget in plan.budgets if budget is not None],
+            verification=report,
             comparison=[
                 comparison_out(run.session, run.comparison)
                 for run in plan.slews
@@ -338,41 +228,4 @@ def table_out(table: CommandTable) -> TableOut:
         step_s=COMMAND_STEP_S,
         t_s=table.t_s.tolist(),
         **columns,
-    )
-
-
-def margins_out(limits: tuple[LimitMargin, ...]) -> dict[str, dict[str, MarginOut]]:
-    """By axis, then by limit."""
-    margins: dict[str, dict[str, MarginOut]] = {}
-    for found in limits:
-        margins.setdefault(found.axis, {})[found.limit] = MarginOut(
-            limit=degrees(found.limit_value),
-            extreme=degrees(found.extreme),
-            margin=degrees(found.margin),
-            unit=_UNITS[found.limit],
-            t_s=round(found.t_s, 6),
-            at=utc_text(found.at_utc),
-        )
-    return margins
-
-
-def keep_out_margin_out(margin: KeepOutMargin) -> KeepOutMarginOut:
-    """In degrees."""
-    away_rad = margin.away_min_rad
-    return KeepOutMarginOut(
-        number=margin.number,
-        about=margin.about,
-        half_angle_deg=degrees(margin.half_angle_rad),
-        away_min_deg=None if away_rad is None else degrees(away_rad),
-        margin_deg=None if away_rad is None else degrees(away_rad - margin.half_angle_rad),
-        at=None if away_rad is None else utc_text(margin.at_utc),
-    )
-
-
-def _segment(segment: Segment) -> SegmentOut:
-    return fill(
-        SegmentOut,
-        segment,
-        start=utc_text(segment.start_utc, 1),
-        stop=utc_text(segment.stop_utc, 1),
     )

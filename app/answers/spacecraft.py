@@ -1,6 +1,5 @@
 """The answer to an imaging session: degrees, UTC text and plain numbers."""
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
@@ -16,17 +15,17 @@ from app.answers.members import (
     to_json,
     whole_answer,
 )
-from app.answers.ranges import Count, DirectionPart, HalfTurnDeg, NotNegative, Share, Signed
+from app.answers.ranges import Count, DirectionPart, HalfTurnDeg, NotNegative, Signed
 from planner.output.export.table_states import continuous
+from planner.spacecraft.flight.report import StabilisationReport
 from planner.spacecraft.requests import LeftOut
 from planner.spacecraft.table import TICK_S, AttitudeTable
+from planner.spacecraft.verification import SpacecraftVerification, VerifiedWindow
 from planner.world.frames.time_scales import shifted_utc, utc_text
 
 if TYPE_CHECKING:
-    from planner.spacecraft.flight.stabilisation import StabilisationReport, WindowSteadiness
     from planner.spacecraft.imaging.timeline import PlannedSlew
     from planner.spacecraft.plan import ImagingPlan
-    from planner.spacecraft.verification import SpacecraftVerification, VerifiedWindow
 
 QUATERNION_DECIMALS = 13
 
@@ -57,38 +56,6 @@ class AttitudeTableOut:
     alpha_body_deg_s2: list[list[Signed]]
     gimbal_deg: list[list[Signed]]
     gimbal_rate_deg_s: list[list[Signed]]
-
-
-@dataclass(frozen=True, kw_only=True)
-class ImagingWindowOut:
-    """One stretch with the camera on, as the judge finds it on the ground.
-
-    request: name of the request it belongs to.
-    look: number of the strip, look or leg within the request, from 0.
-    start: first row; UTC.
-    stop: last row; UTC.
-    first_row: its number, from 0.
-    last_row: its number, from 0.
-    scan_speed_m_s: of the scanned line over the ground, mean.
-    speed_spread: largest deviation from the speed asked for, relative.
-    drift_deg: largest angle between the detector's columns and the image's motion.
-    miss_m: of the scanned line from that asked for, at its ends and across.
-    along_deg: farthest the camera looks ahead or behind.
-    across_deg: farthest the camera looks to the side.
-    """
-
-    request: str
-    look: Count
-    start: str
-    stop: str
-    first_row: Count
-    last_row: Count
-    scan_speed_m_s: NotNegative
-    speed_spread: NotNegative
-    drift_deg: HalfTurnDeg
-    miss_m: NotNegative
-    along_deg: Signed
-    across_deg: Signed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,83 +109,6 @@ class ImagingChoiceOut:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpacecraftVerificationOut:
-    """The verdict of a judge that sees the table and the request only; extremes between rows.
-
-    passed: true when the table may be flown.
-    findings: limits that break, in words. E.g.
-    `["gimbal rate, deg/s: 58.1 exceeds 57.3"]`.
-    rate_max_deg_s: largest rate about each body axis.
-    torque_max_n_m: largest torque.
-    momentum_max_n_m_s: largest momentum in the gyros.
-    gimbal_rate_max_deg_s: of the fastest gimbal.
-    gimbal_margin: least distance from a singularity of the gyros: the smallest singular value of
-    their torque directions.
-    momentum_mismatch_n_m_s: largest difference between what the gimbal angles hold and what the
-    attitude needs.
-    """
-
-    passed: bool
-    findings: list[str]
-    rate_max_deg_s: list[NotNegative]
-    torque_max_n_m: NotNegative
-    momentum_max_n_m_s: NotNegative
-    gimbal_rate_max_deg_s: NotNegative
-    gimbal_margin: NotNegative
-    momentum_mismatch_n_m_s: NotNegative
-
-
-@dataclass(frozen=True, kw_only=True)
-class SteadinessOut:
-    """One imaging interval over all dispersed closed-loop runs.
-
-    request: name of the request it belongs to.
-    look: number of the strip, look or leg within the request, from 0.
-    steady: within 0.001 deg/s on every axis in every run.
-    rate_error_deg_s: largest per body axis.
-    rate_error_rms_deg_s: root mean square of the vector.
-    pointing_error_deg: largest angle between actual and commanded optical axis.
-    settled_s: from the end of the interval before until steady for good.
-    spare_s: from then to the start, negative when the camera starts too early.
-    smear_px: largest over one exposure.
-    momentum_margin_n_m_s: least distance to the sphere of momentum that the gyros can take in every
-    direction, since the interval before.
-    gimbal_margin: least distance from a singularity of the gyros since the interval before: the
-    smallest singular value of their torque directions.
-    gimbal_rate_max_deg_s: of the fastest gimbal.
-    """
-
-    request: str
-    look: Count
-    steady: bool
-    rate_error_deg_s: list[NotNegative]
-    rate_error_rms_deg_s: NotNegative
-    pointing_error_deg: HalfTurnDeg
-    settled_s: NotNegative
-    spare_s: Signed
-    smear_px: NotNegative
-    momentum_margin_n_m_s: Signed
-    gimbal_margin: NotNegative
-    gimbal_rate_max_deg_s: NotNegative
-
-
-@dataclass(frozen=True, kw_only=True)
-class StabilisationOut:
-    """Closed-loop runs of the table.
-
-    runs: number of dispersed runs.
-    share_steady: of intervals times runs; null without any.
-    worst_deg_s: largest rate error on any axis; null without any.
-    windows: each interval over all runs.
-    """
-
-    runs: Count
-    share_steady: Share | None
-    worst_deg_s: NotNegative | None
-    windows: list[SteadinessOut]
-
-
-@dataclass(frozen=True, kw_only=True)
 class SpacecraftPlanDocument:
     """What is known of a session beside its table.
 
@@ -239,12 +129,12 @@ class SpacecraftPlanDocument:
     name: str
     spacecraft: str
     summary: ImagingSummaryOut
-    windows: list[ImagingWindowOut]
+    windows: tuple[VerifiedWindow, ...]
     left_out: list[LeftOut]
     choice: ImagingChoiceOut
     slews: list[AttitudeSlewOut]
-    verification: SpacecraftVerificationOut
-    stabilisation: StabilisationOut
+    verification: SpacecraftVerification
+    stabilisation: StabilisationReport
     assumptions: list[str]
     warnings: list[str]
     provenance: ProvenanceOut
@@ -312,12 +202,12 @@ def spacecraft_document(plan: "ImagingPlan", provenance: ProvenanceOut) -> bytes
             name=plan.request.name,
             spacecraft=plan.spacecraft.name,
             summary=imaging_summary_out(plan),
-            windows=[_window(found, plan.table) for found in plan.verification.windows],
+            windows=plan.verification.windows,
             left_out=list(plan.left_out),
             choice=fill(ImagingChoiceOut, plan.choice),
             slews=[_slew(slew, plan.table) for slew in plan.slews],
-            verification=_verification(plan.verification),
-            stabilisation=_stabilisation(plan.stabilisation),
+            verification=plan.verification,
+            stabilisation=plan.stabilisation,
             assumptions=list(plan.assumptions),
             warnings=list(plan.warnings),
             provenance=provenance,
@@ -347,16 +237,6 @@ def attitude_table_json(table: AttitudeTable) -> bytes:
     )
 
 
-def _window(window: "VerifiedWindow", table: AttitudeTable) -> ImagingWindowOut:
-    return fill(
-        ImagingWindowOut,
-        window,
-        window.window,
-        start=row_text(table, window.window.first_row),
-        stop=row_text(table, window.window.last_row),
-    )
-
-
 def _slew(slew: "PlannedSlew", table: AttitudeTable) -> AttitudeSlewOut:
     return fill(
         AttitudeSlewOut,
@@ -364,32 +244,4 @@ def _slew(slew: "PlannedSlew", table: AttitudeTable) -> AttitudeSlewOut:
         start=row_text(table, slew.first_row),
         stop=row_text(table, slew.last_row),
         onto=slew.window,
-    )
-
-
-def _verification(verdict: "SpacecraftVerification") -> SpacecraftVerificationOut:
-    return fill(
-        SpacecraftVerificationOut,
-        verdict,
-        rate_max_deg_s=verdict.rate_deg_s.tolist(),
-        torque_max_n_m=verdict.torque_n_m,
-        momentum_max_n_m_s=verdict.momentum_n_m_s,
-        gimbal_rate_max_deg_s=verdict.gimbal_rate_deg_s,
-    )
-
-
-def _stabilisation(report: "StabilisationReport") -> StabilisationOut:
-    return fill(
-        StabilisationOut, report, windows=[_steadiness(window) for window in report.windows]
-    )
-
-
-def _steadiness(worst: "WindowSteadiness") -> SteadinessOut:
-    return fill(
-        SteadinessOut,
-        worst,
-        worst.window,
-        rate_error_deg_s=np.degrees(worst.rate_error_rad_s).tolist(),
-        rate_error_rms_deg_s=math.degrees(worst.rms_rad_s),
-        gimbal_rate_max_deg_s=math.degrees(worst.gimbal_rate_rad_s),
     )

@@ -9,58 +9,20 @@ from app.answers.columns import columns_of, numbers
 from app.answers.members import BUILT_ON_FIRST_USE, degrees, to_json
 from app.answers.ranges import (
     Count,
-    ElevationDeg,
-    HalfTurnDeg,
     LatitudeDeg,
     LongitudeDeg,
     NotNegative,
     Signed,
 )
-from app.answers.view import BodyTrackOut, CarrierTrackOut
+from planner.output.view.columns import BodyTrack, CarrierTrack
 from planner.spacecraft.export.map import asked_rad
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.vehicle.definition import RATE_ERROR_MAX_RAD_S, AgileSpacecraft
-from planner.spacecraft.view import NO_WINDOW
+from planner.spacecraft.view import NO_WINDOW, LineTrace
 from planner.world.frames.time_scales import shifted_utc, utc_text
 
 if TYPE_CHECKING:
     from planner.spacecraft.view import SessionView
-
-
-@dataclass(frozen=True, kw_only=True)
-class LineTraceOut:
-    """Direction and footprint of the camera; null where a ray passes the Earth by.
-
-    latitude_deg: of the point where the optical axis meets the WGS84 ellipsoid.
-    longitude_deg: of that point; east positive.
-    range_m: to that point.
-    left_latitude_deg: of the scanned line's left end on the ellipsoid.
-    left_longitude_deg: of the scanned line's left end; east positive.
-    right_latitude_deg: of the scanned line's right end on the ellipsoid.
-    right_longitude_deg: of the scanned line's right end; east positive.
-    off_nadir_deg: of the optical axis from the geocentric nadir.
-    along_deg: of the optical axis from nadir, positive ahead.
-    across_deg: of the optical axis from nadir, positive to the right of flight.
-    ground_sample_across_m: width of a pixel on the ground, across the lean of the axis.
-    sun_elevation_deg: of the Sun's centre in the sky of the point looked at, without refraction.
-    sun_separation_deg: of the optical axis from the Sun's centre.
-    moon_separation_deg: of the optical axis from the Moon's centre.
-    """
-
-    latitude_deg: list[LatitudeDeg | None]
-    longitude_deg: list[LongitudeDeg | None]
-    range_m: list[NotNegative | None]
-    left_latitude_deg: list[LatitudeDeg | None]
-    left_longitude_deg: list[LongitudeDeg | None]
-    right_latitude_deg: list[LatitudeDeg | None]
-    right_longitude_deg: list[LongitudeDeg | None]
-    off_nadir_deg: list[HalfTurnDeg]
-    along_deg: list[Signed]
-    across_deg: list[Signed]
-    ground_sample_across_m: list[NotNegative | None]
-    sun_elevation_deg: list[ElevationDeg | None]
-    sun_separation_deg: list[HalfTurnDeg]
-    moon_separation_deg: list[HalfTurnDeg]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -158,10 +120,10 @@ class SpacecraftViewResponse:
     gimbal_rate_deg_s: list[list[Signed]]
     momentum_n_m_s: list[list[Signed]]
     limits: SessionLimitsOut
-    carrier: CarrierTrackOut
-    line: LineTraceOut
-    sun: BodyTrackOut
-    moon: BodyTrackOut
+    carrier: CarrierTrack
+    line: LineTrace
+    sun: BodyTrack
+    moon: BodyTrack
     swaths: list[SwathOut]
     requests: list[AskedPlacesOut]
 
@@ -183,10 +145,10 @@ def spacecraft_view_json(view: "SessionView", plan_id: str, *, verified: bool) -
             window=[None if one == NO_WINDOW else one for one in view.window.tolist()],
             momentum_n_m_s=numbers(view.momentum_body_n_m_s, 1.0, 6),
             limits=_limits(view.plan.spacecraft),
-            carrier=columns_of(CarrierTrackOut, view.carrier),
-            line=columns_of(LineTraceOut, view.line),
-            sun=columns_of(BodyTrackOut, view.sun),
-            moon=columns_of(BodyTrackOut, view.moon),
+            carrier=view.carrier,
+            line=view.line,
+            sun=view.sun,
+            moon=view.moon,
             swaths=_swaths(view),
             requests=_asked(view),
         )

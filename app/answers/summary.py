@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from app.answers.members import utc_or_none
 from app.answers.ranges import Count, ElevationDeg, NotNegative, Share
 from app.requests.listings import listing_of_scenario
 from app.store.listing import Listing
 from planner.planning.opportunities.ground_sample import sample_along_m
-from planner.verification import EarthFixedView
 from planner.world.frames.time_scales import utc_text
 
 if TYPE_CHECKING:
@@ -90,8 +90,8 @@ def summary_out(plan: "Plan") -> PlanSummaryOut:
 
 def _session_out(plan: "Plan", number: int) -> SessionSummaryOut:
     session, budget = plan.scenario.sessions[number], plan.budgets[number]
-    seen = [report.view for report in plan.verification.sessions if report.number == number]
-    view = seen[0] if seen and isinstance(seen[0], EarthFixedView) else None
+    seen = next((one for one in plan.verification.sessions if one.session == number), None)
+    highest_rad = seen.elevation_max_rad if seen else None
     return SessionSummaryOut(
         session=number,
         id=session.id,
@@ -100,19 +100,21 @@ def _session_out(plan: "Plan", number: int) -> SessionSummaryOut:
         target=session.target.label,
         start=utc_text(session.start),
         stop=utc_text(session.stop),
-        best_elevation_deg=None if view is None else math.degrees(view.elevation_max_rad),
-        best_at=None if view is None else utc_text(view.elevation_max_utc),
+        best_elevation_deg=None if highest_rad is None else math.degrees(highest_rad),
+        best_at=utc_or_none(seen.elevation_max_utc) if seen else None,
         probability_in_frame=None if budget is None else budget.probability_in_frame,
         ground_sample_m=None
-        if view is None
-        else _ground_sample_m(view, plan.scenario.platform.camera.pixel_rad),
+        if highest_rad is None or seen is None or seen.range_min_m is None
+        else _ground_sample_m(
+            highest_rad, seen.range_min_m, plan.scenario.platform.camera.pixel_rad
+        ),
     )
 
 
-def _ground_sample_m(view: EarthFixedView, pixel_rad: float) -> float | None:
+def _ground_sample_m(elevation_rad: float, range_m: float, pixel_rad: float) -> float | None:
     """The carrier is nearest and highest at once, to a few metres of the range."""
-    sine, range_m = np.array(math.sin(view.elevation_max_rad)), np.array(view.range_min_m)
-    sample_m = float(sample_along_m(sine, range_m, pixel_rad))
+    sine = np.array(math.sin(elevation_rad))
+    sample_m = float(sample_along_m(sine, np.array(range_m), pixel_rad))
     return None if math.isnan(sample_m) else sample_m
 
 

@@ -4,7 +4,6 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-from app.answers.pointing import ARCSEC_PER_RAD
 from app.answers.ranges import Count, NotNegative, Share, Signed
 from app.answers.telemetry_samples import StretchOut, span
 from planner.inflight.telemetry.following import Basis, Limit
@@ -16,6 +15,7 @@ if TYPE_CHECKING:
     from planner.inflight.telemetry.following import Exceeded, PhaseErrors
 
 _LIST_MAX = 1000
+_ARCSEC_PER_RAD = math.degrees(1.0) * 3600.0
 _LimitUnit = Literal["deg", "deg/s", "deg/s2"]
 _UNITS: dict[Limit, _LimitUnit] = {
     "angle_min": "deg",
@@ -162,7 +162,7 @@ def axis_of(comparison: "Comparison", axis: "AxisComparison") -> AxisComparisonO
         max_arcsec=arcsec(axis.error.max_rad),
         mean_arcsec=arcsec(axis.error.mean_rad),
         gain=estimate(axis.gain, 9) if axis.gain else None,
-        bias=estimate(axis.bias, 6, ARCSEC_PER_RAD) if axis.bias else None,
+        bias=estimate(axis.bias, 6, _ARCSEC_PER_RAD) if axis.bias else None,
         bias_unit="arcsec" if axis.followed.basis == "angles" else "arcsec/s",
         lag_s=None if axis.lag_s is None else round(axis.lag_s.value, 9),
         lag_sigma_s=None if axis.lag_s is None else round(axis.lag_s.sigma, 9),
@@ -232,4 +232,4 @@ def _or_none(angle_rad: float) -> float | None:
 
 def arcsec(angle_rad: float) -> float:
     """To a ten-thousandth, without a negative zero."""
-    return round(angle_rad * ARCSEC_PER_RAD, 4) + 0.0
+    return round(angle_rad * _ARCSEC_PER_RAD, 4) + 0.0

@@ -87,7 +87,7 @@ def flights_head(
     sessions = []
     for scene in scenes:
         session = plan.scenario.sessions[scene.number]
-        budget = session_budget(plan.scenario, scene.ephemeris, table, session)
+        budget = session_budget(plan.scenario, scene.ephemeris, table, scene.number)
         assert budget is not None  # of a target that can be seen
         nominal = nominal_session(scene, fly, asked.moving_object)
         axes = plan.scenario.platform.axis_names

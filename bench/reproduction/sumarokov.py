@@ -1166,7 +1166,7 @@ def worst_arcsec(target: dict[str, Any]) -> float:
     request["sessions"] = [{"target": target, "start": start, "stop": stop}]
     made = plan(read_request(request))
     assert made.verification.passed
-    return float(np.degrees(made.verification.sessions[0].overall.max_rad)) * 3600.0
+    return float(np.degrees(made.verification.sessions[0].max_rad)) * 3600.0
 
 
 def modes_numbers() -> Numbers:

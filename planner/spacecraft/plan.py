@@ -19,10 +19,10 @@ from planner.base.errors import (
     VerificationFailed,
 )
 from planner.spacecraft.export import SessionTable
+from planner.spacecraft.flight.report import StabilisationReport
 from planner.spacecraft.flight.simulation import fly_many
 from planner.spacecraft.flight.stabilisation import (
     ASSUMPTIONS,
-    StabilisationReport,
     stabilisation,
     window_steadiness,
 )

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from planner.base.arrays import Array
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.base.rotation import Rotation
+from planner.base.told import Count
 from planner.spacecraft.mrp import BodyMotion, MrpState, body_motion, mrp_state, quintic
 
 TICK_S = COMMAND_STEP_S  # Platonov, Sumarokov 2019: the control cycle
@@ -25,9 +26,9 @@ class ImagingWindow:
     """
 
     request: str
-    look: int
-    first_row: int
-    last_row: int
+    look: Count
+    first_row: Count
+    last_row: Count
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,11 +7,13 @@ from its own intersection of the optical axis with the ellipsoid.
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.commands import ROWS_PER_S
+from planner.base.told import HalfTurn, NotNegative, Signed, Told, Untold, told
 from planner.spacecraft.requests import (
     AreaRequest,
     ImagingPlanRequest,
@@ -23,7 +25,7 @@ from planner.spacecraft.vehicle.definition import AgileSpacecraft
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.geodesy import MU_EARTH_M3_S2, WGS84_A_M, WGS84_F, itrf_from_geodetic
 from planner.world.frames.local_orbital import q_lvlh_from_eci
-from planner.world.frames.time_scales import Instants
+from planner.world.frames.time_scales import Instants, RowUtc, shifted_utc
 from planner.world.orbits import Ephemeris
 
 
@@ -55,51 +57,68 @@ INNER = slice(2, -2)  # without the ends, where differences are one-sided
 OPTICAL_AXIS_BODY = (0.0, -1.0, 0.0)
 
 
-@dataclass(frozen=True, kw_only=True)
-class VerifiedWindow:
-    """One imaging interval on the ground.
+@told
+class VerifiedWindow(ImagingWindow):
+    """One stretch with the camera on, as the judge finds it on the ground.
 
-    scan_speed_m_s: mean over ground; speed_spread: largest deviation from the asked speed,
-    relative.  drift_rad: largest angle between X and the image's motion.  miss_m: distance of
-    the scanned line from the asked one (at its ends and across).  along_deg, across_deg:
-    largest angles to the track.  line_time_s: one pixel at nadir resolution over the speed.
+    request: name of the request it belongs to.
+    look: number of the strip, look or leg within the request, from 0.
+    start_utc: first row; UTC.
+    stop_utc: last row; UTC.
+    first_row: its number, from 0.
+    last_row: its number, from 0.
+    scan_speed_m_s: of the scanned line over the ground, mean.
+    speed_spread: largest deviation from the speed asked for, relative.
+    drift_rad: largest angle between the detector's columns and the image's motion.
+    miss_m: of the scanned line from that asked for, at its ends and across.
+    along_deg: farthest the camera looks ahead or behind.
+    across_deg: farthest the camera looks to the side.
     """
 
-    window: ImagingWindow
-    scan_speed_m_s: float
-    speed_spread: float
-    drift_rad: float
-    miss_m: float
-    along_deg: float
-    across_deg: float
-    line_time_s: float
+    start_utc: RowUtc
+    stop_utc: RowUtc
+    scan_speed_m_s: NotNegative
+    speed_spread: NotNegative
+    drift_rad: HalfTurn
+    miss_m: NotNegative
+    along_deg: Signed
+    across_deg: Signed
+    line_time_s: Untold[float]  # one pixel at nadir resolution over the speed
 
 
-@dataclass(frozen=True, kw_only=True)
+@told
 class TableExtremes:
-    """Extremes of a table, between rows too.
+    """Extremes of a table, between rows too."""
 
-    rate_deg_s per axis (3,), and of its magnitude; torque_n_m, momentum_n_m_s; gimbal_margin,
-    least singular value of D; momentum_mismatch_n_m_s, between what the gimbal angles hold
-    and what the attitude needs.
-    """
-
-    rate_deg_s: Array
-    rate_magnitude_deg_s: float
-    torque_n_m: float
-    momentum_n_m_s: float
-    gimbal_rate_deg_s: float
-    gimbal_margin: float
-    momentum_mismatch_n_m_s: float
+    rate_max_deg_s: Annotated[Array, Told(least=0.0)]
+    rate_magnitude_deg_s: Untold[float]
+    torque_max_n_m: NotNegative
+    momentum_max_n_m_s: NotNegative
+    gimbal_rate_max_deg_s: NotNegative
+    gimbal_margin: NotNegative
+    momentum_mismatch_n_m_s: NotNegative
 
 
-@dataclass(frozen=True, kw_only=True)
+@told
 class SpacecraftVerification(TableExtremes):
-    """The verdict; findings say what breaks, in words."""
+    """The verdict of a judge that sees the table and the request only; extremes between rows.
+
+    passed: true when the table may be flown.
+    findings: limits that break, in words. E.g.
+    `["gimbal rate, deg/s: 58.1 exceeds 57.3"]`.
+    rate_max_deg_s: largest rate about each body axis.
+    torque_max_n_m: largest torque.
+    momentum_max_n_m_s: largest momentum in the gyros.
+    gimbal_rate_max_deg_s: of the fastest gimbal.
+    gimbal_margin: least distance from a singularity of the gyros: the smallest singular value of
+    their torque directions.
+    momentum_mismatch_n_m_s: largest difference between what the gimbal angles hold and what the
+    attitude needs.
+    """
 
     passed: bool
     findings: tuple[str, ...]
-    windows: tuple[VerifiedWindow, ...]
+    windows: Untold[tuple[VerifiedWindow, ...]]  # answers have them beside the verdict
 
 
 def verify_table(table: AttitudeTable, request: ImagingPlanRequest) -> SpacecraftVerification:
@@ -153,11 +172,11 @@ def _extremes(session: _Session) -> TableExtremes:
         omega_body_rad_s, total_body_n_m_s
     )
     return TableExtremes(
-        rate_deg_s=np.rad2deg(np.max(np.abs(omega_body_rad_s), axis=0)),
+        rate_max_deg_s=np.rad2deg(np.max(np.abs(omega_body_rad_s), axis=0)),
         rate_magnitude_deg_s=float(np.rad2deg(np.max(np.linalg.norm(omega_body_rad_s, axis=1)))),
-        torque_n_m=float(np.max(np.linalg.norm(torque_n_m, axis=1))),
-        momentum_n_m_s=float(np.max(np.linalg.norm(stored_n_m_s, axis=1))),
-        gimbal_rate_deg_s=float(np.rad2deg(np.max(np.abs(table.gimbal_rate_rad_s)))),
+        torque_max_n_m=float(np.max(np.linalg.norm(torque_n_m, axis=1))),
+        momentum_max_n_m_s=float(np.max(np.linalg.norm(stored_n_m_s, axis=1))),
+        gimbal_rate_max_deg_s=float(np.rad2deg(np.max(np.abs(table.gimbal_rate_rad_s)))),
         gimbal_margin=float(np.min(array.singularity_margin(table.gimbal_rad))),
         momentum_mismatch_n_m_s=float(np.max(np.linalg.norm(held_n_m_s - needed_n_m_s, axis=1))),
     )
@@ -217,14 +236,14 @@ def _kinematic_miss_rad(table: AttitudeTable) -> float:
 
 def _limit_findings(extremes: TableExtremes, spacecraft: AgileSpacecraft) -> Iterator[str]:
     slew, array = spacecraft.slew, spacecraft.array
-    axis_deg_s, all_deg_s = float(np.max(extremes.rate_deg_s)), extremes.rate_magnitude_deg_s
+    axis_deg_s, all_deg_s = float(np.max(extremes.rate_max_deg_s)), extremes.rate_magnitude_deg_s
     mismatch_n_m_s = extremes.momentum_mismatch_n_m_s
     for what, value, limit in (
         ("body rate, deg/s", axis_deg_s, math.degrees(slew.rate_axis_rad_s)),
         ("body rate's magnitude, deg/s", all_deg_s, math.degrees(slew.rate_rad_s)),
-        ("control torque, N m", extremes.torque_n_m, slew.torque_n_m),
-        ("gyro momentum, N m s", extremes.momentum_n_m_s, slew.momentum_sphere_n_m_s),
-        ("gimbal rate, deg/s", extremes.gimbal_rate_deg_s, math.degrees(array.rate_max_rad_s)),
+        ("control torque, N m", extremes.torque_max_n_m, slew.torque_n_m),
+        ("gyro momentum, N m s", extremes.momentum_max_n_m_s, slew.momentum_sphere_n_m_s),
+        ("gimbal rate, deg/s", extremes.gimbal_rate_max_deg_s, math.degrees(array.rate_max_rad_s)),
         ("momentum mismatch, N m s", mismatch_n_m_s, TOLERANCES.momentum_n_m_s),
     ):
         if value > limit * (1.0 + TOLERANCES.limit):
@@ -290,7 +309,9 @@ def _verified_window(session: _Session, window: ImagingWindow) -> VerifiedWindow
     drift_rad = _drift_rad(view, v_ground_m_s)
     x, y, z = view.los_lvlh.T
     return VerifiedWindow(
-        window=window,
+        **vars(window),
+        start_utc=shifted_utc(session.table.epoch_utc, window.first_row * TICK_S),
+        stop_utc=shifted_utc(session.table.epoch_utc, window.last_row * TICK_S),
         scan_speed_m_s=float(np.mean(speed_m_s)),
         speed_spread=float(np.max(np.abs(speed_m_s[INNER] / request.scan_speed_m_s - 1.0))),
         drift_rad=float(np.max(drift_rad[INNER])),
@@ -337,7 +358,7 @@ def _miss_m(request: Request, window: ImagingWindow, scanned_itrf_m: Array) -> f
 
 def _ground_findings(found: VerifiedWindow, session: _Session) -> Iterator[str]:
     camera = session.spacecraft.camera
-    look = f"{found.window.request!r} look {found.window.look}"
+    look = f"{found.request!r} look {found.look}"
     if found.speed_spread > TOLERANCES.speed:
         yield f"{look}: scan speed off by {100 * found.speed_spread:.3f} %"
     if found.drift_rad > TOLERANCES.drift_rad:

@@ -2,11 +2,14 @@
 
 from dataclasses import dataclass
 from functools import partial
+from typing import Annotated
 
 import numpy as np
 
 from planner.base.arrays import Array, Indices
-from planner.output.view.carrier import BodyTrack, CarrierTrack, body_track, carrier_track
+from planner.base.told import Latitudes, Lengths, Longitudes, Told, told
+from planner.output.view.carrier import body_track, carrier_track
+from planner.output.view.columns import BodyTrack, CarrierTrack
 from planner.output.view.rows import view_rows
 from planner.output.view.scene import CarrierScene
 from planner.output.view.targets import sun_elevation_rad
@@ -17,30 +20,44 @@ from planner.world.frames.geodesy import geodetic_from_itrf, up_itrf
 NO_WINDOW = -1
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class LineTrace:
-    """Where the camera looks, each (n,); NaN where a ray passes the Earth by.
+_HalfTurns = Annotated[Array, Told("deg", 0.0, 180.0, decimals=6)]
+_Angles = Annotated[Array, Told("deg", decimals=6)]
 
-    latitude_rad, longitude_rad, range_m: where the optical axis meets the ellipsoid; left_*,
-    right_*: where the scanned line ends.  off_nadir_rad: from the geocentre's direction;
-    along_rad, across_rad: of the axis ahead and to the right of flight.  sun_elevation_rad: in the
-    sky of that place.  ground_sample_across_m: of a pixel there, across the lean of the axis.
+
+@told
+class LineTrace:
+    """Direction and footprint of the camera; null where a ray passes the Earth by.
+
+    latitude_rad: of the point where the optical axis meets the WGS84 ellipsoid.
+    longitude_rad: of that point; east positive.
+    range_m: to that point.
+    left_latitude_rad: of the scanned line's left end on the ellipsoid.
+    left_longitude_rad: of the scanned line's left end; east positive.
+    right_latitude_rad: of the scanned line's right end on the ellipsoid.
+    right_longitude_rad: of the scanned line's right end; east positive.
+    off_nadir_rad: of the optical axis from the geocentric nadir.
+    along_rad: of the optical axis from nadir, positive ahead.
+    across_rad: of the optical axis from nadir, positive to the right of flight.
+    ground_sample_across_m: width of a pixel on the ground, across the lean of the axis.
+    sun_elevation_rad: of the Sun's centre in the sky of the point looked at, without refraction.
+    sun_separation_rad: of the optical axis from the Sun's centre.
+    moon_separation_rad: of the optical axis from the Moon's centre.
     """
 
-    latitude_rad: Array
-    longitude_rad: Array
-    range_m: Array
-    left_latitude_rad: Array
-    left_longitude_rad: Array
-    right_latitude_rad: Array
-    right_longitude_rad: Array
-    off_nadir_rad: Array
-    along_rad: Array
-    across_rad: Array
-    ground_sample_across_m: Array
-    sun_elevation_rad: Array
-    sun_separation_rad: Array
-    moon_separation_rad: Array
+    latitude_rad: Latitudes
+    longitude_rad: Longitudes
+    range_m: Lengths
+    left_latitude_rad: Latitudes
+    left_longitude_rad: Longitudes
+    right_latitude_rad: Latitudes
+    right_longitude_rad: Longitudes
+    off_nadir_rad: _HalfTurns
+    along_rad: _Angles
+    across_rad: _Angles
+    ground_sample_across_m: Lengths
+    sun_elevation_rad: Latitudes
+    sun_separation_rad: _HalfTurns
+    moon_separation_rad: _HalfTurns
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

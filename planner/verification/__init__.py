@@ -4,11 +4,9 @@ from typing import TYPE_CHECKING
 
 from planner.base.on_first_use import on_first_use
 from planner.verification.report import (
-    EarthFixedView,
     Finding,
     LimitMargin,
     SessionReport,
-    SkyView,
     VerificationReport,
 )
 
@@ -18,11 +16,9 @@ else:
     __getattr__ = on_first_use(verify="planner.verification.judge")
 
 __all__ = [
-    "EarthFixedView",
     "Finding",
     "LimitMargin",
     "SessionReport",
-    "SkyView",
     "VerificationReport",
     "verify",
 ]

@@ -33,7 +33,7 @@ def bench_session(
         detail = f"session {number + 1}: {refusal.detail}"
         return None, (Finding(limit="motion", detail=detail),)
     error_rad = np.abs(flight.angle_rad - motion.angle_rad).max(axis=1)
-    report = flight.report(error_rad, view=None, allowed_rad=BETWEEN_ROWS_MAX_RAD)
+    report = flight.report(error_rad, allowed_rad=BETWEEN_ROWS_MAX_RAD)
     return report, tuple(_findings(flight, motion))
 
 

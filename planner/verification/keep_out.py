@@ -53,14 +53,15 @@ def keep_out_margins(table: CommandTable, scenario: Scenario) -> tuple[KeepOutMa
         every_rad = np.concatenate([away_rad, finer_rad])
         t_s = np.concatenate([rows / ROWS_PER_S, cell / ROWS_PER_S + u_s])
         least = int(np.argmin(every_rad))
+        counts = math.isfinite(every_rad[least])
         margins.append(
             KeepOutMargin(
                 number=number,
                 about=cone.about,
                 half_angle_rad=half_rad,
-                away_min_rad=None if math.isinf(every_rad[least]) else float(every_rad[least]),
-                t_s=float(t_s[least]),
-                at_utc=shifted_utc(table.epoch_utc, float(t_s[least])),
+                away_min_rad=float(every_rad[least]) if counts else None,
+                t_s=float(t_s[least]) if counts else None,
+                at_utc=shifted_utc(table.epoch_utc, float(t_s[least])) if counts else None,
             )
         )
     return tuple(margins)

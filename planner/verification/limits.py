@@ -24,23 +24,14 @@ RELATIVE_TOLERANCE = 1e-6
 # More than that means angles and rates that don't belong to one plan within the jerk limit.
 ACCELERATION_JUMP = 2.0 * 8.0 / 27.0
 
-_UNITS: dict[Limit, str] = {
-    "angle_min": "deg",
-    "angle_max": "deg",
-    "rate": "deg/s",
-    "acceleration": "deg/s2",
-    "jerk": "deg/s3",
-    "acceleration_jump": "deg/s2",
-}
-
 
 def limit_margins(table: CommandTable, scenario: Scenario) -> tuple[LimitMargin, ...]:
     """For every axis: both stops, rate, acceleration, jerk, steps of acceleration at rows."""
     return tuple(
         LimitMargin(
             axis=axis,
-            limit=limit,
-            limit_value=bound,
+            kind=kind,
+            limit=bound,
             extreme=extreme.value,
             margin=margin,
             t_s=extreme.t_s,
@@ -49,7 +40,7 @@ def limit_margins(table: CommandTable, scenario: Scenario) -> tuple[LimitMargin,
         for column, (axis, limits) in enumerate(
             zip(scenario.platform.axis_names, scenario.axis_limits, strict=True)
         )
-        for limit, bound, extreme, margin in _extremes(
+        for kind, bound, extreme, margin in _extremes(
             axis_hermite(table, column), limits, float(scenario.initial_motion(axis)[2])
         )
     )
@@ -62,19 +53,18 @@ def limit_findings(margins: tuple[LimitMargin, ...], scenario: Scenario) -> Iter
         for axis, limits in zip(scenario.platform.axis_names, scenario.axis_limits, strict=True)
     }
     for margin in margins:
-        is_stop = margin.limit in ("angle_min", "angle_max")
-        scale = half_travel_rad[margin.axis] if is_stop else margin.limit_value
+        is_stop = margin.kind in ("angle_min", "angle_max")
+        scale = half_travel_rad[margin.axis] if is_stop else margin.limit
         if margin.margin < -RELATIVE_TOLERANCE * scale:
-            unit = _UNITS[margin.limit]
             yield Finding(
-                limit=margin.limit,
+                limit=margin.kind,
                 axis=margin.axis,
                 t_s=margin.t_s,
                 at_utc=margin.at_utc,
                 detail=(
-                    f"{margin.axis} reaches {math.degrees(margin.extreme):.6g} {unit}, "
-                    f"{math.degrees(-margin.margin):.3g} {unit} past its limit of "
-                    f"{math.degrees(margin.limit_value):.6g} {unit} ({margin.limit}), "
+                    f"{margin.axis} reaches {math.degrees(margin.extreme):.6g} {margin.unit}, "
+                    f"{math.degrees(-margin.margin):.3g} {margin.unit} past its limit of "
+                    f"{math.degrees(margin.limit):.6g} {margin.unit} ({margin.kind}), "
                     f"{margin.t_s:.3f} s after the table's epoch"
                 ),
             )

@@ -2,19 +2,14 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from planner.base.arrays import Array
 from planner.verification.carrier import apart_rad, payload_eci
 from planner.verification.earth_fixed import EarthFixedSight, earth_fixed_sight
-from planner.verification.report import (
-    EarthFixedView,
-    Finding,
-    OffTarget,
-    SessionReport,
-    SkyView,
-)
+from planner.verification.report import Finding, OffTarget, SessionReport
 from planner.verification.session import TableSession
 from planner.verification.sky import LIMB_MODEL_SHARE, SkyDirection, sky_sight
 from planner.world.frames.time_scales import Instants, utc_text
@@ -36,28 +31,30 @@ def pointing_session(
     instants = Instants(flight.table.epoch_utc, flight.t_s)
     states = ephemeris.states(instants)
     boresight_eci = payload_eci(flight.scenario, flight.angle_rad, instants, states)
-    most_rad = _allowed_rad(flight)
-    view: EarthFixedView | SkyView
     if isinstance(target, SkyTarget):
         sky = sky_sight(target, instants, states)
         error_rad = apart_rad(sky.apparent_eci, boresight_eci)
         model_rad = LIMB_MODEL_SHARE * sky.bending_rad
-        view = _sky_view(flight, sky)
+        report = _seen_in_the_sky(_report(flight, error_rad, model_rad), flight, sky)
         findings = _sky_findings(flight, sky, target)
     else:
         sight = earth_fixed_sight(target, instants, states)
         error_rad = apart_rad(sight.apparent_eci, boresight_eci)
         model_rad = np.zeros_like(error_rad)
-        view = _earth_fixed_view(flight, sight, boresight_eci, error_rad)
+        report = _seen_on_the_earth(
+            _report(flight, error_rad, model_rad), flight, sight, boresight_eci, error_rad
+        )
         findings = _ground_findings(flight, sight, target)
-    report = flight.report(
+    pointing = _pointing_findings(flight, error_rad, model_rad, report)
+    return report, (*pointing, *findings, *_nearness_findings(report))
+
+
+def _report(flight: TableSession, error_rad: Array, model_rad: Array) -> SessionReport:
+    return flight.report(
         error_rad,
-        view,
-        allowed_rad=most_rad,
+        allowed_rad=_allowed_rad(flight),
         off_target=_off_target(flight, error_rad, EXACT_RAD + model_rad),
     )
-    pointing = _pointing_findings(flight, error_rad, most_rad + model_rad, view)
-    return report, (*pointing, *findings, *_nearness_findings(report))
 
 
 def _allowed_rad(flight: TableSession) -> float:
@@ -67,32 +64,40 @@ def _allowed_rad(flight: TableSession) -> float:
     return EXACT_RAD
 
 
-def _sky_view(flight: TableSession, sky: SkyDirection) -> SkyView:
+def _seen_in_the_sky(
+    report: SessionReport, flight: TableSession, sky: SkyDirection
+) -> SessionReport:
     lowest, nearest_m = int(np.argmin(sky.clearance_rad)), float(sky.range_m.min())
-    return SkyView(
+    return replace(
+        report,
         limb_clearance_min_rad=float(sky.clearance_rad[lowest]),
-        limb_clearance_min_utc=flight.utc(lowest),
+        limb_clearance_min_at_utc=flight.utc(lowest),
         range_min_m=nearest_m if math.isfinite(nearest_m) else None,
         refraction_max_rad=float(sky.bending_rad.max()),
     )
 
 
-def _earth_fixed_view(
-    flight: TableSession, sight: EarthFixedSight, boresight_eci: Array, error_rad: Array
-) -> EarthFixedView:
+def _seen_on_the_earth(
+    report: SessionReport,
+    flight: TableSession,
+    sight: EarthFixedSight,
+    boresight_eci: Array,
+    error_rad: Array,
+) -> SessionReport:
     lowest, highest = int(np.argmin(sight.elevation_rad)), int(np.argmax(sight.elevation_rad))
     nearest = int(np.argmin(sight.range_m))
     is_up = sight.elevation_rad[lowest] > 0.0
-    return EarthFixedView(
+    return replace(
+        report,
+        ground_max_m=_miss_on_ground_m(sight, boresight_eci) if is_up else None,
+        across_max_m=float(np.max(sight.range_m * np.sin(error_rad))),
         elevation_min_rad=float(sight.elevation_rad[lowest]),
         elevation_min_utc=flight.utc(lowest),
         elevation_max_rad=float(sight.elevation_rad[highest]),
         elevation_max_utc=flight.utc(highest),
         range_min_m=float(sight.range_m[nearest]),
-        range_min_utc=flight.utc(nearest),
+        closest_at_utc=flight.utc(nearest),
         range_max_m=float(sight.range_m.max()),
-        miss_across_max_m=float(np.max(sight.range_m * np.sin(error_rad))),
-        miss_on_ground_max_m=_miss_on_ground_m(sight, boresight_eci) if is_up else None,
     )
 
 
@@ -106,13 +111,14 @@ def _miss_on_ground_m(sight: EarthFixedSight, boresight_eci: Array) -> float:
 
 
 def _pointing_findings(
-    flight: TableSession, error_rad: Array, allowed_rad: Array, view: EarthFixedView | SkyView
+    flight: TableSession, error_rad: Array, model_rad: Array, report: SessionReport
 ) -> Iterator[Finding]:
+    allowed_rad = report.allowed_rad + model_rad
     worst = int(np.argmax(error_rad - allowed_rad))
     if not error_rad[worst] <= allowed_rad[worst]:
         across = ""
-        if isinstance(view, EarthFixedView):
-            across = f" ({view.miss_across_max_m:.2f} m across the line of sight)"
+        if report.across_max_m is not None:
+            across = f" ({report.across_max_m:.2f} m across the line of sight)"
         yield flight.error(
             "pointing",
             worst,
@@ -172,20 +178,19 @@ def _nearness_findings(report: SessionReport) -> Iterator[Finding]:
     """The warning that a session is tracked only nearly; nothing where it is tracked exactly."""
     if report.allowed_rad <= EXACT_RAD or not report.off_target:
         return
-    worst, stretches = report.overall, report.off_target
-    share = worst.max_rad / report.allowed_rad
+    stretches, share = report.off_target, report.max_rad / report.allowed_rad
     yield Finding(
         detail=(
-            f"session {report.number + 1} is tracked as near as the limits allow: from "
+            f"session {report.session + 1} is tracked as near as the limits allow: from "
             f"{utc_text(stretches[0].start_utc, 1)} to {utc_text(stretches[-1].stop_utc, 1)} the "
-            f"boresight is up to {_arcsec(worst.max_rad):.3g} arcsec off the target, at "
-            f"{utc_text(worst.max_utc, 1)} {share:.0%} of the way to the frame's nearest edge; "
-            f"rms {_arcsec(worst.rms_rad):.3g} arcsec over the session"
+            f"boresight is up to {_arcsec(report.max_rad):.3g} arcsec off the target, at "
+            f"{utc_text(report.max_at_utc, 1)} {share:.0%} of the way to the frame's nearest edge; "
+            f"rms {_arcsec(report.rms_rad):.3g} arcsec over the session"
         ),
         severity="warning",
         limit="pointing",
-        t_s=worst.max_t_s,
-        at_utc=worst.max_utc,
+        t_s=report.max_t_s,
+        at_utc=report.max_at_utc,
     )
 
 

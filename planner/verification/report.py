@@ -1,8 +1,21 @@
 """The verification report: margins, pointing errors, findings, a verdict."""
 
-from dataclasses import dataclass
 from datetime import datetime
 from typing import Literal
+
+from planner.base.told import (
+    Angle,
+    Arcsec,
+    Count,
+    Elevation,
+    HalfTurn,
+    Km,
+    NotNegative,
+    Text,
+    Untold,
+    told,
+)
+from planner.world.frames.time_scales import Utc
 
 Limit = Literal[
     "angle_min",
@@ -22,191 +35,229 @@ Limit = Literal[
     "coverage",
 ]
 Given = Literal["orbit", "attitude", "target", "motion"]
+_UNITS: dict[Limit, str] = {
+    "angle_min": "deg",
+    "angle_max": "deg",
+    "rate": "deg/s",
+    "acceleration": "deg/s2",
+    "acceleration_jump": "deg/s2",
+    "jerk": "deg/s3",
+}
 
 
-@dataclass(frozen=True, kw_only=True)
+@told
 class Finding:
-    """One thing wrong with a table; an `error`, as all but one kind are, fails it.
+    """One thing the verification found wrong or worth knowing.
 
-    limit: which promise breaks; axis: None when it isn't one axis's.
-    t_s: seconds since the table's epoch, and the same instant in UTC: the worst instant for
-    limits, the first for structural faults; None when the fault has no instant.
+    severity: an error fails the plan.
+    limit: the property that was checked. E.g. `"rate"`.
+    axis: its name; null when it is no single axis's. E.g. `"alpha"`.
+    at_utc: time of the finding; UTC, null when it has no time. E.g. `"2015-02-27T17:36:10.000Z"`.
+    detail: the finding in words. E.g. `"alpha reaches 3.1 deg/s, 0.1 deg/s past its limit of 3
+    deg/s"`.
     """
 
     severity: Literal["error", "warning"] = "error"
     limit: Limit
     axis: str | None = None
-    t_s: float | None = None
-    at_utc: datetime | None = None
+    t_s: Untold[float | None] = None  # since the table's epoch
+    at_utc: Utc | None = None  # the worst instant for limits, the first for structural faults
     detail: str
 
 
-@dataclass(frozen=True, kw_only=True)
+@told
 class LimitMargin:
-    """The closest one axis comes to one limit, anywhere along the Hermite between rows.
+    """The closest an axis comes to a limit, anywhere on or between rows.
 
-    limit_value, extreme, margin: rad, rad/s, rad/s2 or rad/s3 by the kind of limit; margin
-    is negative when the limit is broken.  extreme keeps its sign, limit_value is the bound
-    on the magnitude, except for the two angle stops.
-    acceleration_jump: step of the acceleration from one cell to the next (from the initial
-    acceleration at row 0), bounded by what a plan within the jerk limit can show.
+    limit: the most the axis may. [see `unit`]
+    extreme: the nearest to it that the axis comes. [see `unit`]
+    margin: distance from the limit; negative when the limit is broken. [see `unit`]
+    unit: of limit, extreme and margin.
+    t_s: time of the margin, since the table's epoch.
+    at_utc: the same instant; UTC.
     """
 
-    axis: str
-    limit: Limit
-    limit_value: float
-    extreme: float
-    margin: float
-    t_s: float
-    at_utc: datetime
+    axis: Untold[str]
+    kind: Untold[Limit]
+    # Here in rad, rad/s, rad/s2 or rad/s3 by the kind; the limit on the magnitude, but for stops.
+    # An acceleration's jump is its step from one cell to the next (from the initial acceleration at
+    # row 0), bounded by what a plan within the jerk limit can show.
+    limit: Angle
+    extreme: Angle  # with its sign
+    margin: Angle
+    t_s: NotNegative
+    at_utc: Utc
+
+    @property
+    def unit(self) -> Text:
+        return _UNITS[self.kind]
 
 
-@dataclass(frozen=True, kw_only=True)
-class PointingError:
-    """Angle between boresight and apparent target over a set of instants.
-
-    Of a session that prescribes how the axes move: the larger of the axes' deviations.
-    """
-
-    max_rad: float
-    rms_rad: float
-    max_t_s: float
-    max_utc: datetime
-
-
-@dataclass(frozen=True, kw_only=True)
-class EarthFixedView:
-    """How an Earth-fixed target is seen over a session.
-
-    elevation_*_rad: of the carrier in the target's sky, geodetic, without refraction.
-    range_*_m: geometric, both ends at the same instant.
-    miss_across_max_m: pointing error at the target, across the line of sight.
-    miss_on_ground_max_m: the same carried along the line of sight onto the target's
-    horizontal plane; None when the target's horizon hides the carrier at some instant.
-    """
-
-    elevation_min_rad: float
-    elevation_min_utc: datetime
-    elevation_max_rad: float
-    elevation_max_utc: datetime
-    range_min_m: float
-    range_min_utc: datetime
-    range_max_m: float
-    miss_across_max_m: float
-    miss_on_ground_max_m: float | None
-
-
-@dataclass(frozen=True, kw_only=True)
-class SkyView:
-    """How a target beyond the Earth is seen over a session.
-
-    limb_clearance_min_rad: least angle from the limb of the ellipsoid raised by the target's
-    grazing altitude, negative behind it.
-    range_min_m: None for a star.  refraction_max_rad: by how much the standard atmosphere of
-    the limb lifts the target at most; 0 unless asked for.
-    """
-
-    limb_clearance_min_rad: float
-    limb_clearance_min_utc: datetime
-    range_min_m: float | None
-    refraction_max_rad: float
-
-
-@dataclass(frozen=True, kw_only=True)
+@told
 class KeepOutMargin:
-    """How near the boresight comes to the axis of one cone, by the scenario's number of it.
+    """The least angle between the boresight and the axis of one cone of `slew.keep_out`.
 
-    away_min_rad, t_s, at_utc: least angle from the axis at an instant when the cone counts;
-    None when it never does.
+    number: of the cone in the request, from 0. E.g. `0`.
+    about: the body or direction at the cone's centre. E.g. `"the Sun"`.
+    half_angle_rad: of the cone. E.g. `25.0`.
+    away_min_rad: least angle between boresight and the cone's axis; null when the cone never counts
+    (the Earth hides its body). E.g. `31.2`.
+    margin_rad: least angle less the half angle; null when the cone never counts. E.g.
+    `6.2`.
+    at_utc: time of the least angle; UTC, null when the cone never counts. E.g.
+    `"2015-02-27T17:36:10.000Z"`.
     """
 
-    number: int
+    number: Count
     about: str
-    half_angle_rad: float
-    away_min_rad: float | None
-    t_s: float
-    at_utc: datetime
+    half_angle_rad: HalfTurn
+    away_min_rad: HalfTurn | None
+    t_s: Untold[float | None]
+    at_utc: Utc | None
+
+    @property
+    def margin_rad(self) -> Angle | None:
+        return None if self.away_min_rad is None else self.away_min_rad - self.half_angle_rad
 
 
-@dataclass(frozen=True, kw_only=True)
+@told
 class MaskMargin:
-    """How near the boresight comes to one mask of the platform, by its number there.
+    """The least angle between the boresight and one of the platform's `masks`.
 
-    asked_rad: how far it must stay away.  away_min_rad, t_s, at_utc: the least distance from the
-    polygon, negative inside, and when.
+    number: of the mask among the platform's, from 0. E.g. `0`.
+    name: of the mask. E.g. `"radiator"`.
+    asked_rad: angle from it that the boresight must keep, the mask's `margin_deg`. E.g. `1.0`.
+    away_min_rad: least angle between boresight and the mask's region, negative inside, found to
+    2 arcsec on and between rows. E.g. `4.2`.
+    margin_rad: least angle less `asked_deg`; negative when the mask is entered. E.g. `3.2`.
+    at_utc: time of the least angle; UTC. E.g. `"2015-02-27T17:36:10.000Z"`.
     """
 
-    number: int
+    number: Count
     name: str
-    asked_rad: float
-    away_min_rad: float
-    t_s: float
-    at_utc: datetime
+    asked_rad: HalfTurn
+    away_min_rad: Angle
+    t_s: Untold[float]
+    at_utc: Utc
+
+    @property
+    def margin_rad(self) -> Angle:
+        return self.away_min_rad - self.asked_rad
 
 
-@dataclass(frozen=True, kw_only=True)
+@told
 class SlowStretch:
-    """An axis commanded below its least smooth drive rate: allowed, but it will oscillate."""
+    """An axis commanded below its least smooth drive rate, where friction may shake it.
+
+    axis: name of the axis.
+    start_utc: from when; UTC.
+    stop_utc: until when; UTC.
+    """
 
     axis: str
-    start_s: float
-    stop_s: float
-    start_utc: datetime
-    stop_utc: datetime
+    start_s: Untold[float]
+    stop_s: Untold[float]
+    start_utc: Utc
+    stop_utc: Utc
 
 
-@dataclass(frozen=True, kw_only=True)
+@told
 class OffTarget:
-    """A stretch over which the boresight is farther off than an exact track's 0.1 arcsec."""
+    """A stretch over which the boresight is more than 0.1 arcsec off the target.
 
-    start_utc: datetime
-    stop_utc: datetime
-    max_rad: float
-
-
-@dataclass(frozen=True, kw_only=True)
-class SessionReport:
-    """One session, judged from the row at or before its start to the row at or after its stop.
-
-    at_rows, between_rows, overall: over the rows, over the instants between them, over both.
-    allowed_rad: the pointing error the session may have.  off_target: spans in which it is tracked
-    as near as the limits allow, in order of time.
-    view: None where the session prescribes how the axes move instead of where to look.
-    slow_stretches: in order of axis, then of time.
+    start_utc: from when; UTC. E.g. `"2015-02-27T17:36:58.000Z"`.
+    stop_utc: until when; UTC. E.g. `"2015-02-27T17:37:06.000Z"`.
+    max_rad: farthest off. E.g. `640.2`.
     """
 
-    number: int
-    start_utc: datetime
-    stop_utc: datetime
-    at_rows: PointingError
-    between_rows: PointingError
-    overall: PointingError
-    view: EarthFixedView | SkyView | None
-    slow_stretches: tuple[SlowStretch, ...]
-    allowed_rad: float
-    off_target: tuple[OffTarget, ...] = ()
+    start_utc: Utc
+    stop_utc: Utc
+    max_rad: Arcsec
 
 
-@dataclass(frozen=True, kw_only=True)
+@told
+class SessionReport:
+    """The pointing errors of one session, by the independent verification.
+
+    Of a test motion: the larger of the axes' deviations from it.
+
+    session: its number, from 0.
+    start_utc: from when on it is held; UTC.
+    stop_utc: until when; UTC.
+    max_rad: largest angle between boresight and target.
+    max_at_utc: time of it; UTC.
+    rms_rad: of the angle over the session.
+    rows_max_rad: largest angle on the table's rows.
+    between_rows_max_rad: largest angle between the rows.
+    ground_max_m: largest error on the target's horizontal plane; null below its horizon, and unless
+    the target is on the Earth.
+    across_max_m: largest error at the target across the line of sight; null unless the target is on
+    the Earth.
+    elevation_min_rad: least elevation of the carrier in the target's sky; null unless the target is
+    on the Earth.
+    range_min_m: least distance; null for a star.
+    closest_at_utc: time of it; UTC, null unless the target is on the Earth.
+    range_max_m: greatest distance; null unless the target is on the Earth.
+    limb_clearance_min_rad: least angle above the limb raised by the target's grazing altitude; null
+    unless the target is in the sky. E.g. `12.4`.
+    limb_clearance_min_at_utc: time of it; UTC. E.g. `"2015-02-27T17:37:50.000Z"`.
+    refraction_max_rad: largest bending of the ray; null unless the target is in the sky. E.g.
+    `0.1`.
+    allowed_rad: 0.1, or with `keyhole` `nearest` the circle inside the frame.
+    off_target: spans in which the session is tracked only as near as the limits allow, with
+    `keyhole` `nearest`.
+    slow_stretches: spans in which an axis moves slower than its drive runs smoothly.
+    """
+
+    session: Count
+    start_utc: Utc  # the row at or before its start
+    stop_utc: Utc  # the row at or after its stop
+    max_rad: Arcsec
+    max_t_s: Untold[float]
+    max_at_utc: Utc
+    rms_rad: Arcsec
+    rows_max_rad: Arcsec
+    between_rows_max_rad: Arcsec
+    # Of a target on the Earth: elevations geodetic, without refraction, distances geometric, both
+    # ends at the same instant.
+    ground_max_m: NotNegative | None = None  # the miss carried along the line of sight
+    across_max_m: NotNegative | None = None
+    elevation_min_rad: Elevation | None = None
+    elevation_min_utc: Untold[datetime | None] = None
+    elevation_max_rad: Untold[float | None] = None
+    elevation_max_utc: Untold[datetime | None] = None
+    range_min_m: Km | None = None  # of a target in the sky, too
+    closest_at_utc: Utc | None = None
+    range_max_m: Km | None = None
+    # Of one in the sky; the limb is the ellipsoid's, the bending the standard atmosphere's.
+    limb_clearance_min_rad: Angle | None = None
+    limb_clearance_min_at_utc: Utc | None = None
+    refraction_max_rad: Arcsec | None = None
+    allowed_rad: Arcsec
+    off_target: tuple[OffTarget, ...] = ()  # in order of time
+    slow_stretches: tuple[SlowStretch, ...]  # in order of axis, then of time
+
+
+@told
 class VerificationReport:
-    """The verdict on one command table.
+    """The verdict of a judge that shares no code with the planner's geometry and solver.
 
-    passed: no finding is an error.
-    taken_as_given: the inputs the judge did not derive again.  "orbit": the carrier's states;
-    "attitude": the rotations of a law other than lvlh and inertial (aem, harmonic); "target":
-    where a target moves over the Earth or the sky (ground_moving, ground_path, any mode the
-    judge doesn't know), though not how it then appears; "motion": the angles and rates a
-    test motion prescribes.  Published data (IERS, DE421, Hipparcos) count as known; the
-    judge reads them by itself.
-    sessions, limits, slow_stretches: empty when the table's structure is too broken to fly.
-    slow_stretches: outside of all sessions, in order of axis, then of time.
+    passed: true when the table may be flown.
+    findings: faults, and what is worth knowing.
+    taken_as_given: inputs that the verification did not derive for itself.
     """
 
     passed: bool
     findings: tuple[Finding, ...]
-    sessions: tuple[SessionReport, ...]
-    limits: tuple[LimitMargin, ...]
+    # "orbit": the carrier's states; "attitude": the rotations of a law other than lvlh and inertial
+    # (aem, harmonic); "target": where a target moves over the Earth or the sky (ground_moving,
+    # ground_path, any mode the judge doesn't know), though not how it then appears; "motion": the
+    # angles and rates a test motion prescribes.  Published data (IERS, DE421, Hipparcos) count as
+    # known; the judge reads them by itself.
     taken_as_given: tuple[Given, ...]
-    keep_out: tuple[KeepOutMargin, ...] = ()
-    masks: tuple[MaskMargin, ...] = ()
-    slow_stretches: tuple[SlowStretch, ...] = ()
+    # Answers have the rest beside the verdict; empty when the table is too broken to fly.
+    sessions: Untold[tuple[SessionReport, ...]]
+    limits: Untold[tuple[LimitMargin, ...]]
+    keep_out: Untold[tuple[KeepOutMargin, ...]] = ()
+    masks: Untold[tuple[MaskMargin, ...]] = ()
+    slow_stretches: Untold[tuple[SlowStretch, ...]] = ()  # outside of sessions, by axis, by time

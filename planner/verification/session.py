@@ -9,15 +9,7 @@ from numpy.typing import NDArray
 from planner.base.arrays import Array
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.verification.limits import angles_at, axis_hermite, slow_stretches
-from planner.verification.report import (
-    EarthFixedView,
-    Finding,
-    Limit,
-    OffTarget,
-    PointingError,
-    SessionReport,
-    SkyView,
-)
+from planner.verification.report import Finding, Limit, OffTarget, SessionReport
 from planner.world.frames.time_scales import shifted_utc
 from planner.world.scenario import Scenario
 
@@ -60,21 +52,23 @@ class TableSession:
     def report(
         self,
         error_rad: Array,
-        view: EarthFixedView | SkyView | None,
         *,
         allowed_rad: float,
         off_target: tuple[OffTarget, ...] = (),
     ) -> SessionReport:
         """error_rad: of each instant, shape (n,)."""
         scenario, rows, epoch_utc = self.scenario, self.rows, self.table.epoch_utc
+        worst = int(np.argmax(error_rad))
         return SessionReport(
-            number=self.number,
+            session=self.number,
             start_utc=shifted_utc(epoch_utc, rows[0] / ROWS_PER_S),
             stop_utc=shifted_utc(epoch_utc, rows[-1] / ROWS_PER_S),
-            at_rows=self._error_over(error_rad, self.is_row),
-            between_rows=self._error_over(error_rad, ~self.is_row),
-            overall=self._error_over(error_rad, np.ones_like(self.is_row)),
-            view=view,
+            max_rad=float(error_rad[worst]),
+            max_t_s=float(self.t_s[worst]),
+            max_at_utc=self.utc(worst),
+            rms_rad=float(np.sqrt(np.mean(error_rad**2))),
+            rows_max_rad=float(error_rad[self.is_row].max()),
+            between_rows_max_rad=float(error_rad[~self.is_row].max()),
             allowed_rad=allowed_rad,
             off_target=off_target,
             slow_stretches=tuple(
@@ -86,16 +80,6 @@ class TableSession:
                     axis, axis_hermite(self.table, column), limits.rate_min_rad_s, rows, epoch_utc
                 )
             ),
-        )
-
-    def _error_over(self, error_rad: Array, mask: NDArray[np.bool_]) -> PointingError:
-        indices = np.flatnonzero(mask)
-        worst = int(indices[np.argmax(error_rad[indices])])
-        return PointingError(
-            max_rad=float(error_rad[worst]),
-            rms_rad=float(np.sqrt(np.mean(error_rad[indices] ** 2))),
-            max_t_s=float(self.t_s[worst]),
-            max_utc=self.utc(worst),
         )
 
 

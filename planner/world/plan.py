@@ -1,29 +1,32 @@
 """A plan: the scenario flown, its segments, and the command table."""
 
 from dataclasses import dataclass
-from datetime import datetime
 from typing import Literal, get_args
 
 from planner.base.commands import CommandTable
+from planner.base.told import Count, told
+from planner.world.frames.time_scales import RowUtc
 from planner.world.scenario import Scenario
 
 SegmentKind = Literal["wait", "slew", "track", "brake"]
 KINDS: tuple[SegmentKind, ...] = get_args(SegmentKind)
 
 
-@dataclass(frozen=True, kw_only=True)
+@told
 class Segment:
-    """A stretch of the table, on its grid: at rest, on the way to the target, or holding it.
+    """A stretch of the table.
 
-    A "brake" brings moving axes to rest, so that they can wait.
-
-    session: index into the scenario's sessions; None: to the final state.
+    kind: at rest, brought to rest in order to wait, on the way to a session's target, or tracking
+    it.
+    session: number of the session it belongs to, from 0; null on the way to the final state.
+    start_utc: its first row; UTC.
+    stop_utc: its last row; UTC.
     """
 
     kind: SegmentKind
-    session: int | None
-    start_utc: datetime
-    stop_utc: datetime
+    session: Count | None
+    start_utc: RowUtc
+    stop_utc: RowUtc
 
 
 @dataclass(frozen=True, kw_only=True)

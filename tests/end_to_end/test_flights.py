@@ -300,7 +300,7 @@ def test_causes_share_what_varies(plan, scene):
     spread = math.sqrt(sum(one.share_sigma**2 for one in found.contributors))
     assert abs(whole - 1.0) < 4.0 * spread
     assert by_cause["orbit"].smear_share > 0.5  # which moves the target along
-    budget = session_budget(plan.scenario, scene.ephemeris, plan.table, plan.scenario.sessions[0])
+    budget = session_budget(plan.scenario, scene.ephemeris, plan.table, 0)
     assert not found.sessions[0].in_frame.differs_from(budget.probability_in_frame)
 
 

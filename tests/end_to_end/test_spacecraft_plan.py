@@ -86,10 +86,10 @@ def test_what_no_pass_can_scan_is_refused_at_once():
 
 def test_limits_hold_between_rows(plan):
     verified = plan.verification
-    assert verified.rate_deg_s.max() <= 1.58 * 1.002
+    assert verified.rate_max_deg_s.max() <= 1.58 * 1.002
     at_rows_deg_s = np.rad2deg(np.abs(plan.table.omega_body_rad_s).max(axis=0))
-    assert np.all(verified.rate_deg_s >= at_rows_deg_s - 1e-12)  # of each axis, and rounding
-    assert verified.torque_n_m <= 15.0 * 1.002
+    assert np.all(verified.rate_max_deg_s >= at_rows_deg_s - 1e-12)  # of each axis, and rounding
+    assert verified.torque_max_n_m <= 15.0 * 1.002
     assert verified.momentum_mismatch_n_m_s < 0.02
 
 

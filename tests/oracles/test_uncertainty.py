@@ -48,7 +48,7 @@ def budget_of(los, ephemeris, attitude, platform=ISS_HRC, clock_s=BUDGET_OPTIONS
     """With the axes exactly on the target."""
     angle_rad = axis_angles(platform, los.los_platform).angle_rad[0]
     return pointing_budget(
-        los, ephemeris, attitude, LAS_VEGAS, platform, angle_rad, clock_s=clock_s
+        los, ephemeris, attitude, LAS_VEGAS, platform, angle_rad, session=0, clock_s=clock_s
     )
 
 
@@ -366,14 +366,14 @@ def test_a_frame_that_turns_in_seconds_is_looked_at_while_it_turns():
 def test_a_likely_miss_is_said_with_what_would_help_most():
     found, _, los = budget(attitude=LvlhAttitude())
     assert found.probability_in_frame < 0.9
-    warning = found.warning(3)
+    warning = replace(found, session=3).warning()
     assert "session 4" in warning
     assert f"{found.probability_in_frame:.3f}" in warning
     assert "attitude telemetry" in warning
     old = Older(TLE.ephemeris(START, START + timedelta(seconds=95)))
     stale = budget_of(los, old, LvlhAttitude())
-    assert "younger elements" in stale.warning(0)
-    assert budget(platform=replace(ISS_HRC, frame_half_rad=(0.5, 0.5)))[0].warning(0) is None
+    assert "younger elements" in stale.warning()
+    assert budget(platform=replace(ISS_HRC, frame_half_rad=(0.5, 0.5)))[0].warning() is None
 
 
 @pytest.mark.parametrize(

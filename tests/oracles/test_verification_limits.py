@@ -46,7 +46,7 @@ def test_a_stop_passed_only_between_rows_is_found(table):
     assert bottom_rad < stop_rad < rows.min()
     platform = with_limits("inner", angle_min_rad=stop_rad, angle_max_rad=stop_rad + 0.4)
     report = verify(table, scenario_of(platform=platform))
-    margin = next(m for m in report.limits if (m.axis, m.limit) == ("beta", "angle_min"))
+    margin = next(m for m in report.limits if (m.axis, m.kind) == ("beta", "angle_min"))
     assert margin.extreme == pytest.approx(bottom_rad, abs=1e-14)
     assert margin.margin == pytest.approx(bottom_rad - stop_rad, abs=1e-14)
     assert margin.t_s == pytest.approx(turning_s[np.argmin(flown(turning_s))], abs=1e-6)
@@ -69,7 +69,7 @@ def test_a_stop_well_passed_between_rows_fails_the_table():
     assert finding.axis == "alpha"
     assert finding.t_s == pytest.approx(0.1)
     assert finding.at_utc == EPOCH_UTC + timedelta(seconds=0.1)
-    margin = next(m for m in report.limits if (m.axis, m.limit) == ("alpha", "angle_max"))
+    margin = next(m for m in report.limits if (m.axis, m.kind) == ("alpha", "angle_max"))
     assert np.rad2deg(margin.extreme) == pytest.approx(10.004, abs=1e-9)
     assert np.rad2deg(margin.margin) == pytest.approx(-0.002, abs=1e-9)
 
@@ -106,7 +106,7 @@ def test_the_scenarios_own_jerk_limit_counts(scenario, table):
     assert reports[0.5].passed
     assert only(reports[0.01], "jerk").axis == "alpha"
     for jerk, report in reports.items():
-        values = [m.limit_value for m in report.limits if m.limit == "jerk"]
+        values = [m.limit for m in report.limits if m.kind == "jerk"]
         assert values == pytest.approx([np.deg2rad(jerk)] * 2)
 
 

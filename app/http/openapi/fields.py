@@ -4,6 +4,7 @@ A field is told beside it, in its class's docstring: `name: text.`, at the start
 after two spaces, up to the next such entry or an empty line; `one, other: text.` for several.
 A unit that the name doesn't end in stands at the end, in brackets; an example that no worked
 request or answer holds as "E.g. `JSON`.".
+A field that is told under another name (`planner/base/told.py`) has its own name there.
 Fields that many classes share say it in their type (`About`); a field that is a whole object
 needs no text where the object's class says what it is.
 """
@@ -18,6 +19,7 @@ from typing import Any, get_args, get_type_hints
 from pydantic import BaseModel
 
 from planner.base.spec import About
+from planner.base.told import told_names
 
 Schema = dict[str, Any]
 
@@ -64,7 +66,8 @@ def describe(schemas: Mapping[str, Schema], kinds: Iterable[object]) -> None:
         schema = schemas.get(kind.__name__)
         if schema is None:  # read in another form, as a platform is
             continue
-        texts = field_texts(kind)
+        names = _names(kind)
+        texts = {names[ours]: text for ours, text in field_texts(kind).items()}
         schema["title"] = kind.__name__
         schema["description"] = class_text(kind)
         for name, field in schema.get("properties", {}).items():
@@ -76,7 +79,7 @@ def field_texts(kind: type) -> dict[str, str]:
     hints = get_type_hints(kind, include_extras=True)
     texts = {name: text for name, hint in hints.items() if (text := _about(hint))}
     for owner in reversed(kind.__mro__):
-        for names, text in _entries(owner, hints):
+        for names, text in _entries(owner, _names(kind)):
             texts |= dict.fromkeys(names, text)
     return texts
 
@@ -84,9 +87,14 @@ def field_texts(kind: type) -> dict[str, str]:
 def class_text(kind: type) -> str:
     """Its docstring but for what that says of the fields."""
     doc = _doc(kind)
-    for match, end in reversed([*_matches(doc, get_type_hints(kind))]):
+    for match, end in reversed([*_matches(doc, _names(kind))]):
         doc = doc[: match.start()].rstrip(" ") + doc[end:]
     return re.sub(r"\n{3,}", "\n\n", doc).strip()
+
+
+def _names(kind: type) -> dict[str, str]:
+    """Of its members, by those of its fields and of properties that are told."""
+    return {name: name for name in get_type_hints(kind)} | told_names(kind)
 
 
 def unit_of(name: str) -> str:

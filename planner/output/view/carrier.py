@@ -1,10 +1,9 @@
 """The carrier's position and look direction, and where the Sun and the Moon stand."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from planner.base.arrays import Array
+from planner.output.view.columns import BodyTrack, BoresightTrace, CarrierTrack, FootprintTrace
 from planner.output.view.scene import Body, CarrierScene, PlanScene
 from planner.world.frames.geodesy import geodetic_from_itrf
 from planner.world.targets.earth_limb import limb_clearance_rad
@@ -12,57 +11,8 @@ from planner.world.targets.earth_limb import limb_clearance_rad
 SUN_RADIUS_M = 695.7e6  # IAU 2015 resolution B3
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class CarrierTrack:
-    """The point below the carrier, each (n,): geodetic, WGS84, longitude -pi..pi.
-
-    sunlit_share: of the Sun's disk that the Earth doesn't hide; the limb a straight edge, no air.
-    """
-
-    latitude_rad: Array
-    longitude_rad: Array
-    height_m: Array
-    sunlit_share: Array
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class BoresightTrace:
-    """Where the boresight meets the ellipsoid, each (n,); NaN where it passes the Earth by.
-
-    off_nadir_rad: from the geocentre's direction; this and the separations are always known.
-    """
-
-    latitude_rad: Array
-    longitude_rad: Array
-    range_m: Array
-    off_nadir_rad: Array
-    sun_separation_rad: Array
-    moon_separation_rad: Array
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class FootprintTrace:
-    """Corners of the frame on the ellipsoid, in order around it, each (n, 4); NaN beside it."""
-
-    latitude_rad: Array
-    longitude_rad: Array
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class BodyTrack:
-    """Sun or Moon, each (n,): the place that has it overhead, and its height above the limb.
-
-    latitude_rad: geodetic, of a normal of the ellipsoid that points at it.  above_limb_rad: of its
-    centre from the carrier, negative where the Earth hides it; without refraction.
-    """
-
-    latitude_rad: Array
-    longitude_rad: Array
-    above_limb_rad: Array
-
-
 def carrier_track(scene: CarrierScene) -> CarrierTrack:
-    """Source of the hidden share: the segment of a disk beyond a chord."""
+    """Of the Sun, the limb a straight edge, no air: the segment of a disk beyond a chord."""
     latitude_rad, longitude_rad, height_m = geodetic_from_itrf(scene.r_sat_itrf_m)
     distance_m = np.linalg.norm(scene.r_sun_eci_m - scene.states.r_sat_eci_m, axis=1)
     above = above_limb_rad(scene, "sun") / np.arcsin(SUN_RADIUS_M / distance_m)

@@ -2,39 +2,19 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
-from planner.base.arrays import Array, Indices, Mask, cross
+from planner.base.arrays import Array, Indices, cross
 from planner.base.rotation import Rotation
 from planner.motion.pointing.angles import axis_angles, boresight_platform
+from planner.output.view.columns import ConeTrace
 from planner.output.view.scene import PlanScene
 from planner.planning.opportunities.conditions import angle_rad, within_stops
 from planner.world.targets import KeepOut
 
 OUTLINES_MAX = 31  # instants; a page draws the one next to its cursor
 OUTLINE_POINTS = 37  # every 10 deg around, the first again at the end
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class ConeTrace:
-    """One cone at n instants, and its outline at k of them.
-
-    number: the scenario's.  separation_rad: of the boresight from the cone's axis, (n,).
-    counts: whether the cone is in force; one about a body lapses behind the Earth, (n,).
-    outline_t_s: since the table's epoch, (k,).  outline_rad: axis angles that point along the
-    cone's side, (k, 2, OUTLINE_POINTS, 2): by the ways of pointing there, the points around, the
-    axes; NaN where no angles point there.
-    """
-
-    number: int
-    about: str
-    half_angle_rad: float
-    separation_rad: Array
-    counts: Mask
-    outline_t_s: Array
-    outline_rad: Array
 
 
 def cone_traces(scene: PlanScene) -> Iterator[ConeTrace]:
@@ -44,6 +24,7 @@ def cone_traces(scene: PlanScene) -> Iterator[ConeTrace]:
     boresight = boresight_platform(
         scene.plan.scenario.platform, scene.plan.table.angle_rad[scene.rows.row]
     )
+    axis_names = scene.plan.scenario.platform.axis_names
     for number, cone in enumerate(scene.plan.scenario.slew.keep_out):
         axis_platform, counts_rad = _axis(scene, cone)
         half_angle_rad = math.radians(cone.half_angle_deg)
@@ -52,9 +33,15 @@ def cone_traces(scene: PlanScene) -> Iterator[ConeTrace]:
             about=cone.about,
             half_angle_rad=half_angle_rad,
             separation_rad=angle_rad(boresight, axis_platform),
-            counts=counts_rad > 0.0,
+            counts=tuple((counts_rad > 0.0).tolist()),
             outline_t_s=scene.rows.instants.t_s[outlined],
-            outline_rad=_outlines_rad(scene, axis_platform, half_angle_rad, outlined),
+            outline_rad=dict(
+                zip(
+                    axis_names,
+                    _outlines_rad(scene, axis_platform, half_angle_rad, outlined),
+                    strict=True,
+                )
+            ),
         )
 
 
@@ -69,7 +56,7 @@ def _axis(scene: PlanScene, cone: KeepOut) -> tuple[Array, Array]:
 def _outlines_rad(
     scene: PlanScene, axis_platform: Array, half_angle_rad: float, outlined: Indices
 ) -> Array:
-    """Shape (k, 2, OUTLINE_POINTS, 2)."""
+    """Shape (2, k, 2, OUTLINE_POINTS): axes, instants, ways of pointing there, points around."""
     platform = scene.plan.scenario.platform
     axis = axis_platform[outlined]
     spare = np.eye(3)[np.abs(axis).argmin(axis=1)]
@@ -82,4 +69,4 @@ def _outlines_rad(
     )
     both_rad = within_stops(platform, axis_angles(platform, side.reshape(-1, 3)).angle_rad)
     shaped = both_rad.reshape(2, len(outlined), OUTLINE_POINTS, 2)
-    return np.asarray(shaped.transpose(1, 0, 2, 3))
+    return np.asarray(shaped.transpose(3, 1, 0, 2))

@@ -2,36 +2,17 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
 from planner.base.arrays import Array, Indices
 from planner.motion.pointing.angles import axis_angles, boresight_platform
+from planner.output.view.columns import MaskTrace
 from planner.planning.opportunities.conditions import angle_rad, within_stops
 from planner.world.plan import FlightPlan
 from planner.world.platforms import FieldMask
 
 _STEP_RAD = math.radians(2.0)  # a great circle bends on the axes
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class MaskTrace:
-    """One mask of the platform at n rows, and its outline, which stays where it is.
-
-    number: the platform's.  asked_rad: how far from it the boresight must stay.  away_rad: of the
-    boresight from the mask's region, negative inside, (n,).  outline_platform: unit vectors around
-    the region without what is asked, the first again at the end, (m, 3).  outline_rad: axis angles
-    that point there, (2, m, 2): by the ways of pointing, the points, the axes; NaN where no angles
-    point there.
-    """
-
-    number: int
-    name: str
-    asked_rad: float
-    away_rad: Array
-    outline_platform: Array
-    outline_rad: Array
 
 
 def mask_traces(plan: FlightPlan, row: Indices) -> Iterator[MaskTrace]:
@@ -42,13 +23,16 @@ def mask_traces(plan: FlightPlan, row: Indices) -> Iterator[MaskTrace]:
     boresight = boresight_platform(platform, plan.table.angle_rad[row])
     for number, mask in enumerate(platform.masks):
         outline_platform = _outline_platform(mask)
+        outline_rad = within_stops(platform, axis_angles(platform, outline_platform).angle_rad)
         yield MaskTrace(
             number=number,
             name=mask.name,
             asked_rad=mask.margin_rad,
             away_rad=-mask.polygon.depth_rad(boresight),
             outline_platform=outline_platform,
-            outline_rad=within_stops(platform, axis_angles(platform, outline_platform).angle_rad),
+            outline_rad={
+                name: outline_rad[..., axis] for axis, name in enumerate(platform.axis_names)
+            },
         )
 
 

@@ -1,7 +1,6 @@
 """Motion of the axes: as flown between rows, and as the paper's spline would move them."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,49 +9,34 @@ from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.base.interpolation import cubic_coefficients
 from planner.motion.baseline import paper_profiles
 from planner.motion.slew import AxisState
+from planner.output.view.columns import AxisMotion, BaselineSlew
 from planner.world.frames.time_scales import elapsed_s
 from planner.world.plan import FlightPlan
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class AxesMotion:
-    """Of m axes at n instants, each (n, m).
-
-    Of a table: the cubic Hermite of the cell that begins with the row (at the last row of the one
-    that ends there), whose acceleration jumps from cell to cell.
-    """
-
-    angle_rad: Array
-    rate_rad_s: Array
-    acceleration_rad_s2: Array
-    jerk_rad_s3: Array
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class BaselineSlew:
-    """The paper's spline in the place of one slew: over the same time, between the same states.
-
-    session: onto whose target; None: to the final state.  t_s: since the table's epoch, (k,).
-    """
-
-    session: int | None
-    t_s: Array
-    motion: AxesMotion
-
-
-def motion_at_rows(table: CommandTable, row: Indices) -> AxesMotion:
-    """At rows by their numbers, (n,)."""
+def motion_at_rows(table: CommandTable, row: Indices) -> dict[str, AxisMotion]:
+    """By axis, at rows by their numbers, (n,); at the last of the cubic that ends there."""
     h = COMMAND_STEP_S
     cell = np.minimum(row, len(table.t_s) - 2)
     angle, rate = table.angle_rad, table.rate_rad_s
     *_, c2, c3 = cubic_coefficients(h, angle[cell], angle[cell + 1], rate[cell], rate[cell + 1])
     acceleration, jerk = 2.0 * c2 / h**2, 6.0 * c3 / h**3
-    return AxesMotion(
-        angle_rad=table.angle_rad[row],
-        rate_rad_s=table.rate_rad_s[row],
-        acceleration_rad_s2=acceleration + (row > cell)[:, None] * h * jerk,
-        jerk_rad_s3=jerk,
-    )
+    acceleration = acceleration + (row > cell)[:, None] * h * jerk
+    return _by_axis(table.axis_names, angle[row], rate[row], acceleration, jerk)
+
+
+def _by_axis(axis_names: tuple[str, ...], *motion: Array) -> dict[str, AxisMotion]:
+    """motion: angles, rates, accelerations and jerks, (n, m) each."""
+    angle, rate, acceleration, jerk = motion
+    return {
+        name: AxisMotion(
+            angle_rad=angle[:, axis],
+            rate_rad_s=rate[:, axis],
+            acceleration_rad_s2=acceleration[:, axis],
+            jerk_rad_s3=jerk[:, axis],
+        )
+        for axis, name in enumerate(axis_names)
+    }
 
 
 def baseline_slews(plan: FlightPlan, every: int) -> Iterator[BaselineSlew]:
@@ -75,18 +59,11 @@ def baseline_slews(plan: FlightPlan, every: int) -> Iterator[BaselineSlew]:
         )
         row = np.unique([*range(first, last, every), last])
         parts = [profile.evaluate((row - first) / ROWS_PER_S) for profile in profiles]
-        angle, rate, acceleration, jerk = (
-            np.stack([part[order] for part in parts], axis=1) for order in range(4)
-        )
+        motion = (np.stack([part[order] for part in parts], axis=1) for order in range(4))
         yield BaselineSlew(
             session=segment.session,
             t_s=row / ROWS_PER_S,
-            motion=AxesMotion(
-                angle_rad=angle,
-                rate_rad_s=rate,
-                acceleration_rad_s2=acceleration,
-                jerk_rad_s3=jerk,
-            ),
+            axes=_by_axis(table.axis_names, *motion),
         )
 
 

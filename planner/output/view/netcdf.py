@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import fields
 from datetime import datetime
 from typing import TYPE_CHECKING
@@ -20,8 +20,8 @@ from planner.output.export.netcdf import (
     write_global_attributes,
     write_times,
 )
+from planner.output.view.columns import AxisMotion
 from planner.output.view.cones import OUTLINE_POINTS
-from planner.output.view.motion import AxesMotion
 from planner.output.view.view import PlanView
 from planner.world.frames.iers import RAD_PER_ARCSEC
 from planner.world.frames.time_scales import Instants, elapsed_s
@@ -76,7 +76,7 @@ def write_view_netcdf(view: PlanView, created_utc: datetime) -> bytes:
             "outline_time": len(view.keep_out[0].outline_t_s) if view.keep_out else 0,
             "way": 2,
             "point": OUTLINE_POINTS,
-            "axis": view.axes.angle_rad.shape[1],
+            "axis": len(view.axes),
             "baseline_time": sum(len(slew.t_s) for slew in view.baseline),
             "window": sum(len(found.windows) for found in view.windows if found),
         }
@@ -89,9 +89,7 @@ def write_view_netcdf(view: PlanView, created_utc: datetime) -> bytes:
         _motion(file, names, view.axes, "", "time")
         for section in ("carrier", "boresight", "footprint", "sun", "moon", "pointing"):
             for name, values in _arrays(getattr(view, section)):
-                known = _from_first(view, values)
-                sides = ("time", "corner")[: known.ndim]
-                _write(file, f"{section}_{name}", known, sides)
+                _write(file, f"{section}_{name}", values, ("time", "corner")[: values.ndim])
         _targets(file, view)
         _cones(file, view)
         _masks(file, view)
@@ -117,11 +115,15 @@ def _activity(file: netcdf_file, view: PlanView) -> None:
 
 
 def _motion(
-    file: netcdf_file, names: tuple[str, ...], motion: AxesMotion, before: str, side: str
+    file: netcdf_file,
+    names: tuple[str, ...],
+    axes: Mapping[str, AxisMotion],
+    before: str,
+    side: str,
 ) -> None:
-    for axis, name in enumerate(names):
+    for name, motion in zip(names, axes.values(), strict=True):
         for ours, written in _MOTION:
-            _write(file, f"{before}{name}{written}", getattr(motion, ours)[:, axis], (side,))
+            _write(file, f"{before}{name}{written}", getattr(motion, ours), (side,))
 
 
 def _targets(file: netcdf_file, view: PlanView) -> None:
@@ -133,7 +135,7 @@ def _targets(file: netcdf_file, view: PlanView) -> None:
         name = columns[0][0]
         if name == "in_session":
             continue
-        rows = np.stack([_from_first(view, values) for _, values in columns])
+        rows = np.stack([values for _, values in columns])
         _write(file, f"target_{name}", rows, ("target", "time"))
 
 
@@ -144,12 +146,12 @@ def _cones(file: netcdf_file, view: PlanView) -> None:
     describe(file, cone_names=", ".join(one_line(cone.about) for cone in cones))
     half_rad = np.array([cone.half_angle_rad for cone in cones])
     _write(file, "keep_out_half_angle_rad", half_rad, sides[:1])
-    away = np.stack([_from_first(view, cone.separation_rad) for cone in cones])
+    away = np.stack([cone.separation_rad for cone in cones])
     _write(file, "keep_out_separation_rad", away, sides)
-    counts = np.stack([_from_first(view, cone.counts.astype(float)) for cone in cones])
+    counts = np.array([cone.counts for cone in cones], dtype=float)  # NaN of None
     _write(file, "keep_out_counts", counts, sides)
     _write(file, "outline_t_s", cones[0].outline_t_s, ("outline_time",))
-    outlines_rad = np.stack([cone.outline_rad for cone in cones])
+    outlines_rad = np.stack([_last_axis(cone.outline_rad) for cone in cones])
     _write(
         file,
         "keep_out_outline_rad",
@@ -171,7 +173,7 @@ def _masks(file: netcdf_file, view: PlanView) -> None:
     corners = file.createVariable("mask_outline_platform", "d", ("mask_point", "component"))
     corners[:] = np.concatenate([mask.outline_platform for mask in masks])
     describe(corners, units="1", long_name="mask outline, unit vectors in the platform frame")
-    outline_rad = np.concatenate([mask.outline_rad for mask in masks], axis=1)
+    outline_rad = np.concatenate([_last_axis(mask.outline_rad) for mask in masks], axis=1)
     _write(file, "mask_outline_rad", outline_rad, ("way", "mask_point", "axis"))
 
 
@@ -188,12 +190,17 @@ def _baseline(file: netcdf_file, view: PlanView, names: tuple[str, ...]) -> None
         ]
     )
     describe(session, long_name=f"session slewed to, {NO_SESSION}: the final state")
-    whole = AxesMotion(
-        **{
-            field.name: np.concatenate([getattr(slew.motion, field.name) for slew in view.baseline])
-            for field in fields(AxesMotion)
-        }
-    )
+    whole = {
+        axis: AxisMotion(
+            **{
+                field.name: np.concatenate(
+                    [getattr(slew.axes[axis], field.name) for slew in view.baseline]
+                )
+                for field in fields(AxisMotion)
+            }
+        )
+        for axis in view.axes
+    }
     _motion(file, names, whole, "baseline_", side)
 
 
@@ -220,10 +227,8 @@ def _arrays(section: object) -> Iterator[tuple[str, Array]]:
             yield name, values
 
 
-def _from_first(view: PlanView, value_by_row: Array) -> Array:
-    """The rows at which nothing is known, then the others (n, ...)."""
-    unknown = np.full((view.first_known, *value_by_row.shape[1:]), np.nan)
-    return np.concatenate([unknown, value_by_row])
+def _last_axis(value_by_axis: Mapping[str, Array]) -> Array:
+    return np.stack([*value_by_axis.values()], axis=-1)
 
 
 def _write(file: netcdf_file, name: str, value_by_row: Array, sides: tuple[str, ...]) -> None:

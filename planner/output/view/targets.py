@@ -2,12 +2,13 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import fields
 
 import numpy as np
 
 from planner.base.arrays import Array, Mask
 from planner.output.export.description import session_label
+from planner.output.view.columns import TargetTrack
 from planner.output.view.scene import PlanScene
 from planner.planning.opportunities.conditions import angle_rad
 from planner.planning.opportunities.ground_sample import sample_along_m
@@ -21,44 +22,8 @@ from planner.world.targets.apparent import ApparentDirection, aberrate
 _ON_EDGE_S = 1e-6
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class TargetTrack:
-    """One session's target at n rows, each array (n,); NaN where nothing is defined.
-
-    session: its number.  in_session: the rows at which it is to be held.
-    latitude_rad, longitude_rad, height_m: of the target; this, azimuth_rad, the ground samples and
-    sun_elevation_rad are NaN of a target in space.
-    azimuth_rad: of the carrier in the target's sky, clockwise from north, 0..2 pi.
-    elevation_rad: of the carrier in the target's sky, from the plane of the ellipsoid, without
-    refraction; of a target in space its height above the limb raised by its grazing altitude.
-    range_m: geometric, both ends at the same instant; NaN of a star.
-    off_nadir_rad, sun_separation_rad, moon_separation_rad: of the line of sight to it.
-    ground_sample_across_m, ground_sample_along_m: of a pixel, across and along the direction in
-    which the line of sight leans; NaN below the horizon, along it where a pixel reaches it, too.
-    sun_elevation_rad: of the Sun's centre in the target's sky, without refraction.
-    error_rad: angle between the boresight and the target's apparent direction.
-    """
-
-    session: int
-    name: str
-    mode: str
-    in_session: Mask
-    latitude_rad: Array
-    longitude_rad: Array
-    height_m: Array
-    azimuth_rad: Array
-    elevation_rad: Array
-    range_m: Array
-    off_nadir_rad: Array
-    ground_sample_across_m: Array
-    ground_sample_along_m: Array
-    sun_elevation_rad: Array
-    sun_separation_rad: Array
-    moon_separation_rad: Array
-    error_rad: Array
-
-
-_COLUMNS = tuple(field.name for field in fields(TargetTrack) if field.type in (Array, "Array"))
+_OF_THE_SESSION = ("session", "name", "mode", "start_utc", "stop_utc", "in_session")
+_COLUMNS = tuple(field.name for field in fields(TargetTrack) if field.name not in _OF_THE_SESSION)
 
 
 def target_tracks(scene: PlanScene, pixel_rad: float) -> Iterator[TargetTrack]:
@@ -81,6 +46,8 @@ def target_tracks(scene: PlanScene, pixel_rad: float) -> Iterator[TargetTrack]:
             session=number,
             name=session_label(session, number),
             mode=session.target.mode,
+            start_utc=session.start,
+            stop_utc=session.stop,
             in_session=inside,
             **columns,
         )

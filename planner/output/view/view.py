@@ -2,31 +2,36 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from functools import partial
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from planner.base.arrays import Array, Indices
 from planner.base.commands import ROWS_PER_S
 from planner.base.errors import OutsideCoverage
-from planner.output.view.carrier import (
+from planner.output.view.carrier import body_track, boresight_trace, carrier_track, footprint_trace
+from planner.output.view.columns import (
+    AxisMotion,
+    BaselineSlew,
     BodyTrack,
     BoresightTrace,
     CarrierTrack,
+    ConeTrace,
     FootprintTrace,
-    body_track,
-    boresight_trace,
-    carrier_track,
-    footprint_trace,
+    MaskTrace,
+    PointingTrace,
+    TargetTrack,
 )
-from planner.output.view.cones import ConeTrace, cone_traces
-from planner.output.view.masks import MaskTrace, mask_traces
-from planner.output.view.motion import AxesMotion, BaselineSlew, baseline_slews, motion_at_rows
+from planner.output.view.cones import cone_traces
+from planner.output.view.masks import mask_traces
+from planner.output.view.motion import baseline_slews, motion_at_rows
 from planner.output.view.rows import view_rows
 from planner.output.view.scene import PlanScene, scene_of
-from planner.output.view.targets import TargetTrack, target_tracks
+from planner.output.view.targets import target_tracks
 from planner.planning.opportunities import (
     Opportunities,
     OpportunityRequest,
@@ -39,6 +44,9 @@ from planner.world.frames.time_scales import elapsed_s, shifted_utc
 from planner.world.plan import FlightPlan
 from planner.world.scenario import Scenario, Session
 from planner.world.targets import VisibleTarget
+
+T = TypeVar("T")
+V = TypeVar("V", np.float64, np.bool_)
 
 # Windows of each session's target around the session.
 
@@ -96,21 +104,6 @@ def _windows(
 INSTANTS = 31  # of a session: errors vary over a pass, not from row to row
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class PointingTrace:
-    """The error in the sessions, each (n,); NaN outside and where no target is looked at.
-
-    error_rad: angle between boresight and apparent target on the row.
-    sigma_major_rad, sigma_minor_rad: half axes of the 1-sigma ellipse of the target's place in the
-    image.  major_turn_rad: from the frame's first side towards its second, in [0, pi).
-    """
-
-    error_rad: Array
-    sigma_major_rad: Array
-    sigma_minor_rad: Array
-    major_turn_rad: Array
-
-
 _ELLIPSE = ("sigma_major_rad", "sigma_minor_rad", "major_turn_rad")
 _COLUMNS = ("error_rad", *_ELLIPSE)
 
@@ -165,15 +158,15 @@ class PlanView:
 
     step_s: from row to row, but for the last.  t_s: since the table's epoch, (n,).  segment: index
     into the plan's segments of what the table does from the row on, (n,).
-    first_known: the first row at which orbit and attitude are known; the columns of carrier, Sun,
-    targets and cones have a line for each row from it on.
+    first_known: the first row at which orbit and attitude are known; before it the columns of
+    carrier, Sun, targets and cones are NaN.
     """
 
     plan: FlightPlan
     step_s: float
     t_s: Array
     segment: Indices
-    axes: AxesMotion
+    axes: dict[str, AxisMotion]
     baseline: tuple[BaselineSlew, ...]
     first_known: int
     carrier: CarrierTrack
@@ -200,6 +193,7 @@ def view_plan(plan: FlightPlan, step_s: float | None, pixel_arcsec: float) -> Pl
     scene = scene_of(plan, row)
     targets = tuple(target_tracks(scene, math.radians(pixel_arcsec / 3600.0)))
     sun, moon = map(partial(body_track, scene), ("sun", "moon"))
+    unknown = len(row) - len(scene.rows.row)
     return PlanView(
         plan=plan,
         step_s=step_s,
@@ -207,18 +201,38 @@ def view_plan(plan: FlightPlan, step_s: float | None, pixel_arcsec: float) -> Pl
         segment=_segment(plan, row),
         axes=motion_at_rows(plan.table, row),
         baseline=tuple(baseline_slews(plan, round(step_s * ROWS_PER_S))),
-        first_known=len(row) - len(scene.rows.row),
-        carrier=carrier_track(scene),
-        boresight=boresight_trace(scene),
-        footprint=footprint_trace(scene),
-        sun=sun,
-        moon=moon,
-        targets=targets,
+        first_known=unknown,
+        carrier=_from_first(carrier_track(scene), unknown),
+        boresight=_from_first(boresight_trace(scene), unknown),
+        footprint=_from_first(footprint_trace(scene), unknown),
+        sun=_from_first(sun, unknown),
+        moon=_from_first(moon, unknown),
+        targets=tuple(_from_first(track, unknown) for track in targets),
         windows=session_windows(plan, pixel_arcsec),
-        pointing=pointing_trace(scene, targets),
-        keep_out=tuple(cone_traces(scene)),
+        pointing=_from_first(pointing_trace(scene, targets), unknown),
+        keep_out=tuple(
+            replace(
+                cone,
+                separation_rad=_whole(cone.separation_rad, unknown),
+                counts=(None,) * unknown + cone.counts,
+            )
+            for cone in cone_traces(scene)
+        ),
         masks=tuple(mask_traces(plan, row)),
     )
+
+
+def _from_first(section: T, unknown: int) -> T:
+    """With so many rows before its first."""
+    columns = {name: one for name, one in vars(section).items() if isinstance(one, np.ndarray)}
+    whole = {name: _whole(one, unknown) for name, one in columns.items()}
+    return replace(section, **whole)  # type: ignore[type-var]  # a dataclass
+
+
+def _whole(value_by_row: NDArray[V], unknown: int) -> NDArray[V]:
+    """NaN, or False, in the rows before (n, ...)."""
+    nothing = False if value_by_row.dtype == bool else np.nan
+    return np.concatenate([np.full((unknown, *value_by_row.shape[1:]), nothing), value_by_row])
 
 
 def _segment(plan: FlightPlan, row: Indices) -> Indices:

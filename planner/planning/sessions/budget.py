@@ -1,14 +1,11 @@
 """The pointing budget of a session: what contributes to the error, and what would help."""
 
-from dataclasses import dataclass
-from typing import Annotated
-
-from pydantic import Field
+from planner.base.told import Count, NotNegative, Share, Untold, told
 
 LIKELY = 0.9  # of staying in the frame; below, a plan warns
 
 
-@dataclass(frozen=True, kw_only=True)
+@told
 class Contribution:
     """One cause: 1-sigma per image axis at the session's worst instant.
 
@@ -21,28 +18,36 @@ class Contribution:
     """
 
     cause: str
-    sigma_arcsec: Annotated[float, Field(ge=0.0)]
-    ground_m: Annotated[float, Field(ge=0.0)] | None
+    sigma_arcsec: NotNegative
+    ground_m: NotNegative | None
     is_bias: bool
     basis: str
     better: str
 
 
-@dataclass(frozen=True, kw_only=True)
+@told
 class PointingBudget:
-    """1-sigma pointing error of one session, per image axis at the worst instant.
+    """1-sigma pointing error of one session, per image axis at its worst instant.
 
-    probability_in_frame: that the target is inside the frame at every instant of the session.
-    helps_most: where that is unlikely, the cause without which it would be likeliest.
+    What the table can't know: the errors of orbit, attitude, Earth orientation, clock and drives.
+
+    session: its number, from 0.
+    sigma_arcsec: all contributions together.
+    ground_m: the same across the line of sight at the target; null for a target in the sky.
+    probability_in_frame: that the target stays inside the camera's frame over the whole session,
+    from where the table holds it.
+    contributions: cause by cause.
     """
 
+    session: Count
+    sigma_arcsec: NotNegative
+    ground_m: NotNegative | None
+    probability_in_frame: Share
     contributions: tuple[Contribution, ...]
-    sigma_arcsec: float
-    ground_m: float | None
-    probability_in_frame: float
-    helps_most: str | None = None
+    # Where that probability is low, the cause without which it would be highest.
+    helps_most: Untold[str | None] = None
 
-    def warning(self, session: int) -> str | None:
+    def warning(self) -> str | None:
         """That the target may well be missed, and what would help most."""
         if self.helps_most is None:
             return None
@@ -53,7 +58,7 @@ class PointingBudget:
             else f"{self.ground_m / 1e3:.1f} km"
         )
         return (
-            f"session {session + 1}: the target stays in the frame with a probability of "
+            f"session {self.session + 1}: the target stays in the frame with a probability of "
             f"{self.probability_in_frame:.3f} only; the pointing error is {error} (1 sigma); "
             f"against its part from {first.cause}, {first.better} would help most"
         )

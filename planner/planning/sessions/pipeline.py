@@ -28,7 +28,7 @@ from planner.world.frames.earth_orientation import earth_orientation_warnings
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc
 from planner.world.orbits import Ephemeris
 from planner.world.plan import Segment, SegmentKind
-from planner.world.scenario import Scenario, Session, SlewOptions
+from planner.world.scenario import Scenario, SlewOptions
 from planner.world.targets import BenchMotionTarget
 
 
@@ -64,10 +64,10 @@ def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: No
     table = assemble_table(epoch_utc, scenario.platform.axis_names, joins)
     with stage("pointing budget"):
         budgets = tuple(
-            session_budget(final, ephemeris, table, session, join.track.los)
-            for session, join in zip(final.sessions, onto_tracks, strict=True)
+            session_budget(final, ephemeris, table, number, join.track.los)
+            for number, join in enumerate(onto_tracks)
         )
-    misses = [budget.warning(number) for number, budget in enumerate(budgets) if budget]
+    misses = [budget.warning() for budget in budgets if budget]
     with stage("verification"):
         report = verify(table, final)
     if scenario.slew.keeps_limits and not report.passed:
@@ -173,13 +173,14 @@ def session_budget(
     scenario: Scenario,
     ephemeris: Ephemeris,
     table: CommandTable,
-    session: Session,
+    number: int,
     los: LineOfSight | None = None,
 ) -> PointingBudget | None:
     """Of the linear kind; None where no target is looked at.
 
     ephemeris: over the session.  los: over the session and more, where it is known already.
     """
+    session = scenario.sessions[number]
     if isinstance(session.target, BenchMotionTarget):
         return None
     rows = session_rows(session, scenario.initial_state.epoch)
@@ -194,6 +195,7 @@ def session_budget(
         session.target,
         scenario.platform,
         np.stack(angle_rad, axis=1),
+        session=number,
     )
 
 

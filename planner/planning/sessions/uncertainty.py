@@ -93,9 +93,10 @@ def pointing_budget(
     platform: TwoAxisPlatform,
     angle_rad: Array,
     *,
+    session: int,
     clock_s: float = OPTIONS.clock_s,
 ) -> PointingBudget:
-    """Budget of the session whose line of sight is `los`.
+    """Budget of the session, by its number, whose line of sight is `los`.
 
     angle_rad: (n, 2), the axes at the instants of `los`.
 
@@ -117,6 +118,7 @@ def pointing_budget(
     sigmas_rad[_DRIVES] = DRIVE_RAD
     probability = _probability(biases, scene, platform)
     return PointingBudget(
+        session=session,
         contributions=tuple(
             Contribution(
                 **cause._asdict(),

@@ -2,18 +2,18 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from planner.base.arrays import Array
 from planner.spacecraft.flight.closed_loop import Log
-from planner.spacecraft.table import TICK_S, ImagingWindow
+from planner.spacecraft.flight.report import StabilisationReport, WindowSteadiness
+from planner.spacecraft.table import TICK_S
 from planner.spacecraft.vehicle.definition import RATE_ERROR_MAX_RAD_S, AgileSpacecraft
 from planner.spacecraft.verification import SpacecraftVerification, VerifiedWindow
 
 ACROSS_AXES = [0, 2]  # of the body, across the optical axis
-WORST_IF_GREAT = ("pointing_error_rad", "settled_s", "smear_px", "gimbal_rate_rad_s")
+WORST_IF_GREAT = ("pointing_error_rad", "settled_s", "smear_px", "gimbal_rate_max_rad_s")
 WORST_IF_SMALL = ("spare_s", "momentum_margin_n_m_s", "gimbal_margin")
 ASSUMPTIONS = (
     "gimbal servo 50 rad/s, damping 0.7 (the paper gives the form, no numbers)",
@@ -33,68 +33,12 @@ ASSUMPTIONS = (
 )
 
 
-@dataclass(frozen=True, kw_only=True)
-class WindowSteadiness:
-    """One imaging interval of one run, or the worst of it over all runs.
-
-    rate_error_rad_s: (3,), largest magnitude per body axis at 5 ms steps; rms_rad_s: root mean
-    square of the vector.  steady: within 0.001 deg/s on every axis (in every run).
-    pointing_error_rad: largest angle between actual and commanded optical axis, what the
-    computer can't know included.  settled_s: from the end of the interval before (the
-    session's start) until the rate error is within 0.001 deg/s for good; spare_s: from then
-    to the interval's start, negative when it began too early.
-    smear_px: largest rate error across the optical axis times the exposure.
-    momentum_margin_n_m_s, gimbal_margin: least distance to the momentum sphere and to
-    singularity (smallest singular value of D) since the interval before.
-    gimbal_rate_rad_s: fastest gimbal.
-    """
-
-    window: ImagingWindow
-    rate_error_rad_s: Array
-    rms_rad_s: float
-    steady: bool
-    pointing_error_rad: float
-    settled_s: float
-    spare_s: float
-    smear_px: float
-    momentum_margin_n_m_s: float
-    gimbal_margin: float
-    gimbal_rate_rad_s: float
-
-
-@dataclass(frozen=True, kw_only=True)
-class StabilisationReport:
-    """All intervals; share_steady: of intervals x runs within 0.001 deg/s (None: no runs)."""
-
-    runs: int
-    windows: tuple[WindowSteadiness, ...]
-    share_steady: float | None
-    worst_rad_s: float | None
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Of images that would be blurred, or may be."""
-        if self.runs == 0:
-            return (
-                "the table was not flown in closed loop, so whether the camera is steady enough is "
-                "not known; ask for simulation_runs",
-            )
-        if self.share_steady is None or self.share_steady == 1.0:
-            return ()
-        return (
-            f"in {self.runs} dispersed runs {self.share_steady:.0%} of the imaging intervals were "
-            f"steady within {math.degrees(RATE_ERROR_MAX_RAD_S):g} deg/s; a longer "
-            "settings.settle_s, a smaller settings.rate_axis_max_deg_s (the gyro reads 1.6) or the "
-            'objective "smooth" leaves more',
-        )
-
-
 def window_steadiness(
     spacecraft: AgileSpacecraft, verification: SpacecraftVerification, log: Log
 ) -> tuple[WindowSteadiness, ...]:
     """Every imaging interval of one closed-loop run."""
     verified = verification.windows
-    before_rows = [0, *(one.window.last_row for one in verified)]
+    before_rows = [0, *(one.last_row for one in verified)]
     return tuple(
         _steadiness(spacecraft, log, one, before_row)
         for one, before_row in zip(verified, before_rows, strict=False)
@@ -117,9 +61,12 @@ def stabilisation(runs: Sequence[tuple[WindowSteadiness, ...]]) -> Stabilisation
 def _worst(same: Sequence[WindowSteadiness]) -> WindowSteadiness:
     """One interval over all runs."""
     return WindowSteadiness(
-        window=same[0].window,
+        request=same[0].request,
+        look=same[0].look,
         rate_error_rad_s=np.max([one.rate_error_rad_s for one in same], axis=0),
-        rms_rad_s=math.sqrt(float(np.mean([one.rms_rad_s**2 for one in same]))),
+        rate_error_rms_rad_s=math.sqrt(
+            float(np.mean([one.rate_error_rms_rad_s**2 for one in same]))
+        ),
         steady=all(one.steady for one in same),
         **{name: max(getattr(one, name) for one in same) for name in WORST_IF_GREAT},
         **{name: min(getattr(one, name) for one in same) for name in WORST_IF_SMALL},
@@ -140,10 +87,10 @@ def settled_after_s(log: Log, first_row: int, last_row: int) -> float:
 
 
 def _steadiness(
-    spacecraft: AgileSpacecraft, log: Log, verified: VerifiedWindow, before_row: int
+    spacecraft: AgileSpacecraft, log: Log, window: VerifiedWindow, before_row: int
 ) -> WindowSteadiness:
-    window, camera = verified.window, spacecraft.camera
-    exposure_s = verified.line_time_s * camera.tdi_lines
+    camera = spacecraft.camera
+    exposure_s = window.line_time_s * camera.tdi_lines
     since = slice(before_row, window.last_row)
     errors_rad_s = rate_errors(log, window.first_row, window.last_row)
     worst_rad_s = np.max(np.abs(errors_rad_s), axis=0)
@@ -152,9 +99,10 @@ def _steadiness(
     across_rad_s = np.max(np.linalg.norm(errors_rad_s[:, ACROSS_AXES], axis=1))
     stored_n_m_s = np.max(np.linalg.norm(log.h_body_n_m_s[since], axis=1))
     return WindowSteadiness(
-        window=window,
+        request=window.request,
+        look=window.look,
         rate_error_rad_s=worst_rad_s,
-        rms_rad_s=float(np.sqrt(np.mean(np.sum(errors_rad_s**2, axis=1)))),
+        rate_error_rms_rad_s=float(np.sqrt(np.mean(np.sum(errors_rad_s**2, axis=1)))),
         steady=bool(np.max(worst_rad_s) <= RATE_ERROR_MAX_RAD_S),
         pointing_error_rad=float(np.max(np.linalg.norm(aside_rad, axis=1))),
         settled_s=settled_s,
@@ -162,5 +110,5 @@ def _steadiness(
         smear_px=float(across_rad_s * exposure_s / camera.pixel_rad),
         momentum_margin_n_m_s=float(spacecraft.slew.momentum_sphere_n_m_s - stored_n_m_s),
         gimbal_margin=float(np.min(spacecraft.array.singularity_margin(log.gimbal_rad[since]))),
-        gimbal_rate_rad_s=float(np.max(np.abs(log.gimbal_rate_rad_s[since]))),
+        gimbal_rate_max_rad_s=float(np.max(np.abs(log.gimbal_rate_rad_s[since]))),
     )

@@ -10,11 +10,13 @@ from bisect import bisect_right
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from functools import cache
+from typing import Annotated
 
 import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.errors import OutsideCoverage
+from planner.base.told import Schema, Told, written
 from planner.world.frames.iers import leap_seconds
 
 JulianDate = tuple[Array, Array]
@@ -39,6 +41,17 @@ _TEXT = re.compile(
 
 class TimeNotCovered(ValueError):
     """A time at which the Earth's orientation or the Moon are not known."""
+
+
+class ToldTime(Told):
+    """A time, told as text with so many decimals."""
+
+    def __get_pydantic_core_schema__(self, source: object, handler: object) -> Schema:
+        return written(lambda moment_utc: utc_text(moment_utc, self.decimals or 0), {"type": "str"})
+
+
+Utc = Annotated[datetime, ToldTime("utc", decimals=3)]
+RowUtc = Annotated[datetime, ToldTime("utc", decimals=1)]  # rows are 0.2 s apart
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,233 @@
+"""The columns of a view, as answers tell them; each array has an entry a row, NaN where none is."""
+
+from typing import Annotated
+
+from planner.base.arrays import Array, Mask
+from planner.base.told import (
+    Angles,
+    Count,
+    HalfTurn,
+    HalfTurns,
+    Heights,
+    Latitudes,
+    Lengths,
+    Longitudes,
+    Motions,
+    Times,
+    Told,
+    Untold,
+    told,
+)
+from planner.world.frames.time_scales import Utc
+
+_Arcsecs = Annotated[Array, Told("arcsec", 0.0, decimals=4, gaps=True)]
+
+
+@told
+class CarrierTrack:
+    """The point below the carrier; null where its orbit isn't known.
+
+    latitude_rad: geodetic, WGS84, north positive.
+    longitude_rad: WGS84, east positive.
+    height_m: of the carrier above the ellipsoid.
+    sunlit_share: of the Sun's disk that the Earth doesn't hide from the carrier: 0 in the shadow.
+    """
+
+    latitude_rad: Latitudes
+    longitude_rad: Longitudes
+    height_m: Heights
+    sunlit_share: Annotated[Array, Told(least=0.0, greatest=1.0, decimals=6, gaps=True)]
+
+
+@told
+class BoresightTrace:
+    """Direction and footprint of the camera.
+
+    latitude_rad: of the point where the boresight meets the WGS84 ellipsoid; null where it passes
+    the Earth by.
+    longitude_rad: of that point; east positive.
+    range_m: to that point.
+    off_nadir_rad: of the boresight from the geocentric nadir.
+    sun_separation_rad: of the boresight from the Sun's centre.
+    moon_separation_rad: of the boresight from the Moon's centre.
+    """
+
+    latitude_rad: Latitudes
+    longitude_rad: Longitudes
+    range_m: Lengths
+    off_nadir_rad: HalfTurns
+    sun_separation_rad: HalfTurns
+    moon_separation_rad: HalfTurns
+
+
+@told
+class FootprintTrace:
+    """The corners of the camera's frame on the WGS84 ellipsoid, four a row, in order around it.
+
+    latitude_rad: of each corner; null where its ray passes the Earth by.
+    longitude_rad: of each corner; east positive.
+    """
+
+    latitude_rad: Annotated[Array, Told("deg", -90.0, 90.0, decimals=6, axes=2, gaps=True)]
+    longitude_rad: Annotated[Array, Told("deg", -180.0, 180.0, decimals=6, axes=2, gaps=True)]
+
+
+@told
+class BodyTrack:
+    """The Sun or the Moon.
+
+    latitude_rad: of the place that has it overhead (90 deg from the Sun's runs the terminator).
+    longitude_rad: of that place; east positive.
+    above_limb_rad: of its centre above the Earth's limb, seen from the carrier, without refraction;
+    negative where the Earth hides it.
+    """
+
+    latitude_rad: Latitudes
+    longitude_rad: Longitudes
+    above_limb_rad: Angles
+
+
+@told
+class AxisMotion:
+    """The motion of one axis, with a number for each row.
+
+    Acceleration and jerk are those of the cubic that is flown from the row to the table's next;
+    they jump from row to row.
+
+    angle_rad: of the axis.
+    rate_rad_s: of the axis.
+    acceleration_rad_s2: of the axis.
+    jerk_rad_s3: of the axis.
+    """
+
+    angle_rad: Motions
+    rate_rad_s: Motions
+    acceleration_rad_s2: Motions
+    jerk_rad_s3: Motions
+
+
+@told
+class BaselineSlew:
+    """The paper's spline in the place of one slew, between the same states in the same time.
+
+    session: number of the session it leads to, from 0; null to the final state.
+    t_s: since the table's epoch.
+    axes: motion of each axis.
+    """
+
+    session: Count | None
+    t_s: Times
+    axes: dict[str, AxisMotion]
+
+
+@told
+class TargetTrack:
+    """One session's target over the whole table; null where a number has no meaning.
+
+    A target with a timetable of its own appears in its session only, a test motion not at all.
+
+    session: its number, from 0.
+    name: name of the session.
+    mode: of the target.
+    start_utc: of the session, as it is flown; UTC.
+    stop_utc: of the session, as it is flown; UTC.
+    latitude_rad: of the target, geodetic, WGS84; null in space.
+    longitude_rad: of the target, east positive; null in space.
+    height_m: of the target above the ellipsoid; null in space.
+    azimuth_rad: of the carrier in the target's sky, clockwise from north, 0 to 360; null in space.
+    elevation_rad: of the carrier in the target's sky, without refraction; of a target in space its
+    height above the raised limb.
+    range_m: distance; null for a star.
+    off_nadir_rad: of the line of sight to the target from the geocentric nadir.
+    ground_sample_across_m: width of a pixel on the ground, across the lean of the line of sight;
+    null in space and below the horizon.
+    ground_sample_along_m: length of a pixel on the ground, along the lean of the line of sight;
+    null in space, below the horizon and within 0.1 deg above, where a pixel has no end.
+    sun_elevation_rad: of the Sun's centre in the target's sky, without refraction; null in space.
+    sun_separation_rad: of the line of sight to the target from the Sun's centre.
+    moon_separation_rad: of the line of sight to the target from the Moon's centre.
+    """
+
+    session: Count
+    name: str
+    mode: str
+    start_utc: Utc
+    stop_utc: Utc
+    in_session: Untold[Mask]  # where it is to be held
+    latitude_rad: Latitudes
+    longitude_rad: Longitudes
+    height_m: Heights
+    azimuth_rad: Annotated[Array, Told("deg", 0.0, 360.0, decimals=6, gaps=True)]
+    elevation_rad: Annotated[Array, Told("deg", -90.0, 180.0, decimals=6, gaps=True)]
+    range_m: Lengths
+    off_nadir_rad: HalfTurns
+    ground_sample_across_m: Lengths
+    ground_sample_along_m: Lengths
+    sun_elevation_rad: Latitudes
+    sun_separation_rad: HalfTurns
+    moon_separation_rad: HalfTurns
+    error_rad: Untold[Array]  # between the boresight and its apparent direction
+
+
+@told
+class PointingTrace:
+    """Pointing error and its tolerance; null outside the sessions.
+
+    error_rad: between the boresight and the session's target, on the row.
+    sigma_major_rad: half the long axis of the 1-sigma ellipse of the target in the image.
+    sigma_minor_rad: half its short axis.
+    major_turn_rad: of the long axis, from the frame's first side towards its second.
+    """
+
+    error_rad: _Arcsecs
+    sigma_major_rad: _Arcsecs
+    sigma_minor_rad: _Arcsecs
+    major_turn_rad: HalfTurns
+
+
+@told
+class ConeTrace:
+    """One cone of `slew.keep_out`.
+
+    number: of the cone in the request, from 0. E.g. `0`.
+    about: the body or direction at the cone's centre. E.g. `"the Sun"`.
+    half_angle_rad: of the cone. E.g. `25.0`.
+    separation_rad: of the boresight from the cone's axis. E.g. `[61.2, 61.1]`.
+    counts: true where the cone is in force; one about a body lapses while the Earth hides it. E.g.
+    `[true, true]`.
+    outline_t_s: times of the outlines, since the table's epoch. E.g. `[0.0, 10.0]`.
+    outline_rad: per axis, for each of these times, for each of the two ways of pointing there: axis
+    angles around the cone's side, the first point again at the end; null where no angles point
+    there. E.g. `{"alpha": [[[10.0, null]]], "beta": [[[20.0, null]]]}`.
+    """
+
+    number: Count
+    about: str
+    half_angle_rad: HalfTurn
+    separation_rad: HalfTurns
+    counts: tuple[bool | None, ...]
+    outline_t_s: Times
+    outline_rad: dict[str, Annotated[Array, Told("deg", decimals=3, axes=3, gaps=True)]]
+
+
+@told
+class MaskTrace:
+    """One of the platform's `masks`, which are fixed to its base: its outline stays where it is.
+
+    number: of the mask among the platform's, from 0. E.g. `0`.
+    name: of the mask. E.g. `"radiator"`.
+    asked_rad: angle from it that the boresight must keep, the mask's `margin_deg`. E.g. `1.0`.
+    away_rad: of the boresight from the mask's region; negative inside. E.g. `[14.2, 13.9]`.
+    outline_platform: unit vectors in the platform frame around the region, without what is asked,
+    the first again at the end. E.g. `[[0.0, 0.6, 0.8], [0.0, 0.8, 0.6], [0.6, 0.0, 0.8], [0.0, 0.6,
+    0.8]]`.
+    outline_rad: per axis, for each of the two ways of pointing there, axis angles at these points;
+    null where no angles point there. E.g. `{"alpha": [[10.0, null]], "beta": [[20.0, null]]}`.
+    """
+
+    number: Count
+    name: str
+    asked_rad: HalfTurn
+    away_rad: Annotated[Array, Told("deg", decimals=6)]
+    outline_platform: Annotated[Array, Told(decimals=6, axes=2)]
+    outline_rad: dict[str, Annotated[Array, Told("deg", decimals=3, axes=2, gaps=True)]]
