@@ -33,6 +33,9 @@ FOUR_SIGMA = 18.4  # chi-square of two degrees of freedom, one in 10,000
 DUSTLESS = Atmosphere(air_scale_m=7.5e3, dust_optical_depth=0.0, haze_optical_depth=0.0, ozone=0.0)
 
 
+GLOBAL = tuple(replace(c, readout_s=0.0) for c in ring(2))
+
+
 def moved(position, steps):
     """By so many times 1e-9 km along x."""
     x_km, *others_km = position.position_km
@@ -138,6 +141,39 @@ def test_an_unstated_lens_may_be_a_hundredth_off(pair):
     answer = estimate_vertical(pair.images, replace(pair.request, cameras=tuple(longer)))
     # Taken as calibrated, 6.5 sigma.
     assert normalised2(answer.geocentric, pair.geocentric_body) < FOUR_SIGMA
+
+
+@pytest.mark.parametrize(("seed", "scale"), [(3010, 1.01), (3015, 0.99), (3018, 1.01)])
+def test_a_lens_wrongly_stated_as_calibrated_is_found_out(seed, scale):
+    """Believed, such lenses leave squares of 105, 65 and 36 over the variance told."""
+    one = case(np.random.default_rng(seed), GLOBAL)
+    longer = tuple(replace(c, fx_px=scale * c.fx_px, fy_px=scale * c.fy_px) for c in GLOBAL)
+    right = estimate_vertical(one.images, one.request)
+    wrong = estimate_vertical(one.images, replace(one.request, cameras=longer))
+    assert normalised2(wrong.geocentric, one.geocentric_body) < FOUR_SIGMA
+    assert [camera.used for camera in wrong.cameras] == [True, True]
+    assert any("a lens that is stated" in warning for warning in wrong.warnings)
+    assert not right.warnings
+
+
+def test_a_statement_that_the_frames_bear_out_costs_little(pair):
+    """One request in ten has another lens than stated: that adds to sigma what nothing shows."""
+    calibrated = replace(pair.request, cameras=GLOBAL)
+    trusted = estimate_vertical(pair.images, calibrated).geocentric.sigma_rad
+    unstated = tuple(replace(c, lens_sigma=None) for c in GLOBAL)
+    doubted = estimate_vertical(pair.images, replace(pair.request, cameras=unstated))
+    assert trusted < 0.9 * doubted.geocentric.sigma_rad
+
+
+def test_an_unstated_shutter_widens_the_covariance(pair):
+    """Unless the body hardly turns."""
+    hardly = replace(pair.request, rate_body_deg_s=(0.0, -0.065, 0.0), rate_sigma_deg_s=0.01)
+    requests = (pair.request, hardly, replace(pair.request, cameras=GLOBAL))
+    unstated, slow, stated = (
+        estimate_vertical(pair.images, request).geocentric.sigma_rad for request in requests
+    )
+    assert unstated > 1.05 * stated
+    assert slow == pytest.approx(stated, rel=0.01)
 
 
 def test_a_rolling_shutter_sees_the_limb_from_many_attitudes():
