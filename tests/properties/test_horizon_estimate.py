@@ -33,9 +33,6 @@ FOUR_SIGMA = 18.4  # chi-square of two degrees of freedom, one in 10,000
 DUSTLESS = Atmosphere(air_scale_m=7.5e3, dust_optical_depth=0.0, haze_optical_depth=0.0, ozone=0.0)
 
 
-GLOBAL = tuple(replace(c, readout_s=0.0) for c in ring(2))
-
-
 def moved(position, steps):
     """By so many times 1e-9 km along x."""
     x_km, *others_km = position.position_km
@@ -146,8 +143,8 @@ def test_an_unstated_lens_may_be_a_hundredth_off(pair):
 @pytest.mark.parametrize(("seed", "scale"), [(3010, 1.01), (3015, 0.99), (3018, 1.01)])
 def test_a_lens_wrongly_stated_as_calibrated_is_found_out(seed, scale):
     """Believed, such lenses leave squares of 105, 65 and 36 over the variance told."""
-    one = case(np.random.default_rng(seed), GLOBAL)
-    longer = tuple(replace(c, fx_px=scale * c.fx_px, fy_px=scale * c.fy_px) for c in GLOBAL)
+    one = case(np.random.default_rng(seed), ring(2))
+    longer = tuple(replace(c, fx_px=scale * c.fx_px, fy_px=scale * c.fy_px) for c in ring(2))
     right = estimate_vertical(one.images, one.request)
     wrong = estimate_vertical(one.images, replace(one.request, cameras=longer))
     assert normalised2(wrong.geocentric, one.geocentric_body) < FOUR_SIGMA
@@ -158,22 +155,24 @@ def test_a_lens_wrongly_stated_as_calibrated_is_found_out(seed, scale):
 
 def test_a_statement_that_the_frames_bear_out_costs_little(pair):
     """One request in ten has another lens than stated: that adds to sigma what nothing shows."""
-    calibrated = replace(pair.request, cameras=GLOBAL)
-    trusted = estimate_vertical(pair.images, calibrated).geocentric.sigma_rad
-    unstated = tuple(replace(c, lens_sigma=None) for c in GLOBAL)
+    trusted = estimate_vertical(pair.images, pair.request).geocentric.sigma_rad
+    unstated = tuple(replace(c, lens_sigma=None) for c in pair.request.cameras)
     doubted = estimate_vertical(pair.images, replace(pair.request, cameras=unstated))
     assert trusted < 0.9 * doubted.geocentric.sigma_rad
 
 
 def test_an_unstated_shutter_widens_the_covariance(pair):
     """Unless the body hardly turns."""
-    hardly = replace(pair.request, rate_body_deg_s=(0.0, -0.065, 0.0), rate_sigma_deg_s=0.01)
-    requests = (pair.request, hardly, replace(pair.request, cameras=GLOBAL))
-    unstated, slow, stated = (
-        estimate_vertical(pair.images, request).geocentric.sigma_rad for request in requests
+    unstated = replace(
+        pair.request, cameras=tuple(replace(c, readout_s=None) for c in pair.request.cameras)
     )
-    assert unstated > 1.05 * stated
-    assert slow == pytest.approx(stated, rel=0.01)
+    slow = replace(unstated, rate_body_deg_s=(0.0, -0.065, 0.0), rate_sigma_deg_s=0.01)
+    stated_rad, unstated_rad, slow_rad = (
+        estimate_vertical(pair.images, request).geocentric.sigma_rad
+        for request in (pair.request, unstated, slow)
+    )
+    assert unstated_rad > 1.05 * stated_rad
+    assert slow_rad == pytest.approx(stated_rad, rel=0.01)
 
 
 def test_a_rolling_shutter_sees_the_limb_from_many_attitudes():
