@@ -25,7 +25,6 @@ _NEWTON_STEPS = 12
 # Within 1 %, evenly.
 _UNSTATED_SIGMA = 0.01 / np.sqrt(3.0)
 _LEAST_KNOWN_SIGMA = 0.05
-_USUAL_READOUT_S = 0.07  # of rolling shutters, which take 10 to 100 ms
 _CONVERGED = 1e-9  # of the focal length: 1e-5 px at most
 
 
@@ -121,9 +120,9 @@ class HorizonCamera:
         known = self.lens_sigma is not None and self.lens_sigma < _UNSTATED_SIGMA
         return replace(self, lens_sigma=None) if known else self
 
-    def with_doubted_shutter(self) -> "HorizonCamera":
+    def with_doubted_shutter(self, readout_s: float) -> "HorizonCamera":
         """With a rolling shutter, where none is stated."""
-        return replace(self, readout_s=_USUAL_READOUT_S) if self.readout_s is None else self
+        return replace(self, readout_s=readout_s) if self.readout_s is None else self
 
     def pixels(self, ray_body: Array) -> Array:
         """Pixels (n, 2) that see directions (n, 3); NaN for those outside the field of view."""

@@ -58,6 +58,7 @@ class TrialOptions:
     # one request in ten has another lens than stated, and one another shutter than not stated;
     # with twice as many, sigma grows by a sixth where all is as stated
     doubted_share: float = 0.1
+    doubted_readout_s: float = 0.07  # rolling shutters take 10 to 100 ms
     thinned: int = 8  # points one is kept, while headings are compared
     layer_least_m: float = 70e3  # Airglow lies at 80 to 100 km; lower is no layer
     any_height_m: float = 50e3  # a limb's height is then as good as unknown before its fit:
@@ -306,8 +307,11 @@ def _models(
         ),
     )
     others = {
-        Doubt.LENS: ([camera.with_doubted_lens() for camera in stated], prior),
-        Doubt.SHUTTER: ([camera.with_doubted_shutter() for camera in stated], any_rate),
+        Doubt.LENS: ([c.with_doubted_lens() for c in stated], prior),
+        Doubt.SHUTTER: (
+            [c.with_doubted_shutter(OPTIONS.doubted_readout_s) for c in stated],
+            any_rate,
+        ),
     }
     models = [
         _Model(
