@@ -163,7 +163,7 @@ def main() -> None:
     parser.add_argument("--each", action="store_true", help="each air by itself")
     parser.add_argument("--conditions", nargs="*", default=list(CONDITIONS))
     asked = parser.parse_args()
-    print(f"{'':44s} rms deg        max deg             usable  NEES >5 s  CPU")
+    print(f"{'':44s} rms deg        max deg             usable  NEES  mean >5 s  CPU")
     groups = [(air,) for air in asked.airs] if asked.each else [tuple(asked.airs)]
     for name in asked.conditions:
         for airs in groups:

@@ -54,6 +54,7 @@ def camera(
         cy_px=0.5 * (height - 1),
         q_camera_from_body_xyzw=tuple(Rotation.from_matrix(c_camera_from_body).as_quat().tolist()),
         lens_sigma=0.0,
+        readout_s=0.0,
     )
 
 

@@ -5,6 +5,7 @@ Pinhole with Brown-Conrady distortion, OpenCV's conventions: +Z out of the lens,
 Source: Brown 1966; the OpenCV camera model.
 """
 
+from dataclasses import replace
 from functools import cached_property
 from typing import Annotated
 
@@ -48,7 +49,7 @@ class HorizonCamera:
     known to within 1 %. E.g. `0.002`.
     readout_s: time from the first row's exposure to the last's, which a rolling shutter reads one
     after another; negative where it begins with the last. The epoch is that of the middle row.
-    0 for a global shutter. E.g. `0.03`.
+    0 for a global shutter. Null: not stated, and taken as global with doubt. E.g. `0.03`.
     """
 
     name: str
@@ -62,7 +63,7 @@ class HorizonCamera:
     q_camera_from_body_xyzw: tuple[UnitPart, UnitPart, UnitPart, UnitPart]
     mask: tuple[Polygon, ...] = ()
     lens_sigma: Annotated[float, Within(0.0, _LEAST_KNOWN_SIGMA)] | None = None
-    readout_s: Annotated[float, Within(-1.0, 1.0)] = 0.0
+    readout_s: Annotated[float, Within(-1.0, 1.0)] | None = None
 
     def __post_init__(self) -> None:
         require_unit_quaternion("q_camera_from_body_xyzw", self.q_camera_from_body_xyzw)
@@ -99,7 +100,7 @@ class HorizonCamera:
 
     def exposed_s(self, xy_px: Array) -> Array:
         """When the rows of pixels (n, 2) are exposed, after the middle row, (n,)."""
-        return np.asarray(self.readout_s * ((xy_px[:, 1] + 0.5) / self.height_px - 0.5))
+        return np.asarray((self.readout_s or 0.0) * ((xy_px[:, 1] + 0.5) / self.height_px - 0.5))
 
     def lens_shift_body(self, ray_body: Array) -> Array:
         """How rays (n, 3) change with 1-sigma of focal length and distortion, (n, 3, 2)."""
@@ -113,6 +114,15 @@ class HorizonCamera:
         far2 = (radius / (ray_camera[:, 2] * self._corner_radius)) ** 2
         shift_camera = np.stack([outward, far2[:, None] * outward], axis=2)
         return np.asarray(np.einsum("ij,nik->njk", self._c_camera_from_body, shift_camera))
+
+    def with_doubted_lens(self) -> "HorizonCamera":
+        """As if nobody had stated its lens, where that is stated to be known better."""
+        known = self.lens_sigma is not None and self.lens_sigma < _UNSTATED_SIGMA
+        return replace(self, lens_sigma=None) if known else self
+
+    def with_doubted_shutter(self, readout_s: float) -> "HorizonCamera":
+        """With a rolling shutter, where none is stated."""
+        return replace(self, readout_s=readout_s) if self.readout_s is None else self
 
     def pixels(self, ray_body: Array) -> Array:
         """Pixels (n, 2) that see directions (n, 3); NaN for those outside the field of view."""

@@ -9,11 +9,11 @@ from estimator.check import AttitudeCheck, Verdict, across_axes, check_attitude
 from estimator.errors import InvalidCamera, Reason
 from estimator.images import Pixels, blue_is_sharp, prepare
 from estimator.limb.geometry import Limb
-from estimator.nadir.fit import Fit
+from estimator.nadir.fit import Doubt, Fit
 from estimator.nadir.prior import prior_of
 from estimator.request import HorizonRequest
 from estimator.search.horizon import find_horizon
-from estimator.search.trial import OPTIONS, Search, SearchResult
+from estimator.search.trial import Search, SearchResult
 from estimator.surroundings import Surroundings
 from planner.base.arrays import Array
 from planner.world.frames.earth_orientation import earth_orientation_warnings
@@ -137,11 +137,13 @@ def _answer(horizon: SearchResult, request: HorizonRequest, search: Search) -> V
         limb_height_sigma_m=float(np.sqrt(best.covariance_matrix[3, 3])),
         check=check,
         cameras=cameras,
-        warnings=_warnings(request, cameras),
+        warnings=_warnings(request, cameras, horizon.fits),
     )
 
 
-def _warnings(request: HorizonRequest, cameras: tuple[CameraReport, ...]) -> tuple[str, ...]:
+def _warnings(
+    request: HorizonRequest, cameras: tuple[CameraReport, ...], fits: tuple[Fit, ...]
+) -> tuple[str, ...]:
     warnings = []
     if request.predicted is None:
         warnings.append(
@@ -149,6 +151,11 @@ def _warnings(request: HorizonRequest, cameras: tuple[CameraReport, ...]) -> tup
             "limb: geodetic nadir is measured, geocentric less surely, as its covariance says; "
             "give `predicted` to have both"
         )
+    warnings += [
+        f"the limb's shape speaks for {doubt.value}; nadir and covariance count on that"
+        for doubt in Doubt
+        if sum(one.weight for one in fits if one.doubt is doubt) > 0.5
+    ]
     left_out = [camera.name for camera in cameras if not camera.used]
     if left_out:
         warnings.append(f"cameras left out: {', '.join(left_out)}")
@@ -162,11 +169,10 @@ def _nadir(fits: tuple[Fit, ...], limb: Limb, nadir_itrf: Array) -> Nadir:
     axes_body = across_axes(mean_body)
     turns_itrf = np.cross(np.stack([*limb.axes_itrf, limb.nadir_itrf]), nadir_itrf)
     covariance_rad2 = np.zeros((2, 2))
-    doubted = np.array([one.weight for one in fits]) ** (1.0 / OPTIONS.doubt)
-    for one, weight in zip(fits, doubted / doubted.sum(), strict=True):
+    for one in fits:
         across_from_turns = -axes_body @ one.c_body_from_itrf @ turns_itrf.T
         off_rad = axes_body @ (one.c_body_from_itrf @ nadir_itrf)
         turns_rad2 = one.covariance_matrix[:3, :3]
         own_rad2 = across_from_turns @ turns_rad2 @ across_from_turns.T
-        covariance_rad2 += weight * (own_rad2 + np.outer(off_rad, off_rad))
+        covariance_rad2 += one.careful_weight * (own_rad2 + np.outer(off_rad, off_rad))
     return Nadir(nadir_body=mean_body, axes_body=axes_body, covariance_rad2=covariance_rad2)

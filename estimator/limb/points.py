@@ -112,6 +112,14 @@ class LimbPoints:
         arrays: dict[str, Any] = {k: v[::by] for k, v in fields if isinstance(v, np.ndarray)}
         return replace(self, **arrays, step_rad=self.step_rad * by)
 
+    def taken_by(self, camera: HorizonCamera) -> "LimbPoints":
+        """As if lens and shutter were known as this camera's are."""
+        return replace(
+            self,
+            lens_shift_body=camera.lens_shift_body(self.ray_body),
+            exposed_s=camera.exposed_s(self.xy_px),
+        )
+
     def without_edges(self) -> "LimbPoints":
         """As if nothing had been found in any column."""
         return replace(self, found=np.zeros(len(self), dtype=bool))

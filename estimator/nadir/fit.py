@@ -12,6 +12,7 @@ Source: Christian 2017 for the cone; Beaton and Tukey 1974 for the weights.
 """
 
 from dataclasses import dataclass, replace
+from enum import StrEnum
 
 import numpy as np
 
@@ -53,6 +54,13 @@ class NadirFitOptions:
 OPTIONS = NadirFitOptions()
 
 
+class Doubt(StrEnum):
+    """What may be otherwise than a request's cameras have it."""
+
+    LENS = "a lens that is stated to be known better than the frames bear out"
+    SHUTTER = "a rolling shutter, where no `readout_s` is stated"
+
+
 @dataclass(frozen=True)
 class Prior:
     """What is known beforehand: the limb's height, and the heading to 1-sigma.
@@ -87,7 +95,9 @@ class Fit:
     tolerance_rad: their expected 1-sigma.  cost: minus twice the log likelihood, for residuals
     on their own scale where that is beyond the expected one.
     bent_sigma: of lenses and turn, how far the one farthest from what is stated is.
-    weight: probability against the fits at other headings; 1 where the heading is known.
+    doubt: of the cameras' statements, the one not believed.
+    weight: probability against the fits at other headings and by other doubts.
+    careful_weight: the same, with less trust in what tells of the heading.
     """
 
     c_body_from_itrf: Array
@@ -97,7 +107,9 @@ class Fit:
     tolerance_rad: tuple[Array, ...]
     cost: float
     bent_sigma: float = 0.0
+    doubt: Doubt | None = None
     weight: float = 1.0
+    careful_weight: float = 1.0
 
     @property
     def tilt_sigma_rad(self) -> float:
@@ -190,6 +202,8 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Array, prior: Pr
     loss = own_share * (
         (OPTIONS.tukey**2 / 3.0) * (1.0 - (1.0 - share2) ** 3) + 2.0 * np.log(scale)
     )
+    # What is known of the unknowns now, against beforehand: else more of them were always likelier.
+    left = np.linalg.slogdet(normal)[1] + 2.0 * np.sum(np.log(sigma))
     bent = np.abs(unknowns - expected)[len(expected) - len(shift_parameters) :]
     # A fit worse than its model says is less certain than its model says.
     misfit2 = _misfit2(residual_rad, weight, sigma_rad, variance_rad2)
@@ -199,7 +213,7 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Array, prior: Pr
         covariance_matrix=np.linalg.inv(normal) * misfit2,
         residual_rad=_per_camera(points, residual_rad),
         tolerance_rad=_per_camera(points, sigma_rad),
-        cost=float(np.sum(loss) + np.sum(information * (unknowns - expected) ** 2)),
+        cost=float(np.sum(loss) + np.sum(information * (unknowns - expected) ** 2) + left),
         bent_sigma=float(np.max(bent, initial=0.0)),
     )
 

@@ -5,13 +5,16 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.special import logsumexp
 
 from estimator.camera import HorizonCamera
 from estimator.errors import Reason
 from estimator.images import Frame
+from estimator.limb.geometry import Limb
 from estimator.limb.points import LimbPoints, find_limb, no_points
 from estimator.limb.projection import LimbProjection
 from estimator.nadir.fit import (
+    Doubt,
     Fit,
     Prior,
     attitude_facing,
@@ -52,6 +55,10 @@ class TrialOptions:
     unlikely: float = 14.0
     # less that a heading's likelihood counts for the covariance: no model may know the air in view
     doubt: float = 2.0
+    # one request in ten has another lens than stated, and one another shutter than not stated;
+    # with twice as many, sigma grows by a sixth where all is as stated
+    doubted_share: float = 0.1
+    doubted_readout_s: float = 0.07  # rolling shutters take 10 to 100 ms
     thinned: int = 8  # points one is kept, while headings are compared
     layer_least_m: float = 70e3  # Airglow lies at 80 to 100 km; lower is no layer
     any_height_m: float = 50e3  # a limb's height is then as good as unknown before its fit:
@@ -160,16 +167,15 @@ def try_attitude(views: Sequence[View], search: Search, c_body_from_itrf: Array)
             return _failure(parts, result)
         c_body_from_itrf, height_m = result.c_body_from_itrf, result.height_m
         parts = [_look(part, search, c_body_from_itrf, height_m, window_rad) for part in parts]
-        result = _fit(parts, search, c_body_from_itrf)
-        parts = _judge(parts, result, search)
+        result, parts = _fit_and_judge(parts, search, c_body_from_itrf)
     if not any(part.used for part in parts):
         return _failure(parts, result)
     parts = [
         part if part.used else replace(part, points=part.points.without_edges()) for part in parts
     ]
-    fits = _fits_all_round(parts, search, result.c_body_from_itrf, OPTIONS.headings)
-    result = _fit(parts, search, _likeliest(fits).c_body_from_itrf)
-    horizon = SearchResult(None, fits, tuple(_judge(parts, result, search)))
+    fits = _fits_all_round(parts, search, result.c_body_from_itrf, OPTIONS.headings, tuple(Doubt))
+    _, parts = _fit_and_judge(parts, search, _likeliest(fits).c_body_from_itrf)
+    horizon = SearchResult(None, fits, tuple(parts))
     return replace(horizon, reason=_common_reason(horizon, search))
 
 
@@ -240,28 +246,109 @@ def _fits_all_round(
     search: Search,
     c_body_from_itrf: Array,
     headings: int,
+    doubts: Sequence[Doubt] = (),
 ) -> tuple[Fit, ...]:
-    """The fit, or without a known heading those from headings all round, with their weights."""
+    """The fits from the heading known, or from those all round, by the cameras as stated and by
+    each doubt, with their weights."""
+    limb, around = search.around.limb, search.around
     if search.heading_known:
-        return (_fit(parts, search, c_body_from_itrf),)
-    limb = search.around.limb
+        return _fits_near(parts, search, c_body_from_itrf, doubts)
     prior = replace(search.prior, heading_sigma_rad=np.pi / headings)
     nadir_body = c_body_from_itrf @ limb.nadir_geodetic_itrf
     points = [part.points.every(OPTIONS.thinned) for part in parts]
     frames, cameras = [part.view.frame for part in parts], [part.view.camera for part in parts]
-    light = sunlight_along(points, frames, cameras, search.around, nadir_body, prior.height_m)
+    light = sunlight_along(points, frames, cameras, around, nadir_body, prior.height_m)
     turns_rad = np.arange(headings) * (2.0 * np.pi / headings)
     facing = [attitude_facing(nadir_body, limb, turn_rad) for turn_rad in turns_rad]
     costs = np.array([light.cost(c, prior.height_m) for c in facing])
     likely = [
         c for c, cost in zip(facing, costs - costs.min(), strict=True) if cost < OPTIONS.unlikely
     ]
-    fits = [one for c in likely for one in possible_fits(fit(points, limb, c, prior), limb)]
-    cost = np.array([min(f.cost, OPTIONS.unfitted_cost) for f in fits])
-    cost = cost + [light.cost(f.c_body_from_itrf, f.height_m) for f in fits]
-    weight = np.exp(-0.5 * (cost - cost.min()))
+    models = _models(points, parts, prior, doubts)
+    rows = [
+        row
+        for c in likely
+        for row in zip(*(possible_fits(f, limb) for f in _fits_of(models, limb, c)), strict=True)
+    ]
+    # Doubts move a fit by less than the light can tell.
+    lit = [[light.cost(row[0].c_body_from_itrf, row[0].height_m)] for row in rows]
+    return _weighed(rows, models, np.array(lit))
+
+
+def _fits_near(
+    parts: Sequence[CameraPart], search: Search, c_body_from_itrf: Array, doubts: Sequence[Doubt]
+) -> tuple[Fit, ...]:
+    models = _models([part.points for part in parts], parts, search.prior, doubts)
+    return _weighed([_fits_of(models, search.around.limb, c_body_from_itrf)], models)
+
+
+@dataclass(frozen=True)
+class _Model:
+    """Limb points and prior by the cameras as stated, or by one doubt; share: how likely, before
+    anything is seen."""
+
+    points: list[LimbPoints]
+    prior: Prior
+    doubt: Doubt | None
+    share: float
+
+
+def _models(
+    points: list[LimbPoints], parts: Sequence[CameraPart], prior: Prior, doubts: Sequence[Doubt]
+) -> list[_Model]:
+    """As stated first."""
+    stated = [part.view.camera for part in parts]
+    # Neither the sign of what an unknown shutter sees of the rate is known nor its size.
+    any_rate = replace(
+        prior,
+        rate_body_rad_s=(0.0, 0.0, 0.0),
+        rate_sigma_rad_s=float(
+            np.hypot(np.linalg.norm(prior.rate_body_rad_s), prior.rate_sigma_rad_s)
+        ),
+    )
+    others = {
+        Doubt.LENS: ([c.with_doubted_lens() for c in stated], prior),
+        Doubt.SHUTTER: (
+            [c.with_doubted_shutter(OPTIONS.doubted_readout_s) for c in stated],
+            any_rate,
+        ),
+    }
+    models = [
+        _Model(
+            [p.taken_by(camera) for p, camera in zip(points, cameras, strict=True)],
+            own_prior,
+            doubt,
+            OPTIONS.doubted_share,
+        )
+        for doubt, (cameras, own_prior) in others.items()
+        if doubt in doubts and cameras != stated
+    ]
+    return [_Model(points, prior, None, 1.0 - sum(model.share for model in models)), *models]
+
+
+def _fits_of(models: Sequence[_Model], limb: Limb, c_body_from_itrf: Array) -> list[Fit]:
+    fits: list[Fit] = []
+    for model in models:
+        # Doubts start where the fit of what is stated ended.
+        start = fits[0].c_body_from_itrf if fits else c_body_from_itrf
+        found = fit(model.points, limb, start, model.prior)
+        fits.append(replace(found, doubt=model.doubt))
+    return fits
+
+
+def _weighed(
+    rows: Sequence[Sequence[Fit]], models: Sequence[_Model], light_cost: Array | float = 0.0
+) -> tuple[Fit, ...]:
+    """Fits with their weights: a row for each heading, a column for each model."""
+    cost = np.array([[min(f.cost, OPTIONS.unfitted_cost) for f in row] for row in rows])
+    log_likely = -0.5 * (cost + light_cost) + np.log([model.share for model in models])
+    log_heading = logsumexp(log_likely, axis=1, keepdims=True)
+    careful = log_likely - log_heading + log_heading / OPTIONS.doubt
+    weight, careful_weight = (np.exp(x - logsumexp(x)) for x in (log_likely, careful))
     return tuple(
-        replace(f, weight=float(w)) for f, w in zip(fits, weight / weight.sum(), strict=True)
+        replace(f, weight=float(weight[k, m]), careful_weight=float(careful_weight[k, m]))
+        for k, row in enumerate(rows)
+        for m, f in enumerate(row)
     )
 
 
@@ -289,6 +376,19 @@ def _judge(parts: Sequence[CameraPart], result: Fit, search: Search) -> list[Cam
             )
         judged.append(replace(part, agreement=agreement))
     return judged
+
+
+def _fit_and_judge(
+    parts: Sequence[CameraPart], search: Search, c_body_from_itrf: Array
+) -> tuple[Fit, list[CameraPart]]:
+    """By the cameras as stated, or by the likeliest doubt where a limb fits none so."""
+    result = _fit(parts, search, c_body_from_itrf)
+    judged = _judge(parts, result, search)
+    unfit = (part.agreement.reason is Reason.RESIDUALS for part in judged)
+    if any(part.used and misfits for part, misfits in zip(parts, unfit, strict=True)):
+        result = _likeliest(_fits_near(parts, search, result.c_body_from_itrf, tuple(Doubt)))
+        judged = _judge(parts, result, search)
+    return result, judged
 
 
 def _night_reason(part: CameraPart, search: Search, rough: Fit) -> Reason | None:

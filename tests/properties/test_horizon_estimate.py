@@ -140,6 +140,41 @@ def test_an_unstated_lens_may_be_a_hundredth_off(pair):
     assert normalised2(answer.geocentric, pair.geocentric_body) < FOUR_SIGMA
 
 
+@pytest.mark.parametrize(("seed", "scale"), [(3010, 1.01), (3015, 0.99), (3018, 1.01)])
+def test_a_lens_wrongly_stated_as_calibrated_is_found_out(seed, scale):
+    """Believed, such lenses leave squares of 105, 65 and 36 over the variance told."""
+    one = case(np.random.default_rng(seed), ring(2))
+    longer = tuple(replace(c, fx_px=scale * c.fx_px, fy_px=scale * c.fy_px) for c in ring(2))
+    right = estimate_vertical(one.images, one.request)
+    wrong = estimate_vertical(one.images, replace(one.request, cameras=longer))
+    assert normalised2(wrong.geocentric, one.geocentric_body) < FOUR_SIGMA
+    assert [camera.used for camera in wrong.cameras] == [True, True]
+    assert any("a lens that is stated" in warning for warning in wrong.warnings)
+    assert not right.warnings
+
+
+def test_a_statement_that_the_frames_bear_out_costs_little(pair):
+    """One request in ten has another lens than stated: that adds to sigma what nothing shows."""
+    trusted = estimate_vertical(pair.images, pair.request).geocentric.sigma_rad
+    unstated = tuple(replace(c, lens_sigma=None) for c in pair.request.cameras)
+    doubted = estimate_vertical(pair.images, replace(pair.request, cameras=unstated))
+    assert trusted < 0.9 * doubted.geocentric.sigma_rad
+
+
+def test_an_unstated_shutter_widens_the_covariance(pair):
+    """Unless the body hardly turns."""
+    unstated = replace(
+        pair.request, cameras=tuple(replace(c, readout_s=None) for c in pair.request.cameras)
+    )
+    slow = replace(unstated, rate_body_deg_s=(0.0, -0.065, 0.0), rate_sigma_deg_s=0.01)
+    stated_rad, unstated_rad, slow_rad = (
+        estimate_vertical(pair.images, request).geocentric.sigma_rad
+        for request in (pair.request, unstated, slow)
+    )
+    assert unstated_rad > 1.05 * stated_rad
+    assert slow_rad == pytest.approx(stated_rad, rel=0.01)
+
+
 def test_a_rolling_shutter_sees_the_limb_from_many_attitudes():
     rate_deg_s = (2.3, -2.3, 2.3)
     rolling = tuple(replace(c, readout_s=0.1) for c in ring(2))
