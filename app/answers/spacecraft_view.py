@@ -1,66 +1,65 @@
 """The view of an imaging session: columns over time."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
-from app.answers.columns import columns_of, numbers
 from app.answers.members import BUILT_ON_FIRST_USE, degrees, to_json
-from app.answers.ranges import (
-    Count,
-    LatitudeDeg,
-    LongitudeDeg,
-    NotNegative,
-    Signed,
-)
+from planner.base.arrays import Array
+from planner.base.told import Count, NotNegative, Times, Told, told
 from planner.output.view.columns import BodyTrack, CarrierTrack
 from planner.spacecraft.export.map import asked_rad
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.vehicle.definition import RATE_ERROR_MAX_RAD_S, AgileSpacecraft
 from planner.spacecraft.view import NO_WINDOW, LineTrace
-from planner.world.frames.time_scales import shifted_utc, utc_text
+from planner.world.frames.time_scales import RowUtc, Utc, shifted_utc
 
 if TYPE_CHECKING:
     from planner.spacecraft.view import SessionView
 
 
-@dataclass(frozen=True, kw_only=True)
+_Latitudes = Annotated[Array, Told("deg", -90.0, 90.0, decimals=6)]
+_Longitudes = Annotated[Array, Told("deg", -180.0, 180.0, decimals=6)]
+_Vectors = Annotated[Array, Told("deg", decimals=9, axes=2)]
+
+
+@told
 class SwathOut:
     """The ground imaged in one window: the ring around it, its places in order.
 
     request: name of the request it belongs to.
     look: number of the strip, look or leg within the request, from 0.
-    start: first row; UTC.
-    stop: last row; UTC.
-    latitude_deg: of each place around it; empty where it isn't all on the Earth.
-    longitude_deg: of each place around it; east positive.
+    start_utc: first row; UTC.
+    stop_utc: last row; UTC.
+    latitude_rad: of each place around it; empty where it isn't all on the Earth.
+    longitude_rad: of each place around it; east positive.
     """
 
     request: str
     look: Count
-    start: str
-    stop: str
-    latitude_deg: list[LatitudeDeg]
-    longitude_deg: list[LongitudeDeg]
+    start_utc: Utc
+    stop_utc: Utc
+    latitude_rad: _Latitudes
+    longitude_rad: _Longitudes
 
 
-@dataclass(frozen=True, kw_only=True)
+@told
 class AskedPlacesOut:
     """One request: the places of its line, or around its polygon.
 
     name: of the request.
     mode: of the request.
     imaged: true when any of it is imaged.
-    latitude_deg: of each place.
-    longitude_deg: of each place; east positive.
+    latitude_rad: of each place.
+    longitude_rad: of each place; east positive.
     """
 
     name: str
     mode: str
     imaged: bool
-    latitude_deg: list[LatitudeDeg]
-    longitude_deg: list[LongitudeDeg]
+    latitude_rad: _Latitudes
+    longitude_rad: _Longitudes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,7 +79,7 @@ class SessionLimitsOut:
     momentum_sphere_n_m_s: NotNegative
 
 
-@dataclass(frozen=True, kw_only=True)
+@told
 class SpacecraftViewResponse:
     """The view of an imaging session as columns, with a value for each row shown.
 
@@ -90,14 +89,14 @@ class SpacecraftViewResponse:
     name: of the session.
     spacecraft: its name.
     verified: true when the plan's verification passed.
-    epoch: of row 0; UTC.
+    epoch_utc: of row 0; UTC.
     step_s: from row to row shown; the table's last row is shown too.
     t_s: of each row, since the epoch.
     window: number of the swath being imaged, from 0; null while none is.
-    omega_body_deg_s: body relative to ECI, in body axes.
-    alpha_body_deg_s2: its derivative, in body axes.
-    gimbal_deg: angles of the four gyros' gimbals.
-    gimbal_rate_deg_s: rates of the four gyros' gimbals.
+    omega_body_rad_s: body relative to ECI, in body axes.
+    alpha_body_rad_s2: its derivative, in body axes.
+    gimbal_rad: angles of the four gyros' gimbals.
+    gimbal_rate_rad_s: rates of the four gyros' gimbals.
     momentum_n_m_s: of the gyros' rotors, in body axes.
     limits: limits of the session.
     swaths: ground imaged in each window.
@@ -110,15 +109,15 @@ class SpacecraftViewResponse:
     name: str
     spacecraft: str
     verified: bool
-    epoch: str
+    epoch_utc: RowUtc
     step_s: NotNegative
-    t_s: list[NotNegative]
+    t_s: Times
     window: list[Count | None]
-    omega_body_deg_s: list[list[Signed]]
-    alpha_body_deg_s2: list[list[Signed]]
-    gimbal_deg: list[list[Signed]]
-    gimbal_rate_deg_s: list[list[Signed]]
-    momentum_n_m_s: list[list[Signed]]
+    omega_body_rad_s: _Vectors
+    alpha_body_rad_s2: _Vectors
+    gimbal_rad: _Vectors
+    gimbal_rate_rad_s: _Vectors
+    momentum_n_m_s: Annotated[Array, Told(decimals=6, axes=2)]
     limits: SessionLimitsOut
     carrier: CarrierTrack
     line: LineTrace
@@ -132,18 +131,20 @@ def spacecraft_view_json(view: "SessionView", plan_id: str, *, verified: bool) -
     """The whole answer as UTF-8 JSON."""
     request, table = view.plan.request, view.plan.table
     return to_json(
-        columns_of(
-            SpacecraftViewResponse,
-            view,
+        SpacecraftViewResponse(
             id=plan_id,
             name=request.name,
             spacecraft=view.plan.spacecraft.name,
             verified=verified,
-            epoch=utc_text(table.epoch_utc, 1),
+            epoch_utc=table.epoch_utc,
             step_s=view.step_s,
-            t_s=view.t_s.tolist(),
+            t_s=view.t_s,
             window=[None if one == NO_WINDOW else one for one in view.window.tolist()],
-            momentum_n_m_s=numbers(view.momentum_body_n_m_s, 1.0, 6),
+            omega_body_rad_s=view.omega_body_rad_s,
+            alpha_body_rad_s2=view.alpha_body_rad_s2,
+            gimbal_rad=view.gimbal_rad,
+            gimbal_rate_rad_s=view.gimbal_rate_rad_s,
+            momentum_n_m_s=view.momentum_body_n_m_s,
             limits=_limits(view.plan.spacecraft),
             carrier=view.carrier,
             line=view.line,
@@ -171,10 +172,10 @@ def _swaths(view: "SessionView") -> list[SwathOut]:
         SwathOut(
             request=window.request,
             look=window.look,
-            start=utc_text(shifted_utc(epoch_utc, window.first_row * TICK_S)),
-            stop=utc_text(shifted_utc(epoch_utc, window.last_row * TICK_S)),
-            latitude_deg=numbers(np.degrees(ring_rad[0]), 1.0, 6),
-            longitude_deg=numbers(np.degrees(ring_rad[1]), 1.0, 6),
+            start_utc=shifted_utc(epoch_utc, window.first_row * TICK_S),
+            stop_utc=shifted_utc(epoch_utc, window.last_row * TICK_S),
+            latitude_rad=ring_rad[0],
+            longitude_rad=ring_rad[1],
         )
         for window, ring_rad in zip(
             view.plan.table.windows, (ring or nowhere for ring in view.swath_rad), strict=True
@@ -192,8 +193,8 @@ def _asked(view: "SessionView") -> list[AskedPlacesOut]:
                 name=request.name,
                 mode=request.mode,
                 imaged=request.name in imaged,
-                latitude_deg=numbers(np.degrees(latitude_rad), 1.0, 6),
-                longitude_deg=numbers((np.degrees(longitude_rad) + 180.0) % 360.0 - 180.0, 1.0, 6),
+                latitude_rad=latitude_rad,
+                longitude_rad=(longitude_rad + np.pi) % (2.0 * np.pi) - np.pi,
             )
         )
     return asked
