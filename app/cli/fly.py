@@ -56,17 +56,16 @@ def fly(
             {"runs": runs, "seed": seed, "moving_object": moving_object}
         ).encode()
 
-        from app.cli.fly_report import found_in, print_flights
+        from app.cli.fly_report import print_flights
 
-        told = _fly_here(body, asked) if url is None else _fly_there(url, body, asked)
-        found = found_in(told)
+        found = _fly_here(body, asked) if url is None else _fly_there(url, body, asked)
         print_flights(console, found)
         if plot:
             from app.cli.fly_figure import draw_flights
 
             write_file(plot, draw_flights(found, image_format))
         if json:
-            write_file(json, json_text.dumps(told).encode() + b"\n")
+            write_file(json, json_text.dumps(found).encode() + b"\n")
 
 
 def _image_format(plot: Path | None) -> str:

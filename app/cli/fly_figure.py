@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
-from app.answers.flights import FlightsFound
 from planner.output.export.figure_parts import DASHED, LIMIT_COLOUR, picture_file, utc_ticks
 from planner.world.frames.time_scales import utc_from_text
 
@@ -14,34 +14,35 @@ if TYPE_CHECKING:
 _COLOUR, _MISSES = "#0b5fa5", "#c8501e"
 
 
-def draw_flights(found: FlightsFound, image_format: str) -> bytes:
+def draw_flights(found: Mapping[str, Any], image_format: str) -> bytes:
     """A row a session: what its frames show as planned, and a histogram of the misses."""
     from matplotlib.figure import Figure
 
-    count = len(found.sessions)
+    count = len(found["sessions"])
     figure = Figure(figsize=(12.0, 3.2 * count), layout="constrained")
     rows = figure.subplots(count, 3, squeeze=False)
-    epoch_utc = utc_from_text(found.epoch or "")
-    for one, (smear, error, misses) in zip(found.sessions, rows, strict=True):
-        nominal = one.nominal
+    epoch_utc = utc_from_text(found["epoch"] or "")
+    for one, (smear, error, misses) in zip(found["sessions"], rows, strict=True):
+        nominal = one["nominal"]
         for panel, values, label in (
-            (smear, nominal.smear_px, "smear as planned, pixels"),
-            (error, nominal.error_arcsec, "error as planned, arcsec"),
+            (smear, nominal["smear_px"], "smear as planned, pixels"),
+            (error, nominal["error_arcsec"], "error as planned, arcsec"),
         ):
             _label(panel, label)
-            panel.plot(nominal.t_s, values, color=_COLOUR, linewidth=1.0)
-            ticks_s, texts = utc_ticks(epoch_utc, nominal.t_s[0], nominal.t_s[-1])
+            panel.plot(nominal["t_s"], values, color=_COLOUR, linewidth=1.0)
+            ticks_s, texts = utc_ticks(epoch_utc, nominal["t_s"][0], nominal["t_s"][-1])
             panel.set_xticks(ticks_s[::2], texts[::2])
             panel.set_ylim(bottom=0.0)
         smear.axhline(1.0, color=LIMIT_COLOUR, **DASHED)
-        smear.set_title(f"session {one.session + 1}: {one.label}", loc="left", parse_math=False)
-        if one.misses is not None:
-            edges_arcsec = one.misses.edges_arcsec
-            _label(misses, f"of {found.flown} runs")
-            misses.stairs(one.misses.counts, edges_arcsec, fill=True, color=_MISSES)
-            misses.set_xlabel(f"largest miss, arcsec ({one.misses.beyond} runs beyond)")
-    title = f"{found.flown} flights, seed {found.seed}"
-    return picture_file(figure, image_format, title, found.warnings)
+        smear.set_title(
+            f"session {one['session'] + 1}: {one['label']}", loc="left", parse_math=False
+        )
+        if (missed := one["misses"]) is not None:
+            _label(misses, f"of {found['flown']} runs")
+            misses.stairs(missed["counts"], missed["edges_arcsec"], fill=True, color=_MISSES)
+            misses.set_xlabel(f"largest miss, arcsec ({missed['beyond']} runs beyond)")
+    title = f"{found['flown']} flights, seed {found['seed']}"
+    return picture_file(figure, image_format, title, found["warnings"])
 
 
 def _label(panel: Axes, label: str) -> None:
