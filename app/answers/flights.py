@@ -6,109 +6,24 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, SerializeAsAny
 
 from app.answers.job import JobResponse, job_out, page
-from app.answers.members import BUILT_ON_FIRST_USE, degrees, degrees_of, fill, from_store, to_json
-from app.answers.ranges import Count, HalfTurnDeg, NotNegative, Share, Signed
+from app.answers.members import BUILT_ON_FIRST_USE, fill, from_store, to_json
+from app.answers.ranges import Count, NotNegative, Share
 from app.store.packed import unzip
 from planner.base.arrays import Array
-from planner.inflight.flights.summary import joined, summarise
+from planner.inflight.flights.contributors import Contributor
+from planner.inflight.flights.outcomes import NominalSession
+from planner.inflight.flights.summary import Histogram, joined, summarise
 
 if TYPE_CHECKING:  # children answer without a database
     from app.store.jobs import Job
-    from planner.inflight.flights.contributors import Contributor
-    from planner.inflight.flights.nominal import NominalSession
     from planner.inflight.flights.outcomes import RunOutcomes
     from planner.inflight.flights.proportion import Proportion
-    from planner.inflight.flights.summary import Histogram, PlanFlights, SessionFlights
+    from planner.inflight.flights.summary import PlanFlights, SessionFlights
 
 _DECIMALS = 6
-
-
-@dataclass(frozen=True, kw_only=True)
-class NominalOut:
-    """A session flown as planned: no errors but those of the drives as they nominally are.
-
-    Lists hold every so many frames, at most 300 of them.
-
-    frames: number of frames that the camera takes.
-    held: number of frames that hold the target from the first moment of the exposure to the last.
-    sharp: number of these that are smeared over less than a pixel.
-    turn_deg: the largest turn of the view from one frame to the next.
-    t_s: start of each frame, since the epoch.
-    error_arcsec: the largest angle between boresight and target during the exposure.
-    error_m: the same at the target, across the line of sight; null for a target in the sky.
-    smear_px: the longest way between two places of the target in the image during the exposure.
-    holds: true where the frame holds the target.
-    north_deg: from the frame's first side towards its second, without jumps; the celestial north
-    for a target in the sky.
-    ground_sample_across_m: width of a pixel on the ground, across the lean of the line of sight;
-    null for a target in the sky.
-    ground_sample_along_m: its length, along the lean; null for a target in the sky, and where a
-    pixel reaches the horizon.
-    moving_object_ground_m: distance that the moving object travels from one frame of its series to
-    the next; null without. E.g. `208.33`.
-    moving_object_px: the same in the image, by the view of each frame shown; null without. E.g.
-    `[181.2]`.
-    """
-
-    frames: Count
-    held: Count
-    sharp: Count
-    turn_deg: HalfTurnDeg
-    t_s: list[NotNegative]
-    error_arcsec: list[NotNegative]
-    error_m: list[NotNegative] | None
-    smear_px: list[NotNegative]
-    holds: list[bool]
-    north_deg: list[Signed]
-    ground_sample_across_m: list[NotNegative] | None
-    ground_sample_along_m: list[NotNegative | None] | None
-    moving_object_ground_m: NotNegative | None
-    moving_object_px: list[NotNegative] | None
-
-
-@dataclass(frozen=True, kw_only=True)
-class ContributorOut:
-    """One cause's part in what varies from run to run: Sobol's indices.
-
-    cause: the quantity that is uncertain, as in the pointing budget.
-    share: of the variance of the target's place in the image, what the cause has a hand in, by
-    itself or with others; all causes together make 1 or more.
-    share_sigma: 1-sigma of that, from the finite number of runs.
-    alone_share: share of the variance that would vanish if the cause were known; by chance it may
-    lie a little below 0.
-    alone_sigma: 1-sigma of that, from the finite number of runs.
-    smear_share: `share`, of the smear.
-    smear_share_sigma: 1-sigma of that, from the finite number of runs.
-    smear_alone_share: `alone_share`, of the smear.
-    smear_alone_sigma: 1-sigma of that, from the finite number of runs.
-    """
-
-    cause: str
-    share: NotNegative
-    share_sigma: NotNegative
-    alone_share: Signed
-    alone_sigma: NotNegative
-    smear_share: NotNegative
-    smear_share_sigma: NotNegative
-    smear_alone_share: Signed
-    smear_alone_sigma: NotNegative
-
-
-@dataclass(frozen=True, kw_only=True)
-class HistogramOut:
-    """Histogram of the runs' largest misses.
-
-    edges_arcsec: of the bins, one more than there are.
-    counts: of the runs in each bin.
-    beyond: number of runs that missed by more than the last edge.
-    """
-
-    edges_arcsec: list[NotNegative]
-    counts: list[Count]
-    beyond: Count
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -143,9 +58,9 @@ class SessionFlightsOut:
     frames_sharp: Share | None
     smear_px: list[NotNegative] | None
     miss_m: list[NotNegative] | None
-    misses: HistogramOut | None
-    contributors: list[ContributorOut]
-    nominal: NominalOut
+    misses: Histogram | None
+    contributors: list[Contributor]
+    nominal: SerializeAsAny[NominalSession]  # as it was told and stored
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -178,7 +93,7 @@ class FlightsFound:
     in_frame_interval: list[Share] | None
     probability_sharp: Share | None
     sharp_interval: list[Share] | None
-    contributors: list[ContributorOut]
+    contributors: list[Contributor]
     sessions: list[SessionFlightsOut]
     warnings: list[str]
 
@@ -207,13 +122,14 @@ class FlightsList:
 class SessionHead:
     """What is known of a session before any disturbed run.
 
-    saturated_s: by axis, how long its drive gives all it has when flown as planned.
+    nominal: a NominalSession, as told.  saturated_s: by axis, how long its drive gives all it has
+    when flown as planned.
     """
 
     session: int
     label: str
     budget_probability_in_frame: float
-    nominal: NominalOut
+    nominal: Any
     saturated_s: dict[str, float] = field(default_factory=dict)
 
 
@@ -226,29 +142,6 @@ class FlightsHead:
     seed: int
     epoch: str
     sessions: list[SessionHead]
-
-
-def nominal_out(flown: "NominalSession") -> NominalOut:
-    """In the answer's units."""
-    along_m = flown.ground_sample_along_m
-    return NominalOut(
-        frames=flown.frames,
-        held=flown.held,
-        sharp=flown.sharp,
-        turn_deg=degrees(flown.turn_rad, _DECIMALS),
-        t_s=_list(flown.t_s),
-        error_arcsec=_arcsec(flown.error_rad),
-        error_m=None if flown.error_m is None else _list(flown.error_m),
-        smear_px=_list(flown.smear_px),
-        holds=flown.holds.tolist(),
-        north_deg=degrees_of(flown.north_rad),
-        ground_sample_across_m=_list_or_none(flown.ground_sample_across_m),
-        ground_sample_along_m=None
-        if along_m is None
-        else [length if np.isfinite(length) else None for length in _list(along_m)],
-        moving_object_ground_m=flown.moving_object_ground_m,
-        moving_object_px=_list_or_none(flown.moving_object_px),
-    )
 
 
 def flights_found(
@@ -307,7 +200,7 @@ def _told_of(found: "PlanFlights | SessionFlights | None") -> dict[str, Any]:
         "in_frame_interval": _interval(found.in_frame),
         "probability_sharp": found.sharp.value,
         "sharp_interval": _interval(found.sharp),
-        "contributors": [_contributor_out(one) for one in found.contributors],
+        "contributors": found.contributors,
     }
 
 
@@ -323,7 +216,7 @@ def _session_out(told: SessionHead, flown: "SessionFlights | None") -> SessionFl
         frames_sharp=flown.sharp_share,
         smear_px=_list(flown.smear_px),
         miss_m=_list_or_none(flown.miss_m),
-        misses=_histogram_out(flown.miss_rad),
+        misses=flown.miss_rad,
     )
 
 
@@ -350,25 +243,8 @@ def _warnings(head: FlightsHead, found: "PlanFlights | None") -> list[str]:
     return warnings
 
 
-def _contributor_out(one: "Contributor") -> ContributorOut:
-    numbers = {
-        name: round(value, _DECIMALS) for name, value in vars(one).items() if name != "cause"
-    }
-    return ContributorOut(cause=one.cause, **numbers)
-
-
-def _histogram_out(misses: "Histogram") -> HistogramOut:
-    return HistogramOut(
-        edges_arcsec=_arcsec(misses.edges_rad), counts=misses.counts.tolist(), beyond=misses.beyond
-    )
-
-
 def _interval(found: "Proportion") -> list[float]:
     return [round(end, _DECIMALS) for end in found.interval()]
-
-
-def _arcsec(angles_rad: Array) -> list[float]:
-    return _list(np.degrees(angles_rad) * 3600.0)
 
 
 def _list(numbers: Array) -> list[float]:

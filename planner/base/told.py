@@ -78,7 +78,8 @@ class Told:
     ) -> Schema:
         if source is int or source is float:
             number = self._schema(source.__name__)
-            return written(self._number, number) if self.unit else number
+            told_otherwise = self.unit or self.decimals is not None
+            return written(self._number, number) if told_otherwise else number
         if get_origin(source) is np.ndarray:
             _, dtype = get_args(source)
             lists = self._schema(_TYPES[np.dtype(*get_args(dtype)).kind])

@@ -34,6 +34,7 @@ class Sight:
     at_utc: Utc
     row_at_utc: RowUtc
     number: Count = 0
+    part: Annotated[float, Told(decimals=2)] = -1e-9
     t_s: Untold[float] = 0.0
     azimuth_rad: Annotated[Array, Told("deg", 0.0, 360.0, decimals=6, gaps=True)]
     edges_rad: Annotated[Array, Told("deg", decimals=3, axes=2)]
@@ -74,7 +75,7 @@ def test_a_value_is_told_by_the_types_of_its_fields():
     assert to_json(Answer({"a": [SIGHT]}, -1.0)).decode() == (
         '{"sights":{"a":[{"turn_deg":57.295779513,"errors_arcsec":[3600.0,0.0],'
         '"range_min_km":1.2345,"at":"2016-12-31T23:59:60.500Z",'
-        '"row_at":"2015-02-27T17:36:10.2Z","number":0,"azimuth_deg":[null,0.0,0.0],'
+        '"row_at":"2015-02-27T17:36:10.2Z","number":0,"part":0.0,"azimuth_deg":[null,0.0,0.0],'
         '"edges_deg":[[180.0,0.0]],"holds":[true,false],"away_deg":28.647889757,'
         '"unit":"deg"}]},"level":-1.0}'
     )
@@ -100,6 +101,7 @@ def test_the_schema_is_of_what_is_told(mode):
         "at": {"type": "string"},
         "row_at": {"type": "string"},
         "number": {"type": "integer", "minimum": 0},
+        "part": either,
         "azimuth_deg": {"type": "array", "items": azimuth},
         "edges_deg": {"type": "array", "items": {"type": "array", "items": either}},
         "holds": {"type": "array", "items": {"type": "boolean"}},

@@ -1,36 +1,46 @@
 """Contributors to the errors of disturbed flights: Sobol's indices."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
 from planner.base.arrays import Array
+from planner.base.told import Told, told
 from planner.inflight.flights.draws import CAUSES
 from planner.inflight.flights.outcomes import RunOutcomes
 
 _LEAST = 1e-12  # of a variance: below, nothing varies
+_Size = Annotated[float, Told("", 0.0, decimals=6)]
+_Rounded = Annotated[float, Told(decimals=6)]
 
 
-@dataclass(frozen=True, kw_only=True)
+@told
 class Contributor:
-    """One cause's part in what varies from run to run, summed over the session's instants.
+    """One cause's part in what varies from run to run: Sobol's indices.
 
+    cause: the quantity that is uncertain, as in the pointing budget.
     share: of the variance of the target's place in the image, what the cause has a hand in, by
-    itself or together with others: its total Sobol index.  alone_share: what would vanish on
-    average were the cause known: its first-order index.  smear_share, smear_alone_share: the same
-    of the smear.  sigma: of each, by chance.
+    itself or with others; all causes together make 1 or more.
+    share_sigma: 1-sigma of that, from the finite number of runs.
+    alone_share: share of the variance that would vanish if the cause were known; by chance it may
+    lie a little below 0.
+    alone_sigma: 1-sigma of that, from the finite number of runs.
+    smear_share: `share`, of the smear.
+    smear_share_sigma: 1-sigma of that, from the finite number of runs.
+    smear_alone_share: `alone_share`, of the smear.
+    smear_alone_sigma: 1-sigma of that, from the finite number of runs.
     """
 
     cause: str
-    share: float
-    share_sigma: float
-    alone_share: float
-    alone_sigma: float
-    smear_share: float
-    smear_share_sigma: float
-    smear_alone_share: float
-    smear_alone_sigma: float
+    share: _Size
+    share_sigma: _Size
+    alone_share: _Rounded
+    alone_sigma: _Size
+    smear_share: _Size
+    smear_share_sigma: _Size
+    smear_alone_share: _Rounded
+    smear_alone_sigma: _Size
 
 
 def contributors(sessions: Sequence[RunOutcomes]) -> list[Contributor]:

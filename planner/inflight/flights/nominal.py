@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.base.arrays import Array, Mask
+from planner.base.arrays import Array
 from planner.inflight.flights.frames import FARTHEST_RAD
+from planner.inflight.flights.outcomes import NominalSession
 from planner.inflight.flights.request import MovingObject
 from planner.inflight.flights.runs import Fly, fly_nominal
 from planner.inflight.flights.scene import SessionScene
@@ -106,39 +107,6 @@ def _ways_eci(target: EarthFixedTarget, instants: Instants) -> tuple[Array, Arra
 
 
 SHOWN_MAX = 300  # frames: what a picture has room for
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class NominalSession:
-    """Frames of a session; columns (n,) hold every `every`-th of them.
-
-    frames, held, sharp: how many are taken, hold the target, and are sharp as well.
-    t_s: when each shown begins, since the table's epoch.  error_rad, error_m: the largest angle
-    between boresight and target, and that across the line of sight at the target; None in the sky.
-    smear_px: while the shutter is open.  holds: whether the target is inside.
-    north_rad: from the frame's first side towards its second.  turn_rad: the largest turn of the
-    view from a frame to the next of all.  ground_sample_*_m: of a pixel; None in the sky.
-    moving_object_ground_m, moving_object_px: how far what was asked about moves from one frame of
-    its series to the next, at each frame shown; None without.  saturated_s: (2,), how long each
-    drive gives all it has.  Where a target is lost beside the camera, the view is that of the
-    commanded angles.
-    """
-
-    frames: int
-    held: int
-    sharp: int
-    t_s: Array
-    error_rad: Array
-    error_m: Array | None
-    smear_px: Array
-    holds: Mask
-    north_rad: Array
-    turn_rad: float
-    ground_sample_across_m: Array | None
-    ground_sample_along_m: Array | None
-    moving_object_ground_m: float | None
-    moving_object_px: Array | None
-    saturated_s: Array
 
 
 def nominal_session(

@@ -1,9 +1,13 @@
-"""The outcomes of flights, run by run."""
+"""The outcomes of flights: of the one as planned, frame by frame, and of the others, run by run."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Annotated
 
 from planner.base.arrays import Array, Mask
+from planner.base.told import Count, NotNegative, Told, Untold, told
+
+_NotNegatives = Annotated[Array, Told("", 0.0, decimals=6)]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -34,3 +38,48 @@ class RunOutcomes:
     def columns(self) -> Mapping[str, Array]:
         """By name."""
         return vars(self)
+
+
+@told
+class NominalSession:
+    """A session flown as planned: no errors but those of the drives as they nominally are.
+
+    Lists hold every so many frames, at most 300 of them.
+
+    frames: number of frames that the camera takes.
+    held: number of frames that hold the target from the first moment of the exposure to the last.
+    sharp: number of these that are smeared over less than a pixel.
+    turn_rad: the largest turn of the view from one frame to the next.
+    t_s: start of each frame, since the epoch.
+    error_rad: the largest angle between boresight and target during the exposure.
+    error_m: the same at the target, across the line of sight; null for a target in the sky.
+    smear_px: the longest way between two places of the target in the image during the exposure.
+    holds: true where the frame holds the target.
+    north_rad: from the frame's first side towards its second, without jumps; the celestial north
+    for a target in the sky.
+    ground_sample_across_m: width of a pixel on the ground, across the lean of the line of sight;
+    null for a target in the sky.
+    ground_sample_along_m: its length, along the lean; null for a target in the sky, and where a
+    pixel reaches the horizon.
+    moving_object_ground_m: distance that the moving object travels from one frame of its series to
+    the next; null without. E.g. `208.33`.
+    moving_object_px: the same in the image, by the view of each frame shown; null without. E.g.
+    `[181.2]`.
+    """
+
+    frames: Count
+    held: Count
+    sharp: Count
+    turn_rad: Annotated[float, Told("deg", 0.0, 180.0, decimals=6)]  # of all frames
+    t_s: _NotNegatives
+    error_rad: Annotated[Array, Told("arcsec", 0.0, decimals=6)]
+    error_m: _NotNegatives | None
+    smear_px: _NotNegatives
+    holds: Annotated[Mask, Told()]
+    # Where the target is lost beside the camera, the view is that of the commanded angles.
+    north_rad: Annotated[Array, Told("deg", decimals=9)]
+    ground_sample_across_m: _NotNegatives | None
+    ground_sample_along_m: Annotated[Array, Told("", 0.0, decimals=6, gaps=True)] | None
+    moving_object_ground_m: NotNegative | None
+    moving_object_px: _NotNegatives | None
+    saturated_s: Untold[Array]  # (2,), how long each drive gives all it has

@@ -2,10 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from typing import Annotated
 
 import numpy as np
 
 from planner.base.arrays import Array, Indices, Mask
+from planner.base.told import Count, Told, told
 from planner.inflight.flights.contributors import Contributor, contributors
 from planner.inflight.flights.outcomes import RunOutcomes
 from planner.inflight.flights.proportion import Proportion
@@ -15,13 +17,18 @@ QUANTILES = (0.05, 0.5, 0.95)
 _SHOWN_SHARE = 0.99  # of the runs; the rest is told by number, as one far miss would hide all
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@told
 class Histogram:
-    """edges_rad: (bins + 1,).  counts: (bins,).  beyond: how many lie above the last edge."""
+    """Histogram of the runs' largest misses.
 
-    edges_rad: Array
-    counts: Indices
-    beyond: int
+    edges_rad: of the bins, one more than there are.
+    counts: of the runs in each bin.
+    beyond: number of runs that missed by more than the last edge.
+    """
+
+    edges_rad: Annotated[Array, Told("arcsec", 0.0, decimals=6)]
+    counts: Annotated[Indices, Told(least=0)]
+    beyond: Count
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
