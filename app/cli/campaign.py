@@ -3,7 +3,7 @@
 import json
 import zlib
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,6 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from app.answers.campaign import CampaignLookOut
 from app.cli.progress_bar import progress_bar, reported_work
 from app.cli.report_parts import print_assumed, print_table, print_warnings, report_table
 from app.store.packed import NewPlan
@@ -19,9 +18,11 @@ from app.work.campaign import NewCampaign, Part, choose, without_refused
 from app.work.plan import plan_and_pack, stored_table_json
 from planner.base.csv_cells import csv_lines
 from planner.base.errors import Refusal
+from planner.base.told import told_names
+from planner.planning.campaigns.chosen import ChosenLook
 
 SHOWN_MAX = 100
-_COLUMNS = tuple(field.name for field in fields(CampaignLookOut))
+_COLUMNS = tuple(told_names(ChosenLook).values())
 
 
 @dataclass(frozen=True, kw_only=True)
