@@ -68,7 +68,7 @@ def main() -> None:
     campaign = choose_campaign(request, tell)
     took_s, wall_s = time.process_time() - began_s, time.monotonic() - began_wall_s
     tell("", 0, 1)
-    seen = [look.seen for flight in campaign.passes for look in flight.looks]
+    seen = [look for flight in campaign.passes for look in flight.looks]
     elevation_deg = np.rad2deg([one.elevation_rad for one in seen])
     print(
         f"{asked.targets} targets, {asked.days:g} days, {campaign.windows} windows: "
@@ -112,7 +112,7 @@ def single_looks(request: CampaignRequest, campaign: Campaign) -> tuple[int, int
         begins_s = elapsed_s(look.start_utc, request.start)
         middle_s = begins_s + 0.5 * elapsed_s(look.stop_utc, look.start_utc)
         holds = (windows.rise_s <= middle_s) & (middle_s <= windows.set_s)
-        [row] = np.flatnonzero(holds & (windows.target == look.target))
+        [row] = np.flatnonzero(holds & (windows.target == look.row))
         late_s.append(begins_s - windows.rise_s[row])
         off_s.append(abs(middle_s - windows.highest_s[row]))
     return (

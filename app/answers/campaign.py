@@ -4,67 +4,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from pydantic import SerializeAsAny
+
 from app.answers.job import JobResponse, job_out, page
 from app.answers.members import BUILT_ON_FIRST_USE, fill, from_store, to_json
 from app.answers.problem import Problem
-from app.answers.ranges import (
-    Count,
-    ElevationDeg,
-    ElevationOrLimbDeg,
-    HalfTurnDeg,
-    NotNegative,
-    Share,
-)
+from app.answers.ranges import Count, NotNegative, Share
 from app.store.ids import JobState
 from planner.base.assumed import Assumed
-from planner.planning.campaigns import Closing
+from planner.planning.campaigns.chosen import ChosenLook, UnchosenTarget, Unseen
 
 if TYPE_CHECKING:  # children answer without a database
     from app.store.jobs import Job
-
-
-@dataclass(frozen=True, kw_only=True)
-class UnseenTarget:
-    """A target that can't be looked at for as long as it must, and why.
-
-    target: id of the target, as the request gives it. E.g. `"Reykjavik"`.
-    closed_by: the condition that leaves nothing of its windows; `reach`: no angles within the
-    stops, `duration`: no window lasts long enough, `rest`: none does beside the time to and from
-    rest, `motion`: the axes can't follow.
-    because: the condition that fails instead. E.g. `"the carrier stays below 30 deg in its sky"`.
-    best_elevation_deg: the carrier's highest in the target's sky at any time, whatever the
-    conditions; above the limb for a target in space. E.g. `12.3`.
-    best_time: time of it; UTC. E.g. `"2015-02-27T17:36:08.000Z"`.
-    """
-
-    target: str
-    closed_by: Closing
-    because: str
-    best_elevation_deg: ElevationOrLimbDeg
-    best_time: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class TargetLeftOut:
-    """A target that could be looked at, and what stood in its way.
-
-    target: id of the target, as the request gives it.
-    because: the worth of its look, and of what it would displace. E.g.
-    `"a look from 2015-02-27T17:36:08.0Z would be worth 0.31, and what it displaces is worth 1.9"`.
-    start: of the look it came nearest to; UTC.
-    stop: of that look; UTC.
-    value: of that look.
-    displaced_by: ids of the targets whose looks can't be flown beside it. E.g. `["Los Angeles"]`.
-    displaced_value: their worth together.
-    """
-
-    target: str
-    because: str
-    start: str
-    stop: str
-    value: NotNegative
-    displaced_by: list[str]
-    displaced_value: NotNegative
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,40 +45,10 @@ class CampaignChoiceOut:
     windows: Count
     looks: Count
     passes: Count
-    unseen: list[UnseenTarget]
-    left_out: list[TargetLeftOut]
+    unseen: list[Unseen]
+    left_out: list[UnchosenTarget]
     assumed: list[Assumed]
     warnings: list[str]
-
-
-@dataclass(frozen=True, kw_only=True)
-class CampaignLookOut:
-    """A look at a target as it was chosen; its plan states what a slew took from it.
-
-    target: id of the target, as the request gives it.
-    start: from when; UTC.
-    stop: until when; UTC.
-    value: worth of the look.
-    quality: of the view, a mean over the look, which `value` holds.
-    elevation_deg: of the carrier in the target's sky at the middle of the look; above the limb for
-    a target in space.
-    off_nadir_deg: at the middle of the look; null for a target in space.
-    ground_sample_m: the longer side of a pixel on the ground then; null for a target in space.
-    sun_elevation_deg: in the target's sky then; null for a target in space.
-    probability_in_frame: that the target is in the frame at that instant; over all of a look it is
-    less, see its plan.
-    """
-
-    target: str
-    start: str
-    stop: str
-    value: NotNegative
-    quality: Share
-    elevation_deg: ElevationOrLimbDeg
-    off_nadir_deg: HalfTurnDeg | None
-    ground_sample_m: NotNegative | None
-    sun_elevation_deg: ElevationDeg | None
-    probability_in_frame: Share
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -162,7 +83,7 @@ class CampaignPassOut:
     state: JobState
     start: str
     stop: str
-    looks: list[CampaignLookOut]
+    looks: list[SerializeAsAny[ChosenLook]]  # as they were told and stored
     left_out: list[LookLeftOut]
     problem: Problem | None
 
@@ -198,7 +119,7 @@ class CampaignResponse(JobResponse):
     passes: those with looks, in order of time.
     """
 
-    choice: CampaignChoiceOut | None
+    choice: SerializeAsAny[CampaignChoiceOut] | None
     planned: PlannedOut
     passes: list[CampaignPassOut]
 
@@ -235,14 +156,14 @@ class CampaignDryRun:
 def campaign_json(job: "Job", choice: Mapping[str, Any] | None, parts: "Sequence[Job]") -> bytes:
     """A CampaignResponse as UTF-8 JSON; parts: all plans of its passes, the oldest first."""
     latest = {part.options["campaign"]["pass"]: part for part in parts}
-    passes = [_pass_out(latest[number]) for number in sorted(latest)]
+    by_number = [latest[number] for number in sorted(latest)]
     return to_json(
         fill(
             CampaignResponse,
             job_out(job),
-            choice=None if choice is None else from_store(CampaignChoiceOut, choice),
-            planned=_planned_out(passes),
-            passes=passes,
+            choice=choice,
+            planned=_planned_out(by_number),
+            passes=[_pass_out(part) for part in by_number],
         )
     )
 
@@ -255,23 +176,24 @@ def _pass_out(part: "Job") -> CampaignPassOut:
         state=part.state,
         start=facts["start"],
         stop=facts["stop"],
-        looks=[from_store(CampaignLookOut, look) for look in facts["looks"]],
+        looks=facts["looks"],
         left_out=[from_store(LookLeftOut, look) for look in facts["left_out"]],
         problem=job_out(part).problem,
     )
 
 
-def _planned_out(passes: Sequence[CampaignPassOut]) -> PlannedOut:
-    states = [one.state for one in passes]
-    looks = [look for one in passes if one.state == "done" for look in one.looks]
+def _planned_out(parts: "Sequence[Job]") -> PlannedOut:
+    states = [one.state for one in parts]
+    made = [one.options["campaign"]["looks"] for one in parts if one.state == "done"]
+    values = [look["value"] for looks in made for look in looks]
     return PlannedOut(
         done=states.count("done"),
         open=states.count("queued") + states.count("running"),
         refused=states.count("refused"),
         failed=states.count("failed"),
         cancelled=states.count("cancelled"),
-        looks=len(looks),
-        value=sum(look.value for look in looks),
+        looks=len(values),
+        value=sum(values, 0.0),
     )
 
 

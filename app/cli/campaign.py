@@ -2,7 +2,7 @@
 
 import json as json_text
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
@@ -24,6 +24,7 @@ from app.cli.report_parts import (
 from app.work.result import Part, Result
 from planner.base.csv_cells import csv_lines
 from planner.base.errors import Refusal
+from planner.base.told import told_names
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -150,9 +151,9 @@ def _losses(one: PlannedPass) -> Iterator[str]:
 
 def campaign_csv(passes: list[PlannedPass]) -> str:
     """One line per look of the plans made."""
-    from app.answers.campaign import CampaignLookOut
+    from planner.planning.campaigns.chosen import ChosenLook
 
-    names = [field.name for field in fields(CampaignLookOut)]
+    names = [*told_names(ChosenLook).values()]
     rows = (
         [one.part.facts["pass"], *(look[name] for name in names)]
         for one in passes

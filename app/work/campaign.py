@@ -4,11 +4,11 @@ import json
 import re
 import zlib
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from app.answers.campaign import CampaignChoiceOut, CampaignLookOut, TargetLeftOut, UnseenTarget
-from app.answers.members import ProvenanceOut, fill
+from app.answers.campaign import CampaignChoiceOut
+from app.answers.members import ProvenanceOut, fill, to_json
 from app.answers.opportunities import FoundWindows, found_windows, windows_out
 from app.requests.campaign import read_campaign_request
 from app.requests.plan import write_plan_request
@@ -20,7 +20,7 @@ from planner.planning.opportunities import OpportunityRequest
 from planner.world.frames.time_scales import utc_from_text, utc_text
 
 if TYPE_CHECKING:
-    from planner.planning.campaigns import Campaign, ChosenLook, ChosenPass, UnchosenTarget
+    from planner.planning.campaigns import Campaign, ChosenPass
 
 _CARRIED_OVER = ("platform", "orbit", "attitude", "slew")
 _SESSION = re.compile(r"sessions\.(\d+)(\.|$)")
@@ -44,7 +44,7 @@ def choose(body: bytes, request: CampaignRequest | None = None) -> Result:
         request, lambda stage, done, of: report(Progress(stage=stage, done=done, of=of))
     )
     return Result(
-        content=(zlib.compress(json.dumps(asdict(_choice(request, campaign))).encode()),),
+        content=(zlib.compress(to_json(_choice(request, campaign))),),
         parts=tuple(
             _part(document, request, number, flight)
             for number, flight in enumerate(campaign.passes)
@@ -58,34 +58,7 @@ def _choice(request: CampaignRequest, campaign: "Campaign") -> CampaignChoiceOut
         campaign,
         looks=sum(len(flight.looks) for flight in campaign.passes),
         passes=len(campaign.passes),
-        unseen=[
-            fill(
-                UnseenTarget,
-                one,
-                target=request.targets[one.target].id,
-                best_time=utc_text(one.best_utc),
-                decimals=3,
-            )
-            for one in campaign.unseen
-        ],
-        left_out=[_left_out(request, one) for one in campaign.left_out],
         assumed=list(request.opportunities().assumed),
-    )
-
-
-def _left_out(request: CampaignRequest, one: "UnchosenTarget") -> TargetLeftOut:
-    ids = [request.targets[row].id for row in one.displaced_by]
-    look = f"a look from {utc_text(one.start_utc, 1)} would be worth {one.value:.4g}"
-    if ids:
-        because = (
-            f"{look}, and what it displaces, {', '.join(ids)}, is worth {one.displaced_value:.4g}"
-        )
-    elif one.value <= 0.0:
-        because = f"{look}, and no other view of it is worth more, as `view` weighs them"
-    else:
-        because = f"{look}, but no sequence with it was found that is worth more"
-    return fill(
-        TargetLeftOut, one, target=request.targets[one.target].id, because=because, displaced_by=ids
     )
 
 
@@ -96,8 +69,8 @@ def _part(
 
     scenario = scenario_of(request, flight, number)
     words = {name: document[name] for name in _CARRIED_OVER if name in document}
-    target_words = [document["targets"][look.target]["target"] for look in flight.looks]
-    looks = [_look(request, look) for look in flight.looks]
+    target_words = [document["targets"][look.row]["target"] for look in flight.looks]
+    looks = [json.loads(to_json(look)) for look in flight.looks]
     return Part(
         request=write_plan_request(scenario, words, target_words),
         name=scenario.name,
@@ -120,11 +93,6 @@ def _listing(platform: str, looks: Sequence[Mapping[str, Any]]) -> Listing:
         stop_utc=utc_from_text(looks[-1]["stop"]),
         targets=tuple(look["target"] for look in looks),
     )
-
-
-def _look(request: CampaignRequest, look: "ChosenLook") -> dict[str, Any]:
-    target = request.targets[look.target].id
-    return asdict(fill(CampaignLookOut, look, look.seen, target=target, decimals=3))
 
 
 def without_refused(part: Part, field: str | None, detail: str) -> Part | None:

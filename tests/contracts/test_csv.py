@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 from test_export_formats import CREATED_UTC, plan_of
 
-from app.answers.campaign import CampaignLookOut
 from app.answers.members import to_json
 from app.answers.opportunities import windows_out
 from app.cli.campaign import PlannedPass, campaign_csv
@@ -23,7 +22,9 @@ from app.requests.opportunities import read_opportunity_request
 from app.requests.spacecraft import read_spacecraft_request
 from app.work.searches import CSV, windows_in_form
 from planner.base.csv_cells import comment_lines, csv_lines
+from planner.base.told import told_names
 from planner.output.export import EXPORTERS
+from planner.planning.campaigns.chosen import ChosenLook
 from planner.planning.opportunities import find_opportunities
 from planner.spacecraft.export import IMAGING_EXPORTERS
 from planner.spacecraft.table import AttitudeTable, ImagingWindow
@@ -87,7 +88,7 @@ def search_csv(text):
 
 
 def looks_csv(text):
-    look = dict.fromkeys((field.name for field in dataclasses.fields(CampaignLookOut)), -0.5)
+    look = dict.fromkeys(told_names(ChosenLook).values(), -0.5)
     facts = {"pass": 0, "looks": [look | {"target": text}]}
     return campaign_csv([PlannedPass(part=SimpleNamespace(facts=facts), plan=True, refusal=None)])
 

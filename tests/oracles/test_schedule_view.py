@@ -91,7 +91,7 @@ def test_quality_is_that_of_skyfields_elevation_range_and_sun(skyfield):
     assert len(looks) > 15
     for look in looks:
         t_s = elapsed_s(look.start_utc, START) + np.arange(0.0, LENGTH_S + 1.0, STEP_S)
-        elevation_deg, range_m, height_m, sun_deg = sights(skyfield, request, look.target, t_s)
+        elevation_deg, range_m, height_m, sun_deg = sights(skyfield, request, look.row, t_s)
         sharp = height_m * np.sin(np.radians(elevation_deg)) / range_m
         quality = sharp * np.sqrt(np.maximum(np.sin(np.radians(sun_deg)), 0.0))
         # Skyfield's elevation holds refraction-free geometry on WGS84 as ours: 1e-4 of it is
@@ -100,10 +100,8 @@ def test_quality_is_that_of_skyfields_elevation_range_and_sun(skyfield):
             np.trapezoid(quality, dx=1.0 / (len(t_s) - 1)), abs=3e-4
         )
         middle = len(t_s) // 2
-        assert math.degrees(look.seen.elevation_rad) == pytest.approx(
-            elevation_deg[middle], abs=0.01
-        )
-        assert math.degrees(look.seen.sun_elevation_rad) == pytest.approx(sun_deg[middle], abs=0.01)
+        assert math.degrees(look.elevation_rad) == pytest.approx(elevation_deg[middle], abs=0.01)
+        assert math.degrees(look.sun_elevation_rad) == pytest.approx(sun_deg[middle], abs=0.01)
         assert look.value == pytest.approx(look.quality)
     assert campaign.value == pytest.approx(sum(look.value for look in looks))
 
@@ -130,9 +128,9 @@ def test_probability_is_the_plans_at_an_instant():
         for look, budget in zip(flight.looks, plan.budgets, strict=False):
             # 1,024 points instead of 16,384 are good to 0.01, an instant for 2 s to 0.015.
             told = budget.probability_in_frame
-            assert look.seen.probability_in_frame == pytest.approx(told, abs=0.025)
+            assert look.probability_in_frame == pytest.approx(told, abs=0.025)
             # A mean over the look, in whose 40 s an elevation changes by some degrees.
-            assert look.quality == pytest.approx(look.seen.probability_in_frame, abs=0.05)
+            assert look.quality == pytest.approx(look.probability_in_frame, abs=0.05)
 
 
 def test_unseen_targets_say_what_closed_them(skyfield):
@@ -145,11 +143,11 @@ def test_unseen_targets_say_what_closed_them(skyfield):
     t_s = np.arange(0.0, 86400.0, 10.0)
     causes = set()
     for one in campaign.unseen:
-        elevation_deg, _, _, sun_deg = sights(skyfield, request, one.target, t_s)
+        elevation_deg, _, _, sun_deg = sights(skyfield, request, one.row, t_s)
         # In 10 s overhead the elevation changes by 10 deg, so far from its highest by less.
         assert elevation_deg.max() <= math.degrees(one.best_elevation_rad) + 0.01
-        best_s = elapsed_s(one.best_utc, START)
-        at_best_deg = sights(skyfield, request, one.target, [best_s])[0][0]
+        best_s = elapsed_s(one.best_time_utc, START)
+        at_best_deg = sights(skyfield, request, one.row, [best_s])[0][0]
         assert math.degrees(one.best_elevation_rad) == pytest.approx(at_best_deg, abs=0.01)
         high = elevation_deg >= 30.0
         expected = "elevation" if not high.any() else "sun_elevation"
@@ -183,7 +181,7 @@ def test_each_condition_that_closes_a_target_is_named(fields, cause, said):
     session_s = fields.get("session_s", LENGTH_S)
     request = replace(
         request,
-        targets=(replace(request.targets[look.target], session_s=session_s),),
+        targets=(replace(request.targets[look.row], session_s=session_s),),
         conditions=conditions,
         platform=replace(request.platform, masks=fields.get("masks", ())),
         start=begins - span,
@@ -221,6 +219,6 @@ def test_who_is_left_out_is_displaced_by_looks_worth_as_much():
         assert one.displaced_value >= one.value - 1e-9
     # Without those in its way, and nothing else to do, it is looked at as said.
     one = displaced[0]
-    by_itself = choose_campaign(replace(request, targets=(request.targets[one.target],)))
+    by_itself = choose_campaign(replace(request, targets=(request.targets[one.row],)))
     [look] = [look for flight in by_itself.passes for look in flight.looks]
     assert look.value >= one.value - 1e-9

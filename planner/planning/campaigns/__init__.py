@@ -3,27 +3,22 @@
 from typing import TYPE_CHECKING
 
 from planner.base.on_first_use import on_first_use
+from planner.planning.campaigns.chosen import ChosenLook, UnchosenTarget, Unseen
 from planner.planning.campaigns.request import CampaignRequest, CampaignTarget, Closing, ViewWeights
 
 if TYPE_CHECKING:
     from planner.planning.campaigns.campaign import (
         Campaign,
-        ChosenLook,
         ChosenPass,
-        UnchosenTarget,
         choose_campaign,
         scenario_of,
     )
-    from planner.planning.campaigns.unseen import Unseen
     from planner.planning.campaigns.view import Seen
 else:
     __getattr__ = on_first_use(
         Campaign="planner.planning.campaigns.campaign",
-        ChosenLook="planner.planning.campaigns.campaign",
         ChosenPass="planner.planning.campaigns.campaign",
         Seen="planner.planning.campaigns.view",
-        UnchosenTarget="planner.planning.campaigns.campaign",
-        Unseen="planner.planning.campaigns.unseen",
         choose_campaign="planner.planning.campaigns.campaign",
         scenario_of="planner.planning.campaigns.campaign",
     )

@@ -12,6 +12,7 @@ import numpy as np
 from planner.base.arrays import Array, Indices
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.planning.campaigns.choice import CampaignChoice, Looking, Reporter, bound_at, choose
+from planner.planning.campaigns.chosen import ChosenLook, UnchosenTarget, Unseen
 from planner.planning.campaigns.displaced import Displaced, displaced_by
 from planner.planning.campaigns.network import Network, network_of, relax
 from planner.planning.campaigns.passes import (
@@ -25,12 +26,12 @@ from planner.planning.campaigns.passes import (
 from planner.planning.campaigns.request import BOUNDS as CAMPAIGN_BOUNDS
 from planner.planning.campaigns.request import CampaignRequest
 from planner.planning.campaigns.slew_time import limit_table
-from planner.planning.campaigns.unseen import Unseen, unseen_because
-from planner.planning.campaigns.view import Seen, Viewing
+from planner.planning.campaigns.unseen import unseen_because
+from planner.planning.campaigns.view import Viewing
 from planner.planning.campaigns.ways import Ways, ways_to_follow
 from planner.planning.opportunities import Windows, opportunities_however_many
 from planner.planning.opportunities.carrier import Carrier, carrier_over
-from planner.world.frames.time_scales import shifted_utc
+from planner.world.frames.time_scales import shifted_utc, utc_text
 from planner.world.platforms import AxisLimits
 from planner.world.scenario import InitialState, Scenario, Session
 from planner.world.targets import BenchMotionTarget
@@ -40,44 +41,12 @@ REST_ROWS = 5 * ROWS_PER_S  # how long the axes are held at rest at the end of a
 
 
 @dataclass(frozen=True, kw_only=True)
-class ChosenLook:
-    """A look at a target: row of the request's targets, from start to stop.
-
-    value: worth of the look.  quality: of its view, a mean over the look.
-    seen: at the middle of the look.
-    """
-
-    target: int
-    start_utc: datetime
-    stop_utc: datetime
-    value: float
-    quality: float
-    seen: Seen
-
-
-@dataclass(frozen=True, kw_only=True)
 class ChosenPass:
     """Looks in order of time, with the platform at rest from start and again by stop."""
 
     start_utc: datetime
     stop_utc: datetime
     looks: tuple[ChosenLook, ...]
-
-
-@dataclass(frozen=True, kw_only=True)
-class UnchosenTarget:
-    """A target (row of the request's) that got no look, and the look it came nearest to.
-
-    value: of that look.  displaced_by: targets whose looks can't be flown beside it, worth
-    displaced_value; none where only the looks after it would have to move.
-    """
-
-    target: int
-    start_utc: datetime
-    stop_utc: datetime
-    value: float
-    displaced_by: tuple[int, ...]
-    displaced_value: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -182,8 +151,8 @@ def scenario_of(request: CampaignRequest, flight: ChosenPass, number: int) -> Sc
         sessions=(
             *(
                 Session(
-                    id=request.targets[look.target].id,
-                    target=request.targets[look.target].target,
+                    id=look.target,
+                    target=request.targets[look.row].target,
                     start=look.start_utc,
                     stop=look.stop_utc,
                 )
@@ -266,13 +235,23 @@ def _threads() -> ThreadPoolExecutor:
 
 def _left_out(request: CampaignRequest, one: Displaced, grid_s: float) -> UnchosenTarget:
     start_utc = shifted_utc(request.start, grid_s + one.first_step * request.step_s)
+    ids = tuple(request.targets[look.target].id for look in one.by)
+    displaced_value = sum((look.value for look in one.by), 0.0)
+    if ids:
+        why = f"and what it displaces, {', '.join(ids)}, is worth {displaced_value:.4g}"
+    elif one.value <= 0.0:
+        why = "and no other view of it is worth more, as `view` weighs them"
+    else:
+        why = "but no sequence with it was found that is worth more"
     return UnchosenTarget(
-        target=one.target,
+        row=one.target,
+        target=request.targets[one.target].id,
+        because=f"a look from {utc_text(start_utc, 1)} would be worth {one.value:.4g}, {why}",
         start_utc=start_utc,
         stop_utc=shifted_utc(start_utc, request.targets[one.target].lengths_s[one.length]),
         value=one.value,
-        displaced_by=tuple(look.target for look in one.by),
-        displaced_value=sum(look.value for look in one.by),
+        displaced_by=ids,
+        displaced_value=displaced_value,
     )
 
 
@@ -293,13 +272,14 @@ def _in_utc(
     views = viewing.seen(carrier, targets, target, start_s + 0.5 * length_s, pixel_rad)
     told = iter(
         ChosenLook(
-            target=look.target,
+            row=look.target,
+            target=request.targets[look.target].id,
             start_utc=shifted_utc(request.start, begin_s),
             stop_utc=shifted_utc(shifted_utc(request.start, begin_s), lasts_s),
             value=look.value,
             # Where it is 1, the quotient may round up.
             quality=min(look.value / request.targets[look.target].worth_value(lasts_s), 1.0),
-            seen=seen,
+            **vars(seen),
         )
         for look, begin_s, lasts_s, seen in zip(
             chosen, start_s.tolist(), length_s.tolist(), views, strict=True

@@ -5,13 +5,13 @@ The elevation that the carrier reaches, and what closes every window.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from datetime import datetime
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from planner.base.arrays import Array, Indices
+from planner.planning.campaigns.chosen import Unseen
 from planner.planning.campaigns.passes import Looks
 from planner.planning.campaigns.request import CampaignRequest, Closing
 from planner.planning.opportunities import (
@@ -40,23 +40,6 @@ _NARROWING: tuple[tuple[Closing, tuple[str, ...]], ...] = (
 )
 
 
-@dataclass(frozen=True, kw_only=True)
-class Unseen:
-    """A target (row of the request's) that can't be looked at for as long as it must.
-
-    closed_by: the condition that leaves nothing of its windows; "duration": none lasts long
-    enough, "rest": none does between the rests of the platform, "motion": the axes can't follow.
-    best_elevation_rad, best_utc: the carrier's highest in the target's sky at any time, whatever
-    the conditions (for a target in space, above the limb).
-    """
-
-    target: int
-    closed_by: Closing
-    because: str
-    best_elevation_rad: float
-    best_utc: datetime
-
-
 def unseen_because(
     request: CampaignRequest,
     carrier: Carrier,
@@ -71,11 +54,12 @@ def unseen_because(
     closed = _closed(request, unseen, windows, looks, best_rad)
     return tuple(
         Unseen(
-            target=row,
+            row=row,
+            target=request.targets[row].id,
             closed_by=closed[row][0],
             because=closed[row][1],
             best_elevation_rad=float(best_rad[n]),
-            best_utc=shifted_utc(request.start, float(best_s[n])),
+            best_time_utc=shifted_utc(request.start, float(best_s[n])),
         )
         for n, row in enumerate(unseen)
     )

@@ -1,0 +1,86 @@
+"""Looks that were chosen, and targets that got none, as answers tell them."""
+
+from typing import Annotated
+
+from planner.base.told import NotNegative, Share, Told, Untold, told
+from planner.planning.campaigns.request import Closing
+from planner.world.frames.time_scales import Utc
+
+_Height = Annotated[float, Told("deg", -90.0, 180.0, decimals=3)]
+
+
+@told
+class ChosenLook:
+    """A look at a target as it was chosen; its plan states what a slew took from it.
+
+    target: id of the target, as the request gives it.
+    start_utc: from when; UTC.
+    stop_utc: until when; UTC.
+    value: worth of the look.
+    quality: of the view, a mean over the look, which `value` holds.
+    elevation_rad: of the carrier in the target's sky at the middle of the look; above the limb for
+    a target in space.
+    off_nadir_rad: at the middle of the look; null for a target in space.
+    ground_sample_m: the longer side of a pixel on the ground then; null for a target in space.
+    sun_elevation_rad: in the target's sky then; null for a target in space.
+    probability_in_frame: that the target is in the frame at that instant; over all of a look it is
+    less, see its plan.
+    """
+
+    row: Untold[int]  # of the request's targets
+    target: str
+    start_utc: Utc
+    stop_utc: Utc
+    value: NotNegative
+    quality: Share
+    elevation_rad: _Height
+    off_nadir_rad: Annotated[float, Told("deg", 0.0, 180.0, decimals=3)] | None
+    ground_sample_m: NotNegative | None
+    sun_elevation_rad: Annotated[float, Told("deg", -90.0, 90.0, decimals=3)] | None
+    probability_in_frame: Share
+
+
+@told
+class UnchosenTarget:
+    """A target that could be looked at, and what stood in its way.
+
+    target: id of the target, as the request gives it.
+    because: the worth of its look, and of what it would displace. E.g.
+    `"a look from 2015-02-27T17:36:08.0Z would be worth 0.31, and what it displaces is worth 1.9"`.
+    start_utc: of the look it came nearest to; UTC.
+    stop_utc: of that look; UTC.
+    value: of that look.
+    displaced_by: ids of the targets whose looks can't be flown beside it. E.g. `["Los Angeles"]`.
+    displaced_value: their worth together.
+    """
+
+    row: Untold[int]  # of the request's targets
+    target: str
+    because: str
+    start_utc: Utc
+    stop_utc: Utc
+    value: NotNegative
+    displaced_by: tuple[str, ...]  # none where only the looks after it would have to move
+    displaced_value: NotNegative
+
+
+@told
+class Unseen:
+    """A target that can't be looked at for as long as it must, and why.
+
+    target: id of the target, as the request gives it. E.g. `"Reykjavik"`.
+    closed_by: the condition that leaves nothing of its windows; `reach`: no angles within the
+    stops, `duration`: no window lasts long enough, `rest`: none does beside the time to and from
+    rest, `motion`: the axes can't follow.
+    because: the condition that fails instead. E.g. `"the carrier stays below 30 deg in its sky"`.
+    best_elevation_rad: the carrier's highest in the target's sky at any time, whatever the
+    conditions; above the limb for a target in space. E.g. `12.3`.
+    best_time_utc: time of it; UTC. E.g. `"2015-02-27T17:36:08.000Z"`.
+    """
+
+    row: Untold[int]  # of the request's targets
+    target: str
+    closed_by: Closing
+    because: str
+    best_elevation_rad: _Height
+    best_time_utc: Utc
