@@ -67,6 +67,17 @@ def test_a_plan_is_printed_on_one_page(open_page, plans, name, language, theme):
     assert page.evaluate("getComputedStyle(document.documentElement).backgroundColor") == (
         "rgb(255, 255, 255)"
     )
+    margins = page.evaluate(
+        "document.adoptedStyleSheets.map(one => [...one.cssRules].map(rule => rule.cssText)).join()"
+    )
+    identity = page.get_by_test_id("identity").text_content()
+    for part in (plans[name], "27", "2015", "iss-hrc", "LVLH -4/-2/1", "SHA-256"):
+        assert part in margins
+        assert part in identity
+    expect(page.locator(".signed")).to_be_visible()
+    for picture in page.locator(".sheet-charts .plane").all():
+        levels = picture.locator("text[text-anchor=end]").all_text_contents()
+        assert len(set(levels)) > 1
     shown = page.locator(".one").inner_text()
     assert verdict in shown
     for session in ("Las Vegas",) if name == "one" else [f"Place {k + 1}" for k in range(5)]:

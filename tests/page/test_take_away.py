@@ -38,6 +38,7 @@ def test_every_export_can_be_saved(plan_page):
         with plan_page.expect_download() as download:
             button.click()
         name = download.value.suggested_filename
+        assert name.startswith("Las_Vegas_20150227T173620Z_r1_")
         saved[name.rsplit(".", 1)[1]] = Path(download.value.path()).read_bytes()
     assert len(saved) == len(EXPORTERS)
     assert saved["csv"] == plan_page.request.get(f"{path}/table?format=csv").body()
@@ -51,8 +52,29 @@ def test_the_verdict_says_what_the_answer_says(plan_page):
     [session] = summary["sessions"]
     assert f"ground sample {session['ground_sample_m']:.2f} m" in verdict
     assert f"elevation up to {session['best_elevation_deg']:.0f}°" in verdict
+    assert verdict.startswith("Passed, with doubts")  # it will probably miss
     # Of 3 deg/s the pass takes 0.99.
-    assert "least margin 67 % of alpha rate at 17:37:30 UTC" in verdict
+    assert "least margin 67 % of alpha rate at 17:37:30.5 UTC" in verdict
+
+
+def test_the_plan_says_which_it_is(plan_page):
+    provenance = plan_page.request.get("/v1/plans/" + plan_page.url.rsplit("/", 1)[1]).json()
+    when = "27 Feb 2015 17:36:20–17:37:50 UTC"
+    expect(plan_page).to_have_title(
+        f"Las Vegas, {when}, iss-hrc, TLE of 27 Feb 2015 11:33 (6 h old), "
+        "LVLH -4/-2/1, revision 1 · A plan · slewtrack"
+    )
+    identity = plan_page.get_by_test_id("identity")
+    for part in (
+        when,
+        "iss-hrc",
+        "TLE of 27 Feb 2015 11:33 (6 h old)",
+        "LVLH -4/-2/1",
+        "revision 1",
+        provenance["id"],
+        provenance["provenance"]["input_sha256"][:12],
+    ):
+        expect(identity).to_contain_text(part)
 
 
 def test_the_permalink_opens_the_same_plan(plan_page, open_page):

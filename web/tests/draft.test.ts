@@ -12,6 +12,8 @@ const window = (from_s: number, to_s: number, highest_deg = 50, sun_elevation_de
   ({
     rise: at(from_s),
     set: at(to_s),
+    opened_by: "elevation",
+    closed_by: "elevation",
     highest_at: at((from_s + to_s) / 2),
     highest_deg,
     session: { start: at(from_s), stop: at(to_s) },
@@ -63,6 +65,16 @@ test("a long window gives its middle five minutes, beside another session what t
   expect(sessionIn({ ...window(0, 100), session: null })).toBeNull();
 });
 
+test("a session keeps off the end that a stop makes, and a long one lies in the middle of what can be held", () => {
+  draft.removeSession(0);
+  expect(sessionIn({ ...window(0, 100), closed_by: "reach" })).toEqual({ start: at(0), stop: at(95) });
+  expect(sessionIn({ ...window(0, 100), opened_by: "sun_keep_out" })).toEqual({ start: at(5), stop: at(100) });
+  const held = { start: at(20), stop: at(100) }; // the axes can't follow before
+  expect(sessionIn({ ...window(0, 100), session: held })).toEqual({ start: at(24), stop: at(100) });
+  const star = { ...window(0, 3000), highest_at: at(2990), closed_by: "reach" };
+  expect(sessionIn(star)).toEqual({ start: at(1275), stop: at(1575) });
+});
+
 test("a session is drawn in its window, or in one an hour away at most", () => {
   const windows = [window(0, 100), window(6000, 6100)];
   const session = (from_s: number) => ({ start: at(from_s), stop: at(from_s + 10) });
@@ -73,8 +85,8 @@ test("a session is drawn in its window, or in one an hour away at most", () => {
   expect(windowNear(windows, {})).toBeNull();
 });
 
-test("the best window is the first of the high ones by day", () => {
-  const [low, night, high, higher] = [window(0, 1, 30), window(2, 3, 89, -20), window(4, 5, 61), window(6, 7, 80)];
+test("the best window is the soonest good one by day: elements age", () => {
+  const [low, night, high, higher] = [window(0, 1, 30), window(2, 3, 89, -20), window(4, 5, 41), window(6, 7, 80)];
   expect(best([low, night, high, higher])).toBe(high);
   expect(best([night, { ...high, session: null }])).toBe(night);
   expect(best([])).toBeNull();

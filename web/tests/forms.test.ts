@@ -1,7 +1,7 @@
 /** Numbers, times and plurals as they are read, in both languages. */
 import { afterEach, expect, test } from "vitest";
 
-import { clock, digits, instant, named, number, percent, rfc3339 } from "../src/i18n/forms";
+import { clock, digits, fixed, instant, marginTold, named, number, percent, period, rfc3339, rowClock } from "../src/i18n/forms";
 import { counted, language } from "../src/i18n/language";
 
 afterEach(() => {
@@ -11,6 +11,22 @@ afterEach(() => {
 test("times are UTC, to the second that is nearest", () => {
   expect(clock("2015-02-27T18:36:20.900+01:00")).toBe("17:36:20");
   expect(instant("2015-02-27T17:36:20.900Z")).toBe("2015-02-27 17:36:21 UTC");
+});
+
+test("a row's instant has its tenths, and a period its day, both where it ends on another", () => {
+  expect([rowClock("2015-02-27T17:36:20Z"), rowClock("2015-02-27T17:34:26.600Z")]).toEqual(["17:36:20", "17:34:26.6"]);
+  expect(period("2015-02-27T17:36:20Z", "2015-02-27T17:37:50.4Z")).toBe("27 Feb 2015 17:36:20–17:37:50.4 UTC");
+  expect(period("2015-02-28T23:59:00Z", "2015-03-01T00:01:00Z")).toBe("28 Feb 2015 23:59:00–1 Mar 2015 00:01:00 UTC");
+  language.value = "ru";
+  expect(period("2015-02-27T17:36:20Z", "2015-02-27T17:37:50Z")).toMatch(/^27 февр\. 2015 г\. 17:36:20/);
+});
+
+test("what rounds to nothing has no sign", () => {
+  expect([fixed(-1e-9, 5), fixed(-0.5, 2), fixed(null, 2), digits(-0)]).toEqual(["0.00000", "−0.50", "–", "0"]);
+});
+
+test("a margin too small for whole percents keeps its digits", () => {
+  expect([marginTold(0.67), marginTold(0.0002), marginTold(0)]).toEqual(["67 %", "0.02 %", "0 %"]);
 });
 
 test.each([

@@ -3,7 +3,7 @@ import { expect, test } from "vitest";
 
 import "./page";
 
-const { longitudeAt, onRows, rowAt, valueAt } = await import("../src/rooms/viewer/view");
+const { frameRowAt, longitudeAt, onRows, rowAt, valueAt } = await import("../src/rooms/viewer/view");
 const { lightOf, quality, sample_m } = await import("../src/windows/sight");
 type View = Parameters<typeof rowAt>[0];
 type Pass = Parameters<typeof quality>[0];
@@ -19,6 +19,14 @@ test.each([
   [9, 3],
 ])("at %f s row %i holds", (t_s, row) => {
   expect(rowAt(view, t_s)).toBe(row);
+});
+
+test("the frame shows the session that is, else that which comes, else that which was", () => {
+  const of = (major: (number | null)[], activity: string[]) =>
+    ({ ...view, activity, pointing: { sigma_major_arcsec: major } }) as unknown as View;
+  const held = of([null, 5, 6, null], ["slew", "track", "track", "brake"]);
+  expect([0, 0.2, 0.4, 0.6].map((t_s) => frameRowAt(held, t_s))).toEqual([1, 1, 2, 2]);
+  expect(frameRowAt(of([null, null, null, null], ["wait", "wait", "wait", "wait"]), 0)).toBeNull();
 });
 
 test("a column goes straight between its rows, and isn't known beside one that isn't", () => {

@@ -3,6 +3,7 @@ import type { ComponentChildren } from "preact";
 import { useEffect, useId, useRef, useState } from "preact/hooks";
 
 import "./charts.css";
+import { ticks } from "./levels";
 
 export type Span = readonly [number, number];
 
@@ -90,15 +91,6 @@ function equal(x: Span, y: Span, aspect: number): [Span, Span] {
 function grown([low, high]: Span, length: number): Span {
   const middle = (low + high) / 2;
   return [middle - length / 2, middle + length / 2];
-}
-
-function ticks([low, high]: Span, atMost: number): number[] {
-  const rough = (high - low) / Math.max(atMost, 2);
-  const power = 10 ** Math.floor(Math.log10(rough));
-  const step = ([1, 2, 5].find((one) => one * power >= rough) ?? 10) * power;
-  const found: number[] = [];
-  for (let k = Math.ceil(low / step); k * step <= high; k++) found.push(Number((k * step).toPrecision(10)));
-  return found;
 }
 
 function told(value: number): string {

@@ -8,6 +8,7 @@ import { isDark } from "../shell/theme";
 import { cursor_s, isPlaying } from "../time/cursor";
 import "./charts.css";
 import { colour } from "./colours";
+import { labels } from "./levels";
 
 export type Values = readonly (number | null)[];
 
@@ -124,6 +125,7 @@ function options(props: Props, width: number): uPlot.Options {
         size: LEFT_PX,
         gap: 4,
         space: 26,
+        values: (_: uPlot, splits: number[]) => labels(splits),
         ...(isLogarithmic && {
           splits: (_: uPlot, _axis: number, low: number, high: number) => powers(low, high),
           filter: (_: uPlot, splits: number[]) => splits,

@@ -6,6 +6,25 @@ export function clock(iso: string | number): string {
   return new Date(iso).toISOString().slice(11, 19);
 }
 
+/** "17:36:20", and "17:34:26.6" between whole seconds: an instant of a table's row, which must not be rounded. */
+export function rowClock(iso: string | number): string {
+  return new Date(Math.round(new Date(iso).getTime() / 100) * 100).toISOString().slice(11, 21).replace(/\.0$/, "");
+}
+
+/** "27 Feb 2015"; UTC. */
+export function day(iso: string | number): string {
+  const locale = language.value === "en" ? "en-GB" : language.value;
+  return new Intl.DateTimeFormat(locale, { day: "numeric", month: "short", year: "numeric", timeZone: "UTC" })
+    .format(new Date(iso))
+    .replace(/\u202f|\u00a0/g, " ");
+}
+
+/** "27 Feb 2015 17:36:20–17:37:50 UTC", with a second day where it ends on another. */
+export function period(start: string, stop: string): string {
+  const [first, last] = [day(start), day(stop)];
+  return `${first} ${rowClock(start)}–${first === last ? "" : `${last} `}${rowClock(stop)} UTC`;
+}
+
 /** "2015-02-27 17:36:20 UTC". */
 export function instant(iso: string | number): string {
   return `${new Date(Math.round(new Date(iso).getTime() / 1000) * 1000).toISOString().slice(0, 19).replace("T", " ")} UTC`;
@@ -29,10 +48,18 @@ export function number(value: number | null | undefined, decimals = 1): string {
 export function digits(value: number | null | undefined, count = 3): string {
   if (value == null || !Number.isFinite(value)) return "–";
   if (value !== 0 && Math.abs(value) < 1e-3) return value.toExponential(count - 1);
-  return value.toLocaleString(language.value, {
+  return (value + 0).toLocaleString(language.value, {
     maximumSignificantDigits: count,
     useGrouping: false,
   });
+}
+
+/** With just so many decimals; what rounds to nothing has no sign. */
+export function fixed(value: number | null | undefined, decimals: number): string {
+  if (value == null || !Number.isFinite(value)) return "–";
+  const rounded = Number(value.toFixed(decimals)) + 0;
+  const form = { minimumFractionDigits: decimals, maximumFractionDigits: decimals, useGrouping: false };
+  return rounded.toLocaleString(language.value, form).replace("-", "−");
 }
 
 export function percent(share: number | null | undefined, decimals = 1): string {
@@ -40,6 +67,11 @@ export function percent(share: number | null | undefined, decimals = 1): string 
   const least = 10 ** -(decimals + 2);
   if (share > 1 - least && share < 1) return `> ${number((1 - least) * 100, decimals)} %`;
   return `${number(share * 100, decimals)} %`;
+}
+
+/** A margin's share of its limit; of small ones two digits, since "0 %" is no figure. */
+export function marginTold(share: number | null): string {
+  return share !== null && Math.abs(share) < 0.01 ? `${digits(share * 100, 2)} %` : percent(share, 0);
 }
 
 /** A member of one of the service's lists in the page's words; as the service says it where it has none yet. */

@@ -5,6 +5,7 @@ import { waiting } from "../api/client";
 import { part } from "../api/part";
 import { words } from "../i18n";
 import { Link } from "../parts/Link";
+import { subject } from "../parts/paper";
 import type { RoomProps } from "../room";
 import { ROOMS, type Room } from "../rooms";
 import { address, match, place } from "../router";
@@ -16,6 +17,7 @@ export function App() {
   const main = useRef<HTMLElement>(null);
   const [room, params] = find(place.value.path);
   const shown = useRef(place.value.path);
+  void subject.value;
   useEffect(() => {
     // Where the focus was is gone with the room that was left.
     if (shown.current !== place.value.path && document.activeElement === document.body)
@@ -23,7 +25,7 @@ export function App() {
     shown.current = place.value.path;
   }, [place.value.path]);
   useEffect(() => {
-    document.title = room ? `${text.rooms[room.title]} · slewtrack` : "slewtrack";
+    document.title = [subject.value, room && text.rooms[room.title], "slewtrack"].filter(Boolean).join(" · ");
   });
   return (
     <>

@@ -97,8 +97,18 @@ export const plan = {
     whole: "The whole Earth",
   },
   one: {
+    identity: {
+      older: (source: string, epoch: string, hours: string) => `${source} of ${epoch} (${hours} h old)`,
+      later: (source: string, epoch: string, hours: string) => `${source} of ${epoch} (${hours} h after the start)`,
+      revision: (number: number) => `revision ${number}`,
+      planned: (when: string) => `Planned ${when} by`,
+      approved: "Approved, date and signature",
+    },
     passed: "Passed",
     failed: "Not passed",
+    doubtful: "Passed, with doubts",
+    atLimit: (limit: string, when: string) => `${limit} at the limit at ${when}`,
+    limitReached: "at the limit",
     least: (limit: string, share: string, when: string) => `least margin ${share} of ${limit} at ${when}`,
     limits: {
       angle_min: "least angle",

@@ -36,6 +36,8 @@ export const simulation = {
   turn: (deg: string) => `the view turns by at most ${deg}° between frames`,
   movingObject: (px: string) => `the moving object shifts by up to ${px} px`,
   histogram: "Largest miss of each run.",
+  missAxis: "largest miss, ″",
+  runsAxis: "runs",
   histogramOf: (last: string) => `Histogram of the runs' largest misses, 0 to ${last} arcsec`,
   beyond: (count: number) => `${counted(count, "run", "runs", "runs")} beyond.`,
   error: "Error of the frames",

@@ -49,7 +49,7 @@ export const viewer = {
     closer: "Shorter time",
     farther: "Longer time",
     margin: (limit: string, margin: string, axis: string, unit: string) =>
-      `least margin ${margin} ${unit} (${axis}, limit ${limit})`,
+      `least margin ${margin} (${axis}, limit ${limit} ${unit})`,
     told: (what: string, unit: string) => `${what} in ${unit} over time; values at the cursor are in the table`,
   },
   axisSpace: {
@@ -66,7 +66,8 @@ export const viewer = {
     told: "The camera's frame with the 1, 2 and 3-sigma ellipses of the target's place",
     first: "first side, ″",
     second: "second side, ″",
-    outside: "Told during sessions.",
+    outside: "Nothing is told: no session looks at a target.",
+    ofSession: (number: number, at: string) => `session ${number} at ${at}`,
     sigma: (major: string, minor: string) => `1-sigma ${major} × ${minor} ″`,
     inFrame: (probability: string) => `in frame: ${probability}`,
   },

@@ -99,8 +99,18 @@ export const plan: Words["plan"] = {
     whole: "Вся Земля",
   },
   one: {
+    identity: {
+      older: (source, epoch, hours) => `${source} от ${epoch} (возраст ${hours} ч)`,
+      later: (source, epoch, hours) => `${source} от ${epoch} (через ${hours} ч после начала)`,
+      revision: (number) => `редакция ${number}`,
+      planned: (when) => `Запланировано ${when}, кем`,
+      approved: "Утверждено, дата и подпись",
+    },
     passed: "Проверен",
     failed: "Не прошёл проверку",
+    doubtful: "Проверен, с сомнениями",
+    atLimit: (limit, when) => `${limit} на пределе, ${when}`,
+    limitReached: "на пределе",
     least: (limit, share, when) => `наименьший запас ${share}: ${limit}, ${when}`,
     limits: {
       angle_min: "наименьший угол",

@@ -37,6 +37,8 @@ export const simulation: Words["simulation"] = {
   turn: (deg: string) => `картинка поворачивается между кадрами не больше чем на ${deg}°`,
   movingObject: (px: string) => `подвижный объект сдвигается до ${px} px`,
   histogram: "Наибольший промах каждого прогона.",
+  missAxis: "наибольший промах, ″",
+  runsAxis: "прогоны",
   histogramOf: (last: string) => `Гистограмма наибольших промахов прогонов, от 0 до ${last} угл. с`,
   beyond: (count: number) => `Дальше: ${counted(count, "прогон", "прогона", "прогонов")}.`,
   error: "Ошибка кадров",

@@ -51,7 +51,7 @@ export const viewer: Words["viewer"] = {
     closer: "Короче отрезок",
     farther: "Длиннее отрезок",
     margin: (limit: string, margin: string, axis: string, unit: string) =>
-      `наименьший запас ${margin} ${unit} (${axis}, предел ${limit})`,
+      `наименьший запас ${margin} (${axis}, предел ${limit} ${unit})`,
     told: (what: string, unit: string) => `${what} в ${unit} по времени; значения в выбранный момент в таблице`,
   },
   axisSpace: {
@@ -68,7 +68,8 @@ export const viewer: Words["viewer"] = {
     told: "Кадр камеры с эллипсами 1, 2 и 3σ положения цели",
     first: "первая сторона, ″",
     second: "вторая сторона, ″",
-    outside: "Показывается во время сеансов.",
+    outside: "Показать нечего: ни один сеанс не смотрит на цель.",
+    ofSession: (number, at) => `сеанс ${number}, ${at}`,
     sigma: (major: string, minor: string) => `1σ: ${major} × ${minor} ″`,
     inFrame: (probability: string) => `в кадре: ${probability}`,
   },

@@ -2,7 +2,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 
 import { words } from "../../i18n";
-import { clock, digits, instant, number, percent } from "../../i18n/forms";
+import { digits, instant, number, percent, rowClock } from "../../i18n/forms";
 import { Field } from "../../parts/Field";
 import { Link } from "../../parts/Link";
 import { FATES, type Fate, type TargetFate } from "./campaign";
@@ -76,7 +76,7 @@ export function Fates({ fates, chosen, onChoose }: Props) {
                   {one.looks.map((look) => (
                     <div key={look.start}>
                       <Link to={`/plans/${look.plan}`}>
-                        {instant(look.start).slice(0, 10)} {clock(look.start)}–{clock(look.stop)}
+                        {instant(look.start).slice(0, 10)} {rowClock(look.start)}–{rowClock(look.stop)}
                       </Link>
                     </div>
                   ))}

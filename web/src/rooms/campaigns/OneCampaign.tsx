@@ -4,9 +4,10 @@ import { useState } from "preact/hooks";
 import { useJob, useRequest } from "../../api/request";
 import { curl } from "../../api/snippets";
 import { words } from "../../i18n";
-import { instant } from "../../i18n/forms";
+import { period } from "../../i18n/forms";
 import { AtWork } from "../../parts/AtWork";
 import { Copied } from "../../parts/Copied";
+import { Identity } from "../../parts/Identity";
 import { JobEnded } from "../../parts/JobEnded";
 import { Link } from "../../parts/Link";
 import { address } from "../../router";
@@ -27,15 +28,17 @@ export function OneCampaign({ id }: { id: string }) {
     <div class="room">
       <div class="row heading">
         <h1>{answer?.name || words.value.shell.rooms.campaigns}</h1>
-        {answer?.start && answer.stop && (
-          <span class="mono small">
-            {instant(answer.start).slice(0, 16)} – {instant(answer.stop).slice(0, 16)} UTC
-          </span>
-        )}
         <Link to={`/campaigns?from=${id}`} class="button">
           {words.value.plan.one.change}
         </Link>
       </div>
+      {answer?.start && answer.stop && (
+        <Identity
+          name={answer.name || words.value.shell.rooms.campaigns}
+          parts={[period(answer.start, answer.stop), answer.platform].filter((part) => part !== null)}
+          proof={[id]}
+        />
+      )}
       {error !== null && (
         <JobEnded work="/v1/campaigns" room="/campaigns" id={id} error={error} again={() => void ask()} text={text} />
       )}

@@ -1,7 +1,8 @@
 /** The figures behind the verdict: sessions, margins, the pointing budget, warnings. */
 import { words } from "../../i18n";
-import { clock, digits, number, percent } from "../../i18n/forms";
+import { digits, marginTold, number, percent, period, rowClock } from "../../i18n/forms";
 import type { Plan } from "./plan";
+import { isAtLimit, shareOf } from "./verdict";
 
 export function Figures({ plan }: { plan: Plan }) {
   const text = words.value.plan.one;
@@ -67,9 +68,7 @@ function Sessions({ plan }: { plan: Plan }) {
             return (
               <tr key={one.session}>
                 <td>{one.name ?? one.target}</td>
-                <td>
-                  {clock(one.start)}–{clock(one.stop)}
-                </td>
+                <td>{period(one.start, one.stop).replace(" UTC", "")}</td>
                 <td class="number">{one.best_elevation_deg == null ? "–" : `${number(one.best_elevation_deg)}°`}</td>
                 <td class="number">{pointing?.range_min_km == null ? "–" : `${number(pointing.range_min_km, 0)} km`}</td>
                 <td class="number">
@@ -115,13 +114,15 @@ function Margins({ plan }: { plan: Plan }) {
                   <tr key={axis + limit}>
                     <td>{axis}</td>
                     <td>
-                      {text.limits[limit as keyof typeof text.limits] ?? limit} {digits(one.limit)}
+                      {text.limits[limit as keyof typeof text.limits] ?? limit} {digits(one.limit)} {unitOf(one.unit)}
                     </td>
                     <td class="number">{digits(one.extreme)}</td>
                     <td class="number">
-                      {digits(one.margin)} {one.unit}
+                      {isAtLimit({ kind: "axis", axis, limit, share: shareOf(one) ?? 1, at: one.at })
+                        ? text.limitReached
+                        : marginTold(shareOf(one))}
                     </td>
-                    <td class="number">{clock(one.at)}</td>
+                    <td class="number">{rowClock(one.at)}</td>
                   </tr>
                 ),
             ),
@@ -168,4 +169,9 @@ function Budget({ plan }: { plan: Plan }) {
       </table>
     </section>
   );
+}
+
+/** "°/s²" of "deg/s2", as the charts have it. */
+function unitOf(unit: string): string {
+  return unit.replace("deg", "°").replace("2", "²").replace("3", "³");
 }

@@ -1,18 +1,26 @@
 /** One plan: its verdict, what it looks like, what can be taken away; or why there is none. */
+import type { ComponentType } from "preact";
+import { useMemo } from "preact/hooks";
+
+import { send } from "../../api/client";
 import { Cancelled } from "../../api/job";
 import { offerOf } from "../../api/offer";
 import { part } from "../../api/part";
 import { brokeOff, NoAnswer, Problem } from "../../api/problem";
 import { useJob, useRequest } from "../../api/request";
 import { words } from "../../i18n";
+import { instant } from "../../i18n/forms";
 import { Bar } from "../../parts/Bar";
+import { Identity } from "../../parts/Identity";
 import { Link } from "../../parts/Link";
 import { ProblemNotice } from "../../parts/ProblemNotice";
+import { checksum } from "../../parts/paper";
 import { TakeOffer } from "../../parts/TakeOffer";
 import type { RoomProps } from "../../room";
 import { go } from "../../router";
 import { Figures } from "./Figures";
-import { fetchPlan, isPlan } from "./plan";
+import { identityOf, nameOf } from "./identity";
+import { fetchPlan, isPlan, type Plan, type PlanRequest } from "./plan";
 import "../planning/planning.css";
 import "./plan.css";
 import { TakeAway } from "./TakeAway";
@@ -30,7 +38,6 @@ export default function PlanRoom({ params }: RoomProps) {
     }
   });
   const plan = job.answer && isPlan(job.answer) ? job.answer : null;
-  const Viewer = viewer.answer;
   const { progress } = job;
   const error = job.error ?? viewer.error;
   const again = () => {
@@ -62,22 +69,36 @@ export default function PlanRoom({ params }: RoomProps) {
       </div>
     );
   }
+  return <Shown plan={plan} Viewer={viewer.answer} />;
+}
+
+function Shown({ plan, Viewer }: { plan: Plan; Viewer: ComponentType<{ plan: Plan }> | null }) {
+  const text = words.value;
+  const { id } = plan;
+  const request = useRequest(id, async (until) => (await send("GET", "/v1/plans/{id}/request", { id, signal: until })).text());
+  const asked = useMemo(() => (request.answer === null ? null : (JSON.parse(request.answer) as PlanRequest)), [request.answer]);
+  const name = nameOf(plan);
   return (
     <div class="room one">
       <div class="row heading">
-        <h1>{plan.summary.name || plan.summary.targets.join(", ")}</h1>
+        <h1>{name}</h1>
         <Link to={`/?from=${id}&revises=yes`} class="button">
           {text.plan.one.change}
         </Link>
       </div>
+      <Identity name={name} parts={identityOf(plan, asked)} proof={[id, checksum(plan.provenance.input_sha256)]} />
       <Verdict plan={plan} />
       {Viewer ? <Viewer plan={plan} /> : <p class="loading no-print">{text.shell.loading}</p>}
       <div class="one-below">
         <div>
           <Figures plan={plan} />
         </div>
-        <TakeAway plan={plan} />
+        <TakeAway plan={plan} request={request.answer} unread={request.error} />
       </div>
+      <p class="signed">
+        <span>{text.plan.one.identity.planned(instant(plan.provenance.planned_at))}</span>
+        <span>{text.plan.one.identity.approved}</span>
+      </p>
     </div>
   );
 }

@@ -1,5 +1,4 @@
 /** Everything that leaves the page: files, the link, the request in three forms, paper. */
-import { send } from "../../api/client";
 import { download } from "../../api/download";
 import { PLAN_FORMATS } from "../../api/lists";
 import { useRequest } from "../../api/request";
@@ -9,19 +8,30 @@ import { named } from "../../i18n/forms";
 import { Copied } from "../../parts/Copied";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { address } from "../../router";
+import { fileNameOf } from "./identity";
 import type { Plan } from "./plan";
 
 type Format = (typeof PLAN_FORMATS)[number];
 
-export function TakeAway({ plan }: { plan: Plan }) {
+interface Props {
+  plan: Plan;
+  /** As it was sent; null until it is read. */
+  request: string | null;
+  unread: unknown;
+}
+
+export function TakeAway({ plan, request, unread }: Props) {
   const text = words.value.plan.take;
-  const { answer: request, error: unread } = useRequest(plan.id, async (until) =>
-    (await send("GET", "/v1/plans/{id}/request", { id: plan.id, signal: until })).text(),
-  );
   const saving = useRequest<void>(null);
   const error = saving.error ?? unread;
   const save = (format: Format) => {
-    void saving.ask(() => download("/v1/plans/{id}/table", { id: plan.id, query: { format } }, `plan.${format}`));
+    void saving.ask(() =>
+      download(
+        "/v1/plans/{id}/table",
+        { id: plan.id, query: { format } },
+        (told) => fileNameOf(plan) + (/\.[^.]+$/.exec(told ?? "")?.[0] ?? `.${format}`),
+      ),
+    );
   };
   const service = new URL(address("/"), location.href).href;
   return (

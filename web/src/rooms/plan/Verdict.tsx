@@ -1,25 +1,28 @@
 import { words } from "../../i18n";
-import { clock, number, percent } from "../../i18n/forms";
+import { marginTold, number, percent, rowClock } from "../../i18n/forms";
 import type { Plan } from "./plan";
-import { type LeastMargin, leastMargin } from "./verdict";
+import { gradeOf, isAtLimit, type LeastMargin, leastMargin } from "./verdict";
 
 /** Whether it passed, and the figures one asks for first. */
 export function Verdict({ plan }: { plan: Plan }) {
   const text = words.value.plan.one;
-  const { passed } = plan.verification;
+  const grade = gradeOf(plan);
   const least = leastMargin(plan);
   const highest = Math.max(...plan.summary.sessions.map((one) => one.best_elevation_deg ?? -Infinity));
   const samples = plan.summary.sessions.map((one) => one.ground_sample_m ?? Infinity);
   const sample = Math.min(...samples);
   const facts = [
-    least && text.least(nameOf(least), percent(least.share, 0), `${clock(least.at)} UTC`),
+    least &&
+      (isAtLimit(least)
+        ? text.atLimit(nameOf(least), `${rowClock(least.at)} UTC`)
+        : text.least(nameOf(least), marginTold(least.share), `${rowClock(least.at)} UTC`)),
     plan.summary.probability_in_frame !== null && text.inFrame(percent(plan.summary.probability_in_frame)),
     Number.isFinite(sample) && text.sample(number(sample, 2)),
     Number.isFinite(highest) && text.elevation(number(highest, 0)),
   ].filter((fact) => typeof fact === "string");
   return (
-    <p class={`verdict ${passed ? "verdict-good" : "verdict-bad"}`} data-testid="verdict">
-      <b>{passed ? text.passed : text.failed}</b>
+    <p class={`verdict verdict-${grade}`} data-testid="verdict">
+      <b>{{ good: text.passed, warn: text.doubtful, bad: text.failed }[grade]}</b>
       {facts.map((fact) => (
         <span key={fact}>{fact}</span>
       ))}

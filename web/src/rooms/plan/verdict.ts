@@ -1,6 +1,38 @@
 /** The one line that says whether a plan flies, and how near it comes to what. */
 import type { Plan } from "./plan";
 
+/** Below, the picture will probably miss; the service warns of the same. */
+const PROBABLE = 0.9;
+/** A share of an angle's limit so small that the motion lies on it. */
+const ON_A_STOP = 0.01;
+
+export type Grade = "good" | "warn" | "bad";
+
+/** bad: something breaks; warn: it flies, but will probably miss or lies on a stop, a cone or a mask. */
+export function gradeOf(plan: Plan): Grade {
+  if (!plan.verification.passed) return "bad";
+  const probability = plan.summary.probability_in_frame;
+  return marginsOf(plan).some(isOnAStop) || (probability !== null && probability < PROBABLE) ? "warn" : "good";
+}
+
+/** A slew as fast as it may is meant to be: of rates and above, a limit that is reached is no danger. */
+export function isAtLimit(one: LeastMargin): boolean {
+  return !isAngle(one) && one.share < ON_A_STOP;
+}
+
+function isOnAStop(one: LeastMargin): boolean {
+  return isAngle(one) && one.share < ON_A_STOP;
+}
+
+function isAngle({ kind, limit }: LeastMargin): boolean {
+  return kind !== "axis" || limit.startsWith("angle");
+}
+
+/** The one figure of an axis's margin: of the limit; null of a limit at zero. */
+export function shareOf({ margin, limit }: { margin: number; limit: number }): number | null {
+  return limit === 0 ? null : margin / Math.abs(limit);
+}
+
 export interface LeastMargin {
   kind: "axis" | "keepOut" | "mask";
   axis: string;
@@ -10,14 +42,22 @@ export interface LeastMargin {
   at: string;
 }
 
-/** The nearest that the motion comes to anything, as a share of it. */
+/** The nearest that the motion comes to anything, as a share of it; a stop that it lies on before a limit that it uses up. */
 export function leastMargin(plan: Plan): LeastMargin | null {
+  const all = marginsOf(plan);
+  const onStops = all.filter(isOnAStop);
+  return (onStops.length > 0 ? onStops : all).reduce<LeastMargin | null>(
+    (least, one) => (!least || one.share < least.share ? one : least),
+    null,
+  );
+}
+
+function marginsOf(plan: Plan): LeastMargin[] {
   const all: LeastMargin[] = [];
   for (const [axis, limits] of Object.entries(plan.margins)) {
     for (const [limit, margin] of Object.entries(limits)) {
-      if (margin && margin.limit !== 0) {
-        all.push({ kind: "axis", axis, limit, share: margin.margin / Math.abs(margin.limit), at: margin.at });
-      }
+      const share = margin && shareOf(margin);
+      if (margin && share !== null) all.push({ kind: "axis", axis, limit, share, at: margin.at });
     }
   }
   for (const cone of plan.keep_out) {
@@ -29,5 +69,5 @@ export function leastMargin(plan: Plan): LeastMargin | null {
     const share = mask.margin_deg / Math.max(mask.away_min_deg, 1e-9);
     all.push({ kind: "mask", axis: "", limit: mask.name, share, at: mask.at });
   }
-  return all.reduce<LeastMargin | null>((least, one) => (!least || one.share < least.share ? one : least), null);
+  return all;
 }

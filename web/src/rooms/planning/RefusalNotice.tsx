@@ -1,6 +1,6 @@
 /** A refusal in words, with the button that takes the times it offers instead. */
 import { words } from "../../i18n";
-import { clock } from "../../i18n/forms";
+import { rowClock } from "../../i18n/forms";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { TakeOffer } from "../../parts/TakeOffer";
 import { failure, refused } from "./refusal";
@@ -18,7 +18,7 @@ export function RefusalNotice({ plan }: { plan: () => void }) {
           {text.session(now.session + 1)}
           {now.problem.document.axis && ` · ${text.axis} ${now.problem.document.axis}`}
           {now.problem.document.limit && ` · ${text.limit} ${now.problem.document.limit}`}
-          {now.at && ` · ${clock(now.at)} UTC`}
+          {now.at && ` · ${rowClock(now.at)} UTC`}
         </p>
       )}
       {now?.offered && <TakeOffer offer={now.offered} take={() => takeOffered(plan)} />}

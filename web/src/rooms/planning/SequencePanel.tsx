@@ -4,7 +4,7 @@ import { batch } from "@preact/signals";
 import type { Schemas } from "../../api/client";
 import { CONFLICTS } from "../../api/lists";
 import { words } from "../../i18n";
-import { clock, instant, named, number, rfc3339 } from "../../i18n/forms";
+import { named, number, period, rfc3339 } from "../../i18n/forms";
 import { Field } from "../../parts/Field";
 import * as draft from "./draft";
 import { failure, refused } from "./refusal";
@@ -35,9 +35,7 @@ export function SequencePanel({ plan }: { plan: () => void }) {
               }}
             >
               <b>{number + 1}</b> {one.target ? (one.name ?? textOf(one.target)) : text.noTarget}
-              <span class="soft">
-                {one.start && one.stop ? `${instant(one.start).slice(5, 19)}–${clock(one.stop)}` : text.noTimes}
-              </span>
+              <span class="soft">{one.start && one.stop ? period(one.start, one.stop) : text.noTimes}</span>
             </button>
             {all.length > 1 && (
               <button

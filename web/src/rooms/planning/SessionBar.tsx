@@ -3,7 +3,7 @@ import type { TargetedKeyboardEvent, TargetedPointerEvent } from "preact";
 import { useRef } from "preact/hooks";
 
 import { words } from "../../i18n";
-import { clock, number, rfc3339 } from "../../i18n/forms";
+import { number, rfc3339, rowClock } from "../../i18n/forms";
 import { Profile } from "../../windows/Profile";
 import { lightOf } from "../../windows/sight";
 import * as draft from "./draft";
@@ -86,7 +86,7 @@ export function SessionBar({ window }: { window: Window }) {
       aria-valuemin={0}
       aria-valuemax={Math.round((most - least) / 1000)}
       aria-valuenow={Math.round((now - least) / 1000)}
-      aria-valuetext={`${clock(now)} UTC`}
+      aria-valuetext={`${rowClock(now)} UTC`}
       style={edge === "both" ? { left: place(first), right: `calc(100% - ${place(last)})` } : { left: place(now) }}
       onPointerDown={grab(edge)}
       onPointerMove={drag}
@@ -120,12 +120,12 @@ export function SessionBar({ window }: { window: Window }) {
         {slider("stop", last, text.stop)}
       </div>
       <div class="session-scale" aria-hidden="true">
-        <span>{clock(left)}</span>
-        <span>{clock(left + span)}</span>
+        <span>{rowClock(left)}</span>
+        <span>{rowClock(left + span)}</span>
       </div>
       <p class="session-told">
         <b>
-          {clock(first)}–{clock(last)} UTC
+          {rowClock(first)}–{rowClock(last)} UTC
         </b>
         {` · ${number((last - first) / 1000, 1)} s · ${text.elevation(number(seen.least, 0), number(seen.most, 0))}`}
         {seen.light && ` · ${words.value.plan.windows.lights[seen.light]}`}

@@ -31,6 +31,11 @@ export function searchAgain(): void {
   retries.value++;
 }
 
+// Where the boresight comes to an edge; at the others only the sight ends.
+const EDGES: ReadonlySet<string> = new Set(["reach", "across", "mask", "sun_keep_out", "moon_keep_out"]);
+const AWAY_FROM_A_STOP = 0.05;
+const GRID_MS = 200; // of the command table
+const EDGE_MS = 1000;
 const NEAR_MS = 3_600_000;
 
 /** The window that a session lies in or near, to draw it by. */
@@ -42,18 +47,28 @@ export function windowNear(windows: readonly Window[], one: draft.DraftSession):
   return nearest && away(nearest) < NEAR_MS ? nearest : null;
 }
 
-/** The session that a click on a window takes: what other sessions leave of it, of a long one the
-    middle minutes; null where nothing is left. */
+/** The session that a click on a window takes: what other sessions leave of what can be held, away
+    from its stops, of a long one the middle minutes; null where nothing is left. */
 export function sessionIn(window: Window): { start: string; stop: string } | null {
   if (!window.session) return null;
-  const free = longestFree(Date.parse(window.session.start), Date.parse(window.session.stop));
+  const free = longestFree(...held(window, window.session));
   if (!free) return null;
   const [first, last] = free;
   if (last - first <= LONGEST_S * 1000) return { start: rfc3339(first), stop: rfc3339(last) };
-  const middle = Math.round(Date.parse(window.highest_at) / 1000) * 1000;
   const half = (LONGEST_S * 1000) / 2;
-  const start = Math.max(first, Math.min(middle - half, last - 2 * half));
+  const start = Math.round((first + last) / 2000) * 1000 - half;
   return { start: rfc3339(start), stop: rfc3339(start + 2 * half) };
+}
+
+/** What can be held, without the part next to an end that a stop, a cone, a mask or a rate makes. */
+function held(window: Window, session: NonNullable<Window["session"]>): [number, number] {
+  const [first, last] = [Date.parse(session.start), Date.parse(session.stop)];
+  const away = Math.ceil((AWAY_FROM_A_STOP * (last - first)) / GRID_MS) * GRID_MS;
+  const isFree = (by: string, gap_ms: number) => !EDGES.has(by) && gap_ms < EDGE_MS;
+  return [
+    isFree(window.opened_by, first - Date.parse(window.rise)) ? first : first + away,
+    isFree(window.closed_by, Date.parse(window.set) - last) ? last : last - away,
+  ];
 }
 
 /** Of a span of time, what the sessions beside the chosen one leave in one piece. */
@@ -79,14 +94,14 @@ export function windowOf(windows: readonly Window[], one: draft.DraftSession): W
   return windows.find((window) => Date.parse(window.rise) <= middle && middle <= Date.parse(window.set)) ?? null;
 }
 
-// Higher than this a pass is as good as any, and the sooner the better.
-const HIGH_DEG = 60;
+// Higher than this a pass is good, and the sooner the better: elements age, and with them the chance of a hit.
+const GOOD_DEG = 40;
 
-/** The first of the highest in the best light: what is taken until the person chooses. */
+/** The soonest good one in the best light, else the highest: what is taken until the person chooses. */
 export function best(windows: readonly Window[]): Window | null {
   const rank = (window: Window) => {
     const light = lightOf(window.closest.sun_elevation_deg);
-    return (light === "night" || light === "twilight" ? 0 : 1000) + Math.min(window.highest_deg, HIGH_DEG);
+    return (light === "night" || light === "twilight" ? 0 : 1000) + Math.min(window.highest_deg, GOOD_DEG);
   };
   return windows.reduce<Window | null>((top, one) => (one.session && (!top || rank(one) > rank(top)) ? one : top), null);
 }

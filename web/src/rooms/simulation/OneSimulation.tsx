@@ -3,8 +3,9 @@ import { get } from "../../api/client";
 import { Cancelled } from "../../api/job";
 import { useJob } from "../../api/request";
 import { words } from "../../i18n";
-import { percent } from "../../i18n/forms";
+import { percent, period } from "../../i18n/forms";
 import { Bar } from "../../parts/Bar";
+import { Identity } from "../../parts/Identity";
 import { Link } from "../../parts/Link";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { Contributors } from "./Contributors";
@@ -32,10 +33,16 @@ export function OneSimulation({ id }: { id: string }) {
     </ProblemNotice>
   );
   if (!flights) return problem || <p class="loading">{text.shell.loading}</p>;
+  const { name, targets, platform, start, stop } = flights;
   return (
     <>
+      <Identity
+        name={name || targets.join(", ")}
+        parts={[start && stop && period(start, stop), platform].filter((part) => part !== null)}
+        proof={[flights.id]}
+      />
       <p>
-        {flights.name && <strong>{flights.name}: </strong>}
+        {name && <strong>{name}: </strong>}
         {text.simulation.of(flights.flown, flights.runs, flights.seed)}{" "}
         <Link to={`/plans/${flights.plan}`}>{text.simulation.toPlan}</Link>
       </p>

@@ -7,7 +7,7 @@ import stripAndStereo from "../../../../examples/spacecraft_strip_and_stereo.jso
 import { OBJECTIVES } from "../../api/lists";
 import { Problem } from "../../api/problem";
 import { words } from "../../i18n";
-import { clock, named } from "../../i18n/forms";
+import { named, rowClock } from "../../i18n/forms";
 import { DropZone } from "../../parts/DropZone";
 import { Field } from "../../parts/Field";
 import { useMaking } from "../../parts/making";
@@ -144,7 +144,7 @@ export function AskSession() {
                 change({ start: offered.earliest_feasible_start ?? request.start, stop: offered.feasible_stop ?? request.stop })
               }
             >
-              {text.take(clock(offered.earliest_feasible_start), clock(offered.feasible_stop))}
+              {text.take(rowClock(offered.earliest_feasible_start), rowClock(offered.feasible_stop))}
             </button>
           )}
         </ProblemNotice>

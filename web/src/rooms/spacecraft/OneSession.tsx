@@ -3,11 +3,13 @@ import { useMemo, useRef, useState } from "preact/hooks";
 
 import { useJob, useRequest } from "../../api/request";
 import { words } from "../../i18n";
-import { digits, number, percent } from "../../i18n/forms";
+import { digits, number, percent, period } from "../../i18n/forms";
 import { AtWork } from "../../parts/AtWork";
+import { Identity } from "../../parts/Identity";
 import { JobEnded } from "../../parts/JobEnded";
 import { Link } from "../../parts/Link";
 import { ProblemNotice } from "../../parts/ProblemNotice";
+import { checksum } from "../../parts/paper";
 import { cursor_s } from "../../time/cursor";
 import { type Stretch, TimeBar } from "../../time/TimeBar";
 import { MomentumSphere } from "./MomentumSphere";
@@ -30,6 +32,17 @@ export function OneSession({ id }: { id: string }) {
           {words.value.plan.one.change}
         </Link>
       </div>
+      {session && (
+        <Identity
+          name={session.name || session.summary.targets.join(", ")}
+          parts={[
+            period(session.summary.start, session.summary.stop),
+            session.spacecraft,
+            words.value.plan.one.identity.revision(session.revision),
+          ]}
+          proof={[id, checksum(session.provenance.input_sha256)]}
+        />
+      )}
       {error !== null && (
         <JobEnded
           work="/v1/spacecraft/plans"

@@ -26,7 +26,7 @@ export function SessionFiles({ id, assumptions }: { id: string; assumptions: rea
   const save = (format: Format) => {
     const path = format === "json" ? "/v1/spacecraft/plans/{id}" : "/v1/spacecraft/plans/{id}/table";
     const given = format === "json" ? { id, headers: { Accept: "application/json" } } : { id, query: { format } };
-    void saving.ask(() => download(path, given, `session.${format}`));
+    void saving.ask(() => download(path, given, (told) => told ?? `session.${format}`));
   };
   const service = new URL(address("/"), location.href).href;
   return (

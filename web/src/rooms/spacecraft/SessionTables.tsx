@@ -1,6 +1,6 @@
 /** Looks, turns and what is left out, in order of time. */
 import { words } from "../../i18n";
-import { clock, digits, number } from "../../i18n/forms";
+import { digits, number, rowClock } from "../../i18n/forms";
 import type { Session } from "./session";
 import { nameOf } from "./stretches";
 
@@ -67,7 +67,7 @@ export function Looks({ session }: { session: Session }) {
                 <tr key={one.first_row}>
                   <th scope="row">{nameOf(session, one)}</th>
                   <td class="mono nowrap">
-                    {clock(one.start)}–{clock(one.stop)}
+                    {rowClock(one.start)}–{rowClock(one.stop)}
                   </td>
                   <td class="number">{number(one.scan_speed_m_s, 0)}</td>
                   <td class="number">{one.miss_m < 0.001 ? "< 0.001" : digits(one.miss_m, 2)}</td>
@@ -127,7 +127,7 @@ export function Slews({ session }: { session: Session }) {
                 <tr key={one.start}>
                   <th scope="row">{onto ? nameOf(session, onto) : text.rest}</th>
                   <td class="mono nowrap">
-                    {clock(one.start)}–{clock(one.stop)}
+                    {rowClock(one.start)}–{rowClock(one.stop)}
                   </td>
                   <td class="number">{number(one.angle_deg)}</td>
                   <td class="number">{number(one.duration_s)}</td>

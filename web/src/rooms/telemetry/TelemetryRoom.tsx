@@ -3,9 +3,12 @@ import { useEffect, useState } from "preact/hooks";
 
 import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
+import { instant } from "../../i18n/forms";
 import { DropZone } from "../../parts/DropZone";
 import { Field } from "../../parts/Field";
+import { Identity } from "../../parts/Identity";
 import { ProblemNotice } from "../../parts/ProblemNotice";
+import { checksum } from "../../parts/paper";
 import type { RoomProps } from "../../room";
 import { place } from "../../router";
 import { Axis } from "./Axis";
@@ -62,6 +65,11 @@ function Told({ found: { comparison, picture } }: { found: Compared }) {
   const { time_offset_s, clock_drift, ideal_offset_s, inseparable } = comparison;
   return (
     <>
+      <Identity
+        name={comparison.name || comparison.plan}
+        parts={[instant(comparison.epoch)]}
+        proof={[comparison.plan, checksum(comparison.provenance.input_sha256)]}
+      />
       <section class="panel" aria-labelledby="clock" data-testid="comparison">
         <h2 id="clock">{text.clock}</h2>
         <p>

@@ -4,9 +4,10 @@ import { useMemo, useState } from "preact/hooks";
 import { RangeButtons, useTimeRange } from "../../charts/range";
 import { type Line, type Shade, TimeChart } from "../../charts/TimeChart";
 import { words } from "../../i18n";
-import { digits } from "../../i18n/forms";
+import { digits, marginTold } from "../../i18n/forms";
 import type { Stretch } from "../../time/TimeBar";
 import type { Plan } from "../plan/plan";
+import { shareOf } from "../plan/verdict";
 import { lastOf, onRows, type View } from "./view";
 
 const HEIGHT = 118;
@@ -175,16 +176,17 @@ function limitsOf(view: View, key: (typeof ORDERS)[number]["key"]): number[] {
   return [...new Set(all)];
 }
 
-/** "limit 3, margin 2.0 (alpha)": the nearest that an axis comes to this limit. */
+/** "least margin 67 % (alpha, limit 3 °/s)": the nearest that an axis comes to this limit. */
 function marginsTold(plan: Plan, key: (typeof ORDERS)[number]["key"], unit: string): string {
   const text = words.value.viewer.charts;
   const limits = key === "angle" ? ["angle_min", "angle_max"] : [key];
   const all = Object.entries(plan.margins).flatMap(([axis, margins]) =>
     limits.flatMap((name) => {
       const margin = (margins as Record<string, { limit: number; margin: number } | null>)[name];
-      return margin ? [{ axis, ...margin }] : [];
+      const share = margin ? shareOf(margin) : null;
+      return margin && share !== null ? [{ axis, ...margin, share }] : [];
     }),
   );
-  const least = all.reduce<(typeof all)[number] | null>((best, one) => (!best || one.margin < best.margin ? one : best), null);
-  return least ? text.margin(digits(least.limit), digits(least.margin), least.axis, unit) : "";
+  const least = all.reduce<(typeof all)[number] | null>((best, one) => (!best || one.share < best.share ? one : best), null);
+  return least ? text.margin(digits(least.limit), marginTold(least.share), least.axis, unit) : "";
 }

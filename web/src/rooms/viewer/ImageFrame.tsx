@@ -1,10 +1,10 @@
 /** The target's place in the camera's frame: the ellipses of the pointing budget. */
 import { Plane, type Scale } from "../../charts/Plane";
 import { words } from "../../i18n";
-import { digits, percent } from "../../i18n/forms";
+import { digits, percent, rowClock } from "../../i18n/forms";
 import { cursor_s } from "../../time/cursor";
 import type { Plan } from "../plan/plan";
-import { rowAt, type View } from "./view";
+import { frameRowAt, rowAt, type View } from "./view";
 
 const HEIGHT = 270;
 const SIGMAS = [1, 2, 3];
@@ -47,7 +47,8 @@ export function ImageFrame({ view, plan }: { view: View; plan: Plan }) {
 }
 
 function Ellipses({ view, scale }: { view: View; scale: Scale }) {
-  const row = rowAt(view, cursor_s.value);
+  const row = frameRowAt(view, cursor_s.value);
+  if (row === null) return null;
   const { sigma_major_arcsec, sigma_minor_arcsec, major_turn_deg } = view.pointing;
   const [major, minor, turn_deg] = [sigma_major_arcsec[row], sigma_minor_arcsec[row], major_turn_deg[row]];
   if (major == null || minor == null) return null;
@@ -63,16 +64,19 @@ function Ellipses({ view, scale }: { view: View; scale: Scale }) {
 
 function Told({ view, plan }: { view: View; plan: Plan }) {
   const text = words.value.viewer.frame;
-  const row = rowAt(view, cursor_s.value);
+  const row = frameRowAt(view, cursor_s.value);
+  if (row === null) return <p class="look-legend">{text.outside}</p>;
   const session = view.session[row];
-  const isHeld = view.activity[row] === "track";
   const budget = plan.uncertainty.find((one) => one.session === session);
   const [major, minor] = [view.pointing.sigma_major_arcsec[row], view.pointing.sigma_minor_arcsec[row]];
-  if (!isHeld || major == null || minor == null) return <p class="look-legend">{text.outside}</p>;
+  if (major == null || minor == null) return null;
   return (
     <p class="look-legend">
       <span>{text.sigma(digits(major), digits(minor))}</span>
       {budget && <span>{text.inFrame(percent(budget.probability_in_frame))}</span>}
+      {row !== rowAt(view, cursor_s.value) && (
+        <span>{text.ofSession((session ?? 0) + 1, `${rowClock(Date.parse(view.epoch) + 1000 * (view.t_s[row] ?? 0))} UTC`)}</span>
+      )}
     </p>
   );
 }

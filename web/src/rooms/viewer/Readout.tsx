@@ -2,7 +2,7 @@
 import { useEffect, useState } from "preact/hooks";
 
 import { words } from "../../i18n";
-import { clock, digits, number } from "../../i18n/forms";
+import { clock, digits, fixed, number } from "../../i18n/forms";
 import { cursor_s, isPlaying } from "../../time/cursor";
 import { longitudeAt, rowAt, type View, valueAt } from "./view";
 
@@ -129,11 +129,6 @@ function Aloud({ view }: { view: View }) {
 export function targetAt(view: View, row: number): View["targets"][number] | null {
   const session = view.session[row];
   return view.targets.find((one) => one.session === session) ?? null;
-}
-
-/** Always so many decimals, so that figures don't dance. */
-function fixed(value: number | null | undefined, decimals: number): string {
-  return value == null ? "–" : value.toFixed(decimals).replace("-", "−");
 }
 
 function unit(value: number | null, decimals: number, sign: string): string {

@@ -44,10 +44,10 @@ function Opened({ view, plan }: { view: View; plan: Plan }) {
       <div class="look no-print" ref={box} role="group" aria-label={title}>
         <div class="look-grid">
           <div class="look-left">
+            <ImageFrame view={view} plan={plan} />
+            <AxisSpace view={view} stretches={stretches} />
             <Scene view={view} />
             <Readout view={view} />
-            <AxisSpace view={view} stretches={stretches} />
-            <ImageFrame view={view} plan={plan} />
           </div>
           <Charts view={view} plan={plan} stretches={stretches} chosen={chosen} onWhole={() => setChosen(null)} />
         </div>

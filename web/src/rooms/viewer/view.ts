@@ -40,6 +40,18 @@ export function rowAt(view: View, t_s: number): number {
   return Math.min(Math.max(t_s >= lastOf(view.t_s) ? last : row, 0), last);
 }
 
+/** The row whose ellipse is shown: the cursor's in a session, else that of the next session's start, or of the last one's end. */
+export function frameRowAt(view: View, t_s: number): number | null {
+  const { sigma_major_arcsec: major } = view.pointing;
+  const isTold = (row: number) => major[row] != null && view.activity[row] === "track";
+  const row = rowAt(view, t_s);
+  if (isTold(row)) return row;
+  const next = major.findIndex((_, index) => index > row && isTold(index));
+  if (next >= 0) return next;
+  const last = major.findLastIndex((_, index) => isTold(index));
+  return last < 0 ? null : last;
+}
+
 /** A column between its rows; null where either of them is. */
 export function valueAt(view: View, values: Numbers, t_s: number): number | null {
   const row = rowAt(view, t_s);
