@@ -17,7 +17,7 @@ from planner.motion.pointing.keep_out import KeepOutView
 from planner.motion.pointing.track import AxisTrack
 from planner.motion.slew.feasibility import fits_without_jerk, next_duration_s, verdict
 from planner.motion.slew.optimal import optimal_slew
-from planner.motion.slew.problem import AxisState, SlewProblem, axis_states, within
+from planner.motion.slew.problem import AxisState, SlewProblem, axis_states, is_within
 from planner.planning.sessions.slew_timing import TimedSlew, slew_within_lead
 from planner.world.platforms import AxisLimits
 from planner.world.scenario import SlewOptions
@@ -173,7 +173,7 @@ class Approach:
 
     def _is_possible(self, end: tuple[AxisState, ...], duration_s: float) -> bool:
         return all(
-            within(there, limit) and verdict(here, there, limit, duration_s).limit is None
+            is_within(there, limit) and verdict(here, there, limit, duration_s).limit is None
             for here, there, limit in zip(self.start, end, self.limits, strict=True)
         )
 
@@ -181,7 +181,7 @@ class Approach:
         """How much longer than available_s the slowest axis needs; infinite: it can't at all."""
         needed_s = 0.0
         for here, there, limit in zip(self.start, end, self.limits, strict=True):
-            least_s = next_duration_s(here, there, limit, 0.0) if within(there, limit) else None
+            least_s = next_duration_s(here, there, limit, 0.0) if is_within(there, limit) else None
             needed_s = max(needed_s, math.inf if least_s is None else least_s)
         return needed_s - available_s * (1.0 + 1e-9)
 

@@ -185,7 +185,7 @@ def session_budget(
     rows = session_rows(session, scenario.initial_state.epoch)
     if los is None:
         los = sight(scenario, ephemeris, session.target, rows)
-    los = los.between(rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S)
+    los = los.cut_between(rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S)
     angle_rad = [np.interp(los.instants.t_s, table.t_s, angle) for angle in table.angle_rad.T]
     return pointing_budget(
         los,
