@@ -104,7 +104,7 @@ class Approach:
                 continue
             timed = join_at(row)
             if timed is not None:
-                return _earlier(join_at, row - 1 if bad is None else bad, row, timed)
+                return _earliest_good(join_at, row - 1 if bad is None else bad, row, timed)
             bad, failures = row, failures + 1
             if failures >= OPTIONS.failures_most:
                 break
@@ -121,7 +121,7 @@ class Approach:
         if not all_rows.size:
             return
         effort.charge(OPTIONS.glance + OPTIONS.glance_row * all_rows.size)
-        for row in all_rows[self._certify(all_rows)].tolist():
+        for row in all_rows[self._certify_rows(all_rows)].tolist():
             if row < next_row:
                 continue
             end = track_states(self.track, row / ROWS_PER_S)
@@ -161,7 +161,7 @@ class Approach:
         except InfeasibleSlew:
             return None
 
-    def _certify(self, rows: Indices) -> Mask:
+    def _certify_rows(self, rows: Indices) -> Mask:
         """Whether unlimited jerk and no stops would let the slew end on each of the rows."""
         duration_s = rows / ROWS_PER_S - self.start_s
         angle, rate, _ = self.track.motion(rows / ROWS_PER_S)
@@ -186,7 +186,7 @@ class Approach:
         return needed_s - available_s * (1.0 + 1e-9)
 
 
-def _earlier(
+def _earliest_good(
     join_at: Callable[[int], TimedSlew | None], bad: int, good: int, timed: TimedSlew
 ) -> EarliestJoin:
     """Between a row too early and a good one: the first good one, or the first one found."""
