@@ -73,7 +73,7 @@ class StabilisationReport:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Of images that would be blurred, or may be."""
+        """Warnings of images that would be blurred, or may be."""
         if self.runs == 0:
             return (
                 "the table was not flown in closed loop, so whether the camera is steady enough is "
@@ -96,14 +96,14 @@ def window_steadiness(
     verified = verification.windows
     before_rows = [0, *(one.window.last_row for one in verified)]
     return tuple(
-        _steadiness(spacecraft, log, one, before_row)
+        _window_steadiness(spacecraft, log, one, before_row)
         for one, before_row in zip(verified, before_rows, strict=False)
     )
 
 
 def stabilisation(runs: Sequence[tuple[WindowSteadiness, ...]]) -> StabilisationReport:
     """Summarise closed-loop runs of one table."""
-    windows = tuple(_worst(same) for same in zip(*runs, strict=True))
+    windows = tuple(_worst_interval(same) for same in zip(*runs, strict=True))
     if not windows:
         return StabilisationReport(runs=len(runs), windows=(), share_steady=None, worst_rad_s=None)
     return StabilisationReport(
@@ -114,7 +114,7 @@ def stabilisation(runs: Sequence[tuple[WindowSteadiness, ...]]) -> Stabilisation
     )
 
 
-def _worst(same: Sequence[WindowSteadiness]) -> WindowSteadiness:
+def _worst_interval(same: Sequence[WindowSteadiness]) -> WindowSteadiness:
     """One interval over all runs."""
     return WindowSteadiness(
         window=same[0].window,
@@ -139,7 +139,7 @@ def settled_after_s(log: Log, first_row: int, last_row: int) -> float:
     return float((over[-1] + 1) * TICK_S / steps_per_tick) if len(over) else 0.0
 
 
-def _steadiness(
+def _window_steadiness(
     spacecraft: AgileSpacecraft, log: Log, verified: VerifiedWindow, before_row: int
 ) -> WindowSteadiness:
     window, camera = verified.window, spacecraft.camera
