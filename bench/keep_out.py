@@ -44,7 +44,7 @@ def best_of_restarts(case: Case, count: int, number: int) -> float:
             np.outer(rng.normal(size=2) * 1.5 / k, np.sin(np.pi * k * tau)) for k in (1, 2, 3)
         )
         search = DetourSearch(case.straight, case.problem.keep_out, spline)
-        costs += [found.cost for found in search.near((waves,))]
+        costs += [found.cost for found in search.solve_near((waves,))]
     return min(costs, default=np.inf)
 
 

@@ -18,10 +18,10 @@ sys.path.append(str(Path(__file__).parents[1] / "tests" / "properties"))
 from slew_cases import LIMITS, deg_state
 
 from planner.motion.slew import next_duration_s, verdict
-from planner.motion.slew.normalised import normalised
+from planner.motion.slew.normalised import normalise_slew
 from planner.motion.slew.ocp import Begin, SpanProgramme, Vibration, solve
 from planner.motion.slew.problem import AxisSlew
-from planner.motion.slew.smoothest import smoothest
+from planner.motion.slew.smoothest import find_smoothest
 from planner.motion.slew.solution import AxisProfile
 
 Array = NDArray[np.float64]
@@ -34,7 +34,7 @@ GREY, BLUE, RED = "0.45", "#1f5fa8", "#c0392b"
 
 def contacts(slew: AxisSlew, profile: AxisProfile) -> Array:
     """Time, order (0 angle, 1 rate, 2 acceleration) and multiplier of each, (m, 3), normalised."""
-    problem, knots = normalised(slew), profile.breakpoints_s / profile.duration_s
+    problem, knots = normalise_slew(slew), profile.breakpoints_s / profile.duration_s
     units = profile.duration_s ** np.arange(4)[:, None] / problem.scale_rad
     states = (np.array(profile.evaluate(profile.breakpoints_s)) * units)[:3].T
     states[:, 0] -= problem.start_angle_rad / problem.scale_rad
@@ -68,14 +68,14 @@ def costate(active: Array, t: Array, jerk: Array, free: NDArray[np.bool_]) -> Ar
 def draw(path: str = "") -> None:
     duration_s = LEAST_SHARE * next_duration_s(START, END, LIMITS, 0.0)
     slew = AxisSlew(start=START, end=END, limits=LIMITS, duration_s=duration_s)
-    found = smoothest(slew, verdict(START, END, LIMITS, duration_s).profile, None)
+    found = find_smoothest(slew, verdict(START, END, LIMITS, duration_s).profile, None)
     profile = found.profile
     cost = profile.jerk_squared_integral
     t_s = np.linspace(0.0, duration_s, 4000)[1:-1]
     motion = [np.degrees(values) for values in profile.evaluate(t_s)]
     jerk_max = np.degrees(LIMITS.jerk_max_rad_s3)
     active = contacts(slew, profile)
-    unit = np.degrees(normalised(slew).scale_rad) / duration_s**3
+    unit = np.degrees(normalise_slew(slew).scale_rad) / duration_s**3
     free = np.abs(motion[3]) < 0.98 * jerk_max
     wanted = costate(active, t_s / duration_s, motion[3] / unit, free) * unit
     print(

@@ -57,7 +57,7 @@ class GeoLineString:
                     f"at most {LEG_MAX_KM:.0f} km: put positions between"
                 )
         last = len(self.coordinates) - 1
-        for i, j in _crossings(_unwrapped(self.coordinates)):
+        for i, j in _crossing_legs(_unwrap_longitudes(self.coordinates)):
             raise ValueError(
                 f"the line crosses itself: leg {i} and leg {j} meet; split it into two "
                 f"requests, positions 0 to {j} and {j} to {last}"
@@ -73,8 +73,8 @@ def _apart_km(a: Position, b: Position) -> float:
     return 2.0 * EARTH_RADIUS_KM * math.asin(math.sqrt(min(half, 1.0)))
 
 
-def _unwrapped(line: tuple[Position, ...]) -> list[Position]:
-    """The same positions, none more than half a turn of longitude from the one before."""
+def _unwrap_longitudes(line: tuple[Position, ...]) -> list[Position]:
+    """The positions, none more than half a turn of longitude from the one before."""
     found = [line[0]]
     for position in line[1:]:
         turns = round((position[0] - found[-1][0]) / 360.0)
@@ -82,14 +82,14 @@ def _unwrapped(line: tuple[Position, ...]) -> list[Position]:
     return found
 
 
-def _crossings(positions: list[Position]) -> Iterator[tuple[int, int]]:
+def _crossing_legs(positions: list[Position]) -> Iterator[tuple[int, int]]:
     """Pairs of legs that meet, other than one with the next."""
     for (i, (a, b)), (j, (c, d)) in combinations(enumerate(pairwise(positions)), 2):
-        if j > i + 1 and _cross(a, b, c, d):
+        if j > i + 1 and _legs_cross(a, b, c, d):
             yield i, j
 
 
-def _cross(a: Position, b: Position, c: Position, d: Position) -> bool:
+def _legs_cross(a: Position, b: Position, c: Position, d: Position) -> bool:
     def side(p: Position, q: Position, r: Position) -> float:
         return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
 
@@ -120,7 +120,7 @@ class GeoPolygon:
         if not 4 <= len(ring) <= 64 or ring[0] != ring[-1]:
             raise ValueError("a ring has 4 to 64 positions and ends where it begins")
         _check_positions(ring)
-        self._require_area(_unwrapped(ring))
+        self._require_area(_unwrap_longitudes(ring))
 
     def _require_area(self, ring: list[Position]) -> None:
         for i, (a, b) in enumerate(pairwise(ring)):
@@ -128,7 +128,7 @@ class GeoPolygon:
                 raise ValueError(
                     f"positions {i} and {i + 1} of the ring are the same: leave one out"
                 )
-        for i, j in _crossings(ring):
+        for i, j in _crossing_legs(ring):
             if (i, j) != (0, len(ring) - 2):  # which meet where the ring ends
                 raise ValueError(
                     f"the ring crosses itself: side {i} and side {j} meet; give its positions in "
@@ -161,10 +161,10 @@ def requests_from_features(text: str) -> list[dict[str, object]]:
     features = collection.get("features") if isinstance(collection, dict) else None
     if not isinstance(features, list) or not features:
         raise InvalidMessage("a FeatureCollection with at least one feature is needed")
-    return [_fields(number, feature) for number, feature in enumerate(features)]
+    return [_feature_fields(number, feature) for number, feature in enumerate(features)]
 
 
-def _fields(number: int, feature: object) -> dict[str, object]:
+def _feature_fields(number: int, feature: object) -> dict[str, object]:
     if isinstance(feature, dict):
         properties, geometry = feature.get("properties"), feature.get("geometry")
         if isinstance(properties, dict) and isinstance(geometry, dict):

@@ -43,13 +43,13 @@ class MrpMotion(NamedTuple):
 MrpCurve = Callable[[Array], MrpMotion]  # by instants t_s (n,)
 
 
-def _dot(a: Array, b: Array) -> Array:
+def _row_dot(a: Array, b: Array) -> Array:
     return np.asarray(np.sum(a * b, axis=-1, keepdims=True))
 
 
 def body_motion(
     motion: Sequence[Any],
-    dot: Callable[..., Any] = _dot,
+    dot: Callable[..., Any] = _row_dot,
     cross: Callable[..., Any] = np.cross,
 ) -> BodyMotion:
     """Body rates of an `MrpMotion`; dot, cross: of what it is made of instead of arrays."""
@@ -71,17 +71,17 @@ def body_motion(
 def mrp_state(mrp: Array, omega_body_rad_s: Array, alpha_body_rad_s2: Array) -> MrpState:
     """The derivatives of sigma that give these body rates, each (..., 3)."""
     sigma, omega, alpha = mrp, omega_body_rad_s, alpha_body_rad_s2
-    s = _dot(sigma, sigma)
+    s = _row_dot(sigma, sigma)
 
-    def _invert(x: Array) -> Array:
-        return (1.0 - s) * x + 2.0 * np.cross(sigma, x) + 2.0 * sigma * _dot(sigma, x)
+    def _inverse_derivative(x: Array) -> Array:
+        return (1.0 - s) * x + 2.0 * np.cross(sigma, x) + 2.0 * sigma * _row_dot(sigma, x)
 
-    d1 = _invert(omega) / 4.0
-    s1 = _dot(sigma, d1)
+    d1 = _inverse_derivative(omega) / 4.0
+    s1 = _row_dot(sigma, d1)
     a = omega * (1.0 + s) ** 2 / 4.0
     a1 = (alpha + 16.0 * s1 / (1.0 + s) ** 3 * a) * (1.0 + s) ** 2 / 4.0
-    rest = a1 - 2.0 * sigma * _dot(d1, d1)
-    return MrpState(sigma, d1, _invert(rest) / (1.0 + s) ** 2)
+    rest = a1 - 2.0 * sigma * _row_dot(d1, d1)
+    return MrpState(sigma, d1, _inverse_derivative(rest) / (1.0 + s) ** 2)
 
 
 def quintic(start: MrpState, end: MrpState, span_s: float, shares: Array) -> MrpMotion:

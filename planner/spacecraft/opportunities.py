@@ -67,7 +67,7 @@ def find_imaging_opportunities(request: ImagingOpportunityRequest) -> ImagingOpp
     Raises InvalidInput for a high orbit, OutsideCoverage, SearchEnded.
     """
     with at_most(effort.PLAN):
-        return _found(request)
+        return _no_passes(request)
     raise SearchEnded(
         f"the passes over these {len(request.requests)} requests take more work than one request "
         "may make; ask for fewer requests, days, samples or conditions at a time",
@@ -75,16 +75,16 @@ def find_imaging_opportunities(request: ImagingOpportunityRequest) -> ImagingOpp
     )
 
 
-def _found(request: ImagingOpportunityRequest) -> ImagingOpportunities:
+def _no_passes(request: ImagingOpportunityRequest) -> ImagingOpportunities:
     camera = request.definition().camera
     ephemeris = request.orbit.ephemeris(request.start, request.stop)
-    asked, owner = _search(request, camera)
+    asked, owner = _position_search(request, camera)
     carrier = carrier_over(ephemeris, asked.attitude, asked.platform, request.start, request.stop)
     _require_low(carrier)
     of_positions = _spans_of_positions(asked, carrier, camera)
-    spans, whole_s = _passes(request, owner, of_positions)
+    spans, whole_s = _request_passes(request, owner, of_positions)
     charge_for(spans, RESTING, request.samples)
-    sight = EarthSight(carrier, _middles(request, carrier), np.zeros(len(request.requests)))
+    sight = EarthSight(carrier, _middle_places(request, carrier), np.zeros(len(request.requests)))
     numbers = np.arange(len(request.requests))
     windows = describe_windows(asked, sight, numbers, spans, (spans.start_s, spans.stop_s))
     ends = Instants(request.start, np.array([0.0, carrier.span_s]))
@@ -114,7 +114,7 @@ def _require_low(carrier: Carrier) -> None:
         )
 
 
-def _search(
+def _position_search(
     request: ImagingOpportunityRequest, camera: PushbroomCamera
 ) -> tuple[OpportunityRequest, Indices]:
     """The search for every position, and the number of the request each belongs to."""
@@ -142,7 +142,7 @@ def _search(
 def _camera_as_axes(camera: PushbroomCamera) -> TwoAxisPlatform:
     """LVLH axes: the outer angle is that along the track, the inner one is free."""
 
-    def limits(angle_max_deg: float) -> AxisLimits:
+    def axis_limits(angle_max_deg: float) -> AxisLimits:
         angle_max_rad = math.radians(angle_max_deg)
         return AxisLimits(
             angle_min_rad=-angle_max_rad,
@@ -156,10 +156,10 @@ def _camera_as_axes(camera: PushbroomCamera) -> TwoAxisPlatform:
         name="camera",
         outer_name="along",
         outer_axis_platform=(0.0, 1.0, 0.0),
-        outer_limits=limits(camera.along_max_deg),
+        outer_limits=axis_limits(camera.along_max_deg),
         inner_name="across",
         inner_axis_platform=(-1.0, 0.0, 0.0),
-        inner_limits=limits(90.0),
+        inner_limits=axis_limits(90.0),
         zero_direction_platform=(0.0, 0.0, 1.0),
     )
 
@@ -169,7 +169,7 @@ def _spans_of_positions(
 ) -> Spans:
     across_max_rad = math.radians(camera.across_max_deg)
 
-    def across(sight: Sight) -> Iterator[Condition]:
+    def across_conditions(sight: Sight) -> Iterator[Condition]:
         def margin(which: Indices, t_s: Array) -> Array:
             los = carrier.in_platform(sight.sighting(which, t_s).direction_itrf, t_s)
             return across_max_rad - np.abs(np.arctan2(los[:, 1], los[:, 2]))
@@ -178,7 +178,7 @@ def _spans_of_positions(
 
     found = [
         replace(spans, target=numbers[spans.target])
-        for numbers, _, spans, _ in found_spans(asked, carrier, across)
+        for numbers, _, spans, _ in found_spans(asked, carrier, across_conditions)
     ]
     columns = zip(*(vars(spans).values() for spans in found), strict=True)
     return Spans(*map(np.concatenate, columns))
@@ -195,7 +195,7 @@ class _Pass(NamedTuple):
     whole_s: tuple[float, float]
 
 
-def _passes(
+def _request_passes(
     request: ImagingOpportunityRequest, owner: Indices, of_positions: Spans
 ) -> tuple[Spans, Array]:
     """Those in which every position of a request is seen, and while all are at once."""
@@ -250,7 +250,7 @@ def _passes_that_serve(
     )
 
 
-def _middles(request: ImagingOpportunityRequest, carrier: Carrier) -> FixedPlaces:
+def _middle_places(request: ImagingOpportunityRequest, carrier: Carrier) -> FixedPlaces:
     targets = []
     for one in request.requests:
         longitude_rad, latitude_rad = np.deg2rad([p[:2] for p in positions_of(one)]).T

@@ -53,8 +53,8 @@ OPTIONS = SessionWork()
 Reporter = Callable[[str, int, int], None]
 
 
-def _nobody(stage: str, done: int, of: int) -> None:
-    """Who is told of what is only tried."""
+def _tell_nobody(stage: str, done: int, of: int) -> None:
+    """Report nothing of what is only tried."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,7 +75,7 @@ class ImagingPlan(SessionTable):
     warnings: tuple[str, ...]
 
 
-def plan_imaging(request: ImagingPlanRequest, tell: Reporter = _nobody) -> ImagingPlan:
+def plan_imaging(request: ImagingPlanRequest, tell: Reporter = _tell_nobody) -> ImagingPlan:
     """Plan, verify and simulate an imaging session.
 
     tell: is called when a stage begins, and with how many runs are flown.
@@ -83,13 +83,13 @@ def plan_imaging(request: ImagingPlanRequest, tell: Reporter = _nobody) -> Imagi
     InvalidInput for momentum beyond the sphere or a high orbit, VerificationFailed when the
     judge objects, SearchEnded when it takes more work than such a request may make.
     """
-    with at_most(_bound(request)):
+    with at_most(_bound_work(request)):
         try:
             return _make_plan(request, tell)
         except (Unreachable, InfeasibleSlew, InvalidInput) as why:
             tell("alternatives", 0, 1)
             with suppress(WorkLimitReached):
-                raise refusal_with_alternative(request, why, _works) from why
+                raise refusal_with_alternative(request, why, _is_found) from why
             raise
     raise _search_ended(request)
 
@@ -107,16 +107,16 @@ def _search_ended(request: ImagingPlanRequest) -> SearchEnded:
     )
 
 
-def _bound(request: ImagingPlanRequest) -> float:
+def _bound_work(request: ImagingPlanRequest) -> float:
     """The work that may be done for a session."""
     more = OPTIONS.request_more * (len(request.requests) - 1)
     return min(effort.PLAN + more, OPTIONS.session_most)
 
 
-def _works(request: ImagingPlanRequest) -> bool:
+def _is_found(request: ImagingPlanRequest) -> bool:
     """Whether a plan of it is found with a part of the work of a session."""
-    with at_most(OPTIONS.try_share * _bound(request)), suppress(Refusal):
-        return bool(_make_plan(request, _nobody, gentler=False).table.windows)
+    with at_most(OPTIONS.try_share * _bound_work(request)), suppress(Refusal):
+        return bool(_make_plan(request, _tell_nobody, gentler=False).table.windows)
     return False
 
 
@@ -142,7 +142,7 @@ def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, gentler: bool = T
             f"{runs} of the {request.simulation_runs} dispersed runs were flown: more would take "
             "more work than may be made for one session",
         )
-    report = _stabilisation(session, table, verification, runs, tell)
+    report = _fly_stabilisation(session, table, verification, runs, tell)
     return ImagingPlan(
         request=request,
         table=table,
@@ -156,7 +156,7 @@ def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, gentler: bool = T
     )
 
 
-def _stabilisation(
+def _fly_stabilisation(
     session: ImagingSession,
     table: AttitudeTable,
     verification: SpacecraftVerification,
@@ -179,7 +179,7 @@ def _stabilisation(
 
 
 def _affordable_runs(request: ImagingPlanRequest, rows: int) -> int:
-    """As many of the dispersed runs as may still be made, one at least where any is asked for."""
+    """The dispersed runs, as many as may still be made, one at least where any is asked for."""
     run = OPTIONS.simulated_row * rows
     runs = min(request.simulation_runs, max(int(effort.remaining() / run), 1))
     effort.count(runs * run)

@@ -129,7 +129,7 @@ def verify_table(table: AttitudeTable, request: ImagingPlanRequest) -> Spacecraf
         spacecraft=request.definition(),
         ephemeris=request.orbit.ephemeris(request.start, request.stop),
     )
-    extremes = _extremes(session)
+    extremes = _table_extremes(session)
     windows = tuple(_verified_window(session, window) for window in table.windows)
     findings = (
         *_structure_findings(table),
@@ -152,7 +152,7 @@ class _Session:
     ephemeris: Ephemeris
 
 
-def _extremes(session: _Session) -> TableExtremes:
+def _table_extremes(session: _Session) -> TableExtremes:
     table, array = session.table, session.spacecraft.array
     inertia_kg_m2 = np.array(session.spacecraft.inertia_kg_m2)
     fine_s = np.linspace(table.t_s[0], table.t_s[-1], (len(table.t_s) - 1) * INSTANTS_PER_ROW + 1)
@@ -266,7 +266,7 @@ class _View:
     los_lvlh: Array
 
 
-def _view(session: _Session, t_s: Array, height_m: float) -> _View:
+def _view_at(session: _Session, t_s: Array, height_m: float) -> _View:
     instants = Instants(session.table.epoch_utc, t_s)
     states = session.ephemeris.states(instants)
     c_itrf = c_itrf_from_eci(instants)
@@ -302,7 +302,7 @@ def _verified_window(session: _Session, window: ImagingWindow) -> VerifiedWindow
     request = next(one for one in session.request.requests if one.name == window.request)
     instants = np.arange(window.first_row * SCANNED_PER_ROW, window.last_row * SCANNED_PER_ROW + 1)
     t_s = instants / (SCANNED_PER_ROW * ROWS_PER_S)
-    view = _view(session, t_s, request.height_m)
+    view = _view_at(session, t_s, request.height_m)
     v_ground_m_s = np.gradient(view.r_ground_itrf_m, t_s, axis=0, edge_order=2)
     speed_m_s = np.linalg.norm(v_ground_m_s, axis=1)
     range_m = np.linalg.norm(view.r_ground_itrf_m - view.r_sat_itrf_m, axis=1)
@@ -399,7 +399,7 @@ def _uncovered_m(session: _Session, looks: Sequence[ImagingWindow], request: Are
     outside_m = np.full(len(corners_itrf_m), np.inf)
     for look in looks:
         t_s = np.array([look.first_row, look.last_row]) / ROWS_PER_S
-        start_itrf_m, end_itrf_m = _view(session, t_s, request.height_m).r_ground_itrf_m
+        start_itrf_m, end_itrf_m = _view_at(session, t_s, request.height_m).r_ground_itrf_m
         length_m = np.linalg.norm(end_itrf_m - start_itrf_m)
         along_itrf = (end_itrf_m - start_itrf_m) / length_m
         side_itrf = np.cross(start_itrf_m / np.linalg.norm(start_itrf_m), along_itrf)

@@ -125,7 +125,7 @@ def test_a_request_without_names_loads_no_list_of_them():
         "import slewtrack, pathlib\n"
         "from planner.world.targets import gazetteer as g, star_names as s\n"
         "slewtrack.read_request(pathlib.Path('examples/las_vegas_2015.json').read_bytes())\n"
-        "print(g._file.cache_info().currsize, s._numbers.cache_info().currsize)"
+        "print(g._read_file.cache_info().currsize, s._star_numbers.cache_info().currsize)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["0", "0"]

@@ -15,7 +15,7 @@ from scipy_boresight import scipy_boresight
 from planner.base.commands import CommandTable
 from planner.base.errors import TrackBreaksLimit, Unreachable
 from planner.planning.sessions.pipeline import make_plan
-from planner.planning.sessions.track_branches import session_rows, sight
+from planner.planning.sessions.track_branches import los_on_rows, session_rows
 from planner.verification import verify
 from planner.world.attitude import AttitudeUncertainty
 from planner.world.platforms import ISS_HRC
@@ -33,7 +33,7 @@ def target_at(scenario):
     """The target's direction in the platform frame, as a function of the table's time."""
     ephemeris = scenario.orbit.ephemeris(EPOCH, EPOCH + timedelta(seconds=800.0))
     rows = session_rows(scenario.sessions[0], EPOCH)
-    los = sight(scenario, ephemeris, scenario.sessions[0].target, rows)
+    los = los_on_rows(scenario, ephemeris, scenario.sessions[0].target, rows)
     return CubicHermiteSpline(los.instants.t_s, los.los_platform, los.los_rate_platform_per_s)
 
 

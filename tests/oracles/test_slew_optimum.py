@@ -13,7 +13,7 @@ from planner.motion.baseline.paper_cubic import cubic_profile
 from planner.motion.slew.feasibility import next_duration_s, passes_certificate, verdict
 from planner.motion.slew.optimal import optimal_slew
 from planner.motion.slew.problem import AxisSlew, AxisState, SlewProblem
-from planner.motion.slew.smoothest import smoothest
+from planner.motion.slew.smoothest import find_smoothest
 from planner.world.platforms import ISS_HRC
 
 LIMITS = ISS_HRC.outer_limits
@@ -167,7 +167,7 @@ def test_optimum_costs_no_more_than_a_fine_grid(name, slack):
     start, end = MOVES[name]
     duration_s = slack * next_duration_s(start, end, LIMITS, 0.0)
     slew = axis_slew(start, end, duration_s)
-    found = smoothest(slew, verdict(start, end, LIMITS, duration_s).profile, None)
+    found = find_smoothest(slew, verdict(start, end, LIMITS, duration_s).profile, None)
     cost = found.profile.jerk_squared_integral
     grid = shooting_cost(start, end, duration_s, nodes=500)
     # The solver stops at a gap of 3e-4.  500 constant jerks cost 2e-5 more than the optimum at
@@ -250,7 +250,7 @@ def test_far_from_limits_the_solver_finds_the_quintic_itself():
         ],
     )
     t_s = np.linspace(0.0, duration_s, 500)
-    found = smoothest(axis_slew(start, end, duration_s), None, None)
+    found = find_smoothest(axis_slew(start, end, duration_s), None, None)
     problem = SlewProblem(
         axis_names=("alpha",),
         limits=(LIMITS,),

@@ -10,9 +10,9 @@ from scipy_boresight import scipy_boresight
 
 from planner.motion.detour.infeasibility_proof import OPTIONS as PROOF_OPTIONS
 from planner.motion.detour.infeasibility_proof import (
+    angle_tube,
     cones_over,
     is_unreachable,
-    tube,
 )
 from planner.motion.pointing.keep_out import KeepOutView, MovingCone
 from planner.motion.slew import AxisState, SlewProblem
@@ -83,7 +83,7 @@ def test_cells_called_inside_are_inside_all_over(cell_rad):
             ),
         )
         (cone,) = cones_over(view, np.zeros(1), cell_rad, cell_rad)
-        cells = np.argwhere(cone.inside(0, edges))
+        cells = np.argwhere(cone.proven_inside(0, edges))
         assert len(cells) > 100
         for _ in range(10):
             angle = corner + cell_rad * (cells + rng.integers(0, 3, size=cells.shape) / 2.0)
@@ -119,13 +119,13 @@ def test_the_farthest_that_can_be_reached_is_what_ruckig_reaches(rate_deg_s, acc
         acceleration_rad_s2=math.radians(acceleration_deg_s2),
     )
     t_s = np.linspace(0.0, 40.0, 401)
-    low, high = tube(t_s, start, AxisState(angle_rad=-2.0), LIMITS)
+    low, high = angle_tube(t_s, start, AxisState(angle_rad=-2.0), LIMITS)
     early = t_s < 12.0  # what the end allows comes in later
     reached = reached_by_ruckig(start, t_s)
     np.testing.assert_allclose(high[early], reached[early], rtol=0, atol=1e-9)  # Ruckig's own
-    mirrored_low = tube(t_s, start.mirror_image(), AxisState(angle_rad=2.0), LIMITS)[0]
+    mirrored_low = angle_tube(t_s, start.mirror_image(), AxisState(angle_rad=2.0), LIMITS)[0]
     np.testing.assert_allclose(mirrored_low, -high, rtol=0, atol=1e-12)  # rounding
-    backwards = tube(t_s, AxisState(angle_rad=-2.0), start.backwards(), LIMITS)
+    backwards = angle_tube(t_s, AxisState(angle_rad=-2.0), start.backwards(), LIMITS)
     np.testing.assert_allclose(backwards[:, ::-1], [low, high], rtol=0, atol=1e-12)
 
 
@@ -148,7 +148,7 @@ def test_no_slew_leaves_what_is_called_within_reach():
         looked_at += 1
         t_s = np.linspace(0.0, profile.duration_s, 200)
         angle = profile.evaluate(t_s)[0]
-        low, high = tube(t_s, start, end, LIMITS)
+        low, high = angle_tube(t_s, start, end, LIMITS)
         assert (low - 1e-9 <= angle).all()  # rounding
         assert (angle <= high + 1e-9).all()
     assert looked_at > 100

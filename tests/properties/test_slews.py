@@ -54,7 +54,7 @@ def test_500_random_slews_are_all_solved_within_limits(part):
 
 
 def test_a_slew_proven_to_exist_is_made_although_the_solver_fails(monkeypatch):
-    monkeypatch.setattr(optimal, "smoothest", lambda *_, **__: None)
+    monkeypatch.setattr(optimal, "find_smoothest", lambda *_, **__: None)
     fallen_back = 0
     for case in draw_cases(seed=10, count=30):
         solution = optimal_slew(case.problem(1.2 * least_shared_s(case)))

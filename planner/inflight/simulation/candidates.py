@@ -76,7 +76,7 @@ class Candidates:
         return np.array([name.split(".")[1] in fields for name in self.names])
 
     def values(self, moved_parameters: Array) -> Array:
-        """In the fields' units."""
+        """Values in the fields' units."""
         start = self.start_parameters
         return np.where(
             self.scale_parameters > 0.0,
@@ -85,7 +85,7 @@ class Candidates:
         )
 
     def slope(self, moved_parameters: Array) -> Array:
-        """Of each value by what moves it."""
+        """The slope of each value by what moves it."""
         scale = self.scale_parameters
         return np.where(scale > 0.0, scale, self.values(moved_parameters))
 
@@ -105,8 +105,8 @@ class Candidates:
         from scipy.interpolate import CubicSpline
 
         flown = fly(self.table, self.platform, drives=drives)
-        told = np.concatenate([flown.measured_angle_rad, flown.measured_rate_rad_s], axis=1)
-        then = CubicSpline(flown.t_s, told)(self.t_s)
+        rows = np.concatenate([flown.measured_angle_rad, flown.measured_rate_rad_s], axis=1)
+        then = CubicSpline(flown.t_s, rows)(self.t_s)
         angle_rad, rate_rad_s = self.angle_rad - then[:, :2], self.rate_rad_s - then[:, 2:]
         has_rate = np.isfinite(rate_rad_s)
         count = np.maximum(np.count_nonzero(has_rate, axis=0), 1)
@@ -114,7 +114,7 @@ class Candidates:
         return angle_rad, rate_rad_s - bias_rad_s, bias_rad_s
 
     def misses(self, moved_parameters: Array, sigma: Array) -> Array:
-        """In sigmas, (2 k, 2): angles, then rates, of both axes; 0 where there is none.
+        """Misses in sigmas, (2 k, 2): angles, then rates, of both axes; 0 where there is none.
 
         sigma: (2, 2), of angles and of rates (rad, rad/s), of each axis.
         """
@@ -135,7 +135,7 @@ def candidates(
     measured_rate_rad_s: Array | None,
     names: Sequence[str],
 ) -> Candidates:
-    """As `identify` has them.  Raises ValueError for what can't be identified."""
+    """Candidates as `identify` takes them.  Raises ValueError for what can't be identified."""
     for name in names:
         _require_identifiable(name, platform)
     if measured_angle_rad is None and measured_rate_rad_s is None:
@@ -148,7 +148,7 @@ def candidates(
             f"{len(names)} parameters; give more, or name fewer"
         )
     nothing = np.full((count, 2), np.nan)
-    starts = _starts(platform, names) | _letting_go(platform, names)
+    starts = _start_values(platform, names) | _letting_go(platform, names)
     first, second = platform.drives
     return Candidates(
         table=table,
@@ -181,8 +181,8 @@ def _require_identifiable(name: str, platform: TwoAxisPlatform) -> None:
         )
 
 
-def _starts(platform: TwoAxisPlatform, names: Sequence[str]) -> dict[str, float]:
-    """Of the parameters asked for; friction is sought in steps of its logarithm."""
+def _start_values(platform: TwoAxisPlatform, names: Sequence[str]) -> dict[str, float]:
+    """Starts of the parameters asked for; friction is sought in steps of its logarithm."""
     starts = {}
     for name in names:
         axis, _, field = name.partition(".")
@@ -192,7 +192,7 @@ def _starts(platform: TwoAxisPlatform, names: Sequence[str]) -> dict[str, float]
 
 
 def _scale(name: str, start_value: float) -> float:
-    """By which a parameter is moved; 0 where its logarithm is."""
+    """The unit by which a parameter is moved; 0 where its logarithm is."""
     field = name.split(".")[1]
     if field == _SIGNED:
         return max(abs(start_value), IDENTIFIABLE[field])
@@ -206,14 +206,14 @@ def _letting_go(platform: TwoAxisPlatform, names: Sequence[str]) -> dict[str, fl
         if not any(f"{axis}.{field}" in names for field in FRICTION):
             continue
         for field in _PRESLIDING_PARAMETERS:
-            value = _excess(drive) if field == _EXCESS else getattr(drive, field)
+            value = _breakaway_excess(drive) if field == _EXCESS else getattr(drive, field)
             known = FRICTION[1] if field == _EXCESS else field
             if (value > 0.0 or field == "viscous_per_s") and f"{axis}.{known}" not in names:
                 starts[f"{axis}.{field}"] = value
     return starts
 
 
-def _excess(drive: AxisDrive) -> float:
+def _breakaway_excess(drive: AxisDrive) -> float:
     return drive.breakaway_deg_s2 / drive.coulomb_deg_s2 - 1.0 if drive.coulomb_deg_s2 else 0.0
 
 
@@ -225,7 +225,7 @@ def with_parameters(
 ) -> tuple[AxisDrive, AxisDrive]:
     """The drives with these fields; Coulomb friction takes an unnamed breakaway along."""
     outer, inner = (
-        _changed(
+        _changed_drive(
             drive,
             {
                 name.split(".")[1]: float(value)
@@ -238,9 +238,9 @@ def with_parameters(
     return outer, inner
 
 
-def _changed(drive: AxisDrive, fields: dict[str, float]) -> AxisDrive:
+def _changed_drive(drive: AxisDrive, fields: dict[str, float]) -> AxisDrive:
     coulomb, breakaway = FRICTION
-    excess = fields.pop(_EXCESS, _excess(drive))
+    excess = fields.pop(_EXCESS, _breakaway_excess(drive))
     if coulomb in fields and breakaway not in fields:
         fields[breakaway] = (1.0 + excess) * fields[coulomb]
     if breakaway in fields:  # none breaks away at less than it slides with

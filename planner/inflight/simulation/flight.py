@@ -17,7 +17,7 @@ _ARCSEC_RAD = math.radians(1.0 / 3600.0)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FlownMotion:
-    """What the axes did, and what the sensors told; columns in the order of `axis_names`.
+    """What the axes did, and what the sensors reported; columns in the order of `axis_names`.
 
     t_s: (k,), true seconds since the table's epoch, from its first row to its last.
     angle_rad, rate_rad_s: (k, 2), of the shafts relative to the platform's base.
@@ -47,7 +47,7 @@ def fly(
     clock_offset_s: float = 0.0,
     output_step_s: float = CONTROL_STEP_S,
 ) -> FlownMotion:
-    """From the table's first row, settled there, to its last.
+    """Fly from the table's first row, settled there, to its last.
 
     drives: the platform's unless given.  clock_offset_s: how far the drive's clock is ahead.
     output_step_s: a whole multiple of the 0.02 s in which the loops work.  Before its first row
@@ -66,12 +66,12 @@ def fly(
     noise = np.random.default_rng(seed)
     encoder_noise_rad = _in_rad(drives, "encoder_noise_arcsec") * noise.standard_normal((steps, 2))
     plant = plant_of(platform, drives)
-    loop = _loop(platform, drives)
+    loop = _drive_loop(platform, drives)
     log = close_loops(plant, loop, command, encoder_noise_rad)
     e = np.array([mode.axis_platform for mode in platform.structural_modes]).reshape(-1, 3)
     first = 2 * AXIS_STATES
     turn = log.states[:, first::MODE_STATES] @ e
-    gyro_rad_s = _gyro(platform, log, log.states[:, first + 1 :: MODE_STATES] @ e)
+    gyro_rad_s = _gyro_rates(platform, log, log.states[:, first + 1 :: MODE_STATES] @ e)
     gyro_rad_s += _in_rad(drives, "gyro_bias_arcsec_s") * noise.standard_normal(2)
     gyro_rad_s += _in_rad(drives, "gyro_noise_arcsec_s") * noise.standard_normal((steps, 2))
     count_rad_s = _in_rad(drives, "gyro_step_arcsec_s")
@@ -94,12 +94,12 @@ def _in_rad(drives: tuple[AxisDrive, AxisDrive], name: str) -> Array:
     return np.array([getattr(drive, name) * _ARCSEC_RAD for drive in drives])
 
 
-def _command(table: CommandTable, drives: tuple[AxisDrive, AxisDrive], told_s: Array) -> Command:
-    """told_s: (n,), what the drive's clock says when each control step begins."""
-    angle = np.empty((len(told_s), 2))
+def _command(table: CommandTable, drives: tuple[AxisDrive, AxisDrive], clock_s: Array) -> Command:
+    """clock_s: (n,), what the drive's clock says when each control step begins."""
+    angle = np.empty((len(clock_s), 2))
     rate, next_rate = np.empty_like(angle), np.empty_like(angle)
     for axis, drive in enumerate(drives):
-        since = told_s - drive.command_latency_s
+        since = clock_s - drive.command_latency_s
         angle[:, axis], rate[:, axis] = _between_rows(table, axis, since)
         next_rate[:, axis] = _between_rows(table, axis, since + CONTROL_STEP_S)[1]
     return Command(angle, rate, (next_rate - rate) / CONTROL_STEP_S)
@@ -121,7 +121,7 @@ def _between_rows(table: CommandTable, axis: int, t_s: Array) -> tuple[Array, Ar
     return found + outside_s * found_rate, found_rate
 
 
-def _loop(platform: TwoAxisPlatform, drives: tuple[AxisDrive, AxisDrive]) -> Loop:
+def _drive_loop(platform: TwoAxisPlatform, drives: tuple[AxisDrive, AxisDrive]) -> Loop:
     gains = np.array([drive.gains_per_s for drive in drives]).T.copy()
     reserve = np.array([drive.torque_reserve for drive in drives])
     most_rad_s2 = np.array([limits.acceleration_max_rad_s2 for limits in platform.axis_limits])
@@ -137,7 +137,7 @@ def _loop(platform: TwoAxisPlatform, drives: tuple[AxisDrive, AxisDrive]) -> Loo
     )
 
 
-def _gyro(platform: TwoAxisPlatform, log: LoopLog, swing_rad_s: Array) -> Array:
+def _gyro_rates(platform: TwoAxisPlatform, log: LoopLog, swing_rad_s: Array) -> Array:
     """True rate about each axis, (n, 2), where the base swings at (n, 3) in the platform frame."""
     outer, inner = platform.axes_platform
     alpha = log.angle_rad[:, :1]

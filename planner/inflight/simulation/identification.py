@@ -24,13 +24,13 @@ _LAGS_SHARE = 0.02  # of a flight's samples: how far errors may go together
 def covariance(
     slope_matrix: Array, missed_sigma: Array, weights: Array, prior_parameters: Array
 ) -> Array:
-    """Of n parameters, (n, n), fitted by weighted least squares; errors may go together.
+    """Covariance of n parameters, (n, n), fitted by weighted least squares; errors may go together.
 
     slope_matrix: (c, k, n), of the misses by the parameters, of c columns of k samples in order of
     time.  missed_sigma, weights: (c, k).  prior_parameters: (n,), 1 sigma.
     Size and autocorrelation of a column's errors are taken where its samples tell of the
     parameters, each counting by its leverage; that is what sums of pulls over stretches can't tell
-    where all is told by one stretch, whose pulls the fit has made zero.  Bartlett's window keeps
+    where all is decided by one stretch, whose pulls the fit has made zero.  Bartlett's window keeps
     the result a covariance (Newey and West 1987, Econometrica 55, 703).
     Never less than samples by themselves tell, their errors being those of the sensors.
     """
@@ -43,27 +43,27 @@ def covariance(
         there = missed != 0.0
         if np.count_nonzero(there) <= n:
             continue
-        middle += _middle(
+        middle += _sandwich_middle(
             np.sqrt(weight[there])[:, None] * slope[there],
             np.sqrt(weight[there]) * missed[there],
             inverse,
         )
     factor = np.linalg.cholesky(inverse)
-    values, vectors = np.linalg.eigh(factor.T @ middle @ factor)  # 1 where errors are as told
+    values, vectors = np.linalg.eigh(factor.T @ middle @ factor)  # 1 where errors are as stated
     root = factor @ vectors
     return np.asarray((root * np.maximum(values, 1.0)) @ root.T, dtype=np.float64)
 
 
-def _middle(slope_matrix: Array, missed_sigma: Array, inverse_matrix: Array) -> Array:
-    """Of one column: slope' R slope, R the covariance of its errors."""
+def _sandwich_middle(slope_matrix: Array, missed_sigma: Array, inverse_matrix: Array) -> Array:
+    """The middle of one column: slope' R slope, R the covariance of its errors."""
     leverage = np.clip(
         np.einsum("kn,nm,km->k", slope_matrix, inverse_matrix, slope_matrix), 0.0, 0.99
     )
-    told = np.sqrt(leverage / (1.0 - leverage)) * missed_sigma
+    alone = np.sqrt(leverage / (1.0 - leverage)) * missed_sigma
     lags = min(max(round(_LAGS_SHARE * len(missed_sigma)), 1), len(missed_sigma) - 1)
-    total = float(told @ told) * (slope_matrix.T @ slope_matrix)
+    total = float(alone @ alone) * (slope_matrix.T @ slope_matrix)
     for lag in range(1, lags + 1):
-        alike = float(told[lag:] @ told[:-lag]) * (1.0 - lag / (lags + 1.0))
+        alike = float(alone[lag:] @ alone[:-lag]) * (1.0 - lag / (lags + 1.0))
         beside = slope_matrix[lag:].T @ slope_matrix[:-lag]
         total += alike * (beside + beside.T)
     return np.asarray(total / max(float(np.sum(leverage)), 1e-12))
@@ -88,7 +88,7 @@ class IdentificationOptions:
     least_sigma_arcsec: float = 0.1  # and arcsec/s: what telemetry between two control steps costs
     robust_sigmas: float = 5.0  # above, a residual weighs by its size, not its square
     difference: float = 1e-3  # of logarithms: a thousand times what the integrator leaves uncertain
-    # evaluations of the loop and its derivatives; then the fit is told as it is
+    # evaluations of the loop and its derivatives; then the fit is reported as it is
     rounds_max: int = 25
     # of a friction's logarithm: by which Karnopp's law, flown, is mistaken for ours
     law_sigma: float = 0.03
@@ -128,7 +128,7 @@ def identify(
     measured_rate_rad_s: Array | None,
     names: Sequence[str],
 ) -> Identified:
-    """By least squares between what was measured and what the simulator makes of the table.
+    """Fit by least squares between what was measured and what the simulator makes of the table.
 
     t_s: (k,), ascending seconds since the table's epoch; samples before its first row or after
     its last aren't used.  measured_angle_rad, measured_rate_rad_s: (k, 2), NaN where there is
@@ -143,11 +143,11 @@ def identify(
     """
     tried = candidates(table, platform, t_s, measured_angle_rad, measured_rate_rad_s, names)
     moved = _best_start(tried)
-    sigma = _sigma(tried, moved)
-    moved = _fitted(tried, moved, sigma)
-    sigma = _sigma(tried, moved)
-    moved = _fitted(tried, moved, sigma)
-    covariance_moved = _covariance(tried, moved, _sigma(tried, moved))
+    sigma = _miss_sigmas(tried, moved)
+    moved = _fit_parameters(tried, moved, sigma)
+    sigma = _miss_sigmas(tried, moved)
+    moved = _fit_parameters(tried, moved, sigma)
+    covariance_moved = _moved_covariance(tried, moved, _miss_sigmas(tried, moved))
     n, slope = len(names), tried.slope(moved)
     parameters = tried.values(moved)[:n]
     angle_rad, rate_rad_s, bias_rad_s = tried.residuals(tried.drives(moved))
@@ -167,32 +167,32 @@ def _best_start(tried: Candidates) -> Array:
     best, friction = np.zeros(len(tried.names)), tried.is_one_of(*FRICTION)
     if not np.any(friction):
         return best
-    coarse = [_even(tried, best + shift * friction) for shift in _COARSE_TRIES]
-    best = best + friction * _COARSE_TRIES[_cheapest(coarse)][tried.of_axis]
-    sigma = _sigma(tried, best)
+    coarse = [_period_cost(tried, best + shift * friction) for shift in _COARSE_TRIES]
+    best = best + friction * _COARSE_TRIES[_cheapest_try(coarse)][tried.of_axis]
+    sigma = _miss_sigmas(tried, best)
     fine = []
     for manner in _MANNERS:
         to = np.array([manner.get(name.split(".")[1], 0.0) for name in tried.names])
         fine += [best + to + shift * friction for shift in _FINE_TRIES]
-    first = _cheapest([_robust(tried.misses(moved, sigma)) for moved in fine])
+    first = _cheapest_try([_robust_cost(tried.misses(moved, sigma)) for moved in fine])
     found: Array = np.array(fine)[first[tried.of_axis], np.arange(len(best))]
     return found
 
 
-def _cheapest(costs_by_try: Sequence[Array]) -> Array:
-    """Of each axis the number of the try, (2,)."""
+def _cheapest_try(costs_by_try: Sequence[Array]) -> Array:
+    """The number of the cheapest try of each axis, (2,)."""
     found: Array = np.argmin(np.array(costs_by_try), axis=0)
     return found
 
 
-def _robust(missed_sigma: Array) -> Array:
-    """As least_squares adds them up, of each axis, (2,)."""
+def _robust_cost(missed_sigma: Array) -> Array:
+    """The cost as least_squares adds it up, of each axis, (2,)."""
     size = (missed_sigma / OPTIONS.robust_sigmas) ** 2
     total: Array = np.sum(np.sqrt(1.0 + size) - 1.0, axis=0)
     return total
 
 
-def _even(tried: Candidates, moved_parameters: Array) -> Array:
+def _period_cost(tried: Candidates, moved_parameters: Array) -> Array:
     """The cost of misses averaged over a period of each axis's loop, (2,)."""
     drives = tried.drives(moved_parameters)
     missed = tried.misses(moved_parameters, _sensors(tried.platform)).reshape(2, len(tried.t_s), 2)
@@ -202,14 +202,14 @@ def _even(tried: Candidates, moved_parameters: Array) -> Array:
         together = max(round(1.0 / (drive.bandwidth_hz * spacing_s)), 1)
         window = np.ones(together) / math.sqrt(together)
         for column in missed[:, :, axis]:
-            costs[axis] += float(_robust(np.convolve(column, window, "valid")[:, None])[0])
+            costs[axis] += float(_robust_cost(np.convolve(column, window, "valid")[:, None])[0])
     return costs
 
 
 def _sensors(platform: TwoAxisPlatform) -> Array:
     """1 sigma of angles and of rates of each axis, as the platform has it, (2, 2)."""
 
-    def of(step: str, noise: str) -> list[float]:
+    def sigma_of(step: str, noise: str) -> list[float]:
         return [
             _ARCSEC_RAD
             * math.hypot(
@@ -222,14 +222,14 @@ def _sensors(platform: TwoAxisPlatform) -> Array:
 
     return np.array(
         [
-            of("encoder_step_arcsec", "encoder_noise_arcsec"),
-            of("gyro_step_arcsec_s", "gyro_noise_arcsec_s"),
+            sigma_of("encoder_step_arcsec", "encoder_noise_arcsec"),
+            sigma_of("gyro_step_arcsec_s", "gyro_noise_arcsec_s"),
         ]
     )
 
 
-def _sigma(tried: Candidates, moved_parameters: Array) -> Array:
-    """The same, as large as half of the samples miss by, where that is more."""
+def _miss_sigmas(tried: Candidates, moved_parameters: Array) -> Array:
+    """The sigmas, as large as half of the samples miss by, where that is more."""
     sigma = _sensors(tried.platform)
     angle_rad, rate_rad_s, _ = tried.residuals(tried.drives(moved_parameters))
     for kind, missed in enumerate((angle_rad, rate_rad_s)):
@@ -241,7 +241,7 @@ def _sigma(tried: Candidates, moved_parameters: Array) -> Array:
     return sigma
 
 
-def _slopes(tried: Candidates, moved_parameters: Array, sigma: Array) -> Array:
+def _miss_slopes(tried: Candidates, moved_parameters: Array, sigma: Array) -> Array:
     """Of the misses, (2 k, 2), by the parameters of their own axis, (2 k, 2, n): the axes hardly
     feel each other, so that one flight moves a parameter of each."""
     here = tried.misses(moved_parameters, sigma)
@@ -258,24 +258,24 @@ def _slopes(tried: Candidates, moved_parameters: Array, sigma: Array) -> Array:
     return slopes
 
 
-def _fitted(tried: Candidates, start_parameters: Array, sigma: Array) -> Array:
-    """As they fit best from where the search starts."""
+def _fit_parameters(tried: Candidates, start_parameters: Array, sigma: Array) -> Array:
+    """Parameters as they fit best from where the search starts."""
     from scipy.optimize import least_squares  # half a second, which most processes never need
 
     prior = tried.prior_parameters
 
-    def missed(moved_parameters: Array) -> Array:
-        told = tried.misses(moved_parameters, sigma).ravel()
-        return np.append(told, moved_parameters / prior)
+    def misses_of(moved_parameters: Array) -> Array:
+        scaled = tried.misses(moved_parameters, sigma).ravel()
+        return np.append(scaled, moved_parameters / prior)
 
-    def slopes(moved_parameters: Array) -> Array:
-        told = _slopes(tried, moved_parameters, sigma).reshape(-1, len(prior))
-        return np.concatenate([told, np.diag(1.0 / prior)])
+    def slopes_of(moved_parameters: Array) -> Array:
+        scaled = _miss_slopes(tried, moved_parameters, sigma).reshape(-1, len(prior))
+        return np.concatenate([scaled, np.diag(1.0 / prior)])
 
     found = least_squares(
-        missed,
+        misses_of,
         start_parameters,
-        slopes,
+        slopes_of,
         bounds=(tried.least_parameters, np.inf),
         loss="soft_l1",
         f_scale=OPTIONS.robust_sigmas,
@@ -286,14 +286,14 @@ def _fitted(tried: Candidates, start_parameters: Array, sigma: Array) -> Array:
     return np.asarray(found.x)
 
 
-def _covariance(tried: Candidates, moved_parameters: Array, sigma: Array) -> Array:
-    """Of what moves the parameters, (n, n); the axes' don't go together.
+def _moved_covariance(tried: Candidates, moved_parameters: Array, sigma: Array) -> Array:
+    """Covariance of what moves the parameters, (n, n); the axes' don't go together.
 
     Friction's with what the law itself leaves open, which no residual of one flight shows.
     """
     samples, n = len(tried.t_s), len(moved_parameters)
     missed = tried.misses(moved_parameters, sigma)
-    slopes = _slopes(tried, moved_parameters, sigma)
+    slopes = _miss_slopes(tried, moved_parameters, sigma)
     weights = 1.0 / np.sqrt(1.0 + (missed / OPTIONS.robust_sigmas) ** 2)
     found = np.zeros((n, n))
     for axis in range(2):
@@ -309,7 +309,7 @@ def _covariance(tried: Candidates, moved_parameters: Array, sigma: Array) -> Arr
 
 
 def _root_mean_square(missed_value: Array) -> Array:
-    """Of each column, without what isn't there."""
+    """Root mean square of each column, without what isn't there."""
     there = np.isfinite(missed_value)
     count = np.count_nonzero(there, axis=0)
     squares = np.sum(np.where(there, missed_value, 0.0) ** 2, axis=0)

@@ -33,7 +33,7 @@ def residual_vibration_rad(
     last one it swings by the amplitude returned about its deflection under acceleration_after.
     The mode's share in the axis's motion is one; deflections scale with it.
     """
-    start, stop = _accelerations(angle_rad, rate_rad_s)
+    start, stop = _cell_accelerations(angle_rad, rate_rad_s)
     eigenvalue = mode.eigenvalue_rad_s
     phase = eigenvalue * COMMAND_STEP_S
     # With y' = lambda y + a the deflection is -Im y / w_d; over one row a = start + (stop-start) s.
@@ -50,7 +50,7 @@ def residual_vibration_rad(
     return float(abs(swing) / eigenvalue.imag)
 
 
-def _accelerations(angle_rad: Array, rate_rad_s: Array) -> tuple[Array, Array]:
+def _cell_accelerations(angle_rad: Array, rate_rad_s: Array) -> tuple[Array, Array]:
     """Where each cell of the Hermite begins and ends, (n - 1,) each."""
     mean = np.diff(angle_rad) / COMMAND_STEP_S
     before, after = rate_rad_s[:-1], rate_rad_s[1:]
@@ -119,8 +119,8 @@ def compare_with_spline(ocp: SlewSolution, options: SlewOptions) -> SlewComparis
     )
     return SlewComparison(
         axis_names=problem.axis_names,
-        ocp=_figures(ocp),
-        spline=_figures(spline),
+        ocp=_slew_figures(ocp),
+        spline=_slew_figures(spline),
         least_duration_s=max(least_s),
         paper_duration_s=paper_duration_s(problem),
         residuals=residuals,
@@ -142,7 +142,7 @@ def _left_rad(slew: SlewSolution, mode: StructuralMode) -> tuple[float, ...]:
     )
 
 
-def _figures(solution: SlewSolution) -> SlewFigures:
+def _slew_figures(solution: SlewSolution) -> SlewFigures:
     extremes = [profile.extremes for profile in solution.profiles]
     peaks = [
         tuple(max(-axis[order].least, axis[order].greatest) for axis in extremes)

@@ -68,7 +68,7 @@ def paper_profiles(
         return tuple(cubic_profile(a, b, duration_s) for a, b in zip(start, end, strict=True))
     aim_ahead_s = lag_s if options.filter_lag_compensation else 0.0
     return tuple(
-        _filter_cubic(a, _extrapolate(b, aim_ahead_s), duration_s, lag_s)
+        _filter_cubic(a, _extrapolate_state(b, aim_ahead_s), duration_s, lag_s)
         for a, b in zip(start, end, strict=True)
     )
 
@@ -125,7 +125,7 @@ def cubic_profile(start: AxisState, end: AxisState, duration_s: float) -> AxisPr
     )
 
 
-def _extrapolate(state: AxisState, ahead_s: float) -> AxisState:
+def _extrapolate_state(state: AxisState, ahead_s: float) -> AxisState:
     v, a = state.rate_rad_s, state.acceleration_rad_s2
     return AxisState(
         angle_rad=state.angle_rad + ahead_s * (v + ahead_s * a / 2.0),

@@ -41,11 +41,11 @@ def convex_parts(polygon: SphericalPolygon) -> tuple[SphericalPolygon, ...]:
     if not polygon.is_reflex.any():
         return (polygon,)
     p = seen_on_plane(polygon.corner_directions, polygon.middle_direction)
-    rings = _cut(p, tuple(range(len(p))))
+    rings = _cut_convex(p, tuple(range(len(p))))
     return tuple(polygon_to_the_left(polygon.corner_directions[list(ring)]) for ring in rings)
 
 
-def _cut(p: Array, ring: Ring) -> list[Ring]:
+def _cut_convex(p: Array, ring: Ring) -> list[Ring]:
     reflex = [
         k for k in range(len(ring)) if _turn(p, *_around(ring, k)) < -POLYGON_OPTIONS.straight
     ]
@@ -55,17 +55,17 @@ def _cut(p: Array, ring: Ring) -> list[Ring]:
     turned = ring[begin:] + ring[:begin]
     before, corner, after = turned[-1], turned[0], turned[1]
 
-    def price(k: int) -> tuple[bool, float]:
+    def cut_price(k: int) -> tuple[bool, float]:
         leaves_reflex = (
             _turn(p, turned[k], corner, after) < 0.0 or _turn(p, before, corner, turned[k]) < 0.0
         )
         return leaves_reflex, float(np.linalg.norm(p[turned[k]] - p[corner]))
 
-    k = min(_diagonals(p, turned), key=price)
-    return _cut(p, turned[: k + 1]) + _cut(p, (corner, *turned[k:]))
+    k = min(_find_diagonals(p, turned), key=cut_price)
+    return _cut_convex(p, turned[: k + 1]) + _cut_convex(p, (corner, *turned[k:]))
 
 
-def _diagonals(p: Array, ring: Ring) -> Iterator[int]:
+def _find_diagonals(p: Array, ring: Ring) -> Iterator[int]:
     """Places of corners that the first one, a reflex one, sees across the inside."""
     before, corner, after = ring[-1], ring[0], ring[1]
     for k in range(2, len(ring) - 1):
@@ -123,7 +123,7 @@ def cap_count(view: KeepOutView, parts: tuple[MaskPart, ...]) -> int:
 
 
 def cone_caps(view: KeepOutView, t_s: Array, margins_rad: Array) -> Caps:
-    """Of the cones at t_s; margins_rad: (cones, n), kept beside each half angle."""
+    """Caps of the cones at t_s; margins_rad: (cones, n), kept beside each half angle."""
     axes, counts = [], []
     for cone in view.cones:
         axis, is_counting = cone.at(t_s)
@@ -140,7 +140,7 @@ def look_tau(tau: Array) -> Array:
 
 
 def mask_caps(parts: tuple[MaskPart, ...], boresight_platform: Array, margins_rad: Array) -> Caps:
-    """Of the masks at n instants.
+    """Caps of the masks at n instants.
 
     boresight_platform: of the path so far, unit vectors (n + 1, looks, 3) at `look_tau`.
     margins_rad: (regions, n), kept beside each mask's own margin.

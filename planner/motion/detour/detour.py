@@ -33,7 +33,7 @@ from planner.world.platforms import FieldMask
 
 @dataclass(frozen=True, kw_only=True)
 class DetourOptions:
-    """From how many guesses a way around cones is sought, and how good it must be."""
+    """The number of guesses from which a way around cones is sought; how good it must be."""
 
     spans: int = 32  # costs 1e-4 more than 48, and a fifth less time
     finer_spans: int = 64  # where a way found in the others can't be flown in rows
@@ -91,7 +91,7 @@ def avoid_cones(
         regions = problem.keep_out.regions
         raise InfeasibleSlew(
             f"the straight slew enters {entry.title} by {math.degrees(entry.depth_rad):.2f} deg "
-            f"and no way around {_titles(regions)} was found in {solution.duration_s:.1f} s; "
+            f"and no way around {_join_titles(regions)} was found in {solution.duration_s:.1f} s; "
             f"{_ways_out(regions)}",
             limit="keep_out",
         )
@@ -125,7 +125,7 @@ def _detour_between_ends(
     """Around the regions, after and before what the ends must brake."""
     part = free_part(straight, view)
     if part is None:
-        return _around(straight, view, thorough=thorough, prove=prove)
+        return _seek_detour(straight, view, thorough=thorough, prove=prove)
     free, shifted, begins_s = part
     if prove:
         _require_reachable_end(straight, view)
@@ -133,14 +133,14 @@ def _detour_between_ends(
         np.array([0.0, free.duration_s]), free.motion(np.array([0.0, free.duration_s]))[0]
     )
     if depths.max() >= 0.0:
-        return _around(straight, view, thorough=thorough, prove=prove)
+        return _seek_detour(straight, view, thorough=thorough, prove=prove)
     # Of a part of a slew nothing is proven: another motion at its ends may be possible.
-    found = _around(free, shifted, thorough=thorough, prove=False)
+    found = _seek_detour(free, shifted, thorough=thorough, prove=False)
     if found is None:
         return None
     profiles = with_part_replaced(straight, begins_s, found.profiles)
     if slew_entry(profiles, view).depth_rad > -DETOUR_SEARCH_OPTIONS.touch_rad:
-        return _around(straight, view, thorough=thorough, prove=prove)
+        return _seek_detour(straight, view, thorough=thorough, prove=prove)
     return found._replace(profiles=profiles)
 
 
@@ -151,13 +151,13 @@ def _require_reachable_end(straight: SlewSolution, view: KeepOutView) -> None:
 
 def _infeasible_slew(straight: SlewSolution, regions: tuple[Region, ...]) -> InfeasibleSlew:
     return InfeasibleSlew(
-        f"no motion within the limits leads around {_titles(regions)} in "
+        f"no motion within the limits leads around {_join_titles(regions)} in "
         f"{straight.duration_s:.1f} s; {_ways_out(regions)}, or choose other times",
         limit="keep_out",
     )
 
 
-def _around(
+def _seek_detour(
     straight: SlewSolution, view: KeepOutView, *, thorough: bool, prove: bool
 ) -> Detour | None:
     """Both sides first; where neither leads on, the way that flooding the angles finds.
@@ -166,7 +166,7 @@ def _around(
     """
     spline = graded_ocp(OPTIONS.spans)
     search = DetourSearch(straight, view, spline)
-    found = search.near(_both_sides(view, straight, spline))
+    found = search.solve_near(_both_sides(view, straight, spline))
     if not any(one.off_rows or math.isfinite(one.cost) for one in found):
         if prove:
             _require_reachable_end(straight, view)
@@ -199,7 +199,7 @@ def _along_rough_paths(straight: SlewSolution, view: KeepOutView) -> list[Detour
     for path in paths:
         for spans in (OPTIONS.spans, OPTIONS.finer_spans):
             search = DetourSearch(straight, view, graded_ocp(spans))
-            found += search.near((_aside_along(straight, search.spline, t_s, path),))
+            found += search.solve_near((_aside_along(straight, search.spline, t_s, path),))
             if any(one.off_rows or math.isfinite(one.cost) for one in found):
                 return found
     return found
@@ -208,13 +208,13 @@ def _along_rough_paths(straight: SlewSolution, view: KeepOutView) -> list[Detour
 def _more_detours(straight: SlewSolution, search: DetourSearch, best: Detour) -> list[Detour]:
     """Detours from guesses near one that has neighbours; from random ones where there is none."""
     if not math.isfinite(best.cost):
-        guesses = _waves(search.spline, OPTIONS.random_restarts, OPTIONS.random_restart_rad)
-        return search.near(guesses)
+        guesses = _random_waves(search.spline, OPTIONS.random_restarts, OPTIONS.random_restart_rad)
+        return search.solve_near(guesses)
     if best.sampling_gap_share <= OPTIONS.large_sampling_gap:
         return []
     aside = _aside_of(best, straight, search.spline)
-    waves = _waves(search.spline, OPTIONS.perturbations, OPTIONS.perturbation_rad)
-    return search.near(tuple(aside + wave for wave in waves), start="wide")
+    waves = _random_waves(search.spline, OPTIONS.perturbations, OPTIONS.perturbation_rad)
+    return search.solve_near(tuple(aside + wave for wave in waves), start="wide")
 
 
 def _blocking_regions(straight: SlewSolution, view: KeepOutView) -> tuple[Region, ...]:
@@ -222,13 +222,13 @@ def _blocking_regions(straight: SlewSolution, view: KeepOutView) -> tuple[Region
     if len(view.regions) == 1:
         return view.regions
     for region in view.regions:
-        alone = view.only(region)
+        alone = view.with_region_alone(region)
         if is_unreachable(straight.problem, alone, straight.duration_s, PROOF_OPTIONS.cells_rad):
             return (region,)
     return view.regions
 
 
-def _titles(regions: tuple[Region, ...]) -> str:
+def _join_titles(regions: tuple[Region, ...]) -> str:
     *before, last = [region.title for region in regions]
     return f"{', '.join(before)} and {last}" if before else last
 
@@ -240,7 +240,7 @@ def _ways_out(regions: tuple[Region, ...]) -> str:
 
 
 def _on_rows(straight: SlewSolution, view: KeepOutView, near: Detour) -> list[Detour]:
-    """Again from one that rows can't carry: with acceleration to spare, then with jerk on rows."""
+    """Solve again where rows can't carry it: with acceleration to spare, then jerk on rows."""
     rows = rows_in(straight.duration_s)
     bases = [
         (graded_ocp(OPTIONS.spans), OPTIONS.spared),
@@ -251,7 +251,7 @@ def _on_rows(straight: SlewSolution, view: KeepOutView, near: Detour) -> list[De
     found: list[Detour] = []
     for spline, share in bases:
         aside = _aside_of(near, straight, spline)
-        found += DetourSearch(straight, view, spline, share).near((aside,))
+        found += DetourSearch(straight, view, spline, share).solve_near((aside,))
         if math.isfinite(found[-1].cost):
             break
     return found
@@ -281,19 +281,19 @@ def _both_sides(view: KeepOutView, straight: SlewSolution, spline: SplineOcp) ->
     ahead = rate[worst] / speed if speed > 0.0 else np.array([1.0, 0.0])
     across = np.array([-ahead[1], ahead[0]])
 
-    def aside(direction: Array) -> Array:
-        bump = _bump(tau, middle)
+    def coefficients_aside(direction: Array) -> Array:
+        bump = _smooth_bump(tau, middle)
         tried = angle + (ASIDE_RAD[:, None] * bump)[:, :, None] * direction
         flat = view.depths_rad(np.tile(tau * T, len(ASIDE_RAD)), tried.reshape(-1, 2))
         deepest = flat.max(axis=0).reshape(len(ASIDE_RAD), -1).max(axis=1)
         outside = np.flatnonzero(deepest < 0.0)
         size = ASIDE_RAD[outside[0] if outside.size else int(np.argmin(deepest))]
-        return np.asarray(np.outer(size * direction, _bump(spline.greville_tau, middle)))
+        return np.asarray(np.outer(size * direction, _smooth_bump(spline.greville_tau, middle)))
 
-    return aside(across), aside(-across)
+    return coefficients_aside(across), coefficients_aside(-across)
 
 
-def _waves(spline: SplineOcp, count: int, size_rad: float) -> tuple[Array, ...]:
+def _random_waves(spline: SplineOcp, count: int, size_rad: float) -> tuple[Array, ...]:
     """Smooth excursions of any kind, the same ones every time."""
     rng = np.random.default_rng(0)
     waves = np.sin(np.pi * np.outer(WAVES, spline.greville_tau))
@@ -301,6 +301,6 @@ def _waves(spline: SplineOcp, count: int, size_rad: float) -> tuple[Array, ...]:
     return tuple(sizes @ waves)
 
 
-def _bump(tau: Array, middle_tau: float) -> Array:
+def _smooth_bump(tau: Array, middle_tau: float) -> Array:
     x = np.minimum(tau / middle_tau, (1.0 - tau) / (1.0 - middle_tau))
     return np.asarray(x * x * x * (10.0 - x * (15.0 - 6.0 * x)))

@@ -34,12 +34,12 @@ def free_part(
     shifted = view.from_time(first_s)
     problem = replace(
         straight.problem,
-        start=_states(straight, first_s),
-        end=_states(straight, stop_s),
+        start=_states_at(straight, first_s),
+        end=_states_at(straight, stop_s),
         duration_s=stop_s - first_s,
         keep_out=shifted,
     )
-    profiles = tuple(_cut(profile, first_s, stop_s) for profile in straight.profiles)
+    profiles = tuple(_cut_profile(profile, first_s, stop_s) for profile in straight.profiles)
     return replace(straight, problem=problem, profiles=profiles), shifted, first_s
 
 
@@ -51,9 +51,9 @@ def with_part_replaced(
     first, second = (
         chain_profiles(
             [
-                *([_cut(old, 0.0, begins_s)] if begins_s > 0.0 else []),
+                *([_cut_profile(old, 0.0, begins_s)] if begins_s > 0.0 else []),
                 new,
-                *([_cut(old, stop_s, old.duration_s)] if stop_s < old.duration_s else []),
+                *([_cut_profile(old, stop_s, old.duration_s)] if stop_s < old.duration_s else []),
             ]
         )
         for old, new in zip(straight.profiles, between, strict=True)
@@ -66,7 +66,7 @@ def _braked_s(straight: SlewSolution, *, at_end: bool) -> float | None:
     rows = 0
     while rows * COMMAND_STEP_S <= SHARE_MAX * straight.duration_s:
         since_s = rows * COMMAND_STEP_S
-        states = _states(straight, straight.duration_s - since_s if at_end else since_s)
+        states = _states_at(straight, straight.duration_s - since_s if at_end else since_s)
         if all(
             brake(state.backwards() if at_end else state, limits) is None
             for state, limits in zip(states, straight.problem.limits, strict=True)
@@ -76,7 +76,7 @@ def _braked_s(straight: SlewSolution, *, at_end: bool) -> float | None:
     return None
 
 
-def _states(straight: SlewSolution, at_s: float) -> tuple[AxisState, ...]:
+def _states_at(straight: SlewSolution, at_s: float) -> tuple[AxisState, ...]:
     if at_s == 0.0:
         return straight.problem.start
     if at_s == straight.duration_s:
@@ -85,8 +85,8 @@ def _states(straight: SlewSolution, at_s: float) -> tuple[AxisState, ...]:
     return axis_states(angle[0], rate[0], acceleration[0])
 
 
-def _cut(profile: AxisProfile, begin_s: float, stop_s: float) -> AxisProfile:
-    """The same motion from begin_s to stop_s, its time counted from begin_s."""
+def _cut_profile(profile: AxisProfile, begin_s: float, stop_s: float) -> AxisProfile:
+    """The motion from begin_s to stop_s, its time counted from begin_s."""
     breaks = profile.breakpoints_s
     inner = breaks[(breaks > begin_s + ROUNDING_S) & (breaks < stop_s - ROUNDING_S)]
     at_s = np.concatenate([[begin_s], inner, [stop_s]])

@@ -83,7 +83,7 @@ def _flood_misses_end(
     wet, corner, cells = np.ones((1, 1), dtype=bool), [axis.start for axis in axes], 0
     for layer in range(1, layers + 1):
         spans = [
-            axis.near(layer, at, count)
+            axis.cells_near(layer, at, count)
             for axis, at, count in zip(axes, corner, wet.shape, strict=True)
         ]
         size = math.prod(max(span.stop - span.start, 0) for span in spans)
@@ -91,16 +91,16 @@ def _flood_misses_end(
         effort.charge(OPTIONS.layer + size / OPTIONS.cells_a_row)
         if size > OPTIONS.layer_max or cells > OPTIONS.flood_cells_max:
             return False
-        wet = with_neighbours(wet)[_within(spans, corner)]
+        wet = with_neighbours(wet)[_cells_within(spans, corner)]
         if size and masks:
-            wet &= ~masks.inside(spans)
+            wet &= ~masks.proven_inside(spans)
         for cone in cones:
             if size and cone.counts[layer]:
                 edges = [
                     axis.edges_within_reach(layer, span)
                     for axis, span in zip(axes, spans, strict=True)
                 ]
-                wet &= ~cone.inside(layer, edges)
+                wet &= ~cone.proven_inside(layer, edges)
         if not wet.any():
             return True
         rows, columns = (np.flatnonzero(wet.any(axis=axis)) for axis in (1, 0))
@@ -109,8 +109,8 @@ def _flood_misses_end(
     return False
 
 
-def _within(spans: list[slice], corner: list[int]) -> tuple[slice, ...]:
-    """The same cells in an array that begins one cell before the corner."""
+def _cells_within(spans: list[slice], corner: list[int]) -> tuple[slice, ...]:
+    """These cells in an array that begins one cell before the corner."""
     return tuple(
         slice(span.start - at + 1, max(span.stop, span.start) - at + 1)
         for span, at in zip(spans, corner, strict=True)
@@ -135,7 +135,7 @@ class _AxisCells(NamedTuple):
     def size_rad(self) -> float:
         return float(self.edges_rad[1] - self.edges_rad[0])
 
-    def near(self, layer: int, at: int, count: int) -> slice:
+    def cells_near(self, layer: int, at: int, count: int) -> slice:
         """Cells that count cells, one layer before, lead to; none: it ends before it begins."""
         return slice(max(at - 1, self.first[layer]), min(at + count, self.last[layer]) + 1)
 
@@ -147,7 +147,7 @@ class _AxisCells(NamedTuple):
 
 def _axis_cells(t_s: Array, start: AxisState, end: AxisState, limits: AxisLimits) -> _AxisCells:
     size = limits.rate_max_rad_s * float(t_s[1]) * (1.0 + OPTIONS.rounding)
-    low, high = tube(t_s, start, end, limits)
+    low, high = angle_tube(t_s, start, end, limits)
     below = math.ceil((start.angle_rad - low.min()) / size) + 1
     lowest = start.angle_rad - (below + 0.5) * size
     count = math.ceil((high.max() - lowest) / size) + 1
@@ -173,7 +173,7 @@ class ConeOverCells:
     counts: Mask
     cosine_threshold: float
 
-    def inside(self, layer: int, edges_rad: Sequence[Array]) -> Mask:
+    def proven_inside(self, layer: int, edges_rad: Sequence[Array]) -> Mask:
         """Cells between these edges of either axis that are proven to be wholly inside."""
         outer, inner = (
             np.stack([np.ones(len(q)), np.cos(q), np.sin(q)], axis=1) for q in edges_rad
@@ -210,8 +210,8 @@ class MasksOverCells:
         shape = tuple(len(middles) for middles in self._middles_rad)
         self._is_known, self._is_inside = np.zeros(shape, dtype=bool), np.zeros(shape, dtype=bool)
 
-    def inside(self, cells: Sequence[slice]) -> Mask:
-        """Of these cells."""
+    def proven_inside(self, cells: Sequence[slice]) -> Mask:
+        """Which of these cells are proven to be in the cone."""
         window = tuple(cells)
         known = self._is_known[window]
         if not known.all():
@@ -237,7 +237,7 @@ class MasksOverCells:
 
 
 def with_neighbours(mask: Mask) -> Mask:
-    """With all eight neighbours of each cell, in an array larger by one cell all around."""
+    """The cells with all eight neighbours of each, in an array larger by one cell all around."""
     rows, columns = mask.shape
     tall = np.zeros((rows + 2, columns), dtype=bool)
     grown = np.zeros((rows + 2, columns + 2), dtype=bool)
@@ -284,22 +284,22 @@ def catching_region(
     return None
 
 
-def tube(t_s: Array, start: AxisState, end: AxisState, limits: AxisLimits) -> Array:
+def angle_tube(t_s: Array, start: AxisState, end: AxisState, limits: AxisLimits) -> Array:
     """Least and greatest angle at t_s, (2, k), of any motion from start to end."""
     before, after = t_s, t_s[-1] - t_s
     back = end.backwards()
     high = np.minimum(
-        start.angle_rad + _farthest(before, start, limits),
-        end.angle_rad + _farthest(after[::-1], back, limits)[::-1],
+        start.angle_rad + _farthest_up(before, start, limits),
+        end.angle_rad + _farthest_up(after[::-1], back, limits)[::-1],
     )
     low = np.maximum(
-        start.angle_rad - _farthest(before, start.mirror_image(), limits),
-        end.angle_rad - _farthest(after[::-1], back.mirror_image(), limits)[::-1],
+        start.angle_rad - _farthest_up(before, start.mirror_image(), limits),
+        end.angle_rad - _farthest_up(after[::-1], back.mirror_image(), limits)[::-1],
     )
     return np.stack([np.maximum(low, limits.angle_min_rad), np.minimum(high, limits.angle_max_rad)])
 
 
-def _farthest(t_s: Array, state: AxisState, limits: AxisLimits) -> Array:
+def _farthest_up(t_s: Array, state: AxisState, limits: AxisLimits) -> Array:
     """How far up it may come at t_s, sorted, of a slew that lasts to the last of them.
 
     Jerk brings acceleration up to its limit, and takes it back as the rate comes to its own: no

@@ -65,7 +65,7 @@ class Caps(NamedTuple):
 
 
 class _Parts(NamedTuple):
-    """Of the programme: variables, parameters, cost, and cosines with the caps' axes.
+    """The programme's parts: variables, parameters, cost, and cosines with the caps' axes.
 
     cost_weight and row_weights: of cost and cosines in the Lagrangian, of which hessian is the
     upper triangle.
@@ -115,7 +115,7 @@ class DetourOcp:
         angles = casadi.vertsplit(
             p_base + p_scale * casadi.mtimes(casadi.diagcat(free, free), y), points
         )
-        derivatives = [_trigonometry(casadi.repmat(angle, caps)) for angle in angles]
+        derivatives = [_trigonometric_rows(casadi.repmat(angle, caps)) for angle in angles]
 
         def cosines(outer: int, inner: int) -> "casadi.MX":
             """Differentiated so often by either angle."""
@@ -221,20 +221,20 @@ class DetourOcp:
                 (cosine / steepness[:, None]).ravel(order="F"),
             ]
         )
-        answer = _run(
+        answer = _chain_axes(
             self._rates_only, self._spline.rate_rows, axes, parameters, most, guess_coefficients
         )
         y, run = answer.x_numbers.reshape(2, -1), answer.run
         keeps = all(self._spline.keeps_rows(*one) for one in zip(axes, y, strict=True))
         if run.is_promising and not keeps:
             hull_rows = len(self._spline.jacobian)
-            answer = _run(self._complete, hull_rows, axes, parameters, most, y)
+            answer = _chain_axes(self._complete, hull_rows, axes, parameters, most, y)
             y, run = answer.x_numbers.reshape(2, -1), answer.run.after(run)
         outer, inner = map(self._spline.profile, axes, y)
         return (outer, inner), run
 
 
-def _trigonometry(angle: "casadi.MX") -> "list[list[casadi.MX]]":
+def _trigonometric_rows(angle: "casadi.MX") -> "list[list[casadi.MX]]":
     """One, cosine and sine of an angle, and their first and second derivatives."""
     import casadi
 
@@ -243,7 +243,7 @@ def _trigonometry(angle: "casadi.MX") -> "list[list[casadi.MX]]":
     return [[one, cosine, sine], [zero, -sine, cosine], [zero, -cosine, -sine]]
 
 
-def _run(
+def _chain_axes(
     solver: Solver,
     hull_rows: int,
     axes: tuple[AxisProgramme, AxisProgramme],

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from planner.base import effort
 from planner.base.arrays import Array
-from planner.motion.detour.infeasibility_proof import Mask, tube, with_neighbours
+from planner.motion.detour.infeasibility_proof import Mask, angle_tube, with_neighbours
 from planner.motion.pointing.keep_out import KeepOutView
 from planner.motion.slew.problem import AxisState, SlewProblem
 
@@ -65,28 +65,28 @@ def _paths_in_cells(
     t_s = np.linspace(0.0, duration_s, layers + 1)
     axes = []
     for start, end, limits in zip(problem.start, problem.end, problem.limits, strict=True):
-        size, (least, most) = limits.rate_max_rad_s * t_s[1], tube(t_s, start, end, limits)
+        size, (least, most) = limits.rate_max_rad_s * t_s[1], angle_tube(t_s, start, end, limits)
         edges = np.arange(least.min(), most.max() + 2.0 * size, size)
         first, stop = np.searchsorted(edges[1:], least), np.searchsorted(edges[:-1], most, "right")
         windows = list(map(slice, first, np.maximum(first, stop)))
         axes.append(_AxisGrid(size, edges[:-1] + size / 2.0, windows))
-    start_cell, end_cell = _cell(problem.start, axes), _cell(problem.end, axes)
-    flooded = _flood(view, t_s, axes, start_cell, end_cell)
+    start_cell, end_cell = _cell_at(problem.start, axes), _cell_at(problem.end, axes)
+    flooded = _flood_cells(view, t_s, axes, start_cell, end_cell)
     if not flooded[-1].any():
         return t_s, ()
-    cells = _back(flooded, start_cell, end_cell)
+    cells = _trace_back(flooded, start_cell, end_cell)
     path = np.stack([axes[axis].middles_rad[cells[:, axis]] for axis in range(2)], axis=1)
-    return t_s, tuple(_smooth(path, problem, share) for share in OPTIONS.smoothing_shares)
+    return t_s, tuple(_smooth_path(path, problem, share) for share in OPTIONS.smoothing_shares)
 
 
-def _cell(state: tuple[AxisState, ...], axes: list[_AxisGrid]) -> tuple[int, ...]:
+def _cell_at(state: tuple[AxisState, ...], axes: list[_AxisGrid]) -> tuple[int, ...]:
     return tuple(
         int(np.argmin(np.abs(cells.middles_rad - axis.angle_rad)))
         for axis, cells in zip(state, axes, strict=True)
     )
 
 
-def _flood(
+def _flood_cells(
     view: KeepOutView,
     t_s: Array,
     axes: list[_AxisGrid],
@@ -139,10 +139,10 @@ def _off_masks(view: KeepOutView, boresight_platform: Array, apart_rad: float) -
     return found
 
 
-def _back(
+def _trace_back(
     flooded: Mask, start_cell: tuple[int, ...], end_cell: tuple[int, ...]
 ) -> NDArray[np.intp]:
-    """From the end back to the start, evenly where nothing is in the way: cells (k, 2)."""
+    """The path from the end back to the start, evenly where nothing is in the way: cells (k, 2)."""
     start = np.array(start_cell)
     cells = np.empty((len(flooded), 2), dtype=np.intp)
     cells[-1] = end_cell
@@ -159,7 +159,7 @@ def _back(
     return cells
 
 
-def _smooth(path_rad: Array, problem: SlewProblem, share: float) -> Array:
+def _smooth_path(path_rad: Array, problem: SlewProblem, share: float) -> Array:
     width = max(round(share * len(path_rad)) // 2, 1)
     ends = [np.array([axis.angle_rad for axis in side]) for side in (problem.start, problem.end)]
     padded = np.concatenate([np.tile(ends[0], (width, 1)), path_rad, np.tile(ends[1], (width, 1))])

@@ -95,7 +95,7 @@ class DetourSearch:
         scale_rad = max(*moves, *sizes, 0.1)
         self._parts = mask_parts(view)
         outer, inner = (
-            spline.pose(
+            spline.pose_programme(
                 replace(axis, duration_s=T, limits=_limits_with_share(axis.limits, share)),
                 scale_rad=scale_rad,
             )
@@ -107,7 +107,7 @@ class DetourSearch:
         )
         self._gap_rad = -view.depths_rad(np.array([0.0, T]), angle) / 2.0
 
-    def near(self, asides_rad: tuple[Array, ...], *, start: Start = "far") -> list[Detour]:
+    def solve_near(self, asides_rad: tuple[Array, ...], *, start: Start = "far") -> list[Detour]:
         """The best of those that guesses lead to, and what else was tried, not in order.
 
         asides_rad: (2, k) each, how far a guess lies off the straight slew at the
@@ -127,7 +127,7 @@ class DetourSearch:
                 found.append(one._replace(cost=math.inf))
                 continue
             costs.append(one.cost)
-            found.append(self._refine(one))
+            found.append(self._refine_detour(one))
             if math.isfinite(found[-1].cost):
                 dearest = min(
                     dearest,
@@ -137,9 +137,9 @@ class DetourSearch:
         return found
 
     def _solve_roughly(self, aside_rad: Array, start: Start) -> Detour:
-        ocp = self._ocp(start)
-        guess = self._guess(self._straight.profiles, aside_rad)
-        profiles, run = self._solve(ocp, guess, OPTIONS.rough_margin_rad)
+        ocp = self._ocp_with_caps(start)
+        guess = self._guess_y(self._straight.profiles, aside_rad)
+        profiles, run = self._solve_with_caps(ocp, guess, OPTIONS.rough_margin_rad)
         t_s = np.linspace(
             0.0, self._straight.duration_s, OPTIONS.samples_between * (len(ocp.tau) + 1) + 1
         )
@@ -147,25 +147,25 @@ class DetourSearch:
         depth_rad = float(self._view.depths_rad(t_s, angle).max())
         return Detour(
             profiles=profiles,
-            cost=math.inf if depth_rad > OPTIONS.violation_max_rad else _cost(profiles),
+            cost=math.inf if depth_rad > OPTIONS.violation_max_rad else _jerk_cost(profiles),
             off_rows=False,
             run=run,
             iterations=run.iterations or 0,
             violation_between_samples_rad=depth_rad + OPTIONS.rough_margin_rad,
         )
 
-    def _refine(self, rough: Detour) -> Detour:
-        ocp = self._ocp("near")
+    def _refine_detour(self, rough: Detour) -> Detour:
+        ocp = self._ocp_with_caps("near")
         profiles, run, iterations = rough.profiles, rough.run, rough.iterations
         # Between instants so much nearer a path that curves alike enters less deep by the square.
-        nearer = (len(self._ocp("far").tau) + 1) / (len(ocp.tau) + 1)
+        nearer = (len(self._ocp_with_caps("far").tau) + 1) / (len(ocp.tau) + 1)
         margin_rad = float(
             np.clip(nearer**2 * rough.violation_between_samples_rad, *OPTIONS.margins_rad)
         )
         depth_rad = OPTIONS.violation_between_samples_rad
         for growth_rad in MARGIN_GROWTHS_RAD:
-            guess = self._guess(profiles, np.zeros((2, self.spline.free_count)))
-            profiles, run = self._solve(ocp, guess, margin_rad)
+            guess = self._guess_y(profiles, np.zeros((2, self.spline.free_count)))
+            profiles, run = self._solve_with_caps(ocp, guess, margin_rad)
             iterations += run.iterations or 0
             before_rad, depth_rad = depth_rad, slew_entry(profiles, self._view).depth_rad
             if depth_rad <= -OPTIONS.touch_rad or depth_rad > max(
@@ -181,36 +181,36 @@ class DetourSearch:
         fits = keeps and all(reproduces(profile, rows, axis.limits) for profile, axis in axes)
         return Detour(
             profiles=profiles,
-            cost=_cost(profiles) if fits else math.inf,
+            cost=_jerk_cost(profiles) if fits else math.inf,
             off_rows=keeps and not fits,
             run=run,
             iterations=iterations,
-            sampling_gap_share=abs(_cost(profiles) / rough.cost - 1.0),
+            sampling_gap_share=abs(_jerk_cost(profiles) / rough.cost - 1.0),
         )
 
-    def _ocp(self, start: Start) -> DetourOcp:
+    def _ocp_with_caps(self, start: Start) -> DetourOcp:
         with_modes = bool(self._straight.problem.avoid_modes)
         caps = cap_count(self._view, self._parts)
         return detour_ocp(self.spline, caps, with_modes=with_modes, start=start)
 
-    def _solve(
+    def _solve_with_caps(
         self, ocp: DetourOcp, guess_coefficients: Array, margin_rad: float
     ) -> tuple[Profiles, SolverRun]:
-        """Again with the caps of the masks where the last solution passed, while that helps."""
+        """Solve again with the masks' caps where the last solution passed, while that helps."""
         outer, inner = map(self.spline.profile, self._axes, guess_coefficients)
         profiles, cost = (outer, inner), math.inf
         runs: list[SolverRun] = []
         for _ in range(EXCHANGES[ocp.start] if self._parts else 1):
-            caps = self._caps(ocp, margin_rad, profiles)
+            caps = self._caps_beside(ocp, margin_rad, profiles)
             profiles, last = ocp.solve(self._view.platform, self._axes, caps, guess_coefficients)
             runs.append(last.after(runs[-1]) if runs else last)
-            guess_coefficients = self._guess(profiles, np.zeros((2, self.spline.free_count)))
-            before, cost = cost, _cost(profiles)
+            guess_coefficients = self._guess_y(profiles, np.zeros((2, self.spline.free_count)))
+            before, cost = cost, _jerk_cost(profiles)
             if abs(before - cost) < EXCHANGED[ocp.start] * cost:
                 break
         return profiles, runs[-1]
 
-    def _caps(self, ocp: DetourOcp, margin_rad: float, path: Profiles) -> Caps:
+    def _caps_beside(self, ocp: DetourOcp, margin_rad: float, path: Profiles) -> Caps:
         """path: beside which a mask's caps stand."""
         duration_s = self._straight.duration_s
         margins_rad = self._margins_rad(ocp.tau, margin_rad)
@@ -225,7 +225,7 @@ class DetourSearch:
             caps.append(mask_caps(self._parts, boresight, margins_rad))
         return Caps(*map(np.concatenate, zip(*caps, strict=True)))
 
-    def _guess(self, profiles: tuple[AxisProfile, ...], aside_rad: Array) -> Array:
+    def _guess_y(self, profiles: tuple[AxisProfile, ...], aside_rad: Array) -> Array:
         return np.stack(
             [
                 self.spline.guess_y(axis, profile, off)
@@ -243,12 +243,12 @@ class DetourSearch:
 def slew_entry(profiles: tuple[AxisProfile, ...], view: KeepOutView) -> DeepestEntry:
     """How deep a slew goes into what it must keep out of."""
 
-    def motion(t_s: Array) -> tuple[Array, Array]:
+    def motion_at(t_s: Array) -> tuple[Array, Array]:
         values = [profile.lowest(t_s, 2) for profile in profiles]
         angle, rate = (np.stack(of_axes, axis=1) for of_axes in zip(*values, strict=True))
         return angle, rate
 
-    return deepest_entry(view, motion, 0.0, profiles[0].duration_s)
+    return deepest_entry(view, motion_at, 0.0, profiles[0].duration_s)
 
 
 def _limits_with_share(limits: AxisLimits, share: float) -> AxisLimits:
@@ -256,5 +256,5 @@ def _limits_with_share(limits: AxisLimits, share: float) -> AxisLimits:
     return replace(limits, acceleration_max_rad_s2=acceleration_max_rad_s2)
 
 
-def _cost(profiles: Profiles) -> float:
+def _jerk_cost(profiles: Profiles) -> float:
     return sum(profile.jerk_squared_integral for profile in profiles)

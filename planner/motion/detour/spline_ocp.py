@@ -222,7 +222,7 @@ class SplineOcp:
         return bool(within.all())
 
     def value_matrices(self, tau: Array) -> ValueMatrices:
-        """For the angle at tau (k,) in [0, 1): start + scale times (free y + fixed c)."""
+        """Matrices for the angle at tau (k,) in [0, 1): start + scale times (free y + fixed c)."""
         basis = self._basis
         span = np.searchsorted(basis.breakpoints_tau, tau, side="right") - 1
         powers = (tau - basis.breakpoints_tau[span])[:, None] ** np.arange(
@@ -248,7 +248,7 @@ class SplineOcp:
         means = np.convolve(knots, np.ones(degree) / degree, "valid")
         return np.asarray(means[self._basis.free])
 
-    def pose(
+    def pose_programme(
         self,
         slew: AxisSlew,
         *,
@@ -291,7 +291,7 @@ class SplineOcp:
 
     def profile(self, programme: AxisProgramme, y_coefficients: Array) -> AxisProfile:
         """The motion whose free coefficients are y."""
-        basis, c = self._basis, self._coefficients(programme, y_coefficients)
+        basis, c = self._basis, self._all_coefficients(programme, y_coefficients)
         powers = np.arange(basis.power_matrix.shape[1])
         coefficients = np.einsum("kjn,kn->kj", basis.power_matrix, c[basis.support])
         coefficients = coefficients * programme.scale_rad / programme.duration_s**powers
@@ -300,7 +300,7 @@ class SplineOcp:
             breakpoints_s=basis.breakpoints_tau * programme.duration_s, coefficients=coefficients
         )
 
-    def _coefficients(self, programme: AxisProgramme, y: Array) -> Array:
+    def _all_coefficients(self, programme: AxisProgramme, y: Array) -> Array:
         basis = self._basis
         c = np.empty(len(basis.fixed) + len(basis.free))
         c[basis.fixed] = programme.fixed_coefficients

@@ -61,17 +61,17 @@ class Crossing:
         self.frame_rad = min(following.platform.frame_half_rad)
         self._following = following
 
-    def nearest(self, before: RowMotion, after: RowMotion) -> CrossingMotion:
+    def solve_crossing(self, before: RowMotion, after: RowMotion) -> CrossingMotion:
         """The least integral of the squared error near a smooth swing from one to the other."""
-        return self._solve(self._guess(before, after), in_frame=False)
+        return self._solve_from(self._guess_states(before, after), in_frame=False)
 
     def nearest_in_frame(self, found: CrossingMotion) -> CrossingMotion:
         """Near a crossing that leaves the frame, the best one that doesn't, or the least beyond."""
         guess_states = found.motion.axis_states[:, self._knots - self.window.first]
-        bounded = self._solve(guess_states, in_frame=True)
+        bounded = self._solve_from(guess_states, in_frame=True)
         return bounded if bounded.beyond_rad < found.beyond_rad else found
 
-    def _solve(self, guess_states: Array, *, in_frame: bool) -> CrossingMotion:
+    def _solve_from(self, guess_states: Array, *, in_frame: bool) -> CrossingMotion:
         axis_states = nearest_ocp(len(self._knots) - 1, in_frame=in_frame).solve(
             self._following.platform,
             self._knots,
@@ -110,8 +110,8 @@ class Crossing:
         spread = np.maximum.accumulate(knots.astype(np.intp) - offset) + offset
         return np.asarray(np.minimum(spread, last - offset[::-1]))
 
-    def _guess(self, before: RowMotion, after: RowMotion) -> Array:
-        """At the knots: exact on either side of where limits break, between a smooth swing."""
+    def _guess_states(self, before: RowMotion, after: RowMotion) -> Array:
+        """States at knots: exact on either side of where limits break, between a smooth swing."""
         knots, window = self._knots, self.window
         start, stop = window.broken[0][0], window.broken[-1][1]
         rate_max = np.array([axis.rate_max_rad_s for axis in self._following.limits])

@@ -57,13 +57,13 @@ class RowMotion:
         ranges = cubic_and_row_range(COMMAND_STEP_S, *self.axis_states)
         return beyond_limits(ranges, limits, OPTIONS.limit_tolerance)
 
-    def part(self, first_row: int, last_row: int) -> "RowMotion":
-        """Of these rows, both included."""
+    def rows_between(self, first_row: int, last_row: int) -> "RowMotion":
+        """The motion on these rows, both included."""
         rows = slice(first_row - self.first_row, last_row - self.first_row + 1)
         return RowMotion(first_row, self.axis_states[:, rows])
 
     def turn(self, turns: tuple[int, ...]) -> "RowMotion":
-        """By whole turns of each axis."""
+        """The motion moved by whole turns of each axis."""
         angle_rad, *rates = self.axis_states
         return RowMotion(self.first_row, np.stack([angle_rad + TURN_RAD * np.array(turns), *rates]))
 
@@ -130,7 +130,7 @@ class ExactFollowing:
         broken = [branch.beyond(self.limits)[1:].any(axis=(0, 2)) for branch in self.branches]
         return np.asarray(~np.all(broken, axis=0) & self._usable_cells)
 
-    def broken(self, first_row: int, last_row: int) -> list[tuple[int, int]]:
+    def broken_runs(self, first_row: int, last_row: int) -> list[tuple[int, int]]:
         """Runs of rows, both ends included, between which following breaks a limit.
 
         Where none does (it is the stops that are in the way) the most singular row.
@@ -153,7 +153,7 @@ class ExactFollowing:
         """
         found = []
         for branch in self.branches:
-            angle_rad = branch.part(first_row, last_row).axis_states[0]
+            angle_rad = branch.rows_between(first_row, last_row).axis_states[0]
             choices = turns_within_stops(angle_rad, self.limits, OPTIONS.limit_tolerance)
             for whole in map(branch.turn, itertools.product(*choices)):
                 lost = whole.beyond(self.limits).any(axis=(0, 2)) | ~self._usable_cells

@@ -61,7 +61,7 @@ class _Chain:
         return RowMotion(self.way.last_row + 1 - axis_states.shape[1], axis_states)
 
     def _states_to(self, last_row: int) -> Array:
-        exact = self.way.whole.part(self.next_row, last_row).axis_states
+        exact = self.way.whole.rows_between(self.next_row, last_row).axis_states
         return np.concatenate([self.axis_states, exact], axis=1)
 
 
@@ -78,13 +78,13 @@ def nearest_track(
     """
     following = ExactFollowing(platform, los)
     first, last = round(start_s * ROWS_PER_S), round(stop_s * ROWS_PER_S)
-    chains = _chains(following, first, last)
+    chains = _best_chains(following, first, last)
     if not chains:
         raise exact
     best = min(chains, key=lambda chain: chain.rank)
     if not math.isfinite(best.beyond_rad):
         raise SolverFailed(
-            f"{_why(exact)}; and the solver found no motion within the limits near it",
+            f"{_limits_text(exact)}; and the solver found no motion within the limits near it",
             axis=exact.axis,
             limit=exact.limit,
         )
@@ -98,7 +98,7 @@ def nearest_track(
     )
 
 
-def _why(exact: Refusal) -> str:
+def _limits_text(exact: Refusal) -> str:
     """Without the ways out."""
     return exact.detail.partition(";")[0]
 
@@ -113,7 +113,7 @@ def _require_in_frame(
         return
     at_utc = shifted_utc(los.instants.epoch_utc, float(t_s[worst]))
     raise TrackBreaksLimit(
-        f"{_why(exact)}; as near as the limits allow, the target is "
+        f"{_limits_text(exact)}; as near as the limits allow, the target is "
         f"{math.degrees(error_rad[worst]):.3f} deg off at {utc_text(at_utc)}, outside the "
         f"circle of {math.degrees(frame_rad):.3f} deg inside the frame",
         axis=exact.axis,
@@ -122,9 +122,9 @@ def _require_in_frame(
     )
 
 
-def _chains(following: ExactFollowing, first: int, last: int) -> list[_Chain]:
+def _best_chains(following: ExactFollowing, first: int, last: int) -> list[_Chain]:
     """The best chain to each way of following at the session's end."""
-    windows = _windows(following, first, last)
+    windows = _crossing_windows(following, first, last)
     chains = [
         _Chain(way=way, next_row=way.first_row, axis_states=np.empty((3, 0, 2)))
         for way in following.ways(first, windows[0].first, lead=windows[0].fixed[0])
@@ -137,9 +137,9 @@ def _chains(following: ExactFollowing, first: int, last: int) -> list[_Chain]:
 
 
 def _carry_on(crossing: Crossing, chains: list[_Chain], ways: list[ExactWay]) -> list[_Chain]:
-    """For each way of following after a window the best chain that leads to it."""
+    """The best chain that leads to each way of following after a window."""
     pairs = [(chain, way) for way in ways for chain in chains]
-    found = [crossing.nearest(chain.way.whole, way.whole) for chain, way in pairs]
+    found = [crossing.solve_crossing(chain.way.whole, way.whole) for chain, way in pairs]
     in_frame = [one.squared_rad2_s for one in found if one.beyond_rad == 0.0]
     for number in sorted(range(len(found)), key=lambda number: found[number].squared_rad2_s):
         one = found[number]
@@ -155,7 +155,7 @@ def _carry_on(crossing: Crossing, chains: list[_Chain], ways: list[ExactWay]) ->
     ]
 
 
-def _windows(following: ExactFollowing, first: int, last: int) -> list[Window]:
+def _crossing_windows(following: ExactFollowing, first: int, last: int) -> list[Window]:
     """Around each broken run as long as a half turn of the outer axis takes, merged."""
     outer = following.platform.outer_limits
     swing_s = (
@@ -165,7 +165,7 @@ def _windows(following: ExactFollowing, first: int, last: int) -> list[Window]:
     )
     reach = math.ceil(swing_s * ROWS_PER_S)
     merged: list[Window] = []
-    for start, stop in following.broken(first, last):
+    for start, stop in following.broken_runs(first, last):
         window = Window(
             first=max(first, start - reach), last=min(last, stop + reach), broken=((start, stop),)
         )

@@ -68,7 +68,7 @@ def axis_motion(
     outer, inner = carried_axes(platform, angle_rad)
     determinant = np.sum(los_platform * cross(outer, inner), axis=1)
 
-    def solve(tangent_platform: Array) -> Array:
+    def solve_axes(tangent_platform: Array) -> Array:
         radial = np.sum(tangent_platform * los_platform, axis=1)
         outer_part = np.sum(inner * los_platform, axis=1) * radial - np.sum(
             inner * tangent_platform, axis=1
@@ -78,30 +78,30 @@ def axis_motion(
         )
         return np.asarray(np.stack([outer_part, inner_part], axis=1) / determinant[:, None])
 
-    rate_rad_s = solve(los_rate_platform_per_s)
+    rate_rad_s = solve_axes(los_rate_platform_per_s)
     outer_rate, inner_rate = rate_rad_s[:, :1], rate_rad_s[:, 1:]
     inner_axis_rate = outer_rate * cross(outer, inner)
     carried = outer_rate * cross(outer, los_rate_platform_per_s) + inner_rate * (
         cross(inner_axis_rate, los_platform) + cross(inner, los_rate_platform_per_s)
     )
-    return rate_rad_s, solve(los_acceleration_platform_per_s2 - carried)
+    return rate_rad_s, solve_axes(los_acceleration_platform_per_s2 - carried)
 
 
 def boresight_platform(platform: TwoAxisPlatform, angle_rad: Array) -> Array:
-    """Where the payload looks: R(outer, a) R(inner, b) zero, unit vectors, shape (n, 3).
+    """The boresight: R(outer, a) R(inner, b) zero, unit vectors, shape (n, 3).
 
     angle_rad: (n, 2).  Source: Sumarokov 2016, eq. 11.
     """
     outer, inner = platform.axes_platform
     zero = np.broadcast_to(_zero_direction(platform), (len(angle_rad), 3))
-    return _rotate(outer, angle_rad[:, 0], _rotate(inner, angle_rad[:, 1], zero))
+    return _rotate_about(outer, angle_rad[:, 0], _rotate_about(inner, angle_rad[:, 1], zero))
 
 
 def carried_axes(platform: TwoAxisPlatform, angle_rad: Array) -> tuple[Array, Array]:
     """Outer and inner axis in the platform frame, unit vectors (n, 3) each, at angles (n, 2)."""
     outer, inner = platform.axes_platform
     shape = (len(angle_rad), 3)
-    turned = _rotate(outer, angle_rad[:, 0], np.broadcast_to(inner, shape))
+    turned = _rotate_about(outer, angle_rad[:, 0], np.broadcast_to(inner, shape))
     return np.broadcast_to(outer, shape), turned
 
 
@@ -143,12 +143,12 @@ def _boresight_parts(platform: TwoAxisPlatform) -> Array:
     """(3, 3, 3): vectors [j, i, xyz] of the boresight beside the (j, i) parts of the angles."""
     outer, inner = platform.axes_platform
 
-    def parts(axis: Array, vector_platform: Array) -> list[Array]:
+    def split_vector(axis: Array, vector_platform: Array) -> list[Array]:
         along = (axis @ vector_platform) * axis
         return [along, vector_platform - along, cross(axis, vector_platform)]
 
-    by_inner = parts(inner, _zero_direction(platform))
-    return np.array([parts(outer, part) for part in by_inner])
+    by_inner = split_vector(inner, _zero_direction(platform))
+    return np.array([split_vector(outer, part) for part in by_inner])
 
 
 def _zero_direction(platform: TwoAxisPlatform) -> Array:
@@ -164,7 +164,7 @@ def _angle_about(axis: Array, start_directions: Array, end_directions: Array) ->
     return np.asarray(np.arctan2(sine, cosine))
 
 
-def _rotate(axis: Array, angle_rad: Array, directions: Array) -> Array:
+def _rotate_about(axis: Array, angle_rad: Array, directions: Array) -> Array:
     """Rodrigues' formula: `directions` (n, 3) turned by angle_rad (n,) about `axis` (3,)."""
     cosine, sine = np.cos(angle_rad)[:, None], np.sin(angle_rad)[:, None]
     along = (directions @ axis)[:, None] * axis

@@ -9,7 +9,7 @@ from planner.world.platforms import TwoAxisPlatform
 
 def frame_axes(platform: TwoAxisPlatform, angle_rad: Array) -> Array:
     """Directions along the frame's sides, both square to the boresight, (n, 2, 3)."""
-    return _sides(platform, angle_rad, boresight_platform(platform, angle_rad))
+    return _side_axes(platform, angle_rad, boresight_platform(platform, angle_rad))
 
 
 def places_in_frame(platform: TwoAxisPlatform, angle_rad: Array, los_platform: Array) -> Array:
@@ -19,13 +19,13 @@ def places_in_frame(platform: TwoAxisPlatform, angle_rad: Array, los_platform: A
     infinite for what stands beside or behind the camera.
     """
     boresight = boresight_platform(platform, angle_rad)
-    sides = _sides(platform, angle_rad, boresight)
+    sides = _side_axes(platform, angle_rad, boresight)
     ahead = np.sum(boresight * los_platform, axis=1)[:, None]
     across = np.einsum("nij,nj->ni", sides, los_platform)
     return np.where(ahead > 0.0, across / np.where(ahead > 0.0, ahead, 1.0), np.inf)
 
 
-def _sides(platform: TwoAxisPlatform, angle_rad: Array, boresight_direction: Array) -> Array:
+def _side_axes(platform: TwoAxisPlatform, angle_rad: Array, boresight_direction: Array) -> Array:
     inner = carried_axes(platform, angle_rad)[1]
     along = inner - np.sum(inner * boresight_direction, axis=1)[:, None] * boresight_direction
     along /= np.linalg.norm(along, axis=1, keepdims=True)

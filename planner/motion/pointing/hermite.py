@@ -42,8 +42,8 @@ def cubic_range(step_s: float, angle_rad: Array, rate_rad_s: Array) -> HermiteRa
         s_rate = -c2 / (3.0 * c3)
         q = -(c2 + np.copysign(np.sqrt(c2 * c2 - 3.0 * c3 * v0), c2))
         s_angle = [q / (3.0 * c3), v0 / q]  # the stable pair of roots of v0 + 2 c2 s + 3 c3 s^2
-    rates = np.stack([v0, rate_rad_s[1:] * step_s, rate_at(_inside(s_rate))])
-    angles = np.stack([q0, angle_rad[1:], *(angle_at(_inside(s)) for s in s_angle)])
+    rates = np.stack([v0, rate_rad_s[1:] * step_s, rate_at(_keep_inside(s_rate))])
+    angles = np.stack([q0, angle_rad[1:], *(angle_at(_keep_inside(s)) for s in s_angle)])
     accelerations = np.stack([2.0 * c2, 2.0 * c2 + 6.0 * c3])
     return HermiteRange(
         _least_and_greatest(angles),
@@ -106,7 +106,7 @@ def quintic_motion(
     return angle, rate, acceleration
 
 
-def _inside(s: Array) -> Array:
+def _keep_inside(s: Array) -> Array:
     return np.where((s > 0.0) & (s < 1.0), s, 0.0)
 
 

@@ -55,7 +55,7 @@ class MovingCone:
 
     @property
     def title(self) -> str:
-        """For a sentence."""
+        """The region's name in a sentence."""
         return f"the cone about {self.about}"
 
     @cached_property
@@ -92,8 +92,8 @@ class KeepOutView:
         """All that it must keep out of, in the order of `depths_rad`."""
         return (*self.cones, *self.masks)
 
-    def only(self, region: MovingCone | FieldMask) -> "KeepOutView":
-        """The same with but one region to keep out of."""
+    def with_region_alone(self, region: MovingCone | FieldMask) -> "KeepOutView":
+        """The view with but one region to keep out of."""
         return replace(
             self,
             cones=tuple(cone for cone in self.cones if cone is region),
@@ -101,7 +101,7 @@ class KeepOutView:
         )
 
     def from_time(self, begins_s: float) -> "KeepOutView":
-        """The same with its time counted from begins_s on."""
+        """The view with its time counted from begins_s on."""
         cones = tuple(replace(cone, t_s=cone.t_s - begins_s) for cone in self.cones)
         return replace(self, cones=cones)
 

@@ -1,4 +1,4 @@
-"""The direction the payload must look in, and how fast it turns."""
+"""The direction the payload must point in, and how fast it turns."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -32,7 +32,7 @@ class LineOfSight:
     range_m: Array
     clearance_rad: Array
 
-    def between(self, start_s: float, stop_s: float) -> "LineOfSight":
+    def cut_between(self, start_s: float, stop_s: float) -> "LineOfSight":
         """Its instants from one time to another, both included, on the clock of its instants."""
         half_step_s = 0.5 * (self.instants.t_s[1] - self.instants.t_s[0])
         ends_s = [start_s - half_step_s, stop_s + half_step_s]
@@ -73,14 +73,14 @@ def line_of_sight(
         instants=instants,
         states=states,
         los_platform=los_platform,
-        los_rate_platform_per_s=_derivative(los_platform, step_s, 1),
-        los_acceleration_platform_per_s2=_derivative(los_platform, step_s, 2),
+        los_rate_platform_per_s=_differentiate_samples(los_platform, step_s, 1),
+        los_acceleration_platform_per_s2=_differentiate_samples(los_platform, step_s, 2),
         range_m=seen.range_m,
         clearance_rad=seen.clearance_rad,
     )
 
 
-def _derivative(los_platform: Array, step_s: float, order: int) -> Array:
+def _differentiate_samples(los_platform: Array, step_s: float, order: int) -> Array:
     """Differences on the seven nearest samples, one-sided towards the ends, (n, 3)."""
     n = len(los_platform)
     first = np.clip(np.arange(n) - STENCIL // 2, 0, n - STENCIL)

@@ -80,26 +80,26 @@ def track_candidates(
     first, last = _session_rows(t_s, session_start_s, session_stop_s)
     angles, reachable = axis_angles(platform, los.los_platform)
     if not reachable[first:last].all():
-        raise _unreachable(platform, los, reachable[first:last], first)
+        raise _refuse_unreachable(platform, los, reachable[first:last], first)
 
     branches: list[_Branch] = []
     for branch_rad in angles:
         margin = singular_margin_rad(platform, branch_rad, los.los_platform)
         usable = reachable & (margin > SINGULAR_RAD)  # NaN margins where unreachable
         if not usable[first:last].all():
-            raise _singular(platform, los, int(first + np.argmin(margin[first:last])))
-        here = _around(usable, first, last)
+            raise _refuse_singular(platform, los, int(first + np.argmin(margin[first:last])))
+        here = _run_with(usable, first, last)
         session = slice(first - here.start, last - here.start)
         branches.append(_Branch(here, session, np.unwrap(branch_rad[here], axis=0)))
     # What passes a stop is followed on only to say what else is wrong with it.
     within = [branch.is_within_stops(platform.axis_limits) for branch in branches]
-    ways, breaks = _follow(platform, los, itertools.compress(branches, within))
+    ways, breaks = _tracks_in_limits(platform, los, itertools.compress(branches, within))
     if not ways and not all(within):
-        ways, breaks = _follow(platform, los, branches)
+        ways, breaks = _tracks_in_limits(platform, los, branches)
     if not ways:
         raise _best_refusal(los, breaks)
     return tuple(
-        sorted(ways, key=lambda way: _preference(way, platform, session_start_s, start_angle_rad))
+        sorted(ways, key=lambda way: _way_cost(way, platform, session_start_s, start_angle_rad))
     )
 
 
@@ -138,11 +138,11 @@ class _Branch(NamedTuple):
     angle_rad: Array
 
     def is_within_stops(self, limits: tuple[AxisLimits, ...]) -> bool:
-        """By some number of whole turns, on the rows of the session."""
+        """Whether some number of whole turns keeps the session's rows within the stops."""
         return all(turns_within_stops(self.angle_rad[self.session], limits, LIMIT_TOLERANCE))
 
 
-def _follow(
+def _tracks_in_limits(
     platform: TwoAxisPlatform, los: LineOfSight, branches: Iterable[_Branch]
 ) -> tuple[list[AxisTrack], list[_Break]]:
     """The tracks that keep all limits, and what the others break."""
@@ -165,7 +165,7 @@ def _follow(
             if session_break is not None:
                 breaks.append(session_break._replace(row=here.start + session_break.row))
                 continue
-            cells = _around(np.asarray(~beyond.any(axis=(0, 2))), session.start, session.stop - 1)
+            cells = _run_with(np.asarray(~beyond.any(axis=(0, 2))), session.start, session.stop - 1)
             rows = slice(cells.start, cells.stop + 1)
             ways.append(
                 AxisTrack(
@@ -187,7 +187,7 @@ def _session_rows(t_s: Array, start_s: float, stop_s: float) -> tuple[int, int]:
     return first, max(last, first + 2)
 
 
-def _around(usable: Mask, first: int, last: int) -> slice:
+def _run_with(usable: Mask, first: int, last: int) -> slice:
     """The run of usable rows (or cells) that contains first..last-1."""
     lost_before = np.flatnonzero(~usable[:first])
     lost_after = np.flatnonzero(~usable[last:])
@@ -242,7 +242,7 @@ def turns_within_stops(
 def _first_break(
     platform: TwoAxisPlatform, ranges: HermiteRange, beyond: Mask, session: slice
 ) -> _Break | None:
-    """Of the angle, then of the rate, ..., in the session; beyond: as of `beyond_limits`."""
+    """The break of the angle, else of the rate, ..., in the session; beyond: as `beyond_limits`."""
     broken = np.argwhere(beyond[:, session.start : session.stop - 1])
     if not broken.size:
         return None
@@ -255,7 +255,7 @@ def _first_break(
     return _Break(platform.axis_names[axis], LIMITS[order], row, value, bound)
 
 
-def _preference(
+def _way_cost(
     way: AxisTrack, platform: TwoAxisPlatform, session_start_s: float, start_angle_rad: Array
 ) -> tuple[float, float]:
     angle = way.motion(np.array([session_start_s]))[0][0]
@@ -264,7 +264,7 @@ def _preference(
     return round(effort_s, 6), float(abs(angle[1]))
 
 
-def _unreachable(
+def _refuse_unreachable(
     platform: TwoAxisPlatform, los: LineOfSight, reachable: Mask, first: int
 ) -> Unreachable:
     lost = np.flatnonzero(~reachable)
@@ -279,7 +279,7 @@ def _unreachable(
     )
 
 
-def _singular(platform: TwoAxisPlatform, los: LineOfSight, row: int) -> Unreachable:
+def _refuse_singular(platform: TwoAxisPlatform, los: LineOfSight, row: int) -> Unreachable:
     at_utc = los.instants.utc(row)
     return Unreachable(
         f"at {utc_text(at_utc)} the line of sight lies in the plane of the axes of "

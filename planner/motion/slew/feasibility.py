@@ -70,7 +70,7 @@ def passes_certificate(
 def fits_without_jerk(
     start: AxisState, angle_rad: Array, rate_rad_s: Array, limits: AxisLimits, duration_s: Array
 ) -> NDArray[np.bool_]:
-    """The same to many ends at once: arrays of one shape.
+    """Decide for many ends at once: arrays of one shape.
 
     Source: extreme displacement of a bang-coast-bang rate profile between the two rates.
     """
@@ -142,15 +142,15 @@ def _unbrakable_because(name: str, limit: str, state: AxisState, limits: AxisLim
     angle_rad, rate_rad_s = margins_on_rows(state, limits)
     if limit == "rate":
         bound = f"{math.degrees(limits.rate_max_rad_s):.6g} deg/s"
-        passes = f"its rate passes {bound} by {_degrees(-rate_rad_s)} deg/s"
+        passes = f"its rate passes {bound} by {_degrees_text(-rate_rad_s)} deg/s"
     else:
         stops = math.degrees(limits.angle_min_rad), math.degrees(limits.angle_max_rad)
         bound = f"its stops at {stops[0]:.6g} and {stops[1]:.6g} deg"
-        passes = f"it passes {bound} by {_degrees(-angle_rad)} deg"
+        passes = f"it passes {bound} by {_degrees_text(-angle_rad)} deg"
     return f"{begins}, and however hard it brakes, in rows {COMMAND_STEP_S} s apart, {passes}"
 
 
-def _degrees(value_rad: float) -> str:
+def _degrees_text(value_rad: float) -> str:
     return f"{math.degrees(value_rad):.3g}"
 
 

@@ -39,16 +39,16 @@ def lower_bound(
     span = np.searchsorted(knots, middle) - 1
     jerk_max, own_width = limits[3, 1], np.diff(knots)[span]
 
-    def own(t: Array) -> Array:
+    def slew_jerk(t: Array) -> Array:
         share = (t - knots[span]) / own_width
         return np.asarray(jerks[span, 0] + share * (jerks[span, 1] - jerks[span, 0]))
 
     costate, owed = _contacts_part(ends, limits, contacts, grid)
-    wanted = _drift(ends[1], np.array(_MIDDLE - 1.0)) - _drift(ends[0], np.array(_MIDDLE))
+    wanted = _drift_by(ends[1], np.array(_MIDDLE - 1.0)) - _drift_by(ends[0], np.array(_MIDDLE))
     t = middle + half * _NODES
-    basis = _effects(t)
-    rest = own(t) - (costate[0] + _NODES * (costate[1] + _NODES * costate[2]))
-    weight = half * _WEIGHTS * np.where(np.abs(own(t)) < 0.99 * jerk_max, 1.0, 1e-6)
+    basis = _multiplier_effects(t)
+    rest = slew_jerk(t) - (costate[0] + _NODES * (costate[1] + _NODES * costate[2]))
+    weight = half * _WEIGHTS * np.where(np.abs(slew_jerk(t)) < 0.99 * jerk_max, 1.0, 1e-6)
     of_end = solve_scaled(
         np.einsum("ign,gn,jgn->ij", basis, weight, basis),
         np.einsum("ign,gn->i", basis, weight * rest),
@@ -67,8 +67,8 @@ def lower_bound(
         gain = value - best
         if gain > 0.0:
             best, kept = value, of_end
-            missed = np.sum(weight * (u - own(t)) ** 2, axis=(0, 1))
-            basis = _effects(t)
+            missed = np.sum(weight * (u - slew_jerk(t)) ** 2, axis=(0, 1))
+            basis = _multiplier_effects(t)
             slope = wanted - np.einsum("isgn,sgn->i", basis, weight * u)
             free = weight * (np.abs(w) <= jerk_max)
             step = solve_scaled(np.einsum("isgn,sgn,jsgn->ij", basis, free, basis), slope)
@@ -90,7 +90,7 @@ def _contacts_part(ends: Array, limits: Array, contacts: Array, grid: Array) -> 
     """
     at, order, multiplier = contacts[:, 0], contacts[:, 1].astype(int), contacts[:, 2]
     early = at <= _MIDDLE
-    drift = np.where(early, _drift(ends[0], at), _drift(ends[1], at - 1.0))
+    drift = np.where(early, _drift_by(ends[0], at), _drift_by(ends[1], at - 1.0))
     limit = limits[order, (multiplier > 0.0).astype(int)]
     owed = float(multiplier @ (drift[order, np.arange(len(at))] - limit))
     # How the costate's value, slope and curvature away from the middle jump at each contact.
@@ -98,13 +98,13 @@ def _contacts_part(ends: Array, limits: Array, contacts: Array, grid: Array) -> 
     jumps = np.zeros((3, len(grid)))
     np.add.at(jumps, (2 - order, np.searchsorted(grid, at)), sign * multiplier)
     middle = int(np.searchsorted(grid, _MIDDLE))
-    before = _integrated(_MIDDLE - grid[middle::-1], jumps[:, middle::-1], bool(early.any()))
+    before = _integrate_squares(_MIDDLE - grid[middle::-1], jumps[:, middle::-1], bool(early.any()))
     jumps[:, middle] = 0.0  # which acts on what is before
-    after = _integrated(grid[middle:] - _MIDDLE, jumps[:, middle:], not bool(early.all()))
+    after = _integrate_squares(grid[middle:] - _MIDDLE, jumps[:, middle:], not bool(early.all()))
     return np.hstack([before[:, ::-1] * [[1.0], [-1.0], [1.0]], after]), owed
 
 
-def _integrated(x: Array, jumps: Array, acts: bool) -> Array:
+def _integrate_squares(x: Array, jumps: Array, acts: bool) -> Array:
     """Quadratics on [-1, 1] of each piece between x, of jumps (3, n) of value, slope, curvature."""
     h = np.diff(x)
     if not acts:
@@ -123,20 +123,20 @@ def _integrated(x: Array, jumps: Array, acts: bool) -> Array:
     )
 
 
-def _drift(state: Array, t: Array) -> Array:
+def _drift_by(state: Array, t: Array) -> Array:
     """Angle, rate, acceleration, (3, ...), a time after the state, or before it, without jerk."""
     q, v, a = state
     return np.array([q + t * (v + t * a / 2.0), v + t * a, a + 0.0 * t])
 
 
-def _effects(t: Array) -> Array:
+def _multiplier_effects(t: Array) -> Array:
     """What a unit of each of the end's multipliers adds to the costate, (3, ...)."""
     away = _MIDDLE - t
     return np.array([away * away / 2.0, away, np.ones_like(away)])
 
 
 def _where_cut_off(c0: Array, c1: Array, c2: Array, jerk_max: float) -> Array:
-    """In order -1, 1 and where c0 + c1 x + c2 x^2 passes a limit between, (6, pieces)."""
+    """Places in order: -1, 1 and where c0 + c1 x + c2 x^2 passes a limit between, (6, pieces)."""
     cuts = [np.full(len(c0), -1.0), np.full(len(c0), 1.0)]
     with np.errstate(all="ignore"):  # no root, or one at infinity, isn't between
         for level in (jerk_max, -jerk_max):

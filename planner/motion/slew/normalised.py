@@ -41,7 +41,7 @@ class NormalisedSlew:
         return AxisProfile(breakpoints_s=knots * self.duration_s, coefficients=coefficients)
 
 
-def normalised(slew: AxisSlew) -> NormalisedSlew:
+def normalise_slew(slew: AxisSlew) -> NormalisedSlew:
     start, end, T = slew.start, slew.end, slew.duration_s
     rates = (abs(start.rate_rad_s) + abs(end.rate_rad_s)) * T / 4.0
     accelerations = (abs(start.acceleration_rad_s2) + abs(end.acceleration_rad_s2)) * T**2 / 40.0

@@ -29,7 +29,7 @@ import numpy as np
 from planner.base import effort
 from planner.base.arrays import Array, Indices, Mask
 from planner.base.solvers import Answer, Options, Plugin, Solver, SolverRun, Work, has_piqp
-from planner.motion.slew.spans import BETWEEN, hulls
+from planner.motion.slew.spans import BETWEEN, bernstein_hulls
 
 if TYPE_CHECKING:
     import casadi
@@ -101,7 +101,7 @@ class _Ocp(NamedTuple):
     g_by_x: "casadi.SX"
 
     def hessian(self) -> "casadi.Function":
-        """Of the Lagrangian: the cost's alone, as all constraints are linear in x."""
+        """Hessian of the Lagrangian: the cost's alone, as all constraints are linear in x."""
         import casadi as ca
 
         of_cost, of_constraints = ca.SX.sym("lam_f"), ca.SX.sym("lam_g", self.g.numel())
@@ -114,7 +114,7 @@ class _Ocp(NamedTuple):
         )
 
     def jacobian(self) -> "casadi.Function":
-        """Of the constraints."""
+        """Jacobian of the constraints."""
         import casadi as ca
 
         made = [self.g, self.g_by_x]
@@ -148,9 +148,9 @@ def slew_ocp(spans: int, *, on_rows: bool, residuals: int) -> _Ocp:
         v1 - (v0 + h * (a0 + h * (2 * j0 + j1) / 6)),
         a1 - (a0 + h * (j0 + j1) / 2),
     )
-    angle, rate, acceleration = hulls(h, begin, end, j0)
+    angle, rate, acceleration = bernstein_hulls(h, begin, end, j0)
     if on_rows:
-        angle, rate = _split(angle, turns[0, :]), _split(rate, turns[1, :])
+        angle, rate = _split_bernstein(angle, turns[0, :]), _split_bernstein(rate, turns[1, :])
     limited = [
         coefficient / UNITS[order]
         for order, hull in enumerate((angle, rate, acceleration))
@@ -170,7 +170,7 @@ def slew_ocp(spans: int, *, on_rows: bool, residuals: int) -> _Ocp:
     )
 
 
-def _split(hull: "list[Any]", at: "casadi.SX") -> "list[Any]":
+def _split_bernstein(hull: "list[Any]", at: "casadi.SX") -> "list[Any]":
     """Bernstein coefficients of both parts of a polynomial (de Casteljau), the shared one once."""
     before: list[Any] = []
     after: list[Any] = []
@@ -202,7 +202,7 @@ def slew_solver(start: Start, spans: int, *, on_rows: bool, residuals: int) -> S
 
 
 def make_solvers(sizes: Iterable[int]) -> None:
-    """Those that slews of so many spans ask for, before there is a slew: 10 ms each."""
+    """Build what slews of so many spans ask for, before there is a slew: 10 ms each."""
     for spans in sizes:
         for on_rows in (False, True):
             if has_piqp():
@@ -332,5 +332,5 @@ def _between_splits(turns: Array) -> tuple[Indices, Array]:
 
 
 def _fixed_by_ends(split: bool) -> tuple[list[int], list[int]]:
-    """Of these what follows from the first, and from the last, state alone."""
+    """Which of these follow from the first, and from the last, state alone."""
     return ([0, 1, 7], [5, 6, 11]) if split else ([0, 1, 3], [1, 2, 4])

@@ -9,7 +9,7 @@ from planner.base.solvers import SolverRun
 from planner.motion.slew.closed_forms import least_jerk_profile
 from planner.motion.slew.feasibility import AxisVerdict, axis_refusal, verdict
 from planner.motion.slew.problem import AxisSlew, SlewProblem
-from planner.motion.slew.smoothest import Smoothest, bound_without_contacts, smoothest
+from planner.motion.slew.smoothest import Smoothest, bound_without_contacts, find_smoothest
 from planner.motion.slew.solution import AxisProfile, SlewSolution, obeys, reproduces, rows_in
 
 OPTIMAL_GAP = 1e-3  # of the cost: what is called optimal is no further from the bound
@@ -86,11 +86,11 @@ def _solve_axis(name: str, slew: AxisSlew, rows: int | None) -> AxisSolution:
         raise axis_refusal(name, slew, possible.limit)
     known = possible.profile
     if rows is None:
-        found = smoothest(slew, known, None)
+        found = find_smoothest(slew, known, None)
     elif slew.avoid_modes:
-        found = smoothest(replace(slew, avoid_modes=()), known, None, may_fly=None)
+        found = find_smoothest(replace(slew, avoid_modes=()), known, None, may_fly=None)
     else:
-        found = smoothest(slew, known, None, may_fly=lambda p: _is_carried(p, slew, rows))
+        found = find_smoothest(slew, known, None, may_fly=lambda p: _is_carried(p, slew, rows))
     if found is not None:
         bound = found.lower_bound_rad2_s5
         return AxisSolution(
@@ -105,7 +105,7 @@ def _on_rows(name: str, slew: AxisSlew, anywhere: AxisSolution, rows: int) -> Ax
     """The smoothest of the motions that rows carry.  Raises InfeasibleSlew."""
     known, bound = anywhere.profile, anywhere.lower_bound_rad2_s5
     slew = replace(slew, duration_s=known.duration_s)
-    found = smoothest(slew, known, rows, lower_bound_rad2_s5=bound)
+    found = find_smoothest(slew, known, rows, lower_bound_rad2_s5=bound)
     if found is None or not reproduces(found.profile, rows, slew.limits):
         raise InfeasibleSlew(
             f"{name} makes the slew in {slew.duration_s:.1f} s only when its jerk may "

@@ -19,7 +19,7 @@ class AxisState:
     acceleration_rad_s2: float = 0.0
 
     def backwards(self) -> "AxisState":
-        """The same instant with time running backwards."""
+        """The state at the same instant with time running backwards."""
         return AxisState(
             angle_rad=self.angle_rad,
             rate_rad_s=-self.rate_rad_s,
@@ -27,7 +27,7 @@ class AxisState:
         )
 
     def mirror_image(self) -> "AxisState":
-        """The same with the axis turned round."""
+        """The state with the axis turned round."""
         return AxisState(
             angle_rad=-self.angle_rad,
             rate_rad_s=-self.rate_rad_s,
@@ -35,7 +35,7 @@ class AxisState:
         )
 
     def at_rest(self) -> "AxisState":
-        """The same angle, standing still."""
+        """The state at the same angle, standing still."""
         return AxisState(angle_rad=self.angle_rad)
 
 
@@ -105,7 +105,7 @@ class SlewProblem:
         )
 
 
-def within(state: AxisState, limits: AxisLimits) -> bool:
+def is_within(state: AxisState, limits: AxisLimits) -> bool:
     """Whether angle, rate and acceleration keep their limits at this instant."""
     return broken_limit(state, limits) is None
 

@@ -20,7 +20,7 @@ from planner.base.solvers import SolverRun, has_piqp
 from planner.motion.slew.closed_forms import least_jerk_profile
 from planner.motion.slew.feasibility import verdict
 from planner.motion.slew.lower_bound import lower_bound
-from planner.motion.slew.normalised import normalised
+from planner.motion.slew.normalised import normalise_slew
 from planner.motion.slew.ocp import Begin, Rows, Solved, SpanProgramme, Start, Vibration, solve
 from planner.motion.slew.problem import AxisSlew
 from planner.motion.slew.solution import AxisProfile, cells_that_break, cells_that_leave, obeys
@@ -30,7 +30,7 @@ from planner.motion.slew.spans import (
     jerk_cost,
     least_cost,
     meet_end,
-    turning,
+    turning_shares,
     values_at,
     where_to_cut,
 )
@@ -109,7 +109,7 @@ class _Motion(NamedTuple):
 
     @property
     def left_of_modes(self) -> Array:
-        """Of each detuned mode, real parts and then imaginary ones."""
+        """Residual vibration of each detuned mode, real parts and then imaginary ones."""
         return np.asarray(np.einsum("mnu,nu->m", self.given.vibration.maps, self.jerks))
 
     @property
@@ -127,7 +127,7 @@ class _Losses(NamedTuple):
     cuts: Array
 
 
-def smoothest(
+def find_smoothest(
     slew: AxisSlew,
     known: AxisProfile | None,
     rows: int | None,
@@ -146,9 +146,9 @@ def smoothest(
     axis = _Axis(slew, rows, known)
     unit = axis.normal.cost_unit_rad2_s5
     is_first_flown = axis.is_unbound and not slew.avoid_modes and may_fly is not None
-    starts = ("near", *SURE[1:]) if is_first_flown else _quick()
+    starts = ("near", *SURE[1:]) if is_first_flown else _quick_options()
     best, bound, iterations = _place_knots(axis, lower_bound_rad2_s5 / unit, starts)
-    calm = axis.calmest(best) if best is not None and slew.avoid_modes else None
+    calm = axis.calm_modes(best) if best is not None and slew.avoid_modes else None
     found = calm or best
     if found and not found.is_ipopts and may_fly is not None and may_fly(found.profile):
         found = axis.solve_to_fly(found)
@@ -165,7 +165,7 @@ def smoothest(
     )
 
 
-def _quick() -> tuple[Start, ...]:
+def _quick_options() -> tuple[Start, ...]:
     """How motions are solved that nobody flies."""
     return ("quick", "cold") if has_piqp() else SURE[1:]
 
@@ -192,7 +192,7 @@ def _place_knots(
         if not astray.size and motion.cost - bound <= allowed:
             best = motion
             break
-        losses = axis.losses(motion)
+        losses = axis.span_losses(motion)
         bound = max(bound, losses.bound)
         is_closed = min(motion.cost - bound, float(losses.by_span.sum())) <= allowed
         if not astray.size:
@@ -225,9 +225,9 @@ def _with_braked_ends(slew: AxisSlew, rows: int | None, may_fly: MayFly | None) 
         return None
     flown = may_fly if rows is None else None
     flies = flown and (lambda profile: flown(ends.around(profile)))
-    between = smoothest(ends.free, possible.profile, None, may_fly=flies)
+    between = find_smoothest(ends.free, possible.profile, None, may_fly=flies)
     if between is not None and rows is not None:
-        between = smoothest(ends.free, between.profile, rows - ends.rows)
+        between = find_smoothest(ends.free, between.profile, rows - ends.rows)
     if between is None:
         return None
     profile = ends.around(between.profile)
@@ -240,7 +240,7 @@ def bound_without_contacts(slew: AxisSlew) -> float:
     """A lower bound of the cost, rad^2/s^5, that knows of the jerk's limit alone."""
     axis = _Axis(slew, None, None)
     knots = np.linspace(0.0, 1.0, FIRST_SPANS + 1)
-    _, jerks = axis.seen(axis.known, knots)
+    _, jerks = axis.sample_at_knots(axis.known, knots)
     bound, _ = lower_bound(axis.ends, axis.limits, np.zeros((0, 3)), knots, jerks)
     return bound * axis.normal.cost_unit_rad2_s5
 
@@ -254,7 +254,7 @@ class _Axis:
 
     def __init__(self, slew: AxisSlew, rows: int | None, known: AxisProfile | None) -> None:
         self.slew, self.rows = slew, rows
-        self.normal = normalised(slew)
+        self.normal = normalise_slew(slew)
         self.ends, self.limits = self.normal.ends, self.normal.limits
         quintic = least_jerk_profile(slew.start, slew.end, slew.duration_s)
         self.known = known or quintic
@@ -275,12 +275,12 @@ class _Axis:
         calm: weights of what is left of the detuned modes.
         """
         widths = np.diff(knots)
-        states, jerks = self.seen(begun, knots)
+        states, jerks = self.sample_at_knots(begun, knots)
         rows = None
         if self.rows is not None:
             middle = ((knots[1:] + knots[:-1]) / 2.0 * self.rows).astype(int)
             flat = ~self.can_cut(knots) & np.isin(middle, flat_rows)
-            rows = Rows(flat, turning(states))
+            rows = Rows(flat, turning_shares(states))
             jerks = np.where(flat[:, None], jerks.mean(axis=1, keepdims=True), jerks)
         inset = INSIDE * np.ptp(self.limits, axis=1)[:, None] * np.array([1.0, -1.0])
         maps = np.zeros((0, len(widths), 2))
@@ -299,7 +299,7 @@ class _Axis:
         return found
 
     def solve_to_fly(self, motion: _Motion) -> _Motion | None:
-        """The same by Ipopt, begun there.
+        """Solve by Ipopt, begun there.
 
         Solvers differ in the last digits: a row that only now goes astray gets a constant jerk.
         """
@@ -310,7 +310,7 @@ class _Axis:
             astray = np.setdiff1d(self.rows_astray(found.profile), flat_rows)
             if not astray.size:
                 break
-            knots = self._filled(np.union1d(knots, self._edges(astray)))
+            knots = self._fill_knots(np.union1d(knots, self._row_edges(astray)))
             calm = np.split(given.vibration.weights, 2)[0]
             flat_rows = np.union1d(flat_rows, astray)
             found = self.solve_on(knots, flat_rows, found.profile, SURE[1:], calm)
@@ -334,7 +334,7 @@ class _Axis:
                 return _Motion(grid, given, states, jerks, profile, solved, iterations)
         return None
 
-    def losses(self, motion: _Motion) -> _Losses:
+    def span_losses(self, motion: _Motion) -> _Losses:
         """What each span adds to the gap.
 
         The squared distance of its jerk from the costate's, unless it can't be cut, and what a
@@ -358,7 +358,7 @@ class _Axis:
         by_order = np.column_stack([active[:, orders == order].sum(axis=1) for order in (0, 1)])
         return _Losses(bound, by_span, where_to_cut(motion.states, by_order > 0.0))
 
-    def calmest(self, motion: _Motion) -> _Motion | None:
+    def calm_modes(self, motion: _Motion) -> _Motion | None:
         """What leaves the modes calmest, with weights shifted towards those that ring too much.
 
         None where no motion is found.
@@ -366,7 +366,7 @@ class _Axis:
         """
         slew, rows = self.slew, self.rows
         spans = rows if rows is not None and rows <= MODE_ROWS_MAX else MODE_SPANS
-        knots = self._filled(np.union1d(motion.grid.knots, np.linspace(0.0, 1.0, spans + 1)))
+        knots = self._fill_knots(np.union1d(motion.grid.knots, np.linspace(0.0, 1.0, spans + 1)))
         wanted = RESIDUAL_SHARE * wanted_residuals(self.ends, slew.duration_s, slew.avoid_modes)
         weights = np.resize(WEIGHTS, len(wanted)) * JERK_COST
         best, least_share, begun = None, math.inf, motion.profile
@@ -374,14 +374,14 @@ class _Axis:
         single = knots[:-1][~self.can_cut(knots)]
         flat_rows = np.union1d(motion.grid.flat_rows, np.rint(single * (rows or 1)).astype(np.intp))
         for _ in range(WEIGHINGS):
-            found = self.solve_on(knots, flat_rows, begun, _quick(), weights)
+            found = self.solve_on(knots, flat_rows, begun, _quick_options(), weights)
             if found is None:
                 break
             begun = found.profile
             astray = np.setdiff1d(self.rows_astray(begun), flat_rows)
             if astray.size:
                 flat_rows = np.union1d(flat_rows, astray)
-                knots = self._filled(np.union1d(knots, self._edges(astray)))
+                knots = self._fill_knots(np.union1d(knots, self._row_edges(astray)))
                 continue
             shares = np.hypot(*np.split(found.left_of_modes, 2)) / wanted
             if shares.max() < least_share:
@@ -391,7 +391,7 @@ class _Axis:
             weights = weights * np.clip(shares, *WEIGHT_CHANGES)
         return best
 
-    def seen(self, known: AxisProfile, knots: Array) -> tuple[Array, Array]:
+    def sample_at_knots(self, known: AxisProfile, knots: Array) -> tuple[Array, Array]:
         """States (n + 1, 3) of a known motion at the knots, jerks (n, 2) just within each span.
 
         What it does on stretches too short for a knot is in the mean of the jerks.
@@ -417,14 +417,14 @@ class _Axis:
         """Where a known motion changes its jerk, and such that its hulls keep its limits."""
         knots = known.breakpoints_s / known.duration_s
         if self.rows is not None:
-            return self._filled(np.union1d(knots, self._edges(flat_rows)))
+            return self._fill_knots(np.union1d(knots, self._row_edges(flat_rows)))
         if not self.is_unbound:
             x = np.linspace(0.0, 1.0, FIRST_SPANS + 1)
             uneven = (1.0 - UNEVEN) * x + UNEVEN * (1.0 - np.cos(np.pi * x)) / 2.0
-            knots = self._spaced(np.union1d(knots, uneven))
-        knots = self._filled(knots)
+            knots = self._space_knots(np.union1d(knots, uneven))
+        knots = self._fill_knots(knots)
         for _ in range(HOLDING_ROUNDS):
-            states, jerks = self.seen(known, knots)
+            states, jerks = self.sample_at_knots(known, knots)
             low, high = self.limits[BETWEEN[0]].T
             hull = hull_between(np.diff(knots), states, jerks)
             over = np.maximum(hull - high, low - hull) > HELD * (high - low)
@@ -436,28 +436,28 @@ class _Axis:
             )
             cuts = knots[:-1] + where_to_cut(states, by_order) * np.diff(knots)
             knots = np.union1d(knots, cuts[is_cut])
-        return self._filled(knots)
+        return self._fill_knots(knots)
 
     def refined(self, motion: _Motion, losses: _Losses, astray: Indices, *, at_least: int) -> Array:
         """The motion's knots and those of rows astray, and more where most is lost."""
-        knots = np.union1d(motion.grid.knots, self._edges(astray))
+        knots = np.union1d(motion.grid.knots, self._row_edges(astray))
         owner = np.searchsorted(motion.grid.knots, (knots[1:] + knots[:-1]) / 2.0) - 1
         share = np.diff(knots) / motion.given.widths[owner]
         cuts = np.where(share > 0.99, losses.cuts[owner], 0.5)
         least = max(at_least, len(knots) - 1)
-        return self._halved(knots, least, losses.by_span[owner] * share**4, cuts)
+        return self._halve_spans(knots, least, losses.by_span[owner] * share**4, cuts)
 
     def can_cut(self, knots: Array) -> Mask:
         """Which spans are longer than a row."""
         return np.asarray(np.diff(knots) * (self.rows or math.inf) > 1.5)
 
-    def _filled(self, knots: Array) -> Array:
-        """The same and more, up to the next size: the widest spans are cut."""
-        knots = self._spaced(knots)
+    def _fill_knots(self, knots: Array) -> Array:
+        """Add knots up to the next size: the widest spans are cut."""
+        knots = self._space_knots(knots)
         n = len(knots) - 1
-        return self._halved(knots, n, np.diff(knots), np.full(n, 0.5))
+        return self._halve_spans(knots, n, np.diff(knots), np.full(n, 0.5))
 
-    def _halved(self, knots: Array, at_least: int, scores: Array, cuts: Array) -> Array:
+    def _halve_spans(self, knots: Array, at_least: int, scores: Array, cuts: Array) -> Array:
         """Knots of the next size: spans of the greatest score are cut, again and again."""
         size = next((size for size in SIZES if size >= at_least), at_least)
         heap = list(zip(-scores, knots[:-1], knots[1:], cuts, strict=True))
@@ -476,12 +476,12 @@ class _Axis:
             more.append(cut)
         return np.union1d(knots, more)
 
-    def _spaced(self, knots: Array) -> Array:
+    def _space_knots(self, knots: Array) -> Array:
         """Sorted knots, on rows or at least NARROWEST apart."""
         if self.rows is not None:
             return np.asarray(np.unique(np.round(knots * self.rows)) / self.rows)
         return np.append(0.0, knots[1:][np.diff(knots) > NARROWEST])
 
-    def _edges(self, rows: Indices) -> Array:
+    def _row_edges(self, rows: Indices) -> Array:
         """Where rows begin and end."""
         return np.asarray(np.union1d(rows, rows + 1) / (self.rows or 1))

@@ -76,7 +76,7 @@ class AxisProfile:
     @cached_property
     def extremes(self) -> tuple[Extreme, Extreme, Extreme, Extreme]:
         """Exact extremes of angle, rate, acceleration and jerk, from roots of derivatives."""
-        return (self._extreme(0), self._extreme(1), self._extreme(2), self._extreme(3))
+        return (self._extreme_of(0), self._extreme_of(1), self._extreme_of(2), self._extreme_of(3))
 
     @cached_property
     def jerk_squared_integral(self) -> float:
@@ -124,7 +124,7 @@ class AxisProfile:
 
     @cached_property
     def _powers(self) -> Array:
-        """Of each piece's width, ascending from 0, as many as its polynomial has."""
+        """Shares of each piece's width, ascending from 0, as many as its polynomial has."""
         return np.diff(self.breakpoints_s)[:, None] ** np.arange(self.coefficients.shape[1])
 
     @cached_property
@@ -137,7 +137,7 @@ class AxisProfile:
             chain.append(c)
         return tuple(chain)
 
-    def _extreme(self, order: int) -> Extreme:
+    def _extreme_of(self, order: int) -> Extreme:
         width = np.diff(self.breakpoints_s)
         derivative = self._derivatives[order]
         unit = derivative * self._powers[:, : derivative.shape[1]]

@@ -23,7 +23,7 @@ MEETINGS, MET = 2, 1e-14  # of the end: the second mends what rounding left of t
 REGULAR = 1e-12  # a determinant, 1 of what is diagonal
 
 
-def hulls(
+def bernstein_hulls(
     h: Quantity, begin: Iterable[Quantity], end: Iterable[Quantity], j0: Quantity
 ) -> tuple[list[Quantity], list[Quantity], list[Quantity]]:
     """Bernstein coefficients of angle (5), rate (4), acceleration (3) of spans of width h.
@@ -40,7 +40,7 @@ def hulls(
 
 def hull_between(widths: Array, states: Array, jerks: Array) -> Array:
     """The coefficients that BETWEEN names, (n, 6)."""
-    found = hulls(widths, states[:-1].T, states[1:].T, jerks[:, 0])
+    found = bernstein_hulls(widths, states[:-1].T, states[1:].T, jerks[:, 0])
     return np.column_stack([inner for hull in found for inner in hull[1:-1]])
 
 
@@ -78,7 +78,7 @@ def jerk_cost(widths: Array, jerks: Array) -> float:
 
 
 def least_cost(ends: Array) -> float:
-    """The same of the quintic between these ends: no motion has less, whatever its limits."""
+    """The cost of the quintic between these ends: no motion has less, whatever its limits."""
     (q0, v0, a0), (q1, v1, a1) = ends
     dq, dv, da = q1 - q0 - v0 - a0 / 2.0, v1 - v0 - a0, a1 - a0
     moments = np.array([da, da - 2.0 * dv, da - 6.0 * dv + 12.0 * dq])  # by Legendre's polynomials
@@ -119,7 +119,7 @@ def solve_scaled(system: Array, wanted: Array) -> Array:
     return np.linalg.lstsq(scaled, share)[0] / size
 
 
-def turning(states: Array) -> Array:
+def turning_shares(states: Array) -> Array:
     """Where angle and rate turn within each span, shares (n, 2); a half where they don't."""
     before, after = states[:-1, 1:], states[1:, 1:]
     turns = before * after < 0.0
@@ -129,6 +129,6 @@ def turning(states: Array) -> Array:
 def where_to_cut(states: Array, active: Mask) -> Array:
     """Where to cut each span, shares (n,): where angle or rate, the one at its limit, turns, or in
     the middle."""
-    at = turning(states)
+    at = turning_shares(states)
     at = np.where(active & (at > 0.1) & (at < 0.9), at, 0.5)
     return np.where(at[:, 1] != 0.5, at[:, 1], at[:, 0])

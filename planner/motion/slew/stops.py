@@ -138,7 +138,7 @@ def braked_ends(slew: AxisSlew) -> BrakedEnds | None:
         end=_end_state(last).backwards() if last else slew.end,
         duration_s=slew.duration_s - rows * COMMAND_STEP_S,
     )
-    return BrakedEnds(first=first, free=free, last=_backwards(last) if last else None, rows=rows)
+    return BrakedEnds(first=first, free=free, last=_in_reverse(last) if last else None, rows=rows)
 
 
 def brake(state: AxisState, limits: AxisLimits) -> AxisProfile | None:
@@ -162,7 +162,7 @@ def brake(state: AxisState, limits: AxisLimits) -> AxisProfile | None:
 
 
 def _brake_before_stop(state: AxisState, limits: AxisLimits) -> AxisProfile | None:
-    """As hard as it can, until the axis no longer moves towards the stop; None: it is far."""
+    """Brake as hard as it can, until the axis no longer moves towards the stop; None: it is far."""
     near_rad = NEAR_SHARE * NEAR_STOP_S * limits.rate_max_rad_s
     if stop_margin_rad(state, limits) > near_rad:
         return None
@@ -177,7 +177,7 @@ def _end_state(profile: AxisProfile) -> AxisState:
     return AxisState(angle_rad=angle, rate_rad_s=rate, acceleration_rad_s2=acceleration)
 
 
-def _backwards(profile: AxisProfile) -> AxisProfile | None:
+def _in_reverse(profile: AxisProfile) -> AxisProfile | None:
     """Pieces of constant jerk with time running backwards."""
     jerks = profile.coefficients[::-1, 3] * -6.0
     widths = np.diff(profile.breakpoints_s)[::-1]

@@ -41,8 +41,8 @@ def span_residuals(
     knots_tau: Array, duration_s: float, modes: tuple[StructuralMode, ...], count: int
 ) -> NDArray[np.complex128]:
     """What each power of time since a span's begin leaves as jerk there, (3 modes, n, count)."""
-    eigenvalues, width = np.array(_eigenvalues(duration_s, modes)), np.diff(knots_tau)
-    moments = _moments(np.outer(eigenvalues, width), count)
+    eigenvalues, width = np.array(_mode_eigenvalues(duration_s, modes)), np.diff(knots_tau)
+    moments = _exponential_moments(np.outer(eigenvalues, width), count)
     moments *= width[:, None] ** np.arange(1, count + 1)
     moments *= np.exp(np.outer(eigenvalues, 1.0 - knots_tau[:-1]))[:, :, None]
     return moments / CUBIC_RESIDUAL
@@ -64,17 +64,17 @@ def wanted_residuals(
         + (stops - begins) * np.expm1(eigenvalue) / eigenvalue
         + last_acceleration
         - stops
-        for eigenvalue in _eigenvalues(duration_s, modes)
+        for eigenvalue in _mode_eigenvalues(duration_s, modes)
     ]
     return np.asarray(np.resize(WANTED, len(left)) * np.abs(left) / CUBIC_RESIDUAL)
 
 
-def _eigenvalues(duration_s: float, modes: tuple[StructuralMode, ...]) -> list[complex]:
-    """In normalised time."""
+def _mode_eigenvalues(duration_s: float, modes: tuple[StructuralMode, ...]) -> list[complex]:
+    """Complex eigenvalues of the modes in normalised time."""
     return [duration_s * share * mode.eigenvalue_rad_s for mode in modes for share in DETUNED]
 
 
-def _moments(phase: NDArray[np.complex128], count: int) -> NDArray[np.complex128]:
+def _exponential_moments(phase: NDArray[np.complex128], count: int) -> NDArray[np.complex128]:
     """Integrals over [0, 1] of s^j exp(-phase s), j < count, along a new last axis."""
     moments = np.empty((*phase.shape, count), dtype=complex)
     slow = np.abs(phase) < GAUSS_PHASE_MAX_RAD

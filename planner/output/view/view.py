@@ -39,7 +39,7 @@ from planner.planning.opportunities import (
     find_opportunities,
 )
 from planner.planning.sessions.error_ellipse import error_covariance_rad2
-from planner.planning.sessions.track_branches import session_rows, sight
+from planner.planning.sessions.track_branches import los_on_rows, session_rows
 from planner.world.frames.time_scales import elapsed_s, shifted_utc
 from planner.world.plan import FlightPlan
 from planner.world.scenario import Scenario, Session
@@ -128,7 +128,7 @@ def _covariance_rad2(
     """At rows `inside`, linear between instants at which it is found, (k, 2, 2)."""
     scenario, table = scene.plan.scenario, scene.plan.table
     rows = session_rows(session, table.epoch_utc)
-    los = sight(scenario, scene.rows.ephemeris, target, rows, INSTANTS)
+    los = los_on_rows(scenario, scene.rows.ephemeris, target, rows, INSTANTS)
     at_s = los.instants.t_s
     angle_rad = [np.interp(at_s, table.t_s, angle) for angle in table.angle_rad.T]
     found_rad2 = error_covariance_rad2(

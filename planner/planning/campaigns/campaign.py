@@ -90,7 +90,7 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = lambda *_: None) 
     grid_s = _first_row_s(request)
     found = opportunities_however_many(request.opportunities())
     rest_s = _rest_s(request, limits)
-    looks = _looks(request, found.windows, rest_s)
+    looks = _looks_in_passes(request, found.windows, rest_s)
     tell("ways", 0, 1)
     platform = request.platform.with_limits(limits)
     ephemeris = request.orbit.ephemeris(request.start, request.stop)
@@ -101,14 +101,14 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = lambda *_: None) 
     targets = [wanted.target for wanted in request.targets]
     least_s = _least_s(request)
     ways = ways_to_follow(looks, targets, least_s, carrier, viewing, request.step_s, grid_s)
-    looking = _looking(request)
+    looking = _looking_of(request)
     shortest = looking.length_steps[:, 0]
-    networks = _networks(ways, shortest, limits, tell)
+    networks = _build_networks(ways, shortest, limits, tell)
     choice = choose(networks, looking, tell)
     tell("bound", 0, 1)
     # At slew times that nothing can beat.
     table = limit_table(limits)
-    with _threads() as threads:
+    with _thread_count() as threads:
         optimistic = list(threads.map(lambda one: relax(one, ways, shortest, table), networks))
     bound = bound_at(optimistic, looking, choice.price)
     seen = set(np.unique(ways.target).tolist())
@@ -117,7 +117,7 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = lambda *_: None) 
     left_out = displaced_by(
         networks,
         choice.passes,
-        looking.at(np.zeros(len(request.targets))),
+        looking.less_prices(np.zeros(len(request.targets))),
         np.array(sorted(seen - looked_at), np.intp),
     )
     return Campaign(
@@ -133,9 +133,9 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = lambda *_: None) 
 
 
 def scenario_of(request: CampaignRequest, flight: ChosenPass, number: int) -> Scenario:
-    """The pass as it is to be planned: from rest over all looks to rest.
+    """The pass as it is to be planned: from rest over all observations to rest.
 
-    What a slew lacks, the looks beside it give: slew times were estimated without stops.
+    What a slew lacks, its neighbours give: slew times were estimated without stops.
     """
     rest = BenchMotionTarget(
         axes={name: ConstantRate(angle_deg=angle_deg, rate_deg_s=0.0)
@@ -166,7 +166,7 @@ def scenario_of(request: CampaignRequest, flight: ChosenPass, number: int) -> Sc
 
 
 def _first_row_s(request: CampaignRequest) -> float:
-    """From the start to the first command row, which counts from a whole UTC second."""
+    """Seconds from the start to the first command row, which counts from a whole UTC second."""
     row_us = round(COMMAND_STEP_S * 1e6)
     return (-request.start.microsecond % row_us) / 1e6
 
@@ -182,9 +182,9 @@ def _least_s(request: CampaignRequest) -> Array:
     return np.array([wanted.lengths_s[0] for wanted in request.targets])
 
 
-def _looks(request: CampaignRequest, windows: Windows, rest_s: float) -> Looks:
+def _looks_in_passes(request: CampaignRequest, windows: Windows, rest_s: float) -> Looks:
     least_s = _least_s(request)
-    # Every look is followed by one step of slewing at least.
+    # Every observation is followed by one step of slewing at least.
     shortest_s = float(least_s.min()) + request.step_s
     return in_passes(
         windows.target,
@@ -196,7 +196,7 @@ def _looks(request: CampaignRequest, windows: Windows, rest_s: float) -> Looks:
     )
 
 
-def _looking(request: CampaignRequest) -> Looking:
+def _looking_of(request: CampaignRequest) -> Looking:
     length_steps = np.zeros((len(request.targets), CAMPAIGN_BOUNDS.lengths), np.intp)
     look_value = np.zeros((len(request.targets), CAMPAIGN_BOUNDS.lengths))
     for row, wanted in enumerate(request.targets):
@@ -210,26 +210,26 @@ def _looking(request: CampaignRequest) -> Looking:
     )
 
 
-def _networks(
+def _build_networks(
     ways: Ways, shortest: Indices, limits: tuple[AxisLimits, ...], tell: Reporter
 ) -> list[Network]:
     numbers = np.unique(ways.pass_number)
     table, longest_s = limit_table(limits), longest_slew_s(limits)
 
-    def network(number: int) -> Network:
+    def build_network(number: int) -> Network:
         rows = np.flatnonzero(ways.pass_number == number)
         return network_of(ways, rows, shortest, table, longest_s)
 
     networks: list[Network] = []
-    with _threads() as threads:
-        for one in threads.map(network, numbers.tolist()):
+    with _thread_count() as threads:
+        for one in threads.map(build_network, numbers.tolist()):
             tell("slews", len(networks), len(numbers))
             networks.append(one)
     return networks
 
 
-def _threads() -> ThreadPoolExecutor:
-    """As many as there are cores: slew times are compiled, free of the interpreter's lock."""
+def _thread_count() -> ThreadPoolExecutor:
+    """The number of cores: slew times are compiled, free of the interpreter's lock."""
     return ThreadPoolExecutor(os.cpu_count())
 
 
@@ -270,7 +270,7 @@ def _in_utc(
     targets = [wanted.target for wanted in request.targets]
     pixel_rad = request.opportunities().pixel_rad
     views = viewing.seen(carrier, targets, target, start_s + 0.5 * length_s, pixel_rad)
-    told = iter(
+    pending = iter(
         ChosenLook(
             row=look.target,
             target=request.targets[look.target].id,
@@ -285,7 +285,7 @@ def _in_utc(
             chosen, start_s.tolist(), length_s.tolist(), views, strict=True
         )
     )
-    flown = [tuple(itertools.islice(told, len(looks))) for looks in choice.passes]
+    flown = [tuple(itertools.islice(pending, len(looks))) for looks in choice.passes]
     return tuple(
         ChosenPass(
             start_utc=shifted_utc(looks[0].start_utc, -rest_s),

@@ -1,4 +1,4 @@
-"""Chooses looks, passes and order, and bounds how far from the best they can be."""
+"""Chooses observations, passes and order, and bounds how far from the best they can be."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from planner.planning.campaigns.path import Look, Worth, best_path, path_bound
 # Sequences proposed for the passes, put together by linear and integer programmes (HiGHS).
 
 Proposal = tuple[int, tuple[Look, ...]]
-"""A pass by its number, and looks it could have, in order of time."""
+"""A pass by its number, and observations it could have, in order of time."""
 
 TOGETHER_S = 5.0  # most time for an integer programme; it is one of a part of the passes
 TOGETHER_GAP = 1e-4  # of its value, at which it may end sooner
@@ -34,10 +34,10 @@ class Mixture:
 
 
 def best_mixture(proposals: Sequence[Proposal], passes: int, look_limit: Array) -> Mixture | None:
-    """At most one share in all of each pass, no target looked at too often, (targets,)."""
+    """Mix at most one share of each pass, no target observed too often, (targets,)."""
     found = linprog(  # type: ignore[call-overload]  # its stubs know no sparse arrays
-        -_worths(proposals),
-        A_ub=_uses(proposals, passes, look_limit),
+        -_proposal_worths(proposals),
+        A_ub=_use_matrix(proposals, passes, look_limit),
         b_ub=np.concatenate([np.ones(passes), look_limit]),
         method="highs",
     )
@@ -47,13 +47,13 @@ def best_mixture(proposals: Sequence[Proposal], passes: int, look_limit: Array) 
 
 
 def best_together(proposals: Sequence[Proposal], passes: int, look_limit: Array) -> list[Proposal]:
-    """The same with whole proposals, as far as found in time."""
+    """Choose whole proposals, as far as found in time."""
     found = milp(
-        -_worths(proposals),
+        -_proposal_worths(proposals),
         integrality=np.ones(len(proposals), np.intp),
         bounds=Bounds(0.0, 1.0),
         constraints=LinearConstraint(
-            _uses(proposals, passes, look_limit),
+            _use_matrix(proposals, passes, look_limit),
             ub=np.concatenate([np.ones(passes), look_limit]),
         ),
         options={"time_limit": TOGETHER_S, "mip_rel_gap": TOGETHER_GAP},
@@ -63,11 +63,11 @@ def best_together(proposals: Sequence[Proposal], passes: int, look_limit: Array)
     return [one for one, share in zip(proposals, found.x, strict=True) if share > 0.5]
 
 
-def _worths(proposals: Sequence[Proposal]) -> Array:
+def _proposal_worths(proposals: Sequence[Proposal]) -> Array:
     return np.array([sum(look.value for look in looks) for _, looks in proposals])
 
 
-def _uses(proposals: Sequence[Proposal], passes: int, look_limit: Array) -> csr_array:
+def _use_matrix(proposals: Sequence[Proposal], passes: int, look_limit: Array) -> csr_array:
     """Rows of passes and targets, a column per proposal."""
     rows = [[number, *(passes + look.target for look in looks)] for number, looks in proposals]
     column = np.repeat(np.arange(len(rows)), [len(row) for row in rows])
@@ -143,18 +143,18 @@ class Looking:
     look_value: Array
     look_limit: Array
 
-    def at(self, price: Array) -> Worth:
-        """Less a price for each look, (targets,)."""
+    def less_prices(self, price: Array) -> Worth:
+        """The worth less a price for each observation, (targets,)."""
         return Worth(self.length_steps, self.look_value, price)
 
     def looks_of(self, passes: Iterable[Sequence[Look]]) -> Array:
-        """How many looks each target gets, (targets,)."""
+        """How many observations each target gets, (targets,)."""
         target = [one.target for looks in passes for one in looks]
         return np.bincount(target, minlength=len(self.look_limit)).astype(np.float64)
 
 
 def worth_of(passes: Iterable[Sequence[Look]]) -> float:
-    """Of all looks together."""
+    """The worth of all observations together."""
     return sum(one.value for looks in passes for one in looks)
 
 
@@ -164,7 +164,7 @@ def choose(
     tell: Reporter,
     options: ChoiceOptions = OPTIONS,
 ) -> CampaignChoice:
-    """Prices on looks that more passes want than may have them; one network per pass.
+    """Price observations that more passes want than may have; one network per pass.
 
     Subgradient steps find the prices, and mixtures of what the passes want at them the rest of
     the way; the last mixture is then made whole, pass after pass, and parts of it are chosen
@@ -174,7 +174,7 @@ def choose(
     """
     search = _Search(networks, looking, options)
     greedy = search.fill_passes([()] * len(networks), np.zeros(len(looking.look_limit)))
-    search.improve(greedy)
+    search.refill_passes(greedy)
     search.step_prices(tell)
     mixture = search.mix_prices(tell)
     if mixture is not None:
@@ -191,7 +191,7 @@ def choose(
 class _Search:
     """The best choice so far, the best prices, and what was proposed on the way.
 
-    price: of a look at each target, at which the bound is least as far as known.
+    price: of each target's observation, at which the bound is least as far as known.
     """
 
     def __init__(
@@ -202,7 +202,7 @@ class _Search:
         self._options = options
         self.best: Passes = [()] * len(networks)
         self.value = 0.0
-        # At these nothing gains: all looks at their best.
+        # At these nothing gains: all observations at their best.
         self.price: Array = looking.look_value.max(axis=1)
         self._bound = float(looking.look_limit @ self.price)
         self._proposed: dict[Proposal, None] = {}
@@ -213,9 +213,9 @@ class _Search:
         price = np.zeros_like(self.price)
         for done in range(self._options.steps_max):
             tell("choosing", done, self._options.steps_max)
-            bound, passes = self._answers(price)
+            bound, passes = self._answer_prices(price)
             if done % self._options.fill_every == 0:
-                self.improve(self.fill_passes([()] * len(self._networks), price))
+                self.refill_passes(self.fill_passes([()] * len(self._networks), price))
             wanted = looking.looks_of(passes) - looking.look_limit
             wanted[(wanted < 0.0) & (price <= 0.0)] = 0.0
             square = float(wanted @ wanted)
@@ -234,13 +234,13 @@ class _Search:
             if self._is_near() or not self._proposed:
                 return None
             tell("mixing", done, self._options.mixtures_max)
-            proposals = list(dict.fromkeys([*list(self._proposed)[-most:], *self._own()]))
+            proposals = list(dict.fromkeys([*list(self._proposed)[-most:], *self._own_proposals()]))
             mixture = best_mixture(proposals, len(self._networks), self._looking.look_limit)
             if mixture is None:
                 break
             found = mixture, proposals
             # Half-way from the best prices, so that they don't swing (Wentges 1997).
-            self._answers(0.5 * (self.price + mixture.price))
+            self._answer_prices(0.5 * (self.price + mixture.price))
             if self._bound - mixture.value <= self._options.mixture_enough * self._bound:
                 break
         return found
@@ -266,7 +266,7 @@ class _Search:
                 (number, looks)
                 for number, looks in [
                     *proposals,
-                    *self._wanted(np.flatnonzero(is_open), mixture.price, left)
+                    *self._wanted_proposals(np.flatnonzero(is_open), mixture.price, left)
                 ]
                 if is_open[number] and all(left[look.target] > 0.0 for look in looks)
             ]  # fmt: skip
@@ -275,7 +275,7 @@ class _Search:
             if not mixed_anew:
                 break
             mixture = mixed_anew
-        self.improve(passes)
+        self.refill_passes(passes)
 
     def choose_parts_anew(self, tell: Reporter) -> None:
         """Some passes at a time, whatever the others leave; by mixtures, then made whole."""
@@ -288,7 +288,7 @@ class _Search:
             tell("exchanging", done, self._options.parts_max)
             part = np.sort(random.choice(len(self._networks), size, replace=False))
             value = self.value
-            self.improve(self._part_anew(part))
+            self.refill_passes(self._part_anew(part))
             waited = 0 if self.value > value + self._options.worthless else waited + 1
             if size == len(self._networks):
                 return
@@ -302,7 +302,7 @@ class _Search:
         price, proposals = self.price, dict.fromkeys(own)
         for _ in range(self._options.part_mixtures):
             known = len(proposals)
-            proposals.update(dict.fromkeys(self._wanted(part, price, left)))
+            proposals.update(dict.fromkeys(self._wanted_proposals(part, price, left)))
             mixture = best_mixture(list(proposals), len(passes), left) if proposals else None
             if mixture is None or len(proposals) == known:
                 break
@@ -312,21 +312,21 @@ class _Search:
                 passes[number] = looks
         return passes
 
-    def _wanted(self, part: Indices, price: Array, left_limit: Array) -> list[Proposal]:
-        """What passes would take at these prices of the looks that are left."""
-        worth = self._looking.at(np.where(left_limit > 0.0, price, np.inf))
+    def _wanted_proposals(self, part: Indices, price: Array, left_limit: Array) -> list[Proposal]:
+        """What passes would take at these prices of the observations that are left."""
+        worth = self._looking.less_prices(np.where(left_limit > 0.0, price, np.inf))
         paths = [(number, best_path(self._networks[number], worth)) for number in part.tolist()]
         return [(number, path.looks) for number, path in paths if path.looks]
 
-    def _own(self) -> list[Proposal]:
+    def _own_proposals(self) -> list[Proposal]:
         return [(number, looks) for number, looks in enumerate(self.best) if looks]
 
     def _is_near(self) -> bool:
         return self._bound - self.value <= self._options.gap_enough * self._bound
 
-    def _answers(self, price: Array) -> tuple[float, Passes]:
+    def _answer_prices(self, price: Array) -> tuple[float, Passes]:
         """What the passes would take at these prices, and what the Lagrangian then is."""
-        worth = self._looking.at(price)
+        worth = self._looking.less_prices(price)
         paths = [best_path(one, worth) for one in self._networks]
         passes = [path.looks for path in paths]
         lagrangian = float(self._looking.look_limit @ price) + sum(path.value for path in paths)
@@ -346,14 +346,14 @@ class _Search:
         for number, network in enumerate(self._networks):
             left += looking.looks_of([passes[number]])
             charged = np.where(left > 0.0, price, np.inf)
-            path = best_path(network, looking.at(charged))
+            path = best_path(network, looking.less_prices(charged))
             own = sum(look.value - price[look.target] for look in passes[number])
             if path.value > own + self._options.worthless:
                 passes[number] = path.looks
             left -= looking.looks_of([passes[number]])
         return passes
 
-    def improve(self, passes: Passes) -> None:
+    def refill_passes(self, passes: Passes) -> None:
         """Refill without prices until nothing is gained; the best choice is kept."""
         free = np.zeros(len(self._looking.look_limit))
         value = worth_of(passes)
@@ -378,7 +378,7 @@ def bound_at(
     Lagrangian relaxation of "no more looks than look_limit".
     """
     labels_max = min(options.pass_labels_max, options.bound_labels_max // max(len(networks), 1))
-    worth = looking.at(price)
+    worth = looking.less_prices(price)
     return float(looking.look_limit @ price) + sum(
         path_bound(one, worth, labels_max) for one in networks
     )

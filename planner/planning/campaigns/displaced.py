@@ -32,7 +32,7 @@ class Displaced:
 def displaced_by(
     networks: Sequence[Network], passes: Sequence[Sequence[Look]], worth: Worth, left_out: Indices
 ) -> tuple[Displaced, ...]:
-    """For each target left out the look whose worth makes up most for those it would displace.
+    """The look at each target left out whose worth best makes up for those it would displace.
 
     passes: the looks chosen, one sequence per network.  left_out: rows of the request's targets.
     """

@@ -64,7 +64,7 @@ def in_passes(
         count = int(gaps[0]) + 1 if gaps.size else len(left)
         one, left = left[:count], left[count:]
         if latest_s[count - 1] - one[0, 1] > pass_max_s:
-            one, later = _cut(one, rest_s, pass_max_s)
+            one, later = _cut_rest(one, rest_s, pass_max_s)
             left = np.concatenate([later, left])
         if len(one):
             found.append(one)
@@ -78,7 +78,7 @@ def in_passes(
     )
 
 
-def _cut(window_rows: Array, rest_s: float, pass_max_s: float) -> tuple[Array, Array]:
+def _cut_rest(window_rows: Array, rest_s: float, pass_max_s: float) -> tuple[Array, Array]:
     """What lies before and after a rest within the pass, in order of time."""
     first_s = window_rows[0, 1]
     middles_s = np.arange(first_s + 0.5 * pass_max_s, first_s + pass_max_s, CUT_STEP_S)

@@ -30,7 +30,7 @@ from planner.world.targets import WindowTarget
 class CampaignBounds:
     """What a campaign may ask for, so that its choice takes a minute at most."""
 
-    # grids on which looks begin: from two rows of the table on
+    # grids on which observations begin: from two rows of the table on
     steps_s: tuple[float, float] = (0.4, 30.0)
     lengths: int = 3  # lengths of a look that are tried, evenly from the least to the wanted one
     session_max_s: float = 1200.0  # longer than a pass of any low orbit
@@ -97,7 +97,7 @@ class CampaignTarget:
 
     @property
     def lengths_s(self) -> tuple[float, ...]:
-        """The lengths a look may have, ascending, whole command steps."""
+        """The lengths an observation may have, ascending, whole command steps."""
         least_s = self.session_s if self.min_session_s is None else self.min_session_s
         wanted = [
             least_s + share / (BOUNDS.lengths - 1) * (self.session_s - least_s)
@@ -107,7 +107,7 @@ class CampaignTarget:
         return tuple(sorted({row * COMMAND_STEP_S for row in rows}))
 
     def worth_value(self, length_s: float) -> float:
-        """Of a look that lasts so long at the best view."""
+        """The worth of an observation that lasts so long at the best view."""
         return self.priority * min(length_s / self.session_s, 1.0)
 
 
@@ -214,5 +214,5 @@ class CampaignRequest:
 
     @property
     def span_s(self) -> float:
-        """From start to stop."""
+        """Seconds from start to stop."""
         return elapsed_s(self.stop, self.start)

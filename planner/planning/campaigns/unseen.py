@@ -27,7 +27,7 @@ from planner.world.targets.earth_fixed import EarthFixedTarget
 
 BATCH_CELLS = 200_000  # targets times rows of the orbit looked at together: some 50 MB
 SLOW_RAD = 0.03  # between rows of the orbit, of an elevation below the horizon
-SAMPLES = 5  # of a window, at which separations are told
+SAMPLES = 5  # of a window, at which separations are reported
 # The order in which opportunities are narrowed, and the fields of each condition.
 _NARROWING: tuple[tuple[Closing, tuple[str, ...]], ...] = (
     ("reach", ()),
@@ -51,7 +51,7 @@ def unseen_because(
     if not unseen:
         return ()
     best_rad, best_s = _highest(request, carrier, np.array(unseen))
-    closed = _closed(request, unseen, windows, looks, best_rad)
+    closed = _closed_conditions(request, unseen, windows, looks, best_rad)
     return tuple(
         Unseen(
             row=row,
@@ -100,7 +100,7 @@ def _maybe_highest(clearance_rad: Array) -> NDArray[np.bool_]:
     return np.asarray(culminates & (clearance_rad >= np.minimum(top_rad - SLOW_RAD, 0.0)))
 
 
-def _closed(
+def _closed_conditions(
     request: CampaignRequest,
     unseen: Sequence[int],
     windows: Windows,
@@ -123,7 +123,7 @@ def _closed(
             break
         asked = {name: getattr(request.conditions, name) for name in names}
         conditions = replace(conditions, **asked)
-        now = _windows(request, left, conditions, masked=cause != "reach")
+        now = _windows_of(request, left, conditions, masked=cause != "reach")
         for row in left:
             if row not in now:
                 closed[row] = cause, _reason(cause, asked, before.get(row))
@@ -133,14 +133,14 @@ def _closed(
     return closed
 
 
-def _windows(
+def _windows_of(
     request: CampaignRequest,
     rows: Sequence[int],
     conditions: OpportunityConditions,
     *,
     masked: bool,
 ) -> dict[int, Windows]:
-    """Of each of these targets that has any; masked: by what stands in the platform's view too."""
+    """Windows of each target that has any; masked: by what stands in the platform's view too."""
     wanted = request.opportunities()
     platform = wanted.platform if masked else replace(wanted.platform, masks=())
     found = opportunities_however_many(
@@ -171,7 +171,7 @@ def _too_low(request: CampaignRequest, row: int, least_deg: float) -> str:
 def _closed_later(
     request: CampaignRequest, row: int, windows: Windows, looks: Looks
 ) -> tuple[Closing, str]:
-    """Of a target with windows that hold all conditions."""
+    """Why no observation of a target with windows that hold all conditions."""
     own = windows.select(windows.target == row)
     least_s = request.targets[row].lengths_s[0]
     longest_s = float((own.set_s - own.rise_s).max())
@@ -204,10 +204,10 @@ def _reason(cause: Closing, asked: Mapping[str, float | None], before: Windows |
     seen = before.through
     best_deg = np.degrees(
         {
-            "sun_elevation": _range(seen.sun_elevation_rad),
-            "off_nadir": _range(before.closest.off_nadir_rad),
-            "sun_keep_out": _range(seen.sun_separation_rad),
-            "moon_keep_out": _range(seen.moon_separation_rad),
+            "sun_elevation": _angle_range(seen.sun_elevation_rad),
+            "off_nadir": _angle_range(before.closest.off_nadir_rad),
+            "sun_keep_out": _angle_range(seen.sun_separation_rad),
+            "moon_keep_out": _angle_range(seen.moon_separation_rad),
         }[cause]
     )
     what = {
@@ -221,5 +221,5 @@ def _reason(cause: Closing, asked: Mapping[str, float | None], before: Windows |
     return f"whenever it is in sight {what} {reached} deg: {said}"
 
 
-def _range(angle_rad: Array) -> tuple[float, float]:
+def _angle_range(angle_rad: Array) -> tuple[float, float]:
     return float(angle_rad.min()), float(angle_rad.max())

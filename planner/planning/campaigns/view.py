@@ -68,7 +68,7 @@ class Viewing:
     platform: TwoAxisPlatform
 
     def quality(self, sight: Sight, which: Indices, t_s: Array, breaks: Indices) -> Array:
-        """Of the view of targets `which` (n,) at t_s (n,), between 0 and 1.
+        """Quality of the view of targets `which` (n,) at t_s (n,), between 0 and 1.
 
         breaks: the rows at which another target or pass begins.  The probability is found for
         some samples of each stretch_ratio, and linear between them.
@@ -129,7 +129,7 @@ class Viewing:
         t_s: Array,
         pixel_rad: float,
     ) -> list[Seen]:
-        """Of looks at `target` (rows of targets) at t_s, (n,) each."""
+        """Views of observations of `target` (rows of targets) at t_s, (n,) each."""
         seen: list[Seen | None] = [None] * len(target)
         for rows, sight, which in in_sights(target, targets, carrier):
             view = view_of(sight, which, t_s[rows])

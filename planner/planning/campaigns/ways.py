@@ -76,16 +76,16 @@ def ways_to_follow(
     least = np.ceil(least_s / step_s - 1e-9).astype(np.intp)
     found = [
         run
-        for rows, sight, which in _batches(looks, targets, carrier, last - first + 1)
-        for run in _runs(rows, first, last, sight, which, viewing, step_s, grid_s)
+        for rows, sight, which in _sight_batches(looks, targets, carrier, last - first + 1)
+        for run in _usable_runs(rows, first, last, sight, which, viewing, step_s, grid_s)
     ]
-    return _gather(found, looks, least, step_s)
+    return _gather_runs(found, looks, least, step_s)
 
 
-def _batches(
+def _sight_batches(
     looks: Looks, targets: Sequence[Target], carrier: Carrier, steps: Indices
 ) -> Iterator[tuple[Indices, Sight, Indices]]:
-    """Rows of `looks` that are seen alike, how, and the number of each one's target in it."""
+    """Rows of `looks` (observations) seen alike, how, and the number of each one's target in it."""
     for rows, sight, which in in_sights(looks.target, targets, carrier):
         batch = np.cumsum(steps[rows]) // OPTIONS.batch
         cuts = np.flatnonzero(np.diff(batch)) + 1
@@ -93,7 +93,7 @@ def _batches(
             yield part, sight, number
 
 
-def _runs(
+def _usable_runs(
     rows: Indices,
     first: Indices,
     last: Indices,
@@ -122,13 +122,13 @@ def _runs(
     for angle_rad in axis_angles(platform, los).angle_rad:
         motion = axis_motion(platform, angle_rad, los, los_rate_s, los_acceleration_s2)
         off_keyhole = singular_margin_rad(platform, angle_rad, los) > OPTIONS.singular_rad
-        for turned_rad in _turns(platform, angle_rad):
+        for turned_rad in _whole_turns(platform, angle_rad):
             axis_states = np.stack([turned_rad, *motion], axis=1)
-            usable = off_keyhole & _within(axis_states, platform.axis_limits)
-            yield _split(look, step, axis_states, quality, usable)
+            usable = off_keyhole & _keep_limits(axis_states, platform.axis_limits)
+            yield _split_runs(look, step, axis_states, quality, usable)
 
 
-def _turns(platform: TwoAxisPlatform, angle_rad: Array) -> Iterator[Array]:
+def _whole_turns(platform: TwoAxisPlatform, angle_rad: Array) -> Iterator[Array]:
     """The angles (n, 2) whole turns away, as far as the stops can let them be."""
     choices = [
         range(
@@ -141,7 +141,7 @@ def _turns(platform: TwoAxisPlatform, angle_rad: Array) -> Iterator[Array]:
         yield angle_rad + TURN_RAD * np.array(turns)
 
 
-def _within(axis_states: Array, limits: tuple[AxisLimits, ...]) -> NDArray[np.bool_]:
+def _keep_limits(axis_states: Array, limits: tuple[AxisLimits, ...]) -> NDArray[np.bool_]:
     """Which states (n, 3, 2) keep every limit; NaN keeps none."""
     margin_rad = np.array([(1.0 - OPTIONS.within) * axis.rate_max_rad_s for axis in limits])
     low = np.array([axis.angle_min_rad for axis in limits]) + margin_rad
@@ -157,10 +157,10 @@ def _within(axis_states: Array, limits: tuple[AxisLimits, ...]) -> NDArray[np.bo
     return np.asarray((kept & (np.abs(acceleration_rad_s2) <= acceleration)).all(axis=1))
 
 
-def _split(
+def _split_runs(
     look: Indices, step: Indices, axis_states: Array, quality: Array, usable: NDArray[np.bool_]
 ) -> _Run:
-    """Runs of usable samples: of one look, step after step, without a turn over."""
+    """Runs of usable samples: of one observation, step after step, without a turn over."""
     here = np.flatnonzero(usable)
     look, step, axis_states = look[here], step[here], axis_states[here]
     goes_on = (look[1:] == look[:-1]) & (step[1:] == step[:-1] + 1)
@@ -170,7 +170,7 @@ def _split(
     return look[begins], step[begins], steps, axis_states, quality[here]
 
 
-def _gather(runs: Sequence[_Run], looks: Looks, least_steps: Indices, step_s: float) -> Ways:
+def _gather_runs(runs: Sequence[_Run], looks: Looks, least_steps: Indices, step_s: float) -> Ways:
     """The runs longer than the least of their targets, (targets,), by pass and time."""
     none = np.empty(0, np.intp)
     columns = zip((none, none, none, np.empty((0, 3, 2)), np.empty(0)), *runs, strict=True)

@@ -125,7 +125,7 @@ def _rows(ephemeris: Ephemeris, start_utc: datetime, span_s: float, cells: int) 
 def _attitude_table(
     rows: _Rows, ephemeris: Ephemeris, attitude: AttitudeLaw, platform: TwoAxisPlatform
 ) -> tuple[UniformTable, float]:
-    """As fine as the law needs, every other row must predict the rest; and the greatest rate."""
+    """Rows as fine as needed: every other row must predict the rest; and the greatest rate."""
     while True:
         q = _q_platform_from_itrf_xyzw(rows, attitude, platform)
         t_s = rows.instants.t_s

@@ -52,9 +52,9 @@ def conditions_of(
     if on_earth and not (
         conditions.sun_elevation_min_deg is conditions.sun_elevation_max_deg is None
     ):
-        yield Condition("sun_elevation", _sunlight(conditions, sight), SUN_STEP_S, math.inf)
+        yield Condition("sun_elevation", _sunlight_margin(conditions, sight), SUN_STEP_S, math.inf)
 
-    def turning(cause: Cause, margin: Margin) -> Condition:
+    def turning_condition(cause: Cause, margin: Margin) -> Condition:
         return Condition(cause, margin, orbit_step_s, TURN_MAX_RAD)
 
     def los_itrf(which: Indices, t_s: Array) -> Array:
@@ -69,25 +69,25 @@ def conditions_of(
         def off_nadir(which: Indices, t_s: Array) -> Array:
             return limit_rad - off_nadir_rad(los_itrf(which, t_s), carrier, t_s)
 
-        yield turning("off_nadir", off_nadir)
+        yield turning_condition("off_nadir", off_nadir)
     bodies: tuple[tuple[Cause, float | None, UniformTable], ...] = (
         ("sun_keep_out", conditions.sun_keep_out_deg, carrier.r_sun_itrf_m),
         ("moon_keep_out", conditions.moon_keep_out_deg, carrier.r_moon_itrf_m),
     )
     for cause, keep_out_deg, r_body_itrf_m in bodies:
         if keep_out_deg is not None:
-            yield turning(cause, _keep_out(keep_out_deg, r_body_itrf_m, sight))
-    yield turning("reach", _reach(platform, los_platform))
+            yield turning_condition(cause, _keep_out(keep_out_deg, r_body_itrf_m, sight))
+    yield turning_condition("reach", _reach_margin(platform, los_platform))
     if platform.masks:
         yield _clear_of_masks(platform, carrier, los_platform, orbit_step_s)
 
 
-def _reach(platform: TwoAxisPlatform, los_platform: Direction) -> Margin:
-    def margin(which: Indices, t_s: Array) -> Array:
+def _reach_margin(platform: TwoAxisPlatform, los_platform: Direction) -> Margin:
+    def margin_rad(which: Indices, t_s: Array) -> Array:
         angle_rad = axis_angles(platform, los_platform(which, t_s)).angle_rad
         return np.asarray(reach_margin_rad(platform, angle_rad).max(axis=0))
 
-    return margin
+    return margin_rad
 
 
 def _clear_of_masks(
@@ -115,7 +115,7 @@ def reach_margin_rad(platform: TwoAxisPlatform, angle_rad: Array) -> Array:
 
 
 def within_stops(platform: TwoAxisPlatform, angle_rad: Array) -> Array:
-    """The same angles, shape (..., 2), whole turns away, as near as can be to mid-travel."""
+    """Angles, shape (..., 2), whole turns away, as near as can be to mid-travel."""
     middle_rad = _middle_rad(platform)
     return angle_rad - TURN_RAD * np.round((angle_rad - middle_rad) / TURN_RAD)
 
@@ -149,23 +149,23 @@ def _body_direction(r_body_itrf_m: UniformTable, carrier: Carrier, t_s: Array) -
     return aberrate(direction, carrier.v_sat_itrf_m_s.at(t_s))
 
 
-def _sunlight(conditions: OpportunityConditions, sight: Sight) -> Margin:
+def _sunlight_margin(conditions: OpportunityConditions, sight: Sight) -> Margin:
     low_deg, high_deg = conditions.sun_elevation_min_deg, conditions.sun_elevation_max_deg
     low_rad = -math.inf if low_deg is None else math.radians(low_deg)
     high_rad = math.inf if high_deg is None else math.radians(high_deg)
 
-    def margin(which: Indices, t_s: Array) -> Array:
+    def margin_rad(which: Indices, t_s: Array) -> Array:
         elevation_rad = sight.sun_elevation_rad(which, t_s)
         return np.asarray(np.minimum(elevation_rad - low_rad, high_rad - elevation_rad))
 
-    return margin
+    return margin_rad
 
 
 def _keep_out(keep_out_deg: float, r_body_itrf_m: UniformTable, sight: Sight) -> Margin:
-    def margin(which: Indices, t_s: Array) -> Array:
+    def margin_rad(which: Indices, t_s: Array) -> Array:
         body = _body_direction(r_body_itrf_m, sight.carrier, t_s)
         away_rad = angle_rad(sight.sighting(which, t_s).direction_itrf, body)
         above_limb_rad = limb_clearance_rad(body, sight.carrier.r_sat_itrf_m.at(t_s), 0.0)
         return np.maximum(away_rad - math.radians(keep_out_deg), -HIDDEN_RAD - above_limb_rad)
 
-    return margin
+    return margin_rad

@@ -37,17 +37,17 @@ def describe_windows(
 
     held_s: the parts that a session can hold.
     """
-    highest_s = _greatest(sight.clearance_rad, sight, spans)
+    highest_s = _greatest_at(sight.clearance_rad, sight, spans)
     share = np.linspace(0.0, 1.0, request.samples)
     t_s = np.concatenate(
         [
-            _greatest(sight.closeness, sight, spans)[:, None],
+            _greatest_at(sight.closeness, sight, spans)[:, None],
             (1.0 - share) * spans.start_s[:, None] + share * spans.stop_s[:, None],
         ],
         axis=1,
     )
     which = np.repeat(spans.target, request.samples + 1)
-    sightings, branch, branches = _sightings(request, sight, which, t_s)
+    sightings, branch, branches = _sightings_at(request, sight, which, t_s)
     return Windows(
         target=numbers[spans.target],
         rise_s=spans.start_s,
@@ -58,8 +58,8 @@ def describe_windows(
         closed_by=spans.closed_by,
         highest_s=highest_s,
         highest_rad=sight.sighting(spans.target, highest_s).elevation_rad,
-        closest=sightings.columns(0),
-        through=sightings.columns(slice(1, None)),
+        closest=sightings.select_samples(0),
+        through=sightings.select_samples(slice(1, None)),
         sky=target_sky(
             sight, spans.target, np.stack([spans.start_s, highest_s, spans.stop_s], axis=1)
         ),
@@ -68,7 +68,7 @@ def describe_windows(
     )
 
 
-def _greatest(function: Margin, sight: Sight, spans: Spans) -> Array:
+def _greatest_at(function: Margin, sight: Sight, spans: Spans) -> Array:
     """When a function is greatest in each span, (m,)."""
     nodes = nodes_over(spans, sight, _STEP_S, math.inf)
     values = function(nodes.target[nodes.group], nodes.t_s)
@@ -81,17 +81,17 @@ def _greatest(function: Margin, sight: Sight, spans: Spans) -> Array:
     )
 
 
-def _sightings(
+def _sightings_at(
     request: OpportunityRequest, sight: Sight, which: Indices, at_s: Array
 ) -> tuple[Sightings, Indices, NDArray[np.bool_]]:
-    """Of at_s (m, k), which (m k,); the branch reported, (m,), and the usable ones, (m, 2)."""
+    """Sightings at at_s (m, k); the branch reported, (m,), and the usable ones, (m, 2)."""
     t_s, shape, carrier = at_s.ravel(), at_s.shape, sight.carrier
     seen = sight.sighting(which, t_s)
     direction_itrf, range_m = seen.direction_itrf, seen.range_m
     pixel_rad = request.pixel_rad
     sine = np.sin(seen.elevation_rad) if isinstance(sight, EarthSight) else np.ones(len(t_s))
     los_platform = carrier.in_platform(direction_itrf, t_s)
-    angle_rad, branch, branches = _pointing(request.platform, los_platform, shape)
+    angle_rad, branch, branches = _pointing_at(request.platform, los_platform, shape)
     columns = {
         "t_s": t_s,
         "elevation_rad": seen.elevation_rad,
@@ -103,13 +103,13 @@ def _sightings(
         "sun_separation_rad": separation_rad(direction_itrf, carrier.r_sun_itrf_m, carrier, t_s),
         "moon_separation_rad": separation_rad(direction_itrf, carrier.r_moon_itrf_m, carrier, t_s),
         "angle_rad": angle_rad,
-        "rate_rad_s": _rates(request.platform, sight, which, t_s, angle_rad, los_platform),
+        "rate_rad_s": _axis_rates(request.platform, sight, which, t_s, angle_rad, los_platform),
     }
     shaped = {name: values.reshape(*shape, *values.shape[1:]) for name, values in columns.items()}
     return Sightings(**shaped), branch, branches
 
 
-def _pointing(
+def _pointing_at(
     platform: TwoAxisPlatform, los_platform: Array, shape: tuple[int, ...]
 ) -> tuple[Array, Indices, NDArray[np.bool_]]:
     """Angles on the chosen branch, (m k, 2), that branch, (m,), and the usable ones, (m, 2)."""
@@ -122,7 +122,7 @@ def _pointing(
     return within_stops(platform, chosen_rad), branch, usable.T
 
 
-def _rates(
+def _axis_rates(
     platform: TwoAxisPlatform,
     sight: Sight,
     which: Indices,

@@ -7,7 +7,7 @@ from planner.world.frames.geodesy import WGS84_A_M
 
 
 def sample_along_m(sine_of_elevation: Array, range_m: Array, pixel_rad: float) -> Array:
-    """Of pixels (n,) at these ranges; NaN where one reaches the horizon and has no end.
+    """Lengths of pixels (n,) at these ranges; NaN where one reaches the horizon and has no end.
 
     The ground falls away by x^2 / 2R at a distance x beyond the target, so that half a pixel p is
     filled by ground only where sin(e) > p/2 + sqrt(p range / R): 0.06 deg for 0.68 arcsec from a

@@ -24,11 +24,11 @@ Direction = Callable[[Indices, Array], Array]
 def clear_of(masks: tuple[FieldMask, ...], los_platform: Direction) -> Margin:
     """How far off the nearest mask's margin the line of sight runs."""
 
-    def margin(which: Indices, t_s: Array) -> Array:
+    def margin_rad(which: Indices, t_s: Array) -> Array:
         direction = los_platform(which, t_s)
         return np.asarray(-np.max([mask.depth_rad(direction) for mask in masks], axis=0))
 
-    return margin
+    return margin_rad
 
 
 def nodes_beside(nodes: Nodes, margin: Margin, los_platform: Direction) -> Nodes:

@@ -42,7 +42,7 @@ class WindowSearchOptions:
     # what single precision leaves of an angle's cosine, at its worst near 0
     single_rad: float = 1e-3
     beyond: int = 2  # rows, so that a pass at the end of the span still shows three
-    sample_rows: float = 0.45  # work of a sample told, in rows
+    sample_rows: float = 0.45  # work of a reported sample, in rows
 
 
 OPTIONS = WindowSearchOptions()
@@ -81,7 +81,7 @@ def find_opportunities(request: OpportunityRequest) -> Opportunities:
 
 
 def opportunities_however_many(request: OpportunityRequest) -> Opportunities:
-    """The same with whatever work that takes."""
+    """Search with whatever work that takes."""
     ephemeris = request.orbit.ephemeris(request.start, request.stop)
     carrier = carrier_over(
         ephemeris, request.attitude, request.platform, request.start, request.stop
@@ -118,9 +118,9 @@ def found_spans(
 
     more: conditions beside the request's.
     """
-    for numbers, sight, nodes, work in _batches(request, carrier):
+    for numbers, sight, nodes, work in _sight_batches(request, carrier):
         conditions = chain(conditions_of(request.conditions, request.platform, sight), more(sight))
-        yield numbers, sight, _windows(request, conditions, sight, nodes, work), work
+        yield numbers, sight, _find_windows(request, conditions, sight, nodes, work), work
 
 
 def charge_for(spans: Spans, work: SearchWork, samples: int) -> None:
@@ -128,7 +128,7 @@ def charge_for(spans: Spans, work: SearchWork, samples: int) -> None:
     effort.charge((work.window_rows + OPTIONS.sample_rows * samples) * len(spans.target))
 
 
-def _batches(
+def _sight_batches(
     request: OpportunityRequest, carrier: Carrier
 ) -> Iterator[tuple[Indices, Sight, Nodes, SearchWork]]:
     """Rows of the request's targets that are treated alike, and where to look for them."""
@@ -184,7 +184,7 @@ def _least_rad(target: object, asked_rad: float) -> float:
     return max(math.radians(own_deg), asked_rad)
 
 
-def _windows(
+def _find_windows(
     request: OpportunityRequest,
     conditions: Iterable[Condition],
     sight: Sight,
@@ -193,19 +193,19 @@ def _windows(
 ) -> Spans:
     """When all conditions hold, condition after condition."""
     interval = np.full(len(nodes.target), "interval")
-    spans = _holding(sight.clearance_rad, nodes, "elevation", interval, interval, work)
+    spans = _spans_holding(sight.clearance_rad, nodes, "elevation", interval, interval, work)
     for condition in conditions:
         nodes = nodes_over(spans, sight, condition.step_s, condition.turn_rad)
         if condition.more_nodes is not None:
             nodes = condition.more_nodes(nodes)
             effort.charge(work.look_rows * len(nodes.t_s))
         edges = spans.opened_by, spans.closed_by
-        spans = _holding(condition.margin, nodes, condition.cause, *edges, work)
+        spans = _spans_holding(condition.margin, nodes, condition.cause, *edges, work)
     least_s = max(request.conditions.min_duration_s, OPTIONS.shortest_s)
     return spans.select(spans.stop_s - spans.start_s >= least_s)
 
 
-def _holding(
+def _spans_holding(
     margin: Margin,
     nodes: Nodes,
     cause: Cause,

@@ -111,7 +111,7 @@ class EarthSight:
         return aberrate(to_sun_m / _norm(to_sun_m)[:, None], _carried_m_s(r_target_m))
 
     def sun_elevation_rad(self, which: Indices, t_s: Array) -> Array:
-        """Of `to_sun_itrf`."""
+        """Elevation of `to_sun_itrf`."""
         r_target_m = self.places.r_target_itrf_m(which, t_s)
         up_itrf = self.places.up_itrf(which, r_target_m)
         return _arcsin(_dot(self.to_sun_itrf(which, t_s), up_itrf))
@@ -150,7 +150,7 @@ class SkySight:
         return self.clearance_rad(which, t_s)
 
     def sighting(self, which: Indices, t_s: Array) -> Sighting:
-        """As `SkyTarget`."""
+        """The sighting as `SkyTarget` has it."""
         instants, states, c_itrf = self._carrier_at(t_s)
         apparent = self.target.apparent(instants, states)
         return Sighting(
@@ -188,7 +188,7 @@ nearest, s, and how fast the line of sight then turns, rad/s.  Each (n,).
 
 
 def resting_places(targets: Sequence[Target]) -> dict[int, EarthFixedTarget]:
-    """Those of the targets that rest on the Earth, by their number."""
+    """Targets that rest on the Earth, by their number."""
     return {
         number: target
         for number, target in enumerate(targets)
@@ -199,7 +199,7 @@ def resting_places(targets: Sequence[Target]) -> dict[int, EarthFixedTarget]:
 def in_sights(
     target: Indices, targets: Sequence[Target], carrier: Carrier
 ) -> Iterator[tuple[Indices, Sight, Indices]]:
-    """Of rows that are of a target each, (n,): those seen alike, how, and each one's number in it.
+    """Group rows of one target each, (n,): those seen alike, how, and each one's number in it.
 
     Whatever elevation the targets ask for.
     """

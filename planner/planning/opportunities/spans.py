@@ -48,7 +48,7 @@ class Spans:
     closed_by: NDArray[np.str_]
 
     def select(self, rows: NDArray[np.bool_] | Indices) -> "Spans":
-        """Those at `rows`."""
+        """Select those at `rows`."""
         return Spans(*(column[rows] for column in vars(self).values()))
 
 
@@ -113,7 +113,7 @@ def stretches(margin: Margin, nodes: Nodes) -> Stretches:
     first = np.append(True, ~same)
     last = np.append(~same, True)
     changes = np.flatnonzero(same & (holds[1:] != holds[:-1]))
-    edge_s = _crossing(margin, nodes.target[group[changes]], t_s[changes], t_s[changes + 1])
+    edge_s = _crossing_s(margin, nodes.target[group[changes]], t_s[changes], t_s[changes + 1])
     rises = holds[changes + 1]
     start_group = np.concatenate([group[first & holds], group[changes[rises]]])
     start_s = np.concatenate([t_s[first & holds], edge_s[rises]])
@@ -136,13 +136,13 @@ def turning_point(function: Margin, target: Indices, low_s: Array, high_s: Array
     50 ms of a kink.
     """
 
-    def slope(t_s: Array, which: Indices) -> Array:
+    def slope_at(t_s: Array, which: Indices) -> Array:
         return function(which, t_s + OPTIONS.delta_s) - function(which, t_s - OPTIONS.delta_s)
 
-    at_low, at_high = slope(low_s, target), slope(high_s, target)
+    at_low, at_high = slope_at(low_s, target), slope_at(high_s, target)
     turns = (at_low > 0.0) & (at_high < 0.0)
     found_s = np.where(at_low <= 0.0, low_s, high_s)
-    found_s[turns] = _root(slope, low_s[turns], high_s[turns], target[turns], OPTIONS.turning_s)
+    found_s[turns] = _root(slope_at, low_s[turns], high_s[turns], target[turns], OPTIONS.turning_s)
     return found_s
 
 
@@ -164,11 +164,11 @@ def _with_hidden_turns(margin: Margin, nodes: Nodes, node_margin: Array) -> tupl
     sought, target = sign[turns], nodes.target[group[turns]]
     low_s, high_s = t_s[turns - before[turns]], t_s[turns + after[turns]]
 
-    def towards(which: Indices, at_s: Array) -> Array:
+    def margin_towards(which: Indices, at_s: Array) -> Array:
         return np.asarray(sought[which] * margin(target[which], at_s))
 
     which = np.arange(len(turns))
-    extra_s = turning_point(towards, which, low_s, high_s)
+    extra_s = turning_point(margin_towards, which, low_s, high_s)
     extra = margin(target, extra_s)
     crosses = sought * extra > 0.0
     place = turns[crosses] + (extra_s[crosses] > t_s[turns[crosses]])
@@ -182,7 +182,7 @@ def _with_hidden_turns(margin: Margin, nodes: Nodes, node_margin: Array) -> tupl
     )
 
 
-def _crossing(margin: Margin, target: Indices, low_s: Array, high_s: Array) -> Array:
+def _crossing_s(margin: Margin, target: Indices, low_s: Array, high_s: Array) -> Array:
     return _root(lambda t_s, which: margin(which, t_s), low_s, high_s, target, OPTIONS.edge_s)
 
 

@@ -54,14 +54,14 @@ EDGES = ("reach", "mask")
 def held_parts(
     platform: TwoAxisPlatform, sight: Sight, spans: Spans, look_rows: float
 ) -> tuple[Array, Array]:
-    """From when to when, (m,) each; NaN where no pair of angles can follow at all.
+    """When tracking begins and ends, (m,) each; NaN where no pair of angles can follow at all.
 
     look_rows: of `effort`, for one look at a target.
     """
     start_s, stop_s = spans.start_s.copy(), spans.stop_s.copy()
     doubtful = np.flatnonzero(~_is_plain(platform, sight, spans, look_rows))
     if doubtful.size:
-        longest = _longest(platform, sight, spans.select(doubtful), look_rows)
+        longest = _longest_stretch(platform, sight, spans.select(doubtful), look_rows)
         start_s[doubtful], stop_s[doubtful] = longest
     return start_s, stop_s
 
@@ -70,7 +70,7 @@ def _is_plain(
     platform: TwoAxisPlatform, sight: Sight, spans: Spans, look_rows: float
 ) -> NDArray[np.bool_]:
     """Windows (m,) that one pair of angles can follow from end to end, far from all limits."""
-    nodes = _nodes(sight, spans)
+    nodes = _nodes_over(sight, spans)
     effort.charge(look_rows * len(nodes.t_s))
     both_rad = axis_angles(platform, _los_platform(sight, nodes)).angle_rad
     stop_rad = np.array(
@@ -81,12 +81,12 @@ def _is_plain(
     )
     near_stop = reach_margin_rad(platform, both_rad) < OPTIONS.plain_stop_rad + stop_rad.max()
     same = nodes.group[1:] == nodes.group[:-1]
-    change_rad = np.where(same[:, None], _wrapped(np.diff(both_rad, axis=1)), 0.0)
+    change_rad = np.where(same[:, None], _wrap_angle(np.diff(both_rad, axis=1)), 0.0)
     lively = (np.abs(change_rad) > OPTIONS.plain_turn_rad).any(axis=2)
     lively = np.pad(lively, ((0, 0), (0, 1)))
     step_s = np.maximum(np.where(same, np.diff(nodes.t_s), 1.0), 1e-3)
     motion = change_rad / step_s[:, None]
-    for bound in _bounds(platform):
+    for bound in _motion_bounds(platform):
         cells = motion.shape[1]
         lively[:, :cells] |= (np.abs(motion) > OPTIONS.plain * bound).any(axis=2)
         within = same[:cells][1:] & same[: cells - 1]
@@ -100,17 +100,17 @@ def _is_plain(
     return np.asarray(plain.any(axis=0) & ~at_edge)
 
 
-def _longest(
+def _longest_stretch(
     platform: TwoAxisPlatform, sight: Sight, spans: Spans, look_rows: float
 ) -> tuple[Array, Array]:
     """The longest stretch over which either branch of `axis_angles` holds, (m,) each, or NaN."""
-    nodes = _with_keyholes(platform, sight, _nodes(sight, spans))
+    nodes = _with_keyholes(platform, sight, _nodes_over(sight, spans))
     parts = []
     for branch in range(2):
         effort.charge(5.0 * look_rows * len(nodes.t_s))
         found = stretches(_motion_margin(platform, sight, branch), nodes)
-        if _wide(platform).any():
-            found = _unwound(platform, sight, branch, nodes, found)
+        if _wide_axes(platform).any():
+            found = _unwind_stretches(platform, sight, branch, nodes, found)
         parts.append(found)
     group, begins_s, ends_s = (
         np.concatenate([getattr(part, name) for part in parts])
@@ -146,7 +146,7 @@ def _off_masks(platform: TwoAxisPlatform, sight: Sight, spans: Spans, sign: floa
         direction = sight.carrier.in_platform(sight.sighting(which, t_s).direction_itrf, t_s)
         return np.asarray(-np.max([mask.depth_rad(direction) for mask in platform.masks], axis=0))
 
-    def margin(row: Indices, after_s: Array) -> Array:
+    def margin_rad(row: Indices, after_s: Array) -> Array:
         which, t_s = spans.target[row], edge_s[row] + sign * after_s
         after_rad, before_rad = (
             off_rad(which, t_s + OPTIONS.delta_s),
@@ -159,14 +159,14 @@ def _off_masks(platform: TwoAxisPlatform, sight: Sight, spans: Spans, sign: floa
     rows = np.arange(len(edge_s))
     after_s = np.arange(0.0, OPTIONS.mask_edge_s, 0.5)
     found = stretches(
-        margin, Nodes(rows, np.repeat(rows, len(after_s)), np.tile(after_s, len(rows)))
+        margin_rad, Nodes(rows, np.repeat(rows, len(after_s)), np.tile(after_s, len(rows)))
     )
     first_s = np.full(len(rows), math.nan)
     first_s[found.group[::-1]] = found.start_s[::-1]  # the first of each group is written last
     return np.asarray(edge_s + sign * first_s)
 
 
-def _wide(platform: TwoAxisPlatform) -> NDArray[np.bool_]:
+def _wide_axes(platform: TwoAxisPlatform) -> NDArray[np.bool_]:
     """Which axes can be in one place by several turns, (2,)."""
     return np.array([_travel_rad(axis) > TURN_RAD for axis in platform.axis_limits])
 
@@ -178,21 +178,21 @@ def _travel_rad(axis: AxisLimits) -> float:
 def _may_wind_up(
     platform: TwoAxisPlatform, group: Indices, change_rad: Array, count: int
 ) -> NDArray[np.bool_]:
-    """Of which groups (count,) a wide axis may turn so far that no number of turns holds them all.
+    """Groups (count,) of which a wide axis may turn so far that no number of turns holds them all.
 
     change_rad: (n, 2), of the axes' angles, in each `group` (n,).
     """
     may = np.zeros(count, np.bool_)
-    for n in np.flatnonzero(_wide(platform)):
+    for n in np.flatnonzero(_wide_axes(platform)):
         turned_rad = np.bincount(group, np.abs(change_rad[:, n]), minlength=count)
         may |= turned_rad > _travel_rad(platform.axis_limits[n]) - TURN_RAD
     return may
 
 
-def _unwound(
+def _unwind_stretches(
     platform: TwoAxisPlatform, sight: Sight, branch: int, nodes: Nodes, found: Stretches
 ) -> Stretches:
-    """Of each stretch the longest part, from node to node, that one number of turns holds."""
+    """The longest part of each stretch, from node to node, that one number of turns holds."""
     start_s, stop_s = found.start_s.copy(), found.stop_s.copy()
     for n, group in enumerate(found.group.tolist()):
         own_s = nodes.t_s[nodes.group == group]
@@ -215,7 +215,7 @@ def _longest_on_turns(platform: TwoAxisPlatform, angle_rad: Array) -> tuple[int,
     return best
 
 
-def _nodes(sight: Sight, spans: Spans) -> Nodes:
+def _nodes_over(sight: Sight, spans: Spans) -> Nodes:
     return nodes_over(spans, sight, float(sight.carrier.node_s[1]), TURN_MAX_RAD)
 
 
@@ -255,7 +255,7 @@ def _motion_margin(platform: TwoAxisPlatform, sight: Sight, branch: int) -> Marg
     looks = OPTIONS.delta_s * np.arange(-2, 3)
     reach_rad = [0.5 * (axis.angle_max_rad - axis.angle_min_rad) for axis in platform.axis_limits]
 
-    def margin(which: Indices, t_s: Array) -> Array:
+    def margin_rad(which: Indices, t_s: Array) -> Array:
         angle_rad = np.stack(
             [
                 axis_angles(
@@ -267,7 +267,7 @@ def _motion_margin(platform: TwoAxisPlatform, sight: Sight, branch: int) -> Marg
                 for look_s in looks
             ]
         )
-        turn_rad = _wrapped(angle_rad - angle_rad[2])
+        turn_rad = _wrap_angle(angle_rad - angle_rad[2])
         rate = (turn_rad[3] - turn_rad[1]) / (2.0 * OPTIONS.delta_s)
         acceleration = (turn_rad[3] + turn_rad[1]) / OPTIONS.delta_s**2
         jerk = (turn_rad[4] - 2.0 * turn_rad[3] + 2.0 * turn_rad[1] - turn_rad[0]) / (
@@ -286,16 +286,16 @@ def _motion_margin(platform: TwoAxisPlatform, sight: Sight, branch: int) -> Marg
             shares.append(OPTIONS.within - np.abs(jerk[:, n]) / axis.jerk_max_rad_s3)
         return np.asarray(np.nan_to_num(np.min(shares, axis=0), nan=NEVER_RAD))
 
-    return margin
+    return margin_rad
 
 
 def _from_stop_rad(platform: TwoAxisPlatform, angle_rad: Array) -> Array:
-    """From the nearer stop, axis by axis, at angles (n, 2) moved by whole turns to mid-travel."""
+    """Angles to the nearer stop by axis, at angles (n, 2) moved by whole turns to mid-travel."""
     low, high = (
         np.array([getattr(axis, name) for axis in platform.axis_limits])
         for name in ("angle_min_rad", "angle_max_rad")
     )
-    return np.asarray(0.5 * (high - low) - np.abs(_wrapped(angle_rad - 0.5 * (low + high))))
+    return np.asarray(0.5 * (high - low) - np.abs(_wrap_angle(angle_rad - 0.5 * (low + high))))
 
 
 def _braking_rad(rate_rad_s: Array, acceleration_rad_s2: Array, axis: AxisLimits) -> Array:
@@ -313,7 +313,7 @@ def _braking_rad(rate_rad_s: Array, acceleration_rad_s2: Array, axis: AxisLimits
     return np.asarray(ramp_rad + peak * (0.5 * brake_s + OPTIONS.braked_s))
 
 
-def _bounds(platform: TwoAxisPlatform) -> list[Array]:
+def _motion_bounds(platform: TwoAxisPlatform) -> list[Array]:
     """Limits of rate, acceleration and jerk, (2,) each."""
     return [
         np.array([getattr(axis, name) for axis in platform.axis_limits])
@@ -321,6 +321,6 @@ def _bounds(platform: TwoAxisPlatform) -> list[Array]:
     ]
 
 
-def _wrapped(angle_rad: Array) -> Array:
-    """In [-pi, pi]."""
+def _wrap_angle(angle_rad: Array) -> Array:
+    """Wrap an angle to [-pi, pi]."""
     return np.asarray(angle_rad - 2.0 * math.pi * np.round(angle_rad / (2.0 * math.pi)))

@@ -56,8 +56,8 @@ class Sightings:
     angle_rad: Array
     rate_rad_s: Array
 
-    def columns(self, which: int | slice) -> "Sightings":
-        """Of (windows, samples), those samples."""
+    def select_samples(self, which: int | slice) -> "Sightings":
+        """Those samples of (windows, samples)."""
         return Sightings(**{f.name: getattr(self, f.name)[:, which] for f in fields(self)})
 
 
@@ -97,8 +97,8 @@ class Windows:
         return len(self.target)
 
     def select(self, rows: NDArray[np.bool_] | Indices) -> "Windows":
-        """Those at `rows`."""
-        return _concatenate([self], rows)
+        """Select those at `rows`."""
+        return _concatenate_sorted([self], rows)
 
     def sessions_s(self, start_utc: datetime) -> Array:
         """The longest session on rows of a command table in each window, (windows, 2).
@@ -138,10 +138,10 @@ def in_order(parts: Sequence[Windows]) -> Windows:
             np.concatenate([part.target for part in parts]),
         )
     )
-    return _concatenate(parts, order)
+    return _concatenate_sorted(parts, order)
 
 
-def _concatenate(parts: Sequence[T], order: NDArray[np.bool_] | Indices) -> T:
+def _concatenate_sorted(parts: Sequence[T], order: NDArray[np.bool_] | Indices) -> T:
     """The arrays of like dataclasses, however deep, end to end and then put in order."""
     columns: dict[str, object] = {}
     for field in fields(parts[0]):  # type: ignore[arg-type]  # T is a dataclass
@@ -149,6 +149,6 @@ def _concatenate(parts: Sequence[T], order: NDArray[np.bool_] | Indices) -> T:
         columns[field.name] = (
             np.concatenate(values)[order]
             if isinstance(values[0], np.ndarray)
-            else _concatenate(values, order)
+            else _concatenate_sorted(values, order)
         )
     return type(parts[0])(**columns)

@@ -13,7 +13,7 @@ from planner.world.scenario import Scenario
 
 @dataclass(frozen=True, kw_only=True)
 class AssemblyPrices:
-    """Of `effort`: what it takes to put a table together and to tell of it."""
+    """Costs in `effort` of putting a table together and of reporting it."""
 
     row: float = 0.3  # to assemble, judge and write down a row
     cone_row: float = 0.13  # more, for each cone

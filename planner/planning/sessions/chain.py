@@ -108,7 +108,7 @@ class Chain:
 
     def solve(self, mode: str, count: int | None = None) -> tuple[Steps, list[Join]] | None:
         """The cheapest steps of the first `count` sessions, all, whose slews are all found."""
-        while (steps := self.cheapest(CONFLICTS[mode], count)) is not None:
+        while (steps := self.cheapest_steps(CONFLICTS[mode], count)) is not None:
             joins: list[Join] = []
             for number, step in enumerate(steps):
                 join = self._join(self.slew_start(steps[:number]), step)
@@ -126,7 +126,7 @@ class Chain:
         pair, rows = (slew_start.branch, step.branch), (step.leave_row, step.join_row)
         if (pair, *rows) not in self._joins:
             branch = replace(step.branch, rows=replace(step.branch.rows, start=step.join_row))
-            state = self.state(slew_start.branch, step.leave_row)
+            state = self.state_at(slew_start.branch, step.leave_row)
             try:
                 self._joins[pair, *rows] = self._solve_join(branch, step.leave_row, state)
             except InfeasibleSlew as refusal:
@@ -169,13 +169,13 @@ class Chain:
         self._is_search_truncated |= join is None
         return join
 
-    def hurry(self) -> None:
-        """From now on whatever is found at once will do."""
+    def accept_first(self) -> None:
+        """Accept from now on whatever is found at once."""
         self._care_left = 0.0
         self._is_search_truncated = True
 
-    def improve(self, steps: Steps, joins: list[Join]) -> list[Join]:
-        """The same chain around cones, as early and as smooth as is found.
+    def improve_joins(self, steps: Steps, joins: list[Join]) -> list[Join]:
+        """Lead the chain around cones, as early and as smooth as is found.
 
         Each within its share of the work that is left; what isn't bettered by then stays.
         """
@@ -185,7 +185,7 @@ class Chain:
         share = OPTIONS.care_share * effort.remaining() / len(joins)
         for number, (step, join) in enumerate(zip(steps, joins, strict=True)):
             branch = replace(step.branch, rows=replace(step.branch.rows, start=step.join_row))
-            state = self.state(self.slew_start(steps[:number]).branch, step.leave_row)
+            state = self.state_at(self.slew_start(steps[:number]).branch, step.leave_row)
             found = replace(join, search_truncated=True)
             with at_most(share):
                 try:
@@ -200,7 +200,7 @@ class Chain:
         """Where the next slew begins."""
         return steps[-1] if steps else SlewStart(branch=None, join_row=0)
 
-    def cheapest(self, eighths: tuple[int, ...], count: int | None = None) -> Steps | None:
+    def cheapest_steps(self, eighths: tuple[int, ...], count: int | None = None) -> Steps | None:
         """Dynamic programme over the branches of each session; None when no chain of branches
         fits."""
         chains: list[Steps] = [()]
@@ -213,9 +213,9 @@ class Chain:
                     if (step := self._step(self.slew_start(before), branch, eighths)) is not None
                 ]
                 if options:
-                    longer.append(min(options, key=_cost))
+                    longer.append(min(options, key=_step_cost))
             chains = longer
-        return min(chains, key=_cost, default=None)
+        return min(chains, key=_step_cost, default=None)
 
     def _step(
         self, slew_start: SlewStart, branch: TrackBranch, eighths: tuple[int, ...]
@@ -239,7 +239,7 @@ class Chain:
         if rows is None:
             return None
         leave_row, join_row = rows
-        here, there = self.state(slew_start.branch, leave_row), self.state(branch, join_row)
+        here, there = self.state_at(slew_start.branch, leave_row), self.state_at(branch, join_row)
         return SequenceStep(
             branch=branch,
             leave_row=leave_row,
@@ -248,7 +248,7 @@ class Chain:
             slew_s=least_slew_s(here, there, self.scenario.axis_limits),
         )
 
-    def _fits(
+    def _may_fit(
         self, slew_start: SlewStart, branch: TrackBranch, leave_row: int, join_row: int
     ) -> bool:
         """Whether nothing known forbids the slew, and something is left of both sessions."""
@@ -258,8 +258,8 @@ class Chain:
     def _try_slew(
         self, left: TrackBranch | None, branch: TrackBranch, leave_row: int, join_row: int
     ) -> bool:
-        there = self.state(branch, join_row)
-        state = self.state(left, leave_row)
+        there = self.state_at(branch, join_row)
+        state = self.state_at(left, leave_row)
         return may_slew_between(self.scenario, state, there, join_row - leave_row)
 
     def _is_open(
@@ -275,22 +275,22 @@ class Chain:
         return in_order and self._leaves_something(slew_start, branch, leave_row, join_row)
 
     def _fits_as_asked(self, slew_start: SlewStart, branch: TrackBranch) -> bool:
-        """The same where nothing is given up; an earlier row may be within reach even then."""
+        """Whether it fits with nothing given up; an earlier row may be within reach even then."""
         rows = (slew_start.last_row, branch.rows.start)
         if not self._is_open(slew_start, branch, *rows):
             return False
-        if self._fits(slew_start, branch, *rows):
+        if self._may_fit(slew_start, branch, *rows):
             return True
         return self._first_row_in_reach(slew_start.branch, branch, slew_start.last_row) is not None
 
     def _seek_row_in_reach(
         self, left: TrackBranch | None, branch: TrackBranch, leave_row: int
     ) -> int | None:
-        state = self.state(left, leave_row)
+        state = self.state_at(left, leave_row)
         return first_row_in_reach(self.scenario, branch, leave_row, state, branch.rows.start)
 
-    def state(self, branch: TrackBranch | None, row: int) -> States:
-        """Of the axes on a row of a branch's track; without a branch, the initial one."""
+    def state_at(self, branch: TrackBranch | None, row: int) -> States:
+        """States of the axes on a row of a branch's track; without a branch, the initial one."""
         return self._initial if branch is None else self._track_states(branch, row)
 
     def _leaves_something(
@@ -305,7 +305,7 @@ class Chain:
         return self._left_s(branch, join_row, branch.rows.stop) > least_s
 
     def _left_s(self, branch: TrackBranch, join_row: int, stop_row: int) -> float:
-        """Of a session between the rows at which its track is joined and left."""
+        """Seconds of a session between the rows at which its track is joined and left."""
         start_s, stop_s = self._session_span_s(branch)
         return min(stop_s, stop_row / ROWS_PER_S) - max(start_s, join_row / ROWS_PER_S)
 
@@ -314,25 +314,25 @@ class Chain:
     ) -> tuple[int, int] | None:
         """The rows of least loss, of which the session left bears one of the given eighths."""
 
-        def fitting(loss: int) -> tuple[int, int] | None:
+        def fitting_rows(loss: int) -> tuple[int, int] | None:
             for share in eighths:
                 early = round(loss * share / OPTIONS.splits)
                 rows = (slew_start.last_row - early, branch.rows.start + loss - early)
-                if self._fits(slew_start, branch, *rows):
+                if self._may_fit(slew_start, branch, *rows):
                     return rows
             return None
 
         overlap = max(slew_start.last_row - branch.rows.start, 0)
         most = slew_start.last_row - slew_start.join_row + branch.rows.stop - branch.rows.start
-        low, high, found = overlap, overlap + 1, fitting(overlap + 1)
+        low, high, found = overlap, overlap + 1, fitting_rows(overlap + 1)
         while found is None:
             low, high = high, overlap + 2 * (high - overlap)
             if low > most:
                 return None
-            found = fitting(high)
+            found = fitting_rows(high)
         while high - low > 1:
             middle = (low + high) // 2
-            nearer = fitting(middle)
+            nearer = fitting_rows(middle)
             if nearer is None:
                 low = middle
             else:
@@ -340,6 +340,6 @@ class Chain:
         return found
 
 
-def _cost(steps: Steps) -> tuple[int, float]:
+def _step_cost(steps: Steps) -> tuple[int, float]:
     """Ways that differ in the axis that waits for the other cost the same: the first is taken."""
     return sum(step.lost_rows for step in steps), round(sum(step.slew_s for step in steps), 6)

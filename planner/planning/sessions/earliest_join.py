@@ -17,7 +17,7 @@ from planner.motion.pointing.keep_out import KeepOutView
 from planner.motion.pointing.track import AxisTrack
 from planner.motion.slew.feasibility import fits_without_jerk, next_duration_s, verdict
 from planner.motion.slew.optimal import optimal_slew
-from planner.motion.slew.problem import AxisState, SlewProblem, axis_states, within
+from planner.motion.slew.problem import AxisState, SlewProblem, axis_states, is_within
 from planner.planning.sessions.slew_timing import TimedSlew, slew_within_lead
 from planner.world.platforms import AxisLimits
 from planner.world.scenario import SlewOptions
@@ -104,7 +104,7 @@ class Approach:
                 continue
             timed = join_at(row)
             if timed is not None:
-                return _earlier(join_at, row - 1 if bad is None else bad, row, timed)
+                return _earliest_good(join_at, row - 1 if bad is None else bad, row, timed)
             bad, failures = row, failures + 1
             if failures >= OPTIONS.failures_most:
                 break
@@ -121,7 +121,7 @@ class Approach:
         if not all_rows.size:
             return
         effort.charge(OPTIONS.glance + OPTIONS.glance_row * all_rows.size)
-        for row in all_rows[self._certify(all_rows)].tolist():
+        for row in all_rows[self._certify_rows(all_rows)].tolist():
             if row < next_row:
                 continue
             end = track_states(self.track, row / ROWS_PER_S)
@@ -161,7 +161,7 @@ class Approach:
         except InfeasibleSlew:
             return None
 
-    def _certify(self, rows: Indices) -> Mask:
+    def _certify_rows(self, rows: Indices) -> Mask:
         """Whether unlimited jerk and no stops would let the slew end on each of the rows."""
         duration_s = rows / ROWS_PER_S - self.start_s
         angle, rate, _ = self.track.motion(rows / ROWS_PER_S)
@@ -173,7 +173,7 @@ class Approach:
 
     def _is_possible(self, end: tuple[AxisState, ...], duration_s: float) -> bool:
         return all(
-            within(there, limit) and verdict(here, there, limit, duration_s).limit is None
+            is_within(there, limit) and verdict(here, there, limit, duration_s).limit is None
             for here, there, limit in zip(self.start, end, self.limits, strict=True)
         )
 
@@ -181,12 +181,12 @@ class Approach:
         """How much longer than available_s the slowest axis needs; infinite: it can't at all."""
         needed_s = 0.0
         for here, there, limit in zip(self.start, end, self.limits, strict=True):
-            least_s = next_duration_s(here, there, limit, 0.0) if within(there, limit) else None
+            least_s = next_duration_s(here, there, limit, 0.0) if is_within(there, limit) else None
             needed_s = max(needed_s, math.inf if least_s is None else least_s)
         return needed_s - available_s * (1.0 + 1e-9)
 
 
-def _earlier(
+def _earliest_good(
     join_at: Callable[[int], TimedSlew | None], bad: int, good: int, timed: TimedSlew
 ) -> EarliestJoin:
     """Between a row too early and a good one: the first good one, or the first one found."""

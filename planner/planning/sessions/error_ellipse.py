@@ -28,7 +28,7 @@ def error_covariance_rad2(
     *,
     clock_s: float = BUDGET_OPTIONS.clock_s,
 ) -> Array:
-    """Of the target's place in the image, by the causes of `pointing_budget`, shape (n, 2, 2).
+    """Covariances of the image place by the causes of `pointing_budget`, shape (n, 2, 2).
 
     In the order of the frame's sides: the first, turned by `frame_turn_rad` from the inner axis
     about the boresight, and the second across it.  angle_rad: (n, 2), the axes at the instants of

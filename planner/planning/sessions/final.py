@@ -44,7 +44,7 @@ OPTIONS = FinalSlewOptions()
 
 
 def with_final_slew(scenario: Scenario, ephemeris: Ephemeris, joins: list[Join]) -> list[Join]:
-    """The same, and a slew to the final state where one is asked for and not reached already.
+    """The joins, and a slew to the final state where one is asked for and not reached already.
 
     It begins where the last track ends, at once, and takes the time that makes it smooth, at
     most `slew.lead.max_duration_s`; with the objective "minimum_time" the least.

@@ -73,7 +73,7 @@ def slew_onto(
     if early and _joins_early(scenario):
         # What is left must do for a slew to the session's first row.
         with at_most(effort.remaining() / 2.0) as search:
-            met = _approach(scenario, branch, from_row, state).earliest_join(
+            met = _approach_of(scenario, branch, from_row, state).earliest_join(
                 scenario.slew,
                 after_s=branch.seen_from_s,
                 until_s=start_row / ROWS_PER_S,
@@ -113,7 +113,7 @@ def may_slew_onto(
 def may_slew_between(
     scenario: Scenario, state: tuple[AxisState, ...], there: tuple[AxisState, ...], rows: int
 ) -> bool:
-    """The same from state to state in exactly so many rows."""
+    """Whether a slew may lead from state to state in exactly so many rows."""
     if rows <= 0:
         return False
     if not scenario.slew.keeps_limits:
@@ -131,11 +131,11 @@ def first_row_in_reach(
     """The first row, up to that one, on which closed forms leave open that a slew joins early."""
     if not _joins_early(scenario):
         return None
-    approach = _approach(scenario, branch, from_row, state)
+    approach = _approach_of(scenario, branch, from_row, state)
     return next(approach.rows_within_reach(branch.seen_from_s, last_row / ROWS_PER_S), None)
 
 
-def _approach(
+def _approach_of(
     scenario: Scenario, branch: TrackBranch, from_row: int, state: tuple[AxisState, ...]
 ) -> Approach:
     return Approach(
@@ -168,14 +168,14 @@ def _slew(
         keep_out=keep_out,
     )
 
-    def solve(part: SlewProblem) -> SlewSolution:
+    def solve_slew(part: SlewProblem) -> SlewSolution:
         if scenario.slew.keeps_limits:
             return avoid_cones(optimal_slew(part, on_rows=True), thorough=thorough, prove=prove)
         if scenario.slew.objective == "minimum_time":
             part = in_paper_time(part)
         return paper_slew(part, scenario.slew)
 
-    return slew_within_lead(problem, scenario.slew, solve)
+    return slew_within_lead(problem, scenario.slew, solve_slew)
 
 
 def _require_within_limits(scenario: Scenario, state: tuple[AxisState, ...], does: str) -> None:

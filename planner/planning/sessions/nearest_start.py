@@ -43,7 +43,7 @@ class Others:
         """Whether the whole request, with that session moved, was planned and judged good."""
         costs = None
         with at_most(SHARE * effort.remaining()) as search:
-            costs = self._costs(moved)
+            costs = self._costs_at(moved)
         if search.is_exhausted:
             self.undecided = (
                 f"at {utc_text(moved.start, 1)} this session by itself can be, but whether the "
@@ -53,7 +53,7 @@ class Others:
             self.dearer = moved, costs
         return costs == ()
 
-    def _costs(self, moved: Session) -> tuple[int, ...] | None:
+    def _costs_at(self, moved: Session) -> tuple[int, ...] | None:
         """Sessions without which the others are planned; None: the moved one isn't."""
         scenario, number = self._refused.scenario, self._refused.number
         kept = [
@@ -78,7 +78,7 @@ class Others:
 
 
 def _is_planned(scenario: Scenario) -> bool:
-    """As the pipeline plans it; raises SessionRefused and refusals of the whole."""
+    """Whether the pipeline plans it; raises SessionRefused and refusals of the whole."""
     epoch_utc = scenario.initial_state.epoch
     rows = [session_rows(session, epoch_utc) for session in scenario.sessions]
     ephemeris = ephemeris_over(scenario, rows)
@@ -139,11 +139,11 @@ def plan_sessions(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
     try:
         return sequence_sessions(scenario, ephemeris)
     except SessionRefused as failed:
-        raise _advise(failed) from None
+        raise _advise_start(failed) from None
 
 
-def _advise(failed: SessionRefused) -> Refusal:
-    """The same refusal with the field at fault and the nearest start that can be flown.
+def _advise_start(failed: SessionRefused) -> Refusal:
+    """The refusal with the field at fault and the nearest start that can be flown.
 
     First the session is cut short, at its start and where it can't be held to its stop there too,
     then moved as a whole, by at most a day; where no least elevation was asked for, first to where
@@ -157,7 +157,7 @@ def _advise(failed: SessionRefused) -> Refusal:
         return refusal  # it breaks its limits at any other time, too
     try:
         offers = failed.offers()
-        advice = _advice(refused)
+        advice = _start_advice(refused)
     except WorkLimitReached:  # of the whole request: why it is refused is known all the same
         offers = ()
         advice = Advice(
@@ -179,8 +179,8 @@ def _advise(failed: SessionRefused) -> Refusal:
     return advised
 
 
-def _advice(refused: RefusedSession) -> Advice:
-    span = _span(refused)
+def _start_advice(refused: RefusedSession) -> Advice:
+    span = _known_span(refused)
     if isinstance(span, Refusal):
         return Advice(f"no other start was tried: {span.detail.partition(';')[0]}")
     useful = _at_useful_elevation(refused)
@@ -227,13 +227,13 @@ def _seek_start(refused: RefusedSession, span: _Span) -> Advice:
         (moved, _rows_by_distance(refused, span)),
     )
     for trials, rows in searches:
-        found, reach_rows = _search(trials, others, rows, wanted_row)
+        found, reach_rows = _search_rows(trials, others, rows, wanted_row)
         if found is not None:
             return Advice(_way_out(found, session), found)
         reaches.append(reach_rows)
     if others.dearer is not None:
         instead, costs = others.dearer
-        return Advice(f"{_way_out(instead, session)}, {_cost(costs)}", instead, costs)
+        return Advice(f"{_way_out(instead, session)}, {_cost_text(costs)}", instead, costs)
     alone = f"; {others.undecided}" if others.undecided else ""
     return Advice(_not_found(refused, span, *reaches) + alone)
 
@@ -247,7 +247,7 @@ def _way_out(found: Session, wanted: Session) -> str:
     return f"earliest feasible start {start}, {how}"
 
 
-def _cost(costs: tuple[int, ...]) -> str:
+def _cost_text(costs: tuple[int, ...]) -> str:
     if len(costs) == 1:
         return (
             f"but session {costs[0] + 1} can't be flown then as asked: leave it out, or move it too"
@@ -277,7 +277,7 @@ def _not_found(
 
 
 def _span_searched(refused: RefusedSession, low: int, high: int, reach_rows: int | None) -> str:
-    """From when to when starts were gone through, of all from row `low` to `high`."""
+    """When starts were tried, from and to, of all from row `low` to `high`."""
     wanted_row = refused.wanted.start
     ends = low, high
     if reach_rows is not None:
@@ -289,7 +289,7 @@ def _span_searched(refused: RefusedSession, low: int, high: int, reach_rows: int
     return f"from {texts[0]} to {texts[1]}{farther}"
 
 
-def _search(
+def _search_rows(
     trials: Trials, others: Others, rows: Iterable[int], wanted_row: int
 ) -> tuple[Session | None, int | None]:
     """The first row that may succeed, then the nearest to the wanted one that does.
@@ -302,7 +302,7 @@ def _search(
     candidates = list(islice(rows, OPTIONS.attempts))
     with at_most(min(OPTIONS.search, OPTIONS.search_share * effort.remaining())):
         for row in candidates:
-            may = trials.ends_may(row) and trials.may(row)
+            may = trials.ends_may(row) and trials.may_succeed(row)
             session = _nearest_feasible(trials, row, wanted_row) if may else None
             reach_rows = abs(row - wanted_row)
             if session is not None and others.stay_as_asked(session):
@@ -315,10 +315,10 @@ def _search(
 
 
 def _nearest_feasible(trials: Trials, row: int, wanted_row: int) -> Session | None:
-    """From a row that may succeed back to its failed neighbour; then solved, row by row."""
+    """Step from a row that may succeed back to its failed neighbour; then solved, row by row."""
     away = 1 if row >= wanted_row else -1
 
-    def nearest(may: Callable[[int], bool]) -> int:
+    def nearest_row(may: Callable[[int], bool]) -> int:
         good, bad = row, row - away * OPTIONS.coarse_rows
         while abs(good - bad) > 1:
             middle = (good + bad) // 2
@@ -328,11 +328,11 @@ def _nearest_feasible(trials: Trials, row: int, wanted_row: int) -> Session | No
                 bad = middle
         return good
 
-    first = nearest(trials.ends_may)
+    first = nearest_row(trials.ends_may)
     found = trials.feasible_session(first)
     if found is not None:
         return found
-    surer = nearest(lambda middle: trials.ends_may(middle) and trials.may(middle))
+    surer = nearest_row(lambda middle: trials.ends_may(middle) and trials.may_succeed(middle))
     for nearby in range(surer, surer + away * OPTIONS.rows_later, away):
         found = trials.feasible_session(nearby) if nearby != first else None
         if found is not None:
@@ -372,7 +372,7 @@ def _rows_by_distance(refused: RefusedSession, span: _Span) -> list[int]:
     return sorted(starts, key=lambda row: abs(row - wanted.start))
 
 
-def _span(refused: RefusedSession) -> _Span | Refusal:
+def _known_span(refused: RefusedSession) -> _Span | Refusal:
     """The orbit as far around the session as it is known, up to the horizon, or why it is not."""
     scenario, wanted = refused.scenario, refused.wanted
     longest_s = scenario.orbit.search_horizon_s

@@ -20,7 +20,7 @@ from planner.planning.sessions.joining import Join
 from planner.planning.sessions.nearest_start import plan_sessions
 from planner.planning.sessions.plan import Plan, SlewRun
 from planner.planning.sessions.slew_timing import least_slew_s
-from planner.planning.sessions.track_branches import ephemeris_over, session_rows, sight
+from planner.planning.sessions.track_branches import ephemeris_over, los_on_rows, session_rows
 from planner.planning.sessions.uncertainty import pointing_budget
 from planner.verification import VerificationReport, verify
 from planner.world.attitude.lvlh import level_warnings
@@ -35,7 +35,7 @@ from planner.world.targets import BenchMotionTarget
 def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: None) -> Plan:
     """Plan every session in order of time and have the table judged.
 
-    on_stage: told each stage's name when it begins.
+    on_stage: called with each stage's name when it begins.
     Raises a `Refusal` when a session can't be flown; it says which limit, when, and, where
     there is one, the nearest session start that can.
     """
@@ -43,38 +43,38 @@ def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: No
     wall_s: dict[str, float] = {}
 
     @contextmanager
-    def stage(name: str) -> Iterator[None]:
+    def time_stage(name: str) -> Iterator[None]:
         on_stage(name)
         began_s = time.perf_counter()
         yield
         wall_s[name] = time.perf_counter() - began_s
 
-    with stage("orbit"):
+    with time_stage("orbit"):
         ephemeris = ephemeris_over(
             scenario, [session_rows(session, epoch_utc) for session in scenario.sessions]
         )
-    with stage("slews and tracks"):
-        joins = _joins(scenario, ephemeris)
+    with time_stage("slews and tracks"):
+        joins = _find_joins(scenario, ephemeris)
         onto_tracks = joins[: len(scenario.sessions)]
-    with stage("comparison"):
+    with time_stage("comparison"):
         slews = tuple(
-            _slew_run(scenario.slew, number, join) for number, join in _numbered(scenario, joins)
+            _slew_run(scenario.slew, number, join) for number, join in _pair_joins(scenario, joins)
         )
     final, losses = sessions_after_conflicts(scenario, onto_tracks)
     table = assemble_table(epoch_utc, scenario.platform.axis_names, joins)
-    with stage("pointing budget"):
+    with time_stage("pointing budget"):
         budgets = tuple(
             session_budget(final, ephemeris, table, number, join.track.los)
             for number, join in enumerate(onto_tracks)
         )
     misses = [budget.warning() for budget in budgets if budget]
-    with stage("verification"):
+    with time_stage("verification"):
         report = verify(table, final)
     if scenario.slew.keeps_limits and not report.passed:
-        raise _rejection(report)
+        raise _rejection_of(report)
     return Plan(
         scenario=final,
-        segments=_segments(scenario, joins),
+        segments=_segments_of(scenario, joins),
         table=table,
         verification=report,
         slews=slews,
@@ -93,7 +93,7 @@ def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: No
     )
 
 
-def _joins(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
+def _find_joins(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
     """Found by no more work than one request may make, what its table takes set aside."""
     last_row = session_rows(scenario.sessions[-1], scenario.initial_state.epoch).stop
     with at_most(effort.PLAN - table_work(scenario, last_row)):
@@ -119,7 +119,7 @@ def _cut_short(joins: list[Join]) -> tuple[str, ...]:
     )
 
 
-def _numbered(scenario: Scenario, joins: list[Join]) -> Iterator[tuple[int | None, Join]]:
+def _pair_joins(scenario: Scenario, joins: list[Join]) -> Iterator[tuple[int | None, Join]]:
     """Each with the session whose track it leads to; None for the final state's."""
     count = len(scenario.sessions)
     return ((number if number < count else None, join) for number, join in enumerate(joins))
@@ -144,12 +144,12 @@ def _slew_run(options: SlewOptions, number: int | None, join: Join) -> SlewRun:
     )
 
 
-def _segments(scenario: Scenario, joins: list[Join]) -> tuple[Segment, ...]:
+def _segments_of(scenario: Scenario, joins: list[Join]) -> tuple[Segment, ...]:
     epoch_utc = scenario.initial_state.epoch
     kinds: tuple[SegmentKind, ...] = ("brake", "wait", "slew", "track")
     segments = []
     from_row = 0
-    for number, join in _numbered(scenario, joins):
+    for number, join in _pair_joins(scenario, joins):
         ends = [
             shifted_utc(epoch_utc, row / ROWS_PER_S)
             for row in (
@@ -176,7 +176,7 @@ def session_budget(
     number: int,
     los: LineOfSight | None = None,
 ) -> PointingBudget | None:
-    """Of the linear kind; None where no target is looked at.
+    """The linear pointing budget; None where no target is looked at.
 
     ephemeris: over the session.  los: over the session and more, where it is known already.
     """
@@ -185,8 +185,8 @@ def session_budget(
         return None
     rows = session_rows(session, scenario.initial_state.epoch)
     if los is None:
-        los = sight(scenario, ephemeris, session.target, rows)
-    los = los.between(rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S)
+        los = los_on_rows(scenario, ephemeris, session.target, rows)
+    los = los.cut_between(rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S)
     angle_rad = [np.interp(los.instants.t_s, table.t_s, angle) for angle in table.angle_rad.T]
     return pointing_budget(
         los,
@@ -199,7 +199,7 @@ def session_budget(
     )
 
 
-def _rejection(report: VerificationReport) -> VerificationFailed:
+def _rejection_of(report: VerificationReport) -> VerificationFailed:
     worst = next(finding for finding in report.findings if finding.severity == "error")
     return VerificationFailed(
         f"the independent judge rejects the table: {worst.detail}",

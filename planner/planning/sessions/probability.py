@@ -41,7 +41,7 @@ def probability_inside(
     )
     points, short, lengths = _points(len(offsets_rad), len(swings_rad), every)
     if along != GAUSS:
-        points = mixed(points, len(offsets_rad) - 1, along)
+        points = mixture_points(points, len(offsets_rad) - 1, along)
         short, lengths = points.astype(np.float32), np.linalg.norm(points, axis=0)
     # A few instants tell nearly all draws: between them none goes farther from a straight line
     # than its parts bend, times its length.
@@ -53,15 +53,15 @@ def probability_inside(
     bend = parts - (1.0 - share) * parts[:, few[before]] - share * parts[:, few[after]]
     rounds = SHORT_ROUNDS * (1.0 + np.abs(parts).sum(axis=0).max())
     bends = np.linalg.norm(bend[:-1], axis=0).max() * lengths + np.abs(bend[-1]).max()
-    farthest = _farthest(parts[:, few], short)
+    farthest = _farthest_points(parts[:, few], short)
     inside = farthest < 1.0 - rounds - bends
     near = np.flatnonzero(~inside & ~(farthest > 1.0 + rounds))
-    inside[near] = _farthest(parts, points[:, near]) <= 1.0
+    inside[near] = _farthest_points(parts, points[:, near]) <= 1.0
     return float(np.mean(inside))
 
 
-def _farthest(part_shares: Array, points: "NDArray[np.floating]") -> Array:
-    """Of each point in its precision, shape (points.shape[1],).
+def _farthest_points(part_shares: Array, points: "NDArray[np.floating]") -> Array:
+    """The farthest offset at each point, in its precision, shape (points.shape[1],).
 
     part_shares: (m + 1, n, 2) of a frame's half, the last where the target is without errors.
     """
@@ -71,7 +71,7 @@ def _farthest(part_shares: Array, points: "NDArray[np.floating]") -> Array:
     return np.asarray(np.abs(places, out=places).max(axis=0))
 
 
-def mixed(scores: Array, row: int, mixture: NormalMixture) -> Array:
+def mixture_points(scores: Array, row: int, mixture: NormalMixture) -> Array:
     """Points of the lattice whose row, normal so far, follows the mixture."""
     found = scores.copy()
     found[row] = mixture.scores(scores[row])

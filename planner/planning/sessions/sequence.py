@@ -101,7 +101,7 @@ class SessionRefused(Exception):
             with at_most(OPTIONS.offers_share * effort.remaining()):
                 for mode in CONFLICTS:
                     instead = self._chain.solve(mode)
-                    found += _relaxations(mode, instead[0]) if instead is not None else []
+                    found += _relaxations_of(mode, instead[0]) if instead is not None else []
         return tuple(found)
 
 
@@ -126,14 +126,14 @@ def sequence_sessions(
     with at_most(OPTIONS.find_share * effort.remaining()) as search:
         found = chain.solve(scenario.on_conflict)
     if search.is_exhausted and found is None:
-        chain.hurry()
+        chain.accept_first()
         with at_most(OPTIONS.find_share * effort.remaining()) as search:
             found = chain.solve(scenario.on_conflict)
     if found is not None:
-        return chain.improve(*found)
+        return chain.improve_joins(*found)
     if not search.is_exhausted:
         with at_most(OPTIONS.conflict_share * effort.remaining()):
-            raise _conflict(chain, prove=prove)
+            raise _find_conflict(chain, prove=prove)
     raise SearchEnded(
         f"no plan of these {len(scenario.sessions)} sessions was found, nor shown to be "
         "impossible, by the work that one request may make; ask for fewer sessions, cones or "
@@ -177,7 +177,7 @@ def _branches_by_session(scenario: Scenario, ephemeris: Ephemeris) -> list[tuple
     return sessions
 
 
-def _conflict(chain: Chain, *, prove: bool) -> SessionRefused:
+def _find_conflict(chain: Chain, *, prove: bool) -> SessionRefused:
     """The first session that can't be joined in time, and why."""
     scenario = chain.scenario
     steps: Steps = ()
@@ -187,7 +187,7 @@ def _conflict(chain: Chain, *, prove: bool) -> SessionRefused:
             break
         steps = longer[0]
     slew_start = chain.slew_start(steps)
-    state = chain.state(slew_start.branch, slew_start.last_row)
+    state = chain.state_at(slew_start.branch, slew_start.last_row)
     refusal = None
     if prove:
         with at_most(OPTIONS.proof_share * effort.remaining()):
@@ -200,7 +200,7 @@ def _conflict(chain: Chain, *, prove: bool) -> SessionRefused:
 
 
 def _refusal(chain: Chain, number: int, slew_start: SlewStart, *, prove: bool) -> InfeasibleSlew:
-    state = chain.state(slew_start.branch, slew_start.last_row)
+    state = chain.state_at(slew_start.branch, slew_start.last_row)
     for branch in chain.sessions[number]:
         try:
             slew_onto(
@@ -221,7 +221,7 @@ def _refusal(chain: Chain, number: int, slew_start: SlewStart, *, prove: bool) -
 
 
 def _with_mode(refusal: InfeasibleSlew, mode: str) -> InfeasibleSlew:
-    """The same, saying that giving something up as asked doesn't help."""
+    """The refusal, saying that giving something up as asked doesn't help."""
     if mode == "refuse":
         return refusal
     return InfeasibleSlew(
@@ -232,7 +232,7 @@ def _with_mode(refusal: InfeasibleSlew, mode: str) -> InfeasibleSlew:
     )
 
 
-def _relaxations(mode: str, steps: Steps) -> list[Relaxation]:
+def _relaxations_of(mode: str, steps: Steps) -> list[Relaxation]:
     """What each session loses; a session's start is its own step's, its stop the next one's."""
     later_s = [(step.join_row - step.branch.rows.start) / ROWS_PER_S for step in steps]
     earlier_s = [

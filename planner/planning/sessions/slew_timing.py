@@ -72,7 +72,7 @@ def slew_within_lead(problem: SlewProblem, options: SlewOptions, solve: Solver) 
     takes all the time after all.  Raises InfeasibleSlew.
     """
     rows = round(problem.duration_s * ROWS_PER_S)
-    bounded = _bounded(problem.start, problem.end, problem.limits, options, rows)
+    bounded = _bounded_rows(problem.start, problem.end, problem.limits, options, rows)
     if bounded is None:
         return TimedSlew(slew=solve(problem))
     try:
@@ -89,7 +89,7 @@ def may_slew_within_lead(
 ) -> bool:
     """Whether closed forms leave it open that so many rows suffice."""
     if _most_asked_s(options) is not None:
-        bounded = _bounded(start, end, limits, options, rows)
+        bounded = _bounded_rows(start, end, limits, options, rows)
         if bounded is not None:
             start, rows = bounded.rest, bounded.slew_rows
     return all(
@@ -138,7 +138,7 @@ def at_rest_after(state: States, limits: tuple[AxisLimits, ...], brake_s: float)
     )
 
 
-def _bounded(
+def _bounded_rows(
     start: States, end: States, limits: tuple[AxisLimits, ...], options: SlewOptions, rows: int
 ) -> _Bounded | None:
     """None where the slew takes all the rows there are."""
@@ -200,14 +200,14 @@ def _require_outside(
     effort.charge(OPTIONS.cone_row * until_s * ROWS_PER_S * len(view.regions))
     rest_rad = np.array([axis.angle_rad for axis in rest])
 
-    def motion(t_s: Array) -> tuple[Array, Array]:
+    def motion_at(t_s: Array) -> tuple[Array, Array]:
         angle_rad, rate_rad_s = np.tile(rest_rad, (len(t_s), 1)), np.zeros((len(t_s), len(rest)))
         if brake is not None:
             moving = t_s < brake.duration_s
             angle_rad[moving], rate_rad_s[moving], _, _ = brake.motion(t_s[moving])
         return angle_rad, rate_rad_s
 
-    entry = deepest_entry(view, motion, 0.0, until_s)
+    entry = deepest_entry(view, motion_at, 0.0, until_s)
     if entry.depth_rad > 0.0:
         raise InfeasibleSlew(
             f"the axes would wait {math.degrees(entry.depth_rad):.2f} deg inside {entry.title}",

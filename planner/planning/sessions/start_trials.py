@@ -20,8 +20,8 @@ from planner.planning.sessions.track_branches import OPTIONS as TRACK_BRANCH_OPT
 from planner.planning.sessions.track_branches import (
     RowSpan,
     TrackBranch,
+    los_on_rows,
     session_rows,
-    sight,
     track_branches,
 )
 from planner.world.frames.time_scales import elapsed_s
@@ -50,7 +50,7 @@ def longest_hold(refused: RefusedSession, ephemeris: Ephemeris) -> RowSpan | Non
     rows = RowSpan(start=start, stop=start + (count - 1) * stride)
     effort.charge(TRACK_BRANCH_OPTIONS.hold + TRACK_BRANCH_OPTIONS.hold_row * count)
     try:
-        los = sight(scenario, ephemeris, target, rows, count)
+        los = los_on_rows(scenario, ephemeris, target, rows, count)
         view = keep_out_view(scenario, ephemeris, rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S)
     except Refusal:  # nothing is known of the orbit or attitude then
         return None
@@ -100,8 +100,8 @@ class Trials:
     def _joins_early(self) -> bool:
         return self.refused.scenario.slew.objective == "minimum_time"
 
-    def session(self, start_row: int) -> Session | None:
-        """With its times moved; None where there is no such session."""
+    def moved_session(self, start_row: int) -> Session | None:
+        """The session with its times moved; None where there is no such session."""
         refused = self.refused
         start_utc = refused.utc(start_row)
         stop_utc = self.stop_utc(start_row)
@@ -124,7 +124,7 @@ class Trials:
 
     def ends_may(self, start_row: int) -> bool:
         """Whether the session's first and last rows leave it open: milliseconds, even of hours."""
-        moved = self.session(start_row)
+        moved = self.moved_session(start_row)
         if moved is None:
             return False
         rows = session_rows(moved, self.refused.epoch_utc)
@@ -132,34 +132,34 @@ class Trials:
             return True
         begun_utc = self.refused.utc(rows.start + STENCIL - 1)
         ended_utc = self.refused.utc(rows.stop - STENCIL + 1)
-        first = self._branches(replace(moved, stop=begun_utc))
+        first = self._branches_at(replace(moved, stop=begun_utc))
         if not self._joins_early:
             first = tuple(branch for branch in first if self._may_be_slewed(branch))
-        return bool(first) and bool(self._branches(replace(moved, start=ended_utc)))
+        return bool(first) and bool(self._branches_at(replace(moved, start=ended_utc)))
 
-    def may(self, start_row: int) -> bool:
+    def may_succeed(self, start_row: int) -> bool:
         """Whether the session can be held, and closed forms leave its slew open."""
-        moved = self.session(start_row)
+        moved = self.moved_session(start_row)
         if moved is None:
             return False
         if self.held is not None and not self._joins_early:
             return self.ends_may(start_row)
-        branches = self._branches(moved)
+        branches = self._branches_at(moved)
         if any(self._may_be_slewed(branch) for branch in branches):
             return True
         if not branches or not self._joins_early:
             return False
-        return any(self._may_be_slewed(branch) for branch in self._branches(moved, early=True))
+        return any(self._may_be_slewed(branch) for branch in self._branches_at(moved, early=True))
 
     def feasible_session(self, start_row: int) -> Session | None:
         """The moved session, if its slew is really found."""
-        moved = self.session(start_row)
+        moved = self.moved_session(start_row)
         if moved is None:
             return None
-        branches = self._branches(moved, early=True)
+        branches = self._branches_at(moved, early=True)
         return moved if any(self._is_slewed(branch) for branch in branches) else None
 
-    def _branches(self, session: Session, *, early: bool = False) -> tuple[TrackBranch, ...]:
+    def _branches_at(self, session: Session, *, early: bool = False) -> tuple[TrackBranch, ...]:
         """None where the session can't be held, or nothing is known of orbit or attitude then.
 
         early: with the time in which its track may be joined before it begins.

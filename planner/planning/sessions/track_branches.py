@@ -22,7 +22,7 @@ from planner.world.targets import BenchMotionTarget, VisibleTarget
 
 @dataclass(frozen=True, kw_only=True)
 class TrackBranchOptions:
-    """What it takes to look at a track, and how closely times count."""
+    """What it takes to examine a track, and how closely times count."""
 
     hold: int = 300  # of `effort`: any stretch of a target
     hold_row: int = 1  # of `effort`: a row of it
@@ -148,7 +148,7 @@ def ephemeris_over(scenario: Scenario, sessions: list[RowSpan]) -> Ephemeris:
 
 
 def _early_row(scenario: Scenario, start_row: int, from_row: int) -> int:
-    """From which row on the target may be followed already."""
+    """The first row from which the target may be followed."""
     if scenario.slew.objective != "minimum_time":
         return start_row
     return min(max(from_row, start_row - EARLY_ROWS), start_row)
@@ -160,14 +160,14 @@ def _line_of_sight(
     """Over the session and, where the orbit is known, over the time for joining it early."""
     early_row = _early_row(scenario, rows.start, from_row)
     try:
-        return sight(scenario, ephemeris, target, RowSpan(start=early_row, stop=rows.stop))
+        return los_on_rows(scenario, ephemeris, target, RowSpan(start=early_row, stop=rows.stop))
     except OutsideCoverage:
         if early_row == rows.start:
             raise
-    return sight(scenario, ephemeris, target, rows)
+    return los_on_rows(scenario, ephemeris, target, rows)
 
 
-def sight(
+def los_on_rows(
     scenario: Scenario,
     ephemeris: Ephemeris,
     target: VisibleTarget,
@@ -225,12 +225,12 @@ def _outside_from_s(
     if view is None:
         return float(track.t_s[0])
 
-    def motion(t_s: Array) -> tuple[Array, Array]:
+    def motion_at(t_s: Array) -> tuple[Array, Array]:
         angle_rad, rate_rad_s, _ = track.motion(begins_s + t_s)
         return angle_rad, rate_rad_s
 
     start_s, stop_s = rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S
-    entry = deepest_entry(view, motion, start_s - begins_s, stop_s - begins_s)
+    entry = deepest_entry(view, motion_at, start_s - begins_s, stop_s - begins_s)
     if entry.depth_rad > 0.0:
         at_utc = shifted_utc(scenario.initial_state.epoch, begins_s + entry.t_s)
         raise NotVisible(
@@ -242,5 +242,5 @@ def _outside_from_s(
             at_utc=at_utc,
         )
     before_s = track.t_s[track.t_s < start_s] - begins_s
-    inside = np.flatnonzero(view.depths_rad(before_s, motion(before_s)[0]).max(0) > 0)
+    inside = np.flatnonzero(view.depths_rad(before_s, motion_at(before_s)[0]).max(0) > 0)
     return float(track.t_s[inside[-1] + 1] if inside.size else track.t_s[0])

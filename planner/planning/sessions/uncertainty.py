@@ -16,7 +16,7 @@ from planner.base.arrays import Array, Indices, cross
 from planner.motion.pointing.frame import frame_axes
 from planner.motion.pointing.line_of_sight import LineOfSight
 from planner.planning.sessions.budget import LIKELY, Contribution, PointingBudget
-from planner.planning.sessions.probability import lattice_points, mixed, probability_inside
+from planner.planning.sessions.probability import lattice_points, mixture_points, probability_inside
 from planner.world.attitude import AttitudeErrors, AttitudeLaw
 from planner.world.frames.earth_orientation import iers_data_end_utc
 from planner.world.frames.iers import RAD_PER_ARCSEC
@@ -32,7 +32,7 @@ _FRAME_TURN_RAD = 0.1  # a keyhole turns the frame in seconds: one more row each
 
 
 def spread_rows(image_platform: Array, samples: int) -> Indices:
-    """Of the rows that many, evenly, and more where the frame turns in the platform.
+    """Choose that many of the rows, evenly, and more where the frame turns in the platform.
 
     image_platform: (n, 2, 3), the directions of the frame's sides.
     """
@@ -45,7 +45,7 @@ def spread_rows(image_platform: Array, samples: int) -> Indices:
 
 
 def farthest_rows(shares: Array, rows: Indices) -> Indices:
-    """Of the instants nearest to each of `rows` the one with the largest share of the frame."""
+    """The one of the instants nearest to each of `rows` with the largest share of the frame."""
     ends = np.concatenate([[0], (rows[1:] + rows[:-1]) // 2 + 1, [len(shares)]])
     return np.array([first + np.argmax(shares[first:last]) for first, last in pairwise(ends)])
 
@@ -116,7 +116,7 @@ def pointing_budget(
     range_m = float(scene.range_m[worst])
     sigmas_rad = {cause: math.sqrt(squares[worst]) for cause, squares in squares_rad2.items()}
     sigmas_rad[_DRIVES] = DRIVE_RAD
-    probability = _probability(biases, scene, platform)
+    probability = _probability_inside(biases, scene, platform)
     return PointingBudget(
         session=session,
         contributions=tuple(
@@ -137,11 +137,11 @@ def pointing_budget(
     )
 
 
-def _probability(
+def _probability_inside(
     biases: Sequence["Bias"], scene: "PointingScene", platform: TwoAxisPlatform, every: int = 1
 ) -> float:
     return probability_inside(
-        np.stack(_constant(biases)),
+        np.stack(_constant_biases(biases)),
         _half_rad(platform),
         scene.off_rad,
         [
@@ -149,7 +149,7 @@ def _probability(
             for bias in biases
             if bias.quarter_later_rad is not None
         ],
-        _along(biases),
+        _along_track(biases),
         every=every,
     )
 
@@ -165,12 +165,12 @@ def _helps_most(
     A frame's sides differ, and so do rare large errors and usual small ones of the same sigma.
     """
 
-    def helps(cause: _Cause) -> tuple[float, float]:
+    def share_left(cause: _Cause) -> tuple[float, float]:
         others = [bias for bias in biases if bias.cause != cause]
-        left = _probability(others, scene, platform, OPTIONS.compared)
+        left = _probability_inside(others, scene, platform, OPTIONS.compared)
         return round(left, 2), float(np.sum(squares_rad2[cause]))
 
-    return max(squares_rad2, key=helps).cause
+    return max(squares_rad2, key=share_left).cause
 
 
 def probabilities_at(
@@ -193,7 +193,7 @@ def probabilities_at(
         return np.zeros(len(los.instants))
     errors = attitude.errors_each(scene.instants)
     biases = error_biases(scene, los, ephemeris, errors, clock_s)
-    constant = _constant(biases)
+    constant = _constant_biases(biases)
     swings = [
         part
         for bias in biases
@@ -201,7 +201,7 @@ def probabilities_at(
         for part in (bias.offsets_rad, bias.quarter_later_rad)
     ]
     points = lattice_points(len(constant), len(swings) // 2)[:, :: OPTIONS.coarse]
-    points = mixed(points, len(constant) - 1, _along(biases))
+    points = mixture_points(points, len(constant) - 1, _along_track(biases))
     offsets = np.stack([*constant, *swings], axis=-1) / half_rad[:, None]
     middle = scene.off_rad / half_rad
     parts = []
@@ -257,7 +257,7 @@ class PointingScene:
         return self.in_image(cross(self.los_platform, axis_platform))
 
     def directions_platform(self, orbits: Sequence[OrbitStates], late_s: Sequence[float]) -> Array:
-        """With other orbits, and the target as it will be (the Earth turned on) late_s later.
+        """Directions with other orbits and the target as it will be (Earth turned on) late_s later.
 
         All m cases at once, as a few instants cost what many do.  Shape (m, n, 3).
         """
@@ -296,13 +296,13 @@ class Bias(NamedTuple):
         return np.asarray(np.sqrt(0.5 * squares))
 
 
-def _constant(biases: Sequence[Bias]) -> list[Array]:
-    """Those that don't swing, that of `_along` last."""
+def _constant_biases(biases: Sequence[Bias]) -> list[Array]:
+    """The biases that don't swing, that of `_along_track` last."""
     steady = [bias for bias in biases if bias.quarter_later_rad is None]
     return [bias.offsets_rad for bias in sorted(steady, key=lambda bias: bias.mixture != GAUSS)]
 
 
-def _along(biases: Sequence[Bias]) -> NormalMixture:
+def _along_track(biases: Sequence[Bias]) -> NormalMixture:
     """How the only error that isn't Gauss's is distributed."""
     return next((bias.mixture for bias in biases if bias.mixture != GAUSS), GAUSS)
 

@@ -35,10 +35,10 @@ _IMAGING_RGBA, _TURNING_RGBA = [0, 220, 90, 255], [255, 160, 0, 255]
 
 def write_czml(plan: SessionTable, created_utc: datetime) -> bytes:
     """A CZML 1.0 document; a swath appears when it is imaged."""
-    return czml_of(_packets(plan, created_utc))
+    return czml_of(_packets_of(plan, created_utc))
 
 
-def _packets(plan: SessionTable, created_utc: datetime) -> Iterator[Json]:
+def _packets_of(plan: SessionTable, created_utc: datetime) -> Iterator[Json]:
     ground = SessionGround(plan)
     instants = ground.instants
     lines = [
@@ -54,12 +54,12 @@ def _packets(plan: SessionTable, created_utc: datetime) -> Iterator[Json]:
         ground.r_sat_itrf_m,
         orientation(instants, q_body_from_eci_xyzw, ground.c_itrf_from_eci),
     )
-    yield from _axis(ground)
-    yield from _swaths(ground)
-    yield from _asked(plan)
+    yield from _axis_packets(ground)
+    yield from _swath_packets(ground)
+    yield from _asked_packets(plan)
 
 
-def _axis(ground: SessionGround) -> Iterator[Json]:
+def _axis_packets(ground: SessionGround) -> Iterator[Json]:
     """Green while the camera runs."""
     instants, table = ground.instants, ground.plan.table
     availability = span_text(instants, 0, -1)
@@ -86,7 +86,7 @@ def _axis(ground: SessionGround) -> Iterator[Json]:
     }
 
 
-def _swaths(ground: SessionGround) -> Iterator[Json]:
+def _swath_packets(ground: SessionGround) -> Iterator[Json]:
     table = ground.plan.table
     last_utc = ground.instants.utc(-1)
     for number, window in enumerate(table.windows):
@@ -106,7 +106,7 @@ def _swaths(ground: SessionGround) -> Iterator[Json]:
         }
 
 
-def _asked(plan: SessionTable) -> Iterator[Json]:
+def _asked_packets(plan: SessionTable) -> Iterator[Json]:
     """What was asked for, imaged or not, with its name."""
     for number, request in enumerate(plan.request.requests):
         latitude_rad, longitude_rad = asked_rad(request)

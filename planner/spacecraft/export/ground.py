@@ -63,7 +63,7 @@ class SessionGround:
         return ends_on_ground(self.instants, self.states.r_sat_eci_m, directions_eci)
 
     def look_angles_rad(self) -> tuple[Array, Array]:
-        """Of the optical axis along and across the track from geocentric nadir, (n,) each.
+        """Angles of the optical axis along and across the track from geocentric nadir, (n,) each.
 
         Ahead and to the right of flight are positive.
         """

@@ -33,11 +33,11 @@ def map_of(plan: SessionTable, created_utc: datetime) -> PlanMap:
     return PlanMap(
         name=plan.request.name or "slewtrack imaging session",
         notes=session_notes(plan, created_utc),
-        features=tuple(_features(plan)),
+        features=tuple(_map_features(plan)),
     )
 
 
-def _features(plan: SessionTable) -> Iterator[MapFeature]:
+def _map_features(plan: SessionTable) -> Iterator[MapFeature]:
     ground = SessionGround(plan)
     span_utc = ground.instants.utc(0), ground.instants.utc(-1)
     yield path_feature("track", "below the spacecraft", ground.r_sat_itrf_m, span_utc)

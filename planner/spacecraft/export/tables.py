@@ -39,22 +39,22 @@ class _Column(NamedTuple):
     decimals: int = DECIMALS
 
 
-def _columns(table: AttitudeTable) -> tuple[_Column, ...]:
+def _table_columns(table: AttitudeTable) -> tuple[_Column, ...]:
     on = np.append(table.imaging(), False)
     for window in table.windows:
         on[window.last_row] = True
     q_body_from_eci_xyzw = continuous(table.q_body_from_eci)
     return (
         _Column("q_body_from_eci", "xyzw", "1", q_body_from_eci_xyzw, QUATERNION_DECIMALS),
-        _degrees("omega_body_deg_s", "xyz", "degree s-1", table.omega_body_rad_s),
-        _degrees("alpha_body_deg_s2", "xyz", "degree s-2", table.alpha_body_rad_s2),
-        _degrees("gimbal_deg", "gimbal", "degree", table.gimbal_rad),
-        _degrees("gimbal_rate_deg_s", "gimbal", "degree s-1", table.gimbal_rate_rad_s),
+        _degrees_column("omega_body_deg_s", "xyz", "degree s-1", table.omega_body_rad_s),
+        _degrees_column("alpha_body_deg_s2", "xyz", "degree s-2", table.alpha_body_rad_s2),
+        _degrees_column("gimbal_deg", "gimbal", "degree", table.gimbal_rad),
+        _degrees_column("gimbal_rate_deg_s", "gimbal", "degree s-1", table.gimbal_rate_rad_s),
         _Column("imaging", "", "1", on[:, None].astype(float), decimals=0),
     )
 
 
-def _degrees(name: str, side: str, unit: str, values_rad: Array) -> _Column:
+def _degrees_column(name: str, side: str, unit: str, values_rad: Array) -> _Column:
     return _Column(name, side, unit, np.degrees(values_rad) + 0.0)
 
 
@@ -79,7 +79,7 @@ def session_notes(plan: SessionTable, created_utc: datetime) -> tuple[str, ...]:
 def write_csv(plan: SessionTable, created_utc: datetime) -> bytes:
     """One row per 0.2 s under lines that begin with `#` and say what the columns don't."""
     head = comment_lines(session_notes(plan, created_utc))
-    columns = _columns(plan.table)
+    columns = _table_columns(plan.table)
     parts = [(column, part) for column in columns for part in _PARTS_BY_SIDE[column.side]]
     names = [f"{column.name}_{part}".rstrip("_") for column, part in parts]
     rows = np.hstack([column.rows for column in columns])
@@ -115,7 +115,7 @@ def write_netcdf(plan: SessionTable, created_utc: datetime) -> bytes:
             calendar="standard",
             axis="T",
         )
-        for column in _columns(table):
+        for column in _table_columns(table):
             name = column.name + "_xyzw" * (column.side == "xyzw")
             sides = (column.side,) if column.side else ()
             variable = file.createVariable(name, "d", ("time", *sides))

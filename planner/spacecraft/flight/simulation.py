@@ -147,7 +147,7 @@ def reference(table: AttitudeTable, array: CmgArray, commanded: Sequence[int]) -
     )
 
 
-def _noise(spacecraft: AgileSpacecraft, dispersion: Dispersion, ticks: int) -> Noise:
+def _draw_noise(spacecraft: AgileSpacecraft, dispersion: Dispersion, ticks: int) -> Noise:
     sensors, random = spacecraft.sensors, np.random.default_rng(dispersion.seed)
     on = 1.0 if dispersion.noise else 0.0
     jitter_rad_s = dispersion.gimbal_jitter_rad_s * random.uniform(-1.0, 1.0, (ticks, 4))
@@ -177,7 +177,7 @@ def fly_table(
         plant(spacecraft, dispersion, float(np.mean(radii_m))),
         computer(spacecraft, law, dispersion.noise),
         reference(table, spacecraft.array, commanded),
-        _noise(spacecraft, dispersion, len(table.t_s) - 1),
+        _draw_noise(spacecraft, dispersion, len(table.t_s) - 1),
         np.ascontiguousarray(table.gimbal_rad[0]),
         np.ascontiguousarray(-states.r_sat_eci_m / radii_m),
     )

@@ -40,14 +40,14 @@ def window_steadiness(
     verified = verification.windows
     before_rows = [0, *(one.last_row for one in verified)]
     return tuple(
-        _steadiness(spacecraft, log, one, before_row)
+        _window_steadiness(spacecraft, log, one, before_row)
         for one, before_row in zip(verified, before_rows, strict=False)
     )
 
 
 def stabilisation(runs: Sequence[tuple[WindowSteadiness, ...]]) -> StabilisationReport:
     """Summarise closed-loop runs of one table."""
-    windows = tuple(_worst(same) for same in zip(*runs, strict=True))
+    windows = tuple(_worst_interval(same) for same in zip(*runs, strict=True))
     if not windows:
         return StabilisationReport(runs=len(runs), windows=(), share_steady=None, worst_rad_s=None)
     return StabilisationReport(
@@ -58,7 +58,7 @@ def stabilisation(runs: Sequence[tuple[WindowSteadiness, ...]]) -> Stabilisation
     )
 
 
-def _worst(same: Sequence[WindowSteadiness]) -> WindowSteadiness:
+def _worst_interval(same: Sequence[WindowSteadiness]) -> WindowSteadiness:
     """One interval over all runs."""
     return WindowSteadiness(
         request=same[0].request,
@@ -86,7 +86,7 @@ def settled_after_s(log: Log, first_row: int, last_row: int) -> float:
     return float((over[-1] + 1) * TICK_S / steps_per_tick) if len(over) else 0.0
 
 
-def _steadiness(
+def _window_steadiness(
     spacecraft: AgileSpacecraft, log: Log, window: VerifiedWindow, before_row: int
 ) -> WindowSteadiness:
     camera = spacecraft.camera

@@ -80,9 +80,9 @@ def refusal_with_alternative(
     elif isinstance(why, InvalidInput):
         return why
     elif isinstance(why, LooksTooClose):
-        alternatives = _wider_gaps(request, _number(why), why.gap_s)
+        alternatives = _wider_gaps(request, _number_at_fault(why), why.gap_s)
     else:
-        alternatives = _of_one_request(request, _number(why))
+        alternatives = _of_one_request(request, _number_at_fault(why))
     found = next((one for one in alternatives if works(one.request)), None)
     if found is None:
         return why
@@ -97,8 +97,8 @@ def refusal_with_alternative(
     )
 
 
-def _number(why: Refusal) -> int:
-    """Of the request at fault; the first when the refusal is about all of them."""
+def _number_at_fault(why: Refusal) -> int:
+    """The number of the request at fault; the first when the refusal is about all of them."""
     last = (why.field or "").rpartition(".")[2]
     return int(last) if last.isdigit() else 0
 
@@ -144,7 +144,7 @@ def _of_one_request(request: ImagingPlanRequest, number: int) -> Iterator[Altern
         if times:
             yield from times
             return
-    yield from _moves(request, free, session)
+    yield from _moved_lines(request, free, session)
 
 
 def _other_times(
@@ -155,7 +155,7 @@ def _other_times(
     bound, free: the request with and without its start and window.
     """
     spans: list[tuple[datetime, datetime]] = []
-    for piece in _longer(request, longer_s):
+    for piece in _lengthen_session(request, longer_s):
         try:
             options = candidates(free, 0, make_session(piece))
         except (Unreachable, OutsideCoverage, InvalidInput):
@@ -168,7 +168,7 @@ def _other_times(
     return [_at_time(request, free, *span) for span in spans[: OPTIONS.tried_max]]
 
 
-def _longer(request: ImagingPlanRequest, longer_s: float) -> Iterator[ImagingPlanRequest]:
+def _lengthen_session(request: ImagingPlanRequest, longer_s: float) -> Iterator[ImagingPlanRequest]:
     """The session with so much more before and behind it, in pieces no longer than allowed."""
     begin_s, end_s = -longer_s, elapsed_s(request.stop, request.start) + longer_s
     count = int(np.ceil((end_s - begin_s) / SESSION_MAX_S))
@@ -188,7 +188,7 @@ def _spans_s(options: list[Candidate]) -> list[tuple[float, float]]:
 
 
 def _shift_s(request: ImagingPlanRequest, bound: Request, start: datetime, stop: datetime) -> float:
-    """By how much what was asked would have to give: its start, or its window or session."""
+    """How much what was asked would have to give: its start, or its window or session."""
     if bound.start is not None:
         return abs(elapsed_s(start, bound.start))
     first = bound.window_start or shifted_utc(request.start, OPTIONS.before_s)
@@ -199,7 +199,7 @@ def _shift_s(request: ImagingPlanRequest, bound: Request, start: datetime, stop:
 def _at_time(
     request: ImagingPlanRequest, free: Request, start: datetime, stop: datetime
 ) -> Alternative:
-    """In a window from start to stop, in a session that leaves time to slew there and back."""
+    """A window from start to stop, in a session that leaves time to slew there and back."""
     early_s = max(0.0, OPTIONS.before_s - elapsed_s(start, request.start))
     late_s = max(0.0, OPTIONS.after_s - elapsed_s(request.stop, stop))
     session_start = shifted_utc(request.start, -TICK_S * np.ceil(early_s / TICK_S))
@@ -227,10 +227,10 @@ def _at_time(
     )
 
 
-def _moves(
+def _moved_lines(
     request: ImagingPlanRequest, free: Request, session: ImagingSession
 ) -> Iterator[Alternative]:
-    """The same lines shifted over the ground, straight towards the track."""
+    """The lines shifted over the ground, straight towards the track."""
     approach = _closest_approach(free, session)
     if approach is None:
         return
@@ -238,7 +238,7 @@ def _moves(
     for more_km in OPTIONS.moved_more_km:
         shift_km = outside_m / 1e3 + more_km
         try:
-            moved = _shift(free, shift_km * towards_enu)
+            moved = _shift_request(free, shift_km * towards_enu)
         except ValueError:  # nearer to a pole it is smaller than what may be asked for
             continue
         geometry = moved.geometry
@@ -250,20 +250,20 @@ def _moves(
         )
 
 
-def _shift(free: Request, shift_enu_km: Array) -> Request:
+def _shift_request(free: Request, shift_enu_km: Array) -> Request:
     east_km, north_km, _ = shift_enu_km.tolist()
     north_deg = math.degrees(1e3 * north_km / WGS84_A_M)
 
-    def position(p: Position) -> Position:
+    def shift_position(p: Position) -> Position:
         latitude_rad = math.radians(p[1] + 0.5 * north_deg)
         east_deg = math.degrees(1e3 * east_km / WGS84_A_M / math.cos(latitude_rad))
         longitude_deg = (p[0] + east_deg + 180.0) % 360.0 - 180.0
         return (longitude_deg, min(max(p[1] + north_deg, -89.0), 89.0))
 
     if isinstance(free.geometry, GeoPolygon):
-        ring = tuple(position(p) for p in free.geometry.coordinates[0])
+        ring = tuple(shift_position(p) for p in free.geometry.coordinates[0])
         return replace(free, geometry=GeoPolygon(coordinates=(ring,)))
-    line = tuple(position(p) for p in free.geometry.coordinates)
+    line = tuple(shift_position(p) for p in free.geometry.coordinates)
     return replace(free, geometry=GeoLineString(coordinates=line))
 
 

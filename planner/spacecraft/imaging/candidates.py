@@ -38,7 +38,7 @@ class CandidateOptions:
     slew_guess_s: float = 10.0
     slew_rounds: int = 3  # and how often it is bettered
     passing_rad: float = math.radians(3.0)  # along the track: abeam
-    rounding_s: float = 1e-6  # a window may be told to the microsecond
+    rounding_s: float = 1e-6  # a window may be given to the microsecond
     arc_at_start: float = 5.0  # of `effort`: to look at an arc scanned from one start,
     point_at_tick: float = 0.25  # and at one point of it
     load_step_s: float = 2.0  # between instants whose loads are looked at: 0.1 % of a rate's peak
@@ -101,10 +101,10 @@ def candidates(request: Request, number: int, session: ImagingSession) -> list[C
             for candidate in _from_starts(arcs, starts_s, number, request, session)
         ]
     if not found:
-        raise _unreachable(request, number, session)
+        raise _unreachable_text(request, number, session)
     kept = [one for one in found if max(one.used_shares) <= OPTIONS.used_max]
     if {one.part for one in kept} != {one.part for one in found}:  # half a pair is no image
-        raise _overloaded(request, number, found, session)
+        raise _overload_text(request, number, found, session)
     return kept
 
 
@@ -184,11 +184,11 @@ def _from_starts(
             return []
         begins_s = np.vstack([begins_s[:, kept], t_s[kept]])
         tilt_rad = np.maximum(tilt_rad[kept], along_rad[in_reach])
-        used = np.maximum(used[:, kept], _used(arc, t_s[kept], scan_s, session))
+        used = np.maximum(used[:, kept], _used_shares(arc, t_s[kept], scan_s, session))
         t_s = t_s[kept] + scan_s
-        exits = _scanning(arc, scan_s / arc.duration_s, t_s, session)
+        exits = _scan_states(arc, scan_s / arc.duration_s, t_s, session)
     assert exits is not None
-    entries = _scanning(arcs[0], 0.0, begins_s[0], session)
+    entries = _scan_states(arcs[0], 0.0, begins_s[0], session)
     return [
         Candidate(
             request=number,
@@ -222,12 +222,12 @@ def _after_slew_s(exits: MovingEnds, t_s: Array, arc: GroundArc, session: Imagin
     """Starts of the next arc, by slews that leave the scans before at t_s."""
     starts_s = t_s + OPTIONS.slew_guess_s
     for _ in range(OPTIONS.slew_rounds):
-        entries = _scanning(arc, 0.0, np.clip(starts_s, 0.0, session.duration_s), session)
+        entries = _scan_states(arc, 0.0, np.clip(starts_s, 0.0, session.duration_s), session)
         starts_s = t_s + session.slew_time.ticks(exits, entries) * TICK_S
     return np.asarray(starts_s)
 
 
-def _scanning(arc: GroundArc, share: float, t_s: Array, session: ImagingSession) -> MovingEnds:
+def _scan_states(arc: GroundArc, share: float, t_s: Array, session: ImagingSession) -> MovingEnds:
     """Attitudes with the arc's point at `share` under the slit, and the scan's rate there (by
     differences over a tick: 1e-6 rad/s)."""
     now, later = (
@@ -244,7 +244,7 @@ def _scanning(arc: GroundArc, share: float, t_s: Array, session: ImagingSession)
     )
 
 
-def _used(arc: GroundArc, begins_s: Array, scan_s: float, session: ImagingSession) -> Array:
+def _used_shares(arc: GroundArc, begins_s: Array, scan_s: float, session: ImagingSession) -> Array:
     """Shares of the limits of axis rate, rate, torque and momentum, (4, n), most used from when
     each scan's profile is joined until it is left; by differences over a tick."""
     slew = session.spacecraft.slew
@@ -311,7 +311,7 @@ def middle_of(request: Request, session: ImagingSession) -> Array:
     return np.asarray(ends_itrf_m.mean(axis=0))
 
 
-def _overloaded(
+def _overload_text(
     request: Request, number: int, found: list[Candidate], session: ImagingSession
 ) -> InfeasibleSlew:
     """What the scan that comes nearest to the limits asks for, of the look that none can scan."""
@@ -338,7 +338,7 @@ def _overloaded(
     )
 
 
-def _unreachable(request: Request, number: int, session: ImagingSession) -> Unreachable:
+def _unreachable_text(request: Request, number: int, session: ImagingSession) -> Unreachable:
     """Say when it would come closest, and at what angles."""
     camera = session.spacecraft.camera
     middle_itrf_m = middle_of(request, session)
@@ -355,7 +355,7 @@ def _unreachable(request: Request, number: int, session: ImagingSession) -> Unre
     return Unreachable(
         f"{request.name!r} is never wholly within {camera.along_max_deg:g} deg along and "
         f"{camera.across_max_deg:g} deg across the track, in its window and session, for the "
-        f"{_duration(request, session)}: {where}; move or widen the window, "
+        f"{_duration_text(request, session)}: {where}; move or widen the window, "
         f"{_less_asked(request)} or use another pass",
         field=f"requests.{number}",
         limit="camera angles",
@@ -363,7 +363,7 @@ def _unreachable(request: Request, number: int, session: ImagingSession) -> Unre
     )
 
 
-def _duration(request: Request, session: ImagingSession) -> str:
+def _duration_text(request: Request, session: ImagingSession) -> str:
     if isinstance(request, StereoRequest):
         return f"{scan_orders(request, session)[0][0].duration_s:.1f} s that each look takes"
     scans, least_s = least_time_s(request, session)

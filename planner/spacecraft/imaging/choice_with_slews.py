@@ -77,7 +77,7 @@ def options_of(session: ImagingSession) -> tuple[list[Candidate], tuple[LeftOut,
     options: list[Candidate] = []
     left_out: list[LeftOut] = []
     refusal: Refusal | None = None
-    rest = _rest(session)
+    rest = _rest_profile(session)
     for number, request in enumerate(session.request.requests):
         try:
             options += _options_of_one(number, session, rest)
@@ -89,7 +89,7 @@ def options_of(session: ImagingSession) -> tuple[list[Candidate], tuple[LeftOut,
     return options, tuple(left_out)
 
 
-def _rest(session: ImagingSession) -> ChebyshevProfile:
+def _rest_profile(session: ImagingSession) -> ChebyshevProfile:
     margin_s = TIMELINE_OPTIONS.profile_margin_s
     return session.profile(None, -margin_s, session.duration_s + margin_s)
 
@@ -183,7 +183,7 @@ def choose_and_slew(
     gentler = gentler and session.request.objective == "smooth"
     if gentler and set(first.requests) == {option.request for option in options}:
         with at_most(OPTIONS.gentler_share * effort.remaining()) as work:
-            found = _gentler(session, first)
+            found = _gentler_choice(session, first)
             if found is not None:
                 return found
         if work.is_exhausted:
@@ -201,7 +201,7 @@ def choose_and_slew(
     raise InfeasibleSlew(search.why_not.detail, field="requests", limit=search.why_not.limit)
 
 
-def _gentler(session: ImagingSession, first: Choice) -> Chosen | None:
+def _gentler_choice(session: ImagingSession, first: Choice) -> Chosen | None:
     """Everything imaged with the gentlest slews tried, or None.
 
     What the choice is measured by stays.
@@ -285,7 +285,7 @@ class _Search:
                 timeline = build_timeline(self.session, scans, self.outcomes)
             except SlewsDoNotFit as why:
                 self.why_not = why.misfits[0].why
-                self._learn(why.misfits)
+                self._learn_pairs(why.misfits)
                 choice = None
             else:
                 return Chosen(choice=choice, timeline=timeline, left_out=self._left_out(choice))
@@ -331,7 +331,7 @@ class _Search:
         value = sum(asked[number].priority for number in set(requests))
         return replace(tried, chosen=chosen, requests=requests, value=value)
 
-    def _learn(self, misfits: Sequence[Misfit]) -> None:
+    def _learn_pairs(self, misfits: Sequence[Misfit]) -> None:
         """Keep pairs further apart, give the slews within a request more time, and bar candidates
         too near the session's ends."""
         within: dict[int, Misfit] = {}
@@ -371,7 +371,7 @@ class _Search:
         if times < OPTIONS.longer_times and why.missing_s <= OPTIONS.hopeless_s:
             longer = replace(self.session, slew_time=self.session.slew_time.plus(longer_s))
             try:
-                self.options += _options_of_one(number, longer, _rest(self.session))
+                self.options += _options_of_one(number, longer, _rest_profile(self.session))
             except (Unreachable, InfeasibleSlew) as refusal:
                 reason = refusal.detail
         self.barred |= {k: self.barred.get(k, reason) for k in own}

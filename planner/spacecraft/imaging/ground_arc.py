@@ -31,7 +31,7 @@ _Q_BODY_FROM_LVLH = Rotation.from_matrix([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.
 
 @dataclass(frozen=True, kw_only=True)
 class GroundArc:
-    """From P0 to P1 along the ellipsoid's section through its centre (geodetic, rad, m).
+    """The arc from P0 to P1 along the ellipsoid's section through its centre (geodetic, rad, m).
 
     start_s: seconds since the session's epoch when P0 is under the slit.  backwards: the
     detector runs in its other sense (X against the motion).
@@ -51,7 +51,7 @@ class GroundArc:
         return math.ceil(self.duration_s / TICK_S - 1e-6)
 
     def turned_round(self) -> "GroundArc":
-        """From P1 to P0."""
+        """The arc from P1 to P0."""
         return replace(
             self, latitude_rad=self.latitude_rad[::-1], longitude_rad=self.longitude_rad[::-1]
         )

@@ -30,7 +30,7 @@ def scan_orders(request: Request, session: ImagingSession) -> list[list[GroundAr
     detector to and fro.
     """
     if isinstance(request, AreaRequest):
-        arcs = _strips(request, session)
+        arcs = _cut_strips(request, session)
     else:
         arcs = [_arc(start, end, request) for start, end in pairwise(request.geometry.coordinates)]
     if isinstance(request, CorridorRequest):
@@ -119,7 +119,7 @@ def _strip_pattern(request: AreaRequest, session: ImagingSession) -> _StripPatte
     )
 
 
-def _strips(request: AreaRequest, session: ImagingSession) -> list[GroundArc]:
+def _cut_strips(request: AreaRequest, session: ImagingSession) -> list[GroundArc]:
     """Parallel strips over the polygon's bounding box in scan direction."""
     pattern = _strip_pattern(request, session)
     arcs = []

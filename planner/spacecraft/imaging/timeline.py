@@ -154,7 +154,7 @@ def build_timeline(
     builder.follow(session.last_row)
     if builder.misfits:
         raise SlewsDoNotFit(builder.misfits)
-    return _assemble(builder, scans)
+    return _assemble_timeline(builder, scans)
 
 
 class _Builder:
@@ -293,7 +293,7 @@ def _end_state(profile: AttitudeAt, row: int) -> EndState:
     )
 
 
-def _assemble(builder: _Builder, scans: tuple[Scan, ...]) -> Timeline:
+def _assemble_timeline(builder: _Builder, scans: tuple[Scan, ...]) -> Timeline:
     session = builder.session
     attitudes, motions, row = [], [], 0
     for until_row, stretch in builder.stretches:

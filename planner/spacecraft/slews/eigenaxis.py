@@ -45,9 +45,9 @@ def eigenaxis_slew(
     """
     begun = time.perf_counter()
     stretch_factor = 1.0
-    mrp_at, span_s = _curve(problem, stretch_factor, jerk)
+    mrp_at, span_s = _sigma_curve(problem, stretch_factor, jerk)
     if duration_s is not None:
-        mrp_at, span_s = _curve(problem, duration_s / span_s, jerk)
+        mrp_at, span_s = _sigma_curve(problem, duration_s / span_s, jerk)
     else:
         for _ in range(80):
             effort.charge(STRETCH)
@@ -55,7 +55,7 @@ def eigenaxis_slew(
             if over <= 1.0 + LIMIT_TOLERANCE:
                 break
             stretch_factor *= min(max(over**0.5, 1.002), 1.3)
-            mrp_at, span_s = _curve(problem, stretch_factor, jerk)
+            mrp_at, span_s = _sigma_curve(problem, stretch_factor, jerk)
     return AttitudeSlew(
         q_middle_from_eci=problem.q_middle_from_eci,
         mrp_at=mrp_at,
@@ -67,7 +67,7 @@ def eigenaxis_slew(
     )
 
 
-def _curve(
+def _sigma_curve(
     problem: AttitudeSlewProblem, stretch_factor: float, jerk: bool
 ) -> tuple[MrpCurve, float]:
     """sigma by time, and the duration."""
@@ -83,7 +83,7 @@ def _curve(
         limits.torque_n_m / inertia_kg_m2 / stretch_factor**2,
         limits.torque_rate_n_m_s / inertia_kg_m2 / stretch_factor**3,
     )
-    angle_at, span_s = _ruckig(about_axis) if jerk else _bang_coast_bang(about_axis)
+    angle_at, span_s = _ruckig_profile(about_axis) if jerk else _bang_coast_bang(about_axis)
     (s0, v0, a0), (s1, v1, a1) = problem.ends_mrp()
 
     def mrp_at(t_s: Array) -> MrpMotion:
@@ -103,7 +103,7 @@ def _curve(
     return mrp_at, span_s
 
 
-def _ruckig(limits: AngleLimits) -> tuple[PPoly, float]:
+def _ruckig_profile(limits: AngleLimits) -> tuple[PPoly, float]:
     motion = InputParameter(1)
     motion.current_position, motion.target_position = [0.0], [limits.angle_rad]
     motion.max_velocity, motion.max_acceleration = [limits.rate_rad_s], [limits.acceleration_rad_s2]
@@ -118,7 +118,7 @@ def _ruckig(limits: AngleLimits) -> tuple[PPoly, float]:
 
 
 def _bang_coast_bang(limits: AngleLimits) -> tuple[PPoly, float]:
-    """With any jerk."""
+    """The slew with any jerk."""
     angle_rad, acceleration = limits.angle_rad, limits.acceleration_rad_s2
     ramp_s = min(limits.rate_rad_s / acceleration, math.sqrt(angle_rad / acceleration))
     top_rad_s = acceleration * ramp_s

@@ -97,7 +97,7 @@ def smooth_slew(problem: AttitudeSlewProblem, duration_s: float) -> AttitudeSlew
 
     Raises SlewNeedsTime, with the quickest time found, when it doesn't fit.
     """
-    found = _smooth(problem, duration_s)
+    found = _smooth_slew(problem, duration_s)
     if found is not None:
         return found
     least_s = math.ceil(quickest_slew(problem).duration_s / TICK_S) * TICK_S
@@ -106,7 +106,7 @@ def smooth_slew(problem: AttitudeSlewProblem, duration_s: float) -> AttitudeSlew
     raise SlewNeedsTime(problem.angle_rad(), least_s, duration_s)
 
 
-def _smooth(problem: AttitudeSlewProblem, duration_s: float) -> AttitudeSlew | None:
+def _smooth_slew(problem: AttitudeSlewProblem, duration_s: float) -> AttitudeSlew | None:
     guess = eigenaxis_slew(problem, duration_s)
     best = solve_slew(problem, guess, "smooth", duration_s)
     if best is not None:
@@ -146,7 +146,7 @@ def slew_onto(
     for _ in range(OPTIONS.attempts):
         if used >= ticks:
             break
-        found = _smooth(problem_at(used * TICK_S), used * TICK_S)
+        found = _smooth_slew(problem_at(used * TICK_S), used * TICK_S)
         if found is not None:
             return replace(found, time_from=time_from)
         used += max(1, used // (4 if objective == "smooth" else 50))

@@ -72,19 +72,19 @@ class Transcription(NamedTuple):
     solver: Solver
 
 
-def _knots(shape: Shape) -> Array:
+def _spline_knots(shape: Shape) -> Array:
     inner = np.linspace(0.0, 1.0, shape.spans + 1)
     return np.concatenate([np.zeros(shape.degree), inner, np.ones(shape.degree)])
 
 
-def _points(shape: Shape) -> Array:
+def _sample_points(shape: Shape) -> Array:
     """Knots and `points` - 1 instants between each two: where the loads of a spline peak."""
     return np.linspace(0.0, 1.0, shape.spans * shape.points + 1)
 
 
-def _design(shape: Shape, u: Array) -> tuple[Array, ...]:
+def _design_matrices(shape: Shape, u: Array) -> tuple[Array, ...]:
     """Matrices from coefficients to value and up to four derivatives at u = t/T, each (m, k)."""
-    knots = _knots(shape)
+    knots = _spline_knots(shape)
     basis = BSpline(knots, np.eye(len(knots) - shape.degree - 1), shape.degree)
     return tuple(np.asarray(basis(u, nu)) for nu in range(5))
 
@@ -103,12 +103,12 @@ def _point_loads() -> casadi.Function:
 
 
 @cache
-def _transcription(objective: SlewObjective) -> Transcription:
+def _build_transcription(objective: SlewObjective) -> Transcription:
     """Build the kept solver of an objective (0.5-1 s, once a process)."""
     shape = SHAPES[objective]
-    u = _points(shape)
-    design = _design(shape, u)
-    ends = _design(shape, np.array([0.0, 1.0]))
+    u = _sample_points(shape)
+    design = _design_matrices(shape, u)
+    ends = _design_matrices(shape, np.array([0.0, 1.0]))
     size = design[0].shape[1]
     c = casadi.SX.sym("c", size, 3)
     span = casadi.SX.sym("T")
@@ -162,19 +162,19 @@ def solve_slew(
     collocation points, one more pass tightens the limits by as much.
     """
     begun = time.perf_counter()
-    kept = _transcription(objective)
+    kept = _build_transcription(objective)
     low_s, high_s = 0.3 * guess.duration_s, 1.05 * guess.duration_s
     if duration_s is not None:
         low_s = high_s = duration_s
-    coefficients = _coefficients(kept.shape, guess).ravel(order="F")
+    coefficients = _spline_coefficients(kept.shape, guess).ravel(order="F")
     x = np.append(coefficients, np.clip(guess.duration_s, low_s, high_s))
     limit_factor = PROGRAMME.limit_factor
     for _ in range(PROGRAMME.passes):
-        answer = _solve(kept, problem, guess, x, (low_s, high_s), limit_factor)
+        answer = _solve_ipopt(kept, problem, guess, x, (low_s, high_s), limit_factor)
         x = answer.x_numbers
-        slew = _slew(kept, problem, answer, time.perf_counter() - begun)
+        slew = _slew_of(kept, problem, answer, time.perf_counter() - begun)
         over = slew.loads.share_of(problem.limits)
-        if over <= 1.0 + LIMIT_TOLERANCE and _miss(problem, slew) < PROGRAMME.end_tolerance:
+        if over <= 1.0 + LIMIT_TOLERANCE and _miss_of_ends(problem, slew) < PROGRAMME.end_tolerance:
             return slew
         if over > PROGRAMME.unmendable_share and slew.status != "Solve_Succeeded":
             break
@@ -182,7 +182,7 @@ def solve_slew(
     return None
 
 
-def _solve(
+def _solve_ipopt(
     kept: Transcription,
     problem: AttitudeSlewProblem,
     guess: AttitudeSlew,
@@ -192,7 +192,7 @@ def _solve(
 ) -> Answer:
     """Ipopt's: x are the coefficients, column by column, then T."""
     limits = problem.limits
-    u = _points(kept.shape)
+    u = _sample_points(kept.shape)
     q_body_from_eci, _ = guess.attitude_at(u * guess.duration_s)
     total_n_m_s = q_body_from_eci.apply(problem.momentum_eci_n_m_s)
     scale = [
@@ -222,12 +222,12 @@ def _solve(
     )
 
 
-def _slew(
+def _slew_of(
     kept: Transcription, problem: AttitudeSlewProblem, answer: Answer, solve_s: float
 ) -> AttitudeSlew:
     x = answer.x_numbers
     span_s = float(x[-1])
-    spline = BSpline(_knots(kept.shape), x[:-1].reshape(3, -1).T, kept.shape.degree)
+    spline = BSpline(_spline_knots(kept.shape), x[:-1].reshape(3, -1).T, kept.shape.degree)
 
     def mrp_at(t_s: Array) -> MrpMotion:
         u = np.clip(np.asarray(t_s) / span_s, 0.0, 1.0)
@@ -246,14 +246,14 @@ def _slew(
     )
 
 
-def _miss(problem: AttitudeSlewProblem, slew: AttitudeSlew) -> float:
+def _miss_of_ends(problem: AttitudeSlewProblem, slew: AttitudeSlew) -> float:
     """Largest difference in sigma or its derivatives from what the two ends ask for."""
     made = np.array(slew.mrp_at(np.array([0.0, slew.duration_s]))[:3])
     return float(np.max(np.abs(made.swapaxes(0, 1) - np.array(problem.ends_mrp()))))
 
 
-def _coefficients(shape: Shape, guess: AttitudeSlew) -> Array:
+def _spline_coefficients(shape: Shape, guess: AttitudeSlew) -> Array:
     """Least-squares spline through a slew, shape (k, 3)."""
     u = np.linspace(0.0, 1.0, 8 * shape.spans + 1)
     through = guess.mrp_at(u * guess.duration_s).mrp
-    return np.asarray(np.linalg.lstsq(_design(shape, u)[0], through, rcond=None)[0])
+    return np.asarray(np.linalg.lstsq(_design_matrices(shape, u)[0], through, rcond=None)[0])

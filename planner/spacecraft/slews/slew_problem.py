@@ -68,7 +68,7 @@ class AttitudeSlewProblem:
         return at(self.start), at(self.end)
 
     def from_rest_to_rest(self) -> "AttitudeSlewProblem":
-        """The same slew between ends that stand still."""
+        """The slew between ends that stand still."""
         start, end = self.start.q_body_from_eci, self.end.q_body_from_eci
         return replace(self, start=EndState.at_rest(start), end=EndState.at_rest(end))
 
@@ -127,10 +127,10 @@ class AttitudeSlew:
 
     def attitude_at(self, t_s: Array) -> tuple[Rotation, BodyMotion]:
         """q_body_from_eci and body rates at instants (m,)."""
-        return _attitude(self.q_middle_from_eci, self.mrp_at(np.asarray(t_s)))
+        return _attitude_motion(self.q_middle_from_eci, self.mrp_at(np.asarray(t_s)))
 
 
-def _attitude(q_middle_from_eci: Rotation, motion: MrpMotion) -> tuple[Rotation, BodyMotion]:
+def _attitude_motion(q_middle_from_eci: Rotation, motion: MrpMotion) -> tuple[Rotation, BodyMotion]:
     return Rotation.from_mrp(motion.mrp).inv() * q_middle_from_eci, body_motion(motion)
 
 
@@ -142,20 +142,20 @@ def loads(
     Control torque is J alpha + omega x (total momentum in body axes): what the gyros give.
     """
     motion = mrp_at(np.linspace(0.0, duration_s, samples))
-    q_body_from_eci, (omega, alpha, jerk) = _attitude(problem.q_middle_from_eci, motion)
+    q_body_from_eci, (omega, alpha, jerk) = _attitude_motion(problem.q_middle_from_eci, motion)
     j = problem.inertia_kg_m2
     total_n_m_s = q_body_from_eci.apply(problem.momentum_eci_n_m_s)
     precession_n_m = np.cross(omega, total_n_m_s)
     torque_n_m = j * alpha + precession_n_m
     torque_rate_n_m_s = j * jerk + np.cross(alpha, total_n_m_s) - np.cross(omega, precession_n_m)
     return Loads(
-        rate_rad_s=_largest(omega),
+        rate_rad_s=_largest_norm(omega),
         rate_axis_rad_s=np.max(np.abs(omega), axis=0),
-        torque_n_m=_largest(torque_n_m),
-        torque_rate_n_m_s=_largest(torque_rate_n_m_s),
-        momentum_n_m_s=_largest(total_n_m_s - j * omega),
+        torque_n_m=_largest_norm(torque_n_m),
+        torque_rate_n_m_s=_largest_norm(torque_rate_n_m_s),
+        momentum_n_m_s=_largest_norm(total_n_m_s - j * omega),
     )
 
 
-def _largest(v: Array) -> float:
+def _largest_norm(v: Array) -> float:
     return float(np.max(np.linalg.norm(v, axis=1)))

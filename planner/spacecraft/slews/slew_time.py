@@ -83,7 +83,7 @@ class SlewTime:
     sphere_n_m_s: float
 
     def plus(self, more_s: float) -> "SlewTime":
-        """With so much more for every slew."""
+        """Add so much time to every slew."""
         return replace(self, seconds=self.seconds + more_s)
 
     @property
@@ -120,7 +120,7 @@ class SlewTime:
         return np.asarray(np.ceil(seconds / TICK_S - 1e-6), dtype=np.int64)
 
     def _free_peak_rad_s(self, angle_rad: Array) -> Array:
-        """Of a trapezoid from rest to rest, whatever the gyros hold."""
+        """The time of a trapezoid from rest to rest, whatever the gyros hold."""
         root = np.sqrt(self.acceleration_rad_s2 * np.maximum(angle_rad, 1e-6))
         return np.asarray(np.minimum(self.rate_rad_s, root))
 

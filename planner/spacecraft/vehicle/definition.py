@@ -39,18 +39,18 @@ class FlexibleMode:
             raise ValueError(f"axis_body must be a unit vector, not {self.axis_body}")
 
 
-def _unit(x: float, y: float, z: float) -> Vector3:
+def _unit_vector(x: float, y: float, z: float) -> Vector3:
     length = math.hypot(x, y, z)
     return (x / length, y / length, z / length)
 
 
 # Assumed: the paper names solar-array modes "about 2 Hz" on X and Z and modes up to 10 Hz.
 ASSUMED_MODES = (
-    FlexibleMode(frequency_hz=2.0, inertia_share=0.05, axis_body=_unit(1.0, 0.1, 0.2)),
-    FlexibleMode(frequency_hz=2.1, inertia_share=0.05, axis_body=_unit(0.2, 0.1, 1.0)),
-    FlexibleMode(frequency_hz=3.4, inertia_share=0.03, axis_body=_unit(0.1, 1.0, 0.1)),
-    FlexibleMode(frequency_hz=5.5, inertia_share=0.01, axis_body=_unit(0.7, 0.1, 0.7)),
-    FlexibleMode(frequency_hz=9.5, inertia_share=0.005, axis_body=_unit(0.5, 0.5, 0.7)),
+    FlexibleMode(frequency_hz=2.0, inertia_share=0.05, axis_body=_unit_vector(1.0, 0.1, 0.2)),
+    FlexibleMode(frequency_hz=2.1, inertia_share=0.05, axis_body=_unit_vector(0.2, 0.1, 1.0)),
+    FlexibleMode(frequency_hz=3.4, inertia_share=0.03, axis_body=_unit_vector(0.1, 1.0, 0.1)),
+    FlexibleMode(frequency_hz=5.5, inertia_share=0.01, axis_body=_unit_vector(0.7, 0.1, 0.7)),
+    FlexibleMode(frequency_hz=9.5, inertia_share=0.005, axis_body=_unit_vector(0.5, 0.5, 0.7)),
 )
 
 

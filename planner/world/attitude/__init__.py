@@ -28,7 +28,7 @@ class AttitudeLaw(Protocol):
         ...
 
     def errors_each(self, instants: Instants) -> AttitudeErrors:
-        """The same at each of n instants by itself, however many there are."""
+        """The errors at each of n instants by itself, however many there are."""
         ...
 
     def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:

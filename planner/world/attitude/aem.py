@@ -113,7 +113,7 @@ class AemAttitude(CorrectableAttitude):
     @cached_property
     def arcs(self) -> tuple[AttitudeArc, ...]:
         """Curves of the segments, read and fitted once, at construction."""
-        return tuple(map(_arc, read_aem(self.content)))
+        return tuple(map(_arc_of, read_aem(self.content)))
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
@@ -121,7 +121,7 @@ class AemAttitude(CorrectableAttitude):
         warnings = (
             warning
             for arc in self.arcs
-            for warning in (_noise(arc), _gap(arc.segment), _not_linear(arc))
+            for warning in (_noise_text(arc), _gap_text(arc.segment), _not_linear(arc))
         )
         return tuple(dict.fromkeys(filter(None, warnings)))
 
@@ -131,7 +131,7 @@ class AemAttitude(CorrectableAttitude):
         at_utc, odd_rad = arc.oddest_near(instants)
         if odd_rad <= max(OPTIONS.odd_warned_rad, OPTIONS.odd_of_usual * arc.usually_odd_rad):
             return self.warnings
-        return (*self.warnings, _odd(at_utc, odd_rad))
+        return (*self.warnings, _odd_at(at_utc, odd_rad))
 
     @property
     def residual_rad(self) -> float:
@@ -153,7 +153,7 @@ class AemAttitude(CorrectableAttitude):
         at_utc, odd_rad = arc.oddest_near(instants)
         if odd_rad > max(OPTIONS.odd_refused_rad, OPTIONS.odd_of_usual * arc.usually_odd_rad):
             raise InvalidMessage(
-                f"{_odd(at_utc, odd_rad)}; was a number damaged on its way, or does the carrier "
+                f"{_odd_at(at_utc, odd_rad)}; was a number damaged on its way, or does the carrier "
                 "turn faster than the rows tell? Get the message again, or with closer rows",
                 field="attitude.content",
                 at_utc=at_utc,
@@ -202,7 +202,7 @@ def q_frame_from_lvlh(frame: str) -> Rotation:
     return Rotation.from_matrix(_C_RTN_FROM_LVLH) if frame == "RTN" else Rotation.identity()
 
 
-def _arc(segment: AemSegment) -> AttitudeArc:
+def _arc_of(segment: AemSegment) -> AttitudeArc:
     try:
         curve = rotation_curve(segment.t_s, segment.q_body_from_frame_xyzw, segment.q_dot_s)
     except ValueError as error:
@@ -211,14 +211,14 @@ def _arc(segment: AemSegment) -> AttitudeArc:
     return AttitudeArc(segment, curve, odd_by_rad(segment.t_s, segment.q_body_from_frame_xyzw))
 
 
-def _odd(at_utc: datetime, odd_rad: float) -> str:
+def _odd_at(at_utc: datetime, odd_rad: float) -> str:
     return (
         f"the AEM's attitude at {utc_text(at_utc)} lies {odd_rad / RAD_PER_ARCSEC:.0f} arcsec or "
         "more off what the rows around it lead to"
     )
 
 
-def _noise(arc: AttitudeArc) -> str | None:
+def _noise_text(arc: AttitudeArc) -> str | None:
     curve = arc.curve
     if curve.residual_rms_rad <= ROTATION_CURVE_OPTIONS.exact_rad:
         return None
@@ -230,7 +230,7 @@ def _noise(arc: AttitudeArc) -> str | None:
     )
 
 
-def _gap(segment: AemSegment) -> str | None:
+def _gap_text(segment: AemSegment) -> str | None:
     step_s = np.diff(segment.t_s)
     row = int(np.argmax(step_s))
     usual_s = float(np.median(step_s))

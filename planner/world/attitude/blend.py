@@ -121,7 +121,7 @@ def blend(t_s: Array, q_body_from_lvlh: Rotation, period_s: float) -> Blend:
     fits = [fit_extrapolation(d, t_s, q_body_from_lvlh, period_s) for d in DESCRIPTIONS]
     extrapolations = tuple(fit for fit in fits if fit is not None)
     descriptions = tuple(extrapolation.description for extrapolation in extrapolations)
-    trials = _trials(descriptions, t_s, q_body_from_lvlh, period_s)
+    trials = _lead_trials(descriptions, t_s, q_body_from_lvlh, period_s)
     # What swings at the orbital rate is farthest off half an orbit later, not what turns.
     growing_s = np.minimum(LEADS_S, np.inf if under_way else 0.5 * period_s)
     mean_square_rad2, rows_tried = _mean_squares(trials, descriptions, growing_s)
@@ -149,10 +149,10 @@ class _Trial:
     error_rad: Array
 
 
-def _trials(
+def _lead_trials(
     descriptions: tuple[Description, ...], t_s: Array, q_body_from_lvlh: Rotation, period_s: float
 ) -> list[list[_Trial]]:
-    """Those of each lead, the youngest cut first."""
+    """Trials of each lead, the youngest cut first."""
     trials: list[list[_Trial]] = [[] for _ in LEADS_S]
     age_s = LEADS_S[0]
     while age_s <= t_s[-1] - t_s[0] - TAIL_S:
@@ -213,7 +213,7 @@ def _mean_squares(
 def _blend_rms(
     trials: list[list[_Trial]], weights: Array, mean_square_rad2: Array, rows_tried: Indices
 ) -> Array:
-    """Of the blend about each body axis, never less than at a shorter lead, shape (m, 3)."""
+    """Errors of the blend about each body axis, never less than at a shorter lead, shape (m, 3)."""
     finite = np.where(np.isfinite(mean_square_rad2), mean_square_rad2, 0.0)
     expected_rad = np.sqrt(np.sum(weights * finite, axis=1))
     rms_rad = np.zeros((len(LEADS_S), 3))

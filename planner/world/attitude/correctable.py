@@ -44,14 +44,14 @@ class CorrectableAttitude(ABC):
 
     def errors(self, instants: Instants) -> AttitudeErrors:
         """How far the carrier may be off that over a session, at a few of its instants."""
-        return self._correction.errors(instants) if self.corrections else self._told(instants)
+        return self._correction.errors(instants) if self.corrections else self._given(instants)
 
     def errors_each(self, instants: Instants) -> AttitudeErrors:
-        """The same at each instant by itself, however many there are."""
-        return self._correction.errors_each(instants) if self.corrections else self._told(instants)
+        """The errors at each instant by itself, however many there are."""
+        return self._correction.errors_each(instants) if self.corrections else self._given(instants)
 
     def warnings_at(self, instants: Instants) -> tuple[str, ...]:
-        """Those of the law, and by how much it is corrected."""
+        """Warnings of the law, and by how much it is corrected."""
         warnings = self.law_warnings_at(instants)
         return (*warnings, self._correction.warning(instants)) if self.corrections else warnings
 
@@ -69,7 +69,7 @@ class CorrectableAttitude(ABC):
 
     @cached_property
     def _correction(self) -> Correction:
-        return Correction(self.corrections, self._told, self.orbital_period_s)
+        return Correction(self.corrections, self._given, self.orbital_period_s)
 
-    def _told(self, instants: Instants) -> AttitudeErrors:
+    def _given(self, instants: Instants) -> AttitudeErrors:
         return self.law_errors(instants).unless_stated(self.uncertainty)

@@ -1,7 +1,7 @@
 """Corrections of an attitude law from measured small rotations, then and at other times.
 
 The error is taken as a lasting turn, a swing at the orbital rate and a rest, each about every
-body axis and of the size the law itself tells: the measurements condition these.  A Gaussian
+body axis and of the size the law itself states: the measurements condition these.  A Gaussian
 process: the swing's amplitude and phase follow from it, and are forgotten over days as the orbital
 period is not known better; the rest is within minutes.
 Source: Rasmussen and Williams 2006, eq. 2.23-2.24.
@@ -82,11 +82,11 @@ Corrections = Annotated[tuple[AttitudeCorrection, ...], Field(max_length=OPTIONS
 class Correction:
     """The law's error as measured: its mean and what is left open of it.
 
-    told: the law's own errors at any instants.  period_s: of the swing.
+    stated: the law's own errors at any instants.  period_s: of the swing.
     """
 
     measured: tuple[AttitudeCorrection, ...]
-    told: Callable[[Instants], AttitudeErrors]
+    stated: Callable[[Instants], AttitudeErrors]
     period_s: float
 
     @cached_property
@@ -99,10 +99,10 @@ class Correction:
 
     def errors(self, instants: Instants) -> AttitudeErrors:
         """What the law's errors are then, given the measurements; for a session's few instants."""
-        known, then = self._known, _Told(self.told(instants), instants)
+        known, then = self._known, _Stated(self.stated(instants), instants)
         count = len(instants)
         across = known.covariance_with(then)
-        left = _joint(then.covariance_with(then, self.period_s))
+        left = _join_axes(then.covariance_with(then, self.period_s))
         left -= across @ np.linalg.solve(known.covariance_rad2, across.T)
         size, mode = np.linalg.eigh(left)
         kept = slice(-OPTIONS.modes, None)
@@ -111,33 +111,33 @@ class Correction:
         return self._as_errors(then.errors, modes_rad.reshape(-1, count, 3))
 
     def errors_each(self, instants: Instants) -> AttitudeErrors:
-        """The same of each instant by itself, however many: three modes, an instant's own."""
+        """Errors of each instant by itself, however many: three modes, an instant's own."""
         left = np.concatenate([self._known.left_each(part) for part in _parts(instants)])
         size, mode = np.linalg.eigh(left)
         modes_rad = mode * np.sqrt(np.maximum(size, 0.0))[:, None, :]
-        return self._as_errors(self.told(instants), modes_rad.transpose(2, 0, 1))
+        return self._as_errors(self.stated(instants), modes_rad.transpose(2, 0, 1))
 
-    def _as_errors(self, told: AttitudeErrors, modes_body_rad: Array) -> AttitudeErrors:
+    def _as_errors(self, stated: AttitudeErrors, modes_body_rad: Array) -> AttitudeErrors:
         last = utc_text(max((one.epoch for one in self.measured), key=tai_us))
         return AttitudeErrors(
             np.zeros(3),
             np.zeros(3),
-            f"{told.basis}; corrected by {_number(self.measured)}, the last of {last}",
+            f"{stated.basis}; corrected by {_count_text(self.measured)}, the last of {last}",
             "a correction nearer to the session",
             np.zeros(3),
             modes_body_rad=modes_body_rad,
         )
 
     def warning(self, instants: Instants) -> str:
-        """By how much the attitude is corrected."""
+        """The note by how much the attitude is corrected."""
         turn_deg = np.rad2deg(np.linalg.norm(self.turn_rad(instants), axis=1).max())
         return (
-            f"the attitude follows {_number(self.measured)}: it is turned by up to "
+            f"the attitude follows {_count_text(self.measured)}: it is turned by up to "
             f"{turn_deg:.3f} deg from its law"
         )
 
 
-class _Told:
+class _Stated:
     """A law's own errors at n instants, before anything was measured."""
 
     def __init__(self, errors: AttitudeErrors, instants: Instants) -> None:
@@ -153,8 +153,8 @@ class _Told:
         """About each axis, (n, 3)."""
         return np.asarray(self._sigma_rad**2 + self.errors.swing_rms_body_rad**2)
 
-    def covariance_with(self, other: "_Told", period_s: float) -> Array:
-        """With the error at k other instants, about each axis: (3, n, k)."""
+    def covariance_with(self, other: "_Stated", period_s: float) -> Array:
+        """Covariance with the error at k other instants, about each axis: (3, n, k)."""
         t_s = self.instants.since_s(other.instants.epoch_utc)
         apart_s = t_s[:, None] - other.instants.t_s
         phase_rad = 2.0 * np.pi / period_s * apart_s
@@ -185,39 +185,39 @@ class _Measurements:
         epoch_utc = order[0].epoch
         instants = Instants(epoch_utc, np.array([elapsed_s(one.epoch, epoch_utc) for one in order]))
         _refuse_repeated(order)
-        self._told_at, self._period_s = correction.told, correction.period_s
-        self._told = _Told(self._told_at(instants), instants)
-        self.covariance_rad2 = self.covariance_with(self._told)
+        self._stated_at, self._period_s = correction.stated, correction.period_s
+        self._stated = _Stated(self._stated_at(instants), instants)
+        self.covariance_rad2 = self.covariance_with(self._stated)
         for k, one in enumerate(order):
             mine = slice(3 * k, 3 * k + 3)
             self.covariance_rad2[mine, mine] += np.deg2rad(np.deg2rad(one.covariance_deg2))
-        rounded_rad2 = OPTIONS.rounding * float(np.sum(self._told.variance_rad2))
+        rounded_rad2 = OPTIONS.rounding * float(np.sum(self._stated.variance_rad2))
         self.covariance_rad2 += rounded_rad2 * np.eye(len(self.covariance_rad2))
         turn_rad = np.deg2rad([one.turn_body_deg for one in order]).ravel()
         self._refuse_contradiction(order, turn_rad)
         self._weights = np.linalg.solve(self.covariance_rad2, turn_rad)
 
-    def covariance_with(self, told: _Told) -> Array:
-        """Of the error then with that at the measurements, (3 n, 3 k)."""
-        return _joint(told.covariance_with(self._told, self._period_s))
+    def covariance_with(self, stated: _Stated) -> Array:
+        """Covariance of the error then with that at the measurements, (3 n, 3 k)."""
+        return _join_axes(stated.covariance_with(self._stated, self._period_s))
 
     def expected_rad(self, instants: Instants) -> Array:
         """The error expected at n instants, (n, 3)."""
-        across = self._then(instants).covariance_with(self._told, self._period_s)
+        across = self._errors_then(instants).covariance_with(self._stated, self._period_s)
         return np.asarray(np.einsum("ank,ka->na", across, self._weights.reshape(-1, 3)))
 
     def left_each(self, instants: Instants) -> Array:
         """Covariance (rad2) of the error at n instants given the measurements, (n, 3, 3)."""
-        told = self._then(instants)
-        across = self.covariance_with(told)
+        stated = self._errors_then(instants)
+        across = self.covariance_with(stated)
         known = np.linalg.solve(self.covariance_rad2, across.T).T
         said = np.einsum(
             "nak,nbk->nab", *(m.reshape(len(instants), 3, -1) for m in (across, known))
         )
-        return np.asarray(told.variance_rad2[:, :, None] * np.eye(3) - said)
+        return np.asarray(stated.variance_rad2[:, :, None] * np.eye(3) - said)
 
-    def _then(self, instants: Instants) -> _Told:
-        return _Told(self._told_at(instants), instants)
+    def _errors_then(self, instants: Instants) -> _Stated:
+        return _Stated(self._stated_at(instants), instants)
 
     def _refuse_contradiction(self, order: list[AttitudeCorrection], turn_rad: Array) -> None:
         """Each against the law and all that came before it."""
@@ -253,7 +253,7 @@ def _refuse_repeated(order: list[AttitudeCorrection]) -> None:
             )
 
 
-def _joint(covariance_rad2: Array) -> Array:
+def _join_axes(covariance_rad2: Array) -> Array:
     """The axes of each instant together: (3, n, k) as (3 n, 3 k)."""
     axes, count, others = covariance_rad2.shape
     joint = np.zeros((axes * count, axes * others))
@@ -263,10 +263,10 @@ def _joint(covariance_rad2: Array) -> Array:
 
 
 def _parts(instants: Instants) -> Iterator[Instants]:
-    """At most _AT_A_TIME of them each."""
+    """Slices of at most _AT_A_TIME instants each."""
     for first in range(0, len(instants), OPTIONS.at_a_time):
         yield Instants(instants.epoch_utc, instants.t_s[first : first + OPTIONS.at_a_time])
 
 
-def _number(measured: tuple[AttitudeCorrection, ...]) -> str:
+def _count_text(measured: tuple[AttitudeCorrection, ...]) -> str:
     return f"{len(measured)} correction{'' if len(measured) == 1 else 's'}"

@@ -83,7 +83,7 @@ class AttitudeErrors:
 def known_errors(
     measured_body_rad: Array, basis: str, better: str, memory_s: float = REST_MEMORY_S
 ) -> AttitudeErrors:
-    """Of a law that follows the swing itself; the vehicle's knowledge, which lasts, added."""
+    """Error of a law that follows the swing itself; the vehicle's knowledge, which lasts, added."""
     sigma_body_rad = np.hypot(KNOWLEDGE_RAD, measured_body_rad)
     return AttitudeErrors(sigma_body_rad, np.zeros(3), basis, better, measured_body_rad, memory_s)
 

@@ -40,7 +40,7 @@ class Description:
 
     @property
     def growth(self) -> float:
-        """By which power of the lead its error is taken to grow beyond what could be tried.
+        """The power of the lead with which its error is taken to grow beyond what could be tried.
 
         A rate that changes steadily errs by the square; an attitude held stays within the swing.
         """
@@ -125,7 +125,7 @@ def _basis(description: Description, period_s: float, since_end_s: Array) -> Arr
 
 
 def _turn_rad(rate_rad_s: Array, change_rad_s2: Array, since_end_s: Array) -> Array:
-    """By a present rate, shape (n, 3); since_end_s (n, 1).
+    """Extrapolate by a present rate, shape (n, 3); since_end_s (n, 1).
 
     One that slows down goes on as the square of the time left until it is at rest, which begins
     with the present change and ends without a step of acceleration; any other stays.

@@ -127,7 +127,7 @@ class HarmonicAttitude(CorrectableAttitude):
         )
 
     def law_errors(self, instants: Instants) -> AttitudeErrors:
-        """From the held-out tail, so long after it as the instants are."""
+        """Errors from the held-out tail, so long after it as the instants are."""
         lead_s = np.maximum(instants.since_s(self._end_utc), 0.0)
         return known_errors(
             self.extrapolated.error_rms_at(lead_s),
@@ -176,7 +176,7 @@ class HarmonicAttitude(CorrectableAttitude):
         attitudes: list[Rotation] = []
         for segment in self.segments:
             t_s = segment.t_s + elapsed_s(segment.epoch_utc, last.epoch_utc)
-            rows = _thin(t_s, oldest_s)
+            rows = _thin_rows(t_s, oldest_s)
             if len(rows) and (not times or t_s[rows[0]] > times[-1][-1]):
                 times.append(t_s[rows])
                 attitudes.append(self._q_body_from_lvlh(segment, rows))
@@ -198,7 +198,7 @@ class HarmonicAttitude(CorrectableAttitude):
         return q_body_from_frame * q_frame_from_eci(segment.frame, instants, states) * q_lvlh.inv()
 
 
-def _thin(t_s: Array, oldest_s: float) -> Indices:
+def _thin_rows(t_s: Array, oldest_s: float) -> Indices:
     """The last row of every stretch of `row_step_s` counted back from the end."""
     rows = np.flatnonzero(t_s >= oldest_s)[::-1]
     _, first = np.unique((t_s[-1] - t_s[rows]) // OPTIONS.row_step_s, return_index=True)

@@ -110,7 +110,7 @@ class LvlhAttitude(CorrectableAttitude):
         )
 
     def law_errors(self, instants: Instants) -> AttitudeErrors:
-        """Of the mean, the swing about it, and what else the carrier does."""
+        """Errors of the mean, the swing about it, and what else the carrier does."""
         mean_rad = np.hypot(KNOWLEDGE_RAD, np.deg2rad(MEAN_SIGMA_DEG))
         since_s = self._since_manoeuvre_s(instants)
         forgotten_rad = np.hypot(REST_RAD, _wander_rms_body_rad(since_s))

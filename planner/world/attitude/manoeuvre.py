@@ -63,7 +63,7 @@ def last_change(t_s: Array, q_body_from_lvlh: Rotation) -> Change | None:
 
 
 def turn_rms_rad(lead_s: Array, period_s: float) -> Array:
-    """Of a manoeuvre under way, about each axis, shape (n,): nothing predicts where it ends.
+    """Errors of a manoeuvre under way, about each axis, shape (n,): nothing predicts where it ends.
 
     It is as likely as not the greatest there is, half a turn from rest to rest, in an orbit.  Flown
     by optimised commands, the ISS takes one to two orbits for a half or quarter turn.

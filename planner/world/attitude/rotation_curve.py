@@ -82,7 +82,7 @@ def rotation_curve(
             "apart: too far to say how it turned between; send rows closer in time"
         )
     spacing_s = _knot_spacing_s(t_s, q_body_from_frame_xyzw, q_dot_s)
-    curve = _fit(t_s, q_body_from_frame_xyzw, q_dot_s, spacing_s)
+    curve = _fit_spline(t_s, q_body_from_frame_xyzw, q_dot_s, spacing_s)
     miss_rad = _distance_rad(curve(t_s), q_body_from_frame_xyzw) if spacing_s else np.zeros(1)
     return RotationCurve(
         quaternion=curve,
@@ -125,11 +125,11 @@ def _held_out_rad(t_s: Array, q: Array, q_dot_s: Array | None, spacing_s: float)
     if not held_out.any():
         return np.zeros(1)
     rates = None if q_dot_s is None else q_dot_s[~held_out]
-    curve = _fit(t_s[~held_out], q[~held_out], rates, spacing_s)
+    curve = _fit_spline(t_s[~held_out], q[~held_out], rates, spacing_s)
     return _distance_rad(curve(t_s[held_out]), q[held_out])
 
 
-def _fit(t_s: Array, q: Array, q_dot_s: Array | None, spacing_s: float) -> Curve:
+def _fit_spline(t_s: Array, q: Array, q_dot_s: Array | None, spacing_s: float) -> Curve:
     # SciPy's interpolators take 0.2 s to import, which only a message should pay.
     from scipy.interpolate import make_interp_spline, make_lsq_spline
 

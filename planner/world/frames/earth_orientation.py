@@ -36,7 +36,7 @@ def c_itrf_from_eci(instants: Instants) -> Array:
     Raises OutsideCoverage before 1973; past the end of the IERS data see
     `earth_orientation_warnings`.  Source: IERS Conventions 2010, 5.4-5.5 (CIO based).
     """
-    return _celestial_to_terrestrial(instants, _interpolate(instants))[0]
+    return _celestial_to_terrestrial(instants, _interpolate_nodes(instants))[0]
 
 
 def c_itrf_from_teme(instants: Instants) -> Array:
@@ -44,7 +44,7 @@ def c_itrf_from_teme(instants: Instants) -> Array:
 
     Source: Vallado 2006 (AIAA 2006-6753), appendix C: GMST 1982 of UT1, then polar motion.
     """
-    parameters = _interpolate(instants)
+    parameters = _interpolate_nodes(instants)
     gmst_rad = _gmst_rad(instants, parameters)
     return np.asarray(erfa.c2tcio(np.eye(3), gmst_rad, erfa.pom00(*parameters[:, 4:7].T)))
 
@@ -55,7 +55,7 @@ def c_frame_from_eci(frame: str, instants: Instants) -> Array:
         return c_itrf_from_eci(instants)
     if frame == "TEME":
         # By way of ITRF, where polar motion there and back leaves the difference of two angles.
-        parameters = _interpolate(instants)
+        parameters = _interpolate_nodes(instants)
         turn_rad = _era_rad(instants, parameters) - _gmst_rad(instants, parameters)
         return np.asarray(erfa.c2tcio(_c_cirs_from_eci(parameters), turn_rad, np.eye(3)))
     c = C_GCRF_FROM_EME2000.T if frame == "EME2000" else np.eye(3)
@@ -69,7 +69,7 @@ def itrf_from_eci_state(
 
     Leaves out the motion of the Earth's axis itself (2e-5 m/s in low orbit).
     """
-    c, omega_itrf_rad_s = _celestial_to_terrestrial(instants, _interpolate(instants))
+    c, omega_itrf_rad_s = _celestial_to_terrestrial(instants, _interpolate_nodes(instants))
     r_itrf_m = np.einsum("nij,nj->ni", c, r_eci_m)
     v_itrf_m_s = np.einsum("nij,nj->ni", c, v_eci_m_s) - cross(omega_itrf_rad_s, r_itrf_m)
     return r_itrf_m, v_itrf_m_s
@@ -79,7 +79,7 @@ def eci_from_itrf_state(
     r_itrf_m: Array, v_itrf_m_s: Array, instants: Instants
 ) -> tuple[Array, Array]:
     """Inverse of `itrf_from_eci_state`."""
-    c, omega_itrf_rad_s = _celestial_to_terrestrial(instants, _interpolate(instants))
+    c, omega_itrf_rad_s = _celestial_to_terrestrial(instants, _interpolate_nodes(instants))
     v_inertial_itrf_m_s = v_itrf_m_s + cross(omega_itrf_rad_s, r_itrf_m)
     return np.einsum("nji,nj->ni", c, r_itrf_m), np.einsum("nji,nj->ni", c, v_inertial_itrf_m_s)
 
@@ -119,7 +119,7 @@ def earth_orientation_warnings(instants: Instants) -> tuple[str, ...]:
 def _celestial_to_terrestrial(instants: Instants, parameters: Array) -> tuple[Array, Array]:
     """Matrices (n, 3, 3) and the Earth's rotation vector in ITRF axes (n, 3), rad/s.
 
-    parameters: as of `_interpolate`.
+    parameters: as of `_interpolate_nodes`.
     """
     era_rad = _era_rad(instants, parameters)
     c_itrf_from_tirs = erfa.pom00(*parameters[:, 4:7].T)
@@ -142,7 +142,7 @@ def _gmst_rad(instants: Instants, parameters: Array) -> Array:
     return np.asarray(erfa.gmst82(jd1, jd2 + parameters[:, 3] / DAY_S))
 
 
-def _interpolate(instants: Instants) -> Array:
+def _interpolate_nodes(instants: Instants) -> Array:
     """Columns X, Y, s (rad), UT1 - TAI (s), xp, yp, s' (rad), d(UT1 - TAI)/dt, shape (n, 8)."""
     jd1, jd2 = instants.tai_jd()
     position = ((jd1 - MJD_JD) + jd2) * (DAY_S / NODE_STEP_S)
@@ -161,12 +161,12 @@ def _at_nodes(node_ticks: Array) -> Array:
     """Columns X, Y, s, UT1 - TAI, xp, yp, s' at ticks of 120 s of TAI, shape (m, 7)."""
     block, within = np.divmod(node_ticks.astype(np.int64), BLOCK_NODES)
     blocks, which = np.unique(block, return_inverse=True)
-    kept = np.array([_block(int(number)) for number in blocks]).reshape(-1, BLOCK_NODES, 7)
+    kept = np.array([_node_block(int(number)) for number in blocks]).reshape(-1, BLOCK_NODES, 7)
     return np.asarray(kept[which, within])
 
 
 @lru_cache(maxsize=BLOCKS_KEPT)
-def _block(number: int) -> Array:
+def _node_block(number: int) -> Array:
     """BLOCK_NODES neighbouring nodes; kept, since one plan asks for the same ones many times."""
     node_ticks = (number * BLOCK_NODES + np.arange(BLOCK_NODES)).astype(np.float64)
     epoch_utc = datetime(2000, 1, 1, tzinfo=UTC)

@@ -43,7 +43,7 @@ def geodesic_end(
     sin_a = cos_u1 * sin_a1
     cos2_a = 1.0 - sin_a**2
     sigma1 = np.arctan2(sin_u1, cos_u1 * cos_a1)
-    big_a, big_b = _series(cos2_a)
+    big_a, big_b = _vincenty_series(cos2_a)
     straight = distance / (_B_M * big_a)
     sigma = straight
     for _ in range(OPTIONS.direct_passes):
@@ -85,7 +85,7 @@ def geodesic_between(
         before = on_sphere
         on_sphere = apart + float(_longitude_excess(sin_a, cos2_a, sigma, cos_2m))
         if abs(on_sphere - before) < OPTIONS.converged_rad:
-            big_a, big_b = _series(cos2_a)
+            big_a, big_b = _vincenty_series(cos2_a)
             distance_m = _B_M * big_a * (sigma - _delta_sigma(big_b, sigma, cos_2m))
             return math.atan2(east, north), float(distance_m)
     raise ValueError(
@@ -100,7 +100,7 @@ def _reduced_latitude(latitude_rad: float) -> tuple[float, float]:
     return sin / norm, cos / norm
 
 
-def _series(cos2_a: ArrayLike) -> tuple[Array, Array]:
+def _vincenty_series(cos2_a: ArrayLike) -> tuple[Array, Array]:
     """A and B, eq. 3 and 4."""
     u2 = np.asarray(cos2_a) * (WGS84_A_M**2 - _B_M**2) / _B_M**2
     big_a = 1.0 + u2 / 16384.0 * (4096.0 + u2 * (-768.0 + u2 * (320.0 - 175.0 * u2)))

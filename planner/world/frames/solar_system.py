@@ -76,21 +76,21 @@ def _position_m(center: int, target: int, instants: Instants) -> Array:
     TT stands for TDB: 2 ms, in which the Sun moves 60 m and the Moon 2 m.
     """
     try:
-        return np.asarray(_kernel()[center, target].compute(*instants.tt_jd()).T * 1e3)
+        return np.asarray(_open_kernel()[center, target].compute(*instants.tt_jd()).T * 1e3)
     except OutOfRangeError:
-        raise _outside() from None
+        raise _outside_coverage() from None
 
 
 def _state_m(center: int, target: int, instants: Instants) -> tuple[Array, Array]:
     """target from center, m and m/s, each (n, 3); TT stands for TDB."""
     try:
-        r_km, v_km_day = _kernel()[center, target].compute_and_differentiate(*instants.tt_jd())
+        r_km, v_km_day = _open_kernel()[center, target].compute_and_differentiate(*instants.tt_jd())
     except OutOfRangeError:
-        raise _outside() from None
+        raise _outside_coverage() from None
     return np.asarray(r_km.T * 1e3), np.asarray(v_km_day.T * (1e3 / DAY_S))
 
 
-def _outside() -> OutsideCoverage:
+def _outside_coverage() -> OutsideCoverage:
     return OutsideCoverage(
         "Sun, Moon and planets are known from 1973-01-01 to 2053-10-09 (DE421); "
         "use times in between"
@@ -98,5 +98,5 @@ def _outside() -> OutsideCoverage:
 
 
 @cache
-def _kernel() -> SPK:
+def _open_kernel() -> SPK:
     return SPK.open(str(_DE421))

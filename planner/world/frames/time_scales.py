@@ -109,7 +109,7 @@ class Instants:
         """RFC 3339 with Z, rounded to at most 6 decimals; a leap second reads 23:59:60."""
         start_us = tai_us(self.epoch_utc)
         return [
-            _text(start_us + round(t_us), decimals) for t_us in (self.t_s * float(_US)).tolist()
+            _utc_text(start_us + round(t_us), decimals) for t_us in (self.t_s * float(_US)).tolist()
         ]
 
 
@@ -153,7 +153,7 @@ def require_known(moment: datetime) -> None:
 
 def utc_text(epoch_utc: datetime, decimals: int = 3) -> str:
     """RFC 3339 with Z, rounded to at most 6 decimals; a leap second reads 23:59:60."""
-    return _text(tai_us(epoch_utc), decimals)
+    return _utc_text(tai_us(epoch_utc), decimals)
 
 
 def elapsed_s(until_utc: datetime, since_utc: datetime) -> float:
@@ -223,7 +223,7 @@ def utc_from_tai_us(moment_tai_us: int) -> datetime:
     return moment.replace(fold=1) if in_leap_second else moment
 
 
-def _text(moment_tai_us: int, decimals: int) -> str:
+def _utc_text(moment_tai_us: int, decimals: int) -> str:
     if not 0 <= decimals <= 6:
         raise ValueError(f"decimals must lie in 0..6, not {decimals}")
     step_us = 10 ** (6 - decimals)

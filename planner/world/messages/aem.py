@@ -82,26 +82,26 @@ class AemSegment(TimeAxis):
 
 
 def read_aem(content: str) -> tuple[AemSegment, ...]:
-    """At least one, in the message's order.  Raises InvalidMessage naming the line."""
+    """Segments, at least one, in the message's order.  Raises InvalidMessage naming the line."""
     require_size("AEM", content)
     raw = _raw_xml(content) if is_xml(content) else raw_kvn(content, _GRAMMAR)[1]
     if not raw:
         raise InvalidMessage("the AEM has no segment with attitudes; is it cut off?")
-    return tuple(map(_segment, raw))
+    return tuple(map(_segment_of, raw))
 
 
-def _segment(raw: RawSegment) -> AemSegment:
-    frame, body_is_b = _frames(raw)
-    columns, width = _type(raw)
+def _segment_of(raw: RawSegment) -> AemSegment:
+    frame, body_is_b = _read_frames(raw)
+    columns, width = _read_type(raw)
     for row, line in zip(raw.rows, raw.lines, strict=True):
         if len(row) not in (len(columns), width):
             raw.refuse(f"a row of type {raw.metadata['ATTITUDE_TYPE']} has {width} numbers", line)
     axis = time_axis(raw)
     rows = numbers(raw, len(columns))
-    q_xyzw, q_dot_s = _quaternions(raw, columns, rows)
+    q_xyzw, q_dot_s = _read_quaternions(raw, columns, rows)
     # The message's quaternion turns axes, SciPy's turns vectors: A to B is the conjugate.
-    if body_is_b == (_choice(raw, "ATTITUDE_DIR", "A2B", "B2A") == "A2B"):
-        q_xyzw, q_dot_s = _conjugate(q_xyzw), None if q_dot_s is None else _conjugate(q_dot_s)
+    if body_is_b == (_read_choice(raw, "ATTITUDE_DIR", "A2B", "B2A") == "A2B"):
+        q_xyzw, q_dot_s = _q_conjugate(q_xyzw), None if q_dot_s is None else _q_conjugate(q_dot_s)
     likeness = np.sign(np.sum(q_xyzw[1:] * q_xyzw[:-1], axis=1))
     sign = np.concatenate([[1.0], np.cumprod(np.where(likeness < 0.0, -1.0, 1.0))])[:, None]
     q_xyzw = q_xyzw * sign
@@ -118,7 +118,7 @@ def _segment(raw: RawSegment) -> AemSegment:
     )
 
 
-def _frames(raw: RawSegment) -> tuple[str, bool]:
+def _read_frames(raw: RawSegment) -> tuple[str, bool]:
     """The frame the attitude is against, and whether the body is REF_FRAME_B."""
     stated = [raw.require(key).upper() for key in ("REF_FRAME_A", "REF_FRAME_B")]
     is_body = [_BODY.fullmatch(name) is not None for name in stated]
@@ -137,8 +137,8 @@ def _frames(raw: RawSegment) -> tuple[str, bool]:
     return frame, is_body[1]
 
 
-def _choice(raw: RawSegment, key: str, default: str, other: str) -> str:
-    """Of a keyword that version 2 dropped for its default."""
+def _read_choice(raw: RawSegment, key: str, default: str, other: str) -> str:
+    """The value of a keyword that version 2 dropped for its default."""
     stated = raw.metadata.get(key, default).upper()
     if stated not in (default, other):
         first, second = sorted((default, other))
@@ -146,7 +146,7 @@ def _choice(raw: RawSegment, key: str, default: str, other: str) -> str:
     return stated
 
 
-def _type(raw: RawSegment) -> tuple[tuple[str, ...], int]:
+def _read_type(raw: RawSegment) -> tuple[tuple[str, ...], int]:
     stated = raw.require("ATTITUDE_TYPE").upper().replace(" ", "_")
     if stated.startswith("SPIN"):
         raw.refuse(
@@ -158,13 +158,13 @@ def _type(raw: RawSegment) -> tuple[tuple[str, ...], int]:
     return _TYPES[stated]
 
 
-def _quaternions(
+def _read_quaternions(
     raw: RawSegment, columns: tuple[str, ...], rows: Array
 ) -> tuple[Array, Array | None]:
     """The message's own quaternions and derivatives, scalar last, each (n, 4)."""
     if columns == _ANGLES:
-        return Rotation.from_euler(_sequence(raw), rows, degrees=True).as_quat(), None
-    scalar_first = _choice(raw, "QUATERNION_TYPE", "LAST", "FIRST") == "FIRST"
+        return Rotation.from_euler(_read_sequence(raw), rows, degrees=True).as_quat(), None
+    scalar_first = _read_choice(raw, "QUATERNION_TYPE", "LAST", "FIRST") == "FIRST"
     q_xyzw = np.roll(rows[:, :4], -1, axis=1) if scalar_first else rows[:, :4]
     norm = np.linalg.norm(q_xyzw, axis=1, keepdims=True)
     wrong = np.flatnonzero(np.abs(norm[:, 0] - 1.0) > NORM_TOLERANCE)
@@ -175,11 +175,11 @@ def _quaternions(
     if columns[4:] == _DERIVATIVE:
         return q_xyzw, np.roll(rows[:, 4:], -1, axis=1) if scalar_first else rows[:, 4:]
     if columns[4:] == _ANGVEL:
-        return q_xyzw, _derivative(q_xyzw, np.deg2rad(rows[:, 4:]), _angvel_in_b(raw))
+        return q_xyzw, _q_derivative(q_xyzw, np.deg2rad(rows[:, 4:]), _angvel_in_b(raw))
     return q_xyzw, None
 
 
-def _sequence(raw: RawSegment) -> str:
+def _read_sequence(raw: RawSegment) -> str:
     """Axes in the order they are turned about, each after the turns before."""
     stated = raw.require("EULER_ROT_SEQ").upper()
     sequence = "".join(_AXES.get(axis, axis) for axis in stated)
@@ -198,7 +198,7 @@ def _angvel_in_b(raw: RawSegment) -> bool:
     return in_b
 
 
-def _derivative(q_a_from_b_xyzw: Array, omega_rad_s: Array, in_b: bool) -> Array:
+def _q_derivative(q_a_from_b_xyzw: Array, omega_rad_s: Array, in_b: bool) -> Array:
     """q' = q o omega_b / 2 = omega_a o q / 2 for the quaternion that turns A's axes into B's."""
     vector, scalar = q_a_from_b_xyzw[:, :3], q_a_from_b_xyzw[:, 3:]
     cross = np.cross(vector, omega_rad_s) if in_b else np.cross(omega_rad_s, vector)
@@ -223,7 +223,7 @@ def _check_rates(
         )
 
 
-def _conjugate(q: Array) -> Array:
+def _q_conjugate(q: Array) -> Array:
     return np.asarray(q * np.array([-1.0, -1.0, -1.0, 1.0]))
 
 
@@ -231,7 +231,7 @@ def _raw_xml(content: str) -> list[RawSegment]:
     """The segments, their numbers in the order of `_TYPES`."""
     message = message_element(content, "AEM", _GRAMMAR.versions)
     units = dict.fromkeys(_ANGLES, "deg")
-    segments = message.segments("attitudeState", lambda raw: _type(raw)[0], units)
+    segments = message.segments("attitudeState", lambda raw: _read_type(raw)[0], units)
     for raw in segments:
         raw.metadata["QUATERNION_TYPE"] = "LAST"  # elements are named, so we choose the order
     return segments

@@ -52,7 +52,7 @@ class Keywords:
         return entries[0] if entries else None
 
     def require(self, key: str) -> Entry:
-        """As `only`, refused when absent."""
+        """The entry as `only` finds it, refused when absent."""
         return self.only(key) or self.refuse(f"{key} is missing")
 
     def text(self, key: str, default: str | None = None) -> str:

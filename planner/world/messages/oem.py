@@ -90,7 +90,7 @@ def read_oem(content: str) -> Oem:
         creation, raw = raw_kvn(content, _GRAMMAR)
     if not raw:
         raise InvalidMessage("the OEM has no segment with states; is it cut off?")
-    return Oem(creation_utc=creation_utc(creation), segments=tuple(map(_segment, raw)))
+    return Oem(creation_utc=creation_utc(creation), segments=tuple(map(_segment_of, raw)))
 
 
 def standard_frame(stated: str) -> str:
@@ -102,8 +102,8 @@ def standard_frame(stated: str) -> str:
     return frame
 
 
-def _segment(raw: RawSegment) -> OemSegment:
-    frame = _frame(raw)
+def _segment_of(raw: RawSegment) -> OemSegment:
+    frame = _read_frame(raw)
     axis = time_axis(raw)
     states = numbers(raw, 6) * 1e3
     radius_m = np.linalg.norm(states[:, :3], axis=1)
@@ -135,8 +135,8 @@ def _segment(raw: RawSegment) -> OemSegment:
     )
 
 
-def _frame(raw: RawSegment) -> str:
-    """Of a kind we can convert, about the Earth."""
+def _read_frame(raw: RawSegment) -> str:
+    """The frame: of a kind we can convert, about the Earth."""
     stated = raw.require("REF_FRAME")
     center = raw.metadata.get("CENTER_NAME", "EARTH")
     if center.upper() not in EARTH_NAMES:

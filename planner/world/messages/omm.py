@@ -54,10 +54,10 @@ def read_omm(content: str | Mapping[str, Any] | Sequence[Mapping[str, Any]]) -> 
     else:
         omm = read_keywords(content, "OMM", ("1", "2", "3"))
     omm.require_earth()
-    _require(omm, "MEAN_ELEMENT_THEORY", THEORIES)
-    _require(omm, "REF_FRAME", ("TEME",))
-    _require(omm, "TIME_SYSTEM", ("UTC",))
-    _require(omm, "EPHEMERIS_TYPE", EPHEMERIS_TYPES)
+    _require_default(omm, "MEAN_ELEMENT_THEORY", THEORIES)
+    _require_default(omm, "REF_FRAME", ("TEME",))
+    _require_default(omm, "TIME_SYSTEM", ("UTC",))
+    _require_default(omm, "EPHEMERIS_TYPE", EPHEMERIS_TYPES)
     epoch = omm.require("EPOCH")
     return Omm(
         object_name=omm.text("OBJECT_NAME", ""),
@@ -74,7 +74,7 @@ def read_omm(content: str | Mapping[str, Any] | Sequence[Mapping[str, Any]]) -> 
     )
 
 
-def _require(omm: Keywords, key: str, accepted: tuple[str, ...]) -> None:
+def _require_default(omm: Keywords, key: str, accepted: tuple[str, ...]) -> None:
     """Catalogues leave these out; where stated, another value needs another propagator."""
     stated = omm.text(key, accepted[0]).upper()
     if stated not in accepted:

@@ -45,7 +45,7 @@ def read_opm(content: str) -> Opm:
     time_system = opm.text("TIME_SYSTEM").upper()
     epoch = opm.require("EPOCH")
 
-    def optional(key: str, *units: str) -> float | None:
+    def optional_number(key: str, *units: str) -> float | None:
         return opm.number(key, *units) if opm.only(key) else None
 
     return Opm(
@@ -58,9 +58,9 @@ def read_opm(content: str) -> Opm:
             opm.number("Y_DOT", "km/s"),
             opm.number("Z_DOT", "km/s"),
         ),
-        mass_kg=optional("MASS", "kg"),
-        drag_area_m2=optional("DRAG_AREA", "m**2", "m^2", "m2"),
-        drag_coefficient=optional("DRAG_COEFF", "n/a"),
+        mass_kg=optional_number("MASS", "kg"),
+        drag_area_m2=optional_number("DRAG_AREA", "m**2", "m^2", "m2"),
+        drag_coefficient=optional_number("DRAG_COEFF", "n/a"),
         ignitions_utc=tuple(
             opm.epoch_utc(entry, time_system) for entry in opm.all("MAN_EPOCH_IGNITION")
         ),

@@ -139,7 +139,7 @@ def time_axis(raw: RawSegment) -> TimeAxis:
 
 
 def _tai_ns(raw: RawSegment, line: int, text: str) -> int:
-    """Of an epoch in the segment's time system."""
+    """The instant of an epoch in the segment's time system."""
     try:
         return tai_ns(text, raw.metadata["TIME_SYSTEM"].upper())
     except ValueError as error:
@@ -148,7 +148,7 @@ def _tai_ns(raw: RawSegment, line: int, text: str) -> int:
 
 def numbers(raw: RawSegment, columns: int) -> Array:
     """The first `columns` numbers of every row, shape (n, columns), all finite."""
-    table = np.array([_floats(row[:columns]) for row in raw.rows])
+    table = np.array([_row_floats(row[:columns]) for row in raw.rows])
     wrong = np.flatnonzero(~np.isfinite(table).all(axis=1))
     if len(wrong):
         first = int(wrong[0])
@@ -162,7 +162,7 @@ def plain(text: str) -> str:
     return "" if "_" in text or not text.isascii() else text
 
 
-def _floats(row: list[str]) -> list[float]:
+def _row_floats(row: list[str]) -> list[float]:
     try:
         return [float(plain(text)) for text in row]
     except ValueError:

@@ -48,11 +48,11 @@ class MessageElement:
                 names = columns(raw)
                 for data in children(element, "data"):
                     for row in children(data, state):
-                        self._append(raw, row, names, units)
+                        self._append_row(raw, row, names, units)
                 segments.append(raw)
         return segments
 
-    def _append(
+    def _append_row(
         self,
         raw: RawSegment,
         row: etree._Element,

@@ -102,12 +102,12 @@ class OrbitSigma:
 
 
 def tle_sigma(age_s: Array, drag_in_a_day_m: float, air_in_a_day_m: float) -> OrbitSigma:
-    """Of SGP4 elements, this long from their epoch.
+    """Errors of SGP4 elements, this long from their epoch.
 
     drag_in_a_day_m: how far along the track their drag takes the satellite in a day from the epoch.
     air_in_a_day_m: how far the thickest air at their height would take the ISS.  Negative drag, or
     more than that air makes, is of elements fitted across a reboost.
-    Neglects how other satellites differ: the large ones above 600 km are wrong by less than told.
+    Neglects how other satellites differ: the large ones above 600 km are wrong by less than stated.
     """
     days = age_s / DAY_S
     shares = (FIGURES.tle_drag_wrong, FIGURES.tle_beyond_wrong)
@@ -153,7 +153,7 @@ class PlannedBurn(NamedTuple):
 def oem_sigma(
     age_s: Array, drag_in_a_day_m: float, burns: Sequence[PlannedBurn] = ()
 ) -> OrbitSigma:
-    """Of an operator's ephemeris, this long after it was made.
+    """Errors of an operator's ephemeris, this long after it was made.
 
     drag_in_a_day_m: how far along the track the drag in it takes the satellite in a day.  The
     operator's forecast of the air stays wrong by the same share, so the error grows as drag does.
@@ -184,12 +184,12 @@ def _radial_m(drift_m_day: Array) -> Array:
 
 
 def state_sigma(age_s: Array, *, paper_model: bool) -> OrbitSigma:
-    """Of a state propagated this long from its epoch.
+    """Errors of a state propagated this long from its epoch.
 
     paper_model: by the paper's central field with J2 and J4.
     """
     model_m = 56.0 * (age_s / 900.0) ** 1.3 if paper_model else 16.0 * (age_s / 5400.0) ** 2.05
-    radial_m, along_m, cross_m = _drifted(age_s)
+    radial_m, along_m, cross_m = _drift_state(age_s)
     return OrbitSigma(
         # 2/3 of the drift in a radian, as of elements
         radial_m=np.hypot(radial_m, (0.3 if paper_model else 0.06) * model_m),
@@ -200,7 +200,7 @@ def state_sigma(age_s: Array, *, paper_model: bool) -> OrbitSigma:
     )
 
 
-def _drifted(age_s: Array) -> tuple[Array, Array, Array]:
+def _drift_state(age_s: Array) -> tuple[Array, Array, Array]:
     """What `FIGURES.state_m` and `FIGURES.state_m_s` on each axis grow to: radial, along, across.
 
     Source: Clohessy and Wiltshire 1960, with velocities against inertial axes.

@@ -42,7 +42,7 @@ def burns_between(
 
     Leaves out burns between states too far apart to tell (10 minutes in low orbit).
     """
-    t_s, r_eci_m, v_eci_m_s = _timeline(segments, start_utc, stop_utc)
+    t_s, r_eci_m, v_eci_m_s = _node_timeline(segments, start_utc, stop_utc)
     found = [
         cell_defects(Instants(start_utc, t_s[near]), r_eci_m[near], v_eci_m_s[near])
         for near in (
@@ -70,7 +70,7 @@ def burns_between(
     return tuple(burns)
 
 
-def _timeline(
+def _node_timeline(
     segments: Sequence[OemSegment], start_utc: datetime, stop_utc: datetime
 ) -> tuple[Array, Array, Array]:
     """Nodes of all segments in order, seconds from start_utc and states in ECI, the first of those

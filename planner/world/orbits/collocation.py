@@ -72,7 +72,7 @@ class _Scheme:
 
 
 @cache
-def _scheme() -> _Scheme:
+def _collocation_scheme() -> _Scheme:
     cosines = -np.cos(np.pi * np.arange(OPTIONS.nodes) / (OPTIONS.nodes - 1))
     cosines[0], cosines[-1] = -1.0, 1.0
     fit: Array = np.linalg.inv(chebyshev.chebvander(cosines, OPTIONS.nodes - 1)).astype(np.float64)
@@ -89,7 +89,7 @@ def _scheme() -> _Scheme:
 
 def node_times_s(start_s: float, stop_s: float) -> Array:
     """Where `propagate_segment` asks for accelerations."""
-    return start_s + 0.5 * (stop_s - start_s) * (_scheme().cosines + 1.0)
+    return start_s + 0.5 * (stop_s - start_s) * (_collocation_scheme().cosines + 1.0)
 
 
 def propagate_segment(
@@ -106,7 +106,7 @@ def propagate_segment(
     then taken anew: three calls suffice.  Good to 1e-5 m for up to 1000 s in low orbit.
     Source: Bai & Junkins 2011 (modified Chebyshev-Picard iteration).
     """
-    scheme = _scheme()
+    scheme = _collocation_scheme()
     half_s = 0.5 * (stop_s - start_s)
     since_s = (half_s * (scheme.cosines + 1.0))[:, None]
     # Circular motion as a first guess.

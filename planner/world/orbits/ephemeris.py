@@ -44,7 +44,7 @@ class Ephemeris(ABC):
         """1-sigma errors of the prediction at n instants."""
 
     def states(self, instants: Instants) -> OrbitStates:
-        """At the n instants; raises OutsideCoverage unless all lie within the span."""
+        """States at the n instants; raises OutsideCoverage unless all lie within the span."""
         t_s = instants.since_s(self.start_utc)
         span_s = elapsed_s(self.stop_utc, self.start_utc)
         outside = np.flatnonzero((t_s < -EDGE_S) | (t_s > span_s + EDGE_S))

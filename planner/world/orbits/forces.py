@@ -41,10 +41,10 @@ class Forces:
             np.einsum("nji,nj->ni", c, attraction)
             + _third_body(GM_SUN_M3_S2, self.r_sun_eci_m, r_eci_m)
             + _third_body(GM_MOON_M3_S2, self.r_moon_eci_m, r_eci_m)
-            + self._drag(r_eci_m, v_eci_m_s, r_itrf_m)
+            + self._drag_acceleration(r_eci_m, v_eci_m_s, r_itrf_m)
         )
 
-    def _drag(self, r_eci_m: Array, v_eci_m_s: Array, r_itrf_m: Array) -> Array:
+    def _drag_acceleration(self, r_eci_m: Array, v_eci_m_s: Array, r_itrf_m: Array) -> Array:
         """The air turns with the Earth; its axis is taken from the third row of the matrix."""
         omega_eci_rad_s = OMEGA_EARTH_RAD_S * self.c_itrf_from_eci[:, 2]
         v_air_m_s = v_eci_m_s - np.cross(omega_eci_rad_s, r_eci_m)

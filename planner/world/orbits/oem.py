@@ -88,14 +88,14 @@ class OemOrbit(OrbitSource):
             starts = elapsed_s(first_utc, reach_utc) <= 0.0
             if not starts or ahead_s < 0.0 or (arcs and ahead_s == 0.0):
                 continue
-            arcs += _arcs(segment, reach_utc, min(last_utc, stop_utc, key=tai_us))
+            arcs += _arcs_between(segment, reach_utc, min(last_utc, stop_utc, key=tai_us))
             reach_utc = last_utc
             if elapsed_s(reach_utc, stop_utc) >= 0.0:
                 break
         else:
             raise OutsideCoverage(
                 f"the OEM says nothing between {utc_text(reach_utc)} and {utc_text(stop_utc)}; "
-                f"it covers {_coverage(self.message)}",
+                f"it covers {_coverage_text(self.message)}",
                 field="orbit.content",
             )
         burns = self._burns_before(stop_utc)
@@ -182,7 +182,7 @@ class OemEphemeris(Ephemeris):
         return np.maximum(instants.since_s(self.epoch_utc), 0.0)
 
     def sigma(self, instants: Instants) -> OrbitSigma:
-        """By the drag in the message, which its operator had to forecast, and planned burns."""
+        """Sigma by drag in the message, which its operator had to forecast, and planned burns."""
         burns = [
             PlannedBurn(np.maximum(instants.since_s(burn.ignition_utc), 0.0), burn.along_m_s)
             for burn in self.burns
@@ -205,7 +205,7 @@ def _burn_warning(ephemeris: OemEphemeris) -> tuple[str, ...]:
     )
 
 
-def _arcs(segment: OemSegment, start_utc: datetime, stop_utc: datetime) -> list[Arc]:
+def _arcs_between(segment: OemSegment, start_utc: datetime, stop_utc: datetime) -> list[Arc]:
     """Arcs of one segment that together cover start to stop."""
     start_s, stop_s = (elapsed_s(t, segment.epoch_utc) for t in (start_utc, stop_utc))
     last = len(segment.t_s) - 1
@@ -226,7 +226,7 @@ def _arcs(segment: OemSegment, start_utc: datetime, stop_utc: datetime) -> list[
             continue
         span_s = (max(start_s, node_s[arc.first]), min(stop_s, node_s[arc.last]))
         nodes = 2 if arc.thrust_m_s2 else NODES
-        middle_s = _middles(node_s[window], *span_s)
+        middle_s = _cell_middles(node_s[window], *span_s)
         error_m = hermite_error_m(node_s[window], r_m[window], v_m_s[window], middle_s, nodes)
         gap_s = float(np.max(np.diff(node_s[window])))
         # The thrust may start or stop anywhere in a cell.
@@ -239,13 +239,13 @@ def _arcs(segment: OemSegment, start_utc: datetime, stop_utc: datetime) -> list[
                 r_eci_m=r_m[window],
                 v_eci_m_s=v_m_s[window],
                 nodes=nodes,
-                warnings=odd + _warnings(segment, middle_s, error_m, gap_s, arc.thrust_m_s2),
+                warnings=odd + _room_warnings(segment, middle_s, error_m, gap_s, arc.thrust_m_s2),
             )
         )
     return arcs
 
 
-def _middles(node_s: Array, start_s: float, stop_s: float) -> Array:
+def _cell_middles(node_s: Array, start_s: float, stop_s: float) -> Array:
     """Middles of the cells between start and stop, at least one."""
     first = min(int(np.searchsorted(node_s, start_s, side="right")) - 1, len(node_s) - 2)
     last = max(int(np.searchsorted(node_s, stop_s)), first + 1)
@@ -284,7 +284,7 @@ def _odd_warning(segment: OemSegment, node_s: Array, defects: CellDefects) -> tu
     return (sentence,) if odd.off_m > CELL_DEFECT_OPTIONS.warn_m else ()
 
 
-def _warnings(
+def _room_warnings(
     segment: OemSegment, middle_s: Array, error_m: Array, gap_s: float, thrust_m_s2: float
 ) -> tuple[str, ...]:
     """What to say of the room between nodes; OutsideCoverage where they are too far apart."""
@@ -305,7 +305,7 @@ def _warnings(
     return (sentence,) if error_m[worst] > WARN_ERROR_M else ()
 
 
-def _coverage(message: Oem) -> str:
+def _coverage_text(message: Oem) -> str:
     spans = [
         " to ".join(utc_text(shifted_utc(segment.epoch_utc, t)) for t in segment.useable_s)
         for segment in message.segments

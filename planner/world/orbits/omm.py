@@ -21,7 +21,7 @@ _MINUTES_PER_DAY = 1440.0
 _Elements = Mapping[str, Any]
 
 
-def _form(value: object) -> str:
+def _form_text(value: object) -> str:
     if isinstance(value, Mapping):
         return "object"
     return "list" if isinstance(value, list | tuple) else "text"
@@ -31,7 +31,7 @@ OmmContent = Annotated[
     Annotated[str, Tag("text")]
     | Annotated[_Elements, Tag("object")]
     | Annotated[tuple[_Elements, ...], Tag("list")],
-    Discriminator(_form),
+    Discriminator(_form_text),
 ]
 
 

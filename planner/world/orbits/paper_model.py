@@ -44,7 +44,7 @@ class PaperEphemeris(Ephemeris):
         return OrbitStates(*hermite(self.t_s, self.r_eci_m, self.v_eci_m_s, t_s, nodes=2))
 
     def sigma(self, instants: Instants) -> OrbitSigma:
-        """Of the state at its epoch, grown, and of the paper's force model."""
+        """Errors of the state at its epoch, grown, and of the paper's force model."""
         return state_sigma(self.age_s(instants), paper_model=True)
 
 

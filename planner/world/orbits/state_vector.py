@@ -136,15 +136,15 @@ class StateVectorOrbit(OrbitSource):
         )
 
     def _segments_to(self, span_s: float) -> list[CollocationSegment]:
-        """From the epoch to span_s, either way, in its order; none for span 0."""
+        """Segments from the epoch to span_s, either way, in its order; none for span 0."""
         whole = self._whole_segments[span_s > 0.0]
         step_s = math.copysign(COLLOCATION_OPTIONS.segment_s, span_s)
         count = math.floor(abs(span_s) / COLLOCATION_OPTIONS.segment_s)
         while len(whole) < count:
-            whole.append(_propagate(self, whole, len(whole) * step_s, (len(whole) + 1) * step_s))
+            whole.append(_propagate_on(self, whole, len(whole) * step_s, (len(whole) + 1) * step_s))
         segments = whole[:count]
         if abs(span_s) > count * COLLOCATION_OPTIONS.segment_s:
-            segments.append(_propagate(self, segments, count * step_s, span_s))
+            segments.append(_propagate_on(self, segments, count * step_s, span_s))
         return segments
 
     @cached_property
@@ -173,7 +173,7 @@ class PropagatedEphemeris(Ephemeris):
         return OrbitStates(r_m, v_m_s)
 
     def sigma(self, instants: Instants) -> OrbitSigma:
-        """Of the state at its epoch, grown, and of the full force model."""
+        """Errors of the state at its epoch, grown, and of the full force model."""
         return state_sigma(self.age_s(instants), paper_model=False)
 
 
@@ -216,10 +216,10 @@ def _state_eci(orbit: StateVectorOrbit) -> tuple[Array, Array]:
     return r_eci_m, v_eci_m_s
 
 
-def _propagate(
+def _propagate_on(
     orbit: StateVectorOrbit, before: list[CollocationSegment], start_s: float, stop_s: float
 ) -> CollocationSegment:
-    """On from where the segments `before` it end, or from the epoch, either way."""
+    """Propagate from where the segments `before` it end, or from the epoch, either way."""
     r_m, v_m_s = _state_eci(orbit)
     if before:
         r_m, v_m_s = (end[0] for end in before[-1].at(np.array([start_s])))

@@ -85,7 +85,7 @@ class TleOrbit(OrbitSource):
             )
         _check_elements(self.line1, self.line2)
         try:
-            require_earth_orbit(self._elements())
+            require_earth_orbit(self._sgp4_elements())
         except ValueError as error:
             raise ValueError(f"line2: {error}") from None
 
@@ -105,14 +105,14 @@ class TleOrbit(OrbitSource):
     def ephemeris(self, start_utc: datetime, stop_utc: datetime) -> "TleEphemeris":
         """Raises OutsideCoverage when an instant is 30 days or more from the epoch."""
         return sgp4_ephemeris(
-            self._elements(), self.epoch_utc, start_utc, stop_utc, field=self._field
+            self._sgp4_elements(), self.epoch_utc, start_utc, stop_utc, field=self._field
         )
 
     @property
     def _field(self) -> str:
         return "orbit.line1" if self.content is None else "orbit.content"
 
-    def _elements(self) -> Satrec:
+    def _sgp4_elements(self) -> Satrec:
         return Satrec.twoline2rv(self.line1, self.line2, WGS72)
 
 
@@ -148,7 +148,7 @@ class TleEphemeris(Ephemeris):
         return OrbitStates(*states_m)
 
     def sigma(self, instants: Instants) -> OrbitSigma:
-        """By what of the drag in the elements is wrong."""
+        """Errors by what of the drag in the elements is wrong."""
         return tle_sigma(self.age_s(instants), self.drag_in_a_day_m, self.air_in_a_day_m)
 
 

@@ -25,7 +25,7 @@ _NameOrDefinition = Annotated[
 ]
 
 
-def _platform(choice: str | PlatformDefinition) -> TwoAxisPlatform:
+def _find_platform(choice: str | PlatformDefinition) -> TwoAxisPlatform:
     if isinstance(choice, PlatformDefinition):
         return choice.platform()
     if choice not in PLATFORMS:
@@ -41,7 +41,7 @@ Platform = Annotated[
     TwoAxisPlatform,
     GetPydanticSchema(
         lambda _, handler: core_schema.no_info_after_validator_function(
-            _platform, handler(_NameOrDefinition)
+            _find_platform, handler(_NameOrDefinition)
         )
     ),
     About("A registered name, or a two-axis platform written out in degrees."),

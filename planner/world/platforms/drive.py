@@ -102,7 +102,7 @@ class AxisDrive:
 
     @property
     def gains_per_s(self) -> tuple[float, float, float]:
-        """Of the error's integral (1/s3), the error (1/s2) and its derivative (1/s).
+        """Gains of the error's integral (1/s3), the error (1/s2) and its derivative (1/s).
 
         They put the poles of a lossless axis at the roots of (s^2 + 2 d w s + w^2)(s + i w).
         """
@@ -112,7 +112,7 @@ class AxisDrive:
 
     @property
     def derivative_share(self) -> float:
-        """Of the last filtered derivative in the next."""
+        """Share of the last filtered derivative in the next."""
         return math.exp(-DERIVATIVE_SHARE * self.omega_rad_s * CONTROL_STEP_S)
 
     @property

@@ -49,7 +49,7 @@ class FieldMask:
 
     @property
     def title(self) -> str:
-        """For a sentence."""
+        """The mask's name in a sentence."""
         return f'the mask "{self.name}"'
 
     @cached_property

@@ -10,7 +10,7 @@ from planner.world.platforms.definition import AxisDefinition, PlatformDefinitio
 _TILT_RAD = math.radians(5.0)  # eq. 11: alpha leans 5 deg out of -Y
 
 
-def _axis(name: str, axis_platform: tuple[float, float, float]) -> AxisDefinition:
+def _hrc_axis(name: str, axis_platform: tuple[float, float, float]) -> AxisDefinition:
     return AxisDefinition(
         name=name,
         axis_platform=axis_platform,
@@ -25,8 +25,8 @@ def _axis(name: str, axis_platform: tuple[float, float, float]) -> AxisDefinitio
 
 ISS_HRC = PlatformDefinition(
     name="iss-hrc",
-    outer=_axis("alpha", (0.0, -math.cos(_TILT_RAD), math.sin(_TILT_RAD))),
-    inner=_axis("beta", (1.0, 0.0, 0.0)),
+    outer=_hrc_axis("alpha", (0.0, -math.cos(_TILT_RAD), math.sin(_TILT_RAD))),
+    inner=_hrc_axis("beta", (1.0, 0.0, 0.0)),
     # in torque equilibrium, forward: telemetry of 2018-10-12 (docs/sources.md) has -4.0/-2.2/0.8
     usual_yaw_pitch_roll_deg=(-4.0, -2.0, 1.0),
     park_positions_deg={"zero": {"alpha": 0.0, "beta": 0.0}},  # the index marks; none is published

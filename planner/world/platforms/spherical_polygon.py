@@ -60,12 +60,12 @@ class SphericalPolygon:
         depth = np.empty(len(directions))
         for first in range(0, len(directions), OPTIONS.directions_at_once):
             part = slice(first, first + OPTIONS.directions_at_once)
-            depth[part] = self._nearest(directions[part])[0]
+            depth[part] = self._nearest_side(directions[part])[0]
         return depth
 
     def nearest_boundary(self, directions: Array) -> NearestBoundary:
-        """Of unit vectors (n, 3)."""
-        depth, place, is_corner = self._nearest(directions)
+        """The boundary nearest to unit vectors (n, 3)."""
+        depth, place, is_corner = self._nearest_side(directions)
         normal = self.normals[place]
         foot = unit(directions - np.sum(directions * normal, axis=1, keepdims=True) * normal)
         at = np.where(is_corner[:, None], self.corner_directions[place], foot)
@@ -76,7 +76,7 @@ class SphericalPolygon:
         outward = np.where(is_corner[:, None], along, -normal)
         return NearestBoundary(depth, at, unit(outward))
 
-    def _nearest(self, directions: Array) -> tuple[Array, Indices, Mask]:
+    def _nearest_side(self, directions: Array) -> tuple[Array, Indices, Mask]:
         """Depth, and the nearest side or, where the third says so, the corner it begins with.
 
         A direction whose nearest point is a corner lies inside where the corner is reflex; none
@@ -96,7 +96,7 @@ class SphericalPolygon:
 
 
 def spherical_polygon(corner_directions: Array) -> SphericalPolygon:
-    """From unit vectors (m, 3) in either order, m >= 3; its inside is the smaller side.
+    """Build it from unit vectors (m, 3) in either order, m >= 3; its inside is the smaller side.
 
     Raises ValueError where it is no simple polygon, is anywhere narrower than 0.01 deg, or
     reaches 85 deg from its middle.
@@ -116,9 +116,9 @@ def spherical_polygon(corner_directions: Array) -> SphericalPolygon:
 
 
 def polygon_to_the_left(corner_directions: Array) -> SphericalPolygon:
-    """From the corners of one that is known to be simple, its inside on the left of its sides."""
+    """Build a simple polygon from its corners, its inside on the left of its sides."""
     middle, reach_rad = _smallest_cap(corner_directions)
-    normals = _normals(corner_directions)
+    normals = _side_normals(corner_directions)
     bends = np.sum(np.roll(normals, 1, axis=0) * np.roll(corner_directions, -1, axis=0), axis=1)
     return SphericalPolygon(
         corner_directions=corner_directions,
@@ -135,7 +135,7 @@ def unit(directions: Array) -> Array:
 
 
 def seen_on_plane(corner_directions: Array, middle_direction: Array) -> Array:
-    """From the sphere's centre on a plane across the middle, (m, 2): arcs become straight.
+    """Project from the sphere's centre on a plane across the middle, (m, 2): arcs become straight.
 
     Counter-clockwise is what is so seen from outside the sphere.
     """
@@ -148,7 +148,7 @@ def seen_on_plane(corner_directions: Array, middle_direction: Array) -> Array:
 def _smallest_cap(corner_directions: Array) -> tuple[Array, float]:
     """Middle and radius of the smallest cap that holds the corners: two or three lie on its edge.
 
-    A radius of a quarter turn or more is told as half a turn.
+    A radius of a quarter turn or more is given as half a turn.
     """
     places = range(len(corner_directions))
     first, second = corner_directions[np.array(list(combinations(places, 2))).T]
@@ -175,7 +175,7 @@ def _require_simple(corner_directions: Array) -> None:
                 f"must lie {least_deg:g} deg or more apart, but {k} and {(k + 1) % count} are "
                 f"{math.degrees(apart_rad):.2g} deg apart; leave one of them out"
             )
-    normals = _normals(corner_directions)
+    normals = _side_normals(corner_directions)
     for k, other in combinations(range(count), 2):
         if other - k in (1, count - 1):
             continue
@@ -202,7 +202,7 @@ def _require_simple(corner_directions: Array) -> None:
         )
 
 
-def _normals(corner_directions: Array) -> Array:
+def _side_normals(corner_directions: Array) -> Array:
     return unit(cross(corner_directions, np.roll(corner_directions, -1, axis=0)))
 
 

@@ -118,7 +118,7 @@ class TwoAxisPlatform:
             )
 
     def with_limits(self, axis_limits: tuple[AxisLimits, ...]) -> "TwoAxisPlatform":
-        """The same platform with other limits, in the order of `axis_names`."""
+        """The platform with other limits, in the order of `axis_names`."""
         outer, inner = axis_limits
         return replace(self, outer_limits=outer, inner_limits=inner)
 
@@ -129,7 +129,7 @@ class TwoAxisPlatform:
 
     @property
     def axis_limits(self) -> tuple[AxisLimits, AxisLimits]:
-        """In the order of `axis_names`."""
+        """Limits in the order of `axis_names`."""
         return (self.outer_limits, self.inner_limits)
 
     @property

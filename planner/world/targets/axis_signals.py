@@ -63,7 +63,7 @@ class Sine:
     def motion_deg(self, t_s: Array) -> Array:
         omega = 2.0 * math.pi * self.frequency_hz
         phase = omega * t_s + math.radians(self.phase_deg)
-        motion = self.amplitude_deg * _sine(phase, omega)
+        motion = self.amplitude_deg * _sine_signal(phase, omega)
         motion[0] += self.angle_deg
         return motion
 
@@ -97,17 +97,17 @@ class Chirp:
 
     def motion_deg(self, t_s: Array) -> Array:
         """Before t = 0 at the start frequency; the acceleration steps where the sweep ends."""
-        turns, frequency, sweeping = self._sweep(np.clip(t_s, 0.0, self.sweep_s))
+        turns, frequency, sweeping = self._sweep_phase(np.clip(t_s, 0.0, self.sweep_s))
         still = t_s - np.clip(t_s, 0.0, self.sweep_s)
         phase = 2.0 * math.pi * (turns + frequency * still)
         moving = np.where(still == 0.0, sweeping, 0.0)
-        motion = self.amplitude_deg * _sine(
+        motion = self.amplitude_deg * _sine_signal(
             phase, 2.0 * math.pi * frequency, 2.0 * math.pi * moving
         )
         motion[0] += self.angle_deg
         return motion
 
-    def _sweep(self, t_s: Array) -> tuple[Array, Array, Array]:
+    def _sweep_phase(self, t_s: Array) -> tuple[Array, Array, Array]:
         """Turns since t = 0, frequency (Hz) and its rate (Hz/s) within the sweep."""
         if self.sweep == "linear":
             slope = (self.stop_frequency_hz - self.start_frequency_hz) / self.sweep_s
@@ -236,11 +236,11 @@ class Multisine:
         components = zip(self.amplitudes_deg, self.frequencies_hz, phases, strict=True)
         for amplitude_deg, frequency_hz, phase in components:
             omega = 2.0 * math.pi * frequency_hz
-            motion += amplitude_deg * _sine(omega * t_s + phase, omega)
+            motion += amplitude_deg * _sine_signal(omega * t_s + phase, omega)
         return motion
 
 
-def _sine(
+def _sine_signal(
     phase_rad: Array,
     phase_rate_rad_s: Array | float,
     phase_acceleration_rad_s2: Array | float = 0.0,

@@ -43,7 +43,7 @@ class BodyTarget(SkyTarget):
         return self.name.lower()
 
     def seen_from(self, instants: Instants, r_observer_bary_m: Array) -> tuple[Array, Array]:
-        """From where it was when the light left; see `SkyTarget`."""
+        """Directions from where it was when the light left; see `SkyTarget`."""
         light_time_s = np.zeros(len(instants.t_s))
         for _ in range(LIGHT_TIME_PASSES):
             emitted = Instants(instants.epoch_utc, instants.t_s - light_time_s)

@@ -43,11 +43,11 @@ def deflect(
         earlier_s = np.linalg.norm(now_m, axis=1) / SPEED_OF_LIGHT_M_S
         passed = Instants(instants.epoch_utc, instants.t_s - earlier_s)
         r_from_body_m = r_observer_bary_m - r_body_bary_m(body, passed)
-        direction = _bend(direction, range_m, r_from_body_m, mass, limiter)
-    return _bend(direction, range_m, r_sat_eci_m, _EARTH_SOLAR_MASSES, _EARTH_LIMITER)
+        direction = _bend_light(direction, range_m, r_from_body_m, mass, limiter)
+    return _bend_light(direction, range_m, r_sat_eci_m, _EARTH_SOLAR_MASSES, _EARTH_LIMITER)
 
 
-def _bend(
+def _bend_light(
     direction: Array, range_m: Array, r_from_body_m: Array, mass_ratio: float, limiter_rad2: float
 ) -> Array:
     """mass_ratio: of the body to the Sun.  limiter_rad2: ERFA's."""

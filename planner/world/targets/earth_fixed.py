@@ -55,11 +55,11 @@ class EarthFixedTarget(VisibleTarget):
         """
         c = c_itrf_from_eci(instants)
         r_target_itrf_m = self.r_target_itrf_m(instants)
-        r_target_eci_m = _eci(c, r_target_itrf_m)
+        r_target_eci_m = _to_eci(c, r_target_itrf_m)
         los_eci_m = r_target_eci_m - states.r_sat_eci_m
         range_m = np.linalg.norm(los_eci_m, axis=1)
         latitude_rad, longitude_rad, height_m = geodetic_from_itrf(r_target_itrf_m)
-        up_eci = _eci(c, up_itrf(latitude_rad, longitude_rad))
+        up_eci = _to_eci(c, up_itrf(latitude_rad, longitude_rad))
         sine = -np.sum(los_eci_m * up_eci, axis=1) / range_m
         elevation_rad = np.arcsin(np.clip(sine, -1.0, 1.0))  # overhead it may round to more than 1
 
@@ -72,7 +72,7 @@ class EarthFixedTarget(VisibleTarget):
             light_time_s = np.linalg.norm(los_eci_m, axis=1) / SPEED_OF_LIGHT_M_S
             emitted = Instants(instants.epoch_utc, instants.t_s - light_time_s)
             # Where it was over the Earth then, and the Earth turned back: 3 ms, 1.4 m.
-            r_target_eci_m = _eci(c, self.r_target_itrf_m(emitted))
+            r_target_eci_m = _to_eci(c, self.r_target_itrf_m(emitted))
             turned_m = light_time_s[:, None] * cross(omega_earth_eci_rad_s, r_target_eci_m)
             los_eci_m = r_target_eci_m - turned_m - states.r_sat_eci_m
         seen_eci_m = los_eci_m + raised_eci_m
@@ -93,9 +93,9 @@ class EarthFixedTarget(VisibleTarget):
 
 
 def place_text(latitude_deg: float, longitude_deg: float) -> str:
-    """As maps search for it, to 11 m."""
+    """The place as maps search for it, to 11 m."""
     return f"{latitude_deg:.4f}, {longitude_deg:.4f}"
 
 
-def _eci(c: Array, vector_itrf: Array) -> Array:
+def _to_eci(c: Array, vector_itrf: Array) -> Array:
     return np.asarray(np.einsum("nji,nj->ni", c, vector_itrf))

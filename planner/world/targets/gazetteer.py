@@ -53,11 +53,11 @@ def find_place(asked: str) -> Place:
     Raises ValueError where there is none, with those spelt alike, or more than one, with what
     tells them apart.
     """
-    found = _matching(asked)
+    found = _matching_places(asked)
     if len(found) == 1:
         return found[0]
     if found:
-        shown = [f"{told_apart(one)!r}{_where(one)}" for one in found[:CANDIDATES_SHOWN]]
+        shown = [f"{told_apart(one)!r}{_where_text(one)}" for one in found[:CANDIDATES_SHOWN]]
         more = len(found) - len(shown)
         raise ValueError(
             f"name {asked!r} may be {' or '.join(shown)}{f' or {more} more' if more else ''}; "
@@ -65,7 +65,7 @@ def find_place(asked: str) -> Place:
         )
     name, *rest = asked.split(",")
     same_name = _places_of(key_of(name))
-    alike = same_name if rest and same_name else _alike(key_of(name))
+    alike = same_name if rest and same_name else _alike_places(key_of(name))
     suggested = " or ".join(repr(told_apart(one)) for one in alike[:CANDIDATES_SHOWN])
     raise ValueError(
         f"name {asked!r} is not among the places of {LEAST_PEOPLE:,} people or more known here"
@@ -74,7 +74,7 @@ def find_place(asked: str) -> Place:
     )
 
 
-def _where(place: Place) -> str:
+def _where_text(place: Place) -> str:
     return f" ({place.latitude_deg:.2f}, {place.longitude_deg:.2f})"
 
 
@@ -82,14 +82,14 @@ def told_apart(place: Place) -> str:
     """The shortest name that means this place alone."""
     parts = (place.country,), (place.region, place.country), (str(place.geonames_id),)
     names = [", ".join(filter(None, (place.name, *part))) for part in parts]
-    return next((name for name in names if _matching(name) == [place]), names[-1])
+    return next((name for name in names if _matching_places(name) == [place]), names[-1])
 
 
-def _matching(asked: str) -> list[Place]:
-    """Those whose own name it is first, the most populous first among each."""
+def _matching_places(asked: str) -> list[Place]:
+    """Places whose own name it is first, the most populous first among each."""
     name, *rest = asked.split(",")
     key = key_of(name)
-    wanted = [word for part in rest if (word := _compact(part))]
+    wanted = [word for part in rest if (word := _compact_text(part))]
     found = (
         place for place in _places_of(key) if all(word in _qualifiers(place) for word in wanted)
     )
@@ -107,10 +107,10 @@ def places_named_from(begun: str) -> list[Place]:
         return []
     exact = _numbers_of(key)
     numbers = exact if rest else [*exact, *sorted(_numbers_from(key) - set(exact))]
-    begins = [word for part in rest if (word := _compact(part))]
+    begins = [word for part in rest if (word := _compact_text(part))]
     found = [
         place
-        for place in map(_place, numbers[:_LOOKED_AT])
+        for place in map(_read_place, numbers[:_LOOKED_AT])
         if all(any(one.startswith(word) for one in _qualifiers(place)) for word in begins)
     ]
     return sorted(found, key=lambda place: not key_of(place.name).startswith(key))
@@ -118,45 +118,45 @@ def places_named_from(begun: str) -> list[Place]:
 
 def _numbers_from(key: str) -> set[int]:
     start, stop = _line_from(key), _line_from(key + "\U0010ffff")
-    lines = _keys()[start:stop].decode().splitlines()
+    lines = _read_keys()[start:stop].decode().splitlines()
     return {int(number) for line in lines for number in line.partition("\t")[2].split()}
 
 
 def _qualifiers(place: Place) -> set[str]:
-    country = _countries().get(place.country, "")
+    country = _country_names().get(place.country, "")
     told = (place.country, country, place.region_code, place.region, str(place.geonames_id))
-    return {_compact(word) for word in told}
+    return {_compact_text(word) for word in told}
 
 
-def _compact(text: str) -> str:
+def _compact_text(text: str) -> str:
     """D.C. is DC."""
     return key_of(text).replace(" ", "")
 
 
 def _places_of(key: str) -> list[Place]:
-    return [_place(number) for number in _numbers_of(key)]
+    return [_read_place(number) for number in _numbers_of(key)]
 
 
 def _numbers_of(key: str) -> list[int]:
     start = _line_from(key)
-    line = _keys()[start : _keys().find(b"\n", start)].decode()
+    line = _read_keys()[start : _read_keys().find(b"\n", start)].decode()
     found, _, numbers = line.partition("\t")
     return [int(number) for number in numbers.split()] if found == key else []
 
 
-def _alike(key: str) -> list[Place]:
+def _alike_places(key: str) -> list[Place]:
     """The places of names that begin with the same letter and are most like it."""
     if not key:
         return []
     start, stop = _line_from(key[0]), _line_from(key[0] + "\U0010ffff")
-    lines = _keys()[start:stop].decode().splitlines()
+    lines = _read_keys()[start:stop].decode().splitlines()
     near = nearest_keys(key, (line.partition("\t")[0] for line in lines))
     return list({place.geonames_id: place for one in near for place in _places_of(one)}.values())
 
 
 def _line_from(key: str) -> int:
     """Where the line of the first key that isn't less than this begins."""
-    keys, wanted = _keys(), key.encode()
+    keys, wanted = _read_keys(), key.encode()
 
     def key_at(byte: int) -> bytes:
         start = keys.rfind(b"\n", 0, byte) + 1
@@ -167,18 +167,18 @@ def _line_from(key: str) -> int:
 
 
 @cache
-def _file() -> tuple[list[str], bytes]:
+def _read_file() -> tuple[list[str], bytes]:
     text = lzma.decompress((_DATA / "cities.tsv.xz").read_bytes())
     places, _, keys = text.partition(b"\n\n")
     return places.decode().split("\n"), keys
 
 
-def _keys() -> bytes:
-    return _file()[1]
+def _read_keys() -> bytes:
+    return _read_file()[1]
 
 
-def _place(number: int) -> Place:
-    name, code, region, country, geonames_id, *numbers = _file()[0][number].split("\t")
+def _read_place(number: int) -> Place:
+    name, code, region, country, geonames_id, *numbers = _read_file()[0][number].split("\t")
     latitude_deg, longitude_deg, height_m = map(float, numbers)
     return Place(
         name=name,
@@ -193,7 +193,7 @@ def _place(number: int) -> Place:
 
 
 @cache
-def _countries() -> dict[str, str]:
+def _country_names() -> dict[str, str]:
     return dict(_country_rows())
 
 

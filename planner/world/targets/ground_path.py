@@ -96,7 +96,7 @@ class GroundPathTarget(TimedTarget, EarthFixedTarget):
 
     @property
     def duration_s(self) -> float:
-        """From the first point to the last."""
+        """Seconds from the first point to the last."""
         return float(self._legs.passing_s[-1])
 
     def require_known(self, name: str, start_utc: datetime, stop_utc: datetime) -> None:
@@ -125,7 +125,7 @@ class GroundPathTarget(TimedTarget, EarthFixedTarget):
             since_s = (t_s[here] - legs.passing_s[node])[:, None]
             turn_m_s = legs.leaving_m_s[node] - legs.arriving_m_s[node]
             offset_m = legs.arriving_m_s[node] * since_s + turn_m_s * ramp(since_s, self.corner_s)
-            r_itrf_m[here] = _near(self.points[node], offset_m)
+            r_itrf_m[here] = _itrf_near(self.points[node], offset_m)
         return r_itrf_m
 
     @cached_property
@@ -133,8 +133,8 @@ class GroundPathTarget(TimedTarget, EarthFixedTarget):
         leaving, arriving, lasting_s = [], [], []
         for leg, (a, b) in enumerate(zip(self.points[:-1], self.points[1:], strict=True)):
             try:
-                forth, distance_m = _between(a, b)
-                back, _ = _between(b, a)
+                forth, distance_m = _azimuth_between(a, b)
+                back, _ = _azimuth_between(b, a)
             except ValueError as error:
                 raise ValueError(f"points.{leg + 1} can't follow points.{leg}: {error}") from None
             if distance_m == 0.0:
@@ -152,7 +152,7 @@ class GroundPathTarget(TimedTarget, EarthFixedTarget):
         )
 
 
-def _between(a: PathPoint, b: PathPoint) -> tuple[float, float]:
+def _azimuth_between(a: PathPoint, b: PathPoint) -> tuple[float, float]:
     """Azimuth at a (rad) and distance (m)."""
     return geodesic_between(
         *(
@@ -162,7 +162,7 @@ def _between(a: PathPoint, b: PathPoint) -> tuple[float, float]:
     )
 
 
-def _near(point: PathPoint, offset_m: Array) -> Array:
+def _itrf_near(point: PathPoint, offset_m: Array) -> Array:
     """ITRF positions (n, 3) at offsets east, north and up measured along geodesics."""
     latitude_rad, longitude_rad = geodesic_end(
         math.radians(point.latitude_deg),

@@ -78,10 +78,10 @@ class KeepOut:
         n = len(instants.t_s)
         always = np.full(n, math.pi)
         if self.direction_platform is not None:
-            return np.tile(_unit(self.direction_platform), (n, 1)), always
+            return np.tile(_unit_vector(self.direction_platform), (n, 1)), always
         if self.direction_lvlh is not None:
             q_lvlh = q_lvlh_from_eci(states.r_sat_eci_m, states.v_sat_eci_m_s)
-            axis_eci = q_lvlh.inv().apply(_unit(self.direction_lvlh))
+            axis_eci = q_lvlh.inv().apply(_unit_vector(self.direction_lvlh))
         elif self.body is not None:
             seen = BodyTarget(name=self.body, grazing_altitude_km=0.0).apparent(instants, states)
             axis_eci, always = seen.direction_eci, seen.clearance_rad + HIDDEN_RAD
@@ -91,7 +91,7 @@ class KeepOut:
         return np.asarray(q_platform_from_eci.apply(axis_eci)), always
 
 
-def _unit(vector: Vector3) -> Array:
+def _unit_vector(vector: Vector3) -> Array:
     return np.asarray(vector) / math.hypot(*vector)
 
 

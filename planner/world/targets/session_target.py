@@ -24,11 +24,11 @@ class SessionTarget:
         return self.mode
 
     def starting(self, start_utc: datetime) -> Self:
-        """The same in a session that starts then."""
+        """The target in a session that starts then."""
         return self
 
     def unbound(self, start_utc: datetime) -> Self:
-        """As it was asked for before a session that starts then bound it."""
+        """The target as it was asked for before a session that starts then bound it."""
         return self
 
     def require_known(self, name: str, start_utc: datetime, stop_utc: datetime) -> None:
@@ -46,7 +46,7 @@ class TimedTarget(SessionTarget):
     start: datetime | None
 
     def starting(self, start_utc: datetime) -> Self:
-        """With the same timetable, from start_utc on unless it says when itself."""
+        """The target with its timetable, from start_utc on unless it says when itself."""
         return self if self.start is not None else self._with_start(start_utc)
 
     def unbound(self, start_utc: datetime) -> Self:

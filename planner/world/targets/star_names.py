@@ -11,10 +11,10 @@ _NAMES = Path(__file__).parent / "data" / "star_names.csv"
 
 def hipparcos_number(name: str) -> int:
     """Raises ValueError with the names most like it."""
-    known = _numbers()
+    known = _star_numbers()
     found = known.get(key_of(name))
     if found is None:
-        alike = [_spelling()[key] for key in nearest_keys(key_of(name), known)]
+        alike = [_star_spellings()[key] for key in nearest_keys(key_of(name), known)]
         raise ValueError(
             f"name {name!r} is none of the {len(known)} star names known here"
             + (f" (do you mean {' or '.join(alike)}?)" if alike else "")
@@ -24,12 +24,12 @@ def hipparcos_number(name: str) -> int:
 
 
 @cache
-def _numbers() -> dict[str, int]:
+def _star_numbers() -> dict[str, int]:
     return {key_of(name): number for name, number in star_names()}
 
 
 @cache
-def _spelling() -> dict[str, str]:
+def _star_spellings() -> dict[str, str]:
     return {key_of(name): name for name, _ in star_names()}
 
 
