@@ -10,7 +10,7 @@ from app.answers.job import JobResponse, job_out, page
 from app.answers.members import BUILT_ON_FIRST_USE, fill, from_store, to_json
 from app.answers.problem import Problem
 from app.answers.ranges import Count, NotNegative, Share
-from app.store.ids import JobState
+from app.ids import JobState
 from planner.base.assumed import Assumed
 from planner.planning.campaigns.chosen import ChosenLook, UnchosenTarget, Unseen
 

@@ -10,7 +10,7 @@ from typing import Annotated, Any, TypeVar, cast
 import numpy as np
 from pydantic import ConfigDict, Field, TypeAdapter
 
-from app.store.ids import JobState, new_id
+from app.ids import JobState, new_id
 from app.versions import versions
 from planner.base.arrays import Array
 from planner.world.frames.time_scales import utc_text
@@ -54,7 +54,7 @@ def _member(name: str, values: tuple[object, ...], decimals: int | None) -> obje
 def to_json(answer: object) -> bytes:
     """UTF-8, by the members as the answer's class declares them."""
     kind: type = type(answer)
-    return _adapter(kind).dump_json(answer, by_alias=True)
+    return _adapter(kind).dump_json(answer, by_alias=True, warnings="error")
 
 
 def from_store(kind: type[Answer], members: object) -> Answer:

@@ -18,7 +18,7 @@ from app.answers.ranges import (
     Signed,
 )
 from app.answers.target_sky import PlaceOut, TargetSkyOut, places_out, skies_out
-from app.store.ids import new_id
+from app.ids import new_id
 from planner.base.arrays import Array
 from planner.base.assumed import Assumed
 from planner.planning.opportunities import Opportunities, Sightings

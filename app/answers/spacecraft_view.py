@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 
 from app.answers.members import BUILT_ON_FIRST_USE, degrees, to_json
+from planner.base.answer_members import Count, Member, NotNegative, Times, answer
 from planner.base.arrays import Array
-from planner.base.told import Count, NotNegative, Times, Told, told
 from planner.output.view.columns import BodyTrack, CarrierTrack
 from planner.spacecraft.export.map import asked_rad
 from planner.spacecraft.table import TICK_S
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
     from planner.spacecraft.view import SessionView
 
 
-_Latitudes = Annotated[Array, Told("deg", -90.0, 90.0, decimals=6)]
-_Longitudes = Annotated[Array, Told("deg", -180.0, 180.0, decimals=6)]
-_Vectors = Annotated[Array, Told("deg", decimals=9, axes=2)]
+_Latitudes = Annotated[Array, Member("deg", -90.0, 90.0, decimals=6)]
+_Longitudes = Annotated[Array, Member("deg", -180.0, 180.0, decimals=6)]
+_Vectors = Annotated[Array, Member("deg", decimals=9, axes=2)]
 
 
-@told
+@answer
 class SwathOut:
     """The ground imaged in one window: the ring around it, its places in order.
 
@@ -44,7 +44,7 @@ class SwathOut:
     longitude_rad: _Longitudes
 
 
-@told
+@answer
 class AskedPlacesOut:
     """One request: the places of its line, or around its polygon.
 
@@ -79,7 +79,7 @@ class SessionLimitsOut:
     momentum_sphere_n_m_s: NotNegative
 
 
-@told
+@answer
 class SpacecraftViewResponse:
     """The view of an imaging session as columns, with a value for each row shown.
 
@@ -117,7 +117,7 @@ class SpacecraftViewResponse:
     alpha_body_rad_s2: _Vectors
     gimbal_rad: _Vectors
     gimbal_rate_rad_s: _Vectors
-    momentum_n_m_s: Annotated[Array, Told(decimals=6, axes=2)]
+    momentum_n_m_s: Annotated[Array, Member(decimals=6, axes=2)]
     limits: SessionLimitsOut
     carrier: CarrierTrack
     line: LineTrace

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from app.answers.members import BUILT_ON_FIRST_USE, degrees, to_json
 from app.answers.opportunities import WindowOut, windows_out
 from app.answers.ranges import Count, NotNegative, Signed
-from planner.base.told import told
+from planner.base.answer_members import answer
 from planner.motion.pointing.angles import keyholes_rad
 from planner.output.view.columns import (
     AxisMotion,
@@ -46,7 +46,7 @@ class AxisBoundsOut:
     jerk_max_deg_s3: NotNegative
 
 
-@told
+@answer
 class ViewedTarget(TargetTrack):
     """One session's target over the whole table; null where a number has no meaning.
 

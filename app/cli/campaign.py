@@ -22,9 +22,9 @@ from app.cli.report_parts import (
     report_console,
 )
 from app.work.result import Part, Result
+from planner.base.answer_members import member_names
 from planner.base.csv_cells import csv_lines
 from planner.base.errors import Refusal
-from planner.base.told import told_names
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -153,7 +153,7 @@ def campaign_csv(passes: list[PlannedPass]) -> str:
     """One line per look of the plans made."""
     from planner.planning.campaigns.chosen import ChosenLook
 
-    names = [*told_names(ChosenLook).values()]
+    names = [*member_names(ChosenLook).values()]
     rows = (
         [one.part.facts["pass"], *(look[name] for name in names)]
         for one in passes

@@ -111,7 +111,7 @@ def problem_to(path: Path | None) -> Iterator[None]:
 def _problem(refusal: Refusal) -> dict[str, Any]:
     """Its members, a service's own where one refused it."""
     from app.answers.problem import problem_of
-    from app.store.ids import new_id
+    from app.ids import new_id
 
     there = getattr(refusal, "problem", None)
     if there is not None:

@@ -77,8 +77,8 @@ class Local:
         """The id of a plan that its whole answer tells; raises InvalidRequest for another text."""
         import numpy as np
 
+        from app.ids import new_id
         from app.requests.plan import read_plan_request
-        from app.store.ids import new_id
         from app.work.plan import stored_plan
         from planner.world.frames.time_scales import utc_text
 

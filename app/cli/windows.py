@@ -52,7 +52,7 @@ def windows(
 
         from app.answers.members import provenance
         from app.answers.opportunities import whole_opportunities
-        from app.store.ids import new_id
+        from app.ids import new_id
         from app.work.campaign import answer_opportunities
 
         with reported_work("searching"):

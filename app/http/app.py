@@ -42,13 +42,13 @@ from app.http.routes import (
     telemetry,
 )
 from app.http.view_cache import ViewCache
+from app.ids import JobState
 from app.jobs.dispatcher import Dispatcher
 from app.jobs.executors import LocalExecutor, SolveExecutor
 from app.jobs.worker_process import spare_children, start_server
 from app.settings import Settings, settings_of_environment
 from app.store import jobs
 from app.store.database import Database, open_database
-from app.store.ids import JobState
 from app.store.keys import KeyStore
 from app.store.migrate import upgrade
 from app.versions import VERSION

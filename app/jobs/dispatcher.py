@@ -16,6 +16,7 @@ from threading import Event, Lock, Thread
 from sqlalchemy import Connection
 from sqlalchemy.exc import IntegrityError, SQLAlchemyError
 
+from app.ids import OPEN_STATES, JobState
 from app.jobs.child import Bounds
 from app.jobs.executors import SolveExecutor, Task
 from app.jobs.job_completion import Settled, give_up, settle, take_up_again
@@ -26,7 +27,6 @@ from app.log.logs import log
 from app.settings import Settings
 from app.store import audit, events, jobs
 from app.store.database import Database
-from app.store.ids import OPEN_STATES, JobState
 from app.store.jobs import Claim, Job, NewJob
 from app.store.unavailable import StoreUnavailable
 from app.work.progress import Progress

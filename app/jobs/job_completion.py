@@ -8,12 +8,12 @@ from typing import Any, NamedTuple
 from sqlalchemy import Connection
 
 from app.answers.problem import bug, problem_of
+from app.ids import JobState, new_id
 from app.jobs.kinds import JobKind
 from app.jobs.refusals import Interrupted
 from app.jobs.worker_process import ChildFailed, Stopped
 from app.log.logs import log
 from app.store import jobs, results
-from app.store.ids import JobState, new_id
 from app.store.jobs import Job, NewJob
 from app.store.listing import Listing
 from app.store.plans import StoredPlan, plan_of

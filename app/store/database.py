@@ -25,6 +25,7 @@ from sqlalchemy.engine.interfaces import DBAPIConnection
 from sqlalchemy.exc import ArgumentError, SQLAlchemyError
 from sqlalchemy.pool import ConnectionPoolEntry
 
+from app.ids import new_id
 from app.log.logs import log
 from app.store.failures import (
     is_damage,
@@ -32,7 +33,6 @@ from app.store.failures import (
     keeps_all_waiting,
     may_leave_stale_pages,
 )
-from app.store.ids import new_id
 from app.store.models import ProbeRow
 from app.store.sqlite_write_lock import PATIENCE_S, Outage, WriteLock
 from app.store.unavailable import StoreDamaged, StoreUnavailable

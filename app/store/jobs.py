@@ -29,9 +29,9 @@ from sqlalchemy import (
 )
 from sqlalchemy.orm import aliased
 
+from app.ids import OPEN_STATES, JobState
 from app.store import events
 from app.store.columns import database_now_s
-from app.store.ids import OPEN_STATES, JobState
 from app.store.list_filter import EVERY_ROW, ListFilter
 from app.store.listing import Listing
 from app.store.models import JobRow

@@ -6,7 +6,7 @@ from datetime import datetime
 
 from sqlalchemy import ColumnElement
 
-from app.store.ids import JobState
+from app.ids import JobState
 from app.store.listing import folded
 from app.store.models import JobRow
 

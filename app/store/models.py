@@ -14,8 +14,8 @@ from sqlalchemy import (
 )
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 
+from app.ids import STATES, JobState
 from app.store.columns import PlainString, PlainText, UtcDateTime
-from app.store.ids import STATES, JobState
 
 _STATES = ", ".join(f"'{state}'" for state in STATES)
 _ID = PlainString(36)

@@ -11,9 +11,9 @@ from typing import Annotated
 
 import numpy as np
 
+from planner.base.answer_members import HalfTurn, Internal, Member, NotNegative, Signed, answer
 from planner.base.arrays import Array
 from planner.base.commands import ROWS_PER_S
-from planner.base.told import HalfTurn, NotNegative, Signed, Told, Untold, told
 from planner.spacecraft.requests import (
     AreaRequest,
     ImagingPlanRequest,
@@ -57,7 +57,7 @@ INNER = slice(2, -2)  # without the ends, where differences are one-sided
 OPTICAL_AXIS_BODY = (0.0, -1.0, 0.0)
 
 
-@told
+@answer
 class VerifiedWindow(ImagingWindow):
     """One stretch with the camera on, as the judge finds it on the ground.
 
@@ -83,15 +83,15 @@ class VerifiedWindow(ImagingWindow):
     miss_m: NotNegative
     along_deg: Signed
     across_deg: Signed
-    line_time_s: Untold[float]  # one pixel at nadir resolution over the speed
+    line_time_s: Internal[float]  # one pixel at nadir resolution over the speed
 
 
-@told
+@answer
 class TableExtremes:
     """Extremes of a table, between rows too."""
 
-    rate_max_deg_s: Annotated[Array, Told(least=0.0)]
-    rate_magnitude_deg_s: Untold[float]
+    rate_max_deg_s: Annotated[Array, Member(least=0.0)]
+    rate_magnitude_deg_s: Internal[float]
     torque_max_n_m: NotNegative
     momentum_max_n_m_s: NotNegative
     gimbal_rate_max_deg_s: NotNegative
@@ -99,7 +99,7 @@ class TableExtremes:
     momentum_mismatch_n_m_s: NotNegative
 
 
-@told
+@answer
 class SpacecraftVerification(TableExtremes):
     """The verdict of a judge that sees the table and the request only; extremes between rows.
 
@@ -118,7 +118,7 @@ class SpacecraftVerification(TableExtremes):
 
     passed: bool
     findings: tuple[str, ...]
-    windows: Untold[tuple[VerifiedWindow, ...]]  # answers have them beside the verdict
+    windows: Internal[tuple[VerifiedWindow, ...]]  # answers have them beside the verdict
 
 
 def verify_table(table: AttitudeTable, request: ImagingPlanRequest) -> SpacecraftVerification:

@@ -6,8 +6,8 @@ from typing import Annotated
 
 import numpy as np
 
+from planner.base.answer_members import Latitudes, Lengths, Longitudes, Member, answer
 from planner.base.arrays import Array, Indices
-from planner.base.told import Latitudes, Lengths, Longitudes, Told, told
 from planner.output.view.carrier import body_track, carrier_track
 from planner.output.view.columns import BodyTrack, CarrierTrack
 from planner.output.view.rows import view_rows
@@ -20,11 +20,11 @@ from planner.world.frames.geodesy import geodetic_from_itrf, up_itrf
 NO_WINDOW = -1
 
 
-_HalfTurns = Annotated[Array, Told("deg", 0.0, 180.0, decimals=6)]
-_Angles = Annotated[Array, Told("deg", decimals=6)]
+_HalfTurns = Annotated[Array, Member("deg", 0.0, 180.0, decimals=6)]
+_Angles = Annotated[Array, Member("deg", decimals=6)]
 
 
-@told
+@answer
 class LineTrace:
     """Direction and footprint of the camera; null where a ray passes the Earth by.
 

@@ -3,17 +3,17 @@
 from datetime import datetime
 from typing import Literal
 
-from planner.base.told import (
+from planner.base.answer_members import (
     Angle,
     Arcsec,
     Count,
     Elevation,
     HalfTurn,
+    Internal,
     Km,
     NotNegative,
     Text,
-    Untold,
-    told,
+    answer,
 )
 from planner.world.frames.time_scales import Utc
 
@@ -45,7 +45,7 @@ _UNITS: dict[Limit, str] = {
 }
 
 
-@told
+@answer
 class Finding:
     """One thing the verification found wrong or worth knowing.
 
@@ -60,12 +60,12 @@ class Finding:
     severity: Literal["error", "warning"] = "error"
     limit: Limit
     axis: str | None = None
-    t_s: Untold[float | None] = None  # since the table's epoch
+    t_s: Internal[float | None] = None  # since the table's epoch
     at_utc: Utc | None = None  # the worst instant for limits, the first for structural faults
     detail: str
 
 
-@told
+@answer
 class LimitMargin:
     """The closest an axis comes to a limit, anywhere on or between rows.
 
@@ -77,8 +77,8 @@ class LimitMargin:
     at_utc: the same instant; UTC.
     """
 
-    axis: Untold[str]
-    kind: Untold[Limit]
+    axis: Internal[str]
+    kind: Internal[Limit]
     # Here in rad, rad/s, rad/s2 or rad/s3 by the kind; the limit on the magnitude, but for stops.
     # An acceleration's jump is its step from one cell to the next (from the initial acceleration at
     # row 0), bounded by what a plan within the jerk limit can show.
@@ -93,7 +93,7 @@ class LimitMargin:
         return _UNITS[self.kind]
 
 
-@told
+@answer
 class KeepOutMargin:
     """The least angle between the boresight and the axis of one cone of `slew.keep_out`.
 
@@ -112,7 +112,7 @@ class KeepOutMargin:
     about: str
     half_angle_rad: HalfTurn
     away_min_rad: HalfTurn | None
-    t_s: Untold[float | None]
+    t_s: Internal[float | None]
     at_utc: Utc | None
 
     @property
@@ -120,7 +120,7 @@ class KeepOutMargin:
         return None if self.away_min_rad is None else self.away_min_rad - self.half_angle_rad
 
 
-@told
+@answer
 class MaskMargin:
     """The least angle between the boresight and one of the platform's `masks`.
 
@@ -137,7 +137,7 @@ class MaskMargin:
     name: str
     asked_rad: HalfTurn
     away_min_rad: Angle
-    t_s: Untold[float]
+    t_s: Internal[float]
     at_utc: Utc
 
     @property
@@ -145,7 +145,7 @@ class MaskMargin:
         return self.away_min_rad - self.asked_rad
 
 
-@told
+@answer
 class SlowStretch:
     """An axis commanded below its least smooth drive rate, where friction may shake it.
 
@@ -155,13 +155,13 @@ class SlowStretch:
     """
 
     axis: str
-    start_s: Untold[float]
-    stop_s: Untold[float]
+    start_s: Internal[float]
+    stop_s: Internal[float]
     start_utc: Utc
     stop_utc: Utc
 
 
-@told
+@answer
 class OffTarget:
     """A stretch over which the boresight is more than 0.1 arcsec off the target.
 
@@ -175,7 +175,7 @@ class OffTarget:
     max_rad: Arcsec
 
 
-@told
+@answer
 class SessionReport:
     """The pointing errors of one session, by the independent verification.
 
@@ -213,7 +213,7 @@ class SessionReport:
     start_utc: Utc  # the row at or before its start
     stop_utc: Utc  # the row at or after its stop
     max_rad: Arcsec
-    max_t_s: Untold[float]
+    max_t_s: Internal[float]
     max_at_utc: Utc
     rms_rad: Arcsec
     rows_max_rad: Arcsec
@@ -223,9 +223,9 @@ class SessionReport:
     ground_max_m: NotNegative | None = None  # the miss carried along the line of sight
     across_max_m: NotNegative | None = None
     elevation_min_rad: Elevation | None = None
-    elevation_min_utc: Untold[datetime | None] = None
-    elevation_max_rad: Untold[float | None] = None
-    elevation_max_utc: Untold[datetime | None] = None
+    elevation_min_utc: Internal[datetime | None] = None
+    elevation_max_rad: Internal[float | None] = None
+    elevation_max_utc: Internal[datetime | None] = None
     range_min_m: Km | None = None  # of a target in the sky, too
     closest_at_utc: Utc | None = None
     range_max_m: Km | None = None
@@ -238,7 +238,7 @@ class SessionReport:
     slow_stretches: tuple[SlowStretch, ...]  # in order of axis, then of time
 
 
-@told
+@answer
 class VerificationReport:
     """The verdict of a judge that shares no code with the planner's geometry and solver.
 
@@ -256,8 +256,8 @@ class VerificationReport:
     # known; the judge reads them by itself.
     taken_as_given: tuple[Given, ...]
     # Answers have the rest beside the verdict; empty when the table is too broken to fly.
-    sessions: Untold[tuple[SessionReport, ...]]
-    limits: Untold[tuple[LimitMargin, ...]]
-    keep_out: Untold[tuple[KeepOutMargin, ...]] = ()
-    masks: Untold[tuple[MaskMargin, ...]] = ()
-    slow_stretches: Untold[tuple[SlowStretch, ...]] = ()  # outside of sessions, by axis, by time
+    sessions: Internal[tuple[SessionReport, ...]]
+    limits: Internal[tuple[LimitMargin, ...]]
+    keep_out: Internal[tuple[KeepOutMargin, ...]] = ()
+    masks: Internal[tuple[MaskMargin, ...]] = ()
+    slow_stretches: Internal[tuple[SlowStretch, ...]] = ()  # outside of sessions, by axis, by time

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Literal, get_args
 
+from planner.base.answer_members import Count, answer
 from planner.base.commands import CommandTable
-from planner.base.told import Count, told
 from planner.world.frames.time_scales import RowUtc
 from planner.world.scenario import Scenario
 
@@ -12,7 +12,7 @@ SegmentKind = Literal["wait", "slew", "track", "brake"]
 KINDS: tuple[SegmentKind, ...] = get_args(SegmentKind)
 
 
-@told
+@answer
 class Segment:
     """A stretch of the table.
 

@@ -20,9 +20,9 @@ from child_work import (
 )
 from distributed import get_worker
 
+from app.ids import new_id
 from app.jobs.child import Bounds
 from app.jobs.kinds import JobKind
-from app.store.ids import new_id
 from app.store.jobs import NewJob
 
 

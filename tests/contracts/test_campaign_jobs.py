@@ -10,11 +10,11 @@ from child_work import made
 from databases import fresh_database
 
 from app.answers.campaign import campaign_json
+from app.ids import new_id
 from app.jobs.job_completion import settle
 from app.jobs.kinds import CAMPAIGN, JOB_KINDS, PLAN
 from app.requests.examples import CAMPAIGN_EXAMPLES
 from app.store import events, jobs, plans
-from app.store.ids import new_id
 from app.store.jobs import NewJob
 from app.work.campaign import choose, without_refused
 from app.work.plan import plan_and_pack

@@ -21,8 +21,8 @@ from app.requests.examples import OPPORTUNITY_EXAMPLES, SPACECRAFT_EXAMPLES
 from app.requests.opportunities import read_opportunity_request
 from app.requests.spacecraft import read_spacecraft_request
 from app.work.searches import CSV, windows_in_form
+from planner.base.answer_members import member_names
 from planner.base.csv_cells import comment_lines, csv_lines
-from planner.base.told import told_names
 from planner.output.export import EXPORTERS
 from planner.planning.campaigns.chosen import ChosenLook
 from planner.planning.opportunities import find_opportunities
@@ -88,7 +88,7 @@ def search_csv(text):
 
 
 def looks_csv(text):
-    look = dict.fromkeys(told_names(ChosenLook).values(), -0.5)
+    look = dict.fromkeys(member_names(ChosenLook).values(), -0.5)
     facts = {"pass": 0, "looks": [look | {"target": text}]}
     return campaign_csv([PlannedPass(part=SimpleNamespace(facts=facts), plan=True, refusal=None)])
 

@@ -10,8 +10,8 @@ from databases import own_settings
 from fastapi.testclient import TestClient
 
 from app.http.app import create_app
+from app.ids import new_id
 from app.requests.examples import OPPORTUNITY_EXAMPLES
-from app.store.ids import new_id
 from app.store.searches import PAGE_WINDOWS
 
 CITIES = OPPORTUNITY_EXAMPLES["cities"][1] | {"name": "Cities by day"}

@@ -9,8 +9,8 @@ from databases import own_settings
 from waiting import PatientClient, eventually
 
 from app.http.app import create_app
+from app.ids import new_id
 from app.requests.examples import LAS_VEGAS
-from app.store.ids import new_id
 
 PATHS = api_document()["paths"]
 NO_PLAN = new_id()

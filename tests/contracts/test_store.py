@@ -20,11 +20,11 @@ from job_cases import new_job
 from sqlalchemy import String, Text, select, text, update
 from sqlalchemy.exc import DatabaseError
 
+from app.ids import is_id, new_id
 from app.jobs.job_completion import settle
 from app.store import audit, events, jobs, migrate, models, plans, results
 from app.store.columns import PlainString
 from app.store.database import open_database
-from app.store.ids import is_id, new_id
 from app.store.keys import KeyStore
 from app.store.list_filter import ListFilter
 from app.store.migrate import open_migrated, upgrade

@@ -21,6 +21,7 @@ from app.http.app import create_app
 from app.http.negotiation import EVENT_STREAM, JSON
 from app.http.openapi.schema import ANSWERS
 from app.http.routes import job_routes
+from app.ids import new_id
 from app.jobs.kinds import JOB_KINDS
 from app.requests.examples import (
     CAMPAIGN_EXAMPLES,
@@ -36,7 +37,6 @@ from app.requests.examples import (
 )
 from app.settings import Settings
 from app.store import jobs
-from app.store.ids import new_id
 from app.store.jobs import NewJob
 from app.work.searches import CSV, GEOJSON
 from planner.output.export import EXPORTERS

@@ -17,9 +17,9 @@ from live_service import children_of, live_service
 from sqlalchemy import func, select
 from waiting import PATIENCE_S, alive, eventually
 
+from app.ids import OPEN_STATES
 from app.requests.examples import LAS_VEGAS
 from app.store import events, jobs
-from app.store.ids import OPEN_STATES
 from app.store.models import EventRow, JobRow, ResultRow
 
 ROUNDS = int(os.environ.get("SLEWTRACK_CRASH_ROUNDS", "2"))

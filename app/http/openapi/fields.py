@@ -4,7 +4,7 @@ A field is told beside it, in its class's docstring: `name: text.`, at the start
 after two spaces, up to the next such entry or an empty line; `one, other: text.` for several.
 A unit that the name doesn't end in stands at the end, in brackets; an example that no worked
 request or answer holds as "E.g. `JSON`.".
-A field that is told under another name (`planner/base/told.py`) has its own name there.
+A field that is told under another name (`planner/base/answer_members.py`) has its own name there.
 Fields that many classes share say it in their type (`About`); a field that is a whole object
 needs no text where the object's class says what it is.
 """
@@ -18,8 +18,8 @@ from typing import Any, get_args, get_type_hints
 
 from pydantic import BaseModel
 
+from planner.base.answer_members import member_names
 from planner.base.spec import About
-from planner.base.told import told_names
 
 Schema = dict[str, Any]
 
@@ -94,7 +94,7 @@ def class_text(kind: type) -> str:
 
 def _names(kind: type) -> dict[str, str]:
     """Of its members, by those of its fields and of properties that are told."""
-    return {name: name for name in get_type_hints(kind)} | told_names(kind)
+    return {name: name for name in get_type_hints(kind)} | member_names(kind)
 
 
 def unit_of(name: str) -> str:

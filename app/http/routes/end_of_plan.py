@@ -2,6 +2,7 @@
 
 import json
 
+from app.ids import is_id
 from app.jobs.kinds import PLAN
 from app.jobs.refusals import Conflict
 from app.requests.json_reader import json_document
@@ -9,7 +10,6 @@ from app.requests.plain_text import require_plain
 from app.requests.plan import read_plan_request
 from app.store import jobs, plans
 from app.store.database import Database
-from app.store.ids import is_id
 from app.work.plan import end_of_table
 from planner.base.errors import InvalidInput
 from planner.world.frames.time_scales import elapsed_s, utc_text

@@ -27,12 +27,12 @@ from app.http.problems import problem_answer
 from app.http.routes.parameters import ListQuery, PathId, last_event_id, read_query
 from app.http.routes.resources import JobResource
 from app.http.waiting import Patience, patience, wait_for_end
+from app.ids import new_id
 from app.jobs.dispatcher import Dispatcher
 from app.jobs.kinds import JOB_KINDS
 from app.jobs.refusals import Conflict, KeyReused
 from app.store import audit, jobs
 from app.store.database import Database
-from app.store.ids import new_id
 from app.store.jobs import Job, NewJob
 from app.versions import VERSION
 

@@ -7,7 +7,7 @@ from fastapi import Depends, Header, Path, Query
 from pydantic import AfterValidator, Field, create_model
 
 from app.http.query import Parameters
-from app.store.ids import JobState, is_id
+from app.ids import JobState, is_id
 from app.store.list_filter import ListFilter
 from planner.base.errors import InvalidInput
 from planner.world.frames.time_scales import utc_from_text

@@ -22,13 +22,13 @@ from app.http.negotiation import (
 )
 from app.http.openapi.schema import REF, form_body_of, json_body_of
 from app.http.routes.parameters import TableQuery, read_query, with_formats
+from app.ids import is_id
 from app.jobs.child import Bounds
 from app.jobs.kinds import PLAN, SPACECRAFT_PLAN
 from app.jobs.refusals import Conflict
 from app.requests.examples import COMPARISON_EXAMPLES
 from app.requests.telemetry import read_comparison_head, read_comparison_request
 from app.store import jobs, plans
-from app.store.ids import is_id
 from app.store.plans import StoredPlan
 from app.work.telemetry import PICTURES, SentTelemetry, compare_stored
 from planner.base.errors import InvalidInput

@@ -5,17 +5,17 @@ from typing import Annotated
 
 import numpy as np
 
+from planner.base.answer_members import Member, answer
 from planner.base.arrays import Array
-from planner.base.told import Told, told
 from planner.inflight.flights.draws import CAUSES
 from planner.inflight.flights.outcomes import RunOutcomes
 
 _LEAST = 1e-12  # of a variance: below, nothing varies
-_Size = Annotated[float, Told("", 0.0, decimals=6)]
-_Rounded = Annotated[float, Told(decimals=6)]
+_Size = Annotated[float, Member("", 0.0, decimals=6)]
+_Rounded = Annotated[float, Member(decimals=6)]
 
 
-@told
+@answer
 class Contributor:
     """One cause's part in what varies from run to run: Sobol's indices.
 

@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated
 
+from planner.base.answer_members import Count, Internal, Member, NotNegative, answer
 from planner.base.arrays import Array, Mask
-from planner.base.told import Count, NotNegative, Told, Untold, told
 
-_NotNegatives = Annotated[Array, Told("", 0.0, decimals=6)]
+_NotNegatives = Annotated[Array, Member("", 0.0, decimals=6)]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -40,7 +40,7 @@ class RunOutcomes:
         return vars(self)
 
 
-@told
+@answer
 class NominalSession:
     """A session flown as planned: no errors but those of the drives as they nominally are.
 
@@ -70,16 +70,16 @@ class NominalSession:
     frames: Count
     held: Count
     sharp: Count
-    turn_rad: Annotated[float, Told("deg", 0.0, 180.0, decimals=6)]  # of all frames
+    turn_rad: Annotated[float, Member("deg", 0.0, 180.0, decimals=6)]  # of all frames
     t_s: _NotNegatives
-    error_rad: Annotated[Array, Told("arcsec", 0.0, decimals=6)]
+    error_rad: Annotated[Array, Member("arcsec", 0.0, decimals=6)]
     error_m: _NotNegatives | None
     smear_px: _NotNegatives
-    holds: Annotated[Mask, Told()]
+    holds: Annotated[Mask, Member()]
     # Where the target is lost beside the camera, the view is that of the commanded angles.
-    north_rad: Annotated[Array, Told("deg", decimals=9)]
+    north_rad: Annotated[Array, Member("deg", decimals=9)]
     ground_sample_across_m: _NotNegatives | None
-    ground_sample_along_m: Annotated[Array, Told("", 0.0, decimals=6, gaps=True)] | None
+    ground_sample_along_m: Annotated[Array, Member("", 0.0, decimals=6, gaps=True)] | None
     moving_object_ground_m: NotNegative | None
     moving_object_px: _NotNegatives | None
-    saturated_s: Untold[Array]  # (2,), how long each drive gives all it has
+    saturated_s: Internal[Array]  # (2,), how long each drive gives all it has

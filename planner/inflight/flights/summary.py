@@ -6,8 +6,8 @@ from typing import Annotated
 
 import numpy as np
 
+from planner.base.answer_members import Count, Member, answer
 from planner.base.arrays import Array, Indices, Mask
-from planner.base.told import Count, Told, told
 from planner.inflight.flights.contributors import Contributor, contributors
 from planner.inflight.flights.outcomes import RunOutcomes
 from planner.inflight.flights.proportion import Proportion
@@ -17,7 +17,7 @@ QUANTILES = (0.05, 0.5, 0.95)
 _SHOWN_SHARE = 0.99  # of the runs; the rest is told by number, as one far miss would hide all
 
 
-@told
+@answer
 class Histogram:
     """Histogram of the runs' largest misses.
 
@@ -26,8 +26,8 @@ class Histogram:
     beyond: number of runs that missed by more than the last edge.
     """
 
-    edges_rad: Annotated[Array, Told("arcsec", 0.0, decimals=6)]
-    counts: Annotated[Indices, Told(least=0)]
+    edges_rad: Annotated[Array, Member("arcsec", 0.0, decimals=6)]
+    counts: Annotated[Indices, Member(least=0)]
     beyond: Count
 
 

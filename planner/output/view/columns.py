@@ -2,28 +2,28 @@
 
 from typing import Annotated
 
-from planner.base.arrays import Array, Mask
-from planner.base.told import (
+from planner.base.answer_members import (
     Angles,
     Count,
     HalfTurn,
     HalfTurns,
     Heights,
+    Internal,
     Latitudes,
     Lengths,
     Longitudes,
+    Member,
     Motions,
     Times,
-    Told,
-    Untold,
-    told,
+    answer,
 )
+from planner.base.arrays import Array, Mask
 from planner.world.frames.time_scales import Utc
 
-_Arcsecs = Annotated[Array, Told("arcsec", 0.0, decimals=4, gaps=True)]
+_Arcsecs = Annotated[Array, Member("arcsec", 0.0, decimals=4, gaps=True)]
 
 
-@told
+@answer
 class CarrierTrack:
     """The point below the carrier; null where its orbit isn't known.
 
@@ -36,10 +36,10 @@ class CarrierTrack:
     latitude_rad: Latitudes
     longitude_rad: Longitudes
     height_m: Heights
-    sunlit_share: Annotated[Array, Told(least=0.0, greatest=1.0, decimals=6, gaps=True)]
+    sunlit_share: Annotated[Array, Member(least=0.0, greatest=1.0, decimals=6, gaps=True)]
 
 
-@told
+@answer
 class BoresightTrace:
     """Direction and footprint of the camera.
 
@@ -60,7 +60,7 @@ class BoresightTrace:
     moon_separation_rad: HalfTurns
 
 
-@told
+@answer
 class FootprintTrace:
     """The corners of the camera's frame on the WGS84 ellipsoid, four a row, in order around it.
 
@@ -68,11 +68,11 @@ class FootprintTrace:
     longitude_rad: of each corner; east positive.
     """
 
-    latitude_rad: Annotated[Array, Told("deg", -90.0, 90.0, decimals=6, axes=2, gaps=True)]
-    longitude_rad: Annotated[Array, Told("deg", -180.0, 180.0, decimals=6, axes=2, gaps=True)]
+    latitude_rad: Annotated[Array, Member("deg", -90.0, 90.0, decimals=6, axes=2, gaps=True)]
+    longitude_rad: Annotated[Array, Member("deg", -180.0, 180.0, decimals=6, axes=2, gaps=True)]
 
 
-@told
+@answer
 class BodyTrack:
     """The Sun or the Moon.
 
@@ -87,7 +87,7 @@ class BodyTrack:
     above_limb_rad: Angles
 
 
-@told
+@answer
 class AxisMotion:
     """The motion of one axis, with a number for each row.
 
@@ -106,7 +106,7 @@ class AxisMotion:
     jerk_rad_s3: Motions
 
 
-@told
+@answer
 class BaselineSlew:
     """The paper's spline in the place of one slew, between the same states in the same time.
 
@@ -120,7 +120,7 @@ class BaselineSlew:
     axes: dict[str, AxisMotion]
 
 
-@told
+@answer
 class TargetTrack:
     """One session's target over the whole table; null where a number has no meaning.
 
@@ -153,12 +153,12 @@ class TargetTrack:
     mode: str
     start_utc: Utc
     stop_utc: Utc
-    in_session: Untold[Mask]  # where it is to be held
+    in_session: Internal[Mask]  # where it is to be held
     latitude_rad: Latitudes
     longitude_rad: Longitudes
     height_m: Heights
-    azimuth_rad: Annotated[Array, Told("deg", 0.0, 360.0, decimals=6, gaps=True)]
-    elevation_rad: Annotated[Array, Told("deg", -90.0, 180.0, decimals=6, gaps=True)]
+    azimuth_rad: Annotated[Array, Member("deg", 0.0, 360.0, decimals=6, gaps=True)]
+    elevation_rad: Annotated[Array, Member("deg", -90.0, 180.0, decimals=6, gaps=True)]
     range_m: Lengths
     off_nadir_rad: HalfTurns
     ground_sample_across_m: Lengths
@@ -166,10 +166,10 @@ class TargetTrack:
     sun_elevation_rad: Latitudes
     sun_separation_rad: HalfTurns
     moon_separation_rad: HalfTurns
-    error_rad: Untold[Array]  # between the boresight and its apparent direction
+    error_rad: Internal[Array]  # between the boresight and its apparent direction
 
 
-@told
+@answer
 class PointingTrace:
     """Pointing error and its tolerance; null outside the sessions.
 
@@ -185,7 +185,7 @@ class PointingTrace:
     major_turn_rad: HalfTurns
 
 
-@told
+@answer
 class ConeTrace:
     """One cone of `slew.keep_out`.
 
@@ -207,10 +207,10 @@ class ConeTrace:
     separation_rad: HalfTurns
     counts: tuple[bool | None, ...]
     outline_t_s: Times
-    outline_rad: dict[str, Annotated[Array, Told("deg", decimals=3, axes=3, gaps=True)]]
+    outline_rad: dict[str, Annotated[Array, Member("deg", decimals=3, axes=3, gaps=True)]]
 
 
-@told
+@answer
 class MaskTrace:
     """One of the platform's `masks`, which are fixed to its base: its outline stays where it is.
 
@@ -228,6 +228,6 @@ class MaskTrace:
     number: Count
     name: str
     asked_rad: HalfTurn
-    away_rad: Annotated[Array, Told("deg", decimals=6)]
-    outline_platform: Annotated[Array, Told(decimals=6, axes=2)]
-    outline_rad: dict[str, Annotated[Array, Told("deg", decimals=3, axes=2, gaps=True)]]
+    away_rad: Annotated[Array, Member("deg", decimals=6)]
+    outline_platform: Annotated[Array, Member(decimals=6, axes=2)]
+    outline_rad: dict[str, Annotated[Array, Member("deg", decimals=3, axes=2, gaps=True)]]

@@ -2,14 +2,14 @@
 
 from typing import Annotated
 
-from planner.base.told import NotNegative, Share, Told, Untold, told
+from planner.base.answer_members import Internal, Member, NotNegative, Share, answer
 from planner.planning.campaigns.request import Closing
 from planner.world.frames.time_scales import Utc
 
-_Height = Annotated[float, Told("deg", -90.0, 180.0, decimals=3)]
+_Height = Annotated[float, Member("deg", -90.0, 180.0, decimals=3)]
 
 
-@told
+@answer
 class ChosenLook:
     """A look at a target as it was chosen; its plan states what a slew took from it.
 
@@ -27,20 +27,20 @@ class ChosenLook:
     less, see its plan.
     """
 
-    row: Untold[int]  # of the request's targets
+    row: Internal[int]  # of the request's targets
     target: str
     start_utc: Utc
     stop_utc: Utc
     value: NotNegative
     quality: Share
     elevation_rad: _Height
-    off_nadir_rad: Annotated[float, Told("deg", 0.0, 180.0, decimals=3)] | None
+    off_nadir_rad: Annotated[float, Member("deg", 0.0, 180.0, decimals=3)] | None
     ground_sample_m: NotNegative | None
-    sun_elevation_rad: Annotated[float, Told("deg", -90.0, 90.0, decimals=3)] | None
+    sun_elevation_rad: Annotated[float, Member("deg", -90.0, 90.0, decimals=3)] | None
     probability_in_frame: Share
 
 
-@told
+@answer
 class UnchosenTarget:
     """A target that could be looked at, and what stood in its way.
 
@@ -54,7 +54,7 @@ class UnchosenTarget:
     displaced_value: their worth together.
     """
 
-    row: Untold[int]  # of the request's targets
+    row: Internal[int]  # of the request's targets
     target: str
     because: str
     start_utc: Utc
@@ -64,7 +64,7 @@ class UnchosenTarget:
     displaced_value: NotNegative
 
 
-@told
+@answer
 class Unseen:
     """A target that can't be looked at for as long as it must, and why.
 
@@ -78,7 +78,7 @@ class Unseen:
     best_time_utc: time of it; UTC. E.g. `"2015-02-27T17:36:08.000Z"`.
     """
 
-    row: Untold[int]  # of the request's targets
+    row: Internal[int]  # of the request's targets
     target: str
     closed_by: Closing
     because: str

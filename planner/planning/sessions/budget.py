@@ -1,11 +1,11 @@
 """The pointing budget of a session: what contributes to the error, and what would help."""
 
-from planner.base.told import Count, NotNegative, Share, Untold, told
+from planner.base.answer_members import Count, Internal, NotNegative, Share, answer
 
 LIKELY = 0.9  # of staying in the frame; below, a plan warns
 
 
-@told
+@answer
 class Contribution:
     """One cause: 1-sigma per image axis at the session's worst instant.
 
@@ -25,7 +25,7 @@ class Contribution:
     better: str
 
 
-@told
+@answer
 class PointingBudget:
     """1-sigma pointing error of one session, per image axis at its worst instant.
 
@@ -45,7 +45,7 @@ class PointingBudget:
     probability_in_frame: Share
     contributions: tuple[Contribution, ...]
     # Where that probability is low, the cause without which it would be highest.
-    helps_most: Untold[str | None] = None
+    helps_most: Internal[str | None] = None
 
     def warning(self) -> str | None:
         """That the target may well be missed, and what would help most."""

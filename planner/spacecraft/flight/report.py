@@ -3,21 +3,21 @@
 import math
 from typing import Annotated
 
-from planner.base.arrays import Array
-from planner.base.told import (
+from planner.base.answer_members import (
     AngleSize,
     Count,
     HalfTurn,
+    Member,
     NotNegative,
     Share,
     Signed,
-    Told,
-    told,
+    answer,
 )
+from planner.base.arrays import Array
 from planner.spacecraft.vehicle.definition import RATE_ERROR_MAX_RAD_S
 
 
-@told
+@answer
 class WindowSteadiness:
     """One imaging interval over all dispersed closed-loop runs.
 
@@ -40,7 +40,7 @@ class WindowSteadiness:
     request: str
     look: Count
     steady: bool
-    rate_error_rad_s: Annotated[Array, Told("deg", 0.0, decimals=9)]  # at 5 ms steps
+    rate_error_rad_s: Annotated[Array, Member("deg", 0.0, decimals=9)]  # at 5 ms steps
     rate_error_rms_rad_s: AngleSize
     pointing_error_rad: HalfTurn  # what the computer can't know included
     settled_s: NotNegative
@@ -51,7 +51,7 @@ class WindowSteadiness:
     gimbal_rate_max_rad_s: AngleSize
 
 
-@told
+@answer
 class StabilisationReport:
     """Closed-loop runs of the table.
 

@@ -14,9 +14,9 @@ from typing import Annotated
 
 import numpy as np
 
+from planner.base.answer_members import Member, Schema, written
 from planner.base.arrays import Array
 from planner.base.errors import OutsideCoverage
-from planner.base.told import Schema, Told, written
 from planner.world.frames.iers import leap_seconds
 
 JulianDate = tuple[Array, Array]
@@ -43,7 +43,7 @@ class TimeNotCovered(ValueError):
     """A time at which the Earth's orientation or the Moon are not known."""
 
 
-class ToldTime(Told):
+class ToldTime(Member):
     """A time, told as text with so many decimals."""
 
     def __get_pydantic_core_schema__(self, source: object, handler: object) -> Schema:

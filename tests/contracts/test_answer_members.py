@@ -10,23 +10,23 @@ import pytest
 from pydantic import TypeAdapter
 
 from app.answers.members import to_json
-from planner.base.arrays import Array, Mask
-from planner.base.told import (
+from planner.base.answer_members import (
     Arcsec,
     Count,
     HalfTurn,
+    Internal,
     Km,
+    Member,
     Signed,
     Text,
-    Told,
-    Untold,
-    told,
-    told_names,
+    answer,
+    member_names,
 )
+from planner.base.arrays import Array, Mask
 from planner.world.frames.time_scales import RowUtc, Utc
 
 
-@told
+@answer
 class Sight:
     turn_rad: HalfTurn | None
     errors_rad: tuple[Arcsec, ...]
@@ -34,11 +34,11 @@ class Sight:
     at_utc: Utc
     row_at_utc: RowUtc
     number: Count = 0
-    part: Annotated[float, Told(decimals=2)] = -1e-9
-    t_s: Untold[float] = 0.0
-    azimuth_rad: Annotated[Array, Told("deg", 0.0, 360.0, decimals=6, gaps=True)]
-    edges_rad: Annotated[Array, Told("deg", decimals=3, axes=2)]
-    holds: Annotated[Mask, Told()]
+    part: Annotated[float, Member(decimals=2)] = -1e-9
+    t_s: Internal[float] = 0.0
+    azimuth_rad: Annotated[Array, Member("deg", 0.0, 360.0, decimals=6, gaps=True)]
+    edges_rad: Annotated[Array, Member("deg", decimals=3, axes=2)]
+    holds: Annotated[Mask, Member()]
 
     @property
     def away_rad(self) -> HalfTurn:
@@ -91,7 +91,7 @@ def test_the_schema_is_of_what_is_told(mode):
     half_turn = size | {"maximum": 180.0}
     null = {"type": "null"}
     azimuth = {"anyOf": [size | {"maximum": 360.0}, null]}
-    assert [*told_as] == sight["required"] == [*told_names(Sight).values()]
+    assert [*told_as] == sight["required"] == [*member_names(Sight).values()]
     assert {
         name: {k: v for k, v in one.items() if k != "title"} for name, one in told_as.items()
     } == {

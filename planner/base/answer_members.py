@@ -1,18 +1,19 @@
 """Answers' members as classes of the domain hold them: units, ranges and names outside.
 
-A class under `@told` is a frozen dataclass that answers tell as it is: its fields are the answer's
-members, its docstring is their text.  The type of a field says how it is told, and by which unit
-the name ends:
+A class under `@answer` is a frozen dataclass that answers hold as it is: its fields are members,
+its docstring is their text.  The type of a field says how it is written, and by which unit the
+member's name ends:
 
     away_min_rad: HalfTurn | None    away_min_deg, rounded; 0 to 180 in the schema
     max_rad: Arcsec                  max_arcsec
     at_utc: Utc                      at, as text to the millisecond (frames.time_scales)
     number: Count                    number, as it is; 0 or more in the schema
-    t_s: Untold[float]               not at all
+    t_s: Internal[float]               not at all
 
-A property is told, too, after the fields, if its type is one of these (`Text` and `Signed` are for
-that).  Every number needs one, for its range; other types are told as pydantic tells them, classes
-under `@told` by this rule again.  An array is an `Annotated[Array, Told(...)]`, told as lists.
+A property is a member, too, after the fields, if its type is one of these (`Text` and `Signed`
+are for that).  Every number needs one, for its range; other types are written as pydantic writes
+them, classes under `@answer` by this rule again.  An array is an `Annotated[Array, Member(...)]`,
+written as lists.
 
 The service imports these classes at its start: their modules load no solver.  Only `app` imports
 pydantic, which asks types for their `__get_pydantic_core_schema__`.
@@ -50,15 +51,15 @@ _UNITS = {
     "utc": ("_utc", "", 1.0),
 }
 _TYPES = {"f": "float", "i": "int", "b": "bool"}  # of arrays, by NumPy's kind
-_UNTOLD = "untold"
+_INTERNAL = "internal"
 
 
 @dataclasses.dataclass(frozen=True)
-class Told:
-    """unit: one of `_UNITS`.  least, greatest: of the number told; any of either sign without.
+class Member:
+    """unit: one of `_UNITS`.  least, greatest: of the number written; any of either sign without.
 
     decimals: that it is rounded to; None for as many as it has.  axes: of an array.  gaps: that NaN
-    is among its numbers, told as null.
+    is among its numbers, written as null.
     """
 
     unit: str = ""
@@ -70,16 +71,16 @@ class Told:
 
     def name(self, ours: str) -> str:
         """The member's, of a field's name."""
-        end, told_end, _ = _UNITS[self.unit]
-        return re.sub(f"{end}(?=_|$)", told_end, ours) if end else ours
+        end, member_end, _ = _UNITS[self.unit]
+        return re.sub(f"{end}(?=_|$)", member_end, ours) if end else ours
 
     def __get_pydantic_core_schema__(
         self, source: object, handler: Callable[[object], Schema]
     ) -> Schema:
         if source is int or source is float:
             number = self._schema(source.__name__)
-            told_otherwise = self.unit or self.decimals is not None
-            return written(self._number, number) if told_otherwise else number
+            differs = self.unit or self.decimals is not None
+            return written(self._number, number) if differs else number
         if get_origin(source) is np.ndarray:
             _, dtype = get_args(source)
             lists = self._schema(_TYPES[np.dtype(*get_args(dtype)).kind])
@@ -102,8 +103,8 @@ class Told:
         return {"type": kind} | {name: end for name, end in ends.items() if end is not None}
 
     def _number(self, value: float) -> float:
-        told_value = value * _UNITS[self.unit][2]
-        return told_value if self.decimals is None else round(told_value, self.decimals) + 0.0
+        converted = value * _UNITS[self.unit][2]
+        return converted if self.decimals is None else round(converted, self.decimals) + 0.0
 
     def _lists(self, values: NDArray[Any]) -> list[Any]:
         if self.decimals is not None:
@@ -114,47 +115,47 @@ class Told:
         return lists
 
 
-Untold = Annotated[T, _UNTOLD]
-Text = Annotated[str, Told()]
-Count = Annotated[int, Told(least=0)]
-Signed = Annotated[float, Told()]
-NotNegative = Annotated[float, Told(least=0.0)]
-Share = Annotated[float, Told(least=0.0, greatest=1.0)]
+Internal = Annotated[T, _INTERNAL]
+Text = Annotated[str, Member()]
+Count = Annotated[int, Member(least=0)]
+Signed = Annotated[float, Member()]
+NotNegative = Annotated[float, Member(least=0.0)]
+Share = Annotated[float, Member(least=0.0, greatest=1.0)]
 # 1e-9 deg is 4 microarcsec, 1/25,000 of what a table promises.
-Angle = Annotated[float, Told("deg", decimals=9)]
-AngleSize = Annotated[float, Told("deg", 0.0, decimals=9)]
-HalfTurn = Annotated[float, Told("deg", 0.0, 180.0, decimals=9)]
-Elevation = Annotated[float, Told("deg", -90.0, 90.0, decimals=9)]
-Arcsec = Annotated[float, Told("arcsec", 0.0, decimals=9)]
-Km = Annotated[float, Told("km", 0.0, decimals=9)]
+Angle = Annotated[float, Member("deg", decimals=9)]
+AngleSize = Annotated[float, Member("deg", 0.0, decimals=9)]
+HalfTurn = Annotated[float, Member("deg", 0.0, 180.0, decimals=9)]
+Elevation = Annotated[float, Member("deg", -90.0, 90.0, decimals=9)]
+Arcsec = Annotated[float, Member("arcsec", 0.0, decimals=9)]
+Km = Annotated[float, Member("km", 0.0, decimals=9)]
 
 # Columns, an entry a row; null where nothing is known.  1e-6 deg is 0.1 m on the ground.
-Latitudes = Annotated[Array, Told("deg", -90.0, 90.0, decimals=6, gaps=True)]
-Longitudes = Annotated[Array, Told("deg", -180.0, 180.0, decimals=6, gaps=True)]
-Angles = Annotated[Array, Told("deg", decimals=6, gaps=True)]
-HalfTurns = Annotated[Array, Told("deg", 0.0, 180.0, decimals=6, gaps=True)]
-Lengths = Annotated[Array, Told(least=0.0, decimals=3, gaps=True)]
-Heights = Annotated[Array, Told(decimals=3, gaps=True)]
-Motions = Annotated[Array, Told("deg", decimals=9)]
-Times = Annotated[Array, Told(least=0.0)]
+Latitudes = Annotated[Array, Member("deg", -90.0, 90.0, decimals=6, gaps=True)]
+Longitudes = Annotated[Array, Member("deg", -180.0, 180.0, decimals=6, gaps=True)]
+Angles = Annotated[Array, Member("deg", decimals=6, gaps=True)]
+HalfTurns = Annotated[Array, Member("deg", 0.0, 180.0, decimals=6, gaps=True)]
+Lengths = Annotated[Array, Member(least=0.0, decimals=3, gaps=True)]
+Heights = Annotated[Array, Member(decimals=3, gaps=True)]
+Motions = Annotated[Array, Member("deg", decimals=9)]
+Times = Annotated[Array, Member(least=0.0)]
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True)
-def told(cls: type[T]) -> type[T]:
-    """A frozen, keyword-only dataclass that answers tell as it is."""
+def answer(cls: type[T]) -> type[T]:
+    """A frozen, keyword-only dataclass that answers hold as it is."""
     cls.__get_pydantic_core_schema__ = classmethod(_core_schema)  # type: ignore[attr-defined]
     return dataclasses.dataclass(frozen=True, kw_only=True)(cls)
 
 
-def told_names(kind: type) -> dict[str, str]:
-    """The members that a class under `@told` is told as, by the names of its own; else empty."""
+def member_names(kind: type) -> dict[str, str]:
+    """The members that a class under `@answer` has in answers, by the names of its own; else empty."""
     if not (dataclasses.is_dataclass(kind) and hasattr(kind, "__get_pydantic_core_schema__")):
         return {}
     return {name: _mark(hint).name(name) for name, hint in _members(kind)}
 
 
 def _core_schema(cls: type, source: object, handler: Any) -> Schema:  # noqa: ANN401 (pydantic's)
-    members, names = dict(_members(cls)), told_names(cls)
+    members, names = dict(_members(cls)), member_names(cls)
     return {
         "type": "dataclass",
         "cls": cls,
@@ -180,7 +181,7 @@ def _core_schema(cls: type, source: object, handler: Any) -> Schema:  # noqa: AN
 def _members(kind: type) -> Iterator[tuple[str, Any]]:
     hints = get_type_hints(kind, include_extras=True)
     for field in dataclasses.fields(kind):
-        if _UNTOLD not in getattr(hints[field.name], "__metadata__", ()):
+        if _INTERNAL not in getattr(hints[field.name], "__metadata__", ()):
             yield field.name, hints[field.name]
     for owner in reversed(kind.__mro__):
         for name, one in vars(owner).items():
@@ -190,14 +191,14 @@ def _members(kind: type) -> Iterator[tuple[str, Any]]:
                     yield name, hint
 
 
-def _mark(hint: object) -> Told:
-    return next(_marks(hint), Told())
+def _mark(hint: object) -> Member:
+    return next(_marks(hint), Member())
 
 
-def _marks(hint: object) -> Iterator[Told]:
+def _marks(hint: object) -> Iterator[Member]:
     """Those anywhere in a type."""
     for part in get_args(hint):
-        if isinstance(part, Told):
+        if isinstance(part, Member):
             yield part
         else:
             yield from _marks(part)
