@@ -33,16 +33,17 @@ export function OneSimulation({ id }: { id: string }) {
     </ProblemNotice>
   );
   if (!flights) return problem || <p class="loading">{text.shell.loading}</p>;
-  const { name, targets, platform, start, stop } = flights;
+  const { platform, start, stop } = flights;
+  const name = flights.name || flights.targets.join(", ");
   return (
     <>
       <Identity
-        name={name || targets.join(", ")}
+        name={name}
         parts={[start && stop && period(start, stop), platform].filter((part) => part !== null)}
         proof={[flights.id]}
       />
       <p>
-        {name && <strong>{name}: </strong>}
+        <strong>{name}: </strong>
         {text.simulation.of(flights.flown, flights.runs, flights.seed)}{" "}
         <Link to={`/plans/${flights.plan}`}>{text.simulation.toPlan}</Link>
       </p>
