@@ -148,7 +148,7 @@ def answer(cls: type[T]) -> type[T]:
 
 
 def member_names(kind: type) -> dict[str, str]:
-    """The members that a class under `@answer` has in answers, by the names of its own; else empty."""
+    """A class's members in answers by the names of its fields; none where it isn't an `@answer`."""
     if not (dataclasses.is_dataclass(kind) and hasattr(kind, "__get_pydantic_core_schema__")):
         return {}
     return {name: _mark(hint).name(name) for name, hint in _members(kind)}
