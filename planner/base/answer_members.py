@@ -81,9 +81,8 @@ class Member:
             number = self._schema(source.__name__)
             differs = self.unit or self.decimals is not None
             return written(self._number, number) if differs else number
-        if get_origin(source) is np.ndarray:
-            _, dtype = get_args(source)
-            lists = self._schema(_TYPES[np.dtype(*get_args(dtype)).kind])
+        if (scalar := _scalar_of(source)) is not None:
+            lists = self._schema(_TYPES[np.dtype(scalar).kind])
             if self.gaps:
                 lists = {"type": "nullable", "schema": lists}
             for _ in range(self.axes):
@@ -113,6 +112,14 @@ class Member:
                 values = values % 360.0  # what rounds to a whole turn is north
         lists: list[Any] = values.tolist()
         return lists
+
+
+def _scalar_of(source: object) -> Any:  # noqa: ANN401 (a scalar type of NumPy)
+    """What an array's type holds, None of other types; `NDArray` is a type of its own since 2.5."""
+    origin, parts = get_origin(source), get_args(source)
+    if origin is NDArray:
+        return parts[0]
+    return get_args(parts[1])[0] if origin is np.ndarray else None
 
 
 Internal = Annotated[T, _INTERNAL]
