@@ -106,6 +106,24 @@ def _fill(file: Path) -> None:
                     raise
 
 
+@contextmanager
+def spent_rate(service: Service) -> Iterator[None]:
+    """Whoever asks from here meanwhile has asked too often, however slow the machine is."""
+    over = Event()
+
+    def spend() -> None:
+        while not over.wait(0.01):
+            spend_all(service)
+
+    thread = Thread(target=spend, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()
+
+
 def spend_all(service: Service) -> httpx.Response:
     """Asks until the service answers no more; the refusal."""
     with httpx.Client(base_url=service.address) as client:

@@ -13,7 +13,7 @@ import httpx2 as httpx
 import pytest
 from browsing import PHONE, violations
 from databases import damage
-from hardships import dying_workers, full_disk, idle_workers, small_disk, spend_all
+from hardships import dying_workers, full_disk, idle_workers, small_disk, spend_all, spent_rate
 from live_service import Service, live_service
 from playwright.sync_api import expect
 
@@ -143,7 +143,8 @@ def test_too_many_requests_are_waited_for(form, tmp_path):
         page = form(service)
         refusal = spend_all(service)
         assert (refusal.status_code, refusal.headers["retry-after"]) == (429, "1")
-        plan_and_be_told(page, "The service is busy; the next try is in 1 s.")
+        with spent_rate(service):
+            plan_and_be_told(page, "The service is busy; the next try is in 1 s.")
         is_planned(page)
         page.close()
 
