@@ -52,7 +52,7 @@ class PlanResource(JobResource):
     formats.  view_file: of (request, stored table, what is asked) the view's bytes, in a child.
     file_stem: of files whose plan has no name.
     takes_pixel: its views are told what a pixel sees, as no camera is defined.
-    fill_in: a request with what only the store can tell.
+    fill_in: a request that names a plan to go on "after", with what only the store can tell.
     """
 
     singular: str = "plan"
