@@ -57,6 +57,7 @@ class BudgetOptions:
     samples: int = 11  # errors change over a pass, not from row to row
     coarse: int = 16  # one of so many draws, where instants are many
     compared: int = 4  # the same, where causes are compared to 0.01
+    felt: float = 0.005  # of the variance: without a cause of less the probability stays as it is
     batch: int = 1000  # instants: 16 MB
     # of the drives, whose error is another each row: kept free at the frame's edge
     random_margin_sigma: float = 3.0
@@ -164,13 +165,16 @@ def _helps_most(
 
     A frame's sides differ, and so do rare large errors and usual small ones of the same sigma.
     """
+    variances_rad2 = {cause: float(np.sum(squares)) for cause, squares in squares_rad2.items()}
+    least_rad2 = OPTIONS.felt * sum(variances_rad2.values())
 
     def share_left(cause: _Cause) -> tuple[float, float]:
         others = [bias for bias in biases if bias.cause != cause]
         left = _probability_inside(others, scene, platform, OPTIONS.compared)
-        return round(left, 2), float(np.sum(squares_rad2[cause]))
+        return round(left, 2), variances_rad2[cause]
 
-    return max(squares_rad2, key=share_left).cause
+    felt = [cause for cause, variance_rad2 in variances_rad2.items() if variance_rad2 >= least_rad2]
+    return max(felt, key=share_left).cause
 
 
 def probabilities_at(
