@@ -1,6 +1,7 @@
 """Members that answers share: the provenance and the head of every plan, with their writers."""
 
 import hashlib
+import json
 import math
 from dataclasses import dataclass, fields
 from datetime import datetime
@@ -55,6 +56,12 @@ def to_json(answer: object) -> bytes:
     """UTF-8, by the members as the answer's class declares them."""
     kind: type = type(answer)
     return _adapter(kind).dump_json(answer, by_alias=True, warnings="error")
+
+
+def to_members(answer: object) -> dict[str, Any]:
+    """As `to_json` writes them."""
+    members: dict[str, Any] = json.loads(to_json(answer))
+    return members
 
 
 def from_store(kind: type[Answer], members: object) -> Answer:

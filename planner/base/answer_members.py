@@ -106,8 +106,10 @@ class Member:
         return converted if self.decimals is None else round(converted, self.decimals) + 0.0
 
     def _lists(self, values: NDArray[Any]) -> list[Any]:
+        if self.unit:
+            values = values * _UNITS[self.unit][2]
         if self.decimals is not None:
-            values = np.round(values * _UNITS[self.unit][2], self.decimals) + 0.0  # no -0.0
+            values = np.round(values, self.decimals) + 0.0  # no -0.0
             if self.greatest == 360.0:
                 values = values % 360.0  # what rounds to a whole turn is north
         lists: list[Any] = values.tolist()

@@ -52,7 +52,7 @@ class PlanResource(JobResource):
     formats.  view_file: of (request, stored table, what is asked) the view's bytes, in a child.
     file_stem: of files whose plan has no name.
     takes_pixel: its views are told what a pixel sees, as no camera is defined.
-    fill_in: a request that names a plan to go on "after", with what only the store can tell.
+    lacks: whether a request, in bytes, may lack what only the store can tell; fill_in: with that.
     """
 
     singular: str = "plan"
@@ -75,6 +75,7 @@ class PlanResource(JobResource):
     view_file: Callable[[bytes, bytes, AskedView], bytes]
     file_stem: str
     takes_pixel: bool = False
+    lacks: Callable[[bytes], bool] = lambda _: False
     fill_in: Callable[[Database, bytes], bytes] = lambda _, body: body
 
     @property

@@ -11,7 +11,7 @@ from sqlalchemy import Connection
 from app.answers.members import provenance
 from app.answers.telemetry import ComparisonResponse
 from app.http.blocking import in_child, read
-from app.http.multipart import MAX_REQUEST_BYTES, Part, read_parts, unreadable
+from app.http.multipart import MAX_REQUEST_BYTES, FormPart, read_parts, unreadable
 from app.http.negotiation import (
     JSON,
     MULTIPART,
@@ -43,7 +43,7 @@ _MEDIA_TYPES = {_JSON_FORMAT: JSON} | {name: one.media_type for name, one in PIC
 _TITLES = {_JSON_FORMAT: "numbers"} | {name: one.title for name, one in PICTURES.items()}
 _read_query = read_query(with_formats(TableQuery, "The comparison in this format", _TITLES))
 _FIELDS = ("request", "plan", "epoch")  # a form may give plan and epoch without writing JSON
-_PARTS = (*(Part(name, 1, MAX_REQUEST_BYTES) for name in _FIELDS), Part("samples"))
+_PARTS = (*(FormPart(name, 1, MAX_REQUEST_BYTES) for name in _FIELDS), FormPart("samples"))
 _REQUEST = "ComparisonRequest"
 _CSV = {
     "type": "string",
