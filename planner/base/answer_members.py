@@ -59,7 +59,7 @@ class Member:
     """unit: one of `_UNITS`.  least, greatest: of the number written; any of either sign without.
 
     decimals: that it is rounded to; None for as many as it has.  axes: of an array.  gaps: that NaN
-    is among its numbers, written as null.
+    is among its numbers, written as null.  called: the member's name, where not by its unit.
     """
 
     unit: str = ""
@@ -68,11 +68,12 @@ class Member:
     decimals: int | None = None
     axes: int = 1
     gaps: bool = False
+    called: str = ""
 
     def name(self, ours: str) -> str:
         """The member's, of a field's name."""
         end, member_end, _ = _UNITS[self.unit]
-        return re.sub(f"{end}(?=_|$)", member_end, ours) if end else ours
+        return self.called or (re.sub(f"{end}(?=_|$)", member_end, ours) if end else ours)
 
     def __get_pydantic_core_schema__(
         self, source: object, handler: Callable[[object], Schema]
