@@ -10,11 +10,10 @@ from sqlalchemy import Connection
 
 from app.answers.campaign import (
     CampaignDryRun,
-    CampaignList,
     CampaignResponse,
     campaign_json,
-    campaign_list_json,
 )
+from app.answers.job import list_class
 from app.answers.members import to_json
 from app.http.blocking import read
 from app.http.negotiation import JSON, ONLY_JSON, json_body
@@ -50,8 +49,7 @@ RESOURCE = JobResource(
     singular="campaign",
     plural="campaigns",
     response=CampaignResponse,
-    list_response=CampaignList,
-    list_json=campaign_list_json,
+    list_response=list_class("CampaignList", "campaigns", "Campaigns"),
 )
 router = APIRouter(tags=[RESOURCE.tag], prefix=RESOURCE.path)
 

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Depends, HTTPException, Request, Response
 from fastapi.responses import StreamingResponse
 from sqlalchemy import Connection
 
-from app.answers.job import JobResponse, job_json
+from app.answers.job import JobResponse, job_json, list_json
 from app.http.blocking import read
 from app.http.event_stream import last_seq, stream_events
 from app.http.negotiation import (
@@ -208,7 +208,8 @@ async def answer_list(
             list_filter=query.list_filter(),
         ),
     )
-    return Response(resource.list_json(jobs_and_one, query.limit), media_type=JSON)
+    answer = list_json(resource.list_response, jobs_and_one, query.limit)
+    return Response(answer, media_type=JSON)
 
 
 def add_one(
