@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from app.answers.ranges import Count, LatitudeDeg, LongitudeDeg, Signed
 from planner.world.platforms import PlatformDefinition
+from planner.world.targets.autocomplete import KnownPlace, KnownStar
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,25 +17,6 @@ class PlatformList:
 
 
 @dataclass(frozen=True, kw_only=True)
-class KnownPlace:
-    """A town of 15,000 people or more.
-
-    name: the shortest that means it alone, for `name` of a target of mode `place`. E.g.
-    `"London, GB"`.
-    words: its name with region and country. E.g. `"London, England, GB"`.
-    latitude_deg: geodetic, WGS84; north positive.
-    longitude_deg: WGS84; east positive.
-    height_m: above the WGS84 ellipsoid.
-    """
-
-    name: str
-    words: str
-    latitude_deg: LatitudeDeg
-    longitude_deg: LongitudeDeg
-    height_m: Signed
-
-
-@dataclass(frozen=True, kw_only=True)
 class KnownPlaces:
     """Those of just the letters given first, then those whose own name they begin.
 
@@ -43,18 +24,6 @@ class KnownPlaces:
     """
 
     places: list[KnownPlace]
-
-
-@dataclass(frozen=True, kw_only=True)
-class KnownStar:
-    """A star with a proper name.
-
-    name: for `name` of a target of mode `star`. E.g. `"Vega"`.
-    hip: Hipparcos number. E.g. `91262`.
-    """
-
-    name: str
-    hip: Count
 
 
 @dataclass(frozen=True, kw_only=True)

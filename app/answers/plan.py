@@ -16,13 +16,13 @@ from app.answers.members import (
     whole_answer,
 )
 from app.answers.ranges import Count, NotNegative
-from app.answers.summary import PlanSummaryOut, summary_out
 from planner.base.assumed import Assumed
 from planner.base.commands import COMMAND_STEP_S, CommandTable
 from planner.base.errors import Unverified
 from planner.motion.comparison import SlewComparison
 from planner.planning.sessions.budget import PointingBudget
 from planner.planning.sessions.plan import Plan, SlewRun
+from planner.planning.sessions.summary import PlanSummary, summarise
 from planner.verification import Finding, LimitMargin, SessionReport, VerificationReport
 from planner.verification.report import KeepOutMargin, MaskMargin, SlowStretch
 from planner.world.frames.time_scales import utc_text
@@ -94,7 +94,7 @@ class PlanDocument:
 
     name: str
     platform: str
-    summary: PlanSummaryOut
+    summary: PlanSummary
     segments: tuple[Segment, ...]
     margins: dict[str, dict[str, LimitMargin]]
     keep_out: tuple[KeepOutMargin, ...]
@@ -209,7 +209,7 @@ def plan_document(
         PlanDocument(
             name=plan.scenario.name,
             platform=plan.scenario.platform.name,
-            summary=summary_out(plan),
+            summary=summarise(plan),
             segments=plan.segments,
             margins=margins,
             keep_out=report.keep_out,

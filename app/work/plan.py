@@ -16,7 +16,7 @@ from app.answers.plan import (
     table_json,
     verdict_state,
 )
-from app.answers.summary import listing_of_plan
+from app.requests.listings import listing_of_scenario
 from app.requests.plan import PlanRequest, read_kept_plan_request, read_plan_request
 from app.store.packed import PackedColumns, pack, unpack
 from app.work.horizon_views import horizon_checks
@@ -38,12 +38,13 @@ def plan_and_pack(body: bytes, request: PlanRequest | None = None) -> Result:
     request = request or read_plan_request(body)
     plan = make_plan(request, on_stage=lambda stage: report(Progress(stage=stage)))
     origin = provenance(now_utc, body)
+    listing = listing_of_scenario(plan.scenario)
     checks = horizon_checks(plan.scenario, request.horizon_cameras)
     document = zlib.compress(plan_document(plan, checks, origin))
     return Result(
         content=(document, pack(packed_plan(plan, plan.verification.findings))),
         state=verdict_state(plan),
-        listing=listing_of_plan(plan),
+        listing=replace(listing, probability_in_frame=plan.probability_in_frame),
         iterations=sum(run.iterations for run in plan.slews),
     )
 

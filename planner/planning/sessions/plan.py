@@ -61,3 +61,9 @@ class Plan(FlightPlan):
     budgets: tuple[PointingBudget | None, ...]
     warnings: tuple[str, ...]
     stage_wall_s: dict[str, float]
+
+    @property
+    def probability_in_frame(self) -> float | None:
+        """The least of any session's; None without any."""
+        known = (budget.probability_in_frame for budget in self.budgets if budget is not None)
+        return min(known, default=None)
