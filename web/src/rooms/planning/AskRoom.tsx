@@ -56,7 +56,7 @@ function missingTold(): string {
 }
 
 /** Whether the page was loaded at this very address with a draft kept from before. */
-let wasReloaded = !draft.isPristine.peek() && performance.getEntriesByType("navigation")[0]?.name === location.href;
+let wasReloaded = draft.wasKept && performance.getEntriesByType("navigation")[0]?.name === location.href;
 
 function sameRequest(asked: object): boolean {
   return JSON.stringify(asked) === JSON.stringify(draft.made.peek());

@@ -48,8 +48,8 @@ export const conditions = signal<Conditions>(kept?.conditions ?? { min_elevation
 export const revises = signal<string | null>(kept?.revises ?? null);
 /** The plan whose request was loaded last, by its address. */
 export const loaded = signal<string | null>(kept?.loaded ?? null);
-/** Whether it is the packaged example that nobody has touched. */
-export const isPristine = signal(kept === null);
+/** Whether it was there before the page was loaded. */
+export const wasKept = kept !== null;
 /** Whether a reload will find all of it. */
 export const isKept = signal(true);
 
@@ -93,7 +93,6 @@ export function targetsTold(): string {
 }
 
 export function change(members: Partial<DraftRequest>): void {
-  isPristine.value = false;
   made.value = { ...made.value, ...members };
 }
 
@@ -144,7 +143,7 @@ export function setTimes(start: string, stop: string): void {
 /** An empty one, unless there is one already. */
 export function addSession(): void {
   batch(() => {
-    const empty = sessions.value.findIndex((one) => !one.target);
+    const empty = sessions.value.findIndex((one) => !one.target && !one.start);
     if (empty < 0) change({ sessions: [...sessions.value, {}] });
     chosen.value = empty < 0 ? sessions.value.length - 1 : empty;
   });
@@ -162,7 +161,6 @@ export function removeSession(number: number): void {
 /** Put a request that was planned before, or comes from a file, into the form. */
 export function load(asked: PlanRequest | DraftRequest, replaces: string | null, from: string | null = null): void {
   batch(() => {
-    isPristine.value = false;
     made.value = asked as DraftRequest;
     chosen.value = 0;
     const first = Date.parse(asked.sessions[0]?.start ?? "");
@@ -217,7 +215,7 @@ function keep(): void {
 }
 
 effect(() => {
-  const now: Kept = {
+  unkept = {
     request: made.value,
     chosen: chosen.value,
     from_ms: from_ms.value,
@@ -226,8 +224,6 @@ effect(() => {
     revises: revises.value,
     loaded: loaded.value,
   };
-  if (isPristine.peek()) return;
-  unkept = now;
   clearTimeout(pending);
   pending = setTimeout(keep, QUIET_MS) as unknown as number;
 });

@@ -18,8 +18,6 @@ export async function learnPlatforms(until: AbortSignal): Promise<void> {
     if (until.aborted) return;
     platforms.value = [];
     throw error;
-  } finally {
-    startUsual();
   }
 }
 
@@ -34,13 +32,7 @@ export const axes = computed(() => (platform.value ? [platform.value.outer.name,
 /** Yaw, pitch and roll from LVLH that the carrier usually has; degrees. */
 export const usual = computed(() => platform.value?.usual_yaw_pitch_roll_deg ?? null);
 
-/** The packaged example flies the carrier's usual attitude, until somebody says otherwise. */
-function startUsual(): void {
-  const attitude = draft.attitude.peek();
-  const mean = usual.peek();
-  if (draft.isPristine.peek() && mean && attitude.law === "lvlh") takeUsual();
-}
-
+/** The carrier's usual mean attitude in the place of what is there. */
 export function takeUsual(): void {
   const [yaw_deg, pitch_deg, roll_deg] = usual.peek() ?? [0, 0, 0];
   const attitude = draft.attitude.peek();

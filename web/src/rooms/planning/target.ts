@@ -35,15 +35,17 @@ export function groundOf(text: string): Target | null {
 
 // One angle: degrees, or degrees, minutes and seconds, with a letter before or after.
 const NUMBER = String.raw`\d+(?:[.]\d+)?`;
-const ANGLE = String.raw`([NSEW]?)\s*([+\-−]?)(${NUMBER})\s*[°d:]?(?:\s*(${NUMBER})\s*(?:['′m:]|\s)(?:\s*(${NUMBER})\s*(?:["″s]|''|′′)?)?)?\s*([NSEW]?)`;
+const SIZE = String.raw`([+\-−]?)(${NUMBER})(?:(?:\s*[°d:]\s*|\s+)(${NUMBER})(?:(?:\s*['′m:]\s*|\s+)(${NUMBER})\s*(?:["″s]|''|′′)?|\s*['′m])?|\s*°)?`;
+const BEFORE = String.raw`([NSEW])\s*${SIZE}()`;
+const AFTER = String.raw`()${SIZE}\s*([NSEW])`;
 const PLAIN = String.raw`()([+\-−]?)(${NUMBER})()()\s*°?\s*([NSEW]?)`;
 const HEIGHT = String.raw`(?:\s*[,;\s]\s*([+\-−]?${NUMBER})\s*m?)?`;
-const PAIR_PLAIN = new RegExp(String.raw`^\s*${PLAIN}\s*[,;\s]\s*${PLAIN}${HEIGHT}\s*$`, "i");
-const PAIR_SEXAGESIMAL = new RegExp(String.raw`^\s*${ANGLE}\s*[,;\s]?\s*${ANGLE}${HEIGHT}\s*$`, "i");
+// Minutes and seconds want letters: "46 3 14 30" may be anything.
+const PAIRS = [PLAIN, BEFORE, AFTER].map((angle) => new RegExp(String.raw`^\s*${angle}\s*[,;\s]\s*${angle}${HEIGHT}\s*$`, "i"));
 
 /** "36.11, -115.17", "36.11 N 115.17 W", "46 3 25 N 14 30 36 E", with the height in metres as a third number. */
 export function pointOf(text: string): Point | null {
-  const found = PAIR_PLAIN.exec(text) ?? lettered(PAIR_SEXAGESIMAL.exec(text));
+  const found = PAIRS.reduce<RegExpExecArray | null>((known, pair) => known ?? pair.exec(text), null);
   if (!found) return null;
   const [one, other] = [angleOf(found, 1), angleOf(found, 7)];
   const isSwapped = /[EW]/i.test(one.letter) && /[NS]/i.test(other.letter);
@@ -54,11 +56,6 @@ export function pointOf(text: string): Point | null {
     longitude_deg: longitude.degrees,
     height_m: Number((found[13] ?? "0").replace("−", "-")),
   };
-}
-
-/** Minutes and seconds want letters: "46 3 14 30" may be anything. */
-function lettered(found: RegExpExecArray | null): RegExpExecArray | null {
-  return found && (found[1] || found[6]) && (found[7] || found[12]) ? found : null;
 }
 
 function angleOf(found: RegExpExecArray, at: number): { degrees: number; letter: string } {
