@@ -1,4 +1,5 @@
 import { campaigns } from "./campaigns";
+import { fields } from "./fields";
 import { horizon } from "./horizon";
 import { library } from "./library";
 import { plan } from "./plan";
@@ -11,6 +12,7 @@ import { viewer } from "./viewer";
 export const EN = {
   campaigns,
   simulation,
+  fields,
   horizon,
   library,
   viewer,

@@ -1,5 +1,6 @@
 import type { Words } from "../words";
 import { campaigns } from "./campaigns";
+import { fields } from "./fields";
 import { horizon } from "./horizon";
 import { library } from "./library";
 import { plan } from "./plan";
@@ -12,6 +13,7 @@ import { viewer } from "./viewer";
 export const RU: Words = {
   campaigns,
   simulation,
+  fields,
   horizon,
   library,
   viewer,
