@@ -168,6 +168,7 @@ export const plan = {
       czml: "CZML for Cesium",
       geojson: "GeoJSON",
       kml: "KML for Google Earth",
+      ics: "Sessions for a calendar (iCalendar)",
       png: "Plot, PNG",
       svg: "Plot, SVG",
     },
