@@ -7,6 +7,7 @@ import { shell } from "./shell";
 import { simulation } from "./simulation";
 import { spacecraft } from "./spacecraft";
 import { telemetry } from "./telemetry";
+import { timeline } from "./timeline";
 import { viewer } from "./viewer";
 
 export const RU: Words = {
@@ -19,4 +20,5 @@ export const RU: Words = {
   shell,
   spacecraft,
   telemetry,
+  timeline,
 };
