@@ -22,6 +22,7 @@ class JobResponse:
     id: of what is made, as its address names it.
     state: state of the work.
     name: as the request gives it.
+    owner: name of the API key it was asked with; null without one. E.g. `"night shift"`.
     platform: name of the platform, or of the spacecraft.
     start: of the first session, or of the time that is searched or planned; UTC, as asked for, and
     as planned once it is.
@@ -45,6 +46,7 @@ class JobResponse:
     id: str
     state: JobState
     name: str
+    owner: str | None
     platform: str | None
     start: str | None
     stop: str | None

@@ -31,6 +31,7 @@ from app.requests.examples import (
     IMAGING_OPPORTUNITY_EXAMPLES,
     LAS_VEGAS,
     OPPORTUNITY_EXAMPLES,
+    ORBIT_TRACK_EXAMPLES,
     PICTURE_EXAMPLES,
     PREDICTION_EXAMPLES,
     SPACECRAFT_EXAMPLES,
@@ -180,6 +181,7 @@ def _seen(answers: Answers, path: str, made_id: str, formats: dict[str, Any]) ->
 def _asked_at_once(answers: Answers) -> None:
     for path, request in SEARCHES.items():
         _searched(answers, path, request)
+    answers.ask("POST", "/v1/orbits/tracks", json=ORBIT_TRACK_EXAMPLES["tle"][1])
     answers.ask("POST", "/v1/horizon/predictions", json=PREDICTION_EXAMPLES["pass"][1])
     accept = {"Accept": JSON}
     answers.ask("POST", "/v1/horizon/images", json=PICTURE_EXAMPLES["ahead"][1], headers=accept)

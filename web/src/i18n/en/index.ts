@@ -7,6 +7,7 @@ import { shell } from "./shell";
 import { simulation } from "./simulation";
 import { spacecraft } from "./spacecraft";
 import { telemetry } from "./telemetry";
+import { timeline } from "./timeline";
 import { viewer } from "./viewer";
 
 export const EN = {
@@ -20,4 +21,5 @@ export const EN = {
   shell,
   spacecraft,
   telemetry,
+  timeline,
 };

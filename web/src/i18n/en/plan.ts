@@ -232,6 +232,7 @@ export const plan = {
       czml: "CZML for Cesium",
       geojson: "GeoJSON",
       kml: "KML for Google Earth",
+      ics: "Sessions for a calendar (iCalendar)",
       png: "Plot, PNG",
       svg: "Plot, SVG",
     },

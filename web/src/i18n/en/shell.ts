@@ -3,6 +3,7 @@ export const shell = {
     plan: "Plan",
     onePlan: "A plan",
     library: "Kept",
+    timeline: "Timeline",
     campaigns: "Campaigns",
     spacecraft: "Spacecraft",
     horizon: "Horizon",

@@ -8,6 +8,7 @@ import { shell } from "./shell";
 import { simulation } from "./simulation";
 import { spacecraft } from "./spacecraft";
 import { telemetry } from "./telemetry";
+import { timeline } from "./timeline";
 import { viewer } from "./viewer";
 
 export const RU: Words = {
@@ -21,4 +22,5 @@ export const RU: Words = {
   shell,
   spacecraft,
   telemetry,
+  timeline,
 };

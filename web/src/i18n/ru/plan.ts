@@ -234,6 +234,7 @@ export const plan: Words["plan"] = {
       czml: "CZML для Cesium",
       geojson: "GeoJSON",
       kml: "KML для Google Earth",
+      ics: "Сеансы для календаря (iCalendar)",
       png: "График, PNG",
       svg: "График, SVG",
     },

@@ -5,6 +5,7 @@ export const shell: Words["shell"] = {
     plan: "План",
     onePlan: "План",
     library: "Сохранённое",
+    timeline: "Шкала времени",
     campaigns: "Кампании",
     spacecraft: "Аппарат",
     horizon: "Горизонт",

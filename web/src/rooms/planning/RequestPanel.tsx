@@ -1,7 +1,7 @@
 /** The request as a whole: its name and platform, its file, and templates to begin with. */
 import { useState } from "preact/hooks";
 
-import { saveText } from "../../api/download";
+import { save } from "../../api/download";
 import { FIELDS } from "../../api/fields";
 import { words } from "../../i18n";
 import { DropZone } from "../../parts/DropZone";
