@@ -32,6 +32,7 @@ class JobResponse:
     revision: of the plan, from 1; null until it is made. E.g. `1`.
     revises: id of the plan it replaces; null for none. E.g.
     `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
+    planned_by: name of the API key that the request came with; null without keys. E.g. `"anna"`.
     input_sha256: of the request's bytes; of flights, with those of their plan.
     created: time at which the request came; UTC.
     started: time at which the work began; UTC, null before.
@@ -53,6 +54,7 @@ class JobResponse:
     probability_in_frame: Share | None
     revision: Annotated[int, Field(ge=1)] | None
     revises: str | None
+    planned_by: str | None
     input_sha256: str
     created: str
     started: str | None
