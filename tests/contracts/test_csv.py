@@ -23,6 +23,8 @@ from app.work.campaign_files import looks_csv
 from app.work.searches import CSV, windows_in_form
 from planner.base.answer_members import member_names
 from planner.base.csv_cells import comment_lines, csv_lines
+from planner.inflight.telemetry.following import PlannedMotion
+from planner.inflight.telemetry.table import write_comparison_csv
 from planner.output.export import EXPORTERS
 from planner.planning.campaigns.chosen import ChosenLook
 from planner.planning.opportunities import find_opportunities
@@ -92,6 +94,14 @@ def campaign_csv(text):
     return looks_csv([(1, look | {"target": text})])
 
 
+def compared_csv(text):
+    plan = plan_of(name=text, outer=text)
+    motion = PlannedMotion(plan.table, 0)
+    followed = SimpleNamespace(motion=motion, t_s=plan.table.t_s, error_rad=-plan.table.t_s)
+    axes = (SimpleNamespace(name=text, followed=followed),)
+    return write_comparison_csv(SimpleNamespace(plan=plan, axes=axes), CREATED_UTC).decode()
+
+
 def session_csv(text):
     one = dataclasses.replace(ASKED.requests[0], name=text)
     table = AttitudeTable(
@@ -117,6 +127,7 @@ WRITERS = {
     "pass_table_csv": opportunities_csv,
     "windows_csv": search_csv,
     "looks_csv": campaign_csv,
+    "write_comparison_csv": compared_csv,
 }
 # What these are made with, what only shortens the CSV of a service, and what reads.
 PARTS = {"_looks_csv", "rows_csv", "table_only_csv", "read_csv", "_csv"}

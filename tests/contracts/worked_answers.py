@@ -38,8 +38,8 @@ from app.requests.examples import (
 from app.settings import Settings
 from app.store import jobs
 from app.store.jobs import NewJob
-from app.work.searches import CSV, GEOJSON
 from app.work.campaign_files import SUFFIXES
+from app.work.searches import CSV, GEOJSON
 from planner.output.export import EXPORTERS
 from planner.spacecraft.export import IMAGING_EXPORTERS
 
@@ -194,8 +194,9 @@ def _asked_at_once(answers: Answers) -> None:
     answers.ask("POST", "/v1/horizon/estimates", data=request, files=files)
     [plan] = answers.client.get("/v1/plans", params={"state": "done", "limit": 1}).json()["plans"]
     compared = COMPARISON_EXAMPLES["angles"][1] | {"plan": plan["id"]}
-    for headers in ({}, {"Accept": "image/svg+xml"}):
-        answers.ask("POST", "/v1/telemetry/comparisons", json=compared, headers=headers)
+    for media_type in (JSON, "text/csv", "image/svg+xml"):
+        accept = {"Accept": media_type}
+        answers.ask("POST", "/v1/telemetry/comparisons", json=compared, headers=accept)
 
 
 def _searched(answers: Answers, path: str, request: dict[str, Any]) -> None:
