@@ -22,7 +22,6 @@ class JobResponse:
     id: of what is made, as its address names it.
     state: state of the work.
     name: as the request gives it.
-    owner: name of the API key it was asked with; null without one. E.g. `"night shift"`.
     platform: name of the platform, or of the spacecraft.
     start: of the first session, or of the time that is searched or planned; UTC, as asked for, and
     as planned once it is.
@@ -33,6 +32,7 @@ class JobResponse:
     revision: of the plan, from 1; null until it is made. E.g. `1`.
     revises: id of the plan it replaces; null for none. E.g.
     `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
+    requested_by: name of the API key that the request came with; null without keys. E.g. `"anna"`.
     input_sha256: of the request's bytes; of flights, with those of their plan.
     created: time at which the request came; UTC.
     started: time at which the work began; UTC, null before.
@@ -46,7 +46,6 @@ class JobResponse:
     id: str
     state: JobState
     name: str
-    owner: str | None
     platform: str | None
     start: str | None
     stop: str | None
@@ -55,6 +54,7 @@ class JobResponse:
     probability_in_frame: Share | None
     revision: Annotated[int, Field(ge=1)] | None
     revises: str | None
+    requested_by: str | None
     input_sha256: str
     created: str
     started: str | None

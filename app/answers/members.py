@@ -126,6 +126,7 @@ class PlanHead:
     revision: from 1, one more for each plan that replaces another.
     revises: id of the plan it replaces; null for none. E.g.
     `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
+    requested_by: name of the API key that the request came with; null without keys. E.g. `"anna"`.
     """
 
     __pydantic_config__ = BUILT_ON_FIRST_USE
@@ -134,11 +135,12 @@ class PlanHead:
     state: JobState
     revision: Annotated[int, Field(ge=1)]
     revises: str | None
+    requested_by: str | None
 
 
 def new_head(state: JobState) -> PlanHead:
     """Of a plan that replaces none."""
-    return PlanHead(id=new_id(), state=state, revision=1, revises=None)
+    return PlanHead(id=new_id(), state=state, revision=1, revises=None, requested_by=None)
 
 
 def whole_answer(head: PlanHead, document: bytes, table: bytes) -> bytes:

@@ -62,19 +62,19 @@ class NewJob:
 class Job:
     """A job as it stands, without its request.
 
-    cancel_requested: of itself, or of the job it is a part of.  platform, start_utc, stop_utc,
-    targets (the first of target_count), probability_in_frame: `app.store.listing`.
-    revises, series, revision: `JobRow`.  owner: name of the key it was asked with.
+    requested_by: name of the key.  cancel_requested: of itself, or of the job it is a part of.
+    platform, start_utc, stop_utc, targets (the first of target_count), probability_in_frame:
+    `app.store.listing`.  revises, series, revision: `JobRow`.
     """
 
     id: str
     kind: str
     state: JobState
     name: str
-    owner: str | None
     request_sha256: str
     options: Mapping[str, Any]
     key_id: str | None
+    requested_by: str | None
     parent_id: str | None
     plan_id: str | None
     attempts: int
@@ -116,12 +116,12 @@ _UNWANTED: ColumnElement[bool] = or_(
     JobRow.cancel_requested,
     exists().where(_WHOLE.id == JobRow.parent_id, _WHOLE.cancel_requested),
 )
-_DERIVED = {
-    "cancel_requested": _UNWANTED.label("cancel_requested"),
-    "owner": select(KeyRow.name).where(KeyRow.id == JobRow.key_id).scalar_subquery().label("owner"),
+_DERIVED: dict[str, ColumnElement[Any]] = {
+    "cancel_requested": _UNWANTED,
+    "requested_by": select(KeyRow.name).where(KeyRow.id == JobRow.key_id).scalar_subquery(),
 }
 _COLUMNS = tuple(
-    _DERIVED[name] if name in _DERIVED else getattr(JobRow, name)
+    _DERIVED[name].label(name) if name in _DERIVED else getattr(JobRow, name)
     for name in Job.__dataclass_fields__
 )
 # Statements of every plan, built once: that takes longer than SQLite needs to answer them.

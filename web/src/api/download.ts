@@ -8,7 +8,6 @@ export async function download(path: string, given: Given, name: (told: string |
   save(await answer.blob(), name(told));
 }
 
-/** Saves what the page has made as a file. */
 export function save(content: Blob, name: string): void {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(content);

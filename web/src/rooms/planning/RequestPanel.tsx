@@ -120,10 +120,9 @@ function FileEntry() {
         <button
           type="button"
           onClick={() =>
-            saveText(
-              `${JSON.stringify(draft.request.value, null, 2)}\n`,
+            save(
+              new Blob([`${JSON.stringify(draft.request.value, null, 2)}\n`], { type: "application/json" }),
               `${draft.request.value.name || "plan"}.json`,
-              "application/json",
             )
           }
         >
@@ -171,7 +170,7 @@ function Templates() {
   const text = words.value.plan.request;
   const [name, setName] = useState("");
   const [wrong, setWrong] = useState<string | null>(null);
-  const save = () => {
+  const keep = () => {
     try {
       saveTemplate({ name: name.trim(), request: draft.made.value, conditions: draft.conditions.value });
       setWrong(null);
@@ -187,7 +186,7 @@ function Templates() {
         class="row"
         onSubmit={(event) => {
           event.preventDefault();
-          save();
+          keep();
         }}
       >
         <input

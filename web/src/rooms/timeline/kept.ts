@@ -90,7 +90,7 @@ function blockOf(job: Job, kind: Block["kind"]): Block {
     kind,
     to: `${kind === "spacecraft" ? "/spacecraft" : ""}/plans/${job.id}`,
     name: job.name || job.targets.slice(0, 3).join(", "),
-    owner: job.owner,
+    owner: job.requested_by,
     platform: job.platform ?? "",
     carrier: "",
     state: job.state,
