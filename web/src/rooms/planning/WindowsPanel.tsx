@@ -15,7 +15,9 @@ export function WindowsPanel() {
   const taken = now && windowOf(now.windows, draft.session.value);
   const near = now && windowNear(now.windows, draft.session.value);
   const error = searchError.value;
-  const isTargets = error instanceof Problem && error.field?.startsWith("targets.0.target");
+  // Entries of these kinds tell it themselves.
+  const isTold = ["ground", "star"].includes(draft.kind.value);
+  const isTargets = isTold && error instanceof Problem && error.field?.startsWith("targets.0.target");
   return (
     <section class="panel" aria-label={text.title}>
       <div class="row heading">

@@ -178,6 +178,18 @@ function conditionsFor(target: Target): draft.Conditions {
     : others;
 }
 
+const MOVING_REACH_MS = 2 * 86_400_000; // as far from its epoch as the service knows where a target goes
+
+/** The days that are shown, as far as the target can be in them. */
+function spanFor(target: Target): { start: string; stop: string } {
+  const [from_ms, to_ms] = [draft.from_ms.peek(), draft.to_ms.peek()];
+  const epoch_ms = target.mode === "ground_moving" ? Date.parse(target.epoch) : Number.NaN;
+  if (Number.isNaN(epoch_ms)) return { start: rfc3339(from_ms), stop: rfc3339(to_ms) };
+  const start_ms = Math.max(from_ms, epoch_ms - MOVING_REACH_MS);
+  const stop_ms = Math.min(to_ms, epoch_ms + MOVING_REACH_MS);
+  return { start: rfc3339(start_ms), stop: rfc3339(stop_ms > start_ms ? stop_ms : to_ms) };
+}
+
 async function search(target: Target, until: AbortSignal): Promise<void> {
   isSearching.value = true;
   searchError.value = null;
@@ -189,8 +201,7 @@ async function search(target: Target, until: AbortSignal): Promise<void> {
         orbit: draft.orbit.peek(),
         attitude: draft.attitude.peek(),
         targets: [{ id: "target", target }],
-        start: rfc3339(draft.from_ms.peek()),
-        stop: rfc3339(draft.to_ms.peek()),
+        ...spanFor(target),
         conditions: conditionsFor(target),
         samples: SAMPLES,
       },
