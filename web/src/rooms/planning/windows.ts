@@ -154,6 +154,18 @@ export function best(windows: readonly Window[]): Window | null {
   return windows.reduce<Window | null>((top, one) => (one.session && (!top || rank(one) > rank(top)) ? one : top), null);
 }
 
+const GOOD_S = 20;
+
+/** Windows in which a session of some length is free, else those with any. */
+export function withRoom(windows: readonly Window[]): readonly Window[] {
+  const free = windows.flatMap((window) => {
+    const times = sessionIn(window);
+    return times ? [{ window, lasts_s: (Date.parse(times.stop) - Date.parse(times.start)) / 1000 }] : [];
+  });
+  const good = free.filter(({ lasts_s }) => lasts_s >= GOOD_S);
+  return (good.length ? good : free).map(({ window }) => window);
+}
+
 function isOneOf(modes: readonly string[], mode: string): boolean {
   return modes.includes(mode);
 }
@@ -215,7 +227,7 @@ async function search(target: Target, until: AbortSignal): Promise<void> {
     // Kept by the service for who wants it; ours is seen once.
     if (last) void remove("/v1/opportunities/{id}", { id: last }).catch(() => undefined);
     last = answer.id;
-    const taken = !draft.session.peek().start && best(answer.windows);
+    const taken = draft.session.peek().start ? null : best(withRoom(answer.windows));
     const times = taken && sessionIn(taken);
     if (times) draft.setTimes(times.start, times.stop);
     rememberAngles(answer.windows);
