@@ -109,6 +109,8 @@ export const plan = {
     count: (count: number) => `${count} found`,
     none: "The target isn't seen in these days: allow a lower elevation, or look at more days.",
     lights: { day: "day", low: "low Sun", twilight: "twilight", night: "night" },
+    onePoint: "A path has two points at least: add the second.",
+    untimed: "It needs no window: give its times under Sessions.",
     space: "in space",
     quality: (share: string) => `ground sample: ${share} of the best, straight below`,
     metres: "m",

@@ -123,7 +123,8 @@ export default function AskRoom(_: RoomProps) {
       if (isAbort(error)) return;
       if (!isFromSight(error)) lost.current = null;
       if (!(error instanceof Cancelled)) fail(error);
-      told.current?.scrollIntoView({ block: "nearest" });
+      // Once it is drawn: the form may be longer than the screen.
+      requestAnimationFrame(() => told.current?.scrollIntoView({ block: "nearest" }));
     } finally {
       setProgress(null);
       setSent(null);
