@@ -50,7 +50,7 @@ export const plan = {
     count: (count: number) => `${count} found`,
     none: "The target isn't seen in these days: allow a lower elevation, or look at more days.",
     lights: { day: "day", low: "low Sun", twilight: "twilight", night: "night" },
-    space: "in space",
+    space: "above the limb",
     quality: (share: string) => `ground sample: ${share} of the best, straight below`,
     metres: "m",
     seconds: (count: string) => `${count} s`,

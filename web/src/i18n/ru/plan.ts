@@ -52,7 +52,7 @@ export const plan: Words["plan"] = {
     count: (count) => `найдено: ${count}`,
     none: "В эти дни цель не видна: допустите меньший угол места или больше дней.",
     lights: { day: "день", low: "низкое Солнце", twilight: "сумерки", night: "ночь" },
-    space: "в космосе",
+    space: "над краем Земли",
     quality: (share) => `разрешение: ${share} от лучшего, в надир`,
     metres: "м",
     seconds: (count) => `${count} с`,

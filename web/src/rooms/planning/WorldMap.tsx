@@ -4,6 +4,7 @@ import { geoCircle } from "d3-geo";
 import { words } from "../../i18n";
 import { EarthMap } from "../../map/EarthMap";
 import type { LonLat } from "../../map/places";
+import { DaysTrack } from "./DaysTrack";
 import * as draft from "./draft";
 import { circleOf, groundTrack } from "./passes";
 import { refused } from "./refusal";
@@ -30,6 +31,7 @@ export function WorldMap() {
     >
       {({ projection, path }) => (
         <>
+          <DaysTrack path={path} />
           {seen && radius && <path class="circle" d={path(geoCircle().center(seen).radius(radius)()) ?? ""} />}
           {track.length > 1 && (
             <path

@@ -8,7 +8,8 @@ import { EarthMap } from "../../map/EarthMap";
 import { arrange } from "../../map/labels";
 import { Night } from "../../map/Night";
 import { type LonLat, ringOf } from "../../map/places";
-import { fetchMap, inTurn, type Track } from "./kept";
+import { linesIn, rowAt, type Track } from "../../map/track";
+import { fetchMap, inTurn } from "./kept";
 import { type Block, DAY_MS, type Lane, type Span } from "./lanes";
 
 const MOST_MS = 3 * DAY_MS; // of the track: more days cover the map
@@ -75,7 +76,7 @@ export function DaysMap({ span: [from_ms, to_ms], now_ms, lanes, lane, onLane, t
           const carrier = now && projection(now.carrier);
           return (
             <>
-              {now && <Night sun={now.sun} path={path} class="dm-night" />}
+              {now && <Night sun={now.sun} path={path} class="map-night" />}
               <path class="dm-track" d={path({ type: "MultiLineString", coordinates: lines }) ?? ""} />
               <path class="dm-swath" d={path({ type: "MultiPolygon", coordinates: swaths }) ?? ""} />
               {carrier && <circle class="dm-carrier" cx={carrier[0]} cy={carrier[1]} r={5} />}
@@ -150,31 +151,4 @@ function placesIn(features: readonly GeoJSON.Feature[]): Named[] {
     places.set(`${name} ${longitude} ${latitude}`, { at: [longitude, latitude], name });
   }
   return [...places.values()];
-}
-
-/** The places below the carrier from one instant to another, in lines. */
-function linesIn({ start, t_s, carrier }: Track, from_ms: number, to_ms: number): LonLat[][] {
-  const start_ms = Date.parse(start);
-  const lines: LonLat[][] = [[]];
-  for (const [row, t] of t_s.entries()) {
-    const at_ms = start_ms + 1000 * t;
-    const [longitude, latitude] = [carrier.longitude_deg[row], carrier.latitude_deg[row]];
-    if (at_ms < from_ms || at_ms > to_ms) continue;
-    if (longitude == null || latitude == null) lines.push([]);
-    else lines[lines.length - 1]?.push([longitude, latitude]);
-  }
-  return lines.filter((line) => line.length > 1);
-}
-
-/** Where carrier and Sun stand at the row nearest to an instant. */
-function rowAt({ start, t_s, carrier, sun }: Track, at_ms: number): { carrier: LonLat; sun: LonLat } | null {
-  const t = (at_ms - Date.parse(start)) / 1000;
-  const after = t_s.findIndex((one) => one >= t);
-  const row = after <= 0 ? Math.max(after, 0) : t - (t_s[after - 1] ?? 0) < (t_s[after] ?? 0) - t ? after - 1 : after;
-  const place = ({ longitude_deg, latitude_deg }: typeof sun | typeof carrier): LonLat | null => {
-    const [longitude, latitude] = [longitude_deg[row], latitude_deg[row]];
-    return longitude == null || latitude == null ? null : [longitude, latitude];
-  };
-  const [below, overhead] = [place(carrier), place(sun)];
-  return below && overhead ? { carrier: below, sun: overhead } : null;
 }

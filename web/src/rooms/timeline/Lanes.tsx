@@ -4,8 +4,8 @@ import { useEffect, useRef, useState } from "preact/hooks";
 
 import { words } from "../../i18n";
 import { named, number, percent, period } from "../../i18n/forms";
+import type { Track } from "../../map/track";
 import { Link } from "../../parts/Link";
-import type { Track } from "./kept";
 import {
   type Block,
   type Conflict,

@@ -5,6 +5,7 @@ import { save } from "../../api/download";
 import { Problem } from "../../api/problem";
 import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
+import { fetchTrack, type Track } from "../../map/track";
 import { Field } from "../../parts/Field";
 import { Link } from "../../parts/Link";
 import { ProblemNotice } from "../../parts/ProblemNotice";
@@ -13,7 +14,7 @@ import type { RoomProps } from "../../room";
 import { place } from "../../router";
 import { calendarOf, type Event, sessionsOf } from "./calendar";
 import { DaysMap } from "./DaysMap";
-import { fetchKept, fetchTrack, type Kept, latest, nearest, type Track } from "./kept";
+import { fetchKept, type Kept, latest, nearest } from "./kept";
 import { Lanes, told } from "./Lanes";
 import {
   around,
