@@ -89,7 +89,9 @@ function Timeline({ span, onSpan }: { span: Span; onSpan: (span: Span) => void }
     return track && !(track instanceof Problem) ? track : null;
   };
   const shownNow_ms = now_ms === null || now_ms < from_ms || now_ms > to_ms ? (from_ms + to_ms) / 2 : now_ms;
-  const mapped = carriers.find((lane) => lane.name === chosen) ?? carriers[0] ?? null;
+  const count = (lane: Lane) => lane.blocks.filter((one) => one.stop_ms > from_ms && one.start_ms < to_ms).length;
+  const fullest = [...carriers].sort((one, other) => count(other) - count(one))[0] ?? null;
+  const mapped = carriers.find((lane) => lane.name === chosen) ?? fullest;
   const refusals = [...tracks].flatMap(([name, track]) =>
     track instanceof Problem ? [{ name, why: track.document.detail }] : [],
   );

@@ -1,4 +1,4 @@
-/** What is kept over some days: plans, passes of campaigns, imaging sessions, windows of searches. */
+/** Work kept over some days: plans, passes of campaigns, imaging sessions, windows of searches. */
 import { get, type Schemas, send } from "../../api/client";
 import { type Orbit, reachOf, textOf } from "../../api/orbit";
 import { isAbort, Problem } from "../../api/problem";
