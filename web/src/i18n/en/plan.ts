@@ -111,7 +111,7 @@ export const plan = {
     lights: { day: "day", low: "low Sun", twilight: "twilight", night: "night" },
     onePoint: "A path has two points at least: add the second.",
     untimed: "It needs no window: give its times under Sessions.",
-    space: "in space",
+    space: "above the limb",
     quality: (share: string) => `ground sample: ${share} of the best, straight below`,
     metres: "m",
     seconds: (count: string) => `${count} s`,

@@ -113,7 +113,7 @@ export const plan: Words["plan"] = {
     lights: { day: "день", low: "низкое Солнце", twilight: "сумерки", night: "ночь" },
     onePoint: "У маршрута не меньше двух точек: добавьте вторую.",
     untimed: "Окно не нужно: задайте время в сеансах.",
-    space: "в космосе",
+    space: "над краем Земли",
     quality: (share) => `разрешение: ${share} от лучшего, в надир`,
     metres: "м",
     seconds: (count) => `${count} с`,
