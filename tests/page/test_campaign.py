@@ -62,7 +62,7 @@ def test_targets_of_a_file_are_asked_for_and_their_progress_is_shown(open_page, 
     )
     page = open_page("/campaigns")
     page.get_by_label("Choose a file of targets").set_input_files(file)
-    expect(page.get_by_role("cell", name="Graz, Styria")).to_be_visible()
+    expect(page.get_by_role("cell", name="Graz, Styria", exact=True)).to_be_visible()
     page.get_by_label("High Sun").fill("1")
     page.get_by_label("High Sun").press("Tab")
     asked = json.loads(page.get_by_label("Request as JSON").input_value())
@@ -83,7 +83,7 @@ def test_targets_are_added_weighed_and_removed_in_place(open_page):
 
     page.get_by_role("combobox", name="Add a target").fill("Ljub")
     page.get_by_role("option", name="Ljubljana, SI").click()
-    expect(page.get_by_role("cell", name="Ljubljana")).to_be_visible()
+    expect(page.get_by_role("cell", name="Ljubljana", exact=True)).to_be_visible()
     assert targets()[-1]["target"] == {"mode": "place", "name": "Ljubljana, SI"}
     page.get_by_label("Map of the targets").click(position={"x": 200, "y": 200})
     expect(
@@ -159,7 +159,7 @@ def test_a_file_without_targets_is_told_by_its_line(open_page, tmp_path):
     page = open_page("/campaigns")
     page.get_by_label("Choose a file of targets").set_input_files(file)
     expect(page.get_by_role("alert")).to_contain_text("line 3: latitude_deg")
-    expect(page.get_by_role("cell", name="Las Vegas")).to_be_visible()
+    expect(page.get_by_role("cell", name="Las Vegas", exact=True)).to_be_visible()
 
 
 def test_work_is_cancelled_where_it_is_shown_and_asked_for_again(open_page, service):

@@ -38,7 +38,10 @@ export function AskCampaign() {
   const targets = Array.isArray(request.targets) ? request.targets : [];
   // Of the targets as they were sent: one that is changed or removed takes its fault along.
   const faults = useMemo(() => faultsOf(error, targets), [error]);
-  const isOfRows = error instanceof Problem && (error.document.errors ?? []).every(({ field }) => field.startsWith("targets."));
+  const isOfRows =
+    faults.size > 0 &&
+    error instanceof Problem &&
+    (error.document.errors ?? []).every(({ field }) => field.startsWith("targets."));
   const add = (target: CampaignTarget["target"]) =>
     change({ targets: [...targets, { id: idFor(target, targets), session_s: SESSION_S, target }] });
   const [hasPicked, setHasPicked] = useState(false);
