@@ -3,7 +3,6 @@
 from app.requests.json_reader import JsonReader
 from planner.planning.opportunities import OpportunityRequest
 
-_READER = JsonReader(OpportunityRequest)
+OPPORTUNITY_READER = JsonReader(OpportunityRequest)
 
-read_opportunity_request = _READER.read
-opportunity_request_json_schema = _READER.json_schema
+read_opportunity_request = OPPORTUNITY_READER.read

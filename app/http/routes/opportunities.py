@@ -5,20 +5,19 @@ from app.answers.opportunities import OpportunitiesResponse, WindowsPage
 from app.http.routes.search_routes import SearchResource, search_routes
 from app.requests.examples import IMAGING_OPPORTUNITY_EXAMPLES, OPPORTUNITY_EXAMPLES
 from app.requests.listings import listing_of_imaging, listing_of_search
-from app.requests.opportunities import read_opportunity_request
-from app.requests.spacecraft import read_imaging_opportunity_request
+from app.requests.opportunities import OPPORTUNITY_READER
+from app.requests.spacecraft import IMAGING_OPPORTUNITY_READER
 from app.work.campaign import answer_opportunities
 from app.work.spacecraft import answer_imaging_opportunities
 
 OPPORTUNITIES = SearchResource(
     kind="opportunities",
     path="/v1/opportunities",
-    request_schema="OpportunityRequest",
+    requests=OPPORTUNITY_READER,
     listing=listing_of_search,
     tag="opportunities",
     summary="Search for windows of targets",
     examples=OPPORTUNITY_EXAMPLES,
-    read=read_opportunity_request,
     find=answer_opportunities,
     response=OpportunitiesResponse,
     windows_response=WindowsPage,
@@ -26,12 +25,11 @@ OPPORTUNITIES = SearchResource(
 IMAGING_OPPORTUNITIES = SearchResource(
     kind="imaging_opportunities",
     path="/v1/spacecraft/opportunities",
-    request_schema="ImagingOpportunityRequest",
+    requests=IMAGING_OPPORTUNITY_READER,
     listing=listing_of_imaging,
     tag="spacecraft",
     summary="Search for passes of the imaging spacecraft",
     examples=IMAGING_OPPORTUNITY_EXAMPLES,
-    read=read_imaging_opportunity_request,
     find=answer_imaging_opportunities,
     response=ImagingOpportunitiesResponse,
     windows_response=ImagingWindowsPage,
