@@ -49,8 +49,8 @@ class PlanResource(JobResource):
     dry_run: the answer that says whether it flies; done in a child.  table_json: a stored table
     as the answer holds it.  table_file: of (request, stored table, format, date the file states)
     the file's bytes; done in a child.  view_response: what there is to see of a plan, as JSON.
-    view_exporters: its other formats.  view_file: of (request, stored table, what is asked) the view's
-    bytes, in a child.  file_stem: of files whose plan has no name.
+    view_exporters: its other formats.  view_file: of (request, stored table, what is asked) the
+    view's bytes, in a child.  file_stem: of files whose plan has no name.
     takes_pixel: its views are told what a pixel sees, as no camera is defined.
     lacks: whether a request, in bytes, may lack what only the store can tell; fill_in: with that.
     """
