@@ -14,7 +14,7 @@ from sqlalchemy import Connection
 
 from app.answers.job import JobResponse, job_json
 from app.answers.members import PlanHead, fill, whole_answer
-from app.answers.table import TableAlone
+from app.answers.plan import TableAlone
 from app.http.blocking import EXPORT_BOUNDS, answer_in_child, in_child, read
 from app.http.negotiation import (
     JSON,
