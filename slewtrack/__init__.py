@@ -95,9 +95,8 @@ def view(plan: "Plan", *, step_s: float | None = None) -> Columns:
     from app.answers.view import view_json
     from planner.output.view import view_plan
 
-    pixel_arcsec = plan.scenario.platform.camera.pixel_arcsec
-    seen = view_plan(plan, step_s, pixel_arcsec)
-    told = view_json(seen, "", pixel_arcsec, verified=plan.verification.passed)
+    seen = view_plan(plan, step_s, plan.scenario.platform.camera.pixel_arcsec)
+    told = view_json(seen, "", verified=plan.verification.passed)
     return columns_of(json.loads(told))
 
 

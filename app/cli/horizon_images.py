@@ -14,16 +14,17 @@ from app.cli.progress_bar import Tell, progress_bar
 from app.requests.horizon import read_estimate_request
 from app.work.horizon import measure
 from app.work.horizon_series import (
+    FRAMES_MAX,
     HorizonFrames,
     HorizonSession,
     frame_requests,
     measure_series,
     series_json,
-    video_frames,
 )
 from estimator.errors import InvalidImage
 from estimator.images import Pixels, decode_image
 from estimator.request import HorizonRequest
+from estimator.videos import video_frames
 
 _VIDEOS = {".mp4", ".avi", ".mkv", ".mov", ".m4v", ".mpg", ".mpeg", ".webm", ".ts"}
 
@@ -64,7 +65,7 @@ def measure_frames(
                 "videos go with a session (orbit, cameras, start, step_s), one per camera",
                 field="images",
             )
-        count, films = video_frames([str(path) for path in paths], request.step_s)
+        count, films = video_frames([str(path) for path in paths], request.step_s, FRAMES_MAX)
         with progress_bar("frames") as tell:
             series = measure_series(request.requests(count), _told(films, count, tell))
     else:
