@@ -43,6 +43,14 @@ export const plan = {
     taken: (what: string) => `Taken: ${what}`,
   },
   span: { from: "From, UTC", days: "Days", elevation: "Least elevation, °" },
+  stages: {
+    orbit: "Orbit",
+    "slews and tracks": "Slews and tracks",
+    alternatives: "Looking for ways out",
+    comparison: "Comparison with the spline",
+    "pointing budget": "Pointing budget",
+    verification: "Verification",
+  },
   windows: {
     title: "Windows",
     list: "Windows, the first first",

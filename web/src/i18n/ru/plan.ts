@@ -45,6 +45,14 @@ export const plan: Words["plan"] = {
     taken: (what) => `Принято: ${what}`,
   },
   span: { from: "Начиная с, UTC", days: "Дней", elevation: "Наименьший угол места, °" },
+  stages: {
+    orbit: "Орбита",
+    "slews and tracks": "Развороты и слежение",
+    alternatives: "Ищутся другие варианты",
+    comparison: "Сравнение со сплайном",
+    "pointing budget": "Бюджет ошибок наведения",
+    verification: "Проверка",
+  },
   windows: {
     title: "Окна",
     list: "Окна по порядку времени",

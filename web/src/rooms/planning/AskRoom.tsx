@@ -6,6 +6,7 @@ import { get, remove } from "../../api/client";
 import { Cancelled, type Progress, type Sent, sendOff, untilDone } from "../../api/job";
 import { isAbort, NoAnswer, Problem } from "../../api/problem";
 import { useRequest } from "../../api/request";
+import { stageText } from "../../api/stage";
 import { words } from "../../i18n";
 import { wantOutlines } from "../../map/outlines";
 import { Bar } from "../../parts/Bar";
@@ -120,7 +121,7 @@ export default function AskRoom(_: RoomProps) {
             </button>
             {progress && (
               <>
-                <Bar label={progress.stage ?? text.shell.states[progress.state]} percent={progress.percent} />
+                <Bar label={stageText(progress)} percent={progress.percent} />
                 <button type="button" onClick={cancel} disabled={!sent}>
                   {text.shell.cancel}
                 </button>
