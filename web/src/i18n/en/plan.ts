@@ -61,6 +61,7 @@ export const plan = {
     space: "in space",
     quality: (share: string) => `ground sample: ${share} of the best, straight below`,
     metres: "m",
+    inFrame: (share: string) => `in frame ${share}`,
     seconds: (count: string) => `${count} s`,
   },
   session: {

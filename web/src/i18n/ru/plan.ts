@@ -63,6 +63,7 @@ export const plan: Words["plan"] = {
     space: "в космосе",
     quality: (share) => `разрешение: ${share} от лучшего, в надир`,
     metres: "м",
+    inFrame: (share) => `в кадре ${share}`,
     seconds: (count) => `${count} с`,
   },
   session: {

@@ -1,13 +1,14 @@
 /** The windows of the next days: all at once as bars over time, and one by one. */
 import { Problem } from "../../api/problem";
 import { words } from "../../i18n";
+import { percent } from "../../i18n/forms";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { Overview } from "../../windows/Overview";
 import { PassFigures } from "../../windows/PassFigures";
 import * as draft from "./draft";
 import { SessionBar } from "./SessionBar";
 import { SpanFields } from "./SpanFields";
-import { found, isSearching, searchAgain, searchError, sessionIn, type Window, windowNear, windowOf } from "./windows";
+import { found, GOOD, isSearching, searchAgain, searchError, sessionIn, type Window, windowNear, windowOf } from "./windows";
 
 export function WindowsPanel() {
   const text = words.value.plan.windows;
@@ -68,6 +69,11 @@ function List({ windows, taken }: { windows: readonly Window[]; taken: Window | 
             onClick={() => take(window)}
           >
             <PassFigures pass={window} />
+            {window.probability_in_frame !== null && (
+              <span class={`in-frame ${window.probability_in_frame < GOOD ? "unlikely" : ""}`}>
+                {text.inFrame(percent(window.probability_in_frame, 0))}
+              </span>
+            )}
           </button>
         </li>
       ))}
