@@ -102,6 +102,14 @@ export const plan = {
     taken: (what: string) => `Taken: ${what}`,
   },
   span: { from: "From, UTC", days: "Days", elevation: "Least elevation, °", conditions: "More conditions" },
+  stages: {
+    orbit: "Orbit",
+    "slews and tracks": "Slews and tracks",
+    alternatives: "Looking for ways out",
+    comparison: "Comparison with the spline",
+    "pointing budget": "Pointing budget",
+    verification: "Verification",
+  },
   windows: {
     title: "Windows",
     list: "Windows, the first first",
@@ -114,6 +122,7 @@ export const plan = {
     space: "above the limb",
     quality: (share: string) => `ground sample: ${share} of the best, straight below`,
     metres: "m",
+    inFrame: (share: string) => `in frame ${share}`,
     seconds: (count: string) => `${count} s`,
   },
   session: {

@@ -104,6 +104,14 @@ export const plan: Words["plan"] = {
     taken: (what) => `Принято: ${what}`,
   },
   span: { from: "Начиная с, UTC", days: "Дней", elevation: "Наименьший угол места, °", conditions: "Ещё условия" },
+  stages: {
+    orbit: "Орбита",
+    "slews and tracks": "Развороты и слежение",
+    alternatives: "Ищутся другие варианты",
+    comparison: "Сравнение со сплайном",
+    "pointing budget": "Бюджет ошибок наведения",
+    verification: "Проверка",
+  },
   windows: {
     title: "Окна",
     list: "Окна по порядку времени",
@@ -116,6 +124,7 @@ export const plan: Words["plan"] = {
     space: "над краем Земли",
     quality: (share) => `разрешение: ${share} от лучшего, в надир`,
     metres: "м",
+    inFrame: (share) => `в кадре ${share}`,
     seconds: (count) => `${count} с`,
   },
   session: {

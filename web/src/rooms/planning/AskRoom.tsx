@@ -7,6 +7,7 @@ import { FIELDS } from "../../api/fields";
 import { Cancelled, type Progress, type Sent, sendOff, untilDone } from "../../api/job";
 import { isAbort, NoAnswer, Problem } from "../../api/problem";
 import { useRequest } from "../../api/request";
+import { stageText } from "../../api/stage";
 import { words } from "../../i18n";
 import { wantOutlines } from "../../map/outlines";
 import { Bar } from "../../parts/Bar";
@@ -170,7 +171,7 @@ export default function AskRoom(_: RoomProps) {
             </button>
             {progress && (
               <>
-                <Bar label={progress.stage ?? text.shell.states[progress.state]} percent={progress.percent} />
+                <Bar label={stageText(progress)} percent={progress.percent} />
                 <button type="button" onClick={cancel} disabled={!sent}>
                   {text.shell.cancel}
                 </button>

@@ -1,6 +1,7 @@
 /** The windows of the next days: all at once as bars over time, and one by one. */
 import { Problem } from "../../api/problem";
 import { words } from "../../i18n";
+import { percent } from "../../i18n/forms";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { Overview } from "../../windows/Overview";
 import { PassFigures } from "../../windows/PassFigures";
@@ -9,6 +10,7 @@ import { SessionBar } from "./SessionBar";
 import { SpanFields } from "./SpanFields";
 import {
   found,
+  GOOD,
   isSearching,
   searchAgain,
   searchError,
@@ -84,6 +86,11 @@ function List({ windows, taken }: { windows: readonly Window[]; taken: Window | 
             onClick={() => take(window)}
           >
             <PassFigures pass={window} />
+            {window.probability_in_frame !== null && (
+              <span class={`in-frame ${window.probability_in_frame < GOOD ? "unlikely" : ""}`}>
+                {text.inFrame(percent(window.probability_in_frame, 0))}
+              </span>
+            )}
           </button>
         </li>
       ))}

@@ -142,14 +142,15 @@ export function windowOf(windows: readonly Window[], one: draft.DraftSession): W
   return windows.find((window) => Date.parse(window.rise) <= middle && middle <= Date.parse(window.set)) ?? null;
 }
 
-// Higher than this a pass is good, and the sooner the better: elements age, and with them the chance of a hit.
-const GOOD_DEG = 40;
+/** So likely to have the target in the frame, a window is good; a plan of less warns. */
+export const GOOD = 0.9;
 
-/** The soonest good one in the best light, else the highest: what is taken until the person chooses. */
+/** The soonest good one in the best light, else the likeliest, to a tenth: what is taken until the person chooses. */
 export function best(windows: readonly Window[]): Window | null {
   const rank = (window: Window) => {
     const light = lightOf(window.closest.sun_elevation_deg);
-    return (light === "night" || light === "twilight" ? 0 : 1000) + Math.min(window.highest_deg, GOOD_DEG);
+    const isDark = light === "night" || light === "twilight";
+    return (isDark ? 0 : 1000) + Math.floor(10 * Math.min(window.probability_in_frame ?? 0, GOOD));
   };
   return windows.reduce<Window | null>((top, one) => (one.session && (!top || rank(one) > rank(top)) ? one : top), null);
 }
