@@ -2,8 +2,10 @@
 
 from dataclasses import dataclass
 
+from app.answers.platform import definition_of
 from app.answers.ranges import Count, LatitudeDeg, LongitudeDeg, Signed
-from planner.world.platforms import PlatformDefinition
+from planner.world.platforms import PLATFORMS, PlatformDefinition
+from planner.world.targets.autocomplete import places_beginning, stars_beginning
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,3 +67,30 @@ class KnownStars:
     """
 
     stars: list[KnownStar]
+
+
+def platform_list() -> PlatformList:
+    """All there are."""
+    return PlatformList(platforms=[definition_of(platform) for platform in PLATFORMS.values()])
+
+
+def known_places(begin: str, limit: int) -> KnownPlaces:
+    """The first that begin so."""
+    return KnownPlaces(
+        places=[
+            KnownPlace(
+                name=name,
+                words=place.in_words,
+                latitude_deg=place.latitude_deg,
+                longitude_deg=place.longitude_deg,
+                height_m=place.height_m,
+            )
+            for name, place in places_beginning(begin, limit)
+        ]
+    )
+
+
+def known_stars(begin: str, limit: int) -> KnownStars:
+    """The first that begin so."""
+    found = stars_beginning(begin, limit)
+    return KnownStars(stars=[KnownStar(name=name, hip=hip) for name, hip in found])

@@ -5,12 +5,16 @@ from typing import Annotated
 from fastapi import APIRouter, Query
 from pydantic import Field
 
-from app.answers.names import KnownPlace, KnownPlaces, KnownStar, KnownStars, PlatformList
-from app.answers.platform import definition_of
+from app.answers.names import (
+    KnownPlaces,
+    KnownStars,
+    PlatformList,
+    known_places,
+    known_stars,
+    platform_list,
+)
 from app.http.negotiation import ONLY_JSON
 from app.http.query import Parameters
-from planner.world.platforms import PLATFORMS
-from planner.world.targets.autocomplete import places_beginning, stars_beginning
 
 router = APIRouter(tags=["platforms"], dependencies=ONLY_JSON)
 
@@ -31,29 +35,16 @@ class NamesQuery(Parameters):
 @router.get("/v1/platforms", summary="List platforms")
 async def get_platforms() -> PlatformList:
     """Each has axes, limits and mount; copy one into a request's `platform` to change it."""
-    return PlatformList(platforms=[definition_of(platform) for platform in PLATFORMS.values()])
+    return platform_list()
 
 
 @router.get("/v1/places", summary="List places by the beginning of their names")
 def get_places(query: Annotated[NamesQuery, Query()]) -> KnownPlaces:
     """Completes what somebody types; where several places share a name, all are listed."""
-    found = places_beginning(query.begin, query.limit)
-    return KnownPlaces(
-        places=[
-            KnownPlace(
-                name=name,
-                words=place.in_words,
-                latitude_deg=place.latitude_deg,
-                longitude_deg=place.longitude_deg,
-                height_m=place.height_m,
-            )
-            for name, place in found
-        ]
-    )
+    return known_places(query.begin, query.limit)
 
 
 @router.get("/v1/stars", summary="List stars by the beginning of their names")
 def get_stars(query: Annotated[NamesQuery, Query()]) -> KnownStars:
     """Completes what somebody types."""
-    found = stars_beginning(query.begin, query.limit)
-    return KnownStars(stars=[KnownStar(name=name, hip=hip) for name, hip in found])
+    return known_stars(query.begin, query.limit)
