@@ -125,7 +125,7 @@ class Desk:
 
     def _keep(self, kept_id: str, kept: Kept) -> None:
         self._kept[kept_id] = kept
-        if len(self._kept) > KEPT_MAX:
+        while len(self._kept) > KEPT_MAX:
             del self._kept[next(iter(self._kept))]
 
     def begin(self, make: Callable[[], Kept]) -> bytes:

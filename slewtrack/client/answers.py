@@ -38,9 +38,9 @@ class Progress:
     percent: float | None = None
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Answer(Mapping[str, Any]):
-    """An answer of the service; members: all of its JSON, which `answer["name"]` gives, too."""
+    """An answer, equal to another of the same JSON; members: that, as `answer["name"]`, too."""
 
     members: Members = field(repr=False)
 
@@ -54,7 +54,7 @@ class Answer(Mapping[str, Any]):
         return len(self.members)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Job(Answer):
     """The work on a plan, campaign or flights, as it stands.
 
@@ -73,7 +73,7 @@ class Job(Answer):
         return self.state in OPEN_STATES
 
 
-@dataclass(frozen=True, kw_only=True, repr=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Columns(Mapping[str, Column]):
     """Arrays by name, whose first axis is the row; the names carry frame and unit.
 
@@ -152,7 +152,7 @@ class Columns(Mapping[str, Column]):
         return xarray.Dataset(data, coords={"t_s": self.t_s, "utc": ("t_s", self.utc)}, attrs=plain)
 
 
-@dataclass(frozen=True, kw_only=True, repr=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Plan(Answer):
     """A plan: its command table and the verdict of the verification.
 
@@ -178,7 +178,7 @@ class Plan(Answer):
         return f"Plan({self.name!r}, {verdict}{warned}, {self.table!r}, id={self.id!r})"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Window(Answer):
     """When a target can be seen.
 
@@ -194,7 +194,7 @@ class Window(Answer):
     closest: Members = field(default_factory=dict, repr=False)
 
 
-@dataclass(frozen=True, kw_only=True, repr=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Opportunities(Answer):
     """Windows in the order of the request's targets.
 
@@ -212,7 +212,7 @@ class Opportunities(Answer):
         return f"Opportunities({len(self.windows)} windows of {', '.join(targets)}{unseen})"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Look(Answer):
     """A look at a target as a campaign chose it; times as UTC text."""
 
@@ -222,7 +222,7 @@ class Look(Answer):
     value: float
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Pass(Answer):
     """Looks planned together; plan: id of their plan.  problem: why there is none."""
 
@@ -235,7 +235,7 @@ class Pass(Answer):
     problem: Members | None = None
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Choice(Answer):
     """The looks chosen together; value: their worth.  bound: no choice is worth more."""
 
@@ -243,7 +243,7 @@ class Choice(Answer):
     bound: float
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Campaign(Answer):
     """A campaign with its passes, in order of time."""
 
@@ -264,7 +264,7 @@ class Campaign(Answer):
         return self.choice.bound
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Contributor(Answer):
     """A cause of the errors in flight; share: of their variance, by this cause and with others."""
 
@@ -272,7 +272,7 @@ class Contributor(Answer):
     share: float
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Flights(Answer):
     """Flights of a plan, each with errors drawn anew.
 
@@ -291,7 +291,7 @@ class Flights(Answer):
     sessions: tuple[Members, ...] = field(repr=False)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Estimate(Answer):
     """A number measured in flight, with its 1-sigma error; units stand in its member's name."""
 
@@ -299,7 +299,7 @@ class Estimate(Answer):
     sigma: float
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Comparison(Answer):
     """Telemetry beside the plan that was flown.
 
@@ -314,7 +314,7 @@ class Comparison(Answer):
     warnings: tuple[str, ...]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Check(Answer):
     """The request was planned and nothing is kept; flies: whether its verification passed."""
 
@@ -323,7 +323,7 @@ class Check(Answer):
     warnings: tuple[str, ...]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Vertical(Answer):
     """The local vertical in body axes; nadir_body: a unit vector, None where nothing was seen.
 
@@ -338,7 +338,7 @@ class Vertical(Answer):
     warnings: tuple[str, ...]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Known(Answer):
     """A platform, place or star that a request can name."""
 

@@ -16,7 +16,7 @@ def search_of(request: Members, start: datetime | str | None) -> dict[str, Any]:
     """For windows of its session's target that leave time for the slew; raises Refused."""
     sessions = request.get("sessions")
     if not isinstance(sessions, list) or len(sessions) != 1 or not isinstance(sessions[0], dict):
-        detail = "the next pass moves one session; choose passes of many targets by a campaign"
+        detail = "a next pass has one session; `slewtrack campaign` chooses among many targets"
         raise _refused("invalid-request", "sessions", detail)
     target = sessions[0].get("target")
     told = target if isinstance(target, dict) else {}

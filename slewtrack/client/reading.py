@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import MISSING, fields, is_dataclass
+from dataclasses import fields, is_dataclass
 from datetime import datetime
 from functools import cache
 from types import NoneType, UnionType
@@ -54,7 +54,11 @@ def object_of(value: object) -> Members:
 def _fields(kind: type) -> dict[str, tuple[Any, bool]]:
     """Types by name, and whether there is no default."""
     hints = get_type_hints(kind)
-    return {one.name: (hints[one.name], one.default is MISSING) for one in fields(kind) if one.init}
+    return {
+        one.name: (hints[one.name], one.default is one.default_factory)  # both MISSING
+        for one in fields(kind)
+        if one.init
+    }
 
 
 def _value(hint: Any, value: Any) -> Any:  # noqa: ANN401 (whatever JSON holds)
