@@ -124,6 +124,7 @@ from pathlib import Path
 from fastapi.testclient import TestClient
 import slewtrack
 from app.http.app import create_app
+from app.requests.plan import read_plan_request
 from planner.world.frames.geodesy import itrf_from_geodetic
 from planner.world.frames.time_scales import Instants, utc_from_text
 import math
@@ -163,7 +164,7 @@ with TestClient(create_app()) as client:
     request["sessions"][0]["target"] = unknown
     assert "itrf" in client.post("/v1/plans", json=request).json()["detail"]
 
-    states = plan.scenario.orbit.ephemeris(EPOCH, EPOCH).states(Instants(EPOCH, np.zeros(1)))
+    states = read_plan_request(json.dumps(request).encode()).orbit.ephemeris(EPOCH, EPOCH).states(Instants(EPOCH, np.zeros(1)))
     request["sessions"][0]["target"] = target
     request["orbit"] = {
         "source": "circle",
