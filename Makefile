@@ -53,7 +53,7 @@ web/node_modules/.package-lock.json: web/package.json web/package-lock.json .ven
 web/openapi.json: $(shell find slewtrack app planner estimator -name '*.py' -o -path '*/openapi/data/*') .venv/installed
 	PYTHONPATH=. $(BIN)/python -m app.http.openapi > $@.new && mv $@.new $@
 
-$(PAGE): web/openapi.json web/node_modules/.package-lock.json $(shell find web \( -path web/node_modules -o -path web/tests \) -prune -o -type f ! -name schema.ts ! -name lists.ts -print)
+$(PAGE): web/openapi.json web/node_modules/.package-lock.json $(shell find web \( -path web/node_modules -o -path web/tests \) -prune -o -type f ! -name schema.ts ! -name lists.ts ! -name fields.ts -print)
 	cd web && $(NPM) run --silent build
 
 serve: web

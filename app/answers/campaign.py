@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import SerializeAsAny
 
-from app.answers.job import JobResponse, job_out, page
-from app.answers.members import BUILT_ON_FIRST_USE, fill, from_store, to_json
+from app.answers.job import JobResponse, job_out
+from app.answers.members import fill, from_store, to_json
 from app.answers.problem import Problem
 from app.answers.ranges import Count, NotNegative, Share
 from app.ids import JobState
@@ -125,21 +125,6 @@ class CampaignResponse(JobResponse):
 
 
 @dataclass(frozen=True, kw_only=True)
-class CampaignList:
-    """Campaigns, the latest first.
-
-    campaigns: those of this page.
-    next: `cursor` of what comes after, null at the end. E.g.
-    `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
-    """
-
-    __pydantic_config__ = BUILT_ON_FIRST_USE
-
-    campaigns: list[JobResponse]
-    next: str | None
-
-
-@dataclass(frozen=True, kw_only=True)
 class CampaignDryRun:
     """The request is well formed; whether anything can be seen was not looked at.
 
@@ -195,9 +180,3 @@ def _planned_out(parts: "Sequence[Job]") -> PlannedOut:
         looks=len(values),
         value=sum(values, 0.0),
     )
-
-
-def campaign_list_json(jobs: "Sequence[Job]", limit: int) -> bytes:
-    """A CampaignList."""
-    campaigns, after = page(jobs, limit)
-    return to_json(CampaignList(campaigns=campaigns, next=after))

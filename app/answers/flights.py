@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 from pydantic import Field, SerializeAsAny
 
-from app.answers.job import JobResponse, job_out, page
-from app.answers.members import BUILT_ON_FIRST_USE, fill, from_store, to_json
+from app.answers.job import JobResponse, job_out
+from app.answers.members import fill, from_store, to_json
 from app.answers.ranges import Count, NotNegative, Share
 from app.store.packed import unzip
 from planner.base.arrays import Array
@@ -104,21 +104,6 @@ class FlightsResponse(FlightsFound, JobResponse):
 
 
 @dataclass(frozen=True, kw_only=True)
-class FlightsList:
-    """Flights of a plan, the latest first.
-
-    flights: those of this page.
-    next: `cursor` of what comes after, null at the end. E.g.
-    `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
-    """
-
-    __pydantic_config__ = BUILT_ON_FIRST_USE
-
-    flights: list[JobResponse]
-    next: str | None
-
-
-@dataclass(frozen=True, kw_only=True)
 class SessionHead:
     """What is known of a session before any disturbed run.
 
@@ -183,12 +168,6 @@ def flights_json(job: "Job", document: bytes | None, parts: Sequence[Any]) -> by
         head = from_store(FlightsHead, json.loads(unzip(document)))
         found = flights_found(head, parts)
     return to_json(fill(FlightsResponse, found, job_out(job)))
-
-
-def flights_list_json(jobs: "Sequence[Job]", limit: int) -> bytes:
-    """A FlightsList."""
-    flights, after = page(jobs, limit)
-    return to_json(FlightsList(flights=flights, next=after))
 
 
 def _told_of(found: "PlanFlights | SessionFlights | None") -> dict[str, Any]:

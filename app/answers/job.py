@@ -1,8 +1,8 @@
-"""The state of the work on a plan, and lists of plans and searches, as answered."""
+"""The state of the work on a plan, and lists of what jobs make, as answered."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from dataclasses import dataclass, make_dataclass
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field, TypeAdapter
 
@@ -32,6 +32,7 @@ class JobResponse:
     revision: of the plan, from 1; null until it is made. E.g. `1`.
     revises: id of the plan it replaces; null for none. E.g.
     `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
+    requested_by: name of the API key that the request came with; null without keys. E.g. `"anna"`.
     input_sha256: of the request's bytes; of flights, with those of their plan.
     created: time at which the request came; UTC.
     started: time at which the work began; UTC, null before.
@@ -53,6 +54,7 @@ class JobResponse:
     probability_in_frame: Share | None
     revision: Annotated[int, Field(ge=1)] | None
     revises: str | None
+    requested_by: str | None
     input_sha256: str
     created: str
     started: str | None
@@ -61,34 +63,23 @@ class JobResponse:
     problem: Problem | None
 
 
-@dataclass(frozen=True, kw_only=True)
-class PlanList:
-    """Plans, the latest first.
+def list_class(name: str, member: str, of_what: str) -> type[Any]:
+    """The answer that lists jobs under this member, a page at a time."""
+    doc = f"""{of_what}, the latest first.
 
-    plans: those of this page.
+    {member}: those of this page.
     next: `cursor` of what comes after, null at the end. E.g.
     `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
     """
-
-    __pydantic_config__ = BUILT_ON_FIRST_USE
-
-    plans: list[JobResponse]
-    next: str | None
-
-
-@dataclass(frozen=True, kw_only=True)
-class SearchList:
-    """Searches for opportunities, the latest first.
-
-    opportunities: those of this page.
-    next: `cursor` of what comes after, null at the end. E.g.
-    `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
-    """
-
-    __pydantic_config__ = BUILT_ON_FIRST_USE
-
-    opportunities: list[JobResponse]
-    next: str | None
+    return make_dataclass(
+        name,
+        [(member, list[JobResponse]), ("next", str | None)],
+        namespace={
+            "__doc__": doc,
+            "__module__": __name__,
+            "__pydantic_config__": BUILT_ON_FIRST_USE,
+        },
+    )
 
 
 _PROBLEM = TypeAdapter(Problem)
@@ -114,19 +105,9 @@ def job_json(job: "Job") -> bytes:
     return to_json(job_out(job))
 
 
-def page(jobs: "Sequence[Job]", limit: int) -> tuple[list[JobResponse], str | None]:
-    """Of jobs of which one more than the limit was asked for; the id to go on from, if any."""
+def list_json(kind: type[Any], jobs: "Sequence[Job]", limit: int) -> bytes:
+    """A list of its class, of jobs of which one more than the limit was asked for."""
     shown = jobs[:limit]
-    return [job_out(job) for job in shown], shown[-1].id if len(jobs) > limit else None
-
-
-def list_json(jobs: "Sequence[Job]", limit: int) -> bytes:
-    """A PlanList."""
-    plans, after = page(jobs, limit)
-    return to_json(PlanList(plans=plans, next=after))
-
-
-def search_list_json(jobs: "Sequence[Job]", limit: int) -> bytes:
-    """A SearchList."""
-    opportunities, after = page(jobs, limit)
-    return to_json(SearchList(opportunities=opportunities, next=after))
+    return to_json(
+        kind([job_out(job) for job in shown], shown[-1].id if len(jobs) > limit else None)
+    )

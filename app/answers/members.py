@@ -1,6 +1,7 @@
 """Members that answers share: the provenance and the head of every plan, with their writers."""
 
 import hashlib
+import json
 import math
 from dataclasses import dataclass, fields
 from datetime import datetime
@@ -55,6 +56,12 @@ def to_json(answer: object) -> bytes:
     """UTF-8, by the members as the answer's class declares them."""
     kind: type = type(answer)
     return _adapter(kind).dump_json(answer, by_alias=True, warnings="error")
+
+
+def to_members(answer: object) -> dict[str, Any]:
+    """As `to_json` writes them."""
+    members: dict[str, Any] = json.loads(to_json(answer))
+    return members
 
 
 def from_store(kind: type[Answer], members: object) -> Answer:
@@ -119,6 +126,7 @@ class PlanHead:
     revision: from 1, one more for each plan that replaces another.
     revises: id of the plan it replaces; null for none. E.g.
     `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
+    requested_by: name of the API key that the request came with; null without keys. E.g. `"anna"`.
     """
 
     __pydantic_config__ = BUILT_ON_FIRST_USE
@@ -127,11 +135,12 @@ class PlanHead:
     state: JobState
     revision: Annotated[int, Field(ge=1)]
     revises: str | None
+    requested_by: str | None
 
 
 def new_head(state: JobState) -> PlanHead:
     """Of a plan that replaces none."""
-    return PlanHead(id=new_id(), state=state, revision=1, revises=None)
+    return PlanHead(id=new_id(), state=state, revision=1, revises=None, requested_by=None)
 
 
 def whole_answer(head: PlanHead, document: bytes, table: bytes) -> bytes:

@@ -317,7 +317,8 @@ def times_of(start_utc: datetime, t_s: Array) -> Column:
 
 def _numbers(numbers: Array) -> Column:
     rounded = np.round(numbers, DECIMALS) + 0.0  # no -0.0
-    cells = rounded.astype(object)
-    cells[~np.isfinite(rounded)] = None
+    known = np.isfinite(rounded)
+    cells = rounded if known.all() else rounded.astype(object)
+    cells[~known] = None
     column: Column = cells.tolist()
     return column

@@ -2,11 +2,10 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict
 
-from app.answers.comparison import SlewComparisonOut, comparison_out
 from app.answers.horizon_view import HorizonCheckOut
 from app.answers.members import (
     PlanHead,
@@ -17,19 +16,17 @@ from app.answers.members import (
     whole_answer,
 )
 from app.answers.ranges import Count, NotNegative
-from app.answers.solver import SolverOut, solver_out
-from app.answers.summary import PlanSummaryOut, summary_out
 from planner.base.assumed import Assumed
 from planner.base.commands import COMMAND_STEP_S, CommandTable
 from planner.base.errors import Unverified
+from planner.motion.comparison import SlewComparison
 from planner.planning.sessions.budget import PointingBudget
+from planner.planning.sessions.plan import Plan, SlewRun
+from planner.planning.sessions.summary import PlanSummary, summarise
 from planner.verification import Finding, LimitMargin, SessionReport, VerificationReport
 from planner.verification.report import KeepOutMargin, MaskMargin, SlowStretch
 from planner.world.frames.time_scales import utc_text
 from planner.world.plan import Segment
-
-if TYPE_CHECKING:
-    from planner.planning.sessions.plan import Plan
 
 
 class TableOut(BaseModel):
@@ -50,6 +47,26 @@ class TableOut(BaseModel):
     epoch: str
     step_s: NotNegative
     t_s: list[NotNegative]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SolverOut:
+    """The solution of the slews, all together and one by one.
+
+    backend: the methods, as `slew.method` names them.
+    status: quality of the slews, as `slews` states it.
+    iterations: of Ipopt.
+    wall_s: time it took to solve all slews.
+    slews: the solution of each slew.
+    stages_wall_s: time of each stage of the whole plan.
+    """
+
+    backend: str
+    status: str
+    iterations: Count
+    wall_s: NotNegative
+    slews: tuple[SlewRun, ...]
+    stages_wall_s: dict[str, NotNegative]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,7 +94,7 @@ class PlanDocument:
 
     name: str
     platform: str
-    summary: PlanSummaryOut
+    summary: PlanSummary
     segments: tuple[Segment, ...]
     margins: dict[str, dict[str, LimitMargin]]
     keep_out: tuple[KeepOutMargin, ...]
@@ -86,7 +103,7 @@ class PlanDocument:
     slow_stretches: tuple[SlowStretch, ...]
     uncertainty: list[PointingBudget]
     verification: VerificationReport
-    comparison: list[SlewComparisonOut]
+    comparison: list[SlewComparison]
     horizon_checks: list[HorizonCheckOut]
     solver: SolverOut
     warnings: list[str]
@@ -133,14 +150,14 @@ class DryRunResponse:
 
 
 def plan_json(
-    plan: "Plan", provenance: ProvenanceOut, checks: Sequence[HorizonCheckOut] = ()
+    plan: Plan, provenance: ProvenanceOut, checks: Sequence[HorizonCheckOut] = ()
 ) -> bytes:
     """The whole answer as UTF-8 JSON, under a new id."""
     document = plan_document(plan, checks, provenance)
     return whole_answer(new_head(verdict_state(plan)), document, table_json(plan.table))
 
 
-def dry_run_json(plan: "Plan", provenance: ProvenanceOut) -> bytes:
+def dry_run_json(plan: Plan, provenance: ProvenanceOut) -> bytes:
     """A DryRunResponse as UTF-8 JSON."""
     return to_json(
         DryRunResponse(
@@ -170,7 +187,7 @@ def require_verified(findings: Iterable[Finding]) -> None:
             )
 
 
-def verdict_state(plan: "Plan") -> Literal["done", "failed"]:
+def verdict_state(plan: Plan) -> Literal["done", "failed"]:
     """Whether the judge passed it."""
     return "done" if plan.verification.passed else "failed"
 
@@ -181,7 +198,7 @@ def table_json(table: CommandTable) -> bytes:
 
 
 def plan_document(
-    plan: "Plan", checks: Sequence[HorizonCheckOut], provenance: ProvenanceOut
+    plan: Plan, checks: Sequence[HorizonCheckOut], provenance: ProvenanceOut
 ) -> bytes:
     """A PlanDocument as UTF-8 JSON."""
     report = plan.verification
@@ -192,7 +209,7 @@ def plan_document(
         PlanDocument(
             name=plan.scenario.name,
             platform=plan.scenario.platform.name,
-            summary=summary_out(plan),
+            summary=summarise(plan),
             segments=plan.segments,
             margins=margins,
             keep_out=report.keep_out,
@@ -201,13 +218,16 @@ def plan_document(
             slow_stretches=report.slow_stretches,
             uncertainty=[budget for budget in plan.budgets if budget is not None],
             verification=report,
-            comparison=[
-                comparison_out(run.session, run.comparison)
-                for run in plan.slews
-                if run.comparison is not None
-            ],
+            comparison=[run.comparison for run in plan.slews if run.comparison is not None],
             horizon_checks=list(checks),
-            solver=solver_out(plan),
+            solver=SolverOut(
+                backend=" ".join(dict.fromkeys(run.backend for run in plan.slews)),
+                status=" ".join(dict.fromkeys(run.status for run in plan.slews)),
+                iterations=sum(run.iterations for run in plan.slews),
+                wall_s=sum(run.wall_s for run in plan.slews),
+                slews=plan.slews,
+                stages_wall_s=plan.stage_wall_s,
+            ),
             warnings=list(plan.warnings),
             assumed=list(plan.scenario.assumed),
             provenance=provenance,

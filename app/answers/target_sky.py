@@ -71,28 +71,34 @@ class PlaceOut:
 
 def skies_out(start_utc: datetime, sky: "TargetSky") -> list[TargetSkyOut | None]:
     """One per window, None for targets in space."""
-    turns = {
-        "azimuth_deg": _turns_deg(sky.azimuth_rad),
-        "elevation_deg": _degrees(sky.elevation_rad),
-        "sun_azimuth_deg": _turns_deg(sky.sun_azimuth_rad),
-        "sun_elevation_deg": _degrees(sky.sun_elevation_rad),
+    columns = {
+        "at": Instants(start_utc, sky.t_s.ravel()).utc_text(3),
+        "azimuth_deg": _turns_deg(sky.azimuth_rad).ravel().tolist(),
+        "elevation_deg": _degrees(sky.elevation_rad).ravel().tolist(),
+        "sun_azimuth_deg": _turns_deg(sky.sun_azimuth_rad).ravel().tolist(),
+        "sun_elevation_deg": _degrees(sky.sun_elevation_rad).ravel().tolist(),
+        "since_midnight_s": sky.solar_time_s.ravel().tolist(),
     }
-    texts = np.array(Instants(start_utc, sky.t_s.ravel()).utc_text(3), dtype=object)
-    at = texts.reshape(sky.t_s.shape).tolist()
-
-    def point(window: int, event: int) -> SkyPointOut:
-        return SkyPointOut(
-            at=at[window][event],
-            local_solar_time=_clock(float(sky.solar_time_s[window, event])),
-            **{name: float(values[window, event]) for name, values in turns.items()},
-        )
-
+    # points of a window follow each other, and none is told in space
+    windows = zip(*[zip(*columns.values(), strict=True)] * len(_EVENTS), strict=True)
     return [
-        TargetSkyOut(**{event: point(window, k) for k, event in enumerate(_EVENTS)})
+        TargetSkyOut(**dict(zip(_EVENTS, map(_point, window), strict=True)))
         if is_on_earth
         else None
-        for window, is_on_earth in enumerate(~np.isnan(sky.azimuth_rad[:, 0]))
+        for window, is_on_earth in zip(windows, ~np.isnan(sky.azimuth_rad[:, 0]), strict=True)
     ]
+
+
+def _point(values: tuple[Any, ...]) -> SkyPointOut:
+    at, azimuth_deg, elevation_deg, sun_azimuth_deg, sun_elevation_deg, since_midnight_s = values
+    return SkyPointOut(
+        at=at,
+        azimuth_deg=azimuth_deg,
+        elevation_deg=elevation_deg,
+        sun_azimuth_deg=sun_azimuth_deg,
+        sun_elevation_deg=sun_elevation_deg,
+        local_solar_time=_clock(since_midnight_s),
+    )
 
 
 def places_out(sky: "TargetSky") -> list[PlaceOut | None]:

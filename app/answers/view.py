@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from app.answers.members import BUILT_ON_FIRST_USE, degrees, to_json
+from app.answers.members import BUILT_ON_FIRST_USE, ProvenanceOut, degrees, to_json
 from app.answers.opportunities import WindowOut, windows_out
 from app.answers.ranges import Count, NotNegative, Signed
 from planner.base.answer_members import answer
@@ -18,14 +18,23 @@ from planner.output.view.columns import (
     FootprintTrace,
     MaskTrace,
     PointingTrace,
+    SkyTrack,
     TargetTrack,
 )
+from planner.output.view.orbit import OrbitTrack
 from planner.world.frames.time_scales import utc_text
 from planner.world.plan import SegmentKind
 from planner.world.platforms import AxisLimits
 
 if TYPE_CHECKING:
     from planner.output.view import PlanView
+
+
+@answer
+class OrbitTrackResponse(OrbitTrack):
+    """The carrier over some days, and the Sun."""
+
+    provenance: ProvenanceOut
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,6 +91,7 @@ class PlanViewResponse:
     targets: of each session.
     keep_out: of each cone of the request.
     masks: of each of the platform's.
+    sky: null where every target is on the Earth.
     baseline: of each slew; empty where the plan is the baseline itself.
     """
 
@@ -110,6 +120,7 @@ class PlanViewResponse:
     pointing: PointingTrace
     keep_out: tuple[ConeTrace, ...]
     masks: tuple[MaskTrace, ...]
+    sky: SkyTrack | None
     baseline: tuple[BaselineSlew, ...]
 
 
@@ -148,6 +159,7 @@ def view_json(view: "PlanView", plan_id: str, pixel_arcsec: float, *, verified: 
             pointing=view.pointing,
             keep_out=view.keep_out,
             masks=view.masks,
+            sky=view.sky,
             baseline=view.baseline,
         )
     )

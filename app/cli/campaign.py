@@ -22,8 +22,6 @@ from app.cli.report_parts import (
     report_console,
 )
 from app.work.result import Part, Result
-from planner.base.answer_members import member_names
-from planner.base.csv_cells import csv_lines
 from planner.base.errors import Refusal
 
 
@@ -51,6 +49,8 @@ def campaign(
     ] = False,
 ) -> None:
     """Choose and plan sessions of many targets over days."""
+    from app.work.campaign_files import looks_csv
+
     with problem_to(json):
         console = report_console(to_stderr=takes_standard_output(csv, json))
         body, _ = read_request(file)
@@ -61,7 +61,9 @@ def campaign(
         if plans:
             write_plans(plans, passes)
         if csv:
-            write(csv, campaign_csv(passes).encode())
+            made = (one.part.facts for one in passes if one.plan)
+            looks = ((facts["pass"], look) for facts in made for look in facts["looks"])
+            write(csv, looks_csv(looks).encode())
         if json:
             write(json, campaign_json(choice, passes))
 
@@ -147,20 +149,6 @@ def _losses(one: PlannedPass) -> Iterator[str]:
         )
     if one.refusal is not None:
         yield f"pass {one.part.facts['pass']} can't be flown: {one.refusal}"
-
-
-def campaign_csv(passes: list[PlannedPass]) -> str:
-    """One line per look of the plans made."""
-    from planner.planning.campaigns.chosen import ChosenLook
-
-    names = [*member_names(ChosenLook).values()]
-    rows = (
-        [one.part.facts["pass"], *(look[name] for name in names)]
-        for one in passes
-        if one.plan
-        for look in one.part.facts["looks"]
-    )
-    return csv_lines([["pass", *names], *rows])
 
 
 def campaign_json(document: Members, passes: list[PlannedPass]) -> bytes:

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
-from app.cli.planner import Answer, Members
+from app.cli.planner import Members, ParsedAnswer
 from planner.base.errors import InvalidInput, Refusal, Unverified
 
 STANDARD_STREAM = Path("-")
@@ -88,7 +88,7 @@ def picture_format(plot: Path | None, *, by_service: bool = False) -> str | None
 def write_json(path: Path | None, members: Members) -> None:
     """As it was answered, if anywhere."""
     if path is not None:
-        whole = members.text if isinstance(members, Answer) else None
+        whole = members.text if isinstance(members, ParsedAnswer) else None
         write(path, whole or json.dumps(dict(members)).encode() + b"\n")
 
 

@@ -9,7 +9,7 @@ import cv2
 from app.answers.horizon import estimate_out
 from app.answers.members import provenance, to_json
 from app.cli.files import write
-from app.cli.planner import Answer
+from app.cli.planner import ParsedAnswer
 from app.cli.progress_bar import Tell, progress_bar
 from app.requests.horizon import read_estimate_request
 from app.work.horizon import measure
@@ -28,7 +28,7 @@ from estimator.request import HorizonRequest
 _VIDEOS = {".mp4", ".avi", ".mkv", ".mov", ".m4v", ".mpg", ".mpeg", ".webm", ".ts"}
 
 
-def measure_one(body: bytes, paths: Sequence[Path], overlay: Path | None) -> Answer:
+def measure_one(body: bytes, paths: Sequence[Path], overlay: Path | None) -> ParsedAnswer:
     """One frame, as the service answers it."""
     cv2.setNumThreads(1)  # a frame is too small to share
     images = tuple(path.read_bytes() for path in paths)
@@ -40,7 +40,7 @@ def measure_one(body: bytes, paths: Sequence[Path], overlay: Path | None) -> Ans
             write(path, png)
     origin = provenance(datetime.now(UTC), body, *images)
     shown = overlays if request.overlay else ()
-    return Answer(to_json(estimate_out(estimate, request.epoch, shown, origin)))
+    return ParsedAnswer(to_json(estimate_out(estimate, request.epoch, shown, origin)))
 
 
 def overlay_paths(path: Path, cameras: Sequence[str]) -> list[Path]:
@@ -55,7 +55,7 @@ def overlay_paths(path: Path, cameras: Sequence[str]) -> list[Path]:
 
 def measure_frames(
     request: HorizonSession | HorizonFrames, body: bytes, paths: Sequence[Path]
-) -> Answer:
+) -> ParsedAnswer:
     """A series of frames."""
     cv2.setNumThreads(1)
     if all(path.suffix.lower() in _VIDEOS for path in paths):
@@ -72,7 +72,7 @@ def measure_frames(
         with progress_bar("frames") as tell:
             pictures = _told(_pictures(requests, iter(paths)), len(requests), tell)
             series = measure_series(requests, pictures)
-    return Answer(series_json(series, provenance(datetime.now(UTC), body)))
+    return ParsedAnswer(series_json(series, provenance(datetime.now(UTC), body)))
 
 
 def _told(frames: Iterator[list[Pixels]], count: int, tell: Tell) -> Iterator[list[Pixels]]:

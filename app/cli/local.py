@@ -8,9 +8,9 @@ from datetime import UTC, datetime
 from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
-from app.cli.planner import Answer, Members, OnProgress
+from app.cli.planner import Members, OnProgress, ParsedAnswer
 from app.cli.progress_bar import reported_to
-from app.store.packed import PackedColumns, pack, unpack, unzip
+from app.store.packed import pack, unpack, unzip
 from app.work.result import Result
 from planner.base.errors import FieldError, InvalidRequest
 
@@ -31,7 +31,7 @@ class LocalPlan:
     @cached_property
     def members(self) -> Members:
         """Of the whole answer."""
-        return Answer(self.text())
+        return ParsedAnswer(self.text())
 
 
 @dataclass(frozen=True)
@@ -79,8 +79,10 @@ class Local:
 
         from app.ids import new_id
         from app.requests.plan import read_plan_request
-        from app.work.plan import stored_plan
-        from planner.world.frames.time_scales import utc_text
+        from app.work.plan import packed_plan, segment_of
+        from planner.base.commands import CommandTable
+        from planner.world.frames.time_scales import utc_from_text
+        from planner.world.plan import FlightPlan
 
         scenario = read_plan_request(request)
         names, table = scenario.platform.axis_names, plan["table"]
@@ -89,27 +91,24 @@ class Local:
                 np.radians(np.array([table[f"{name}{kind}"] for name in names], dtype=float).T)
                 for kind in ("_deg", "_rate_deg_s")
             )
-            packed = PackedColumns(
-                columns={"angle_rad": angle_rad, "rate_rad_s": rate_rad_s},
-                facts={
-                    "epoch": table["epoch"],
-                    "axes": names,
-                    "sessions": [
-                        [utc_text(one.start, 6), utc_text(one.stop, 6)] for one in scenario.sessions
-                    ],
-                    "segments": [
-                        [one[name] for name in ("kind", "session", "start", "stop")]
-                        for one in plan["segments"]
-                    ],
-                    "errors": [],
-                },
+            flown = FlightPlan(
+                scenario=scenario,
+                segments=tuple(
+                    segment_of(*(one[name] for name in ("kind", "session", "start", "stop")))
+                    for one in plan["segments"]
+                ),
+                table=CommandTable(
+                    epoch_utc=utc_from_text(table["epoch"]),
+                    axis_names=names,
+                    angle_rad=angle_rad,
+                    rate_rad_s=rate_rad_s,
+                ),
             )
-            stored_plan(request, packed)
         except (KeyError, TypeError, ValueError) as fault:
             detail = f"is no whole answer of a plan of this request: {fault}"
             raise InvalidRequest(FieldError(field="PLAN_OR_REQUEST", detail=detail)) from None
         plan_id = str(plan.get("id") or new_id())
-        self._stored[plan_id] = (request, pack(packed))
+        self._stored[plan_id] = (request, pack(packed_plan(flown)))
         return plan_id
 
     def check(self, request: bytes) -> Members:
@@ -121,7 +120,7 @@ class Local:
         from app.answers.members import provenance
         from app.work.plan import try_plan
 
-        return Answer(try_plan(asked, provenance(now_utc, request)))
+        return ParsedAnswer(try_plan(asked, provenance(now_utc, request)))
 
     def export(self, plan_id: str, format_name: str) -> bytes:
         """The table as a file; a picture, pdf too, though its verification failed."""
@@ -139,7 +138,7 @@ class Local:
         self, plan_id: str, request: bytes, *, progress: OnProgress | None = None
     ) -> LocalFlights:
         """A plan flown many times with errors drawn anew."""
-        from app.answers.members import to_json
+        from app.answers.members import to_members
         from app.work.flights import PlanToFly, prepare_flights
 
         of_plan, table_columns = self._stored[plan_id]
@@ -148,7 +147,7 @@ class Local:
         )
         with reported_to(progress):
             new = prepare_flights(what.to_bytes())
-        return LocalFlights(json.loads(to_json(_fly_parts(new, progress))))
+        return LocalFlights(to_members(_fly_parts(new, progress)))
 
     def compare(self, request: Members, csv: bytes) -> Members:
         """What flew beside a plan: its samples in a CSV file."""
@@ -157,7 +156,7 @@ class Local:
 
         now_utc = datetime.now(UTC)
         asked, found = self._comparison(request, csv)
-        return Answer(answer_json(found, asked, asked.plan, provenance(now_utc, csv)))
+        return ParsedAnswer(answer_json(found, asked, asked.plan, provenance(now_utc, csv)))
 
     def draw_comparison(self, request: Members, csv: bytes, format_name: str) -> bytes:
         """The same as a picture: png, svg or pdf."""

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 Members = Mapping[str, Any]
 
 
-class Answer(dict[str, Any]):
+class ParsedAnswer(dict[str, Any]):
     """Members, with the text that held them."""
 
     def __init__(self, text: bytes) -> None:
@@ -16,7 +16,7 @@ class Answer(dict[str, Any]):
         self.text = text
 
 
-class Told(Protocol):
+class WorkProgress(Protocol):
     """How far work is: its stage, and how many parts of how many are done."""
 
     @property
@@ -27,7 +27,7 @@ class Told(Protocol):
     def of(self) -> int | None: ...
 
 
-OnProgress = Callable[[Told], None]
+OnProgress = Callable[[WorkProgress], None]
 
 
 class Flown(Protocol):

@@ -77,6 +77,7 @@ _HEADERS_TO_READ = (
 _OF_API = (
     plans.router,
     opportunities.router,
+    opportunities.of_orbits,
     campaigns.router,
     flights.of_plan,
     flights.router,

@@ -14,7 +14,7 @@ MAX_REQUEST_BYTES = 2**20  # of the part `request`, which others may accompany
 _CHUNK_BYTES = 2**18
 
 
-class Part(NamedTuple):
+class FormPart(NamedTuple):
     """A part that a body may have, as a field or a file: how many times, and of how many bytes."""
 
     name: str
@@ -23,7 +23,7 @@ class Part(NamedTuple):
 
 
 async def read_parts(
-    request: Request, body: bytes, parts: Sequence[Part]
+    request: Request, body: bytes, parts: Sequence[FormPart]
 ) -> dict[str, list[bytes]]:
     """The contents of each part in order; raises InvalidRequest where others are sent, or more."""
 

@@ -34,7 +34,7 @@ from app.store import events
 from app.store.columns import database_now_s
 from app.store.list_filter import EVERY_ROW, ListFilter
 from app.store.listing import Listing
-from app.store.models import JobRow
+from app.store.models import JobRow, KeyRow
 from app.store.packed import unzip
 
 
@@ -62,9 +62,9 @@ class NewJob:
 class Job:
     """A job as it stands, without its request.
 
-    cancel_requested: of itself, or of the job it is a part of.  platform, start_utc, stop_utc,
-    targets (the first of target_count), probability_in_frame: `app.store.listing`.
-    revises, series, revision: `JobRow`.
+    requested_by: name of the key.  cancel_requested: of itself, or of the job it is a part of.
+    platform, start_utc, stop_utc, targets (the first of target_count), probability_in_frame:
+    `app.store.listing`.  revises, series, revision: `JobRow`.
     """
 
     id: str
@@ -74,6 +74,7 @@ class Job:
     request_sha256: str
     options: Mapping[str, Any]
     key_id: str | None
+    requested_by: str | None
     parent_id: str | None
     plan_id: str | None
     attempts: int
@@ -115,8 +116,12 @@ _UNWANTED: ColumnElement[bool] = or_(
     JobRow.cancel_requested,
     exists().where(_WHOLE.id == JobRow.parent_id, _WHOLE.cancel_requested),
 )
+_DERIVED: dict[str, ColumnElement[Any]] = {
+    "cancel_requested": _UNWANTED,
+    "requested_by": select(KeyRow.name).where(KeyRow.id == JobRow.key_id).scalar_subquery(),
+}
 _COLUMNS = tuple(
-    _UNWANTED.label(name) if name == "cancel_requested" else getattr(JobRow, name)
+    _DERIVED[name].label(name) if name in _DERIVED else getattr(JobRow, name)
     for name in Job.__dataclass_fields__
 )
 # Statements of every plan, built once: that takes longer than SQLite needs to answer them.

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from app.answers.campaign import CampaignChoiceOut
-from app.answers.members import ProvenanceOut, fill, to_json
+from app.answers.members import ProvenanceOut, fill, to_json, to_members
 from app.answers.opportunities import FoundWindows, found_windows, windows_out
 from app.requests.campaign import read_campaign_request
 from app.requests.plan import write_plan_request
@@ -71,7 +71,7 @@ def _part(
     scenario = scenario_of(request, flight, number)
     words = {name: document[name] for name in _CARRIED_OVER if name in document}
     target_words = [document["targets"][look.row]["target"] for look in flight.looks]
-    looks = [json.loads(to_json(look)) for look in flight.looks]
+    looks = [to_members(look) for look in flight.looks]
     return Part(
         request=write_plan_request(scenario, words, target_words),
         name=scenario.name,

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from app.answers.flights import FlightsHead, SessionHead
-from app.answers.members import to_json
+from app.answers.members import to_members
 from app.requests.flights import read_flights_request
 from app.store.packed import PackedColumns, pack, unpack
 from app.work.plan import require_verified_table, stored_plan
@@ -97,7 +97,7 @@ def flights_head(
                 session=scene.number,
                 label=session.label,
                 budget_probability_in_frame=budget.probability_in_frame,
-                nominal=json.loads(to_json(nominal)),
+                nominal=to_members(nominal),
                 saturated_s=dict(zip(axes, nominal.saturated_s.tolist(), strict=True)),
             )
         )

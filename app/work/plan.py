@@ -1,9 +1,10 @@
 """A child's work for a plan, and the reading of its stored table."""
 
 import zlib
+from collections.abc import Iterable
 from dataclasses import replace
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from app.answers.plan import (
     table_json,
     verdict_state,
 )
-from app.answers.summary import listing_of_plan
+from app.requests.listings import listing_of_scenario
 from app.requests.plan import PlanRequest, read_kept_plan_request, read_plan_request
 from app.store.packed import PackedColumns, pack, unpack
 from app.work.horizon_views import horizon_checks
@@ -26,10 +27,7 @@ from planner.base.spec import as_kept
 from planner.output.export import EXPORTERS
 from planner.verification import Finding
 from planner.world.frames.time_scales import shifted_utc, utc_from_text, utc_text
-from planner.world.plan import FlightPlan, Segment
-
-if TYPE_CHECKING:
-    from planner.planning.sessions.plan import Plan
+from planner.world.plan import FlightPlan, Segment, SegmentKind
 
 
 def plan_and_pack(body: bytes, request: PlanRequest | None = None) -> Result:
@@ -40,12 +38,13 @@ def plan_and_pack(body: bytes, request: PlanRequest | None = None) -> Result:
     request = request or read_plan_request(body)
     plan = make_plan(request, on_stage=lambda stage: report(Progress(stage=stage)))
     origin = provenance(now_utc, body)
+    listing = listing_of_scenario(plan.scenario)
     checks = horizon_checks(plan.scenario, request.horizon_cameras)
     document = zlib.compress(plan_document(plan, checks, origin))
     return Result(
-        content=(document, pack(_pack(plan))),
+        content=(document, pack(packed_plan(plan, plan.verification.findings))),
         state=verdict_state(plan),
-        listing=listing_of_plan(plan),
+        listing=replace(listing, probability_in_frame=plan.probability_in_frame),
         iterations=sum(run.iterations for run in plan.slews),
     )
 
@@ -110,20 +109,19 @@ def stored_plan(request: bytes, packed: PackedColumns) -> FlightPlan:
         scenario = replace(scenario, sessions=sessions)
     return FlightPlan(
         scenario=scenario,
-        segments=tuple(
-            Segment(
-                kind=kind,
-                session=session,
-                start_utc=utc_from_text(start),
-                stop_utc=utc_from_text(stop),
-            )
-            for kind, session, start, stop in packed.facts["segments"]
-        ),
+        segments=tuple(segment_of(*facts) for facts in packed.facts["segments"]),
         table=_table(packed),
     )
 
 
-def _pack(plan: "Plan") -> PackedColumns:
+def segment_of(kind: SegmentKind, session: int | None, start: str, stop: str) -> Segment:
+    """As it is stored, and told in answers."""
+    start_utc, stop_utc = utc_from_text(start), utc_from_text(stop)
+    return Segment(kind=kind, session=session, start_utc=start_utc, stop_utc=stop_utc)
+
+
+def packed_plan(plan: FlightPlan, findings: Iterable[Finding] = ()) -> PackedColumns:
+    """What is stored of a plan beside its request; findings: of its verification."""
     table = plan.table
     return PackedColumns(
         columns={"angle_rad": table.angle_rad, "rate_rad_s": table.rate_rad_s},
@@ -142,7 +140,7 @@ def _pack(plan: "Plan") -> PackedColumns:
                     "at": None if found.at_utc is None else _exact(found.at_utc),
                     "detail": found.detail,
                 }
-                for found in plan.verification.findings
+                for found in findings
                 if found.severity == "error"
             ],
         },

@@ -11,6 +11,7 @@ from app.store.packed import unpack
 from app.work.plan import stored_plan
 from planner.inflight.telemetry.figure import write_comparison_png, write_comparison_svg
 from planner.inflight.telemetry.samples import Samples, read_csv, samples_of
+from planner.inflight.telemetry.table import write_comparison_csv
 from planner.output.export import Exporter
 from planner.world.plan import FlightPlan
 
@@ -18,7 +19,8 @@ if TYPE_CHECKING:
     from planner.inflight.telemetry.compare import Comparison
     from planner.inflight.telemetry.next_plan import PointingParts
 
-PICTURES: dict[str, "Exporter[Comparison]"] = {
+FILES: dict[str, "Exporter[Comparison]"] = {
+    "csv": Exporter("plan and flight, sample by sample", "text/csv", ".csv", write_comparison_csv),
     "png": Exporter("plan and flight, drawn", "image/png", ".png", write_comparison_png),
     "svg": Exporter("the same in vectors", "image/svg+xml", ".svg", write_comparison_svg),
 }
@@ -37,13 +39,13 @@ def compare_stored(
     table_columns: bytes,
     sent: SentTelemetry,
     provenance: ProvenanceOut,
-    picture: str | None,
+    format_name: str | None,
     created_utc: datetime,
 ) -> bytes:
-    """The answer as JSON, or a picture in the format asked for; raises Refusals."""
+    """The answer as JSON, or a file in the format asked for; raises Refusals."""
     comparison = compare_sent(stored_plan(plan_request, unpack(table_columns)), sent)
-    if picture is not None:
-        return PICTURES[picture].write(comparison, created_utc)
+    if format_name is not None:
+        return FILES[format_name].write(comparison, created_utc)
     return answer_json(comparison, sent.request, sent.request.plan, provenance)
 
 

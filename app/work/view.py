@@ -1,15 +1,17 @@
-"""A child's work for the view of a stored plan."""
+"""A child's work for the view of a stored plan, and for the ground track of an orbit."""
 
 from dataclasses import dataclass
 from datetime import datetime
 
+from app.answers.members import ProvenanceOut, to_json
 from app.answers.spacecraft_view import spacecraft_view_json
-from app.answers.view import view_json
+from app.answers.view import OrbitTrackResponse, view_json
 from app.store.packed import unpack
 from app.work.plan import require_verified_table, stored_plan
 from app.work.spacecraft import stored_session
 from planner.output.export import EXPORTERS, Exporter
 from planner.output.view import VIEW_EXPORTERS
+from planner.output.view.orbit import OrbitTrackRequest, track_orbit
 from planner.spacecraft.export import IMAGING_EXPORTERS, SessionTable
 from planner.world.plan import FlightPlan
 
@@ -64,3 +66,8 @@ def stored_session_view(request: bytes, table_columns: bytes, asked: AskedView) 
         return DRAWN_SESSION[asked.format_name].write(session, asked.created_utc)
     view = view_session(session, asked.step_s)
     return spacecraft_view_json(view, asked.plan_id, verified=asked.verified)
+
+
+def orbit_track_json(request: OrbitTrackRequest, provenance: ProvenanceOut) -> bytes:
+    """Raises OutsideCoverage."""
+    return to_json(OrbitTrackResponse(**vars(track_orbit(request)), provenance=provenance))

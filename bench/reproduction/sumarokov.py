@@ -647,7 +647,7 @@ def drawn_slews() -> Drawn:
         filtered = paper_slew(problem, SlewOptions())
         behind = paper_slew(problem, SlewOptions(filter_lag_compensation=False))
         broken = {violation.limit for violation in filtered.violations}
-        least_s = compare_with_spline(filtered, SlewOptions()).least_duration_s
+        least_s = compare_with_spline(filtered, SlewOptions(), None).least_s or np.inf
         rows.append(
             (
                 problem.duration_s / least_s,
@@ -768,12 +768,13 @@ def sessions_numbers() -> Numbers:
         NAMES, transfers, imaging, closest_s(), plan.slews, strict=True
     ):
         assert slew.comparison is not None
-        broken = {violation.limit for violation in slew.comparison.spline.violations}
+        splines = slew.comparison.spline.values()
+        broken = {limit for spline in splines for limit in spline.limits_broken}
         found |= {
             f"{name} transfer": transfer[1] - transfer[0],
             f"{name} imaging": image[1] - image[0],
             f"{name} closest approach": at_s,
-            f"{name} transfer's time": slew.comparison.paper_duration_s,
+            f"{name} transfer's time": slew.comparison.paper_s,
             f"{name}_least_s": slew.minimum_s,
             f"{name}_breaks": ", ".join(sorted(broken)) or "no limit",
         }

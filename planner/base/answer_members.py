@@ -59,7 +59,7 @@ class Member:
     """unit: one of `_UNITS`.  least, greatest: of the number written; any of either sign without.
 
     decimals: that it is rounded to; None for as many as it has.  axes: of an array.  gaps: that NaN
-    is among its numbers, written as null.
+    is among its numbers, written as null.  called: the member's name, where not by its unit.
     """
 
     unit: str = ""
@@ -68,11 +68,12 @@ class Member:
     decimals: int | None = None
     axes: int = 1
     gaps: bool = False
+    called: str = ""
 
     def name(self, ours: str) -> str:
         """The member's, of a field's name."""
         end, member_end, _ = _UNITS[self.unit]
-        return re.sub(f"{end}(?=_|$)", member_end, ours) if end else ours
+        return self.called or (re.sub(f"{end}(?=_|$)", member_end, ours) if end else ours)
 
     def __get_pydantic_core_schema__(
         self, source: object, handler: Callable[[object], Schema]
@@ -106,8 +107,10 @@ class Member:
         return converted if self.decimals is None else round(converted, self.decimals) + 0.0
 
     def _lists(self, values: NDArray[Any]) -> list[Any]:
+        if self.unit:
+            values = values * _UNITS[self.unit][2]
         if self.decimals is not None:
-            values = np.round(values * _UNITS[self.unit][2], self.decimals) + 0.0  # no -0.0
+            values = np.round(values, self.decimals) + 0.0  # no -0.0
             if self.greatest == 360.0:
                 values = values % 360.0  # what rounds to a whole turn is north
         lists: list[Any] = values.tolist()

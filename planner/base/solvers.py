@@ -7,6 +7,7 @@ than whether its answer is looked at: who asks judges the answer by what it is.
 
 import ctypes
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from threading import Lock
@@ -15,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 
 from planner.base import effort
+from planner.base.answer_members import Count, answer
 from planner.base.arrays import Array
 
 if TYPE_CHECKING:
@@ -41,16 +43,20 @@ OVERDETERMINED = "Not_Enough_Degrees_Of_Freedom"  # Ipopt's own word
 STRAINED = 1e8  # a dual infeasibility, beside a cost of about 1
 
 
-class SolverRun(NamedTuple):
-    """One answer of a solver: status is its own word for how it ended.
+@answer
+class SolverRun:
+    """The solver whose motion is flown.
 
-    iterations: None where it doesn't count them.
+    name: of the solver.
+    version: of the solver.
+    status: in its own words how it ended, each once where there were several motions.
+    iterations: that led to these motions, all together.
     """
 
     name: str
     version: str
     status: str
-    iterations: int | None
+    iterations: Count = 0
 
     @property
     def is_promising(self) -> bool:
@@ -59,8 +65,7 @@ class SolverRun(NamedTuple):
 
     def after(self, before: "SolverRun") -> "SolverRun":
         """This run, with the iterations of what it began at."""
-        iterations = (self.iterations or 0) + (before.iterations or 0)
-        return self._replace(iterations=iterations)
+        return replace(self, iterations=self.iterations + before.iterations)
 
 
 def merged(runs: Iterable[SolverRun | None]) -> SolverRun | None:
@@ -69,7 +74,7 @@ def merged(runs: Iterable[SolverRun | None]) -> SolverRun | None:
     if not made:
         return None
     statuses = "; ".join(dict.fromkeys(run.status for run in made))
-    return made[0]._replace(status=statuses, iterations=sum(run.iterations or 0 for run in made))
+    return replace(made[0], status=statuses, iterations=sum(run.iterations for run in made))
 
 
 class Answer(NamedTuple):
@@ -165,7 +170,7 @@ class Solver:
         """
         effort.charge(self._work.solve_cost)
         if np.sum(np.equal(lbg, ubg)) > np.sum(np.broadcast_to(np.less(lbx, ubx), np.shape(x0))):
-            run = SolverRun(self._plugin, _version(self._plugin), OVERDETERMINED, 0)
+            run = self._run(OVERDETERMINED, 0)
             return Answer(np.array(x0), np.zeros(np.size(x0)), np.zeros(np.size(lbg)), run)
         given: dict[str, Array | float] = {"x0": x0, "lbx": lbx, "ubx": ubx}
         with self._lock:
@@ -181,11 +186,14 @@ class Solver:
         effort.count(self._work.iteration_cost * max(iterations, 0))
         effort.count(self._work.strained_cost * _strained_iterations(stats))
         status = str(stats["return_status"]) if np.all(np.isfinite(x)) else "not finite"
-        counted = iterations if iterations >= 0 else None
-        run = SolverRun(self._plugin, _version(self._plugin), status, counted)
+        run = self._run(status, max(iterations, 0))
         if not run.is_promising:
             effort.count(self._work.failed_cost)
         return Answer(x, lam_x, lam_g, run)
+
+    def _run(self, status: str, iterations: int) -> SolverRun:
+        version = _version(self._plugin)
+        return SolverRun(name=self._plugin, version=version, status=status, iterations=iterations)
 
 
 class _Buffered:

@@ -9,7 +9,7 @@ from planner.base.errors import InvalidInput
 from planner.verification.clock import elapsed_us
 from planner.verification.report import Finding, SessionReport
 from planner.verification.session import TableSession
-from planner.world.targets import AxisMotion, BenchMotionTarget
+from planner.world.targets import BenchMotionTarget, PrescribedMotion
 
 BETWEEN_ROWS_MAX_RAD = math.radians(0.1 / 3600.0)  # what the 0.2 s table promises of its cubics
 # Rows are the motion's own values; the first is where the slew ends, met to a thousandth.
@@ -37,7 +37,7 @@ def bench_session(
     return report, tuple(_findings(flight, motion))
 
 
-def _findings(flight: TableSession, motion: AxisMotion) -> Iterator[Finding]:
+def _findings(flight: TableSession, motion: PrescribedMotion) -> Iterator[Finding]:
     table, is_row, rows = flight.table, flight.is_row, slice(flight.rows[0], flight.rows[-1] + 1)
     angle_off_rad = flight.angle_rad - motion.angle_rad
     rate_off_rad_s = np.zeros_like(angle_off_rad)

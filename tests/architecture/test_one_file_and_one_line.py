@@ -164,8 +164,9 @@ with TestClient(create_app()) as client:
     request["sessions"][0]["target"] = unknown
     assert "itrf" in client.post("/v1/plans", json=request).json()["detail"]
 
-    states = read_plan_request(json.dumps(request).encode()).orbit.ephemeris(EPOCH, EPOCH).states(Instants(EPOCH, np.zeros(1)))
     request["sessions"][0]["target"] = target
+    orbit = read_plan_request(json.dumps(request).encode()).orbit
+    states = orbit.ephemeris(EPOCH, EPOCH).states(Instants(EPOCH, np.zeros(1)))
     request["orbit"] = {
         "source": "circle",
         "epoch": "2015-02-27T17:37:00Z",

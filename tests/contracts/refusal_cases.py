@@ -9,9 +9,8 @@ from typing import Any
 from message_cases import MESSAGE_CASES
 from pydantic import TypeAdapter
 
-from app.answers.platform import definition_of
 from app.requests.examples import LAS_VEGAS, PLAN_EXAMPLES
-from planner.world.platforms import PLATFORMS
+from planner.world.platforms import PLATFORMS, definition_of
 
 Request = dict[str, Any]
 

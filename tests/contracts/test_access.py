@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 
 from app.cli import main
 from app.http.app import create_app
+from app.requests.examples import LAS_VEGAS
 from app.settings import Settings
 from app.store.database import open_database
 
@@ -146,6 +147,15 @@ def test_secrets_are_kept_as_digests_only(folder, secrets, keys):
         assert secret.split("_", 2)[2] not in kept
         assert hashlib.sha256(secret.encode()).hexdigest() in kept
         assert secret not in keys("list")
+
+
+def test_a_plan_says_whose_key_asked_for_it(there, here, secrets):
+    whose = bearer(secrets["write"])
+    made = there.post("/v1/plans", json=LAS_VEGAS, headers=whose).json()
+    assert made["requested_by"] == "write key"
+    [listed, *_] = here.get("/v1/plans", headers=bearer(secrets["read"])).json()["plans"]
+    assert (listed["id"], listed["requested_by"]) == (made["id"], "write key")
+    assert here.post("/v1/plans", json=LAS_VEGAS).json()["requested_by"] is None
 
 
 def test_keys_made_and_revoked_are_in_the_audit_log(there, secrets, keys):

@@ -38,6 +38,7 @@ class Sight:
     t_s: Internal[float] = 0.0
     azimuth_rad: Annotated[Array, Member("deg", 0.0, 360.0, decimals=6, gaps=True)]
     edges_rad: Annotated[Array, Member("deg", decimals=3, axes=2)]
+    whole_rad: Annotated[Array, Member("deg")]
     holds: Annotated[Mask, Member()]
 
     @property
@@ -67,6 +68,7 @@ SIGHT = Sight(
     row_at_utc=datetime(2015, 2, 27, 17, 36, 10, 200_000, UTC),
     azimuth_rad=np.array([math.nan, 2.0 * math.pi - 1e-12, -0.0]),
     edges_rad=np.array([[math.pi, -1e-9]]),
+    whole_rad=np.array([0.25 * math.pi]),
     holds=np.array([True, False]),
 )
 
@@ -76,7 +78,7 @@ def test_a_value_is_told_by_the_types_of_its_fields():
         '{"sights":{"a":[{"turn_deg":57.295779513,"errors_arcsec":[3600.0,0.0],'
         '"range_min_km":1.2345,"at":"2016-12-31T23:59:60.500Z",'
         '"row_at":"2015-02-27T17:36:10.2Z","number":0,"part":0.0,"azimuth_deg":[null,0.0,0.0],'
-        '"edges_deg":[[180.0,0.0]],"holds":[true,false],"away_deg":28.647889757,'
+        '"edges_deg":[[180.0,0.0]],"whole_deg":[45.0],"holds":[true,false],"away_deg":28.647889757,'
         '"unit":"deg"}]},"level":-1.0}'
     )
 
@@ -104,6 +106,7 @@ def test_the_schema_is_of_what_is_told(mode):
         "part": either,
         "azimuth_deg": {"type": "array", "items": azimuth},
         "edges_deg": {"type": "array", "items": {"type": "array", "items": either}},
+        "whole_deg": {"type": "array", "items": either},
         "holds": {"type": "array", "items": {"type": "boolean"}},
         "away_deg": half_turn,
         "unit": {"type": "string"},

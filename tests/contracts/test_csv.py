@@ -15,14 +15,16 @@ from test_export_formats import CREATED_UTC, plan_of
 
 from app.answers.members import to_json
 from app.answers.opportunities import windows_out
-from app.cli.campaign import PlannedPass, campaign_csv
 from app.cli.windows import windows_csv
 from app.requests.examples import OPPORTUNITY_EXAMPLES, SPACECRAFT_EXAMPLES
 from app.requests.opportunities import read_opportunity_request
 from app.requests.spacecraft import read_spacecraft_request
+from app.work.campaign_files import looks_csv
 from app.work.searches import CSV, windows_in_form
 from planner.base.answer_members import member_names
 from planner.base.csv_cells import comment_lines, csv_lines
+from planner.inflight.telemetry.following import PlannedMotion
+from planner.inflight.telemetry.table import write_comparison_csv
 from planner.output.export import EXPORTERS
 from planner.planning.campaigns.chosen import ChosenLook
 from planner.planning.opportunities import find_opportunities
@@ -87,10 +89,17 @@ def search_csv(text):
     return windows_csv((text, text), [json.loads(to_json(one)) for one in windows_of(text)])
 
 
-def looks_csv(text):
+def campaign_csv(text):
     look = dict.fromkeys(member_names(ChosenLook).values(), -0.5)
-    facts = {"pass": 0, "looks": [look | {"target": text}]}
-    return campaign_csv([PlannedPass(part=SimpleNamespace(facts=facts), plan=True, refusal=None)])
+    return looks_csv([(1, look | {"target": text})])
+
+
+def compared_csv(text):
+    plan = plan_of(name=text, outer=text)
+    motion = PlannedMotion(plan.table, 0)
+    followed = SimpleNamespace(motion=motion, t_s=plan.table.t_s, error_rad=-plan.table.t_s)
+    axes = (SimpleNamespace(name=text, followed=followed),)
+    return write_comparison_csv(SimpleNamespace(plan=plan, axes=axes), CREATED_UTC).decode()
 
 
 def session_csv(text):
@@ -117,10 +126,11 @@ WRITERS = {
     "write_csv": session_csv,
     "pass_table_csv": opportunities_csv,
     "windows_csv": search_csv,
-    "campaign_csv": looks_csv,
+    "looks_csv": campaign_csv,
+    "write_comparison_csv": compared_csv,
 }
 # What these are made with, what only shortens the CSV of a service, and what reads.
-PARTS = {"rows_csv", "table_only_csv", "read_csv", "_csv"}
+PARTS = {"_looks_csv", "rows_csv", "table_only_csv", "read_csv", "_csv"}
 
 
 @pytest.mark.parametrize("text", FORMULAS)
@@ -132,7 +142,7 @@ def test_no_text_is_a_formula(name, text):
     header, *body = [row for row in rows if not row[0].startswith("#")]
     assert body
     assert all(len(row) == len(header) for row in body)
-    if name in ("pass_table_csv", "windows_csv", "campaign_csv"):
+    if name in ("pass_table_csv", "windows_csv", "looks_csv"):
         texts = {cell for row in body for cell in row}
         assert texts & {text, f"'{text}"}  # nothing of it is lost
 

@@ -84,6 +84,12 @@ def write(name, plan):
     return EXPORTERS[name].write(plan, CREATED_UTC)
 
 
+def unfolded(name, plan):
+    """As text; of a calendar's long lines the folds are taken back (RFC 5545, section 3.1)."""
+    text = write(name, plan).decode("utf-8", "replace")
+    return text.replace("\r\n ", "") if name == "ics" else text
+
+
 def test_media_types_and_suffixes_tell_formats_apart():
     for field in ("media_type", "suffix"):
         values = [getattr(exporter, field) for exporter in EXPORTERS.values()]
@@ -94,7 +100,7 @@ def test_media_types_and_suffixes_tell_formats_apart():
 
 @EVERY
 def test_every_file_says_time_scale_and_rotation_order(name):
-    text = write(name, plan_of()).decode("utf-8", "replace")
+    text = unfolded(name, plan_of())
     for said in ("UTC", "leap seconds counted", "R(alpha) R(beta)", "right-handed"):
         assert said in text
     for said in ("+Z boresight", "q_platform_from_body_xyzw", "cubic Hermite"):
@@ -131,8 +137,8 @@ def test_a_leap_second_is_counted(name):
     """Rows before, inside and after 2016-12-31T23:59:60."""
     epoch_utc = datetime(2016, 12, 31, 23, 59, 55, tzinfo=UTC)
     plan = plan_of(epoch_utc, orbit=state_vector(epoch_utc))
-    text = write(name, plan).decode("utf-8", "replace")
-    if name not in ("json", *DRAWN):  # those count seconds from the epoch only, or say spans
+    text = unfolded(name, plan)
+    if name not in ("json", "ics", *DRAWN):  # those count seconds from the epoch only, or say spans
         inside = "2016-12-31T23:59:60" if name == "oem" else "2016-12-31T23:59:60.2"
         assert inside in text
     assert "2017-01-01T00:00:04" in text or name in ("json", "png", "svg")
@@ -185,11 +191,11 @@ def test_rows_before_the_orbit_is_known_are_left_out(name):
     if name in ("aem", "stk", "stk-attitude"):
         assert "2015-02-27T17:36:03.800 " not in written
         assert "2015-02-27T17:36:04.000 " in written
-    if name in ("csv", "json"):
+    if name in ("csv", "json", "ics"):
         assert written == write(name, plan_of()).decode()
 
 
-@pytest.mark.parametrize("name", [name for name in EXPORTERS if name not in ("csv", "json")])
+@pytest.mark.parametrize("name", [name for name in EXPORTERS if name not in ("csv", "json", "ics")])
 def test_an_unknown_orbit_is_refused(name):
     with pytest.raises(OutsideCoverage):
         write(name, plan_of(orbit=oem_of(plan_of(), from_s=7)))
@@ -225,6 +231,43 @@ def test_no_name_breaks_out_of_its_place(name):
         assert len(header) == len(row) == 6
     if name == "czml":
         assert "<b>" not in json.loads(written)[0]["description"]
+
+
+def test_a_calendar_keeps_the_rules_of_its_format():
+    """RFC 5545: lines of at most 75 octets that end with CRLF, text escaped, UTC, a UID of its own.
+
+    A leap second is read as 60 (section 3.3.12); an event holds the whole session.
+    """
+    epoch_utc = datetime(2016, 12, 31, 23, 59, 55, tzinfo=UTC)
+    target = GroundTarget(latitude_deg=36.1147, longitude_deg=-115.1728)
+    plan = plan_of(epoch_utc, orbit=state_vector(epoch_utc), target=target)
+    [session] = plan.scenario.sessions
+    first = dataclasses.replace(session, start=epoch_utc, stop=shifted_utc(epoch_utc, 5.0))
+    named = dataclasses.replace(
+        session,
+        name="Łódź; a, b\\c",
+        start=shifted_utc(epoch_utc, 5.4),
+        stop=shifted_utc(epoch_utc, 9.2),
+    )
+    plan.scenario = dataclasses.replace(plan.scenario, sessions=(first, named))
+    written = write("ics", plan)
+    assert written.endswith(b"END:VCALENDAR\r\n")
+    lines = written.removesuffix(b"\r\n").split(b"\r\n")
+    assert max(map(len, lines)) <= 75
+    for line in lines:
+        line.decode()  # none ends within a character
+        assert b"\n" not in line
+    text = unfolded("ics", plan)
+    uids = re.findall(r"UID:(\S+)", text)
+    assert len({*uids}) == 2
+    assert "DTSTART:20161231T235960Z" in text
+    assert "DTEND:20170101T000004Z" in text
+    assert "2016-12-31T23:59:60.400Z to 2017-01-01T00:00:03.200Z" in text
+    assert "SUMMARY:Łódź\\; a\\, b\\\\c\\, iss-hrc" in text
+    assert "GEO:36.114700;-115.172800" in text
+    assert "DTSTAMP:20260102T030405Z" in text
+    later = EXPORTERS["ics"].write(plan, CREATED_UTC + timedelta(seconds=1)).decode()
+    assert not {*uids} & {*re.findall(r"UID:(\S+)", later)}
 
 
 def test_a_view_begins_where_the_orbit_is_known():

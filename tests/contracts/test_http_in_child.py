@@ -12,7 +12,7 @@ from databases import own_settings
 from refusal_cases import request
 from waiting import alive, eventually
 
-from app.http.routes import horizon, plan_routes
+from app.http.routes import horizon, opportunities, plan_routes
 from app.http.routes.opportunities import OPPORTUNITIES
 from app.http.routes.plans import PLANS
 from app.http.serving import server
@@ -20,6 +20,7 @@ from app.jobs.child import Bounds
 from app.requests.examples import (
     ESTIMATE_EXAMPLE,
     OPPORTUNITY_EXAMPLES,
+    ORBIT_TRACK_EXAMPLES,
     PICTURE_EXAMPLES,
     PREDICTION_EXAMPLES,
 )
@@ -33,6 +34,10 @@ ROUTES = {
     "/v1/opportunities": (
         (OPPORTUNITIES, "find", "bounds"),
         {"json": CITIES},
+    ),
+    "/v1/orbits/tracks": (
+        (opportunities, "orbit_track_json", "SEARCH_BOUNDS"),
+        {"json": ORBIT_TRACK_EXAMPLES["tle"][1]},
     ),
     "/v1/horizon/estimates": (
         (horizon, "estimate_json", "ESTIMATE_BOUNDS"),

@@ -1,7 +1,11 @@
 """Kept records say what they are, are found by that, and give their requests back."""
 
 import copy
+import csv
+import io
 import json
+import zipfile
+from xml.etree import ElementTree
 
 import pytest
 from databases import own_settings
@@ -240,3 +244,57 @@ def test_ids_of_sessions_are_refused_by_field(client, changes, field, says):
     problem = client.post("/v1/plans?dry_run=true", json=request).json()
     assert (problem["status"], problem["field"]) == (422, field)
     assert says in problem["detail"]
+
+
+def test_looks_and_plans_of_a_campaign_are_files(client):
+    """Each as a reader by others has it: csv, lxml and zipfile of the standard library."""
+    asked = CITIES | {"name": "Cities, as files"}
+    path = f"/v1/campaigns/{client.post('/v1/campaigns', json=asked).json()['id']}"
+    eventually(lambda: client.get(path).json()["state"] == "done")
+    passes = client.get(path).json()["passes"]
+    looks = [(one["number"] + 1, look) for one in passes for look in one["looks"]]
+
+    def file(media_type):
+        answer = client.get(path, headers={"Accept": media_type})
+        assert answer.status_code == 200, answer.text
+        assert answer.headers["content-type"].startswith(media_type)
+        assert 'filename="Cities-as-files.' in answer.headers["content-disposition"]
+        return answer.content
+
+    table = file("text/csv").decode()
+    rows = list(csv.DictReader(io.StringIO(table)))
+    assert [(int(row["pass"]), row["target"], row["start"]) for row in rows] == [
+        (number, look["target"], look["start"]) for number, look in looks
+    ]
+    features = json.loads(file("application/geo+json"))["features"]
+    place_by_id = {one["id"]: one["target"] for one in CITIES["targets"]}
+    for feature, (number, look) in zip(features, looks, strict=True):
+        place = place_by_id[look["target"]]
+        known = [place["longitude_deg"], place["latitude_deg"], place.get("height_m", 0.0)]
+        assert feature["geometry"] == {"type": "Point", "coordinates": pytest.approx(known)}
+        assert feature["properties"]["name"] == look["target"]
+        assert feature["properties"]["plan"] == passes[number - 1]["plan"]
+    space = {"kml": "http://www.opengis.net/kml/2.2"}
+    drawn = ElementTree.fromstring(file("application/vnd.google-earth.kml+xml"))
+    names = [one.text for one in drawn.iterfind(".//kml:Placemark/kml:name", space)]
+    assert names == [look["target"] for _, look in looks]
+    archive = zipfile.ZipFile(io.BytesIO(file("application/zip")))
+    assert archive.testzip() is None
+    assert archive.read("looks.csv").decode() == table
+    for one in passes:
+        stem = f"pass-{one['number'] + 1}"
+        plan = f"/v1/plans/{one['plan']}"
+        exported = client.get(f"{plan}/table", params={"format": "csv"}).content
+        assert archive.read(f"{stem}.csv") == exported
+        assert archive.read(f"{stem}-request.json") == client.get(f"{plan}/request").content
+    assert client.get(path, headers={"Accept": "image/png"}).status_code == 406
+
+
+def test_a_campaign_without_plans_has_no_file(client):
+    pole = {"mode": "ground", "latitude_deg": 89.0, "longitude_deg": 0.0}
+    asked = CITIES | {"targets": [{"id": "pole", "session_s": 20.0, "target": pole}]}
+    path = f"/v1/campaigns/{client.post('/v1/campaigns', json=asked).json()['id']}"
+    eventually(lambda: client.get(path).json()["state"] == "done")
+    refused = client.get(path, headers={"Accept": "text/csv"})
+    assert refused.status_code == 409
+    assert "0 plans made" in refused.json()["detail"]

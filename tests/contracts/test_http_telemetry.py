@@ -1,5 +1,6 @@
 """Telemetry over HTTP and by the command reports all that was wrong with it, and never fails."""
 
+import csv
 import json
 
 import numpy as np
@@ -195,6 +196,22 @@ def test_plan_and_flight_are_drawn(client, plan, files):
     assert drawn.content.startswith(b"\x89PNG")
     drawn = upload(client, plan, content, "?format=svg")
     assert b"alpha error, arcsec" in drawn.content
+
+
+def test_plan_and_flight_are_a_table(client, plan, files):
+    """Its rms is the comparison's, its planned angles are the plan's where a sample is on a row."""
+    content = files[0]["a gap of 20 s"].content
+    axes = upload(client, plan, content).json()["axes"]
+    table = upload(client, plan, content, "?format=csv")
+    assert table.headers["content-type"].startswith("text/csv")
+    lines = [line for line in table.text.splitlines() if not line.startswith("#")]
+    rows = list(csv.DictReader(lines))
+    for name, axis in axes.items():
+        of_axis = [row for row in rows if row["axis"] == name]
+        error = np.array([float(row["error_arcsec"]) for row in of_axis])
+        assert np.sqrt(np.mean(error**2)) == pytest.approx(axis["rms_arcsec"], rel=1e-3)
+        flown, planned = ([float(row[f"{k}_deg"]) for row in of_axis] for k in ("flown", "planned"))
+        np.testing.assert_allclose(3600.0 * np.subtract(flown, planned), error, atol=1e-5)
 
 
 REFUSED = {

@@ -31,6 +31,7 @@ from app.requests.examples import (
     IMAGING_OPPORTUNITY_EXAMPLES,
     LAS_VEGAS,
     OPPORTUNITY_EXAMPLES,
+    ORBIT_TRACK_EXAMPLES,
     PICTURE_EXAMPLES,
     PREDICTION_EXAMPLES,
     SPACECRAFT_EXAMPLES,
@@ -38,6 +39,7 @@ from app.requests.examples import (
 from app.settings import Settings
 from app.store import jobs
 from app.store.jobs import NewJob
+from app.work.campaign_files import SUFFIXES
 from app.work.searches import CSV, GEOJSON
 from planner.output.export import EXPORTERS
 from planner.spacecraft.export import IMAGING_EXPORTERS
@@ -51,7 +53,7 @@ FLIGHTS = "/v1/flights"
 LIST_MAX, LIST_SHOWN = 10, 5
 LINES_MAX = 12
 TEXT_MAX, TEXT_SHOWN = 1000, 60
-WITHOUT_TEXT = {"application/x-netcdf", "image/png"}
+WITHOUT_TEXT = {"application/x-netcdf", "image/png", "application/zip"}
 
 STRIP = SPACECRAFT_EXAMPLES["geojson"][1]
 CITIES = CAMPAIGN_EXAMPLES["cities"][1]
@@ -60,6 +62,7 @@ KEPT = {  # per resource of jobs: kind, request, formats of its table
     "/v1/spacecraft/plans": ("spacecraft", STRIP, IMAGING_EXPORTERS),
     "/v1/campaigns": ("campaign", CITIES, {}),
 }
+FILES = {"/v1/campaigns": SUFFIXES}  # by Accept
 
 
 @dataclass
@@ -144,7 +147,8 @@ def _made(answers: Answers, path: str) -> None:
     for name in formats:
         answers.ask("POST", path, name=name, query=f"?format={name}", **given)
     answers.ask("GET", path)
-    answers.ask("GET", f"{path}/{{id}}", made_id=made_id)
+    for media_type in (JSON, *FILES.get(path, ())):
+        answers.ask("GET", f"{path}/{{id}}", made_id=made_id, headers={"Accept": media_type})
     answers.ask("GET", f"{path}/{{id}}/request", made_id=made_id)
     answers.ask("GET", f"{path}/{{id}}/events", made_id=made_id)
     if formats:
@@ -180,6 +184,7 @@ def _seen(answers: Answers, path: str, made_id: str, formats: dict[str, Any]) ->
 def _asked_at_once(answers: Answers) -> None:
     for path, request in SEARCHES.items():
         _searched(answers, path, request)
+    answers.ask("POST", "/v1/orbits/tracks", json=ORBIT_TRACK_EXAMPLES["tle"][1])
     answers.ask("POST", "/v1/horizon/predictions", json=PREDICTION_EXAMPLES["pass"][1])
     accept = {"Accept": JSON}
     answers.ask("POST", "/v1/horizon/images", json=PICTURE_EXAMPLES["ahead"][1], headers=accept)
@@ -191,8 +196,9 @@ def _asked_at_once(answers: Answers) -> None:
     answers.ask("POST", "/v1/horizon/estimates", data=request, files=files)
     [plan] = answers.client.get("/v1/plans", params={"state": "done", "limit": 1}).json()["plans"]
     compared = COMPARISON_EXAMPLES["angles"][1] | {"plan": plan["id"]}
-    for headers in ({}, {"Accept": "image/svg+xml"}):
-        answers.ask("POST", "/v1/telemetry/comparisons", json=compared, headers=headers)
+    for media_type in (JSON, "text/csv", "image/svg+xml"):
+        accept = {"Accept": media_type}
+        answers.ask("POST", "/v1/telemetry/comparisons", json=compared, headers=accept)
 
 
 def _searched(answers: Answers, path: str, request: dict[str, Any]) -> None:

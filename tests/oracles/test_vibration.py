@@ -160,11 +160,14 @@ def test_several_modes_are_suppressed_at_once_and_the_comparison_tells():
     start, end = AxisState(angle_rad=-0.8), AxisState(angle_rad=0.9, rate_rad_s=0.01)
     posed = problem(start, end, 60.0, *modes)
     comparison = compare_with_spline(
-        optimal_slew(posed, on_rows=True), SlewOptions(filter_cutoff_hz=None)
+        optimal_slew(posed, on_rows=True), SlewOptions(filter_cutoff_hz=None), None
     )
-    assert [residual.mode for residual in comparison.residuals] == list(modes)
-    for residual in comparison.residuals:
-        assert residual.ocp_rad[0] <= 0.01 * residual.spline_rad[0]
+    residuals = comparison.residual_vibration
+    assert [(one.frequency_hz, one.damping) for one in residuals] == [
+        (mode.frequency_hz, mode.damping) for mode in modes
+    ]
+    for residual in residuals:
+        assert residual.ocp_rad["alpha"] <= 0.01 * residual.spline_rad["alpha"]
 
 
 def test_a_mode_no_slew_can_suppress_does_not_keep_it_from_being_flown():

@@ -10,16 +10,18 @@ from datetime import timedelta
 import numpy as np
 import pytest
 from opportunity_requests import ISS, START, iss_request, oco3_targets
-from skyfield.api import wgs84
+from skyfield.api import Star, wgs84
 
 from planner.base.commands import CommandTable
 from planner.output.view import PlanView, view_plan
+from planner.output.view.orbit import OrbitTrackRequest, track_orbit
 from planner.planning.opportunities import OpportunityConditions, find_opportunities
 from planner.world.attitude.lvlh import LvlhAttitude
-from planner.world.frames.time_scales import Instants, shifted_utc
+from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc
 from planner.world.plan import FlightPlan, Segment
 from planner.world.platforms import ISS_HRC
 from planner.world.scenario import InitialState, Scenario, Session
+from planner.world.targets import BodyTarget, StarTarget
 
 PASSES = 10
 ANGLE_DEG, RANGE_M = 1e-3, 1.0  # promised
@@ -174,3 +176,70 @@ def test_the_shadow_of_the_earth(skyfield):
     near = (np.abs(np.arange(len(lit))[:, None] - changes) <= 4).any(axis=1)
     np.testing.assert_array_equal(share[~near], lit[~near].astype(float))
     assert ((share > 0.0) & (share < 1.0)).any()
+
+
+def test_the_track_and_the_eclipses_of_two_days(skyfield):
+    """Skyfield's shadow is that of a sphere of the equator's radius, 21 km too large at a pole.
+
+    There it moves the limb by 0.5 deg, which the Sun needs 16 s for at 0.033 deg/s.
+    """
+    timescale, kernel, satellite = skyfield
+    stop_utc = START + timedelta(days=2)
+    track = track_orbit(OrbitTrackRequest(orbit=ISS, start=START, stop=stop_utc))
+    moments = timescale.tt_jd(*Instants(START, track.t_s).tt_jd())
+    below = wgs84.subpoint(satellite.at(moments))
+    assert off_deg(track.carrier.latitude_rad, below.latitude.degrees) < ANGLE_DEG
+    assert off_deg(track.carrier.longitude_rad, below.longitude.degrees) < ANGLE_DEG
+    step_s = 2.0
+    t_s = np.arange(0.0, elapsed_s(stop_utc, START), step_s)
+    lit = satellite.at(timescale.tt_jd(*Instants(START, t_s).tt_jd())).is_sunlit(kernel)
+    changes = np.flatnonzero(np.diff(lit.astype(int)))
+    edges_s = np.ravel(
+        [
+            [elapsed_s(one.start_utc, START), elapsed_s(one.stop_utc, START)]
+            for one in track.eclipses
+        ]
+    )
+    inner_s = edges_s[(edges_s > 0.0) & (edges_s < elapsed_s(stop_utc, START))]
+    assert len(inner_s) == len(changes) > 50
+    np.testing.assert_allclose(inner_s, t_s[changes], rtol=0, atol=16.0 + step_s)
+    share = np.interp(inner_s, track.t_s, track.carrier.sunlit_share)
+    assert ((share > 0.0) & (share < 1.0)).all()  # rows lie on both sides
+
+
+def test_the_sky_of_a_star_and_of_the_moon(skyfield):
+    """Sirius (HIP 32349) by the catalogue's place; Skyfield's Sun and Moon from the satellite."""
+    timescale, kernel, satellite = skyfield
+    sirius = Star(
+        ra_hours=6.752481, dec_degrees=-16.716116, ra_mas_per_year=-546.0, dec_mas_per_year=-1223.1
+    )
+    for target in (StarTarget(hip=32349), BodyTarget(name="moon")):
+        plan = at_rest(target, START.replace(microsecond=0), START + timedelta(seconds=120))
+        view = view_plan(plan, 5.0, 0.678)
+        sky = view.sky
+        moments = timescale.tt_jd(*Instants(plan.table.epoch_utc, view.t_s).tt_jd())
+        carrier = kernel["earth"] + satellite
+        for named, body in (("sun", kernel["sun"]), ("moon", kernel["moon"])):
+            ra, dec, _ = carrier.at(moments).observe(body).apparent().radec()
+            off(getattr(sky, named), ra, dec)
+        body = sirius if isinstance(target, StarTarget) else kernel["moon"]
+        ra, dec, _ = carrier.at(moments).observe(body).apparent().radec()
+        off(sky.targets[0], ra, dec)
+        ra, dec, _ = satellite.at(moments).radec()
+        away = ((np.degrees(sky.nadir.right_ascension_rad) - ra._degrees + 360.0) % 360.0) - 180.0
+        np.testing.assert_allclose(away, 0.0, atol=ANGLE_DEG)
+        np.testing.assert_allclose(
+            np.degrees(sky.nadir.declination_rad), -dec.degrees, atol=ANGLE_DEG
+        )
+        # at rest the boresight is the local vertical's nadir
+        np.testing.assert_allclose(
+            sky.boresight.declination_rad, sky.nadir.declination_rad, atol=np.radians(0.01)
+        )
+
+
+def off(direction, ra, dec):
+    """Within 0.01 deg: the Moon's and the Sun's aberration by the carrier is left out of ours."""
+    along = ((np.degrees(direction.right_ascension_rad) - ra._degrees + 540.0) % 360.0) - 180.0
+    scale = np.cos(direction.declination_rad)
+    np.testing.assert_allclose(along * scale, 0.0, atol=0.01)
+    np.testing.assert_allclose(np.degrees(direction.declination_rad), dec.degrees, atol=0.01)

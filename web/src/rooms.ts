@@ -17,6 +17,7 @@ export const ROOMS: readonly Room[] = [
   { path: "/", title: "plan", inMenu: true, load: () => import("./rooms/planning/AskRoom") },
   { path: "/plans/:id", title: "onePlan", load: () => import("./rooms/plan/PlanRoom") },
   { path: "/plans", title: "library", inMenu: true, load: () => import("./rooms/library/LibraryRoom") },
+  { path: "/timeline", title: "timeline", inMenu: true, load: () => import("./rooms/timeline/TimelineRoom") },
   { path: "/campaigns", title: "campaigns", inMenu: true, load: () => import("./rooms/campaigns/CampaignsRoom") },
   { path: "/campaigns/:id", title: "campaigns", load: () => import("./rooms/campaigns/CampaignsRoom") },
   { path: "/spacecraft", title: "spacecraft", inMenu: true, load: () => import("./rooms/spacecraft/SpacecraftRoom") },

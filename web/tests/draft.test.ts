@@ -5,6 +5,7 @@ import "./page";
 
 const draft = await import("../src/rooms/planning/draft");
 const { best, sessionIn, windowNear, windowOf } = await import("../src/rooms/planning/windows");
+const platforms = await import("../src/rooms/planning/platforms");
 type Window = Parameters<typeof sessionIn>[0];
 
 const at = (seconds: number) => new Date(Date.UTC(2015, 1, 27, 17) + 1000 * seconds).toISOString().replace(".000", "");
@@ -18,6 +19,7 @@ const window = (from_s: number, to_s: number, highest_deg = 50, sun_elevation_de
     highest_deg,
     session: { start: at(from_s), stop: at(to_s) },
     closest: { sun_elevation_deg },
+    through: { at: [at(from_s), at(to_s)], angles_deg: { alpha: [0, 10], beta: [0, 5] } },
   }) as unknown as Window;
 const example = draft.request.peek();
 
@@ -33,19 +35,43 @@ test("sessions are in order of time, and the chosen one stays chosen", () => {
   expect(draft.chosen.value).toBe(0);
 });
 
-test("what the form doesn't show goes through it; the initial state goes with the times it was made for", () => {
-  draft.load({ ...example, initial_state: { alpha_deg: 1, beta_deg: 2 }, step_s: 0.2 } as unknown as typeof example, "before");
+test("what the form doesn't show goes through it; of the initial state the epoch goes with the times it was for", () => {
+  const initial_state = { epoch: "2015-02-27T17:30:00Z", angles_deg: { alpha: 40 } };
+  draft.load({ ...example, initial_state, step_s: 0.2 } as unknown as typeof example, "before");
   expect(draft.revises.value).toBe("before");
-  expect(draft.request.value).toMatchObject({ step_s: 0.2, initial_state: { alpha_deg: 1 } });
+  expect(draft.request.value).toMatchObject({ step_s: 0.2, initial_state });
   draft.setTimes("2015-02-27T17:36:20Z", "2015-02-27T17:36:40Z");
   expect(draft.request.value).toMatchObject({ step_s: 0.2 });
-  expect(draft.request.value).not.toHaveProperty("initial_state");
+  expect(draft.request.value.initial_state).toEqual({ angles_deg: { alpha: 40 } });
 });
 
-test("of another target neither times nor the plan's name are kept", () => {
+test("of another target neither times nor names are kept; a plan without a name is called by its targets", () => {
   draft.setTarget({ mode: "place", name: "Reno" });
   expect(draft.session.value).toEqual({ target: { mode: "place", name: "Reno" } });
-  expect(draft.request.value.name).toBe("");
+  expect(draft.made.value.name).toBe("");
+  expect(draft.request.value.name).toBe("Reno");
+});
+
+test("the same target told more closely keeps its times, unless it has moved", () => {
+  const before = draft.session.value;
+  draft.refineTarget({ mode: "place", name: "Reno", min_elevation_deg: 30 });
+  expect(draft.session.value).toMatchObject({ start: before.start, stop: before.stop });
+  draft.refineTarget({ mode: "place", name: "Reno" }, { isMoved: true });
+  expect(draft.session.value.start).toBeUndefined();
+});
+
+test("a session is added once: one without a target is gone back to", () => {
+  draft.addSession();
+  draft.chosen.value = 0;
+  draft.addSession();
+  expect([draft.sessions.value.length, draft.chosen.value]).toEqual([2, 1]);
+});
+
+test("a file that holds no request is none", () => {
+  expect(draft.requestOf({ ...example })).not.toBeNull();
+  for (const other of [null, [], {}, { ...example, sessions: [1] }, { ...example, orbit: "tle" }]) {
+    expect(draft.requestOf(other)).toBeNull();
+  }
 });
 
 test("the last session that is removed leaves an empty one", () => {
@@ -63,6 +89,29 @@ test("a long window gives its middle five minutes, beside another session what t
   expect(sessionIn(window(50, 100))).toEqual({ start: at(60), stop: at(100) });
   expect(sessionIn(window(42, 58))).toBeNull();
   expect(sessionIn({ ...window(0, 100), session: null })).toBeNull();
+});
+
+test("between sessions there is time for the slew that the platform's axes make", () => {
+  const axis = { rate_max_deg_s: 3, acceleration_max_deg_s2: 1, jerk_max_deg_s3: 1 };
+  const outer = { ...axis, name: "alpha" };
+  platforms.platforms.value = [{ name: "iss-hrc", outer, inner: { ...axis, name: "beta" } } as never];
+  draft.removeSession(0);
+  draft.setTimes(at(100), at(110));
+  draft.addSession();
+  const { stop } = sessionIn(window(0, 130)) ?? { stop: "" };
+  const left_s = 100 - (Date.parse(stop) - Date.parse(at(0))) / 1000;
+  // A quarter turn, since nobody has told where the axes are: 90/3 + 3 + 1 s at least.
+  expect(left_s).toBeGreaterThan(34);
+  expect(sessionIn(window(70, 130))).toBeNull();
+  platforms.platforms.value = null;
+});
+
+test("a slew takes as long as rate, acceleration and jerk want", () => {
+  expect(platforms.restToRest_s(90, 3, 1, 1)).toBeCloseTo(34, 9);
+  expect(platforms.restToRest_s(10, 3, 1, 1)).toBeCloseTo(1 + Math.sqrt(41), 9); // the rate isn't reached
+  expect(platforms.restToRest_s(0.5, 3, 1, 1)).toBeCloseTo(4 * Math.cbrt(0.25), 9); // nor the acceleration
+  expect(platforms.restToRest_s(12, 3, 9, 1)).toBeCloseTo(4 + 2 * Math.sqrt(3), 9);
+  expect(platforms.restToRest_s(0, 3, 1, 1)).toBe(0);
 });
 
 test("a session keeps off the end that a stop makes, and a long one lies in the middle of what can be held", () => {

@@ -6,6 +6,7 @@ export function page(path: string): void {
   vi.stubGlobal("document", { baseURI: "http://service.test/planner/", documentElement: {} });
   vi.stubGlobal("location", where);
   vi.stubGlobal("localStorage", { getItem: () => null, setItem: () => undefined });
+  vi.stubGlobal("sessionStorage", { getItem: () => null, setItem: () => undefined });
   vi.stubGlobal("history", {
     pushState: (_: unknown, __: string, to: string) => {
       where.href = new URL(to, where).href;

@@ -25,7 +25,7 @@ PAGE_FILES = "/page-files/"
 BUILT_FILES = "/assets/"
 # First parts of the planner's page's own addresses (web/src/rooms.ts).
 PAGE_ROOMS = frozenset(
-    {"plans", "opportunities", "horizon", "spacecraft", "campaigns", "flights", "telemetry", "jobs"}
+    {"plans", "timeline", "horizon", "spacecraft", "campaigns", "flights", "telemetry"}
 )
 PROBES = frozenset({"/healthz", "/readyz"})
 # What proxies add; of X-Forwarded-..., whatever they call it.

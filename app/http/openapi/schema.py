@@ -24,7 +24,10 @@ from app.requests.horizon import (
     picture_request_json_schema,
     prediction_request_json_schema,
 )
-from app.requests.opportunities import opportunity_request_json_schema
+from app.requests.opportunities import (
+    opportunity_request_json_schema,
+    orbit_track_request_json_schema,
+)
 from app.requests.plan import PlanRequest, plan_request_json_schema
 from app.requests.spacecraft import (
     imaging_opportunity_json_schema,
@@ -32,6 +35,7 @@ from app.requests.spacecraft import (
 )
 from app.requests.telemetry import ComparisonRequest, comparison_request_json_schema
 from estimator.request import HorizonRequest
+from planner.output.view.orbit import OrbitTrackRequest
 from planner.planning.campaigns import CampaignRequest
 from planner.planning.opportunities import OpportunityRequest
 from planner.spacecraft.opportunity_request import ImagingOpportunityRequest
@@ -54,6 +58,7 @@ _REQUESTS = {
     CampaignRequest: campaign_request_json_schema,
     FlightsRequest: flights_request_json_schema,
     OpportunityRequest: opportunity_request_json_schema,
+    OrbitTrackRequest: orbit_track_request_json_schema,
     ImagingPlanRequest: spacecraft_request_json_schema,
     ImagingOpportunityRequest: imaging_opportunity_json_schema,
     ComparisonRequest: comparison_request_json_schema,

@@ -10,13 +10,12 @@ from sqlalchemy import Connection
 
 from app.answers.campaign import (
     CampaignDryRun,
-    CampaignList,
     CampaignResponse,
     campaign_json,
-    campaign_list_json,
 )
+from app.answers.job import list_class
 from app.answers.members import to_json
-from app.http.blocking import read
+from app.http.blocking import EXPORT_BOUNDS, in_child, read
 from app.http.negotiation import JSON, ONLY_JSON, json_body
 from app.http.openapi.schema import json_body_of
 from app.http.query import Parameters
@@ -33,12 +32,14 @@ from app.http.routes.job_routes import (
 from app.http.routes.parameters import IdempotencyKey, Prefer
 from app.http.routes.resources import JobResource
 from app.jobs.kinds import CAMPAIGN
+from app.jobs.refusals import Conflict
 from app.requests.campaign import read_campaign_request
 from app.requests.examples import CAMPAIGN_EXAMPLES
 from app.requests.listings import listing_of_search
 from app.store import jobs, plans
 from app.store.database import Database
 from app.store.jobs import Job
+from app.work.campaign_files import SUFFIXES, MadePass, campaign_file
 
 RESOURCE = JobResource(
     kind=CAMPAIGN.name,
@@ -50,8 +51,7 @@ RESOURCE = JobResource(
     singular="campaign",
     plural="campaigns",
     response=CampaignResponse,
-    list_response=CampaignList,
-    list_json=campaign_list_json,
+    list_response=list_class("CampaignList", "campaigns", "Campaigns"),
 )
 router = APIRouter(tags=[RESOURCE.tag], prefix=RESOURCE.path)
 
@@ -114,13 +114,44 @@ async def _find_campaign(request: Request, job_id: str) -> tuple[Job, bytes]:
     return await read(request, reading)
 
 
+async def _write_file(request: Request, job: Job, media_type: str) -> bytes:
+    def reading(connection: Connection) -> tuple[bytes, list[MadePass]]:
+        made = [plans.get(connection, part) for part in jobs.parts_of(connection, job.id)]
+        passes = [
+            MadePass(
+                number=plan.options["campaign"]["pass"] + 1,
+                plan=plan.id,
+                looks=plan.options["campaign"]["looks"],
+                request=jobs.request_of(connection, plan.id) or b"",
+                table_columns=plan.table_columns,
+                planned_utc=plan.planned_utc,
+            )
+            for plan in made
+            if plan is not None and plan.state == "done"
+        ]
+        return jobs.request_of(connection, job.id) or b"", passes
+
+    body, passes = await read(request, reading)
+    if job.is_open or not passes:
+        raise Conflict(
+            f"there is no file of looks: the campaign's state is {job.state}, with {len(passes)} "
+            f"plans made; GET {RESOURCE.path}/{job.id} as {JSON} tells more"
+        )
+    passes.sort(key=lambda one: one.number)
+    return await in_child(request, EXPORT_BOUNDS, campaign_file, media_type, body, passes)
+
+
 add_list(router, RESOURCE)
 add_one(
     router,
     RESOURCE,
     _find_campaign,
     summary="Get a campaign",
-    about="The choice states how far it is from the best possible; each pass has its plan's state.",
+    about="The choice states how far it is from the best possible; each pass has its plan's state. "
+    "Once it has ended, Accept may ask for the looks of plans made as CSV, GeoJSON or KML, or for "
+    "a zip archive of each pass's command table and request.",
+    suffixes=SUFFIXES,
+    write_file=_write_file,
 )
 add_request(router, RESOURCE)
 add_delete(router, RESOURCE)

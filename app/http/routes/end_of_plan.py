@@ -18,6 +18,11 @@ _FIELD = "initial_state.after"
 _REST_DEG_S = 1e-10  # in a day it would turn an axis by 0.00001 deg
 
 
+def may_go_on_after(body: bytes) -> bool:
+    """Whether a request can name a plan to go on after, at a glance."""
+    return b'"after"' in body
+
+
 def from_end_of_plan(database: Database, body: bytes) -> bytes:
     """The request with the state in which the plan it names ends; the same where it names none.
 

@@ -9,7 +9,8 @@ import anyio.to_thread
 from fastapi import APIRouter, Depends, HTTPException, Query, Request, Response
 from sqlalchemy import Connection
 
-from app.answers.flights import FlightsList, FlightsResponse, flights_json, flights_list_json
+from app.answers.flights import FlightsResponse, flights_json
+from app.answers.job import list_class
 from app.http.blocking import read
 from app.http.negotiation import ONLY_JSON, json_body
 from app.http.openapi.schema import json_body_of
@@ -47,8 +48,7 @@ RESOURCE = JobResource(
     singular="flight",
     plural="flights",
     response=FlightsResponse,
-    list_response=FlightsList,
-    list_json=flights_list_json,
+    list_response=list_class("FlightsList", "flights", "Flights of a plan"),
     about_list="Flights of all plans are listed, the latest first.",
 )
 router = APIRouter(tags=[RESOURCE.tag], prefix=RESOURCE.path)
@@ -118,7 +118,7 @@ async def post_flights(
 @of_plan.get(
     "",
     summary="List flights of a plan",
-    response_model=FlightsList,
+    response_model=RESOURCE.list_response,
     dependencies=ONLY_JSON,
 )
 async def get_flights_of_plan(

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Depends, Request, Response
 from app.answers.horizon import EstimateResponse, PictureOut, PredictionResponse
 from app.answers.members import provenance
 from app.http.blocking import answer_in_child, in_child
-from app.http.multipart import MAX_REQUEST_BYTES, Part, read_parts, unreadable
+from app.http.multipart import MAX_REQUEST_BYTES, FormPart, read_parts, unreadable
 from app.http.negotiation import (
     JSON,
     MULTIPART,
@@ -43,7 +43,7 @@ ESTIMATE_BOUNDS = Bounds(deadline_s=20.0, memory_mib=500, alone=True)
 PREDICTION_BOUNDS = Bounds(deadline_s=60.0, memory_mib=1000)
 PICTURE_BOUNDS = Bounds(deadline_s=60.0, memory_mib=2000)
 
-_PARTS = (Part("request", 1, MAX_REQUEST_BYTES), Part("images", MAX_CAMERAS))
+_PARTS = (FormPart("request", 1, MAX_REQUEST_BYTES), FormPart("images", MAX_CAMERAS))
 _UPLOAD_BODY = form_body_of(
     {"$ref": REF.format(model="HorizonRequest"), "examples": [ESTIMATE_EXAMPLE]},
     {

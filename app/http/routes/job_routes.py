@@ -3,13 +3,14 @@
 import hashlib
 from collections.abc import Awaitable, Callable, Mapping
 from http import HTTPStatus
+from types import MappingProxyType
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, HTTPException, Request, Response
 from fastapi.responses import StreamingResponse
 from sqlalchemy import Connection
 
-from app.answers.job import JobResponse, job_json
+from app.answers.job import JobResponse, job_json, list_json
 from app.http.blocking import read
 from app.http.event_stream import last_seq, stream_events
 from app.http.negotiation import (
@@ -20,6 +21,7 @@ from app.http.negotiation import (
     not_modified,
     preferred_type,
     revalidated,
+    saved_as,
     weak_tag,
 )
 from app.http.openapi.schema import REF
@@ -40,6 +42,8 @@ CANCEL_WAIT_S = 5.0
 
 # A job and the answer, in JSON, that tells of it as it stands; raises 404.
 FindAnswer = Callable[[Request, str], Awaitable[tuple[Job, bytes]]]
+# Of a job the file in a media type; raises Conflict where there is none yet.
+WriteFile = Callable[[Request, Job, str], Awaitable[bytes]]
 
 
 def new_job(
@@ -208,27 +212,41 @@ async def answer_list(
             list_filter=query.list_filter(),
         ),
     )
-    return Response(resource.list_json(jobs_and_one, query.limit), media_type=JSON)
+    answer = list_json(resource.list_response, jobs_and_one, query.limit)
+    return Response(answer, media_type=JSON)
 
 
 def add_one(
-    router: APIRouter, resource: JobResource, find: FindAnswer, *, summary: str, about: str
+    router: APIRouter,
+    resource: JobResource,
+    find: FindAnswer,
+    *,
+    summary: str,
+    about: str,
+    suffixes: Mapping[str, str] = MappingProxyType({}),
+    write_file: WriteFile | None = None,
 ) -> None:
-    """GET how far one of them is."""
+    """GET how far one of them is; suffixes: of the files that Accept may ask for, by media type."""
+    forms = (JSON, *suffixes)
 
     @router.get(
         "/{id}",
         summary=summary,
         description=about,
         response_model=resource.response,
-        dependencies=ONLY_JSON,
+        responses={200: {"content": {form: {} for form in forms}}},
     )
     async def get_one(request: Request, job_id: PathId) -> Response:
-        _, answer = await find(request, job_id)
-        tag = tag_of(answer)
+        media_type = preferred_type(request, forms)
+        job, answer = await find(request, job_id)
+        tag = tag_of(answer + media_type.encode())
         if is_known_already(request, tag):
             return not_modified(tag)
-        return Response(answer, headers=revalidated(tag), media_type=JSON)
+        headers = revalidated(tag)
+        if write_file is not None and media_type != JSON:
+            answer = await write_file(request, job, media_type)
+            headers |= saved_as(job.name, resource.singular, suffixes[media_type])
+        return Response(answer, headers=headers, media_type=media_type)
 
 
 def tag_of(answer: bytes) -> str:

@@ -5,16 +5,11 @@ from typing import Annotated
 from fastapi import APIRouter, Query
 from pydantic import Field
 
-from app.answers.names import (
-    KnownPlaces,
-    KnownStars,
-    PlatformList,
-    known_places,
-    known_stars,
-    platform_list,
-)
+from app.answers.names import KnownPlaces, KnownStars, PlatformList
 from app.http.negotiation import ONLY_JSON
 from app.http.query import Parameters
+from planner.world.platforms import PLATFORMS, definition_of
+from planner.world.targets.autocomplete import places_beginning, stars_beginning
 
 router = APIRouter(tags=["platforms"], dependencies=ONLY_JSON)
 
@@ -35,16 +30,16 @@ class NamesQuery(Parameters):
 @router.get("/v1/platforms", summary="List platforms")
 async def get_platforms() -> PlatformList:
     """Each has axes, limits and mount; copy one into a request's `platform` to change it."""
-    return platform_list()
+    return PlatformList(platforms=[definition_of(platform) for platform in PLATFORMS.values()])
 
 
 @router.get("/v1/places", summary="List places by the beginning of their names")
 def get_places(query: Annotated[NamesQuery, Query()]) -> KnownPlaces:
     """Completes what somebody types; where several places share a name, all are listed."""
-    return known_places(query.begin, query.limit)
+    return KnownPlaces(places=places_beginning(query.begin, query.limit))
 
 
 @router.get("/v1/stars", summary="List stars by the beginning of their names")
 def get_stars(query: Annotated[NamesQuery, Query()]) -> KnownStars:
     """Completes what somebody types."""
-    return known_stars(query.begin, query.limit)
+    return KnownStars(stars=stars_beginning(query.begin, query.limit))

@@ -1,14 +1,27 @@
-"""Opportunities over HTTP: of the two-axis platform, and passes of the spacecraft."""
+"""Opportunities over HTTP: of the two-axis platform, passes of the spacecraft, ground tracks."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Request, Response
 
 from app.answers.imaging_opportunities import ImagingOpportunitiesResponse, ImagingWindowsPage
 from app.answers.opportunities import OpportunitiesResponse, WindowsPage
-from app.http.routes.search_routes import SearchResource, search_routes
-from app.requests.examples import IMAGING_OPPORTUNITY_EXAMPLES, OPPORTUNITY_EXAMPLES
+from app.answers.view import OrbitTrackResponse
+from app.http.blocking import answer_in_child
+from app.http.negotiation import ONLY_JSON, json_body
+from app.http.openapi.schema import json_body_of
+from app.http.routes.search_routes import SEARCH_BOUNDS, SearchResource, search_routes
+from app.requests.examples import (
+    IMAGING_OPPORTUNITY_EXAMPLES,
+    OPPORTUNITY_EXAMPLES,
+    ORBIT_TRACK_EXAMPLES,
+)
 from app.requests.listings import listing_of_imaging, listing_of_search
-from app.requests.opportunities import read_opportunity_request
+from app.requests.opportunities import read_opportunity_request, read_orbit_track_request
 from app.requests.spacecraft import read_imaging_opportunity_request
 from app.work.campaign import answer_opportunities
 from app.work.spacecraft import answer_imaging_opportunities
+from app.work.view import orbit_track_json
 
 OPPORTUNITIES = SearchResource(
     kind="opportunities",
@@ -39,3 +52,22 @@ IMAGING_OPPORTUNITIES = SearchResource(
 
 router = search_routes(OPPORTUNITIES)
 of_spacecraft = search_routes(IMAGING_OPPORTUNITIES)
+of_orbits = APIRouter(tags=["opportunities"], dependencies=ONLY_JSON)
+
+
+@of_orbits.post(
+    "/v1/orbits/tracks",
+    summary="Compute the ground track and the eclipses of an orbit",
+    response_model=OrbitTrackResponse,
+    openapi_extra=json_body_of("OrbitTrackRequest", ORBIT_TRACK_EXAMPLES),
+)
+async def post_orbit_track(
+    request: Request, body: Annotated[bytes, Depends(json_body)]
+) -> Response:
+    """Tells over days where the carrier is, how much of the Sun it sees, and when it sees none.
+
+    Nothing is kept.
+    """
+    return await answer_in_child(
+        request, body, read_orbit_track_request, SEARCH_BOUNDS, orbit_track_json
+    )

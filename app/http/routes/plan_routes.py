@@ -117,7 +117,7 @@ def _add_post(router: APIRouter, resource: PlanResource) -> None:
     ) -> Response:
         format_name = _format(request, resource, query)
         database: Database = request.app.state.database
-        if b'"after"' in body:  # else nothing that only the store can tell
+        if resource.lacks(body):
             body = await database.answer(resource.fill_in, database, body)
         if query.dry_run:
             bounds = _dry_run_bounds(request, resource)

@@ -4,7 +4,7 @@ from app.answers.plan import DryRunResponse, PlanResponse
 from app.answers.spacecraft import SpacecraftDryRunResponse, SpacecraftPlanResponse
 from app.answers.spacecraft_view import SpacecraftViewResponse
 from app.answers.view import PlanViewResponse
-from app.http.routes.end_of_plan import from_end_of_plan
+from app.http.routes.end_of_plan import from_end_of_plan, may_go_on_after
 from app.http.routes.parameters import PlanListQuery
 from app.http.routes.plan_routes import plan_routes
 from app.http.routes.resources import PlanResource
@@ -46,6 +46,7 @@ PLANS = PlanResource(
     view_file=stored_plan_view,
     file_stem="plan",
     takes_pixel=True,
+    lacks=may_go_on_after,
     fill_in=from_end_of_plan,
 )
 SPACECRAFT_PLANS = PlanResource(

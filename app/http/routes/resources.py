@@ -1,20 +1,21 @@
 """The resources that jobs make, and the differences between those that hold plans."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from app.answers.job import PlanList, list_json
+from app.answers.job import list_class
 from app.answers.members import ProvenanceOut
 from app.http.negotiation import JSON
 from app.http.routes.parameters import ListQuery
 from app.requests.examples import Examples
 from app.store.database import Database
-from app.store.jobs import Job
 from app.store.listing import Listing
 from app.work.view import AskedView
 from planner.output.export.exporter import Exporter
+
+PLAN_LIST = list_class("PlanList", "plans", "Plans")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,7 +24,7 @@ class JobResource:
 
     singular, plural: what they are called.  request_schema: name of the schema of its request.
     listing: what lists tell of a request, as it was read.  response: of one; list_response: of
-    several, which list_json writes.  list_query: which of them to list, about_list: in what order.
+    several.  list_query: which of them to list, about_list: in what order.
     """
 
     kind: str
@@ -36,7 +37,6 @@ class JobResource:
     plural: str
     response: type
     list_response: type
-    list_json: Callable[[Sequence[Job], int], bytes]
     list_query: type[ListQuery] = ListQuery
     about_list: str = "The latest come first."
 
@@ -52,13 +52,12 @@ class PlanResource(JobResource):
     formats.  view_file: of (request, stored table, what is asked) the view's bytes, in a child.
     file_stem: of files whose plan has no name.
     takes_pixel: its views are told what a pixel sees, as no camera is defined.
-    fill_in: a request that names a plan to go on "after", with what only the store can tell.
+    lacks: whether a request, in bytes, may lack what only the store can tell; fill_in: with that.
     """
 
     singular: str = "plan"
     plural: str = "plans"
-    list_response: type = PlanList
-    list_json: Callable[[Sequence[Job], int], bytes] = list_json
+    list_response: type = PLAN_LIST
     about_list: str = (
         "The latest come first; plans that wait or run, were refused or cancelled are included."
     )
@@ -75,6 +74,7 @@ class PlanResource(JobResource):
     view_file: Callable[[bytes, bytes, AskedView], bytes]
     file_stem: str
     takes_pixel: bool = False
+    lacks: Callable[[bytes], bool] = lambda _: False
     fill_in: Callable[[Database, bytes], bytes] = lambda _, body: body
 
     @property

@@ -16,7 +16,7 @@ from fastapi import APIRouter, Depends, HTTPException, Query, Request, Response
 from pydantic import Field
 from sqlalchemy import Connection
 
-from app.answers.job import SearchList, search_list_json
+from app.answers.job import list_class
 from app.answers.members import ProvenanceOut, provenance, to_json
 from app.answers.opportunities import FoundWindows, whole_opportunities
 from app.answers.opportunities_geojson import FeatureCollection
@@ -47,7 +47,7 @@ from app.http.routes.resources import JobResource
 from app.jobs.child import Bounds
 from app.store import audit, jobs, results, searches
 from app.store.database import Database
-from app.store.jobs import Job, NewJob
+from app.store.jobs import NewJob
 from app.store.searches import StoredWindows
 from app.work.searches import CSV, GEOJSON, windows_in_form
 
@@ -57,6 +57,8 @@ _SUFFIXES = {GEOJSON: ".geojson", CSV: ".csv"}
 FORMS = (JSON, *_SUFFIXES)
 # Turning more than this of packed windows into another form would hold the interpreter for long.
 _PACKED_MAX_BYTES = 100_000
+
+SEARCH_LIST = list_class("SearchList", "opportunities", "Searches for opportunities")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,8 +71,7 @@ class SearchResource(JobResource):
 
     singular: str = "search for opportunities"
     plural: str = "searches"
-    list_response: type = SearchList
-    list_json: Callable[[Sequence[Job], int], bytes] = search_list_json
+    list_response: type = SEARCH_LIST
     summary: str
     read: Callable[[bytes], Any]
     find: Callable[[Any, ProvenanceOut], FoundWindows]

@@ -11,7 +11,7 @@ from sqlalchemy import Connection
 from app.answers.members import provenance
 from app.answers.telemetry import ComparisonResponse
 from app.http.blocking import in_child, read
-from app.http.multipart import MAX_REQUEST_BYTES, Part, read_parts, unreadable
+from app.http.multipart import MAX_REQUEST_BYTES, FormPart, read_parts, unreadable
 from app.http.negotiation import (
     JSON,
     MULTIPART,
@@ -30,7 +30,7 @@ from app.requests.examples import COMPARISON_EXAMPLES
 from app.requests.telemetry import read_comparison_head, read_comparison_request
 from app.store import jobs, plans
 from app.store.plans import StoredPlan
-from app.work.telemetry import PICTURES, SentTelemetry, compare_stored
+from app.work.telemetry import FILES, SentTelemetry, compare_stored
 from planner.base.errors import InvalidInput
 
 router = APIRouter(tags=["telemetry"])
@@ -38,12 +38,12 @@ router = APIRouter(tags=["telemetry"])
 # Drives' parameters of a plan of 600 s take a hundred flights of 0.3 s.
 _BOUNDS = Bounds(deadline_s=120.0, memory_mib=2000)
 _JSON_FORMAT = "json"
-_MEDIA_TYPES = {_JSON_FORMAT: JSON} | {name: one.media_type for name, one in PICTURES.items()}
+_MEDIA_TYPES = {_JSON_FORMAT: JSON} | {name: one.media_type for name, one in FILES.items()}
 
-_TITLES = {_JSON_FORMAT: "numbers"} | {name: one.title for name, one in PICTURES.items()}
+_TITLES = {_JSON_FORMAT: "numbers"} | {name: one.title for name, one in FILES.items()}
 _read_query = read_query(with_formats(TableQuery, "The comparison in this format", _TITLES))
 _FIELDS = ("request", "plan", "epoch")  # a form may give plan and epoch without writing JSON
-_PARTS = (*(Part(name, 1, MAX_REQUEST_BYTES) for name in _FIELDS), Part("samples"))
+_PARTS = (*(FormPart(name, 1, MAX_REQUEST_BYTES) for name in _FIELDS), FormPart("samples"))
 _REQUEST = "ComparisonRequest"
 _CSV = {
     "type": "string",
@@ -105,7 +105,7 @@ def _head(parts: dict[str, list[bytes]]) -> bytes:
     response_model=ComparisonResponse,
     responses={
         200: {
-            "description": "The comparison; or a picture, as `format` or Accept asks",
+            "description": "The comparison; or a file, as `format` or Accept asks",
             "content": {media: {} for media in _MEDIA_TYPES.values() if media != JSON},
         },
         409: {"description": "There is no such plan yet: it is queued, running or was not made"},

@@ -34,6 +34,7 @@ def _examples(route: str) -> Examples:
 
 PLAN_EXAMPLES = _examples("plans")
 OPPORTUNITY_EXAMPLES = _examples("opportunities")
+ORBIT_TRACK_EXAMPLES = _examples("orbit_tracks")
 CAMPAIGN_EXAMPLES = _examples("campaigns")
 FLIGHTS_EXAMPLES = _examples("flights")
 COMPARISON_EXAMPLES = _examples("comparisons")

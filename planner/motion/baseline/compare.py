@@ -1,16 +1,16 @@
 """The gain of the optimal slew over the paper's cubic."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.motion.baseline.paper_cubic import paper_duration_s, paper_slew
+from planner.motion.comparison import AxisFigures, ModeResidual, SlewComparison
 from planner.motion.slew.feasibility import next_duration_s
 from planner.motion.slew.problem import LIMIT_TOLERANCE
-from planner.motion.slew.solution import LimitViolation, SlewSolution
+from planner.motion.slew.solution import SlewSolution
 from planner.world.platforms import StructuralMode
 from planner.world.scenario import SlewOptions
 
@@ -60,108 +60,71 @@ def _cell_accelerations(angle_rad: Array, rate_rad_s: Array) -> tuple[Array, Arr
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class SlewFigures:
-    """One slew in figures; tuples hold one value per axis.
-
-    jerk_squared_integral: rad^2/s^5.  It and peak_jerk_rad_s3 are infinite where the
-    acceleration jumps, at the ends too.  violations: every limit broken.
-    """
-
-    duration_s: float
-    peak_rate_rad_s: tuple[float, ...]
-    peak_acceleration_rad_s2: tuple[float, ...]
-    peak_jerk_rad_s3: tuple[float, ...]
-    jerk_squared_integral: tuple[float, ...]
-    violations: tuple[LimitViolation, ...]
-    end_error_rad: tuple[float, ...]
-
-
-@dataclass(frozen=True, kw_only=True)
-class ModeResidual:
-    """What is left of one structural mode after the slew, as flown; tuples: one per axis.
-
-    The mode's share in the axis's motion is taken as one.
-    """
-
-    mode: StructuralMode
-    ocp_rad: tuple[float, ...]
-    spline_rad: tuple[float, ...]
-
-
-@dataclass(frozen=True, kw_only=True)
-class SlewComparison:
-    """The optimal slew beside the paper's spline over the same time between the same states.
-
-    least_duration_s: what the limits allow, stops aside; paper_duration_s: what the paper's
-    estimate asks for (Sumarokov 2016, eq. 12-13).  residuals: of the modes to suppress.
-    """
-
-    axis_names: tuple[str, ...]
-    ocp: SlewFigures
-    spline: SlewFigures
-    least_duration_s: float
-    paper_duration_s: float
-    residuals: tuple[ModeResidual, ...]
-
-
-def compare_with_spline(ocp: SlewSolution, options: SlewOptions) -> SlewComparison:
-    """The optimal slew beside the paper's spline, solved for the purpose."""
+def compare_with_spline(
+    ocp: SlewSolution, options: SlewOptions, session: int | None
+) -> SlewComparison:
+    """The optimal slew to a session beside the paper's spline, solved for the purpose."""
     problem = ocp.problem
     spline = paper_slew(problem, options)
-    least_s = (
+    least_s = [
         next_duration_s(start, end, limits, 0.0) or math.inf
         for start, end, limits in zip(problem.start, problem.end, problem.limits, strict=True)
-    )
-    residuals = tuple(
-        ModeResidual(mode=mode, ocp_rad=_left_rad(ocp, mode), spline_rad=_left_rad(spline, mode))
-        for mode in problem.avoid_modes
-    )
+    ]
     return SlewComparison(
-        axis_names=problem.axis_names,
-        ocp=_slew_figures(ocp),
-        spline=_slew_figures(spline),
-        least_duration_s=max(least_s),
-        paper_duration_s=paper_duration_s(problem),
-        residuals=residuals,
+        session=session,
+        duration_s=ocp.duration_s,
+        least_s=None if math.inf in least_s else max(least_s),
+        paper_s=paper_duration_s(problem),
+        ocp=_figures_by_axis(ocp),
+        spline=_figures_by_axis(spline),
+        residual_vibration=tuple(
+            ModeResidual(
+                frequency_hz=mode.frequency_hz,
+                damping=mode.damping,
+                ocp_rad=_left_rad(ocp, mode),
+                spline_rad=_left_rad(spline, mode),
+            )
+            for mode in problem.avoid_modes
+        ),
     )
 
 
-def _left_rad(slew: SlewSolution, mode: StructuralMode) -> tuple[float, ...]:
+def _left_rad(slew: SlewSolution, mode: StructuralMode) -> dict[str, float]:
     rows = round(slew.duration_s * ROWS_PER_S)
     angle_rad, rate_rad_s, _, _ = slew.motion(np.arange(rows + 1) / ROWS_PER_S)
-    return tuple(
-        residual_vibration_rad(
+    problem = slew.problem
+    return {
+        name: residual_vibration_rad(
             angle_rad[:, axis],
             rate_rad_s[:, axis],
             mode,
-            acceleration_before_rad_s2=start.acceleration_rad_s2,
-            acceleration_after_rad_s2=end.acceleration_rad_s2,
+            acceleration_before_rad_s2=problem.start[axis].acceleration_rad_s2,
+            acceleration_after_rad_s2=problem.end[axis].acceleration_rad_s2,
         )
-        for axis, (start, end) in enumerate(zip(slew.problem.start, slew.problem.end, strict=True))
+        for axis, name in enumerate(problem.axis_names)
+    }
+
+
+def _figures_by_axis(solution: SlewSolution) -> dict[str, AxisFigures]:
+    return {
+        name: _axis_figures(solution, axis) for axis, name in enumerate(solution.problem.axis_names)
+    }
+
+
+def _axis_figures(solution: SlewSolution, axis: int) -> AxisFigures:
+    profile = solution.profiles[axis]
+    jumps = _acceleration_jumps(solution, axis)
+    rate, acceleration, jerk = (
+        max(-profile.extremes[order].least, profile.extremes[order].greatest) for order in (1, 2, 3)
     )
-
-
-def _slew_figures(solution: SlewSolution) -> SlewFigures:
-    extremes = [profile.extremes for profile in solution.profiles]
-    peaks = [
-        tuple(max(-axis[order].least, axis[order].greatest) for axis in extremes)
-        for order in (1, 2, 3)
-    ]
-    jumps = [_acceleration_jumps(solution, axis) for axis in range(len(solution.profiles))]
-    return SlewFigures(
-        duration_s=solution.duration_s,
-        peak_rate_rad_s=peaks[0],
-        peak_acceleration_rad_s2=peaks[1],
-        peak_jerk_rad_s3=tuple(
-            math.inf if jump else peak for jump, peak in zip(jumps, peaks[2], strict=True)
-        ),
-        jerk_squared_integral=tuple(
-            math.inf if jump else profile.jerk_squared_integral
-            for jump, profile in zip(jumps, solution.profiles, strict=True)
-        ),
-        violations=solution.violations,
-        end_error_rad=solution.end_error_rad,
+    name = solution.problem.axis_names[axis]
+    return AxisFigures(
+        peak_rate_rad_s=rate,
+        peak_acceleration_rad_s2=acceleration,
+        peak_jerk_rad_s3=None if jumps else jerk,
+        jerk_squared_integral_rad2_s5=None if jumps else profile.jerk_squared_integral,
+        limits_broken=tuple(one.limit for one in solution.violations if one.axis == name),
+        end_error_rad=solution.end_error_rad[axis],
     )
 
 

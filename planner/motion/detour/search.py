@@ -150,7 +150,7 @@ class DetourSearch:
             cost=math.inf if depth_rad > OPTIONS.violation_max_rad else _jerk_cost(profiles),
             off_rows=False,
             run=run,
-            iterations=run.iterations or 0,
+            iterations=run.iterations,
             violation_between_samples_rad=depth_rad + OPTIONS.rough_margin_rad,
         )
 
@@ -166,7 +166,7 @@ class DetourSearch:
         for growth_rad in MARGIN_GROWTHS_RAD:
             guess = self._guess_y(profiles, np.zeros((2, self.spline.free_count)))
             profiles, run = self._solve_with_caps(ocp, guess, margin_rad)
-            iterations += run.iterations or 0
+            iterations += run.iterations
             before_rad, depth_rad = depth_rad, slew_entry(profiles, self._view).depth_rad
             if depth_rad <= -OPTIONS.touch_rad or depth_rad > max(
                 OPTIONS.unreduced_share * before_rad, OPTIONS.shallow_rad

@@ -324,7 +324,7 @@ class _Axis:
         for start in starts:
             solved = solve(given, begin, start)
             effort.count(JUDGED + JUDGED_SPAN * len(flat))
-            iterations += solved.run.iterations or 0
+            iterations += solved.run.iterations
             if not solved.run.is_promising:
                 continue
             jerks = np.clip(solved.jerks, -jerk_max, jerk_max)

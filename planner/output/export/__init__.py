@@ -6,6 +6,7 @@ from planner.output.export.czml import write_czml
 from planner.output.export.exporter import Exporter
 from planner.output.export.figure import write_png, write_svg
 from planner.output.export.geojson import write_geojson
+from planner.output.export.ics import write_ics
 from planner.output.export.json import write_json
 from planner.output.export.kml import write_kml
 from planner.output.export.netcdf import write_netcdf
@@ -44,6 +45,7 @@ EXPORTERS: dict[str, Exporter[FlightPlan]] = {
         "the same map for Google Earth",
         "application/vnd.google-earth.kml+xml", ".kml", write_kml, shows=True,
     ),
+    "ics": Exporter("sessions as events of a calendar", "text/calendar", ".ics", write_ics),
     "png": Exporter(
         "plot of angles, rates and accelerations", "image/png", ".png", write_png, shows=True
     ),

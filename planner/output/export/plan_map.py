@@ -19,7 +19,7 @@ from planner.world.frames.geodesy import geodetic_from_itrf
 from planner.world.frames.time_scales import Instants, elapsed_s
 from planner.world.plan import FlightPlan, Segment
 from planner.world.scenario import Session
-from planner.world.targets import EarthFixedTarget
+from planner.world.targets import EarthFixedTarget, Target
 
 FOOTPRINT_EVERY_S = 10.0
 FOOTPRINTS_MAX = 30  # of a session
@@ -48,7 +48,8 @@ def _features(plan: FlightPlan, rows: TableStates) -> Iterator[MapFeature]:
         label = session_label(session, number)
         facts: Facts = {"session": number, "mode": session.target.mode}
         yield from _frames(rows, corners, session, label, facts)
-        yield from _target(session, label, facts)
+        span_utc = session.start, session.stop
+        yield from target_features(session.target, span_utc, label, facts)
 
 
 def _between(rows: TableStates, start_utc: datetime, stop_utc: datetime) -> Indices:
@@ -114,14 +115,15 @@ def _swath(latitude_rad: Array, longitude_rad: Array, stays: bool) -> list[tuple
     ]
 
 
-def _target(session: Session, label: str, facts: Facts) -> Iterator[MapFeature]:
+def target_features(
+    target: Target, span_utc: tuple[datetime, datetime], label: str, facts: Facts
+) -> Iterator[MapFeature]:
     """A place, or the path of one that moves; nothing for a target in the sky."""
-    target = session.target
     if not isinstance(target, EarthFixedTarget):
         return
-    span_utc = session.start, session.stop
-    t_s = np.linspace(0.0, elapsed_s(session.stop, session.start), PATH_PLACES)
-    r_itrf_m = target.r_target_itrf_m(Instants(session.start, t_s))
+    start_utc, stop_utc = span_utc
+    t_s = np.linspace(0.0, elapsed_s(stop_utc, start_utc), PATH_PLACES)
+    r_itrf_m = target.r_target_itrf_m(Instants(start_utc, t_s))
     if not target.rests_on_earth:
         yield path_feature("target", label, r_itrf_m, span_utc, facts)
         return
@@ -134,7 +136,7 @@ def _target(session: Session, label: str, facts: Facts) -> Iterator[MapFeature]:
             round(math.degrees(latitude_rad), 6),
             round(float(height_m), 3),
         ),
-        start_utc=session.start,
-        stop_utc=session.stop,
+        start_utc=start_utc,
+        stop_utc=stop_utc,
         facts=facts,
     )

@@ -88,6 +88,38 @@ class BodyTrack:
 
 
 @answer
+class SkyDirection:
+    """A direction from the carrier in GCRF axes, a place on a chart of stars.
+
+    right_ascension_rad: 0 to 360. E.g. `[101.287, 101.287]`.
+    declination_rad: north positive. E.g. `[-16.716, -16.716]`.
+    """
+
+    right_ascension_rad: Annotated[Array, Member("deg", 0.0, 360.0, decimals=6, gaps=True)]
+    declination_rad: Latitudes
+
+
+@answer
+class SkyTrack:
+    """Directions from the carrier, for a chart of the sky.
+
+    boresight: of the camera.
+    nadir: of the Earth's centre.
+    sun: of its centre.
+    moon: of its centre.
+    targets: of each session's target in space; null for one on the Earth.
+    keep_out: of the axis of each cone of the request. E.g. `[]`.
+    """
+
+    boresight: SkyDirection
+    nadir: SkyDirection
+    sun: SkyDirection
+    moon: SkyDirection
+    targets: tuple[SkyDirection, ...]
+    keep_out: tuple[SkyDirection, ...]
+
+
+@answer
 class AxisMotion:
     """The motion of one axis, with a number for each row.
 

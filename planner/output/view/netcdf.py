@@ -20,7 +20,7 @@ from planner.output.export.netcdf import (
     write_global_attributes,
     write_times,
 )
-from planner.output.view.columns import AxisMotion
+from planner.output.view.columns import AxisMotion, SkyDirection
 from planner.output.view.cones import OUTLINE_POINTS
 from planner.output.view.view import PlanView
 from planner.world.frames.iers import RAD_PER_ARCSEC
@@ -93,6 +93,7 @@ def write_view_netcdf(view: PlanView, created_utc: datetime) -> bytes:
         _targets(file, view)
         _cones(file, view)
         _masks(file, view)
+        _sky(file, view)
         _baseline(file, view, names)
         _windows(file, view)
         file.flush()
@@ -175,6 +176,20 @@ def _masks(file: netcdf_file, view: PlanView) -> None:
     describe(corners, units="1", long_name="mask outline, unit vectors in the platform frame")
     outline_rad = np.concatenate([_last_axis(mask.outline_rad) for mask in masks], axis=1)
     _write(file, "mask_outline_rad", outline_rad, ("way", "mask_point", "axis"))
+
+
+def _sky(file: netcdf_file, view: PlanView) -> None:
+    if view.sky is None:
+        return
+    for name, found in vars(view.sky).items():
+        if isinstance(found, SkyDirection):
+            for column, values in _arrays(found):
+                _write(file, f"sky_{name}_{column}", values, ("time",))
+        elif found:
+            for columns in zip(*(list(_arrays(one)) for one in found), strict=True):
+                rows = np.stack([values for _, values in columns])
+                side = {"targets": "target", "keep_out": "cone"}[name]
+                _write(file, f"sky_{name}_{columns[0][0]}", rows, (side, "time"))
 
 
 def _baseline(file: netcdf_file, view: PlanView, names: tuple[str, ...]) -> None:

@@ -24,6 +24,7 @@ from planner.output.view.columns import (
     FootprintTrace,
     MaskTrace,
     PointingTrace,
+    SkyTrack,
     TargetTrack,
 )
 from planner.output.view.cones import cone_traces
@@ -31,6 +32,7 @@ from planner.output.view.masks import mask_traces
 from planner.output.view.motion import baseline_slews, motion_at_rows
 from planner.output.view.rows import view_rows
 from planner.output.view.scene import PlanScene, scene_of
+from planner.output.view.sky import sky_track
 from planner.output.view.targets import target_tracks
 from planner.planning.opportunities import (
     Opportunities,
@@ -160,6 +162,7 @@ class PlanView:
     into the plan's segments of what the table does from the row on, (n,).
     first_known: the first row at which orbit and attitude are known; before it the columns of
     carrier, Sun, targets and cones are NaN.
+    sky: None where every target is on the Earth.
     """
 
     plan: FlightPlan
@@ -179,6 +182,7 @@ class PlanView:
     pointing: PointingTrace
     keep_out: tuple[ConeTrace, ...]
     masks: tuple[MaskTrace, ...]
+    sky: SkyTrack | None
 
 
 def view_plan(plan: FlightPlan, step_s: float | None, pixel_arcsec: float) -> PlanView:
@@ -219,6 +223,7 @@ def view_plan(plan: FlightPlan, step_s: float | None, pixel_arcsec: float) -> Pl
             for cone in cone_traces(scene)
         ),
         masks=tuple(mask_traces(plan, row)),
+        sky=sky_track(scene, unknown),
     )
 
 

@@ -11,12 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from planner.base.arrays import Array
+from planner.base.arrays import Array, cross
 from planner.base.interpolation import NODES, UniformTable
-from planner.base.rotation import Rotation
-from planner.world.attitude import AttitudeLaw
+from planner.world.attitude import AttitudeLaw, LvlhAttitude
 from planner.world.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
 from planner.world.frames.geodesy import MU_EARTH_M3_S2
+from planner.world.frames.local_orbital import c_lvlh_from_eci, q_lvlh_from_eci
 from planner.world.frames.solar_system import earth_bary_state
 from planner.world.frames.time_scales import Instants, elapsed_s
 from planner.world.orbits import Ephemeris, OrbitStates
@@ -31,6 +31,8 @@ class CarrierTableOptions:
 
     step_turn_rad: float = 0.066  # of the carrier about the Earth between rows: 60 s in low orbit
     step_max_s: float = 900.0  # high orbits turn slowly, but their targets don't
+    body_step_s: float = 900.0  # of the Sun and the Moon: 0.1 mas of the Earth's turn below them
+    level_step_s: float = 3600.0  # of an attitude that rests in the local orbital frame
     attitude_step_min_s: float = 1.0  # telemetry has a row a second
     attitude_error_rad: float = 5e-7  # 0.1 arcsec: less than what drives and orbit leave
 
@@ -44,8 +46,8 @@ class Carrier:
 
     r_sat_itrf_m: position; v_sat_itrf_m_s: inertial velocity in ITRF axes.
     r_sun_itrf_m, r_moon_itrf_m: from the geocentre, light time and annual aberration included.
-    q_platform_from_itrf_xyzw: to be normalised.  platform_turn_max_rad_s: how fast it turns at
-    most.
+    q_platform_from_lvlh_xyzw: to be normalised.  platform_turn_max_rad_s: how fast the platform
+    turns in ITRF at most.
     node_s: rows of the orbit.  turn_max_rad_s: greatest rate of the geocentric direction.
     The rows smooth a manoeuvre over: by 0.2 m, or 0.03 ms of the motion, in an ISS reboost.
     """
@@ -58,16 +60,18 @@ class Carrier:
     v_sat_itrf_m_s: UniformTable
     r_sun_itrf_m: UniformTable
     r_moon_itrf_m: UniformTable
-    q_platform_from_itrf_xyzw: UniformTable
+    q_platform_from_lvlh_xyzw: UniformTable
     platform_turn_max_rad_s: float
 
     def in_platform(self, vector_itrf: Array, t_s: Array) -> Array:
         """Vectors (n, 3) turned into the platform frame at t_s (n,)."""
-        q = self.q_platform_from_itrf_xyzw.at(t_s)
+        c_lvlh = c_lvlh_from_eci(self.r_sat_itrf_m.at(t_s), self.v_sat_itrf_m_s.at(t_s))
+        vector_lvlh = np.einsum("nij,nj->ni", c_lvlh, vector_itrf)
+        q = self.q_platform_from_lvlh_xyzw.at(t_s)
         q /= np.linalg.norm(q, axis=1, keepdims=True)
         axis, scalar = q[:, :3], q[:, 3:]
-        across = 2.0 * np.cross(axis, vector_itrf)
-        return np.asarray(vector_itrf + scalar * across + np.cross(axis, across))
+        across = 2.0 * cross(axis, vector_lvlh)
+        return np.asarray(vector_lvlh + scalar * across + cross(axis, across))
 
 
 def carrier_over(
@@ -84,42 +88,40 @@ def carrier_over(
     cells = 2 * max(math.ceil(span_s / step_s / 2.0), NODES - 1)
     rows = _rows(ephemeris, start_utc, span_s, cells)
     step_s = span_s / cells
-    r_sat_itrf_m = _to_itrf(rows.c_itrf, rows.states.r_sat_eci_m)
-    v_sat_itrf_m_s = _to_itrf(rows.c_itrf, rows.states.v_sat_eci_m_s)
-    r_sun_itrf_m, r_moon_itrf_m = (
-        _to_itrf(rows.c_itrf, apparent_geocentric_m(name, rows.instants))
-        for name in ("sun", "moon")
-    )
-    q_platform_from_itrf_xyzw, platform_turn_max_rad_s = _attitude_table(
-        rows, ephemeris, attitude, platform
-    )
+    c_itrf = c_itrf_from_eci(rows.instants)
+    r_sat_itrf_m = _to_itrf(c_itrf, rows.states.r_sat_eci_m)
+    v_sat_itrf_m_s = _to_itrf(c_itrf, rows.states.v_sat_eci_m_s)
+    if isinstance(attitude, LvlhAttitude) and not attitude.corrections:
+        cells = 2 * max(math.ceil(span_s / OPTIONS.level_step_s / 2.0), NODES - 1)
+        rows = _rows(ephemeris, start_utc, span_s, cells)
+    q_platform_from_lvlh_xyzw, turn_rad_s = _attitude_table(rows, ephemeris, attitude, platform)
     passing_m2_s = np.linalg.norm(np.cross(r_sat_itrf_m, v_sat_itrf_m_s), axis=1)
     turn_max_rad_s = float(np.max(passing_m2_s / np.sum(r_sat_itrf_m**2, axis=1)))
+    turn_max_rad_s += OMEGA_EARTH_RAD_S
     return Carrier(
         start_utc=start_utc,
         span_s=span_s,
-        node_s=rows.instants.t_s,
-        turn_max_rad_s=turn_max_rad_s + OMEGA_EARTH_RAD_S,
+        node_s=np.linspace(0.0, span_s, len(r_sat_itrf_m)),
+        turn_max_rad_s=turn_max_rad_s,
         r_sat_itrf_m=UniformTable(step_s, r_sat_itrf_m),
         v_sat_itrf_m_s=UniformTable(step_s, v_sat_itrf_m_s),
-        r_sun_itrf_m=UniformTable(step_s, r_sun_itrf_m),
-        r_moon_itrf_m=UniformTable(step_s, r_moon_itrf_m),
-        q_platform_from_itrf_xyzw=q_platform_from_itrf_xyzw,
-        platform_turn_max_rad_s=platform_turn_max_rad_s,
+        r_sun_itrf_m=_body_table("sun", start_utc, span_s),
+        r_moon_itrf_m=_body_table("moon", start_utc, span_s),
+        q_platform_from_lvlh_xyzw=q_platform_from_lvlh_xyzw,
+        platform_turn_max_rad_s=turn_max_rad_s + turn_rad_s,
     )
 
 
 class _Rows(NamedTuple):
-    """Orbit and Earth at instants evenly over the span."""
+    """The orbit at instants evenly over the span."""
 
     instants: Instants
     states: OrbitStates
-    c_itrf: Array
 
 
 def _rows(ephemeris: Ephemeris, start_utc: datetime, span_s: float, cells: int) -> _Rows:
     instants = Instants(start_utc, np.linspace(0.0, span_s, cells + 1))
-    return _Rows(instants, ephemeris.states(instants), c_itrf_from_eci(instants))
+    return _Rows(instants, ephemeris.states(instants))
 
 
 def _attitude_table(
@@ -127,7 +129,7 @@ def _attitude_table(
 ) -> tuple[UniformTable, float]:
     """Rows as fine as needed: every other row must predict the rest; and the greatest rate."""
     while True:
-        q = _q_platform_from_itrf_xyzw(rows, attitude, platform)
+        q = _q_platform_from_lvlh_xyzw(rows, attitude, platform)
         t_s = rows.instants.t_s
         step_s = float(t_s[1])
         off_rad = 2.0 * np.linalg.norm(UniformTable(2.0 * step_s, q[::2]).at(t_s) - q, axis=1)
@@ -137,13 +139,13 @@ def _attitude_table(
         rows = _rows(ephemeris, rows.instants.epoch_utc, float(t_s[-1]), 2 * (len(t_s) - 1))
 
 
-def _q_platform_from_itrf_xyzw(
+def _q_platform_from_lvlh_xyzw(
     rows: _Rows, attitude: AttitudeLaw, platform: TwoAxisPlatform
 ) -> Array:
     """Neighbours of like sign, shape (n, 4)."""
     q_body_from_eci = attitude.q_body_from_eci(rows.instants, rows.states)
-    q_eci_from_itrf = Rotation.from_matrix(rows.c_itrf).inv()
-    q = (platform.q_platform_from_body * q_body_from_eci * q_eci_from_itrf).as_quat()
+    q_lvlh_from_eci_ = q_lvlh_from_eci(rows.states.r_sat_eci_m, rows.states.v_sat_eci_m_s)
+    q = (platform.q_platform_from_body * q_body_from_eci * q_lvlh_from_eci_.inv()).as_quat()
     turns_over = np.sum(q[1:] * q[:-1], axis=1) < 0.0
     q[1:] *= np.where(np.cumsum(turns_over) % 2 == 1, -1.0, 1.0)[:, None]
     return np.asarray(q)
@@ -156,6 +158,14 @@ def _perigee_rate_rad_s(states: OrbitStates) -> float:
     eccentricity = np.cross(v_m_s, h_m2_s) / MU_EARTH_M3_S2 - r_m / np.linalg.norm(r_m)
     perigee_m = (h_m2_s @ h_m2_s) / MU_EARTH_M3_S2 / (1.0 + np.linalg.norm(eccentricity))
     return float(np.linalg.norm(h_m2_s) / perigee_m**2)
+
+
+def _body_table(body: str, start_utc: datetime, span_s: float) -> UniformTable:
+    """Where it is seen from the geocentre, ITRF axes."""
+    cells = max(math.ceil(span_s / OPTIONS.body_step_s), NODES - 1)
+    instants = Instants(start_utc, np.linspace(0.0, span_s, cells + 1))
+    r_itrf_m = _to_itrf(c_itrf_from_eci(instants), apparent_geocentric_m(body, instants))
+    return UniformTable(span_s / cells, r_itrf_m)
 
 
 def apparent_geocentric_m(body: str, instants: Instants) -> Array:

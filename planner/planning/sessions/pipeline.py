@@ -128,6 +128,7 @@ def _pair_joins(scenario: Scenario, joins: list[Join]) -> Iterator[tuple[int | N
 def _slew_run(options: SlewOptions, number: int | None, join: Join) -> SlewRun:
     slew = join.slew
     optimised = options.keeps_limits
+    cost_rad2_s5, bound_rad2_s5 = slew.jerk_squared_integral, sum(slew.lower_bounds_rad2_s5)
     parts = [part for part in (join.brake, slew) if part]
     return SlewRun(
         session=number,
@@ -137,11 +138,17 @@ def _slew_run(options: SlewOptions, number: int | None, join: Join) -> SlewRun:
         wall_s=sum(part.wall_s for part in parts),
         duration_s=slew.duration_s,
         minimum_s=least_slew_s(slew.problem.start, slew.problem.end, slew.problem.limits),
-        cost_rad2_s5=slew.jerk_squared_integral if optimised else None,
-        lower_bound_rad2_s5=sum(slew.lower_bounds_rad2_s5) if optimised else None,
-        comparison=compare_with_spline(slew, options) if optimised else None,
+        cost_rad2_s5=cost_rad2_s5 if optimised else None,
+        lower_bound_rad2_s5=bound_rad2_s5 if optimised else None,
+        gap=_gap(cost_rad2_s5, bound_rad2_s5) if optimised else None,
+        comparison=compare_with_spline(slew, options, number) if optimised else None,
         solver=merged(run for part in parts for run in part.runs),
     )
+
+
+def _gap(cost: float, bound: float) -> float:
+    """The share of the cost that is not proven to be needed."""
+    return max(1.0 - bound / cost, 0.0) if cost else 0.0
 
 
 def _segments_of(scenario: Scenario, joins: list[Join]) -> tuple[Segment, ...]:

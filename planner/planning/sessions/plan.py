@@ -1,45 +1,49 @@
 """The results of planning: the plan, its slews and their figures."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
+from planner.base.answer_members import Count, Internal, Member, NotNegative, Share, answer
 from planner.base.solvers import SolverRun
-from planner.motion.baseline import SlewComparison
+from planner.motion.comparison import SlewComparison
 from planner.planning.sessions.budget import PointingBudget
 from planner.verification import VerificationReport
 from planner.world.plan import FlightPlan
 
 
-@dataclass(frozen=True, kw_only=True)
+@answer
 class SlewRun:
-    """How one slew was solved.
+    """The solution of one slew.
 
-    session: onto whose track; None: to the final state.
-    minimum_s: the least time the limits allow, stops aside.  cost_rad2_s5: the integral of squared
-    jerk of all axes; no motion within the limits has less than lower_bound_rad2_s5.  These and
-    comparison: None where the baseline itself was asked for.  solver: whose motions are flown, all
-    axes and the braking before taken together; None where they are no solver's.
+    session: number of the session it leads to, from 0; null for the slew to the final state.
+    backend: the method, as `slew.method` names it.
+    status: quality of the slew: `optimal` (proven: the gap is at most 0.001), `smooth` and its gap,
+    `modes suppressed`, `detour` around cones or masks, `feasible, not the smoothest` where the
+    solver found none and the motion that proves the slew possible is flown, or `cubic`.
+    iterations: of Ipopt, also of motions that aren't flown.
+    wall_s: time it took to solve.
+    duration_s: of the slew.
+    minimum_s: the least time the limits allow.
+    cost_rad2_s5: the integral of squared jerk of all axes; null for the spline. [deg2/s5]
+    lower_bound_rad2_s5: no motion between the same states within the limits costs less, in the
+    cost's unit; null for the spline.
+    gap: share of the cost above the bound: what is called optimal has at most 0.001; null for the
+    spline.
+    solver: whose motions are flown; null where they are no solver's.
     """
 
-    session: int | None
+    session: Count | None
     backend: str
     status: str
-    iterations: int
-    wall_s: float
-    duration_s: float
-    minimum_s: float
-    cost_rad2_s5: float | None
-    lower_bound_rad2_s5: float | None
-    comparison: SlewComparison | None
+    iterations: Count
+    wall_s: NotNegative
+    duration_s: NotNegative
+    minimum_s: NotNegative
+    cost_rad2_s5: Annotated[float, Member("deg2", 0.0, called="cost")] | None
+    lower_bound_rad2_s5: Annotated[float, Member("deg2", 0.0, called="lower_bound")] | None
+    gap: Share | None
     solver: SolverRun | None
-
-    @property
-    def gap(self) -> float | None:
-        """The share of the cost that is not proven to be needed."""
-        if self.cost_rad2_s5 is None or self.lower_bound_rad2_s5 is None:
-            return None
-        if self.cost_rad2_s5 == 0.0:
-            return 0.0
-        return max(1.0 - self.lower_bound_rad2_s5 / self.cost_rad2_s5, 0.0)
+    comparison: Internal[SlewComparison | None]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,3 +61,9 @@ class Plan(FlightPlan):
     budgets: tuple[PointingBudget | None, ...]
     warnings: tuple[str, ...]
     stage_wall_s: dict[str, float]
+
+    @property
+    def probability_in_frame(self) -> float | None:
+        """The least of any session's; None without any."""
+        known = (budget.probability_in_frame for budget in self.budgets if budget is not None)
+        return min(known, default=None)

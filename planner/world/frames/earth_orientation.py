@@ -1,9 +1,9 @@
 """The Earth's orientation: ITRF and TEME against ECI (GCRF axes), EME2000 against GCRF.
 
 IAU 2006/2000A precession-nutation with the IERS's UT1, polar motion and celestial pole
-offsets.  Precession, nutation, pole and UT1 - TAI are computed on a 120 s grid and
-interpolated linearly (they bend by less than 1e-9 arcsec in between); the rotation angle is
-computed at every instant.
+offsets.  Precession and nutation are computed every 6 h and interpolated by polynomials (within
+1e-12 rad) to a 120 s grid, which they, pole and UT1 - TAI are interpolated from linearly (they bend
+by less than 1e-9 arcsec in between); the rotation angle is computed at every instant.
 """
 
 from datetime import UTC, datetime, timedelta
@@ -14,14 +14,15 @@ import numpy as np
 
 from planner.base.arrays import Array, cross
 from planner.base.errors import OutsideCoverage
+from planner.base.interpolation import NODES, lagrange_weights
 from planner.world.frames.iers import earth_orientation_table
 from planner.world.frames.time_scales import DAY_S, MJD_JD, TT_MINUS_TAI_S, Instants
 
 # d(ERA)/d(UT1): IERS Conventions 2010, eq. 5.15
 OMEGA_EARTH_RAD_S = 2.0 * np.pi * 1.00273781191135448 / DAY_S
 NODE_STEP_S = 120.0
-BLOCK_NODES = 32
-BLOCKS_KEPT = 1024  # 45 days, 2 MB
+BLOCK_NODES = 180  # 6 h, between two instants at which the nutation's series are summed
+BLOCKS_KEPT = 182  # 45 days, 2 MB
 _MJD_EPOCH = datetime(1858, 11, 17, tzinfo=UTC)
 
 # Mean equator and equinox of J2000.0 to GCRF: IERS Conventions 2010, 5.5.4 (frame bias, 23 mas)
@@ -180,7 +181,17 @@ def _node_block(number: int) -> Array:
     eop = table.at(utc_mjd)
     whole, rest = np.divmod(node_ticks * NODE_STEP_S, DAY_S)
     tt = (MJD_JD + whole, (rest + TT_MINUS_TAI_S) / DAY_S)
-    x, y, s = erfa.xys06a(*tt)
+    around = np.arange(NODES) - NODES // 2 + 1
+    weights = lagrange_weights(around - (np.arange(BLOCK_NODES) / BLOCK_NODES)[:, None])
+    x, y, s = (weights @ [_nutation(number + int(block)) for block in around]).T
     return np.stack(
         [x + eop[:, 3], y + eop[:, 4], s, eop[:, 0], eop[:, 1], eop[:, 2], erfa.sp00(*tt)], axis=1
     )
+
+
+@lru_cache(maxsize=BLOCKS_KEPT + NODES)
+def _nutation(block: int) -> tuple[float, float, float]:
+    """X, Y and s, the pole's offsets excluded, as a block begins."""
+    days, rest_s = divmod(block * BLOCK_NODES * NODE_STEP_S, DAY_S)
+    x, y, s = erfa.xys06a(MJD_JD + days, (rest_s + TT_MINUS_TAI_S) / DAY_S)
+    return float(x), float(y), float(s)

@@ -107,10 +107,21 @@ class Instants:
 
     def utc_text(self, decimals: int = 3) -> list[str]:
         """RFC 3339 with Z, rounded to at most 6 decimals; a leap second reads 23:59:60."""
-        start_us = tai_us(self.epoch_utc)
-        return [
-            _utc_text(start_us + round(t_us), decimals) for t_us in (self.t_s * float(_US)).tolist()
-        ]
+        moment_us = tai_us(self.epoch_utc) + np.rint(self.t_s * _US).astype(np.int64)
+        step_us = _step_us(decimals)
+        rounded_us = (moment_us + step_us // 2) // step_us * step_us
+        starts_tai_us, starts_utc_us, offsets_us = map(np.array, _leap_table_us())
+        row = np.searchsorted(starts_tai_us, rounded_us, side="right") - 1
+        utc_us = rounded_us - offsets_us[row]
+        is_plain = (row >= 0) & (rounded_us <= _LAST_TAI_US)
+        is_plain &= utc_us < np.append(starts_utc_us, _LAST_TAI_US)[row + 1]  # no leap second
+        origin = np.datetime64(_ORIGIN_UTC.replace(tzinfo=None), "us")
+        shown = np.datetime_as_string(origin + np.where(is_plain, utc_us, 0))
+        cut = shown.astype(f"U{20 + decimals if decimals else 19}")
+        texts: list[str] = np.char.add(cut, "Z").tolist()
+        for place in np.flatnonzero(~is_plain).tolist():
+            texts[place] = _utc_text(int(moment_us[place]), decimals)
+        return texts
 
 
 def utc_from_text(text: str) -> datetime:
@@ -223,10 +234,14 @@ def utc_from_tai_us(moment_tai_us: int) -> datetime:
     return moment.replace(fold=1) if in_leap_second else moment
 
 
-def _utc_text(moment_tai_us: int, decimals: int) -> str:
+def _step_us(decimals: int) -> int:
     if not 0 <= decimals <= 6:
         raise ValueError(f"decimals must lie in 0..6, not {decimals}")
-    step_us = 10 ** (6 - decimals)
+    return int(10 ** (6 - decimals))
+
+
+def _utc_text(moment_tai_us: int, decimals: int) -> str:
+    step_us = _step_us(decimals)
     utc_us, in_leap_second = _utc_us((moment_tai_us + step_us // 2) // step_us * step_us)
     moment = _ORIGIN_UTC + timedelta(microseconds=utc_us)
     second = 60 if in_leap_second else moment.second

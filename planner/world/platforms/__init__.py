@@ -8,6 +8,7 @@ from planner.world.platforms.definition import (
     AxisDefinition,
     JerkDegS3,
     PlatformDefinition,
+    definition_of,
 )
 from planner.world.platforms.drive import IDEAL_DRIVE, AxisDrive
 from planner.world.platforms.field_mask import FieldMask
@@ -37,4 +38,5 @@ __all__ = [
     "PlatformDefinition",
     "StructuralMode",
     "TwoAxisPlatform",
+    "definition_of",
 ]

@@ -187,3 +187,51 @@ class PlatformDefinition:
             drives=(self.outer.drive, self.inner.drive),
             structural_modes=self.structural_modes,
         )
+
+
+def definition_of(platform: TwoAxisPlatform) -> PlatformDefinition:
+    """The platform in degrees, as a request writes it out."""
+    frame_deg = [_degrees(2.0 * half_rad) for half_rad in platform.frame_half_rad]
+    outer, inner = (
+        AxisDefinition(
+            name=name,
+            axis_platform=axis_platform,
+            angle_min_deg=_degrees(limits.angle_min_rad),
+            angle_max_deg=_degrees(limits.angle_max_rad),
+            rate_max_deg_s=_degrees(limits.rate_max_rad_s),
+            acceleration_max_deg_s2=_degrees(limits.acceleration_max_rad_s2),
+            jerk_max_deg_s3=_degrees(limits.jerk_max_rad_s3),
+            rate_min_deg_s=_degrees(limits.rate_min_rad_s),
+            drive=drive,
+        )
+        for name, axis_platform, limits, drive in zip(
+            platform.axis_names,
+            (platform.outer_axis_platform, platform.inner_axis_platform),
+            platform.axis_limits,
+            platform.drives,
+            strict=True,
+        )
+    )
+    return PlatformDefinition(
+        name=platform.name,
+        outer=outer,
+        inner=inner,
+        zero_direction_platform=platform.zero_direction_platform,
+        q_platform_from_body_xyzw=platform.q_platform_from_body_xyzw,
+        field_of_view_deg=(frame_deg[0], frame_deg[1]),
+        frame_turn_deg=_degrees(platform.frame_turn_rad),
+        camera=platform.camera,
+        usual_yaw_pitch_roll_deg=platform.usual_yaw_pitch_roll_deg,
+        park_positions_deg={
+            position.name: dict(
+                zip(platform.axis_names, map(_degrees, position.angle_rad), strict=True)
+            )
+            for position in platform.park_positions
+        },
+        masks=platform.masks,
+        structural_modes=platform.structural_modes,
+    )
+
+
+def _degrees(angle_rad: float) -> float:
+    return round(math.degrees(angle_rad), 12)  # 3 deg/s, not 3.0000000000000004

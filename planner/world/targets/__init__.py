@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Union, get_args
 from pydantic import Field
 
 from planner.world.targets.apparent import VisibleTarget
-from planner.world.targets.bench_motion import AxisMotion, BenchMotionTarget
+from planner.world.targets.bench_motion import BenchMotionTarget, PrescribedMotion
 from planner.world.targets.body import BodyTarget
 from planner.world.targets.earth_fixed import EarthFixedTarget
 from planner.world.targets.ground import GroundTarget
@@ -37,7 +37,6 @@ else:
 
 __all__ = [
     "TARGETS",
-    "AxisMotion",
     "BenchMotionTarget",
     "BodyTarget",
     "EarthFixedTarget",
@@ -46,6 +45,7 @@ __all__ = [
     "KeepOut",
     "MovingGroundTarget",
     "PlaceTarget",
+    "PrescribedMotion",
     "SessionTarget",
     "SkyTarget",
     "StarTarget",

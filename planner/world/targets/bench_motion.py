@@ -39,7 +39,7 @@ OPTIONS = BenchMotionOptions()
 _UNITS = {"angle": "deg", "rate": "deg/s", "acceleration": "deg/s2", "jerk": "deg/s3"}
 
 
-class AxisMotion(NamedTuple):
+class PrescribedMotion(NamedTuple):
     """Angle, rate and acceleration of m axes at n instants, each of shape (n, m)."""
 
     angle_rad: Array
@@ -70,7 +70,7 @@ class BenchMotionTarget(TimedTarget):
         """None: lists tell of what is looked at."""
         return ""
 
-    def axis_motion(self, axis_names: tuple[str, ...], t_s: Array) -> AxisMotion:
+    def axis_motion(self, axis_names: tuple[str, ...], t_s: Array) -> PrescribedMotion:
         """Analytic derivatives; raises InvalidInput unless `axes` are the platform's."""
         if set(self.axes) != set(axis_names):
             raise InvalidInput(
@@ -79,7 +79,7 @@ class BenchMotionTarget(TimedTarget):
                 field="axes",
             )
         motion_rad = np.deg2rad([self.axes[name].motion_deg(t_s) for name in axis_names])
-        return AxisMotion(*motion_rad.transpose(1, 2, 0))
+        return PrescribedMotion(*motion_rad.transpose(1, 2, 0))
 
     def require_flyable(
         self,

@@ -5,9 +5,13 @@ import { type Given, send } from "./client";
 export async function download(path: string, given: Given, name: (told: string | undefined) => string): Promise<void> {
   const answer = await send("GET", path, { ...given, headers: { Accept: "*/*", ...given.headers } });
   const told = /filename="([^"]+)"/.exec(answer.headers.get("Content-Disposition") ?? "")?.[1];
+  save(await answer.blob(), name(told));
+}
+
+export function save(content: Blob, name: string): void {
   const link = document.createElement("a");
-  link.href = URL.createObjectURL(await answer.blob());
-  link.download = name(told);
+  link.href = URL.createObjectURL(content);
+  link.download = name;
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }

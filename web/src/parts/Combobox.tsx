@@ -85,6 +85,7 @@ export function Combobox({ control, value, onValue, onTake, onLeave, offered, of
           onValue(event.currentTarget.value);
           ask(event.currentTarget.value);
         }}
+        onClick={() => value === "" && ask("")}
         onKeyDown={key}
         onBlur={() => {
           close();

@@ -7,14 +7,18 @@ interface Props {
   error: unknown;
   /** Asks again; offered where that may help. */
   again?: () => void;
+  /** A dotted field of the request as the page names it. */
+  fieldTold?: (field: string) => string;
   /** The ways out, below. */
   children?: ComponentChildren;
 }
 
 /** A refusal, a failure or a lost connection in words, with the way out. */
-export function ProblemNotice({ error, again, children }: Props) {
+export function ProblemNotice({ error, again, fieldTold, children }: Props) {
   const text = words.value.shell;
   const { title, advice, detail, field, instance } = told(error);
+  // The first is the one that the detail is about.
+  const others = error instanceof Problem ? (error.document.errors ?? []).slice(1) : [];
   return (
     <div class="notice notice-error" role="alert">
       <p class="notice-title">{title}</p>
@@ -22,8 +26,18 @@ export function ProblemNotice({ error, again, children }: Props) {
       {detail && <p class={advice ? "small" : undefined}>{detail}</p>}
       {field && (
         <p class="small">
-          {text.problem.field}: <code>{field}</code>
+          {text.problem.field}: {fieldTold && `${fieldTold(field)} `}
+          <code>{field}</code>
         </p>
+      )}
+      {others.length > 0 && (
+        <ul>
+          {others.map((one) => (
+            <li key={`${one.field} ${one.detail}`}>
+              {fieldTold?.(one.field) ?? one.field}: {one.detail}
+            </li>
+          ))}
+        </ul>
       )}
       {children}
       {again && mayHelpAgain(error) && (

@@ -23,21 +23,21 @@ export function checksum(sha256: string): string {
 }
 
 /** Header and footer of every printed page, and its number, as the margins of CSS have them. */
-export function usePaper(header: string, footer: string): void {
+export function usePaper(header: string, footer: string, signed: string): void {
   useEffect(() => {
     const sheet = new CSSStyleSheet();
     const box = (place: string, content: string) => `@${place} { content: ${content}; font: 8px sans-serif; color: #333; }`;
     sheet.replaceSync(
       `@page { margin: 12mm 10mm; ${box("top-left", quoted(header))} ${box("bottom-left", quoted(footer))} ${box(
         "bottom-right",
-        'counter(page) " / " counter(pages)',
+        `${quoted(signed)} "    " counter(page) " / " counter(pages)`,
       )} }`,
     );
     document.adoptedStyleSheets = [...document.adoptedStyleSheets, sheet];
     return () => {
       document.adoptedStyleSheets = document.adoptedStyleSheets.filter((one) => one !== sheet);
     };
-  }, [header, footer]);
+  }, [header, footer, signed]);
 }
 
 /** A string of CSS, whatever stands in it. */

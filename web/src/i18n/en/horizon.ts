@@ -10,8 +10,7 @@ export const horizon = {
   json: "Request",
   jsonHint:
     "Epoch, position, cameras and, where the attitude is to be checked, the predicted one; as POST /v1/horizon/estimates takes it.",
-  plan: "Check against plan",
-  planHint: "Its id: position and predicted attitude are taken from it at the request's epoch.",
+  planHint: "Position and predicted attitude are taken from the plan at the request’s epoch.",
   sigma: "Sigma of its attitude, deg",
   fill: "Take them from the plan",
   filled: "Position and predicted attitude are the plan's.",
@@ -27,7 +26,7 @@ export const horizon = {
   },
   sigmaOf: (sigma: string) => `The vertical is good to ${sigma}° (1 sigma).`,
   differs: (angle: string, probability: string) =>
-    `It is ${angle}° from the predicted one; errors of the stated sizes differ by so much with a probability of ${probability}.`,
+    `It is ${angle}° from the predicted one; with errors of the stated sizes a difference as great or greater comes about with a probability of ${probability}.`,
   ellipse: "The measured nadir (dot) with its 1 and 3 sigma ellipses, across the nadir; the ring is the predicted one.",
   ellipseOf: (major: string, minor: string) => `Error ellipse of the nadir, 1 sigma: ${major}° by ${minor}°`,
   nadir: "Geocentric nadir, body axes",
@@ -37,5 +36,6 @@ export const horizon = {
   overlayOf: (camera: string) => `Limb points and the fitted limb in the image of camera ${camera}`,
   used: (arc: string, residual: string) => `${arc}° of the limb, residual ${residual} pixels`,
   notUsed: "not used.",
+  of: "horizon frames",
   correction: "As a correction for the next plan (attitude.corrections)",
 };

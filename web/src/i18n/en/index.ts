@@ -1,4 +1,5 @@
 import { campaigns } from "./campaigns";
+import { fields } from "./fields";
 import { horizon } from "./horizon";
 import { library } from "./library";
 import { plan } from "./plan";
@@ -6,11 +7,13 @@ import { shell } from "./shell";
 import { simulation } from "./simulation";
 import { spacecraft } from "./spacecraft";
 import { telemetry } from "./telemetry";
+import { timeline } from "./timeline";
 import { viewer } from "./viewer";
 
 export const EN = {
   campaigns,
   simulation,
+  fields,
   horizon,
   library,
   viewer,
@@ -18,4 +21,5 @@ export const EN = {
   shell,
   spacecraft,
   telemetry,
+  timeline,
 };

@@ -17,7 +17,6 @@ export const library = {
     count === 0 ? "Choose two to compare them." : count === 1 ? "Choose one more to compare them." : "",
   compare: "Compare these two",
   name: "Name",
-  unnamed: "without a name",
   time: "From, to (UTC)",
   targets: "Targets",
   probability: "In frame",

@@ -3,11 +3,21 @@ export const shell = {
     plan: "Plan",
     onePlan: "A plan",
     library: "Kept",
+    timeline: "Timeline",
     campaigns: "Campaigns",
     spacecraft: "Spacecraft",
     horizon: "Horizon",
     simulation: "Flights",
     telemetry: "Telemetry",
+  },
+  nextPlan: (corrections: number) =>
+    corrections > 0
+      ? `Take ${corrections === 1 ? "the correction" : `${corrections} corrections`} into the next request`
+      : "Take the platform found into the next request",
+  keptPlan: {
+    label: "Plan",
+    hint: "By its name, target or id; with the field empty, the latest are offered.",
+    offered: "Plans that are kept",
   },
   skip: "Skip to the content",
   menu: "Rooms",

@@ -2,14 +2,13 @@ import { counted } from "../language";
 
 export const simulation = {
   what: "A plan is flown many times with the errors its pointing budget reckons with: how often the camera holds the target, how sharply, and what is to blame.",
-  plan: "Plan",
-  planHint: "Its id; the latest are offered.",
   runs: "Runs",
   runsHint: "400 tell a probability to 0.05, 1,000 to 0.03.",
   seed: "Seed",
   seedHint: "The same seed draws the same errors.",
   fly: "Fly it",
   before: "Flown before",
+  asked: (when: string) => `asked ${when}`,
   of: (flown: number, runs: number, seed: number) =>
     `${flown} of ${counted(runs, "flight", "flights", "flights")}, seed ${seed}.`,
   toPlan: "The plan",
@@ -18,6 +17,8 @@ export const simulation = {
   sharp: (probability: string) => `all are sharp, too, in ${probability}`,
   interval: (low: string, high: string) => `(${low} to ${high})`,
   contributors: "What is to blame",
+  contributorsHint:
+    "Total effects (Sobol): the share of the variance that would go if the cause did, with all that it does together with others. What two do together counts for both, so the sum may exceed 100 %.",
   cause: "Cause",
   share: "Of the misses' variance",
   smearShare: "Of the smear's variance",

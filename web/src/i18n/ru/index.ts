@@ -1,5 +1,6 @@
 import type { Words } from "../words";
 import { campaigns } from "./campaigns";
+import { fields } from "./fields";
 import { horizon } from "./horizon";
 import { library } from "./library";
 import { plan } from "./plan";
@@ -7,11 +8,13 @@ import { shell } from "./shell";
 import { simulation } from "./simulation";
 import { spacecraft } from "./spacecraft";
 import { telemetry } from "./telemetry";
+import { timeline } from "./timeline";
 import { viewer } from "./viewer";
 
 export const RU: Words = {
   campaigns,
   simulation,
+  fields,
   horizon,
   library,
   viewer,
@@ -19,4 +22,5 @@ export const RU: Words = {
   shell,
   spacecraft,
   telemetry,
+  timeline,
 };

@@ -18,7 +18,6 @@ export const library: Words["library"] = {
     count === 0 ? "Выберите два плана, чтобы сравнить их." : count === 1 ? "Выберите ещё один." : "",
   compare: "Сравнить эти два",
   name: "Имя",
-  unnamed: "без имени",
   time: "Начало, конец (UTC)",
   targets: "Цели",
   probability: "В кадре",

@@ -5,11 +5,21 @@ export const shell: Words["shell"] = {
     plan: "План",
     onePlan: "План",
     library: "Сохранённое",
+    timeline: "Шкала времени",
     campaigns: "Кампании",
     spacecraft: "Аппарат",
     horizon: "Горизонт",
     simulation: "Прогоны",
     telemetry: "Телеметрия",
+  },
+  nextPlan: (corrections: number) =>
+    corrections > 0
+      ? `Взять ${corrections === 1 ? "поправку" : `поправки (${corrections})`} в следующий запрос`
+      : "Взять найденную платформу в следующий запрос",
+  keptPlan: {
+    label: "План",
+    hint: "По имени, цели или id; пустое поле предлагает последние.",
+    offered: "Сохранённые планы",
   },
   skip: "К содержанию",
   menu: "Разделы",

@@ -3,14 +3,13 @@ import type { Words } from "../words";
 
 export const simulation: Words["simulation"] = {
   what: "План проигрывается много раз с теми ошибками, на которые рассчитан его бюджет наведения: как часто камера держит цель, насколько резко и что виновато.",
-  plan: "План",
-  planHint: "Его id; последние предлагаются.",
   runs: "Прогонов",
   runsHint: "400 дают вероятность до 0,05, 1000 – до 0,03.",
   seed: "Зерно",
   seedHint: "То же зерно даёт те же ошибки.",
   fly: "Проиграть",
   before: "Проиграно раньше",
+  asked: (when: string) => `запрос ${when}`,
   of: (flown: number, runs: number, seed: number) =>
     `${flown} из ${counted(runs, "прогона", "прогонов", "прогонов")}, зерно ${seed}.`,
   toPlan: "К плану",
@@ -19,6 +18,8 @@ export const simulation: Words["simulation"] = {
   sharp: (probability: string) => `все к тому же резкие в ${probability}`,
   interval: (low: string, high: string) => `(от ${low} до ${high})`,
   contributors: "Что виновато",
+  contributorsHint:
+    "Полные индексы Соболя: доля дисперсии, которая исчезла бы вместе с причиной, включая её совместное действие с другими. Совместное действие двух считается за обеими, поэтому сумма бывает больше 100 %.",
   cause: "Причина",
   share: "Доля дисперсии промахов",
   smearShare: "Доля дисперсии смаза",

@@ -3,13 +3,21 @@ import type { Words } from "../words";
 
 export const telemetry: Words["telemetry"] = {
   what: "Измеренные углы или скорости рядом с таблицей плана: сначала сверяются часы, затем называются ошибки каждой оси.",
-  plan: "План",
-  planHint: "Id плана, который исполнялся.",
   file: "Телеметрия, CSV",
   fileHint:
     "Строка с именами столбцов (t_s или utc, затем ИМЯ_deg и ИМЯ_rate_deg_s осей), затем по строке на отсчёт. Файл можно перетащить сюда.",
-  columns: "Столбцы, названные в файле иначе",
-  columnsHint: "В виде JSON, каждый в своих единицах; пусто, если имена таковы, как выше.",
+  columns: "Столбцы файла",
+  columnsHint: "Каждый читается по своему имени или так, как выбрано здесь, в своих единицах.",
+  notRead: "не читать",
+  offsets: "Цель на снимках",
+  offsetsHint:
+    "Где цель лежала на кадрах сеанса, от середины кадра вдоль его первой и второй стороны. По этому узнаётся поправка ориентации; одни углы осей о ней ничего не говорят.",
+  offsetAt: "Кадр снят (UTC)",
+  offsetAlong: "Первая сторона, °",
+  offsetAcross: "Вторая сторона, °",
+  offsetSigma: "1 сигма, °",
+  addOffset: "Добавить кадр",
+  removeOffset: (number: number) => `Убрать кадр ${number}`,
   compare: "Сравнить",
   atWork: "Телеметрия сравнивается…",
   clock: "Часы, план и полёт",
@@ -18,7 +26,20 @@ export const telemetry: Words["telemetry"] = {
   ideal: (value: string, sigma: string) =>
     `Если у осей нет ни трения, ни запаздывания, ни ошибки масштаба: ${value} ± ${sigma} с.`,
   inseparable: (members: string) => `По этим отсчётам почти не различить: ${members}.`,
-  picture: "План и полёт во времени, по осям",
+  of: "телеметрия",
+  picture: "План и полёт во времени",
+  flown: "в полёте",
+  planned: "по плану",
+  error: "ошибка",
+  errorOf: (axis: string) => `${axis}, ошибка`,
+  anglesOf: (axis: string) => `${axis}, по плану и в полёте`,
+  rms: (value: string) => `СКО ${value}`,
+  sampleNow: (axis: string, flown: string, planned: string, error: string) =>
+    `${axis}: в полёте ${flown}°, по плану ${planned}°, ошибка ${error}″`,
+  noSample: (axis: string) => `${axis}: отсчёта ещё нет`,
+  learnt: "Для следующего плана",
+  nothingLearnt: "Об ориентации и приводах ничего не узнано: укажите выше место цели на снимке.",
+  exports: { csv: "Отсчёты, CSV", json: "Сравнение, JSON", svg: "Рисунок, SVG", png: "Рисунок, PNG" },
   bases: { angles: "по углам", rates: "по сложенным скоростям" },
   errors: (rms: string, max: string, basis: string) => `Ошибка: СКО ${rms}″, не больше ${max}″, ${basis}.`,
   gain: (gain: string, sigma: string, bias: string, biasSigma: string, unit: string) =>
@@ -51,5 +72,5 @@ export const telemetry: Words["telemetry"] = {
   gaps: (count: number) => counted(count, "пропуск", "пропуска", "пропусков"),
   columnKinds: { angle: "угол", rate: "скорость" },
   ignored: (names: string) => `Не прочитаны столбцы: ${names}`,
-  corrections: "Как поправки для следующего плана (attitude.corrections)",
+  corrections: "Как attitude.corrections запроса",
 };

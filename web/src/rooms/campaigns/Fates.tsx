@@ -2,7 +2,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 
 import { words } from "../../i18n";
-import { digits, instant, number, percent, rowClock } from "../../i18n/forms";
+import { digits, number, percent, period } from "../../i18n/forms";
 import { Field } from "../../parts/Field";
 import { Link } from "../../parts/Link";
 import { FATES, type Fate, type TargetFate } from "./campaign";
@@ -75,9 +75,7 @@ export function Fates({ fates, chosen, onChoose }: Props) {
                   <span class={`fate-word fate-word-${one.fate}`}>{text.fates[one.fate]}</span>
                   {one.looks.map((look) => (
                     <div key={look.start}>
-                      <Link to={`/plans/${look.plan}`}>
-                        {instant(look.start).slice(0, 10)} {rowClock(look.start)}–{rowClock(look.stop)}
-                      </Link>
+                      <Link to={`/plans/${look.plan}`}>{period(look.start, look.stop).replace(" UTC", "")}</Link>
                     </div>
                   ))}
                   {one.because && <div class="small">{one.because}</div>}

@@ -5,11 +5,13 @@ import { useJob, useRequest } from "../../api/request";
 import { curl } from "../../api/snippets";
 import { words } from "../../i18n";
 import { period } from "../../i18n/forms";
+import { nameOf } from "../../i18n/labels";
 import { AtWork } from "../../parts/AtWork";
 import { Copied } from "../../parts/Copied";
 import { Identity } from "../../parts/Identity";
 import { JobEnded } from "../../parts/JobEnded";
 import { Link } from "../../parts/Link";
+import { checksum } from "../../parts/paper";
 import { address } from "../../router";
 import { fatesOf, fetchCampaign, fetchRequest, PATH } from "./campaign";
 import { FateMap } from "./FateMap";
@@ -27,16 +29,17 @@ export function OneCampaign({ id }: { id: string }) {
   return (
     <div class="room">
       <div class="row heading">
-        <h1>{answer?.name || words.value.shell.rooms.campaigns}</h1>
+        <h1>{answer ? nameOf(answer) : words.value.shell.rooms.campaigns}</h1>
         <Link to={`/campaigns?from=${id}`} class="button">
           {words.value.plan.one.change}
         </Link>
       </div>
       {answer?.start && answer.stop && (
         <Identity
-          name={answer.name || words.value.shell.rooms.campaigns}
+          name={nameOf(answer)}
           parts={[period(answer.start, answer.stop), answer.platform].filter((part) => part !== null)}
-          proof={[id]}
+          proof={[id, checksum(answer.input_sha256)]}
+          made={{ at: answer.created, by: answer.requested_by }}
         />
       )}
       {error !== null && (

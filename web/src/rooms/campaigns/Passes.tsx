@@ -1,6 +1,6 @@
 /** The passes with looks, in order of time, each with its plan. */
 import { words } from "../../i18n";
-import { clock, instant } from "../../i18n/forms";
+import { period } from "../../i18n/forms";
 import { Link } from "../../parts/Link";
 import type { Campaign } from "./campaign";
 
@@ -28,9 +28,7 @@ export function Passes({ passes }: { passes: Campaign["passes"] }) {
             {passes.map((one) => (
               <tr key={one.number}>
                 <td class="number">{one.number + 1}</td>
-                <td class="mono nowrap">
-                  {instant(one.start).slice(0, 19)} – {clock(one.stop)}
-                </td>
+                <td class="mono nowrap">{period(one.start, one.stop).replace(" UTC", "")}</td>
                 <td>
                   <span class={`pass-state pass-${one.state}`}>{words.value.shell.states[one.state]}</span>
                 </td>

@@ -4,20 +4,23 @@ import { useState } from "preact/hooks";
 import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { Field } from "../../parts/Field";
+import { PlanField, type useKeptPlan } from "../../parts/PlanField";
 import { ProblemNotice } from "../../parts/ProblemNotice";
-import { place } from "../../router";
 import { filledFromPlan, type HorizonRequest } from "./estimate";
 
 interface Props {
+  /** Of the plan. */
+  id: string;
+  onId: (id: string) => void;
+  kept: ReturnType<typeof useKeptPlan>;
   request: HorizonRequest | null;
   onRequest: (request: HorizonRequest) => void;
 }
 
 const SIGMA_DEG = 0.5;
 
-export function FromPlan({ request, onRequest }: Props) {
+export function FromPlan({ id, onId, kept, request, onRequest }: Props) {
   const text = words.value.horizon;
-  const [id, setId] = useState(place.value.query.get("plan") ?? "");
   const [sigma_deg, setSigma] = useState(SIGMA_DEG);
   const { answer: isFilled, error, ask } = useRequest<true>(null);
   const fill = (event: Event) => {
@@ -31,9 +34,7 @@ export function FromPlan({ request, onRequest }: Props) {
   return (
     <form onSubmit={fill}>
       <div class="from-plan">
-        <Field label={text.plan} hint={text.planHint}>
-          {(control) => <input {...control} value={id} onInput={(event) => setId(event.currentTarget.value)} />}
-        </Field>
+        <PlanField id={id} onId={onId} kept={kept} />
         <Field label={text.sigma}>
           {(control) => (
             <input
@@ -51,6 +52,7 @@ export function FromPlan({ request, onRequest }: Props) {
           {text.fill}
         </button>
       </div>
+      <p class="hint">{text.planHint}</p>
       <p role="status" class="small">
         {isFilled && text.filled}
       </p>

@@ -5,25 +5,36 @@ import example from "../../../../examples/horizon_estimate.json";
 import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { Field } from "../../parts/Field";
+import { useKeptPlan } from "../../parts/PlanField";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import type { RoomProps } from "../../room";
+import { place } from "../../router";
 import { type Estimate, estimate, type HorizonRequest, readRequest } from "./estimate";
 import { Frames } from "./Frames";
 import { FromPlan } from "./FromPlan";
 import "./horizon.css";
 import { Result } from "./Result";
 
+/** What was measured, and what for. */
+interface Found {
+  asked: HorizonRequest;
+  estimate: Estimate;
+}
+
 export default function HorizonRoom(_: RoomProps) {
   const text = words.value;
   const [request, setRequest] = useState(JSON.stringify(example, null, 2));
   const [frames, setFrames] = useState<File[]>([]);
-  const { answer: found, error, isAsking, ask } = useRequest<Estimate>(null);
+  const { answer: found, error, isAsking, ask } = useRequest<Found>(null);
   const read = readRequest(request);
   const asked: HorizonRequest | null = typeof read === "string" ? null : read;
   const cameras = asked?.cameras ?? [];
 
+  const [id, setId] = useState(place.value.query.get("plan") ?? "");
+  const kept = useKeptPlan(id);
+
   const measure = () => {
-    if (asked) void ask((until) => estimate(asked, frames, until));
+    if (asked) void ask(async (until) => ({ asked, estimate: await estimate(asked, frames, until) }));
   };
   return (
     <div class="room">
@@ -36,7 +47,13 @@ export default function HorizonRoom(_: RoomProps) {
         </section>
         <section class="panel" aria-labelledby="horizon-request">
           <h2 id="horizon-request">{text.horizon.request}</h2>
-          <FromPlan request={asked} onRequest={(filled) => setRequest(JSON.stringify(filled, null, 2))} />
+          <FromPlan
+            id={id}
+            onId={setId}
+            kept={kept}
+            request={asked}
+            onRequest={(filled) => setRequest(JSON.stringify(filled, null, 2))}
+          />
           <Field label={text.horizon.json} hint={text.horizon.jsonHint} error={typeof read === "string" ? read : undefined}>
             {(control) => (
               <textarea
@@ -62,7 +79,7 @@ export default function HorizonRoom(_: RoomProps) {
         <span role="status">{isAsking ? text.horizon.atWork : text.horizon.count(frames.length, cameras.length)}</span>
       </div>
       {error !== null && <ProblemNotice error={error} again={measure} />}
-      {found && <Result found={found} />}
+      {found && <Result found={found.estimate} asked={found.asked} plan={kept.plan} />}
     </div>
   );
 }

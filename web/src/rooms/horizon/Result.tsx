@@ -1,15 +1,34 @@
 /** The estimate: the verdict, the nadir with its ellipse, each camera's overlay. */
 import { words } from "../../i18n";
-import { digits, number, percent } from "../../i18n/forms";
+import { digits, fixed, instant, number, percent } from "../../i18n/forms";
+import { labelOf } from "../../i18n/labels";
 import { Copied } from "../../parts/Copied";
+import { Identity } from "../../parts/Identity";
+import { NextPlan } from "../../parts/NextPlan";
+import { checksum } from "../../parts/paper";
+import type { Plan } from "../plan/plan";
 import { Ellipse } from "./Ellipse";
-import type { Estimate } from "./estimate";
+import type { Estimate, HorizonRequest } from "./estimate";
 
-export function Result({ found }: { found: Estimate }) {
+interface Props {
+  found: Estimate;
+  asked: HorizonRequest;
+  /** That it is checked against. */
+  plan: Plan | null;
+}
+
+export function Result({ found, asked, plan }: Props) {
   const text = words.value.horizon;
+  const cameras = asked.cameras.map((camera) => camera.name).join(", ");
   return (
     <section class="panel" aria-labelledby="horizon-result">
       <h2 id="horizon-result">{text.result}</h2>
+      <Identity
+        name={plan ? labelOf({ ...plan.summary, id: plan.id }) : text.of}
+        parts={[...(plan ? [text.of] : []), instant(asked.epoch), cameras]}
+        proof={[...(plan ? [plan.id] : []), checksum(found.provenance.input_sha256)]}
+        made={{ at: found.provenance.planned_at }}
+      />
       <p data-testid="horizon-verdict" role="status" class={`verdict verdict-${found.verdict}`}>
         <strong>{text.verdicts[found.verdict]}</strong>
         {found.sigma_deg !== null && ` ${text.sigmaOf(digits(found.sigma_deg))}`}
@@ -57,6 +76,7 @@ export function Result({ found }: { found: Estimate }) {
           </figure>
         ))}
       </div>
+      {found.correction && plan && <NextPlan plan={plan.id} learnt={{ corrections: [found.correction] }} />}
       {found.correction && <Copied name={text.correction} content={JSON.stringify(found.correction, null, 2)} />}
     </section>
   );
@@ -67,7 +87,7 @@ function Vector({ name, value }: { name: string; value: readonly number[] | null
   return (
     <>
       <dt>{name}</dt>
-      <dd class="mono">{value.map((part) => part.toFixed(6)).join(", ")}</dd>
+      <dd class="mono">{value.map((part) => fixed(part, 6)).join(", ")}</dd>
     </>
   );
 }

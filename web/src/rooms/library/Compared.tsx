@@ -2,6 +2,7 @@
 import { get } from "../../api/client";
 import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
+import { labelOf } from "../../i18n/labels";
 import { Link } from "../../parts/Link";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { type Figure, figures, type Plan } from "./figures";
@@ -32,7 +33,7 @@ export function Compared({ ids }: { ids: [string, string] }) {
               {[first, second].map((plan) => (
                 <th key={plan.id} scope="col">
                   <Link to={`/plans/${plan.id}`}>
-                    {plan.name || text.library.unnamed} ({text.library.revision(plan.revision)})
+                    {labelOf({ ...plan.summary, id: plan.id })} ({text.library.revision(plan.revision)})
                   </Link>
                 </th>
               ))}

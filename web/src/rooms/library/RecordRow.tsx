@@ -5,7 +5,8 @@ import { remove } from "../../api/client";
 import { untilDone } from "../../api/job";
 import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
-import { clock, instant, percent } from "../../i18n/forms";
+import { instant, percent, period } from "../../i18n/forms";
+import { labelOf, nameOf } from "../../i18n/labels";
 import { Bar } from "../../parts/Bar";
 import { Dialog } from "../../parts/Dialog";
 import { Link } from "../../parts/Link";
@@ -40,6 +41,7 @@ export function RecordRow({ job, kind, chosen, onChoose, onChanged }: Props) {
     setIsToDelete(false);
     void removal.ask();
   };
+  const label = labelOf(job);
   const state = atWork ? (progress?.state ?? job.state) : job.state;
   return (
     <tr>
@@ -47,7 +49,7 @@ export function RecordRow({ job, kind, chosen, onChoose, onChanged }: Props) {
         <td>
           <input
             type="checkbox"
-            aria-label={text.library.chooseOne(job.name)}
+            aria-label={text.library.chooseOne(label)}
             checked={chosen}
             disabled={job.state !== "done"}
             onChange={(event) => onChoose(job.id, event.currentTarget.checked)}
@@ -55,7 +57,7 @@ export function RecordRow({ job, kind, chosen, onChoose, onChanged }: Props) {
         </td>
       )}
       <td>
-        <Link to={`${ROOM_PATHS[kind]}/${job.id}`}>{job.name || text.library.unnamed}</Link>
+        <Link to={`${ROOM_PATHS[kind]}/${job.id}`}>{nameOf(job)}</Link>
         {job.revision !== null && job.revision > 1 && (
           <div class="small">
             {text.library.revision(job.revision)}
@@ -74,21 +76,24 @@ export function RecordRow({ job, kind, chosen, onChoose, onChanged }: Props) {
         {job.problem && <div class="small">{job.problem.detail}</div>}
         {removal.error !== null && <ProblemNotice error={removal.error} />}
       </td>
-      <td class="mono">{job.start && job.stop ? `${instant(job.start).slice(0, 16)} – ${clock(job.stop)}` : "–"}</td>
+      <td class="mono">{job.start && job.stop ? period(job.start, job.stop).replace(" UTC", "") : "–"}</td>
       <td>{named(job)}</td>
       <td class="number">{percent(job.probability_in_frame)}</td>
-      <td class="mono">{instant(job.created).slice(0, 16)}</td>
+      <td class="mono">
+        {instant(job.created).slice(0, 16)}
+        {job.requested_by && <div class="small">{job.requested_by}</div>}
+      </td>
       <td>
         <button
           type="button"
           class="plain"
-          aria-label={(atWork ? text.library.cancelOne : text.library.deleteOne)(job.name)}
+          aria-label={(atWork ? text.library.cancelOne : text.library.deleteOne)(label)}
           onClick={() => (atWork ? drop() : setIsToDelete(true))}
         >
           {atWork ? text.shell.cancel : text.library.remove}
         </button>
         {isToDelete && (
-          <Dialog title={text.library.deleteOne(job.name)} onClose={() => setIsToDelete(false)}>
+          <Dialog title={text.library.deleteOne(label)} onClose={() => setIsToDelete(false)}>
             <p>{text.library.noWayBack}</p>
             <div class="row">
               <button type="button" class="primary" onClick={drop}>

@@ -1,6 +1,6 @@
 /** One plan: its verdict, what it looks like, what can be taken away; or why there is none. */
 import type { ComponentType } from "preact";
-import { useMemo } from "preact/hooks";
+import { useMemo, useRef } from "preact/hooks";
 
 import { send } from "../../api/client";
 import { Cancelled } from "../../api/job";
@@ -78,25 +78,47 @@ function Shown({ plan, Viewer }: { plan: Plan; Viewer: ComponentType<{ plan: Pla
   const request = useRequest(id, async (until) => (await send("GET", "/v1/plans/{id}/request", { id, signal: until })).text());
   const asked = useMemo(() => (request.answer === null ? null : (JSON.parse(request.answer) as PlanRequest)), [request.answer]);
   const name = nameOf(plan);
+  const takeAway = useRef<HTMLDivElement>(null);
   return (
     <div class="room one">
       <div class="row heading">
         <h1>{name}</h1>
-        <Link to={`/?from=${id}&revises=yes`} class="button">
-          {text.plan.one.change}
-        </Link>
+        <nav class="row lead-on no-print" aria-label={text.plan.one.leadOn}>
+          <Link to={`/?from=${id}&revises=yes`} class="button">
+            {text.plan.one.change}
+          </Link>
+          <Link to={`/flights?plan=${id}`} class="button">
+            {text.plan.one.fly}
+          </Link>
+          <Link to={`/telemetry?plan=${id}`} class="button">
+            {text.plan.one.telemetry}
+          </Link>
+          <Link to={`/horizon?plan=${id}`} class="button">
+            {text.plan.one.horizon}
+          </Link>
+          <button type="button" onClick={() => takeAway.current?.scrollIntoView({ block: "start" })}>
+            {text.plan.one.take}
+          </button>
+        </nav>
       </div>
-      <Identity name={name} parts={identityOf(plan, asked)} proof={[id, checksum(plan.provenance.input_sha256)]} />
+      <Identity
+        name={name}
+        parts={identityOf(plan, asked)}
+        proof={[id, checksum(plan.provenance.input_sha256)]}
+        made={{ at: plan.provenance.planned_at, by: plan.requested_by }}
+      />
       <Verdict plan={plan} />
       {Viewer ? <Viewer plan={plan} /> : <p class="loading no-print">{text.shell.loading}</p>}
       <div class="one-below">
         <div>
           <Figures plan={plan} />
         </div>
-        <TakeAway plan={plan} request={request.answer} unread={request.error} />
+        <div ref={takeAway}>
+          <TakeAway plan={plan} request={request.answer} unread={request.error} />
+        </div>
       </div>
       <p class="signed">
-        <span>{text.plan.one.identity.planned(instant(plan.provenance.planned_at))}</span>
+        <span>{text.plan.one.identity.planned(instant(plan.provenance.planned_at), plan.requested_by)}</span>
         <span>{text.plan.one.identity.approved}</span>
       </p>
     </div>

@@ -3,23 +3,32 @@ import { batch } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 
 import { get, remove } from "../../api/client";
+import { FIELDS } from "../../api/fields";
 import { Cancelled, type Progress, type Sent, sendOff, untilDone } from "../../api/job";
 import { isAbort, NoAnswer, Problem } from "../../api/problem";
 import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { wantOutlines } from "../../map/outlines";
 import { Bar } from "../../parts/Bar";
+import { FormSurroundings } from "../../parts/fields/Fields";
+import { faultTold, pathTold } from "../../parts/fields/labels";
+import { faultsOf } from "../../parts/fields/shape";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import type { RoomProps } from "../../room";
 import { go, place } from "../../router";
 import { fetchPlan, isPlan, type PlanRequest } from "../plan/plan";
+import { AttitudePanel } from "./AttitudePanel";
 import * as draft from "./draft";
+import { OptionsPanel } from "./OptionsPanel";
 import { OrbitPanel } from "./OrbitPanel";
 import "./planning.css";
+import { axes, learnPlatforms, platform } from "./platforms";
 import { RefusalNotice } from "./RefusalNotice";
+import { RequestPanel } from "./RequestPanel";
 import { failure, refused } from "./refusal";
 import { SequencePanel, takeOffered } from "./SequencePanel";
 import { TargetPanel } from "./TargetPanel";
+import { BODIES } from "./target";
 import { WindowsPanel } from "./WindowsPanel";
 import { WorldMap } from "./WorldMap";
 import { keepSearching } from "./windows";
@@ -37,6 +46,22 @@ function fail(error: unknown): void {
   });
 }
 
+/** The first thing without which there is nothing to plan. */
+function missingTold(): string {
+  const text = words.value.plan;
+  const all = draft.sessions.value;
+  const number = all.findIndex((one) => !one.target || !one.start || !one.stop);
+  const session = text.refusal.session(number + 1);
+  return `${session}: ${all[number]?.target ? text.sequence.noTimes : text.sequence.noTarget}`;
+}
+
+/** Whether the page was loaded at this very address with a draft kept from before. */
+let wasReloaded = draft.wasKept && performance.getEntriesByType("navigation")[0]?.name === location.href;
+
+function sameRequest(asked: object): boolean {
+  return JSON.stringify(asked) === JSON.stringify(draft.made.peek());
+}
+
 export default function AskRoom(_: RoomProps) {
   const text = words.value;
   const [progress, setProgress] = useState<Progress | null>(null);
@@ -48,6 +73,14 @@ export default function AskRoom(_: RoomProps) {
   useEffect(() => () => work.current.abort(), []);
   useEffect(() => void wantOutlines().catch(() => undefined), []); // a map without coasts is still one
   useEffect(() => keepSearching(), []);
+  useEffect(() => {
+    const until = new AbortController();
+    // Without them the form lacks the usual attitude and the axes' names; whatever else is wrong shows elsewhere.
+    void learnPlatforms(until.signal).catch(() => undefined);
+    return () => until.abort();
+  }, []);
+  const isReloaded = useRef(wasReloaded);
+  wasReloaded = false;
   const from = place.value.query.get("from");
   const isToPlan = place.value.query.has("plan");
   const isRevision = place.value.query.has("revises"); // of a plan that was made
@@ -58,8 +91,11 @@ export default function AskRoom(_: RoomProps) {
       isRevision ? null : fetchPlan(given.id, until),
     ]);
     if (until.aborted) return;
-    draft.load(asked as unknown as PlanRequest, isRevision ? from : null);
-    const problem = job && !isPlan(job) ? job.problem : null;
+    // Reloaded, the form has what was changed since.
+    const isChanged = isReloaded.current && draft.loaded.value === from;
+    isReloaded.current = false;
+    if (!isChanged) draft.load(asked as unknown as PlanRequest, isRevision ? from : null, from);
+    const problem = job && !isPlan(job) && (!isChanged || sameRequest(asked)) ? job.problem : null;
     fail(problem ? new Problem(problem) : null);
     if (!isToPlan) return;
     go(`/?from=${from}`, { replace: true }); // loaded anew, the page doesn't plan again
@@ -96,15 +132,28 @@ export default function AskRoom(_: RoomProps) {
     }
   };
   const cancel = () => sent && void remove("/v1/plans/{id}", { id: sent.id }).catch((error: unknown) => (failure.value = error));
+  const problem = failure.value instanceof Problem ? failure.value : null;
+  const surroundings = {
+    axes: axes.value,
+    known: { body: BODIES, park: Object.keys(platform.value?.park_positions_deg ?? {}) },
+    refused: problem?.field ? { path: problem.field, why: problem.document.detail } : null,
+  };
+  const faults = faultsOf(FIELDS, "PlanRequest", draft.request.value);
+  const toMend = faults.filter(({ fault }) => fault.kind !== "missing");
   if (loading.isAsking) return <p class="loading">{text.shell.loading}</p>;
   return (
     <div class="room ask">
       <h1 class="hidden">{text.shell.rooms.plan}</h1>
       <div class="ask-form">
         {loading.error !== null && <ProblemNotice error={loading.error} again={() => void loading.ask()} />}
-        <OrbitPanel />
-        <TargetPanel />
-        <SequencePanel plan={() => void plan()} />
+        <FormSurroundings.Provider value={surroundings}>
+          <RequestPanel />
+          <OrbitPanel />
+          <AttitudePanel />
+          <TargetPanel />
+          <SequencePanel plan={() => void plan()} />
+          <OptionsPanel />
+        </FormSurroundings.Provider>
         <div class="ask-told" ref={told} tabIndex={-1}>
           <RefusalNotice plan={() => void plan()} />
         </div>
@@ -126,7 +175,12 @@ export default function AskRoom(_: RoomProps) {
                 </button>
               </>
             )}
-            {!draft.isComplete.value && <span class="small">{text.plan.incomplete}</span>}
+            {!draft.isComplete.value && <span class="small">{missingTold()}</span>}
+            {toMend.map(({ path, fault }) => (
+              <span key={path} class="wrong">
+                {pathTold("PlanRequest", draft.request.value, path)}: {faultTold(fault)}
+              </span>
+            ))}
           </div>
         </div>
       </div>

@@ -1,38 +1,54 @@
-/** The carrier's orbit and attitude: pasted, or dropped as a file. */
+/** The carrier's orbit: pasted, or dropped as a file. */
 import { useState } from "preact/hooks";
-import { orbitOf, reachOf, textOf } from "../../api/orbit";
+
+import { FIELDS } from "../../api/fields";
+import { type Orbit, orbitOf, reachOf, textOf } from "../../api/orbit";
 import { words } from "../../i18n";
-import { instant, number } from "../../i18n/forms";
+import { instant } from "../../i18n/forms";
 import { DropZone } from "../../parts/DropZone";
 import { Field } from "../../parts/Field";
+import { Fields } from "../../parts/fields/Fields";
+import { type Members, schemaOf } from "../../parts/fields/shape";
+import { takeAem } from "./AttitudePanel";
 import * as draft from "./draft";
+import { isAem, readMessage } from "./message";
 
-const ANGLES = ["yaw_deg", "pitch_deg", "roll_deg"] as const;
-const LONGEST_BYTES = 8 * 1024 * 1024; // what the service takes
+const MOST_SHOWN = 2000;
+/** Members that the text holds. */
+const TEXT = ["content", "line1", "line2"];
 
 export function OrbitPanel() {
   const text = words.value.plan.orbit;
   const [typed, setTyped] = useState<string | null>(null);
   const [wrong, setWrong] = useState<string | null>(null);
+  const [isOther, setIsOther] = useState(false);
   const take = (content: string) => {
-    const orbit = orbitOf(content);
-    setWrong(orbit ? null : text.unknown);
-    setTyped(orbit ? null : content);
+    const isAttitude = isAem(content);
+    const orbit = isAttitude ? null : orbitOf(content);
+    setIsOther(isAttitude);
+    setWrong(orbit || isAttitude ? null : text.unknown);
+    setTyped(orbit || isAttitude ? null : content);
+    if (isAttitude) takeAem(content);
     if (orbit) draft.setOrbit(orbit);
   };
   const read = async (file: File) => {
-    if (file.size > LONGEST_BYTES) setWrong(text.tooLong);
-    else take(await file.text());
+    const message = await readMessage(file);
+    if (message === null) setWrong(text.tooLong);
+    else take(message);
   };
-  const known = reachOf(draft.orbit.value);
-  const shown = typed ?? textOf(draft.orbit.value);
+  const orbit = draft.orbit.value;
+  const known = reachOf(orbit);
+  const shown = typed ?? textOf(orbit);
+  const shape = FIELDS.PlanRequest?.orbit?.shape;
+  const schema = shape ? schemaOf(shape, orbit) : null;
+  const others = Object.keys(FIELDS[schema ?? ""] ?? {}).filter((name) => name !== "source" && !TEXT.includes(name));
   return (
     <section class="panel" aria-label={text.title}>
-      <details open={wrong !== null}>
+      <details open={wrong !== null || isOther}>
         <summary>
           <h2>{text.title}</h2>
           <span class="soft">
-            {draft.orbit.value.source.toUpperCase()}
+            {orbit.source.toUpperCase()}
             {known && ` · ${instant(known.from_ms)}`}
           </span>
         </summary>
@@ -43,46 +59,27 @@ export function OrbitPanel() {
                 {...props}
                 rows={3}
                 spellcheck={false}
-                value={shown.length > 2000 ? `${shown.slice(0, 2000)}…` : shown}
+                value={shown.length > MOST_SHOWN ? `${shown.slice(0, MOST_SHOWN)}…` : shown}
                 onInput={(event) => take(event.currentTarget.value)}
               />
             )}
           </Field>
         </DropZone>
-        <Attitude />
+        {isOther && (
+          <p class="hint" role="status">
+            {text.wasAttitude}
+          </p>
+        )}
+        {schema && others.length > 0 && (
+          <Fields
+            schema={schema}
+            value={orbit as unknown as Members}
+            path="orbit"
+            omit={TEXT}
+            onValue={(next) => draft.change({ orbit: next as unknown as Orbit })}
+          />
+        )}
       </details>
     </section>
-  );
-}
-
-function Attitude() {
-  const text = words.value.plan.attitude;
-  const attitude = draft.attitude.value;
-  if (attitude.law !== "lvlh") return <p class="hint">{text.other(attitude.law)}</p>;
-  return (
-    <fieldset>
-      <legend>{text.title}</legend>
-      <div class="thirds">
-        {ANGLES.map((name) => (
-          <Field key={name} label={text[name]}>
-            {(props) => (
-              <input
-                {...props}
-                type="number"
-                step="0.1"
-                min={-360}
-                max={360}
-                value={number(attitude[name] ?? 0, 6).replace(",", ".")}
-                onChange={(event) => {
-                  const value = event.currentTarget.valueAsNumber;
-                  if (Number.isFinite(value)) draft.attitude.value = { ...attitude, [name]: value };
-                }}
-              />
-            )}
-          </Field>
-        ))}
-      </div>
-      <p class="hint">{text.hint}</p>
-    </fieldset>
   );
 }

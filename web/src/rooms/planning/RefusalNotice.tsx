@@ -1,8 +1,10 @@
 /** A refusal in words, with the button that takes the times it offers instead. */
 import { words } from "../../i18n";
 import { rowClock } from "../../i18n/forms";
+import { pathTold } from "../../parts/fields/labels";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { TakeOffer } from "../../parts/TakeOffer";
+import * as draft from "./draft";
 import { failure, refused } from "./refusal";
 import { takeOffered } from "./SequencePanel";
 
@@ -12,7 +14,7 @@ export function RefusalNotice({ plan }: { plan: () => void }) {
   if (error === null) return null;
   const now = refused.value;
   return (
-    <ProblemNotice error={error} again={plan}>
+    <ProblemNotice error={error} again={plan} fieldTold={(field) => pathTold("PlanRequest", draft.made.value, field)}>
       {now && (
         <p class="small">
           {text.session(now.session + 1)}

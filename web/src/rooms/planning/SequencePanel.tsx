@@ -6,11 +6,17 @@ import { CONFLICTS } from "../../api/lists";
 import { words } from "../../i18n";
 import { named, number, period, rfc3339 } from "../../i18n/forms";
 import { Field } from "../../parts/Field";
+import { Fields } from "../../parts/fields/Fields";
+import type { Members } from "../../parts/fields/shape";
+import { UtcField } from "../../parts/UtcField";
 import * as draft from "./draft";
 import { failure, refused } from "./refusal";
-import { textOf } from "./target";
+import { targetTold } from "./told";
+import { searchedOf } from "./windows";
 
 type Relaxation = Schemas["Relaxation"];
+
+const ROW_S = 0.2; // of the command table
 
 export function SequencePanel({ plan }: { plan: () => void }) {
   const text = words.value.plan.sequence;
@@ -19,7 +25,7 @@ export function SequencePanel({ plan }: { plan: () => void }) {
     <section class="panel" aria-label={text.title}>
       <div class="row heading">
         <h2>{text.title}</h2>
-        <button type="button" onClick={draft.addSession} disabled={!draft.isComplete.value}>
+        <button type="button" onClick={draft.addSession}>
           {text.add}
         </button>
       </div>
@@ -34,7 +40,7 @@ export function SequencePanel({ plan }: { plan: () => void }) {
                 draft.chosen.value = number;
               }}
             >
-              <b>{number + 1}</b> {one.target ? (one.name ?? textOf(one.target)) : text.noTarget}
+              <b>{number + 1}</b> {one.target ? (one.name ?? targetTold(one.target)) : text.noTarget}
               <span class="soft">{one.start && one.stop ? period(one.start, one.stop) : text.noTimes}</span>
             </button>
             {all.length > 1 && (
@@ -59,7 +65,7 @@ export function SequencePanel({ plan }: { plan: () => void }) {
                 {...props}
                 value={draft.onConflict.value}
                 onChange={(event) => {
-                  draft.onConflict.value = event.currentTarget.value as draft.Conflict;
+                  draft.change({ on_conflict: event.currentTarget.value as draft.Conflict });
                 }}
               >
                 {CONFLICTS.map((one) => (
@@ -72,9 +78,48 @@ export function SequencePanel({ plan }: { plan: () => void }) {
           </Field>
         </>
       )}
+      <Exactly />
       <Clashes />
       <WaysOut plan={plan} />
     </section>
+  );
+}
+
+/** Times to the row of the table, names, and how a keyhole is met. */
+function Exactly() {
+  const text = words.value.plan.sequence;
+  const one = draft.session.value;
+  const number = draft.chosen.value;
+  if (!one.target) return null;
+  const take = (start: string | undefined, stop: string | undefined) => {
+    if (start && stop) draft.setTimes(start, stop);
+    else draft.changeSession({ ...one, start, stop });
+  };
+  const isBackwards = one.start && one.stop && Date.parse(one.start) >= Date.parse(one.stop);
+  return (
+    <details class="fields-group" open={!one.start && draft.target.value !== undefined && searchedOf(one.target) === null}>
+      <summary>
+        <b>{text.exactly(number + 1)}</b>
+        <span class="small">{one.name ?? ""}</span>
+      </summary>
+      <div class="pair">
+        <UtcField
+          label={text.start}
+          value={one.start}
+          step_s={ROW_S}
+          error={isBackwards ? text.backwards : undefined}
+          onValue={(start) => take(start, one.stop)}
+        />
+        <UtcField label={text.stop} value={one.stop} step_s={ROW_S} onValue={(stop) => take(one.start, stop)} />
+      </div>
+      <Fields
+        schema="Session"
+        value={one as Members}
+        path={`sessions.${number}`}
+        omit={["target", "start", "stop"]}
+        onValue={(next) => draft.changeSession(next as draft.DraftSession)}
+      />
+    </details>
   );
 }
 
@@ -202,7 +247,7 @@ function WaysOut({ plan }: { plan: () => void }) {
           <button
             type="button"
             onClick={() => {
-              draft.onConflict.value = way as draft.Conflict;
+              draft.change({ on_conflict: way as draft.Conflict });
               plan();
             }}
           >

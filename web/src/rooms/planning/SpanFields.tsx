@@ -1,11 +1,15 @@
-/** From when on, for how long and how high windows are looked for. */
+/** From when on, for how long and under which conditions windows are looked for. */
 import { words } from "../../i18n";
 import { rfc3339 } from "../../i18n/forms";
 import { Field } from "../../parts/Field";
+import { Fields } from "../../parts/fields/Fields";
+import { membersTold } from "../../parts/fields/labels";
+import type { Members } from "../../parts/fields/shape";
 import * as draft from "./draft";
 
 export function SpanFields() {
   const text = words.value.plan.span;
+  const { min_elevation_deg: _, ...others } = draft.conditions.value;
   const local = rfc3339(draft.from_ms.value).slice(0, 16);
   return (
     <div class="span-fields">
@@ -23,7 +27,34 @@ export function SpanFields() {
         )}
       </Field>
       <NumberField label={text.days} least={1} most={14} of={draft.days} />
-      <NumberField label={text.elevation} least={0} most={85} of={draft.leastElevation_deg} />
+      <NumberField
+        label={text.elevation}
+        least={0}
+        most={85}
+        of={{
+          get value() {
+            return draft.leastElevation_deg.value;
+          },
+          set value(min_elevation_deg) {
+            draft.conditions.value = { ...draft.conditions.peek(), min_elevation_deg };
+          },
+        }}
+      />
+      <details class="fields-group">
+        <summary>
+          <b>{text.conditions}</b>
+          <span class="small">{membersTold("OpportunityConditions", others)}</span>
+        </summary>
+        <Fields
+          schema="OpportunityConditions"
+          value={draft.conditions.value as Members}
+          path="conditions"
+          omit={["min_elevation_deg"]}
+          onValue={(next) => {
+            draft.conditions.value = next as draft.Conditions;
+          }}
+        />
+      </details>
     </div>
   );
 }

@@ -1,56 +1,136 @@
-/** The chosen session's target: a place, coordinates, a star or a body. */
+/** The chosen session's target: a place, a path, something that moves, a star, a body or a test motion. */
+
+import { FIELDS } from "../../api/fields";
 import { Problem } from "../../api/problem";
 import { words } from "../../i18n";
+import { rfc3339 } from "../../i18n/forms";
 import { Combobox } from "../../parts/Combobox";
 import { Field } from "../../parts/Field";
+import { Fields } from "../../parts/fields/Fields";
+import { membersTold, valueLabel } from "../../parts/fields/labels";
+import { begin, beginUnion, type Members } from "../../parts/fields/shape";
 import { useStateOf } from "../../parts/stateOf";
 import * as draft from "./draft";
 import { places, stars } from "./names";
-import { BODIES, groundOf, type Kind, kindOf, starOf, type Target, textOf } from "./target";
+import { PathEntry } from "./PathEntry";
+import { PointEntry } from "./PointEntry";
+import { axes } from "./platforms";
+import { BODIES, groundOf, KINDS, kindOf, type Point, schemaOfMode, starOf, type Target, textOf } from "./target";
 import { found, searchError } from "./windows";
 
-const KINDS: readonly Kind[] = ["ground", "star", "body"];
+/** Fields that each kind's own entry makes; the rest stand below it. */
+const ENTERED: Readonly<Record<string, readonly string[]>> = {
+  ground: ["latitude_deg", "longitude_deg", "height_m"],
+  place: ["name"],
+  ground_path: ["points"],
+  star: ["name", "hip"],
+  body: ["name"],
+};
 
 export function TargetPanel() {
   const text = words.value.plan.target;
   const target = draft.target.value;
-  const [kind, setKind] = useStateOf<Kind>(target, (before = "ground") => {
-    const now = target ? kindOf(target) : "other";
-    return now === "other" ? before : now;
-  });
+  const kind = draft.kind.value;
   const count = draft.sessions.value.length;
+  const own = target && kindOf(target) === kind ? target : undefined;
   return (
     <section class="panel" aria-label={text.title}>
       <h2>
         {text.title}
         {count > 1 && <span class="soft"> · {text.ofSession(draft.chosen.value + 1, count)}</span>}
       </h2>
-      <fieldset class="choice">
+      <fieldset class="choice choice-wraps">
         <legend class="hidden">{text.kind}</legend>
         {KINDS.map((one) => (
           <label key={one}>
-            <input type="radio" name="kind" checked={kind === one} onChange={() => setKind(one)} />
-            <span>{text.kinds[one]}</span>
+            <input type="radio" name="kind" checked={kind === one} onChange={() => draft.setKind(one)} />
+            <span>{valueLabel(one)}</span>
           </label>
         ))}
       </fieldset>
-      {kind === "body" ? <BodyField target={target} /> : <TextField key={kind} kind={kind} target={target} />}
+      <Entry key={kind} kind={kind} target={own} />
+      {own && <More target={own} />}
       {found.value?.assumed && <p class="hint">{text.taken(found.value.assumed)}</p>}
     </section>
   );
 }
 
+function Entry({ kind, target }: { kind: string; target: Target | undefined }) {
+  const text = words.value.plan.target;
+  if (kind === "ground" || kind === "star") return <TextField kind={kind} target={target} />;
+  if (kind === "body") return <BodyField target={target} />;
+  if (kind === "ground_path") return <PathEntry path={target?.mode === "ground_path" ? target : null} />;
+  if (kind === "ground_moving") {
+    return <PointEntry label={text.whereMoving} button={text.find} hint={text.hints.moving} onPoint={takeMoving} />;
+  }
+  if (target) return null;
+  const shape = FIELDS.Session?.target?.shape;
+  return (
+    <button
+      type="button"
+      onClick={() => {
+        if (shape?.kind === "union") draft.setTarget(asMotion(beginUnion(FIELDS, shape, kind)) as unknown as Target);
+      }}
+    >
+      {text.begin(valueLabel(kind))}
+    </button>
+  );
+}
+
+/** A test motion moves each axis of the platform. */
+function asMotion(begun: Members): Members {
+  const field = FIELDS.BenchMotionTarget?.axes;
+  if (begun.mode !== "test_motion" || field?.shape.kind !== "map") return begun;
+  const of = field.shape.of;
+  return { ...begun, axes: Object.fromEntries(axes.peek().map((axis) => [axis, begin(FIELDS, of)])) };
+}
+
+export function takeMoving(point: Point): void {
+  const now = draft.target.peek();
+  if (now?.mode === "ground_moving") draft.refineTarget({ ...now, ...point }, { isMoved: true });
+  else {
+    const epoch = rfc3339(draft.from_ms.peek());
+    draft.setTarget({ mode: "ground_moving", epoch, ...point, course_deg: 90, speed_m_s: 8 });
+  }
+}
+
+/** Fields of the target that have no entry of their own. */
+function More({ target }: { target: Target }) {
+  const text = words.value.plan.target;
+  const schema = schemaOfMode(target.mode);
+  if (!schema) return <p class="hint">{text.unknown(target.mode)}</p>;
+  const omit = ENTERED[target.mode] ?? [];
+  const set = Object.fromEntries(Object.entries(target).filter(([name]) => !omit.includes(name)));
+  return (
+    <details class="fields-group" open={target.mode === "test_motion" || target.mode === "ground_moving"}>
+      <summary>
+        <b>{text.more}</b>
+        <span class="small">{membersTold(schema, set)}</span>
+      </summary>
+      <Fields
+        schema={schema}
+        value={target as unknown as Members}
+        path={`sessions.${draft.chosen.value}.target`}
+        omit={omit}
+        onValue={(next) => draft.refineTarget(next as unknown as Target)}
+      />
+    </details>
+  );
+}
+
 function TextField({ kind, target }: { kind: "ground" | "star"; target: Target | undefined }) {
   const text = words.value.plan.target;
-  const own = target && kindOf(target) === kind ? textOf(target) : "";
+  const own = target ? textOf(target) : "";
   const [typed, setTyped] = useStateOf(own, () => own);
   const take = (entry: string) => {
     const next = kind === "star" ? starOf(entry) : groundOf(entry);
     if (next && entry !== own) draft.setTarget(next);
   };
   const error = searchError.value;
-  const isWrong = error instanceof Problem && error.field?.startsWith("targets.0.target");
+  const isWrong = target && error instanceof Problem && error.field?.startsWith("targets.0.target");
   const offers = isWrong ? offersOf(error.document.detail) : [];
+  // The service's way out is for those who write JSON.
+  const why = isWrong ? (offers.length === 0 && target.mode === "place" ? text.noPlace : error.document.detail) : undefined;
   return (
     <form
       onSubmit={(event) => {
@@ -58,7 +138,7 @@ function TextField({ kind, target }: { kind: "ground" | "star"; target: Target |
         take(typed);
       }}
     >
-      <Field label={text.labels[kind]} hint={text.hints[kind]} error={isWrong ? error.document.detail : undefined}>
+      <Field label={text.labels[kind]} hint={text.hints[kind]} error={why}>
         {(props) => (
           <span class="entry">
             <Combobox
@@ -101,7 +181,7 @@ function BodyField({ target }: { target: Target | undefined }) {
       {(props) => (
         <select
           {...props}
-          value={target?.mode === "body" ? target.name : ""}
+          value={target?.mode === "body" ? target.name.toLowerCase() : ""}
           onChange={(event) => draft.setTarget({ mode: "body", name: event.currentTarget.value })}
         >
           <option value="" disabled>

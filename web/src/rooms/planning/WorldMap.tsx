@@ -5,9 +5,11 @@ import { words } from "../../i18n";
 import { EarthMap } from "../../map/EarthMap";
 import type { LonLat } from "../../map/places";
 import * as draft from "./draft";
+import { addPoint } from "./PathEntry";
 import { circleOf, groundTrack } from "./passes";
 import { refused } from "./refusal";
-import { textOf } from "./target";
+import { takeMoving } from "./TargetPanel";
+import { targetTold } from "./told";
 import { found, windowNear } from "./windows";
 
 export function WorldMap() {
@@ -19,27 +21,43 @@ export function WorldMap() {
   const seen: LonLat | null = window?.place
     ? [window.place.longitude_deg, window.place.latitude_deg]
     : placeOf(draft.session.value);
+  const kind = draft.kind.value;
+  const path = pathOf(draft.session.value);
   const refusedAt = refused.value?.session === draft.chosen.value;
   return (
     <EarthMap
       label={text.label}
-      hint={text.hint}
-      around={seen ? [seen] : []}
+      hint={kind === "ground_path" ? text.hintPath : text.hint}
+      around={path.length > 1 ? path : seen ? [seen] : []}
       aroundLabel={text.toTarget}
-      onPick={([longitude_deg, latitude_deg]) => draft.setTarget({ mode: "ground", latitude_deg, longitude_deg, height_m: 0 })}
+      onPick={pick}
     >
-      {({ projection, path }) => (
+      {({ projection, path: drawn }) => (
         <>
-          {seen && radius && <path class="circle" d={path(geoCircle().center(seen).radius(radius)()) ?? ""} />}
+          {seen && radius && <path class="circle" d={drawn(geoCircle().center(seen).radius(radius)()) ?? ""} />}
           {track.length > 1 && (
             <path
               class={`track ${refusedAt ? "track-refused" : ""}`}
-              d={path({ type: "LineString", coordinates: track }) ?? ""}
+              d={drawn({ type: "LineString", coordinates: track }) ?? ""}
             />
           )}
           {track.length > 1 && (
             <Arrow from={projection(track[track.length - 2] ?? [0, 0])} to={projection(track[track.length - 1] ?? [0, 0])} />
           )}
+          {draft.sessions.value.map((one, index) => {
+            const points = pathOf(one);
+            return (
+              points.length > 0 && (
+                <g key={`path-${index}`} class={index === draft.chosen.value ? "path path-chosen" : "path"}>
+                  <path d={drawn({ type: "LineString", coordinates: points }) ?? ""} />
+                  {points.map((point, at) => {
+                    const [x, y] = projection(point) ?? [0, 0];
+                    return <circle key={at} cx={x} cy={y} r={3} />;
+                  })}
+                </g>
+              )
+            );
+          })}
           {draft.sessions.value.map((one, index) => {
             const place = index === draft.chosen.value ? seen : placeOf(one);
             const point = place && projection(place);
@@ -52,7 +70,7 @@ export function WorldMap() {
                 >
                   <circle r={5} />
                   <text x={9} y={4}>
-                    {one.name ?? (one.target ? textOf(one.target) : "")}
+                    {one.name ?? (one.target ? targetTold(one.target) : "")}
                   </text>
                 </g>
               )
@@ -70,6 +88,23 @@ function Arrow({ from, to }: { from: [number, number] | null; to: [number, numbe
   return <path class="arrow" d="M-8,-5L2,0L-8,5Z" transform={`translate(${to[0]},${to[1]}) rotate(${turn})`} />;
 }
 
-function placeOf(one: draft.DraftSession): LonLat | null {
-  return one.target?.mode === "ground" ? [one.target.longitude_deg, one.target.latitude_deg] : null;
+/** A click, or Enter at the cross, as the kind of target takes it. */
+function pick([longitude_deg, latitude_deg]: LonLat): void {
+  const point = { latitude_deg, longitude_deg, height_m: 0 };
+  const kind = draft.kind.peek();
+  if (kind === "ground_path") addPoint(point);
+  else if (kind === "ground_moving") takeMoving(point);
+  else draft.setTarget({ mode: "ground", ...point });
+}
+
+function pathOf({ target }: draft.DraftSession): LonLat[] {
+  if (target?.mode !== "ground_path") return [];
+  return target.points.map(({ longitude_deg, latitude_deg }): LonLat => [Number(longitude_deg), Number(latitude_deg)]);
+}
+
+function placeOf({ target }: draft.DraftSession): LonLat | null {
+  if (target?.mode === "ground" || target?.mode === "ground_moving") return [target.longitude_deg, target.latitude_deg];
+  return target?.mode === "ground_path" && target.points[0]
+    ? [target.points[0].longitude_deg, target.points[0].latitude_deg]
+    : null;
 }

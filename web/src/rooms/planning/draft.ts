@@ -1,11 +1,12 @@
-/** The request in the making, as the form holds it. */
-import { batch, computed, signal } from "@preact/signals";
+/** The request in the making: the JSON that is sent, edited as it is, and kept while the tab is open. */
+import { batch, computed, effect, signal } from "@preact/signals";
 
 import example from "../../../../examples/las_vegas_2015.json";
 import type { Schemas } from "../../api/client";
 import { type Orbit, reachOf, searchStart } from "../../api/orbit";
+import { isMembers } from "../../parts/fields/shape";
 import type { PlanRequest } from "../plan/plan";
-import type { Target } from "./target";
+import { kindOf, type Target, textOf } from "./target";
 
 type Session = Schemas["Session"];
 /** A session whose target or times aren't chosen yet. */
@@ -14,63 +15,117 @@ export type DraftSession = Omit<Session, "target" | "start" | "stop"> & {
   start?: string;
   stop?: string;
 };
+export type DraftRequest = Omit<PlanRequest, "sessions"> & { sessions: readonly DraftSession[] };
 export type Conflict = NonNullable<PlanRequest["on_conflict"]>;
-export type Lvlh = Schemas["LvlhAttitude"];
+export type Attitude = PlanRequest["attitude"];
+export type Conditions = Schemas["OpportunityConditions"];
 
-const EXAMPLE = example as unknown as PlanRequest;
+const EXAMPLE = example as unknown as DraftRequest;
+const KEPT = "slewtrack.plan";
+const QUIET_MS = 100;
+const NAMED_TARGETS = 3;
 
-/** Everything that the form doesn't show goes through it unchanged. */
-const rest = signal<PlanRequest>(EXAMPLE);
-export const orbit = signal<Orbit>(EXAMPLE.orbit);
-export const attitude = signal<PlanRequest["attitude"]>(EXAMPLE.attitude);
-export const name = signal(EXAMPLE.name ?? "");
-export const sessions = signal<readonly DraftSession[]>(EXAMPLE.sessions);
+interface Kept {
+  request: DraftRequest;
+  chosen: number;
+  from_ms: number;
+  days: number;
+  conditions: Conditions;
+  revises: string | null;
+  loaded: string | null;
+}
+
+const kept = readKept();
+
+export const made = signal<DraftRequest>(kept?.request ?? EXAMPLE);
 /** Number of the session that target and windows are shown of. */
-export const chosen = signal(0);
-export const onConflict = signal<Conflict>(EXAMPLE.on_conflict ?? "refuse");
-export const from_ms = signal(searchStart(EXAMPLE.orbit, Date.now()));
-export const days = signal(3);
+export const chosen = signal(kept?.chosen ?? 0);
+export const from_ms = signal(kept?.from_ms ?? searchStart(EXAMPLE.orbit, Date.now()));
+export const days = signal(kept?.days ?? 3);
+/** Of windows that are looked for; they aren't part of the request. */
+export const conditions = signal<Conditions>(kept?.conditions ?? { min_elevation_deg: 20 });
+/** The plan that this one is to replace. */
+export const revises = signal<string | null>(kept?.revises ?? null);
+/** The plan whose request was loaded last, by its address. */
+export const loaded = signal<string | null>(kept?.loaded ?? null);
+/** Whether it was there before the page was loaded. */
+export const wasKept = kept !== null;
+/** Whether a reload will find all of it. */
+export const isKept = signal(true);
+
+export const orbit = computed<Orbit>(() => made.value.orbit);
+export const attitude = computed<Attitude>(() => made.value.attitude);
+export const platform = computed(() => made.value.platform);
+export const sessions = computed(() => made.value.sessions);
+export const onConflict = computed<Conflict>(() => made.value.on_conflict ?? "refuse");
+export const leastElevation_deg = computed(() => conditions.value.min_elevation_deg ?? 0);
 /** As many days as wanted, where an ephemeris goes on so long. */
 export const to_ms = computed(() => {
   const wanted = from_ms.value + days.value * 86_400_000;
   const last = reachOf(orbit.value)?.to_ms ?? wanted;
   return last > from_ms.value ? Math.min(wanted, last) : wanted;
 });
-export const leastElevation_deg = signal(20);
-/** The plan that this one is to replace. */
-export const revises = signal<string | null>(null);
-
 export const session = computed<DraftSession>(() => sessions.value[chosen.value] ?? {});
 /** Stays the same while only the times change. */
 export const target = computed(() => session.value.target);
 export const isComplete = computed(() => sessions.value.every((one) => one.target && one.start && one.stop));
 
+const wantedKind = signal<{ of: Target | undefined; kind: string } | null>(null);
+/** The kind of target that is entered, and that a click on the map makes. */
+export const kind = computed<string>(() => {
+  const wanted = wantedKind.value;
+  if (wanted && wanted.of === target.value) return wanted.kind;
+  return target.value ? kindOf(target.value) : "ground";
+});
+
 /** As the service takes it, sessions in order of time; only when it is complete. */
 export const request = computed<PlanRequest>(() => ({
-  ...rest.value,
-  name: name.value,
-  orbit: orbit.value,
-  attitude: attitude.value,
+  ...made.value,
+  name: made.value.name || targetsTold(),
   sessions: sessions.value as Session[],
   on_conflict: onConflict.value,
 }));
 
+/** Targets by name, as a plan is called that has no other. */
+export function targetsTold(): string {
+  const names = sessions.value.flatMap((one) => (one.target ? [one.name ?? textOf(one.target)] : []));
+  return `${names.slice(0, NAMED_TARGETS).join(", ")}${names.length > NAMED_TARGETS ? "…" : ""}`;
+}
+
+export function change(members: Partial<DraftRequest>): void {
+  made.value = { ...made.value, ...members };
+}
+
+export function setKind(next: string): void {
+  wantedKind.value = { of: target.peek(), kind: next };
+}
+
 export function setOrbit(next: Orbit): void {
   batch(() => {
-    orbit.value = next;
     from_ms.value = searchStart(next, Date.now());
-    sessions.value = sessions.value.map(({ start: _, stop: __, ...one }) => one);
-    forgetInitialState();
+    change({ orbit: next, sessions: sessions.value.map(({ start: _, stop: __, ...one }) => one) });
+    forgetInitialEpoch();
   });
 }
 
-export function setTarget(target: Target): void {
+/** Another target: neither names nor times of the one before are its. */
+export function setTarget(next: Target): void {
   batch(() => {
-    if (!revises.value && sessions.value.length === 1) name.value = "";
+    if (!revises.value && sessions.value.length === 1) change({ name: "" });
     const { start: _, stop: __, id: ___, name: ____, ...one } = session.value;
-    replaceChosen({ ...one, target });
-    forgetInitialState();
+    replaceChosen({ ...one, target: next });
+    forgetInitialEpoch();
   });
+}
+
+/** The same target told more closely; its session is placed anew where that moves it. */
+export function refineTarget(next: Target, { isMoved = false } = {}): void {
+  const { start, stop, ...one } = session.value;
+  replaceChosen({ ...one, ...(!isMoved && { start, stop }), target: next });
+}
+
+export function changeSession(members: DraftSession): void {
+  replaceChosen(members);
 }
 
 /** In order of time, as the service wants sessions. */
@@ -79,43 +134,48 @@ export function setTimes(start: string, stop: string): void {
     const changed = { ...session.value, start, stop };
     replaceChosen(changed);
     const sorted = [...sessions.value].sort((one, other) => begin(one) - begin(other));
-    sessions.value = sorted;
+    change({ sessions: sorted });
     chosen.value = sorted.indexOf(changed);
-    forgetInitialState();
+    forgetInitialEpoch();
   });
 }
 
+/** An empty one, unless there is one already. */
 export function addSession(): void {
   batch(() => {
-    sessions.value = [...sessions.value, {}];
-    chosen.value = sessions.value.length - 1;
+    const empty = sessions.value.findIndex((one) => !one.target && !one.start);
+    if (empty < 0) change({ sessions: [...sessions.value, {}] });
+    chosen.value = empty < 0 ? sessions.value.length - 1 : empty;
   });
 }
 
 export function removeSession(number: number): void {
   batch(() => {
     const left = sessions.value.filter((_, index) => index !== number);
-    sessions.value = left.length ? left : [{}];
+    change({ sessions: left.length ? left : [{}] });
     chosen.value = Math.min(chosen.value, sessions.value.length - 1);
-    forgetInitialState();
+    forgetInitialEpoch();
   });
 }
 
-/** Put a request that was planned before into the form. */
-export function load(asked: PlanRequest, replaces: string | null): void {
+/** Put a request that was planned before, or comes from a file, into the form. */
+export function load(asked: PlanRequest | DraftRequest, replaces: string | null, from: string | null = null): void {
   batch(() => {
-    rest.value = asked;
-    orbit.value = asked.orbit;
-    attitude.value = asked.attitude;
-    name.value = asked.name ?? "";
-    sessions.value = asked.sessions;
+    made.value = asked as DraftRequest;
     chosen.value = 0;
-    onConflict.value = asked.on_conflict ?? "refuse";
     const first = Date.parse(asked.sessions[0]?.start ?? "");
     const start = searchStart(asked.orbit, Date.now());
     from_ms.value = Number.isFinite(first) && first < start ? first - 3_600_000 : start;
     revises.value = replaces;
+    loaded.value = from;
+    wantedKind.value = null;
   });
+}
+
+/** The request that a JSON text holds; null for what has no orbit, attitude and sessions. */
+export function requestOf(read: unknown): DraftRequest | null {
+  const isRequest = isMembers(read) && isMembers(read.orbit) && isMembers(read.attitude) && Array.isArray(read.sessions);
+  return isRequest && (read.sessions as unknown[]).every(isMembers) ? (read as unknown as DraftRequest) : null;
 }
 
 function begin(one: DraftSession): number {
@@ -123,11 +183,48 @@ function begin(one: DraftSession): number {
 }
 
 function replaceChosen(next: DraftSession): void {
-  sessions.value = sessions.value.map((one, index) => (index === chosen.value ? next : one));
+  change({ sessions: sessions.value.map((one, index) => (index === chosen.value ? next : one)) });
 }
 
-/** It was made for other times: without one the service begins as early as a gentle slew wants. */
-function forgetInitialState(): void {
-  const { initial_state: _, ...others } = rest.value;
-  rest.value = others as PlanRequest;
+/** It was of other times: without one the service begins as early as a gentle slew wants. */
+function forgetInitialEpoch(): void {
+  const { initial_state: state, ...others } = made.value;
+  if (!state?.epoch) return;
+  const { epoch: _, ...rest } = state;
+  made.value = Object.keys(rest).length ? { ...others, initial_state: rest } : others;
 }
+
+function readKept(): Kept | null {
+  const text = sessionStorage.getItem(KEPT);
+  const read: unknown = text === null ? null : JSON.parse(text);
+  return isMembers(read) && requestOf(read.request) ? (read as unknown as Kept) : null;
+}
+
+let pending = 0;
+let unkept: Kept | null = null;
+
+function keep(): void {
+  if (!unkept) return;
+  try {
+    sessionStorage.setItem(KEPT, JSON.stringify(unkept));
+    isKept.value = true;
+  } catch {
+    isKept.value = false; // which the form says
+  }
+  unkept = null;
+}
+
+effect(() => {
+  unkept = {
+    request: made.value,
+    chosen: chosen.value,
+    from_ms: from_ms.value,
+    days: days.value,
+    conditions: conditions.value,
+    revises: revises.value,
+    loaded: loaded.value,
+  };
+  clearTimeout(pending);
+  pending = setTimeout(keep, QUIET_MS) as unknown as number;
+});
+window.addEventListener("pagehide", keep);

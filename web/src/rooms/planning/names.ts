@@ -2,7 +2,7 @@
 import { get } from "../../api/client";
 import { number } from "../../i18n/forms";
 import type { Offer } from "../../parts/Combobox";
-import { groundOf } from "./target";
+import { groundOf, type Point, pointOf } from "./target";
 
 const LEAST_LETTERS = 2;
 
@@ -23,4 +23,13 @@ export function stars(begun: string, until: AbortSignal): Promise<Offer[]> | nul
   return get("/v1/stars", { query: { begin }, signal: until }).then((answer) =>
     answer.stars.map(({ name, hip }) => ({ value: name, told: `HIP ${hip}` })),
   );
+}
+
+/** The point that coordinates or a place's name mean, of places of one name the most populous; null for neither. */
+export async function resolvePoint(text: string, until?: AbortSignal): Promise<Point | null> {
+  const point = pointOf(text);
+  if (point || text.trim().length < LEAST_LETTERS) return point;
+  const { places } = await get("/v1/places", { query: { begin: text.trim() }, signal: until });
+  const [first] = places;
+  return first ? { latitude_deg: first.latitude_deg, longitude_deg: first.longitude_deg, height_m: first.height_m } : null;
 }

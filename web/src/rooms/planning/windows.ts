@@ -7,7 +7,8 @@ import { isAbort } from "../../api/problem";
 import { rfc3339 } from "../../i18n/forms";
 import { lightOf } from "../../windows/sight";
 import * as draft from "./draft";
-import type { Target } from "./target";
+import { platforms, slewTime_s } from "./platforms";
+import { durationOf, middleOf, type Target } from "./target";
 
 export type Window = Schemas["WindowOut"];
 
@@ -36,7 +37,9 @@ const EDGES: ReadonlySet<string> = new Set(["reach", "across", "mask", "sun_keep
 const AWAY_FROM_A_STOP = 0.05;
 const GRID_MS = 200; // of the command table
 const EDGE_MS = 1000;
+const LEAST_MS = 2000; // of a session
 const NEAR_MS = 3_600_000;
+const SAFE_SHARE = 0.98; // the path's length is known over a sphere only
 
 /** The window that a session lies in or near, to draw it by. */
 export function windowNear(windows: readonly Window[], one: draft.DraftSession): Window | null {
@@ -47,17 +50,25 @@ export function windowNear(windows: readonly Window[], one: draft.DraftSession):
   return nearest && away(nearest) < NEAR_MS ? nearest : null;
 }
 
-/** The session that a click on a window takes: what other sessions leave of what can be held, away
-    from its stops, of a long one the middle minutes; null where nothing is left. */
+/** The session that a click on a window takes: what other sessions and the slews from and to them leave
+    of what can be held, away from its stops, of a long one the middle minutes; null where nothing is left. */
 export function sessionIn(window: Window): { start: string; stop: string } | null {
   if (!window.session) return null;
-  const free = longestFree(...held(window, window.session));
+  const free = longestFree(window, ...held(window, window.session));
   if (!free) return null;
   const [first, last] = free;
-  if (last - first <= LONGEST_S * 1000) return { start: rfc3339(first), stop: rfc3339(last) };
-  const half = (LONGEST_S * 1000) / 2;
+  const longest_ms = longestOf(draft.target.peek());
+  if (last - first <= longest_ms) return { start: rfc3339(first), stop: rfc3339(last) };
+  const half = longest_ms / 2;
   const start = Math.round((first + last) / 2000) * 1000 - half;
   return { start: rfc3339(start), stop: rfc3339(start + 2 * half) };
+}
+
+/** A path is scanned once; another target is held for some minutes. */
+function longestOf(target: Target | undefined): number {
+  if (target?.mode !== "ground_path") return LONGEST_S * 1000;
+  const scan_ms = Math.floor((SAFE_SHARE * durationOf(target) * 1000) / (2 * GRID_MS)) * 2 * GRID_MS;
+  return Math.max(LEAST_MS, Math.min(scan_ms, LONGEST_S * 1000));
 }
 
 /** What can be held, without the part next to an end that a stop, a cone, a mask or a rate makes. */
@@ -71,20 +82,57 @@ function held(window: Window, session: NonNullable<Window["session"]>): [number,
   ];
 }
 
-/** Of a span of time, what the sessions beside the chosen one leave in one piece. */
-function longestFree(first: number, last: number): [number, number] | null {
+/** Of a span of time, what the sessions beside the chosen one leave in one piece, with time for the slews. */
+function longestFree(window: Window, first: number, last: number): [number, number] | null {
   const others = draft.sessions
     .peek()
     .filter((one, number) => number !== draft.chosen.peek() && one.start && one.stop)
     .map((one) => [Date.parse(one.start ?? ""), Date.parse(one.stop ?? "")] as const)
     .sort((one, other) => one[0] - other[0]);
   let [from, longest] = [first, null as [number, number] | null];
-  for (const [start, stop] of [...others, [last, last] as const]) {
-    const to = Math.min(start, last);
-    if (to - from > (longest ? longest[1] - longest[0] : 0)) longest = [from, to];
-    from = Math.max(from, stop);
+  for (const [start, stop] of [...others, [Infinity, Infinity] as const]) {
+    const to = Math.min(last, Number.isFinite(start) ? onRow(start - slewBetween_ms(window, start), Math.floor) : last);
+    if (to - from >= LEAST_MS && to - from > (longest ? longest[1] - longest[0] : 0)) longest = [from, to];
+    if (Number.isFinite(stop)) from = Math.max(from, onRow(stop + slewBetween_ms(window, stop), Math.ceil));
   }
   return longest;
+}
+
+function onRow(ms: number, round: (count: number) => number): number {
+  return round(ms / GRID_MS) * GRID_MS;
+}
+
+/** Time of a slew between another session's end, or beginning, and this window at about that time. */
+function slewBetween_ms(window: Window, edge_ms: number): number {
+  return 1000 * slewTime_s(angles.get(edge_ms) ?? null, anglesAt(window, edge_ms));
+}
+
+/** Angles of the axes at the ends of sessions that were placed in a window, by the time; degrees. */
+const angles = new Map<number, Record<string, number>>();
+
+/** As the window has them nearest to an instant; null where it tells none. */
+function anglesAt(window: Window, at_ms: number): Record<string, number> | null {
+  const { at, angles_deg } = window.through;
+  const nearest = at.reduce(
+    (best, instant, index) =>
+      Math.abs(Date.parse(instant) - at_ms) < Math.abs(Date.parse(at[best] ?? "") - at_ms) ? index : best,
+    0,
+  );
+  const found = Object.entries(angles_deg).flatMap(([axis, values]) => {
+    const value = values[nearest];
+    return value === null || value === undefined ? [] : [[axis, value] as const];
+  });
+  return found.length ? Object.fromEntries(found) : null;
+}
+
+/** Remembers where the axes are at the chosen session's ends, for the one that is placed beside it. */
+function rememberAngles(windows: readonly Window[]): void {
+  const one = draft.session.peek();
+  const window = windowOf(windows, one);
+  for (const instant of [one.start, one.stop]) {
+    const known = window && instant ? anglesAt(window, Date.parse(instant)) : null;
+    if (known && instant) angles.set(Date.parse(instant), known);
+  }
 }
 
 /** The window that a session lies in. */
@@ -112,6 +160,24 @@ function isOneOf(modes: readonly string[], mode: string): boolean {
 
 let last: string | null = null;
 
+/** The target that windows are looked for: of a path the point halfway; null where there are none. */
+export function searchedOf(target: Target | undefined): Target | null {
+  if (!target) return null;
+  if (target.mode === "ground_path") {
+    const middle = middleOf(target.points);
+    return middle && target.points.length > 1 ? { mode: "ground", ...middle } : null;
+  }
+  return isOneOf(SEARCHED_MODES, target.mode) ? target : null;
+}
+
+/** Conditions on the ground mean nothing for a target in space. */
+function conditionsFor(target: Target): draft.Conditions {
+  const { min_elevation_deg, sun_elevation_min_deg, sun_elevation_max_deg, ...others } = draft.conditions.peek();
+  return isOneOf(EARTH_FIXED_MODES, target.mode)
+    ? { min_elevation_deg, sun_elevation_min_deg, sun_elevation_max_deg, ...others }
+    : others;
+}
+
 async function search(target: Target, until: AbortSignal): Promise<void> {
   isSearching.value = true;
   searchError.value = null;
@@ -119,13 +185,13 @@ async function search(target: Target, until: AbortSignal): Promise<void> {
     const answer = await post(
       "/v1/opportunities",
       {
-        platform: draft.request.peek().platform,
+        platform: draft.platform.peek(),
         orbit: draft.orbit.peek(),
         attitude: draft.attitude.peek(),
         targets: [{ id: "target", target }],
         start: rfc3339(draft.from_ms.peek()),
         stop: rfc3339(draft.to_ms.peek()),
-        conditions: isOneOf(EARTH_FIXED_MODES, target.mode) ? { min_elevation_deg: draft.leastElevation_deg.peek() } : {},
+        conditions: conditionsFor(target),
         samples: SAMPLES,
       },
       { signal: until },
@@ -141,6 +207,7 @@ async function search(target: Target, until: AbortSignal): Promise<void> {
     const taken = !draft.session.peek().start && best(answer.windows);
     const times = taken && sessionIn(taken);
     if (times) draft.setTimes(times.start, times.stop);
+    rememberAngles(answer.windows);
   } catch (error) {
     if (isAbort(error)) return;
     found.value = null;
@@ -152,16 +219,20 @@ async function search(target: Target, until: AbortSignal): Promise<void> {
 /** Until the room is left. */
 export function keepSearching(): () => void {
   let shown = "";
-  return effect(() => {
-    const target = draft.target.value;
+  const remembering = effect(() => {
+    if (found.value && draft.session.value) rememberAngles(found.value.windows);
+  });
+  const searching = effect(() => {
+    const target = searchedOf(draft.target.value);
     // Another target's windows are not to be taken for this one's.
     if (JSON.stringify(target) !== shown) found.value = null;
     shown = JSON.stringify(target);
     // What the answer depends on, whose change asks anew; times of sessions are not part of it.
-    void [draft.orbit.value, draft.attitude.value, draft.from_ms.value, draft.days.value];
-    void [draft.leastElevation_deg.value, retries.value];
-    if (!target || !isOneOf(SEARCHED_MODES, target.mode)) {
+    void [draft.orbit.value, draft.attitude.value, draft.platform.value, draft.from_ms.value, draft.days.value];
+    void [draft.conditions.value, retries.value];
+    if (!target || !platforms.value) {
       found.value = null;
+      searchError.value = null;
       isSearching.value = false;
       return;
     }
@@ -172,4 +243,8 @@ export function keepSearching(): () => void {
       wanted.abort();
     };
   });
+  return () => {
+    searching();
+    remembering();
+  };
 }

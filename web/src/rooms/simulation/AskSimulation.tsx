@@ -6,8 +6,10 @@ import { sendOffFlights } from "../../api/job";
 import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { instant, percent } from "../../i18n/forms";
+import { labelOf } from "../../i18n/labels";
 import { Field } from "../../parts/Field";
 import { Link } from "../../parts/Link";
+import { PlanField, useKeptPlan } from "../../parts/PlanField";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { go, place } from "../../router";
 
@@ -15,14 +17,14 @@ const RUNS = 400;
 
 export function AskSimulation() {
   const text = words.value.simulation;
-  const done = useRequest("plans", (signal) => get("/v1/plans", { query: { state: "done", limit: 50 }, signal }));
   const before = useRequest("flights", (signal) => get("/v1/flights", { query: { limit: 20 }, signal }));
   const sending = useRequest<void>(null);
   const [plan, setPlan] = useState(place.value.query.get("plan") ?? "");
   const [runs, setRuns] = useState(RUNS);
   const [seed, setSeed] = useState(0);
   const flown = before.answer?.flights ?? [];
-  const error = sending.error ?? done.error ?? before.error;
+  const kept = useKeptPlan(plan);
+  const error = sending.error ?? before.error;
   const fly = (event: Event) => {
     event.preventDefault();
     void sending.ask(async (until) => go(`/flights/${(await sendOffFlights(plan.trim(), { runs, seed }, until)).id}`));
@@ -31,24 +33,7 @@ export function AskSimulation() {
     <>
       <p>{text.what}</p>
       <form class="panel fly" onSubmit={fly}>
-        <Field label={text.plan} hint={text.planHint}>
-          {(control) => (
-            <input
-              {...control}
-              required
-              list="plans-to-fly"
-              value={plan}
-              onInput={(event) => setPlan(event.currentTarget.value)}
-            />
-          )}
-        </Field>
-        <datalist id="plans-to-fly">
-          {done.answer?.plans.map((one) => (
-            <option key={one.id} value={one.id}>
-              {`${one.name}, ${instant(one.start ?? one.created)}`}
-            </option>
-          ))}
-        </datalist>
+        <PlanField id={plan} onId={setPlan} kept={kept} />
         <Field label={text.runs} hint={text.runsHint}>
           {(control) => (
             <input
@@ -84,7 +69,7 @@ export function AskSimulation() {
           <ul>
             {flown.map((one) => (
               <li key={one.id}>
-                <Link to={`/flights/${one.id}`}>{one.name || one.targets.join("; ") || one.id}</Link>, {instant(one.created)},{" "}
+                <Link to={`/flights/${one.id}`}>{labelOf(one)}</Link>, {text.asked(instant(one.created))},{" "}
                 {words.value.shell.states[one.state]}
                 {one.probability_in_frame !== null && `, ${percent(one.probability_in_frame)}`}
               </li>

@@ -7,6 +7,7 @@ export function Contributors({ contributors }: Pick<Flights, "contributors">) {
   const text = words.value.simulation;
   return (
     <div class="scroll-x" tabIndex={0} role="region" aria-label={text.share}>
+      <p class="hint">{text.contributorsHint}</p>
       <table>
         <thead>
           <tr>

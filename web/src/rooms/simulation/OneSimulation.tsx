@@ -4,10 +4,12 @@ import { Cancelled } from "../../api/job";
 import { useJob } from "../../api/request";
 import { words } from "../../i18n";
 import { percent, period } from "../../i18n/forms";
+import { nameOf } from "../../i18n/labels";
 import { Bar } from "../../parts/Bar";
 import { Identity } from "../../parts/Identity";
 import { Link } from "../../parts/Link";
 import { ProblemNotice } from "../../parts/ProblemNotice";
+import { checksum } from "../../parts/paper";
 import { Contributors } from "./Contributors";
 import { type Flights, intervalText } from "./flights";
 import { OverTime } from "./OverTime";
@@ -34,13 +36,14 @@ export function OneSimulation({ id }: { id: string }) {
   );
   if (!flights) return problem || <p class="loading">{text.shell.loading}</p>;
   const { platform, start, stop } = flights;
-  const name = flights.name || flights.targets.join(", ");
+  const name = nameOf(flights);
   return (
     <>
       <Identity
         name={name}
         parts={[start && stop && period(start, stop), platform].filter((part) => part !== null)}
-        proof={[flights.id]}
+        proof={[flights.id, checksum(flights.input_sha256)]}
+        made={{ at: flights.created, by: flights.requested_by }}
       />
       <p>
         <strong>{name}: </strong>

@@ -4,6 +4,7 @@ import { useMemo, useRef, useState } from "preact/hooks";
 import { useJob, useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { digits, number, percent, period } from "../../i18n/forms";
+import { nameOf } from "../../i18n/labels";
 import { AtWork } from "../../parts/AtWork";
 import { Identity } from "../../parts/Identity";
 import { JobEnded } from "../../parts/JobEnded";
@@ -27,20 +28,21 @@ export function OneSession({ id }: { id: string }) {
   return (
     <div class="room">
       <div class="row heading">
-        <h1>{answer?.name || words.value.shell.rooms.spacecraft}</h1>
+        <h1>{session ? nameOf({ ...session.summary, id }) : answer?.name || words.value.shell.rooms.spacecraft}</h1>
         <Link to={`/spacecraft?from=${id}`} class="button">
           {words.value.plan.one.change}
         </Link>
       </div>
       {session && (
         <Identity
-          name={session.name || session.summary.targets.join(", ")}
+          name={nameOf({ ...session.summary, id })}
           parts={[
             period(session.summary.start, session.summary.stop),
             session.spacecraft,
             words.value.plan.one.identity.revision(session.revision),
           ]}
           proof={[id, checksum(session.provenance.input_sha256)]}
+          made={{ at: session.provenance.planned_at, by: session.requested_by }}
         />
       )}
       {error !== null && (

@@ -2,7 +2,7 @@
 import type { ComponentChildren } from "preact";
 
 import { words } from "../../i18n";
-import { clock, digits, number } from "../../i18n/forms";
+import { digits, fixed, number, period } from "../../i18n/forms";
 import type { Comparison } from "./compare";
 
 type AxisComparison = Comparison["axes"][string];
@@ -16,14 +16,14 @@ export function Axis({ name, axis }: { name: string; axis: AxisComparison }) {
         {text.errors(digits(axis.rms_arcsec), digits(axis.max_arcsec), text.bases[axis.basis])}{" "}
         {axis.lag_s === null || axis.lag_sigma_s === null
           ? text.noLag
-          : text.lag(axis.lag_s.toFixed(4), axis.lag_sigma_s.toFixed(4))}{" "}
+          : text.lag(fixed(axis.lag_s, 4), fixed(axis.lag_sigma_s, 4))}{" "}
         {axis.gain &&
           axis.bias &&
           text.gain(
-            axis.gain.value.toFixed(6),
-            axis.gain.sigma.toFixed(6),
-            axis.bias.value.toFixed(2),
-            axis.bias.sigma.toFixed(2),
+            fixed(axis.gain.value, 6),
+            fixed(axis.gain.sigma, 6),
+            fixed(axis.bias.value, 2),
+            fixed(axis.bias.sigma, 2),
             axis.bias_unit,
           )}
       </p>
@@ -106,9 +106,7 @@ function Stretches({ axis, title, columns, rows }: Props) {
         <tbody>
           {rows.map(({ start, stop, values }) => (
             <tr key={start + stop}>
-              <td class="mono">
-                {clock(start)} – {clock(stop)}
-              </td>
+              <td class="mono">{period(start, stop).replace(" UTC", "")}</td>
               {values.map((value, index) => (
                 <td key={index}>{value}</td>
               ))}

@@ -1,82 +1,89 @@
 /** Telemetry beside a kept plan: a CSV is compared with its table. */
-import { useEffect, useState } from "preact/hooks";
+import { useMemo, useState } from "preact/hooks";
 
+import { save } from "../../api/download";
 import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
-import { instant } from "../../i18n/forms";
+import { fixed, period } from "../../i18n/forms";
 import { DropZone } from "../../parts/DropZone";
-import { Field } from "../../parts/Field";
 import { Identity } from "../../parts/Identity";
+import { NextPlan } from "../../parts/NextPlan";
+import { PlanField, useKeptPlan } from "../../parts/PlanField";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { checksum } from "../../parts/paper";
 import type { RoomProps } from "../../room";
 import { place } from "../../router";
+import { fileNameOf, nameOf } from "../plan/identity";
+import type { Plan } from "../plan/plan";
 import { Axis } from "./Axis";
-import { type Compared, compare, requestOf } from "./compare";
+import { Columns } from "./Columns";
+import { namesIn, renamed } from "./columns";
+import { type Compared, compare, type ImageOffset } from "./compare";
+import { Flight } from "./Flight";
+import { Offsets } from "./Offsets";
 import { Samples } from "./Samples";
 import "./telemetry.css";
 
 export default function TelemetryRoom(_: RoomProps) {
   const text = words.value;
-  const [plan, setPlan] = useState(place.value.query.get("plan") ?? "");
-  const [columns, setColumns] = useState("");
+  const [id, setId] = useState(place.value.query.get("plan") ?? "");
   const [file, setFile] = useState<File | null>(null);
+  const [chosen, setChosen] = useState<Record<string, string>>({});
+  const [offsets, setOffsets] = useState<ImageOffset[]>([]);
+  const kept = useKeptPlan(id);
+  const read = useRequest<string[]>(file && `${file.name} ${file.size} ${file.lastModified}`, () =>
+    file ? namesIn(file) : Promise.resolve([]),
+  );
+  const names = read.answer ?? [];
+  const axes = useMemo(() => Object.keys(kept.plan?.margins ?? {}), [kept.plan]);
   const { answer: found, error, isAsking, ask } = useRequest<Compared>(null);
-  useEffect(() => () => void (found && URL.revokeObjectURL(found.picture)), [found]);
 
   const submit = (event: Event) => {
     event.preventDefault();
-    if (file) void ask((until) => compare(requestOf(plan.trim(), columns), file, until));
+    if (file) void ask((until) => compare({ plan: id, columns: renamed(names, chosen), offsets }, file, until));
   };
   return (
     <div class="room">
       <h1>{text.shell.rooms.telemetry}</h1>
       <p>{text.telemetry.what}</p>
-      <form class="panel" onSubmit={submit}>
-        <Field label={text.telemetry.plan} hint={text.telemetry.planHint}>
-          {(control) => <input {...control} required value={plan} onInput={(event) => setPlan(event.currentTarget.value)} />}
-        </Field>
+      <form class="panel no-print" onSubmit={submit}>
+        <PlanField id={id} onId={setId} kept={kept} />
         <DropZone label={text.telemetry.file} accept=".csv,.txt,text/csv" onFile={setFile}>
           <p class="small">{file ? file.name : text.telemetry.fileHint}</p>
         </DropZone>
-        <Field label={text.telemetry.columns} hint={text.telemetry.columnsHint}>
-          {(control) => (
-            <input
-              {...control}
-              value={columns}
-              placeholder='{"t_s": "Time", "alpha_deg": "AZ", "beta_deg": "EL"}'
-              onInput={(event) => setColumns(event.currentTarget.value)}
-            />
-          )}
-        </Field>
-        <button type="submit" class="primary" disabled={!plan.trim() || !file || isAsking}>
+        {names.length > 0 && axes.length > 0 && <Columns names={names} axes={axes} chosen={chosen} onChosen={setChosen} />}
+        {kept.plan && <Offsets epoch={kept.plan.summary.start} offsets={offsets} onOffsets={setOffsets} />}
+        <button type="submit" class="primary" disabled={!id || !file || isAsking}>
           {text.telemetry.compare}
         </button>{" "}
         <span role="status">{isAsking && text.telemetry.atWork}</span>
       </form>
       {error !== null && <ProblemNotice error={error} />}
-      {found && <Told found={found} />}
+      {found && <Told found={found} plan={kept.plan?.id === found.comparison.plan ? kept.plan : null} />}
     </div>
   );
 }
 
-function Told({ found: { comparison, picture } }: { found: Compared }) {
+function Told({ found, plan }: { found: Compared; plan: Plan | null }) {
   const text = words.value.telemetry;
-  const { time_offset_s, clock_drift, ideal_offset_s, inseparable } = comparison;
+  const { comparison, flown } = found;
+  const { time_offset_s, clock_drift, ideal_offset_s, inseparable, samples, corrections, platform } = comparison;
+  const drift_ppm = [1e6 * clock_drift.value, 1e6 * clock_drift.sigma].map((ppm) => fixed(ppm, 2));
   return (
     <>
       <Identity
-        name={comparison.name || comparison.plan}
-        parts={[instant(comparison.epoch)]}
+        name={plan ? nameOf(plan) : comparison.name || comparison.plan}
+        parts={[text.of, period(samples.start, samples.stop), ...(plan ? [plan.platform] : [])]}
         proof={[comparison.plan, checksum(comparison.provenance.input_sha256)]}
+        made={{ at: comparison.provenance.planned_at }}
       />
       <section class="panel" aria-labelledby="clock" data-testid="comparison">
         <h2 id="clock">{text.clock}</h2>
         <p>
-          {text.offset(time_offset_s.value.toFixed(4), time_offset_s.sigma.toFixed(4))}{" "}
-          {text.drift((Math.round(1e8 * clock_drift.value) / 100 + 0).toFixed(2), (1e6 * clock_drift.sigma).toFixed(2))}
+          {text.offset(fixed(time_offset_s.value, 4), fixed(time_offset_s.sigma, 4))}{" "}
+          {text.drift(drift_ppm[0] ?? "", drift_ppm[1] ?? "")}
         </p>
-        {ideal_offset_s && <p>{text.ideal(ideal_offset_s.value.toFixed(6), ideal_offset_s.sigma.toFixed(6))}</p>}
+        {ideal_offset_s && <p>{text.ideal(fixed(ideal_offset_s.value, 6), fixed(ideal_offset_s.sigma, 6))}</p>}
         {inseparable.map(({ members }) => (
           <p key={members.join()} class="small">
             {text.inseparable(members.join(", "))}
@@ -87,18 +94,57 @@ function Told({ found: { comparison, picture } }: { found: Compared }) {
             {warning}
           </p>
         ))}
-        <img src={picture} alt={text.picture} class="flight-picture" />
       </section>
+      <Flight comparison={comparison} flown={flown} />
       {Object.entries(comparison.axes).map(([name, axis]) => (
         <Axis key={name} name={name} axis={axis} />
       ))}
-      <Samples samples={comparison.samples} />
-      {comparison.corrections.length > 0 && (
-        <details class="panel">
-          <summary>{text.corrections}</summary>
-          <pre tabIndex={0}>{JSON.stringify(comparison.corrections, null, 2)}</pre>
-        </details>
-      )}
+      <Samples samples={samples} />
+      <section class="panel" aria-labelledby="learnt">
+        <h2 id="learnt">{text.learnt}</h2>
+        {corrections.length > 0 || platform ? (
+          <>
+            <NextPlan plan={comparison.plan} learnt={{ corrections, platform }} />
+            <details>
+              <summary>{text.corrections}</summary>
+              <pre tabIndex={0}>{JSON.stringify(corrections, null, 2)}</pre>
+            </details>
+          </>
+        ) : (
+          <p class="small">{text.nothingLearnt}</p>
+        )}
+      </section>
+      <Export found={found} stem={`${plan ? fileNameOf(plan) : comparison.plan}_telemetry`} />
     </>
+  );
+}
+
+function Export({ found: { comparison, table, file }, stem }: { found: Compared; stem: string }) {
+  const saving = useRequest<void>(null);
+  const picture = (format: "png" | "svg") => void saving.ask(async () => save(await file(format), `${stem}.${format}`));
+  const numbers = () => save(new Blob([JSON.stringify(comparison, null, 1)], { type: "application/json" }), `${stem}.json`);
+  const text = words.value.telemetry;
+  return (
+    <section class="panel no-print" aria-labelledby="telemetry-export">
+      <h2 id="telemetry-export">{words.value.plan.take.title}</h2>
+      {saving.error !== null && <ProblemNotice error={saving.error} />}
+      <div class="row">
+        <button type="button" onClick={() => save(table, `${stem}.csv`)}>
+          {text.exports.csv}
+        </button>
+        <button type="button" onClick={numbers}>
+          {text.exports.json}
+        </button>
+        <button type="button" onClick={() => picture("svg")}>
+          {text.exports.svg}
+        </button>
+        <button type="button" onClick={() => picture("png")}>
+          {text.exports.png}
+        </button>
+        <button type="button" onClick={() => window.print()}>
+          {words.value.plan.take.print}
+        </button>
+      </div>
+    </section>
   );
 }

@@ -1,0 +1,110 @@
+"""The summary of a plan: its sessions with their targets, times, elevations and probabilities."""
+
+import math
+from typing import Annotated
+
+import numpy as np
+
+from planner.base.answer_members import Count, Member, NotNegative, Share, answer
+from planner.planning.opportunities.ground_sample import sample_along_m
+from planner.planning.sessions.plan import Plan
+from planner.world.frames.time_scales import Utc
+
+
+@answer
+class SessionSummary:
+    """One session as it is planned.
+
+    session: its number, from 0.
+    id: as the request gives it; null for none. E.g. `"LV-7"`.
+    name: as the request gives it; null for none. E.g. `"Las Vegas, east"`.
+    mode: of the target. E.g. `"ground"`.
+    target: the target in a few words. E.g. `"36.1147, -115.1728"`.
+    start_utc: its first row; UTC.
+    stop_utc: its last row; UTC.
+    best_elevation_rad: the carrier's highest in the target's sky during the session; null unless
+    the target is on the Earth. E.g. `72.3`.
+    best_at_utc: time of it; UTC. E.g. `"2015-02-27T17:36:58.000Z"`.
+    probability_in_frame: that the target stays inside the camera's frame over the whole session;
+    null for a test motion. E.g. `0.97`.
+    ground_sample_m: the longer side of a pixel of 0.678 arcsec on the ground where the carrier is
+    nearest; null unless the target is on the Earth. E.g. `1.33`.
+    """
+
+    session: Count
+    id: str | None
+    name: str | None
+    mode: str
+    target: str
+    start_utc: Utc
+    stop_utc: Utc
+    best_elevation_rad: Annotated[float, Member("deg", -90.0, 90.0)] | None
+    best_at_utc: Utc | None
+    probability_in_frame: Share | None
+    ground_sample_m: NotNegative | None
+
+
+@answer
+class PlanSummary:
+    """Summary of a plan.
+
+    name: as the request gives it.
+    platform: the platform's name.
+    targets: targets of its sessions, each once: names, or else ids, or else the target in a few
+    words.
+    start_utc: of the first session; UTC.
+    stop_utc: of the last session; UTC.
+    probability_in_frame: the least of any session's; null without any. E.g. `0.97`.
+    sessions: in order of time.
+    """
+
+    name: str
+    platform: str
+    targets: tuple[str, ...]
+    start_utc: Utc
+    stop_utc: Utc
+    probability_in_frame: Share | None
+    sessions: tuple[SessionSummary, ...]
+
+
+def summarise(plan: Plan) -> PlanSummary:
+    """Of a plan as it was made."""
+    scenario = plan.scenario
+    return PlanSummary(
+        name=scenario.name,
+        platform=scenario.platform.name,
+        targets=tuple(dict.fromkeys(one.label for one in scenario.sessions if one.label)),
+        start_utc=scenario.sessions[0].start,
+        stop_utc=scenario.sessions[-1].stop,
+        probability_in_frame=plan.probability_in_frame,
+        sessions=tuple(_summarise_session(plan, number) for number in range(len(plan.budgets))),
+    )
+
+
+def _summarise_session(plan: Plan, number: int) -> SessionSummary:
+    session, budget = plan.scenario.sessions[number], plan.budgets[number]
+    seen = next((one for one in plan.verification.sessions if one.session == number), None)
+    highest_rad, nearest_m = (seen.elevation_max_rad, seen.range_min_m) if seen else (None, None)
+    pixel_rad = plan.scenario.platform.camera.pixel_rad
+    return SessionSummary(
+        session=number,
+        id=session.id,
+        name=session.name,
+        mode=session.target.mode,
+        target=session.target.label,
+        start_utc=session.start,
+        stop_utc=session.stop,
+        best_elevation_rad=highest_rad,
+        best_at_utc=seen.elevation_max_utc if seen else None,
+        probability_in_frame=None if budget is None else budget.probability_in_frame,
+        ground_sample_m=None
+        if highest_rad is None or nearest_m is None
+        else _ground_sample_m(highest_rad, nearest_m, pixel_rad),
+    )
+
+
+def _ground_sample_m(elevation_rad: float, range_m: float, pixel_rad: float) -> float | None:
+    """The carrier is nearest and highest at once, to a few metres of the range."""
+    sine = np.array(math.sin(elevation_rad))
+    sample_m = float(sample_along_m(sine, np.array(range_m), pixel_rad))
+    return None if math.isnan(sample_m) else sample_m

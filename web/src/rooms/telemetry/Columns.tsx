@@ -1,0 +1,39 @@
+/** Columns of the file, each with what it holds: by its name, or as it is chosen. */
+import { words } from "../../i18n";
+import { meaningOf, meaningsFor } from "./columns";
+
+interface Props {
+  names: readonly string[];
+  axes: readonly string[];
+  chosen: Record<string, string>;
+  onChosen: (chosen: Record<string, string>) => void;
+}
+
+export function Columns({ names, axes, chosen, onChosen }: Props) {
+  const text = words.value.telemetry;
+  const meanings = meaningsFor(axes);
+  return (
+    <fieldset class="columns">
+      <legend>{text.columns}</legend>
+      <p class="hint">{text.columnsHint}</p>
+      <div class="columns-list">
+        {names.map((name) => (
+          <label key={name}>
+            <code>{name}</code>
+            <select
+              value={meaningOf(name, chosen, meanings)}
+              onChange={(event) => onChosen({ ...chosen, [name]: event.currentTarget.value })}
+            >
+              <option value="">{text.notRead}</option>
+              {meanings.map((one) => (
+                <option key={one} value={one}>
+                  {one}
+                </option>
+              ))}
+            </select>
+          </label>
+        ))}
+      </div>
+    </fieldset>
+  );
+}
