@@ -348,7 +348,7 @@ def _vertical(_: Desk, work: Work) -> bytes:
 def _comparison(desk: Desk, work: Work) -> bytes:
     from app.answers.members import provenance
     from app.requests.telemetry import read_comparison_head, read_comparison_request
-    from app.work.telemetry import PICTURES, SentTelemetry, compare_stored
+    from app.work.telemetry import FILES, SentTelemetry, compare_stored
 
     if work.files:
         sent = SentTelemetry(request=read_comparison_head(work.body), samples=work.files[0])
@@ -360,8 +360,8 @@ def _comparison(desk: Desk, work: Work) -> bytes:
         datetime.now(UTC),
         work.ask.query["format"],
     )
-    if picture not in (*PICTURES, "json"):
-        raise _invalid(f"must be one of {', '.join(PICTURES)}, not {picture!r}", "format")
+    if picture not in (*FILES, "json"):
+        raise _invalid(f"must be one of {', '.join(FILES)}, not {picture!r}", "format")
     return compare_stored(
         made.request,
         made.table_columns,
@@ -372,15 +372,19 @@ def _comparison(desk: Desk, work: Work) -> bytes:
     )
 
 
-def _names(kind: str, work: Work) -> bytes:
-    from app.answers import names
+def _names(kind: str, _: Desk, work: Work) -> bytes:
     from app.answers.members import to_json
+    from app.answers.names import KnownPlaces, KnownStars, PlatformList
+    from planner.world.platforms import PLATFORMS, definition_of
+    from planner.world.targets.autocomplete import places_beginning, stars_beginning
 
-    if kind == "platforms":
-        return to_json(names.platform_list())
     query = work.ask.query
-    known = names.known_places if kind == "places" else names.known_stars
-    return to_json(known(query["begin"], int(query["limit"])))
+    if kind == "platforms":
+        return to_json(PlatformList(platforms=[*map(definition_of, PLATFORMS.values())]))
+    begin, limit = query["begin"], int(query["limit"])
+    if kind == "places":
+        return to_json(KnownPlaces(places=places_beginning(begin, limit)))
+    return to_json(KnownStars(stars=stars_beginning(begin, limit)))
 
 
 _WAYS: dict[str, Callable[[Desk, Work], bytes]] = {
@@ -398,5 +402,5 @@ _WAYS: dict[str, Callable[[Desk, Work], bytes]] = {
     **{f"GET {kind}/ID": Desk.whole for kind in ("plans", "campaigns", "flights")},
     **{f"GET {kind}/ID/events": Desk.carry_out for kind in ("plans", "campaigns", "flights")},
     **{f"DELETE {kind}/ID": Desk.forget for kind in _KEPT},
-    **{f"GET {kind}": partial(lambda kind, _, work: _names(kind, work), kind) for kind in _NAMES},
+    **{f"GET {kind}": partial(_names, kind) for kind in _NAMES},
 }
