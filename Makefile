@@ -20,11 +20,12 @@ SUPPORTED := import sys; (3, 11) <= sys.version_info < (3, 14) or sys.exit("slew
 # Bytecode is made of what is imported, when it is: of all it would take a third of the time.
 PIP_INSTALL := $(BIN)/pip install --quiet --disable-pip-version-check --no-compile
 
+# compat: this folder goes on the path, or a script beside a clone in slewtrack/ would import that.
 .venv/installed: requirements.txt pyproject.toml
 	@$(PYTHON) -c '$(SUPPORTED)'
 	$(PYTHON) -m venv .venv
 	$(PIP_INSTALL) --require-hashes -r requirements.txt
-	$(PIP_INSTALL) --no-deps -e .
+	$(PIP_INSTALL) --no-deps --config-settings editable_mode=compat -e .
 	touch $@
 
 .venv/complete: requirements-dev.txt .venv/installed

@@ -13,9 +13,10 @@ from pathlib import Path
 import numpy as np
 from truth_rows import Row
 
-import slewtrack
 from app.requests.examples import LAS_VEGAS, PLAN_EXAMPLES
 from app.requests.plan import read_plan_request
+from planner.inflight.telemetry.compare import compare
+from planner.inflight.telemetry.samples import Samples, read_csv
 from planner.output.export.csv import table_csv
 from planner.planning.sessions.pipeline import make_plan
 from planner.world.plan import FlightPlan
@@ -45,7 +46,7 @@ def rows(flights: int) -> Iterator[Row]:
             gain * np.interp(t_s, fine_s, one) + chance.normal(0.0, NOISE_DEG, len(t_s))
             for gain, one in zip(gains, angles_deg, strict=True)
         ]
-        found = slewtrack.compare(plan, _csv(plan, offset_s + (1.0 + drift) * t_s, measured))
+        found = compare(plan, _samples(plan, offset_s + (1.0 + drift) * t_s, measured))
         clock = found.alignment
         off["drift"].append((clock.drift.value - drift) / clock.drift.sigma)
         if common_s := clock.common_offset_s:
@@ -76,7 +77,9 @@ def _flown(plan: FlightPlan) -> tuple[np.ndarray, list[np.ndarray]]:
     return np.array(flights[0][0]), [np.array(one[1]) for one in flights]
 
 
-def _csv(plan: FlightPlan, tag_s: np.ndarray, angles_deg: list[np.ndarray]) -> bytes:
-    names = [f"{name}_deg" for name in plan.scenario.platform.axis_names]
+def _samples(plan: FlightPlan, tag_s: np.ndarray, angles_deg: list[np.ndarray]) -> Samples:
+    axes = plan.scenario.platform.axis_names
+    names = [f"{name}_deg" for name in axes]
     lines = [f"{t:.6f},{a:.9f},{b:.9f}" for t, a, b in zip(tag_s, *angles_deg, strict=True)]
-    return "\n".join([",".join(["t_s", *names]), *lines]).encode()
+    csv = "\n".join([",".join(["t_s", *names]), *lines]).encode()
+    return read_csv(csv, axes, None, plan.table.epoch_utc, None)

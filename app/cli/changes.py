@@ -2,19 +2,22 @@
 
 import json
 from collections.abc import Sequence
-from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
 
-from app.answers.opportunities import windows_out
+from app.answers.members import provenance
+from app.answers.opportunities import whole_opportunities
+from app.answers.problem import problem_of as members_of
+from app.cli.service import RefusedThere
+from app.ids import new_id
 from app.requests.opportunities import read_opportunity_request
-from planner.base.errors import FieldError, InvalidInput, InvalidRequest
-from planner.planning.opportunities import OpportunityRequest, find_opportunities
-from planner.world.frames.time_scales import DAY_S, shifted_utc, utc_from_text, utc_text
-
-SEARCH_DAYS = 7
-LEAD_S = 120.0  # iss-hrc turns half a circle in 63 s: 3 deg/s, 1 deg/s2
-ELEVATION_MIN_DEG = 10.0  # unless the target says otherwise
+from app.work.campaign import answer_opportunities
+from planner.base.errors import InvalidInput, Refusal
+from planner.world.frames.time_scales import utc_from_text
+from slewtrack.client import next_pass
+from slewtrack.client.answers import Opportunities
+from slewtrack.client.problems import Refused, problem_of
+from slewtrack.client.reading import read
 
 
 def with_settings(body: bytes, settings: Sequence[str] | None) -> bytes:
@@ -79,71 +82,23 @@ def search_start(text: str | None) -> datetime:
 
 
 def at_next_pass(body: bytes, start_utc: datetime) -> tuple[bytes, str]:
-    """The request with its one session in the first window of its target, and what to say of it.
-
-    The axes rest until `LEAD_S` before the window, where the request has them, or at zero; or the
-    plan it goes on from says where they are.
-    """
+    """The request with its one session in the first window of its target, and what to say of it."""
     document = _object(body)
-    sessions = document.get("sessions")
-    if not isinstance(sessions, list) or len(sessions) != 1 or not isinstance(sessions[0], dict):
-        raise InvalidInput(
-            "--next-pass moves one session; choose passes of many targets by `slewtrack campaign`",
-            field="sessions",
-        )
-    [session] = sessions
-    found = find_opportunities(_search(document, session, start_utc))
-    window = next((one for one in windows_out(found) if one.session is not None), None)
-    if window is None or window.session is None:
-        raise InvalidInput(
-            f"the target isn't in sight within {SEARCH_DAYS} days after {utc_text(start_utc, 1)}",
-            field="sessions.0.target",
-        )
-    first_utc = utc_from_text(window.session.start)
-    sessions[0] = session | {"start": window.session.start, "stop": window.session.stop}
-    asked = document.get("initial_state", {})
-    if isinstance(asked, dict) and "after" not in asked:
-        epoch = utc_text(shifted_utc(first_utc, -LEAD_S), 1)
-        document["initial_state"] = _at_rest(found.axis_names) | asked | {"epoch": epoch}
-    told = (
-        f"next pass: {window.session.start} to {window.session.stop}, "
-        f"up to {window.highest_deg:.1f} deg high"
-    )
-    return json.dumps(document).encode(), told
-
-
-def _search(
-    document: dict[str, Any], session: dict[str, Any], start_utc: datetime
-) -> OpportunityRequest:
-    """For windows of the session's target that leave time for the slew."""
-    target = session.get("target")
-    asked = isinstance(target, dict) and "min_elevation_deg" in target
-    on_ground = isinstance(target, dict) and target.get("mode") in ("ground", "place")
-    elevation_deg = ELEVATION_MIN_DEG if on_ground and not asked else 0.0
-    first_utc = shifted_utc(start_utc, LEAD_S)
-    request = {
-        **{name: document[name] for name in _CARRIED_OVER if name in document},
-        "targets": [{"id": "next", "target": target}],
-        "start": utc_text(first_utc, 3),
-        "stop": utc_text(shifted_utc(first_utc, SEARCH_DAYS * DAY_S), 3),
-        "conditions": {"min_elevation_deg": elevation_deg},
-        "samples": 2,
-    }
     try:
-        return read_opportunity_request(json.dumps(request).encode())
-    except InvalidRequest as refused:
-        raise InvalidRequest(*map(_as_in_plan, refused.errors)) from None
+        window = next_pass.first_window(_found(next_pass.search_of(document, start_utc)))
+    except Refused as refused:
+        raise RefusedThere(refused.problem) from None
+    moved = next_pass.moved_to(window, document)
+    start, stop = moved["sessions"][0]["start"], moved["sessions"][0]["stop"]
+    told = f"next pass: {start} to {stop}, up to {window.highest_deg:.1f} deg high"
+    return json.dumps(moved).encode(), told
 
 
-def _as_in_plan(error: FieldError) -> FieldError:
-    """Named as the request for a plan has it."""
-    inside = error.field.removeprefix("targets.0.")
-    return error if inside == error.field else replace(error, field=f"sessions.0.{inside}")
-
-
-_CARRIED_OVER = ("platform", "orbit", "attitude")
-
-
-def _at_rest(axis_names: Sequence[str]) -> dict[str, Any]:
-    still = dict.fromkeys(axis_names, 0.0)
-    return {"angles_deg": still, "rates_deg_s": still}
+def _found(search: dict[str, Any]) -> Opportunities:
+    body = json.dumps(search).encode()
+    origin = provenance(datetime.now(UTC), body)
+    try:
+        found = answer_opportunities(read_opportunity_request(body), origin)
+    except Refusal as refusal:
+        raise next_pass.as_in_plan(problem_of(members_of(refusal))) from None
+    return read(Opportunities, json.loads(whole_opportunities(new_id(), found)))

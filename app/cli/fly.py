@@ -71,7 +71,7 @@ def fly(
 
 
 def print_flights(console: Console, found: Members) -> None:
-    """Probabilities, sessions, what is to blame, warnings."""
+    """Probabilities, sessions, causes of the errors, warnings."""
     console.print(
         Text.assemble(
             (f"{found['flown']} flights", "bold"),
@@ -100,7 +100,7 @@ def print_flights(console: Console, found: Members) -> None:
         ("object px", "moving_object_px", _range),
     )  # fmt: skip
     print_rows(
-        console, "to blame", found["contributors"],
+        console, "causes of the errors", found["contributors"],
         ("<cause", "cause"), ("of misses", "share", ".1%"), ("+-", "share_sigma", ".1%"),
         ("of smear", "smear_share", ".1%"), ("+-", "smear_share_sigma", ".1%"),
     )  # fmt: skip

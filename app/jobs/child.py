@@ -102,8 +102,8 @@ def _end(
         return end._replace(may_do_more=fit).to_bytes()
     except MemoryError:
         too_much = TooDemanding(
-            f"this takes more than the {bounds.memory_mib} MiB of memory it may; ask for less at "
-            "a time"
+            f"this took more than the {bounds.memory_mib} MiB of memory that a request may take; "
+            "ask for less at a time"
         )
         return Message("refused", too_much).to_bytes()
     except Exception as error:  # noqa: BLE001 (told to the parent, which raises it)

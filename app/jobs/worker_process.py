@@ -300,8 +300,8 @@ def _end(child: _Child, task: bytes, bounds: Bounds, on_progress: OnProgress | N
         exit_code = child.exit_code()
     if exit_code == -OVERTIME:
         raise TooDemanding(
-            f"this takes more than the {bounds.deadline_s:g} s of a processor that it may; ask for "
-            "less at a time"
+            f"this took more than the {bounds.deadline_s:g} s of a processor that a request may "
+            "take; ask for less at a time"
         )
     raise ChildDied(f"exit code {exit_code}")
 

@@ -14,7 +14,8 @@ from app.requests.campaign import read_campaign_request
 from app.requests.plan import write_plan_request
 from app.store.listing import Listing
 from app.work.progress import report
-from app.work.result import Part, Result
+from app.work.result import Part, PlannedPass, Result
+from planner.base.errors import Refusal
 from planner.planning.campaigns import CampaignRequest
 from planner.planning.opportunities import OpportunityRequest
 from planner.world.frames.time_scales import utc_from_text, utc_text
@@ -93,6 +94,20 @@ def _listing(platform: str, looks: Sequence[Mapping[str, Any]]) -> Listing:
         stop_utc=utc_from_text(looks[-1]["stop"]),
         targets=tuple(look["target"] for look in looks),
     )
+
+
+def plan_pass(part: Part) -> PlannedPass:
+    """The pass, without what can't be flown of it."""
+    from app.work.plan import plan_and_pack
+
+    while True:
+        try:
+            return PlannedPass(part=part, plan=plan_and_pack(part.request), refusal=None)
+        except Refusal as refusal:
+            repaired = without_refused(part, refusal.field, refusal.detail)
+            if repaired is None:
+                return PlannedPass(part=part, plan=None, refusal=refusal.detail)
+            part = repaired
 
 
 def without_refused(part: Part, field: str | None, detail: str) -> Part | None:

@@ -19,6 +19,8 @@ from numpy.typing import NDArray
 from scipy.signal import find_peaks
 from scipy.spatial.transform import Rotation
 
+from app.requests.opportunities import read_opportunity_request
+from app.requests.plan import read_plan_request
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.inflight.simulation.flight import fly
 from planner.motion.baseline import compare_with_spline
@@ -44,6 +46,7 @@ from planner.planning.opportunities.request import (
     OpportunityTarget,
 )
 from planner.planning.opportunities.windows import Windows
+from planner.planning.sessions.pipeline import make_plan
 from planner.planning.sessions.plan import Plan
 from planner.world.attitude import InertialAttitude
 from planner.world.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
@@ -67,7 +70,6 @@ from planner.world.targets import VisibleTarget
 from planner.world.targets.ground import GroundTarget
 from planner.world.targets.ground_moving import MovingGroundTarget
 from reproduction.report import Numbers
-from slewtrack import opportunities, plan, read_request
 
 # The requests of examples/, planned, and what there is to see of them.
 
@@ -82,10 +84,14 @@ def level_request(example: str) -> dict[str, Any]:
     return {**request, "attitude": {"law": "lvlh"}}
 
 
+def planned(request: dict[str, Any]) -> Plan:
+    return make_plan(read_plan_request(json.dumps(request).encode()))
+
+
 @cache
 def plan_of(example: str) -> Plan:
     """With the attitude level, as the papers state none."""
-    return plan(read_request(level_request(example)))
+    return planned(level_request(example))
 
 
 @cache
@@ -833,7 +839,7 @@ class Swings(NamedTuple):
 @cache
 def the_plan() -> Plan:
     request = level_request(LAS_VEGAS)
-    return plan(read_request({**request, "attitude": TORQUE_EQUILIBRIUM}))
+    return planned({**request, "attitude": TORQUE_EQUILIBRIUM})
 
 
 @cache
@@ -1142,7 +1148,7 @@ def session_start(target: dict[str, Any]) -> str:
     base = level_request(LAS_VEGAS)
     if target["mode"] == "test_motion":
         return str(base["sessions"][0]["start"])
-    found = opportunities(
+    asked = json.dumps(
         {
             **{name: base[name] for name in ("platform", "orbit", "attitude")},
             "targets": [{"id": "it", "target": target}],
@@ -1152,6 +1158,7 @@ def session_start(target: dict[str, Any]) -> str:
             "samples": 2,
         }
     )
+    found = find_opportunities(read_opportunity_request(asked.encode()))
     after_start = found.windows.rise_s > 0.0
     first_s = float(np.ceil(found.windows.rise_s[after_start][0]))
     return utc_text(found.start_utc + timedelta(seconds=first_s), 0)
@@ -1165,7 +1172,7 @@ def worst_arcsec(target: dict[str, Any]) -> float:
     request["initial_state"]["epoch"] = utc_text(begins_utc - timedelta(seconds=LEAD_S), 0)
     stop = utc_text(begins_utc + timedelta(seconds=SESSION_S), 0)
     request["sessions"] = [{"target": target, "start": start, "stop": stop}]
-    made = plan(read_request(request))
+    made = planned(request)
     assert made.verification.passed
     return float(np.degrees(made.verification.sessions[0].max_rad)) * 3600.0
 

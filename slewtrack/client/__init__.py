@@ -11,7 +11,7 @@ Requests are the JSON that the service takes, as bytes or as the dictionary it h
 refused raises `slewtrack.Refused`, whose `problem` names the field, the reason and the way out.
 """
 
-from slewtrack.client.answers import Columns, Job, Progress, columns_of
+from slewtrack.client.answers import Columns, Job, Plan, Progress
 from slewtrack.client.asking import Json
 from slewtrack.client.clients import AsyncClient, Client
 from slewtrack.client.events import OnProgress
@@ -38,11 +38,11 @@ __all__ = [
     "NoAnswer",
     "NotFinished",
     "OnProgress",
+    "Plan",
     "Problem",
     "Progress",
     "Refused",
     "Relaxation",
     "ServiceError",
-    "columns_of",
     "problem_of",
 ]

@@ -1,12 +1,10 @@
-"""The answers of a service as values: plans, tables, windows, campaigns.
+"""The answers of a service as values: plans, tables, windows, campaigns, comparisons.
 
-What can't be read so raises one of `slewtrack.problems.MISREAD`.
-
-Each names what is needed most and has the rest, under the names of the API's schema, in
-`members`.  Numbers are the doubles that the JSON holds, nothing is rounded or converted.
+Each names what is needed most and is a mapping of all of its JSON, under the names of the API's
+schema: `plan.passed`, `plan["margins"]`.  Numbers are the doubles that the JSON holds, nothing is
+rounded or converted; units stand in the names.
 """
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
@@ -15,15 +13,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from slewtrack.client.reading import Members
+
 if TYPE_CHECKING:
     import pandas
     import xarray
 
-Members = Mapping[str, Any]
 Column = NDArray[Any]
 OPEN_STATES = ("queued", "running")
-_STATES = frozenset({*OPEN_STATES, "done", "refused", "failed", "cancelled"})
-_ID = re.compile(r"[0-9A-Za-z-]{1,100}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,9 +38,25 @@ class Progress:
     percent: float | None = None
 
 
-@dataclass(frozen=True, kw_only=True)
-class Job:
-    """Where the work on a plan or campaign stands.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Answer(Mapping[str, Any]):
+    """An answer, equal to another of the same JSON; members: that, as `answer["name"]`, too."""
+
+    members: Members = field(repr=False)
+
+    def __getitem__(self, name: str) -> Any:  # noqa: ANN401 (whatever JSON holds)
+        return self.members[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.members)
+
+    def __len__(self) -> int:
+        return len(self.members)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Job(Answer):
+    """The work on a plan, campaign or flights, as it stands.
 
     problem: members of the reason why it was refused or failed, None otherwise.
     """
@@ -51,9 +64,8 @@ class Job:
     id: str
     state: str
     name: str
-    created: str
-    problem: Members | None
-    members: Members = field(repr=False)
+    created: str = ""
+    problem: Members | None = None
 
     @property
     def is_open(self) -> bool:
@@ -61,7 +73,7 @@ class Job:
         return self.state in OPEN_STATES
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Columns(Mapping[str, Column]):
     """Arrays by name, whose first axis is the row; the names carry frame and unit.
 
@@ -69,8 +81,30 @@ class Columns(Mapping[str, Column]):
     """
 
     epoch: str
-    arrays: Mapping[str, Column] = field(repr=False)
-    facts: Members = field(repr=False)
+    arrays: Mapping[str, Column]
+    facts: Members
+
+    def __repr__(self) -> str:
+        names = ", ".join(self.arrays)
+        return f"Columns({len(self.t_s)} rows from {self.epoch}: {names})"
+
+    @classmethod
+    def of_json(cls, members: Members) -> "Columns":
+        """Whatever holds lists as long as its `t_s`: they become arrays, the rest stays beside.
+
+        What lies deeper has a name with dots: `carrier.latitude_deg`, `targets.0.azimuth_deg`.
+        Raises one of MISREAD.
+        """
+        rows, epoch = len(members["t_s"]), members["epoch"]
+        if not isinstance(epoch, str):
+            raise TypeError
+        np.datetime64(epoch.removesuffix("Z"), "ns")  # as `utc` does later
+        lists = _lists(members, "")
+        arrays = {name: _array(values) for name, values in lists if len(values) == rows}
+        if arrays["t_s"].ndim != 1 or arrays["t_s"].dtype.kind != "f":
+            raise TypeError
+        facts = {name: value for name, value in members.items() if name not in arrays}
+        return cls(epoch=epoch, arrays=arrays, facts=facts)
 
     def __getitem__(self, name: str) -> Column:
         return self.arrays[name]
@@ -118,9 +152,9 @@ class Columns(Mapping[str, Column]):
         return xarray.Dataset(data, coords={"t_s": self.t_s, "utc": ("t_s", self.utc)}, attrs=plain)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Plan:
-    """A plan as the service keeps it.
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Plan(Answer):
+    """A plan: its command table and the verdict of the verification.
 
     state: `done`; `failed` where its verification didn't pass, as the baseline's may.
     table: columns in degrees, `alpha_deg` and `alpha_rate_deg_s` per axis.
@@ -130,17 +164,26 @@ class Plan:
     state: str
     name: str
     revision: int
-    passed: bool
     warnings: tuple[str, ...]
     table: Columns
-    members: Members = field(repr=False)
+
+    @property
+    def passed(self) -> bool:
+        """Whether the independent verification found no error."""
+        return self.state == "done"
+
+    def __repr__(self) -> str:
+        verdict = "passed" if self.passed else "FAILED its verification"
+        warned = f", {len(self.warnings)} warnings" if self.warnings else ""
+        return f"Plan({self.name!r}, {verdict}{warned}, {self.table!r}, id={self.id!r})"
 
 
-@dataclass(frozen=True, kw_only=True)
-class Window:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Window(Answer):
     """When a target can be seen.
 
     session: the `start` and `stop` that a plan's session takes as they stand, None if too short.
+    closest: the view then, in degrees and kilometres, its members those of the API's schema.
     """
 
     target: str
@@ -148,11 +191,11 @@ class Window:
     set: datetime
     highest_deg: float
     session: Mapping[str, str] | None
-    members: Members = field(repr=False)
+    closest: Members = field(default_factory=dict, repr=False)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Opportunities:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Opportunities(Answer):
     """Windows in the order of the request's targets.
 
     id: under which the service keeps them.  unseen: targets without any.
@@ -162,29 +205,80 @@ class Opportunities:
     windows: tuple[Window, ...]
     unseen: tuple[Any, ...]
     warnings: tuple[str, ...]
-    members: Members = field(repr=False)
+
+    def __repr__(self) -> str:
+        targets = dict.fromkeys(window.target for window in self.windows)
+        unseen = f", unseen: {', '.join(map(str, self.unseen))}" if self.unseen else ""
+        return f"Opportunities({len(self.windows)} windows of {', '.join(targets)}{unseen})"
 
 
-@dataclass(frozen=True, kw_only=True)
-class Campaign:
-    """A campaign with its passes; each names its plan in `plan`, and its `looks`."""
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Look(Answer):
+    """A look at a target as a campaign chose it; times as UTC text."""
+
+    target: str
+    start: str
+    stop: str
+    value: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Pass(Answer):
+    """Looks planned together; plan: id of their plan.  problem: why there is none."""
+
+    number: int
+    plan: str
+    state: str
+    start: str
+    stop: str
+    looks: tuple[Look, ...]
+    problem: Members | None = None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Choice(Answer):
+    """The looks chosen together; value: their worth.  bound: no choice is worth more."""
+
+    value: float
+    bound: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Campaign(Answer):
+    """A campaign with its passes, in order of time."""
 
     id: str
     state: str
     name: str
-    value: float
-    bound: float
-    passes: tuple[Members, ...] = field(repr=False)
-    members: Members = field(repr=False)
+    choice: Choice = field(repr=False)
+    passes: tuple[Pass, ...]
+
+    @property
+    def value(self) -> float:
+        """Worth of the looks chosen."""
+        return self.choice.value
+
+    @property
+    def bound(self) -> float:
+        """No choice is worth more."""
+        return self.choice.bound
 
 
-@dataclass(frozen=True, kw_only=True)
-class Flights:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Contributor(Answer):
+    """A cause of the errors in flight; share: of their variance, by this cause and with others."""
+
+    cause: str
+    share: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Flights(Answer):
     """Flights of a plan, each with errors drawn anew.
 
     probability_in_frame: that every frame of every session holds its target.  probability_sharp:
-    that each is smeared over less than a pixel, too.  contributors: causes, the most to blame
-    first; sessions: the same of each.
+    that each is smeared over less than a pixel, too.  contributors: causes of the errors, the
+    largest first; sessions: the same of each.
     """
 
     id: str
@@ -192,64 +286,63 @@ class Flights:
     flown: int
     probability_in_frame: float
     probability_sharp: float
-    contributors: tuple[Members, ...]
+    contributors: tuple[Contributor, ...]
     warnings: tuple[str, ...]
     sessions: tuple[Members, ...] = field(repr=False)
-    members: Members = field(repr=False)
 
 
-def id_of(members: Members) -> str:
-    """Such as is put into an address."""
-    if not _ID.fullmatch(members["id"]):
-        raise ValueError
-    return str(members["id"])
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Estimate(Answer):
+    """A number measured in flight, with its 1-sigma error; units stand in its member's name."""
+
+    value: float
+    sigma: float
 
 
-def state_of(members: Members) -> str:
-    """One of those there are."""
-    if members["state"] not in _STATES:
-        raise ValueError
-    return str(members["state"])
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Comparison(Answer):
+    """Telemetry beside the plan that was flown.
 
-
-def _text(members: Members, name: str) -> str:
-    if not isinstance(members[name], str):
-        raise TypeError
-    return str(members[name])
-
-
-def objects_of(members: Members, name: str) -> list[Members]:
-    """A list of objects, one after the other."""
-    found = members[name]
-    if not isinstance(found, list) or not all(isinstance(one, dict) for one in found):
-        raise TypeError
-    return found
-
-
-def job_of(members: Members) -> Job:
-    """A JobResponse, an entry of a list."""
-    return Job(
-        id=id_of(members),
-        state=state_of(members),
-        name=_text(members, "name"),
-        created=members.get("created", ""),
-        problem=members.get("problem"),
-        members=members,
-    )
-
-
-def columns_of(members: Members) -> Columns:
-    """Whatever holds lists as long as its `t_s`: they become arrays, the rest stays beside.
-
-    What lies deeper has a name with dots: `carrier.latitude_deg`, `targets.0.azimuth_deg`.
+    plan: id of the plan.  time_offset_s: by how much the telemetry's clock is ahead; clock_drift:
+    by how much it gains, a share of time.  axes: by the axis's name, members of the API's schema.
     """
-    rows = len(members["t_s"])
-    np.datetime64(_text(members, "epoch").removesuffix("Z"), "ns")  # as `utc` does later
-    arrays = {name: _array(values) for name, values in _lists(members, "") if len(values) == rows}
-    if arrays["t_s"].ndim != 1 or arrays["t_s"].dtype.kind != "f":
-        raise TypeError
-    facts = {name: value for name, value in members.items() if name not in arrays}
-    return Columns(epoch=members["epoch"], arrays=arrays, facts=facts)
+
+    plan: str
+    time_offset_s: Estimate
+    clock_drift: Estimate
+    axes: Mapping[str, Members] = field(repr=False)
+    warnings: tuple[str, ...]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Check(Answer):
+    """The request was planned and nothing is kept; flies: whether its verification passed."""
+
+    flies: bool
+    name: str
+    warnings: tuple[str, ...]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Vertical(Answer):
+    """The local vertical in body axes; nadir_body: a unit vector, None where nothing was seen.
+
+    verdict: of the attitude, by the images.  sigma_deg: rms of nadir's angle to the true one.
+    reason: why nothing was measured, None where it was.
+    """
+
+    verdict: str
+    reason: str | None = None
+    nadir_body: tuple[float, ...] | None = None
+    sigma_deg: float | None = None
+    warnings: tuple[str, ...]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Known(Answer):
+    """A platform, place or star that a request can name."""
+
+    name: str
 
 
 def _lists(members: Members, prefix: str) -> Iterator[tuple[str, Sequence[Any]]]:
@@ -278,70 +371,3 @@ def _array(values: Sequence[Any]) -> Column:
 
 def _is_number(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
-
-
-def plan_of(members: Members) -> Plan:
-    """A PlanResponse, or the spacecraft's."""
-    verification = members.get("verification") or {}
-    return Plan(
-        id=id_of(members),
-        state=state_of(members),
-        name=_text(members, "name"),
-        revision=members["revision"],
-        passed=verification.get("passed", members["state"] == "done"),
-        warnings=tuple(members["warnings"]),
-        table=columns_of(members["table"]),
-        members=members,
-    )
-
-
-def opportunities_of(members: Members) -> Opportunities:
-    """An OpportunitiesResponse."""
-    return Opportunities(
-        id=id_of(members),
-        windows=tuple(map(window_of, objects_of(members, "windows"))),
-        unseen=tuple(members["unseen"]),
-        warnings=tuple(members["warnings"]),
-        members=members,
-    )
-
-
-def window_of(members: Members) -> Window:
-    """A window of a search, of the platform or the spacecraft."""
-    return Window(
-        target=members["target"],
-        rise=datetime.fromisoformat(members["rise"]),
-        set=datetime.fromisoformat(members["set"]),
-        highest_deg=members["highest_deg"],
-        session=members["session"],
-        members=members,
-    )
-
-
-def campaign_of(members: Members) -> Campaign:
-    """A CampaignResponse whose choice is made."""
-    choice = members["choice"]
-    return Campaign(
-        id=id_of(members),
-        state=state_of(members),
-        name=_text(members, "name"),
-        value=choice["value"],
-        bound=choice["bound"],
-        passes=tuple(objects_of(members, "passes")),
-        members=members,
-    )
-
-
-def flights_of(members: Members) -> Flights:
-    """A FlightsResponse of runs that are all flown."""
-    return Flights(
-        id=id_of(members),
-        state=state_of(members),
-        flown=members["flown"],
-        probability_in_frame=members["probability_in_frame"],
-        probability_sharp=members["probability_sharp"],
-        contributors=tuple(objects_of(members, "contributors")),
-        warnings=tuple(members["warnings"]),
-        sessions=tuple(objects_of(members, "sessions")),
-        members=members,
-    )

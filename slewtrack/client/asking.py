@@ -14,14 +14,16 @@ from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from email.utils import parsedate_to_datetime
 from http import HTTPStatus
+from pathlib import Path
 from typing import Any, TypeVar
 from urllib.parse import quote
 
-from slewtrack.client.answers import Members
-from slewtrack.client.problems import MISREAD, BadAnswer, NoAnswer, Problem, Refused, problem_of
+from slewtrack.client.problems import BadAnswer, NoAnswer, Problem, Refused, problem_of
+from slewtrack.client.reading import MISREAD, Members, object_of
 
 T = TypeVar("T")
-Json = bytes | Mapping[str, Any]
+File = bytes | Path
+Json = File | Mapping[str, Any]
 
 SILENCE_S = 150.0  # a search for opportunities may take 120 s before it answers
 PAUSE_S, PAUSE_MAX_S = 0.5, 8.0
@@ -129,13 +131,6 @@ def document(ask: Ask, patience_s: float, read: Callable[[Members], T]) -> Call[
         raise _bad(ask) from error
 
 
-def object_of(value: object) -> Members:
-    """Raises TypeError for anything else that JSON holds."""
-    if not isinstance(value, dict):
-        raise TypeError
-    return value
-
-
 def _bad(ask: Ask) -> BadAnswer:
     return BadAnswer(f"{ask.method} {ask.path} isn't answered as a slewtrack service answers")
 
@@ -159,14 +154,22 @@ def _retry_after_s(text: str, else_s: float) -> float:
         return else_s
 
 
-def address(path: str, *parts: str) -> str:
-    """Below a path; no part, wherever it comes from, is more than one step of it."""
-    return "/".join((path, *(quote(part, safe="").replace(".", "%2E") for part in parts)))
+def address(path: str, *parts: object) -> str:
+    """Below a path; a part is a text or has an `id`, and is never more than one step of it."""
+    texts = (str(getattr(part, "id", part)) for part in parts)
+    return "/".join((path, *(quote(text, safe="").replace(".", "%2E") for text in texts)))
+
+
+def content_of(file: File) -> bytes:
+    """As it stands, or what stands at the path."""
+    return file.read_bytes() if isinstance(file, Path) else file
 
 
 def body_of(request: Json) -> bytes:
-    """As it stands, or the dictionary as JSON."""
-    return request if isinstance(request, bytes) else json.dumps(request).encode()
+    """The same, or the dictionary as JSON."""
+    if isinstance(request, Mapping):
+        return json.dumps(dict(request), default=dict).encode()  # answers within it, too
+    return content_of(request)
 
 
 def post(

@@ -4,38 +4,46 @@
 """
 
 import functools
+import inspect
+import json
 import math
 import time
 from collections.abc import Callable, Coroutine, Mapping, Sequence
 from dataclasses import replace
+from datetime import datetime
+from functools import partial
 from typing import Any, Concatenate, Generic, NoReturn, ParamSpec, TypeVar, Unpack, overload
 
-from slewtrack.client import answers, asking
+from slewtrack.client import asking, next_pass
 from slewtrack.client.answers import (
     Campaign,
+    Check,
     Columns,
+    Comparison,
     Flights,
     Job,
-    Members,
+    Known,
     Opportunities,
     Plan,
+    Vertical,
     Window,
 )
 from slewtrack.client.asking import (
     PAUSE_S,
     Ask,
     Call,
+    File,
     Json,
     address,
     body_of,
-    object_of,
+    content_of,
     post,
     refusal_of,
 )
+from slewtrack.client.call_docs import whole_docstring
 from slewtrack.client.events import Events, OnProgress, TimeIsUp
 from slewtrack.client.filters import Filters, query_of
 from slewtrack.client.problems import (
-    MISREAD,
     BadAnswer,
     Cancelled,
     NoAnswer,
@@ -43,7 +51,9 @@ from slewtrack.client.problems import (
     Refused,
     problem_of,
 )
+from slewtrack.client.reading import MISREAD, Members, object_of, read, read_list
 
+Named = Plan | Job | Opportunities | str  # what is kept, or its id
 P = ParamSpec("P")
 T = TypeVar("T")
 
@@ -76,11 +86,14 @@ class Awaiting:
         raise NotImplementedError
 
 
-class call(Generic[P, T]):  # noqa: N801 (a decorator)
+class BoundLater(Generic[P, T]):
     """A method that yields what to ask: waited for or awaited, as its holder carries it out."""
 
-    def __init__(self, method: Callable[Concatenate[Any, P], Call[T]]) -> None:
+    def __init__(self, method: Callable[Concatenate[Any, P], Call[T]], example: str) -> None:
+        method.__doc__ = whole_docstring(method, example)
         self._method = method
+        _, *parameters = inspect.signature(method).parameters.values()
+        self._signature = inspect.Signature(parameters)
 
     @overload
     def __get__(self, holder: None, owner: type) -> Callable[Concatenate[Any, P], Call[T]]: ...
@@ -91,9 +104,18 @@ class call(Generic[P, T]):  # noqa: N801 (a decorator)
     def __get__(self, holder: Any, owner: type) -> Any:
         if holder is None:
             return self._method
-        return functools.wraps(self._method)(
+        bound: Any = functools.wraps(self._method)(
             lambda *words, **names: holder._run(self._method(holder, *words, **names))
         )
+        bound.__signature__ = self._signature
+        return bound
+
+
+def call(
+    example: str,
+) -> Callable[[Callable[Concatenate[Any, P], Call[T]]], BoundLater[P, T]]:
+    """Decorates a method of that kind; the example of its use goes into its docstring."""
+    return lambda method: BoundLater(method, example)
 
 
 class CarrierCalls:
@@ -103,7 +125,7 @@ class CarrierCalls:
         self._patience_s = patience_s
         self._plans, self._searches = paths
 
-    @call
+    @call('client.plan(Path("request.json")).table["alpha_deg"]')
     def plan(
         self,
         request: Json,
@@ -123,98 +145,104 @@ class CarrierCalls:
             return made
         return (yield from self._wait(self._plans, made.id, progress, until_s, _plan_or_job))
 
-    @call
-    def check(self, request: Json) -> Call[Members]:
+    @call("client.check(request).flies")
+    def check(self, request: Json) -> Call[Check]:
         """Whether a request for a plan flies, and what to know before; nothing is kept."""
-        return self._read(post(self._plans, request, query={"dry_run": "true"}), dict)
+        return self._read_as(Check, post(self._plans, request, query={"dry_run": "true"}))
 
-    @call
+    @call("client.wait(client.submit(request))")
     def submit(self, request: Json, *, revises: str | None = None) -> Call[Job]:
         """A plan to be made; `wait` for it."""
         return self._submit(self._plans, request, query=_given(revises=revises))
 
-    @call
+    @call("client.wait(job, timeout_s=60.0)")
     def wait(
-        self, plan_id: str, *, progress: OnProgress | None = None, timeout_s: float | None = None
+        self, job: Named, *, progress: OnProgress | None = None, timeout_s: float | None = None
     ) -> Call[Plan]:
         """The plan once it is made."""
-        return self._wait(self._plans, plan_id, progress, _until(timeout_s), _plan_or_job)
+        return self._wait(self._plans, job, progress, _until(timeout_s), _plan_or_job)
 
-    @call
-    def get(self, plan_id: str) -> Call[Plan]:
-        """A plan that is made."""
-        ask = Ask(method="GET", path=address(self._plans, plan_id))
+    @call('client.get("01a203fd-cbae-73f8-8276-319f76b8842c")')
+    def get(self, plan: Named) -> Call[Plan]:
+        """A plan that is made; raises NotFinished where it is not yet."""
+        ask = Ask(method="GET", path=address(self._plans, plan))
         made = yield from self._read(ask, _plan_or_job)
         if isinstance(made, Plan):
             return made
         if made.is_open:
-            raise NotFinished(plan_id, made.state)
+            raise NotFinished(made.id, made.state)
         _raise_unmade(made)
 
-    @call
-    def request(self, plan_id: str) -> Call[dict[str, Any]]:
+    @call('client.plan(client.request(plan) | {"name": "again"})')
+    def request(self, plan: Named) -> Call[dict[str, Any]]:
         """What a plan was asked for by, as it was sent; `plan` takes it as it is."""
-        return self._get(address(self._plans, plan_id, "request"), dict)
+        return self._get(address(self._plans, plan, "request"), dict)
 
-    @call
+    @call('client.plans(target="Vegas", after="2015-02-27T00:00:00Z")')
     def plans(self, *, limit: int = 50, **filters: Unpack[Filters]) -> Call[list[Job]]:
         """Those there are, the latest first."""
         return self._jobs(self._plans, limit, filters)
 
-    @call
-    def table(self, plan_id: str) -> Call[Columns]:
-        """The command table of a plan."""
-        return self._get(address(self._plans, plan_id, "table"), answers.columns_of)
+    @call("client.table(plan).to_pandas()")
+    def table(self, plan: Named) -> Call[Columns]:
+        """The command table of a plan, in degrees."""
+        return self._get(address(self._plans, plan, "table"), Columns.of_json)
 
-    @call
-    def export(self, plan_id: str, format_name: str) -> Call[bytes]:
-        """The table as a file: csv, netcdf, aem, czml, geojson, kml, png and more."""
-        path, query = address(self._plans, plan_id, "table"), {"format": format_name}
+    @call('Path("plan.nc").write_bytes(client.export(plan, "netcdf"))')
+    def export(self, plan: Named, format_name: str) -> Call[bytes]:
+        """The table as a file; refused where the plan's verification failed."""
+        path, query = address(self._plans, plan, "table"), {"format": format_name}
         return (yield from self._good(Ask(method="GET", path=path, query=query))).body
 
-    @call
-    def view(self, plan_id: str, *, step_s: float | None = None) -> Call[Columns]:
-        """What there is to see along a plan: `carrier.latitude_deg`, `targets.0.azimuth_deg`."""
+    @call('client.view(plan, step_s=1.0)["targets.0.elevation_deg"]')
+    def view(self, plan: Named, *, step_s: float | None = None) -> Call[Columns]:
+        """What there is to see along a plan, in degrees and metres."""
         query = {} if step_s is None else {"step_s": repr(step_s)}
-        return self._get(address(self._plans, plan_id, "view"), answers.columns_of, query)
+        return self._get(address(self._plans, plan, "view"), Columns.of_json, query)
 
-    @call
-    def delete(self, plan_id: str) -> Call[None]:
+    @call("client.delete(plan)")
+    def delete(self, plan: Named) -> Call[None]:
         """Cancel it, or delete it when it is finished."""
-        return self._delete(address(self._plans, plan_id))
+        return self._delete(address(self._plans, plan))
 
-    @call
+    @call('client.opportunities(Path("targets.json")).windows[0].rise')
     def opportunities(self, request: Json) -> Call[Opportunities]:
         """When each target can be seen; what is found is kept."""
-        return self._read(post(self._searches, request), answers.opportunities_of)
+        return self._search(request)
 
-    @call
+    @call('client.searches(name="gallery", limit=5)')
     def searches(self, *, limit: int = 50, **filters: Unpack[Filters]) -> Call[list[Job]]:
         """Searches for opportunities that are kept, the latest first."""
         return self._jobs(self._searches, limit, filters)
 
-    @call
-    def get_search(self, search_id: str) -> Call[Opportunities]:
+    @call("client.get_search(client.searches(limit=1)[0])")
+    def get_search(self, search: Named) -> Call[Opportunities]:
         """All that one found."""
-        return self._get(address(self._searches, search_id), answers.opportunities_of)
+        return self._get(address(self._searches, search), partial(read, Opportunities))
 
-    @call
+    @call('client.windows(search, target="Las Vegas", limit=3)')
     def windows(
-        self, search_id: str, *, target: str | None = None, limit: int | None = None
+        self, search: Named, *, target: str | None = None, limit: int | None = None
     ) -> Call[list[Window]]:
         """What one found of the target with this id, of all unless given; the first `limit`."""
-        path, query = address(self._searches, search_id, "windows"), _given(target=target)
-        return self._pages(path, "windows", query, WINDOWS_A_PAGE, limit, answers.window_of)
+        path, query = address(self._searches, search, "windows"), _given(target=target)
+        return self._pages(Window, path, "windows", query, WINDOWS_A_PAGE, limit)
 
-    @call
-    def search_request(self, search_id: str) -> Call[dict[str, Any]]:
+    @call("client.opportunities(client.search_request(search))")
+    def search_request(self, search: Named) -> Call[dict[str, Any]]:
         """What was searched for, as it was sent."""
-        return self._get(address(self._searches, search_id, "request"), dict)
+        return self._get(address(self._searches, search, "request"), dict)
 
-    @call
-    def delete_search(self, search_id: str) -> Call[None]:
+    @call("client.delete_search(search)")
+    def delete_search(self, search: Named) -> Call[None]:
         """Forget what it found."""
-        return self._delete(address(self._searches, search_id))
+        return self._delete(address(self._searches, search))
+
+    def _search(self, request: Json) -> Call[Opportunities]:
+        return self._read_as(Opportunities, post(self._searches, request))
+
+    def _read_as(self, kind: type[T], ask: Ask) -> Call[T]:
+        return self._read(ask, partial(read, kind))
 
     def _good(self, ask: Ask) -> Call[asking.Reply]:
         return asking.good(ask, self._patience_s)
@@ -239,27 +267,27 @@ class CarrierCalls:
         until_s: float | None = None,
     ) -> Call[Job]:
         ask = post(path, request, query=query, prefer="respond-async")
-        return self._read(replace(ask, until_s=_and_a_look(until_s)), answers.job_of)
+        return self._read_as(Job, replace(ask, until_s=_and_a_look(until_s)))
 
     def _jobs(self, path: str, limit: int, filters: Filters) -> Call[list[Job]]:
         """The latest first, page after page until there are so many."""
         kind = path.rpartition("/")[2]
-        return self._pages(path, kind, query_of(filters), JOBS_A_PAGE, limit, answers.job_of)
+        return self._pages(Job, path, kind, query_of(filters), JOBS_A_PAGE, limit)
 
     def _pages(
         self,
+        kind: type[T],
         path: str,
         member: str,
         query: Mapping[str, str],
         page: int,
         limit: int | None,
-        read: Callable[[Members], T],
     ) -> Call[list[T]]:
         """All entries of a list, or the first `limit`, asked for in pages."""
 
         def entries(members: Members) -> tuple[list[T], str | None]:
             after = members["next"]
-            return [*map(read, answers.objects_of(members, member))], after and str(after)
+            return read_list(kind, members, member), after and str(after)
 
         found: list[T] = []
         most = ENTRIES_MAX if limit is None else limit
@@ -278,14 +306,14 @@ class CarrierCalls:
     def _wait(
         self,
         path: str,
-        job_id: str,
+        job: Named,
         progress: OnProgress | None,
         until_s: float | None,
         read: Callable[[Members], T | Job],
     ) -> Call[T]:
         """What is there when the work has ended; raises Refused, Cancelled, NotFinished."""
-        one = Ask(method="GET", path=address(path, job_id))
-        events = address(path, job_id, "events")
+        one = Ask(method="GET", path=address(path, job))
+        events, job_id = address(path, job, "events"), str(getattr(job, "id", job))
         heard = Events(progress, until_s)
         state = "queued"
         while True:
@@ -311,109 +339,131 @@ class CarrierCalls:
 class ServiceCalls(CarrierCalls):
     """All that a service is asked beside what both carriers have."""
 
-    @call
+    @call('client.next_pass(Path("my_city.json"))')
+    def next_pass(
+        self,
+        request: Json,
+        *,
+        start: datetime | str | None = None,
+        progress: OnProgress | None = None,
+        timeout_s: float | None = None,
+    ) -> Call[Plan]:
+        """The plan of a request whose one session is moved to the next window of its target.
+
+        Its times are not looked at.  The axes rest until two minutes before the window.
+        """
+        until_s = _until(timeout_s)
+        asked = object_of(json.loads(body_of(request)))
+        try:
+            found = yield from self._search(next_pass.search_of(asked, start))
+        except Refused as refused:
+            raise next_pass.as_in_plan(refused.problem) from None
+        yield from self._delete(address(self._searches, found))
+        moved = next_pass.moved_to(next_pass.first_window(found), asked)
+        job = yield from self._submit(self._plans, moved, until_s=until_s)
+        return (yield from self._wait(self._plans, job, progress, until_s, _plan_or_job))
+
+    @call("[client.get(one.plan) for one in client.campaign(request).passes]")
     def campaign(
         self, request: Json, *, progress: OnProgress | None = None, timeout_s: float | None = None
     ) -> Call[Campaign]:
         """Many targets over days: chosen, ordered and planned pass by pass."""
         until_s = _until(timeout_s)
         job = yield from self._submit(CAMPAIGNS, request, until_s=until_s)
-        return (yield from self._wait(CAMPAIGNS, job.id, progress, until_s, _campaign_or_job))
+        return (yield from self._wait(CAMPAIGNS, job, progress, until_s, _campaign_or_job))
 
-    @call
+    @call("client.wait_for_campaign(client.campaigns(limit=1)[0])")
     def wait_for_campaign(
-        self,
-        campaign_id: str,
-        *,
-        progress: OnProgress | None = None,
-        timeout_s: float | None = None,
+        self, job: Named, *, progress: OnProgress | None = None, timeout_s: float | None = None
     ) -> Call[Campaign]:
         """One that was posted before."""
-        return self._wait(CAMPAIGNS, campaign_id, progress, _until(timeout_s), _campaign_or_job)
+        return self._wait(CAMPAIGNS, job, progress, _until(timeout_s), _campaign_or_job)
 
-    @call
+    @call('client.campaigns(state="done")')
     def campaigns(self, *, limit: int = 50, **filters: Unpack[Filters]) -> Call[list[Job]]:
         """Those there are, the latest first."""
         return self._jobs(CAMPAIGNS, limit, filters)
 
-    @call
+    @call('client.fly(plan, {"runs": 1000}).probability_in_frame')
     def fly(
         self,
-        plan_id: str,
-        request: Json,
+        plan: Named,
+        request: Json = b"{}",
         *,
         progress: OnProgress | None = None,
         timeout_s: float | None = None,
     ) -> Call[Flights]:
-        """A plan flown many times with errors drawn anew; `runs` and `seed` of them."""
+        """A plan flown many times with errors drawn anew; the request says `runs` and `seed`."""
         until_s = _until(timeout_s)
-        path = address(self._plans, plan_id, "flights")
-        job = yield from self._submit(path, request, until_s=until_s)
-        return (yield from self._wait(FLIGHTS, job.id, progress, until_s, _flights_or_job))
+        job = yield from self._submit(
+            address(self._plans, plan, "flights"), request, until_s=until_s
+        )
+        return (yield from self._wait(FLIGHTS, job, progress, until_s, _flights_or_job))
 
-    @call
+    @call("client.wait_for_flights(client.flights(plan)[0])")
     def wait_for_flights(
-        self,
-        flights_id: str,
-        *,
-        progress: OnProgress | None = None,
-        timeout_s: float | None = None,
+        self, job: Named, *, progress: OnProgress | None = None, timeout_s: float | None = None
     ) -> Call[Flights]:
         """Those that were posted before."""
-        return self._wait(FLIGHTS, flights_id, progress, _until(timeout_s), _flights_or_job)
+        return self._wait(FLIGHTS, job, progress, _until(timeout_s), _flights_or_job)
 
-    @call
+    @call('client.flights(plan, state="done")')
     def flights(
-        self, plan_id: str | None = None, *, limit: int = 50, **filters: Unpack[Filters]
+        self, plan: Named | None = None, *, limit: int = 50, **filters: Unpack[Filters]
     ) -> Call[list[Job]]:
         """Those there are of a plan, of all unless given, the latest first."""
-        path = FLIGHTS if plan_id is None else address(self._plans, plan_id, "flights")
+        path = FLIGHTS if plan is None else address(self._plans, plan, "flights")
         return self._jobs(path, limit, filters)
 
-    @call
-    def delete_flights(self, flights_id: str) -> Call[None]:
+    @call("client.delete_flights(client.flights(plan)[0])")
+    def delete_flights(self, job: Named) -> Call[None]:
         """Cancel them, or delete them when they are flown."""
-        return self._delete(address(FLIGHTS, flights_id))
+        return self._delete(address(FLIGHTS, job))
 
-    @call
-    def estimate_vertical(self, images: Sequence[bytes], request: Json) -> Call[Members]:
+    @call('client.estimate_vertical([Path("ahead.png")], request).nadir_body')
+    def estimate_vertical(self, images: Sequence[File], request: Json) -> Call[Vertical]:
         """The nadir in body axes from one image file per camera."""
         parts = [("request", "request.json", body_of(request), "application/json")]
         parts += [
-            ("images", f"image-{number}", image, "application/octet-stream")
+            ("images", f"image-{number}", content_of(image), "application/octet-stream")
             for number, image in enumerate(images)
         ]
-        return self._read(Ask(method="POST", path="/v1/horizon/estimates", parts=parts), dict)
+        return self._read_as(
+            Vertical, Ask(method="POST", path="/v1/horizon/estimates", parts=parts)
+        )
 
-    @call
-    def compare(self, request: Json, csv: bytes | None = None) -> Call[Members]:
-        """What flew beside a kept plan: its samples in the request, or in a CSV file."""
-        return self._read(_comparison(request, csv, "json"), dict)
+    @call('client.compare(plan, Path("flown.csv")).time_offset_s.value')
+    def compare(self, request: Json | str | Plan, csv: File | None = None) -> Call[Comparison]:
+        """What flew beside a plan: its samples in the request, or in a CSV file.
 
-    @call
+        The request may be the plan itself, or its id, where a file has the rest.
+        """
+        return self._read_as(Comparison, _comparison(request, csv, "json"))
+
+    @call('Path("flown.png").write_bytes(client.draw_comparison(plan, Path("flown.csv")))')
     def draw_comparison(
-        self, request: Json, csv: bytes | None = None, format_name: str = "png"
+        self, request: Json | str | Plan, csv: File | None = None, format_name: str = "png"
     ) -> Call[bytes]:
         """The same as a picture: png or svg."""
         return (yield from self._good(_comparison(request, csv, format_name))).body
 
-    @call
-    def platforms(self) -> Call[Sequence[Members]]:
+    @call('client.platforms()[0]["field_of_view_deg"]')
+    def platforms(self) -> Call[list[Known]]:
         """Those that a request can name, each as it may write out its own."""
         return self._list("platforms")
 
-    @call
-    def places(self, begin: str, *, limit: int = 8) -> Call[Sequence[Members]]:
+    @call('client.places("Las Ve")[0].name')
+    def places(self, begin: str, *, limit: int = 8) -> Call[list[Known]]:
         """The places whose names begin so, for a target of mode place."""
         return self._list("places", {"begin": begin, "limit": str(limit)})
 
-    @call
-    def stars(self, begin: str, *, limit: int = 8) -> Call[Sequence[Members]]:
+    @call('client.stars("Veg")[0]["hip"]')
+    def stars(self, begin: str, *, limit: int = 8) -> Call[list[Known]]:
         """The stars whose names begin so, for a target of mode star."""
         return self._list("stars", {"begin": begin, "limit": str(limit)})
 
-    def _list(self, kind: str, query: Mapping[str, str] | None = None) -> Call[Sequence[Members]]:
-        return self._get(f"/v1/{kind}", lambda members: answers.objects_of(members, kind), query)
+    def _list(self, kind: str, query: Mapping[str, str] | None = None) -> Call[list[Known]]:
+        return self._get(f"/v1/{kind}", lambda members: read_list(Known, members, kind), query)
 
 
 def _given(**query: str | None) -> dict[str, str]:
@@ -421,18 +471,18 @@ def _given(**query: str | None) -> dict[str, str]:
 
 
 def _plan_or_job(members: Members) -> Plan | Job:
-    return answers.plan_of(members) if "table" in members else answers.job_of(members)
+    return read(Plan, members) if "table" in members else read(Job, members)
 
 
 def _campaign_or_job(members: Members) -> Campaign | Job:
-    job = answers.job_of(members)
+    job = read(Job, members)
     is_none = job.is_open or job.state == "cancelled" or members.get("choice") is None
-    return job if is_none else answers.campaign_of(members)
+    return job if is_none else read(Campaign, members)
 
 
 def _flights_or_job(members: Members) -> Flights | Job:
-    job = answers.job_of(members)
-    return answers.flights_of(members) if job.state == "done" else job
+    job = read(Job, members)
+    return read(Flights, members) if job.state == "done" else job
 
 
 def _raise_unmade(job: Job) -> NoReturn:
@@ -483,12 +533,14 @@ def _listen(path: str, heard: Events) -> Call[None]:
         raise Refused(refusal_of(reply))
 
 
-def _comparison(request: Json, csv: bytes | None, format_name: str) -> Ask:
+def _comparison(request: Json | str | Plan, csv: File | None, format_name: str) -> Ask:
+    if isinstance(request, str | Plan):
+        request = {"plan": str(getattr(request, "id", request))}
     ask = post(COMPARISONS, request, query={"format": format_name})
     if csv is not None:
         parts = (
             ("request", "request.json", body_of(request), "application/json"),
-            ("samples", "samples.csv", csv, "text/csv"),
+            ("samples", "samples.csv", content_of(csv), "text/csv"),
         )
         ask = replace(ask, headers={}, body=None, parts=parts)
     return ask

@@ -7,8 +7,9 @@ import json
 import time
 from collections.abc import Callable
 
-from slewtrack.client.answers import OPEN_STATES, Progress, state_of
-from slewtrack.client.problems import MISREAD, BadAnswer
+from slewtrack.client.answers import OPEN_STATES, Progress
+from slewtrack.client.problems import BadAnswer
+from slewtrack.client.reading import MISREAD, read
 
 OnProgress = Callable[[Progress], None]
 SILENCE_S = 45.0  # the service says something every 15 s
@@ -66,12 +67,12 @@ class Events:
     def _read(self, kind: str, text: str) -> Progress:
         try:
             data = json.loads(text)
-            if kind == "state":
-                self._state = state_of(data)
-                self.has_ended = self._state not in OPEN_STATES
-            elif kind == "progress":
+            if kind == "progress":
                 self._state = "running"
-            told = {name: data.get(name) for name in ("stage", "done", "of", "percent")}
+            now = read(Progress, data if kind == "state" else {**data, "state": self._state})
         except MISREAD as error:
             raise BadAnswer("an event isn't told as a slewtrack service tells it") from error
-        return Progress(state=self._state, **told)
+        if kind == "state":
+            self.has_ended = now.state not in OPEN_STATES
+        self._state = now.state
+        return now

@@ -2,8 +2,9 @@
 
 import dataclasses
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+
+from slewtrack.client.reading import Members, read
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,45 +53,26 @@ class Problem:
     costs_sessions: tuple[int, ...] = ()
     relaxations: tuple[Relaxation, ...] = ()
     errors: tuple[FieldFault, ...] = ()
-    members: Mapping[str, Any] = dataclasses.field(repr=False)
+    members: Members = dataclasses.field(repr=False)
+
+    @property
+    def ways_out(self) -> tuple[Mapping[str, str], ...]:
+        """Fields of the request and what to set them to; each was tried by planning it so."""
+        changes: list[Mapping[str, str]] = []
+        session, start, stop = self.field or "", self.earliest_feasible_start, self.feasible_stop
+        session = session.rpartition(".")[0]
+        if start and session.startswith("sessions.") and not self.costs_sessions:
+            times = {f"{session}.start": start, f"{session}.stop": stop}
+            changes.append({field: time for field, time in times.items() if time})
+        names = dict.fromkeys(offer.on_conflict for offer in self.relaxations)
+        return (*changes, *({"on_conflict": name} for name in names))
 
 
-# What reading JSON of another shape raises: of no JSON, too deep, or with other types in it.
-MISREAD = (LookupError, TypeError, ValueError, AttributeError, OverflowError, RecursionError)
-_TEXTS = ("field", "axis", "limit", "at", "earliest_feasible_start", "feasible_stop")
-
-
-def problem_of(members: Mapping[str, Any]) -> Problem:
-    """A problem of its JSON; members that only newer services know are in `members`.
-
-    Raises one of MISREAD.
-    """
-    texts = {name: members.get(name) for name in _TEXTS}
-    if not all(text is None or isinstance(text, str) for text in texts.values()):
-        raise TypeError
-    return Problem(
-        type=str(members.get("type", "about:blank")),
-        title=str(members.get("title", "")),
-        status=int(members.get("status", 500)),
-        detail=str(members.get("detail") or members.get("title", "")),
-        instance=str(members.get("instance", "")),
-        costs_sessions=tuple(members.get("costs_sessions") or ()),
-        relaxations=tuple(
-            Relaxation(
-                on_conflict=offer["on_conflict"],
-                session=offer["session"],
-                start_later_s=offer["start_later_s"],
-                stop_earlier_s=offer["stop_earlier_s"],
-            )
-            for offer in members.get("relaxations") or ()
-        ),
-        errors=tuple(
-            FieldFault(field=fault["field"], detail=fault["detail"], value=fault.get("value"))
-            for fault in members.get("errors") or ()
-        ),
-        members=members,
-        **texts,
-    )
+def problem_of(members: Members) -> Problem:
+    """A problem of its JSON; raises one of MISREAD."""
+    title = str(members.get("title", ""))
+    told = {"type": "about:blank", "status": 500, "title": title, "detail": title, **members}
+    return replace(read(Problem, told), members=members)
 
 
 class ServiceError(Exception):

@@ -1,6 +1,7 @@
 """The client plans, waits, follows, and raises what a served instance refuses."""
 
 import asyncio
+import dataclasses
 import inspect
 import json
 import os
@@ -18,12 +19,12 @@ from live_service import live_service
 from relay import Relay
 
 import slewtrack
-from planner.base.errors import InvalidInput
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 LAS_VEGAS = json.loads((EXAMPLES / "las_vegas_2015.json").read_text())
 CITIES = (EXAMPLES / "campaign_cities.json").read_bytes()
 GALLERY = (EXAMPLES / "opportunities_gallery.json").read_bytes()
+EPOCH = datetime(2015, 2, 27, tzinfo=UTC)
 TOO_EARLY = LAS_VEGAS | {"sessions": [LAS_VEGAS["sessions"][0] | {"start": "2015-02-27T17:34:02Z"}]}
 
 
@@ -73,18 +74,72 @@ def test_the_view_in_columns_along_the_table(service, client, plan):
 
 
 def test_the_same_calls_without_a_service(client, plan):
+    """The same names, answers of the same classes, the same numbers and refusals."""
     here = slewtrack.plan(LAS_VEGAS)
-    ours, theirs = slewtrack.view(here, step_s=10.0), client.view(plan.id, step_s=10.0)
-    assert set(ours) == set(theirs)
-    for name, values in ours.items():
-        np.testing.assert_array_equal(values, theirs[name])
+    for mine, theirs in (
+        (here.table, plan.table),
+        (slewtrack.table(here), client.table(plan)),
+        (slewtrack.view(here, step_s=10.0), client.view(plan, step_s=10.0)),
+    ):
+        assert list(mine) == list(theirs)
+        for name, values in mine.items():
+            np.testing.assert_array_equal(values, theirs[name])
+    assert set(here.members) == set(plan.members)
     rows = [
         [line for line in file.splitlines() if not line.startswith(b"#")]
-        for file in (slewtrack.export(here, "csv"), client.export(plan.id, "csv"))
+        for file in (slewtrack.export(here, "csv"), client.export(plan, "csv"))
     ]
     assert rows[0] == rows[1]
-    with pytest.raises(InvalidInput, match="netcdf"):
-        slewtrack.export(here, "xlsx")
+    for request in (TOO_EARLY, LAS_VEGAS | {"platform": "hubble", "nmae": "x"}):
+        said = []
+        for door in (slewtrack, client):
+            with pytest.raises(slewtrack.Refused) as refused:
+                door.plan(request)
+            said.append(dataclasses.replace(refused.value.problem, instance="", members={}))
+        assert said[0] == said[1]
+    for door, one in ((slewtrack, here), (client, plan)):
+        with pytest.raises(slewtrack.Refused, match="netcdf"):
+            door.export(one, "xlsx")
+
+
+def test_a_way_out_of_a_refusal_is_planned(client):
+    with pytest.raises(slewtrack.Refused) as refused:
+        client.plan(TOO_EARLY)
+    start, *others = refused.value.problem.ways_out
+    assert start["sessions.0.start"] == refused.value.problem.earliest_feasible_start
+    for way_out in others:
+        assert client.plan(TOO_EARLY | way_out).passed
+
+
+def test_the_next_pass_is_found_and_planned(client):
+    """As the command's --next-pass has it: test_command_ways_out.py."""
+    kept = len(client.searches(limit=500))
+    plans = [
+        door.next_pass(EXAMPLES / "my_city.json", start="2015-02-28T00:00:00Z")
+        for door in (slewtrack, client)
+    ]
+    for plan in plans:
+        assert plan.passed
+        assert plan["segments"][1]["start"] == "2015-02-28T09:03:48.8Z"
+        assert plan.table.epoch == "2015-02-28T09:01:48.8Z"
+    assert len(client.searches(limit=500)) == kept
+    pole = {"mode": "ground", "latitude_deg": 89.0, "longitude_deg": 0.0, "height_m": 0.0}
+    for door in (slewtrack, client):
+        with pytest.raises(slewtrack.Refused, match="within 7 days") as refused:
+            door.next_pass(LAS_VEGAS | {"sessions": [{"target": pole}]}, start=EPOCH)
+        assert refused.value.problem.field == "sessions.0.target"
+    with pytest.raises(ValueError, match="append Z"):
+        client.next_pass(LAS_VEGAS, start="2015-02-28T00:00:00")
+
+
+@pytest.mark.parametrize("target", [{"mode": "place", "name": "Nowhere at all"}, 5])
+def test_the_next_pass_of_what_is_no_target_names_the_plans_field(client, target):
+    for door in (slewtrack, client):
+        with pytest.raises(slewtrack.Refused) as refused:
+            door.next_pass(LAS_VEGAS | {"sessions": [{"target": target}]})
+        problem = refused.value.problem
+        assert problem.field.startswith("sessions.0.target")
+        assert problem.errors[0].field == problem.field
 
 
 def test_progress_ends_with_what_became_of_it(client):
@@ -321,7 +376,7 @@ def test_a_rate_limit_is_waited_out(tmp_path):
 def test_the_pages_example(service):
     page = (EXAMPLES.parent / "docs" / "python.md").read_text()
     [example] = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
-    [shown] = re.findall(r"```\n(done .*?)```", page, re.DOTALL)
+    [shown] = re.findall(r"```\n(True .*?)```", page, re.DOTALL)
     done = subprocess.run(
         [sys.executable, "-c", example],
         capture_output=True,

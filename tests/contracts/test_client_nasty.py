@@ -39,6 +39,7 @@ PLAN_CALLS = {
     "delete_search": lambda client: client.delete_search(ID),
 }
 CALLS = PLAN_CALLS | {
+    "next_pass": lambda client: client.next_pass({"sessions": [{}]}, **ENDS),
     "campaign": lambda client: client.campaign(REQUEST, **ENDS),
     "wait_for_campaign": lambda client: client.wait_for_campaign(ID, **ENDS),
     "campaigns": lambda client: client.campaigns(),

@@ -5,8 +5,8 @@ import json
 
 import numpy as np
 import pytest
+from planner_values import plan_of, read_request
 
-import slewtrack
 from app.requests.examples import LAS_VEGAS, PLAN_EXAMPLES
 from planner.planning.sessions.slew_timing import OPTIONS as SLEW_TIMING_OPTIONS
 from planner.world.frames.time_scales import elapsed_s, utc_from_text, utc_text
@@ -42,7 +42,7 @@ def assumed(plan):
 
 @pytest.mark.parametrize("example", ["tle", "platform"])
 def test_left_out_it_is_rest_at_zero_in_time_for_the_first_slew(example):
-    plan = slewtrack.plan(request(example=example))
+    plan = plan_of(request(example=example))
     scenario = plan.scenario
     assert set(scenario.initial_state.angles_deg.values()) == {0.0}
     assert (plan.table.angle_rad[0] == 0.0).all()
@@ -60,11 +60,11 @@ def test_left_out_it_is_rest_at_zero_in_time_for_the_first_slew(example):
 
 
 def test_what_the_answer_says_was_taken_plans_the_same():
-    left_out = slewtrack.plan(request({}))
+    left_out = plan_of(request({}))
     said = {}
     for one in left_out.scenario.assumed:
         said |= one.members
-    in_full = slewtrack.plan(request(said))
+    in_full = plan_of(request(said))
     assert (in_full.table.angle_rad == left_out.table.angle_rad).all()
     assert in_full.scenario.assumed == ()
 
@@ -76,7 +76,7 @@ def test_what_the_answer_says_was_taken_plans_the_same():
 )  # fmt: skip
 def test_an_epoch_off_the_rows_is_put_on_the_one_before(given, row):
     state = LAS_VEGAS["initial_state"] | {"epoch": f"2015-02-27T{given}"}
-    scenario = slewtrack.read_request(request(state))
+    scenario = read_request(request(state))
     assert scenario.initial_state.epoch == utc_from_text(f"2015-02-27T{row}")
     if given == "17:34:59.9999999Z":  # rounded to the microsecond, it is on a row
         assert scenario.assumed == ()
@@ -91,12 +91,12 @@ def test_an_epoch_in_a_leap_second_stays_in_it():
     ]
     state = LAS_VEGAS["initial_state"] | {"epoch": "2016-12-31T23:59:60.53Z"}
     later = [(target, "2017-01-01T00:00:30Z", stop) for target, _, stop in sessions]
-    scenario = slewtrack.read_request(request(state, later))
+    scenario = read_request(request(state, later))
     assert utc_text(scenario.initial_state.epoch, 1) == "2016-12-31T23:59:60.4Z"
 
 
 def test_axes_at_rest_somewhere_need_no_epoch():
-    plan = slewtrack.plan(request({"angles_deg": {"alpha": 40.0, "beta": -20.0}}))
+    plan = plan_of(request({"angles_deg": {"alpha": 40.0, "beta": -20.0}}))
     assert np.rad2deg(plan.table.angle_rad[0]) == pytest.approx([40.0, -20.0])
     assert [one.field for one in plan.scenario.assumed] == ["initial_state.epoch"]
 
@@ -122,7 +122,7 @@ def test_a_plan_goes_on_where_one_at_rest_ends_when_it_is_time(client):
     # A pass a day later: the axes wait where they are, and the table is no day long.
     session = (LAS_VEGAS["sessions"][0]["target"], "2015-02-28T16:45:00Z", "2015-02-28T16:45:20Z")
     second = ok(post(client, request({"after": first["id"]}, [session])))
-    read = slewtrack.read_request(request({"angles_deg": rest["angles_deg"]}, [session]))
+    read = read_request(request({"angles_deg": rest["angles_deg"]}, [session]))
     assert second["table"]["epoch"] == utc_text(read.initial_state.epoch, 1)
     assert [second["table"][f"{axis}_deg"][0] for axis in ("alpha", "beta")] == [-30.0, 45.0]
 

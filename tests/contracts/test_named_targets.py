@@ -8,8 +8,8 @@ import unicodedata
 from dataclasses import replace
 
 import pytest
+from planner_values import find_opportunities, plan_of, read_request
 
-import slewtrack
 from app.requests.examples import LAS_VEGAS
 from app.requests.json_reader import JsonReader
 from planner.base.errors import InvalidRequest
@@ -85,20 +85,20 @@ def test_many_misspelt_towns_are_refused_at_the_first():
     target = {"mode": "place", "name": "Ljublana"}
     session = {**LAS_VEGAS["sessions"][0], "target": target}
     with pytest.raises(InvalidRequest) as refusal:
-        slewtrack.read_request({**LAS_VEGAS, "sessions": [session] * 200})
+        read_request({**LAS_VEGAS, "sessions": [session] * 200})
     assert len(refusal.value.errors) == 1
 
 
 def test_a_place_and_a_star_by_name_are_planned_as_what_the_answer_says_they_are():
-    scenario = slewtrack.read_request(LAS_VEGAS)
+    scenario = read_request(LAS_VEGAS)
     named = PlaceTarget(name="Las Vegas, Nevada, US")
     [session] = scenario.sessions
-    by_name = slewtrack.plan(replace(scenario, sessions=(replace(session, target=named),)))
+    by_name = plan_of(replace(scenario, sessions=(replace(session, target=named),)))
     [found] = by_name.scenario.assumed
     assert found.field == "sessions.0.target.name"
     target = JsonReader(GroundTarget).read(json.dumps(found.members).encode())
     assert target == GroundTarget(latitude_deg=36.17497, longitude_deg=-115.13722, height_m=586.0)
-    in_full = slewtrack.plan(replace(scenario, sessions=(replace(session, target=target),)))
+    in_full = plan_of(replace(scenario, sessions=(replace(session, target=target),)))
     assert (by_name.table.angle_rad == in_full.table.angle_rad).all()
     assert by_name.verification.passed
     assert by_name.verification.taken_as_given == in_full.verification.taken_as_given
@@ -114,7 +114,7 @@ def test_opportunities_and_campaigns_say_where_a_named_target_is():
                     {"id": "there", "target": {"mode": "ground", "latitude_deg": 36.17497,
                                                "longitude_deg": -115.13722, "height_m": 586.0}}],
     }  # fmt: skip
-    found = slewtrack.opportunities(request)
+    found = find_opportunities(request)
     assert [one.field for one in found.assumed] == ["targets.0.target.name"]
     assert found.windows.target.tolist() == [0, 1]
     assert found.windows.rise_s[0] == found.windows.rise_s[1]
@@ -122,9 +122,10 @@ def test_opportunities_and_campaigns_say_where_a_named_target_is():
 
 def test_a_request_without_names_loads_no_list_of_them():
     code = (
-        "import slewtrack, pathlib\n"
+        "import pathlib\n"
+        "from app.requests.plan import read_plan_request\n"
         "from planner.world.targets import gazetteer as g, star_names as s\n"
-        "slewtrack.read_request(pathlib.Path('examples/las_vegas_2015.json').read_bytes())\n"
+        "read_plan_request(pathlib.Path('examples/las_vegas_2015.json').read_bytes())\n"
         "print(g._read_file.cache_info().currsize, s._star_numbers.cache_info().currsize)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

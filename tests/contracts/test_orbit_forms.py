@@ -4,8 +4,8 @@ import json
 
 import numpy as np
 import pytest
+from planner_values import plan_of, read_request
 
-import slewtrack
 from app.requests.examples import LAS_VEGAS, message
 from planner.base.errors import InvalidRequest, OutsideCoverage
 from planner.world.frames.time_scales import Instants, utc_from_text
@@ -18,7 +18,7 @@ START, STOP = map(utc_from_text, ("2015-02-27T17:00:00Z", "2015-02-27T18:00:00Z"
 
 
 def states(orbit):
-    read = slewtrack.read_request({**LAS_VEGAS, "orbit": orbit}).orbit
+    read = read_request({**LAS_VEGAS, "orbit": orbit}).orbit
     return read.ephemeris(START, STOP).states(Instants(START, np.linspace(0.0, 3600.0, 7)))
 
 
@@ -53,7 +53,7 @@ def test_an_omm_in_json_as_it_is(form):
 def test_an_omm_that_is_none_is_refused_at_its_field(content):
     request = {**LAS_VEGAS, "orbit": {"source": "omm", "content": content}}
     with pytest.raises(InvalidRequest) as refusal:
-        slewtrack.read_request(request)
+        read_request(request)
     assert all(error.field.startswith("orbit.content") for error in refusal.value.errors)
 
 
@@ -66,5 +66,5 @@ def test_elements_too_old_are_refused_at_the_text_they_came_in():
         "sessions": [LAS_VEGAS["sessions"][0] | late],
     }
     with pytest.raises(OutsideCoverage) as refusal:
-        slewtrack.plan(request)
+        plan_of(request)
     assert refusal.value.field == "orbit.content"

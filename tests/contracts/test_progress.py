@@ -3,9 +3,9 @@
 import json
 
 import pytest
+from planner_values import read_request
 from waiting import PatientClient
 
-import slewtrack
 from app.http.app import create_app
 from app.jobs.kinds import CAMPAIGN, JOB_KINDS, PLAN, SPACECRAFT_PLAN
 from app.requests.campaign import read_campaign_request
@@ -18,7 +18,7 @@ from planner.spacecraft.plan import plan_imaging
 
 
 def plan_stages(tell):
-    make_plan(slewtrack.read_request(LAS_VEGAS), tell)
+    make_plan(read_request(LAS_VEGAS), tell)
 
 
 def spacecraft_stages(tell):

@@ -9,10 +9,10 @@ import json
 
 import numpy as np
 import pytest
+from planner_values import read_request
 from scipy.spatial.transform import Rotation
 from waiting import PatientClient
 
-import slewtrack
 from app.http.app import create_app
 from app.requests.examples import ESTIMATE_EXAMPLE, LAS_VEGAS
 from planner.world.frames.time_scales import Instants, utc_from_text
@@ -111,7 +111,7 @@ def test_the_next_plan_is_surer_and_points_where_the_carrier_is(client, correcti
 
 def test_the_law_follows_the_carrier(corrections):
     """To the size that its budget tells, from three times that before."""
-    law = slewtrack.read_request(request(corrections)).attitude
+    law = read_request(request(corrections)).attitude
     middle = Instants(utc_from_text("2015-02-27T17:37:05Z"), np.zeros(1))
     off_deg = np.rad2deg(law.turn_rad(middle)[0]) - SESSION_TURN_DEG
     told_deg = np.rad2deg(np.sqrt(np.sum(law.errors(middle).modes_body_rad[:, 0] ** 2, axis=0)))

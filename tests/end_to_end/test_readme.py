@@ -255,7 +255,7 @@ def test_python_example():
         [sys.executable, "-c", example], capture_output=True, text=True, cwd=ROOT
     )
     assert result.returncode == 0, result.stderr
-    assert result.stdout == "(1151, 2) True\n"
+    assert result.stdout == "(1151,) True\n"
 
 
 PAGES = ["README.md", *(f"docs/{path.name}" for path in sorted((ROOT / "docs").glob("*.md")))]

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from flown_las_vegas import PERFECT, planned, planned_in_a_minute, telemetry
 from other_platform import Clock, Drive
+from planner_values import compare
 
-import slewtrack
 from planner.base.errors import InvalidInput
 from planner.inflight.telemetry.following import PlannedMotion, follow, gap_starts, phases
 from planner.inflight.telemetry.next_plan import platform_found
@@ -24,7 +24,7 @@ SIGMAS = 4.5  # one in 150,000
 
 
 def compared(content):
-    return slewtrack.compare(planned(), content)
+    return compare(planned(), content)
 
 
 def axis(comparison, name):
@@ -226,7 +226,7 @@ def test_a_rate_beyond_its_limit_is_told(tmp_path):
     slow = replace(platform.outer_limits, rate_max_rad_s=np.radians(0.5))
     limited = platform.with_limits((slow, platform.inner_limits))
     plan = replace(plan, scenario=replace(plan.scenario, platform=limited))
-    found = slewtrack.compare(plan, telemetry(tmp_path))
+    found = compare(plan, telemetry(tmp_path))
     beyond = axis(found, "alpha").limits_exceeded
     peak_rad_s = np.abs(plan.table.rate_rad_s[:, 0]).max()
     assert {one.limit for one in beyond} == {"rate"}
@@ -270,7 +270,7 @@ def test_the_friction_that_was_flown_is_found(tmp_path, columns, friction_deg_s2
         plan=plan,
     )
     names = ["alpha.coulomb_deg_s2", "beta.coulomb_deg_s2"]
-    found = platform_found(slewtrack.compare(plan, content), names)
+    found = platform_found(compare(plan, content), names)
     assert [one.name for one in found.parameters[:2]] == names
     for one, drive_found in zip(found.parameters[:2], found.platform.drives, strict=True):
         assert one.planned_value == 0.05
@@ -285,7 +285,7 @@ def test_the_least_smooth_rate_is_what_an_axis_stuck_at(tmp_path):
     smooth = [replace(one, rate_min_rad_s=0.0) for one in plan.scenario.platform.axis_limits]
     platform = plan.scenario.platform.with_limits(tuple(smooth))
     plan = replace(plan, scenario=replace(plan.scenario, platform=platform))
-    comparison = slewtrack.compare(
+    comparison = compare(
         plan, telemetry(tmp_path, PERFECT | {"beta": rough}, rate_hz=50.0, noise_arcsec=0.3)
     )
     found = platform_found(comparison, ())

@@ -11,8 +11,8 @@ import other_platform
 import pytest
 from clock_bound import drift_bound
 from flown_las_vegas import planned
+from planner_values import compare
 
-import slewtrack
 from app.requests.examples import LAS_VEGAS
 from app.requests.plan import read_plan_request
 from planner.inflight.telemetry.alignment import Channel, align
@@ -63,7 +63,7 @@ OFF_PLAN = {
 def test_an_axis_off_its_plan_has_no_lag_and_leaves_its_neighbour_alone(name, number):
     tag_s, angles_deg = valid()
     angles_deg[number] = OFF_PLAN[name](angles_deg[number])
-    found = slewtrack.compare(planned(), csv_of(tag_s, *angles_deg))
+    found = compare(planned(), csv_of(tag_s, *angles_deg))
     off, on = found.axes[number], found.axes[1 - number]
     assert off.lag_s is None
     [note] = [note for note in found.notes if "has no lag_s" in note]
@@ -78,7 +78,7 @@ def test_an_axis_off_its_plan_has_no_lag_and_leaves_its_neighbour_alone(name, nu
 def test_gradians_named_degrees_are_a_gain():
     """A tenth farther: it was taken for a clock that loses 7 % of time."""
     tag_s, angles_deg = valid()
-    found = slewtrack.compare(planned(), csv_of(tag_s, *(one / 0.9 for one in angles_deg)))
+    found = compare(planned(), csv_of(tag_s, *(one / 0.9 for one in angles_deg)))
     for axis in found.axes:
         assert abs(axis.gain.value - 1.0 / 0.9) < SIGMAS * axis.gain.sigma < 1e-4
     assert abs(found.alignment.drift.value) < SIGMAS * found.alignment.drift.sigma
@@ -157,7 +157,7 @@ def test_a_pass_of_several_targets_tells_the_drift_to_a_millionth(tmp_path):
     for seed in range(4):
         noise_deg = np.random.default_rng(seed).normal(0.0, 5.0 / 3600.0, (2, len(tag_s)))
         content = csv_of(tag_s, alpha_deg + noise_deg[0], beta_deg + noise_deg[1])
-        drift = slewtrack.compare(plan, content).alignment.drift
+        drift = compare(plan, content).alignment.drift
         assert drift.value == pytest.approx(5e-6, abs=1e-6)
         assert drift.sigma == pytest.approx(bound, rel=0.3)  # of 40 blocks' scatter: 11 %
         told.append((drift.value - 5e-6) / bound)

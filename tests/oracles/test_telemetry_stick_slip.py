@@ -11,8 +11,8 @@ from functools import cache
 import numpy as np
 import other_platform
 import pytest
+from planner_values import compare
 
-import slewtrack
 from app.requests.examples import LAS_VEGAS
 from app.requests.plan import read_plan_request
 from planner.output.export.csv import table_csv
@@ -60,7 +60,7 @@ def folder(tmp_path_factory):
 def compared(t_s, angles_arcsec):
     rows = zip(t_s, *(one / 3600.0 for one in angles_arcsec), strict=True)
     text = "\n".join(f"{t:.6f},{alpha:.9f},{beta:.9f}" for t, alpha, beta in rows)
-    return slewtrack.compare(creeping(), f"t_s,alpha_deg,beta_deg\n{text}".encode())
+    return compare(creeping(), f"t_s,alpha_deg,beta_deg\n{text}".encode())
 
 
 def measured(flight, rate_hz, noise_arcsec, seed=1):

@@ -12,10 +12,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from planner_values import plan_of
 from scipy.interpolate import CubicHermiteSpline
 from scipy_boresight import scipy_boresight
 
-import slewtrack
 from planner.inflight.simulation.flight import fly
 from planner.world.platforms import IDEAL_DRIVE, ISS_HRC, AxisDrive
 
@@ -28,7 +28,7 @@ SESSION_S = (140.0, 230.0)
 def table():
     request = json.loads(EXAMPLE.read_text())
     request["attitude"] = {"law": "lvlh", "yaw_deg": -4.0}
-    return slewtrack.plan(request).table
+    return plan_of(request).table
 
 
 def followed(table, drive):

@@ -176,7 +176,7 @@ def sgp4_ephemeris(
     sentence = f"the elements' epoch {utc_text(epoch_utc, 0)} is {age} days from the plan"
     if age_days >= REFUSE_AGE_DAYS:
         raise OutsideCoverage(
-            f"{sentence}; at {REFUSE_AGE_DAYS:.0f} days they are worthless; take newer ones",
+            f"{sentence}; those {REFUSE_AGE_DAYS:.0f} days old are of no use; take newer ones",
             field=field,
         )
     warnings: tuple[str, ...] = ()

@@ -26,7 +26,7 @@ export const horizon = {
   },
   sigmaOf: (sigma: string) => `The vertical is good to ${sigma}° (1 sigma).`,
   differs: (angle: string, probability: string) =>
-    `It is ${angle}° from the predicted one; with errors of the stated sizes a difference as great or greater comes about with a probability of ${probability}.`,
+    `It is ${angle}° from the predicted one; if the stated sigmas are right, chance alone makes it as great in ${probability} of cases.`,
   ellipse: "The measured nadir (dot) with its 1 and 3 sigma ellipses, across the nadir; the ring is the predicted one.",
   ellipseOf: (major: string, minor: string) => `Error ellipse of the nadir, 1 sigma: ${major}° by ${minor}°`,
   nadir: "Geocentric nadir, body axes",

@@ -1,7 +1,7 @@
 import { counted } from "../language";
 
 export const simulation = {
-  what: "A plan is flown many times with the errors its pointing budget reckons with: how often the camera holds the target, how sharply, and what is to blame.",
+  what: "A plan is flown many times with the errors its pointing budget reckons with: how often the camera holds the target, how sharply, and what causes the errors.",
   runs: "Runs",
   runsHint: "400 tell a probability to 0.05, 1,000 to 0.03.",
   seed: "Seed",
@@ -16,7 +16,7 @@ export const simulation = {
   inFrame: (probability: string) => `All frames hold their targets in ${probability} of the flights`,
   sharp: (probability: string) => `all are sharp, too, in ${probability}`,
   interval: (low: string, high: string) => `(${low} to ${high})`,
-  contributors: "What is to blame",
+  contributors: "Causes of the errors",
   contributorsHint:
     "Total effects (Sobol): the share of the variance that would go if the cause did, with all that it does together with others. What two do together counts for both, so the sum may exceed 100 %.",
   cause: "Cause",

@@ -42,8 +42,8 @@ export const telemetry = {
   errors: (rms: string, max: string, basis: string) => `Error ${rms}″ rms, ${max}″ at most, ${basis}.`,
   gain: (gain: string, sigma: string, bias: string, biasSigma: string, unit: string) =>
     `Gain ${gain} ± ${sigma}, bias ${bias} ± ${biasSigma} ${unit}.`,
-  lag: (value: string, sigma: string) => `It moves ${value} ± ${sigma} s later than the other axis.`,
-  noLag: "It tells no lag: it doesn’t follow its plan, or hardly moves.",
+  lag: (value: string, sigma: string) => `Its delay behind the other axis: ${value} ± ${sigma} s.`,
+  noLag: "Its delay can’t be measured: it doesn’t follow its plan, or hardly moves.",
   phases: "Errors by phase",
   phase: "Phase",
   kinds: { wait: "wait", slew: "slew to", track: "track", brake: "brake" },
@@ -60,7 +60,7 @@ export const telemetry = {
   bound: "Allowed",
   none: "none seen",
   fromTo: "From, to (UTC)",
-  checked: (limits: string) => `Limits that the samples are fine enough to tell of: ${limits}.`,
+  checked: (limits: string) => `The samples are fine enough to check these limits: ${limits}.`,
   rows: "The rows sent",
   used: (used: number, read: number, start: string, stop: string, step: string) =>
     `${used} of ${counted(read, "row", "rows", "rows")} used, ${start} to ${stop}, usually every ${step} s.`,

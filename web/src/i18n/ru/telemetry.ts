@@ -44,7 +44,7 @@ export const telemetry: Words["telemetry"] = {
   errors: (rms: string, max: string, basis: string) => `Ошибка: СКО ${rms}″, не больше ${max}″, ${basis}.`,
   gain: (gain: string, sigma: string, bias: string, biasSigma: string, unit: string) =>
     `Масштаб ${gain} ± ${sigma}, смещение ${bias} ± ${biasSigma} ${unit}.`,
-  lag: (value: string, sigma: string) => `Движется на ${value} ± ${sigma} с позже другой оси.`,
+  lag: (value: string, sigma: string) => `Запаздывание относительно другой оси: ${value} ± ${sigma} с.`,
   noLag: "Запаздывание не определить: ось не следует плану или почти не движется.",
   phases: "Ошибки по участкам",
   phase: "Участок",
@@ -62,7 +62,7 @@ export const telemetry: Words["telemetry"] = {
   bound: "Допустимо",
   none: "не видно",
   fromTo: "Начало, конец (UTC)",
-  checked: (limits: string) => `Пределы, для которых отсчётов достаточно: ${limits}.`,
+  checked: (limits: string) => `Отсчёты позволяют проверить пределы: ${limits}.`,
   rows: "Присланные строки",
   used: (used: number, read: number, start: string, stop: string, step: string) =>
     `Использовано ${used} из ${counted(read, "строки", "строк", "строк")}, ${start} – ${stop}, обычно через ${step} с.`,

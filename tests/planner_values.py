@@ -1,0 +1,36 @@
+"""The planner's own values of a request, in radians and SI; `slewtrack` answers in degrees."""
+
+import json
+
+from app.requests.opportunities import read_opportunity_request
+from app.requests.plan import read_plan_request
+from planner.inflight.telemetry.compare import compare as compare_samples
+from planner.inflight.telemetry.samples import read_csv
+from planner.planning import opportunities
+from planner.planning.sessions.pipeline import make_plan
+
+
+def body_of(request):
+    return request if isinstance(request, bytes) else json.dumps(request).encode()
+
+
+def read_request(request):
+    """A Scenario with its horizon cameras."""
+    return read_plan_request(body_of(request))
+
+
+def plan_of(request):
+    """A Plan; request: JSON, or what `read_request` made of it."""
+    is_read = not isinstance(request, bytes | dict)
+    return make_plan(request if is_read else read_request(request))
+
+
+def find_opportunities(request):
+    """Windows and their targets."""
+    return opportunities.find_opportunities(read_opportunity_request(body_of(request)))
+
+
+def compare(plan, csv, *, epoch=None, columns=None):
+    """What flew beside a plan: telemetry as CSV; epoch: from which its t_s counts, the plan's."""
+    names = plan.scenario.platform.axis_names
+    return compare_samples(plan, read_csv(csv, names, epoch, plan.table.epoch_utc, columns))
