@@ -1,6 +1,7 @@
 """The clients of a running service: one waits for each call, the other is awaited."""
 
 import time
+from collections.abc import Awaitable, Callable
 from typing import Self, TypeVar
 
 import anyio
@@ -27,39 +28,43 @@ from slewtrack.client.connection import (
 from slewtrack.client.problems import NoAnswer
 
 T = TypeVar("T")
+Answer = Callable[[Ask], Awaitable[Reply]]
 
 
-class Carrier(CarrierCalls, Waiting):
-    """Plans and opportunities of one carrier of an instrument, as a service keeps them."""
+class _Carried(CarrierCalls):
+    """Plans and opportunities of one carrier; answer: one exchange with the service."""
 
-    def __init__(self, service: Service, http: httpx.Client, paths: tuple[str, str]) -> None:
+    def __init__(self, service: Service, answer: Answer, paths: tuple[str, str]) -> None:
         super().__init__(service.patience_s, paths)
-        self._service = service
-        self._http = http
+        self._carried = (service, answer)
 
-    def _run(self, call: Call[T]) -> T:
-        """Return what the call returns."""
+    async def _carry_out(self, call: Call[T]) -> T:
+        service, answer = self._carried
         try:
             ask = next(call)
             while True:
                 try:
-                    reply = self._answer(ask)
+                    reply = await answer(ask)
                 except Exception as error:  # noqa: BLE001 (the call decides what it means)
-                    ask = call.throw(self._service.meaning(error))
+                    ask = call.throw(service.meaning(error))
                 else:
                     ask = call.send(reply)
         except StopIteration as done:
             result: T = done.value
             return result
 
-    def _answer(self, ask: Ask) -> Reply:
-        time.sleep(ask.after_s)
-        start_clock(ask)
-        with self._http.stream(**request_of(ask), extensions={"trace": in_time}) as answer:
-            intake = Intake(ask, answer.status_code)
-            for part in answer.iter_bytes():
-                intake.take(part)
-            return reply_of(answer, intake.body)
+
+class Carrier(_Carried, Waiting):
+    """Plans and opportunities of one carrier of an instrument, as a service keeps them."""
+
+    def _run(self, call: Call[T]) -> T:
+        """Return what the call returns; its exchanges wait, so that it never suspends."""
+        try:
+            self._carry_out(call).send(None)
+        except StopIteration as done:
+            result: T = done.value
+            return result
+        raise RuntimeError("an exchange was awaited by nobody")
 
 
 class Client(ServiceCalls, Carrier):
@@ -82,9 +87,18 @@ class Client(ServiceCalls, Carrier):
         transport: httpx.BaseTransport | None = None,
     ) -> None:
         service = Service(url, key, patience_s=patience_s)
-        http = httpx.Client(transport=transport, **service.options)
-        Carrier.__init__(self, service, http, PLATFORM)
-        self.spacecraft = Carrier(service, http, SPACECRAFT)
+        self._http = httpx.Client(transport=transport, **service.options)
+        Carrier.__init__(self, service, self._answer, PLATFORM)
+        self.spacecraft = Carrier(service, self._answer, SPACECRAFT)
+
+    async def _answer(self, ask: Ask) -> Reply:
+        time.sleep(ask.after_s)
+        start_clock(ask)
+        with self._http.stream(**request_of(ask), extensions={"trace": in_time}) as answer:
+            intake = Intake(ask, answer.status_code)
+            for part in answer.iter_bytes():
+                intake.take(part)
+            return reply_of(answer, intake.body)
 
     def __enter__(self) -> Self:
         return self
@@ -97,38 +111,12 @@ class Client(ServiceCalls, Carrier):
         self._http.close()
 
 
-class AsyncCarrier(CarrierCalls, Awaiting):
+class AsyncCarrier(_Carried, Awaiting):
     """Plans and opportunities of one carrier, awaited."""
-
-    def __init__(self, service: Service, http: httpx.AsyncClient, paths: tuple[str, str]) -> None:
-        super().__init__(service.patience_s, paths)
-        self._service = service
-        self._http = http
 
     async def _run(self, call: Call[T]) -> T:
         """Return what the call returns."""
-        try:
-            ask = next(call)
-            while True:
-                try:
-                    reply = await self._answer(ask)
-                except Exception as error:  # noqa: BLE001 (the call decides what it means)
-                    ask = call.throw(self._service.meaning(error))
-                else:
-                    ask = call.send(reply)
-        except StopIteration as done:
-            result: T = done.value
-            return result
-
-    async def _answer(self, ask: Ask) -> Reply:
-        await anyio.sleep(ask.after_s)
-        with anyio.move_on_after(left_s(ask)):  # the head that comes byte by byte, too
-            async with self._http.stream(**request_of(ask)) as answer:
-                intake = Intake(ask, answer.status_code)
-                async for part in answer.aiter_bytes():
-                    intake.take(part)
-                return reply_of(answer, intake.body)
-        raise NoAnswer(TOO_LONG)
+        return await self._carry_out(call)
 
 
 class AsyncClient(ServiceCalls, AsyncCarrier):
@@ -143,9 +131,19 @@ class AsyncClient(ServiceCalls, AsyncCarrier):
         transport: httpx.AsyncBaseTransport | None = None,
     ) -> None:
         service = Service(url, key, patience_s=patience_s)
-        http = httpx.AsyncClient(transport=transport, **service.options)
-        AsyncCarrier.__init__(self, service, http, PLATFORM)
-        self.spacecraft = AsyncCarrier(service, http, SPACECRAFT)
+        self._http = httpx.AsyncClient(transport=transport, **service.options)
+        AsyncCarrier.__init__(self, service, self._answer, PLATFORM)
+        self.spacecraft = AsyncCarrier(service, self._answer, SPACECRAFT)
+
+    async def _answer(self, ask: Ask) -> Reply:
+        await anyio.sleep(ask.after_s)
+        with anyio.move_on_after(left_s(ask)):  # the head that comes byte by byte, too
+            async with self._http.stream(**request_of(ask)) as answer:
+                intake = Intake(ask, answer.status_code)
+                async for part in answer.aiter_bytes():
+                    intake.take(part)
+                return reply_of(answer, intake.body)
+        raise NoAnswer(TOO_LONG)
 
     async def __aenter__(self) -> Self:
         return self
