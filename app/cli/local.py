@@ -1,8 +1,8 @@
-"""Plans made, flown and compared in this process, by what a service's children run."""
+"""Plans and all else made in this process, by what a service's children run."""
 
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import cached_property, partial
@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 from app.cli.planner import Answer, Members, OnProgress
 from app.cli.progress_bar import reported_to
 from app.store.packed import PackedColumns, pack, unpack, unzip
-from app.work.result import Result
-from planner.base.errors import FieldError, InvalidRequest
+from app.work.result import Part, Result
+from planner.base.errors import FieldError, InvalidRequest, Refusal
 
 if TYPE_CHECKING:
     from app.answers.flights import FlightsFound
@@ -21,12 +21,15 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class LocalPlan:
-    """A plan under an id of its own; text: makes the whole answer, as a service gives it."""
+class Made:
+    """What was made, under an id of its own; text: makes the whole answer, as a service gives it.
+
+    passed: a plan's verification.
+    """
 
     id: str
-    passed: bool
     text: Callable[[], bytes]
+    passed: bool = True
 
     @cached_property
     def members(self) -> Members:
@@ -34,21 +37,20 @@ class LocalPlan:
         return Answer(self.text())
 
 
-@dataclass(frozen=True)
-class LocalFlights:
-    """Flights of a plan."""
-
-    members: Members
-
-
 class Local:
     """Each plan is kept for as long as the command runs."""
 
     def __init__(self) -> None:
         self._stored: dict[str, tuple[bytes, bytes]] = {}  # request and packed table, by id
+        self._made: dict[str, Made] = {}
         self._compared: tuple[Members, tuple[ComparisonRequest, Comparison]] | None = None
 
-    def plan(self, request: bytes, *, progress: OnProgress | None = None) -> LocalPlan:
+    @cached_property
+    def spacecraft(self) -> "LocalSpacecraft":
+        """The same for the imaging spacecraft."""
+        return LocalSpacecraft()
+
+    def plan(self, request: bytes, *, progress: OnProgress | None = None) -> Made:
         """Slews and tracks for every session, as a verified command table."""
         from app.work.plan import plan_and_pack, stored_table_json
 
@@ -60,7 +62,7 @@ class Local:
         table_json: Callable[[bytes], bytes],
         request: bytes,
         progress: OnProgress | None,
-    ) -> LocalPlan:
+    ) -> Made:
         from app.answers.members import new_head, whole_answer
 
         with reported_to(progress):
@@ -71,7 +73,16 @@ class Local:
         def text() -> bytes:
             return whole_answer(head, unzip(new.document), table_json(new.table_columns))
 
-        return LocalPlan(head.id, passed=new.state == "done", text=text)
+        made = self._made[head.id] = Made(head.id, text, new.state == "done")
+        return made
+
+    def get(self, plan_id: str) -> Made:
+        """A plan made before."""
+        return self._made[plan_id]
+
+    def request(self, plan_id: str) -> Members:
+        """What a plan was asked for by."""
+        return Answer(self._stored[plan_id][0])
 
     def take(self, plan: Members, request: bytes) -> str:
         """The id of a plan that its whole answer tells; raises InvalidRequest for another text."""
@@ -135,9 +146,7 @@ class Local:
             return draw_plan(stored_plan(request, unpack(table_columns)), format_name, now_utc)
         return stored_table_file(request, table_columns, format_name, now_utc)
 
-    def fly(
-        self, plan_id: str, request: bytes, *, progress: OnProgress | None = None
-    ) -> LocalFlights:
+    def fly(self, plan_id: str, request: bytes, *, progress: OnProgress | None = None) -> Made:
         """A plan flown many times with errors drawn anew."""
         from app.answers.members import to_json
         from app.work.flights import PlanToFly, prepare_flights
@@ -148,7 +157,61 @@ class Local:
         )
         with reported_to(progress):
             new = prepare_flights(what.to_bytes())
-        return LocalFlights(json.loads(to_json(_fly_parts(new, progress))))
+        flown = to_json(_fly_parts(new, progress))
+        return Made("", lambda: flown)
+
+    def opportunities(self, request: bytes) -> Made:
+        """When each target can be seen."""
+        from app.answers.members import provenance
+        from app.answers.opportunities import whole_opportunities
+        from app.ids import new_id
+        from app.requests.opportunities import read_opportunity_request
+        from app.work.campaign import answer_opportunities
+
+        origin = provenance(datetime.now(UTC), request)
+        found, new = answer_opportunities(read_opportunity_request(request), origin), new_id()
+        return Made(new, lambda: whole_opportunities(new, found))
+
+    def campaign(
+        self, request: bytes, *, progress: OnProgress | None = None, plans_too: bool = True
+    ) -> Made:
+        """Many targets over days: chosen, ordered and, if wanted, planned pass by pass."""
+        from app.work.campaign import choose
+        from app.work.progress import Progress
+
+        with reported_to(progress):
+            chosen = choose(request)
+        passes = []
+        for number, part in enumerate(chosen.parts):
+            if progress is not None:
+                progress(Progress(stage="plans", done=number, of=len(chosen.parts)))
+            passes.append(self._plan_pass(part) if plans_too else _pass(part))
+        told = {"choice": json.loads(unzip(chosen.document)), "passes": passes}
+        return Made("", lambda: json.dumps(told).encode())
+
+    def _plan_pass(self, part: Part) -> Members:
+        """The pass, without what can't be flown of it."""
+        from app.answers.problem import problem_of
+        from app.work.campaign import without_refused
+
+        while True:
+            try:
+                made = self.plan(part.request)
+                return _pass(part, "done" if made.passed else "failed", plan=made.id)
+            except Refusal as refusal:
+                repaired = without_refused(part, refusal.field, refusal.detail)
+                if repaired is None:
+                    return _pass(part, "refused", problem=problem_of(refusal))
+                part = repaired
+
+    def estimate_vertical(self, images: Sequence[bytes], request: bytes) -> Members:
+        """The nadir in body axes from one image file per camera."""
+        from app.answers.members import provenance
+        from app.requests.horizon import read_estimate_request
+        from app.work.horizon import estimate_json
+
+        origin = provenance(datetime.now(UTC), request, *images)
+        return Answer(estimate_json(read_estimate_request(request), images, origin))
 
     def compare(self, request: Members, csv: bytes) -> Members:
         """What flew beside a plan: its samples in a CSV file."""
@@ -184,17 +247,34 @@ class Local:
 class LocalSpacecraft(Local):
     """The same of the imaging spacecraft."""
 
-    def plan(self, request: bytes, *, progress: OnProgress | None = None) -> LocalPlan:
+    def plan(self, request: bytes, *, progress: OnProgress | None = None) -> Made:
         """A session, as a verified attitude table."""
         from app.work.spacecraft import plan_and_pack_session, stored_session_json
 
         return self._make(plan_and_pack_session, stored_session_json, request, progress)
+
+    def check(self, request: bytes) -> Members:
+        """Whether a session flies, and what to know before."""
+        from app.answers.members import provenance
+        from app.requests.spacecraft import read_spacecraft_request
+        from app.work.spacecraft import try_session
+
+        origin = provenance(datetime.now(UTC), request)
+        return Answer(try_session(read_spacecraft_request(request), origin))
 
     def export(self, plan_id: str, format_name: str) -> bytes:
         """The table as a file."""
         from app.work.spacecraft import stored_session_file
 
         return stored_session_file(*self._stored[plan_id], format_name, datetime.now(UTC))
+
+
+def _pass(
+    part: Part, state: str = "queued", plan: str = "", problem: Members | None = None
+) -> Members:
+    """As a campaign's answer tells it."""
+    facts = {name: part.facts[name] for name in ("start", "stop", "looks", "left_out")}
+    return {**facts, "number": part.facts["pass"], "state": state, "plan": plan, "problem": problem}
 
 
 def _fly_parts(new: Result, progress: OnProgress | None) -> "FlightsFound":

@@ -3,7 +3,11 @@
 import json
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
+
+if TYPE_CHECKING:
+    from app.cli.local import Local
+    from slewtrack.client import Client
 
 Members = Mapping[str, Any]
 
@@ -30,36 +34,9 @@ class Told(Protocol):
 OnProgress = Callable[[Told], None]
 
 
-class Flown(Protocol):
-    """Flights of a plan; members: of the whole answer."""
-
-    @property
-    def members(self) -> Members: ...
-
-
-class Made(Flown, Protocol):
-    """A plan; passed: its verification."""
-
-    @property
-    def id(self) -> str: ...
-    @property
-    def passed(self) -> bool: ...
-
-
-class Planner(Protocol):
-    """`slewtrack.Client`, whose docs tell of each call, and `app.cli.local.Local`."""
-
-    def plan(self, request: bytes, *, progress: OnProgress | None = None) -> Made: ...
-    def check(self, request: bytes) -> Members: ...
-    def export(self, plan_id: str, format_name: str) -> bytes: ...
-    def fly(self, plan_id: str, request: bytes, *, progress: OnProgress | None = None) -> Flown: ...
-    def compare(self, request: Members, csv: bytes) -> Members: ...
-    def draw_comparison(self, request: Members, csv: bytes, format_name: str) -> bytes: ...
-
-
 @contextmanager
-def planner_at(url: str | None) -> Iterator[Planner]:
-    """The service at this address, or this process without one."""
+def planner_at(url: str | None) -> "Iterator[Local | Client]":
+    """The service at this address, or this process without one; both are asked alike."""
     if url is None:
         from app.cli.local import Local
 

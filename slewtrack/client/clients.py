@@ -36,17 +36,16 @@ class _Carried(CarrierCalls):
 
     def __init__(self, service: Service, answer: Answer, paths: tuple[str, str]) -> None:
         super().__init__(service.patience_s, paths)
-        self._carried = (service, answer)
+        self._service, self._ask = service, answer
 
     async def _carry_out(self, call: Call[T]) -> T:
-        service, answer = self._carried
         try:
             ask = next(call)
             while True:
                 try:
-                    reply = await answer(ask)
+                    reply = await self._ask(ask)
                 except Exception as error:  # noqa: BLE001 (the call decides what it means)
-                    ask = call.throw(service.meaning(error))
+                    ask = call.throw(self._service.meaning(error))
                 else:
                     ask = call.send(reply)
         except StopIteration as done:
