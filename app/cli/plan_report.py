@@ -10,7 +10,6 @@ from rich.text import Text
 
 from app.cli.planner import Members
 from app.cli.report_parts import print_assumed, print_rows, print_warnings
-from planner.world.frames.time_scales import elapsed_s, utc_from_text
 
 
 def print_plan(console: Console, plan: Members, request: bytes | Members) -> None:
@@ -90,6 +89,8 @@ def print_plan(console: Console, plan: Members, request: bytes | Members) -> Non
 
 
 def _identity(plan: Members, asked: Members) -> str:
+    from planner.world.frames.time_scales import utc_from_text
+
     start_utc, stop_utc = (utc_from_text(plan["summary"][name]) for name in ("start", "stop"))
     stop = _day_and_time(stop_utc).removeprefix(f"{start_utc:%-d %b %Y} ")
     parts = [f"{_day_and_time(start_utc)} to {stop} UTC", plan["platform"]]
@@ -105,6 +106,7 @@ def _day_and_time(utc: datetime) -> str:
 def _orbit(asked: Members, start_utc: datetime, stop_utc: datetime) -> str:
     """Its source, and how old what it rests on is as the sessions begin."""
     from app.requests.json_reader import JsonReader
+    from planner.world.frames.time_scales import elapsed_s
     from planner.world.orbits import ORBITS
 
     orbit = JsonReader(ORBITS[asked["source"]]).read(json.dumps(asked).encode())
@@ -133,6 +135,8 @@ _AT = ("<at UTC", "at", lambda at: "-" if at is None else at[11:-3])  # to a ten
 
 
 def _seconds(segment: Members) -> float:
+    from planner.world.frames.time_scales import elapsed_s, utc_from_text
+
     return elapsed_s(utc_from_text(segment["stop"]), utc_from_text(segment["start"]))
 
 
