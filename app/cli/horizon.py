@@ -13,7 +13,7 @@ from rich.text import Text
 
 from app.cli import files
 from app.cli.planner import Answer, Members, planner_at
-from app.cli.progress_bar import Tell, progress_bar
+from app.cli.progress_bar import told_progress
 from app.cli.report_parts import print_rows, print_warnings
 from planner.base.errors import InvalidInput
 
@@ -98,6 +98,7 @@ def measure_frames(
     """A series of frames, or videos."""
     from app.answers.members import provenance
     from app.work import horizon_series as series
+    from app.work.progress import Progress
     from estimator.errors import InvalidImage
     from estimator.images import decode_image
 
@@ -119,16 +120,13 @@ def measure_frames(
             ]
             for number, one in enumerate(requests)
         )
-    with progress_bar("frames") as tell:
-        found = series.measure_series(requests, _told(frames, len(requests), tell))
+    with told_progress("frames") as tell:
+        told = (
+            tell(Progress(stage="frames", done=number, of=len(requests))) or frame
+            for number, frame in enumerate(frames)
+        )
+        found = series.measure_series(requests, told)
     return Answer(series.series_json(found, provenance(datetime.now(UTC), body)))
-
-
-def _told(frames: "Iterator[list[Pixels]]", count: int, tell: Tell) -> "Iterator[list[Pixels]]":
-    """The same, each told as it is taken."""
-    for number, frame in enumerate(frames):
-        tell("frames", number, count)
-        yield frame
 
 
 def print_estimate(console: Console, estimate: Members) -> None:

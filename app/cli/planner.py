@@ -1,9 +1,9 @@
-"""The questions a command asks, whoever answers: this process, or a running service."""
+"""The one who answers a command's questions: this process, or a running service."""
 
 import json
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from app.cli.local import Local
@@ -20,18 +20,7 @@ class Answer(dict[str, Any]):
         self.text = text
 
 
-class Told(Protocol):
-    """How far work is: its stage, and how many parts of how many are done."""
-
-    @property
-    def stage(self) -> str | None: ...
-    @property
-    def done(self) -> int | None: ...
-    @property
-    def of(self) -> int | None: ...
-
-
-OnProgress = Callable[[Told], None]
+OnProgress = Callable[[Any], None]  # told of stage, done and of, where these are known
 
 
 @contextmanager
