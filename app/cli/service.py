@@ -41,7 +41,7 @@ class _TellingClient(Client):
         except (httpx.ConnectError, httpx.ConnectTimeout) as error:
             if self._has_answered:
                 raise
-            raise InvalidInput(str(self._service.meaning(error)), field="--url") from None
+            raise InvalidInput(str(self._exchange.meaning(error)), field="--url") from None
         finally:
             slow.cancel()
         self._has_answered = True
@@ -50,7 +50,7 @@ class _TellingClient(Client):
     def _tell(self) -> None:
         if not self._has_told:
             self._has_told = True
-            say(f"waiting for {self._service.url} ...")
+            say(f"waiting for {self._http.base_url} ...")
 
 
 @contextmanager

@@ -1,18 +1,18 @@
 """The clients of a running service: one waits for each call, the other is awaited."""
 
 import time
-from collections.abc import Awaitable, Callable
-from typing import Self, TypeVar
+from typing import Self
 
 import anyio
 import httpx
 
-from slewtrack.client.asking import TOO_LONG, Ask, Call, Intake, Reply
+from slewtrack.client.asking import TOO_LONG, Ask, Intake, Reply
 from slewtrack.client.calls import (
     PLATFORM,
     SPACECRAFT,
     Awaiting,
     CarrierCalls,
+    Exchange,
     ServiceCalls,
     Waiting,
 )
@@ -27,43 +27,13 @@ from slewtrack.client.connection import (
 )
 from slewtrack.client.problems import NoAnswer
 
-T = TypeVar("T")
-Answer = Callable[[Ask], Awaitable[Reply]]
 
-
-class _Carried(CarrierCalls):
-    """Plans and opportunities of one carrier; answer: one exchange with the service."""
-
-    def __init__(self, service: Service, answer: Answer, paths: tuple[str, str]) -> None:
-        super().__init__(service.patience_s, paths)
-        self._service, self._ask = service, answer
-
-    async def _carry_out(self, call: Call[T]) -> T:
-        try:
-            ask = next(call)
-            while True:
-                try:
-                    reply = await self._ask(ask)
-                except Exception as error:  # noqa: BLE001 (the call decides what it means)
-                    ask = call.throw(self._service.meaning(error))
-                else:
-                    ask = call.send(reply)
-        except StopIteration as done:
-            result: T = done.value
-            return result
-
-
-class Carrier(_Carried, Waiting):
+class Carrier(CarrierCalls, Waiting):
     """Plans and opportunities of one carrier of an instrument, as a service keeps them."""
 
-    def _run(self, call: Call[T]) -> T:
-        """Return what the call returns; its exchanges wait, so that it never suspends."""
-        try:
-            self._carry_out(call).send(None)
-        except StopIteration as done:
-            result: T = done.value
-            return result
-        raise RuntimeError("an exchange was awaited by nobody")
+
+class AsyncCarrier(CarrierCalls, Awaiting):
+    """The same, awaited."""
 
 
 class Client(ServiceCalls, Carrier):
@@ -87,8 +57,8 @@ class Client(ServiceCalls, Carrier):
     ) -> None:
         service = Service(url, key, patience_s=patience_s)
         self._http = httpx.Client(transport=transport, **service.options)
-        Carrier.__init__(self, service, self._answer, PLATFORM)
-        self.spacecraft = Carrier(service, self._answer, SPACECRAFT)
+        super().__init__(Exchange(self._answer, service.meaning, patience_s), PLATFORM)
+        self.spacecraft = Carrier(self._exchange, SPACECRAFT)
 
     async def _answer(self, ask: Ask) -> Reply:
         time.sleep(ask.after_s)
@@ -110,14 +80,6 @@ class Client(ServiceCalls, Carrier):
         self._http.close()
 
 
-class AsyncCarrier(_Carried, Awaiting):
-    """Plans and opportunities of one carrier, awaited."""
-
-    async def _run(self, call: Call[T]) -> T:
-        """Return what the call returns."""
-        return await self._carry_out(call)
-
-
 class AsyncClient(ServiceCalls, AsyncCarrier):
     """A service, asked and awaited; the same as `Client` otherwise."""
 
@@ -131,8 +93,8 @@ class AsyncClient(ServiceCalls, AsyncCarrier):
     ) -> None:
         service = Service(url, key, patience_s=patience_s)
         self._http = httpx.AsyncClient(transport=transport, **service.options)
-        AsyncCarrier.__init__(self, service, self._answer, PLATFORM)
-        self.spacecraft = AsyncCarrier(service, self._answer, SPACECRAFT)
+        super().__init__(Exchange(self._answer, service.meaning, patience_s), PLATFORM)
+        self.spacecraft = AsyncCarrier(self._exchange, SPACECRAFT)
 
     async def _answer(self, ask: Ask) -> Reply:
         await anyio.sleep(ask.after_s)
