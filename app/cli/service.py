@@ -72,12 +72,12 @@ def service(url: str | None) -> Iterator[Client]:
 
 
 def whole_id(client: Client, begin: str) -> str:
-    """The id of the one plan whose id begins so, or the text where none does."""
+    """The id of the one plan whose id begins so; raises InvalidInput."""
     if len(begin) >= ID_CHARACTERS or not begin:
         return begin
     found = [job.id for job in client.plans(limit=SOUGHT_MAX) if job.id.startswith(begin)]
-    if len(found) > 1:
-        raise InvalidInput(
-            f"{len(found)} plans begin with {begin[:40]!r}; give more of it", field="ID"
-        )
-    return found[0] if found else begin
+    if len(found) != 1:
+        how = f"{len(found)} plans begin" if found else "there is no plan whose id begins"
+        detail = f"{how} with {begin[:40]!r}; `slewtrack list --wide` has them"
+        raise InvalidInput(detail, field="ID")
+    return found[0]

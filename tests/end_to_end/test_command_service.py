@@ -111,6 +111,17 @@ def test_lists_are_narrowed(run, plan_id):
     assert "after" in refused.stderr
 
 
+def test_an_id_may_be_cut(run, plan_id):
+    """As `list` cuts it where there is little room; where several begin so, none is taken."""
+    narrow = run("list", "--limit", "200", env={"COLUMNS": "80"}).stdout.splitlines()
+    assert max(map(len, narrow)) <= 80
+    [short] = {line.split()[0] for line in narrow if plan_id.startswith(line.split()[0])}
+    assert short != plan_id
+    assert json.loads(run("show", short, "--json", "-").stdout)["id"] == plan_id
+    assert plan_id in run("list", "--limit", "200", "--wide", env={"COLUMNS": "80"}).stdout
+    assert run("show", "0").exit_code == run("show", "nobody's").exit_code == 2
+
+
 def test_a_dry_run_keeps_nothing(run, url):
     before = run("list", "--limit", "1").stdout
     done = run("plan", LAS_VEGAS, "--url", url, "--dry-run")
