@@ -74,9 +74,7 @@ def test_a_plan_that_cannot_be_tells_how_much_of_the_ways_out_is_looked_for():
     }
     told = []
     with pytest.raises(Refusal):
-        make_plan(
-            slewtrack.read_request(json.dumps(request).encode()), lambda *one: told.append(one)
-        )
+        make_plan(read_request(json.dumps(request).encode()), lambda *one: told.append(one))
     percents = [PLAN.percent(*one) for one in told if one[0] == "alternatives"]
     assert len(percents) >= 2
     assert percents == sorted(set(percents))

@@ -144,7 +144,7 @@ def scenario_of(request: CampaignRequest, flight: ChosenPass, number: int) -> Sc
     )  # fmt: skip
     rest_utc = shifted_utc(flight.stop_utc, -REST_ROWS * COMMAND_STEP_S)
     return Scenario(
-        name=f"{request.name or 'campaign'}, pass {number}",
+        name=f"{request.name or 'campaign'}, pass {number + 1}",
         orbit=request.orbit,
         attitude=request.attitude,
         platform=request.platform,
