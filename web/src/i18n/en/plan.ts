@@ -96,6 +96,8 @@ export const plan = {
     begin: (kind: string) => `Begin: ${kind}`,
     more: "More of the target",
     ofPath: (count: string, km: string) => `Path of ${count} points, ${km} km`,
+    several: "Several places have this name: choose the one that is meant.",
+    noStar: "No star of this name is known here: give its Hipparcos number, or right ascension and declination.",
     noPlace:
       "No town of this name is known here: it may be spelt otherwise, or have fewer than 15,000 people. Give coordinates, or click on the map.",
     unknown: (mode: string) => `The form has no fields for the mode ${mode}; the target is kept and sent as it is.`,

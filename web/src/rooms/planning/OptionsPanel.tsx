@@ -65,8 +65,8 @@ function AfterPlan() {
   const after = isMembers(state) ? String(state.after ?? "") : "";
   const plans = answer?.plans ?? [];
   const take = (id: string) => {
-    const { epoch: _, angles_deg: __, ...others } = state ?? {};
-    const next: Members = id ? { ...others, after: id } : withMember<Members>(state ?? {}, "after", undefined);
+    // That plan's end says all the rest.
+    const next: Members = id ? { after: id } : withMember<Members>(state ?? {}, "after", undefined);
     draft.change({ initial_state: Object.keys(next).length ? next : undefined });
   };
   return (

@@ -146,8 +146,7 @@ function TextField({ kind, target }: { kind: "ground" | "star"; target: Target |
   const error = searchError.value;
   const isWrong = target && error instanceof Problem && error.field?.startsWith("targets.0.target");
   const offers = isWrong ? offersOf(error.document.detail) : [];
-  // The service's way out is for those who write JSON.
-  const why = isWrong ? (offers.length === 0 && target.mode === "place" ? text.noPlace : error.document.detail) : undefined;
+  const why = isWrong ? whyNot(target, error.document.detail) : undefined;
   return (
     <form
       onSubmit={(event) => {
@@ -182,6 +181,13 @@ function TextField({ kind, target }: { kind: "ground" | "star"; target: Target |
       )}
     </form>
   );
+}
+
+/** The service's way out is for those who write JSON. */
+function whyNot(target: Target, detail: string): string {
+  const text = words.value.plan.target;
+  if (target.mode === "place") return / may be /.test(detail) ? text.several : text.noPlace;
+  return target.mode === "star" && target.name ? text.noStar : detail;
 }
 
 /** The names that a refusal offers: 'Springfield, Ohio, US' (39.92, -83.81), or "do you mean Vega?" */
