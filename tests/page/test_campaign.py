@@ -199,3 +199,19 @@ def test_on_a_phone_nothing_is_wider(open_page, campaign):
     page = open_page(f"/campaigns/{campaign['id']}", viewport=PHONE)
     expect(page.get_by_test_id("campaign-verdict")).to_be_visible()
     assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
+
+
+def test_every_printed_page_says_which_campaign_it_is_of(open_page, campaign):
+    page = open_page(f"/campaigns/{campaign['id']}", color_scheme="dark")
+    expect(page.get_by_test_id("campaign-verdict")).to_be_visible()
+    page.emulate_media(media="print")
+    margins = page.evaluate(
+        "document.adoptedStyleSheets.map(one => [...one.cssRules].map(rule => rule.cssText)).join()"
+    )
+    for part in ("Cities, 27 Feb 2015", campaign["id"], "iss-hrc", "Planned", "Approved"):
+        assert part in margins
+    expect(page.locator("header:visible, .fate-list:visible")).to_have_count(1)
+    assert (
+        page.evaluate("getComputedStyle(document.querySelector('.fate-list')).maxHeight") == "none"
+    )
+    assert page.evaluate("getComputedStyle(document.body).color") == "rgb(23, 33, 46)"

@@ -75,6 +75,8 @@ def test_a_plan_is_printed_on_one_page(open_page, plans, name, language, theme):
         assert part in margins
         assert part in identity
     expect(page.locator(".signed")).to_be_visible()
+    assert ("Planned" if language == "en-GB" else "Запланировано") in margins
+    assert ("Approved" if language == "en-GB" else "Утверждено") in margins
     for picture in page.locator(".sheet-charts .plane").all():
         levels = picture.locator("text[text-anchor=end]").all_text_contents()
         assert len(set(levels)) > 1

@@ -20,7 +20,7 @@ export function Identity({ name, parts, proof, made }: Props) {
   const when = instant(made.at);
   const begun = made.by === undefined ? text.computed(when) : text.planned(when, made.by);
   useSubject(told);
-  usePaper(told, [name, ...proof].join(", "), `${begun}    ${text.approved} ____________`);
+  usePaper(told, [name, ...proof].join(", "), `${begun} · ${text.approved} ____________`);
   return (
     <p class="identity" data-testid="identity">
       {[...parts, ...proof].map((part) => (

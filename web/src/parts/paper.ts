@@ -30,7 +30,7 @@ export function usePaper(header: string, footer: string, signed: string): void {
     sheet.replaceSync(
       `@page { margin: 12mm 10mm; ${box("top-left", quoted(header))} ${box("bottom-left", quoted(footer))} ${box(
         "bottom-right",
-        `${quoted(signed)} "    " counter(page) " / " counter(pages)`,
+        `${quoted(signed)} " · " counter(page) " / " counter(pages)`,
       )} }`,
     );
     document.adoptedStyleSheets = [...document.adoptedStyleSheets, sheet];

@@ -1,6 +1,6 @@
 /** One pass in a line: when, how high, in what light and how sharp. */
 import { words } from "../i18n";
-import { clock, instant, number, percent } from "../i18n/forms";
+import { day, number, percent, rowClock } from "../i18n/forms";
 import { Profile } from "./Profile";
 import { lightOf, type Pass, quality, sample_m } from "./sight";
 import "./windows.css";
@@ -12,7 +12,7 @@ export function PassFigures({ pass }: { pass: Pass }) {
   return (
     <>
       <span class="window-when">
-        <b>{instant(pass.rise).slice(5, 10)}</b> {clock(pass.rise)}–{clock(pass.set)}
+        <b>{day(pass.rise)}</b> {rowClock(pass.rise)}–{rowClock(pass.set)}
       </span>
       <Profile pass={pass} />
       <span class="number">{number(pass.highest_deg, 0)}°</span>

@@ -1,3 +1,5 @@
+import { counted } from "../language";
+
 export const plan = {
   plan: "Plan",
   orbit: {
@@ -178,7 +180,8 @@ export const plan = {
       older: (source: string, epoch: string, hours: string) => `${source} of ${epoch} (${hours} h old)`,
       later: (source: string, epoch: string, hours: string) => `${source} of ${epoch} (${hours} h after the start)`,
       revision: (number: number) => `revision ${number}`,
-      planned: (when: string, who: string | null) => `Planned ${when} by${who ? ` ${who}` : ""}`,
+      planned: (when: string, who: string | null) => `Planned ${when} by ${who ?? "____________"}`,
+      corrected: (count: number) => counted(count, "correction", "corrections", "corrections"),
       computed: (when: string) => `Computed ${when}`,
       approved: "Approved, date and signature",
     },

@@ -1,3 +1,4 @@
+import { counted } from "../language";
 import type { Words } from "../words";
 
 export const plan: Words["plan"] = {
@@ -180,7 +181,8 @@ export const plan: Words["plan"] = {
       older: (source, epoch, hours) => `${source} от ${epoch} (возраст ${hours} ч)`,
       later: (source, epoch, hours) => `${source} от ${epoch} (через ${hours} ч после начала)`,
       revision: (number) => `редакция ${number}`,
-      planned: (when, who) => `Запланировано ${when}, ${who ?? "кем"}`,
+      planned: (when, who) => `Запланировано ${when}, кем: ${who ?? "____________"}`,
+      corrected: (count) => counted(count, "поправка", "поправки", "поправок"),
       computed: (when) => `Рассчитано ${when}`,
       approved: "Утверждено, дата и подпись",
     },

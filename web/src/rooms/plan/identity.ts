@@ -43,9 +43,11 @@ function orbitTold(orbit: Orbit, start: string): string {
   return age_h < 0 ? text.later(source, from, told) : text.older(source, from, told);
 }
 
-function attitudeTold(attitude: PlanRequest["attitude"]): string {
-  const { law } = attitude;
-  if (law !== "lvlh") return law;
+/** "LVLH -4/-2/1, 1 correction". */
+export function attitudeTold(attitude: PlanRequest["attitude"]): string {
+  const { law, corrections = [] } = attitude;
+  const corrected = corrections.length > 0 ? `, ${words.value.plan.one.identity.corrected(corrections.length)}` : "";
+  if (law !== "lvlh") return law + corrected;
   const { yaw_deg = 0, pitch_deg = 0, roll_deg = 0 } = attitude;
-  return `LVLH ${[yaw_deg, pitch_deg, roll_deg].map((one) => number(one, 3)).join("/")}`;
+  return `LVLH ${[yaw_deg, pitch_deg, roll_deg].map((one) => number(one, 3)).join("/")}${corrected}`;
 }

@@ -9,6 +9,7 @@ import { Field } from "../../parts/Field";
 import { Fields, NumberInput } from "../../parts/fields/Fields";
 import { faultTold, membersTold, valueLabel } from "../../parts/fields/labels";
 import { beginUnion, faultOf, type Members, schemaOf } from "../../parts/fields/shape";
+import { attitudeTold } from "../plan/identity";
 import * as draft from "./draft";
 import { readMessage } from "./message";
 import { isUnlikely, platform, takeUsual, usual } from "./platforms";
@@ -36,13 +37,6 @@ export function takeAem(content: string): void {
   draft.change({ attitude: { ...draft.attitude.peek(), content } as draft.Attitude });
 }
 
-/** "LVLH −4/−2/1". */
-function told(attitude: draft.Attitude): string {
-  const law = valueLabel(attitude.law);
-  if (attitude.law !== "lvlh") return law;
-  return `${law} ${ANGLES.map((name) => number(attitude[name] ?? 0, 3)).join("/")}`;
-}
-
 export function AttitudePanel() {
   const text = words.value.plan.attitude;
   const attitude = draft.attitude.value;
@@ -57,7 +51,7 @@ export function AttitudePanel() {
       <details>
         <summary>
           <h2>{text.title}</h2>
-          <span class="soft">{told(attitude)}</span>
+          <span class="soft">{attitudeTold(attitude)}</span>
         </summary>
         <Field label={text.law}>
           {(control) => (

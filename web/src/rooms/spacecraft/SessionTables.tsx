@@ -1,6 +1,6 @@
 /** Looks, turns and what is left out, in order of time. */
 import { words } from "../../i18n";
-import { digits, number, rowClock } from "../../i18n/forms";
+import { digits, number, period } from "../../i18n/forms";
 import type { Session } from "./session";
 import { nameOf } from "./stretches";
 
@@ -66,9 +66,7 @@ export function Looks({ session }: { session: Session }) {
               return (
                 <tr key={one.first_row}>
                   <th scope="row">{nameOf(session, one)}</th>
-                  <td class="mono nowrap">
-                    {rowClock(one.start)}–{rowClock(one.stop)}
-                  </td>
+                  <td class="mono nowrap">{period(one.start, one.stop).replace(" UTC", "")}</td>
                   <td class="number">{number(one.scan_speed_m_s, 0)}</td>
                   <td class="number">{one.miss_m < 0.001 ? "< 0.001" : digits(one.miss_m, 2)}</td>
                   <td class="number">{number(one.along_deg)}</td>
@@ -126,9 +124,7 @@ export function Slews({ session }: { session: Session }) {
               return (
                 <tr key={one.start}>
                   <th scope="row">{onto ? nameOf(session, onto) : text.rest}</th>
-                  <td class="mono nowrap">
-                    {rowClock(one.start)}–{rowClock(one.stop)}
-                  </td>
+                  <td class="mono nowrap">{period(one.start, one.stop).replace(" UTC", "")}</td>
                   <td class="number">{number(one.angle_deg)}</td>
                   <td class="number">{number(one.duration_s)}</td>
                   <td class="number">{number(one.eigenaxis_s)}</td>
