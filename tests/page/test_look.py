@@ -149,7 +149,7 @@ def test_close_to_the_target_there_is_the_flat_map(open_page, service, las_vegas
     go_to(page, view["t_s"][row])
     box = near.locator(".lm-ellipse").bounding_box()
     scale = near.locator(".lm-scale path").bounding_box()["width"]
-    [told] = near.locator(".lm-scale text").all_inner_texts()
+    [told] = near.locator(".lm-scale text").all_text_contents()
     per_px_m = 1e3 * float(told.removesuffix(" km")) / scale
     sigma_rad = view["pointing"]["sigma_major_arcsec"][row] / 206_264.806
     range_m = view["targets"][0]["range_m"][row]

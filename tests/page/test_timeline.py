@@ -18,7 +18,7 @@ DAY = "/timeline?from=2015-02-27T12:00:00Z&to=2015-02-28T00:00:00Z"
 
 @pytest.fixture(scope="module")
 def kept(browser, tmp_path_factory):
-    """A service of its own: a plan, one in its way, a revision of it, windows, a satellite."""
+    """A service of its own: a plan, one in its way, a revision of it, another satellite."""
     with live_service(tmp_path_factory.mktemp("timeline")) as service:
         first = made(service, "/v1/plans", EXAMPLE | {"name": "Las Vegas"})
         made(service, "/v1/plans", EXAMPLE | {"name": "Las Vegas again"}, revises=first["id"])
