@@ -2,6 +2,7 @@
 
 import io
 import json
+import math
 import urllib.request
 
 import pytest
@@ -10,7 +11,7 @@ from PIL import Image
 from playwright.sync_api import Locator, Page, expect
 from waiting import eventually
 
-from app.requests.examples import ESTIMATE_EXAMPLE
+from app.requests.examples import ESTIMATE_EXAMPLE, PLAN_EXAMPLES
 
 AHEAD = ESTIMATE_EXAMPLE["cameras"][0]
 RIGHT = ESTIMATE_EXAMPLE["cameras"][1]
@@ -134,6 +135,78 @@ def test_the_globe_plays_the_plan(open_page, las_vegas):
     eventually(lambda: shows_the_earth(globe))
     page.get_by_role("button", name="Flat map").click()
     expect(page.get_by_role("img", name="Map with the ground track")).to_be_visible()
+
+
+def test_close_to_the_target_there_is_the_flat_map(open_page, service, las_vegas):
+    """Swath, frame, 1-sigma ellipse, scale and legend; the ellipse is as long as range and angle
+    make it."""
+    view = view_of(service, las_vegas)
+    page = open_page(las_vegas)
+    expect(page.locator(".look-globe")).to_have_attribute("data-state", "there")
+    page.get_by_role("button", name="Target", exact=True).click()
+    near = page.get_by_role("img", name="Map with the ground track")
+    row = view["targets"][0]["elevation_deg"].index(max(view["targets"][0]["elevation_deg"]))
+    go_to(page, view["t_s"][row])
+    box = near.locator(".lm-ellipse").bounding_box()
+    scale = near.locator(".lm-scale path").bounding_box()["width"]
+    [told] = near.locator(".lm-scale text").all_text_contents()
+    per_px_m = 1e3 * float(told.removesuffix(" km")) / scale
+    sigma_rad = view["pointing"]["sigma_major_arcsec"][row] / 206_264.806
+    range_m = view["targets"][0]["range_m"][row]
+    # The pass is nearly overhead: a long axis aslant lies within its box's diagonal.
+    assert max(box["width"], box["height"]) * per_px_m == pytest.approx(
+        2.0 * sigma_rad * range_m, rel=0.15
+    )
+    expect(near.locator(".lm-footprints")).to_have_count(24)
+    for named in ("swath and frame", "1 sigma", "night"):
+        expect(page.locator(".look-map-legend").get_by_text(named)).to_be_visible()
+    name, mark = near.get_by_text("36.1147"), near.locator(".lm-target circle")
+    assert name.bounding_box()["x"] > mark.bounding_box()["x"] + mark.bounding_box()["width"]
+    assert violations(page) == []
+    page.get_by_role("button", name="Overview").click()
+    expect(near.locator(".lm-carrier")).to_be_visible()
+
+
+def test_a_globe_closer_than_its_picture_becomes_the_map(open_page, las_vegas):
+    page = open_page(las_vegas)
+    expect(page.locator(".look-globe")).to_have_attribute("data-state", "there")
+    near = page.get_by_role("img", name="Map with the ground track")
+    for _ in range(20):
+        if near.is_visible():
+            break
+        page.get_by_role("button", name="Closer", exact=True).click()
+    expect(near).to_be_visible()
+
+
+def test_a_star_has_a_chart_of_the_sky(open_page, service):
+    """The star in the middle, the Sun as far off as the view tells, its height above the limb."""
+    path = f"/plans/{made(service, '/v1/plans', PLAN_EXAMPLES['star'][1])['id']}"
+    view = view_of(service, path)
+    page = open_page(path)
+    chart = page.get_by_role("img", name="Chart of the sky around the target")
+    expect(chart).to_be_visible()
+    go_to(page, 200)
+    row = view["t_s"].index(200.0)
+    whole, star, sun = (
+        chart.locator(part).first.bounding_box()
+        for part in (".sky-ground", ".sky-target path", ".sky-sun circle")
+    )
+
+    def middle(box: dict) -> tuple[float, float]:
+        return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+    assert middle(star) == pytest.approx(middle(whole), abs=1.5)
+    off_px = math.dist(middle(star), middle(sun))
+    # Distances from the middle are true: half the chart is half a turn.
+    expected = view["targets"][0]["sun_separation_deg"][row]
+    assert 360.0 * off_px / whole["width"] == pytest.approx(expected, abs=2.0)
+    height = view["targets"][0]["elevation_deg"][row]
+    expect(page.get_by_text(f"{height:.1f}° above the limb")).to_be_visible()
+    expect(page.get_by_text("Above the limb", exact=True)).to_be_visible()
+    expect(page.get_by_role("button", name="Target", exact=True)).to_have_count(0)
+    assert violations(page) == []
+    page.get_by_role("button", name="Globe", exact=True).click()
+    expect(page.locator(".look-globe")).to_have_attribute("data-state", "there")
 
 
 def test_the_globe_rests_until_something_moves(open_page, las_vegas):

@@ -13,8 +13,6 @@ from planner.world.plan import FlightPlan
 from planner.world.scenario import Session
 from planner.world.targets import EarthFixedTarget
 
-_OCTETS_MAX = 75  # of a line, its end left out: section 3.1
-
 
 def write_ics(plan: FlightPlan, created_utc: datetime) -> bytes:
     """A VCALENDAR with a VEVENT a session, in UTC.
@@ -85,13 +83,13 @@ def _text(value: str) -> str:
     return "".join(" " if ord(c) < 32 or ord(c) == 127 else c for c in value)
 
 
-def _folded(line: str) -> bytes:
-    """Lines of at most 75 octets, none of which ends within a character."""
-    parts, part, room = [], b"", _OCTETS_MAX
+def _folded(line: str, octets_max: int = 75) -> bytes:
+    """Lines of at most so many octets (section 3.1), none of which ends within a character."""
+    parts, part, room = [], b"", octets_max
     for character in line:
         octets = character.encode("utf-8", "replace")
         if len(part) + len(octets) > room:
             parts.append(part)
-            part, room = b"", _OCTETS_MAX - 1
+            part, room = b"", octets_max - 1
         part += octets
     return b"\r\n ".join([*parts, part]) + b"\r\n"

@@ -86,9 +86,8 @@ export function DaysMap({ span: [from_ms, to_ms], now_ms, lanes, lane, onLane, t
                 return (
                   point && (
                     <g key={`${one.name} ${one.at.join()}`} class="dm-target" transform={`translate(${point[0]},${point[1]})`}>
-                      <title>{one.name}</title>
                       <circle r={4.5} />
-                      {placing && <text {...placing}>{one.name}</text>}
+                      {placing ? <text {...placing}>{one.name}</text> : <title>{one.name}</title>}
                     </g>
                   )
                 );

@@ -160,10 +160,9 @@ function Targets({ view, projection, width }: { view: View; projection: GeoProje
             class={isNow ? "lm-target lm-target-now" : "lm-target"}
             transform={`translate(${point[0]},${point[1]})`}
           >
-            <title>{target.name}</title>
             <path d="M-6,0H-2M2,0H6M0,-6V-2M0,2V6" />
             <circle r={4.5} />
-            {placing && <text {...placing}>{target.name}</text>}
+            {placing ? <text {...placing}>{target.name}</text> : <title>{target.name}</title>}
           </g>
         );
       })}
