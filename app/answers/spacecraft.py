@@ -5,24 +5,28 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from app.answers.imaging_summary import ImagingSummaryOut, imaging_summary_out
 from app.answers.members import (
     PlanHead,
     ProvenanceOut,
     degrees_of,
-    fill,
     to_json,
 )
-from app.answers.ranges import Count, DirectionPart, HalfTurnDeg, NotNegative, Signed
+from app.answers.ranges import Count, DirectionPart, NotNegative, Signed
 from planner.output.export.table_states import continuous
 from planner.spacecraft.flight.report import StabilisationReport
 from planner.spacecraft.requests import LeftOut
+from planner.spacecraft.summary import (
+    AttitudeSlewReport,
+    ImagingChoice,
+    ImagingSummary,
+    report_slews,
+    summarise,
+)
 from planner.spacecraft.table import TICK_S, AttitudeTable
 from planner.spacecraft.verification import SpacecraftVerification, VerifiedWindow
-from planner.world.frames.time_scales import shifted_utc, utc_text
+from planner.world.frames.time_scales import utc_text
 
 if TYPE_CHECKING:
-    from planner.spacecraft.imaging.timeline import PlannedSlew
     from planner.spacecraft.plan import ImagingPlan
 
 QUATERNION_DECIMALS = 13
@@ -57,56 +61,6 @@ class AttitudeTableOut:
 
 
 @dataclass(frozen=True, kw_only=True)
-class AttitudeSlewOut:
-    """One slew beside its baselines at the same limits.
-
-    start: first row; UTC.
-    stop: last row; UTC.
-    onto: number of the window it leads to, null for orbital orientation.
-    angle_deg: between the attitudes at its ends.
-    duration_s: of the slew.
-    eigenaxis_s: of the quickest slew found about the Euler axis with the same torque and torque
-    rate.
-    bang_coast_bang_s: of the paper's about the Euler axis, with any torque rate.
-    torque_rate_peak_n_m_s: largest torque rate of the slew.
-    eigenaxis_torque_rate_peak_n_m_s: largest torque rate of the slew about the Euler axis.
-    method: method of the solution.
-    time_from: the method of the quickest slew found, whose time a `minimum_time` slew was given:
-    `ocp`, or `eigenaxis` where no shorter one was found; null for slews that take the time there
-    is.
-    status: status in which the solver ended.
-    solve_s: time it took to solve.
-    """
-
-    start: str
-    stop: str
-    onto: Count | None
-    angle_deg: HalfTurnDeg
-    duration_s: NotNegative
-    eigenaxis_s: NotNegative
-    bang_coast_bang_s: NotNegative
-    torque_rate_peak_n_m_s: NotNegative
-    eigenaxis_torque_rate_peak_n_m_s: NotNegative
-    method: str
-    time_from: Literal["ocp", "eigenaxis"] | None
-    status: str
-    solve_s: NotNegative
-
-
-@dataclass(frozen=True, kw_only=True)
-class ImagingChoiceOut:
-    """The best choice found among the requests; a better one may exist.
-
-    value: of the requests chosen.
-    greedy_value: worth of the choice that takes the most valuable request that fits, one after
-    another.
-    """
-
-    value: NotNegative
-    greedy_value: NotNegative
-
-
-@dataclass(frozen=True, kw_only=True)
 class SpacecraftPlanDocument:
     """What is known of a session beside its table.
 
@@ -126,11 +80,11 @@ class SpacecraftPlanDocument:
 
     name: str
     spacecraft: str
-    summary: ImagingSummaryOut
+    summary: ImagingSummary
     windows: tuple[VerifiedWindow, ...]
     left_out: list[LeftOut]
-    choice: ImagingChoiceOut
-    slews: list[AttitudeSlewOut]
+    choice: ImagingChoice
+    slews: tuple[AttitudeSlewReport, ...]
     verification: SpacecraftVerification
     stabilisation: StabilisationReport
     assumptions: list[str]
@@ -193,11 +147,11 @@ def spacecraft_document(plan: "ImagingPlan", provenance: ProvenanceOut) -> bytes
         SpacecraftPlanDocument(
             name=plan.request.name,
             spacecraft=plan.spacecraft.name,
-            summary=imaging_summary_out(plan),
+            summary=summarise(plan),
             windows=plan.verification.windows,
             left_out=list(plan.left_out),
-            choice=fill(ImagingChoiceOut, plan.choice),
-            slews=[_slew(slew, plan.table) for slew in plan.slews],
+            choice=ImagingChoice(value=plan.choice.value, greedy_value=plan.choice.greedy_value),
+            slews=report_slews(plan),
             verification=plan.verification,
             stabilisation=plan.stabilisation,
             assumptions=list(plan.assumptions),
@@ -205,11 +159,6 @@ def spacecraft_document(plan: "ImagingPlan", provenance: ProvenanceOut) -> bytes
             provenance=provenance,
         )
     )
-
-
-def row_text(table: AttitudeTable, row: int) -> str:
-    """UTC of a row to a tenth of a second."""
-    return utc_text(shifted_utc(table.epoch_utc, row * TICK_S), 1)
 
 
 def attitude_table_json(table: AttitudeTable) -> bytes:
@@ -226,14 +175,4 @@ def attitude_table_json(table: AttitudeTable) -> bytes:
             gimbal_deg=degrees_of(table.gimbal_rad),
             gimbal_rate_deg_s=degrees_of(table.gimbal_rate_rad_s),
         )
-    )
-
-
-def _slew(slew: "PlannedSlew", table: AttitudeTable) -> AttitudeSlewOut:
-    return fill(
-        AttitudeSlewOut,
-        slew.comparison,
-        start=row_text(table, slew.first_row),
-        stop=row_text(table, slew.last_row),
-        onto=slew.window,
     )

@@ -17,7 +17,7 @@ from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddle
 from app.http import documentation
 from app.http import problems as errors
 from app.http.admission.access import Access
-from app.http.admission.gate import Gate
+from app.http.admission.admission import Admission
 from app.http.admission.key_lookup import KeyLookup
 from app.http.head_as_get import HeadAsGet
 from app.http.metrics import Metrics
@@ -152,7 +152,7 @@ def _guard_and_watch(app: FastAPI, settings: Settings) -> None:
         exclude_content_types=(*DEFAULT_EXCLUDED_CONTENT_TYPES, "application/x-netcdf"),
     )
     app.add_middleware(HeadAsGet)
-    app.add_middleware(Gate, access=access, settings=settings, stopping=app.state.stopping)
+    app.add_middleware(Admission, access=access, settings=settings, stopping=app.state.stopping)
     app.add_middleware(RequestLog, metrics=app.state.metrics)
     # The last added is the outermost: pages may read whatever is answered.
     if settings.origins:

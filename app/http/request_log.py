@@ -1,6 +1,6 @@
 """The outermost layer of every request: its id, log line, metrics and last resort.
 
-Whatever an answer comes from, refusals of the gate and bugs included, it
+Whatever an answer comes from, refusals on admission and bugs included, it
 carries the id and the security headers.
 """
 

@@ -19,7 +19,7 @@ MOST = {
     "motion": 68,
     "output": 38,
     "planning": 44,
-    "spacecraft": 45,
+    "spacecraft": 44,
     "verification": 61,
     "world": 124,
 }

@@ -12,7 +12,7 @@ from starlette.exceptions import HTTPException
 
 from app.http.admission import key_lookup
 from app.http.admission.access import Access, Caller
-from app.http.admission.gate import Gate
+from app.http.admission.admission import Admission
 from app.http.admission.key_lookup import KeyLookup
 from app.http.admission.limits import CALLERS_KEPT, ConcurrencyLimit, RateLimit, network_of
 from app.http.app import create_app
@@ -241,7 +241,7 @@ def test_event_streams_keep_no_request_out():
 
     async def streams_then_requests():
         settings = Settings(concurrency_per_key=4)
-        gate = Gate(service, AccessWithOneKey(), settings, asyncio.Event())
+        gate = Admission(service, AccessWithOneKey(), settings, asyncio.Event())
         streams, listening = await statuses_of(gate, "/v1/plans/1/events", 6)
         assert streams == [429] * 4  # 2 are open
         requests, asking = await statuses_of(gate, "/v1/plans", 5)
@@ -277,7 +277,7 @@ def test_a_crowd_without_keys_lets_who_has_one_go_first():
 
     async def all_at_once():
         settings = Settings(concurrency_per_key=1000)
-        gate = Gate(service, AccessWithOneKey(), settings, asyncio.Event())
+        gate = Admission(service, AccessWithOneKey(), settings, asyncio.Event())
         crowd = [gate(asked(), None, None) for _ in range(100)]
         known = gate(asked((b"authorization", b"Bearer x")), None, None)
         await asyncio.gather(*crowd, known)

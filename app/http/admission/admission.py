@@ -22,7 +22,7 @@ from app.settings import Settings
 STREAMS_SHARE = 0.5
 
 
-class Gate:
+class Admission:
     """ASGI middleware: shape of the head, who asks, how often, how slowly."""
 
     def __init__(
