@@ -35,6 +35,9 @@ PIP_INSTALL := $(BIN)/pip install --quiet --disable-pip-version-check --no-compi
 plan: .venv/installed
 	$(BIN)/slewtrack plan examples/las_vegas_2015.json --csv out/las_vegas_2015.csv --plot out/las_vegas_2015.png
 
+# Where `make serve` listens.
+PORT ?= 8000
+
 # The planner's page, by a Node from the package index; what `slewtrack serve` serves at /.
 PAGE := app/http/page/index.html
 NPM := PATH="$(CURDIR)/$(BIN):$$PATH" $(CURDIR)/$(BIN)/npm
@@ -57,7 +60,7 @@ $(PAGE): web/openapi.json web/node_modules/.package-lock.json $(shell find web \
 	cd web && $(NPM) run --silent build
 
 serve: web
-	$(BIN)/slewtrack serve
+	$(BIN)/slewtrack serve --port $(PORT)
 
 # Each worker begins with a half and helps the other in the end: few modules are set up by both.
 PYTEST := $(BIN)/pytest -n 2 --dist worksteal

@@ -10,18 +10,24 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import partial
 from http import HTTPStatus
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 from urllib.parse import unquote
 
 from app.ids import new_id
-from slewtrack.client.asking import Ask, Call, Reply
-from slewtrack.client.calls import PLATFORM, SPACECRAFT, CarrierCalls, ServiceCalls, Waiting
+from slewtrack.client.asking import Ask, Reply
+from slewtrack.client.calls import (
+    PLATFORM,
+    SPACECRAFT,
+    CarrierCalls,
+    Exchange,
+    ServiceCalls,
+    Waiting,
+)
 
 if TYPE_CHECKING:
     from app.work.progress import Progress
     from app.work.result import Result
 
-T = TypeVar("T")
 KEPT_MAX = 1000
 _NAMES = ("platforms", "places", "stars")
 _KEPT = ("plans", "campaigns", "flights", "opportunities")
@@ -30,33 +36,14 @@ _KEPT = ("plans", "campaigns", "flights", "opportunities")
 class HereCarrier(CarrierCalls, Waiting):
     """Plans and opportunities of one carrier of an instrument, made in this process."""
 
-    def __init__(self, desk: "Desk", paths: tuple[str, str]) -> None:
-        super().__init__(0.0, paths)
-        self._desk = desk
-
-    def _run(self, call: Call[T]) -> T:
-        """Return what the call returns."""
-        try:
-            ask = next(call)
-            while True:
-                try:
-                    reply = self._desk.answer(ask)
-                except Exception as error:  # noqa: BLE001 (the call decides what it means)
-                    ask = call.throw(error)
-                else:
-                    ask = call.send(reply)
-        except StopIteration as done:
-            result: T = done.value
-            return result
-
 
 class Here(ServiceCalls, HereCarrier):
     """The calls of `Client` without a service; `spacecraft` has those of the spacecraft."""
 
     def __init__(self) -> None:
-        desk = Desk()
-        HereCarrier.__init__(self, desk, PLATFORM)
-        self.spacecraft = HereCarrier(desk, SPACECRAFT)
+        exchange = Exchange(answer=Desk().reply, meaning=lambda error: error, patience_s=0.0)
+        HereCarrier.__init__(self, exchange, PLATFORM)
+        self.spacecraft = HereCarrier(exchange, SPACECRAFT)
 
 
 @dataclass(frozen=True)
@@ -95,7 +82,7 @@ class Desk:
         self._kept: dict[str, Kept] = {}
         self._open: dict[str, Callable[[], Kept]] = {}
 
-    def answer(self, ask: Ask) -> Reply:
+    async def reply(self, ask: Ask) -> Reply:
         """Raises what `on_line` does, and what is our own failure."""
         from app.answers.problem import problem_of
         from planner.base.errors import Refusal
@@ -290,11 +277,11 @@ def _opportunities(_: Desk, work: Work) -> bytes:
 def _campaign(desk: Desk, work: Work) -> Kept:
     from app.store.packed import unzip
     from app.work.campaign import choose, plan_pass
-    from app.work.progress import Progress, report
+    from app.work.progress import report
 
     chosen, passes = choose(work.body), []
     for number, part in enumerate(chosen.parts):
-        report(Progress(stage="plans", done=number, of=len(chosen.parts)))
+        report("plans", number, len(chosen.parts))
         tried = plan_pass(part)
         new, facts = tried.plan, tried.part.facts
         plan_id = (
@@ -306,7 +293,7 @@ def _campaign(desk: Desk, work: Work) -> Kept:
         )
         told |= {"number": facts["pass"], "plan": plan_id, "state": state, "problem": problem}
         passes.append(told)
-    report(Progress(stage="plans", done=len(passes), of=len(passes)))
+    report("plans", len(passes), len(passes))
     members = {
         "state": "done",
         "name": json.loads(work.body).get("name", ""),

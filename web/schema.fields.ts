@@ -64,7 +64,8 @@ function told(description: string): string {
   return description
     .replace(/ Unit: [^.]*\.$/, "")
     .replace(/ Left out: `.*`\.$/s, "")
-    .replace(/ `\w+` is one of (`\w+`(, )?)+\.$/, "");
+    .replace(/ `\w+` is one of (`\w+`(, )?)+\.$/, "")
+    .replaceAll("`", "");
 }
 
 function shapeOf(node: Node, unit: string | undefined, visit: (name: string) => string): { shape: Shape; isNullable: boolean } {

@@ -15,10 +15,10 @@ from app.answers.ranges import (
     ElevationOrLimbDeg,
     HalfTurnDeg,
     NotNegative,
+    Share,
     Signed,
 )
 from app.answers.target_sky import PlaceOut, TargetSkyOut, places_out, skies_out
-from app.ids import new_id
 from planner.base.arrays import Array
 from planner.base.assumed import Assumed
 from planner.planning.opportunities import Opportunities, Sightings
@@ -141,10 +141,14 @@ class WindowOut(PassWindow):
     one with less turn of the inner axis.
     branches: the pairs that keep within the stops through the window (none where the axes would
     have to change over).
+    probability_in_frame: that the target stays inside the camera's frame over the whole session, as
+    a plan of it says; null where there is no session, for the windows of a plan's view, and for the
+    latest windows where there are more than 500.
     """
 
     branch: Branch
     branches: list[Branch]
+    probability_in_frame: Share | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -234,16 +238,12 @@ def whole_opportunities(search_id: str, found: FoundWindows) -> bytes:
     )
 
 
-def opportunities_json(result: Opportunities, name: str, provenance: ProvenanceOut) -> bytes:
-    """The whole answer as UTF-8 JSON, under a new id."""
-    return whole_opportunities(
-        new_id(), found_windows(result, name, provenance, windows_out(result))
-    )
-
-
-def windows_out(result: Opportunities) -> list[WindowOut]:
-    """All windows, in order."""
+def windows_out(result: Opportunities, probability: Array | None = None) -> list[WindowOut]:
+    """All windows, in order; probability: in frame over the session of each, NaN where unknown."""
+    if probability is None:
+        probability = np.full(len(result.windows), np.nan)
     columns = pass_columns(result) | {
+        "probability_in_frame": _numbers(probability),
         "branch": result.windows.branch.tolist(),
         "branches": [np.flatnonzero(usable).tolist() for usable in result.windows.branches],
     }

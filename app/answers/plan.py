@@ -11,9 +11,7 @@ from app.answers.members import (
     PlanHead,
     ProvenanceOut,
     degrees_of,
-    new_head,
     to_json,
-    whole_answer,
 )
 from app.answers.ranges import Count, NotNegative
 from planner.base.assumed import Assumed
@@ -47,6 +45,23 @@ class TableOut(BaseModel):
     epoch: str
     step_s: NotNegative
     t_s: list[NotNegative]
+
+
+class TableAlone(BaseModel, extra="allow"):
+    """The table by itself, as `format=json` asks: a list per column, and what they mean.
+
+    name: of the plan, as its request gives it.
+    epoch: of row 0; UTC.
+    step_s: from row to row.
+    t_s: of each row, since the epoch.
+    description: frames, units and the interpolation.
+    """
+
+    name: str
+    epoch: str
+    step_s: NotNegative
+    t_s: list[NotNegative]
+    description: dict[str, Any]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -147,14 +162,6 @@ class DryRunResponse:
     rows: Count
     warnings: list[str]
     provenance: ProvenanceOut
-
-
-def plan_json(
-    plan: Plan, provenance: ProvenanceOut, checks: Sequence[HorizonCheckOut] = ()
-) -> bytes:
-    """The whole answer as UTF-8 JSON, under a new id."""
-    document = plan_document(plan, checks, provenance)
-    return whole_answer(new_head(verdict_state(plan)), document, table_json(plan.table))
 
 
 def dry_run_json(plan: Plan, provenance: ProvenanceOut) -> bytes:

@@ -11,9 +11,7 @@ from app.answers.members import (
     ProvenanceOut,
     degrees_of,
     fill,
-    new_head,
     to_json,
-    whole_answer,
 )
 from app.answers.ranges import Count, DirectionPart, HalfTurnDeg, NotNegative, Signed
 from planner.output.export.table_states import continuous
@@ -171,12 +169,6 @@ class SpacecraftDryRunResponse:
     left_out: list[str]
     warnings: list[str]
     provenance: ProvenanceOut
-
-
-def spacecraft_plan_json(plan: "ImagingPlan", provenance: ProvenanceOut) -> bytes:
-    """The whole answer as UTF-8 JSON, under a new id."""
-    document = spacecraft_document(plan, provenance)
-    return whole_answer(new_head("done"), document, attitude_table_json(plan.table))
 
 
 def spacecraft_dry_run_json(plan: "ImagingPlan", provenance: ProvenanceOut) -> bytes:

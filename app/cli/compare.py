@@ -8,21 +8,15 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from app.cli.files import (
-    WholeAnswer,
-    picture_format,
-    problem_to,
-    takes_standard_output,
-    write,
-    write_json,
-)
-from app.cli.planner import Members, Planner
+from app.cli import files
+from app.cli.planner import Members
 from app.cli.progress_bar import told_progress
-from app.cli.report_parts import print_rows, print_warnings, report_console
+from app.cli.report_parts import print_rows, print_warnings
 from planner.base.errors import InvalidInput
 
 if TYPE_CHECKING:
     from app.cli.local import Local
+    from slewtrack.client import Client
 
 _TIME = slice(11, 23)
 
@@ -73,20 +67,13 @@ def compare(
     plot: Annotated[
         Path | None, typer.Option(help="Draw plan and flight here (png, svg; pdf without --url).")
     ] = None,
-    json: WholeAnswer = None,
-    url: Annotated[
-        str | None,
-        typer.Option(
-            help="Ask this service, which keeps the plan; SLEWTRACK_URL by default, or "
-            "http://127.0.0.1:8000. The API key is SLEWTRACK_KEY."
-        ),
-    ] = None,
+    json: files.WholeAnswer = None,
+    url: files.KeptUrl = None,
 ) -> None:
     """Compare telemetry with the plan that was flown: clock, errors, oscillations, friction."""
     is_kept = not Path(plan).is_file()
-    with problem_to(json):
-        console = report_console(to_stderr=takes_standard_output(plot, json))
-        picture = picture_format(plot, by_service=is_kept)
+    with files.report_beside(json, plot) as console:
+        picture = files.picture_format(plot, by_service=is_kept)
         content = telemetry.read_bytes()
         head: dict[str, Any] = {"plan": plan}
         if epoch is not None:
@@ -98,9 +85,10 @@ def compare(
         if identify:
             head["identify"] = identify
         if is_kept:
-            from app.cli.service import service
+            from app.cli.service import service, whole_id
 
             with service(url) as client:
+                head["plan"] = whole_id(client, plan)
                 answer, drawn = _compare(client, head, content, picture)
         else:
             from app.cli.local import Local
@@ -108,11 +96,10 @@ def compare(
             here = Local()
             head["plan"] = _take(here, Path(plan), request)
             answer, drawn = _compare(here, head, content, picture)
-
         print_comparison(console, answer)
-        write_json(json, answer)
-        if plot and drawn is not None:
-            write(plot, drawn)
+        files.write_json(json, answer)
+        if plot:
+            files.write(plot, drawn)
 
 
 def _mapping(pairs: Sequence[str]) -> dict[str, str]:
@@ -143,10 +130,10 @@ def _add(head: dict[str, Any], path: Path) -> None:
 
 
 def _compare(
-    planner: Planner, head: Members, content: bytes, picture: str | None
-) -> tuple[Members, bytes | None]:
-    answer = planner.compare(head, content)
-    return answer, planner.draw_comparison(head, content, picture) if picture else None
+    planner: "Local | Client", head: Members, csv: bytes, picture: str | None
+) -> tuple[Members, bytes]:
+    answer = planner.compare(head, csv)
+    return answer, planner.draw_comparison(head, csv, picture) if picture else b""
 
 
 def _take(here: "Local", path: Path, request: Path | None) -> str:
@@ -172,15 +159,18 @@ def print_comparison(console: Console, answer: Members) -> None:
     for line in (*_samples(answer["samples"]), *_clock(answer)):
         console.print(Text(line))
     print_rows(
-        console, "errors", _errors(answer),
-        ("<axis", "axis"), ("<phase", "phase"), ("<from", "from"), ("samples", "samples"),
-        ("rms arcsec", "rms_arcsec", ".2f"), ("max arcsec", "max_arcsec", ".2f"),
-        ("mean arcsec", "mean_arcsec", ".2f"), ("lag ms", "lag_s", _milliseconds),
-        ("1 sigma", "lag_sigma_s", _milliseconds),
+        console, "errors in arcsec, lag in ms", _errors(answer),
+        ("<axis", "axis"), ("<phase", "phase"), ("<from", "from", str, _to_the_second),
+        ("samples", "samples"), ("rms", "rms_arcsec", ".2f"), ("max", "max_arcsec", ".2f"),
+        ("mean", "mean_arcsec", ".2f"), ("lag", "lag_s", _milliseconds),
+        ("1 sigma", "lag_sigma_s", _milliseconds), keys=2,
     )  # fmt: skip
     for name, axis in answer["axes"].items():
-        for line, style in _what_it_did(name, axis):
-            console.print(Text(line, style=style))
+        for line in _what_it_did(name, axis):
+            console.print(Text(line))
+        for beyond in axis["limits_exceeded"]:
+            told = f"{name} {beyond['limit']} {beyond['value']:g} {beyond['unit']} beyond "
+            console.print(Text(f"{told}{beyond['bound']:g} from {_span(beyond)}", style="red"))
     for parts in answer["pointing"]:
         along, across = parts["attitude_arcsec"]
         console.print(
@@ -238,44 +228,29 @@ def _errors(answer: Members) -> Iterator[dict[str, Any]]:
             yield {**phase, **told, "lag_s": "", "lag_sigma_s": ""}
 
 
+def _to_the_second(time: str) -> str:
+    return time[:8]
+
+
 def _milliseconds(size: float | str | None) -> str:
     return size if isinstance(size, str) else "-" if size is None else f"{1e3 * size:.2f}"
 
 
-def _what_it_did(name: str, axis: Members) -> Iterator[tuple[str, str]]:
-    """Lines, and the style of each."""
+def _what_it_did(name: str, axis: Members) -> Iterator[str]:
     if (gain := axis["gain"]) and (bias := axis["bias"]):
         yield (
-            (
-                f"{name} gain {gain['value']:.7f}, 1 sigma {gain['sigma']:.2g}; "
-                f"bias {bias['value']:+.3f} {axis['bias_unit']}, 1 sigma {bias['sigma']:.2g}"
-            ),
-            "",
+            f"{name} gain {gain['value']:.7f}, 1 sigma {gain['sigma']:.2g}; "
+            f"bias {bias['value']:+.3f} {axis['bias_unit']}, 1 sigma {bias['sigma']:.2g}"
         )
     for swing in axis["oscillations"]:
         yield (
-            (
-                f"{name} oscillates {_span(swing)}: "
-                f"{swing['frequency_hz']:.3f} Hz, {swing['amplitude_arcsec']:.2f} arcsec"
-            ),
-            "",
+            f"{name} oscillates {_span(swing)}: "
+            f"{swing['frequency_hz']:.3f} Hz, {swing['amplitude_arcsec']:.2f} arcsec"
         )
     for stuck in axis["stick_slip"]:
         yield (
-            (
-                f"{name} sticks and slips {_span(stuck)}: "
-                f"{stuck['slips']} slips of up to {stuck['slip_arcsec']:.2f} arcsec below "
-                f"{stuck['rate_arcsec_s']:.1f} arcsec/s"
-            ),
-            "",
-        )
-    for beyond in axis["limits_exceeded"]:
-        yield (
-            (
-                f"{name} {beyond['limit']} {beyond['value']:g} {beyond['unit']} beyond "
-                f"{beyond['bound']:g} from {_span(beyond)}"
-            ),
-            "red",
+            f"{name} sticks and slips {_span(stuck)}: {stuck['slips']} slips of up to "
+            f"{stuck['slip_arcsec']:.2f} arcsec below {stuck['rate_arcsec_s']:.1f} arcsec/s"
         )
 
 

@@ -1,17 +1,19 @@
-"""Files that commands read and write, or with `-` the standard streams."""
+"""Files that commands read and write, or with `-` the standard streams, and their options."""
 
 import json
 import sys
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
-from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from app.cli.planner import Members, ParsedAnswer
 from planner.base.errors import InvalidInput, Refusal, Unverified
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 STANDARD_STREAM = Path("-")
 PICTURES = ("png", "svg", "pdf")
@@ -26,6 +28,10 @@ WholeAnswer = Annotated[
         "- is standard output."
     ),
 ]
+TableCsv = Annotated[
+    Path | None,
+    typer.Option(help="Write the table here as CSV, columns only; - is standard output."),
+]
 Exports = Annotated[
     list[str] | None,
     typer.Option(
@@ -34,12 +40,28 @@ Exports = Annotated[
         "them, and so does the refusal of an unknown one (may be repeated).",
     ),
 ]
+DryRun = Annotated[
+    bool, typer.Option("--dry-run", help="Only check whether it can be flown; write nothing.")
+]
+Url = Annotated[
+    str | None,
+    typer.Option(
+        help="Ask this service, which keeps what it makes: http://127.0.0.1:8000. The API key is "
+        "SLEWTRACK_KEY."
+    ),
+]
+KeptUrl = Annotated[
+    str | None,
+    typer.Option(
+        help="Ask this service; SLEWTRACK_URL by default, or http://127.0.0.1:8000. The API key "
+        "is SLEWTRACK_KEY."
+    ),
+]
 
 
-def read_request(file: str) -> tuple[bytes, datetime]:
-    """A request as it stands in its file, and when it was read."""
-    body = sys.stdin.buffer.read() if file == "-" else Path(file).read_bytes()
-    return body, datetime.now(UTC)
+def read_request(file: str) -> bytes:
+    """A request as it stands in its file."""
+    return sys.stdin.buffer.read() if file == "-" else Path(file).read_bytes()
 
 
 def write(path: Path, content: bytes) -> None:
@@ -52,26 +74,27 @@ def write(path: Path, content: bytes) -> None:
     path.write_bytes(content)
 
 
-def takes_standard_output(*paths: Path | None) -> bool:
-    """Whether one of them does: the report then goes to stderr; raises InvalidInput for two."""
-    count = sum(path == STANDARD_STREAM for path in paths)
-    if count > 1:
-        raise InvalidInput("only one output can be -, standard output", field="-")
-    return count == 1
+def write_json(path: Path | None, members: Members) -> None:
+    """As it was answered, if anywhere."""
+    if path is not None:
+        whole = members.text if isinstance(members, ParsedAnswer) else None
+        write(path, whole or json.dumps(dict(members)).encode() + b"\n")
 
 
 def formats_and_paths(
-    texts: list[str] | None, formats: Collection[str]
-) -> Iterator[tuple[str, Path]]:
-    """Of `FORMAT=PATH`."""
-    for text in texts or ():
-        name, _, path = text.partition("=")
-        if name not in formats or not path:
+    texts: Sequence[str] | None, formats: Collection[str]
+) -> list[tuple[str, Path]]:
+    """Of `FORMAT=PATH`; raises InvalidInput."""
+    pairs = [
+        (name, Path(path), text) for text in texts or () for name, _, path in [text.partition("=")]
+    ]
+    for name, path, text in pairs:
+        if name not in formats or path == Path():
+            wrong = "no FORMAT=PATH" if name == text or path == Path() else "of no format there is"
             raise InvalidInput(
-                f"{text[:80]!r} is no FORMAT=PATH; the formats are {', '.join(formats)}",
-                field="--export",
+                f"{text[:80]!r} is {wrong}; the formats are {', '.join(formats)}", field="--export"
             )
-        yield name, Path(path)
+    return [(name, path) for name, path, _ in pairs]
 
 
 def picture_format(plot: Path | None, *, by_service: bool = False) -> str | None:
@@ -85,26 +108,32 @@ def picture_format(plot: Path | None, *, by_service: bool = False) -> str | None
     return image_format
 
 
-def write_json(path: Path | None, members: Members) -> None:
-    """As it was answered, if anywhere."""
-    if path is not None:
-        whole = members.text if isinstance(members, ParsedAnswer) else None
-        write(path, whole or json.dumps(dict(members)).encode() + b"\n")
+def table_only(csv: bytes) -> bytes:
+    """Without the lines that say what the columns don't."""
+    return b"".join(line for line in csv.splitlines(keepends=True) if not line.startswith(b"#"))
 
 
 @contextmanager
-def problem_to(path: Path | None) -> Iterator[None]:
-    """A refusal of what is inside is written there, as the service would answer it.
+def report_beside(
+    json_file: Path | None, *files: Path | None, exports: Sequence[str] | None = None
+) -> "Iterator[Console]":
+    """Where a report goes: to stderr if one of the files takes standard output.
 
-    Not of a table alone: the whole answer tells its verdict.
+    A refusal of what is inside is written to `json_file`, as the service would answer it.  Not of a
+    table alone: the whole answer tells its verdict.
     """
+    from app.cli.report_parts import report_console
+
+    paths = [json_file, *files, *(Path(text.partition("=")[2]) for text in exports or ())]
     try:
-        yield
+        if paths.count(STANDARD_STREAM) > 1:
+            raise InvalidInput("only one output can be -, standard output", field="-")
+        yield report_console(to_stderr=STANDARD_STREAM in paths)
     except Unverified:
         raise
     except Refusal as refusal:
-        if path is not None:
-            write(path, json.dumps(_problem(refusal)).encode() + b"\n")
+        if json_file is not None:
+            write(json_file, json.dumps(_problem(refusal)).encode() + b"\n")
         raise
 
 

@@ -8,24 +8,15 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from app.cli.files import (
-    RequestFile,
-    WholeAnswer,
-    picture_format,
-    problem_to,
-    read_request,
-    takes_standard_output,
-    write,
-    write_json,
-)
+from app.cli import files
 from app.cli.plan_report import session_number
 from app.cli.planner import Members, planner_at
 from app.cli.progress_bar import told_progress
-from app.cli.report_parts import print_rows, print_warnings, report_console
+from app.cli.report_parts import print_rows, print_warnings
 
 
 def fly(
-    file: RequestFile,
+    file: files.RequestFile,
     runs: Annotated[int, typer.Option(help="Fly so many runs.")] = 400,
     seed: Annotated[int, typer.Option(help="Draw the errors from this seed.")] = 0,
     moving_object_m_s: Annotated[
@@ -39,22 +30,17 @@ def fly(
         Path | None,
         typer.Option(help="Draw smear, error and misses here (png, svg, pdf)."),
     ] = None,
-    json: WholeAnswer = None,
-    url: Annotated[
-        str | None,
-        typer.Option(help="Plan and fly at this service, which keeps both: http://127.0.0.1:8000."),
-    ] = None,
+    json: files.WholeAnswer = None,
+    url: files.Url = None,
 ) -> None:
     """Plan, fly the plan many times with errors drawn at random, and report probabilities."""
-    with problem_to(json):
-        console = report_console(to_stderr=takes_standard_output(plot, json))
-        image_format = picture_format(plot)
-        body, _ = read_request(file)
+    with files.report_beside(json, plot) as console:
+        image_format = files.picture_format(plot)
+        body = files.read_request(file)
         vehicle = {"speed_m_s": moving_object_m_s, "course_deg": course_deg}
         moving_object = None if moving_object_m_s is None else vehicle
-        asked = json_text.dumps(
-            {"runs": runs, "seed": seed, "moving_object": moving_object}
-        ).encode()
+        flights = {"runs": runs, "seed": seed, "moving_object": moving_object}
+        asked = json_text.dumps(flights).encode()
 
         from app.requests.flights import read_flights_request
 
@@ -66,8 +52,8 @@ def fly(
         if plot and image_format:
             from app.cli.fly_figure import draw_flights
 
-            write(plot, draw_flights(told, image_format))
-        write_json(json, told)
+            files.write(plot, draw_flights(told, image_format))
+        files.write_json(json, told)
 
 
 def print_flights(console: Console, found: Members) -> None:
@@ -88,7 +74,7 @@ def print_flights(console: Console, found: Members) -> None:
         ("told", "budget_probability_in_frame", ".3f"), ("in frame", _in_frame), ("sharp", _sharp),
         ("frames held", "frames_held", ".1%"), ("frames sharp", "frames_sharp", ".1%"),
         ("smear px", lambda one: one["smear_px"] and one["smear_px"][1], ".2f"),
-        ("miss m", lambda one: one["miss_m"] and one["miss_m"][1], ".0f"),
+        ("miss m", lambda one: one["miss_m"] and one["miss_m"][1], ".0f"), keys=2,
     )  # fmt: skip
     print_rows(
         console, "as planned",

@@ -1,18 +1,28 @@
 """`slewtrack horizon`: the local vertical is measured in image files and reported."""
 
+import base64
 import math
+from collections.abc import Iterator, Sequence
+from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
 from rich.text import Text
 
-from app.cli.files import WholeAnswer, problem_to, takes_standard_output, write_json
-from app.cli.planner import Members
-from app.cli.report_parts import print_rows, print_warnings, report_console
+from app.cli import files
+from app.cli.planner import Members, ParsedAnswer, planner_at
+from app.cli.progress_bar import told_progress
+from app.cli.report_parts import print_rows, print_warnings
+from planner.base.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from app.work.horizon_series import HorizonFrames, HorizonSession
+    from estimator.images import Pixels
 
 _STYLES = {"inconsistent": "red", "not_observable": "yellow"}
+_VIDEOS = {".mp4", ".avi", ".mkv", ".mov", ".m4v", ".mpg", ".mpeg", ".webm", ".ts"}
 
 
 def horizon(
@@ -30,23 +40,96 @@ def horizon(
         Path | None,
         typer.Option(help="Write the annotated frame here (PNG), for several cameras with -NAME."),
     ] = None,
-    json: WholeAnswer = None,
+    json: files.WholeAnswer = None,
+    url: files.Url = None,
 ) -> None:
     """Estimate the local vertical from images of the horizon."""
-    with problem_to(json):
-        console = report_console(to_stderr=takes_standard_output(overlay, json))
-        from app.cli.horizon_images import measure_frames, measure_one
+    with files.report_beside(json, overlay) as console:
+        body = request.read_bytes()
+        import cv2
+
         from app.work.horizon_series import read_series
 
-        body = request.read_bytes()
         series = read_series(body)
+        cv2.setNumThreads(1)  # a frame is too small to share
         if series is None:
-            answer = measure_one(body, images, overlay)
+            answer = _estimate(url, body, [path.read_bytes() for path in images], overlay)
             print_estimate(console, answer)
+        elif url is not None:
+            raise InvalidInput(
+                "a service measures one frame at a time: leave it out for a series", field="--url"
+            )
         else:
             answer = measure_frames(series, body, images)
             print_series(console, answer)
-        write_json(json, answer)
+        files.write_json(json, answer)
+
+
+def _estimate(
+    url: str | None, body: bytes, images: Sequence[bytes], overlay: Path | None
+) -> Members:
+    if overlay is not None:
+        from app.cli.changes import with_settings
+
+        body = with_settings(body, ["overlay=true"])
+    with planner_at(url) as planner:
+        answer = planner.estimate_vertical(images, body)
+    if overlay is not None:
+        cameras = answer["cameras"]
+        paths = overlay_paths(overlay, [camera["name"] for camera in cameras])
+        for path, camera in zip(paths, cameras, strict=True):
+            files.write(path, base64.b64decode(camera["overlay_png"]))
+    return answer
+
+
+def overlay_paths(path: Path, cameras: Sequence[str]) -> list[Path]:
+    """The path itself for one camera, with each camera's place and name for several."""
+    if len(cameras) == 1:
+        return [path]
+    plain = ["".join(c if c.isalnum() else "-" for c in name)[:40] for name in cameras]
+    if len(set(plain)) < len(plain):
+        plain = [f"{k}-{name}" for k, name in enumerate(plain)]
+    return [path.with_name(f"{path.stem}-{name}{path.suffix or '.png'}") for name in plain]
+
+
+def measure_frames(
+    request: "HorizonSession | HorizonFrames", body: bytes, paths: Sequence[Path]
+) -> ParsedAnswer:
+    """A series of frames, or videos."""
+    from app.answers.members import provenance
+    from app.work import horizon_series as series
+    from app.work.progress import Progress
+    from estimator.errors import InvalidImage
+    from estimator.images import decode_image
+    from estimator.videos import video_frames
+
+    frames: Iterator[list[Pixels]]
+    if all(path.suffix.lower() in _VIDEOS for path in paths):
+        if not isinstance(request, series.HorizonSession) or len(paths) != len(request.cameras):
+            raise InvalidImage(
+                "videos go with a session (orbit, cameras, start, step_s), one per camera",
+                field="images",
+            )
+        count, frames = video_frames(
+            [str(path) for path in paths], request.step_s, series.FRAMES_MAX
+        )
+        requests = request.requests(count)
+    else:
+        requests, pictures = series.frame_requests(request, len(paths)), iter(paths)
+        frames = (
+            [
+                decode_image(next(pictures).read_bytes(), f"frames.{number}.{camera.name}", camera)
+                for camera in one.cameras
+            ]
+            for number, one in enumerate(requests)
+        )
+    with told_progress("frames") as tell:
+        told = (
+            tell(Progress(stage="frames", done=number, of=len(requests))) or frame
+            for number, frame in enumerate(frames)
+        )
+        found = series.measure_series(requests, told)
+    return ParsedAnswer(series.series_json(found, provenance(datetime.now(UTC), body)))
 
 
 def print_estimate(console: Console, estimate: Members) -> None:

@@ -1,42 +1,33 @@
 """Plans that a running service keeps: listed, shown, exported, followed."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from http import HTTPStatus
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.text import Text
 
-from app.cli.files import (
-    WholeAnswer,
-    formats_and_paths,
-    problem_to,
-    takes_standard_output,
-    write,
-    write_json,
-)
+from app.cli import files
 from app.cli.one_line import FAILED
-from app.cli.report_parts import print_rows, report_console
+from app.cli.planner import Members
+from app.cli.report_parts import UNBOUNDED, print_rows, report_console
 
 if TYPE_CHECKING:
     from slewtrack.client import Client, Progress
 
-_SECOND = 19  # characters of a time to the second
+_SECOND, _MINUTE = 19, 16  # characters of a time to these
+_SHORT_ID = 13  # to the millisecond in which it was made
 
-Url = Annotated[
-    str | None,
-    typer.Option(
-        help="Ask this service; SLEWTRACK_URL by default, or http://127.0.0.1:8000. The API key "
-        "is SLEWTRACK_KEY."
-    ),
-]
 Id = Annotated[
-    str, typer.Argument(metavar="ID", help="Take this plan, by its id in `slewtrack list`.")
+    str,
+    typer.Argument(
+        metavar="ID", help="Take this plan, by its id in `slewtrack list`, or the beginning of one."
+    ),
 ]
 
 
 def list_plans(
-    url: Url = None,
+    url: files.KeptUrl = None,
     limit: Annotated[int, typer.Option(min=1, help="List at most so many plans.")] = 20,
     state: Annotated[
         str | None,
@@ -56,76 +47,80 @@ def list_plans(
     before: Annotated[
         str | None, typer.Option(metavar="UTC", help="List only plans that begin before this time.")
     ] = None,
-    json: WholeAnswer = None,
+    wide: Annotated[
+        bool, typer.Option("--wide", help="Print ids and times whole, however wide it gets.")
+    ] = False,
+    json: files.WholeAnswer = None,
 ) -> None:
     """List the plans that a service keeps, the latest first."""
     from app.cli.service import service
 
-    with problem_to(json):
-        console = report_console(to_stderr=takes_standard_output(json))
-        with service(url) as client:
-            found = client.plans(
-                limit=limit,
-                state=state,
-                name=name,
-                target=target,
-                text=text,
-                after=after,
-                before=before,
-            )
+    with files.report_beside(json) as console, service(url) as client:
+        narrow = {"state": state, "name": name, "target": target, "text": text}
+        found = client.plans(limit=limit, after=after, before=before, **narrow)
+        told = [dict(job.members) for job in found]
+        if wide:
+            console.width = UNBOUNDED
         print_rows(
-            console, None, [dict(job.members) for job in found],
-            ("<id", "id"), ("<state", "state"), ("<created", "created", _to_the_second),
-            ("<start", "start", _to_the_second), ("<name", "name"),
-            ("~targets", "targets", ", ".join),
+            console, None, told, ("<id", "id", "", _short_id(told)), ("<state", "state"),
+            ("<created", "created", _time(_SECOND), _time(_MINUTE)),
+            ("<start", "start", _time(_SECOND), _time(_MINUTE)),
+            ("~name", "name"), ("~targets", "targets", ", ".join),
         )  # fmt: skip
         if not found:
             console.print("there are none")
-        write_json(json, {"plans": [dict(job.members) for job in found]})
+        files.write_json(json, {"plans": told})
 
 
-def _to_the_second(utc: str | None) -> str:
-    return "-" if utc is None else utc[:_SECOND].replace("T", " ")
+def _short_id(plans: Sequence[Members]) -> Callable[[str], str]:
+    """So much of each id that all differ."""
+    count = _SHORT_ID
+    while len({plan["id"][:count] for plan in plans}) < len(plans):
+        count += 1
+    return lambda plan_id: plan_id[:count]
 
 
-def show(plan_id: Id, url: Url = None, json: WholeAnswer = None) -> None:
+def _time(characters: int) -> Callable[[str | None], str]:
+    return lambda utc: "-" if utc is None else utc[:characters].replace("T", " ")
+
+
+def show(plan_id: Id, url: files.KeptUrl = None, json: files.WholeAnswer = None) -> None:
     """Show a plan that a service keeps."""
     from app.cli.plan_report import print_plan
-    from app.cli.service import service
+    from app.cli.service import service, whole_id
 
-    with problem_to(json):
-        console = report_console(to_stderr=takes_standard_output(json))
-        with service(url) as client:
-            plan = client.get(plan_id)
-        print_plan(console, plan.members)
-        write_json(json, plan.members)
+    with files.report_beside(json) as console, service(url) as client:
+        whole = whole_id(client, plan_id)
+        plan, asked = client.get(whole), client.request(whole)
+        print_plan(console, plan.members, asked)
+        files.write_json(json, plan.members)
 
 
 def export(
     plan_id: Id,
-    files: Annotated[
+    tables: Annotated[
         list[str],
         typer.Argument(
             metavar="FORMAT=PATH...",
             help="Write these files, as --export of `slewtrack plan` does.",
         ),
     ],
-    url: Url = None,
+    url: files.KeptUrl = None,
 ) -> None:
     """Write the table of a plan that a service keeps, in one format or several."""
-    from app.cli.service import service
+    from app.cli.service import service, whole_id
     from planner.output.export import EXPORTERS
 
-    wanted = list(formats_and_paths(files, EXPORTERS))
-    takes_standard_output(*(path for _, path in wanted))
-    with service(url) as client:
+    with files.report_beside(None, exports=tables), service(url) as client:
+        wanted = files.formats_and_paths(tables, EXPORTERS)
+        whole = whole_id(client, plan_id)
         for name, path in wanted:
-            write(path, client.export(plan_id, name))
+            files.write(path, client.export(whole, name))
 
 
-def watch(plan_id: Id, url: Url = None) -> None:
+def watch(plan_id: Id, url: files.KeptUrl = None) -> None:
     """Follow a plan, campaign or flights to their end; 0 done, 1 failed or cancelled, 2 refused."""
-    from app.cli.service import service
+    from app.cli.service import service, whole_id
 
     console = report_console()
 
@@ -134,7 +129,7 @@ def watch(plan_id: Id, url: Url = None) -> None:
         console.print(Text(f"{now.state}{': ' if now.stage else ''}{now.stage or ''}{parts}"))
 
     with service(url) as client:
-        has_passed = _follow(client, plan_id, tell)
+        has_passed = _follow(client, whole_id(client, plan_id), tell)
     if not has_passed:
         raise typer.Exit(FAILED)
 

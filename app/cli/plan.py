@@ -7,35 +7,21 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from app.cli.files import (
-    Exports,
-    RequestFile,
-    WholeAnswer,
-    formats_and_paths,
-    picture_format,
-    problem_to,
-    read_request,
-    takes_standard_output,
-    write,
-    write_json,
-)
+from app.cli import files
 from app.cli.planner import Members, planner_at
 from app.cli.progress_bar import told_progress
-from app.cli.report_parts import print_warnings, report_console
+from app.cli.report_parts import print_warnings
 from planner.base.errors import InvalidInput, Unverified
 
 
 def plan(
-    file: RequestFile,
-    csv: Annotated[
-        Path | None,
-        typer.Option(help="Write the command table here, columns only; - is standard output."),
-    ] = None,
-    export: Exports = None,
+    file: files.RequestFile,
+    csv: files.TableCsv = None,
+    export: files.Exports = None,
     plot: Annotated[
         Path | None, typer.Option(help="Draw angles, rates and accelerations here (png, svg, pdf).")
     ] = None,
-    json: WholeAnswer = None,
+    json: files.WholeAnswer = None,
     settings: Annotated[
         list[str] | None,
         typer.Option(
@@ -55,45 +41,38 @@ def plan(
         str | None,
         typer.Option(help="Begin the search of --next-pass at this UTC; now by default."),
     ] = None,
-    dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Only check whether it can be flown; write nothing.")
-    ] = False,
-    url: Annotated[
-        str | None,
-        typer.Option(help="Plan at this service, which keeps the plan: http://127.0.0.1:8000."),
-    ] = None,
+    dry_run: files.DryRun = False,
+    url: files.Url = None,
 ) -> None:
     """Plan sessions of a two-axis platform."""
-    with problem_to(json):
+    with files.report_beside(json, csv, plot, exports=export) as console:
+        picture = files.picture_format(plot, by_service=url is not None)
+        body = files.read_request(file)
         from planner.output.export import EXPORTERS
 
-        exports = [*formats_and_paths(export, EXPORTERS)]
-        outputs = (csv, plot, json, *(path for _, path in exports))
-        console = report_console(to_stderr=takes_standard_output(*outputs))
-        picture = picture_format(plot, by_service=url is not None)
-        body, _ = read_request(file)
+        exports = files.formats_and_paths(export, EXPORTERS)
         if settings or next_pass or start is not None:
             body = _changed(console, body, settings, start, next_pass=next_pass)
         with planner_at(url) as planner:
             if dry_run:
-                _say_whether_it_flies(console, planner.check(body))
+                say_whether_it_flies(console, planner.check(body))
                 return
             with told_progress("planning") as tell:
                 made = planner.plan(body, progress=tell)
             from app.cli.plan_report import print_plan
 
-            print_plan(console, made.members)
+            print_plan(console, made.members, body)
             if url is not None:
                 console.print(f"kept as {made.id}")
-            write_json(json, made.members)
+            files.write_json(json, made.members)
             # A table that fails is shown beside the verdict, and nowhere else.
             if plot and picture and (made.passed or url is None):
-                write(plot, planner.export(made.id, picture))
+                files.write(plot, planner.export(made.id, picture))
             _require_verified(made.members["verification"])
             if csv:
-                write(csv, table_only_csv(planner.export(made.id, "csv")))
+                files.write(csv, files.table_only(planner.export(made.id, "csv")))
             for name, path in exports:
-                write(path, planner.export(made.id, name))
+                files.write(path, planner.export(made.id, name))
 
 
 def _require_verified(verdict: Members) -> None:
@@ -127,16 +106,14 @@ def _changed(
     return with_settings(body, settings)  # again, for what is set of the session that was moved
 
 
-def table_only_csv(content: bytes) -> bytes:
-    """Without the lines that say what the columns don't."""
-    lines = content.splitlines(keepends=True)
-    return b"".join(line for line in lines if not line.startswith(b"#"))
-
-
-def _say_whether_it_flies(console: Console, found: Members) -> None:
+def say_whether_it_flies(console: Console, found: Members) -> None:
+    """Of a dry run's answer; raises Unverified."""
     print_warnings(console, found["warnings"])
     if not found["flies"]:
         raise Unverified(
             "the table failed its verification; only the whole answer holds it, beside the verdict"
         )
-    console.print(f"flies: {found['rows']} rows, verification passed; nothing was written")
+    rows = f"{found['rows']} rows" if "rows" in found else f"{found['requests']} requests"
+    without = ", ".join(found.get("left_out", ()))
+    rows += f" without {without}" if without else ""
+    console.print(f"flies: {rows}, verification passed; nothing was written")

@@ -1,6 +1,8 @@
 """The summary of a plan on the terminal."""
 
+import json
 from collections.abc import Iterator
+from datetime import datetime
 from typing import Any
 
 from rich.console import Console
@@ -8,18 +10,15 @@ from rich.text import Text
 
 from app.cli.planner import Members
 from app.cli.report_parts import print_assumed, print_rows, print_warnings
-from planner.world.frames.time_scales import elapsed_s, utc_from_text
 
 
-def print_plan(console: Console, plan: Members) -> None:
-    """What was taken for granted, segments, pointing error, margins, the spline, warnings."""
+def print_plan(console: Console, plan: Members, request: bytes | Members) -> None:
+    """Which plan it is, what was taken for granted, segments, error, margins, warnings."""
     table, total_s = plan["table"], sum(plan["solver"]["stages_wall_s"].values())
+    asked = json.loads(request) if isinstance(request, bytes) else request
+    console.print(Text(plan["name"] or "Plan", style="bold").append(_identity(plan, asked), "none"))
     console.print(
-        Text.assemble(
-            (plan["name"] or "Plan", "bold"),
-            f", {plan['platform']}: {len(table['t_s'])} rows from {table['epoch']}, planned in "
-            f"{1e3 * total_s:.0f} ms",
-        )
+        f"{len(table['t_s'])} rows from {table['epoch']}, planned in {1e3 * total_s:.0f} ms"
     )
     print_assumed(console, plan["assumed"])
     print_rows(
@@ -89,6 +88,43 @@ def print_plan(console: Console, plan: Members) -> None:
     )
 
 
+def _identity(plan: Members, asked: Members) -> str:
+    from planner.world.frames.time_scales import utc_from_text
+
+    start_utc, stop_utc = (utc_from_text(plan["summary"][name]) for name in ("start", "stop"))
+    stop = _day_and_time(stop_utc).removeprefix(f"{start_utc:%-d %b %Y} ")
+    parts = [f"{_day_and_time(start_utc)} to {stop} UTC", plan["platform"]]
+    parts += [_orbit(asked["orbit"], start_utc, stop_utc), _attitude(asked.get("attitude", {}))]
+    parts += [f"revision {plan['revision']}", plan["id"]]
+    return ", ".join(["", *parts])
+
+
+def _day_and_time(utc: datetime) -> str:
+    return f"{utc:%-d %b %Y %H:%M:%S}"
+
+
+def _orbit(asked: Members, start_utc: datetime, stop_utc: datetime) -> str:
+    """Its source, and how old what it rests on is as the sessions begin."""
+    from app.requests.json_reader import JsonReader
+    from planner.world.frames.time_scales import elapsed_s
+    from planner.world.orbits import ORBITS
+
+    orbit = JsonReader(ORBITS[asked["source"]]).read(json.dumps(asked).encode())
+    epoch_utc = orbit.ephemeris(start_utc, stop_utc).epoch_utc
+    age_h = elapsed_s(start_utc, epoch_utc) / 3600.0
+    told = f"{abs(age_h):.{'1f' if abs(age_h) < 1.0 else '0f'}} h"
+    of = f"{asked['source'].upper()} of {epoch_utc:%-d %b %Y %H:%M}"
+    return f"{of} ({told} old)" if age_h >= 0.0 else f"{of} ({told} after the start)"
+
+
+def _attitude(asked: Members) -> str:
+    law = asked.get("law", "lvlh")
+    if law != "lvlh":
+        return str(law)
+    angles = (asked.get(f"{turn}_deg", 0.0) for turn in ("yaw", "pitch", "roll"))
+    return f"LVLH {'/'.join(f'{angle:.3g}' for angle in angles)}"
+
+
 def session_number(number: int | None) -> str:
     """Counted from 1, as everything that people read; the answer's own number is an index."""
     return "final" if number is None else str(number + 1)
@@ -99,6 +135,8 @@ _AT = ("<at UTC", "at", lambda at: "-" if at is None else at[11:-3])  # to a ten
 
 
 def _seconds(segment: Members) -> float:
+    from planner.world.frames.time_scales import elapsed_s, utc_from_text
+
     return elapsed_s(utc_from_text(segment["stop"]), utc_from_text(segment["start"]))
 
 

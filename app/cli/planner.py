@@ -1,9 +1,13 @@
-"""The questions a command asks, whoever answers: this process, or a running service."""
+"""The one who answers a command's questions: this process, or a running service."""
 
 import json
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from app.cli.local import Local
+    from slewtrack.client import Client
 
 Members = Mapping[str, Any]
 
@@ -16,50 +20,12 @@ class ParsedAnswer(dict[str, Any]):
         self.text = text
 
 
-class WorkProgress(Protocol):
-    """How far work is: its stage, and how many parts of how many are done."""
-
-    @property
-    def stage(self) -> str | None: ...
-    @property
-    def done(self) -> int | None: ...
-    @property
-    def of(self) -> int | None: ...
-
-
-OnProgress = Callable[[WorkProgress], None]
-
-
-class Flown(Protocol):
-    """Flights of a plan; members: of the whole answer."""
-
-    @property
-    def members(self) -> Members: ...
-
-
-class Made(Flown, Protocol):
-    """A plan; passed: its verification."""
-
-    @property
-    def id(self) -> str: ...
-    @property
-    def passed(self) -> bool: ...
-
-
-class Planner(Protocol):
-    """`slewtrack.Client`, whose docs tell of each call, and `app.cli.local.Local`."""
-
-    def plan(self, request: bytes, *, progress: OnProgress | None = None) -> Made: ...
-    def check(self, request: bytes) -> Members: ...
-    def export(self, plan_id: str, format_name: str) -> bytes: ...
-    def fly(self, plan_id: str, request: bytes, *, progress: OnProgress | None = None) -> Flown: ...
-    def compare(self, request: Members, csv: bytes) -> Members: ...
-    def draw_comparison(self, request: Members, csv: bytes, format_name: str) -> bytes: ...
+OnProgress = Callable[[Any], None]  # told of stage, done and of, where these are known
 
 
 @contextmanager
-def planner_at(url: str | None) -> Iterator[Planner]:
-    """The service at this address, or this process without one."""
+def planner_at(url: str | None) -> "Iterator[Local | Client]":
+    """The service at this address, or this process without one; both are asked alike."""
     if url is None:
         from app.cli.local import Local
 

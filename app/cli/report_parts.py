@@ -1,7 +1,7 @@
-"""Parts that all reports share: streams, tables declared by their columns, warnings."""
+"""Parts that all reports share: the stream, tables declared by their columns, warnings."""
 
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from rich.cells import cell_len
@@ -11,10 +11,11 @@ from rich.text import Text
 
 What = str | Callable[[Any], object]
 Form = str | Callable[[Any], str]
-Column = tuple[str, What] | tuple[str, What, Form]
+Column = tuple[str, What] | tuple[str, What, Form] | tuple[str, What, Form, Form]
+Filled = tuple[str, Sequence[str]]  # heading, and a text a row
 
 SHOWN_MAX = 100  # lines of what may have any number
-_UNBOUNDED = 10_000  # characters of a line in a pipe or file, which knows no width
+UNBOUNDED = 10_000  # characters of a line in a pipe or file, which knows no width
 _GAP = 2
 
 
@@ -22,7 +23,7 @@ def report_console(*, to_stderr: bool = False) -> Console:
     """As wide as the terminal; as COLUMNS has it or without bounds in pipes and files."""
     console = Console(highlight=False, stderr=to_stderr)
     if not console.is_terminal and "COLUMNS" not in os.environ:
-        console.width = _UNBOUNDED
+        console.width = UNBOUNDED
     return console
 
 
@@ -32,32 +33,52 @@ def print_rows(
     rows: Iterable[Any],
     *columns: Column,
     red: Callable[[Any], object] = lambda _: False,
+    keys: int = 1,
     sparse: bool = False,
 ) -> None:
-    """In columns where they fit, else each row as what it holds by heading: nothing is cut.
+    """In a table where it fits; else in short forms, or in several that begin with the key columns.
 
-    columns: heading, member of the row or what is made of the row, and its format; a dash is put
-    where there is no number. Headings of texts begin with `<`, of one that may take several lines
-    with `~`. sparse: columns of dashes only are left out.
+    Where not even these fit, each row is told as what it holds by heading: nothing is cut.
+
+    columns: heading, member of the row or what is made of the row, its format, and a short one; a
+    dash is put where there is no number. Headings of texts begin with `<`, of one that may take
+    several lines with `~`. keys: of the first columns, which tell the rows from each other.
+    sparse: columns of dashes only are left out.
     """
     rows = list(rows)
     if not rows:
         return
-    filled = [(column[0], [_cell(row, *column[1:]) for row in rows]) for column in columns]
-    filled = [(heading, texts) for heading, texts in filled if not sparse or {*texts} != {"-"}]
-    lines = [*zip(*(texts for _, texts in filled), strict=True)]
     styles = ["red" if red(row) else "" for row in rows]
-    needed = sum(_width(*column) for column in filled) + _GAP * (len(filled) - 1)
-    if needed > console.width:
-        if title is not None:
-            console.print(Text(title, style="bold"))
-        for style, line in zip(styles, lines, strict=True):
-            parts = [
-                Text.assemble((f"{heading.lstrip('<~')} ", "dim"), text)
-                for (heading, _), text in zip(filled, line, strict=True)
-            ]
-            console.print(Text(", ").join(parts), style=style)
+    for form in (2, 3):
+        filled = [_filled(rows, column, form) for column in columns]
+        filled = [one for one in filled if not sparse or {*one[1]} != {"-"}]
+        if _width(filled) <= console.width:
+            _print_table(console, title, filled, styles)
+            return
+    tables: list[list[Filled]] = []
+    for column in filled[keys:]:
+        if not tables or _width([*tables[-1], column]) > console.width:
+            tables.append(filled[:keys])
+        tables[-1] = [*tables[-1], column]
+    if max(map(_width, tables)) <= console.width:
+        for table in tables:
+            _print_table(console, title, table, styles)
+            title = None
         return
+    if title is not None:
+        console.print(Text(title, style="bold"))
+    for style, line in zip(styles, zip(*(texts for _, texts in filled), strict=True), strict=True):
+        parts = [
+            Text.assemble((f"{heading.lstrip('<~')} ", "dim"), text)
+            for (heading, _), text in zip(filled, line, strict=True)
+            if text
+        ]
+        console.print(Text(", ").join(parts), style=style)
+
+
+def _print_table(
+    console: Console, title: str | None, filled: Sequence[Filled], styles: Sequence[str]
+) -> None:
     table = Table(
         title=title,
         title_justify="left",
@@ -72,12 +93,18 @@ def print_rows(
             justify="left" if heading.startswith(("<", "~")) else "right",
             no_wrap=not heading.startswith("~"),
         )
-    for style, line in zip(styles, lines, strict=True):
+    for style, line in zip(styles, zip(*(texts for _, texts in filled), strict=True), strict=True):
         table.add_row(*map(Text, line), style=style)
     console.print(table)
 
 
-def _cell(row: Any, what: What, form: Form = "") -> str:  # noqa: ANN401 (whatever is reported)
+def _filled(rows: Sequence[Any], column: Column, form: int) -> Filled:
+    heading, what, *forms = column
+    used = forms[min(form - 2, len(forms) - 1)] if forms else ""
+    return heading, [_cell(row, what, used) for row in rows]
+
+
+def _cell(row: Any, what: What, form: Form) -> str:  # noqa: ANN401 (whatever is reported)
     if callable(what):
         value = what(row)
     else:
@@ -89,12 +116,13 @@ def _cell(row: Any, what: What, form: Form = "") -> str:  # noqa: ANN401 (whatev
     return "-" if value is None else format(value, form)
 
 
-def _width(heading: str, texts: list[str]) -> int:
-    """Least characters without cutting anything."""
-    texts = [heading.lstrip("<~"), *texts]
-    if heading.startswith("~"):
-        texts = [word for text in texts for word in text.split()]
-    return max(map(cell_len, texts), default=0)
+def _width(filled: Sequence[Filled]) -> int:
+    """Least characters of a table without cutting anything."""
+    width = _GAP * (len(filled) - 1)
+    for heading, texts in filled:
+        parts = [word for text in texts for word in text.split()] if heading[0] == "~" else texts
+        width += max(cell_len(text) for text in (heading.lstrip("<~"), *parts))
+    return width
 
 
 def print_more(console: Console, count: int, where: str = "--csv or --json") -> None:

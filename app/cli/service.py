@@ -2,11 +2,19 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from threading import Timer
 
+import httpx
+
+from app.cli.one_line import say
 from planner.base.errors import InvalidInput, Refusal
 from slewtrack.client import BadAnswer, Client, NoAnswer, Problem, Refused, ServiceError
+from slewtrack.client.asking import Ask, Reply
 
 SERVER_ERROR = 500
+ID_CHARACTERS = 36
+SOUGHT_MAX = 2000  # plans, the latest first
+SILENCE_S = 2.0  # before somebody who waits is told for whom
 
 
 class RefusedThere(Refusal):
@@ -18,11 +26,38 @@ class RefusedThere(Refusal):
         self.is_failure = problem.status >= SERVER_ERROR
 
 
+class _TellingClient(Client):
+    """Says once whom it waits for; whoever can't be reached from the first is given up at once."""
+
+    _has_answered = _has_told = False
+
+    async def _answer(self, ask: Ask) -> Reply:
+        slow = Timer(SILENCE_S, self._tell)
+        slow.daemon = True
+        if ask.on_line is None:  # events come when there are some
+            slow.start()
+        try:
+            reply = await super()._answer(ask)
+        except (httpx.ConnectError, httpx.ConnectTimeout) as error:
+            if self._has_answered:
+                raise
+            raise InvalidInput(str(self._exchange.meaning(error)), field="--url") from None
+        finally:
+            slow.cancel()
+        self._has_answered = True
+        return reply
+
+    def _tell(self) -> None:
+        if not self._has_told:
+            self._has_told = True
+            say(f"waiting for {self._http.base_url} ...")
+
+
 @contextmanager
 def service(url: str | None) -> Iterator[Client]:
     """The service at an address; raises Refusals."""
     try:
-        client = Client(url)
+        client = _TellingClient(url)
     except ValueError as error:
         raise InvalidInput(str(error), field="--url") from None
     with client:
@@ -34,3 +69,15 @@ def service(url: str | None) -> Iterator[Client]:
             raise InvalidInput(str(error), field="--url") from None
         except ServiceError as error:
             raise Refusal(str(error)) from None
+
+
+def whole_id(client: Client, begin: str) -> str:
+    """The id of the one plan whose id begins so; raises InvalidInput."""
+    if len(begin) >= ID_CHARACTERS or not begin:
+        return begin
+    found = [job.id for job in client.plans(limit=SOUGHT_MAX) if job.id.startswith(begin)]
+    if len(found) != 1:
+        how = f"{len(found)} plans begin" if found else "there is no plan whose id begins"
+        detail = f"{how} with {begin[:40]!r}; `slewtrack list --wide` has them"
+        raise InvalidInput(detail, field="ID")
+    return found[0]

@@ -1,63 +1,44 @@
 """`slewtrack spacecraft`: an imaging session is planned and reported."""
 
-from typing import Annotated
-
-import typer
 from rich.console import Console
 from rich.text import Text
 
-from app.cli.files import (
-    Exports,
-    RequestFile,
-    WholeAnswer,
-    formats_and_paths,
-    problem_to,
-    read_request,
-    takes_standard_output,
-    write,
-    write_json,
-)
-from app.cli.planner import Members
+from app.cli import files
+from app.cli.plan import say_whether_it_flies
+from app.cli.planner import Members, planner_at
 from app.cli.progress_bar import told_progress
-from app.cli.report_parts import print_rows, print_warnings, report_console
+from app.cli.report_parts import print_rows, print_warnings
 
 
 def spacecraft(
-    file: RequestFile,
-    export: Exports = None,
-    json: WholeAnswer = None,
-    dry_run: Annotated[
-        bool,
-        typer.Option(
-            "--dry-run", help="Only check whether the session can be flown; write nothing."
-        ),
-    ] = False,
+    file: files.RequestFile,
+    csv: files.TableCsv = None,
+    export: files.Exports = None,
+    json: files.WholeAnswer = None,
+    dry_run: files.DryRun = False,
+    url: files.Url = None,
 ) -> None:
     """Plan an imaging session of the CMG spacecraft and report."""
-    with problem_to(json):
+    with files.report_beside(json, csv, exports=export) as console:
+        body = files.read_request(file)
+        from app.requests.spacecraft import read_spacecraft_request
         from planner.spacecraft.export import IMAGING_EXPORTERS
 
-        exports = list(formats_and_paths(export, IMAGING_EXPORTERS))
-        console = report_console(
-            to_stderr=takes_standard_output(json, *(path for _, path in exports))
-        )
-        body, _ = read_request(file)
-
-        from app.requests.spacecraft import read_spacecraft_request
-
-        request = read_spacecraft_request(body)
-
-        from app.cli.local import LocalSpacecraft
-
-        planner = LocalSpacecraft()
-        with told_progress("planning") as tell:
-            made = planner.plan(body, progress=tell)
-        print_session(console, made.members, request.definition().slew.momentum_sphere_n_m_s)
-        if dry_run:
-            return
-        for name, path in exports:
-            write(path, planner.export(made.id, name))
-        write_json(json, made.members)
+        exports = files.formats_and_paths(export, IMAGING_EXPORTERS)
+        asked = read_spacecraft_request(body)
+        with planner_at(url) as planner, told_progress("planning") as tell:
+            if dry_run:
+                say_whether_it_flies(console, planner.spacecraft.check(body))
+                return
+            made = planner.spacecraft.plan(body, progress=tell)
+            print_session(console, made.members, asked.definition().slew.momentum_sphere_n_m_s)
+            if url is not None:
+                console.print(f"kept as {made.id}")
+            files.write_json(json, made.members)
+            if csv:
+                files.write(csv, files.table_only(planner.spacecraft.export(made.id, "csv")))
+            for name, path in exports:
+                files.write(path, planner.spacecraft.export(made.id, name))
 
 
 def print_session(console: Console, plan: Members, momentum_sphere_n_m_s: float) -> None:

@@ -1,7 +1,7 @@
 """The lines below a refusal: each fault, each offer, and commands that would work."""
 
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 from slewtrack.client import Problem, Relaxation
 
@@ -15,7 +15,20 @@ def ways_out(problem: Problem, words: Sequence[str]) -> Iterator[str]:
     if words[1:2] == ["plan"]:
         for number, change in enumerate(_changes(problem)):
             sets = [f"--set={field}={value}" for field, value in change.items()]
-            yield f"{'or:  ' if number else 'try: '}{shlex.join([*words, *sets])}"
+            kept = _without(words, change)
+            yield f"{'or:  ' if number else 'try: '}{shlex.join([*kept, *sets])}"
+
+
+def _without(words: Sequence[str], fields: Collection[str]) -> list[str]:
+    """The words but for those that set one of these fields."""
+    kept: list[str] = []
+    for word in words:
+        whole = f"--set={word}" if kept[-1:] == ["--set"] else word
+        if whole.startswith("--set=") and whole[6:].partition("=")[0] in fields:
+            del kept[len(kept) - (whole != word) :]
+        else:
+            kept.append(word)
+    return kept
 
 
 def _loss(offer: Relaxation) -> str:

@@ -1,7 +1,6 @@
-"""`slewtrack windows`: times at which targets can be seen."""
+"""`slewtrack windows`: times at which targets can be seen, found here or by a running service."""
 
-import json as json_text
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Annotated
@@ -10,85 +9,60 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from app.cli.files import (
-    RequestFile,
-    WholeAnswer,
-    problem_to,
-    read_request,
-    takes_standard_output,
-    write,
-)
-from app.cli.planner import Members
-from app.cli.progress_bar import reported_work
-from app.cli.report_parts import (
-    SHOWN_MAX,
-    print_assumed,
-    print_more,
-    print_rows,
-    print_warnings,
-    report_console,
-)
+from app.cli import files
+from app.cli import report_parts as parts
+from app.cli.planner import Members, planner_at
+from app.cli.progress_bar import told_progress
 from planner.base.csv_cells import csv_lines
 
 _FAR_KM = 1e5
 _EDGES = ("target", "rise", "set", "duration_s", "opened_by", "closed_by", "highest_deg")
+_BY_AXIS = {"angles_deg": "_deg", "rates_deg_s": "_rate_deg_s"}
 
 
 def windows(
-    file: RequestFile,
+    file: files.RequestFile,
     csv: Annotated[
         Path | None, typer.Option(help="Write one line per window here, at its closest approach.")
     ] = None,
-    json: WholeAnswer = None,
+    json: files.WholeAnswer = None,
+    url: files.Url = None,
 ) -> None:
     """Search for windows of targets."""
-    with problem_to(json):
-        console = report_console(to_stderr=takes_standard_output(csv, json))
-        body, read_utc = read_request(file)
-
-        from app.requests.opportunities import read_opportunity_request
-
-        request = read_opportunity_request(body)
-
-        from app.answers.members import provenance
-        from app.answers.opportunities import whole_opportunities
-        from app.ids import new_id
-        from app.work.campaign import answer_opportunities
-
-        with reported_work("searching"):
-            found = answer_opportunities(request, provenance(read_utc, body))
-        axis_names, count = request.platform.axis_names, len(found.windows)
-        told = Text.assemble((f"{count} windows", "bold"), f" of {len(request.targets)} targets")
-        console.print(told)
-        shown = map(json_text.loads, found.windows[:SHOWN_MAX])
-        print_windows(console, axis_names, json_text.loads(found.head), shown, count)
+    with files.report_beside(json, csv) as console:
+        body = files.read_request(file)
+        with planner_at(url) as planner, told_progress("opportunities"):
+            found = planner.opportunities(body)
+        print_windows(console, found.members)
+        if url is not None:
+            console.print(f"kept as {found.id}")
         if csv:
-            lines = windows_csv(axis_names, map(json_text.loads, found.windows))
-            write(csv, lines.encode())
-        if json:
-            write(json, whole_opportunities(new_id(), found))
+            files.write(csv, windows_csv(found.members["windows"]).encode())
+        files.write_json(json, found.members)
 
 
-def print_windows(
-    console: Console,
-    axis_names: Sequence[str],
-    head: Members,
-    shown: Iterable[Members],
-    count: int,
-) -> None:
+def print_windows(console: Console, found: Members) -> None:
     """One line per window, seen at its closest approach."""
-    print_assumed(console, head["assumed"])
-    print_rows(
-        console, "edges UTC, the rest at closest approach", shown,
+    windows = found["windows"]
+    targets = len({window["target"] for window in windows}) + len(found["unseen"])
+    console.print(Text.assemble((f"{len(windows)} windows", "bold"), f" of {targets} targets"))
+    parts.print_assumed(console, found["assumed"])
+    parts.print_rows(
+        console, "edges UTC, the rest at closest approach", windows[: parts.SHOWN_MAX],
         ("<target", "target"),
         ("<rise", lambda window: f"{window['rise'][:10]} {window['rise'][11:-5]}"),
         ("<set", lambda window: window["set"][11:-5]), ("elev", "closest.elevation_deg", ".1f"),
         ("km", "closest.range_km", _kilometres), ("m/px", "closest.ground_sample_across_m", ".2f"),
         ("Sun", "closest.sun_elevation_deg", ".0f"),
-        *((axis, partial(_angle_deg, axis), ".1f") for axis in axis_names),
+        *((axis, partial(_angle_deg, axis), ".1f") for axis in _axes(windows)),
+        keys=2,
     )  # fmt: skip
-    print_more(console, count)
-    print_warnings(console, head["warnings"])
+    parts.print_more(console, len(windows))
+    parts.print_warnings(console, found["warnings"])
+
+
+def _axes(windows: Sequence[Members]) -> Sequence[str]:
+    return [*windows[0]["closest"]["angles_deg"]] if windows else ()
 
 
 def _angle_deg(axis: str, window: Members) -> object:
@@ -99,25 +73,23 @@ def _kilometres(range_km: float | None) -> str:
     return "-" if range_km is None else format(range_km, ".3g" if range_km > _FAR_KM else ".0f")
 
 
-def windows_csv(axis_names: Sequence[str], windows: Iterable[Members]) -> str:
+def windows_csv(windows: Sequence[Members]) -> str:
     """One line per window: its edges, then the view at its closest approach."""
-    return csv_lines(_csv_rows(axis_names, windows))
+    return csv_lines(_csv_rows(windows))
 
 
-def _csv_rows(axis_names: Sequence[str], windows: Iterable[Members]) -> Iterator[list[object]]:
+def _csv_rows(windows: Sequence[Members]) -> Iterator[list[object]]:
     from dataclasses import fields
 
     from app.answers.opportunities import SightingOut
 
-    by_axis = ("angles_deg", "rates_deg_s")
-    view = [field.name for field in fields(SightingOut) if field.name not in by_axis]
-    angles = [f"{axis}_deg" for axis in axis_names]
-    rates = [f"{axis}_rate_deg_s" for axis in axis_names]
-    yield [*_EDGES, *(f"closest_{name}" for name in (*view, *angles, *rates))]
+    view = [field.name for field in fields(SightingOut) if field.name not in _BY_AXIS]
+    by_axis = [f"{axis}{unit}" for unit in _BY_AXIS.values() for axis in _axes(windows)]
+    yield [*_EDGES, *(f"closest_{name}" for name in (*view, *by_axis))]
     for window in windows:
         seen = window["closest"]
         yield [
             *(window[name] for name in _EDGES),
             *(seen[name] for name in view),
-            *(seen[kind][axis] for kind in by_axis for axis in axis_names),
+            *(seen[kind][axis] for kind in _BY_AXIS for axis in seen[kind]),
         ]

@@ -116,7 +116,8 @@ class _Server(uvicorn.Server):
         await super().startup(sockets)
         if self.started:
             address = _address(*self.servers[0].sockets[0].getsockname()[:2])
-            print(f"serving {address}; its pages: {address}/docs; Ctrl+C ends it", flush=True)
+            told = f"serving {address}/, the API's pages at {address}/docs; Ctrl+C ends it"
+            print(told, flush=True)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         self.application.state.stopping.set()

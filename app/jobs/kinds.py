@@ -53,6 +53,7 @@ PLAN = JobKind(
     stages={
         "orbit": 0,
         "slews and tracks": 2,
+        "alternatives": 40,  # to sessions that can't be flown as asked
         "comparison": 75,
         "pointing budget": 80,
         "verification": 87,

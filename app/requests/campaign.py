@@ -3,7 +3,6 @@
 from app.requests.json_reader import JsonReader
 from planner.planning.campaigns import CampaignRequest
 
-_READER = JsonReader(CampaignRequest)
+CAMPAIGN_READER = JsonReader(CampaignRequest)
 
-read_campaign_request = _READER.read
-campaign_request_json_schema = _READER.json_schema
+read_campaign_request = CAMPAIGN_READER.read

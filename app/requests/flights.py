@@ -24,7 +24,6 @@ class FlightsRequest:
     moving_object: MovingObject | None = None
 
 
-_READER = JsonReader(FlightsRequest)
+FLIGHTS_READER = JsonReader(FlightsRequest)
 
-read_flights_request = _READER.read
-flights_request_json_schema = _READER.json_schema
+read_flights_request = FLIGHTS_READER.read

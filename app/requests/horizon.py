@@ -77,13 +77,10 @@ class PictureRequest:
             )
 
 
-_ESTIMATE = JsonReader(HorizonRequest)
-_PREDICTION = JsonReader(PredictionRequest)
-_PICTURE = JsonReader(PictureRequest)
+ESTIMATE_READER = JsonReader(HorizonRequest)
+PREDICTION_READER = JsonReader(PredictionRequest)
+PICTURE_READER = JsonReader(PictureRequest)
 
-read_estimate_request = _ESTIMATE.read
-read_prediction_request = _PREDICTION.read
-read_picture_request = _PICTURE.read
-estimate_request_json_schema = _ESTIMATE.json_schema
-prediction_request_json_schema = _PREDICTION.json_schema
-picture_request_json_schema = _PICTURE.json_schema
+read_estimate_request = ESTIMATE_READER.read
+read_prediction_request = PREDICTION_READER.read
+read_picture_request = PICTURE_READER.read

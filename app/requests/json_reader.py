@@ -46,13 +46,17 @@ class JsonReader(Generic[T]):
     member of a union is chosen by its kind alone, which must be given; no object holds a
     field twice; all text but CCSDS messages is short and plain.
     plain: of a request that may be written in another way, the document as the class reads it;
-    the very same where nothing is to be changed.
+    the very same where nothing is to be changed.  add_to_schema: what else may be sent.
     """
 
     def __init__(
-        self, cls: type[T], plain: Callable[[object], object] = lambda document: document
+        self,
+        cls: type[T],
+        plain: Callable[[object], object] = lambda document: document,
+        add_to_schema: Callable[[dict[str, Any]], None] = lambda schema: None,
     ) -> None:
-        self._class, self._plain = cls, plain
+        self._class, self._plain, self._add_to_schema = cls, plain, add_to_schema
+        self.kind: type[T] = getattr(cls, "__origin__", cls)  # of an Annotated one
 
     @cached_property
     def _schema(self) -> CoreSchema:
@@ -107,6 +111,7 @@ class JsonReader(Generic[T]):
             definition["required"] = [*kinds, *definition.get("required", [])]
             for field in kinds.values():
                 field.pop("default", None)
+        self._add_to_schema(schema)
         return schema
 
 

@@ -62,11 +62,10 @@ def _require_span(request: PlanRequest) -> PlanRequest:
 
 
 _WITHIN_SPAN: Any = Annotated[PlanRequest, AfterValidator(_require_span)]
-_READER = JsonReader[PlanRequest](_WITHIN_SPAN)
+PLAN_READER = JsonReader[PlanRequest](_WITHIN_SPAN)
 
-read_plan_request = _READER.read
-read_kept_plan_request = _READER.read_kept
-plan_request_json_schema = _READER.json_schema
+read_plan_request = PLAN_READER.read
+read_kept_plan_request = PLAN_READER.read_kept
 
 
 def write_plan_request(

@@ -1,4 +1,4 @@
-"""Reads a request for an imaging session."""
+"""Reads requests for an imaging session, and for a search of when one can be."""
 
 import json
 from typing import Any
@@ -16,37 +16,7 @@ def _with_plain_requests(document: object) -> object:
     return document | {"requests": requests_from_features(json.dumps(document["requests"]))}
 
 
-_READER = JsonReader(ImagingPlanRequest, plain=_with_plain_requests)
-_SEARCH_READER = JsonReader(ImagingOpportunityRequest, plain=_with_plain_requests)
-
-
-def read_spacecraft_request(body: bytes) -> ImagingPlanRequest:
-    """The session a JSON text describes; `requests` may be a GeoJSON FeatureCollection.
-
-    Raises InvalidRequest with the fields at fault, InvalidMessage for what is no GeoJSON.
-    """
-    return _READER.read(body)
-
-
-read_kept_spacecraft_request = _READER.read_kept
-
-
-def read_imaging_opportunity_request(body: bytes) -> ImagingOpportunityRequest:
-    """What is to be imaged, and when it is searched for; raises as above."""
-    return _SEARCH_READER.read(body)
-
-
-def spacecraft_request_json_schema(ref_template: str) -> dict[str, Any]:
-    """JSON Schema of the request; its `$defs` hold what it refers to by `ref_template`."""
-    return _with_features(_READER.json_schema(ref_template))
-
-
-def imaging_opportunity_json_schema(ref_template: str) -> dict[str, Any]:
-    """The same of a search."""
-    return _with_features(_SEARCH_READER.json_schema(ref_template))
-
-
-def _with_features(schema: dict[str, Any]) -> dict[str, Any]:
+def _add_features(schema: dict[str, Any]) -> None:
     schema["properties"]["spacecraft"]["enum"] = list(SPACECRAFT)
     features = {
         "type": "object",
@@ -55,4 +25,14 @@ def _with_features(schema: dict[str, Any]) -> dict[str, Any]:
         "required": ["features"],
     }
     schema["properties"]["requests"] = {"anyOf": [schema["properties"]["requests"], features]}
-    return schema
+
+
+# `requests` may be a GeoJSON FeatureCollection; InvalidMessage for what is no GeoJSON.
+SPACECRAFT_READER = JsonReader(ImagingPlanRequest, _with_plain_requests, _add_features)
+IMAGING_OPPORTUNITY_READER = JsonReader(
+    ImagingOpportunityRequest, _with_plain_requests, _add_features
+)
+
+read_spacecraft_request = SPACECRAFT_READER.read
+read_kept_spacecraft_request = SPACECRAFT_READER.read_kept
+read_imaging_opportunity_request = IMAGING_OPPORTUNITY_READER.read

@@ -90,7 +90,11 @@ class SentSamples:
     columns: Mapping[str, Array]
 
 
-_READER = JsonReader(ComparisonRequest)
+def _add_columns(schema: dict[str, Any]) -> None:
+    schema["$defs"]["TelemetrySamples"]["additionalProperties"] = _COLUMN_SCHEMA
+
+
+COMPARISON_READER = JsonReader(ComparisonRequest, add_to_schema=_add_columns)
 
 
 def read_comparison_request(body: bytes) -> tuple[ComparisonRequest, SentSamples]:
@@ -98,12 +102,12 @@ def read_comparison_request(body: bytes) -> tuple[ComparisonRequest, SentSamples
     document = json_document(body)
     samples = document.get("samples") if isinstance(document, dict) else None
     if not isinstance(document, dict) or not isinstance(samples, dict):
-        _READER.read(body)
+        COMPARISON_READER.read(body)
         detail = "is required: t_s and columns; or send CSV by multipart, as the part samples"
         raise InvalidRequest(FieldError(field="samples", detail=detail))
     sent = {name: samples[name] for name in samples if name != "epoch"}
     rest = {name: samples[name] for name in samples if name == "epoch"}
-    request = _READER.read(json.dumps(document | {"samples": rest}).encode())
+    request = COMPARISON_READER.read(json.dumps(document | {"samples": rest}).encode())
     for name, own in request.columns.items():
         if own not in sent:
             raise _fault(f"columns.{name}"[:80], f"names {own[:60]!r}, which samples doesn't hold")
@@ -113,18 +117,11 @@ def read_comparison_request(body: bytes) -> tuple[ComparisonRequest, SentSamples
 
 def read_comparison_head(body: bytes) -> ComparisonRequest:
     """What goes with CSV: all but the columns; raises InvalidRequest."""
-    request = _READER.read(body)
+    request = COMPARISON_READER.read(body)
     if request.samples is not None and (request.samples.t_s or request.samples.utc):
         detail = "stands in the CSV file; leave it out here"
         raise InvalidRequest(FieldError(field="samples.t_s", detail=detail))
     return request
-
-
-def comparison_request_json_schema(ref_template: str) -> dict[str, Any]:
-    """JSON Schema; its `$defs` hold what it refers to by `ref_template`."""
-    schema = _READER.json_schema(ref_template)
-    schema["$defs"]["TelemetrySamples"]["additionalProperties"] = _COLUMN_SCHEMA
-    return schema
 
 
 def _sent(members: dict[str, Any]) -> SentSamples:

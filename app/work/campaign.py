@@ -13,7 +13,7 @@ from app.answers.opportunities import FoundWindows, found_windows, windows_out
 from app.requests.campaign import read_campaign_request
 from app.requests.plan import write_plan_request
 from app.store.listing import Listing
-from app.work.progress import Progress, report
+from app.work.progress import report
 from app.work.result import Part, PlannedPass, Result
 from planner.base.errors import Refusal
 from planner.planning.campaigns import CampaignRequest
@@ -30,9 +30,11 @@ _SESSION = re.compile(r"sessions\.(\d+)(\.|$)")
 def answer_opportunities(request: OpportunityRequest, provenance: ProvenanceOut) -> FoundWindows:
     """The answer in parts."""
     from planner.planning.opportunities import find_opportunities
+    from planner.planning.sessions.window_probability import probabilities_in_frame
 
     result = find_opportunities(request)
-    return found_windows(result, request.name, provenance, windows_out(result))
+    windows = windows_out(result, probabilities_in_frame(request, result))
+    return found_windows(result, request.name, provenance, windows)
 
 
 def choose(body: bytes, request: CampaignRequest | None = None) -> Result:
@@ -41,9 +43,7 @@ def choose(body: bytes, request: CampaignRequest | None = None) -> Result:
 
     request = request or read_campaign_request(body)
     document = json.loads(body)  # passes say orbit, platform and targets in its own words
-    campaign = choose_campaign(
-        request, lambda stage, done, of: report(Progress(stage=stage, done=done, of=of))
-    )
+    campaign = choose_campaign(request, report)
     return Result(
         content=(zlib.compress(to_json(_choice(request, campaign))),),
         parts=tuple(

@@ -12,7 +12,7 @@ from app.answers.members import to_members
 from app.requests.flights import read_flights_request
 from app.store.packed import PackedColumns, pack, unpack
 from app.work.plan import require_verified_table, stored_plan
-from app.work.progress import Progress, report
+from app.work.progress import report
 from app.work.result import Part, Result
 from planner.base.errors import InvalidInput
 from planner.inflight.flights.outcomes import RunOutcomes
@@ -55,7 +55,7 @@ def prepare_flights(body: bytes, _: object = None) -> Result:
     """Fly it once as planned, and split the runs; raises a Refusal."""
     from planner.inflight.flights.scene import session_scenes
 
-    report(Progress(stage="as planned"))
+    report("as planned")
     what, _ = _read(body)
     plan = _plan(what)
     scenes = session_scenes(plan)
@@ -125,7 +125,7 @@ def fly_part(body: bytes, _: object = None) -> Result:
         asked.seed,
         part["first"],
         part["count"],
-        lambda done: report(Progress(stage="runs", done=done, of=part["count"])),
+        lambda done: report("runs", done, part["count"]),
     )
     return Result(content=(packed_outcomes(outcomes, part["first"]),))
 

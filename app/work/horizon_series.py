@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Annotated
 
-import cv2
 import numpy as np
 
 from app.answers.horizon import covariance_deg2, numbers_of, word
@@ -17,7 +16,6 @@ from app.requests.json_reader import JsonReader
 from app.work.horizon_views import attitudes_at, surroundings
 from estimator.camera import HorizonCamera
 from estimator.check import Verdict
-from estimator.errors import InvalidImage
 from estimator.images import Pixels
 from estimator.pipeline import VerticalEstimate, estimate_vertical
 from estimator.request import (
@@ -183,31 +181,6 @@ def measure_series(
     sigma_deg = max((r.predicted.sigma_deg for r in requests if r.predicted), default=0.0)
     report = summarise_series(estimates, math.radians(sigma_deg))
     return Series(tuple(requests), estimates, report)
-
-
-def video_frames(paths: Sequence[str], step_s: float) -> tuple[int, Iterator[list[Pixels]]]:
-    """How many pictures there are every step_s in videos, one per camera, and the pictures."""
-    films = [cv2.VideoCapture(path) for path in paths]
-    counts = []
-    for path, film in zip(paths, films, strict=True):
-        rate_hz = film.get(cv2.CAP_PROP_FPS)
-        last = film.get(cv2.CAP_PROP_FRAME_COUNT) - 1.0
-        if not film.isOpened() or not rate_hz > 0.0 or last < 0.0:
-            raise InvalidImage(f"{path} is not a video that OpenCV can read", field="images")
-        counts.append(math.floor((last + 0.1) / rate_hz / step_s) + 1)
-    count = min([*counts, FRAMES_MAX])
-    return count, ([_picture_at(film, k * step_s) for film in films] for k in range(count))
-
-
-def _picture_at(film: cv2.VideoCapture, t_s: float) -> Pixels:
-    """The first picture at or after t_s, to a tenth of a frame; pictures before it are passed."""
-    wanted = math.ceil(t_s * film.get(cv2.CAP_PROP_FPS) - 0.1)
-    while film.get(cv2.CAP_PROP_POS_FRAMES) < wanted and film.grab():
-        pass
-    done, picture = film.read()
-    if not done:
-        raise InvalidImage(f"the video breaks off {t_s:.3f} s after its start", field="images")
-    return np.asarray(picture, dtype=np.uint8)
 
 
 def series_json(series: Series, provenance: ProvenanceOut) -> bytes:

@@ -20,7 +20,7 @@ from app.requests.listings import listing_of_scenario
 from app.requests.plan import PlanRequest, read_kept_plan_request, read_plan_request
 from app.store.packed import PackedColumns, pack, unpack
 from app.work.horizon_views import horizon_checks
-from app.work.progress import Progress, report
+from app.work.progress import report
 from app.work.result import Result
 from planner.base.commands import COMMAND_STEP_S, CommandTable
 from planner.base.spec import as_kept
@@ -36,7 +36,7 @@ def plan_and_pack(body: bytes, request: PlanRequest | None = None) -> Result:
 
     now_utc = datetime.now(UTC)
     request = request or read_plan_request(body)
-    plan = make_plan(request, on_stage=lambda stage: report(Progress(stage=stage)))
+    plan = make_plan(request, report)
     origin = provenance(now_utc, body)
     listing = listing_of_scenario(plan.scenario)
     checks = horizon_checks(plan.scenario, request.horizon_cameras)

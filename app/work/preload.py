@@ -42,6 +42,7 @@ _LOADED = (
     "planner.inflight.telemetry.compare",
     "planner.inflight.telemetry.next_plan",
     "planner.output.view.netcdf",
+    "planner.output.view.view",
     "planner.spacecraft.view",
 )
 SERVER_PID = os.getpid()

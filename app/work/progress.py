@@ -23,7 +23,7 @@ def report_through(reporter: OnProgress) -> None:
     _reporter = reporter
 
 
-def report(progress: Progress) -> None:
+def report(stage: str, done: int | None = None, of: int | None = None) -> None:
     """Tell whoever runs this work."""
     if _reporter is not None:
-        _reporter(progress)
+        _reporter(Progress(stage=stage, done=done, of=of))

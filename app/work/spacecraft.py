@@ -15,7 +15,7 @@ from app.answers.spacecraft import (
 from app.requests.listings import listing_of_imaging
 from app.requests.spacecraft import read_kept_spacecraft_request, read_spacecraft_request
 from app.store.packed import PackedColumns, pack, unpack
-from app.work.progress import Progress, report
+from app.work.progress import report
 from app.work.result import Result
 from planner.spacecraft.export import IMAGING_EXPORTERS, SessionTable
 from planner.spacecraft.opportunity_request import ImagingOpportunityRequest
@@ -37,10 +37,7 @@ def plan_and_pack_session(body: bytes, request: ImagingPlanRequest | None = None
     from planner.spacecraft.plan import plan_imaging
 
     now_utc = datetime.now(UTC)
-    plan = plan_imaging(
-        request or read_spacecraft_request(body),
-        lambda stage, done, of: report(Progress(stage=stage, done=done, of=of)),
-    )
+    plan = plan_imaging(request or read_spacecraft_request(body), report)
     document = zlib.compress(spacecraft_document(plan, provenance(now_utc, body)))
     return Result(
         content=(document, pack(_pack(plan.table))),

@@ -49,7 +49,7 @@ def stored_plan_view(request: bytes, table_columns: bytes, asked: AskedView) -> 
     pixel_arcsec = asked.pixel_arcsec or plan.scenario.platform.camera.pixel_arcsec
     if asked.format_name is None:
         view = view_plan(plan, asked.step_s, pixel_arcsec)
-        return view_json(view, asked.plan_id, pixel_arcsec, verified=asked.verified)
+        return view_json(view, asked.plan_id, verified=asked.verified)
     require_verified_table(packed)
     if asked.format_name in DRAWN:
         return DRAWN[asked.format_name].write(plan, asked.created_utc)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field
+from annotated_types import Ge
 
 VALUE_CHARACTERS_MAX = 200  # of what was sent, in what is said of it
 _LONG_WORD = re.compile(rf"(\S{{{VALUE_CHARACTERS_MAX}}})\S+")
@@ -164,9 +164,9 @@ class Relaxation:
     """
 
     on_conflict: str
-    session: Annotated[int, Field(ge=0)]
-    start_later_s: Annotated[float, Field(ge=0.0)]
-    stop_earlier_s: Annotated[float, Field(ge=0.0)]
+    session: Annotated[int, Ge(0)]
+    start_later_s: Annotated[float, Ge(0.0)]
+    stop_earlier_s: Annotated[float, Ge(0.0)]
 
 
 class InfeasibleSlew(Refusal):

@@ -1,6 +1,5 @@
 """Plans an imaging session: candidates, choice and slews, gimbals, verification, simulation."""
 
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
@@ -18,6 +17,7 @@ from planner.base.errors import (
     Unreachable,
     VerificationFailed,
 )
+from planner.base.reporting import Reporter, tell_nobody
 from planner.spacecraft.export import SessionTable
 from planner.spacecraft.flight.report import StabilisationReport
 from planner.spacecraft.flight.simulation import fly_many
@@ -49,13 +49,6 @@ class SessionWork:
 
 OPTIONS = SessionWork()
 
-# Told what is being done, and how many parts of how many are done.
-Reporter = Callable[[str, int, int], None]
-
-
-def _tell_nobody(stage: str, done: int, of: int) -> None:
-    """Report nothing of what is only tried."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class ImagingPlan(SessionTable):
@@ -75,7 +68,7 @@ class ImagingPlan(SessionTable):
     warnings: tuple[str, ...]
 
 
-def plan_imaging(request: ImagingPlanRequest, tell: Reporter = _tell_nobody) -> ImagingPlan:
+def plan_imaging(request: ImagingPlanRequest, tell: Reporter = tell_nobody) -> ImagingPlan:
     """Plan, verify and simulate an imaging session.
 
     tell: is called when a stage begins, and with how many runs are flown.
@@ -116,7 +109,7 @@ def _bound_work(request: ImagingPlanRequest) -> float:
 def _is_found(request: ImagingPlanRequest) -> bool:
     """Whether a plan of it is found with a part of the work of a session."""
     with at_most(OPTIONS.try_share * _bound_work(request)), suppress(Refusal):
-        return bool(_make_plan(request, _tell_nobody, gentler=False).table.windows)
+        return bool(_make_plan(request, tell_nobody, gentler=False).table.windows)
     return False
 
 

@@ -1,25 +1,40 @@
 """The view of an imaging session: columns over time from its table."""
 
-from dataclasses import dataclass
 from functools import partial
 from typing import Annotated
 
 import numpy as np
 
-from planner.base.answer_members import Latitudes, Lengths, Longitudes, Member, answer
-from planner.base.arrays import Array, Indices
+from planner.base.answer_members import (
+    AngleSize,
+    Count,
+    Internal,
+    Latitudes,
+    Lengths,
+    Longitudes,
+    Member,
+    NotNegative,
+    Times,
+    answer,
+)
+from planner.base.arrays import Array
 from planner.output.view.carrier import body_track, carrier_track
 from planner.output.view.columns import BodyTrack, CarrierTrack
 from planner.output.view.rows import view_rows
 from planner.output.view.scene import CarrierScene
 from planner.output.view.targets import sun_elevation_rad
 from planner.spacecraft.export.ground import AXIS, LEFT, RIGHT, SessionGround
+from planner.spacecraft.export.map import asked_rad
 from planner.spacecraft.export.session_table import SessionTable
+from planner.spacecraft.requests import Request
+from planner.spacecraft.table import TICK_S, ImagingWindow
+from planner.spacecraft.vehicle.definition import RATE_ERROR_MAX_RAD_S
 from planner.world.frames.geodesy import geodetic_from_itrf, up_itrf
+from planner.world.frames.time_scales import RowUtc, Utc, shifted_utc
 
-NO_WINDOW = -1
-
-
+_Places = Annotated[Array, Member("deg", -90.0, 90.0, decimals=6)]
+_PlacesEast = Annotated[Array, Member("deg", -180.0, 180.0, decimals=6)]
+_Vectors = Annotated[Array, Member("deg", decimals=9, axes=2)]
 _HalfTurns = Annotated[Array, Member("deg", 0.0, 180.0, decimals=6)]
 _Angles = Annotated[Array, Member("deg", decimals=6)]
 
@@ -60,31 +75,98 @@ class LineTrace:
     moon_separation_rad: _HalfTurns
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class SessionView:
-    """An imaging session at n of its rows.
+@answer
+class Swath:
+    """The ground imaged in one window: the ring around it, its places in order.
 
-    step_s: from row to row, but for the last.  t_s: since the table's epoch, (n,).
-    window: number of the window that the row is in, NO_WINDOW for none, (n,).
-    omega_body_rad_s, alpha_body_rad_s2: (n, 3).  gimbal_rad, gimbal_rate_rad_s: (n, 4).
-    momentum_body_n_m_s: of the gyros' rotors, (n, 3).
-    swath_rad: latitudes and longitudes around what each window images; None beside the Earth.
+    request: name of the request it belongs to.
+    look: number of the strip, look or leg within the request, from 0.
+    start_utc: first row; UTC.
+    stop_utc: last row; UTC.
+    latitude_rad: of each place around it; empty where it isn't all on the Earth.
+    longitude_rad: of each place around it; east positive.
     """
 
-    plan: SessionTable
-    step_s: float
-    t_s: Array
-    window: Indices
-    omega_body_rad_s: Array
-    alpha_body_rad_s2: Array
-    gimbal_rad: Array
-    gimbal_rate_rad_s: Array
-    momentum_body_n_m_s: Array
+    request: str
+    look: Count
+    start_utc: Utc
+    stop_utc: Utc
+    latitude_rad: _Places
+    longitude_rad: _PlacesEast
+
+
+@answer
+class AskedPlaces:
+    """One request: the places of its line, or around its polygon.
+
+    name: of the request.
+    mode: of the request.
+    imaged: true when any of it is imaged.
+    latitude_rad: of each place.
+    longitude_rad: of each place; east positive.
+    """
+
+    name: str
+    mode: str
+    imaged: bool
+    latitude_rad: _Places
+    longitude_rad: _PlacesEast
+
+
+@answer
+class SessionLimits:
+    """Limits of the session.
+
+    rate_axis_max_rad_s: about each body axis, in turns. E.g. `1.58`.
+    rate_error_max_rad_s: about each body axis while the camera runs, for the image to be sharp.
+    E.g. `0.001`.
+    gimbal_rate_max_rad_s: of each gimbal. E.g. `57.3`.
+    momentum_sphere_n_m_s: the gyros can take so much in every direction. E.g. `60.0`.
+    """
+
+    rate_axis_max_rad_s: AngleSize
+    rate_error_max_rad_s: AngleSize
+    gimbal_rate_max_rad_s: AngleSize
+    momentum_sphere_n_m_s: NotNegative
+
+
+@answer
+class SessionView:
+    """The view of an imaging session as columns, with a value for each row shown.
+
+    Vectors are [x, y, z] in body axes, gimbals 1 to 4.
+
+    epoch_utc: of row 0; UTC.
+    step_s: from row to row shown; the table's last row is shown too.
+    t_s: of each row, since the epoch.
+    window: number of the swath being imaged, from 0; null while none is.
+    omega_body_rad_s: body relative to ECI, in body axes.
+    alpha_body_rad_s2: its derivative, in body axes.
+    gimbal_rad: angles of the four gyros' gimbals.
+    gimbal_rate_rad_s: rates of the four gyros' gimbals.
+    momentum_n_m_s: of the gyros' rotors, in body axes.
+    limits: limits of the session.
+    swaths: ground imaged in each window.
+    requests: places that were asked for, imaged or not.
+    """
+
+    plan: Internal[SessionTable]
+    epoch_utc: RowUtc
+    step_s: NotNegative
+    t_s: Times
+    window: tuple[Count | None, ...]
+    omega_body_rad_s: _Vectors
+    alpha_body_rad_s2: _Vectors
+    gimbal_rad: _Vectors
+    gimbal_rate_rad_s: _Vectors
+    momentum_n_m_s: Annotated[Array, Member(decimals=6, axes=2)]
+    limits: SessionLimits
     carrier: CarrierTrack
     line: LineTrace
     sun: BodyTrack
     moon: BodyTrack
-    swath_rad: tuple[tuple[Array, Array] | None, ...]
+    swaths: tuple[Swath, ...]
+    requests: tuple[AskedPlaces, ...]
 
 
 def view_session(plan: SessionTable, step_s: float | None) -> SessionView:
@@ -95,24 +177,56 @@ def view_session(plan: SessionTable, step_s: float | None) -> SessionView:
     scene = CarrierScene(instants=ground.instants, states=ground.states)
     sun, moon = map(partial(body_track, scene), ("sun", "moon"))
     whole = SessionGround(plan)
-    window = np.full(len(table.t_s), NO_WINDOW)
+    window: list[int | None] = [None] * len(table.t_s)
     for number, one in enumerate(table.windows):
-        window[one.first_row : one.last_row + 1] = number
+        window[one.first_row : one.last_row + 1] = [number] * (one.last_row + 1 - one.first_row)
     return SessionView(
         plan=plan,
+        epoch_utc=table.epoch_utc,
         step_s=step_s,
         t_s=table.t_s[row],
-        window=window[row],
+        window=tuple(window[one] for one in row.tolist()),
         omega_body_rad_s=table.omega_body_rad_s[row],
         alpha_body_rad_s2=table.alpha_body_rad_s2[row],
         gimbal_rad=table.gimbal_rad[row],
         gimbal_rate_rad_s=table.gimbal_rate_rad_s[row],
-        momentum_body_n_m_s=plan.spacecraft.array.momentum(table.gimbal_rad[row]),
+        momentum_n_m_s=plan.spacecraft.array.momentum(table.gimbal_rad[row]),
+        limits=SessionLimits(
+            rate_axis_max_rad_s=plan.spacecraft.slew.rate_axis_rad_s,
+            rate_error_max_rad_s=RATE_ERROR_MAX_RAD_S,
+            gimbal_rate_max_rad_s=plan.spacecraft.array.rate_max_rad_s,
+            momentum_sphere_n_m_s=plan.spacecraft.slew.momentum_sphere_n_m_s,
+        ),
         carrier=carrier_track(scene),
         line=_line_trace(ground, scene),
         sun=sun,
         moon=moon,
-        swath_rad=tuple(whole.ring_rad(one) for one in table.windows),
+        swaths=tuple(_swath(whole, one) for one in table.windows),
+        requests=tuple(_asked_places(plan, one) for one in plan.request.requests),
+    )
+
+
+def _swath(ground: SessionGround, window: ImagingWindow) -> Swath:
+    latitude_rad, longitude_rad = ground.ring_rad(window) or (np.zeros(0), np.zeros(0))
+    epoch_utc = ground.plan.table.epoch_utc
+    return Swath(
+        request=window.request,
+        look=window.look,
+        start_utc=shifted_utc(epoch_utc, window.first_row * TICK_S),
+        stop_utc=shifted_utc(epoch_utc, window.last_row * TICK_S),
+        latitude_rad=latitude_rad,
+        longitude_rad=longitude_rad,
+    )
+
+
+def _asked_places(plan: SessionTable, request: Request) -> AskedPlaces:
+    latitude_rad, longitude_rad = asked_rad(request)
+    return AskedPlaces(
+        name=request.name,
+        mode=request.mode,
+        imaged=any(window.request == request.name for window in plan.table.windows),
+        latitude_rad=latitude_rad,
+        longitude_rad=(longitude_rad + np.pi) % (2.0 * np.pi) - np.pi,
     )
 
 

@@ -8,8 +8,8 @@ import inspect
 import json
 import math
 import time
-from collections.abc import Callable, Coroutine, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Awaitable, Callable, Coroutine, Mapping, Sequence
+from dataclasses import dataclass, replace
 from datetime import datetime
 from functools import partial
 from typing import Any, Concatenate, Generic, NoReturn, ParamSpec, TypeVar, Unpack, overload
@@ -70,20 +70,51 @@ CATCH_UP_S = 45.0
 JSON = {"Accept": "application/json"}
 
 
+@dataclass(frozen=True)
+class Exchange:
+    """One request to a service and its reply; meaning: of what it raises instead."""
+
+    answer: Callable[[Ask], Awaitable[asking.Reply]]
+    meaning: Callable[[Exception], Exception]
+    patience_s: float
+
+    async def carry_out(self, call: Call[T]) -> T:
+        """Return what the call returns."""
+        try:
+            ask = next(call)
+            while True:
+                try:
+                    reply = await self.answer(ask)
+                except Exception as error:  # noqa: BLE001 (the call decides what it means)
+                    ask = call.throw(self.meaning(error))
+                else:
+                    ask = call.send(reply)
+        except StopIteration as done:
+            result: T = done.value
+            return result
+
+
 class Waiting:
-    """Carries calls out, waiting for each."""
+    """Waits for each call: its exchanges return when they are over, so that nothing suspends."""
+
+    _exchange: Exchange
 
     def _run(self, call: Call[T]) -> T:
-        """Return what the call returns."""
-        raise NotImplementedError
+        try:
+            self._exchange.carry_out(call).send(None)
+        except StopIteration as done:
+            result: T = done.value
+            return result
+        raise RuntimeError("an exchange was awaited by nobody")
 
 
 class Awaiting:
-    """Carries calls out, to be awaited."""
+    """Gives calls to be awaited."""
+
+    _exchange: Exchange
 
     async def _run(self, call: Call[T]) -> T:
-        """Return what the call returns."""
-        raise NotImplementedError
+        return await self._exchange.carry_out(call)
 
 
 class BoundLater(Generic[P, T]):
@@ -121,8 +152,8 @@ def call(
 class CarrierCalls:
     """Plans and opportunities of one carrier of an instrument, as a service keeps them."""
 
-    def __init__(self, patience_s: float, paths: tuple[str, str]) -> None:
-        self._patience_s = patience_s
+    def __init__(self, exchange: Exchange, paths: tuple[str, str]) -> None:
+        self._exchange = exchange
         self._plans, self._searches = paths
 
     @call('client.plan(Path("request.json")).table["alpha_deg"]')
@@ -245,10 +276,10 @@ class CarrierCalls:
         return self._read(ask, partial(read, kind))
 
     def _good(self, ask: Ask) -> Call[asking.Reply]:
-        return asking.good(ask, self._patience_s)
+        return asking.good(ask, self._exchange.patience_s)
 
     def _read(self, ask: Ask, read: Callable[[Members], T]) -> Call[T]:
-        return asking.document(ask, self._patience_s, read)
+        return asking.document(ask, self._exchange.patience_s, read)
 
     def _get(
         self, path: str, read: Callable[[Members], T], query: Mapping[str, str] | None = None

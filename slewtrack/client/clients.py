@@ -1,17 +1,18 @@
 """The clients of a running service: one waits for each call, the other is awaited."""
 
 import time
-from typing import Self, TypeVar
+from typing import Self
 
 import anyio
 import httpx
 
-from slewtrack.client.asking import TOO_LONG, Ask, Call, Intake, Reply
+from slewtrack.client.asking import TOO_LONG, Ask, Intake, Reply
 from slewtrack.client.calls import (
     PLATFORM,
     SPACECRAFT,
     Awaiting,
     CarrierCalls,
+    Exchange,
     ServiceCalls,
     Waiting,
 )
@@ -26,40 +27,13 @@ from slewtrack.client.connection import (
 )
 from slewtrack.client.problems import NoAnswer
 
-T = TypeVar("T")
-
 
 class Carrier(CarrierCalls, Waiting):
     """Plans and opportunities of one carrier of an instrument, as a service keeps them."""
 
-    def __init__(self, service: Service, http: httpx.Client, paths: tuple[str, str]) -> None:
-        super().__init__(service.patience_s, paths)
-        self._service = service
-        self._http = http
 
-    def _run(self, call: Call[T]) -> T:
-        """Return what the call returns."""
-        try:
-            ask = next(call)
-            while True:
-                try:
-                    reply = self._answer(ask)
-                except Exception as error:  # noqa: BLE001 (the call decides what it means)
-                    ask = call.throw(self._service.meaning(error))
-                else:
-                    ask = call.send(reply)
-        except StopIteration as done:
-            result: T = done.value
-            return result
-
-    def _answer(self, ask: Ask) -> Reply:
-        time.sleep(ask.after_s)
-        start_clock(ask)
-        with self._http.stream(**request_of(ask), extensions={"trace": in_time}) as answer:
-            intake = Intake(ask, answer.status_code)
-            for part in answer.iter_bytes():
-                intake.take(part)
-            return reply_of(answer, intake.body)
+class AsyncCarrier(CarrierCalls, Awaiting):
+    """The same, awaited."""
 
 
 class Client(ServiceCalls, Carrier):
@@ -82,9 +56,18 @@ class Client(ServiceCalls, Carrier):
         transport: httpx.BaseTransport | None = None,
     ) -> None:
         service = Service(url, key, patience_s=patience_s)
-        http = httpx.Client(transport=transport, **service.options)
-        Carrier.__init__(self, service, http, PLATFORM)
-        self.spacecraft = Carrier(service, http, SPACECRAFT)
+        self._http = httpx.Client(transport=transport, **service.options)
+        super().__init__(Exchange(self._answer, service.meaning, patience_s), PLATFORM)
+        self.spacecraft = Carrier(self._exchange, SPACECRAFT)
+
+    async def _answer(self, ask: Ask) -> Reply:
+        time.sleep(ask.after_s)
+        start_clock(ask)
+        with self._http.stream(**request_of(ask), extensions={"trace": in_time}) as answer:
+            intake = Intake(ask, answer.status_code)
+            for part in answer.iter_bytes():
+                intake.take(part)
+            return reply_of(answer, intake.body)
 
     def __enter__(self) -> Self:
         return self
@@ -95,40 +78,6 @@ class Client(ServiceCalls, Carrier):
     def close(self) -> None:
         """End its connections."""
         self._http.close()
-
-
-class AsyncCarrier(CarrierCalls, Awaiting):
-    """Plans and opportunities of one carrier, awaited."""
-
-    def __init__(self, service: Service, http: httpx.AsyncClient, paths: tuple[str, str]) -> None:
-        super().__init__(service.patience_s, paths)
-        self._service = service
-        self._http = http
-
-    async def _run(self, call: Call[T]) -> T:
-        """Return what the call returns."""
-        try:
-            ask = next(call)
-            while True:
-                try:
-                    reply = await self._answer(ask)
-                except Exception as error:  # noqa: BLE001 (the call decides what it means)
-                    ask = call.throw(self._service.meaning(error))
-                else:
-                    ask = call.send(reply)
-        except StopIteration as done:
-            result: T = done.value
-            return result
-
-    async def _answer(self, ask: Ask) -> Reply:
-        await anyio.sleep(ask.after_s)
-        with anyio.move_on_after(left_s(ask)):  # the head that comes byte by byte, too
-            async with self._http.stream(**request_of(ask)) as answer:
-                intake = Intake(ask, answer.status_code)
-                async for part in answer.aiter_bytes():
-                    intake.take(part)
-                return reply_of(answer, intake.body)
-        raise NoAnswer(TOO_LONG)
 
 
 class AsyncClient(ServiceCalls, AsyncCarrier):
@@ -143,9 +92,19 @@ class AsyncClient(ServiceCalls, AsyncCarrier):
         transport: httpx.AsyncBaseTransport | None = None,
     ) -> None:
         service = Service(url, key, patience_s=patience_s)
-        http = httpx.AsyncClient(transport=transport, **service.options)
-        AsyncCarrier.__init__(self, service, http, PLATFORM)
-        self.spacecraft = AsyncCarrier(service, http, SPACECRAFT)
+        self._http = httpx.AsyncClient(transport=transport, **service.options)
+        super().__init__(Exchange(self._answer, service.meaning, patience_s), PLATFORM)
+        self.spacecraft = AsyncCarrier(self._exchange, SPACECRAFT)
+
+    async def _answer(self, ask: Ask) -> Reply:
+        await anyio.sleep(ask.after_s)
+        with anyio.move_on_after(left_s(ask)):  # the head that comes byte by byte, too
+            async with self._http.stream(**request_of(ask)) as answer:
+                intake = Intake(ask, answer.status_code)
+                async for part in answer.aiter_bytes():
+                    intake.take(part)
+                return reply_of(answer, intake.body)
+        raise NoAnswer(TOO_LONG)
 
     async def __aenter__(self) -> Self:
         return self

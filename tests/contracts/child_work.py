@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-from app.work.progress import Progress, report
+from app.work.progress import report
 from app.work.result import Result
 from planner.base.errors import FieldError, InvalidInput, InvalidRequest
 
@@ -82,7 +82,7 @@ def tell(request: bytes, *_: object) -> Result:
     told = 0
     while not _gate(Path(os.fsdecode(request))).exists():
         told += 1
-        report(Progress(stage="telling", done=told))
+        report("telling", told)
         time.sleep(0.02)
     return note(request)
 
@@ -90,7 +90,7 @@ def tell(request: bytes, *_: object) -> Result:
 def dwell(request: bytes, *_: object) -> Result:
     """Goes from stage to stage at once, and lingers in the last."""
     for stage in ("one", "two", "three"):
-        report(Progress(stage=stage))
+        report(stage)
     return linger(request)
 
 
@@ -137,8 +137,8 @@ def refuse_unread(*_):
 
 
 def say_how_far():
-    report(Progress(stage="begun"))
-    report(Progress(stage="half", done=1, of=2))
+    report("begun")
+    report("half", 1, 2)
 
 
 def used_to_end():

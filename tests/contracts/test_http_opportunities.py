@@ -47,6 +47,10 @@ def test_members(cities):
         assert window["through"]["at"][0] == window["rise"]
         assert len(window["through"]["angles_deg"]["beta"]) == 5
         assert window["branch"] in window["branches"]
+        assert (window["probability_in_frame"] is None) == (window["session"] is None)
+    likely = [window["probability_in_frame"] for window in cities["windows"] if window["session"]]
+    assert all(0.0 <= one <= 1.0 for one in likely)
+    assert likely
 
 
 def test_edges_are_those_of_skyfield(cities):

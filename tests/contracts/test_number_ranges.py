@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from app.requests.campaign import campaign_request_json_schema, read_campaign_request
+from app.requests.campaign import CAMPAIGN_READER, read_campaign_request
 from app.requests.examples import (
     CAMPAIGN_EXAMPLES,
     ESTIMATE_EXAMPLE,
@@ -29,22 +29,22 @@ from app.requests.examples import (
     SESSION_EXAMPLE,
     SPACECRAFT_EXAMPLES,
 )
-from app.requests.flights import flights_request_json_schema, read_flights_request
+from app.requests.flights import FLIGHTS_READER, read_flights_request
 from app.requests.horizon import (
-    estimate_request_json_schema,
-    picture_request_json_schema,
-    prediction_request_json_schema,
+    ESTIMATE_READER,
+    PICTURE_READER,
+    PREDICTION_READER,
     read_estimate_request,
     read_picture_request,
     read_prediction_request,
 )
-from app.requests.opportunities import opportunity_request_json_schema, read_opportunity_request
-from app.requests.plan import plan_request_json_schema, read_plan_request
+from app.requests.opportunities import OPPORTUNITY_READER, read_opportunity_request
+from app.requests.plan import PLAN_READER, read_plan_request
 from app.requests.spacecraft import (
-    imaging_opportunity_json_schema,
+    IMAGING_OPPORTUNITY_READER,
+    SPACECRAFT_READER,
     read_imaging_opportunity_request,
     read_spacecraft_request,
-    spacecraft_request_json_schema,
 )
 from app.work.horizon_series import _SESSION
 from planner.base.errors import InvalidInput, InvalidRequest
@@ -149,27 +149,27 @@ def _shown(examples: dict[str, tuple[str, Document]]) -> tuple[Document, ...]:
 def _kinds() -> tuple[Asked, ...]:
     template = REFERENCE + "{model}"
     return (
-        Asked("plan", read_plan_request, plan_request_json_schema(template),
+        Asked("plan", read_plan_request, PLAN_READER.json_schema(template),
               (*_shown(PLAN_EXAMPLES), *FRAGMENTS)),
-        Asked("campaign", read_campaign_request, campaign_request_json_schema(template),
+        Asked("campaign", read_campaign_request, CAMPAIGN_READER.json_schema(template),
               tuple(d | {"rest_angles_deg": {"alpha": 0.0, "beta": 0.0}, "conditions": {},
                          "view": {}}
                     for d in _shown(CAMPAIGN_EXAMPLES))),
-        Asked("flights", read_flights_request, flights_request_json_schema(template),
+        Asked("flights", read_flights_request, FLIGHTS_READER.json_schema(template),
               _shown(FLIGHTS_EXAMPLES)),
         Asked("opportunities", read_opportunity_request,
-              opportunity_request_json_schema(template), _shown(OPPORTUNITY_EXAMPLES)),
-        Asked("spacecraft", read_spacecraft_request, spacecraft_request_json_schema(template),
+              OPPORTUNITY_READER.json_schema(template), _shown(OPPORTUNITY_EXAMPLES)),
+        Asked("spacecraft", read_spacecraft_request, SPACECRAFT_READER.json_schema(template),
               (*_shown(SPACECRAFT_EXAMPLES), _SPACECRAFT)),
         Asked("imaging opportunities", read_imaging_opportunity_request,
-              imaging_opportunity_json_schema(template),
+              IMAGING_OPPORTUNITY_READER.json_schema(template),
               tuple(d | {"settings": _SPACECRAFT["settings"], "conditions": {}}
                     for d in _shown(IMAGING_OPPORTUNITY_EXAMPLES))),
-        Asked("estimate", read_estimate_request, estimate_request_json_schema(template),
+        Asked("estimate", read_estimate_request, ESTIMATE_READER.json_schema(template),
               (ESTIMATE_EXAMPLE | {"body": {}},)),
-        Asked("prediction", read_prediction_request, prediction_request_json_schema(template),
+        Asked("prediction", read_prediction_request, PREDICTION_READER.json_schema(template),
               tuple(d | {"body": {}} for d in _shown(PREDICTION_EXAMPLES))),
-        Asked("picture", read_picture_request, picture_request_json_schema(template),
+        Asked("picture", read_picture_request, PICTURE_READER.json_schema(template),
               tuple(d | {"scene": {"atmosphere": {}}, "sensor": {}}
                     for d in _shown(PICTURE_EXAMPLES))),
         Asked("series", _SESSION.read, _SESSION.json_schema(template),

@@ -18,7 +18,7 @@ from planner.spacecraft.plan import plan_imaging
 
 
 def plan_stages(tell):
-    make_plan(read_request(LAS_VEGAS), on_stage=lambda stage: tell(stage, 0, 1))
+    make_plan(read_request(LAS_VEGAS), tell)
 
 
 def spacecraft_stages(tell):
@@ -59,6 +59,26 @@ def test_a_session_that_cannot_be_is_told_while_another_is_sought():
         )
     assert told[-1] == "alternatives"
     assert told.count("candidates") == 1
+
+
+def test_a_plan_that_cannot_be_tells_how_much_of_the_ways_out_is_looked_for():
+    request = json.loads(json.dumps(LAS_VEGAS))
+    session = request["sessions"][0]
+    request["sessions"].append(
+        {**session, "start": session["stop"], "stop": "2015-02-27T17:38:20Z"}
+    )
+    request["sessions"][1]["target"] = {
+        "mode": "ground",
+        "latitude_deg": 40.76,
+        "longitude_deg": -111.9,
+    }
+    told = []
+    with pytest.raises(Refusal):
+        make_plan(read_request(json.dumps(request).encode()), lambda *one: told.append(one))
+    percents = [PLAN.percent(*one) for one in told if one[0] == "alternatives"]
+    assert len(percents) >= 2
+    assert percents == sorted(set(percents))
+    assert PLAN.stages["slews and tracks"] < percents[0] <= percents[-1] < 100
 
 
 @pytest.mark.parametrize("kind", JOB_KINDS.values(), ids=lambda kind: kind.name)

@@ -35,7 +35,7 @@ def test_report_and_files(tmp_path):
     assert set(lost["displaced_by"]) <= {row[1] for row in rows}
     assert sum(float(row[4]) for row in rows) == pytest.approx(choice["value"])
     assert choice["greedy_value"] <= choice["value"] <= choice["bound"]
-    for number in range(2):
+    for number in (1, 2):
         plan = json.loads((plans / f"pass-{number}.json").read_text())
         assert plan["verification"]["passed"]
         resting = [plan["table"][f"{axis}_deg"] for axis in ("alpha", "beta")]

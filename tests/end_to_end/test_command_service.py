@@ -2,7 +2,6 @@
 
 import json
 import re
-from functools import partial
 from pathlib import Path
 
 import pytest
@@ -40,7 +39,9 @@ def plan_id(url):
 
 
 def without_times(report):
-    return [line for line in report.splitlines() if "planned in" not in line]
+    return [
+        line for line in report.splitlines() if "planned in" not in line and "revision" not in line
+    ]
 
 
 def test_a_service_plans_what_is_planned_here(run, url, tmp_path):
@@ -61,7 +62,7 @@ def test_a_service_plans_what_is_planned_here(run, url, tmp_path):
 def test_where_a_service_listens_is_told_with_its_pages(service):
     told = eventually(service.output.read_text)
     assert told == (
-        f"serving {service.address}; its pages: {service.address}/docs; Ctrl+C ends it\n"
+        f"serving {service.address}/, the API's pages at {service.address}/docs; Ctrl+C ends it\n"
     )
 
 
@@ -108,6 +109,17 @@ def test_lists_are_narrowed(run, plan_id):
     refused = run("list", "--after", "noon")
     assert refused.exit_code == 2
     assert "after" in refused.stderr
+
+
+def test_an_id_may_be_cut(run, plan_id):
+    """As `list` cuts it where there is little room; where several begin so, none is taken."""
+    narrow = run("list", "--limit", "200", env={"COLUMNS": "80"}).stdout.splitlines()
+    assert max(map(len, narrow)) <= 80
+    [short] = {line.split()[0] for line in narrow if plan_id.startswith(line.split()[0])}
+    assert short != plan_id
+    assert json.loads(run("show", short, "--json", "-").stdout)["id"] == plan_id
+    assert plan_id in run("list", "--limit", "200", "--wide", env={"COLUMNS": "80"}).stdout
+    assert run("show", "0").exit_code == run("show", "nobody's").exit_code == 2
 
 
 def test_a_dry_run_keeps_nothing(run, url):
@@ -182,9 +194,8 @@ def test_what_is_not_kept(run, words):
     ],
 )
 def test_a_service_that_can_not_be_asked(run, monkeypatch, words, said):
-    """By a client that asks again for less than its minute, which test_client_faults measures."""
-    impatient = partial(slewtrack.Client, patience_s=1.0)
-    monkeypatch.setattr("app.cli.service.Client", impatient)
+    """At once, without asking again."""
+    monkeypatch.setattr("slewtrack.client.asking.PAUSE_S", 3600.0)
     refused = run(*words)
     assert refused.exit_code == 2
     [line] = refused.stderr.splitlines()

@@ -9,20 +9,25 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scenarios import LAS_VEGAS, SALT_LAKE, at, scenario, session
+from scenarios import EPOCH, LARAMIE, LAS_VEGAS, SALT_LAKE, at, scenario, session
 
 from app.requests.plan import read_plan_request
 from planner.base import effort
+from planner.base.commands import ROWS_PER_S
 from planner.base.effort import WorkLimitReached, at_most, charge, count_once
 from planner.base.errors import Refusal, SearchEnded, Unreachable
 from planner.base.solvers import has_piqp
 from planner.motion.slew import AxisState, SlewProblem, optimal_slew
 from planner.motion.slew.ocp import Begin, Rows, SpanProgramme, Vibration, solve
+from planner.planning.sessions import nearest_start
 from planner.planning.sessions.assembly import table_work
 from planner.planning.sessions.pipeline import make_plan
+from planner.planning.sessions.sequence import SessionRefused, sequence_sessions
+from planner.world.frames.time_scales import elapsed_s
 from planner.world.platforms import AxisLimits, StructuralMode
 from planner.world.scenario import SlewOptions
 from planner.world.targets import GroundTarget
+from planner.world.targets.keep_out import KeepOut
 
 CASES = Path(__file__).parents[1] / "data" / "cases"
 QUICK = SlewOptions(objective="minimum_time")
@@ -210,6 +215,55 @@ def test_an_outer_bound_ends_what_is_inside_and_the_inner_one_does_not_hide_it()
     assert outer.done_rows == 12.0
     with pytest.raises(WorkLimitReached), at_most(1.0), at_most(2.0):
         raise WorkLimitReached(outer)
+
+
+ABREAST = (GroundTarget(latitude_deg=33.45, longitude_deg=-112.07), SALT_LAKE, LARAMIE)
+SUN = KeepOut(body="sun", half_angle_deg=25.0)
+
+
+@pytest.mark.parametrize("slew", [SlewOptions(), QUICK, SlewOptions(keep_out=(SUN,))])
+@pytest.mark.parametrize("gap_s", [0.0, 0.2, 2.0])
+@pytest.mark.parametrize("place", ABREAST)
+def test_sessions_with_no_time_between_are_refused_at_once(place, gap_s, slew):
+    """Within two seconds of a processor, most of them for what would help."""
+    asked = scenario(
+        session(LAS_VEGAS, 140.0, 200.0), session(place, 200.0 + gap_s, 260.0), slew=slew
+    )
+    ephemeris = asked.orbit.ephemeris(at(0.0), at(300.0))
+    with at_most(np.inf) as work, pytest.raises(SessionRefused):
+        sequence_sessions(asked, ephemeris, prove=False)
+    assert work.done_rows < 0.05 * effort.PLAN
+    refusal, work_rows = counted(asked)
+    assert work_rows < 0.25 * effort.PLAN
+    assert (refusal.limit, refusal.field) == ("duration", "sessions.1.start")
+    # At the greatest rate the farther axis takes that long at least.
+    moved = replace(asked.sessions[1], start=refusal.earliest_feasible_start_utc)
+    plan = make_plan(replace(asked, sessions=(asked.sessions[0], moved)))
+    left, met = (
+        plan.table.angle_rad[round(elapsed_s(when, EPOCH) * ROWS_PER_S)]
+        for when in (asked.sessions[0].stop, moved.start)
+    )
+    rates = [limits.rate_max_rad_s for limits in asked.axis_limits]
+    assert elapsed_s(moved.start, asked.sessions[0].stop) >= np.max(np.abs(met - left) / rates)
+
+
+def test_a_session_that_others_press_on_both_sides_is_not_sought_again_and_again(monkeypatch):
+    """Wherever the second begins, the third begins when it ends: no start of it can be free."""
+    tries = []
+    monkeypatch.setattr(nearest_start, "_is_planned", lambda asked: tries.append(asked) or True)
+    asked = scenario(
+        *(
+            session(place, *span)
+            for place, span in zip(
+                ABREAST, ((140.0, 180.0), (180.0, 220.0), (220.0, 260.0)), strict=True
+            )
+        )
+    )
+    refusal, _ = counted(asked)
+    assert refusal.costs_sessions == (2,)
+    assert len(tries[0].sessions) == 2
+    kept_stop = [one for one in tries if one.sessions[1].stop == asked.sessions[1].stop]
+    assert len(kept_stop) == 1
 
 
 def refused_sequences(count):

@@ -71,13 +71,17 @@ fly {short} --runs 2 --moving-object-m-s 20 --course-deg 90 --json OUT.json --ur
 compare {answer} {telemetry} --request {short} --identify beta.coulomb_deg_s2 --json OUT.json
 compare {id} {telemetry} --url {url} --epoch 2015-02-27T17:35:50Z --measurements {offsets}
 compare {id} {telemetry} --url {url} --plot OUT.svg --column alpha_deg=alpha_deg
-list --state done --name vegas --target vegas --url {url} --json OUT.json
+list --wide --state done --name vegas --target vegas --url {url} --json OUT.json
 show {id} --url {url} --json OUT.json
 export {id} --url {url} csv=OUT.csv
 watch {id} --url {url}
 campaign examples/campaign_cities.json --dry-run --json OUT.json
 horizon examples/horizon_estimate.json examples/horizon_ahead.png {right} --json OUT.json
 spacecraft {strip} --dry-run --json OUT.json
+spacecraft {strip} --url {url} --csv OUT.csv
+windows examples/opportunities_gallery.json --url {url} --csv OUT.csv
+campaign examples/campaign_cities.json --url {url} --csv OUT.csv
+horizon examples/horizon_estimate.json examples/horizon_ahead.png {right} --url {url}
 keys create many --rate-per-minute 60 --concurrency 2
 """
 

@@ -66,4 +66,4 @@ def test_every_command_in_order(folder, monkeypatch):
         path.relative_to(folder / "out").as_posix() for path in (folder / "out").rglob("*.*")
     }
     assert {"plan.png", "map.geojson", "windows.csv", "plan.nc", "plan.aem", "looks.csv"} <= written
-    assert {"kept.nc", "kept.kml", "passes/pass-0.json"} <= written
+    assert {"kept.nc", "kept.kml", "passes/pass-1.json"} <= written

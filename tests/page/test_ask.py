@@ -45,6 +45,7 @@ def test_a_place_is_found_by_name_and_its_best_window_taken(ask):
     ask.get_by_role("button", name="Find").click()
     expect(ask.get_by_text("GeoNames 3196359")).to_be_visible()
     expect(ask.get_by_role("slider", name="Session", exact=True)).to_be_visible()
+    expect(windows_found(ask).first).to_contain_text(re.compile(r"in frame \d+ %"))
     request = planned(ask)
     assert request["sessions"][0]["target"] == {"mode": "place", "name": "Ljubljana"}
     assert "initial_state" not in request

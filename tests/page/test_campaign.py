@@ -2,6 +2,8 @@
 
 import json
 import re
+import zipfile
+from pathlib import Path
 
 import httpx
 import pytest
@@ -60,7 +62,7 @@ def test_targets_of_a_file_are_asked_for_and_their_progress_is_shown(open_page, 
     )
     page = open_page("/campaigns")
     page.get_by_label("Choose a file of targets").set_input_files(file)
-    expect(page.get_by_role("cell", name="Graz, Styria")).to_be_visible()
+    expect(page.get_by_role("cell", name="Graz, Styria", exact=True)).to_be_visible()
     page.get_by_label("High Sun").fill("1")
     page.get_by_label("High Sun").press("Tab")
     asked = json.loads(page.get_by_label("Request as JSON").input_value())
@@ -72,13 +74,92 @@ def test_targets_of_a_file_are_asked_for_and_their_progress_is_shown(open_page, 
     expect(page.get_by_test_id("campaign-verdict")).to_be_visible(timeout=PATIENCE_MS)
 
 
+def test_targets_are_added_weighed_and_removed_in_place(open_page):
+    page = open_page("/campaigns")
+    asked = page.get_by_label("Request as JSON")
+
+    def targets():
+        return json.loads(asked.input_value())["targets"]
+
+    page.get_by_role("combobox", name="Add a target").fill("Ljub")
+    page.get_by_role("option", name="Ljubljana, SI").click()
+    expect(page.get_by_role("cell", name="Ljubljana", exact=True)).to_be_visible()
+    assert targets()[-1]["target"] == {"mode": "place", "name": "Ljubljana, SI"}
+    page.get_by_label("Map of the targets").click(position={"x": 200, "y": 200})
+    expect(
+        page.get_by_role("heading", name=f"Targets {len(EXAMPLE['targets']) + 2}")
+    ).to_be_visible()
+    assert targets()[-1]["target"]["mode"] == "ground"
+    page.get_by_label("Priority of Ljubljana").fill("7")
+    page.get_by_label("Length of a look at Ljubljana, s").fill("25")
+    page.get_by_role("button", name="Remove Boston").click()
+    known = {one["id"]: one for one in targets()}
+    assert (known["Ljubljana"]["priority"], known["Ljubljana"]["session_s"]) == (7, 25)
+    assert "Boston" not in known
+    assert violations(page) == []
+
+
+def test_conditions_stand_beside_the_time(open_page):
+    page = open_page("/campaigns")
+    page.get_by_label("Least elevation, °").fill("40")
+    page.get_by_label("Least Sun elevation, °").fill("")
+    page.get_by_label("Greatest off-nadir angle, °").fill("45")
+    page.get_by_label("Days").fill("2")
+    page.get_by_label("Days").press("Tab")
+    asked = json.loads(page.get_by_label("Request as JSON").input_value())
+    assert asked["conditions"] == {"min_elevation_deg": 40, "max_off_nadir_deg": 45}
+    assert asked["stop"] == "2015-03-01T12:00:00Z"
+
+
+def test_names_that_may_mean_several_places_are_resolved_in_their_rows(open_page):
+    page = open_page("/campaigns")
+    for name in ("Springfield", "Newcastle"):
+        page.get_by_role("combobox", name="Add a target").fill(name)
+        page.get_by_role("button", name="Add", exact=True).click()
+    chosen = {"Springfield": "Springfield, Illinois, US", "Newcastle": "Newcastle, AU"}
+    send = page.get_by_role("button", name="Choose the looks")
+    while chosen:
+        send.click()
+        expect(page.locator(".row-wrong").first).to_be_visible()
+        told = [name for name in chosen if row_of(page, name).locator(".wrong").count()]
+        for name in told:
+            row_of(page, name).get_by_role("button", name=chosen.pop(name), exact=True).click()
+            expect(row_of(page, name).locator(".wrong")).to_have_count(0)
+    asked = json.loads(page.get_by_label("Request as JSON").input_value())
+    assert [one["target"]["name"] for one in asked["targets"][-2:]] == [
+        "Springfield, Illinois, US",
+        "Newcastle, AU",
+    ]
+
+
+def row_of(page, name):
+    return page.locator(".targets tr").filter(has_text=name)
+
+
+def test_looks_and_plans_are_taken_away(open_page, campaign):
+    page = open_page(f"/campaigns/{campaign['id']}")
+    looks = [look["target"] for one in campaign["passes"] for look in one["looks"]]
+    files = {}
+    for button in ("Looks, CSV", "Looks, GeoJSON", "Looks, KML", "All plans, zip"):
+        with page.expect_download() as download:
+            page.get_by_role("button", name=button).click()
+        files[Path(download.value.suggested_filename).suffix] = Path(download.value.path())
+    assert [line.split(",")[1] for line in files[".csv"].read_text().splitlines()[1:]] == looks
+    features = json.loads(files[".geojson"].read_text())["features"]
+    assert [feature["properties"]["name"] for feature in features] == looks
+    assert all(target in files[".kml"].read_text() for target in looks)
+    with zipfile.ZipFile(files[".zip"]) as archive:
+        numbers = range(1, len(campaign["passes"]) + 1)
+        assert {f"pass-{number}.csv" for number in numbers} <= set(archive.namelist())
+
+
 def test_a_file_without_targets_is_told_by_its_line(open_page, tmp_path):
     file = tmp_path / "towns.csv"
     file.write_text("id,latitude_deg,longitude_deg\nLjubljana,46.05,14.51\nGraz,north,15.44\n")
     page = open_page("/campaigns")
     page.get_by_label("Choose a file of targets").set_input_files(file)
     expect(page.get_by_role("alert")).to_contain_text("line 3: latitude_deg")
-    expect(page.get_by_role("cell", name="Las Vegas")).to_be_visible()
+    expect(page.get_by_role("cell", name="Las Vegas", exact=True)).to_be_visible()
 
 
 def test_work_is_cancelled_where_it_is_shown_and_asked_for_again(open_page, service):

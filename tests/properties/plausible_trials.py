@@ -12,14 +12,15 @@ from typing import Any
 
 from plan_oracle import faults
 
-from app.answers.members import provenance
-from app.answers.plan import plan_json
+from app.answers.members import new_head, provenance, whole_answer
+from app.answers.plan import plan_document, table_json, verdict_state
 from app.answers.problem import problem_of
 from app.requests.plan import read_plan_request
 from planner.base import effort
 from planner.base.effort import at_most
 from planner.base.errors import Refusal
 from planner.planning.sessions.pipeline import make_plan
+from planner.planning.sessions.plan import Plan
 
 Fields = dict[str, Any]
 SLUG = re.compile(r"[a-z]+(-[a-z]+)*")
@@ -54,7 +55,7 @@ def outcome(request: Fields) -> Outcome:
     with at_most(math.inf) as work:
         try:
             plan = make_plan(read_plan_request(asked))
-            answered = plan_json(plan, provenance(datetime.now(UTC)))
+            answered = _answer_of(plan)
         except Refusal as refused:
             refusal = refused
         except Exception as error:  # noqa: BLE001 (counted, and told with its request)
@@ -78,7 +79,13 @@ def outcome(request: Fields) -> Outcome:
 def answer(request: Fields) -> Fields:
     """That of a request that can be planned."""
     plan = make_plan(read_plan_request(json.dumps(request).encode()))
-    return dict(json.loads(plan_json(plan, provenance(datetime.now(UTC)))))
+    return dict(json.loads(_answer_of(plan)))
+
+
+def _answer_of(plan: Plan) -> bytes:
+    """Whole, under a new id."""
+    document = plan_document(plan, (), provenance(datetime.now(UTC)))
+    return whole_answer(new_head(verdict_state(plan)), document, table_json(plan.table))
 
 
 def as_advised(request: Fields, problem: Fields) -> Fields:

@@ -9,14 +9,14 @@ const platforms = await import("../src/rooms/planning/platforms");
 type Window = Parameters<typeof sessionIn>[0];
 
 const at = (seconds: number) => new Date(Date.UTC(2015, 1, 27, 17) + 1000 * seconds).toISOString().replace(".000", "");
-const window = (from_s: number, to_s: number, highest_deg = 50, sun_elevation_deg = 40) =>
+const window = (from_s: number, to_s: number, probability_in_frame: number | null = 0.95, sun_elevation_deg = 40) =>
   ({
     rise: at(from_s),
     set: at(to_s),
     opened_by: "elevation",
     closed_by: "elevation",
     highest_at: at((from_s + to_s) / 2),
-    highest_deg,
+    probability_in_frame,
     session: { start: at(from_s), stop: at(to_s) },
     closest: { sun_elevation_deg },
     through: { at: [at(from_s), at(to_s)], angles_deg: { alpha: [0, 10], beta: [0, 5] } },
@@ -134,9 +134,15 @@ test("a session is drawn in its window, or in one an hour away at most", () => {
   expect(windowNear(windows, {})).toBeNull();
 });
 
-test("the best window is the soonest good one by day: elements age", () => {
-  const [low, night, high, higher] = [window(0, 1, 30), window(2, 3, 89, -20), window(4, 5, 41), window(6, 7, 80)];
-  expect(best([low, night, high, higher])).toBe(high);
-  expect(best([night, { ...high, session: null }])).toBe(night);
+test("the best window is the soonest by day that is likely to have the target in the frame", () => {
+  const [poor, night, good, better] = [window(0, 1, 0.6), window(2, 3, 0.99, -20), window(4, 5, 0.91), window(6, 7, 0.99)];
+  expect(best([poor, night, good, better])).toBe(good);
+  expect(best([night, { ...good, session: null }])).toBe(night);
   expect(best([])).toBeNull();
+});
+
+test("where none is good it is the likeliest, and of those alike the soonest", () => {
+  const [unknown, aged, fresh, alike] = [window(0, 1, null), window(2, 3, 0.18), window(4, 5, 0.66), window(6, 7, 0.68)];
+  expect(best([unknown, aged, fresh, alike])).toBe(fresh);
+  expect(best([unknown])).toBe(unknown);
 });

@@ -106,11 +106,11 @@ test("a line breaks where a point is unknown, a footprint is none where a corner
   };
   const view = { footprint } as unknown as View;
   expect(footprintAt(view, 0)).toEqual([
-    [0, 0],
     [0, 1],
     [1, 1],
     [1, 0],
     [0, 0],
+    [0, 1],
   ]);
   expect(footprintAt(view, 1)).toEqual([]);
 });

@@ -4,6 +4,7 @@ import json
 from collections.abc import Iterable, Mapping
 from http import HTTPStatus
 from pathlib import Path
+from typing import Any
 
 from pydantic import TypeAdapter
 
@@ -14,32 +15,15 @@ from app.http.negotiation import EVENT_STREAM, JSON, MULTIPART
 from app.http.openapi.examples import show_examples
 from app.http.openapi.fields import Schema, describe
 from app.http.problems import PROBLEM_JSON
-from app.requests.campaign import campaign_request_json_schema
+from app.requests.campaign import CAMPAIGN_READER
 from app.requests.examples import Examples
-from app.requests.flights import FlightsRequest, flights_request_json_schema
-from app.requests.horizon import (
-    PictureRequest,
-    PredictionRequest,
-    estimate_request_json_schema,
-    picture_request_json_schema,
-    prediction_request_json_schema,
-)
-from app.requests.opportunities import (
-    opportunity_request_json_schema,
-    orbit_track_request_json_schema,
-)
-from app.requests.plan import PlanRequest, plan_request_json_schema
-from app.requests.spacecraft import (
-    imaging_opportunity_json_schema,
-    spacecraft_request_json_schema,
-)
-from app.requests.telemetry import ComparisonRequest, comparison_request_json_schema
-from estimator.request import HorizonRequest
-from planner.output.view.orbit import OrbitTrackRequest
-from planner.planning.campaigns import CampaignRequest
-from planner.planning.opportunities import OpportunityRequest
-from planner.spacecraft.opportunity_request import ImagingOpportunityRequest
-from planner.spacecraft.requests import ImagingPlanRequest
+from app.requests.flights import FLIGHTS_READER
+from app.requests.horizon import ESTIMATE_READER, PICTURE_READER, PREDICTION_READER
+from app.requests.json_reader import JsonReader
+from app.requests.opportunities import OPPORTUNITY_READER, ORBIT_TRACK_READER
+from app.requests.plan import PLAN_READER
+from app.requests.spacecraft import IMAGING_OPPORTUNITY_READER, SPACECRAFT_READER
+from app.requests.telemetry import COMPARISON_READER
 
 _DATA = Path(__file__).parent / "data"
 DESCRIPTION = (_DATA / "description.md").read_text().rstrip()
@@ -52,28 +36,32 @@ _OF_ACCESS = {"401", "403", "421", "429"}
 REF = "#/components/schemas/{model}"
 
 KEY_SCHEME = "key"
-# By the class of each request that we read ourselves.
-_REQUESTS = {
-    PlanRequest: plan_request_json_schema,
-    CampaignRequest: campaign_request_json_schema,
-    FlightsRequest: flights_request_json_schema,
-    OpportunityRequest: opportunity_request_json_schema,
-    OrbitTrackRequest: orbit_track_request_json_schema,
-    ImagingPlanRequest: spacecraft_request_json_schema,
-    ImagingOpportunityRequest: imaging_opportunity_json_schema,
-    ComparisonRequest: comparison_request_json_schema,
-    HorizonRequest: estimate_request_json_schema,
-    PredictionRequest: prediction_request_json_schema,
-    PictureRequest: picture_request_json_schema,
-}
+_READERS: tuple[JsonReader[Any], ...] = (
+    PLAN_READER,
+    CAMPAIGN_READER,
+    FLIGHTS_READER,
+    OPPORTUNITY_READER,
+    ORBIT_TRACK_READER,
+    SPACECRAFT_READER,
+    IMAGING_OPPORTUNITY_READER,
+    COMPARISON_READER,
+    ESTIMATE_READER,
+    PREDICTION_READER,
+    PICTURE_READER,
+)
 
 
-def json_body_of(schema: str, examples: Examples) -> Schema:
+def schema_of(reader: JsonReader[Any]) -> Schema:
+    """What a request is, as bodies refer to it."""
+    return {"$ref": REF.format(model=reader.kind.__name__)}
+
+
+def json_body_of(reader: JsonReader[Any], examples: Examples) -> Schema:
     """An operation's JSON body with its worked examples, by name: (summary, request)."""
     shown = {
         name: {"summary": summary, "value": value} for name, (summary, value) in examples.items()
     }
-    return _body({JSON: {"schema": {"$ref": REF.format(model=schema)}, "examples": shown}})
+    return _body({JSON: {"schema": schema_of(reader), "examples": shown}})
 
 
 def form_body_of(request: Schema, files: Mapping[str, Schema]) -> Schema:
@@ -96,13 +84,13 @@ def complete(document: Schema, answers: Iterable[object]) -> Schema:
     answers: the classes of what the operations answer.
     """
     schemas = document.setdefault("components", {}).setdefault("schemas", {})
-    described = {kind.__name__: json_schema(REF) for kind, json_schema in _REQUESTS.items()}
+    described = {reader.kind.__name__: reader.json_schema(REF) for reader in _READERS}
     for kind in (Problem, FeatureCollection):
         described[kind.__name__] = TypeAdapter(kind).json_schema(ref_template=REF)
     for name, schema in described.items():
         schemas |= schema.pop("$defs", {})
         schemas[name] = schema
-    describe(schemas, (*_REQUESTS, Problem, FeatureCollection, *answers))
+    describe(schemas, (*(reader.kind for reader in _READERS), Problem, FeatureCollection, *answers))
     document["components"]["responses"] = {code: _refusal(code) for code in _REFUSALS}
     for path, operations in document["paths"].items():
         for method, operation in operations.items():

@@ -33,7 +33,7 @@ from app.http.routes.parameters import IdempotencyKey, Prefer
 from app.http.routes.resources import JobResource
 from app.jobs.kinds import CAMPAIGN
 from app.jobs.refusals import Conflict
-from app.requests.campaign import read_campaign_request
+from app.requests.campaign import CAMPAIGN_READER
 from app.requests.examples import CAMPAIGN_EXAMPLES
 from app.requests.listings import listing_of_search
 from app.store import jobs, plans
@@ -45,7 +45,7 @@ RESOURCE = JobResource(
     kind=CAMPAIGN.name,
     path="/v1/campaigns",
     tag="campaigns",
-    request_schema="CampaignRequest",
+    requests=CAMPAIGN_READER,
     examples=CAMPAIGN_EXAMPLES,
     listing=listing_of_search,
     singular="campaign",
@@ -81,7 +81,7 @@ class CampaignPost(Parameters):
         202: {"description": "Accepted; GET Location states its progress, and each pass's plan"},
         409: {"description": "The campaign was cancelled while it was waited for"},
     },
-    openapi_extra=json_body_of(RESOURCE.request_schema, RESOURCE.examples),
+    openapi_extra=json_body_of(RESOURCE.requests, RESOURCE.examples),
     dependencies=ONLY_JSON,
 )
 async def post_campaign(
@@ -96,7 +96,7 @@ async def post_campaign(
 
     The answer is 202 at once unless `Prefer: wait` asks to wait.
     """
-    spec = await anyio.to_thread.run_sync(read_campaign_request, body)
+    spec = await anyio.to_thread.run_sync(RESOURCE.requests.read, body)
     if query.dry_run:
         valid = CampaignDryRun(valid=True, name=spec.name, targets=len(spec.targets))
         return Response(to_json(valid), media_type=JSON)

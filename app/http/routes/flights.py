@@ -31,7 +31,7 @@ from app.http.waiting import WAIT_S
 from app.jobs.kinds import FLIGHTS, SPACECRAFT_PLAN
 from app.jobs.refusals import Conflict
 from app.requests.examples import FLIGHTS_EXAMPLES
-from app.requests.flights import read_flights_request
+from app.requests.flights import FLIGHTS_READER
 from app.store import jobs, plans, results
 from app.store.database import Database
 from app.store.jobs import NEEDS_ALL, Job
@@ -42,7 +42,7 @@ RESOURCE = JobResource(
     kind=FLIGHTS.name,
     path="/v1/flights",
     tag="flights",
-    request_schema="FlightsRequest",
+    requests=FLIGHTS_READER,
     examples=FLIGHTS_EXAMPLES,
     listing=lambda _: Listing(),
     singular="flight",
@@ -94,7 +94,7 @@ add_events(router, RESOURCE)
         },
         409: {"description": "The plan has no table, or none yet; or the flights were cancelled"},
     },
-    openapi_extra=json_body_of(RESOURCE.request_schema, RESOURCE.examples),
+    openapi_extra=json_body_of(RESOURCE.requests, RESOURCE.examples),
     dependencies=ONLY_JSON,
 )
 async def post_flights(
@@ -131,7 +131,7 @@ async def get_flights_of_plan(
 
 def _accept(request: Request, plan_id: str, body: bytes, key: str | None) -> Job:
     """The job, new or known by its key; raises 404, Conflict, KeyReused, QueueFull."""
-    spec = read_flights_request(body)
+    spec = RESOURCE.requests.read(body)
     database: Database = request.app.state.database
     with database.reading() as connection:
         job = _require_plan(connection, plan_id)

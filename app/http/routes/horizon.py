@@ -20,15 +20,11 @@ from app.http.negotiation import (
     unsupported,
     whole_body,
 )
-from app.http.openapi.schema import REF, form_body_of, json_body_of
+from app.http.openapi.schema import form_body_of, json_body_of, schema_of
 from app.jobs.child import Bounds
 from app.jobs.worker_process import ChildDied
 from app.requests.examples import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, PREDICTION_EXAMPLES
-from app.requests.horizon import (
-    read_estimate_request,
-    read_picture_request,
-    read_prediction_request,
-)
+from app.requests.horizon import ESTIMATE_READER, PICTURE_READER, PREDICTION_READER
 from app.work.horizon import estimate_json, picture, picture_json
 from app.work.horizon_views import prediction_json
 from estimator.errors import InvalidImage
@@ -45,7 +41,7 @@ PICTURE_BOUNDS = Bounds(deadline_s=60.0, memory_mib=2000)
 
 _PARTS = (FormPart("request", 1, MAX_REQUEST_BYTES), FormPart("images", MAX_CAMERAS))
 _UPLOAD_BODY = form_body_of(
-    {"$ref": REF.format(model="HorizonRequest"), "examples": [ESTIMATE_EXAMPLE]},
+    schema_of(ESTIMATE_READER) | {"examples": [ESTIMATE_EXAMPLE]},
     {
         "images": {
             "type": "array",
@@ -94,7 +90,7 @@ async def post_estimate(
     refusal; files that are no images are refused.
     """
     now_utc, [head], images = datetime.now(UTC), upload["request"], tuple(upload["images"])
-    spec = await anyio.to_thread.run_sync(read_estimate_request, head)
+    spec = await anyio.to_thread.run_sync(ESTIMATE_READER.read, head)
     origin = await anyio.to_thread.run_sync(provenance, now_utc, head, *images)
     try:
         answer = await in_child(request, ESTIMATE_BOUNDS, estimate_json, spec, images, origin)
@@ -111,7 +107,7 @@ async def post_estimate(
     summary="Predict the views of horizon cameras",
     response_model=PredictionResponse,
     dependencies=ONLY_JSON,
-    openapi_extra=json_body_of("PredictionRequest", PREDICTION_EXAMPLES),
+    openapi_extra=json_body_of(PREDICTION_READER, PREDICTION_EXAMPLES),
 )
 async def post_prediction(request: Request, body: Annotated[bytes, Depends(json_body)]) -> Response:
     """For each instant and camera the answer has the limb in pixels, its arc and light, and the
@@ -120,7 +116,7 @@ async def post_prediction(request: Request, body: Annotated[bytes, Depends(json_
     `horizon_cameras` in a plan's request asks for the same at its sessions.
     """
     return await answer_in_child(
-        request, body, read_prediction_request, PREDICTION_BOUNDS, prediction_json
+        request, body, PREDICTION_READER.read, PREDICTION_BOUNDS, prediction_json
     )
 
 
@@ -129,7 +125,7 @@ async def post_prediction(request: Request, body: Annotated[bytes, Depends(json_
     summary="Render a picture of the horizon",
     response_class=Response,
     responses={200: _PICTURE_ANSWERS},
-    openapi_extra=json_body_of("PictureRequest", PICTURE_EXAMPLES),
+    openapi_extra=json_body_of(PICTURE_READER, PICTURE_EXAMPLES),
 )
 async def post_picture(request: Request, body: Annotated[bytes, Depends(json_body)]) -> Response:
     """The picture shows Earth, air, clouds and Sun as a camera would take it.
@@ -138,6 +134,6 @@ async def post_picture(request: Request, body: Annotated[bytes, Depends(json_bod
     should find.
     """
     kind = preferred_type(request, (PNG, JSON))
-    spec = await anyio.to_thread.run_sync(read_picture_request, body)
+    spec = await anyio.to_thread.run_sync(PICTURE_READER.read, body)
     work = picture if kind == PNG else picture_json
     return Response(await in_child(request, PICTURE_BOUNDS, work, spec), media_type=kind)

@@ -24,7 +24,7 @@ from app.http.negotiation import (
     saved_as,
     weak_tag,
 )
-from app.http.openapi.schema import REF
+from app.http.openapi.schema import schema_of
 from app.http.problems import problem_answer
 from app.http.routes.parameters import ListQuery, PathId, last_event_id, read_query
 from app.http.routes.resources import JobResource
@@ -269,7 +269,7 @@ def add_request(router: APIRouter, resource: JobResource) -> None:
         responses={
             200: {
                 "description": "The request byte for byte; a POST takes it as it stands",
-                "content": {JSON: {"schema": {"$ref": REF.format(model=resource.request_schema)}}},
+                "content": {JSON: {"schema": schema_of(resource.requests)}},
             }
         },
         dependencies=ONLY_JSON,

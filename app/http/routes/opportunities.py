@@ -17,8 +17,8 @@ from app.requests.examples import (
     ORBIT_TRACK_EXAMPLES,
 )
 from app.requests.listings import listing_of_imaging, listing_of_search
-from app.requests.opportunities import read_opportunity_request, read_orbit_track_request
-from app.requests.spacecraft import read_imaging_opportunity_request
+from app.requests.opportunities import OPPORTUNITY_READER, ORBIT_TRACK_READER
+from app.requests.spacecraft import IMAGING_OPPORTUNITY_READER
 from app.work.campaign import answer_opportunities
 from app.work.spacecraft import answer_imaging_opportunities
 from app.work.view import orbit_track_json
@@ -26,12 +26,11 @@ from app.work.view import orbit_track_json
 OPPORTUNITIES = SearchResource(
     kind="opportunities",
     path="/v1/opportunities",
-    request_schema="OpportunityRequest",
+    requests=OPPORTUNITY_READER,
     listing=listing_of_search,
     tag="opportunities",
     summary="Search for windows of targets",
     examples=OPPORTUNITY_EXAMPLES,
-    read=read_opportunity_request,
     find=answer_opportunities,
     response=OpportunitiesResponse,
     windows_response=WindowsPage,
@@ -39,12 +38,11 @@ OPPORTUNITIES = SearchResource(
 IMAGING_OPPORTUNITIES = SearchResource(
     kind="imaging_opportunities",
     path="/v1/spacecraft/opportunities",
-    request_schema="ImagingOpportunityRequest",
+    requests=IMAGING_OPPORTUNITY_READER,
     listing=listing_of_imaging,
     tag="spacecraft",
     summary="Search for passes of the imaging spacecraft",
     examples=IMAGING_OPPORTUNITY_EXAMPLES,
-    read=read_imaging_opportunity_request,
     find=answer_imaging_opportunities,
     response=ImagingOpportunitiesResponse,
     windows_response=ImagingWindowsPage,
@@ -59,7 +57,7 @@ of_orbits = APIRouter(tags=["opportunities"], dependencies=ONLY_JSON)
     "/v1/orbits/tracks",
     summary="Compute the ground track and the eclipses of an orbit",
     response_model=OrbitTrackResponse,
-    openapi_extra=json_body_of("OrbitTrackRequest", ORBIT_TRACK_EXAMPLES),
+    openapi_extra=json_body_of(ORBIT_TRACK_READER, ORBIT_TRACK_EXAMPLES),
 )
 async def post_orbit_track(
     request: Request, body: Annotated[bytes, Depends(json_body)]
@@ -69,5 +67,5 @@ async def post_orbit_track(
     Nothing is kept.
     """
     return await answer_in_child(
-        request, body, read_orbit_track_request, SEARCH_BOUNDS, orbit_track_json
+        request, body, ORBIT_TRACK_READER.read, SEARCH_BOUNDS, orbit_track_json
     )

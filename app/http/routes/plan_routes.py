@@ -14,7 +14,7 @@ from sqlalchemy import Connection
 
 from app.answers.job import JobResponse, job_json
 from app.answers.members import PlanHead, fill, whole_answer
-from app.answers.table import TableAlone
+from app.answers.plan import TableAlone
 from app.http.blocking import EXPORT_BOUNDS, answer_in_child, in_child, read
 from app.http.negotiation import (
     JSON,
@@ -106,7 +106,7 @@ def _add_post(router: APIRouter, resource: PlanResource) -> None:
                 "description": "Cancelled while it was waited for, or `revises` names no plan made"
             },
         },
-        openapi_extra=json_body_of(resource.request_schema, resource.examples),
+        openapi_extra=json_body_of(resource.requests, resource.examples),
     )
     async def post(
         request: Request,
@@ -121,8 +121,10 @@ def _add_post(router: APIRouter, resource: PlanResource) -> None:
             body = await database.answer(resource.fill_in, database, body)
         if query.dry_run:
             bounds = _dry_run_bounds(request, resource)
-            return await answer_in_child(request, body, resource.read, bounds, resource.dry_run)
-        spec = await anyio.to_thread.run_sync(resource.read, body)
+            return await answer_in_child(
+                request, body, resource.requests.read, bounds, resource.dry_run
+            )
+        spec = await anyio.to_thread.run_sync(resource.requests.read, body)
         job = await database.answer(_accept_plan, request, resource, spec, body, query.revises, key)
         waits = patience(prefer, WAIT_S)
         headers = headers_of_post(resource, job, waits)

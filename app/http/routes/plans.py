@@ -11,8 +11,8 @@ from app.http.routes.resources import PlanResource
 from app.jobs.kinds import PLAN, SPACECRAFT_PLAN
 from app.requests.examples import PLAN_EXAMPLES, SPACECRAFT_EXAMPLES
 from app.requests.listings import listing_of_imaging, listing_of_scenario
-from app.requests.plan import read_plan_request
-from app.requests.spacecraft import read_spacecraft_request
+from app.requests.plan import PLAN_READER
+from app.requests.spacecraft import SPACECRAFT_READER
 from app.work.plan import stored_table_file, stored_table_json, try_plan
 from app.work.spacecraft import stored_session_file, stored_session_json, try_session
 from app.work.view import DRAWN, DRAWN_SESSION, stored_plan_view, stored_session_view
@@ -30,12 +30,11 @@ PLANS = PlanResource(
     An independent verification checks the table before it is returned.  A session that can't be
     flown is refused with the axis, the limit and the earliest start that works.
     """,
-    request_schema="PlanRequest",
+    requests=PLAN_READER,
     listing=listing_of_scenario,
     list_query=PlanListQuery,
     examples=PLAN_EXAMPLES,
     response=PlanResponse,
-    read=read_plan_request,
     dry_run=try_plan,
     dry_run_response=DryRunResponse,
     exporters=EXPORTERS,
@@ -61,11 +60,10 @@ SPACECRAFT_PLANS = PlanResource(
     fit are listed in `left_out` with the reason; when none fits, the session is refused with
     the nearest way out.
     """,
-    request_schema="ImagingPlanRequest",
+    requests=SPACECRAFT_READER,
     listing=listing_of_imaging,
     examples=SPACECRAFT_EXAMPLES,
     response=SpacecraftPlanResponse,
-    read=read_spacecraft_request,
     dry_run=try_session,
     dry_run_response=SpacecraftDryRunResponse,
     exporters=IMAGING_EXPORTERS,

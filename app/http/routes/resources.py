@@ -10,6 +10,7 @@ from app.answers.members import ProvenanceOut
 from app.http.negotiation import JSON
 from app.http.routes.parameters import ListQuery
 from app.requests.examples import Examples
+from app.requests.json_reader import JsonReader
 from app.store.database import Database
 from app.store.listing import Listing
 from app.work.view import AskedView
@@ -22,7 +23,7 @@ PLAN_LIST = list_class("PlanList", "plans", "Plans")
 class JobResource:
     """What is at `path` and kept as jobs of one kind, by its name.
 
-    singular, plural: what they are called.  request_schema: name of the schema of its request.
+    singular, plural: what they are called.  requests: reads those for one.
     listing: what lists tell of a request, as it was read.  response: of one; list_response: of
     several.  list_query: which of them to list, about_list: in what order.
     """
@@ -30,7 +31,7 @@ class JobResource:
     kind: str
     path: str
     tag: str
-    request_schema: str
+    requests: JsonReader[Any]
     examples: Examples
     listing: Callable[[Any], Listing]
     singular: str
@@ -45,12 +46,11 @@ class JobResource:
 class PlanResource(JobResource):
     """One that holds plans.
 
-    read: the request, which has a `name`, or InvalidRequest.  dry_run: the answer that says
-    whether it flies; done in a child.  table_json: a stored table as the answer holds it.
-    table_file: of (request, stored table, format, date the file states) the file's bytes; done
-    in a child.  view_response: what there is to see of a plan, as JSON.  view_exporters: its other
-    formats.  view_file: of (request, stored table, what is asked) the view's bytes, in a child.
-    file_stem: of files whose plan has no name.
+    dry_run: the answer that says whether it flies; done in a child.  table_json: a stored table
+    as the answer holds it.  table_file: of (request, stored table, format, date the file states)
+    the file's bytes; done in a child.  view_response: what there is to see of a plan, as JSON.
+    view_exporters: its other formats.  view_file: of (request, stored table, what is asked) the
+    view's bytes, in a child.  file_stem: of files whose plan has no name.
     takes_pixel: its views are told what a pixel sees, as no camera is defined.
     lacks: whether a request, in bytes, may lack what only the store can tell; fill_in: with that.
     """
@@ -63,7 +63,6 @@ class PlanResource(JobResource):
     )
     what: str
     about: str
-    read: Callable[[bytes], Any]
     dry_run: Callable[[Any, ProvenanceOut], bytes]
     dry_run_response: type
     exporters: Mapping[str, Exporter[Any]]

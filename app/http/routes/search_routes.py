@@ -65,15 +65,13 @@ SEARCH_LIST = list_class("SearchList", "opportunities", "Searches for opportunit
 class SearchResource(JobResource):
     """One that holds what searches found.
 
-    read: the request, which has a `name`, or InvalidRequest.  find: what a child does.
-    windows_response: of some of what was found.
+    find: what a child does.  windows_response: of some of what was found.
     """
 
     singular: str = "search for opportunities"
     plural: str = "searches"
     list_response: type = SEARCH_LIST
     summary: str
-    read: Callable[[bytes], Any]
     find: Callable[[Any, ProvenanceOut], FoundWindows]
     bounds: Bounds = SEARCH_BOUNDS
     windows_response: type
@@ -124,7 +122,7 @@ def _add_post(router: APIRouter, resource: SearchResource) -> None:
                 "The windows found; as GeoJSON if `Accept` asks, or as a pass table in CSV"
             )
         },
-        openapi_extra=json_body_of(resource.request_schema, resource.examples),
+        openapi_extra=json_body_of(resource.requests, resource.examples),
     )
     async def post(request: Request, body: Annotated[bytes, Depends(json_body)]) -> Response:
         """Windows are found to the millisecond, with the limits that open and close each, and the
@@ -134,7 +132,7 @@ def _add_post(router: APIRouter, resource: SearchResource) -> None:
         """
         media_type = preferred_type(request, FORMS)
         begun_utc = datetime.now(UTC)
-        spec = await anyio.to_thread.run_sync(resource.read, body)
+        spec = await anyio.to_thread.run_sync(resource.requests.read, body)
         origin = provenance(begun_utc, body)
         found = await in_child(request, resource.bounds, resource.find, spec, origin)
         deadline_s = resource.bounds.deadline_s

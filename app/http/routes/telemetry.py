@@ -20,14 +20,14 @@ from app.http.negotiation import (
     unsupported,
     whole_body,
 )
-from app.http.openapi.schema import REF, form_body_of, json_body_of
+from app.http.openapi.schema import form_body_of, json_body_of, schema_of
 from app.http.routes.parameters import TableQuery, read_query, with_formats
 from app.ids import is_id
 from app.jobs.child import Bounds
 from app.jobs.kinds import PLAN, SPACECRAFT_PLAN
 from app.jobs.refusals import Conflict
 from app.requests.examples import COMPARISON_EXAMPLES
-from app.requests.telemetry import read_comparison_head, read_comparison_request
+from app.requests.telemetry import COMPARISON_READER, read_comparison_head, read_comparison_request
 from app.store import jobs, plans
 from app.store.plans import StoredPlan
 from app.work.telemetry import FILES, SentTelemetry, compare_stored
@@ -44,15 +44,14 @@ _TITLES = {_JSON_FORMAT: "numbers"} | {name: one.title for name, one in FILES.it
 _read_query = read_query(with_formats(TableQuery, "The comparison in this format", _TITLES))
 _FIELDS = ("request", "plan", "epoch")  # a form may give plan and epoch without writing JSON
 _PARTS = (*(FormPart(name, 1, MAX_REQUEST_BYTES) for name in _FIELDS), FormPart("samples"))
-_REQUEST = "ComparisonRequest"
 _CSV = {
     "type": "string",
     "format": "binary",
     "description": "CSV: a line that names the columns (t_s or utc, then NAME_deg and "
     "NAME_rate_deg_s of the axes), a line per sample.",
 }
-_BODY = json_body_of(_REQUEST, COMPARISON_EXAMPLES)
-_FORM = form_body_of({"$ref": REF.format(model=_REQUEST)}, {"samples": _CSV})
+_BODY = json_body_of(COMPARISON_READER, COMPARISON_EXAMPLES)
+_FORM = form_body_of(schema_of(COMPARISON_READER), {"samples": _CSV})
 _BODY["requestBody"]["content"] |= _FORM["requestBody"]["content"]
 
 

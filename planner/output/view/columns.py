@@ -3,7 +3,9 @@
 from typing import Annotated
 
 from planner.base.answer_members import (
+    Angle,
     Angles,
+    AngleSize,
     Count,
     HalfTurn,
     HalfTurns,
@@ -14,11 +16,14 @@ from planner.base.answer_members import (
     Longitudes,
     Member,
     Motions,
+    NotNegative,
     Times,
     answer,
 )
 from planner.base.arrays import Array, Mask
-from planner.world.frames.time_scales import Utc
+from planner.planning.opportunities import Opportunities
+from planner.world.frames.time_scales import RowUtc, Utc
+from planner.world.plan import FlightPlan, SegmentKind
 
 _Arcsecs = Annotated[Array, Member("arcsec", 0.0, decimals=4, gaps=True)]
 
@@ -263,3 +268,69 @@ class MaskTrace:
     away_rad: Annotated[Array, Member("deg", decimals=6)]
     outline_platform: Annotated[Array, Member(decimals=6, axes=2)]
     outline_rad: dict[str, Annotated[Array, Member("deg", decimals=3, axes=2, gaps=True)]]
+
+
+@answer
+class AxisBounds:
+    """Limits of one axis.
+
+    angle_min_rad: its lower stop.
+    angle_max_rad: its upper stop.
+    rate_max_rad_s: in either sense.
+    acceleration_max_rad_s2: in either sense.
+    jerk_max_rad_s3: in either sense.
+    """
+
+    angle_min_rad: Angle
+    angle_max_rad: Angle
+    rate_max_rad_s: AngleSize
+    acceleration_max_rad_s2: AngleSize
+    jerk_max_rad_s3: AngleSize
+
+
+@answer
+class PlanView:
+    """The view of a plan as columns, with a value for each row shown.
+
+    epoch_utc: of row 0; UTC.
+    step_s: from row to row shown; the table's last row is shown too.
+    pixel_arcsec: angle that a pixel covers, for which ground samples are given.
+    t_s: of each row, since the epoch.
+    activity: activity of the platform from the row on.
+    session: number of the session that belongs to, from 0; null on the way to the final state.
+    axes: motion of each axis, by its name.
+    limits: limits of each axis, by its name.
+    keyholes_rad: angles of the second axis at which the boresight lies in the plane of both: near
+    them the first must turn fast. E.g. `[-90.0, 90.0]`.
+    frame_rad: the camera's field of view along the frame's first side and its second. E.g.
+    `[2.6, 1.7]`.
+    targets: of each session.
+    keep_out: of each cone of the request.
+    masks: of each of the platform's.
+    sky: null where every target is on the Earth.
+    baseline: of each slew; empty where the plan is the baseline itself.
+    """
+
+    plan: Internal[FlightPlan]
+    epoch_utc: RowUtc
+    step_s: NotNegative
+    pixel_arcsec: NotNegative
+    t_s: Times
+    activity: tuple[SegmentKind, ...]
+    session: tuple[Count | None, ...]
+    axes: dict[str, AxisMotion]
+    limits: dict[str, AxisBounds]
+    keyholes_rad: tuple[Angle, ...]
+    frame_rad: tuple[AngleSize, ...]
+    carrier: CarrierTrack
+    boresight: BoresightTrace
+    footprint: FootprintTrace
+    sun: BodyTrack
+    moon: BodyTrack
+    targets: tuple[TargetTrack, ...]
+    windows: Internal[tuple[Opportunities | None, ...]]  # of each session's target
+    pointing: PointingTrace
+    keep_out: tuple[ConeTrace, ...]
+    masks: tuple[MaskTrace, ...]
+    sky: SkyTrack | None
+    baseline: tuple[BaselineSlew, ...]

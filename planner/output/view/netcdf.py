@@ -20,9 +20,8 @@ from planner.output.export.netcdf import (
     write_global_attributes,
     write_times,
 )
-from planner.output.view.columns import AxisMotion, SkyDirection
+from planner.output.view.columns import AxisMotion, PlanView, SkyDirection
 from planner.output.view.cones import OUTLINE_POINTS
-from planner.output.view.view import PlanView
 from planner.world.frames.iers import RAD_PER_ARCSEC
 from planner.world.frames.time_scales import Instants, elapsed_s
 from planner.world.plan import KINDS
@@ -101,9 +100,8 @@ def write_view_netcdf(view: PlanView, created_utc: datetime) -> bytes:
 
 
 def _activity(file: netcdf_file, view: PlanView) -> None:
-    segments = [view.plan.segments[number] for number in view.segment.tolist()]
     activity = file.createVariable("activity", "b", ("time",))
-    activity[:] = np.array([KINDS.index(segment.kind) for segment in segments], dtype="i1")
+    activity[:] = np.array([KINDS.index(kind) for kind in view.activity], dtype="i1")
     describe(
         activity,
         long_name="what the platform does from the row on",
@@ -111,7 +109,7 @@ def _activity(file: netcdf_file, view: PlanView) -> None:
         flag_meanings=" ".join(KINDS),
     )
     number = file.createVariable("session", "i", ("time",))
-    number[:] = [NO_SESSION if one.session is None else one.session for one in segments]
+    number[:] = [NO_SESSION if one is None else one for one in view.session]
     describe(number, long_name=f"index of the session, {NO_SESSION}: to the final state")
 
 

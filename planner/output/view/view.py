@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import datetime
 from functools import partial
 from typing import TypeVar
@@ -13,20 +13,9 @@ from numpy.typing import NDArray
 from planner.base.arrays import Array, Indices
 from planner.base.commands import ROWS_PER_S
 from planner.base.errors import OutsideCoverage
+from planner.motion.pointing.angles import keyholes_rad
 from planner.output.view.carrier import body_track, boresight_trace, carrier_track, footprint_trace
-from planner.output.view.columns import (
-    AxisMotion,
-    BaselineSlew,
-    BodyTrack,
-    BoresightTrace,
-    CarrierTrack,
-    ConeTrace,
-    FootprintTrace,
-    MaskTrace,
-    PointingTrace,
-    SkyTrack,
-    TargetTrack,
-)
+from planner.output.view.columns import AxisBounds, PlanView, PointingTrace, TargetTrack
 from planner.output.view.cones import cone_traces
 from planner.output.view.masks import mask_traces
 from planner.output.view.motion import baseline_slews, motion_at_rows
@@ -44,6 +33,7 @@ from planner.planning.sessions.error_ellipse import error_covariance_rad2
 from planner.planning.sessions.track_branches import los_on_rows, session_rows
 from planner.world.frames.time_scales import elapsed_s, shifted_utc
 from planner.world.plan import FlightPlan
+from planner.world.platforms import AxisLimits
 from planner.world.scenario import Scenario, Session
 from planner.world.targets import VisibleTarget
 
@@ -154,37 +144,6 @@ def _ellipse(covariance_rad2: Array) -> tuple[Array, Array, Array]:
     return np.sqrt(middle + reach), np.sqrt(np.maximum(middle - reach, 0.0)), turn_rad
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class PlanView:
-    """A plan at n of its rows.
-
-    step_s: from row to row, but for the last.  t_s: since the table's epoch, (n,).  segment: index
-    into the plan's segments of what the table does from the row on, (n,).
-    first_known: the first row at which orbit and attitude are known; before it the columns of
-    carrier, Sun, targets and cones are NaN.
-    sky: None where every target is on the Earth.
-    """
-
-    plan: FlightPlan
-    step_s: float
-    t_s: Array
-    segment: Indices
-    axes: dict[str, AxisMotion]
-    baseline: tuple[BaselineSlew, ...]
-    first_known: int
-    carrier: CarrierTrack
-    boresight: BoresightTrace
-    footprint: FootprintTrace
-    sun: BodyTrack
-    moon: BodyTrack
-    targets: tuple[TargetTrack, ...]
-    windows: tuple[Opportunities | None, ...]
-    pointing: PointingTrace
-    keep_out: tuple[ConeTrace, ...]
-    masks: tuple[MaskTrace, ...]
-    sky: SkyTrack | None
-
-
 def view_plan(plan: FlightPlan, step_s: float | None, pixel_arcsec: float) -> PlanView:
     """By the planner's geometry, from the table and the scenario alone.
 
@@ -197,15 +156,26 @@ def view_plan(plan: FlightPlan, step_s: float | None, pixel_arcsec: float) -> Pl
     scene = scene_of(plan, row)
     targets = tuple(target_tracks(scene, math.radians(pixel_arcsec / 3600.0)))
     sun, moon = map(partial(body_track, scene), ("sun", "moon"))
+    # Before them orbit and attitude aren't known, and columns of carrier, Sun and targets are NaN.
     unknown = len(row) - len(scene.rows.row)
+    segments = [plan.segments[number] for number in _segment(plan, row).tolist()]
+    platform = plan.scenario.platform
     return PlanView(
         plan=plan,
+        epoch_utc=plan.table.epoch_utc,
         step_s=step_s,
+        pixel_arcsec=pixel_arcsec,
         t_s=plan.table.t_s[row],
-        segment=_segment(plan, row),
+        activity=tuple(segment.kind for segment in segments),
+        session=tuple(segment.session for segment in segments),
         axes=motion_at_rows(plan.table, row),
+        limits={
+            name: _bounds(limits)
+            for name, limits in zip(plan.table.axis_names, plan.scenario.axis_limits, strict=True)
+        },
+        keyholes_rad=keyholes_rad(platform),
+        frame_rad=tuple(2.0 * half_rad for half_rad in platform.frame_half_rad),
         baseline=tuple(baseline_slews(plan, round(step_s * ROWS_PER_S))),
-        first_known=unknown,
         carrier=_from_first(carrier_track(scene), unknown),
         boresight=_from_first(boresight_trace(scene), unknown),
         footprint=_from_first(footprint_trace(scene), unknown),
@@ -224,6 +194,16 @@ def view_plan(plan: FlightPlan, step_s: float | None, pixel_arcsec: float) -> Pl
         ),
         masks=tuple(mask_traces(plan, row)),
         sky=sky_track(scene, unknown),
+    )
+
+
+def _bounds(limits: AxisLimits) -> AxisBounds:
+    return AxisBounds(
+        angle_min_rad=limits.angle_min_rad,
+        angle_max_rad=limits.angle_max_rad,
+        rate_max_rad_s=limits.rate_max_rad_s,
+        acceleration_max_rad_s2=limits.acceleration_max_rad_s2,
+        jerk_max_rad_s3=limits.jerk_max_rad_s3,
     )
 
 

@@ -11,7 +11,8 @@ import numpy as np
 
 from planner.base.arrays import Array, Indices
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
-from planner.planning.campaigns.choice import CampaignChoice, Looking, Reporter, bound_at, choose
+from planner.base.reporting import Reporter, tell_nobody
+from planner.planning.campaigns.choice import CampaignChoice, Looking, bound_at, choose
 from planner.planning.campaigns.chosen import ChosenLook, UnchosenTarget, Unseen
 from planner.planning.campaigns.displaced import Displaced, displaced_by
 from planner.planning.campaigns.network import Network, network_of, relax
@@ -77,7 +78,7 @@ class Campaign:
         return 1.0 - self.value / self.bound if self.bound > 0.0 else 0.0
 
 
-def choose_campaign(request: CampaignRequest, tell: Reporter = lambda *_: None) -> Campaign:
+def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> Campaign:
     """Choose sessions and their order.
 
     tell: is called with what is being done, and how many parts of how many are done.
@@ -143,7 +144,7 @@ def scenario_of(request: CampaignRequest, flight: ChosenPass, number: int) -> Sc
     )  # fmt: skip
     rest_utc = shifted_utc(flight.stop_utc, -REST_ROWS * COMMAND_STEP_S)
     return Scenario(
-        name=f"{request.name or 'campaign'}, pass {number}",
+        name=f"{request.name or 'campaign'}, pass {number + 1}",
         orbit=request.orbit,
         attitude=request.attitude,
         platform=request.platform,

@@ -1,6 +1,6 @@
 """Chooses observations, passes and order, and bounds how far from the best they can be."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +8,7 @@ from scipy.optimize import Bounds, LinearConstraint, linprog, milp
 from scipy.sparse import csr_array
 
 from planner.base.arrays import Array, Indices
+from planner.base.reporting import Reporter
 from planner.planning.campaigns.network import Network
 from planner.planning.campaigns.path import Look, Worth, best_path, path_bound
 
@@ -77,8 +78,6 @@ def _use_matrix(proposals: Sequence[Proposal], passes: int, look_limit: Array) -
 
 
 Passes = list[tuple[Look, ...]]
-Reporter = Callable[[str, int, int], None]
-"""What is being done, and how many parts of how many of it are."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import pairwise, product
 
 from planner.base import effort
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
@@ -292,6 +293,20 @@ class Chain:
     def state_at(self, branch: TrackBranch | None, row: int) -> States:
         """States of the axes on a row of a branch's track; without a branch, the initial one."""
         return self._initial if branch is None else self._track_states(branch, row)
+
+    def hopeless_sessions(self) -> tuple[int, ...]:
+        """Sessions no branch of which any slew reaches in time from the one before, both as asked.
+
+        Closed forms show it: a lower bound of the slew's time is more than the gap between them.
+        """
+        return tuple(
+            number
+            for number, (left, joined) in enumerate(pairwise(self.sessions), start=1)
+            if not any(
+                self._fits_as_asked(SlewStart(branch=before, join_row=before.rows.start), branch)
+                for before, branch in product(left, joined)
+            )
+        )
 
     def _leaves_something(
         self, slew_start: SlewStart, branch: TrackBranch, leave_row: int, join_row: int

@@ -10,6 +10,7 @@ from planner.base import effort
 from planner.base.commands import ROWS_PER_S
 from planner.base.effort import WorkLimitReached, at_most
 from planner.base.errors import InfeasibleSlew, Refusal
+from planner.base.reporting import Reporter, tell_nobody
 from planner.planning.sessions.assembly import assemble_table, sessions_after_conflicts, table_work
 from planner.planning.sessions.final import with_final_slew
 from planner.planning.sessions.joining import Join
@@ -53,6 +54,16 @@ class Others:
             self.dearer = moved, costs
         return costs == ()
 
+    def always_cost(self, moved: Session) -> bool:
+        """Whether some other session is lost wherever that one begins, if it ends when it does."""
+        return bool(self._hopeless_beside(moved))
+
+    def _hopeless_beside(self, moved: Session) -> tuple[int, ...]:
+        """Later sessions that are asked too soon after the one before them."""
+        refused = self._refused
+        first = refused.number + 1 + (moved.stop != refused.session.stop)
+        return tuple(other for other in refused.hopeless if other >= first)
+
     def _costs_at(self, moved: Session) -> tuple[int, ...] | None:
         """Sessions without which the others are planned; None: the moved one isn't."""
         scenario, number = self._refused.scenario, self._refused.number
@@ -61,6 +72,9 @@ class Others:
             for other, session in enumerate(scenario.sessions)
             if other <= number or elapsed_s(session.start, moved.stop) >= 0.0
         ]
+        for other in self._hopeless_beside(moved):
+            if other in kept and other - 1 in kept:
+                kept.remove(other)
         while True:
             sessions = [moved if one == number else scenario.sessions[one] for one in kept]
             try:
@@ -130,7 +144,9 @@ class _Span:
     seen: list[RowSpan]
 
 
-def plan_sessions(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
+def plan_sessions(
+    scenario: Scenario, ephemeris: Ephemeris, tell: Reporter = tell_nobody
+) -> list[Join]:
     """A slew and a track for every session, in order, as `sequence_sessions` has them.
 
     Raises NotVisible, Unreachable, TrackBreaksLimit and InfeasibleSlew, each with the nearest
@@ -139,10 +155,10 @@ def plan_sessions(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
     try:
         return sequence_sessions(scenario, ephemeris)
     except SessionRefused as failed:
-        raise _advise_start(failed) from None
+        raise _advise_start(failed, tell) from None
 
 
-def _advise_start(failed: SessionRefused) -> Refusal:
+def _advise_start(failed: SessionRefused, tell: Reporter) -> Refusal:
     """The refusal with the field at fault and the nearest start that can be flown.
 
     First the session is cut short, at its start and where it can't be held to its stop there too,
@@ -156,8 +172,10 @@ def _advise_start(failed: SessionRefused) -> Refusal:
     if alike and not isinstance(refusal, InfeasibleSlew):
         return refusal  # it breaks its limits at any other time, too
     try:
+        tell("alternatives", 0, 3)
         offers = failed.offers()
-        advice = _start_advice(refused)
+        tell("alternatives", 1, 3)
+        advice = _start_advice(refused, tell)
     except WorkLimitReached:  # of the whole request: why it is refused is known all the same
         offers = ()
         advice = Advice(
@@ -179,7 +197,7 @@ def _advise_start(failed: SessionRefused) -> Refusal:
     return advised
 
 
-def _start_advice(refused: RefusedSession) -> Advice:
+def _start_advice(refused: RefusedSession, tell: Reporter) -> Advice:
     span = _known_span(refused)
     if isinstance(span, Refusal):
         return Advice(f"no other start was tried: {span.detail.partition(';')[0]}")
@@ -189,6 +207,7 @@ def _start_advice(refused: RefusedSession) -> Advice:
         advice = _seek_start(useful, replace(span, seen=seen))
         if advice.session is not None:
             return advice
+        tell("alternatives", 2, 3)
     return _seek_start(refused, span)
 
 
@@ -308,7 +327,8 @@ def _search_rows(
             if session is not None and others.stay_as_asked(session):
                 return session, reach_rows
             refusals += may
-            if may and (session is None or refusals == OPTIONS.refusals):
+            most = 1 if session and others.always_cost(session) else OPTIONS.refusals
+            if may and (session is None or refusals >= most):
                 return None, reach_rows
         return None, reach_rows if len(candidates) == OPTIONS.attempts else None
     return None, reach_rows

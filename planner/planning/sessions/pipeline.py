@@ -1,7 +1,7 @@
 """From a scenario to a verified plan: the whole story on one screen."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 
 import numpy as np
@@ -10,6 +10,7 @@ from planner.base import effort
 from planner.base.commands import ROWS_PER_S, CommandTable
 from planner.base.effort import at_most
 from planner.base.errors import SearchEnded, VerificationFailed
+from planner.base.reporting import Reporter, tell_nobody
 from planner.base.solvers import merged
 from planner.motion.baseline import compare_with_spline
 from planner.motion.pointing.line_of_sight import LineOfSight
@@ -32,10 +33,10 @@ from planner.world.scenario import Scenario, SlewOptions
 from planner.world.targets import BenchMotionTarget
 
 
-def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: None) -> Plan:
+def make_plan(scenario: Scenario, tell: Reporter = tell_nobody) -> Plan:
     """Plan every session in order of time and have the table judged.
 
-    on_stage: called with each stage's name when it begins.
+    tell: called with each stage's name when it begins, and with the share of "alternatives".
     Raises a `Refusal` when a session can't be flown; it says which limit, when, and, where
     there is one, the nearest session start that can.
     """
@@ -44,7 +45,7 @@ def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: No
 
     @contextmanager
     def time_stage(name: str) -> Iterator[None]:
-        on_stage(name)
+        tell(name, 0, 1)
         began_s = time.perf_counter()
         yield
         wall_s[name] = time.perf_counter() - began_s
@@ -54,7 +55,7 @@ def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: No
             scenario, [session_rows(session, epoch_utc) for session in scenario.sessions]
         )
     with time_stage("slews and tracks"):
-        joins = _find_joins(scenario, ephemeris)
+        joins = _find_joins(scenario, ephemeris, tell)
         onto_tracks = joins[: len(scenario.sessions)]
     with time_stage("comparison"):
         slews = tuple(
@@ -93,11 +94,11 @@ def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: No
     )
 
 
-def _find_joins(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
+def _find_joins(scenario: Scenario, ephemeris: Ephemeris, tell: Reporter) -> list[Join]:
     """Found by no more work than one request may make, what its table takes set aside."""
     last_row = session_rows(scenario.sessions[-1], scenario.initial_state.epoch).stop
     with at_most(effort.PLAN - table_work(scenario, last_row)):
-        joins = with_final_slew(scenario, ephemeris, plan_sessions(scenario, ephemeris))
+        joins = with_final_slew(scenario, ephemeris, plan_sessions(scenario, ephemeris, tell))
         effort.count(table_work(scenario, joins[-1].stop_row))
         return joins
     raise SearchEnded(

@@ -61,12 +61,14 @@ class RefusedSession:
     """A session that can't be flown as asked.
 
     number: its index.  state: of the axes at from_row, from which its slew begins.
+    hopeless: sessions that no slew reaches in time from the one before, as both are asked.
     """
 
     scenario: Scenario
     number: int
     from_row: int
     state: States
+    hopeless: tuple[int, ...] = ()
 
     @property
     def session(self) -> Session:
@@ -178,14 +180,14 @@ def _branches_by_session(scenario: Scenario, ephemeris: Ephemeris) -> list[tuple
 
 
 def _find_conflict(chain: Chain, *, prove: bool) -> SessionRefused:
-    """The first session that can't be joined in time, and why."""
+    """The first session that is known not to be joined in time, and why; nothing new is solved."""
     scenario = chain.scenario
     steps: Steps = ()
     for number in range(len(chain.sessions)):
-        longer = chain.solve(scenario.on_conflict, number + 1)
+        longer = chain.cheapest_steps(CONFLICTS[scenario.on_conflict], number + 1)
         if longer is None:
             break
-        steps = longer[0]
+        steps = longer
     slew_start = chain.slew_start(steps)
     state = chain.state_at(slew_start.branch, slew_start.last_row)
     refusal = None
@@ -194,7 +196,11 @@ def _find_conflict(chain: Chain, *, prove: bool) -> SessionRefused:
             refusal = _refusal(chain, number, slew_start, prove=True)
     refusal = refusal or _refusal(chain, number, slew_start, prove=False)
     refused = RefusedSession(
-        scenario=scenario, number=number, from_row=slew_start.last_row, state=state
+        scenario=scenario,
+        number=number,
+        from_row=slew_start.last_row,
+        state=state,
+        hopeless=chain.hopeless_sessions() if scenario.on_conflict == "refuse" else (),
     )
     return SessionRefused(refused, refusal, chain)
 

@@ -117,7 +117,7 @@ def pointing_budget(
     range_m = float(scene.range_m[worst])
     sigmas_rad = {cause: math.sqrt(squares[worst]) for cause, squares in squares_rad2.items()}
     sigmas_rad[_DRIVES] = DRIVE_RAD
-    probability = _probability_inside(biases, scene, platform)
+    probability = stay_probability(biases, scene, platform)
     return PointingBudget(
         session=session,
         contributions=tuple(
@@ -138,7 +138,7 @@ def pointing_budget(
     )
 
 
-def _probability_inside(
+def stay_probability(
     biases: Sequence["Bias"], scene: "PointingScene", platform: TwoAxisPlatform, every: int = 1
 ) -> float:
     return probability_inside(
@@ -170,7 +170,7 @@ def _helps_most(
 
     def share_left(cause: _Cause) -> tuple[float, float]:
         others = [bias for bias in biases if bias.cause != cause]
-        left = _probability_inside(others, scene, platform, OPTIONS.compared)
+        left = stay_probability(others, scene, platform, OPTIONS.compared)
         return round(left, 2), variances_rad2[cause]
 
     felt = [cause for cause, variance_rad2 in variances_rad2.items() if variance_rad2 >= least_rad2]

@@ -172,7 +172,7 @@ def sgp4_ephemeris(
     Raises OutsideCoverage when an instant is 30 days or more from the epoch.
     """
     age_days = max(abs(elapsed_s(t, epoch_utc)) for t in (start_utc, stop_utc)) / DAY_S
-    age = figures(age_days, REFUSE_AGE_DAYS, WARN_AGE_DAYS, digits=3)
+    age = figures(age_days, REFUSE_AGE_DAYS, WARN_AGE_DAYS, digits=max(3, len(f"{age_days:.0f}")))
     sentence = f"the elements' epoch {utc_text(epoch_utc, 0)} is {age} days from the plan"
     if age_days >= REFUSE_AGE_DAYS:
         raise OutsideCoverage(

@@ -5,12 +5,17 @@ import { type Given, send } from "./client";
 export async function download(path: string, given: Given, name: (told: string | undefined) => string): Promise<void> {
   const answer = await send("GET", path, { ...given, headers: { Accept: "*/*", ...given.headers } });
   const told = /filename="([^"]+)"/.exec(answer.headers.get("Content-Disposition") ?? "")?.[1];
-  save(await answer.blob(), name(told));
+  saveBlob(await answer.blob(), name(told));
 }
 
-export function save(content: Blob, name: string): void {
+/** Saves a text that the page has made. */
+export function saveText(text: string, name: string, type: string): void {
+  saveBlob(new Blob([text], { type }), name);
+}
+
+export function saveBlob(blob: Blob, name: string): void {
   const link = document.createElement("a");
-  link.href = URL.createObjectURL(content);
+  link.href = URL.createObjectURL(blob);
   link.download = name;
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);

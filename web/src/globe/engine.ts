@@ -40,7 +40,7 @@ const SPACE = "#0a111b";
 const LINES = Color.fromBytes(235, 240, 246, 140);
 const TRACE = Color.fromBytes(255, 190, 90, 200);
 const SWATH = Color.fromBytes(0, 220, 90, 220);
-const OVER_TARGET_M = 900e3;
+const NEAREST_M = 100e3; // a pixel of the picture is 20 km wide
 
 type Line = readonly (readonly [number, number])[];
 
@@ -88,6 +88,7 @@ function globe(): Kept {
   const { scene, clock } = widget;
   scene.backgroundColor = Color.fromCssColorString(SPACE);
   scene.fog.enabled = false;
+  scene.screenSpaceCameraController.minimumZoomDistance = NEAREST_M;
   scene.globe.showGroundAtmosphere = false;
   scene.globe.enableLighting = true;
   scene.globe.dynamicAtmosphereLighting = false;
@@ -172,15 +173,12 @@ export async function openGlobe(
       camera.lookAtTransform(Matrix4.IDENTITY);
       scene.requestRender();
     },
-    lookAt: (place) => {
-      camera.viewBoundingSphere(new BoundingSphere(cartesian(place), 1), new HeadingPitchRange(0, -0.9, OVER_TARGET_M));
-      camera.lookAtTransform(Matrix4.IDENTITY);
-      scene.requestRender();
-    },
     zoom: (factor) => {
       const height_m = camera.positionCartographic.height;
+      if (factor > 1 && height_m / factor < NEAREST_M) return false;
       camera.zoomIn(height_m * (1 - 1 / factor));
       scene.requestRender();
+      return true;
     },
     close: () => {
       stage.remove();

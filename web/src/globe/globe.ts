@@ -9,9 +9,8 @@ export interface GlobeView {
   /** t_s: since the plan's epoch.  sun: the place that has it overhead. */
   show: (t_s: number, sun: Place | null) => void;
   overview: (places: Place[]) => void;
-  lookAt: (place: Place) => void;
-  /** factor: above 1 comes closer. */
-  zoom: (factor: number) => void;
+  /** factor: above 1 comes closer; false where it would come closer than its picture is good for. */
+  zoom: (factor: number) => boolean;
 }
 
 /** Whether this browser draws in three dimensions at all. */

@@ -64,6 +64,8 @@ export function Combobox({ control, value, onValue, onTake, onLeave, offered, of
     else if (event.key === "ArrowUp" && count > 0) setActive(active <= 0 ? count - 1 : active - 1);
     else if (event.key === "Escape" && count > 0) close();
     else if (event.key === "Enter" && offer) take(offer);
+    else if (event.key === "Enter")
+      return close(); // it is taken as it is typed
     else return;
     event.preventDefault();
   };

@@ -1,10 +1,11 @@
-/** Passes as bars over time: height is the greatest elevation, colour the light. */
+/** Passes as bars over time: height is the greatest elevation, or height above the limb; colour the light. */
 import { words } from "../i18n";
 import { instant, number } from "../i18n/forms";
 import { lightOf, type Pass } from "./sight";
 import "./windows.css";
 
 const DAY_MS = 86_400_000;
+const HALF_TURN_DEG = 180;
 const LIGHTS = ["day", "low", "twilight", "night"] as const;
 
 interface Props<P extends Pass> {
@@ -22,6 +23,8 @@ export function Overview<P extends Pass>({ passes, taken, from_ms, to_ms, onTake
   const place = (ms: number) => `${(100 * (ms - from_ms)) / span}%`;
   const firstMidnight = Math.ceil(from_ms / DAY_MS) * DAY_MS;
   const count = Math.max(0, Math.ceil((to_ms - firstMidnight) / DAY_MS));
+  const inSpace = passes.length > 0 && passes.every((pass) => pass.place === null);
+  const most_deg = inSpace ? HALF_TURN_DEG : HALF_TURN_DEG / 2;
   const midnights = Array.from({ length: count }, (_, day) => firstMidnight + day * DAY_MS);
   return (
     <div class="overview" aria-hidden="true">
@@ -40,7 +43,7 @@ export function Overview<P extends Pass>({ passes, taken, from_ms, to_ms, onTake
             style={{
               left: place(Date.parse(pass.rise)),
               width: `max(5px, ${(100 * Date.parse(pass.set) - 100 * Date.parse(pass.rise)) / span}%)`,
-              height: `${Math.max(6, (100 * Math.min(pass.highest_deg, 90)) / 90)}%`,
+              height: `${Math.max(6, (100 * Math.min(pass.highest_deg, most_deg)) / most_deg)}%`,
             }}
             title={`${instant(pass.rise)} · ${number(pass.highest_deg, 0)}°`}
             onClick={() => onTake(pass)}
@@ -48,7 +51,8 @@ export function Overview<P extends Pass>({ passes, taken, from_ms, to_ms, onTake
         ))}
       </div>
       <div class="legend">
-        {LIGHTS.map((light) => (
+        {inSpace && <span>{words.value.plan.windows.space}</span>}
+        {(inSpace ? [] : LIGHTS).map((light) => (
           <span key={light}>
             <i class={`swatch light-${light}`} /> {words.value.plan.windows.lights[light]}
           </span>

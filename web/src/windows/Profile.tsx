@@ -4,6 +4,7 @@ import "./windows.css";
 
 const WIDE = 1000;
 const HIGH = 100;
+const QUARTER_DEG = 90;
 
 /** Stretched to whatever it stands in; decoration, its figures are told beside it. */
 export function Profile({ pass }: { pass: Pass }) {
@@ -12,7 +13,8 @@ export function Profile({ pass }: { pass: Pass }) {
   const span = Math.max(1, Date.parse(pass.set) - rise);
   const x = at.map((instant) => (WIDE * (Date.parse(instant) - rise)) / span);
   const line = elevation_deg.map((angle, index) => {
-    const height = (HIGH * Math.min(Math.max(angle, 0), 90)) / 90;
+    const most = pass.place === null ? 2 * QUARTER_DEG : QUARTER_DEG;
+    const height = (HIGH * Math.min(Math.max(angle, 0), most)) / most;
     return `${(x[index] ?? 0).toFixed(1)},${(HIGH - height).toFixed(1)}`;
   });
   return (

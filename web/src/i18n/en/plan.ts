@@ -102,6 +102,14 @@ export const plan = {
     taken: (what: string) => `Taken: ${what}`,
   },
   span: { from: "From, UTC", days: "Days", elevation: "Least elevation, °", conditions: "More conditions" },
+  stages: {
+    orbit: "Orbit",
+    "slews and tracks": "Slews and tracks",
+    alternatives: "Looking for ways out",
+    comparison: "Comparison with the spline",
+    "pointing budget": "Pointing budget",
+    verification: "Verification",
+  },
   windows: {
     title: "Windows",
     list: "Windows, the first first",
@@ -109,9 +117,12 @@ export const plan = {
     count: (count: number) => `${count} found`,
     none: "The target isn't seen in these days: allow a lower elevation, or look at more days.",
     lights: { day: "day", low: "low Sun", twilight: "twilight", night: "night" },
-    space: "in space",
+    onePoint: "A path has two points at least: add the second.",
+    untimed: "It needs no window: give its times under Sessions.",
+    space: "above the limb",
     quality: (share: string) => `ground sample: ${share} of the best, straight below`,
     metres: "m",
+    inFrame: (share: string) => `in frame ${share}`,
     seconds: (count: string) => `${count} s`,
   },
   session: {

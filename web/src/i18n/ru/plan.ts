@@ -104,6 +104,14 @@ export const plan: Words["plan"] = {
     taken: (what) => `Принято: ${what}`,
   },
   span: { from: "Начиная с, UTC", days: "Дней", elevation: "Наименьший угол места, °", conditions: "Ещё условия" },
+  stages: {
+    orbit: "Орбита",
+    "slews and tracks": "Развороты и слежение",
+    alternatives: "Ищутся другие варианты",
+    comparison: "Сравнение со сплайном",
+    "pointing budget": "Бюджет ошибок наведения",
+    verification: "Проверка",
+  },
   windows: {
     title: "Окна",
     list: "Окна по порядку времени",
@@ -111,9 +119,12 @@ export const plan: Words["plan"] = {
     count: (count) => `найдено: ${count}`,
     none: "В эти дни цель не видна: допустите меньший угол места или больше дней.",
     lights: { day: "день", low: "низкое Солнце", twilight: "сумерки", night: "ночь" },
-    space: "в космосе",
+    onePoint: "У маршрута не меньше двух точек: добавьте вторую.",
+    untimed: "Окно не нужно: задайте время в сеансах.",
+    space: "над краем Земли",
     quality: (share) => `разрешение: ${share} от лучшего, в надир`,
     metres: "м",
+    inFrame: (share) => `в кадре ${share}`,
     seconds: (count) => `${count} с`,
   },
   session: {

@@ -304,12 +304,17 @@ function ObjectEditor(props: EditorProps & { schema: string }) {
   return (
     <Group props={props} isOpen={field === undefined}>
       <Fields schema={schema} value={isMembers(value) ? value : {}} path={path} onValue={onValue} />
-      {field && !field.isRequired && value !== undefined && (
-        <button type="button" class="small-button" onClick={() => onValue(undefined)}>
-          {words.value.fields.leaveOut(label)}
-        </button>
-      )}
+      {field && !field.isRequired && value !== undefined && <LeaveOut label={label} onClick={() => onValue(undefined)} />}
     </Group>
+  );
+}
+
+function LeaveOut({ label, onClick }: { label: string; onClick: () => void }) {
+  const text = words.value.fields;
+  return (
+    <button type="button" class="small-button" aria-label={text.leaveThisOut(label)} onClick={onClick}>
+      {text.leaveOut}
+    </button>
   );
 }
 
@@ -426,11 +431,7 @@ function VectorEditor(props: EditorProps & { shape: Extract<Shape, { kind: "vect
             onValue={(next) => take(number, next)}
           />
         ))}
-        {!field?.isRequired && given.length > 0 && (
-          <button type="button" class="small-button" onClick={() => onValue(undefined)}>
-            {words.value.fields.leaveOut(label)}
-          </button>
-        )}
+        {!field?.isRequired && given.length > 0 && <LeaveOut label={label} onClick={() => onValue(undefined)} />}
       </div>
       {hint && <p class="hint">{hint}</p>}
       {why && <p class="wrong">{why}</p>}
@@ -456,18 +457,24 @@ function ListEditor(props: EditorProps & { shape: Extract<Shape, { kind: "list" 
             value={one}
             onValue={(next) => take(given.map((was, at) => (at === number ? (next ?? "") : was)))}
           />
-          <button type="button" class="small-button" onClick={() => take(given.filter((_, at) => at !== number))}>
-            {text.remove(`${label} ${number + 1}`)}
+          <button
+            type="button"
+            class="small-button"
+            aria-label={text.removeThis(`${label} ${number + 1}`)}
+            onClick={() => take(given.filter((_, at) => at !== number))}
+          >
+            {text.remove}
           </button>
         </div>
       ))}
       <button
         type="button"
         class="small-button"
+        aria-label={text.addTo(label)}
         disabled={given.length >= (shape.most ?? Infinity)}
         onClick={() => take([...given, begin(FIELDS, shape.of, example)])}
       >
-        {text.add(label)}
+        {text.add}
       </button>
     </Group>
   );
@@ -510,10 +517,11 @@ function MapEditor(props: EditorProps & { shape: Extract<Shape, { kind: "map" }>
           <button
             type="button"
             class="small-button"
+            aria-label={text.addTo(label)}
             disabled={fresh.trim() === "" || fresh in given}
             onClick={() => take(fresh.trim(), begin(FIELDS, shape.of))}
           >
-            {text.add(label)}
+            {text.add}
           </button>
         </div>
       )}

@@ -80,10 +80,13 @@ export function briefOf(shape: Shape, value: unknown, schema?: string): string {
   return `${String(value)} ${unitOf(shape)}`;
 }
 
-/** Names of the members that are set, other than those that tell kinds apart. */
+/** Names of the members that are set although they needn't be. */
 export function membersTold(schema: string, value: Members): string {
   return Object.keys(value)
-    .filter((name) => FIELDS[schema]?.[name]?.shape.kind !== "constant")
+    .filter(
+      (name) =>
+        FIELDS[schema]?.[name]?.shape.kind !== "constant" && !FIELDS[schema]?.[name]?.isRequired && value[name] !== undefined,
+    )
     .map((name) => labelOf(schema, name))
     .join(", ");
 }

@@ -80,8 +80,11 @@ export function beginUnion(book: Book, shape: Extract<Shape, { kind: "union" }>,
   return { ...beginObject(book, shape.of[which] ?? ""), [shape.by]: which };
 }
 
+/** Members of which one is needed although the schema requires none: the one to begin with. */
+const NEEDED: Readonly<Record<string, string>> = { KeepOut: "body", FinalAngles: "park" };
+
 function beginObject(book: Book, schema: string): Members {
-  const fields = Object.entries(book[schema] ?? {}).filter(([, field]) => field.isRequired);
+  const fields = Object.entries(book[schema] ?? {}).filter(([name, field]) => field.isRequired || NEEDED[schema] === name);
   return Object.fromEntries(fields.map(([name, field]) => [name, begin(book, field.shape, field.example)]));
 }
 
@@ -150,6 +153,7 @@ export function unknownIn(book: Book, schema: string, value: unknown, path = "")
   return Object.entries(value).flatMap(([name, given]) => {
     const at = path ? `${path}.${name}` : name;
     const field = fields[name];
+    if (given === undefined) return [];
     return field ? unknownWithin(book, field.shape, given, at) : [at];
   });
 }

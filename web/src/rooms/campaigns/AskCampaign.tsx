@@ -1,22 +1,25 @@
 /** The request of a campaign: targets, days, and the weights of a view's qualities. */
-import { useState } from "preact/hooks";
+import { useMemo, useState } from "preact/hooks";
 
 import example from "../../../../examples/campaign_cities.json";
+import { Problem } from "../../api/problem";
 import { words } from "../../i18n";
 import { EarthMap } from "../../map/EarthMap";
 import { readable } from "../../map/labels";
+import type { LonLat } from "../../map/places";
 import { DropZone } from "../../parts/DropZone";
+import { Field } from "../../parts/Field";
 import { useMaking } from "../../parts/making";
 import { OrbitField } from "../../parts/OrbitField";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { RequestText } from "../../parts/RequestText";
-import { UtcField } from "../../parts/UtcField";
-import { type CampaignRequest, fetchRequest, placesOf } from "./campaign";
-import { NoTargets, targetsOf } from "./targets";
+import { type CampaignRequest, type CampaignTarget, faultsOf, fetchRequest, placesOf } from "./campaign";
+import { idFor, TargetList } from "./TargetList";
+import { NoTargets, SESSION_S, targetsOf } from "./targets";
 import { Weights } from "./Weights";
+import { WhenAndHow } from "./WhenAndHow";
 
 const EXAMPLE = example as unknown as CampaignRequest;
-const SHOWN = 200;
 
 export function AskCampaign() {
   const text = words.value.campaigns;
@@ -33,6 +36,19 @@ export function AskCampaign() {
     }
   };
   const targets = Array.isArray(request.targets) ? request.targets : [];
+  // Of the targets as they were sent: one that is changed or removed takes its fault along.
+  const faults = useMemo(() => faultsOf(error, targets), [error]);
+  const isOfRows =
+    faults.size > 0 &&
+    error instanceof Problem &&
+    (error.document.errors ?? []).every(({ field }) => field.startsWith("targets."));
+  const add = (target: CampaignTarget["target"]) =>
+    change({ targets: [...targets, { id: idFor(target, targets), session_s: SESSION_S, target }] });
+  const [hasPicked, setHasPicked] = useState(false);
+  const pick = ([longitude_deg, latitude_deg]: LonLat) => {
+    setHasPicked(true);
+    add({ mode: "ground", latitude_deg, longitude_deg, height_m: 0 });
+  };
   const places = placesOf({ ...request, targets }, null);
   const known = places.filter((one) => one !== null);
   return (
@@ -53,48 +69,29 @@ export function AskCampaign() {
                 {wrong}
               </p>
             )}
-            <div class="scroll-both targets" tabIndex={0} role="group" aria-label={text.targets}>
-              <table>
-                <thead>
-                  <tr>
-                    <th scope="col">{text.columns.target}</th>
-                    <th scope="col" class="number">
-                      {text.columns.priority}
-                    </th>
-                    <th scope="col" class="number">
-                      {text.columns.session}
-                    </th>
-                  </tr>
-                </thead>
-                <tbody>
-                  {targets.slice(0, SHOWN).map((one, index) => (
-                    <tr key={index}>
-                      <td>{one.id}</td>
-                      <td class="number">{one.priority ?? 1}</td>
-                      <td class="number">
-                        {one.min_session_s == null || one.min_session_s === one.session_s
-                          ? one.session_s
-                          : `${one.min_session_s}–${one.session_s}`}
-                      </td>
-                    </tr>
-                  ))}
-                </tbody>
-              </table>
-              {targets.length > SHOWN && <p class="small">{text.more(targets.length - SHOWN)}</p>}
-            </div>
+            <TargetList targets={targets} faults={faults} onTargets={(targets) => change({ targets })} onAdd={add} />
           </section>
           <section class="panel" aria-labelledby="campaign-when">
+            <Field label={text.name}>
+              {(control) => (
+                <input {...control} value={request.name ?? ""} onInput={(event) => change({ name: event.currentTarget.value })} />
+              )}
+            </Field>
             <h2 id="campaign-when">{text.when}</h2>
-            <div class="pair">
-              <UtcField label={text.start} value={request.start} onValue={(start) => change({ start })} />
-              <UtcField label={text.stop} value={request.stop} onValue={(stop) => change({ stop })} />
-            </div>
+            <WhenAndHow request={request} onChange={change} />
             <OrbitField orbit={request.orbit} onOrbit={(orbit) => change({ orbit })} />
           </section>
           <Weights view={request.view ?? {}} onView={(view) => change({ view })} />
         </div>
         <div>
-          <EarthMap label={text.map} hint={text.mapHint} around={known} aroundLabel={text.toTargets} fits>
+          <EarthMap
+            label={text.map}
+            hint={text.askMapHint}
+            around={known}
+            aroundLabel={text.toTargets}
+            fits={!hasPicked}
+            onPick={pick}
+          >
             {({ projection }) => {
               const points = places.map((one) => one && projection(one));
               const named = readable(
@@ -125,7 +122,12 @@ export function AskCampaign() {
           </div>
         </div>
       </div>
-      {error !== null && <ProblemNotice error={error} />}
+      {error !== null && !isOfRows && <ProblemNotice error={error} />}
+      {faults.size > 0 && (
+        <p class="notice notice-error" role="alert">
+          {text.faults(faults.size)}
+        </p>
+      )}
       <button type="button" class="primary" disabled={isSending || targets.length === 0} onClick={() => void send()}>
         {text.send}
       </button>

@@ -2,21 +2,20 @@
 import { useState } from "preact/hooks";
 
 import { useJob, useRequest } from "../../api/request";
-import { curl } from "../../api/snippets";
 import { words } from "../../i18n";
 import { period } from "../../i18n/forms";
 import { nameOf } from "../../i18n/labels";
 import { AtWork } from "../../parts/AtWork";
-import { Copied } from "../../parts/Copied";
 import { Identity } from "../../parts/Identity";
 import { JobEnded } from "../../parts/JobEnded";
 import { Link } from "../../parts/Link";
 import { checksum } from "../../parts/paper";
-import { address } from "../../router";
+import { CampaignFiles } from "./CampaignFiles";
 import { fatesOf, fetchCampaign, fetchRequest, PATH } from "./campaign";
 import { FateMap } from "./FateMap";
 import { Fates } from "./Fates";
 import { Passes } from "./Passes";
+import { conditionsTold } from "./WhenAndHow";
 import { Worth } from "./Worth";
 
 export function OneCampaign({ id }: { id: string }) {
@@ -37,7 +36,9 @@ export function OneCampaign({ id }: { id: string }) {
       {answer?.start && answer.stop && (
         <Identity
           name={nameOf(answer)}
-          parts={[period(answer.start, answer.stop), answer.platform].filter((part) => part !== null)}
+          parts={[period(answer.start, answer.stop), answer.platform, ...(request ? conditionsTold(request) : [])].filter(
+            (part) => part !== null,
+          )}
           proof={[id, checksum(answer.input_sha256)]}
           made={{ at: answer.created, by: answer.requested_by }}
         />
@@ -64,17 +65,7 @@ export function OneCampaign({ id }: { id: string }) {
         </div>
       )}
       {answer && answer.passes.length > 0 && <Passes passes={answer.passes} />}
-      {request && (
-        <section class="panel take-away" aria-label={words.value.plan.take.title}>
-          <h2>{words.value.plan.take.title}</h2>
-          <Copied name={words.value.plan.take.permalink} content={new URL(address(`/campaigns/${id}`), location.href).href} />
-          <Copied name={words.value.plan.take.request} content={JSON.stringify(request, null, 2)} />
-          <Copied
-            name={words.value.plan.take.curl}
-            content={curl(new URL(address("/"), location.href).href, JSON.stringify(request), "v1/campaigns")}
-          />
-        </section>
-      )}
+      {request && <CampaignFiles id={id} request={request} hasPlans={answer?.state === "done" && answer.planned.done > 0} />}
     </div>
   );
 }

@@ -1,11 +1,14 @@
 /** A campaign's request and answer: where its targets are, and what becomes of each. */
 import { get, type Schemas } from "../../api/client";
+import { Problem } from "../../api/problem";
 import type { LonLat } from "../../map/places";
 
 export type CampaignRequest = Schemas["CampaignRequest"];
 export type CampaignTarget = Schemas["CampaignTarget"];
 export type Campaign = Schemas["CampaignResponse"];
 export type Choice = Schemas["CampaignChoiceOut"];
+
+export type FieldError = Schemas["FieldError"];
 
 export const PATH = "/v1/campaigns/{id}";
 
@@ -87,4 +90,16 @@ export function placesOf(request: CampaignRequest, choice: Choice | null): (LonL
     }
   }
   return places;
+}
+
+/** What was wrong with each target of a refused request. */
+export function faultsOf(error: unknown, targets: readonly CampaignTarget[]): Map<CampaignTarget, FieldError[]> {
+  const faults = new Map<CampaignTarget, FieldError[]>();
+  if (!(error instanceof Problem)) return faults;
+  const { errors = [], field, detail } = error.document;
+  for (const fault of errors.length > 0 || !field ? errors : [{ field, detail, value: null }]) {
+    const target = targets[Number(/^targets\.(\d+)/.exec(fault.field)?.[1] ?? NaN)];
+    if (target) faults.set(target, [...(faults.get(target) ?? []), fault]);
+  }
+  return faults;
 }

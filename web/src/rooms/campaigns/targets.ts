@@ -1,7 +1,7 @@
 /** Targets of a file: CSV with a heading, a JSON list, a request's, or GeoJSON points. */
 import type { CampaignTarget } from "./campaign";
 
-const SESSION_S = 40; // of a look whose file doesn't say
+export const SESSION_S = 40; // of a look whose file doesn't say
 const HEADINGS: Record<string, string> = {
   name: "id",
   city: "id",

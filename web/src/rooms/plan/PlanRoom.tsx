@@ -8,6 +8,7 @@ import { offerOf } from "../../api/offer";
 import { part } from "../../api/part";
 import { brokeOff, NoAnswer, Problem } from "../../api/problem";
 import { useJob, useRequest } from "../../api/request";
+import { stageText } from "../../api/stage";
 import { words } from "../../i18n";
 import { instant } from "../../i18n/forms";
 import { Bar } from "../../parts/Bar";
@@ -58,7 +59,7 @@ export default function PlanRoom({ params }: RoomProps) {
         <h1>{text.plan.one.working}</h1>
         {progress ? (
           <div class="row">
-            <Bar label={progress.stage ?? text.shell.states[progress.state]} percent={progress.percent} />
+            <Bar label={stageText(progress)} percent={progress.percent} />
             <button type="button" onClick={job.cancel}>
               {text.shell.cancel}
             </button>

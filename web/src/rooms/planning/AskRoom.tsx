@@ -7,6 +7,7 @@ import { FIELDS } from "../../api/fields";
 import { Cancelled, type Progress, type Sent, sendOff, untilDone } from "../../api/job";
 import { isAbort, NoAnswer, Problem } from "../../api/problem";
 import { useRequest } from "../../api/request";
+import { stageText } from "../../api/stage";
 import { words } from "../../i18n";
 import { wantOutlines } from "../../map/outlines";
 import { Bar } from "../../parts/Bar";
@@ -123,7 +124,8 @@ export default function AskRoom(_: RoomProps) {
       if (isAbort(error)) return;
       if (!isFromSight(error)) lost.current = null;
       if (!(error instanceof Cancelled)) fail(error);
-      told.current?.scrollIntoView({ block: "nearest" });
+      // Once it is drawn: the form may be longer than the screen.
+      requestAnimationFrame(() => told.current?.scrollIntoView({ block: "nearest" }));
     } finally {
       setProgress(null);
       setSent(null);
@@ -169,7 +171,7 @@ export default function AskRoom(_: RoomProps) {
             </button>
             {progress && (
               <>
-                <Bar label={progress.stage ?? text.shell.states[progress.state]} percent={progress.percent} />
+                <Bar label={stageText(progress)} percent={progress.percent} />
                 <button type="button" onClick={cancel} disabled={!sent}>
                   {text.shell.cancel}
                 </button>

@@ -1,6 +1,8 @@
 /** The chosen session's target: a place, a path, something that moves, a star, a body or a test motion. */
 
+import { batch } from "@preact/signals";
 import { FIELDS } from "../../api/fields";
+
 import { Problem } from "../../api/problem";
 import { words } from "../../i18n";
 import { rfc3339 } from "../../i18n/forms";
@@ -16,7 +18,7 @@ import { PathEntry } from "./PathEntry";
 import { PointEntry } from "./PointEntry";
 import { axes } from "./platforms";
 import { BODIES, groundOf, KINDS, kindOf, type Point, schemaOfMode, starOf, type Target, textOf } from "./target";
-import { found, searchError } from "./windows";
+import { found, searchError, searchedOf } from "./windows";
 
 /** Fields that each kind's own entry makes; the rest stand below it. */
 const ENTERED: Readonly<Record<string, readonly string[]>> = {
@@ -69,12 +71,27 @@ function Entry({ kind, target }: { kind: string; target: Target | undefined }) {
     <button
       type="button"
       onClick={() => {
-        if (shape?.kind === "union") draft.setTarget(asMotion(beginUnion(FIELDS, shape, kind)) as unknown as Target);
+        if (shape?.kind === "union") beginTarget(asMotion(beginUnion(FIELDS, shape, kind)) as unknown as Target);
       }}
     >
       {text.begin(valueLabel(kind))}
     </button>
   );
+}
+
+const [LATER_MS, LASTS_MS] = [900_000, 60_000];
+
+/** It has no window that would give it times. */
+function beginTarget(target: Target): void {
+  batch(() => {
+    draft.setTarget(target);
+    const start_ms = Math.max(draft.from_ms.peek(), ...lastStops()) + LATER_MS;
+    if (searchedOf(target) === null) draft.setTimes(rfc3339(start_ms), rfc3339(start_ms + LASTS_MS));
+  });
+}
+
+function lastStops(): number[] {
+  return draft.sessions.peek().flatMap((one) => (one.stop ? [Date.parse(one.stop)] : []));
 }
 
 /** A test motion moves each axis of the platform. */

@@ -1,21 +1,36 @@
 /** The windows of the next days: all at once as bars over time, and one by one. */
 import { Problem } from "../../api/problem";
 import { words } from "../../i18n";
+import { percent } from "../../i18n/forms";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { Overview } from "../../windows/Overview";
 import { PassFigures } from "../../windows/PassFigures";
 import * as draft from "./draft";
 import { SessionBar } from "./SessionBar";
 import { SpanFields } from "./SpanFields";
-import { found, isSearching, searchAgain, searchError, sessionIn, type Window, windowNear, windowOf } from "./windows";
+import {
+  found,
+  GOOD,
+  isSearching,
+  searchAgain,
+  searchError,
+  searchedOf,
+  sessionIn,
+  type Window,
+  windowNear,
+  windowOf,
+} from "./windows";
 
 export function WindowsPanel() {
   const text = words.value.plan.windows;
   const now = found.value;
+  const target = draft.target.value;
   const taken = now && windowOf(now.windows, draft.session.value);
   const near = now && windowNear(now.windows, draft.session.value);
   const error = searchError.value;
-  const isTargets = error instanceof Problem && error.field?.startsWith("targets.0.target");
+  // Entries of these kinds tell it themselves.
+  const isTold = ["ground", "star"].includes(draft.kind.value);
+  const isTargets = isTold && error instanceof Problem && error.field?.startsWith("targets.0.target");
   return (
     <section class="panel" aria-label={text.title}>
       <div class="row heading">
@@ -26,6 +41,9 @@ export function WindowsPanel() {
       </div>
       <SpanFields />
       {error !== null && !isTargets && <ProblemNotice error={error} again={searchAgain} />}
+      {target && searchedOf(target) === null && (
+        <p class="hint">{target.mode === "ground_path" ? text.onePoint : text.untimed}</p>
+      )}
       {now && now.windows.length === 0 && <p>{text.none}</p>}
       {now && now.windows.length > 0 && (
         <>
@@ -68,6 +86,11 @@ function List({ windows, taken }: { windows: readonly Window[]; taken: Window | 
             onClick={() => take(window)}
           >
             <PassFigures pass={window} />
+            {window.probability_in_frame !== null && (
+              <span class={`in-frame ${window.probability_in_frame < GOOD ? "unlikely" : ""}`}>
+                {text.inFrame(percent(window.probability_in_frame, 0))}
+              </span>
+            )}
           </button>
         </li>
       ))}

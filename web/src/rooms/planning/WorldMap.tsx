@@ -4,6 +4,7 @@ import { geoCircle } from "d3-geo";
 import { words } from "../../i18n";
 import { EarthMap } from "../../map/EarthMap";
 import type { LonLat } from "../../map/places";
+import { DaysTrack } from "./DaysTrack";
 import * as draft from "./draft";
 import { addPoint } from "./PathEntry";
 import { circleOf, groundTrack } from "./passes";
@@ -34,6 +35,7 @@ export function WorldMap() {
     >
       {({ projection, path: drawn }) => (
         <>
+          <DaysTrack path={drawn} />
           {seen && radius && <path class="circle" d={drawn(geoCircle().center(seen).radius(radius)()) ?? ""} />}
           {track.length > 1 && (
             <path

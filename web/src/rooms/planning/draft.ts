@@ -162,6 +162,8 @@ export function removeSession(number: number): void {
 export function load(asked: PlanRequest | DraftRequest, replaces: string | null, from: string | null = null): void {
   batch(() => {
     made.value = asked as DraftRequest;
+    // A name that was made of the targets follows them.
+    if (asked.name && asked.name === targetsTold()) change({ name: "" });
     chosen.value = 0;
     const first = Date.parse(asked.sessions[0]?.start ?? "");
     const start = searchStart(asked.orbit, Date.now());

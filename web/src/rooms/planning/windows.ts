@@ -142,16 +142,29 @@ export function windowOf(windows: readonly Window[], one: draft.DraftSession): W
   return windows.find((window) => Date.parse(window.rise) <= middle && middle <= Date.parse(window.set)) ?? null;
 }
 
-// Higher than this a pass is good, and the sooner the better: elements age, and with them the chance of a hit.
-const GOOD_DEG = 40;
+/** So likely to have the target in the frame, a window is good; a plan of less warns. */
+export const GOOD = 0.9;
 
-/** The soonest good one in the best light, else the highest: what is taken until the person chooses. */
+/** The soonest good one in the best light, else the likeliest, to a tenth: what is taken until the person chooses. */
 export function best(windows: readonly Window[]): Window | null {
   const rank = (window: Window) => {
     const light = lightOf(window.closest.sun_elevation_deg);
-    return (light === "night" || light === "twilight" ? 0 : 1000) + Math.min(window.highest_deg, GOOD_DEG);
+    const isDark = light === "night" || light === "twilight";
+    return (isDark ? 0 : 1000) + Math.floor(10 * Math.min(window.probability_in_frame ?? 0, GOOD));
   };
   return windows.reduce<Window | null>((top, one) => (one.session && (!top || rank(one) > rank(top)) ? one : top), null);
+}
+
+const GOOD_S = 20;
+
+/** Windows in which a session of some length is free, else those with any. */
+export function withRoom(windows: readonly Window[]): readonly Window[] {
+  const free = windows.flatMap((window) => {
+    const times = sessionIn(window);
+    return times ? [{ window, lasts_s: (Date.parse(times.stop) - Date.parse(times.start)) / 1000 }] : [];
+  });
+  const good = free.filter(({ lasts_s }) => lasts_s >= GOOD_S);
+  return (good.length ? good : free).map(({ window }) => window);
 }
 
 function isOneOf(modes: readonly string[], mode: string): boolean {
@@ -178,6 +191,18 @@ function conditionsFor(target: Target): draft.Conditions {
     : others;
 }
 
+const MOVING_REACH_MS = 2 * 86_400_000; // as far from its epoch as the service knows where a target goes
+
+/** The days that are shown, as far as the target can be in them. */
+function spanFor(target: Target): { start: string; stop: string } {
+  const [from_ms, to_ms] = [draft.from_ms.peek(), draft.to_ms.peek()];
+  const epoch_ms = target.mode === "ground_moving" ? Date.parse(target.epoch) : Number.NaN;
+  if (Number.isNaN(epoch_ms)) return { start: rfc3339(from_ms), stop: rfc3339(to_ms) };
+  const start_ms = Math.max(from_ms, epoch_ms - MOVING_REACH_MS);
+  const stop_ms = Math.min(to_ms, epoch_ms + MOVING_REACH_MS);
+  return { start: rfc3339(start_ms), stop: rfc3339(stop_ms > start_ms ? stop_ms : to_ms) };
+}
+
 async function search(target: Target, until: AbortSignal): Promise<void> {
   isSearching.value = true;
   searchError.value = null;
@@ -189,8 +214,7 @@ async function search(target: Target, until: AbortSignal): Promise<void> {
         orbit: draft.orbit.peek(),
         attitude: draft.attitude.peek(),
         targets: [{ id: "target", target }],
-        start: rfc3339(draft.from_ms.peek()),
-        stop: rfc3339(draft.to_ms.peek()),
+        ...spanFor(target),
         conditions: conditionsFor(target),
         samples: SAMPLES,
       },
@@ -204,7 +228,7 @@ async function search(target: Target, until: AbortSignal): Promise<void> {
     // Kept by the service for who wants it; ours is seen once.
     if (last) void remove("/v1/opportunities/{id}", { id: last }).catch(() => undefined);
     last = answer.id;
-    const taken = !draft.session.peek().start && best(answer.windows);
+    const taken = draft.session.peek().start ? null : best(withRoom(answer.windows));
     const times = taken && sessionIn(taken);
     if (times) draft.setTimes(times.start, times.stop);
     rememberAngles(answer.windows);

@@ -27,7 +27,9 @@ export function AskSimulation() {
   const error = sending.error ?? before.error;
   const fly = (event: Event) => {
     event.preventDefault();
-    void sending.ask(async (until) => go(`/flights/${(await sendOffFlights(plan.trim(), { runs, seed }, until)).id}`));
+    void sending.ask(async (until) =>
+      go(`/flights/${(await sendOffFlights(plan, { runs, seed, name: kept.plan?.summary.name ?? "" }, until)).id}`),
+    );
   };
   return (
     <>
@@ -58,7 +60,7 @@ export function AskSimulation() {
             />
           )}
         </Field>
-        <button type="submit" class="primary" disabled={!plan.trim()}>
+        <button type="submit" class="primary" disabled={!plan}>
           {text.fly}
         </button>
       </form>

@@ -1,5 +1,6 @@
 /** Columns of the file, each with what it holds: by its name, or as it is chosen. */
 import { words } from "../../i18n";
+import { Field } from "../../parts/Field";
 import { meaningOf, meaningsFor } from "./columns";
 
 interface Props {
@@ -18,20 +19,22 @@ export function Columns({ names, axes, chosen, onChosen }: Props) {
       <p class="hint">{text.columnsHint}</p>
       <div class="columns-list">
         {names.map((name) => (
-          <label key={name}>
-            <code>{name}</code>
-            <select
-              value={meaningOf(name, chosen, meanings)}
-              onChange={(event) => onChosen({ ...chosen, [name]: event.currentTarget.value })}
-            >
-              <option value="">{text.notRead}</option>
-              {meanings.map((one) => (
-                <option key={one} value={one}>
-                  {one}
-                </option>
-              ))}
-            </select>
-          </label>
+          <Field key={name} label={<code>{name}</code>}>
+            {(control) => (
+              <select
+                {...control}
+                value={meaningOf(name, chosen, meanings)}
+                onChange={(event) => onChosen({ ...chosen, [name]: event.currentTarget.value })}
+              >
+                <option value="">{text.notRead}</option>
+                {meanings.map((one) => (
+                  <option key={one} value={one}>
+                    {one}
+                  </option>
+                ))}
+              </select>
+            )}
+          </Field>
         ))}
       </div>
     </fieldset>

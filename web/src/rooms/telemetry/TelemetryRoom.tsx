@@ -1,7 +1,7 @@
 /** Telemetry beside a kept plan: a CSV is compared with its table. */
 import { useMemo, useState } from "preact/hooks";
 
-import { save } from "../../api/download";
+import { saveBlob, saveText } from "../../api/download";
 import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { fixed, period } from "../../i18n/forms";
@@ -121,15 +121,15 @@ function Told({ found, plan }: { found: Compared; plan: Plan | null }) {
 
 function Export({ found: { comparison, table, file }, stem }: { found: Compared; stem: string }) {
   const saving = useRequest<void>(null);
-  const picture = (format: "png" | "svg") => void saving.ask(async () => save(await file(format), `${stem}.${format}`));
-  const numbers = () => save(new Blob([JSON.stringify(comparison, null, 1)], { type: "application/json" }), `${stem}.json`);
+  const picture = (format: "png" | "svg") => void saving.ask(async () => saveBlob(await file(format), `${stem}.${format}`));
+  const numbers = () => saveText(JSON.stringify(comparison, null, 1), `${stem}.json`, "application/json");
   const text = words.value.telemetry;
   return (
     <section class="panel no-print" aria-labelledby="telemetry-export">
       <h2 id="telemetry-export">{words.value.plan.take.title}</h2>
       {saving.error !== null && <ProblemNotice error={saving.error} />}
       <div class="row">
-        <button type="button" onClick={() => save(table, `${stem}.csv`)}>
+        <button type="button" onClick={() => saveBlob(table, `${stem}.csv`)}>
           {text.exports.csv}
         </button>
         <button type="button" onClick={numbers}>

@@ -7,8 +7,9 @@ import { instant } from "../../i18n/forms";
 import { EarthMap } from "../../map/EarthMap";
 import { arrange } from "../../map/labels";
 import { Night } from "../../map/Night";
-import type { LonLat } from "../../map/places";
-import { fetchMap, inTurn, type Track } from "./kept";
+import { type LonLat, ringOf } from "../../map/places";
+import { linesIn, rowAt, type Track } from "../../map/track";
+import { fetchMap, inTurn } from "./kept";
 import { type Block, DAY_MS, type Lane, type Span } from "./lanes";
 
 const MOST_MS = 3 * DAY_MS; // of the track: more days cover the map
@@ -34,7 +35,7 @@ export function DaysMap({ span: [from_ms, to_ms], now_ms, lanes, lane, onLane, t
     .filter((one) => one.state === "done" && one.kind !== "spacecraft" && one.stop_ms > from_ms && one.start_ms < to_ms)
     .slice(0, PLANS);
   const features = useFeatures(shown);
-  const swaths = features.filter((one) => one.properties?.kind === "swath" || one.properties?.kind === "footprint");
+  const swaths = useMemo(() => features.flatMap(ringsIn), [features]);
   const targets = useMemo(() => placesIn(features), [features]);
   const lines = useMemo(
     () => (track ? linesIn(track, from_ms, Math.min(to_ms, from_ms + MOST_MS)) : []),
@@ -75,9 +76,9 @@ export function DaysMap({ span: [from_ms, to_ms], now_ms, lanes, lane, onLane, t
           const carrier = now && projection(now.carrier);
           return (
             <>
-              {now && <Night sun={now.sun} path={path} class="dm-night" />}
+              {now && <Night sun={now.sun} path={path} class="map-night" />}
               <path class="dm-track" d={path({ type: "MultiLineString", coordinates: lines }) ?? ""} />
-              <path class="dm-swath" d={swaths.map((one) => path(one) ?? "").join("")} />
+              <path class="dm-swath" d={path({ type: "MultiPolygon", coordinates: swaths }) ?? ""} />
               {carrier && <circle class="dm-carrier" cx={carrier[0]} cy={carrier[1]} r={5} />}
               {targets.map((one, k) => {
                 const point = points[k];
@@ -97,8 +98,12 @@ export function DaysMap({ span: [from_ms, to_ms], now_ms, lanes, lane, onLane, t
         }}
       </EarthMap>
       <p class="lanes-legend">
-        <span class="key key-axis-0">{text.track}</span>
-        <span class="key key-error">{text.swath}</span>
+        <span>
+          <i class="lanes-key lanes-key-track" /> {text.track}
+        </span>
+        <span>
+          <i class="lanes-key lanes-key-swath" /> {text.swath}
+        </span>
         <span>◯ {text.target}</span>
         <span>● {text.carrier}</span>
         <span>
@@ -116,14 +121,25 @@ function useFeatures(blocks: readonly Block[]): GeoJSON.Feature[] {
     "maps",
     async (until) => {
       const features: GeoJSON.Feature[] = [];
-      await inTurn(blocks, async ({ id }) => {
-        features.push(...((await fetchMap(id, until))?.features ?? []));
+      await inTurn(blocks, async ({ id, name, kind }) => {
+        const found = (await fetchMap(id, until))?.features ?? [];
+        const isOne = kind === "plan" && found.filter((one) => one.properties?.kind === "target").length === 1;
+        // Coordinates are no name where the plan has one.
+        for (const one of found) features.push(isOne && name ? { ...one, properties: { ...one.properties, name } } : one);
       });
       return features;
     },
     blocks.map((one) => one.id).join(),
   );
   return found.answer ?? [];
+}
+
+/** Outlines of a swath, so wound that d3 takes their insides. */
+function ringsIn({ properties, geometry }: GeoJSON.Feature): LonLat[][][] {
+  if (properties?.kind !== "swath") return [];
+  const areas =
+    geometry.type === "MultiPolygon" ? geometry.coordinates : geometry.type === "Polygon" ? [geometry.coordinates] : [];
+  return areas.map((rings) => rings.map((ring) => ringOf(ring as LonLat[])));
 }
 
 function placesIn(features: readonly GeoJSON.Feature[]): Named[] {
@@ -135,31 +151,4 @@ function placesIn(features: readonly GeoJSON.Feature[]): Named[] {
     places.set(`${name} ${longitude} ${latitude}`, { at: [longitude, latitude], name });
   }
   return [...places.values()];
-}
-
-/** The places below the carrier from one instant to another, in lines. */
-function linesIn({ start, t_s, carrier }: Track, from_ms: number, to_ms: number): LonLat[][] {
-  const start_ms = Date.parse(start);
-  const lines: LonLat[][] = [[]];
-  for (const [row, t] of t_s.entries()) {
-    const at_ms = start_ms + 1000 * t;
-    const [longitude, latitude] = [carrier.longitude_deg[row], carrier.latitude_deg[row]];
-    if (at_ms < from_ms || at_ms > to_ms) continue;
-    if (longitude == null || latitude == null) lines.push([]);
-    else lines[lines.length - 1]?.push([longitude, latitude]);
-  }
-  return lines.filter((line) => line.length > 1);
-}
-
-/** Where carrier and Sun stand at the row nearest to an instant. */
-function rowAt({ start, t_s, carrier, sun }: Track, at_ms: number): { carrier: LonLat; sun: LonLat } | null {
-  const t = (at_ms - Date.parse(start)) / 1000;
-  const after = t_s.findIndex((one) => one >= t);
-  const row = after <= 0 ? Math.max(after, 0) : t - (t_s[after - 1] ?? 0) < (t_s[after] ?? 0) - t ? after - 1 : after;
-  const place = ({ longitude_deg, latitude_deg }: typeof sun | typeof carrier): LonLat | null => {
-    const [longitude, latitude] = [longitude_deg[row], latitude_deg[row]];
-    return longitude == null || latitude == null ? null : [longitude, latitude];
-  };
-  const [below, overhead] = [place(carrier), place(sun)];
-  return below && overhead ? { carrier: below, sun: overhead } : null;
 }

@@ -4,8 +4,8 @@ import { useEffect, useRef, useState } from "preact/hooks";
 
 import { words } from "../../i18n";
 import { named, number, percent, period } from "../../i18n/forms";
+import type { Track } from "../../map/track";
 import { Link } from "../../parts/Link";
-import type { Track } from "./kept";
 import {
   type Block,
   type Conflict,
@@ -258,7 +258,9 @@ function PlanBlock({ block, row, at, isReplaced, clashes }: BlockProps) {
     clashes.length > 0 && text.conflictsWith(clashes.map((one) => one.name || text.unnamed).join(", ")),
   ];
   const said = parts.filter(Boolean).join("; ");
+  const wide_px = (Math.min(block.stop_ms, at.span[1]) - Math.max(block.start_ms, at.span[0])) * at.per_ms;
   const state = [
+    wide_px < (block.name.length + 3) * LETTER_PX && "block-narrow",
     block.state !== "done" && "block-undone",
     block.state === "refused" || block.state === "failed" || block.state === "cancelled" ? "block-void" : "",
     isReplaced && "block-replaced",
@@ -319,7 +321,7 @@ function WindowLanes({ windows, at }: { windows: readonly Seen[]; at: Place }) {
                 return (
                   <li
                     key={`${one.target} ${one.start_ms}`}
-                    class="seen"
+                    class="seen block-narrow"
                     title={said}
                     style={{ ...lie(at, one.start_ms, one.stop_ms, "4px"), top: `${(rows[k] ?? 0) * ROW_PX + 2}px` }}
                   >

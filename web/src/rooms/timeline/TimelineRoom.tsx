@@ -5,6 +5,7 @@ import { save } from "../../api/download";
 import { Problem } from "../../api/problem";
 import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
+import { fetchTrack, type Track } from "../../map/track";
 import { Field } from "../../parts/Field";
 import { Link } from "../../parts/Link";
 import { ProblemNotice } from "../../parts/ProblemNotice";
@@ -13,7 +14,7 @@ import type { RoomProps } from "../../room";
 import { place } from "../../router";
 import { calendarOf, type Event, sessionsOf } from "./calendar";
 import { DaysMap } from "./DaysMap";
-import { fetchKept, fetchTrack, type Kept, latest, nearest, type Track } from "./kept";
+import { fetchKept, type Kept, latest, nearest } from "./kept";
 import { Lanes, told } from "./Lanes";
 import {
   around,
@@ -88,7 +89,9 @@ function Timeline({ span, onSpan }: { span: Span; onSpan: (span: Span) => void }
     return track && !(track instanceof Problem) ? track : null;
   };
   const shownNow_ms = now_ms === null || now_ms < from_ms || now_ms > to_ms ? (from_ms + to_ms) / 2 : now_ms;
-  const mapped = carriers.find((lane) => lane.name === chosen) ?? carriers[0] ?? null;
+  const count = (lane: Lane) => lane.blocks.filter((one) => one.stop_ms > from_ms && one.start_ms < to_ms).length;
+  const fullest = [...carriers].sort((one, other) => count(other) - count(one))[0] ?? null;
+  const mapped = carriers.find((lane) => lane.name === chosen) ?? fullest;
   const refusals = [...tracks].flatMap(([name, track]) =>
     track instanceof Problem ? [{ name, why: track.document.detail }] : [],
   );

@@ -1,12 +1,11 @@
-/** What is kept over some days: plans, passes of campaigns, imaging sessions, windows of searches. */
-import { get, post, type Schemas, send } from "../../api/client";
+/** Work kept over some days: plans, passes of campaigns, imaging sessions, windows of searches. */
+import { get, type Schemas, send } from "../../api/client";
 import { type Orbit, reachOf, textOf } from "../../api/orbit";
 import { isAbort, Problem } from "../../api/problem";
 import { rfc3339 } from "../../i18n/forms";
 import type { Block, Seen, Span } from "./lanes";
 
 type Job = Schemas["JobResponse"];
-export type Track = Schemas["OrbitTrackResponse"];
 
 const PAGE = 200;
 const PAGES = 3;
@@ -168,24 +167,6 @@ export function nameOfCarrier(orbit: Orbit): string {
 export function nearest(orbits: readonly Orbit[], at_ms: number): Orbit | null {
   const away = (orbit: Orbit) => Math.abs((reachOf(orbit)?.from_ms ?? Number.POSITIVE_INFINITY) - at_ms);
   return orbits.reduce<Orbit | null>((best, one) => (!best || away(one) < away(best) ? one : best), null);
-}
-
-const MOST_DAYS = 31;
-const tracks = new Map<string, Track>();
-
-/** Ground track and eclipses; why there are none where the service refuses. */
-export async function fetchTrack(orbit: Orbit, [from_ms, to_ms]: Span, until: AbortSignal): Promise<Track | Problem | null> {
-  if (to_ms - from_ms > MOST_DAYS * 86_400_000) return null;
-  const request = { orbit, start: rfc3339(from_ms), stop: rfc3339(to_ms), step_s: 60 };
-  const key = JSON.stringify(request);
-  try {
-    const track = tracks.get(key) ?? (await post("/v1/orbits/tracks", request, { signal: until }));
-    tracks.set(key, track);
-    return track;
-  } catch (error) {
-    if (error instanceof Problem) return error;
-    throw error;
-  }
 }
 
 /** Swaths and targets of a plan, as the service's GeoJSON has them. */

@@ -54,6 +54,11 @@ export interface Conflict {
   stop_ms: number;
 }
 
+/** By time, then the older plan first: ids of later ones sort after earlier ones. */
+function before(one: Block, other: Block): number {
+  return one.start_ms - other.start_ms || one.id.localeCompare(other.id);
+}
+
 const OPEN = new Set(["queued", "running"]);
 
 /** Refused, failed and cancelled ones command nothing. */
@@ -73,7 +78,7 @@ export function replacedBy(blocks: readonly Block[]): ReadonlySet<string> {
 
 export function lanesOf(blocks: readonly Block[], by: By, nobody: string): Lane[] {
   const lanes = new Map<string, Block[]>();
-  for (const block of [...blocks].sort((a, b) => a.start_ms - b.start_ms)) {
+  for (const block of [...blocks].sort(before)) {
     const name = by === "carrier" ? carrierOf(block) : (block.owner ?? nobody);
     lanes.set(name, [...(lanes.get(name) ?? []), block]);
   }
@@ -83,7 +88,7 @@ export function lanesOf(blocks: readonly Block[], by: By, nobody: string): Lane[
 /** Pairs of plans that command one platform at the same time; a revision takes the place of the one before. */
 export function conflictsOf(blocks: readonly Block[]): Conflict[] {
   const replaced = replacedBy(blocks);
-  const counted = blocks.filter((one) => commands(one) && !replaced.has(one.id)).sort((a, b) => a.start_ms - b.start_ms);
+  const counted = blocks.filter((one) => commands(one) && !replaced.has(one.id)).sort(before);
   const found: Conflict[] = [];
   for (const [number, one] of counted.entries()) {
     for (const other of counted.slice(number + 1)) {

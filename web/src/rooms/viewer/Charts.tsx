@@ -8,7 +8,7 @@ import { digits, marginTold } from "../../i18n/forms";
 import type { Stretch } from "../../time/TimeBar";
 import type { Plan } from "../plan/plan";
 import { shareOf } from "../plan/verdict";
-import { lastOf, onRows, type View } from "./view";
+import { hasPlaces, lastOf, onRows, type View } from "./view";
 
 const HEIGHT = 118;
 const TIMES_HEIGHT = 26;
@@ -133,10 +133,13 @@ function Sight({ view, common }: { view: View; common: Common }) {
     ],
     [view, text],
   );
+  const heights = [(view.sky === null || hasPlaces(view)) && text.elevation, view.sky && text.aboveLimb]
+    .filter(Boolean)
+    .join(" / ");
   return (
     <div class="look-strip">
       <h3>
-        {text.sight}, ° <span class="key key-axis-0">{text.elevation}</span> <span class="key key-axis-1">{text.offNadir}</span>{" "}
+        {text.sight}, ° <span class="key key-axis-0">{heights}</span> <span class="key key-axis-1">{text.offNadir}</span>{" "}
         <span class="key key-sun">{text.sun}</span>
       </h3>
       <TimeChart {...common} label={text.told(text.sight, "°")} lines={lines} hasTimes height={HEIGHT + TIMES_HEIGHT} />

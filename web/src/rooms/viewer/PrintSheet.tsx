@@ -7,7 +7,7 @@ import { clock } from "../../i18n/forms";
 import { wantOutlines } from "../../map/outlines";
 import type { Stretch } from "../../time/TimeBar";
 import { MapPicture } from "./FlatMap";
-import { lastOf, type View } from "./view";
+import { hasPlaces, lastOf, type View } from "./view";
 
 const MAP_PX = { width: 700, height: 215 };
 const CHART_PX = 132;
@@ -46,7 +46,7 @@ function Sheet({ view, stretches }: Props) {
   const sight = [...view.targets.map((target) => target.elevation_deg), view.boresight.off_nadir_deg];
   return (
     <div class="sheet">
-      <MapPicture view={view} isWhole={false} {...MAP_PX} />
+      <MapPicture view={view} reach="pass" closer={1} {...MAP_PX} />
       <div class="sheet-charts">
         {MOTION.map(({ key, column, unit }) => (
           <Chart
@@ -62,7 +62,7 @@ function Sheet({ view, stretches }: Props) {
           view={view}
           stretches={stretches}
           name={`${text.sight}, °`}
-          keys={[text.elevation, text.offNadir]}
+          keys={[hasPlaces(view) ? text.elevation : text.aboveLimb, text.offNadir]}
           lines={sight}
           colours={[...view.targets.map(() => 0), 1]}
         />

@@ -72,7 +72,7 @@ export function Readout({ view }: { view: View }) {
           <>
             <dt>{text.target}</dt>
             <dd>{target.name}</dd>
-            <dt>{text.elevation}</dt>
+            <dt>{heightName(target)}</dt>
             <dd>{unit(at(target.elevation_deg), 2, "°")}</dd>
             <dt>{text.sample}</dt>
             <dd>{sample(at(target.ground_sample_across_m), at(target.ground_sample_along_m))}</dd>
@@ -90,7 +90,6 @@ export function Readout({ view }: { view: View }) {
 
 /** Not while it moves: nobody could follow. */
 function Aloud({ view }: { view: View }) {
-  const text = words.value.viewer.values;
   const [said, setSaid] = useState("");
   const t_s = cursor_s.value;
   const plays = isPlaying.value;
@@ -110,7 +109,7 @@ function Aloud({ view }: { view: View }) {
           `${clock(Date.parse(view.epoch) + 1000 * t_s)} UTC`,
           kinds[view.activity[row] ?? "wait"],
           ...axes,
-          elevation && `${text.elevation} ${elevation}°`,
+          target && elevation && `${heightName(target)} ${elevation}°`,
         ]
           .filter(Boolean)
           .join("; "),
@@ -129,6 +128,12 @@ function Aloud({ view }: { view: View }) {
 export function targetAt(view: View, row: number): View["targets"][number] | null {
   const session = view.session[row];
   return view.targets.find((one) => one.session === session) ?? null;
+}
+
+/** What its angle is measured from: the horizon of its place, or the Earth's limb of what is in space. */
+function heightName(target: View["targets"][number]): string {
+  const { elevation, aboveLimb } = words.value.viewer.values;
+  return target.latitude_deg.some((one) => one !== null) ? elevation : aboveLimb;
 }
 
 function unit(value: number | null, decimals: number, sign: string): string {

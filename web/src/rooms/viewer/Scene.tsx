@@ -1,4 +1,4 @@
-/** The plan in space: on the globe where the browser can, on a flat map where it can't. */
+/** The plan in space: on the globe, close to a target on a flat map, among the stars on a chart of the sky. */
 import { useSignalEffect } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 
@@ -6,31 +6,36 @@ import type { Opened } from "../../globe/engine";
 import { hasWebGl, type Place } from "../../globe/globe";
 import { words } from "../../i18n";
 import { cursor_s } from "../../time/cursor";
-import { FlatMap } from "./FlatMap";
+import { FlatMap, type Reach } from "./FlatMap";
 import { footprintAt, footprintRows, linesOf } from "./ground";
-import { targetAt } from "./Readout";
-import { fetchCzml, longitudeAt, rowAt, type View, valueAt } from "./view";
+import { SkyChart } from "./SkyChart";
+import { fetchCzml, hasPlaces, longitudeAt, type View, valueAt } from "./view";
 
 type State = "loading" | "there" | "none";
+type Picture = "globe" | "map" | "sky";
 
 const DRAWN_EVERY = 40; // rows, to find the middle of the track by
+const CLOSER = 1.5;
 
 export function Scene({ view }: { view: View }) {
   const text = words.value.viewer.scene;
-  const [isFlat, setIsFlat] = useState(() => !hasWebGl());
+  const { sky } = view;
+  const [isAble] = useState(hasWebGl);
+  const [picture, setPicture] = useState<Picture>(() => (isOfSky(view) ? "sky" : isAble ? "globe" : "map"));
   const [state, setState] = useState<State>("loading");
-  const [isWhole, setIsWhole] = useState(false);
+  const [reach, setReach] = useState<Reach>("pass");
+  const [closer, setCloser] = useState(1);
   const box = useRef<HTMLDivElement>(null);
   const globe = useRef<Opened | null>(null);
   useEffect(() => {
     const element = box.current;
-    if (isFlat || !element) return;
+    if (picture !== "globe" || !element) return;
     const wanted = new AbortController();
     const goFlat = (error: unknown) => {
       if (wanted.signal.aborted) return;
       console.warn(error);
       setState("none");
-      setIsFlat(true);
+      setPicture("map");
     };
     setState("loading");
     open(view, element, goFlat, wanted.signal).then((opened) => {
@@ -46,54 +51,73 @@ export function Scene({ view }: { view: View }) {
       globe.current?.close();
       globe.current = null;
     };
-  }, [view, isFlat]);
+  }, [view, picture]);
   useSignalEffect(() => {
     const t_s = cursor_s.value;
     globe.current?.show(t_s, sunAt(view, t_s));
   });
-  const closer = () => {
-    const place = targetPlace(view) ?? boresightPlace(view);
-    if (place) globe.current?.lookAt(place);
+  const show = (next: Picture, of: Reach = "pass") => {
+    setPicture(next);
+    setReach(of);
+    setCloser(1);
   };
-  const canFly = !isFlat && state === "there";
+  const zoom = (factor: number) => {
+    if (picture !== "globe") setCloser((before) => Math.min(Math.max(before * factor, 1), 4000));
+    // Closer than that the globe's picture shows nothing.
+    else if (globe.current?.zoom(factor) === false) show("map", "target");
+  };
+  const overview = () => {
+    if (picture === "globe") globe.current?.overview(track(view));
+    else show(picture, "pass");
+  };
+  const others = (["globe", "map", "sky"] as const).filter((one) => one !== picture && (one !== "sky" || sky));
   return (
     <section class="panel look-scene" aria-label={text.title}>
-      {isFlat ? (
-        <FlatMap view={view} isWhole={isWhole} />
-      ) : (
+      {picture === "sky" && sky && <SkyChart view={view} sky={sky} closer={closer} />}
+      {picture === "map" && <FlatMap view={view} reach={reach} closer={closer} />}
+      {picture === "globe" && (
         <div class="look-globe" ref={box} role="img" aria-label={text.told} data-state={state}>
           {state === "loading" && <p class="look-globe-loading">{text.loading}</p>}
         </div>
       )}
       <div class="look-scene-tools">
-        {canFly && (
+        {(picture !== "globe" || state === "there") && (
           <>
-            <button type="button" onClick={() => globe.current?.overview(track(view))}>
+            <button type="button" onClick={overview}>
               {text.overview}
             </button>
-            <button type="button" onClick={closer}>
-              {text.target}
-            </button>
-            <button type="button" aria-label={text.closer} onClick={() => globe.current?.zoom(1.5)}>
+            {picture !== "sky" && hasPlaces(view) && (
+              <button type="button" aria-pressed={picture === "map" && reach === "target"} onClick={() => show("map", "target")}>
+                {text.target}
+              </button>
+            )}
+            {picture === "map" && (
+              <button type="button" aria-pressed={reach === "world"} onClick={() => show("map", "world")}>
+                {text.world}
+              </button>
+            )}
+            <button type="button" aria-label={text.closer} onClick={() => zoom(CLOSER)}>
               +
             </button>
-            <button type="button" aria-label={text.farther} onClick={() => globe.current?.zoom(1 / 1.5)}>
+            <button type="button" aria-label={text.farther} onClick={() => zoom(1 / CLOSER)}>
               −
             </button>
           </>
         )}
-        {isFlat && (
-          <button type="button" aria-pressed={isWhole} onClick={() => setIsWhole(!isWhole)}>
-            {text.world}
+        {others.map((one) => (
+          <button key={one} type="button" disabled={one === "globe" && (state === "none" || !isAble)} onClick={() => show(one)}>
+            {text.pictures[one]}
           </button>
-        )}
-        <button type="button" disabled={isFlat && (state === "none" || !hasWebGl())} onClick={() => setIsFlat(!isFlat)}>
-          {isFlat ? text.globe : text.map}
-        </button>
-        <span class="look-credit">{isFlat ? text.mapCredit : text.globeCredit}</span>
+        ))}
+        <span class="look-credit">{text.credits[picture]}</span>
       </div>
     </section>
   );
+}
+
+/** Whether nothing on the Earth is looked at. */
+function isOfSky(view: View): boolean {
+  return view.sky !== null && !hasPlaces(view);
 }
 
 /** null where nobody waits for it any more. */
@@ -122,17 +146,4 @@ function track(view: View): Place[] {
 function sunAt(view: View, t_s: number): Place | null {
   const [latitude, longitude] = [valueAt(view, view.sun.latitude_deg, t_s), longitudeAt(view, view.sun.longitude_deg, t_s)];
   return latitude === null || longitude === null ? null : { latitude_deg: latitude, longitude_deg: longitude };
-}
-
-function targetPlace(view: View): Place | null {
-  const row = rowAt(view, cursor_s.peek());
-  const target = targetAt(view, row) ?? view.targets[0];
-  const [latitude, longitude] = [target?.latitude_deg[row], target?.longitude_deg[row]];
-  return latitude == null || longitude == null ? null : { latitude_deg: latitude, longitude_deg: longitude };
-}
-
-function boresightPlace(view: View): Place | null {
-  const row = rowAt(view, cursor_s.peek());
-  const [latitude, longitude] = [view.boresight.latitude_deg[row], view.boresight.longitude_deg[row]];
-  return latitude == null || longitude == null ? null : { latitude_deg: latitude, longitude_deg: longitude };
 }

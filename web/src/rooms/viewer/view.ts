@@ -29,6 +29,11 @@ export async function fetchCameras(id: string, signal: AbortSignal): Promise<Hor
   return request.horizon_cameras ?? [];
 }
 
+/** Whether anything on the Earth is looked at. */
+export function hasPlaces(view: View): boolean {
+  return view.targets.some((one) => one.latitude_deg.some((latitude) => latitude !== null));
+}
+
 export function lastOf(t_s: readonly number[]): number {
   return t_s[t_s.length - 1] ?? 0;
 }

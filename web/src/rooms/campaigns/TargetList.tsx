@@ -1,0 +1,200 @@
+/** The targets asked for: added by name, changed and removed in their rows, each beside what is wrong with it. */
+import { useRef, useState } from "preact/hooks";
+
+import { get } from "../../api/client";
+import { useRequest } from "../../api/request";
+import { words } from "../../i18n";
+import { Combobox } from "../../parts/Combobox";
+import { Field } from "../../parts/Field";
+import { places } from "../planning/names";
+import { groundOf, textOf } from "../planning/target";
+import type { CampaignTarget, FieldError } from "./campaign";
+
+const SHOWN = 200;
+const CANDIDATES = 6;
+const LEAST_PRIORITY = 1e-6;
+
+interface Props {
+  targets: readonly CampaignTarget[];
+  /** Of those that were refused. */
+  faults: ReadonlyMap<CampaignTarget, readonly FieldError[]>;
+  onTargets: (targets: CampaignTarget[]) => void;
+  onAdd: (target: CampaignTarget["target"]) => void;
+}
+
+export function TargetList({ targets, faults, onTargets, onAdd }: Props) {
+  const text = words.value.campaigns;
+  const shown = targets.map((one, number) => ({ one, number })).filter(({ one, number }) => number < SHOWN || faults.has(one));
+  const change = (number: number, next: CampaignTarget) => onTargets(targets.map((one, k) => (k === number ? next : one)));
+  return (
+    <>
+      <AddTarget onAdd={onAdd} />
+      <div class="scroll-both targets" tabIndex={0} role="group" aria-label={text.targets}>
+        <table>
+          <thead>
+            <tr>
+              <th scope="col">{text.columns.target}</th>
+              <th scope="col">{text.columns.priority}</th>
+              <th scope="col">{text.columns.session}</th>
+              <th scope="col">
+                <span class="hidden">{text.columns.actions}</span>
+              </th>
+            </tr>
+          </thead>
+          <tbody>
+            {shown.map(({ one, number }) => (
+              <tr key={number} class={faults.has(one) ? "row-wrong" : ""}>
+                <td>
+                  {one.id}
+                  {faults.get(one)?.map((fault) => (
+                    <Fault
+                      key={fault.field}
+                      fault={fault}
+                      onName={(name) => change(number, { ...one, target: { mode: "place", name } })}
+                    />
+                  ))}
+                </td>
+                <td>
+                  <Amount
+                    label={text.priorityOf(one.id)}
+                    least={LEAST_PRIORITY}
+                    value={one.priority ?? 1}
+                    onValue={(priority) => change(number, { ...one, priority })}
+                  />
+                </td>
+                <td>
+                  {one.min_session_s != null && one.min_session_s < one.session_s && `${one.min_session_s}–`}
+                  <Amount
+                    label={text.lengthOf(one.id)}
+                    least={0.2}
+                    value={one.session_s}
+                    onValue={(session_s) =>
+                      change(number, {
+                        ...one,
+                        session_s,
+                        ...(one.min_session_s != null && { min_session_s: Math.min(one.min_session_s, session_s) }),
+                      })
+                    }
+                  />
+                </td>
+                <td>
+                  <button
+                    type="button"
+                    class="plain"
+                    aria-label={text.removeOne(one.id)}
+                    onClick={() => onTargets(targets.filter((_, k) => k !== number))}
+                  >
+                    ✕
+                  </button>
+                </td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+        {targets.length > shown.length && <p class="small">{text.more(targets.length - shown.length)}</p>}
+      </div>
+    </>
+  );
+}
+
+function AddTarget({ onAdd }: Pick<Props, "onAdd">) {
+  const text = words.value.campaigns;
+  const [typed, setTyped] = useState("");
+  const form = useRef<HTMLFormElement>(null);
+  const add = (given: string) => {
+    const target = groundOf(given);
+    if (target?.mode === "ground" || target?.mode === "place") onAdd(target);
+    setTyped("");
+  };
+  return (
+    <form
+      ref={form}
+      onSubmit={(event) => {
+        event.preventDefault();
+        add(typed);
+      }}
+    >
+      <Field label={text.add} hint={text.addHint}>
+        {(control) => (
+          <span class="row">
+            <Combobox
+              control={control}
+              value={typed}
+              onValue={setTyped}
+              onTake={add}
+              onLeave={() => undefined}
+              offered={words.value.plan.target.offered.ground}
+              offers={places}
+            />
+            <button type="submit" disabled={!typed.trim()}>
+              {text.addOne}
+            </button>
+          </span>
+        )}
+      </Field>
+    </form>
+  );
+}
+
+interface AmountProps {
+  label: string;
+  least: number;
+  value: number;
+  onValue: (value: number) => void;
+}
+
+function Amount({ label, least, value, onValue }: AmountProps) {
+  return (
+    <input
+      type="number"
+      class="amount"
+      aria-label={label}
+      min={least}
+      step="any"
+      value={value}
+      onChange={(event) => {
+        const typed = event.currentTarget.valueAsNumber;
+        if (typed >= least) onValue(typed);
+      }}
+    />
+  );
+}
+
+/** What is wrong with a target; of a name also the places that it may mean. */
+function Fault({ fault: { field, detail, value }, onName }: { fault: FieldError; onName: (name: string) => void }) {
+  const text = words.value.campaigns;
+  const asked = field.endsWith(".target.name") && typeof value === "string" ? value : null;
+  const { answer: candidates } = useRequest(asked, (until) => candidatesFor(asked ?? "", until));
+  return (
+    <>
+      <p class="wrong">{detail}</p>
+      {candidates && candidates.length > 0 && (
+        <p class="row candidates">
+          {text.means}
+          {candidates.map((name) => (
+            <button key={name} type="button" class="small-button" onClick={() => onName(name)}>
+              {name}
+            </button>
+          ))}
+        </p>
+      )}
+    </>
+  );
+}
+
+/** Places called so, or else those that are called alike. */
+async function candidatesFor(name: string, until: AbortSignal): Promise<string[]> {
+  const answer = await get("/v1/places", { query: { begin: name }, signal: until });
+  const names = answer.places.map((one) => one.name);
+  const same = names.filter((one) => one.split(",")[0]?.toLowerCase() === name.trim().toLowerCase());
+  return (same.length > 0 ? same : names).slice(0, CANDIDATES);
+}
+
+/** An id for a target that has none yet, unlike those there are. */
+export function idFor(target: CampaignTarget["target"], targets: readonly CampaignTarget[]): string {
+  const named = target.mode === "place" ? (target.name.split(",")[0] ?? target.name) : textOf(target);
+  const taken = new Set(targets.map((one) => one.id));
+  let id = named;
+  for (let number = 2; taken.has(id); number++) id = `${named} ${number}`;
+  return id;
+}
