@@ -5,13 +5,10 @@ from collections.abc import Sequence
 from datetime import UTC, datetime
 from typing import Any
 
-from app.answers.members import provenance
-from app.answers.opportunities import whole_opportunities
 from app.answers.problem import problem_of as members_of
+from app.cli.local import Local
 from app.cli.service import RefusedThere
-from app.ids import new_id
-from app.requests.opportunities import read_opportunity_request
-from app.work.campaign import answer_opportunities
+from app.requests.json_reader import json_document
 from planner.base.errors import InvalidInput, Refusal
 from planner.world.frames.time_scales import utc_from_text
 from slewtrack.client import next_pass
@@ -29,15 +26,17 @@ def with_settings(body: bytes, settings: Sequence[str] | None) -> bytes:
         field, equals, text = setting.partition("=")
         if not equals or not field:
             raise InvalidInput(f"{setting[:80]!r} is no FIELD=VALUE", field="--set")
-        _set(document, field.split("."), _value(text), field)
+        try:
+            _set(document, field.split("."), _value(text))
+        except (LookupError, TypeError, ValueError):
+            raise InvalidInput(
+                f"the request has nothing at {field[:80]!r}", field="--set"
+            ) from None
     return json.dumps(document).encode()
 
 
 def _object(body: bytes) -> dict[str, Any]:
-    try:
-        document = json.loads(body)
-    except ValueError as error:
-        raise InvalidInput(f"the request is no JSON: {error}") from None
+    document = json_document(body)
     if not isinstance(document, dict):
         raise InvalidInput("the request must be a JSON object")
     return document
@@ -50,25 +49,17 @@ def _value(text: str) -> object:
         return text
 
 
-def _set(document: dict[str, Any], path: list[str], value: object, field: str) -> None:
-    inside: Any = document
+def _set(inside: Any, path: Sequence[str], value: object) -> None:  # noqa: ANN401 (JSON)
+    """Raises LookupError, TypeError or ValueError where the document has no such place."""
     for name in path[:-1]:
-        inside = _entry(inside, name, field)
-    last = path[-1]
-    if isinstance(inside, dict):
-        inside[last] = value
-    elif isinstance(inside, list) and last.isdecimal() and int(last) < len(inside):
-        inside[int(last)] = value
-    else:
-        raise InvalidInput(f"the request has nothing at {field[:80]!r}", field="--set")
+        inside = inside.setdefault(name, {}) if isinstance(inside, dict) else inside[_place(name)]
+    inside[path[-1] if isinstance(inside, dict) else _place(path[-1])] = value
 
 
-def _entry(inside: object, name: str, field: str) -> object:
-    if isinstance(inside, dict):
-        return inside.setdefault(name, {})
-    if isinstance(inside, list) and name.isdecimal() and int(name) < len(inside):
-        return inside[int(name)]
-    raise InvalidInput(f"the request has nothing at {field[:80]!r}", field="--set")
+def _place(name: str) -> int:
+    if not name.isdecimal():
+        raise ValueError
+    return int(name)
 
 
 def search_start(text: str | None) -> datetime:
@@ -95,10 +86,7 @@ def at_next_pass(body: bytes, start_utc: datetime) -> tuple[bytes, str]:
 
 
 def _found(search: dict[str, Any]) -> Opportunities:
-    body = json.dumps(search).encode()
-    origin = provenance(datetime.now(UTC), body)
     try:
-        found = answer_opportunities(read_opportunity_request(body), origin)
+        return read(Opportunities, Local().opportunities(json.dumps(search).encode()).members)
     except Refusal as refusal:
         raise next_pass.as_in_plan(problem_of(members_of(refusal))) from None
-    return read(Opportunities, json.loads(whole_opportunities(new_id(), found)))

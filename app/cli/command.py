@@ -81,17 +81,9 @@ def _help_without_command(
 main.add_typer(keys, name="keys")
 
 
-main.command()(plan)
-main.command()(fly)
-main.command("list")(list_plans)
-main.command()(show)
-main.command()(export)
-main.command()(watch)
-main.command()(compare)
-
-
-for command in (windows, campaign, horizon, spacecraft):
-    main.command()(command)
+_PLATFORM = (plan, fly, list_plans, show, export, watch, compare)
+for command in (*_PLATFORM, windows, campaign, horizon, spacecraft):
+    main.command(command.__name__.removesuffix("_plans"))(command)
 
 
 def _port(text: str | int) -> int:

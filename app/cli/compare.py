@@ -2,21 +2,16 @@
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
 from rich.text import Text
 
 from app.cli import files
-from app.cli.planner import Members
-from app.cli.progress_bar import told_progress
+from app.cli.planner import Members, planner_at
 from app.cli.report_parts import print_rows, print_warnings
 from planner.base.errors import InvalidInput
-
-if TYPE_CHECKING:
-    from app.cli.local import Local
-    from slewtrack.client import Client
 
 _TIME = slice(11, 23)
 
@@ -84,18 +79,10 @@ def compare(
             _add(head, path)
         if identify:
             head["identify"] = identify
-        if is_kept:
-            from app.cli.service import service, whole_id
-
-            with service(url) as client:
-                head["plan"] = whole_id(client, plan)
-                answer, drawn = _compare(client, head, content, picture)
-        else:
-            from app.cli.local import Local
-
-            here = Local()
-            head["plan"] = _take(here, Path(plan), request)
-            answer, drawn = _compare(here, head, content, picture)
+        with planner_at((url or "") if is_kept else None) as planner:
+            head["plan"] = planner.named(plan, request)
+            answer = planner.compare(head, content)
+            drawn = planner.draw_comparison(head, content, picture) if picture else b""
         print_comparison(console, answer)
         files.write_json(json, answer)
         if plot:
@@ -127,31 +114,6 @@ def _add(head: dict[str, Any], path: Path) -> None:
         )
     for kind in kinds:
         head.setdefault(kind, []).extend(found[kind])
-
-
-def _compare(
-    planner: "Local | Client", head: Members, csv: bytes, picture: str | None
-) -> tuple[Members, bytes]:
-    answer = planner.compare(head, csv)
-    return answer, planner.draw_comparison(head, csv, picture) if picture else b""
-
-
-def _take(here: "Local", path: Path, request: Path | None) -> str:
-    """Planned anew from a request, or as an answer has it: the plan's id."""
-    from app.requests.json_reader import json_document
-
-    body = path.read_bytes()
-    document = json_document(body)
-    if not isinstance(document, dict) or "table" not in document:
-        with told_progress("planning") as tell:
-            return here.plan(body, progress=tell).id
-    if request is None:
-        raise InvalidInput(
-            "PLAN_OR_REQUEST is a plan's answer, which doesn't hold the platform: name its "
-            "request, too",
-            field="--request",
-        )
-    return here.take(document, request.read_bytes())
 
 
 def print_comparison(console: Console, answer: Members) -> None:

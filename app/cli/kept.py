@@ -13,7 +13,7 @@ from app.cli.planner import Members
 from app.cli.report_parts import UNBOUNDED, print_rows, report_console
 
 if TYPE_CHECKING:
-    from slewtrack.client import Client, Progress
+    from slewtrack.client import Progress
 
 _SECOND, _MINUTE = 19, 16  # characters of a time to these
 _SHORT_ID = 13  # to the millisecond in which it was made
@@ -87,12 +87,11 @@ def _time(characters: int) -> Callable[[str | None], str]:
 def show(plan_id: Id, url: files.KeptUrl = None, json: files.WholeAnswer = None) -> None:
     """Show a plan that a service keeps."""
     from app.cli.plan_report import print_plan
-    from app.cli.service import service, whole_id
+    from app.cli.service import service
 
     with files.report_beside(json) as console, service(url) as client:
-        whole = whole_id(client, plan_id)
-        plan, asked = client.get(whole), client.request(whole)
-        print_plan(console, plan.members, asked)
+        plan = client.get(client.named(plan_id))
+        print_plan(console, plan.members, client.request(plan.id))
         files.write_json(json, plan.members)
 
 
@@ -108,19 +107,20 @@ def export(
     url: files.KeptUrl = None,
 ) -> None:
     """Write the table of a plan that a service keeps, in one format or several."""
-    from app.cli.service import service, whole_id
+    from app.cli.service import service
     from planner.output.export import EXPORTERS
 
     with files.report_beside(None, exports=tables), service(url) as client:
         wanted = files.formats_and_paths(tables, EXPORTERS)
-        whole = whole_id(client, plan_id)
+        whole = client.named(plan_id)
         for name, path in wanted:
             files.write(path, client.export(whole, name))
 
 
 def watch(plan_id: Id, url: files.KeptUrl = None) -> None:
     """Follow a plan, campaign or flights to their end; 0 done, 1 failed or cancelled, 2 refused."""
-    from app.cli.service import service, whole_id
+    from app.cli.service import service
+    from slewtrack.client import Refused
 
     console = report_console()
 
@@ -129,22 +129,14 @@ def watch(plan_id: Id, url: files.KeptUrl = None) -> None:
         console.print(Text(f"{now.state}{': ' if now.stage else ''}{now.stage or ''}{parts}"))
 
     with service(url) as client:
-        has_passed = _follow(client, whole_id(client, plan_id), tell)
-    if not has_passed:
+        whole = client.named(plan_id)
+        waits = (client.wait, client.wait_for_campaign, client.wait_for_flights)
+        for wait in waits:
+            try:
+                made = wait(whole, progress=tell)
+                break
+            except Refused as refused:
+                if refused.problem.status != HTTPStatus.NOT_FOUND or wait is waits[-1]:
+                    raise
+    if not getattr(made, "passed", made.state == "done"):
         raise typer.Exit(FAILED)
-
-
-def _follow(client: "Client", job_id: str, tell: "Callable[[Progress], None]") -> bool:
-    from slewtrack.client import Refused
-
-    waits: tuple[Callable[[], bool], ...] = (
-        lambda: client.wait(job_id, progress=tell).passed,
-        lambda: client.wait_for_campaign(job_id, progress=tell).state == "done",
-    )
-    for wait in waits:
-        try:
-            return wait()
-        except Refused as refused:
-            if refused.problem.status != HTTPStatus.NOT_FOUND:
-                raise
-    return client.wait_for_flights(job_id, progress=tell).state == "done"

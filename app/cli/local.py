@@ -8,12 +8,15 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import cached_property, partial
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app.answers.members import new_head, provenance, to_json, whole_answer
 from app.answers.problem import problem_of
 from app.cli.planner import Members, OnProgress, ParsedAnswer
+from app.cli.progress_bar import told_progress
 from app.ids import new_id
+from app.requests.json_reader import json_document
 from app.requests.plan import read_plan_request
 from app.store.packed import pack, unpack, unzip
 from app.work.plan import (
@@ -27,7 +30,7 @@ from app.work.plan import (
 )
 from app.work.progress import Progress, report, report_through
 from app.work.result import Part, Result
-from planner.base.errors import FieldError, InvalidRequest, Refusal
+from planner.base.errors import FieldError, InvalidInput, InvalidRequest, Refusal
 from planner.world.frames.time_scales import utc_from_text
 
 if TYPE_CHECKING:
@@ -103,8 +106,22 @@ class Local:
         """What a plan was asked for by."""
         return ParsedAnswer(self._stored[plan_id][0])
 
-    def take(self, plan: Members, request: bytes) -> str:
-        """The id of a plan that its whole answer tells; raises InvalidRequest for another text."""
+    def named(self, plan: str, request: Path | None) -> str:
+        """The id of a plan in a file: planned anew from a request, or as an answer has it."""
+        body = Path(plan).read_bytes()
+        document = json_document(body)
+        if not isinstance(document, dict) or "table" not in document:
+            with told_progress("planning") as tell:
+                return self.plan(body, progress=tell).id
+        if request is None:
+            raise InvalidInput(
+                "PLAN_OR_REQUEST is a plan's answer, which doesn't hold the platform: name its "
+                "request, too",
+                field="--request",
+            )
+        return self._take(document, request.read_bytes())
+
+    def _take(self, plan: Members, request: bytes) -> str:
         import numpy as np
 
         from planner.base.commands import CommandTable

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from app.cli.local import Local
-    from slewtrack.client import Client
+    from app.cli.service import TellingClient
 
 Members = Mapping[str, Any]
 
@@ -24,7 +24,7 @@ OnProgress = Callable[[Any], None]  # told of stage, done and of, where these ar
 
 
 @contextmanager
-def planner_at(url: str | None) -> "Iterator[Local | Client]":
+def planner_at(url: str | None) -> "Iterator[Local | TellingClient]":
     """The service at this address, or this process without one; both are asked alike."""
     if url is None:
         from app.cli.local import Local

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from threading import Timer
 
 import httpx
@@ -26,7 +27,7 @@ class RefusedThere(Refusal):
         self.is_failure = problem.status >= SERVER_ERROR
 
 
-class _TellingClient(Client):
+class TellingClient(Client):
     """Says once whom it waits for; whoever can't be reached from the first is given up at once."""
 
     _has_answered = _has_told = False
@@ -47,6 +48,17 @@ class _TellingClient(Client):
         self._has_answered = True
         return reply
 
+    def named(self, plan: str, _: Path | None = None) -> str:
+        """The id of the one plan whose id begins so; raises InvalidInput."""
+        if len(plan) >= ID_CHARACTERS:
+            return plan
+        found = [job.id for job in self.plans(limit=SOUGHT_MAX) if job.id.startswith(plan)]
+        if len(found) != 1:
+            how = f"{len(found)} plans begin" if found else "there is no plan whose id begins"
+            detail = f"{how} with {plan[:40]!r}; `slewtrack list --wide` has them"
+            raise InvalidInput(detail, field="ID")
+        return found[0]
+
     def _tell(self) -> None:
         if not self._has_told:
             self._has_told = True
@@ -54,10 +66,10 @@ class _TellingClient(Client):
 
 
 @contextmanager
-def service(url: str | None) -> Iterator[Client]:
+def service(url: str | None) -> Iterator[TellingClient]:
     """The service at an address; raises Refusals."""
     try:
-        client = _TellingClient(url)
+        client = TellingClient(url)
     except ValueError as error:
         raise InvalidInput(str(error), field="--url") from None
     with client:
@@ -69,15 +81,3 @@ def service(url: str | None) -> Iterator[Client]:
             raise InvalidInput(str(error), field="--url") from None
         except ServiceError as error:
             raise Refusal(str(error)) from None
-
-
-def whole_id(client: Client, begin: str) -> str:
-    """The id of the one plan whose id begins so; raises InvalidInput."""
-    if len(begin) >= ID_CHARACTERS or not begin:
-        return begin
-    found = [job.id for job in client.plans(limit=SOUGHT_MAX) if job.id.startswith(begin)]
-    if len(found) != 1:
-        how = f"{len(found)} plans begin" if found else "there is no plan whose id begins"
-        detail = f"{how} with {begin[:40]!r}; `slewtrack list --wide` has them"
-        raise InvalidInput(detail, field="ID")
-    return found[0]
