@@ -55,7 +55,7 @@ of_orbits = APIRouter(tags=["opportunities"], dependencies=ONLY_JSON)
 
 @of_orbits.post(
     "/v1/orbits/tracks",
-    summary="Compute the ground track and the eclipses of an orbit",
+    summary="Predict the ground track and the eclipses of an orbit",
     response_model=OrbitTrackResponse,
     openapi_extra=json_body_of(ORBIT_TRACK_READER, ORBIT_TRACK_EXAMPLES),
 )
