@@ -144,7 +144,7 @@ export const plan: Words["plan"] = {
     remove: (number) => `Убрать сеанс ${number}`,
     noTarget: "нет цели",
     noTimes: "нет окна",
-    exactly: (number) => `Сеанс ${number}: точное время, имя, особая зона`,
+    exactly: (number) => `Сеанс ${number}: точное время, имя`,
     start: "Начало, UTC",
     stop: "Конец, UTC",
     backwards: "Начало должно быть раньше конца.",
