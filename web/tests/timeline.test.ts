@@ -72,6 +72,9 @@ test("blocks and their names don't lie over each other", () => {
 test("ticks are whole times of day, no more than fit", () => {
   const day = ticksOf([NOON_MS, NOON_MS + DAY_MS], 10);
   expect(day.map((one) => new Date(one.at_ms).getUTCHours())).toEqual([12, 15, 18, 21, 0, 3, 6, 9, 12]);
+  for (const days of [40, 400, 4000, 400_000]) {
+    expect(ticksOf([NOON_MS, NOON_MS + days * DAY_MS], 12).length).toBeLessThanOrEqual(13);
+  }
   expect(ticksOf([NOON_MS + 1, NOON_MS + 1000], 10)).toEqual([{ at_ms: NOON_MS + 1000, step_ms: 1000 }]);
 });
 

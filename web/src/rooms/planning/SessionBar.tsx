@@ -127,7 +127,7 @@ export function SessionBar({ window }: { window: Window }) {
         <b>
           {rowClock(first)}–{rowClock(last)} UTC
         </b>
-        {` · ${number((last - first) / 1000, 1)} s · ${text.elevation(number(seen.least, 0), number(seen.most, 0))}`}
+        {` · ${number((last - first) / 1000, 1)} s · ${(window.place ? text.elevation : text.aboveLimb)(number(seen.least, 0), number(seen.most, 0))}`}
         {seen.light && ` · ${words.value.plan.windows.lights[seen.light]}`}
         {seen.sample !== null && ` · ${text.sample(number(seen.sample, 2))}`}
       </p>

@@ -1,4 +1,5 @@
 /** From when on, for how long and under which conditions windows are looked for. */
+import { EARTH_FIXED_MODES, SEARCHED_MODES } from "../../api/lists";
 import { words } from "../../i18n";
 import { rfc3339 } from "../../i18n/forms";
 import { Field } from "../../parts/Field";
@@ -10,6 +11,8 @@ import * as draft from "./draft";
 export function SpanFields() {
   const text = words.value.plan.span;
   const { min_elevation_deg: _, ...others } = draft.conditions.value;
+  const mode = draft.target.value?.mode;
+  const isInSpace = SEARCHED_MODES.some((one) => one === mode) && !EARTH_FIXED_MODES.some((one) => one === mode);
   const local = rfc3339(draft.from_ms.value).slice(0, 16);
   return (
     <div class="span-fields">
@@ -27,19 +30,21 @@ export function SpanFields() {
         )}
       </Field>
       <NumberField label={text.days} least={1} most={14} of={draft.days} />
-      <NumberField
-        label={text.elevation}
-        least={0}
-        most={85}
-        of={{
-          get value() {
-            return draft.leastElevation_deg.value;
-          },
-          set value(min_elevation_deg) {
-            draft.conditions.value = { ...draft.conditions.peek(), min_elevation_deg };
-          },
-        }}
-      />
+      {!isInSpace && (
+        <NumberField
+          label={text.elevation}
+          least={0}
+          most={85}
+          of={{
+            get value() {
+              return draft.leastElevation_deg.value;
+            },
+            set value(min_elevation_deg) {
+              draft.conditions.value = { ...draft.conditions.peek(), min_elevation_deg };
+            },
+          }}
+        />
+      )}
       <details class="fields-group">
         <summary>
           <b>{text.conditions}</b>

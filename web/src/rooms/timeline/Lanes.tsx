@@ -41,6 +41,7 @@ const TICK_PX = 92;
 const LETTER_PX = 7.2;
 const LEAST_PX = 8;
 const ROW_PX = 24;
+const WINDOW_ROWS = 5; // of windows with their names; more stand without
 const SHADOW_MOST_MS = 8 * DAY_MS; // of more, bands would be a grey
 
 export function Lanes({ span, lanes, windows, conflicts, trackOf, now_ms, onNow, onSpan, onAll }: Props) {
@@ -307,10 +308,10 @@ function WindowLanes({ windows, at }: { windows: readonly Seen[]; at: Place }) {
     <>
       {searches.map((search) => {
         const shown = windows.filter((one) => one.search === search && isIn(at, one)).sort((a, b) => a.start_ms - b.start_ms);
-        const rows = rowsOf(
-          shown,
-          shown.map(({ target }) => (LEAST_PX + 10 + Math.min(target.length, 18) * LETTER_PX) / (at.per_ms || 1)),
-        );
+        const name_ms = shown.map(({ target }) => (LEAST_PX + 10 + Math.min(target.length, 18) * LETTER_PX) / (at.per_ms || 1));
+        const withNames = rowsOf(shown, name_ms);
+        const isNamed = Math.max(0, ...withNames) < WINDOW_ROWS;
+        const rows = isNamed ? withNames : rowsOf(shown, []);
         return (
           <div key={search} class="lane">
             <Head>{text.windowsOf(search || text.unnamed)}</Head>
@@ -325,9 +326,11 @@ function WindowLanes({ windows, at }: { windows: readonly Seen[]; at: Place }) {
                     title={said}
                     style={{ ...lie(at, one.start_ms, one.stop_ms, "4px"), top: `${(rows[k] ?? 0) * ROW_PX + 2}px` }}
                   >
-                    <span class="block-name" aria-hidden="true">
-                      {one.target}
-                    </span>
+                    {isNamed && (
+                      <span class="block-name" aria-hidden="true">
+                        {one.target}
+                      </span>
+                    )}
                     <span class="hidden">{said}</span>
                   </li>
                 );

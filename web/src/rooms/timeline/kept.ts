@@ -44,7 +44,7 @@ export async function fetchKept([from_ms, to_ms]: Span, until: AbortSignal, show
   await inTurn(campaigns.jobs, async (job) => {
     kept.blocks.push(...(await passesOf(job, until)));
   });
-  await inTurn(searches.jobs, async (job) => {
+  await inTurn(searches.jobs.filter(isAsked), async (job) => {
     kept.windows.push(...(await windowsOf(job, until)));
   });
   await inTurn(kept.blocks, async (block) => {
@@ -115,6 +115,11 @@ async function passesOf(job: Job, until: AbortSignal): Promise<Block[]> {
     start_ms: Date.parse(pass.start),
     stop_ms: Date.parse(pass.stop),
   }));
+}
+
+/** Not the one that the form leaves behind, of whatever it was last asked for. */
+function isAsked({ name, targets }: Job): boolean {
+  return name !== "" || targets.join() !== "target";
 }
 
 async function windowsOf(job: Job, until: AbortSignal): Promise<Seen[]> {

@@ -119,12 +119,12 @@ const STEPS_MS = [
   ...[1, 5, 10, 30].map((one) => 1000 * one),
   ...[1, 5, 10, 30].map((one) => MINUTE_MS * one),
   ...[1, 3, 6, 12].map((one) => HOUR_MS * one),
-  ...[1, 2, 7, 28].map((one) => DAY_MS * one),
+  ...[1, 2, 7, 28, 91, 365, 1826, 7305].map((one) => DAY_MS * one),
 ];
 
 /** Whole times of day in a span, at most so many. */
 export function ticksOf([from_ms, to_ms]: Span, most: number): { at_ms: number; step_ms: number }[] {
-  const step_ms = STEPS_MS.find((one) => (to_ms - from_ms) / one <= most) ?? 28 * DAY_MS;
+  const step_ms = STEPS_MS.find((one) => (to_ms - from_ms) / one <= most) ?? 36_525 * DAY_MS;
   const first = Math.ceil(from_ms / step_ms) * step_ms;
   const count = Math.max(0, Math.floor((to_ms - first) / step_ms) + 1);
   return Array.from({ length: count }, (_, k) => ({ at_ms: first + k * step_ms, step_ms }));
