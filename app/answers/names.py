@@ -23,6 +23,8 @@ class KnownPlace:
     name: the shortest that means it alone, for `name` of a target of mode `place`. E.g.
     `"London, GB"`.
     words: its name with region and country. E.g. `"London, England, GB"`.
+    other_name: another name of it, which what was typed begins; null where its own does. E.g.
+    `"Cologne"`.
     latitude_deg: geodetic, WGS84; north positive.
     longitude_deg: WGS84; east positive.
     height_m: above the WGS84 ellipsoid.
@@ -30,6 +32,7 @@ class KnownPlace:
 
     name: str
     words: str
+    other_name: str | None
     latitude_deg: LatitudeDeg
     longitude_deg: LongitudeDeg
     height_m: Signed
@@ -37,9 +40,9 @@ class KnownPlace:
 
 @dataclass(frozen=True, kw_only=True)
 class KnownPlaces:
-    """Those of just the letters given first, then those whose own name they begin.
+    """Places whose names begin so.
 
-    places: of each kind the most populous first.
+    places: the most populous first; of those of another name, a twentieth of the people counts.
     """
 
     places: list[KnownPlace]
@@ -61,7 +64,7 @@ class KnownStar:
 class KnownStars:
     """Stars whose names begin so.
 
-    stars: in order of the alphabet.
+    stars: the brightest first.
     """
 
     stars: list[KnownStar]

@@ -5,12 +5,13 @@ from typing import Annotated
 from fastapi import APIRouter, Query
 from pydantic import Field
 
+from app.answers.members import fill
 from app.answers.names import KnownPlace, KnownPlaces, KnownStar, KnownStars, PlatformList
 from app.answers.platform import definition_of
 from app.http.negotiation import ONLY_JSON
 from app.http.query import Parameters
 from planner.world.platforms import PLATFORMS
-from planner.world.targets.autocomplete import places_beginning, stars_beginning
+from planner.world.targets.autocomplete import name_begun, places_beginning, stars_beginning
 
 router = APIRouter(tags=["platforms"], dependencies=ONLY_JSON)
 
@@ -40,13 +41,7 @@ def get_places(query: Annotated[NamesQuery, Query()]) -> KnownPlaces:
     found = places_beginning(query.begin, query.limit)
     return KnownPlaces(
         places=[
-            KnownPlace(
-                name=name,
-                words=place.in_words,
-                latitude_deg=place.latitude_deg,
-                longitude_deg=place.longitude_deg,
-                height_m=place.height_m,
-            )
+            fill(KnownPlace, place, name=name, other_name=name_begun(place, query.begin))
             for name, place in found
         ]
     )
