@@ -18,9 +18,9 @@ class PlatformList:
 
 @dataclass(frozen=True, kw_only=True)
 class KnownPlaces:
-    """Those of just the letters given first, then those whose own name they begin.
+    """Places whose names begin so.
 
-    places: of each kind the most populous first.
+    places: the most populous first; of those of another name, a twentieth of the people counts.
     """
 
     places: list[KnownPlace]
@@ -30,7 +30,7 @@ class KnownPlaces:
 class KnownStars:
     """Stars whose names begin so.
 
-    stars: in order of the alphabet.
+    stars: the brightest first.
     """
 
     stars: list[KnownStar]

@@ -238,12 +238,10 @@ def whole_opportunities(search_id: str, found: FoundWindows) -> bytes:
     )
 
 
-def windows_out(result: Opportunities, probability: Array | None = None) -> list[WindowOut]:
+def windows_out(result: Opportunities, probability: Array | float = np.nan) -> list[WindowOut]:
     """All windows, in order; probability: in frame over the session of each, NaN where unknown."""
-    if probability is None:
-        probability = np.full(len(result.windows), np.nan)
     columns = pass_columns(result) | {
-        "probability_in_frame": _numbers(probability),
+        "probability_in_frame": _numbers(np.broadcast_to(probability, len(result.windows))),
         "branch": result.windows.branch.tolist(),
         "branches": [np.flatnonzero(usable).tolist() for usable in result.windows.branches],
     }

@@ -20,6 +20,7 @@ from app.requests.plain_text import CHARACTERS_MAX, require_message, require_pla
 from planner.base.errors import Blame, FieldError, InvalidRequest, Refusal, with_short_values
 from planner.base.spec import as_kept
 from planner.world.frames.time_scales import utc_from_text
+from planner.world.targets.names import suggest_at_most
 
 ERRORS_SHOWN = 50
 FIELDS_MAX = 1000  # of one object, and
@@ -78,7 +79,8 @@ class JsonReader(Generic[T]):
         if document is not sent:
             body = json.dumps(document).encode()
         try:
-            value: T = self._validator.validate_json(body)
+            with suggest_at_most(ERRORS_SHOWN):
+                value: T = self._validator.validate_json(body)
         except ValidationError as error:
             found = error.errors(include_url=False)
         else:
@@ -267,7 +269,10 @@ def _field_error(error: Mapping[str, Any], document: object) -> FieldError:
     if kind not in ("value_error", "missing", "unexpected_keyword_argument") and value is not None:
         detail += f", not {json.dumps(value)}"
     return FieldError(
-        field=with_short_values(".".join(path)), detail=with_short_values(detail), value=value
+        field=with_short_values(".".join(path)),
+        detail=with_short_values(detail),
+        value=value,
+        candidates=getattr(error.get("ctx", {}).get("error"), "candidates", ()),
     )
 
 

@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import AfterValidator, FailFast, Field
+from pydantic import AfterValidator, Field
 
 from app.requests.initial_state import AskedInitialState
 from app.requests.json_reader import JsonReader
@@ -31,7 +31,7 @@ class PlanRequest(Scenario):
 
     if not TYPE_CHECKING:  # what is read; once born, it is complete
         initial_state: AskedInitialState = AskedInitialState()
-    sessions: Annotated[tuple[Session, ...], Field(max_length=SESSIONS_MAX), FailFast()]
+    sessions: Annotated[tuple[Session, ...], Field(max_length=SESSIONS_MAX)]
     horizon_cameras: tuple[HorizonCamera, ...] = ()
 
     def __post_init__(self) -> None:

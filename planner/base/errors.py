@@ -96,11 +96,14 @@ class FieldError:
     field: its dotted name. E.g. `"sessions.0.target.latitude_deg"`.
     detail: the fault and the way out. E.g. `"must lie in -90..90, not 91"`.
     value: its value, if that is no object or list. E.g. `91`.
+    candidates: names that each mean one thing, where the value may mean several or is misspelt.
+    E.g. `["Springfield, Ohio, US"]`.
     """
 
     field: str
     detail: str
     value: str | float | int | bool | None = None
+    candidates: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         return f"{self.field}: {self.detail}" if self.field else self.detail

@@ -21,7 +21,7 @@ MOST = {
     "planning": 44,
     "spacecraft": 44,
     "verification": 61,
-    "world": 124,
+    "world": 121,
 }
 
 

@@ -21,6 +21,23 @@ def test_the_most_populous_place_comes_first(client, begin):
     assert (first["latitude_deg"], first["longitude_deg"]) == pytest.approx(LONDON, abs=0.01)
 
 
+@pytest.mark.parametrize(
+    ("begin", "first", "other"),
+    [("Cologn", "Köln, DE", "Cologna"), ("New Yo", "New York City, US", None),
+     ("al", "Alexandria, EG", None)],
+)  # fmt: skip
+def test_the_larger_place_is_offered_first_by_whichever_name_it_has(client, begin, first, other):
+    """Cologno Monzese has 47,000 people, Jakarta was once called New York of Java."""
+    offered = places(client, begin)[0]
+    assert (offered["name"], offered["other_name"]) == (first, other)
+
+
+def test_the_brightest_stars_are_offered_first(client):
+    """Not Al Aghnam; magnitudes 0.76, 0.87 and 1.69 of the Bright Star Catalogue."""
+    stars = client.get("/v1/stars", params={"begin": "al"}).json()["stars"]
+    assert [one["name"] for one in stars[:3]] == ["Altair", "Aldebaran", "Alnilam"]
+
+
 def test_several_of_one_name_are_told_apart(client):
     found = places(client, "Springfield")
     names = [one["name"] for one in found]
@@ -32,7 +49,7 @@ def test_each_name_offered_means_one_place(client):
     """A plan's target takes what is offered, and means the same place by it."""
     for one in [*places(client, "san", limit=50), *places(client, "Cambridge")]:
         place = PlaceTarget(name=one["name"]).place
-        assert (place.latitude_deg, place.in_words) == (one["latitude_deg"], one["words"])
+        assert (place.latitude_deg, place.words) == (one["latitude_deg"], one["words"])
 
 
 def test_after_a_comma_region_and_country_are_completed(client):

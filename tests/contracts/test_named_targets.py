@@ -10,10 +10,11 @@ from dataclasses import replace
 import pytest
 from planner_values import find_opportunities, plan_of, read_request
 
-from app.requests.examples import LAS_VEGAS
-from app.requests.json_reader import JsonReader
+from app.requests.examples import LAS_VEGAS, OPPORTUNITY_EXAMPLES
+from app.requests.json_reader import ERRORS_SHOWN, JsonReader
+from app.requests.opportunities import read_opportunity_request
 from planner.base.errors import InvalidRequest
-from planner.world.targets import GroundTarget, PlaceTarget, StarTarget
+from planner.world.targets import GroundTarget, PlaceTarget, StarTarget, gazetteer
 from planner.world.targets.gazetteer import find_place
 from planner.world.targets.star_names import hipparcos_number
 
@@ -43,7 +44,9 @@ def test_what_tells_towns_apart_may_follow(written, country, region):
     assert (place.country, place.region) == (country, region)
 
 
-@pytest.mark.parametrize("many", ["London", "Suzhou", "Springfield", "La Paz", "Victoria", "Wuxi"])
+@pytest.mark.parametrize(
+    "many", ["Portland", "Suzhou", "Springfield", "La Paz", "Victoria", "York"]
+)
 def test_each_candidate_told_is_one_place(many):
     with pytest.raises(ValueError, match="may be") as refusal:
         find_place(many)
@@ -80,13 +83,48 @@ def test_a_star_is_found_in_any_case(written):
     assert StarTarget(name=written).catalogue_number == 32349
 
 
-def test_many_misspelt_towns_are_refused_at_the_first():
-    """Looking for names like one takes a hundredth of a second, 5,000 times a minute."""
-    target = {"mode": "place", "name": "Ljublana"}
-    session = {**LAS_VEGAS["sessions"][0], "target": target}
+def test_all_wrong_names_of_a_request_are_told_at_once_with_those_that_mean_one_place():
+    names = ["Ljublana", "Graz", "Springfield", "Paris", "Xqzzyva"]
+    targets = [
+        {"id": str(number), "target": {"mode": "place", "name": name}}
+        for number, name in enumerate(names)
+    ]
+    asked = {**OPPORTUNITY_EXAMPLES["cities"][1], "targets": targets}
     with pytest.raises(InvalidRequest) as refusal:
-        read_request({**LAS_VEGAS, "sessions": [session] * 200})
-    assert len(refusal.value.errors) == 1
+        read_opportunity_request(json.dumps(asked).encode())
+    told = {error.field: error for error in refusal.value.errors}
+    assert set(told) == {f"targets.{number}.target.name" for number in (0, 2, 4)}
+    assert "Springfield, Ohio, US" in told["targets.2.target.name"].candidates
+    assert told["targets.0.target.name"].candidates == ("Ljubljana, SI",)
+    for error in told.values():
+        assert all(find_place(one) for one in error.candidates)
+
+
+def test_many_misspelt_towns_are_answered_with_those_like_them_at_first_only(monkeypatch):
+    """Looking for names like one takes a hundredth of a second, 5,000 times a minute."""
+    looked_for = []
+    monkeypatch.setattr(gazetteer, "nearest_keys", lambda key, _: looked_for.append(key) or [])
+    targets = [
+        {"id": str(number), "target": {"mode": "place", "name": "Ljublana"}}
+        for number in range(1000)
+    ]
+    asked = {**OPPORTUNITY_EXAMPLES["cities"][1], "targets": targets, "samples": 2}
+    with pytest.raises(InvalidRequest) as refusal:
+        read_opportunity_request(json.dumps(asked).encode())
+    assert len(refusal.value.errors) == len(looked_for) == ERRORS_SHOWN
+
+
+@pytest.mark.parametrize(
+    ("name", "region"),
+    [("London", "England"), ("Paris", "Île-de-France"), ("Rome", "Lazio"), ("Vienna", "Vienna")],
+)
+def test_the_far_more_populous_of_a_name_is_taken_and_the_answer_says_so(name, region):
+    """London in Ontario has 420,000 people; a twentieth of London's 9 million."""
+    target = PlaceTarget(name=name)
+    assert target.place.region == region
+    assert "the most populous by far of" in target.assumed("targets.0.target").detail
+    alone = PlaceTarget(name="Ljubljana").assumed("targets.0.target").detail
+    assert "most populous" not in alone
 
 
 def test_a_place_and_a_star_by_name_are_planned_as_what_the_answer_says_they_are():

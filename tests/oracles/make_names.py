@@ -111,11 +111,17 @@ def write_stars(folder: Path) -> None:
     stars |= {n: hip for n, hip in named_star_dict.items() if key_of(n) not in taken}
     stars |= IAU
     known = {name: hip for name, hip in stars.items() if hipparcos_star(hip) is not None}
+    listed = json.loads((folder / "d3-celestial/data/stars.14.json").read_text())["features"]
+    magnitude = {star["id"]: star["properties"]["mag"] for star in listed}
     with (DATA / "star_names.csv").open("w", newline="") as file:
-        file.write("# Proper names of stars (IAU and others) and their Hipparcos numbers\n")
+        file.write("# Proper names of stars (IAU and others) and their Hipparcos numbers, ")
+        file.write("the brightest first\n")
         file.write("# d3-celestial 0.7.35, (c) 2015 Olaf Frohn, BSD-3-Clause; Skyfield 1.55, MIT\n")
         csv.writer(file, lineterminator="\n").writerows(
-            [("name", "hip"), *sorted(known.items(), key=lambda star: (star[1], star[0]))]
+            [
+                ("name", "hip"),
+                *sorted(known.items(), key=lambda star: (magnitude[star[1]], star[1], star[0])),
+            ]
         )
     print(f"{len(known)} stars; left out: {sorted(by_name.keys() - known.keys())}")
 
@@ -165,7 +171,7 @@ def write_places(folder: Path) -> None:
     for number, row in enumerate(rows):
         for key in row[9]:
             numbers[key].append(str(number))
-    places = "\n".join("\t".join(row[:8]) for row in rows)
+    places = "\n".join("\t".join([*row[:8], str(row[8])]) for row in rows)
     by_key = sorted(numbers.items(), key=lambda entry: entry[0].encode())
     text = f"{places}\n\n" + "".join(f"{key}\t{' '.join(found)}\n" for key, found in by_key)
     packed = lzma.compress(text.encode(), preset=9 | lzma.PRESET_EXTREME)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Annotated, Literal
 
-from pydantic import FailFast, Field
+from pydantic import Field
 
 from planner.base.commands import COMMAND_STEP_S
 from planner.base.spec import Within, require_within, spec
@@ -132,9 +132,7 @@ class CampaignRequest:
     orbit: Orbit
     attitude: Attitude = LvlhAttitude()
     rest_angles_deg: Mapping[str, AngleDeg] | None = None
-    targets: Annotated[
-        tuple[CampaignTarget, ...], Field(max_length=OPPORTUNITY_BOUNDS.targets_max), FailFast()
-    ]
+    targets: Annotated[tuple[CampaignTarget, ...], Field(max_length=OPPORTUNITY_BOUNDS.targets_max)]
     start: datetime
     stop: datetime
     conditions: OpportunityConditions = OpportunityConditions()

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Annotated
 
-from pydantic import FailFast, Field
+from pydantic import Field
 
 from planner.base.assumed import Assumed
 from planner.base.spec import Within, spec
@@ -112,9 +112,7 @@ class OpportunityRequest:
     platform: Platform
     orbit: Orbit
     attitude: Attitude = LvlhAttitude()
-    targets: Annotated[
-        tuple[OpportunityTarget, ...], Field(max_length=BOUNDS.targets_max), FailFast()
-    ]
+    targets: Annotated[tuple[OpportunityTarget, ...], Field(max_length=BOUNDS.targets_max)]
     start: datetime
     stop: datetime
     conditions: OpportunityConditions = OpportunityConditions()

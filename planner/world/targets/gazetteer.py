@@ -14,13 +14,33 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from planner.world.targets.names import key_of, nearest_keys
+from planner.world.targets.names import key_of, may_suggest, nearest_keys
 
-CANDIDATES_SHOWN = 8
-_LOOKED_AT = 200  # of those that a few letters begin, the most populous
-LEAST_PEOPLE = 15_000
 _DATA = Path(__file__).parent / "data"
 _OTHERWISE = "give latitude_deg, longitude_deg and height_m with mode ground"
+
+
+@dataclass(frozen=True, kw_only=True)
+class GazetteerOptions:
+    """How names are understood."""
+
+    candidates: int = 8  # told of a name that several places have
+    looked_at: int = 1000  # of those that a few letters begin, the most populous
+    far_more: float = 20.0  # times as populous: who means one of the others says which
+
+
+OPTIONS = GazetteerOptions()
+
+
+class NameUnclear(ValueError):
+    """A name that means no one place.
+
+    candidates: names that each mean one, of those it may mean or that are spelt like it.
+    """
+
+    def __init__(self, detail: str, candidates: tuple[str, ...] = ()) -> None:
+        super().__init__(detail)
+        self.candidates = candidates
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,6 +50,7 @@ class Place:
     region_code: where it is in letters, as in the United States; else empty.
     country: ISO 3166 code of two letters.
     height_m: above the ellipsoid; that of the terrain within 90 m, of some within 5 km.
+    population: of the town, as GeoNames has it.
     """
 
     name: str
@@ -40,9 +61,10 @@ class Place:
     latitude_deg: float
     longitude_deg: float
     height_m: float
+    population: int
 
     @property
-    def in_words(self) -> str:
+    def words(self) -> str:
         """Name, region and country."""
         return ", ".join(filter(None, (self.name, self.region, self.country)))
 
@@ -50,28 +72,50 @@ class Place:
 def find_place(asked: str) -> Place:
     """The place of a name, which may be followed by region, country or GeoNames number.
 
-    Raises ValueError where there is none, with those spelt alike, or more than one, with what
-    tells them apart.
+    Of several the one that is far more populous than all others.  Raises NameUnclear where there
+    is none, with those spelt alike, or more than one, with what tells them apart.
     """
     found = _matching_places(asked)
-    if len(found) == 1:
+    if found and is_far_larger(found):
         return found[0]
     if found:
-        shown = [f"{told_apart(one)!r}{_where_text(one)}" for one in found[:CANDIDATES_SHOWN]]
+        shown = found[: OPTIONS.candidates if may_suggest() else 1]
+        names = tuple(map(told_apart, shown))
+        told = [f"{name!r}{_where_text(one)}" for name, one in zip(names, shown, strict=True)]
         more = len(found) - len(shown)
-        raise ValueError(
-            f"name {asked!r} may be {' or '.join(shown)}{f' or {more} more' if more else ''}; "
-            f"write one of these, or {_OTHERWISE}"
+        raise NameUnclear(
+            f"name {asked!r} may be {' or '.join(told)}{f' or {more} more' if more else ''}; "
+            f"write one of these, or {_OTHERWISE}",
+            names,
         )
     name, *rest = asked.split(",")
     same_name = _places_of(key_of(name))
-    alike = same_name if rest and same_name else _alike_places(key_of(name))
-    suggested = " or ".join(repr(told_apart(one)) for one in alike[:CANDIDATES_SHOWN])
-    raise ValueError(
-        f"name {asked!r} is not among the places of {LEAST_PEOPLE:,} people or more known here"
+    suggests = may_suggest()
+    alike = same_name if rest and same_name else _alike_places(key_of(name)) if suggests else []
+    names = tuple(map(told_apart, alike[: OPTIONS.candidates] if suggests else ()))
+    suggested = " or ".join(map(repr, names))
+    raise NameUnclear(
+        f"name {asked!r} is not among the places of 15,000 people or more known here"
         + (f" (do you mean {suggested}?)" if suggested else "")
-        + f"; {_OTHERWISE}"
+        + f"; {_OTHERWISE}",
+        names,
     )
+
+
+def places_of_name(asked: str) -> int:
+    """How many places have it."""
+    return len(_matching_places(asked))
+
+
+def is_far_larger(found: list[Place]) -> bool:
+    """Whether nobody who just writes the name means any but the first of those who bear it.
+
+    It is far more populous than others of this name, and more than those that are also called so.
+    """
+    first, *others = found
+    own = [one.population for one in others if key_of(one.name) == key_of(first.name)]
+    most = max((one.population for one in others), default=-1)
+    return first.population > max(most, OPTIONS.far_more * max(own, default=-1))
 
 
 def _where_text(place: Place) -> str:
@@ -99,21 +143,35 @@ def _matching_places(asked: str) -> list[Place]:
 def places_named_from(begun: str) -> list[Place]:
     """Whose name in any language goes on so; after a comma region or country, likewise.
 
-    First those of just this name, then those whose own name it begins; of each the most populous.
+    The most populous first; of those of another name, a twentieth of the people counts.
     """
     name, *rest = begun.split(",")
     key = key_of(name)
     if not key:
         return []
-    exact = _numbers_of(key)
-    numbers = exact if rest else [*exact, *sorted(_numbers_from(key) - set(exact))]
+    numbers = _numbers_of(key) if rest else sorted(_numbers_from(key))
     begins = [word for part in rest if (word := _compact_text(part))]
     found = [
         place
-        for place in map(_read_place, numbers[:_LOOKED_AT])
+        for place in map(_read_place, numbers[: OPTIONS.looked_at])
         if all(any(one.startswith(word) for one in _qualifiers(place)) for word in begins)
     ]
-    return sorted(found, key=lambda place: not key_of(place.name).startswith(key))
+
+    def weight(place: Place) -> float:
+        is_own = key_of(place.name).startswith(key)
+        return place.population * (OPTIONS.far_more if is_own else 1.0)
+
+    return sorted(found, key=weight, reverse=True)
+
+
+def other_name_from(place: Place, key: str) -> str:
+    """The first key of the place's names that begins so."""
+    start, stop = _line_from(key), _line_from(key + "\U0010ffff")
+    for line in _read_keys()[start:stop].decode().splitlines():
+        name, _, numbers = line.partition("\t")
+        if any(_read_place(int(number)) == place for number in numbers.split()):
+            return name
+    return key
 
 
 def _numbers_from(key: str) -> set[int]:
@@ -179,7 +237,7 @@ def _read_keys() -> bytes:
 
 def _read_place(number: int) -> Place:
     name, code, region, country, geonames_id, *numbers = _read_file()[0][number].split("\t")
-    latitude_deg, longitude_deg, height_m = map(float, numbers)
+    latitude_deg, longitude_deg, height_m, population = map(float, numbers)
     return Place(
         name=name,
         region_code=code,
@@ -189,6 +247,7 @@ def _read_place(number: int) -> Place:
         latitude_deg=latitude_deg,
         longitude_deg=longitude_deg,
         height_m=height_m,
+        population=int(population),
     )
 
 

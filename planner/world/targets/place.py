@@ -12,7 +12,7 @@ from planner.base.spec import spec
 from planner.world.frames.geodesy import itrf_from_geodetic
 from planner.world.frames.time_scales import Instants
 from planner.world.targets.earth_fixed import EarthFixedTarget, ElevationDeg
-from planner.world.targets.gazetteer import Place, find_place
+from planner.world.targets.gazetteer import Place, find_place, places_of_name
 from planner.world.targets.refraction import Refraction
 
 
@@ -55,13 +55,17 @@ class PlaceTarget(EarthFixedTarget):
             math.radians(place.latitude_deg), math.radians(place.longitude_deg), place.height_m
         )
 
+    def _others_text(self) -> str:
+        count = places_of_name(self.name)
+        return f"; the most populous by far of {count} of this name" if count > 1 else ""
+
     def assumed(self, field: str) -> Assumed:
         """Which place, and where."""
         place = self.place
         return Assumed(
             field=f"{field}.name",
-            detail=f"{place.in_words} (GeoNames {place.geonames_id}), "
-            f"{place.height_m:.0f} m above the ellipsoid",
+            detail=f"{place.words} (GeoNames {place.geonames_id}), "
+            f"{place.height_m:.0f} m above the ellipsoid" + self._others_text(),
             members={
                 "mode": "ground",
                 "latitude_deg": place.latitude_deg,
