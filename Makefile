@@ -9,7 +9,7 @@ STORING := tests/contracts/test_store.py tests/contracts/test_store_failures.py 
 	tests/contracts/test_http_records.py tests/contracts/test_http_searches.py \
 	$(wildcard tests/end_to_end/test_crash*.py)
 
-.PHONY: setup plan web serve quick test test-postgres test-other-arithmetic test-client test-page test-of-python test-as-shipped lint check format answers notebook oracles bench mutants reproduce reproduce-check requirements clean
+.PHONY: setup plan web serve quick test test-postgres test-other-arithmetic test-client test-page test-of-python test-as-shipped lint check format answers notebook pictures oracles bench mutants reproduce reproduce-check requirements clean
 
 # Of what tests, benchmarks and lint need beside the product.
 setup: .venv/complete
@@ -110,6 +110,9 @@ test-client: setup
 	PYTHON=$(PYTHON) .ci/with-client-generator $(BIN)/pytest tests/end_to_end/test_generated_client.py
 
 # The planner's page: its modules by themselves, and all of it in Debian's Chromium.
+pictures: setup web $(KERNELS)
+	.ci/with-chromium env PYTHONPATH=.:tests:tests/page $(BIN)/python tests/page/pictures.py
+
 test-page: setup web $(KERNELS)
 	cd web && $(NPM) test --silent
 	.ci/with-chromium $(BIN)/pytest tests/page
