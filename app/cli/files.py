@@ -85,16 +85,14 @@ def formats_and_paths(
     texts: Sequence[str] | None, formats: Collection[str]
 ) -> list[tuple[str, Path]]:
     """Of `FORMAT=PATH`; raises InvalidInput."""
-    pairs = [
-        (name, Path(path), text) for text in texts or () for name, _, path in [text.partition("=")]
-    ]
-    for name, path, text in pairs:
-        if name not in formats or path == Path():
-            wrong = "no FORMAT=PATH" if name == text or path == Path() else "of no format there is"
+    pairs = [text.partition("=")[::2] for text in texts or ()]
+    for name, path in pairs:
+        if name not in formats or not path:
+            wrong = "is no format there is" if path else "is no FORMAT=PATH"
             raise InvalidInput(
-                f"{text[:80]!r} is {wrong}; the formats are {', '.join(formats)}", field="--export"
+                f"{name[:80]!r} {wrong}; the formats are {', '.join(formats)}", field="--export"
             )
-    return [(name, path) for name, path, _ in pairs]
+    return [(name, Path(path)) for name, path in pairs]
 
 
 def picture_format(plot: Path | None, *, by_service: bool = False) -> str | None:
