@@ -52,7 +52,7 @@ def places_beginning(begun: str, most: int) -> list[KnownPlace]:
     return [
         KnownPlace(
             name=told_apart(place),
-            words=place.in_words,
+            words=place.words,
             other_name=_name_begun(place, begun),
             latitude_deg=place.latitude_deg,
             longitude_deg=place.longitude_deg,
