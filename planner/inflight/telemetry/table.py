@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from planner.base.csv_cells import comment_lines, csv_lines
-from planner.output.export.description import notes
+from planner.output.export.description import DECIMALS, notes
 
 if TYPE_CHECKING:
     from planner.inflight.telemetry.compare import AxisComparison, Comparison
@@ -29,8 +29,7 @@ def _rows(axis: AxisComparison) -> Iterator[tuple[object, ...]]:
     followed = axis.followed
     planned_deg = np.degrees(followed.motion.angle_rad(followed.t_s))
     error_deg = np.degrees(followed.error_rad)
-    numbers = (followed.t_s, planned_deg, planned_deg + error_deg, 3600.0 * error_deg)
-    # To the decimals of a plan's own table, and no -0.0.
-    rounded = [np.round(column, 9) + 0.0 for column in numbers]
+    numbers = (followed.t_s, planned_deg, planned_deg + error_deg, error_deg * 3600.0)
+    rounded = [np.round(column, DECIMALS) + 0.0 for column in numbers]  # no -0.0
     for row in np.transpose(rounded).tolist():
         yield axis.name, *row
