@@ -1,7 +1,7 @@
 /** The request as a whole: its name and platform, its file, and templates to begin with. */
 import { useState } from "preact/hooks";
 
-import { saveBlob } from "../../api/download";
+import { save } from "../../api/download";
 import { FIELDS } from "../../api/fields";
 import { words } from "../../i18n";
 import { DropZone } from "../../parts/DropZone";
@@ -120,7 +120,7 @@ function FileEntry() {
         <button
           type="button"
           onClick={() =>
-            saveBlob(
+            save(
               new Blob([`${JSON.stringify(draft.request.value, null, 2)}\n`], { type: "application/json" }),
               `${draft.request.value.name || "plan"}.json`,
             )

@@ -1,7 +1,7 @@
 /** The days of everybody's work: plans, windows, shadow and conflicts over time, and their ground track. */
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 
-import { saveBlob } from "../../api/download";
+import { save } from "../../api/download";
 import { Problem } from "../../api/problem";
 import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
@@ -309,7 +309,7 @@ function Calendar({ kept, span: [from_ms, to_ms], tracks }: CalendarProps) {
     ];
     const content = calendarOf([...sessions, ...others], stamp.current);
     const days = [from_ms, to_ms].map((one) => new Date(one).toISOString().slice(0, 10)).join("_");
-    saveBlob(new Blob([content], { type: "text/calendar" }), `slewtrack_${days}.ics`);
+    save(new Blob([content], { type: "text/calendar" }), `slewtrack_${days}.ics`);
   });
   return (
     <>
