@@ -143,7 +143,7 @@ class WindowOut(PassWindow):
     have to change over).
     probability_in_frame: that the target stays inside the camera's frame over the whole session, as
     a plan of it says; null where there is no session, for the windows of a plan's view, and for the
-    latest windows where there are more than 500.
+    latest windows where there are more than 500. E.g. `0.68`.
     """
 
     branch: Branch

@@ -10,9 +10,9 @@ export function places(begun: string, until: AbortSignal): Promise<Offer[]> | nu
   const begin = begun.trim();
   if (begin.length < LEAST_LETTERS || /^[\d+.-]/.test(begin) || groundOf(begin)?.mode !== "place") return null;
   return get("/v1/places", { query: { begin }, signal: until }).then((answer) =>
-    answer.places.map(({ name, words, latitude_deg, longitude_deg }) => ({
+    answer.places.map(({ name, words, other_name, latitude_deg, longitude_deg }) => ({
       value: name,
-      told: `${words === name ? "" : `${words} · `}${number(latitude_deg, 2)}, ${number(longitude_deg, 2)}`,
+      told: `${other_name === null ? "" : `${other_name} · `}${words === name ? "" : `${words} · `}${number(latitude_deg, 2)}, ${number(longitude_deg, 2)}`,
     })),
   );
 }
