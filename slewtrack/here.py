@@ -214,7 +214,7 @@ def _kept_plan(body: bytes, new: "Result") -> Kept:
 
     def text() -> bytes:
         table_json = stored_table_json if new.iterations is not None else stored_session_json
-        head = {"state": new.state, "revision": 1, "revises": None}
+        head = {"state": new.state, "revision": 1, "revises": None, "requested_by": None}
         table = table_json(new.table_columns)
         members = json.dumps(head).encode()[:-1]
         return b"".join((members, b",", unzip(new.document)[1:-1], b',"table":', table, b"}"))
