@@ -14,7 +14,7 @@ from planner.base.csv_cells import csv_lines
 from planner.world.frames.time_scales import Instants
 
 if TYPE_CHECKING:
-    from planner.planning.opportunities.target_sky import TargetSky
+    from planner.planning.opportunities.windows import TargetSky
 
 DECIMALS = 6  # 1e-6 deg is 4 milliarcsec
 LongitudeDeg = Annotated[float, Field(json_schema_extra={"minimum": -180.0, "maximum": 180.0})]
