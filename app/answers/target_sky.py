@@ -14,7 +14,7 @@ from planner.base.csv_cells import csv_lines
 from planner.world.frames.time_scales import Instants
 
 if TYPE_CHECKING:
-    from planner.planning.opportunities.target_sky import TargetSky
+    from planner.planning.opportunities.windows import TargetSky
 
 DECIMALS = 6  # 1e-6 deg is 4 milliarcsec
 LongitudeDeg = Annotated[float, Field(json_schema_extra={"minimum": -180.0, "maximum": 180.0})]
@@ -77,28 +77,16 @@ def skies_out(start_utc: datetime, sky: "TargetSky") -> list[TargetSkyOut | None
         "elevation_deg": _degrees(sky.elevation_rad).ravel().tolist(),
         "sun_azimuth_deg": _turns_deg(sky.sun_azimuth_rad).ravel().tolist(),
         "sun_elevation_deg": _degrees(sky.sun_elevation_rad).ravel().tolist(),
-        "since_midnight_s": sky.solar_time_s.ravel().tolist(),
+        "local_solar_time": map(_clock, np.nan_to_num(sky.solar_time_s.ravel()).tolist()),
     }
-    # points of a window follow each other, and none is told in space
-    windows = zip(*[zip(*columns.values(), strict=True)] * len(_EVENTS), strict=True)
+    rows = zip(*columns.values(), strict=True)
+    points = [SkyPointOut(**dict(zip(columns, row, strict=True))) for row in rows]
     return [
-        TargetSkyOut(**dict(zip(_EVENTS, map(_point, window), strict=True)))
+        TargetSkyOut(**dict(zip(_EVENTS, points[3 * window : 3 * window + 3], strict=True)))
         if is_on_earth
         else None
-        for window, is_on_earth in zip(windows, ~np.isnan(sky.azimuth_rad[:, 0]), strict=True)
+        for window, is_on_earth in enumerate(~np.isnan(sky.azimuth_rad[:, 0]))
     ]
-
-
-def _point(values: tuple[Any, ...]) -> SkyPointOut:
-    at, azimuth_deg, elevation_deg, sun_azimuth_deg, sun_elevation_deg, since_midnight_s = values
-    return SkyPointOut(
-        at=at,
-        azimuth_deg=azimuth_deg,
-        elevation_deg=elevation_deg,
-        sun_azimuth_deg=sun_azimuth_deg,
-        sun_elevation_deg=sun_elevation_deg,
-        local_solar_time=_clock(since_midnight_s),
-    )
 
 
 def places_out(sky: "TargetSky") -> list[PlaceOut | None]:

@@ -8,6 +8,12 @@ Indices = NDArray[np.intp]
 Mask = NDArray[np.bool_]
 
 
+def angle_rad(direction: Array, other_direction: Array) -> Array:
+    """Between vectors (n, 3) of any length, accurate near 0 and pi too."""
+    across = np.linalg.norm(np.cross(direction, other_direction), axis=1)
+    return np.asarray(np.arctan2(across, np.einsum("nj,nj->n", direction, other_direction)))
+
+
 def cross(left_value: Array, right_value: Array) -> Array:
     """Vector products left x right of shapes (..., 3) that broadcast, in both units' product.
 

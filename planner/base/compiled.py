@@ -11,8 +11,24 @@ import numba
 F = TypeVar("F", bound=Callable[..., object])
 
 # Which have kernels, and whose values are compiled into them.
-_ROOMS = ("spacecraft", "inflight/simulation", "planning/campaigns", "planning/label_search.py")
-_CONSTANTS = ("base/commands.py", "world/platforms/drive.py")
+_ROOMS = (
+    "spacecraft",
+    "inflight/simulation",
+    "planning/campaigns",
+    "planning/label_search.py",
+    "planning/opportunities",
+    "motion/pointing/reach.py",
+    "base/vectors.py",
+    "world/targets/limb_kernel.py",
+)
+_CONSTANTS = (
+    "base/commands.py",
+    "world/frames/earth_orientation.py",
+    "world/frames/geodesy.py",
+    "world/platforms/drive.py",
+    "world/targets/apparent.py",
+    "world/targets/standard_atmosphere.py",
+)
 
 
 def _digest(planner: Path) -> str:
@@ -35,3 +51,10 @@ def compiled(function: F) -> F:
     Divisions follow IEEE 754 (Python's check of each divisor costs a sixth of a flight's time).
     """
     return cast(F, numba.njit(cache=True, nogil=True, error_model="numpy")(function))
+
+
+def inlined(function: F) -> F:
+    """The same, as a part of each caller: a call would copy the tables' descriptors."""
+    return cast(
+        F, numba.njit(cache=True, nogil=True, error_model="numpy", forceinline=True)(function)
+    )

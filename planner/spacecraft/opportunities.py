@@ -16,19 +16,10 @@ from planner.base.arrays import Array, Indices
 from planner.base.effort import at_most
 from planner.base.errors import InvalidInput, SearchEnded
 from planner.planning.opportunities.carrier import Carrier, carrier_over
-from planner.planning.opportunities.conditions import TURN_MAX_RAD, Condition
-from planner.planning.opportunities.description import describe_windows
 from planner.planning.opportunities.request import OpportunityRequest, OpportunityTarget
-from planner.planning.opportunities.search import (
-    OPTIONS as WINDOW_SEARCH_OPTIONS,
-)
-from planner.planning.opportunities.search import (
-    RESTING,
-    charge_for,
-    found_spans,
-)
-from planner.planning.opportunities.sights import EarthSight, FixedPlaces, Sight
-from planner.planning.opportunities.spans import Spans
+from planner.planning.opportunities.search import Spans, describe_windows, found_spans
+from planner.planning.opportunities.sights import resting_sight
+from planner.planning.opportunities.sweep import OPTIONS as SWEEP
 from planner.planning.opportunities.windows import Opportunities, Sightings
 from planner.spacecraft.imaging.session import HEIGHT_MAX_M
 from planner.spacecraft.opportunity_request import ImagingOpportunityRequest, positions_of
@@ -83,10 +74,9 @@ def _no_passes(request: ImagingOpportunityRequest) -> ImagingOpportunities:
     _require_low(carrier)
     of_positions = _spans_of_positions(asked, carrier, camera)
     spans, whole_s = _request_passes(request, owner, of_positions)
-    charge_for(spans, RESTING, request.samples)
-    sight = EarthSight(carrier, _middle_places(request, carrier), np.zeros(len(request.requests)))
-    numbers = np.arange(len(request.requests))
-    windows = describe_windows(asked, sight, numbers, spans, (spans.start_s, spans.stop_s))
+    sight = resting_sight(carrier, _middle_places(request), np.zeros(len(request.requests)))
+    whole = np.stack([spans.start_s, spans.stop_s], axis=1)
+    windows = describe_windows(asked, sight, np.arange(len(request.requests)), spans, whole)
     ends = Instants(request.start, np.array([0.0, carrier.span_s]))
     return ImagingOpportunities(
         start_utc=request.start,
@@ -167,18 +157,9 @@ def _camera_as_axes(camera: PushbroomCamera) -> TwoAxisPlatform:
 def _spans_of_positions(
     asked: OpportunityRequest, carrier: Carrier, camera: PushbroomCamera
 ) -> Spans:
-    across_max_rad = math.radians(camera.across_max_deg)
-
-    def across_conditions(sight: Sight) -> Iterator[Condition]:
-        def margin(which: Indices, t_s: Array) -> Array:
-            los = carrier.in_platform(sight.sighting(which, t_s).direction_itrf, t_s)
-            return across_max_rad - np.abs(np.arctan2(los[:, 1], los[:, 2]))
-
-        yield Condition("across", margin, float(carrier.node_s[1]), TURN_MAX_RAD)
-
     found = [
         replace(spans, target=numbers[spans.target])
-        for numbers, _, spans, _ in found_spans(asked, carrier, across_conditions)
+        for numbers, _, spans, _ in found_spans(asked, carrier, math.radians(camera.across_max_deg))
     ]
     columns = zip(*(vars(spans).values() for spans in found), strict=True)
     return Spans(*map(np.concatenate, columns))
@@ -233,7 +214,7 @@ def _passes_that_serve(
     opens_s = elapsed_s(one.window_start or request.start, request.start)
     closes_s = elapsed_s(one.window_stop or request.stop, request.start)
     start_s, stop_s = max(spans.start_s[first], opens_s), min(spans.stop_s[last], closes_s)
-    if stop_s - start_s < max(request.conditions.min_duration_s, WINDOW_SEARCH_OPTIONS.shortest_s):
+    if stop_s - start_s < max(request.conditions.min_duration_s, SWEEP.shortest_s):
         return
     if one.start is not None and not start_s <= elapsed_s(one.start, request.start) <= stop_s:
         return
@@ -250,7 +231,7 @@ def _passes_that_serve(
     )
 
 
-def _middle_places(request: ImagingOpportunityRequest, carrier: Carrier) -> FixedPlaces:
+def _middle_places(request: ImagingOpportunityRequest) -> list[GroundTarget]:
     targets = []
     for one in request.requests:
         longitude_rad, latitude_rad = np.deg2rad([p[:2] for p in positions_of(one)]).T
@@ -261,7 +242,7 @@ def _middle_places(request: ImagingOpportunityRequest, carrier: Carrier) -> Fixe
                 latitude_deg=float(latitude), longitude_deg=float(longitude), height_m=one.height_m
             )
         )
-    return FixedPlaces(carrier, targets)
+    return targets
 
 
 def _in_camera_angles(seen: Sightings) -> Sightings:

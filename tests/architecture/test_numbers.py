@@ -18,7 +18,7 @@ MOST = {
     "inflight": 39,
     "motion": 68,
     "output": 38,
-    "planning": 44,
+    "planning": 33,
     "spacecraft": 44,
     "verification": 61,
     "world": 121,

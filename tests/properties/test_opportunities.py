@@ -1,6 +1,7 @@
 """Invariants of windows whatever the request."""
 
 import math
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 
 import numpy as np
@@ -11,6 +12,8 @@ from hypothesis import strategies as st
 from planner.base import effort
 from planner.base.errors import OutsideCoverage, SearchEnded
 from planner.base.interpolation import UniformTable
+from planner.motion.pointing.angles import axis_angles, singular_margin_rad
+from planner.motion.pointing.reach import axes_at, off_masks, reach_of
 from planner.planning.opportunities import (
     OpportunityConditions,
     OpportunityRequest,
@@ -19,14 +22,19 @@ from planner.planning.opportunities import (
     opportunities_however_many,
 )
 from planner.planning.opportunities.carrier import carrier_over
-from planner.planning.opportunities.sights import EarthSight, FixedPlaces
-from planner.planning.opportunities.spans import Nodes, stretches, turning_point
+from planner.planning.opportunities.sights import sights_of
 from planner.world.attitude.inertial import InertialAttitude
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc
 from planner.world.orbits import StateVectorOrbit, TleOrbit
-from planner.world.platforms import PLATFORMS
-from planner.world.targets import GroundPathTarget, GroundTarget, StarTarget
+from planner.world.platforms import PLATFORMS, FieldMask
+from planner.world.targets import (
+    BodyTarget,
+    GroundPathTarget,
+    GroundTarget,
+    MovingGroundTarget,
+    StarTarget,
+)
 from planner.world.targets.ground_path import PathPoint
 
 HRC = PLATFORMS["iss-hrc"]
@@ -213,39 +221,6 @@ def test_table_is_exact_for_quintics(coefficients, rows):
     np.testing.assert_allclose(table.rate_at(t_s)[:, 0], polynomial.deriv()(t_s), rtol=0, atol=1e-9)
 
 
-@given(
-    st.floats(0.02, 0.5),
-    st.lists(st.floats(-3.0, 3.0), min_size=1, max_size=5),
-    st.integers(20, 60),
-)
-def test_stretches_of_a_wave(width, phases, cells):
-    """cos(t + phase) > cos(width) for `width` around each crest, though between two nodes."""
-    t_s = np.linspace(0.0, 20.0, cells + 1)
-    count = len(phases)
-    nodes = Nodes(
-        target=np.arange(count),
-        group=np.repeat(np.arange(count), cells + 1),
-        t_s=np.tile(t_s, count),
-    )
-    phase = np.array(phases)
-    found = stretches(lambda which, t: np.cos(t + phase[which]) - math.cos(width), nodes)
-    for number in range(count):
-        crests = 2.0 * math.pi * np.arange(-1, 5) - phases[number]
-        low, high = crests - width, crests + width
-        seen_s = np.minimum(high, 20.0) - np.maximum(low, 0.0)
-        assume(np.all(np.abs(seen_s - 2e-3) > 1e-4))  # where rounding decides what is kept
-        seen = seen_s > 2e-3
-        mine = found.group == number
-        lasts_s = found.stop_s[mine] - found.start_s[mine]
-        kept = lasts_s > 2e-3
-        np.testing.assert_allclose(
-            found.start_s[mine][kept], np.maximum(low[seen], 0.0), rtol=0, atol=1e-5
-        )
-        np.testing.assert_allclose(
-            found.stop_s[mine][kept], np.minimum(high[seen], 20.0), rtol=0, atol=1e-5
-        )
-
-
 def test_of_a_target_in_space_the_least_elevation_is_that_above_the_limb():
     """Sirius, within 40 deg of the limb for some minutes after it rises."""
     wanted = (OpportunityTarget(id="Sirius", target=StarTarget(hip=32349)),)
@@ -266,27 +241,94 @@ def test_of_a_target_in_space_the_least_elevation_is_that_above_the_limb():
         assert rise_s - opened[opened < rise_s].max() > 600.0
 
 
-def test_turning_point_at_an_end():
-    """A function that only rises is greatest at the end."""
-    at = turning_point(lambda _, t: t, np.zeros(1, int), np.array([1.0]), np.array([2.0]))
-    assert at[0] == 2.0
-
-
-def test_closest_approach_of_a_straight_course():
-    """`passing` is exact for what it assumes; on a real pass it is near the least range."""
+def test_closest_approach_is_where_the_range_is_least():
     stop = START + timedelta(days=1)
-    carrier = carrier_over(
-        ISS.ephemeris(START, stop), request((ground(0, 0.0, 0.0),)).attitude, HRC, START, stop
-    )
-    sight = EarthSight(
-        carrier,
-        FixedPlaces(carrier, [GroundTarget(latitude_deg=40.0, longitude_deg=10.0)]),
-        np.zeros(1),
-    )
-    windows = find_opportunities(request((ground(0, 40.0, 10.0),))).windows
-    which = np.zeros(len(windows), int)
-    after_s, _ = sight.nearest_passage(which, windows.closest.t_s)
-    np.testing.assert_allclose(after_s, 0.0, atol=2e-3)  # the range is stationary to 1 ms there
+    target = GroundTarget(latitude_deg=40.0, longitude_deg=10.0)
+    found = find_opportunities(request((ground(0, 40.0, 10.0),))).windows
+    ephemeris = ISS.ephemeris(START, stop)
+
+    def range_m(t_s):
+        instants = Instants(START, t_s)
+        return target.apparent(instants, ephemeris.states(instants)).range_m
+
+    at_s = found.closest.t_s
+    # the range is stationary to 1 ms there
+    assert (range_m(at_s) < range_m(at_s - 0.1)).all()
+    assert (range_m(at_s) < range_m(at_s + 0.1)).all()
+
+
+MASKED = replace(
+    HRC,
+    masks=(
+        FieldMask(
+            name="panel",
+            corners_platform=((0.2, -0.9, 0.3), (0.9, -0.9, 0.3), (0.9, -0.9, -0.4)),
+            margin_deg=2.0,
+        ),
+        FieldMask(
+            name="bracket",
+            corners_platform=(
+                (-0.2, -0.6, 1.0),
+                (-0.6, -0.6, 1.0),
+                (-0.6, 0.5, 1.0),
+                (-0.5, 0.5, 1.0),
+                (-0.5, -0.4, 1.0),
+                (-0.2, -0.4, 1.0),
+            ),
+        ),
+    ),
+)
+
+
+@given(st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=3))
+def test_compiled_angles_and_masks_are_the_platforms(components):
+    """Twice told, for speed: the same numbers but for rounding, which grows where an arcsine or
+    a branch ends."""
+    length = math.hypot(*components)
+    assume(length > 0.1)
+    los = np.array(components) / length
+    reach, los_of = reach_of(MASKED), tuple(los.tolist())
+    own_rad = axis_angles(MASKED, los[None]).angle_rad[:, 0]
+    assume(not singular_margin_rad(MASKED, own_rad[:1], los[None])[0] < 1e-3)
+    pairs_rad = np.array(axes_at(reach, los_of))
+    np.testing.assert_allclose(pairs_rad, own_rad, rtol=0, atol=1e-9)
+    depth_rad = max(mask.depth_rad(los[None])[0] for mask in MASKED.masks)
+    assert off_masks(reach, los_of) == pytest.approx(-depth_rad, abs=1e-7)
+
+
+@pytest.mark.parametrize(
+    "target",
+    [
+        GroundTarget(latitude_deg=-33.0, longitude_deg=151.0, height_m=50.0),
+        MovingGroundTarget(
+            epoch=START,
+            latitude_deg=60.0,
+            longitude_deg=-20.0,
+            height_m=11e3,
+            course_deg=250.0,
+            speed_m_s=280.0,
+        ),
+        StarTarget(name="Sirius"),
+        StarTarget(name="Canopus", grazing_altitude_km=10.0, refraction="standard"),
+        BodyTarget(name="Moon"),
+    ],
+    ids=lambda target: target.label,
+)
+def test_compiled_looks_are_the_targets_own(target):
+    stop = START + timedelta(hours=6)
+    ephemeris = ISS.ephemeris(START, stop)
+    carrier = carrier_over(ephemeris, request((ground(0, 0.0, 0.0),)).attitude, HRC, START, stop)
+    ((_, sight),) = sights_of(carrier, [target], np.zeros(1), 1)
+    t_s = np.random.default_rng(3).uniform(600.0, 21000.0, 300)
+    seen = sight.sighting(np.zeros(300, np.intp), t_s)
+    instants = Instants(START, t_s)
+    own = target.apparent(instants, ephemeris.states(instants))
+    direction_itrf = np.einsum("nij,nj->ni", c_itrf_from_eci(instants), own.direction_eci)
+    # 1 cm of the table's error at 400 km, and the ground's refraction left out
+    near = own.clearance_rad > 0.0
+    np.testing.assert_allclose(seen.direction_itrf[near], direction_itrf[near], rtol=0, atol=1e-7)
+    np.testing.assert_allclose(seen.range_m, own.range_m, rtol=1e-9, atol=0.05)
+    np.testing.assert_allclose(seen.elevation_rad, own.clearance_rad, rtol=0, atol=1e-7)
 
 
 @pytest.mark.parametrize(

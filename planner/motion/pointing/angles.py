@@ -51,6 +51,12 @@ def axis_angles(platform: TwoAxisPlatform, los_platform: Array) -> BranchAngles:
     return BranchAngles(angle_rad, reachable)
 
 
+def within_stops(platform: TwoAxisPlatform, angle_rad: Array) -> Array:
+    """Angles, shape (..., 2), whole turns away, as near as can be to mid-travel."""
+    middle_rad = [0.5 * (a.angle_min_rad + a.angle_max_rad) for a in platform.axis_limits]
+    return np.asarray(angle_rad - math.tau * np.round((angle_rad - middle_rad) / math.tau))
+
+
 def axis_motion(
     platform: TwoAxisPlatform,
     angle_rad: Array,

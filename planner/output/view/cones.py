@@ -5,12 +5,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from planner.base.arrays import Array, Indices, cross
+from planner.base.arrays import Array, Indices, angle_rad, cross
 from planner.base.rotation import Rotation
-from planner.motion.pointing.angles import axis_angles, boresight_platform
+from planner.motion.pointing.angles import axis_angles, boresight_platform, within_stops
 from planner.output.view.columns import ConeTrace
 from planner.output.view.scene import PlanScene
-from planner.planning.opportunities.conditions import angle_rad, within_stops
 from planner.world.targets import KeepOut
 
 OUTLINES_MAX = 31  # instants; a page draws the one next to its cursor

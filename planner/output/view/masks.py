@@ -5,10 +5,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from planner.base.arrays import Array, Indices
-from planner.motion.pointing.angles import axis_angles, boresight_platform
+from planner.base.arrays import Array, Indices, angle_rad
+from planner.motion.pointing.angles import axis_angles, boresight_platform, within_stops
 from planner.output.view.columns import MaskTrace
-from planner.planning.opportunities.conditions import angle_rad, within_stops
 from planner.world.plan import FlightPlan
 from planner.world.platforms import FieldMask
 

@@ -7,13 +7,11 @@ from typing import Literal
 
 import numpy as np
 
-from planner.base.arrays import Array, Indices
+from planner.base.arrays import Array, Indices, angle_rad
 from planner.base.interpolation import NODES, UniformTable
 from planner.base.rotation import Rotation
 from planner.output.export.ground import BORESIGHT_PAYLOAD, Sights, frame_corner_rays, sights
 from planner.output.export.table_states import TableStates, table_states
-from planner.planning.opportunities.carrier import apparent_geocentric_m
-from planner.planning.opportunities.conditions import angle_rad
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import OrbitStates
@@ -74,6 +72,8 @@ class CarrierScene:
         t_s = self.instants.t_s
         count = max(NODES, math.ceil((t_s[-1] - t_s[0]) / BODY_STEP_S) + 1)
         node_s, step_s = np.linspace(t_s[0], t_s[-1], count, retstep=True)
+        from planner.planning.opportunities.carrier import apparent_geocentric_m  # loads kernels
+
         at_nodes_m = apparent_geocentric_m(body, Instants(self.instants.epoch_utc, node_s))
         return UniformTable(float(step_s) or 1.0, at_nodes_m).at(t_s - t_s[0])
 

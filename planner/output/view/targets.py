@@ -6,11 +6,10 @@ from dataclasses import fields
 
 import numpy as np
 
-from planner.base.arrays import Array, Mask
+from planner.base.arrays import Array, Mask, angle_rad
 from planner.output.export.description import session_label
 from planner.output.view.columns import TargetTrack
 from planner.output.view.scene import PlanScene
-from planner.planning.opportunities.conditions import angle_rad
 from planner.planning.opportunities.ground_sample import sample_along_m
 from planner.world.frames.earth_orientation import OMEGA_EARTH_RAD_S
 from planner.world.frames.geodesy import geodetic_from_itrf, up_itrf

@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from planner.base.arrays import Array, Indices
 from planner.planning.campaigns.chosen import Unseen
@@ -20,13 +19,11 @@ from planner.planning.opportunities import (
     opportunities_however_many,
 )
 from planner.planning.opportunities.carrier import Carrier
+from planner.planning.opportunities.search import highest
 from planner.planning.opportunities.sights import in_sights
-from planner.planning.opportunities.spans import turning_point
 from planner.world.frames.time_scales import shifted_utc
 from planner.world.targets.earth_fixed import EarthFixedTarget
 
-BATCH_CELLS = 200_000  # targets times rows of the orbit looked at together: some 50 MB
-SLOW_RAD = 0.03  # between rows of the orbit, of an elevation below the horizon
 SAMPLES = 5  # of a window, at which separations are reported
 # The order in which opportunities are narrowed, and the fields of each condition.
 _NARROWING: tuple[tuple[Closing, tuple[str, ...]], ...] = (
@@ -66,38 +63,12 @@ def unseen_because(
 
 
 def _highest(request: CampaignRequest, carrier: Carrier, target: Indices) -> tuple[Array, Array]:
-    """The greatest elevation of each target and when, from the orbit's rows on, (n,) each."""
+    """The greatest elevation of each target and when, (n,) each."""
     targets = [wanted.target for wanted in request.targets]
-    node_s = carrier.node_s
-    best_rad, best_s = np.full(len(target), -math.inf), np.zeros(len(target))
-    size = max(1, BATCH_CELLS // len(node_s))
+    best_rad, best_s = np.empty(len(target)), np.empty(len(target))
     for rows, sight, which in in_sights(target, targets, carrier):
-        for first in range(0, len(rows), size):
-            part, number = rows[first : first + size], which[first : first + size]
-            at_s = np.tile(node_s, len(part))
-            clearance = sight.clearance_rad(np.repeat(number, len(node_s)), at_s)
-            clearance = clearance.reshape(len(part), -1)
-            row, node = np.nonzero(_maybe_highest(clearance))
-            low_s, high_s = (node_s[np.clip(node + to, 0, len(node_s) - 1)] for to in (-1, 1))
-            found_s = turning_point(sight.clearance_rad, number[row], low_s, high_s)
-            found_rad = sight.clearance_rad(number[row], found_s)
-            ascending = np.lexsort((found_rad, row))
-            last = np.append(row[ascending][1:] != row[ascending][:-1], True)
-            best_rad[part], best_s[part] = found_rad[ascending][last], found_s[ascending][last]
+        best_s[rows], best_rad[rows] = highest(sight, request.platform, which).T
     return best_rad, best_s
-
-
-def _maybe_highest(clearance_rad: Array) -> NDArray[np.bool_]:
-    """Which rows of the orbit (targets, rows) the highest elevation may lie beside.
-
-    Overhead it changes by tens of degrees from row to row, so every culmination counts; below
-    the horizon by less than one.
-    """
-    before, after = (np.roll(clearance_rad, shift, axis=1) for shift in (1, -1))
-    before[:, 0] = after[:, -1] = -math.inf
-    culminates = (clearance_rad >= before) & (clearance_rad >= after)
-    top_rad = clearance_rad.max(axis=1, keepdims=True)
-    return np.asarray(culminates & (clearance_rad >= np.minimum(top_rad - SLOW_RAD, 0.0)))
 
 
 def _closed_conditions(

@@ -6,13 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.base.arrays import Array, Indices
+from planner.base.arrays import Array, Indices, angle_rad
 from planner.motion.pointing.angles import axis_angles
 from planner.motion.pointing.line_of_sight import LineOfSight
 from planner.planning.campaigns.request import ViewWeights
 from planner.planning.opportunities.carrier import Carrier
-from planner.planning.opportunities.conditions import off_nadir_rad
-from planner.planning.opportunities.sights import EarthSight, FixedPlaces, Sight, in_sights
+from planner.planning.opportunities.sights import Sight, in_sights
 from planner.planning.sessions.uncertainty import probabilities_at
 from planner.world.attitude import AttitudeLaw
 from planner.world.frames.geodesy import geodetic_from_itrf
@@ -75,7 +74,7 @@ class Viewing:
         """
         weights = self.weights
         quality = np.ones(len(t_s))
-        if isinstance(sight, EarthSight):
+        if sight.on_earth:
             view = view_of(sight, which, t_s)
             sun = np.maximum(np.sin(view.sun_elevation_rad), 0.0)
             quality *= np.minimum(1.0 / view.stretch_ratio, 1.0) ** weights.ground_sample
@@ -91,15 +90,15 @@ class Viewing:
     def probability(self, sight: Sight, which: Indices, t_s: Array) -> Array:
         """That each target is in the frame, (n,); 0 where no angles point there."""
         carrier = sight.carrier
-        before, los_platform, after = (
-            carrier.in_platform(sight.sighting(which, at_s).direction_itrf, at_s)
-            for at_s in (t_s - _DELTA_S, t_s, t_s + _DELTA_S)
+        before, seen, after = (
+            sight.sighting(which, at_s) for at_s in (t_s - _DELTA_S, t_s, t_s + _DELTA_S)
         )
+        los_platform = seen.los_platform
         angle_rad = axis_angles(self.platform, los_platform).angle_rad[0]
         rows = np.flatnonzero(np.isfinite(angle_rad).all(axis=1))
         if not len(rows):
             return np.zeros(len(t_s))
-        los_rate_per_s = (after - before) / (2.0 * _DELTA_S)
+        los_rate_per_s = (after.los_platform - before.los_platform) / (2.0 * _DELTA_S)
         instants = Instants(carrier.start_utc, t_s[rows])
         los = LineOfSight(
             instants=instants,
@@ -107,8 +106,8 @@ class Viewing:
             los_platform=los_platform[rows],
             los_rate_platform_per_s=los_rate_per_s[rows],
             los_acceleration_platform_per_s2=np.full((len(rows), 3), math.nan),
-            range_m=sight.sighting(which[rows], t_s[rows]).range_m,
-            clearance_rad=sight.clearance_rad(which[rows], t_s[rows]),
+            range_m=seen.range_m[rows],
+            clearance_rad=seen.elevation_rad[rows],
         )
         probability = np.zeros(len(t_s))
         probability[rows] = probabilities_at(
@@ -135,7 +134,7 @@ class Viewing:
             view = view_of(sight, which, t_s[rows])
             probability = self.probability(sight, which, t_s[rows])
             pixel_m = pixel_rad * view.plumb_m * view.stretch_ratio
-            on_earth = isinstance(sight, EarthSight)
+            on_earth = sight.on_earth
             for n, row in enumerate(rows.tolist()):
                 seen[row] = Seen(
                     elevation_rad=float(view.elevation_rad[n]),
@@ -151,25 +150,25 @@ def view_of(sight: Sight, which: Indices, t_s: Array) -> ViewOverTime:
     """Targets `which` (n,) at t_s (n,)."""
     seen = sight.sighting(which, t_s)
     plumb_m = np.full(len(t_s), math.nan)
-    if isinstance(sight, EarthSight):
+    if sight.on_earth:
         plumb_m = geodetic_from_itrf(sight.carrier.r_sat_itrf_m.at(t_s))[2]
-        plumb_m = plumb_m - geodetic_from_itrf(sight.places.r_target_itrf_m(which, t_s))[2]
+        plumb_m = plumb_m - geodetic_from_itrf(sight.r_target_itrf_m(which, t_s))[2]
     return ViewOverTime(
         elevation_rad=seen.elevation_rad,
-        off_nadir_rad=off_nadir_rad(seen.direction_itrf, sight.carrier, t_s),
+        off_nadir_rad=angle_rad(seen.direction_itrf, -sight.carrier.r_sat_itrf_m.at(t_s)),
         plumb_m=plumb_m,
         stretch_ratio=seen.range_m / (plumb_m * np.maximum(np.sin(seen.elevation_rad), 1e-6)),
-        sun_elevation_rad=sight.sun_elevation_rad(which, t_s),
+        sun_elevation_rad=seen.sun_elevation_rad,
     )
 
 
 def _target_of(sight: Sight, which: Indices) -> VisibleTarget:
     """Rows of `which` as one target, a place per instant."""
-    if not isinstance(sight, EarthSight):
-        return sight.target
-    if isinstance(sight.places, FixedPlaces):
-        return _Places(sight.places.r_itrf_m[which])
-    return sight.places.target
+    if not sight.on_earth:
+        return sight.targets[0]
+    if sight.places.step_s == 0.0:
+        return _Places(sight.places.resting_parameters[which, :3])
+    return sight.targets[0]
 
 
 class _Places(EarthFixedTarget):

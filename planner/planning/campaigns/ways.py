@@ -114,7 +114,7 @@ def _usable_runs(
     seen = np.repeat(which, counts)
     quality = viewing.quality(sight, seen, t_s, begins[counts > 0])
     before, los, after = (
-        sight.carrier.in_platform(sight.sighting(seen, at_s).direction_itrf, at_s)
+        sight.sighting(seen, at_s).los_platform
         for at_s in (t_s - OPTIONS.delta_s, t_s, t_s + OPTIONS.delta_s)
     )
     los_rate_s = (after - before) / (2.0 * OPTIONS.delta_s)

@@ -7,12 +7,16 @@ Everything is in ITRF axes, in which targets on the ground stand still.
 import math
 from dataclasses import dataclass
 from datetime import datetime
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from planner.base.arrays import Array, cross
 from planner.base.interpolation import NODES, UniformTable
+from planner.planning.opportunities.looks import CarrierTables
+from planner.planning.opportunities.sweep import OPTIONS as SWEEP
+from planner.planning.opportunities.sweep import Rows
 from planner.world.attitude import AttitudeLaw, LvlhAttitude
 from planner.world.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
 from planner.world.frames.geodesy import MU_EARTH_M3_S2
@@ -33,6 +37,7 @@ class CarrierTableOptions:
     step_max_s: float = 900.0  # high orbits turn slowly, but their targets don't
     body_step_s: float = 900.0  # of the Sun and the Moon: 0.1 mas of the Earth's turn below them
     level_step_s: float = 3600.0  # of an attitude that rests in the local orbital frame
+    between_rows: float = 1.05  # times what it is on rows, a motion may be
     attitude_step_min_s: float = 1.0  # telemetry has a row a second
     attitude_error_rad: float = 5e-7  # 0.1 arcsec: less than what drives and orbit leave
 
@@ -62,6 +67,42 @@ class Carrier:
     r_moon_itrf_m: UniformTable
     q_platform_from_lvlh_xyzw: UniformTable
     platform_turn_max_rad_s: float
+
+    @cached_property
+    def tables(self) -> CarrierTables:
+        """The same for compiled code."""
+        orbit = self.r_sat_itrf_m.powers
+        step_s = self.r_sat_itrf_m.step_s
+        r_m, v_m_s = orbit[:, 0], orbit[:, 1] / step_s
+        r2, rv, v2 = (
+            np.einsum("ni,ni->n", a, b) for a, b in ((r_m, r_m), (r_m, v_m_s), (v_m_s, v_m_s))
+        )
+        acceleration_m_s2 = 2.0 / step_s**2 * float(np.linalg.norm(orbit[:, 2], axis=1).max())
+        passing_rad_s = math.sqrt(float(np.max(v2 / r2 - (rv / r2) ** 2)))
+        return CarrierTables(
+            span_s=self.span_s,
+            step_s=step_s,
+            orbit=np.concatenate([orbit, self.v_sat_itrf_m_s.powers], axis=2),
+            body_step_s=self.r_sun_itrf_m.step_s,
+            bodies=np.concatenate([self.r_sun_itrf_m.powers, self.r_moon_itrf_m.powers], axis=2),
+            attitude_step_s=self.q_platform_from_lvlh_xyzw.step_s,
+            attitude=np.ascontiguousarray(self.q_platform_from_lvlh_xyzw.powers),
+            turn_rad_s=self.platform_turn_max_rad_s,
+            farthest_m=OPTIONS.between_rows * math.sqrt(float(r2.max())),
+            speed_m_s=OPTIONS.between_rows * math.sqrt(float(v2.max())),
+            acceleration_m_s2=OPTIONS.between_rows * acceleration_m_s2,
+            passing_rad_s=OPTIONS.between_rows * passing_rad_s,
+        )
+
+    @cached_property
+    def rows(self) -> Rows:
+        """What tells how many rows of the orbit can be leapt over."""
+        r_m = self.r_sat_itrf_m.powers[:, 0]
+        cosine = np.minimum((np.arange(2 * SWEEP.leaps + 2) + 1.0) / SWEEP.leaps - 1.0, 1.0)
+        per_row_rad = self.tables.passing_rad_s * self.tables.step_s
+        return Rows(
+            r_m / np.linalg.norm(r_m, axis=1, keepdims=True), np.arccos(cosine) / per_row_rad
+        )
 
     def in_platform(self, vector_itrf: Array, t_s: Array) -> Array:
         """Vectors (n, 3) turned into the platform frame at t_s (n,)."""

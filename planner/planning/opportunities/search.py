@@ -1,9 +1,8 @@
 """The search for opportunities, from the request to its windows."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
-from itertools import chain
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,63 +11,69 @@ from planner.base import effort
 from planner.base.arrays import Array, Indices
 from planner.base.effort import at_most
 from planner.base.errors import SearchEnded
+from planner.motion.pointing.reach import reach_of
 from planner.planning.opportunities.carrier import Carrier, carrier_over
-from planner.planning.opportunities.conditions import Condition, conditions_of
-from planner.planning.opportunities.description import describe_windows
+from planner.planning.opportunities.ground_sample import sample_along_m
+from planner.planning.opportunities.margins import CAUSES, NOTHING, Scene, asked_of
 from planner.planning.opportunities.request import OpportunityRequest
-from planner.planning.opportunities.sights import (
-    EarthSight,
-    FixedPlaces,
-    Sight,
-    resting_places,
-    sight_of,
+from planner.planning.opportunities.sessions import hold
+from planner.planning.opportunities.sights import Sight, sights_of
+from planner.planning.opportunities.sweep import OPTIONS as SWEEP
+from planner.planning.opportunities.sweep import Found, sweep
+from planner.planning.opportunities.telling import highest_over, sky_each, tell
+from planner.planning.opportunities.windows import (
+    Opportunities,
+    Sightings,
+    TargetSky,
+    Windows,
+    in_order,
 )
-from planner.planning.opportunities.spans import Margin, Nodes, Spans, nodes_over, stretches
-from planner.planning.opportunities.trackable_spans import held_parts
-from planner.planning.opportunities.windows import Cause, Opportunities, in_order
 from planner.world.attitude.lvlh import level_warnings
 from planner.world.frames.earth_orientation import earth_orientation_warnings
+from planner.world.frames.geodesy import geodetic_from_itrf
 from planner.world.frames.time_scales import Instants
-from planner.world.targets import EarthFixedTarget
+from planner.world.platforms import TwoAxisPlatform
+from planner.world.targets import EarthFixedTarget, Target
 
 
 @dataclass(frozen=True, kw_only=True)
 class WindowSearchOptions:
-    """How windows are found between the rows of the carrier's table."""
+    """How many targets are searched together, and the work it takes, in rows of `effort`."""
 
-    batch_cells: int = 3_000_000  # targets times rows compared at a time: some 50 MB in all
-    shortest_s: float = 1e-3  # the resolution promised of an edge
-    plumb_rad: float = 0.0034  # geodetic against geocentric vertical: 0.1924 deg at most
-    # what single precision leaves of an angle's cosine, at its worst near 0
-    single_rad: float = 1e-3
-    beyond: int = 2  # rows, so that a pass at the end of the span still shows three
-    sample_rows: float = 0.45  # work of a reported sample, in rows
+    targets_at_once: int = 500
+    look_rows: float = 0.05  # to look once whether a target can be seen
+    window_rows: float = 0.5  # to find a window's extremes
+    sample_rows: float = 0.15  # to tell of an instant
 
 
 OPTIONS = WindowSearchOptions()
 
 
-@dataclass(frozen=True)
-class SearchWork:
-    """What is spent, in rows of `effort`, to look once whether a target can be seen, and
-    to find a window's extremes."""
+@dataclass(frozen=True, eq=False)
+class Spans:
+    """Times that meet all conditions, in order of target and time, each (m,).
 
-    look_rows: float
-    window_rows: float
+    opened_by, closed_by: what made each edge, a `Cause`.
+    """
 
+    target: Indices
+    start_s: Array
+    stop_s: Array
+    opened_by: NDArray[np.str_]
+    closed_by: NDArray[np.str_]
 
-RESTING = SearchWork(look_rows=0.13, window_rows=1.2)  # many places together
-ALONE = SearchWork(look_rows=3.3, window_rows=440.0)  # frames and ephemerides at every look
+    def select(self, rows: NDArray[np.bool_] | Indices) -> "Spans":
+        """Select those at `rows`."""
+        return Spans(*(column[rows] for column in vars(self).values()))
 
 
 def find_opportunities(request: OpportunityRequest) -> Opportunities:
     """All windows of all targets, by no more work than one request may make.
 
-    The orbit is evaluated once, on rows 0.066 rad of its motion apart (60 s for the ISS);
-    fixed ground targets are compared with the rows all together.  Edges and extremes are then
-    found for many at once, on polynomials through the rows.  Edges are those of the exact
-    orbit and frames to 0.1 ms, where the margin changes by its ordinary rate; windows or gaps
-    shorter than a millisecond may be missed.
+    The orbit is evaluated once, on rows 0.066 rad of its motion apart (60 s for the ISS), and all
+    else on polynomials through the rows.  Edges are those of the exact orbit and frames to 0.1 ms,
+    where the margin changes by its ordinary rate; windows or gaps shorter than a millisecond may be
+    missed.
     Raises OutsideCoverage where orbit, attitude or Earth orientation are not known, SearchEnded.
     """
     with at_most(effort.PLAN):
@@ -86,11 +91,10 @@ def opportunities_however_many(request: OpportunityRequest) -> Opportunities:
     carrier = carrier_over(
         ephemeris, request.attitude, request.platform, request.start, request.stop
     )
-    found = []
-    for numbers, sight, spans, work in found_spans(request, carrier):
-        charge_for(spans, work, request.samples)
-        held_s = held_parts(request.platform, sight, spans, work.look_rows)
-        found.append(describe_windows(request, sight, numbers, spans, held_s))
+    found = [
+        describe_windows(request, sight, numbers, spans, held_s)
+        for numbers, sight, spans, held_s in found_spans(request, carrier)
+    ]
     ends = Instants(request.start, np.array([0.0, carrier.span_s]))
     return Opportunities(
         start_utc=request.start,
@@ -108,118 +112,116 @@ def opportunities_however_many(request: OpportunityRequest) -> Opportunities:
     )
 
 
+def highest(sight: Sight, platform: TwoAxisPlatform, which: Indices) -> Array:
+    """When targets stand highest over all the carrier's time, and at what elevation, (n, 2)."""
+    return highest_over(
+        Scene(sight.carrier.tables, reach_of(platform), NOTHING, sight.places), which
+    )
+
+
 def found_spans(
-    request: OpportunityRequest,
-    carrier: Carrier,
-    more: Callable[[Sight], Iterable[Condition]] = lambda _: (),
-) -> Iterator[tuple[Indices, Sight, Spans, SearchWork]]:
+    request: OpportunityRequest, carrier: Carrier, across_rad: float = math.nan
+) -> Iterator[tuple[Indices, Sight, Spans, Array]]:
     """When all conditions hold, for targets that are treated alike: their rows in the request, how
-    they are seen, the spans by their number among these, and the work of one window more.
+    they are seen, the spans by their number among these, and what a session holds of each, (m, 2).
 
-    more: conditions beside the request's.
+    across_rad: of a line of sight from the plane of its track at most; sessions are then left out.
     """
-    for numbers, sight, nodes, work in _sight_batches(request, carrier):
-        conditions = chain(conditions_of(request.conditions, request.platform, sight), more(sight))
-        yield numbers, sight, _find_windows(request, conditions, sight, nodes, work), work
-
-
-def charge_for(spans: Spans, work: SearchWork, samples: int) -> None:
-    """The work of describing windows."""
-    effort.charge((work.window_rows + OPTIONS.sample_rows * samples) * len(spans.target))
-
-
-def _sight_batches(
-    request: OpportunityRequest, carrier: Carrier
-) -> Iterator[tuple[Indices, Sight, Nodes, SearchWork]]:
-    """Rows of the request's targets that are treated alike, and where to look for them."""
-    asked_rad = math.radians(request.conditions.min_elevation_deg)
     targets = [wanted.target for wanted in request.targets]
-    resting = resting_places(targets)
-    size = max(1, OPTIONS.batch_cells // len(carrier.node_s))
-    for first in range(0, len(resting), size):
-        numbers = list(resting)[first : first + size]
-        places = FixedPlaces(carrier, [resting[number] for number in numbers])
-        least_rad = np.array([_least_rad(resting[number], asked_rad) for number in numbers])
-        nodes = _candidate_nodes(carrier, places.r_itrf_m, least_rad)
-        yield np.array(numbers), EarthSight(carrier, places, least_rad), nodes, RESTING
-    everywhere = Nodes(np.zeros(1, int), np.zeros(len(carrier.node_s), int), carrier.node_s)
-    for number, target in enumerate(targets):
-        if number not in resting:
-            sight = sight_of(carrier, target, _least_rad(target, asked_rad))
-            yield np.array([number]), sight, everywhere, ALONE
+    asked_rad = math.radians(request.conditions.min_elevation_deg)
+    least_rad = np.array([max(_own_least_rad(target), asked_rad) for target in targets])
+    for numbers, sight in sights_of(carrier, targets, least_rad, OPTIONS.targets_at_once):
+        asked = asked_of(request, not sight.on_earth, across_rad)
+        scene = Scene(carrier.tables, reach_of(request.platform), asked, sight.places)
+        shortest_s = max(request.conditions.min_duration_s, SWEEP.shortest_s)
+        found = sweep(scene, carrier.rows, shortest_s, effort.remaining() / OPTIONS.look_rows)
+        _count(found.looks)
+        held_s = found.edge_s
+        if math.isnan(across_rad):
+            held_s, looks = hold(scene, found, effort.remaining() / OPTIONS.look_rows)
+            _count(looks)
+        yield numbers, sight, _spans_of(found), held_s
 
 
-def _candidate_nodes(carrier: Carrier, r_target_itrf_m: Array, min_elevation_rad: Array) -> Nodes:
-    """Rows of the orbit around every instant at which the carrier may stand high enough.
+def _count(looks: int) -> None:
+    """Raises WorkLimitReached where they were ended by it."""
+    effort.count(OPTIONS.look_rows * looks)
+    effort.charge(0.0)
 
-    r_target_itrf_m: (k, 3), at rest.  Each group of nodes reaches two rows beyond both
-    ends of visibility, or to the end of the span.  The Earth's central angle to a carrier at
-    distance r, seen at elevation e from distance R, is acos(R cos e / r) - e.
+
+def _spans_of(found: Found) -> Spans:
+    (start_s, stop_s), (opened_by, closed_by) = found.edge_s.T, CAUSES[found.cause.T]
+    return Spans(found.target, start_s, stop_s, opened_by, closed_by)
+
+
+def _own_least_rad(target: Target) -> float:
+    return math.radians(target.min_elevation_deg) if isinstance(target, EarthFixedTarget) else 0.0
+
+
+def describe_windows(
+    request: OpportunityRequest, sight: Sight, numbers: Indices, spans: Spans, held_s: Array
+) -> Windows:
+    """The windows of one sight; numbers: its targets' rows in the request.
+
+    held_s: (m, 2), the parts that a session can hold.
     """
-    r_sat_m = carrier.r_sat_itrf_m.at(carrier.node_s)
-    distance_m = np.linalg.norm(r_sat_m, axis=1)
-    ground_m = np.linalg.norm(r_target_itrf_m, axis=1)
-    least_rad = min_elevation_rad - OPTIONS.plumb_rad
-    cosine = np.minimum(ground_m * np.cos(least_rad) / distance_m.max(), 1.0)
-    step_s = carrier.node_s[1] - carrier.node_s[0]
-    between_rad = 0.5 * step_s * carrier.turn_max_rad_s
-    central_rad = np.arccos(cosine) - least_rad + between_rad + OPTIONS.single_rad
-
-    to_sat = (r_sat_m / distance_m[:, None]).astype(np.float32)
-    to_target = (r_target_itrf_m / ground_m[:, None]).astype(np.float32)
-    near = to_target @ to_sat.T > np.cos(np.minimum(central_rad, np.pi))[:, None].astype(np.float32)
-    wider = near.copy()
-    for rows in range(1, OPTIONS.beyond + 1):
-        wider[:, rows:] |= near[:, :-rows]
-        wider[:, :-rows] |= near[:, rows:]
-    target, row = np.divmod(np.flatnonzero(wider), wider.shape[1])
-    begins = np.append(True, (target[1:] != target[:-1]) | (row[1:] != row[:-1] + 1))
-    begins = begins[: len(target)]
-    return Nodes(target=target[begins], group=np.cumsum(begins) - 1, t_s=carrier.node_s[row])
-
-
-def _least_rad(target: object, asked_rad: float) -> float:
-    """The greater of the request's least elevation and the target's own."""
-    own_deg = target.min_elevation_deg if isinstance(target, EarthFixedTarget) else 0.0
-    return max(math.radians(own_deg), asked_rad)
+    count = len(spans.target)
+    effort.charge((OPTIONS.window_rows + OPTIONS.sample_rows * request.samples) * count)
+    edge_s = np.stack([spans.start_s, spans.stop_s], axis=1)
+    scene = Scene(sight.carrier.tables, reach_of(request.platform), NOTHING, sight.places)
+    told = tell(scene, spans.target, edge_s, request.samples)
+    seen = _sightings(told.seen_parameters, request.pixel_rad, sight.on_earth)
+    at_s = np.insert(edge_s, 1, told.highest_parameters[:, 0], axis=1)
+    return Windows(
+        target=numbers[spans.target],
+        rise_s=spans.start_s,
+        set_s=spans.stop_s,
+        held_from_s=held_s[:, 0],
+        held_to_s=held_s[:, 1],
+        opened_by=spans.opened_by,
+        closed_by=spans.closed_by,
+        highest_s=told.highest_parameters[:, 0],
+        highest_rad=told.highest_parameters[:, 1],
+        closest=seen.select_samples(0),
+        through=seen.select_samples(slice(1, None)),
+        sky=_target_sky(sight, spans.target, at_s),
+        branch=told.branch,
+        branches=told.usable,
+    )
 
 
-def _find_windows(
-    request: OpportunityRequest,
-    conditions: Iterable[Condition],
-    sight: Sight,
-    nodes: Nodes,
-    work: SearchWork,
-) -> Spans:
-    """When all conditions hold, condition after condition."""
-    interval = np.full(len(nodes.target), "interval")
-    spans = _spans_holding(sight.clearance_rad, nodes, "elevation", interval, interval, work)
-    for condition in conditions:
-        nodes = nodes_over(spans, sight, condition.step_s, condition.turn_rad)
-        if condition.more_nodes is not None:
-            nodes = condition.more_nodes(nodes)
-            effort.charge(work.look_rows * len(nodes.t_s))
-        edges = spans.opened_by, spans.closed_by
-        spans = _spans_holding(condition.margin, nodes, condition.cause, *edges, work)
-    least_s = max(request.conditions.min_duration_s, OPTIONS.shortest_s)
-    return spans.select(spans.stop_s - spans.start_s >= least_s)
+def _sightings(seen_parameters: Array, pixel_rad: float, on_earth: bool) -> Sightings:
+    """seen_parameters: as of `Told`."""
+    columns = np.ascontiguousarray(np.moveaxis(seen_parameters, 2, 0))
+    t_s, elevation_rad, range_m, off_nadir_rad, sun_rad, sun_away_rad, moon_away_rad = columns[:7]
+    sine = np.sin(elevation_rad) if on_earth else np.ones(elevation_rad.shape)
+    return Sightings(
+        t_s=t_s,
+        elevation_rad=elevation_rad,
+        range_m=range_m,
+        off_nadir_rad=off_nadir_rad,
+        ground_sample_across_m=range_m * pixel_rad,
+        ground_sample_along_m=sample_along_m(sine, range_m, pixel_rad),
+        sun_elevation_rad=sun_rad,
+        sun_separation_rad=sun_away_rad,
+        moon_separation_rad=moon_away_rad,
+        angle_rad=seen_parameters[..., 7:9],
+        rate_rad_s=seen_parameters[..., 9:11],
+    )
 
 
-def _spans_holding(
-    margin: Margin,
-    nodes: Nodes,
-    cause: Cause,
-    opened_by: NDArray[np.str_],
-    closed_by: NDArray[np.str_],
-    work: SearchWork,
-) -> Spans:
-    """Where a margin holds; opened_by, closed_by: what makes the ends of each group of nodes."""
-    effort.charge(work.look_rows * len(nodes.t_s))
-    inside = stretches(margin, nodes)
-    return Spans(
-        target=nodes.target[inside.group],
-        start_s=inside.start_s,
-        stop_s=inside.stop_s,
-        opened_by=np.where(inside.from_first, opened_by[inside.group], cause),
-        closed_by=np.where(inside.to_last, closed_by[inside.group], cause),
+def _target_sky(sight: Sight, target: Indices, at_s: Array) -> TargetSky:
+    """target: (m,); at_s: (m, 3)."""
+    if not sight.on_earth:
+        nothing = np.full(at_s.shape, math.nan)
+        return TargetSky(**{f.name: nothing for f in fields(TargetSky)} | {"t_s": at_s})
+    t_s, which = at_s.ravel(), np.repeat(target, at_s.shape[1])
+    place = geodetic_from_itrf(sight.r_target_itrf_m(which, t_s))
+    seen = sky_each(sight.carrier.tables, sight.places, which, t_s, place[1])
+    columns = (t_s, *seen.T, *place)
+    return TargetSky(
+        **{
+            field.name: column.reshape(at_s.shape)
+            for field, column in zip(fields(TargetSky), columns, strict=True)
+        }
     )

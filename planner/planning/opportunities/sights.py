@@ -1,199 +1,90 @@
-"""The geometry between many targets and the carrier, each at its own instants."""
+"""Targets as compiled code looks at them: those at rest together, any other by itself."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from planner.base.arrays import Array, Indices
+from planner.base.interpolation import UniformTable
 from planner.planning.opportunities.carrier import Carrier
-from planner.world.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
+from planner.planning.opportunities.looks import Places
+from planner.planning.opportunities.telling import look_each, places_each
+from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.geodesy import geodetic_from_itrf, up_itrf
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import OrbitStates
 from planner.world.targets import EarthFixedTarget, SkyTarget, Target
-from planner.world.targets.apparent import SPEED_OF_LIGHT_M_S, aberrate
+from planner.world.targets.refraction import bending_spline
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrackOptions:
+    """How finely what isn't at rest on the Earth is tabulated."""
+
+    # by which every other row may fail to tell the rest; the table does so 64 times better
+    place_error_m: float = 0.1
+    direction_error_rad: float = 1e-8
+    step_min_s: float = 1.0
+
+
+OPTIONS = TrackOptions()
 
 
 @dataclass(frozen=True, eq=False)
 class Sighting:
     """What the carrier sees of n targets.
 
-    direction_itrf: unit vectors from the carrier, light time and aberration included, (n, 3).
-    range_m: (n,).  elevation_rad: of the carrier in the target's sky; for a target in space its
-    height above the limb raised by the grazing altitude, (n,).
+    direction_itrf, los_platform: unit vectors from the carrier, light time and aberration included,
+    (n, 3).  range_m: (n,).  elevation_rad: of the carrier in the target's sky; for a target in
+    space its height above the limb raised by the grazing altitude, (n,).  sun_elevation_rad: of
+    the Sun's centre in the target's sky, without refraction; NaN in space, (n,).
     """
 
     direction_itrf: Array
+    los_platform: Array
     range_m: Array
     elevation_rad: Array
-
-
-class FixedPlaces:
-    """Points at rest on the ground, any number."""
-
-    def __init__(self, carrier: Carrier, targets: Sequence[EarthFixedTarget]) -> None:
-        at_start = Instants(carrier.start_utc, np.zeros(1))
-        self.r_itrf_m = np.concatenate([target.r_target_itrf_m(at_start) for target in targets])
-        latitude_rad, longitude_rad, _ = geodetic_from_itrf(self.r_itrf_m)
-        self._up_itrf = up_itrf(latitude_rad, longitude_rad)
-
-    def r_target_itrf_m(self, which: Indices, t_s: Array) -> Array:
-        """Shape (n, 3)."""
-        return self.r_itrf_m[which]
-
-    def up_itrf(self, which: Indices, r_target_itrf_m: Array) -> Array:
-        """Shape (n, 3)."""
-        return self._up_itrf[which]
+    sun_elevation_rad: Array
 
 
 @dataclass(frozen=True, eq=False)
-class MovingPlace:
-    """One point that moves over the ground."""
+class Sight:
+    """Targets that are looked at alike, numbered by `which` (n,), at t_s (n,) of the carrier."""
 
     carrier: Carrier
-    target: EarthFixedTarget
+    targets: Sequence[EarthFixedTarget | SkyTarget]
+    places: Places
 
-    def r_target_itrf_m(self, which: Indices, t_s: Array) -> Array:
-        """Shape (n, 3)."""
-        return self.target.r_target_itrf_m(Instants(self.carrier.start_utc, t_s))
-
-    def up_itrf(self, which: Indices, r_target_itrf_m: Array) -> Array:
-        """Shape (n, 3)."""
-        latitude_rad, longitude_rad, _ = geodetic_from_itrf(r_target_itrf_m)
-        return up_itrf(latitude_rad, longitude_rad)
-
-
-@dataclass(frozen=True, eq=False)
-class EarthSight:
-    """Targets on the Earth.
-
-    min_elevation_rad: one per target.  Directions leave out refraction also where a target asks for
-    it: on the axes 8 arcsec at 30 deg elevation and 50 at 10.
-    """
-
-    carrier: Carrier
-    places: FixedPlaces | MovingPlace
-    min_elevation_rad: Array
-
-    def clearance_rad(self, which: Indices, t_s: Array) -> Array:
-        """Elevation above the plane of the ellipsoid, beyond the least one, (n,)."""
-        r_target_m = self.places.r_target_itrf_m(which, t_s)
-        return self._elevation_rad(which, t_s, r_target_m) - self.min_elevation_rad[which]
-
-    def closeness(self, which: Indices, t_s: Array) -> Array:
-        """The range, negative."""
-        return -_norm(self.carrier.r_sat_itrf_m.at(t_s) - self.places.r_target_itrf_m(which, t_s))
+    @property
+    def on_earth(self) -> bool:
+        return not self.places.in_space
 
     def sighting(self, which: Indices, t_s: Array) -> Sighting:
-        """Light time with the Earth turning below, then aberration, as `EarthFixedTarget`."""
-        r_sat_m = self.carrier.r_sat_itrf_m.at(t_s)
-        r_target_m = self.places.r_target_itrf_m(which, t_s)
-        range_m = _norm(r_target_m - r_sat_m)
-        light_time_s = range_m / SPEED_OF_LIGHT_M_S
-        r_emitting_m = self.places.r_target_itrf_m(which, t_s - light_time_s)
-        turned_m = light_time_s[:, None] * _carried_m_s(r_emitting_m)
-        los_m = r_emitting_m - turned_m - r_sat_m
-        return Sighting(
-            direction_itrf=aberrate(
-                los_m / _norm(los_m)[:, None], self.carrier.v_sat_itrf_m_s.at(t_s)
-            ),
-            range_m=range_m,
-            elevation_rad=self._elevation_rad(which, t_s, r_target_m),
-        )
+        """What is seen of them."""
+        directions, values = look_each(self.carrier.tables, self.places, which, t_s)
+        return Sighting(directions[:, :3], directions[:, 3:], *np.ascontiguousarray(values.T))
 
-    def to_sun_itrf(self, which: Indices, t_s: Array) -> Array:
-        """Where the target sees the Sun, unit vectors (n, 3); parallax, diurnal aberration
-        included."""
-        r_target_m = self.places.r_target_itrf_m(which, t_s)
-        to_sun_m = self.carrier.r_sun_itrf_m.at(t_s) - r_target_m
-        return aberrate(to_sun_m / _norm(to_sun_m)[:, None], _carried_m_s(r_target_m))
-
-    def sun_elevation_rad(self, which: Indices, t_s: Array) -> Array:
-        """Elevation of `to_sun_itrf`."""
-        r_target_m = self.places.r_target_itrf_m(which, t_s)
-        up_itrf = self.places.up_itrf(which, r_target_m)
-        return _arcsin(_dot(self.to_sun_itrf(which, t_s), up_itrf))
-
-    def nearest_passage(self, which: Indices, t_s: Array) -> tuple[Array, Array]:
-        """Target and carrier on straight lines in ITRF."""
-        apart_m = self.carrier.r_sat_itrf_m.at(t_s) - self.places.r_target_itrf_m(which, t_s)
-        speed_m_s = self.carrier.r_sat_itrf_m.rate_at(t_s)
-        square = _dot(speed_m_s, speed_m_s)
-        nearest_s = -_dot(apart_m, speed_m_s) / square
-        return nearest_s, np.sqrt(square) / _norm(apart_m + nearest_s[:, None] * speed_m_s)
-
-    def _elevation_rad(self, which: Indices, t_s: Array, r_target_m: Array) -> Array:
-        apart_m = self.carrier.r_sat_itrf_m.at(t_s) - r_target_m
-        return _arcsin(_dot(apart_m, self.places.up_itrf(which, r_target_m)) / _norm(apart_m))
+    def r_target_itrf_m(self, which: Indices, t_s: Array) -> Array:
+        """Where they are, (n, 3), on the Earth."""
+        return places_each(self.places, which, t_s)
 
 
-@dataclass(frozen=True, eq=False)
-class SkySight:
-    """One target in space.
+def sights_of(
+    carrier: Carrier, targets: Sequence[Target], least_rad: Array, most: int
+) -> Iterator[tuple[Indices, Sight]]:
+    """All targets: rows of those seen alike, at most so many, and how.
 
-    min_elevation_rad: above the limb raised by its grazing altitude.
+    least_rad: (targets,), elevation or height above the limb.
     """
-
-    carrier: Carrier
-    target: SkyTarget
-    min_elevation_rad: float
-
-    def clearance_rad(self, which: Indices, t_s: Array) -> Array:
-        """Height above the raised limb, beyond the least one, (n,)."""
-        height_rad = self.target.apparent(*self._carrier_at(t_s)[:2]).clearance_rad
-        return np.asarray(height_rad - self.min_elevation_rad)
-
-    def closeness(self, which: Indices, t_s: Array) -> Array:
-        """The carrier doesn't approach it: highest above the limb counts."""
-        return self.clearance_rad(which, t_s)
-
-    def sighting(self, which: Indices, t_s: Array) -> Sighting:
-        """The sighting as `SkyTarget` has it."""
-        instants, states, c_itrf = self._carrier_at(t_s)
-        apparent = self.target.apparent(instants, states)
-        return Sighting(
-            direction_itrf=np.einsum("nij,nj->ni", c_itrf, apparent.direction_eci),
-            range_m=apparent.range_m,
-            elevation_rad=apparent.clearance_rad,
-        )
-
-    def sun_elevation_rad(self, which: Indices, t_s: Array) -> Array:
-        """There is no ground."""
-        return np.full(len(t_s), math.nan)
-
-    def nearest_passage(self, which: Indices, t_s: Array) -> tuple[Array, Array]:
-        """It stands still."""
-        return np.zeros(len(t_s)), np.zeros(len(t_s))
-
-    def _carrier_at(self, t_s: Array) -> tuple[Instants, OrbitStates, Array]:
-        instants = Instants(self.carrier.start_utc, t_s)
-        c_itrf = c_itrf_from_eci(instants)
-        states = OrbitStates(
-            np.einsum("nji,nj->ni", c_itrf, self.carrier.r_sat_itrf_m.at(t_s)),
-            np.einsum("nji,nj->ni", c_itrf, self.carrier.v_sat_itrf_m_s.at(t_s)),
-        )
-        return instants, states, c_itrf
-
-
-Sight = EarthSight | SkySight
-"""Targets that are looked at alike; `which` (n,) numbers them, t_s (n,) is the carrier's.
-
-clearance_rad: how far inside the region where it can be seen, `VisibleTarget`'s.  closeness:
-greatest at the closest approach.  sun_elevation_rad: of the Sun's centre in the target's sky,
-without refraction; NaN in space.  nearest_passage: when, from t_s, the straight course at t_s is
-nearest, s, and how fast the line of sight then turns, rad/s.  Each (n,).
-"""
-
-
-def resting_places(targets: Sequence[Target]) -> dict[int, EarthFixedTarget]:
-    """Targets that rest on the Earth, by their number."""
-    return {
-        number: target
-        for number, target in enumerate(targets)
-        if target.rests_on_earth and isinstance(target, EarthFixedTarget)
-    }
+    at_rest = [row for row, target in enumerate(targets) if _rests(target)]
+    for first in range(0, len(at_rest), most):
+        rows = np.array(at_rest[first : first + most])
+        yield rows, resting_sight(carrier, [targets[row] for row in rows], least_rad[rows])
+    for row, target in enumerate(targets):
+        if not _rests(target):
+            yield np.array([row]), _lone_sight(carrier, target, float(least_rad[row]))
 
 
 def in_sights(
@@ -203,41 +94,80 @@ def in_sights(
 
     Whatever elevation the targets ask for.
     """
-    resting = resting_places(targets)
-    if resting:
-        number = np.full(len(targets), -1)
-        number[list(resting)] = np.arange(len(resting))
-        rows = np.flatnonzero(number[target] >= 0)
-        places = FixedPlaces(carrier, list(resting.values()))
-        yield rows, EarthSight(carrier, places, np.zeros(len(resting))), number[target[rows]]
-    for n in np.unique(target).tolist():
-        if n not in resting:
-            rows = np.flatnonzero(target == n)
-            yield rows, sight_of(carrier, targets[n], 0.0), np.zeros(len(rows), np.intp)
+    asked, which = np.unique(target, return_inverse=True)
+    chosen = [targets[n] for n in asked.tolist()]
+    for numbers, sight in sights_of(carrier, chosen, np.zeros(len(asked)), max(len(asked), 1)):
+        place = np.searchsorted(numbers, which)
+        rows = np.flatnonzero(numbers[np.minimum(place, len(numbers) - 1)] == which)
+        yield rows, sight, place[rows]
 
 
-def sight_of(carrier: Carrier, target: Target, min_elevation_rad: float) -> Sight:
-    """One target by itself."""
+def resting_sight(carrier: Carrier, targets: Sequence[EarthFixedTarget], least_rad: Array) -> Sight:
+    """Any number of points at rest on the ground."""
+    at_start = Instants(carrier.start_utc, np.zeros(1))
+    r_itrf_m = np.concatenate([target.r_target_itrf_m(at_start) for target in targets])
+    resting = np.concatenate([r_itrf_m, _up_itrf(r_itrf_m), least_rad[:, None]], axis=1)
+    return Sight(carrier, targets, _places(resting, 0.0, np.empty((0, 6, 6))))
+
+
+def _rests(target: Target) -> bool:
+    return target.rests_on_earth and isinstance(target, EarthFixedTarget)
+
+
+def _lone_sight(carrier: Carrier, target: Target, least_rad: float) -> Sight:
+    resting = np.concatenate([np.zeros(6), [least_rad]])[None]
     if isinstance(target, EarthFixedTarget):
-        return EarthSight(carrier, MovingPlace(carrier, target), np.array([min_elevation_rad]))
+
+        def place(instants: Instants) -> Array:
+            r_itrf_m = target.r_target_itrf_m(instants)
+            return np.concatenate([r_itrf_m, _up_itrf(r_itrf_m)], axis=1)
+
+        track = _track(carrier, place, OPTIONS.place_error_m)
+        return Sight(carrier, [target], _places(resting, track.step_s, track.powers))
     assert isinstance(target, SkyTarget), f"a {target.mode} has no windows"
-    return SkySight(carrier, target, min_elevation_rad)
+
+    def direction(instants: Instants) -> Array:
+        c_itrf = c_itrf_from_eci(instants)
+        r_m, v_m_s = (
+            np.einsum("nji,nj->ni", c_itrf, table.at(instants.t_s))
+            for table in (carrier.r_sat_itrf_m, carrier.v_sat_itrf_m_s)
+        )
+        direction_eci, range_m = target.arriving(instants, OrbitStates(r_m, v_m_s))
+        direction_itrf = np.einsum("nij,nj->ni", c_itrf, direction_eci)
+        return np.concatenate([direction_itrf, 1.0 / range_m[:, None]], axis=1)
+
+    track = _track(carrier, direction, OPTIONS.direction_error_rad)
+    places = _places(resting, track.step_s, track.powers)._replace(
+        in_space=True, grazing_m=target.grazing_altitude_km * 1e3
+    )
+    if target.refraction == "standard":
+        places = places._replace(bending_coefficients=bending_spline())
+    return Sight(carrier, [target], places)
 
 
-def _carried_m_s(r_itrf_m: Array) -> Array:
-    """Inertial velocity of points at rest on the Earth, shape (n, 3)."""
-    x, y = r_itrf_m[:, 0], r_itrf_m[:, 1]
-    return OMEGA_EARTH_RAD_S * np.stack([-y, x, np.zeros_like(x)], axis=1)
+def _places(resting_parameters: Array, step_s: float, track_coefficients: Array) -> Places:
+    return Places(
+        resting_parameters=np.ascontiguousarray(resting_parameters),
+        in_space=False,
+        step_s=step_s,
+        track=np.ascontiguousarray(track_coefficients),
+        grazing_m=0.0,
+        bending_coefficients=np.empty((5, 0)),
+    )
 
 
-def _dot(a: Array, b: Array) -> Array:
-    return np.asarray(np.einsum("nj,nj->n", a, b))
+def _track(carrier: Carrier, of: Callable[[Instants], Array], error: float) -> UniformTable:
+    """Rows as fine as needed: every other row must predict the rest."""
+    cells = 2 * math.ceil(len(carrier.node_s) / 2)
+    while True:
+        t_s = np.linspace(0.0, carrier.span_s, cells + 1)
+        rows = of(Instants(carrier.start_utc, t_s))
+        off = UniformTable(2.0 * float(t_s[1]), rows[::2]).at(t_s)[:, :3] - rows[:, :3]
+        if np.abs(off).max() <= error or t_s[1] <= OPTIONS.step_min_s:
+            return UniformTable(float(t_s[1]), rows)
+        cells *= 2
 
 
-def _norm(a: Array) -> Array:
-    return np.sqrt(_dot(a, a))
-
-
-def _arcsin(sine: Array) -> Array:
-    """Straight overhead a sine may round to more than 1."""
-    return np.asarray(np.arcsin(np.clip(sine, -1.0, 1.0)))
+def _up_itrf(r_itrf_m: Array) -> Array:
+    latitude_rad, longitude_rad, _ = geodetic_from_itrf(r_itrf_m)
+    return up_itrf(latitude_rad, longitude_rad)

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from planner.base.arrays import Array, Indices
 from planner.base.assumed import Assumed
 from planner.base.commands import ROWS_PER_S
-from planner.planning.opportunities.target_sky import TargetSky
 
 T = TypeVar("T")
 Cause = Literal[
@@ -59,6 +58,31 @@ class Sightings:
     def select_samples(self, which: int | slice) -> "Sightings":
         """Those samples of (windows, samples)."""
         return Sightings(**{f.name: getattr(self, f.name)[:, which] for f in fields(self)})
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TargetSky:
+    """Every array of shape (windows, 3): at rise, culmination and set.
+
+    t_s: since `Opportunities.start_utc`.
+    azimuth_rad, elevation_rad: of the carrier, geometric: azimuth clockwise from north in 0..2 pi,
+    elevation from the plane of the ellipsoid.
+    sun_azimuth_rad, sun_elevation_rad: of the Sun's centre, without refraction.
+    solar_time_s: local apparent: since the Sun stood north, half a day at its passage of the
+    meridian in the south; in 0..86400.
+    latitude_rad, longitude_rad, height_m: where the target is, geodetic.
+    All but t_s are NaN for a target in space.
+    """
+
+    t_s: Array
+    azimuth_rad: Array
+    elevation_rad: Array
+    sun_azimuth_rad: Array
+    sun_elevation_rad: Array
+    solar_time_s: Array
+    latitude_rad: Array
+    longitude_rad: Array
+    height_m: Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -7,7 +7,7 @@ from planner.world.frames.geodesy import WGS84_A_M, WGS84_F, geodetic_from_itrf
 from planner.world.targets.refraction import bending_rad, bending_slope_m
 from planner.world.targets.standard_atmosphere import TOP_M
 
-_REFRACTION_PASSES = 12  # Newton from the dark side; 5 suffice 10 km above the ground
+REFRACTION_PASSES = 12  # Newton from the dark side; 5 suffice 10 km above the ground
 
 
 def limb_clearance_rad(
@@ -45,7 +45,7 @@ def refract(direction_itrf: Array, r_sat_itrf_m: Array) -> Array:
     true_rad = _from_nadir_rad(direction_itrf, r_sat_itrf_m)
     seen_rad = true_rad
     seen_itrf = direction_itrf
-    for _ in range(_REFRACTION_PASSES):
+    for _ in range(REFRACTION_PASSES):
         to_limb_m = -np.sum(seen_itrf * r_sat_itrf_m, axis=1)
         # Lines that meet the ground are hidden whatever the air does; its law ends there.
         height_m = np.maximum(height_m, 0.0)

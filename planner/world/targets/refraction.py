@@ -90,6 +90,12 @@ def bending_slope_m(line_height_m: ArrayLike) -> Array:
     return np.asarray(log_bending(inside, 1) * bending_rad(line_height_m))
 
 
+def bending_spline() -> Array:
+    """Nodes of height and, highest power first, the logarithm's coefficients after each, (5, k)."""
+    spline = _log_bending_of_height()
+    return np.concatenate([spline.x[None], np.pad(spline.c, ((0, 0), (0, 1)))])
+
+
 @cache
 def _log_bending_of_height() -> "CubicSpline":
     """Smooth through nodes 2 km apart, so that the layers' edges leave no kink in a rate."""

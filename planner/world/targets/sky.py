@@ -62,14 +62,7 @@ class SkyTarget(VisibleTarget):
         matters by 0.3 mas).  Neglects the offset of the platform from the carrier's reference
         point.  Source: IAU 2000 resolutions, as in USNO Circular 179, chapter 1 and 6.
         """
-        r_earth_bary_m, v_earth_bary_m_s = earth_bary_state(instants)
-        r_observer_bary_m = r_earth_bary_m + states.r_sat_eci_m
-        direction, range_m = self.seen_from(instants, r_observer_bary_m)
-        direction = deflect(
-            direction, range_m, instants, r_observer_bary_m, states.r_sat_eci_m, self.body_seen()
-        )
-        direction_eci = aberrate(direction, v_earth_bary_m_s)
-
+        direction_eci, range_m = self.arriving(instants, states)
         c_itrf_from_eci_ = c_itrf_from_eci(instants)
         direction_itrf = np.einsum("nij,nj->ni", c_itrf_from_eci_, direction_eci)
         r_sat_itrf_m = np.einsum("nij,nj->ni", c_itrf_from_eci_, states.r_sat_eci_m)
@@ -83,6 +76,17 @@ class SkyTarget(VisibleTarget):
                 direction_itrf, r_sat_itrf_m, self.grazing_altitude_km * 1e3
             ),
         )
+
+    def arriving(self, instants: Instants, states: OrbitStates) -> tuple[Array, Array]:
+        """Direction in which its light arrives where the carrier is, for who rests there beside the
+        Earth, unit vectors (n, 3), and range, (n,); without refraction."""
+        r_earth_bary_m, v_earth_bary_m_s = earth_bary_state(instants)
+        r_observer_bary_m = r_earth_bary_m + states.r_sat_eci_m
+        direction, range_m = self.seen_from(instants, r_observer_bary_m)
+        direction = deflect(
+            direction, range_m, instants, r_observer_bary_m, states.r_sat_eci_m, self.body_seen()
+        )
+        return aberrate(direction, v_earth_bary_m_s), range_m
 
     def hidden_because(self, clearance_rad: float) -> str:
         """Says how far behind the limb."""

@@ -1,0 +1,201 @@
+"""A platform's angles, stops and masks, compiled: `angles` and `FieldMask` for one direction."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from planner.base.arrays import Array
+from planner.base.commands import ROWS_PER_S
+from planner.base.compiled import compiled, inlined
+from planner.base.vectors import (
+    Vector,
+    cross,
+    dot,
+    norm,
+    plus,
+    scaled,
+    vector_of,
+    wrapped,
+)
+from planner.world.platforms import TwoAxisPlatform
+
+Pair = tuple[float, float]
+
+
+class Reach(NamedTuple):
+    """A platform: its axes and stops, what they can do, and its masks.
+
+    outer, inner, zero: unit vectors.  normal: outer x inner; square_sine, cosine, along_cosine:
+    what else of them never changes.  limits: by axis rate, acceleration and jerk.
+    side_parameters: of all masks (m, 15): corner, normal, the planes through both ends, whether
+    the corner is reflex, the mask's margin and its number, in order.
+    """
+
+    outer: Vector
+    inner: Vector
+    zero: Vector
+    normal: Vector
+    square_sine: float
+    cosine: float
+    along_cosine: float
+    low: Pair
+    high: Pair
+    limits: tuple[Vector, Vector]
+    side_parameters: Array
+
+
+def reach_of(platform: TwoAxisPlatform) -> Reach:
+    """The platform as compiled code takes it."""
+    outer, inner = platform.axes_platform
+    zero = np.array(platform.zero_direction_platform)
+    zero /= np.linalg.norm(zero)
+    normal = np.cross(outer, inner)
+    sides = []
+    for number, mask in enumerate(platform.masks):
+        corner, side = mask.polygon.corner_directions, mask.polygon.normals
+        count = len(corner)
+        columns = (
+            corner,
+            side,
+            np.cross(side, corner),
+            np.cross(np.roll(corner, -1, axis=0), side),
+            mask.polygon.is_reflex[:, None],
+            np.full((count, 1), mask.margin_rad),
+            np.full((count, 1), number),
+        )
+        sides.append(np.concatenate(columns, axis=1, dtype=np.float64))
+    low, high = (
+        tuple(float(getattr(axis, name)) for axis in platform.axis_limits)
+        for name in ("angle_min_rad", "angle_max_rad")
+    )
+    limits = [
+        (axis.rate_max_rad_s, axis.acceleration_max_rad_s2, axis.jerk_max_rad_s3)
+        for axis in platform.axis_limits
+    ]
+    return Reach(
+        outer=_as_vector(outer),
+        inner=_as_vector(inner),
+        zero=_as_vector(zero),
+        normal=_as_vector(normal),
+        square_sine=float(normal @ normal),
+        cosine=float(outer @ inner),
+        along_cosine=float(inner @ zero),
+        low=(low[0], low[1]),
+        high=(high[0], high[1]),
+        limits=(limits[0], limits[1]),
+        side_parameters=np.concatenate(sides) if sides else np.empty((0, 15)),
+    )
+
+
+def _as_vector(axis_platform: Array) -> Vector:
+    x, y, z = axis_platform.tolist()
+    return x, y, z
+
+
+@inlined
+def _about(axis: Vector, start: Vector, end: Vector) -> float:
+    return math.atan2(
+        dot(cross(start, end), axis), dot(start, end) - dot(start, axis) * dot(end, axis)
+    )
+
+
+@compiled
+def axes_at(g: Reach, los: Vector) -> tuple[Pair, Pair]:
+    """As `planner.motion.pointing.angles.axis_angles`: both pairs, NaN where unreachable."""
+    along = dot(los, g.outer)
+    a = (along - g.cosine * g.along_cosine) / g.square_sine
+    b = (g.along_cosine - g.cosine * along) / g.square_sine
+    side = math.sqrt((1.0 - a * a - b * b - 2.0 * a * b * g.cosine) / g.square_sine)
+    flat = plus(scaled(a, g.outer), b, g.inner)
+    one, two = plus(flat, side, g.normal), plus(flat, -side, g.normal)
+    return (
+        (_about(g.outer, one, los), _about(g.inner, g.zero, one)),
+        (_about(g.outer, two, los), _about(g.inner, g.zero, two)),
+    )
+
+
+@inlined
+def off_stop(g: Reach, axis: int, angle_rad: float) -> float:
+    """From the nearer stop, moved by whole turns to mid-travel; negative beyond."""
+    middle = 0.5 * (g.low[axis] + g.high[axis])
+    return 0.5 * (g.high[axis] - g.low[axis]) - abs(wrapped(angle_rad - middle))
+
+
+@inlined
+def off_stops(g: Reach, pair: Pair) -> float:
+    """From the nearest stop of both axes, and far beyond where unreachable."""
+    margin = min(off_stop(g, 0, pair[0]), off_stop(g, 1, pair[1]))
+    return margin if margin == margin and pair[1] == pair[1] else -math.pi
+
+
+@inlined
+def turned(axis: Vector, angle_rad: float, v: Vector) -> Vector:
+    """Rodrigues' formula."""
+    c, s = math.cos(angle_rad), math.sin(angle_rad)
+    return plus(plus(scaled(c, v), s, cross(axis, v)), (1.0 - c) * dot(v, axis), axis)
+
+
+@compiled
+def off_masks(g: Reach, los: Vector) -> float:
+    """How far off the nearest mask's margin; as `FieldMask.depth_rad`, negative."""
+    sides, nearest, first = g.side_parameters, math.inf, 0
+    while first < len(sides):
+        last = first
+        away, is_inside, cosine, corner = math.inf, False, -2.0, first
+        while last < len(sides) and sides[last, 14] == sides[first, 14]:
+            sine = dot(los, vector_of(sides, last, 3))
+            after_first = dot(los, vector_of(sides, last, 6)) >= 0.0
+            if after_first and dot(los, vector_of(sides, last, 9)) >= 0.0:
+                apart = math.asin(min(abs(sine), 1.0))
+                if apart < away:
+                    away, is_inside = apart, sine > 0.0
+            along = dot(los, vector_of(sides, last, 0))
+            if along > cosine:
+                cosine, corner = along, last
+            last += 1
+        chord = norm(plus(los, -1.0, vector_of(sides, corner, 0)))
+        apart = 2.0 * math.asin(min(0.5 * chord, 1.0))
+        if apart < away:
+            away, is_inside = apart, sides[corner, 12] > 0.0
+        off = -away if is_inside and away < 0.5 * math.pi else away
+        nearest = min(nearest, off - sides[first, 13])
+        first = last
+    return nearest
+
+
+@inlined
+def braking(rate_rad_s: float, acceleration_rad_s2: float, limit: Vector) -> float:
+    """How far an axis still moves that speeds up and is braked as hard as rows of a table let it:
+    that takes a row more of motion at most.
+
+    Source: Biagiotti, Melchiorri 2008, "Trajectory Planning for Automatic Machines", 3.4.
+    """
+    brake, jerk = limit[1], limit[2]
+    ramp_s = acceleration_rad_s2 / jerk
+    peak = rate_rad_s + 0.5 * acceleration_rad_s2 * ramp_s
+    ramp = ramp_s * (rate_rad_s + acceleration_rad_s2 * ramp_s / 3.0)
+    brake_s = 2.0 * math.sqrt(peak / jerk)
+    if peak >= brake**2 / jerk:
+        brake_s = peak / brake + brake / jerk
+    return ramp + peak * (0.5 * brake_s + 1.0 / ROWS_PER_S)
+
+
+@compiled
+def off_plane(g: Reach, los: Vector) -> float:
+    """Greatest where the line of sight is nearest to the plane of the axes."""
+    pair = axes_at(g, los)[0]
+    normal = cross(g.outer, turned(g.outer, pair[0], g.inner))
+    value = -math.asin(min(abs(dot(los, normal)) / norm(normal), 1.0))
+    return value if value == value else 0.0
+
+
+@compiled
+def axis_rates(g: Reach, angle_rad: float, los: Vector, rate_rad_s: Vector) -> tuple[float, float]:
+    """As `planner.motion.pointing.angles.axis_motion`."""
+    inner = turned(g.outer, angle_rad, g.inner)
+    determinant, radial = dot(los, cross(g.outer, inner)), dot(rate_rad_s, los)
+    return (
+        (dot(inner, los) * radial - dot(inner, rate_rad_s)) / determinant,
+        (dot(g.outer, rate_rad_s) - dot(g.outer, los) * radial) / determinant,
+    )

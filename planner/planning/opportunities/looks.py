@@ -1,0 +1,194 @@
+"""The view of a target at an instant, compiled: line of sight, elevation, sunlight.
+
+Everything is in ITRF axes but what says platform.  Directions hold light time and aberration.
+Those to the ground leave out refraction also where a target asks for it: on the axes 8 arcsec at
+30 deg elevation and 50 at 10.
+"""
+
+import math
+from typing import NamedTuple
+
+from planner.base.arrays import Array
+from planner.base.compiled import compiled, inlined
+from planner.base.vectors import (
+    Powers,
+    Vector,
+    arcsin,
+    cell_of,
+    column_at,
+    cross,
+    dot,
+    norm,
+    plus,
+    scaled,
+    unit,
+    vector_at,
+    vector_of,
+)
+from planner.world.frames.earth_orientation import OMEGA_EARTH_RAD_S
+from planner.world.targets.apparent import SPEED_OF_LIGHT_M_S
+from planner.world.targets.limb_kernel import above_limb, refracted
+
+
+class CarrierTables(NamedTuple):
+    """What `Carrier` holds, as compiled code takes it, and bounds of the orbit.
+
+    orbit: position and inertial velocity, the orbit's own: SGP4's isn't quite the rate of its
+    position.  bodies: the Sun and the Moon.  attitude: q_platform_from_lvlh, scalar last, to be
+    normalised.  turn_rad_s: of the platform at most.
+    farthest_m, speed_m_s, acceleration_m_s2, passing_rad_s: greatest of position, velocity,
+    acceleration and turn of the direction in ITRF.
+    """
+
+    span_s: float
+    step_s: float
+    orbit: Powers
+    body_step_s: float
+    bodies: Powers
+    attitude_step_s: float
+    attitude: Powers
+    turn_rad_s: float
+    farthest_m: float
+    speed_m_s: float
+    acceleration_m_s2: float
+    passing_rad_s: float
+
+
+class Places(NamedTuple):
+    """Targets that are looked at alike: any number at rest on the Earth, or one that isn't.
+
+    resting_parameters: (n, 7), position, vertical, and least elevation or height above the limb.
+    step_s: of the track, 0 for those at rest.  track: position and vertical on the Earth;
+    direction, before the carrier's aberration, and 1 / range in space.
+    grazing_m: altitude by which the limb is raised.  bending_coefficients: (5, k), nodes of height
+    and coefficients of the logarithm of the air's bending; none where refraction isn't asked for.
+    """
+
+    resting_parameters: Array
+    in_space: bool
+    step_s: float
+    track: Powers
+    grazing_m: float
+    bending_coefficients: Array
+
+
+@inlined
+def place_at(p: Places, n: int, t_s: float) -> Vector:
+    """Position of a target on the Earth."""
+    if p.step_s == 0.0:
+        return vector_of(p.resting_parameters, n, 0)
+    return vector_at(p.track, p.step_s, t_s, 0)
+
+
+@inlined
+def up_at(p: Places, n: int, t_s: float) -> Vector:
+    """The ellipsoid's normal at it."""
+    if p.step_s == 0.0:
+        return vector_of(p.resting_parameters, n, 3)
+    return vector_at(p.track, p.step_s, t_s, 3)
+
+
+@inlined
+def carried(r: Vector) -> Vector:
+    """Inertial velocity of a point at rest on the Earth."""
+    return -OMEGA_EARTH_RAD_S * r[1], OMEGA_EARTH_RAD_S * r[0], 0.0
+
+
+@inlined
+def aberrate(direction: Vector, v_m_s: Vector) -> Vector:
+    """As `planner.world.targets.apparent`, to (v / c)^4."""
+    beta = scaled(1.0 / SPEED_OF_LIGHT_M_S, v_m_s)
+    inverse_gamma = 1.0 - 0.5 * dot(beta, beta)
+    along = dot(direction, beta)
+    seen = plus(scaled(inverse_gamma, direction), 1.0 + along / (1.0 + inverse_gamma), beta)
+    return scaled(1.0 / (1.0 + along), seen)
+
+
+@compiled
+def _in_space(c: CarrierTables, p: Places, t_s: float) -> tuple[Vector, float]:
+    """Direction before the carrier's aberration, refracted where that is asked for, and range."""
+    d = unit(vector_at(p.track, p.step_s, t_s, 0))
+    if p.bending_coefficients.shape[1]:
+        d = refracted(p.bending_coefficients, d, vector_at(c.orbit, c.step_s, t_s, 0))
+    return d, 1.0 / column_at(p.track, p.step_s, t_s, 3)
+
+
+@inlined
+def look(c: CarrierTables, p: Places, n: int, t_s: float) -> tuple[Vector, float, Vector, Vector]:
+    """Direction and range of a target; position and inertial velocity of the carrier."""
+    r_sat = vector_at(c.orbit, c.step_s, t_s, 0)
+    v = vector_at(c.orbit, c.step_s, t_s, 3)
+    if p.in_space:
+        d, range_m = _in_space(c, p, t_s)
+        return aberrate(d, v), range_m, r_sat, v
+    los = plus(place_at(p, n, t_s), -1.0, r_sat)
+    range_m = norm(los)
+    light_s = range_m / SPEED_OF_LIGHT_M_S
+    emitting = place_at(p, n, t_s - light_s)
+    los = plus(plus(emitting, -light_s, carried(emitting)), -1.0, r_sat)
+    return aberrate(unit(los), v), range_m, r_sat, v
+
+
+@inlined
+def in_platform(c: CarrierTables, d: Vector, r_sat: Vector, v: Vector, t_s: float) -> Vector:
+    """A vector turned into the platform frame."""
+    z = scaled(-1.0 / norm(r_sat), r_sat)
+    y = unit(cross(v, r_sat))
+    lvlh = dot(cross(y, z), d), dot(y, d), dot(z, d)
+    k, u = cell_of(c.attitude, c.attitude_step_s, t_s)
+    q = c.attitude
+    a, b, e, w = q[k, 5, 0], q[k, 5, 1], q[k, 5, 2], q[k, 5, 3]
+    for m in range(4, -1, -1):
+        a, b = a * u + q[k, m, 0], b * u + q[k, m, 1]
+        e, w = e * u + q[k, m, 2], w * u + q[k, m, 3]
+    scale = 1.0 / math.sqrt(a * a + b * b + e * e + w * w)
+    axis = (scale * a, scale * b, scale * e)
+    across = scaled(2.0, cross(axis, lvlh))
+    return plus(plus(lvlh, scale * w, across), 1.0, cross(axis, across))
+
+
+@compiled
+def platform_los(c: CarrierTables, p: Places, n: int, t_s: float) -> Vector:
+    d, _, r_sat, v = look(c, p, n, t_s)
+    return in_platform(c, d, r_sat, v, t_s)
+
+
+@inlined
+def to_body(c: CarrierTables, body: int, r_sat: Vector, v: Vector, t_s: float) -> Vector:
+    """Where the moving carrier sees the centre of the Sun (0) or the Moon (1)."""
+    return aberrate(unit(plus(vector_at(c.bodies, c.body_step_s, t_s, 3 * body), -1.0, r_sat)), v)
+
+
+@inlined
+def to_sun(c: CarrierTables, r_target: Vector, t_s: float) -> Vector:
+    """Where a target on the Earth sees the Sun; parallax, diurnal aberration included."""
+    apart = plus(vector_at(c.bodies, c.body_step_s, t_s, 0), -1.0, r_target)
+    return aberrate(unit(apart), carried(r_target))
+
+
+@inlined
+def sun_elevation(c: CarrierTables, p: Places, n: int, t_s: float) -> float:
+    """Of its centre in the target's sky, without refraction; NaN in space."""
+    if p.in_space:
+        return math.nan
+    return arcsin(dot(to_sun(c, place_at(p, n, t_s), t_s), up_at(p, n, t_s)))
+
+
+@inlined
+def elevation(c: CarrierTables, p: Places, n: int, t_s: float) -> float:
+    """Of the carrier in the target's sky, over the plane of the ellipsoid; of a target in space
+    its height above the raised limb."""
+    r_sat = vector_at(c.orbit, c.step_s, t_s, 0)
+    if p.in_space:
+        return above_limb(_in_space(c, p, t_s)[0], r_sat, p.grazing_m)
+    apart = plus(r_sat, -1.0, place_at(p, n, t_s))
+    return arcsin(dot(apart, up_at(p, n, t_s)) / norm(apart))
+
+
+@inlined
+def closeness(c: CarrierTables, p: Places, n: int, t_s: float) -> float:
+    """Greatest at the closest approach; that a carrier doesn't make to a target in space, of
+    which the height above the limb counts."""
+    if p.in_space:
+        return elevation(c, p, n, t_s)
+    return -norm(plus(vector_at(c.orbit, c.step_s, t_s, 0), -1.0, place_at(p, n, t_s)))

@@ -1,0 +1,195 @@
+"""The margin by which each condition is met, compiled: positive where it holds."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from planner.base.arrays import Indices
+from planner.base.compiled import compiled
+from planner.base.vectors import TURN_RAD, angle_between, scaled, wrapped
+from planner.motion.pointing.reach import (
+    Reach,
+    axes_at,
+    braking,
+    off_masks,
+    off_plane,
+    off_stop,
+    off_stops,
+)
+from planner.planning.opportunities.looks import (
+    CarrierTables,
+    Places,
+    closeness,
+    elevation,
+    in_platform,
+    look,
+    platform_los,
+    sun_elevation,
+    to_body,
+)
+from planner.planning.opportunities.request import OpportunityRequest
+from planner.world.targets.limb_kernel import above_limb
+
+CAUSES = np.array(
+    [
+        "interval",
+        "elevation",
+        "sun_elevation",
+        "off_nadir",
+        "sun_keep_out",
+        "moon_keep_out",
+        "reach",
+        "across",
+        "mask",
+    ]
+)
+INTERVAL, ELEVATION, SUN, OFF_NADIR, SUN_AWAY, MOON_AWAY, REACH, ACROSS, MASK = range(len(CAUSES))
+# What is sought beside: where an axis is quickest, where a pair of angles can follow, and where a
+# mask is far enough off to brake before it.
+CLOSENESS, OFF_PLANE, MOTION_0, MOTION_1, OFF_MASK = range(MASK + 1, MASK + 6)
+
+
+class Asked(NamedTuple):
+    """Conditions, rad; NaN where not asked for.
+
+    across_rad: of a camera's line from the plane of its track.  kinds: which margins narrow the
+    time in sight, the cheap and the selective first.
+    """
+
+    sun_low_rad: float
+    sun_high_rad: float
+    off_nadir_rad: float
+    sun_away_rad: float
+    moon_away_rad: float
+    across_rad: float
+    kinds: Indices
+
+
+class Scene(NamedTuple):
+    """The carrier, its platform's reach, what is asked, and targets."""
+
+    c: CarrierTables
+    g: Reach
+    q: Asked
+    p: Places
+
+
+NOTHING = Asked(math.nan, math.nan, math.nan, math.nan, math.nan, math.nan, np.empty(0, np.intp))
+
+
+class MotionOptions(NamedTuple):
+    """How closely tracks keep the limits, and what is hidden."""
+
+    delta_s: float = 0.4  # between the five looks from which rates, accelerations, jerks are found
+    within_share: float = 0.995  # of each limit: plans test the motion between rows, too
+    # of motion beside the braking distance: ways around a mask are harder to find
+    off_mask_s: float = 0.5
+    hidden_rad: float = math.radians(1.5)  # below the limb: refraction lifts by 1.1 deg, half a
+    # disk is 0.3
+
+
+OPTIONS = MotionOptions()
+
+
+def asked_of(request: OpportunityRequest, in_space: bool, across_rad: float) -> Asked:
+    """Conditions as compiled code takes them."""
+    c = request.conditions
+    given = (
+        (SUN, c.sun_elevation_min_deg, not in_space),
+        (SUN, c.sun_elevation_max_deg, not in_space),
+        (OFF_NADIR, c.max_off_nadir_deg, not in_space),
+        (SUN_AWAY, c.sun_keep_out_deg, True),
+        (MOON_AWAY, c.moon_keep_out_deg, True),
+    )
+    kinds = {kind for kind, value, applies in given if applies and value is not None} | {REACH}
+    kinds |= {MASK} if request.platform.masks else set()
+    kinds |= set() if math.isnan(across_rad) else {ACROSS}
+    values = [math.nan if value is None else math.radians(value) for _, value, _ in given]
+    low, high, off_nadir, sun_away, moon_away = values
+    order = np.array(sorted(kinds), dtype=np.intp)
+    return Asked(low, high, off_nadir, sun_away, moon_away, across_rad, order)
+
+
+@compiled
+def _motion_margin(s: Scene, n: int, t_s: float, branch: int) -> float:
+    """How far from its limits the motion along one pair of angles is, in shares of them."""
+    dt = OPTIONS.delta_s
+    at = axes_at(s.g, platform_los(s.c, s.p, n, t_s))[branch]
+    look_0 = axes_at(s.g, platform_los(s.c, s.p, n, t_s - 2.0 * dt))[branch]
+    look_1 = axes_at(s.g, platform_los(s.c, s.p, n, t_s - dt))[branch]
+    look_3 = axes_at(s.g, platform_los(s.c, s.p, n, t_s + dt))[branch]
+    look_4 = axes_at(s.g, platform_los(s.c, s.p, n, t_s + 2.0 * dt))[branch]
+    least = math.inf
+    for k in range(2):
+        a, b = wrapped(look_0[k] - at[k]), wrapped(look_1[k] - at[k])
+        d, e = wrapped(look_3[k] - at[k]), wrapped(look_4[k] - at[k])
+        rate, acceleration = abs(d - b) / (2.0 * dt), abs(d + b) / dt**2
+        jerk = abs(e - 2.0 * d + 2.0 * b - a) / (2.0 * dt**3)
+        limit = s.g.limits[k]
+        stop = off_stop(s.g, k, at[k]) - braking(rate, acceleration, limit)
+        peak = rate + acceleration**2 / (2.0 * limit[2])
+        for share in (
+            stop / (0.5 * (s.g.high[k] - s.g.low[k])),
+            OPTIONS.within_share - peak / limit[0],
+            OPTIONS.within_share - acceleration / limit[1],
+            OPTIONS.within_share - jerk / limit[2],
+        ):
+            if share != share:
+                return -math.pi
+            least = min(least, share)
+    return least
+
+
+@compiled
+def _off_mask_margin(s: Scene, n: int, t_s: float) -> float:
+    """How far off the masks an axis can still be braked before them."""
+    dt = OPTIONS.delta_s
+    after = off_masks(s.g, platform_los(s.c, s.p, n, t_s + dt))
+    before = off_masks(s.g, platform_los(s.c, s.p, n, t_s - dt))
+    rate = abs(after - before) / (2.0 * dt)
+    slowest = s.g.limits[0] if s.g.limits[0][1] <= s.g.limits[1][1] else s.g.limits[1]
+    off = off_masks(s.g, platform_los(s.c, s.p, n, t_s))
+    return off - braking(rate, 0.0, slowest) - OPTIONS.off_mask_s * rate
+
+
+@compiled
+def _along_sight(s: Scene, kind: int, n: int, t_s: float) -> float:
+    """What hangs on the line of sight."""
+    d, _, r_sat, v = look(s.c, s.p, n, t_s)
+    if kind == OFF_NADIR:
+        return s.q.off_nadir_rad - angle_between(d, scaled(-1.0, r_sat))
+    if kind in (SUN_AWAY, MOON_AWAY):
+        body = to_body(s.c, kind - SUN_AWAY, r_sat, v, t_s)
+        away = angle_between(d, body) - (
+            s.q.sun_away_rad if kind == SUN_AWAY else s.q.moon_away_rad
+        )
+        return max(away, -OPTIONS.hidden_rad - above_limb(body, r_sat, 0.0))
+    los = in_platform(s.c, d, r_sat, v, t_s)
+    if kind == ACROSS:
+        return s.q.across_rad - abs(math.atan2(los[1], los[2]))
+    if kind == MASK:
+        return off_masks(s.g, los)
+    if kind == OFF_PLANE:
+        return off_plane(s.g, los)
+    one, two = axes_at(s.g, los)
+    return max(off_stops(s.g, one), off_stops(s.g, two))
+
+
+@compiled
+def margin(s: Scene, kind: int, n: int, t_s: float) -> float:
+    """Positive where a condition holds; greatest where what is sought is."""
+    if kind == ELEVATION:
+        return elevation(s.c, s.p, n, t_s) - float(s.p.resting_parameters[n, 6])
+    if kind == CLOSENESS:
+        return closeness(s.c, s.p, n, t_s)
+    if kind == SUN:
+        at = sun_elevation(s.c, s.p, n, t_s)
+        low = at - s.q.sun_low_rad if s.q.sun_low_rad == s.q.sun_low_rad else TURN_RAD
+        high = s.q.sun_high_rad - at if s.q.sun_high_rad == s.q.sun_high_rad else TURN_RAD
+        return min(low, high)
+    if kind in (MOTION_0, MOTION_1):
+        return _motion_margin(s, n, t_s, kind - MOTION_0)
+    if kind == OFF_MASK:
+        return _off_mask_margin(s, n, t_s)
+    return _along_sight(s, kind, n, t_s)

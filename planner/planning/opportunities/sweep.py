@@ -1,0 +1,581 @@
+"""The search for windows, compiled, target by target.
+
+By elevation no window of a place at rest is missed: rows are leapt over while the Earth's central
+angle can't shrink enough, and between two rows the height above the cone of least elevation bends
+by no more than a bound, so that it is known whether they hide an edge.  All other margins are
+looked at on nodes; a turning point between nodes that could hide a change of sign is searched for,
+and every change of sign is bracketed and found.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from planner.base.arrays import Array, Indices, Mask
+from planner.base.compiled import compiled, inlined
+from planner.base.vectors import (
+    TURN_RAD,
+    Vector,
+    dot,
+    motion_at,
+    norm,
+    plus,
+    scaled,
+    vector_of,
+    wrapped,
+)
+from planner.motion.pointing.reach import Reach, axes_at, braking, off_masks, off_stops
+from planner.planning.opportunities.looks import CarrierTables, Places, place_at, platform_los
+from planner.planning.opportunities.margins import (
+    ELEVATION,
+    INTERVAL,
+    MASK,
+    REACH,
+    SUN,
+    Scene,
+    margin,
+)
+
+
+class SweepOptions(NamedTuple):
+    """How closely the carrier's motion is looked at."""
+
+    edge_s: float = 1e-6  # a microsecond, the resolution of a time in a request
+    shortest_s: float = 1e-3  # the resolution promised of an edge
+    plumb_rad: float = 0.0034  # geodetic against geocentric vertical: 0.1924 deg at most
+    nearest_m: float = 1e5  # which the range is taken to be at least
+    leaps: int = 2000  # bins of the cosine, for how many rows can be leapt over
+    sun_step_s: float = 600.0  # 2.5 deg of the Earth's turn
+    turn_rad: float = math.radians(10.0)  # between nodes; a keep-out or stop is met at its own pace
+    mask_turn_rad: float = math.radians(2.0)  # before they are looked at again
+    mask_finest_rad: float = math.radians(0.05)  # a look through a gap so narrow may be missed
+    bent_ratio: float = (
+        1.5  # times the angle between two lines of sight: more than any turns on its way
+    )
+    cells_min: int = 3  # in which a span is looked through, at least
+    slowest_rad_s: float = 1e-6  # what stands still is taken to turn so, as it is divided by
+    # of a turning point beyond its node, in steps of the two cells on either side
+    overshoot_ratio: float = 2.0
+    delta_s: float = 0.05  # either side, for a rate
+    turning_s: float = 1e-3  # an excursion this much shorter than a command step is none
+    plain_share: float = 0.4  # of a limit: below that no window is looked at more closely
+    plain_turn_rad: float = 0.6  # of an axis from node to node
+    plain_stop_rad: float = 0.1  # beside the braking distance
+
+
+OPTIONS = SweepOptions()
+
+
+class Rows(NamedTuple):
+    """What tells how many of the orbit's rows can be leapt over.
+
+    sat_directions: unit vectors from the geocentre, (m, 3).  leaps_rows: in which the carrier
+    passes an angle, by the cosine of that from -1 on, bin by bin.
+    """
+
+    sat_directions: Array
+    leaps_rows: Array
+
+
+class Found(NamedTuple):
+    """Windows by target and time: edges (n, 2), what opened and closed them, and whether a session
+    can hold all of it, far from every limit.  looks: how many that took."""
+
+    target: Indices
+    edge_s: Array
+    cause: Indices
+    is_plain: Mask
+    looks: int
+
+
+@inlined
+def _above(
+    c: CarrierTables, r: Vector, up: Vector, sine: float, t_s: float
+) -> tuple[float, float, float]:
+    """Height above the cone of least elevation, m along the vertical, its rate, and the range."""
+    r_sat, v = motion_at(c.orbit, c.step_s, t_s)
+    apart = plus(r_sat, -1.0, r)
+    range_m = norm(apart)
+    return (
+        dot(apart, up) - sine * range_m,
+        dot(v, up) - sine * dot(v, apart) / range_m,
+        range_m,
+    )
+
+
+@compiled
+def _edge_by_elevation(
+    c: CarrierTables,
+    r: Vector,
+    up: Vector,
+    sine: float,
+    a: float,
+    value_a: float,
+    b: float,
+    value_b: float,
+) -> float:
+    """Newton's, kept in its bracket."""
+    t = a - value_a * (b - a) / (value_b - value_a)
+    for _ in range(60):
+        f, rate, _range = _above(c, r, up, sine, t)
+        if (f > 0.0) == (value_b > 0.0):
+            b = t
+        else:
+            a = t
+        new = t - f / rate
+        if not a < new < b:
+            new = 0.5 * (a + b)
+        if abs(new - t) < OPTIONS.edge_s:
+            return new
+        t = new
+    return t
+
+
+@compiled
+def _edges_in_cell(
+    c: CarrierTables,
+    r: Vector,
+    up: Vector,
+    sine: float,
+    bend_m_s2: float,
+    todo_states: Array,
+    edges_s: Array,
+) -> tuple[int, int]:
+    """Where the elevation is the least one between two instants, in order, into edges_s; how many,
+    and how many looks that took.
+
+    todo_states: rows of time, height above the cone and its rate; first the cell's end, then its
+    begin. With `bend_m_s2` the bound of the second derivative, ends of a cell of h s of one sign
+    hide nothing if they are bend_m_s2 h^2 / 8 away; of two signs they enclose one edge if a rate
+    there exceeds bend_m_s2 h.  Otherwise the cell is halved.
+    """
+    t1, f1, g1 = todo_states[1, 0], todo_states[1, 1], todo_states[1, 2]
+    count, looks, deep = 0, 0, 1
+    while deep:
+        t2, f2, g2 = todo_states[deep - 1, 0], todo_states[deep - 1, 1], todo_states[deep - 1, 2]
+        h = t2 - t1
+        same = (f1 > 0.0) == (f2 > 0.0)
+        clear = max(abs(g1), abs(g2)) > bend_m_s2 * h
+        if same:
+            clear = min(abs(f1), abs(f2)) > 0.125 * bend_m_s2 * h * h
+        if not clear and h > OPTIONS.shortest_s and deep < len(todo_states):
+            middle = 0.5 * (t1 + t2)
+            looks += 1
+            todo_states[deep, 0] = middle
+            todo_states[deep, 1], todo_states[deep, 2], _range = _above(c, r, up, sine, middle)
+            deep += 1
+            continue
+        if not same and count < len(edges_s):
+            looks += 5
+            edges_s[count] = _edge_by_elevation(c, r, up, sine, t1, f1, t2, f2)
+            count += 1
+        t1, f1, g1 = t2, f2, g2
+        deep -= 1
+    return count, looks
+
+
+@compiled
+def _spans_by_elevation(
+    c: CarrierTables, rows: Rows, resting_parameters: Array, n: int
+) -> tuple[Array, int]:
+    """Where a place at rest sees the carrier high enough, (k, 2), and how many looks that took."""
+    r, up, least = (
+        vector_of(resting_parameters, n, 0),
+        vector_of(resting_parameters, n, 3),
+        resting_parameters[n, 6],
+    )
+    sine, radius = math.sin(least), norm(r)
+    toward = scaled(1.0 / radius, r)
+    below = least - OPTIONS.plumb_rad
+    central = math.acos(min(radius * math.cos(below) / c.farthest_m, 1.0)) - below
+    offset = central / (c.step_s * c.passing_rad_s)
+    edges_s, todo_states, found_s = np.empty(16), np.empty((64, 3)), np.empty(64)
+    count, looks, cell, known = 0, 0, 0, False
+    f1, g1, far1 = _above(c, r, up, sine, 0.0)
+    if f1 > 0.0:
+        edges_s[0], count = 0.0, 1
+    while cell < len(c.orbit):
+        along = dot(vector_of(rows.sat_directions, cell, 0), toward)
+        leap = int(rows.leaps_rows[int((along + 1.0) * OPTIONS.leaps)] - offset)
+        if leap > 0:
+            cell += leap
+            known = False
+            continue
+        if not known:
+            f1, g1, far1 = _above(c, r, up, sine, cell * c.step_s)
+        end_s = min((cell + 1) * c.step_s, c.span_s)
+        f2, g2, far2 = _above(c, r, up, sine, end_s)
+        nearest = max(min(far1, far2) - 0.5 * c.speed_m_s * c.step_s, OPTIONS.nearest_m)
+        bend_m_s2 = (1.0 + sine) * c.acceleration_m_s2 + sine * c.speed_m_s**2 / nearest
+        todo_states[0, 0], todo_states[0, 1], todo_states[0, 2] = end_s, f2, g2
+        todo_states[1, 0], todo_states[1, 1], todo_states[1, 2] = cell * c.step_s, f1, g1
+        more, looked = _edges_in_cell(c, r, up, sine, bend_m_s2, todo_states, found_s)
+        looks += 1 + looked
+        if count + more >= len(edges_s):
+            edges_s = np.concatenate((edges_s, np.empty(len(edges_s) + more)))
+        edges_s[count : count + more] = found_s[:more]
+        count += more
+        f1, g1, far1, known = f2, g2, far2, True
+        cell += 1
+    if count % 2:
+        edges_s[count] = c.span_s
+        count += 1
+    return edges_s[:count].copy().reshape(-1, 2), looks
+
+
+@compiled
+def root_of(
+    s: Scene,
+    kind: int,
+    n: int,
+    low_state: tuple[float, float],
+    high_state: tuple[float, float],
+    tolerance_s: float,
+    delta_s: float,
+) -> float:
+    """Of a margin, or with a delta_s of its difference over twice that, between (t, value)
+    pairs_rad.
+
+    Source: Chandrupatla 1997, Adv. Eng. Software 28, 145.
+    """
+    (a, fa), (b, fb) = low_state, high_state
+    share, k, fk = 0.5, a, fa
+    for _ in range(80):
+        x = a + share * (b - a)
+        if delta_s == 0.0:
+            f = margin(s, kind, n, x)
+        else:
+            f = margin(s, kind, n, x + delta_s) - margin(s, kind, n, x - delta_s)
+        if (f > 0.0) == (fa > 0.0):
+            k, fk = a, fa
+        else:
+            k, b, fk, fb = b, a, fb, fa
+        a, fa = x, f
+        if abs(b - a) < tolerance_s or fa == 0.0:
+            break
+        xi, phi = (a - b) / (k - b), (fa - fb) / (fk - fb)
+        share = 0.5
+        if 1.0 - math.sqrt(1.0 - xi) < phi < math.sqrt(xi):
+            share = fa / (fb - fa) * fk / (fb - fk)
+            share += (k - a) / (b - a) * fa / (fk - fa) * fb / (fk - fb)
+        least = 0.5 * tolerance_s / abs(b - a)
+        share = min(max(share, least), 1.0 - least)
+    return a if abs(fa) < abs(fb) else b
+
+
+@compiled
+def turning_of(
+    s: Scene,
+    kind: int,
+    n: int,
+    sign: float,
+    low_s: float,
+    high_s: float,
+) -> float:
+    """Where sign times a margin is greatest, if it turns at most once: at an end where it doesn't.
+
+    Within a millisecond of a smooth function's, within 50 ms of a kink.
+    """
+    d = OPTIONS.delta_s
+    at_low = margin(s, kind, n, low_s + d) - margin(s, kind, n, low_s - d)
+    if sign * at_low <= 0.0:
+        return low_s
+    at_high = margin(s, kind, n, high_s + d) - margin(s, kind, n, high_s - d)
+    if sign * at_high >= 0.0:
+        return high_s
+    low, high = (low_s, at_low), (high_s, at_high)
+    return root_of(s, kind, n, low, high, OPTIONS.turning_s, d)
+
+
+@compiled
+def nodes_over(
+    c: CarrierTables,
+    p: Places,
+    n: int,
+    start_s: float,
+    stop_s: float,
+    step_s: float,
+    turn_rad: float,
+) -> Array:
+    """Nodes from start_s to stop_s, closest where the line of sight turns most.
+
+    At most step_s apart, and turn_rad of the line of sight by the straight course at mid-span; they
+    divide evenly the angle by which it turns on that course.
+    """
+    middle = 0.5 * (start_s + stop_s)
+    nearest, turn = middle, OPTIONS.slowest_rad_s
+    if not p.in_space:
+        r_sat, v = motion_at(c.orbit, c.step_s, middle)
+        apart = plus(r_sat, -1.0, place_at(p, n, middle))
+        after = -dot(apart, v) / dot(v, v)
+        nearest = middle + after
+        turn = max(norm(v) / norm(plus(apart, after, v)), turn)
+    first, last = math.atan(turn * (start_s - nearest)), math.atan(turn * (stop_s - nearest))
+    wanted = max((stop_s - start_s) / step_s, (last - first) / turn_rad)
+    cells = max(math.ceil(wanted), OPTIONS.cells_min)
+    t_s = np.empty(cells + 1)
+    for k in range(1, cells):
+        t_s[k] = math.tan(first + k / cells * (last - first)) / turn + nearest
+    t_s[0], t_s[cells] = start_s, stop_s
+    return t_s
+
+
+@compiled
+def _nodes_beside_masks(s: Scene, n: int, t_s: Array) -> Array:
+    """The nodes, and more between those where a mask may be passed in a moment.
+
+    How far off a mask is changes by no more than the line of sight turns.
+    """
+    nodes, count = np.empty(2 * len(t_s)), 1
+    nodes[0] = t_s[0]
+    todo = np.empty((64, 5))
+    los = platform_los(s.c, s.p, n, t_s[0])
+    off = abs(off_masks(s.g, los))
+    for k in range(1, len(t_s)):
+        deep = 1
+        end = platform_los(s.c, s.p, n, t_s[k])
+        todo[0, 0], todo[0, 1] = t_s[k], abs(off_masks(s.g, end))
+        todo[0, 2], todo[0, 3], todo[0, 4] = end
+        while deep:
+            end = vector_of(todo, deep - 1, 2)
+            chord = norm(plus(end, -1.0, los))
+            turn = 2.0 * OPTIONS.bent_ratio * math.asin(min(0.5 * chord, 1.0))
+            if (
+                turn > OPTIONS.mask_finest_rad
+                and off + todo[deep - 1, 1] < turn
+                and deep < len(todo)
+            ):
+                middle = 0.5 * (nodes[count - 1] + todo[deep - 1, 0])
+                half = platform_los(s.c, s.p, n, middle)
+                todo[deep, 0], todo[deep, 1] = middle, abs(off_masks(s.g, half))
+                todo[deep, 2], todo[deep, 3], todo[deep, 4] = half
+                deep += 1
+                continue
+            if count == len(nodes):
+                nodes = np.concatenate((nodes, np.empty_like(nodes)))
+            nodes[count] = todo[deep - 1, 0]
+            count += 1
+            off, los = todo[deep - 1, 1], end
+            deep -= 1
+    return nodes[:count].copy()
+
+
+@compiled
+def _hidden_turn(s: Scene, kind: int, n: int, t_s: Array, f: Array, k: int) -> tuple[float, float]:
+    """Where a margin turns beside a node and has the other sign, and the margin; NaN where not."""
+    count = len(t_s)
+    sign = -1.0 if f[k] > 0.0 else 1.0  # seek a minimum where positive, else a maximum
+    low, high = max(k - 1, 0), min(k + 1, count - 1)
+    if sign * (f[k] - f[low]) < 0.0 or sign * (f[k] - f[high]) < 0.0:
+        return math.nan, 0.0
+    nearby = 0.0
+    for m in range(max(k - 2, 0), min(k + 2, count - 1)):
+        nearby = max(nearby, abs(f[m + 1] - f[m]))
+    if abs(f[k]) > OPTIONS.overshoot_ratio * nearby:
+        return math.nan, 0.0
+    at_s = turning_of(s, kind, n, sign, t_s[low], t_s[high])
+    value = margin(s, kind, n, at_s)
+    return (at_s if sign * value > 0.0 else math.nan), value
+
+
+@compiled
+def stretches(s: Scene, kind: int, n: int, t_s: Array, pairs_rad: Array) -> Array:
+    """Where a margin holds on nodes, (k, 2).  pairs_rad: takes the angles there, of the reach.
+
+    A stretch or gap is missed only where the margin turns twice between two nodes, or by far more
+    than it changes from node to node.
+    """
+    count = len(t_s)
+    f = np.empty(count)
+    for k in range(count):
+        if kind == REACH:
+            one, two = axes_at(s.g, platform_los(s.c, s.p, n, t_s[k]))
+            pairs_rad[k, 0], pairs_rad[k, 1], pairs_rad[k, 2], pairs_rad[k, 3] = (
+                one[0],
+                one[1],
+                two[0],
+                two[1],
+            )
+            f[k] = max(off_stops(s.g, one), off_stops(s.g, two))
+        else:
+            f[k] = margin(s, kind, n, t_s[k])
+    edges_s, found = np.empty(4 * count + 2), 0
+    if f[0] > 0.0:
+        edges_s[0], found = t_s[0], 1
+    t1, f1 = t_s[0], f[0]
+    for k in range(count):
+        extra_s, extra = _hidden_turn(s, kind, n, t_s, f, k)
+        for t2, f2 in (
+            (extra_s if extra_s <= t_s[k] else math.nan, extra),
+            (t_s[k], f[k]),
+            (extra_s if extra_s > t_s[k] else math.nan, extra),
+        ):
+            if t2 != t2:
+                continue
+            if (f2 > 0.0) != (f1 > 0.0):
+                ends = (t1, f1), (t2, f2)
+                edges_s[found] = root_of(s, kind, n, ends[0], ends[1], OPTIONS.edge_s, 0.0)
+                found += 1
+            t1, f1 = t2, f2
+    if found % 2:
+        edges_s[found] = t_s[count - 1]
+        found += 1
+    return edges_s[:found].copy().reshape(-1, 2)
+
+
+@compiled
+def _is_lively(limit: Vector, t_s: Array, pairs_rad: Array, column: int) -> bool:
+    """Whether an axis comes near to a limit of its motion from node to node."""
+    rate_before, acceleration_before = 0.0, 0.0
+    for k in range(len(t_s) - 1):
+        change = wrapped(pairs_rad[k + 1, column] - pairs_rad[k, column])
+        step = max(t_s[k + 1] - t_s[k], 1e-3)
+        rate = change / step
+        if abs(change) > OPTIONS.plain_turn_rad or abs(rate) > OPTIONS.plain_share * limit[0]:
+            return True
+        if k > 0:
+            step_before = max(t_s[k] - t_s[k - 1], 1e-3)
+            acceleration = (rate - rate_before) / max(step, step_before)
+            longest = step_before if k == 1 else max(step_before, t_s[k - 1] - t_s[k - 2])
+            jerk = 0.0 if k == 1 else (acceleration - acceleration_before) / longest
+            if (
+                abs(acceleration) > OPTIONS.plain_share * limit[1]
+                or abs(jerk) > OPTIONS.plain_share * limit[2]
+            ):
+                return True
+            acceleration_before = acceleration
+        rate_before = rate
+    return False
+
+
+@compiled
+def _may_wind_up(travel_rad: float, t_s: Array, pairs_rad: Array, column: int) -> bool:
+    """Whether an axis may turn so far that no number of turns holds all of it."""
+    turned_rad = 0.0
+    for k in range(len(t_s) - 1):
+        turned_rad += abs(wrapped(pairs_rad[k + 1, column] - pairs_rad[k, column]))
+    return travel_rad > TURN_RAD and turned_rad > travel_rad - TURN_RAD
+
+
+@compiled
+def _is_plain(g: Reach, t_s: Array, pairs_rad: Array) -> bool:
+    """Whether one pair of angles, of both (n, 4), follows a window far from all limits."""
+    stop_rad = OPTIONS.plain_stop_rad + max(
+        braking(OPTIONS.plain_share * g.limits[0][0], 0.0, g.limits[0]),
+        braking(OPTIONS.plain_share * g.limits[1][0], 0.0, g.limits[1]),
+    )
+    for branch in range(2):
+        nearest = math.inf
+        for k in range(len(t_s)):
+            pair = pairs_rad[k, 2 * branch], pairs_rad[k, 2 * branch + 1]
+            nearest = min(nearest, off_stops(g, pair))
+        plain = nearest >= stop_rad
+        for axis in range(2):
+            column, travel_rad = 2 * branch + axis, g.high[axis] - g.low[axis]
+            plain = plain and not _is_lively(g.limits[axis], t_s, pairs_rad, column)
+            plain = plain and not _may_wind_up(travel_rad, t_s, pairs_rad, column)
+        if plain:
+            return True
+    return False
+
+
+class _Narrowed(NamedTuple):
+    """Spans of one target, (k, 2), what opened and closed each, whether it is plain; and looks."""
+
+    span_s: Array
+    cause: Indices
+    is_plain: Mask
+    looks: int
+
+
+@compiled
+def _narrowed(s: Scene, kind: int, n: int, spans: _Narrowed) -> _Narrowed:
+    """Where a condition holds, too."""
+    step_s, turn_rad = s.c.step_s, OPTIONS.turn_rad
+    if kind == SUN:
+        step_s, turn_rad = OPTIONS.sun_step_s, math.inf
+    if kind == MASK:
+        turn_rad = OPTIONS.mask_turn_rad
+        step_s = min(step_s, OPTIONS.mask_turn_rad / s.c.turn_rad_s)
+    size, count, looks = 2 * len(spans.span_s) + 8, 0, spans.looks
+    left, by, plain = np.empty((size, 2)), np.empty((size, 2), np.intp), np.empty(size, np.bool_)
+    for k in range(len(spans.span_s)):
+        a, b = spans.span_s[k, 0], spans.span_s[k, 1]
+        t_s = nodes_over(s.c, s.p, n, a, b, step_s, turn_rad)
+        if kind == MASK:
+            t_s = _nodes_beside_masks(s, n, t_s)
+        pairs_rad = np.empty((len(t_s) if kind == REACH else 0, 4))
+        found = stretches(s, kind, n, t_s, pairs_rad)
+        looks += len(t_s) + 12 * len(found)
+        for m in range(len(found)):
+            if count == len(left):
+                left = np.concatenate((left, np.empty_like(left)))
+                by = np.concatenate((by, np.empty_like(by)))
+                plain = np.concatenate((plain, np.empty_like(plain)))
+            begins, ends = found[m, 0], found[m, 1]
+            left[count, 0], left[count, 1] = begins, ends
+            by[count, 0] = spans.cause[k, 0] if begins == a else kind
+            by[count, 1] = spans.cause[k, 1] if ends == b else kind
+            plain[count] = begins == a and ends == b
+            if plain[count]:
+                plain[count] = (
+                    _is_plain(s.g, t_s, pairs_rad) if kind == REACH else spans.is_plain[k]
+                )
+            count += 1
+    return _Narrowed(left[:count].copy(), by[:count].copy(), plain[:count].copy(), looks)
+
+
+@compiled
+def _of_target(
+    s: Scene,
+    rows: Rows,
+    n: int,
+) -> _Narrowed:
+    """Where all conditions hold."""
+    if s.p.step_s == 0.0:
+        span_s, looks = _spans_by_elevation(s.c, rows, s.p.resting_parameters, n)
+    else:
+        t_s = np.linspace(0.0, s.c.span_s, len(s.c.orbit) + 1)
+        span_s, looks = stretches(s, ELEVATION, n, t_s, np.empty((0, 4))), len(t_s)
+    cause = np.full(span_s.shape, ELEVATION, np.intp)
+    if len(span_s) and span_s[0, 0] <= 0.0:
+        cause[0, 0] = INTERVAL
+    if len(span_s) and span_s[-1, 1] >= s.c.span_s:
+        cause[-1, 1] = INTERVAL
+    spans = _Narrowed(span_s, cause, np.zeros(len(span_s), np.bool_), looks)
+    for kind in s.q.kinds:
+        spans = _narrowed(s, kind, n, spans)
+    return spans
+
+
+@compiled
+def sweep(
+    s: Scene,
+    rows: Rows,
+    shortest_s: float,
+    looks_limit: float,
+) -> Found:
+    """All windows, in order of target and time, until a bound of looks is reached."""
+    size = 64
+    target, plain = np.empty(size, np.intp), np.empty(size, np.bool_)
+    edge_s, cause = np.empty((size, 2)), np.empty((size, 2), np.intp)
+    total, looks = 0, 0
+    for n in range(len(s.p.resting_parameters)):
+        if looks > looks_limit:
+            break
+        spans = _of_target(s, rows, n)
+        looks += spans.looks
+        for k in range(len(spans.span_s)):
+            if spans.span_s[k, 1] - spans.span_s[k, 0] >= shortest_s:
+                if total == len(target):
+                    target = np.concatenate((target, np.empty_like(target)))
+                    plain = np.concatenate((plain, np.empty_like(plain)))
+                    edge_s = np.concatenate((edge_s, np.empty_like(edge_s)))
+                    cause = np.concatenate((cause, np.empty_like(cause)))
+                target[total], plain[total] = n, spans.is_plain[k]
+                for end in range(2):
+                    edge_s[total, end] = spans.span_s[k, end]
+                    cause[total, end] = spans.cause[k, end]
+                total += 1
+    return Found(target[:total], edge_s[:total], cause[:total], plain[:total], looks)

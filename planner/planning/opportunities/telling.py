@@ -1,0 +1,202 @@
+"""The description of windows: extremes, samples, the sky; compiled."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from planner.base.arrays import Array, Indices, Mask
+from planner.base.compiled import compiled
+from planner.base.vectors import (
+    TURN_RAD,
+    angle_between,
+    cross,
+    dot,
+    plus,
+    scaled,
+    vector_at,
+    vector_of,
+    wrapped,
+)
+from planner.motion.pointing.reach import axes_at, axis_rates, off_stops
+from planner.planning.opportunities.looks import (
+    CarrierTables,
+    Places,
+    elevation,
+    in_platform,
+    look,
+    place_at,
+    platform_los,
+    sun_elevation,
+    to_body,
+    to_sun,
+    up_at,
+)
+from planner.planning.opportunities.margins import CLOSENESS, ELEVATION, Scene, margin
+from planner.planning.opportunities.sweep import OPTIONS as SWEEP
+from planner.planning.opportunities.sweep import root_of
+from planner.world.frames.time_scales import DAY_S
+
+
+class TellingOptions(NamedTuple):
+    """How closely a window is looked at for its extremes, and how it is told."""
+
+    turning_s: float = 300.0  # in which a rate turns once at most
+    cells_min: int = 2
+    edge_rad: float = 1e-6  # a window that ends at a stop ends within a microsecond's motion of it
+
+
+OPTIONS = TellingOptions()
+
+
+class Told(NamedTuple):
+    """Of windows (n,) and k instants each, the closest approach first.
+
+    highest_parameters: (n, 2), when and how high.  seen_parameters: (n, k, 11), time, elevation,
+    range, off nadir, Sun's elevation, separations from Sun and Moon, angles, rates.  branch: (n,),
+    the pair reported; usable: (n, 2).
+    """
+
+    highest_parameters: Array
+    seen_parameters: Array
+    branch: Indices
+    usable: Mask
+
+
+@compiled
+def greatest(s: Scene, kind: int, n: int, start_s: float, stop_s: float) -> tuple[float, float]:
+    """When a margin is greatest from start_s to stop_s, and how great: at an end, or where its
+    rate turns."""
+    d = SWEEP.delta_s
+    cells = max(math.ceil((stop_s - start_s) / OPTIONS.turning_s), OPTIONS.cells_min)
+    at_s, most = start_s, margin(s, kind, n, start_s)
+    low_s = start_s
+    low = margin(s, kind, n, start_s + d) - margin(s, kind, n, start_s - d)
+    for k in range(1, cells + 1):
+        high_s = start_s + k / cells * (stop_s - start_s)
+        high = margin(s, kind, n, high_s + d) - margin(s, kind, n, high_s - d)
+        turns_s = high_s
+        if low > 0.0 > high:
+            ends = (low_s, low), (high_s, high)
+            turns_s = root_of(s, kind, n, ends[0], ends[1], SWEEP.turning_s, d)
+        if low > 0.0:
+            value = margin(s, kind, n, turns_s)
+            if value > most:
+                at_s, most = turns_s, value
+        low_s, low = high_s, high
+    return at_s, most
+
+
+@compiled
+def highest_over(s: Scene, which: Indices) -> Array:
+    """When targets stand highest over all the time there is, and how high, (n, 2)."""
+    out = np.empty((len(which), 2))
+    for w in range(len(which)):
+        out[w, 0], most = greatest(s, ELEVATION, which[w], 0.0, s.c.span_s)
+        out[w, 1] = most + s.p.resting_parameters[which[w], 6]
+    return out
+
+
+@compiled
+def tell(s: Scene, target: Indices, edge_s: Array, samples: int) -> Told:
+    """edge_s: (n, 2).  samples: instants evenly from rise to set."""
+    count = len(target)
+    highest, seen = np.empty((count, 2)), np.empty((count, samples + 1, 11))
+    branch, usable = np.zeros(count, np.intp), np.zeros((count, 2), np.bool_)
+    both, sight = np.empty((2, samples + 1, 2)), np.empty((samples + 1, 3))
+    for w in range(count):
+        n, rise_s, set_s = target[w], edge_s[w, 0], edge_s[w, 1]
+        highest[w, 0] = greatest(s, ELEVATION, n, rise_s, set_s)[0]
+        highest[w, 1] = elevation(s.c, s.p, n, highest[w, 0])
+        for k in range(samples + 1):
+            share = (k - 1) / (samples - 1)
+            t_s = (1.0 - share) * rise_s + share * set_s
+            if k == 0:
+                t_s = greatest(s, CLOSENESS, n, rise_s, set_s)[0]
+            d, range_m, r_sat, v = look(s.c, s.p, n, t_s)
+            row = seen[w, k]
+            row[0], row[1], row[2] = t_s, elevation(s.c, s.p, n, t_s), range_m
+            row[3] = angle_between(d, scaled(-1.0, r_sat))
+            row[4] = sun_elevation(s.c, s.p, n, t_s)
+            row[5] = angle_between(d, to_body(s.c, 0, r_sat, v, t_s))
+            row[6] = angle_between(d, to_body(s.c, 1, r_sat, v, t_s))
+            los = in_platform(s.c, d, r_sat, v, t_s)
+            sight[k, 0], sight[k, 1], sight[k, 2] = los
+            one, two = axes_at(s.g, los)
+            both[0, k, 0], both[0, k, 1], both[1, k, 0], both[1, k, 1] = (
+                one[0],
+                one[1],
+                two[0],
+                two[1],
+            )
+        least = math.inf
+        for m in range(2):
+            inner, usable[w, m] = 0.0, True
+            for k in range(samples + 1):
+                turn = abs(both[m, k, 1])
+                inner = max(inner, turn if turn == turn else math.pi)
+                if off_stops(s.g, (both[m, k, 0], both[m, k, 1])) < -OPTIONS.edge_rad:
+                    usable[w, m] = False
+            inner += 0.0 if usable[w, m] else TURN_RAD
+            if inner < least:
+                least, branch[w] = inner, m
+        for k in range(samples + 1):
+            row, t_s = seen[w, k], seen[w, k, 0]
+            for axis in range(2):
+                middle = 0.5 * (s.g.low[axis] + s.g.high[axis])
+                row[7 + axis] = middle + wrapped(both[branch[w], k, axis] - middle)
+            d_s = SWEEP.delta_s
+            before = platform_los(s.c, s.p, n, t_s - d_s)
+            rate = plus(platform_los(s.c, s.p, n, t_s + d_s), -1.0, before)
+            rate = scaled(1.0 / (2.0 * d_s), rate)
+            row[9], row[10] = axis_rates(s.g, row[7], vector_of(sight, k, 0), rate)
+    return Told(highest, seen, branch, usable)
+
+
+@compiled
+def look_each(c: CarrierTables, p: Places, which: Indices, t_s: Array) -> tuple[Array, Array]:
+    """Directions in ITRF and in the platform's axes side by side, (n, 6); range, elevation, and the
+    Sun's elevation, (n, 3)."""
+    directions, values = np.empty((len(t_s), 6)), np.empty((len(t_s), 3))
+    for k in range(len(t_s)):
+        n = which[k]
+        d, range_m, r_sat, v = look(c, p, n, t_s[k])
+        directions[k, 0], directions[k, 1], directions[k, 2] = d
+        los = in_platform(c, d, r_sat, v, t_s[k])
+        directions[k, 3], directions[k, 4], directions[k, 5] = los
+        values[k, 0] = range_m
+        values[k, 1] = elevation(c, p, n, t_s[k])
+        values[k, 2] = sun_elevation(c, p, n, t_s[k])
+    return directions, values
+
+
+@compiled
+def places_each(p: Places, which: Indices, t_s: Array) -> Array:
+    """Positions of targets on the Earth, (n, 3)."""
+    r_m = np.empty((len(t_s), 3))
+    for k in range(len(t_s)):
+        r_m[k, 0], r_m[k, 1], r_m[k, 2] = place_at(p, which[k], t_s[k])
+    return r_m
+
+
+@compiled
+def sky_each(
+    c: CarrierTables, p: Places, which: Indices, t_s: Array, longitude_rad: Array
+) -> Array:
+    """Azimuth and elevation of the carrier and of the Sun, and solar time, (n, 5)."""
+    out = np.empty((len(t_s), 5))
+    for k in range(len(t_s)):
+        n, east_rad = which[k], longitude_rad[k]
+        r, up = place_at(p, n, t_s[k]), up_at(p, n, t_s[k])
+        east = (-math.sin(east_rad), math.cos(east_rad), 0.0)
+        north = cross(up, east)
+        sun = to_sun(c, r, t_s[k])
+        apart = plus(vector_at(c.orbit, c.step_s, t_s[k], 0), -1.0, r)
+        for m in range(2):
+            v = apart if m == 0 else sun
+            e, h = dot(v, east), dot(v, north)
+            out[k, 2 * m] = math.atan2(e, h) % TURN_RAD
+            out[k, 2 * m + 1] = math.atan2(dot(v, up), math.hypot(e, h))
+        ahead = east_rad - math.atan2(sun[1], sun[0])
+        out[k, 4] = (ahead / TURN_RAD + 0.5) % 1.0 * DAY_S
+    return out
