@@ -109,8 +109,8 @@ def test_what_a_child_can_not_read_is_no_bug_over_http(client, monkeypatch):
     told = answer.json()
     assert told["type"] == "urn:slewtrack:problem:invalid-request"
     assert told["errors"] == [
-        {"field": "name", "detail": "is none", "value": -0.5},
-        {"field": "", "detail": "", "value": None},
+        {"field": "name", "detail": "is none", "value": -0.5, "candidates": []},
+        {"field": "", "detail": "", "value": None, "candidates": []},
     ]
 
 

@@ -16,6 +16,7 @@ from app.http.openapi.schema import ANSWERS
 OF_THE_RUN = re.compile(
     r"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}|(202[5-9]|20[3-9]\d)-\d\d-\d\d(T[\d:.]+Z?)?"
     r"|(?<=lines of )\d+"
+    r"|(?<=DTSTAMP:)\w+|(?<=UID:)\w+"
 )
 # Durations, versions, when a flat curve is at its extreme, a file's bytes, what is measured, and
 # how much is said of what goes on.
@@ -89,7 +90,9 @@ def alike(shown, given, agreed=AGREED):
     """Numbers as agreed: more than rounding and a solver's last step change, less than any part
     of the model left out would (aberration alone is 5 arcsec of a slew of 20 deg)."""
     if isinstance(shown, str):
-        shown, given = OF_THE_RUN.sub("chance", shown), OF_THE_RUN.sub("chance", given)
+        shown, given = (
+            OF_THE_RUN.sub("chance", text.replace("\r\n ", "")) for text in (shown, given)
+        )
         return NUMBER.sub("0", shown) == NUMBER.sub("0", given) and all(
             alike(float(one), float(other))
             for one, other in zip(NUMBER.findall(shown), NUMBER.findall(given), strict=True)

@@ -123,3 +123,14 @@ def test_slews_beyond_what_the_gyros_have_are_refused():
         AgileSpacecraft(array=small, slew=SlewLimits(momentum_sphere_n_m_s=10.0))
     slew = SlewLimits(momentum_sphere_n_m_s=10.0, torque_n_m=5.0)
     assert AgileSpacecraft(array=small, slew=slew).slew == slew
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_a_momentum_of_rounding_turns_no_gimbal_round(axis):
+    """Which sign of 1e-16 is left of a zero component differs from processor to processor."""
+    momentum_n_m_s = np.array([0.0, 0.0, -40.0])
+    found = []
+    for left_n_m_s in (1e-16, -1e-16):
+        momentum_n_m_s[axis] = left_n_m_s
+        found.append(AGILE_CMG.array.gimbal_angles(momentum_n_m_s))
+    np.testing.assert_allclose(*found, rtol=0, atol=1e-12)

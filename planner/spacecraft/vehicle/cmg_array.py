@@ -120,9 +120,15 @@ class CmgArray:
         ok = (length_12 <= 2 * h) & (length_34 <= 2 * h)
         half_12 = np.arccos(np.minimum(length_12 / (2 * h), 1.0))
         half_34 = np.arccos(np.minimum(length_34 / (2 * h), 1.0))
-        middle_12, middle_34 = np.arctan2(hy, z12), np.arctan2(hx, z34)
+        middle_12, middle_34 = _angle_rad(hy, z12), _angle_rad(hx, z34)
         angles = np.stack(
             [middle_12 + half_12, middle_12 - half_12, middle_34 + half_34, middle_34 - half_34],
             axis=-1,
         )
         return np.asarray(angles[np.argmax(np.where(ok, self.singularity_margin(angles), -1.0))])
+
+
+def _angle_rad(y: Array, x: Array) -> Array:
+    """As arctan2, cut just beyond -pi: the sign of a y of rounding decides no whole turn."""
+    angle_rad = np.arctan2(y, x)
+    return np.asarray(np.where(angle_rad < -np.pi + 1e-6, angle_rad + 2.0 * np.pi, angle_rad))
