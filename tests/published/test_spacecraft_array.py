@@ -132,5 +132,5 @@ def test_a_momentum_of_rounding_turns_no_gimbal_round(axis):
     found = []
     for left_n_m_s in (1e-16, -1e-16):
         momentum_n_m_s[axis] = left_n_m_s
-        found.append(AGILE_CMG.array.gimbal_angles(momentum_n_m_s))
+        found.append(ARRAY.gimbal_angles(momentum_n_m_s))
     np.testing.assert_allclose(*found, rtol=0, atol=1e-12)
