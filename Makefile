@@ -59,7 +59,7 @@ web/openapi.json: $(shell find slewtrack app planner estimator -name '*.py' -o -
 $(PAGE): web/openapi.json web/node_modules/.package-lock.json $(shell find web \( -path web/node_modules -o -path web/tests \) -prune -o -type f ! -name schema.ts ! -name lists.ts ! -name fields.ts -print)
 	cd web && $(NPM) run --silent build
 
-serve: web
+serve: web $(KERNELS)
 	$(BIN)/slewtrack serve --port $(PORT)
 
 # Each worker begins with a half and helps the other in the end: few modules are set up by both.
