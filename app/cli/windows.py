@@ -58,6 +58,7 @@ def print_windows(console: Console, found: Members) -> None:
         keys=2,
     )  # fmt: skip
     parts.print_more(console, len(windows))
+    parts.print_reasons(console, "can't be seen", found["unseen"])
     parts.print_warnings(console, found["warnings"])
 
 

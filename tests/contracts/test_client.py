@@ -194,6 +194,17 @@ def test_windows_are_sessions_that_plan(client):
     assert client.plan(LAS_VEGAS | {"sessions": [session]}).passed
 
 
+def test_a_target_that_is_never_seen_says_why(client):
+    """The ISS never stands above the pole's horizon."""
+    pole = {"id": "pole", "target": {"mode": "ground", "latitude_deg": 90.0, "longitude_deg": 0.0}}
+    found = client.opportunities(json.loads(GALLERY) | {"targets": [pole]})
+    [one] = found.unseen
+    assert (one.target, one.closed_by, one["closed_by"]) == ("pole", "elevation", "elevation")
+    assert -30.0 < one.best_elevation_deg < 0.0
+    assert one.best_time.utcoffset().total_seconds() == 0.0
+    assert "unseen: pole (the carrier stays below" in repr(found)
+
+
 def test_a_campaign_is_followed_over_broken_connections(service):
     """Each time it is told something, the connection breaks: nothing is lost or told twice."""
     relay = Relay("127.0.0.1", service.port)

@@ -54,6 +54,16 @@ def test_where_a_place_is_was_looked_up(tmp_path, command, example):
     assert "Ljubljana, SI" in line
 
 
+def test_a_target_without_a_window_says_why(tmp_path):
+    """In a search as in a campaign."""
+    document = search("opportunities_gallery.json")
+    document["targets"][0]["target"] = {"mode": "ground", "latitude_deg": 90.0, "longitude_deg": 0}
+    lines, answer = report("windows", document, tmp_path)
+    [one] = answer["unseen"]
+    [line] = [line for line in lines if line.startswith("can't be seen: ")]
+    assert line.startswith(f"can't be seen: {one['target']}, {one['because']} (at most ")
+
+
 def test_a_star_and_the_state_at_the_start(tmp_path):
     """One line each; the state at rest at zero in two, epoch and angles."""
     document = PLAN_EXAMPLES["keyhole"][1] | {}
