@@ -350,7 +350,7 @@ def test_conditions_of_windows(form):
     none = windows.get_by_text(
         "The target isn't seen in these days: whenever it is in sight the Sun"
     )
-    expect(none).to_contain_text("sun_elevation_min_deg 80. It stands ")
+    expect(none).to_contain_text("sun_elevation_min_deg 80. Its greatest elevation is ")
 
 
 def test_the_form_by_keyboard(form):
