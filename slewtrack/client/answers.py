@@ -183,6 +183,7 @@ class Window(Answer):
     """When a target can be seen.
 
     session: the `start` and `stop` that a plan's session takes as they stand, None if too short.
+    probability_in_frame: that the target stays in it over that session, None where not known.
     closest: the view then, in degrees and kilometres, its members those of the API's schema.
     """
 
@@ -191,6 +192,7 @@ class Window(Answer):
     set: datetime
     highest_deg: float
     session: Mapping[str, str] | None
+    probability_in_frame: float | None = None
     closest: Members = field(default_factory=dict, repr=False)
 
 

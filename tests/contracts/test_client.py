@@ -191,7 +191,11 @@ def test_windows_are_sessions_that_plan(client):
     assert window.rise < window.set
     assert window.rise.utcoffset().total_seconds() == 0.0
     session = LAS_VEGAS["sessions"][0] | window.session
-    assert client.plan(LAS_VEGAS | {"sessions": [session]}).passed
+    plan = client.plan(LAS_VEGAS | {"sessions": [session]})
+    assert plan.passed
+    [budget] = plan["uncertainty"]
+    # A search weighs one of four draws of the plan's, good to 0.006 each.
+    assert window.probability_in_frame == pytest.approx(budget["probability_in_frame"], abs=0.03)
 
 
 def test_a_target_that_is_never_seen_says_why(client):
