@@ -12,7 +12,8 @@ from app.answers.problem import Problem
 from app.answers.ranges import Count, NotNegative, Share
 from app.ids import JobState
 from planner.base.assumed import Assumed
-from planner.planning.campaigns.chosen import ChosenLook, UnchosenTarget, Unseen
+from planner.planning.campaigns.chosen import ChosenLook, UnchosenTarget
+from planner.planning.opportunities.closing import Unseen
 
 if TYPE_CHECKING:  # children answer without a database
     from app.store.jobs import Job

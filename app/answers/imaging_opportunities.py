@@ -79,6 +79,7 @@ class ImagingOpportunitiesResponse(OpportunitiesHead):
 
     id: str
     windows: list[ImagingOpportunityOut]
+    unseen: list[str]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,7 +108,9 @@ def found_passes(
         "whole": [_whole(result, row) for row in range(len(requests))],
     }
     windows = [ImagingOpportunityOut(**row) for row in rows_of(columns)]
-    return found_windows(result, request.name, provenance, windows)
+    seen = {*result.windows.target.tolist()}
+    unseen = [name for row, name in enumerate(result.ids) if row not in seen]
+    return found_windows(result, request.name, provenance, windows, unseen)
 
 
 def _session(result: "ImagingOpportunities", row: int) -> SessionTimesOut:

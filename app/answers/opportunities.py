@@ -22,6 +22,7 @@ from app.answers.target_sky import PlaceOut, TargetSkyOut, places_out, skies_out
 from planner.base.arrays import Array
 from planner.base.assumed import Assumed
 from planner.planning.opportunities import Opportunities, Sightings
+from planner.planning.opportunities.closing import Unseen
 from planner.world.frames.time_scales import Instants, utc_text
 
 DECIMALS = 6  # 1e-6 deg is 4 milliarcsec, 1e-6 km a millimetre
@@ -158,7 +159,7 @@ class OpportunitiesHead:
     name: as the request gives it. E.g. `"cities in daylight"`.
     start: of the time searched; UTC.
     stop: of the time searched; UTC.
-    unseen: ids of the targets without any window. E.g. `["Reykjavik"]`.
+    unseen: targets without any window, and why.
     assumed: places of the targets that the request gives by name only.
     warnings: cautions to read before relying on it. E.g.
     `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the plan"]`.
@@ -169,7 +170,7 @@ class OpportunitiesHead:
     name: str
     start: str
     stop: str
-    unseen: list[str]
+    unseen: Sequence[Unseen | str]
     assumed: list[Assumed]
     warnings: list[str]
     provenance: ProvenanceOut
@@ -185,6 +186,7 @@ class OpportunitiesResponse(OpportunitiesHead):
 
     id: str
     windows: list[WindowOut]
+    unseen: list[Unseen]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -213,16 +215,14 @@ def found_windows(
     name: str,
     provenance: ProvenanceOut,
     windows: Sequence[PassWindow],
+    unseen: Sequence[Unseen | str],
 ) -> FoundWindows:
     """The answer without its id."""
     head = OpportunitiesHead(
         name=name,
         start=utc_text(result.start_utc),
         stop=utc_text(result.stop_utc),
-        unseen=[
-            result.ids[row]
-            for row in np.setdiff1d(np.arange(len(result.ids)), result.windows.target)
-        ],
+        unseen=unseen,
         assumed=list(result.assumed),
         warnings=list(result.warnings),
         provenance=provenance,

@@ -92,17 +92,8 @@ def print_campaign(console: Console, choice: Members, passes: Sequence[Members])
     )  # fmt: skip
     parts.print_more(console, len(looks))
     for name, meaning in (("unseen", "can't be seen"), ("left_out", "left out for others")):
-        for one in choice[name][: parts.SHOWN_MAX]:
-            console.print(Text(f"{meaning}: {one['target']}, {one['because']}{_highest(one)}"))
-        parts.print_more(console, len(choice[name]), "--json")
+        parts.print_reasons(console, meaning, choice[name])
     parts.print_warnings(console, [*_losses(passes), *choice["warnings"]])
-
-
-def _highest(one: Members) -> str:
-    if "best_elevation_deg" not in one:
-        return ""
-    when = one["best_time"][:16].replace("T", " ")
-    return f" (at most {one['best_elevation_deg']:.1f} deg high, {when})"
 
 
 def _losses(passes: Sequence[Members]) -> Iterator[str]:

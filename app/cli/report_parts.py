@@ -137,6 +137,17 @@ def print_assumed(console: Console, assumed: Iterable[Mapping[str, Any]]) -> Non
         console.print(Text(f"taken for {one['field']}: {one['detail']}"))
 
 
+def print_reasons(console: Console, meaning: str, targets: Sequence[Mapping[str, Any]]) -> None:
+    """Why each has no look or no window, one line each."""
+    for one in targets[:SHOWN_MAX]:
+        highest = ""
+        if "best_elevation_deg" in one:
+            when = one["best_time"][:16].replace("T", " ")
+            highest = f" (at most {one['best_elevation_deg']:.1f} deg high, {when})"
+        console.print(Text(f"{meaning}: {one['target']}, {one['because']}{highest}"))
+    print_more(console, len(targets), "--json")
+
+
 def print_warnings(console: Console, warnings: Iterable[str]) -> None:
     """One line each."""
     for warning in warnings:

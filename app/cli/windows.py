@@ -16,7 +16,10 @@ from app.cli.progress_bar import told_progress
 from planner.base.csv_cells import csv_lines
 
 _FAR_KM = 1e5
-_EDGES = ("target", "rise", "set", "duration_s", "opened_by", "closed_by", "highest_deg")
+_EDGES = (
+    *("target", "rise", "set", "duration_s", "opened_by", "closed_by", "highest_deg"),
+    "probability_in_frame",
+)
 _BY_AXIS = {"angles_deg": "_deg", "rates_deg_s": "_rate_deg_s"}
 
 
@@ -55,9 +58,10 @@ def print_windows(console: Console, found: Members) -> None:
         ("km", "closest.range_km", _kilometres), ("m/px", "closest.ground_sample_across_m", ".2f"),
         ("Sun", "closest.sun_elevation_deg", ".0f"),
         *((axis, partial(_angle_deg, axis), ".1f") for axis in _axes(windows)),
-        keys=2,
+        ("in frame", "probability_in_frame", ".2f"), keys=2,
     )  # fmt: skip
     parts.print_more(console, len(windows))
+    parts.print_reasons(console, "can't be seen", found["unseen"])
     parts.print_warnings(console, found["warnings"])
 
 

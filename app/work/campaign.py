@@ -30,11 +30,12 @@ _SESSION = re.compile(r"sessions\.(\d+)(\.|$)")
 def answer_opportunities(request: OpportunityRequest, provenance: ProvenanceOut) -> FoundWindows:
     """The answer in parts."""
     from planner.planning.opportunities import find_opportunities
+    from planner.planning.opportunities.unseen import unseen_of
     from planner.planning.sessions.window_probability import probabilities_in_frame
 
     result = find_opportunities(request)
     windows = windows_out(result, probabilities_in_frame(request, result))
-    return found_windows(result, request.name, provenance, windows)
+    return found_windows(result, request.name, provenance, windows, unseen_of(request, result))
 
 
 def choose(body: bytes, request: CampaignRequest | None = None) -> Result:

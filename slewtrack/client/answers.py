@@ -183,6 +183,7 @@ class Window(Answer):
     """When a target can be seen.
 
     session: the `start` and `stop` that a plan's session takes as they stand, None if too short.
+    probability_in_frame: that the target stays in it over that session, None where not known.
     closest: the view then, in degrees and kilometres, its members those of the API's schema.
     """
 
@@ -191,19 +192,35 @@ class Window(Answer):
     set: datetime
     highest_deg: float
     session: Mapping[str, str] | None
+    probability_in_frame: float | None = None
     closest: Members = field(default_factory=dict, repr=False)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Unseen(Answer):
+    """A target that can't be seen; because: the condition that fails, closed_by: its name."""
+
+    target: str
+    closed_by: str
+    because: str
+    best_elevation_deg: float
+    best_time: datetime
+
+    def __str__(self) -> str:
+        return f"{self.target} ({self.because})"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Opportunities(Answer):
     """Windows in the order of the request's targets.
 
-    id: under which the service keeps them.  unseen: targets without any.
+    id: under which the service keeps them.  unseen: targets without any; of the imaging spacecraft
+    names of requests.
     """
 
     id: str
     windows: tuple[Window, ...]
-    unseen: tuple[Any, ...]
+    unseen: tuple[Unseen | str, ...]
     warnings: tuple[str, ...]
 
     def __repr__(self) -> str:

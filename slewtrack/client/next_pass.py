@@ -3,7 +3,7 @@
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
-from slewtrack.client.answers import Opportunities, Window
+from slewtrack.client.answers import Opportunities, Unseen, Window
 from slewtrack.client.problems import Problem, Refused, problem_of
 from slewtrack.client.reading import Members, object_of
 
@@ -54,7 +54,8 @@ def first_window(found: Opportunities) -> Window:
         if window.session is not None:
             return window
     since = str(found.get("start", ""))
-    detail = f"the target isn't in sight within {SEARCH.days} days after {since}"
+    why = "".join(f": {one.because}" for one in found.unseen if isinstance(one, Unseen))
+    detail = f"the target isn't in sight within {SEARCH.days} days after {since}{why}"
     raise _refused("not-visible", "sessions.0.target", detail)
 
 

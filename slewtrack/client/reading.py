@@ -68,7 +68,8 @@ def _value(hint: Any, value: Any) -> Any:  # noqa: ANN401 (whatever JSON holds)
         if value is None and NoneType in kinds:
             return None
         [hint, *others] = [one for one in kinds if one is not NoneType]
-        return _plain((hint, *others), value) if others else _value(hint, value)
+        is_read = not others or (is_dataclass(hint) and isinstance(value, dict))
+        return _value(hint, value) if is_read else _plain((hint, *others), value)
     if origin is tuple:
         if not isinstance(value, list):
             raise TypeError

@@ -18,7 +18,7 @@ MOST = {
     "inflight": 39,
     "motion": 68,
     "output": 38,
-    "planning": 33,
+    "planning": 32,
     "spacecraft": 44,
     "verification": 61,
     "world": 121,

@@ -191,7 +191,22 @@ def test_windows_are_sessions_that_plan(client):
     assert window.rise < window.set
     assert window.rise.utcoffset().total_seconds() == 0.0
     session = LAS_VEGAS["sessions"][0] | window.session
-    assert client.plan(LAS_VEGAS | {"sessions": [session]}).passed
+    plan = client.plan(LAS_VEGAS | {"sessions": [session]})
+    assert plan.passed
+    [budget] = plan["uncertainty"]
+    # A search weighs one of four draws of the plan's, good to 0.006 each.
+    assert window.probability_in_frame == pytest.approx(budget["probability_in_frame"], abs=0.03)
+
+
+def test_a_target_that_is_never_seen_says_why(client):
+    """The ISS never stands above the pole's horizon."""
+    pole = {"id": "pole", "target": {"mode": "ground", "latitude_deg": 90.0, "longitude_deg": 0.0}}
+    found = client.opportunities(json.loads(GALLERY) | {"targets": [pole]})
+    [one] = found.unseen
+    assert (one.target, one.closed_by, one["closed_by"]) == ("pole", "elevation", "elevation")
+    assert -30.0 < one.best_elevation_deg < 0.0
+    assert one.best_time.utcoffset().total_seconds() == 0.0
+    assert "unseen: pole (the carrier stays below" in repr(found)
 
 
 def test_a_campaign_is_followed_over_broken_connections(service):

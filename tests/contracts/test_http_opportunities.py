@@ -4,6 +4,7 @@ import copy
 import hashlib
 import json
 from contextlib import nullcontext
+from dataclasses import replace
 from datetime import datetime
 
 import pytest
@@ -12,6 +13,7 @@ from skyfield.api import EarthSatellite, load, wgs84
 from app.requests.examples import LAS_VEGAS, OPPORTUNITY_EXAMPLES, PLAN_EXAMPLES
 from app.requests.json_reader import InvalidRequest
 from app.requests.opportunities import read_opportunity_request
+from planner.planning.opportunities import find_opportunities, unseen
 
 CITIES = OPPORTUNITY_EXAMPLES["cities"][1]
 CITY = CITIES["targets"][0]["target"]
@@ -107,11 +109,34 @@ def test_what_has_no_meaning_in_the_sky_is_null(sky):
     assert by_target["Moon"]["range_km"] == pytest.approx(385e3, rel=0.07)  # perigee to apogee
 
 
-def test_targets_that_are_never_seen_are_listed(client):
+def test_targets_that_are_never_seen_say_why(client):
     pole = {"id": "pole", "target": {"mode": "ground", "latitude_deg": 90.0, "longitude_deg": 0.0}}
-    answer = client.post("/v1/opportunities", json=changed(targets=[pole])).json()
+    [seen, *_] = CITIES["targets"]
+    night = {"sun_elevation_max_deg": -89.0}
+    asked = changed(targets=[pole, seen], conditions=CITIES["conditions"] | night)
+    del asked["conditions"]["sun_elevation_min_deg"]
+    answer = client.post("/v1/opportunities", json=asked).json()
     assert answer["windows"] == []
-    assert answer["unseen"] == ["pole"]
+    low, light = answer["unseen"]
+    assert (low["target"], low["closed_by"]) == ("pole", "elevation")
+    assert low["because"] == "the carrier stays below 30 deg in its sky"
+    # Over 51.6 deg of latitude at 400 km: 38.4 deg away, 13 deg below the pole's horizon.
+    assert low["best_elevation_deg"] == pytest.approx(-14.0, abs=1.0)
+    assert (light["target"], light["closed_by"]) == (seen["id"], "sun_elevation")
+    assert "sun_elevation_max_deg -89" in light["because"]
+    assert light["best_elevation_deg"] > 30.0
+
+
+def test_reasons_end_with_the_work_for_them(monkeypatch):
+    asked = read_opportunity_request(
+        json.dumps(changed(conditions={"min_duration_s": 3000.0})).encode()
+    )
+    found = find_opportunities(asked)
+    monkeypatch.setattr(unseen, "OPTIONS", replace(unseen.OPTIONS, targets_at_once=1, most=1.0))
+    first, *others = unseen.unseen_of(asked, found)
+    assert "min_duration_s 3000" in first.because or first.closed_by == "work"
+    assert {one.closed_by for one in others} == {"work"}
+    assert len(others) == len(asked.targets) - 1
 
 
 @pytest.mark.parametrize(

@@ -54,6 +54,31 @@ def test_where_a_place_is_was_looked_up(tmp_path, command, example):
     assert "Ljubljana, SI" in line
 
 
+def test_windows_say_how_likely_the_target_is_in_frame(tmp_path):
+    csv = tmp_path / "windows.csv"
+    found = json.loads((EXAMPLES / "opportunities_gallery.json").read_text())
+    words = ["windows", "-", "--json", str(tmp_path / "found.json"), "--csv", str(csv)]
+    done = CliRunner().invoke(main, words, input=json.dumps(found))
+    first, *_ = json.loads((tmp_path / "found.json").read_text())["windows"]
+    heading, line, *_ = csv.read_text().splitlines()
+    told = dict(zip(heading.split(","), line.split(","), strict=True))
+    assert float(told["probability_in_frame"]) == first["probability_in_frame"]
+    [headings] = [line for line in done.stdout.splitlines() if line.startswith("target ")]
+    [row, *_] = [line for line in done.stdout.splitlines() if line.startswith("Las Vegas ")]
+    assert headings.split()[-2:] == ["in", "frame"]
+    assert row.split()[-1] == f"{first['probability_in_frame']:.2f}"
+
+
+def test_a_target_without_a_window_says_why(tmp_path):
+    """In a search as in a campaign."""
+    document = search("opportunities_gallery.json")
+    document["targets"][0]["target"] = {"mode": "ground", "latitude_deg": 90.0, "longitude_deg": 0}
+    lines, answer = report("windows", document, tmp_path)
+    [one] = answer["unseen"]
+    [line] = [line for line in lines if line.startswith("can't be seen: ")]
+    assert line.startswith(f"can't be seen: {one['target']}, {one['because']} (at most ")
+
+
 def test_a_star_and_the_state_at_the_start(tmp_path):
     """One line each; the state at rest at zero in two, epoch and angles."""
     document = PLAN_EXAMPLES["keyhole"][1] | {}

@@ -47,6 +47,17 @@ def test_what_is_chosen_and_why_the_rest_is_not(open_page, campaign):
     assert violations(page) == []
 
 
+def test_places_that_were_taken_for_names_are_told(open_page, service):
+    [first, *_] = EXAMPLE["targets"]
+    by_name = first | {"id": "The town", "target": {"mode": "place", "name": "Las Vegas"}}
+    made_of_it = made(service, "/v1/campaigns", EXAMPLE | {"targets": [by_name]})
+    [assumed] = made_of_it["choice"]["assumed"]
+    page = open_page(f"/campaigns/{made_of_it['id']}")
+    told = page.get_by_role("region", name="Places taken for names").get_by_role("listitem")
+    expect(told).to_have_text([f"Taken for The town: {assumed['detail']}"])
+    assert violations(page) == []
+
+
 def test_a_pass_leads_to_its_plan(open_page, campaign):
     page = open_page(f"/campaigns/{campaign['id']}")
     page.get_by_role("link", name="Plan of pass 1").click()

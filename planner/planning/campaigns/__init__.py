@@ -3,8 +3,8 @@
 from typing import TYPE_CHECKING
 
 from planner.base.on_first_use import on_first_use
-from planner.planning.campaigns.chosen import ChosenLook, UnchosenTarget, Unseen
-from planner.planning.campaigns.request import CampaignRequest, CampaignTarget, Closing, ViewWeights
+from planner.planning.campaigns.chosen import ChosenLook, UnchosenTarget
+from planner.planning.campaigns.request import CampaignRequest, CampaignTarget, ViewWeights
 
 if TYPE_CHECKING:
     from planner.planning.campaigns.campaign import (
@@ -29,10 +29,8 @@ __all__ = [
     "CampaignTarget",
     "ChosenLook",
     "ChosenPass",
-    "Closing",
     "Seen",
     "UnchosenTarget",
-    "Unseen",
     "ViewWeights",
     "choose_campaign",
     "scenario_of",

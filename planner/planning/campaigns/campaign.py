@@ -13,7 +13,7 @@ from planner.base.arrays import Array, Indices
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.base.reporting import Reporter, tell_nobody
 from planner.planning.campaigns.choice import CampaignChoice, Looking, bound_at, choose
-from planner.planning.campaigns.chosen import ChosenLook, UnchosenTarget, Unseen
+from planner.planning.campaigns.chosen import ChosenLook, UnchosenTarget
 from planner.planning.campaigns.displaced import Displaced, displaced_by
 from planner.planning.campaigns.network import Network, network_of, relax
 from planner.planning.campaigns.passes import (
@@ -27,11 +27,12 @@ from planner.planning.campaigns.passes import (
 from planner.planning.campaigns.request import BOUNDS as CAMPAIGN_BOUNDS
 from planner.planning.campaigns.request import CampaignRequest
 from planner.planning.campaigns.slew_time import limit_table
-from planner.planning.campaigns.unseen import unseen_because
 from planner.planning.campaigns.view import Viewing
 from planner.planning.campaigns.ways import Ways, ways_to_follow
 from planner.planning.opportunities import Windows, opportunities_however_many
 from planner.planning.opportunities.carrier import Carrier, carrier_over
+from planner.planning.opportunities.closing import Closing, Unseen
+from planner.planning.opportunities.unseen import unseen_because
 from planner.world.frames.time_scales import shifted_utc, utc_text
 from planner.world.platforms import AxisLimits
 from planner.world.scenario import InitialState, Scenario, Session
@@ -127,7 +128,16 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> C
         bound=max(bound, choice.value),
         greedy_value=choice.greedy_value,
         windows=len(found.windows),
-        unseen=unseen_because(request, carrier, unseen, found.windows, looks),
+        unseen=unseen_because(
+            request.opportunities(),
+            carrier,
+            unseen,
+            {
+                row: _closed_later(request, row, found.windows, looks)
+                for row in unseen
+                if (found.windows.target == row).any()
+            },
+        ),
         left_out=tuple(_left_out(request, one, grid_s) for one in left_out),
         warnings=found.warnings,
     )
@@ -232,6 +242,29 @@ def _build_networks(
 def _thread_count() -> ThreadPoolExecutor:
     """The number of cores: slew times are compiled, free of the interpreter's lock."""
     return ThreadPoolExecutor(os.cpu_count())
+
+
+def _closed_later(
+    request: CampaignRequest, row: int, windows: Windows, looks: Looks
+) -> tuple[Closing, str]:
+    """Why no observation of a target with windows that hold all conditions."""
+    own = windows.select(windows.target == row)
+    least_s = request.targets[row].lengths_s[0]
+    longest_s = float((own.set_s - own.rise_s).max())
+    several = f"the longest of its {len(own)} windows" if len(own) > 1 else "its only window"
+    if longest_s < least_s:
+        return (
+            "duration",
+            f"{several} lasts {longest_s:.1f} s, less than the {least_s:g} s of a look",
+        )
+    if not (looks.target == row).any():
+        return "rest", (
+            f"no {least_s:g} s of its windows are left beside the time the axes need to leave "
+            "their rest and to come back to it"
+        )
+    return "motion", (
+        f"the axes can't follow it for {least_s:g} s within their stops, rates and accelerations"
+    )
 
 
 def _left_out(request: CampaignRequest, one: Displaced, grid_s: float) -> UnchosenTarget:

@@ -3,10 +3,8 @@
 from typing import Annotated
 
 from planner.base.answer_members import Internal, Member, NotNegative, Share, answer
-from planner.planning.campaigns.request import Closing
+from planner.planning.opportunities.closing import Height
 from planner.world.frames.time_scales import Utc
-
-_Height = Annotated[float, Member("deg", -90.0, 180.0, decimals=3)]
 
 
 @answer
@@ -33,7 +31,7 @@ class ChosenLook:
     stop_utc: Utc
     value: NotNegative
     quality: Share
-    elevation_rad: _Height
+    elevation_rad: Height
     off_nadir_rad: Annotated[float, Member("deg", 0.0, 180.0, decimals=3)] | None
     ground_sample_m: NotNegative | None
     sun_elevation_rad: Annotated[float, Member("deg", -90.0, 90.0, decimals=3)] | None
@@ -62,25 +60,3 @@ class UnchosenTarget:
     value: NotNegative
     displaced_by: tuple[str, ...]  # none where only the looks after it would have to move
     displaced_value: NotNegative
-
-
-@answer
-class Unseen:
-    """A target that can't be looked at for as long as it must, and why.
-
-    target: id of the target, as the request gives it. E.g. `"Reykjavik"`.
-    closed_by: the condition that leaves nothing of its windows; `reach`: no angles within the
-    stops, `duration`: no window lasts long enough, `rest`: none does beside the time to and from
-    rest, `motion`: the axes can't follow.
-    because: the condition that fails instead. E.g. `"the carrier stays below 30 deg in its sky"`.
-    best_elevation_rad: the carrier's highest in the target's sky at any time, whatever the
-    conditions; above the limb for a target in space. E.g. `12.3`.
-    best_time_utc: time of it; UTC. E.g. `"2015-02-27T17:36:08.000Z"`.
-    """
-
-    row: Internal[int]  # of the request's targets
-    target: str
-    closed_by: Closing
-    because: str
-    best_elevation_rad: _Height
-    best_time_utc: Utc

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Field
 
@@ -16,7 +16,6 @@ from planner.planning.opportunities import (
     OpportunityTarget,
 )
 from planner.planning.opportunities.request import BOUNDS as OPPORTUNITY_BOUNDS
-from planner.planning.opportunities.windows import Cause
 from planner.world.attitude import Attitude
 from planner.world.attitude.lvlh import LvlhAttitude
 from planner.world.frames.time_scales import DAY_S, elapsed_s
@@ -40,9 +39,6 @@ class CampaignBounds:
 
 
 BOUNDS = CampaignBounds()
-
-# What keeps a target from being looked at.
-Closing = Cause | Literal["duration", "rest", "motion"]
 
 _Weight = Annotated[float, Within(0.0, 10.0)]
 

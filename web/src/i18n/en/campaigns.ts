@@ -95,6 +95,8 @@ export const campaigns = {
     looks: "Looks",
     plan: "Plan",
   },
+  assumed: "Places taken for names",
+  taken: (target: string, place: string) => `Taken for ${target}: ${place}`,
   without: (target: string, because: string) => `without ${target}: ${because}`,
   toPlan: (pass: number) => `Plan of pass ${pass}`,
 };

@@ -119,7 +119,8 @@ export const plan = {
     list: "Windows, the first first",
     searching: "Looking for windows…",
     count: (count: number) => `${count} found`,
-    none: "The target isn't seen in these days: allow a lower elevation, or look at more days.",
+    none: (_closedBy: string, because: string, highest_deg: string) =>
+      `The target isn't seen in these days: ${because}. Its greatest elevation is ${highest_deg}°. Allow more, or look at more days.`,
     lights: { day: "day", low: "low Sun", twilight: "twilight", night: "night" },
     onePoint: "A path has two points at least: add the second.",
     untimed: "It needs no window: give its times under Sessions.",

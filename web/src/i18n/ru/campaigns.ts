@@ -95,6 +95,8 @@ export const campaigns: Words["campaigns"] = {
     looks: "Наблюдения",
     plan: "План",
   },
+  assumed: "Места, взятые по названиям",
+  taken: (target: string, place: string) => `Для цели «${target}» взято: ${place}`,
   without: (target, because) => `без ${target}: ${because}`,
   toPlan: (pass) => `План пролёта ${pass}`,
 };

@@ -1,6 +1,19 @@
 import { counted } from "../language";
 import type { Words } from "../words";
 
+/** Почему окон нет: по условию, которое их не оставляет. */
+const CLOSED: Record<string, string> = {
+  elevation: "она остаётся ниже наименьшего угла места",
+  reach: "оси в пределах упоров на неё не наводятся",
+  mask: "её закрывает то, что стоит перед платформой",
+  sun_elevation: "Солнце над ней не стоит так, как задано",
+  off_nadir: "она всегда дальше от надира, чем допущено",
+  sun_keep_out: "она слишком близко к Солнцу",
+  moon_keep_out: "она слишком близко к Луне",
+  duration: "ни одно окно не длится достаточно",
+  work: "поиск причины слишком велик",
+};
+
 export const plan: Words["plan"] = {
   plan: "Рассчитать",
   orbit: {
@@ -120,7 +133,8 @@ export const plan: Words["plan"] = {
     list: "Окна по порядку времени",
     searching: "Поиск окон…",
     count: (count) => `найдено: ${count}`,
-    none: "В эти дни цель не видна: допустите меньший угол места или больше дней.",
+    none: (closedBy: string, because: string, highest_deg: string) =>
+      `В эти дни цель не видна: ${CLOSED[closedBy] ?? because}. Её наибольшая высота ${highest_deg}°. Ослабьте условия или возьмите больше дней.`,
     lights: { day: "день", low: "низкое Солнце", twilight: "сумерки", night: "ночь" },
     onePoint: "У маршрута не меньше двух точек: добавьте вторую.",
     untimed: "Окно не нужно: задайте время в сеансах.",

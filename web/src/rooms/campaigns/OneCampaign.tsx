@@ -11,7 +11,7 @@ import { JobEnded } from "../../parts/JobEnded";
 import { Link } from "../../parts/Link";
 import { checksum } from "../../parts/paper";
 import { CampaignFiles } from "./CampaignFiles";
-import { fatesOf, fetchCampaign, fetchRequest, PATH } from "./campaign";
+import { fatesOf, fetchCampaign, fetchRequest, nameIn, PATH } from "./campaign";
 import { FateMap } from "./FateMap";
 import { Fates } from "./Fates";
 import { Passes } from "./Passes";
@@ -49,6 +49,15 @@ export function OneCampaign({ id }: { id: string }) {
       {!answer && error === null && <p class="loading">{words.value.shell.loading}</p>}
       {progress && <AtWork progress={progress} stages={text.stages} onCancel={cancel} />}
       {answer?.choice && <Worth choice={answer.choice} planned={answer.planned} targets={answer.target_count} />}
+      {answer?.choice && answer.choice.assumed.length > 0 && (
+        <section class="notice" aria-label={text.assumed}>
+          <ul>
+            {answer.choice.assumed.map(({ field, detail }) => (
+              <li key={field}>{text.taken(nameIn(request, field), detail)}</li>
+            ))}
+          </ul>
+        </section>
+      )}
       {answer?.choice && answer.choice.warnings.length > 0 && (
         <section class="notice notice-warn" aria-label={words.value.plan.one.warnings}>
           <ul>

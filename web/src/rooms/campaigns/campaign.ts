@@ -77,13 +77,22 @@ export function fatesOf(request: CampaignRequest, campaign: Campaign): TargetFat
   });
 }
 
+/** The id of the target that a field belongs to. */
+export function nameIn(request: CampaignRequest | null, field: string): string {
+  return request?.targets[numberOf(field)]?.id ?? field;
+}
+
+function numberOf(field: string): number {
+  return Number(/^targets\.(\d+)/.exec(field)?.[1] ?? NaN);
+}
+
 /** Where the targets are, in the request's order. */
 export function placesOf(request: CampaignRequest, choice: Choice | null): (LonLat | null)[] {
   const places = request.targets.map(({ target }): LonLat | null =>
     target.mode === "ground" ? [target.longitude_deg, target.latitude_deg] : null,
   );
   for (const { field, members } of choice?.assumed ?? []) {
-    const number = Number(/^targets\.(\d+)\./.exec(field)?.[1] ?? NaN);
+    const number = numberOf(field);
     const { latitude_deg, longitude_deg } = members as Record<string, unknown>;
     if (number in places && typeof latitude_deg === "number" && typeof longitude_deg === "number") {
       places[number] = [longitude_deg, latitude_deg];
@@ -98,7 +107,7 @@ export function faultsOf(error: unknown, targets: readonly CampaignTarget[]): Ma
   if (!(error instanceof Problem)) return faults;
   const { errors = [], field, detail } = error.document;
   for (const fault of errors.length > 0 || !field ? errors : [{ field, detail, value: null }]) {
-    const target = targets[Number(/^targets\.(\d+)/.exec(fault.field)?.[1] ?? NaN)];
+    const target = targets[numberOf(fault.field)];
     if (target) faults.set(target, [...(faults.get(target) ?? []), fault]);
   }
   return faults;

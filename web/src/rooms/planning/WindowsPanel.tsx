@@ -1,7 +1,7 @@
 /** The windows of the next days: all at once as bars over time, and one by one. */
 import { Problem } from "../../api/problem";
 import { words } from "../../i18n";
-import { percent } from "../../i18n/forms";
+import { number, percent } from "../../i18n/forms";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { Overview } from "../../windows/Overview";
 import { PassFigures } from "../../windows/PassFigures";
@@ -44,7 +44,7 @@ export function WindowsPanel() {
       {target && searchedOf(target) === null && (
         <p class="hint">{target.mode === "ground_path" ? text.onePoint : text.untimed}</p>
       )}
-      {now && now.windows.length === 0 && <p>{text.none}</p>}
+      {now?.unseen && <p>{text.none(now.unseen.closed_by, now.unseen.because, number(now.unseen.best_elevation_deg, 1))}</p>}
       {now && now.windows.length > 0 && (
         <>
           <Overview

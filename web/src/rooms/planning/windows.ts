@@ -18,6 +18,8 @@ const LONGEST_S = 300; // a star is seen for most of an hour; nobody asks that b
 
 export interface Found {
   windows: readonly Window[];
+  /** Why there are none. */
+  unseen: Schemas["Unseen"] | null;
   /** What was taken for a name. */
   assumed: string | null;
   warnings: readonly string[];
@@ -222,6 +224,7 @@ async function search(target: Target, until: AbortSignal): Promise<void> {
     );
     found.value = {
       windows: answer.windows,
+      unseen: answer.unseen[0] ?? null,
       assumed: answer.assumed[0]?.detail ?? null,
       warnings: answer.warnings,
     };

@@ -1,30 +1,37 @@
-"""Reasons why a target can't be observed.
+"""Targets without a window, and why.
 
 The elevation that the carrier reaches, and what closes every window.
 """
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from planner.base.arrays import Array, Indices
-from planner.planning.campaigns.chosen import Unseen
-from planner.planning.campaigns.passes import Looks
-from planner.planning.campaigns.request import CampaignRequest, Closing
-from planner.planning.opportunities import (
-    OpportunityConditions,
-    Windows,
-    opportunities_however_many,
-)
-from planner.planning.opportunities.carrier import Carrier
-from planner.planning.opportunities.search import highest
+from planner.base.effort import at_most
+from planner.planning.opportunities.carrier import Carrier, carrier_over
+from planner.planning.opportunities.closing import Closing, Unseen
+from planner.planning.opportunities.request import OpportunityConditions, OpportunityRequest
+from planner.planning.opportunities.search import highest, opportunities_however_many
 from planner.planning.opportunities.sights import in_sights
+from planner.planning.opportunities.windows import Opportunities, Windows
 from planner.world.frames.time_scales import shifted_utc
 from planner.world.targets.earth_fixed import EarthFixedTarget
 
-SAMPLES = 5  # of a window, at which separations are reported
+
+@dataclass(frozen=True, kw_only=True)
+class UnseenOptions:
+    """How reasons are looked for."""
+
+    samples: int = 5  # of a window, at which separations are reported
+    targets_at_once: int = 100  # so that most have a reason where there is work for some only
+    most: float = 400_000.0  # of `effort`: some four seconds beside the search
+
+
+OPTIONS = UnseenOptions()
+Reasons = Mapping[int, tuple[Closing, str]]
 # The order in which opportunities are narrowed, and the fields of each condition.
 _NARROWING: tuple[tuple[Closing, tuple[str, ...]], ...] = (
     ("reach", ()),
@@ -37,18 +44,26 @@ _NARROWING: tuple[tuple[Closing, tuple[str, ...]], ...] = (
 )
 
 
+def unseen_of(request: OpportunityRequest, found: Opportunities) -> tuple[Unseen, ...]:
+    """Those of the request without a window, and why."""
+    unseen = np.setdiff1d(np.arange(len(request.targets)), found.windows.target).tolist()
+    if not unseen:
+        return ()
+    ephemeris = request.orbit.ephemeris(request.start, request.stop)
+    carrier = carrier_over(
+        ephemeris, request.attitude, request.platform, request.start, request.stop
+    )
+    return unseen_because(request, carrier, unseen, {})
+
+
 def unseen_because(
-    request: CampaignRequest,
-    carrier: Carrier,
-    unseen: Sequence[int],
-    windows: Windows,
-    looks: Looks,
+    request: OpportunityRequest, carrier: Carrier, unseen: Sequence[int], known: Reasons
 ) -> tuple[Unseen, ...]:
-    """windows: all that were found.  looks: what was left of them between rests."""
+    """known: reasons of those that have windows, by row of the request's targets."""
     if not unseen:
         return ()
     best_rad, best_s = _highest(request, carrier, np.array(unseen))
-    closed = _closed_conditions(request, unseen, windows, looks, best_rad)
+    closed = _closed_conditions(request, unseen, known, best_rad)
     return tuple(
         Unseen(
             row=row,
@@ -62,7 +77,7 @@ def unseen_because(
     )
 
 
-def _highest(request: CampaignRequest, carrier: Carrier, target: Indices) -> tuple[Array, Array]:
+def _highest(request: OpportunityRequest, carrier: Carrier, target: Indices) -> tuple[Array, Array]:
     """The greatest elevation of each target and when, (n,) each."""
     targets = [wanted.target for wanted in request.targets]
     best_rad, best_s = np.empty(len(target)), np.empty(len(target))
@@ -72,94 +87,71 @@ def _highest(request: CampaignRequest, carrier: Carrier, target: Indices) -> tup
 
 
 def _closed_conditions(
-    request: CampaignRequest,
-    unseen: Sequence[int],
-    windows: Windows,
-    looks: Looks,
-    best_rad: Array,
+    request: OpportunityRequest, unseen: Sequence[int], known: Reasons, best_rad: Array
 ) -> dict[int, tuple[Closing, str]]:
     """The cause and the reason of each target."""
-    closed: dict[int, tuple[Closing, str]] = {}
+    closed = dict(known)
     for row, highest_rad in zip(unseen, best_rad.tolist(), strict=True):
         least_deg = _least_elevation_deg(request, row)
         if math.degrees(highest_rad) < least_deg:
             closed[row] = "elevation", _too_low(request, row, least_deg)
-        elif (windows.target == row).any():
-            closed[row] = _closed_later(request, row, windows, looks)
     left = [row for row in unseen if row not in closed]
-    conditions = OpportunityConditions(min_elevation_deg=request.conditions.min_elevation_deg)
+    with at_most(OPTIONS.most):
+        for first in range(0, len(left), OPTIONS.targets_at_once):
+            closed |= _narrowed(request, left[first : first + OPTIONS.targets_at_once])
+    for row in left:
+        if row not in closed:
+            closed[row] = "work", "to find out takes more work than one request may make"
+    return closed
+
+
+def _narrowed(request: OpportunityRequest, rows: Sequence[int]) -> dict[int, tuple[Closing, str]]:
+    """The condition that takes the last window of each, where they are applied one by one."""
+    closed: dict[int, tuple[Closing, str]] = {}
+    left = list(rows)
+    now = replace(
+        request,
+        platform=replace(request.platform, masks=()),
+        conditions=OpportunityConditions(min_elevation_deg=request.conditions.min_elevation_deg),
+        samples=OPTIONS.samples,
+    )
     before: dict[int, Windows] = {}
     for cause, names in _NARROWING:
-        if not left:
-            break
         asked = {name: getattr(request.conditions, name) for name in names}
-        conditions = replace(conditions, **asked)
-        now = _windows_of(request, left, conditions, masked=cause != "reach")
+        wider = now
+        now = replace(now, conditions=replace(now.conditions, **asked))
+        if cause == "mask":
+            now = replace(now, platform=request.platform)
+        if not left or (cause != "reach" and now == wider):
+            continue
+        found = _windows_of(now, left)
         for row in left:
-            if row not in now:
+            if row not in found:
                 closed[row] = cause, _reason(cause, asked, before.get(row))
-        left, before = list(now), now
+        left, before = list(found), found
     for row in left:  # an edge by a millisecond
         closed[row] = "duration", "its windows are shorter than the least session"
     return closed
 
 
-def _windows_of(
-    request: CampaignRequest,
-    rows: Sequence[int],
-    conditions: OpportunityConditions,
-    *,
-    masked: bool,
-) -> dict[int, Windows]:
-    """Windows of each target that has any; masked: by what stands in the platform's view too."""
-    wanted = request.opportunities()
-    platform = wanted.platform if masked else replace(wanted.platform, masks=())
-    found = opportunities_however_many(
-        replace(
-            wanted,
-            platform=platform,
-            targets=tuple(wanted.targets[row] for row in rows),
-            conditions=conditions,
-            samples=SAMPLES,
-        )
-    ).windows
+def _windows_of(request: OpportunityRequest, rows: Sequence[int]) -> dict[int, Windows]:
+    """Windows of each target that has any."""
+    targets = tuple(request.targets[row] for row in rows)
+    found = opportunities_however_many(replace(request, targets=targets)).windows
     return {rows[n]: found.select(found.target == n) for n in np.unique(found.target).tolist()}
 
 
-def _least_elevation_deg(request: CampaignRequest, row: int) -> float:
+def _least_elevation_deg(request: OpportunityRequest, row: int) -> float:
     target, asked_deg = request.targets[row].target, request.conditions.min_elevation_deg
     if not isinstance(target, EarthFixedTarget):
         return asked_deg
     return max(target.min_elevation_deg, asked_deg)
 
 
-def _too_low(request: CampaignRequest, row: int, least_deg: float) -> str:
+def _too_low(request: OpportunityRequest, row: int, least_deg: float) -> str:
     if isinstance(request.targets[row].target, EarthFixedTarget):
         return f"the carrier stays below {least_deg:g} deg in its sky"
     return f"it stays below {least_deg:g} deg above the limb"
-
-
-def _closed_later(
-    request: CampaignRequest, row: int, windows: Windows, looks: Looks
-) -> tuple[Closing, str]:
-    """Why no observation of a target with windows that hold all conditions."""
-    own = windows.select(windows.target == row)
-    least_s = request.targets[row].lengths_s[0]
-    longest_s = float((own.set_s - own.rise_s).max())
-    several = f"the longest of its {len(own)} windows" if len(own) > 1 else "its only window"
-    if longest_s < least_s:
-        return (
-            "duration",
-            f"{several} lasts {longest_s:.1f} s, less than the {least_s:g} s of a look",
-        )
-    if not (looks.target == row).any():
-        return "rest", (
-            f"no {least_s:g} s of its windows are left beside the time the axes need to leave "
-            "their rest and to come back to it"
-        )
-    return "motion", (
-        f"the axes can't follow it for {least_s:g} s within their stops, rates and accelerations"
-    )
 
 
 def _reason(cause: Closing, asked: Mapping[str, float | None], before: Windows | None) -> str:
