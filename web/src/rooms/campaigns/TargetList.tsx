@@ -168,7 +168,7 @@ function Fault({ fault: { field, detail, value }, onName }: { fault: FieldError;
   const { answer: candidates } = useRequest(asked, (until) => candidatesFor(asked ?? "", until));
   return (
     <>
-      <p class="wrong">{detail}</p>
+      <p class="wrong">{words.value.service.told(detail)}</p>
       {candidates && candidates.length > 0 && (
         <p class="row candidates">
           {text.means}

@@ -105,7 +105,7 @@ export function PassesPanel({ request, count, onTimes }: Props) {
       )}
       {found?.warnings.map((warning) => (
         <p key={warning} class="hint">
-          {warning}
+          {words.value.service.told(warning)}
         </p>
       ))}
     </section>

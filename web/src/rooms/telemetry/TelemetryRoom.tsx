@@ -99,7 +99,7 @@ function Told({ found, plan }: { found: Compared; plan: Plan | null }) {
         ))}
         {comparison.warnings.map((warning) => (
           <p key={warning} class="notice notice-warn">
-            {warning}
+            {words.value.service.told(warning)}
           </p>
         ))}
       </section>
