@@ -1,14 +1,16 @@
 /** An orbit, folded: what it is and of when; pasted, or dropped as a file. */
-import { useState } from "preact/hooks";
 import { type Orbit, orbitOf, reachOf, textOf } from "../api/orbit";
 import { words } from "../i18n";
 import { instant } from "../i18n/forms";
+import { place } from "../router";
 import { DropZone } from "./DropZone";
 import { Field } from "./Field";
+import { useKept } from "./kept";
 
 export function OrbitField({ orbit, onOrbit }: { orbit: Orbit; onOrbit: (orbit: Orbit) => void }) {
   const text = words.value.plan.orbit;
-  const [typed, setTyped] = useState<string | null>(null);
+  const { path, query } = place.value;
+  const [typed, setTyped] = useKept<string | null>(`${path} orbit`, null, query.get("from"));
   const take = (content: string) => {
     const read = orbitOf(content);
     setTyped(read ? null : content);

@@ -46,7 +46,11 @@ export function PlanField({ id, onId, kept: { plan, error } }: Props) {
     onId(idOf.current.get(value) ?? value.trim());
   };
   return (
-    <Field label={text.label} hint={text.hint} error={error instanceof Error ? error.message : undefined}>
+    <Field
+      label={text.label}
+      hint={text.hint}
+      error={error instanceof Error ? words.value.service.told(error.message) : undefined}
+    >
       {(control) => (
         <Combobox
           control={control}

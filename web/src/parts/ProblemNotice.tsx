@@ -34,7 +34,7 @@ export function ProblemNotice({ error, again, fieldTold, children }: Props) {
         <ul>
           {others.map((one) => (
             <li key={`${one.field} ${one.detail}`}>
-              {fieldTold?.(one.field) ?? one.field}: {one.detail}
+              {fieldTold?.(one.field) ?? one.field}: {words.value.service.told(one.detail)}
             </li>
           ))}
         </ul>
@@ -70,7 +70,7 @@ function told(error: unknown) {
     return {
       title: titles[kind] ?? title,
       advice: advice[kind] ?? null,
-      detail,
+      detail: words.value.service.told(detail),
       field: error.field,
       instance: status >= 500 ? instance : null,
     };

@@ -2,7 +2,9 @@
 import { useState } from "preact/hooks";
 
 import { words } from "../i18n";
+import { place } from "../router";
 import { Field } from "./Field";
+import { isKept, useKept } from "./kept";
 
 interface Props {
   request: object;
@@ -13,28 +15,32 @@ interface Props {
 
 /** What is typed stays as it is typed while it is no JSON object. */
 export function RequestText({ request, hint, rows = 18, onRequest }: Props) {
-  const [typed, setTyped] = useState<{ text: string; wrong: string | null; made: object } | null>(null);
-  const shown = typed && (typed.wrong !== null || typed.made === request) ? typed.text : JSON.stringify(request, null, 2);
+  const { path, query } = place.value;
+  const [wrong, setWrong] = useKept<{ text: string; why: string } | null>(`${path} text`, null, query.get("from"));
+  const [typed, setTyped] = useState<{ text: string; made: object } | null>(null);
+  const shown = wrong?.text ?? (typed?.made === request ? typed.text : JSON.stringify(request, null, 2));
   return (
-    <Field label={words.value.plan.take.request} hint={hint} error={typed?.wrong ?? undefined}>
-      {(control) => (
-        <textarea
-          {...control}
-          rows={rows}
-          spellcheck={false}
-          value={shown}
-          onInput={(event) => {
-            const text = event.currentTarget.value;
-            const read = readObject(text);
-            if (typeof read === "string") setTyped({ text, wrong: read, made: request });
-            else {
-              setTyped({ text, wrong: null, made: read });
+    <>
+      <Field label={words.value.plan.take.request} hint={hint} error={wrong?.why}>
+        {(control) => (
+          <textarea
+            {...control}
+            rows={rows}
+            spellcheck={false}
+            value={shown}
+            onInput={(event) => {
+              const text = event.currentTarget.value;
+              const read = readObject(text);
+              setWrong(typeof read === "string" ? { text, why: read } : null);
+              if (typeof read === "string") return;
+              setTyped({ text, made: read });
               onRequest(read);
-            }
-          }}
-        />
-      )}
-    </Field>
+            }}
+          />
+        )}
+      </Field>
+      {!isKept.value && <p class="notice notice-warn">{words.value.plan.request.notKept}</p>}
+    </>
   );
 }
 

@@ -1,7 +1,10 @@
-/** A request in the making: begun with an example or with one that was sent before, and sent off. */
+/** A request in the making: begun with an example or with one that was sent before, kept, and sent off. */
+import { useEffect, useRef } from "preact/hooks";
+
 import { type JobPaths, sendOff } from "../api/job";
 import { useRequest } from "../api/request";
 import { go, place } from "../router";
+import { useBegun } from "./kept";
 import { useStateOf } from "./stateOf";
 
 /** path: of the service; room: of the page, where what is made is shown; before: of an id, the request. */
@@ -12,8 +15,16 @@ export function useMaking<R extends object>(
   before: (id: string, until: AbortSignal) => Promise<R>,
 ) {
   const from = place.value.query.get("from");
-  const begun = useRequest<R>(from, (until) => before(from ?? "", until));
-  const [request, setRequest] = useStateOf<R>(begun.answer, () => begun.answer ?? example);
+  const [kept, keep] = useBegun<R>(room, from);
+  const begun = useRequest<R>(kept ? null : from, (until) => before(from ?? "", until));
+  const first = kept ?? begun.answer;
+  const [request, setRequest] = useStateOf<R>(first, () => first ?? example);
+  const shown = useRef(request);
+  // After it was shown: what a room can't show is not kept.
+  useEffect(() => {
+    if (request !== shown.current && request !== begun.answer && !begun.isAsking) keep(request);
+    shown.current = request;
+  }, [request]);
   const sending = useRequest<void>(null);
   const send = () => sending.ask(async (until) => go(`${room}/${(await sendOff(path, request, {}, until)).id}`));
   return { request, setRequest, isSending: sending.isAsking, error: sending.error ?? begun.error, send };

@@ -3,6 +3,7 @@ import { fields } from "./fields";
 import { horizon } from "./horizon";
 import { library } from "./library";
 import { plan } from "./plan";
+import { service } from "./service";
 import { shell } from "./shell";
 import { simulation } from "./simulation";
 import { spacecraft } from "./spacecraft";
@@ -18,6 +19,7 @@ export const EN = {
   library,
   viewer,
   plan,
+  service,
   shell,
   spacecraft,
   telemetry,

@@ -14,6 +14,7 @@ export const shell = {
     corrections > 0
       ? `Take ${corrections === 1 ? "the correction" : `${corrections} corrections`} into the next request`
       : "Take the platform found into the next request",
+  fileAgain: (names: string) => `The browser keeps no files over a reload: choose ${names} again.`,
   keptPlan: {
     label: "Plan",
     hint: "By its name, target or id; with the field empty, the latest are offered.",

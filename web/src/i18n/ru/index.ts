@@ -4,6 +4,7 @@ import { fields } from "./fields";
 import { horizon } from "./horizon";
 import { library } from "./library";
 import { plan } from "./plan";
+import { service } from "./service";
 import { shell } from "./shell";
 import { simulation } from "./simulation";
 import { spacecraft } from "./spacecraft";
@@ -19,6 +20,7 @@ export const RU: Words = {
   library,
   viewer,
   plan,
+  service,
   shell,
   spacecraft,
   telemetry,

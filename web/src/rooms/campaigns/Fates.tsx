@@ -78,7 +78,7 @@ export function Fates({ fates, chosen, onChoose }: Props) {
                       <Link to={`/plans/${look.plan}`}>{period(look.start, look.stop).replace(" UTC", "")}</Link>
                     </div>
                   ))}
-                  {one.because && <div class="small">{one.because}</div>}
+                  {one.because && <div class="small">{words.value.service.told(one.because)}</div>}
                 </td>
                 <td class="number">{degrees(one.looks[0]?.elevation_deg ?? one.bestElevation_deg)}</td>
                 <td class="number">{percent(one.looks[0]?.quality ?? null, 0)}</td>

@@ -62,7 +62,7 @@ export function OneCampaign({ id }: { id: string }) {
         <section class="notice notice-warn" aria-label={words.value.plan.one.warnings}>
           <ul>
             {answer.choice.warnings.map((warning) => (
-              <li key={warning}>{warning}</li>
+              <li key={warning}>{words.value.service.told(warning)}</li>
             ))}
           </ul>
         </section>

@@ -34,10 +34,10 @@ export function Passes({ passes }: { passes: Campaign["passes"] }) {
                 </td>
                 <td>
                   {one.looks.map((look) => look.target).join(", ") || "–"}
-                  {one.problem && <div class="small">{one.problem.detail}</div>}
+                  {one.problem && <div class="small">{words.value.service.told(one.problem.detail)}</div>}
                   {one.left_out.map((look) => (
                     <div key={look.target} class="small">
-                      {text.without(look.target, look.because)}
+                      {text.without(look.target, words.value.service.told(look.because))}
                     </div>
                   ))}
                 </td>

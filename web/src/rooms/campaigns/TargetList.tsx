@@ -1,11 +1,12 @@
 /** The targets asked for: added by name, changed and removed in their rows, each beside what is wrong with it. */
-import { useRef, useState } from "preact/hooks";
+import { useRef } from "preact/hooks";
 
 import { get } from "../../api/client";
 import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { Combobox } from "../../parts/Combobox";
 import { Field } from "../../parts/Field";
+import { useKept } from "../../parts/kept";
 import { places } from "../planning/names";
 import { groundOf, textOf } from "../planning/target";
 import type { CampaignTarget, FieldError } from "./campaign";
@@ -99,7 +100,7 @@ export function TargetList({ targets, faults, onTargets, onAdd }: Props) {
 
 function AddTarget({ onAdd }: Pick<Props, "onAdd">) {
   const text = words.value.campaigns;
-  const [typed, setTyped] = useState("");
+  const [typed, setTyped] = useKept("/campaigns target", "");
   const form = useRef<HTMLFormElement>(null);
   const add = (given: string) => {
     const target = groundOf(given);
@@ -167,7 +168,7 @@ function Fault({ fault: { field, detail, value }, onName }: { fault: FieldError;
   const { answer: candidates } = useRequest(asked, (until) => candidatesFor(asked ?? "", until));
   return (
     <>
-      <p class="wrong">{detail}</p>
+      <p class="wrong">{words.value.service.told(detail)}</p>
       {candidates && candidates.length > 0 && (
         <p class="row candidates">
           {text.means}

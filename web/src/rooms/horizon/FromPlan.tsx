@@ -1,9 +1,8 @@
 /** Position and predicted attitude as a kept plan has them at the frames' epoch. */
-import { useState } from "preact/hooks";
-
 import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { Field } from "../../parts/Field";
+import { useKept } from "../../parts/kept";
 import { PlanField, type useKeptPlan } from "../../parts/PlanField";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { filledFromPlan, type HorizonRequest } from "./estimate";
@@ -21,7 +20,7 @@ const SIGMA_DEG = 0.5;
 
 export function FromPlan({ id, onId, kept, request, onRequest }: Props) {
   const text = words.value.horizon;
-  const [sigma_deg, setSigma] = useState(SIGMA_DEG);
+  const [sigma_deg, setSigma] = useKept("/horizon sigma", SIGMA_DEG);
   const { answer: isFilled, error, ask } = useRequest<true>(null);
   const fill = (event: Event) => {
     event.preventDefault();

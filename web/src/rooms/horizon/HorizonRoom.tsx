@@ -5,6 +5,7 @@ import example from "../../../../examples/horizon_estimate.json";
 import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { Field } from "../../parts/Field";
+import { useKept } from "../../parts/kept";
 import { useKeptPlan } from "../../parts/PlanField";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import type { RoomProps } from "../../room";
@@ -23,16 +24,24 @@ interface Found {
 
 export default function HorizonRoom(_: RoomProps) {
   const text = words.value;
-  const [request, setRequest] = useState(JSON.stringify(example, null, 2));
+  const wanted = place.value.query.get("plan");
+  const [request, setRequest] = useKept("/horizon request", JSON.stringify(example, null, 2));
   const [frames, setFrames] = useState<File[]>([]);
+  const [frameNames, setFrameNames] = useKept("/horizon frames", "");
   const { answer: found, error, isAsking, ask } = useRequest<Found>(null);
   const read = readRequest(request);
   const asked: HorizonRequest | null = typeof read === "string" ? null : read;
   const cameras = asked?.cameras ?? [];
 
-  const [id, setId] = useState(place.value.query.get("plan") ?? "");
+  const [id, setId] = useKept("/horizon plan", wanted ?? "", wanted);
   const kept = useKeptPlan(id);
 
+  const take = (change: (now: File[]) => File[]) =>
+    setFrames((now) => {
+      const next = change(now);
+      setFrameNames(next.map((one) => one.name).join(", "));
+      return next;
+    });
   const measure = () => {
     if (asked) void ask(async (until) => ({ asked, estimate: await estimate(asked, frames, until) }));
   };
@@ -43,7 +52,8 @@ export default function HorizonRoom(_: RoomProps) {
       <div class="horizon">
         <section class="panel" aria-labelledby="horizon-frames">
           <h2 id="horizon-frames">{text.horizon.frames}</h2>
-          <Frames cameras={cameras.map((camera) => camera.name)} frames={frames} onFrames={setFrames} />
+          <Frames cameras={cameras.map((camera) => camera.name)} frames={frames} onFrames={take} />
+          {frames.length === 0 && frameNames && <p class="hint">{text.shell.fileAgain(frameNames)}</p>}
         </section>
         <section class="panel" aria-labelledby="horizon-request">
           <h2 id="horizon-request">{text.horizon.request}</h2>

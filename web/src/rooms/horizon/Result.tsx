@@ -57,7 +57,7 @@ export function Result({ found, asked, plan }: Props) {
             <>
               <dt>{text.warnings}</dt>
               {found.warnings.map((warning) => (
-                <dd key={warning}>{warning}</dd>
+                <dd key={warning}>{words.value.service.told(warning)}</dd>
               ))}
             </>
           )}

@@ -73,7 +73,7 @@ export function RecordRow({ job, kind, chosen, onChoose, onChanged }: Props) {
       <td>
         <span class={`state state-${state}`}>{text.shell.states[state]}</span>
         {atWork && <Bar label={progress?.stage ?? text.library.progress} percent={progress?.percent ?? null} />}
-        {job.problem && <div class="small">{job.problem.detail}</div>}
+        {job.problem && <div class="small">{words.value.service.told(job.problem.detail)}</div>}
         {removal.error !== null && <ProblemNotice error={removal.error} />}
       </td>
       <td class="mono">{job.start && job.stop ? period(job.start, job.stop).replace(" UTC", "") : "–"}</td>

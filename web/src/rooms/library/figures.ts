@@ -33,7 +33,7 @@ export function figures(plan: Plan): Figure[] {
         value: `${digits(margin, 4)} ${unit}`,
       })),
     ),
-    { name: text.warnings, value: plan.warnings.join("; ") || text.none },
+    { name: text.warnings, value: plan.warnings.map(words.value.service.told).join("; ") || text.none },
   ];
 }
 

@@ -13,7 +13,7 @@ export function Figures({ plan }: { plan: Plan }) {
           <h2>{text.findings}</h2>
           <ul>
             {plan.verification.findings.map((finding) => (
-              <li key={finding.detail}>{finding.detail}</li>
+              <li key={finding.detail}>{words.value.service.told(finding.detail)}</li>
             ))}
           </ul>
         </section>
@@ -23,7 +23,7 @@ export function Figures({ plan }: { plan: Plan }) {
           <h2>{text.warnings}</h2>
           <ul>
             {plan.warnings.map((warning) => (
-              <li key={warning}>{warning}</li>
+              <li key={warning}>{words.value.service.told(warning)}</li>
             ))}
           </ul>
         </section>
@@ -156,14 +156,17 @@ function Budget({ plan }: { plan: Plan }) {
         </thead>
         <tbody>
           {budgets.flatMap((budget) =>
-            budget.contributions.map((one) => (
-              <tr key={`${budget.session}-${one.cause}`}>
-                <td>{budgets.length > 1 ? `${budget.session + 1}: ${one.cause}` : one.cause}</td>
-                <td class="number">{digits(one.sigma_arcsec)}″</td>
-                <td class="number">{one.ground_m == null ? "–" : `${digits(one.ground_m)} m`}</td>
-                <td>{one.better}</td>
-              </tr>
-            )),
+            budget.contributions.map((one) => {
+              const cause = words.value.service.told(one.cause);
+              return (
+                <tr key={`${budget.session}-${one.cause}`}>
+                  <td>{budgets.length > 1 ? `${budget.session + 1}: ${cause}` : cause}</td>
+                  <td class="number">{digits(one.sigma_arcsec)}″</td>
+                  <td class="number">{one.ground_m == null ? "–" : `${digits(one.ground_m)} m`}</td>
+                  <td>{words.value.service.told(one.better)}</td>
+                </tr>
+              );
+            }),
           )}
         </tbody>
       </table>

@@ -138,7 +138,7 @@ export default function AskRoom(_: RoomProps) {
   const surroundings = {
     axes: axes.value,
     known: { body: BODIES, park: Object.keys(platform.value?.park_positions_deg ?? {}) },
-    refused: problem?.field ? { path: problem.field, why: problem.document.detail } : null,
+    refused: problem?.field ? { path: problem.field, why: words.value.service.told(problem.document.detail) } : null,
   };
   const faults = faultsOf(FIELDS, "PlanRequest", draft.request.value);
   const toMend = faults.filter(({ fault }) => fault.kind !== "missing");

@@ -99,7 +99,6 @@ function Carried() {
           {text.carried} <b>{unknown.map((path) => pathTold("PlanRequest", made, path)).join(", ")}</b>
         </p>
       )}
-      {!draft.isKept.value && <p class="notice notice-warn">{text.notKept}</p>}
     </>
   );
 }

@@ -52,7 +52,7 @@ export function TargetPanel() {
       </fieldset>
       <Entry key={kind} kind={kind} target={own} />
       {own && <More target={own} />}
-      {found.value?.assumed && <p class="hint">{text.taken(found.value.assumed)}</p>}
+      {found.value?.assumed && <p class="hint">{text.taken(words.value.service.told(found.value.assumed))}</p>}
     </section>
   );
 }
@@ -187,7 +187,7 @@ function TextField({ kind, target }: { kind: "ground" | "star"; target: Target |
 function whyNot(target: Target, detail: string): string {
   const text = words.value.plan.target;
   if (target.mode === "place") return / may be /.test(detail) ? text.several : text.noPlace;
-  return target.mode === "star" && target.name ? text.noStar : detail;
+  return target.mode === "star" && target.name ? text.noStar : words.value.service.told(detail);
 }
 
 /** The names that a refusal offers: 'Springfield, Ohio, US' (39.92, -83.81), or "do you mean Vega?" */

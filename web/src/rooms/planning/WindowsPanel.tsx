@@ -60,7 +60,7 @@ export function WindowsPanel() {
       )}
       {now?.warnings.map((warning) => (
         <p key={warning} class="hint">
-          {warning}
+          {words.value.service.told(warning)}
         </p>
       ))}
     </section>

@@ -5,6 +5,7 @@ import example from "../../../../examples/las_vegas_2015.json";
 import type { Schemas } from "../../api/client";
 import { type Orbit, reachOf, searchStart } from "../../api/orbit";
 import { isMembers } from "../../parts/fields/shape";
+import { keep, readKept } from "../../parts/kept";
 import type { PlanRequest } from "../plan/plan";
 import { kindOf, type Target, textOf } from "./target";
 
@@ -21,8 +22,7 @@ export type Attitude = PlanRequest["attitude"];
 export type Conditions = Schemas["OpportunityConditions"];
 
 const EXAMPLE = example as unknown as DraftRequest;
-const KEPT = "slewtrack.plan";
-const QUIET_MS = 100;
+const KEPT = "plan";
 const NAMED_TARGETS = 3;
 
 interface Kept {
@@ -35,7 +35,7 @@ interface Kept {
   loaded: string | null;
 }
 
-const kept = readKept();
+const kept = readDraft();
 
 export const made = signal<DraftRequest>(kept?.request ?? EXAMPLE);
 /** Number of the session that target and windows are shown of. */
@@ -50,8 +50,6 @@ export const revises = signal<string | null>(kept?.revises ?? null);
 export const loaded = signal<string | null>(kept?.loaded ?? null);
 /** Whether it was there before the page was loaded. */
 export const wasKept = kept !== null;
-/** Whether a reload will find all of it. */
-export const isKept = signal(true);
 
 export const orbit = computed<Orbit>(() => made.value.orbit);
 export const attitude = computed<Attitude>(() => made.value.attitude);
@@ -196,28 +194,13 @@ function forgetInitialEpoch(): void {
   made.value = Object.keys(rest).length ? { ...others, initial_state: rest } : others;
 }
 
-function readKept(): Kept | null {
-  const text = sessionStorage.getItem(KEPT);
-  const read: unknown = text === null ? null : JSON.parse(text);
+function readDraft(): Kept | null {
+  const read = readKept(KEPT);
   return isMembers(read) && requestOf(read.request) ? (read as unknown as Kept) : null;
 }
 
-let pending = 0;
-let unkept: Kept | null = null;
-
-function keep(): void {
-  if (!unkept) return;
-  try {
-    sessionStorage.setItem(KEPT, JSON.stringify(unkept));
-    isKept.value = true;
-  } catch {
-    isKept.value = false; // which the form says
-  }
-  unkept = null;
-}
-
-effect(() => {
-  unkept = {
+effect(() =>
+  keep(KEPT, {
     request: made.value,
     chosen: chosen.value,
     from_ms: from_ms.value,
@@ -225,8 +208,5 @@ effect(() => {
     conditions: conditions.value,
     revises: revises.value,
     loaded: loaded.value,
-  };
-  clearTimeout(pending);
-  pending = setTimeout(keep, QUIET_MS) as unknown as number;
-});
-window.addEventListener("pagehide", keep);
+  } satisfies Kept),
+);

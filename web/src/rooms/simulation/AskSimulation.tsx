@@ -1,6 +1,4 @@
 /** The request to fly a plan many times, and the list of earlier flights. */
-import { useState } from "preact/hooks";
-
 import { get } from "../../api/client";
 import { sendOffFlights } from "../../api/job";
 import { useRequest } from "../../api/request";
@@ -8,6 +6,7 @@ import { words } from "../../i18n";
 import { instant, percent } from "../../i18n/forms";
 import { labelOf } from "../../i18n/labels";
 import { Field } from "../../parts/Field";
+import { useKept } from "../../parts/kept";
 import { Link } from "../../parts/Link";
 import { PlanField, useKeptPlan } from "../../parts/PlanField";
 import { ProblemNotice } from "../../parts/ProblemNotice";
@@ -19,9 +18,10 @@ export function AskSimulation() {
   const text = words.value.simulation;
   const before = useRequest("flights", (signal) => get("/v1/flights", { query: { limit: 20 }, signal }));
   const sending = useRequest<void>(null);
-  const [plan, setPlan] = useState(place.value.query.get("plan") ?? "");
-  const [runs, setRuns] = useState(RUNS);
-  const [seed, setSeed] = useState(0);
+  const asked = place.value.query.get("plan");
+  const [plan, setPlan] = useKept("/flights plan", asked ?? "", asked);
+  const [runs, setRuns] = useKept("/flights runs", RUNS);
+  const [seed, setSeed] = useKept("/flights seed", 0);
   const flown = before.answer?.flights ?? [];
   const kept = useKeptPlan(plan);
   const error = sending.error ?? before.error;

@@ -70,7 +70,7 @@ export function OneSimulation({ id }: { id: string }) {
       )}
       {flights.warnings.map((warning) => (
         <p key={warning} class="notice notice-warn">
-          {warning}
+          {words.value.service.told(warning)}
         </p>
       ))}
       {flights.contributors.length > 0 && (

@@ -78,7 +78,7 @@ function Made({ session }: { session: Session }) {
         <section class="notice notice-warn" aria-label={words.value.plan.one.warnings}>
           <ul>
             {session.warnings.map((warning) => (
-              <li key={warning}>{warning}</li>
+              <li key={warning}>{words.value.service.told(warning)}</li>
             ))}
           </ul>
         </section>

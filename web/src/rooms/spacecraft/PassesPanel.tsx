@@ -5,6 +5,7 @@ import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { number } from "../../i18n/forms";
 import { Field } from "../../parts/Field";
+import { useKept } from "../../parts/kept";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { UtcField } from "../../parts/UtcField";
 import { Overview } from "../../windows/Overview";
@@ -26,8 +27,8 @@ export function PassesPanel({ request, count, onTimes }: Props) {
   const text = words.value.spacecraft.passes;
   const { span, windows } = words.value.plan;
   const { orbit, spacecraft, settings, requests } = request;
-  const [from, setFrom] = useState<string | null>(null);
-  const [days, setDays] = useState(3);
+  const [from, setFrom] = useKept<string | null>("/spacecraft passes from", null);
+  const [days, setDays] = useKept("/spacecraft passes days", 3);
   const passes = useRequest<Found>(null);
   const [asked, setAsked] = useState<Search | null>(null);
   const start = from ?? new Date(searchStart(orbit, Date.now())).toISOString();
@@ -104,7 +105,7 @@ export function PassesPanel({ request, count, onTimes }: Props) {
       )}
       {found?.warnings.map((warning) => (
         <p key={warning} class="hint">
-          {warning}
+          {words.value.service.told(warning)}
         </p>
       ))}
     </section>

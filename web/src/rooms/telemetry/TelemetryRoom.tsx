@@ -7,6 +7,7 @@ import { words } from "../../i18n";
 import { fixed, period } from "../../i18n/forms";
 import { DropZone } from "../../parts/DropZone";
 import { Identity } from "../../parts/Identity";
+import { useKept } from "../../parts/kept";
 import { NextPlan } from "../../parts/NextPlan";
 import { PlanField, useKeptPlan } from "../../parts/PlanField";
 import { ProblemNotice } from "../../parts/ProblemNotice";
@@ -26,10 +27,12 @@ import "./telemetry.css";
 
 export default function TelemetryRoom(_: RoomProps) {
   const text = words.value;
-  const [id, setId] = useState(place.value.query.get("plan") ?? "");
+  const asked = place.value.query.get("plan");
+  const [id, setId] = useKept("/telemetry plan", asked ?? "", asked);
   const [file, setFile] = useState<File | null>(null);
-  const [chosen, setChosen] = useState<Record<string, string>>({});
-  const [offsets, setOffsets] = useState<ImageOffset[]>([]);
+  const [fileName, setFileName] = useKept("/telemetry file", "", asked);
+  const [chosen, setChosen] = useKept<Record<string, string>>("/telemetry columns", {}, asked);
+  const [offsets, setOffsets] = useKept<ImageOffset[]>("/telemetry offsets", [], asked);
   const kept = useKeptPlan(id);
   const read = useRequest<string[]>(file && `${file.name} ${file.size} ${file.lastModified}`, () =>
     file ? namesIn(file) : Promise.resolve([]),
@@ -38,6 +41,10 @@ export default function TelemetryRoom(_: RoomProps) {
   const axes = useMemo(() => Object.keys(kept.plan?.margins ?? {}), [kept.plan]);
   const { answer: found, error, isAsking, ask } = useRequest<Compared>(null);
 
+  const take = (given: File) => {
+    setFile(given);
+    setFileName(given.name);
+  };
   const submit = (event: Event) => {
     event.preventDefault();
     if (file) void ask((until) => compare({ plan: id, columns: renamed(names, chosen), offsets }, file, until));
@@ -48,8 +55,9 @@ export default function TelemetryRoom(_: RoomProps) {
       <p>{text.telemetry.what}</p>
       <form class="panel no-print" onSubmit={submit}>
         <PlanField id={id} onId={setId} kept={kept} />
-        <DropZone label={text.telemetry.file} accept=".csv,.txt,text/csv" onFile={setFile}>
+        <DropZone label={text.telemetry.file} accept=".csv,.txt,text/csv" onFile={take}>
           <p class="small">{file ? file.name : text.telemetry.fileHint}</p>
+          {!file && fileName && <p class="hint">{text.shell.fileAgain(fileName)}</p>}
         </DropZone>
         {names.length > 0 && axes.length > 0 && <Columns names={names} axes={axes} chosen={chosen} onChosen={setChosen} />}
         {kept.plan && <Offsets epoch={kept.plan.summary.start} offsets={offsets} onOffsets={setOffsets} />}
@@ -91,7 +99,7 @@ function Told({ found, plan }: { found: Compared; plan: Plan | null }) {
         ))}
         {comparison.warnings.map((warning) => (
           <p key={warning} class="notice notice-warn">
-            {warning}
+            {words.value.service.told(warning)}
           </p>
         ))}
       </section>

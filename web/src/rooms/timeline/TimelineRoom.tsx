@@ -93,7 +93,7 @@ function Timeline({ span, onSpan }: { span: Span; onSpan: (span: Span) => void }
   const fullest = [...carriers].sort((one, other) => count(other) - count(one))[0] ?? null;
   const mapped = carriers.find((lane) => lane.name === chosen) ?? fullest;
   const refusals = [...tracks].flatMap(([name, track]) =>
-    track instanceof Problem ? [{ name, why: track.document.detail }] : [],
+    track instanceof Problem ? [{ name, why: words.value.service.told(track.document.detail) }] : [],
   );
   const middle_ms = (from_ms + to_ms) / 2;
   const about = (length_ms: number) => onSpan([middle_ms - length_ms / 2, middle_ms + length_ms / 2]);
