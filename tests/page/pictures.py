@@ -37,6 +37,7 @@ def take(page: Page, name: str, **part: Any) -> None:
 
 
 def main() -> None:
+    expect.set_options(timeout=60_000)
     request = json.loads((ROOT / "examples" / "las_vegas_2015.json").read_text())
     with (
         tempfile.TemporaryDirectory() as folder,
@@ -45,7 +46,7 @@ def main() -> None:
     ):
         page = browser.new_page(base_url=service.address, viewport=WINDOW, locale="en-GB")
         page.goto(f"/plans/{made(service, '/v1/plans', request)['id']}")
-        expect(page.locator(".chart canvas").first).to_be_visible(timeout=60_000)
+        expect(page.locator(".chart canvas").first).to_be_visible()
         page.get_by_label("Time of the cursor").fill("190")  # in the session
         page.wait_for_timeout(1000.0)
         for name, selectors in PICTURES.items():
