@@ -36,7 +36,7 @@ class CampaignChoiceOut:
     left_out: targets that can, but others are worth more.
     assumed: places of the targets that the request gives by name only.
     warnings: cautions to read before relying on it. E.g.
-    `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the plan"]`.
+    `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the farthest instant asked for"]`.
     """
 
     value: NotNegative

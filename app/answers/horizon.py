@@ -136,7 +136,7 @@ class PredictionResponse:
 
     views: instants in the order asked for, cameras within each.
     warnings: cautions to read before relying on it. E.g.
-    `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the plan"]`.
+    `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the farthest instant asked for"]`.
     """
 
     views: list[ViewOut]

@@ -162,7 +162,7 @@ class OpportunitiesHead:
     unseen: targets without any window, and why.
     assumed: places of the targets that the request gives by name only.
     warnings: cautions to read before relying on it. E.g.
-    `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the plan"]`.
+    `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the farthest instant asked for"]`.
     """
 
     __pydantic_config__ = BUILT_ON_FIRST_USE

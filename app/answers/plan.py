@@ -151,7 +151,7 @@ class DryRunResponse:
     sessions: number of sessions.
     rows: of the table. E.g. `1151`.
     warnings: cautions to read before flying it. E.g.
-    `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the plan"]`.
+    `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the farthest instant asked for"]`.
     """
 
     valid: Literal[True]

@@ -24,7 +24,8 @@ def test_the_most_populous_place_comes_first(client, begin):
 @pytest.mark.parametrize(
     ("begin", "first", "other"),
     [("Cologn", "Köln, DE", "Cologna"), ("New Yo", "New York City, US", None),
-     ("al", "Alexandria, EG", None)],
+     ("al", "Alexandria, EG", None), ("Kol", "Kolkata, IN", None), ("Köl", "Köln, DE", None),
+     ("Ko\u0308l", "Köln, DE", None)],
 )  # fmt: skip
 def test_the_larger_place_is_offered_first_by_whichever_name_it_has(client, begin, first, other):
     """Cologno Monzese has 47,000 people, Jakarta was once called New York of Java."""

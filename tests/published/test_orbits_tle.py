@@ -85,7 +85,7 @@ def test_age_is_warned_of_from_3_days_and_refused_from_30(sign):
 
     assert ephemeris(2.99).warnings == ()
     (warning,) = ephemeris(3.01).warnings
-    assert "3.01 days from the plan" in warning
+    assert "3.01 days from the farthest instant asked for" in warning
     with pytest.raises(OutsideCoverage, match="take newer ones") as refusal:
         ephemeris(30.01)
     assert refusal.value.field == "orbit.line1"

@@ -84,7 +84,7 @@ class OrbitTrack:
     t_s: of each row, since then.
     eclipses: without refraction, to the second; one of less than a minute may be missed.
     warnings: cautions to read before relying on it. E.g.
-    `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the plan"]`.
+    `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the farthest instant asked for"]`.
     """
 
     start_utc: Utc

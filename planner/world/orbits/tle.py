@@ -173,7 +173,8 @@ def sgp4_ephemeris(
     """
     age_days = max(abs(elapsed_s(t, epoch_utc)) for t in (start_utc, stop_utc)) / DAY_S
     age = figures(age_days, REFUSE_AGE_DAYS, WARN_AGE_DAYS, digits=max(3, len(f"{age_days:.0f}")))
-    sentence = f"the elements' epoch {utc_text(epoch_utc, 0)} is {age} days from the plan"
+    epoch = utc_text(epoch_utc, 0)
+    sentence = f"the elements' epoch {epoch} is {age} days from the farthest instant asked for"
     if age_days >= REFUSE_AGE_DAYS:
         raise OutsideCoverage(
             f"{sentence}; those {REFUSE_AGE_DAYS:.0f} days old are of no use; take newer ones",

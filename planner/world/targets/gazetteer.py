@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from unicodedata import normalize
 
 from planner.world.targets.names import key_of, may_suggest, nearest_keys
 
@@ -143,7 +144,8 @@ def _matching_places(asked: str) -> list[Place]:
 def places_named_from(begun: str) -> list[Place]:
     """Whose name in any language goes on so; after a comma region or country, likewise.
 
-    The most populous first; of those of another name, a twentieth of the people counts.
+    Those spelt with the same accents first, if any were typed.  The most populous first; of those
+    of another name, a twentieth of the people counts.
     """
     name, *rest = begun.split(",")
     key = key_of(name)
@@ -157,9 +159,12 @@ def places_named_from(begun: str) -> list[Place]:
         if all(any(one.startswith(word) for one in _qualifiers(place)) for word in begins)
     ]
 
-    def weight(place: Place) -> float:
+    typed = normalize("NFC", name).strip().casefold()
+
+    def weight(place: Place) -> tuple[bool, float]:
         is_own = key_of(place.name).startswith(key)
-        return place.population * (OPTIONS.far_more if is_own else 1.0)
+        is_spelt_so = not typed.isascii() and place.name.casefold().startswith(typed)
+        return is_spelt_so, place.population * (OPTIONS.far_more if is_own else 1.0)
 
     return sorted(found, key=weight, reverse=True)
 

@@ -13,10 +13,17 @@ export function rowClock(iso: string | number): string {
 
 /** "27 Feb 2015"; UTC. */
 export function day(iso: string | number): string {
+  return date(iso, { day: "numeric", month: "short", year: "numeric" });
+}
+
+/** "27 Feb"; UTC. */
+export function dayOfYear(iso: string | number): string {
+  return date(iso, { day: "numeric", month: "short" });
+}
+
+function date(iso: string | number, parts: Intl.DateTimeFormatOptions): string {
   const locale = language.value === "en" ? "en-GB" : language.value;
-  return new Intl.DateTimeFormat(locale, { day: "numeric", month: "short", year: "numeric", timeZone: "UTC" })
-    .format(new Date(iso))
-    .replace(/\u202f|\u00a0/g, " ");
+  return new Intl.DateTimeFormat(locale, { ...parts, timeZone: "UTC" }).format(new Date(iso)).replace(/\u202f|\u00a0/g, " ");
 }
 
 /** "27 Feb 2015 17:36:20–17:37:50 UTC", with a second day where it ends on another. */
@@ -72,6 +79,11 @@ export function percent(share: number | null | undefined, decimals = 1): string 
 /** A margin's share of its limit; of small ones two digits, since "0 %" is no figure. */
 export function marginTold(share: number | null): string {
   return share !== null && Math.abs(share) < 0.01 ? `${digits(share * 100, 2)} %` : percent(share, 0);
+}
+
+/** An angle of so few arcseconds that it is the computation's alone says no more than that. */
+export function arcsecTold(value: number): string {
+  return value < 1e-3 ? `< ${number(1e-3, 3)}` : digits(value, 2);
 }
 
 /** A member of one of the service's lists in the page's words; as the service says it where it has none yet. */

@@ -1,6 +1,6 @@
 /** Passes as bars over time: height is the greatest elevation, or height above the limb; colour the light. */
 import { words } from "../i18n";
-import { instant, number } from "../i18n/forms";
+import { dayOfYear, instant, number } from "../i18n/forms";
 import { lightOf, type Pass } from "./sight";
 import "./windows.css";
 
@@ -31,7 +31,7 @@ export function Overview<P extends Pass>({ passes, taken, from_ms, to_ms, onTake
       <div class="overview-bars">
         {midnights.map((at) => (
           <span key={at} class="midnight" style={{ left: place(at) }}>
-            {instant(at).slice(5, 10)}
+            {dayOfYear(at)}
           </span>
         ))}
         {passes.map((pass, index) => (

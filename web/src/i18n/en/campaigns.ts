@@ -57,7 +57,7 @@ export const campaigns = {
   cancelled: "It was cancelled. What was planned before is kept.",
   gone: "There is no such campaign: it was deleted, or its time is over.",
   worth: "What the choice is worth",
-  best: "No choice is worth more",
+  best: "Proven best: no other choice is worth more",
   gap: (share: string) => `At most ${share} below the best there can be`,
   looks: (looks: number, passes: number) =>
     `${counted(looks, "look", "looks", "looks")} in ${counted(passes, "pass", "passes", "passes")}`,
@@ -69,7 +69,8 @@ export const campaigns = {
   greedy: "Best first, pass by pass",
   chosenWorth: "Chosen",
   bound: "Bound",
-  boundHint: "The bound holds for looks on the grid of step_s, of the lengths tried, in the same passes.",
+  boundHint:
+    "No choice of looks in these passes can be worth more than the bound; looks begin on the search's time steps and have the lengths tried.",
   fates: {
     chosen: "chosen",
     left_out: "left out",

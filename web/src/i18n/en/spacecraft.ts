@@ -103,7 +103,7 @@ export const spacecraft = {
     eigenaxis: "Eigenaxis, s",
     bangCoastBang: "Bang-coast-bang, s",
     torqueRate: "Torque rate, N·m/s",
-    torqueRateEigenaxis: "of the eigenaxis",
+    torqueRateEigenaxis: "Same, eigenaxis, N·m/s",
   },
   charts: {
     title: "Body and gyros",

@@ -34,6 +34,7 @@ export const timeline = {
   replaced: "replaced by a later revision",
   conflictsWith: (names: string) => `conflicts with ${names}`,
   conflicts: (count: number) => `Conflicts: ${count}`,
+  furtherConflicts: (count: number) => `and ${count} more`,
   noConflicts: "No two plans command the same platform at the same time.",
   conflictTold: (platform: string, when: string) => `both command ${platform}, ${when}`,
   and: "and",

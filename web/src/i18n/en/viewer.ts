@@ -69,6 +69,7 @@ export const viewer = {
     whole: "All",
     closer: "Shorter time",
     farther: "Longer time",
+    atLimit: (limit: string, axis: string, unit: string) => `at the limit (${axis}, ${limit} ${unit})`,
     margin: (limit: string, margin: string, axis: string, unit: string) =>
       `least margin ${margin} (${axis}, limit ${limit} ${unit})`,
     told: (what: string, unit: string) => `${what} in ${unit} over time; values at the cursor are in the table`,
@@ -107,7 +108,7 @@ export const viewer = {
     penumbra: "penumbra",
     shadow: "in shadow",
     boresight: "Boresight at",
-    range: "Range",
+    range: "Boresight range",
     offNadir: "Off nadir",
     fromSun: "From the Sun",
     fromMoon: "From the Moon",
@@ -116,7 +117,7 @@ export const viewer = {
     elevation: "Elevation",
     aboveLimb: "Above the limb",
     sample: "Ground sample",
-    sunElevation: "Sun there",
+    sunElevation: "Sun at target",
     error: "Off target",
   },
 };

@@ -103,7 +103,7 @@ export const spacecraft: Words["spacecraft"] = {
     eigenaxis: "Ось Эйлера, с",
     bangCoastBang: "Разгон-пауза-торможение, с",
     torqueRate: "Скорость момента, Н·м/с",
-    torqueRateEigenaxis: "у оси Эйлера",
+    torqueRateEigenaxis: "То же, ось Эйлера, Н·м/с",
   },
   charts: {
     title: "Корпус и гироскопы",

@@ -35,6 +35,7 @@ export const timeline: Words["timeline"] = {
   replaced: "заменён более поздней редакцией",
   conflictsWith: (names) => `конфликтует с ${names}`,
   conflicts: (count) => `Конфликтов: ${count}`,
+  furtherConflicts: (count) => `и ещё ${count}`,
   noConflicts: "Никакие два плана не управляют одной платформой одновременно.",
   conflictTold: (platform, when) => `управляют одной платформой: ${platform}, ${when}`,
   and: "и",

@@ -71,6 +71,7 @@ export const viewer: Words["viewer"] = {
     whole: "Весь план",
     closer: "Короче отрезок",
     farther: "Длиннее отрезок",
+    atLimit: (limit, axis, unit) => `на пределе (${axis}, ${limit} ${unit})`,
     margin: (limit: string, margin: string, axis: string, unit: string) =>
       `наименьший запас ${margin} (${axis}, предел ${limit} ${unit})`,
     told: (what: string, unit: string) => `${what} в ${unit} по времени; значения в выбранный момент в таблице`,
@@ -109,7 +110,7 @@ export const viewer: Words["viewer"] = {
     penumbra: "полутень",
     shadow: "в тени",
     boresight: "Визирование в",
-    range: "Дальность",
+    range: "Дальность по оси",
     offNadir: "От надира",
     fromSun: "От Солнца",
     fromMoon: "От Луны",

@@ -1,6 +1,6 @@
 /** The figures behind the verdict: sessions, margins, the pointing budget, warnings. */
 import { words } from "../../i18n";
-import { digits, marginTold, number, percent, period, rowClock } from "../../i18n/forms";
+import { arcsecTold, digits, marginTold, number, percent, period, rowClock } from "../../i18n/forms";
 import type { Plan } from "./plan";
 import { isAtLimit, shareOf } from "./verdict";
 
@@ -40,6 +40,7 @@ export function Figures({ plan }: { plan: Plan }) {
 function Sessions({ plan }: { plan: Plan }) {
   const text = words.value.plan.one;
   const { columns } = text;
+  const { units } = words.value.viewer;
   return (
     <section class="panel scroll-x" tabIndex={0} aria-label={text.sessions}>
       <h2>{text.sessions}</h2>
@@ -70,10 +71,8 @@ function Sessions({ plan }: { plan: Plan }) {
                 <td>{one.name ?? one.target}</td>
                 <td>{period(one.start, one.stop).replace(" UTC", "")}</td>
                 <td class="number">{one.best_elevation_deg == null ? "–" : `${number(one.best_elevation_deg)}°`}</td>
-                <td class="number">{pointing?.range_min_km == null ? "–" : `${number(pointing.range_min_km, 0)} km`}</td>
-                <td class="number">
-                  {pointing == null ? "–" : pointing.max_arcsec < 1e-3 ? "< 0.001″" : `${digits(pointing.max_arcsec, 2)}″`}
-                </td>
+                <td class="number">{pointing?.range_min_km == null ? "–" : `${number(pointing.range_min_km, 0)} ${units.km}`}</td>
+                <td class="number">{pointing == null ? "–" : `${arcsecTold(pointing.max_arcsec)}″`}</td>
                 <td class="number">{percent(one.probability_in_frame)}</td>
               </tr>
             );
@@ -118,7 +117,7 @@ function Margins({ plan }: { plan: Plan }) {
                     </td>
                     <td class="number">{digits(one.extreme)}</td>
                     <td class="number">
-                      {isAtLimit({ kind: "axis", axis, limit, share: shareOf(one) ?? 1, at: one.at })
+                      {isAtLimit({ kind: "axis", limit, share: shareOf(one) ?? 1 })
                         ? text.limitReached
                         : marginTold(shareOf(one))}
                     </td>
@@ -136,6 +135,7 @@ function Margins({ plan }: { plan: Plan }) {
 function Budget({ plan }: { plan: Plan }) {
   const text = words.value.plan.one;
   const { columns } = text;
+  const { units } = words.value.viewer;
   const budgets = plan.uncertainty.filter((one) => one !== null);
   if (budgets.length === 0) return null;
   return (
@@ -162,7 +162,7 @@ function Budget({ plan }: { plan: Plan }) {
                 <tr key={`${budget.session}-${one.cause}`}>
                   <td>{budgets.length > 1 ? `${budget.session + 1}: ${cause}` : cause}</td>
                   <td class="number">{digits(one.sigma_arcsec)}″</td>
-                  <td class="number">{one.ground_m == null ? "–" : `${digits(one.ground_m)} m`}</td>
+                  <td class="number">{one.ground_m == null ? "–" : `${digits(one.ground_m)} ${units.m}`}</td>
                   <td>{words.value.service.told(one.better)}</td>
                 </tr>
               );

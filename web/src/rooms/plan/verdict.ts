@@ -16,15 +16,15 @@ export function gradeOf(plan: Plan): Grade {
 }
 
 /** A slew as fast as it may is meant to be: of rates and above, a limit that is reached is no danger. */
-export function isAtLimit(one: LeastMargin): boolean {
+export function isAtLimit(one: Reached): boolean {
   return !isAngle(one) && one.share < ON_A_STOP;
 }
 
-function isOnAStop(one: LeastMargin): boolean {
+function isOnAStop(one: Reached): boolean {
   return isAngle(one) && one.share < ON_A_STOP;
 }
 
-function isAngle({ kind, limit }: LeastMargin): boolean {
+function isAngle({ kind, limit }: Reached): boolean {
   return kind !== "axis" || limit.startsWith("angle");
 }
 
@@ -41,6 +41,8 @@ export interface LeastMargin {
   share: number;
   at: string;
 }
+
+type Reached = Pick<LeastMargin, "kind" | "limit" | "share">;
 
 /** The nearest that the motion comes to anything, as a share of it; a stop that it lies on before a limit that it uses up. */
 export function leastMargin(plan: Plan): LeastMargin | null {

@@ -3,7 +3,7 @@ import type { TargetedKeyboardEvent, TargetedPointerEvent } from "preact";
 import { useRef } from "preact/hooks";
 
 import { words } from "../../i18n";
-import { number, rfc3339, rowClock } from "../../i18n/forms";
+import { number, period, rfc3339, rowClock } from "../../i18n/forms";
 import { Profile } from "../../windows/Profile";
 import { lightOf } from "../../windows/sight";
 import * as draft from "./draft";
@@ -124,10 +124,8 @@ export function SessionBar({ window }: { window: Window }) {
         <span>{rowClock(left + span)}</span>
       </div>
       <p class="session-told">
-        <b>
-          {rowClock(first)}–{rowClock(last)} UTC
-        </b>
-        {` · ${number((last - first) / 1000, 1)} s · ${(window.place ? text.elevation : text.aboveLimb)(number(seen.least, 0), number(seen.most, 0))}`}
+        <b>{period(start, stop)}</b>
+        {` · ${words.value.plan.windows.seconds(number((last - first) / 1000, 1))} · ${(window.place ? text.elevation : text.aboveLimb)(number(seen.least, 0), number(seen.most, 0))}`}
         {seen.light && ` · ${words.value.plan.windows.lights[seen.light]}`}
         {seen.sample !== null && ` · ${text.sample(number(seen.sample, 2))}`}
       </p>

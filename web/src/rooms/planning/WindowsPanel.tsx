@@ -55,6 +55,7 @@ export function WindowsPanel() {
             onTake={take}
           />
           {near && <SessionBar window={near} />}
+          <Heads isInSpace={now.windows.every((window) => window.place === null)} />
           <List windows={now.windows} taken={taken} />
         </>
       )}
@@ -70,6 +71,19 @@ export function WindowsPanel() {
 function take(window: Window): void {
   const times = sessionIn(window);
   if (times) draft.setTimes(times.start, times.stop);
+}
+
+/** What the figures of the list are; the list's items tell it to those who hear them. */
+function Heads({ isInSpace }: { isInSpace: boolean }) {
+  const { heads } = words.value.plan.windows;
+  const all = [heads.when, isInSpace ? heads.aboveLimb : heads.elevation, heads.light, isInSpace ? heads.length : heads.sample];
+  return (
+    <div class="window-heads" aria-hidden="true">
+      {all.map((one, index) => (
+        <span key={index}>{one}</span>
+      ))}
+    </div>
+  );
 }
 
 function List({ windows, taken }: { windows: readonly Window[]; taken: Window | null }) {

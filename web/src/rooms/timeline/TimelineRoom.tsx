@@ -260,7 +260,7 @@ function Conflicts({ conflicts }: { conflicts: readonly Conflict[] }) {
             {text.conflictTold(carrierOf(one.one), told(one))}
           </li>
         ))}
-        {conflicts.length > CONFLICTS_SHOWN && <li>…</li>}
+        {conflicts.length > CONFLICTS_SHOWN && <li>{text.furtherConflicts(conflicts.length - CONFLICTS_SHOWN)}</li>}
       </ul>
     </section>
   );

@@ -4,10 +4,10 @@ import { useMemo, useState } from "preact/hooks";
 import { RangeButtons, useTimeRange } from "../../charts/range";
 import { type Line, type Shade, TimeChart } from "../../charts/TimeChart";
 import { words } from "../../i18n";
-import { digits, marginTold } from "../../i18n/forms";
+import { arcsecTold, digits, marginTold } from "../../i18n/forms";
 import type { Stretch } from "../../time/TimeBar";
 import type { Plan } from "../plan/plan";
-import { shareOf } from "../plan/verdict";
+import { isAtLimit, shareOf } from "../plan/verdict";
 import { hasPlaces, lastOf, onRows, type View } from "./view";
 
 const HEIGHT = 118;
@@ -115,7 +115,7 @@ function Pointing({ view, plan, common }: { view: View; plan: Plan; common: Comm
     <div class="look-strip">
       <h3>
         {text.pointing}, ″ <span class="key key-error">{text.error}</span> <span class="key key-sigma">{text.sigma}</span>{" "}
-        <small>{text.most(digits(Math.max(...plan.pointing.map((one) => one.max_arcsec)), 2))}</small>
+        <small>{text.most(arcsecTold(Math.max(...plan.pointing.map((one) => one.max_arcsec))))}</small>
       </h3>
       <TimeChart {...common} label={text.told(text.pointing, "″")} lines={lines} isLogarithmic height={HEIGHT} />
     </div>
@@ -191,5 +191,8 @@ function marginsTold(plan: Plan, key: (typeof ORDERS)[number]["key"], unit: stri
     }),
   );
   const least = all.reduce<(typeof all)[number] | null>((best, one) => (!best || one.share < best.share ? one : best), null);
-  return least ? text.margin(digits(least.limit), marginTold(least.share), least.axis, unit) : "";
+  if (!least) return "";
+  return isAtLimit({ kind: "axis", limit: key, share: least.share })
+    ? text.atLimit(digits(least.limit), least.axis, unit)
+    : text.margin(digits(least.limit), marginTold(least.share), least.axis, unit);
 }
