@@ -9,11 +9,12 @@ thousand plans while it runs; `spacecraft` has those of the imaging spacecraft. 
 read or flown raises `Refused`; its `problem` names the field, the limit and the ways out.
 """
 
+from typing import TYPE_CHECKING
+
+from slewtrack import client as _client
 from slewtrack.client import (
-    AsyncClient,
     BadAnswer,
     Cancelled,
-    Client,
     Columns,
     Job,
     NoAnswer,
@@ -24,9 +25,12 @@ from slewtrack.client import (
     Refused,
     ServiceError,
 )
-from slewtrack.here import Here as _Here
+from slewtrack.here import calls_here as _calls_here
 
-_here = _Here()
+if TYPE_CHECKING:
+    from slewtrack.client import AsyncClient, Client
+
+_here = _calls_here()
 campaign = _here.campaign
 check = _here.check
 compare = _here.compare
@@ -89,3 +93,9 @@ __all__ = [
 
 def __dir__() -> list[str]:
     return __all__
+
+
+def __getattr__(name: str) -> object:
+    if name not in __all__:
+        raise AttributeError(f"slewtrack has no {name}")
+    return getattr(_client, name)

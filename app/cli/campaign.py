@@ -39,16 +39,20 @@ def campaign(
             raise InvalidInput(
                 "a service plans what it chooses: leave out --url, or --dry-run", field="--dry-run"
             )
+        if dry_run:
+            from app.cli.local import chosen
+
+            with told_progress("opportunities") as tell:
+                found = chosen(body, tell)
+            print_campaign(console, **found)
+            return
         with planner_at(url) as planner:
             with told_progress("opportunities") as tell:
-                only = {"plans_too": False} if dry_run else {}
-                made = planner.campaign(body, progress=tell, **only)
+                made = planner.campaign(body, progress=tell)
             choice, passes = made.members["choice"], made.members["passes"]
             print_campaign(console, choice, passes)
             if url is not None:
                 console.print(f"kept as {made.id}")
-            if dry_run:
-                return
             for one in passes if plans else ():
                 if one["problem"] is None:
                     stem = f"{plans}/pass-{_number(one)}"

@@ -14,7 +14,6 @@ from planner.world.frames.time_scales import utc_from_text
 from slewtrack.client import next_pass
 from slewtrack.client.answers import Opportunities
 from slewtrack.client.problems import Refused, problem_of
-from slewtrack.client.reading import read
 
 
 def with_settings(body: bytes, settings: Sequence[str] | None) -> bytes:
@@ -87,6 +86,6 @@ def at_next_pass(body: bytes, start_utc: datetime) -> tuple[bytes, str]:
 
 def _found(search: dict[str, Any]) -> Opportunities:
     try:
-        return read(Opportunities, Local().opportunities(json.dumps(search).encode()).members)
+        return Local().opportunities(search)
     except Refusal as refusal:
         raise next_pass.as_in_plan(problem_of(members_of(refusal))) from None

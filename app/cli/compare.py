@@ -81,7 +81,7 @@ def compare(
             head["identify"] = identify
         with planner_at((url or "") if is_kept else None) as planner:
             head["plan"] = planner.named(plan, request)
-            answer = planner.compare(head, content)
+            answer = planner.compare(head, content).members
             drawn = planner.draw_comparison(head, content, picture) if picture else b""
         print_comparison(console, answer)
         files.write_json(json, answer)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.planner import Members, ParsedAnswer
+from app.cli.planner import Members
 from planner.base.errors import InvalidInput, Refusal, Unverified
 
 if TYPE_CHECKING:
@@ -77,8 +77,8 @@ def write(path: Path, content: bytes) -> None:
 def write_json(path: Path | None, members: Members) -> None:
     """As it was answered, if anywhere."""
     if path is not None:
-        whole = members.text if isinstance(members, ParsedAnswer) else None
-        write(path, whole or json.dumps(dict(members)).encode() + b"\n")
+        text: bytes | None = getattr(members, "text", None)
+        write(path, text or json.dumps(dict(members)).encode() + b"\n")
 
 
 def formats_and_paths(

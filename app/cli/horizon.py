@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.text import Text
 
 from app.cli import files
-from app.cli.planner import Members, ParsedAnswer, planner_at
+from app.cli.planner import Members, planner_at
 from app.cli.progress_bar import told_progress
 from app.cli.report_parts import print_rows, print_warnings
 from planner.base.errors import InvalidInput
@@ -73,7 +73,7 @@ def _estimate(
 
         body = with_settings(body, ["overlay=true"])
     with planner_at(url) as planner:
-        answer = planner.estimate_vertical(images, body)
+        answer = planner.estimate_vertical(images, body).members
     if overlay is not None:
         cameras = answer["cameras"]
         paths = overlay_paths(overlay, [camera["name"] for camera in cameras])
@@ -94,7 +94,7 @@ def overlay_paths(path: Path, cameras: Sequence[str]) -> list[Path]:
 
 def measure_frames(
     request: "HorizonSession | HorizonFrames", body: bytes, paths: Sequence[Path]
-) -> ParsedAnswer:
+) -> Members:
     """A series of frames, or videos."""
     from app.answers.members import provenance
     from app.work import horizon_series as series
@@ -102,6 +102,7 @@ def measure_frames(
     from estimator.errors import InvalidImage
     from estimator.images import decode_image
     from estimator.videos import video_frames
+    from slewtrack.client.reading import ParsedAnswer
 
     frames: Iterator[list[Pixels]]
     if all(path.suffix.lower() in _VIDEOS for path in paths):

@@ -1,6 +1,5 @@
 """The one who answers a command's questions: this process, or a running service."""
 
-import json
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -10,16 +9,6 @@ if TYPE_CHECKING:
     from app.cli.service import TellingClient
 
 Members = Mapping[str, Any]
-
-
-class ParsedAnswer(dict[str, Any]):
-    """Members, with the text that held them."""
-
-    def __init__(self, text: bytes) -> None:
-        super().__init__(json.loads(text))
-        self.text = text
-
-
 OnProgress = Callable[[Any], None]  # told of stage, done and of, where these are known
 
 

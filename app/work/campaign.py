@@ -14,7 +14,7 @@ from app.requests.campaign import read_campaign_request
 from app.requests.plan import write_plan_request
 from app.store.listing import Listing
 from app.work.progress import report
-from app.work.result import Part, PlannedPass, Result
+from app.work.result import Part, Result
 from planner.base.errors import Refusal
 from planner.planning.campaigns import CampaignRequest
 from planner.planning.opportunities import OpportunityRequest
@@ -97,17 +97,17 @@ def _listing(platform: str, looks: Sequence[Mapping[str, Any]]) -> Listing:
     )
 
 
-def plan_pass(part: Part) -> PlannedPass:
-    """The pass, without what can't be flown of it."""
+def plan_pass(part: Part) -> tuple[Part, Result | Refusal]:
+    """The pass, without what can't be flown of it, and its plan, or why it has none."""
     from app.work.plan import plan_and_pack
 
     while True:
         try:
-            return PlannedPass(part=part, plan=plan_and_pack(part.request), refusal=None)
+            return part, plan_and_pack(part.request)
         except Refusal as refusal:
             repaired = without_refused(part, refusal.field, refusal.detail)
             if repaired is None:
-                return PlannedPass(part=part, plan=None, refusal=refusal.detail)
+                return part, refusal
             part = repaired
 
 

@@ -47,12 +47,3 @@ class Result:
     def table_columns(self) -> bytes:
         """Of a plan."""
         return self.content[1]
-
-
-@dataclass(frozen=True, kw_only=True)
-class PlannedPass:
-    """A campaign's pass and its plan; None where it was not wanted, or can't be flown: why."""
-
-    part: Part
-    plan: Result | None
-    refusal: str | None

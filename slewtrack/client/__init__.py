@@ -11,9 +11,10 @@ Requests are the JSON that the service takes, as bytes or as the dictionary it h
 refused raises `slewtrack.Refused`, whose `problem` names the field, the reason and the way out.
 """
 
+from typing import TYPE_CHECKING
+
 from slewtrack.client.answers import Columns, Job, Plan, Progress
 from slewtrack.client.asking import Json
-from slewtrack.client.clients import AsyncClient, Client
 from slewtrack.client.events import OnProgress
 from slewtrack.client.problems import (
     BadAnswer,
@@ -26,6 +27,9 @@ from slewtrack.client.problems import (
     ServiceError,
     problem_of,
 )
+
+if TYPE_CHECKING:
+    from slewtrack.client.clients import AsyncClient, Client
 
 __all__ = [
     "AsyncClient",
@@ -46,3 +50,12 @@ __all__ = [
     "ServiceError",
     "problem_of",
 ]
+
+
+def __getattr__(name: str) -> object:
+    """The two that talk HTTP, which whoever asks no service needn't load."""
+    if name not in ("AsyncClient", "Client"):
+        raise AttributeError(f"slewtrack.client has no {name}")
+    from slewtrack.client import clients
+
+    return getattr(clients, name)

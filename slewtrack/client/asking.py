@@ -19,7 +19,7 @@ from typing import Any, TypeVar
 from urllib.parse import quote
 
 from slewtrack.client.problems import BadAnswer, NoAnswer, Problem, Refused, problem_of
-from slewtrack.client.reading import MISREAD, Members, object_of
+from slewtrack.client.reading import MISREAD, Members, ParsedAnswer, object_of
 
 T = TypeVar("T")
 File = bytes | Path
@@ -126,7 +126,7 @@ def document(ask: Ask, patience_s: float, read: Callable[[Members], T]) -> Call[
     """What `read` makes of the JSON object of a good reply; raises BadAnswer where it can't."""
     reply = yield from good(ask, patience_s)
     try:
-        return read(object_of(json.loads(reply.body)))
+        return read(ParsedAnswer(reply.body))
     except MISREAD as error:
         raise _bad(ask) from error
 

@@ -207,7 +207,7 @@ class CarrierCalls:
     @call('client.plan(client.request(plan) | {"name": "again"})')
     def request(self, plan: Named) -> Call[dict[str, Any]]:
         """What a plan was asked for by, as it was sent; `plan` takes it as it is."""
-        return self._get(address(self._plans, plan, "request"), dict)
+        return self._get(address(self._plans, plan, "request"), _whole)
 
     @call('client.plans(target="Vegas", after="2015-02-27T00:00:00Z")')
     def plans(self, *, limit: int = 50, **filters: Unpack[Filters]) -> Call[list[Job]]:
@@ -262,7 +262,7 @@ class CarrierCalls:
     @call("client.opportunities(client.search_request(search))")
     def search_request(self, search: Named) -> Call[dict[str, Any]]:
         """What was searched for, as it was sent."""
-        return self._get(address(self._searches, search, "request"), dict)
+        return self._get(address(self._searches, search, "request"), _whole)
 
     @call("client.delete_search(search)")
     def delete_search(self, search: Named) -> Call[None]:
@@ -495,6 +495,26 @@ class ServiceCalls(CarrierCalls):
 
     def _list(self, kind: str, query: Mapping[str, str] | None = None) -> Call[list[Known]]:
         return self._get(f"/v1/{kind}", lambda members: read_list(Known, members, kind), query)
+
+
+class Carrier(CarrierCalls, Waiting):
+    """Plans and opportunities of one carrier of an instrument, waited for."""
+
+
+class AsyncCarrier(CarrierCalls, Awaiting):
+    """The same, awaited."""
+
+
+class Calls(ServiceCalls, Carrier):
+    """All calls, waited for; `spacecraft` has those of the imaging spacecraft."""
+
+    def __init__(self, exchange: Exchange) -> None:
+        super().__init__(exchange, PLATFORM)
+        self.spacecraft = Carrier(exchange, SPACECRAFT)
+
+
+def _whole(members: Members) -> dict[str, Any]:
+    return members if isinstance(members, dict) else dict(members)
 
 
 def _given(**query: str | None) -> dict[str, str]:

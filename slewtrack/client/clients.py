@@ -10,11 +10,10 @@ from slewtrack.client.asking import TOO_LONG, Ask, Intake, Reply
 from slewtrack.client.calls import (
     PLATFORM,
     SPACECRAFT,
-    Awaiting,
-    CarrierCalls,
+    AsyncCarrier,
+    Calls,
     Exchange,
     ServiceCalls,
-    Waiting,
 )
 from slewtrack.client.connection import (
     PATIENCE_S,
@@ -28,15 +27,7 @@ from slewtrack.client.connection import (
 from slewtrack.client.problems import NoAnswer
 
 
-class Carrier(CarrierCalls, Waiting):
-    """Plans and opportunities of one carrier of an instrument, as a service keeps them."""
-
-
-class AsyncCarrier(CarrierCalls, Awaiting):
-    """The same, awaited."""
-
-
-class Client(ServiceCalls, Carrier):
+class Client(Calls):
     """A service, asked and waited for; close it, or use it in `with`.
 
     url: default: the environment's SLEWTRACK_URL, else this machine's port 8000.
@@ -57,8 +48,7 @@ class Client(ServiceCalls, Carrier):
     ) -> None:
         service = Service(url, key, patience_s=patience_s)
         self._http = httpx.Client(transport=transport, **service.options)
-        super().__init__(Exchange(self._answer, service.meaning, patience_s), PLATFORM)
-        self.spacecraft = Carrier(self._exchange, SPACECRAFT)
+        super().__init__(Exchange(self._answer, service.meaning, patience_s))
 
     async def _answer(self, ask: Ask) -> Reply:
         time.sleep(ask.after_s)

@@ -1,5 +1,6 @@
 """JSON members read as the fields of a dataclass, by their types."""
 
+import json
 import re
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
@@ -17,6 +18,14 @@ _FORMS = {
     "id": re.compile(r"[0-9A-Za-z-]{1,100}"),  # such as is put into an address
     "state": re.compile("queued|running|done|refused|failed|cancelled"),
 }
+
+
+class ParsedAnswer(dict[str, Any]):
+    """The members of a JSON object, with the text that holds them; raises one of MISREAD."""
+
+    def __init__(self, text: bytes) -> None:
+        super().__init__(object_of(json.loads(text)))
+        self.text = text
 
 
 def read(kind: type[T], members: Members) -> T:

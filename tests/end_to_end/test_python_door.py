@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import slewtrack
+from app.here import Desk
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 LAS_VEGAS = EXAMPLES / "las_vegas_2015.json"
@@ -113,7 +114,7 @@ def test_waiting_ends_and_goes_on():
 
 
 def test_the_oldest_of_many_plans_are_let_go(monkeypatch):
-    monkeypatch.setattr(slewtrack.here, "KEPT_MAX", 1)
+    monkeypatch.setattr(Desk, "kept_max", 1)
     first, second = slewtrack.plan(LAS_VEGAS), slewtrack.plan(LAS_VEGAS)
     assert slewtrack.export(second, "csv")
     with pytest.raises(slewtrack.Refused, match="let go"):
@@ -154,6 +155,6 @@ def test_every_call_is_documented(name):
 
 
 def test_importing_it_loads_neither_solvers_nor_compilers():
-    heavy = "{'casadi', 'numba', 'cv2', 'scipy', 'fastapi'}"
+    heavy = "{'casadi', 'numba', 'cv2', 'scipy', 'fastapi', 'httpx'}"
     check = f"import sys, slewtrack; assert not {heavy} & set(sys.modules), sys.modules"
     subprocess.run([sys.executable, "-c", check], check=True)

@@ -1,0 +1,362 @@
+"""Exchanges of the service's clients, answered in this process by what its children run."""
+
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from functools import partial
+from typing import TYPE_CHECKING, Any, ClassVar
+from urllib.parse import unquote
+
+from app.answers.members import PlanHead, from_store, provenance, to_json, whole_answer
+from app.answers.problem import problem_of
+from app.ids import new_id
+from app.requests.plan import read_plan_request
+from app.store.packed import unzip
+from app.work.plan import plan_and_pack, stored_table_file, stored_table_json, try_plan
+from app.work.progress import OnProgress, report, report_through
+from app.work.result import Part, Result
+from planner.base.errors import InvalidInput, Refusal
+from planner.output.export import EXPORTERS
+
+if TYPE_CHECKING:
+    from app.work.telemetry import SentTelemetry
+    from planner.inflight.telemetry.compare import Comparison
+    from slewtrack.client.asking import Ask
+
+_NAMES = ("platforms", "places", "stars")
+_KEPT = ("plans", "campaigns", "flights", "opportunities")
+
+
+@dataclass(frozen=True)
+class Kept:
+    """What was made: the whole answer under an id, and of a plan its request and packed table."""
+
+    text: Callable[[str], bytes]
+    passed: bool = True
+    request: bytes = b""
+    table_columns: bytes = b""
+
+
+@dataclass(frozen=True)
+class Work:
+    """One exchange: what is asked, the id in its address, and whether of the spacecraft."""
+
+    ask: "Ask"
+    id: str
+    is_spacecraft: bool
+
+    @property
+    def body(self) -> bytes:
+        """The request; in a form it is the first part."""
+        return self.ask.parts[0][2] if self.ask.parts else self.ask.body or b""
+
+    @property
+    def files(self) -> tuple[bytes, ...]:
+        """Of a form, after the request."""
+        return tuple(content for _, _, content, _ in self.ask.parts[1:])
+
+
+class Desk:
+    """Answers one request after the other and keeps what it makes, the last `kept_max` plans."""
+
+    kept_max: ClassVar[int] = 1000
+
+    def __init__(self) -> None:
+        self._kept: dict[str, Kept] = {}
+        self._open: dict[str, Callable[[], Kept]] = {}
+        self.compared: tuple[Any, SentTelemetry, Comparison] | None = None
+
+    def answer(self, ask: "Ask") -> bytes:
+        """The body of the reply; raises Refusals, what `on_line` does, and our own failures."""
+        steps = ask.path.removeprefix("/v1/").split("/")
+        is_spacecraft = steps[0] == "spacecraft"
+        kind, *rest = steps[is_spacecraft:]
+        found_id = unquote(rest.pop(0)) if rest and kind in _KEPT else ""
+        way = "/".join((kind, *(["ID"] if found_id else []), *rest))
+        if f"{ask.method} {way}" not in _WAYS:
+            raise InvalidInput(f"{ask.method} {way} needs a service, which slewtrack.Client asks")
+        return _WAYS[f"{ask.method} {way}"](self, Work(ask, found_id, is_spacecraft))
+
+    def table_file(self, made: Kept, format_name: str) -> bytes:
+        """Of a plan; raises Unverified."""
+        _require_format(format_name, EXPORTERS)
+        return stored_table_file(made.request, made.table_columns, format_name, datetime.now(UTC))
+
+    def fly(self, parts: Sequence[Part], _runs: int) -> Sequence[bytes]:
+        """The outcomes of all runs, packed, part by part."""
+        from app.work.flights import fly_part
+
+        return [fly_part(part.request).document for part in parts]
+
+    def keep(self, make: Callable[[], Kept]) -> str:
+        """The id of what is made now, in place of the oldest."""
+        self.put(kept_id := new_id(), make())
+        return kept_id
+
+    def put(self, kept_id: str, kept: Kept) -> None:
+        """In place of what was under the id."""
+        self._kept[kept_id] = kept
+        while len(self._kept) > self.kept_max:
+            del self._kept[next(iter(self._kept))]
+
+    def begin(self, make: Callable[[], Kept]) -> bytes:
+        """As a job, which is carried out when its events are listened to."""
+        self._open[job_id := new_id()] = make
+        return _job(job_id)
+
+    def kept(self, kept_id: str) -> Kept:
+        """Raises InvalidInput."""
+        if kept_id not in self._kept:
+            raise InvalidInput(f"this process has made no {kept_id[:80]!r}, or has let go of it")
+        return self._kept[kept_id]
+
+    def whole(self, work: Work) -> bytes:
+        """The answer, or the job that waits."""
+        return _job(work.id) if work.id in self._open else self.kept(work.id).text(work.id)
+
+    def carry_out(self, work: Work) -> bytes:
+        """Tell the events of what waits; it begins anew where `on_line` ended it before."""
+        line, make = work.ask.on_line, self._open.get(work.id)
+        if line is None or make is None:
+            return b""
+
+        def tell(event: str, told: Mapping[str, Any]) -> None:
+            for text in (f"event: {event}", f"data: {json.dumps(told)}", ""):
+                line(text)
+
+        tell("state", {"state": "queued"})
+        with reporting(lambda now: tell("progress", vars(now))):
+            kept = make()
+        del self._open[work.id]
+        self.put(work.id, kept)
+        tell("state", {"state": "done" if kept.passed else "failed"})
+        return b""
+
+    def forget(self, work: Work) -> bytes:
+        """What is kept or waits."""
+        self._open.pop(work.id, None)
+        self._kept.pop(work.id, None)
+        return b""
+
+
+def _job(job_id: str) -> bytes:
+    return json.dumps({"id": job_id, "state": "queued", "name": ""}).encode()
+
+
+def _require_format(name: str, formats: Iterable[str]) -> None:
+    if name not in formats:
+        raise InvalidInput(
+            f"must be one of {', '.join(sorted(formats))}, not {name!r}", field="format"
+        )
+
+
+@contextmanager
+def reporting(tell: OnProgress) -> Iterator[None]:
+    """What the work inside reports of itself is told."""
+    report_through(tell)
+    try:
+        yield
+    finally:
+        report_through(lambda _: None)
+
+
+def _plan(desk: Desk, work: Work) -> bytes:
+    if "dry_run" in work.ask.query:
+        origin = provenance(datetime.now(UTC), work.body)
+        if work.is_spacecraft:
+            from app.requests.spacecraft import read_spacecraft_request
+            from app.work.spacecraft import try_session
+
+            return try_session(read_spacecraft_request(work.body), origin)
+        return try_plan(read_plan_request(work.body), origin)
+    make = partial(_made_plan, work.body, is_spacecraft=work.is_spacecraft)
+    if work.ask.until_s is not None or "wait" not in work.ask.headers["Prefer"]:
+        return desk.begin(make)
+    plan_id = desk.keep(make)
+    return desk.kept(plan_id).text(plan_id)
+
+
+def _made_plan(body: bytes, *, is_spacecraft: bool) -> Kept:
+    if not is_spacecraft:
+        return _kept_plan(body, plan_and_pack(body), stored_table_json)
+    from app.work.spacecraft import plan_and_pack_session, stored_session_json
+
+    return _kept_plan(body, plan_and_pack_session(body), stored_session_json)
+
+
+def _kept_plan(body: bytes, new: Result, table_json: Callable[[bytes], bytes]) -> Kept:
+    def text(plan_id: str) -> bytes:
+        head = PlanHead(id=plan_id, state=new.state, revision=1, revises=None, requested_by=None)
+        return whole_answer(head, unzip(new.document), table_json(new.table_columns))
+
+    return Kept(text, new.state == "done", body, new.table_columns)
+
+
+def _table(desk: Desk, work: Work) -> bytes:
+    made, format_name = desk.kept(work.id), work.ask.query.get("format")
+    if not work.is_spacecraft:
+        if format_name is None:
+            return stored_table_json(made.table_columns)
+        return desk.table_file(made, format_name)
+    from app.work.spacecraft import stored_session_file, stored_session_json
+    from planner.spacecraft.export import IMAGING_EXPORTERS
+
+    if format_name is None:
+        return stored_session_json(made.table_columns)
+    _require_format(format_name, IMAGING_EXPORTERS)
+    return stored_session_file(made.request, made.table_columns, format_name, datetime.now(UTC))
+
+
+def _view(desk: Desk, work: Work) -> bytes:
+    from app.work.view import AskedView, stored_plan_view, stored_session_view
+
+    made, step_s = desk.kept(work.id), work.ask.query.get("step_s")
+    asked = AskedView(
+        plan_id=work.id,
+        verified=made.passed,
+        format_name=None,
+        step_s=None if step_s is None else float(step_s),
+        pixel_arcsec=None,
+        created_utc=datetime.now(UTC),
+    )
+    view = stored_session_view if work.is_spacecraft else stored_plan_view
+    return view(made.request, made.table_columns, asked)
+
+
+def _opportunities(_: Desk, work: Work) -> bytes:
+    from app.answers.opportunities import whole_opportunities
+
+    origin = provenance(datetime.now(UTC), work.body)
+    if work.is_spacecraft:
+        from app.requests.spacecraft import read_imaging_opportunity_request
+        from app.work.spacecraft import answer_imaging_opportunities
+
+        imaged = answer_imaging_opportunities(read_imaging_opportunity_request(work.body), origin)
+        return whole_opportunities(new_id(), imaged)
+    from app.requests.opportunities import read_opportunity_request
+    from app.work.campaign import answer_opportunities
+
+    found = answer_opportunities(read_opportunity_request(work.body), origin)
+    return whole_opportunities(new_id(), found)
+
+
+def _campaign(desk: Desk, work: Work) -> Kept:
+    from app.work.campaign import choose, plan_pass
+
+    chosen, passes = choose(work.body), []
+    for number, wanted in enumerate(chosen.parts):
+        report("plans", number, len(chosen.parts))
+        part, new = plan_pass(wanted)
+        if isinstance(new, Refusal):
+            passes.append(told_pass(part, "refused", problem=problem_of(new)))
+        else:
+            plan_id = desk.keep(partial(_kept_plan, part.request, new, stored_table_json))
+            passes.append(told_pass(part, new.state, plan=plan_id))
+    report("plans", len(passes), len(passes))
+    members = {
+        "state": "done",
+        "name": json.loads(work.body).get("name", ""),
+        "choice": json.loads(unzip(chosen.document)),
+        "passes": passes,
+    }
+    return Kept(lambda campaign_id: json.dumps({"id": campaign_id, **members}).encode())
+
+
+def told_pass(
+    part: Part, state: str = "queued", plan: str = "", problem: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
+    """As a campaign's answer tells it."""
+    facts = {name: part.facts[name] for name in ("start", "stop", "looks", "left_out")}
+    return {**facts, "number": part.facts["pass"], "state": state, "plan": plan, "problem": problem}
+
+
+def _flights(desk: Desk, work: Work) -> Kept:
+    from app.answers.flights import FlightsHead, flights_found
+    from app.work.flights import PlanToFly, prepare_flights, unpacked_outcomes
+
+    made = desk.kept(work.id)
+    kept = {"request": made.request, "table_columns": made.table_columns}
+    what = PlanToFly(plan_id=work.id, asked=work.body, **kept)
+    new = prepare_flights(what.to_bytes())
+    head = from_store(FlightsHead, json.loads(unzip(new.document)))
+    outcomes = [unpacked_outcomes(packed) for packed in desk.fly(new.parts, head.runs)]
+    found = to_json(flights_found(head, outcomes))
+    return Kept(
+        lambda flights_id: b'{"id":"%s","state":"done","name":"",' % flights_id.encode() + found[1:]
+    )
+
+
+def _vertical(_: Desk, work: Work) -> bytes:
+    from app.requests.horizon import read_estimate_request
+    from app.work.horizon import estimate_json
+
+    origin = provenance(datetime.now(UTC), work.body, *work.files)
+    return estimate_json(read_estimate_request(work.body), work.files, origin)
+
+
+def _comparison(desk: Desk, work: Work) -> bytes:
+    """Made once for numbers and picture where they are asked for one after the other."""
+    from app.work.telemetry import FILES, answer_json
+    from planner.inflight.telemetry.figure import draw_comparison
+
+    format_name, now_utc = work.ask.query["format"], datetime.now(UTC)
+    _require_format(format_name, (*FILES, "pdf", "json"))
+    asked = (work.body, work.files)
+    if desk.compared is None or desk.compared[0] != asked:
+        desk.compared = (asked, *_compare(desk, work))
+    _, sent, found = desk.compared
+    if format_name == "json":
+        origin = provenance(now_utc, work.body, *work.files)
+        return answer_json(found, sent.request, sent.request.plan, origin)
+    if format_name in FILES:
+        return FILES[format_name].write(found, now_utc)
+    return draw_comparison(found, format_name, now_utc)
+
+
+def _compare(desk: Desk, work: Work) -> "tuple[SentTelemetry, Comparison]":
+    from app.requests.telemetry import read_comparison_head, read_comparison_request
+    from app.store.packed import unpack
+    from app.work.plan import stored_plan
+    from app.work.telemetry import SentTelemetry, compare_sent
+
+    if work.files:
+        request = read_comparison_head(work.body)
+        sent = SentTelemetry(request=request, samples=work.files[0])
+    else:
+        request, samples = read_comparison_request(work.body)
+        sent = SentTelemetry(request=request, samples=samples)
+    made = desk.kept(request.plan)
+    return sent, compare_sent(stored_plan(made.request, unpack(made.table_columns)), sent)
+
+
+def _names(kind: str, _: Desk, work: Work) -> bytes:
+    from app.answers.names import KnownPlaces, KnownStars, PlatformList
+    from planner.world.platforms import PLATFORMS, definition_of
+    from planner.world.targets.autocomplete import places_beginning, stars_beginning
+
+    query = work.ask.query
+    if kind == "platforms":
+        return to_json(PlatformList(platforms=[*map(definition_of, PLATFORMS.values())]))
+    begin, limit = query["begin"], int(query["limit"])
+    if kind == "places":
+        return to_json(KnownPlaces(places=places_beginning(begin, limit)))
+    return to_json(KnownStars(stars=stars_beginning(begin, limit)))
+
+
+_WAYS: dict[str, Callable[[Desk, Work], bytes]] = {
+    "POST plans": _plan,
+    "POST opportunities": _opportunities,
+    "POST campaigns": lambda desk, work: desk.begin(partial(_campaign, desk, work)),
+    "POST plans/ID/flights": lambda desk, work: desk.begin(partial(_flights, desk, work)),
+    "POST horizon/estimates": _vertical,
+    "POST telemetry/comparisons": _comparison,
+    "GET plans/ID/table": _table,
+    "GET plans/ID/view": _view,
+    "GET plans/ID/request": lambda desk, work: desk.kept(work.id).request,
+    **{f"GET {kind}/ID": Desk.whole for kind in ("plans", "campaigns", "flights")},
+    **{f"GET {kind}/ID/events": Desk.carry_out for kind in ("plans", "campaigns", "flights")},
+    **{f"DELETE {kind}/ID": Desk.forget for kind in _KEPT},
+    **{f"GET {kind}": partial(_names, kind) for kind in _NAMES},
+}
