@@ -2,6 +2,7 @@
 import { type Orbit, reachOf } from "../../api/orbit";
 import { words } from "../../i18n";
 import { day, number, period, rowClock } from "../../i18n/forms";
+import { valueLabel } from "../../parts/fields/labels";
 import type { Plan, PlanRequest } from "./plan";
 
 const HOUR_MS = 3_600_000;
@@ -47,7 +48,7 @@ function orbitTold(orbit: Orbit, start: string): string {
 export function attitudeTold(attitude: PlanRequest["attitude"]): string {
   const { law, corrections = [] } = attitude;
   const corrected = corrections.length > 0 ? `, ${words.value.plan.one.identity.corrected(corrections.length)}` : "";
-  if (law !== "lvlh") return law + corrected;
+  if (law !== "lvlh") return valueLabel(law) + corrected;
   const { yaw_deg = 0, pitch_deg = 0, roll_deg = 0 } = attitude;
   return `LVLH ${[yaw_deg, pitch_deg, roll_deg].map((one) => number(one, 3)).join("/")}${corrected}`;
 }
