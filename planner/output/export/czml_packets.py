@@ -85,7 +85,8 @@ def carrier_packets(
 
 def label(text: str) -> Json:
     """Beside a point."""
-    return {"text": text, "font": "12pt sans-serif", "showBackground": True}
+    beside = {"horizontalOrigin": "LEFT", "pixelOffset": {"cartesian2": [12, 0]}}
+    return {"text": text, "font": "12pt sans-serif", "showBackground": True, **beside}
 
 
 def ground_degrees(latitude_rad: Array, longitude_rad: Array) -> list[float]:
