@@ -40,7 +40,7 @@ class Kept:
 
 
 @dataclass(frozen=True)
-class Work:
+class LocalAsk:
     """One exchange: what is asked, the id in its address, and whether of the spacecraft."""
 
     ask: "Ask"
@@ -77,7 +77,7 @@ class Desk:
         way = "/".join((kind, *(["ID"] if found_id else []), *rest))
         if f"{ask.method} {way}" not in _WAYS:
             raise InvalidInput(f"{ask.method} {way} needs a service, which slewtrack.Client asks")
-        return _WAYS[f"{ask.method} {way}"](self, Work(ask, found_id, is_spacecraft))
+        return _WAYS[f"{ask.method} {way}"](self, LocalAsk(ask, found_id, is_spacecraft))
 
     def table_file(self, made: Kept, format_name: str) -> bytes:
         """Of a plan; raises Unverified."""
@@ -112,11 +112,11 @@ class Desk:
             raise InvalidInput(f"this process has made no {kept_id[:80]!r}, or has let go of it")
         return self._kept[kept_id]
 
-    def whole(self, work: Work) -> bytes:
+    def whole(self, work: LocalAsk) -> bytes:
         """The answer, or the job that waits."""
         return _job(work.id) if work.id in self._open else self.kept(work.id).text(work.id)
 
-    def carry_out(self, work: Work) -> bytes:
+    def carry_out(self, work: LocalAsk) -> bytes:
         """Tell the events of what waits; it begins anew where `on_line` ended it before."""
         line, make = work.ask.on_line, self._open.get(work.id)
         if line is None or make is None:
@@ -134,7 +134,7 @@ class Desk:
         tell("state", {"state": "done" if kept.passed else "failed"})
         return b""
 
-    def forget(self, work: Work) -> bytes:
+    def forget(self, work: LocalAsk) -> bytes:
         """What is kept or waits."""
         self._open.pop(work.id, None)
         self._kept.pop(work.id, None)
@@ -162,7 +162,7 @@ def reporting(tell: OnProgress) -> Iterator[None]:
         report_through(lambda _: None)
 
 
-def _plan(desk: Desk, work: Work) -> bytes:
+def _plan(desk: Desk, work: LocalAsk) -> bytes:
     if "dry_run" in work.ask.query:
         origin = provenance(datetime.now(UTC), work.body)
         if work.is_spacecraft:
@@ -194,7 +194,7 @@ def _kept_plan(body: bytes, new: Result, table_json: Callable[[bytes], bytes]) -
     return Kept(text, new.state == "done", body, new.table_columns)
 
 
-def _table(desk: Desk, work: Work) -> bytes:
+def _table(desk: Desk, work: LocalAsk) -> bytes:
     made, format_name = desk.kept(work.id), work.ask.query.get("format")
     if not work.is_spacecraft:
         if format_name is None:
@@ -209,7 +209,7 @@ def _table(desk: Desk, work: Work) -> bytes:
     return stored_session_file(made.request, made.table_columns, format_name, datetime.now(UTC))
 
 
-def _view(desk: Desk, work: Work) -> bytes:
+def _view(desk: Desk, work: LocalAsk) -> bytes:
     from app.work.view import AskedView, stored_plan_view, stored_session_view
 
     made, step_s = desk.kept(work.id), work.ask.query.get("step_s")
@@ -225,7 +225,7 @@ def _view(desk: Desk, work: Work) -> bytes:
     return view(made.request, made.table_columns, asked)
 
 
-def _opportunities(_: Desk, work: Work) -> bytes:
+def _opportunities(_: Desk, work: LocalAsk) -> bytes:
     from app.answers.opportunities import whole_opportunities
 
     origin = provenance(datetime.now(UTC), work.body)
@@ -242,7 +242,7 @@ def _opportunities(_: Desk, work: Work) -> bytes:
     return whole_opportunities(new_id(), found)
 
 
-def _campaign(desk: Desk, work: Work) -> Kept:
+def _campaign(desk: Desk, work: LocalAsk) -> Kept:
     from app.work.campaign import choose, plan_pass
 
     chosen, passes = choose(work.body), []
@@ -272,13 +272,14 @@ def told_pass(
     return {**facts, "number": part.facts["pass"], "state": state, "plan": plan, "problem": problem}
 
 
-def _flights(desk: Desk, work: Work) -> Kept:
+def _flights(desk: Desk, work: LocalAsk) -> Kept:
     from app.answers.flights import FlightsHead, flights_found
     from app.work.flights import PlanToFly, prepare_flights, unpacked_outcomes
 
     made = desk.kept(work.id)
-    kept = {"request": made.request, "table_columns": made.table_columns}
-    what = PlanToFly(plan_id=work.id, asked=work.body, **kept)
+    what = PlanToFly(
+        plan_id=work.id, asked=work.body, request=made.request, table_columns=made.table_columns
+    )
     new = prepare_flights(what.to_bytes())
     head = from_store(FlightsHead, json.loads(unzip(new.document)))
     outcomes = [unpacked_outcomes(packed) for packed in desk.fly(new.parts, head.runs)]
@@ -288,7 +289,7 @@ def _flights(desk: Desk, work: Work) -> Kept:
     )
 
 
-def _vertical(_: Desk, work: Work) -> bytes:
+def _vertical(_: Desk, work: LocalAsk) -> bytes:
     from app.requests.horizon import read_estimate_request
     from app.work.horizon import estimate_json
 
@@ -296,7 +297,7 @@ def _vertical(_: Desk, work: Work) -> bytes:
     return estimate_json(read_estimate_request(work.body), work.files, origin)
 
 
-def _comparison(desk: Desk, work: Work) -> bytes:
+def _comparison(desk: Desk, work: LocalAsk) -> bytes:
     """Made once for numbers and picture where they are asked for one after the other."""
     from app.work.telemetry import FILES, answer_json
     from planner.inflight.telemetry.figure import draw_comparison
@@ -315,7 +316,7 @@ def _comparison(desk: Desk, work: Work) -> bytes:
     return draw_comparison(found, format_name, now_utc)
 
 
-def _compare(desk: Desk, work: Work) -> "tuple[SentTelemetry, Comparison]":
+def _compare(desk: Desk, work: LocalAsk) -> "tuple[SentTelemetry, Comparison]":
     from app.requests.telemetry import read_comparison_head, read_comparison_request
     from app.store.packed import unpack
     from app.work.plan import stored_plan
@@ -331,7 +332,7 @@ def _compare(desk: Desk, work: Work) -> "tuple[SentTelemetry, Comparison]":
     return sent, compare_sent(stored_plan(made.request, unpack(made.table_columns)), sent)
 
 
-def _names(kind: str, _: Desk, work: Work) -> bytes:
+def _names(kind: str, _: Desk, work: LocalAsk) -> bytes:
     from app.answers.names import KnownPlaces, KnownStars, PlatformList
     from planner.world.platforms import PLATFORMS, definition_of
     from planner.world.targets.autocomplete import places_beginning, stars_beginning
@@ -345,7 +346,7 @@ def _names(kind: str, _: Desk, work: Work) -> bytes:
     return to_json(KnownStars(stars=stars_beginning(begin, limit)))
 
 
-_WAYS: dict[str, Callable[[Desk, Work], bytes]] = {
+_WAYS: dict[str, Callable[[Desk, LocalAsk], bytes]] = {
     "POST plans": _plan,
     "POST opportunities": _opportunities,
     "POST campaigns": lambda desk, work: desk.begin(partial(_campaign, desk, work)),

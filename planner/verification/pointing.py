@@ -11,7 +11,7 @@ from planner.verification.carrier import apart_rad, payload_eci
 from planner.verification.earth_fixed import EarthFixedSight, earth_fixed_sight
 from planner.verification.report import Finding, OffTarget, SessionReport
 from planner.verification.session import TableSession
-from planner.verification.sky import LIMB_MODEL_SHARE, SkyDirection, sky_sight
+from planner.verification.sky import LIMB_MODEL_SHARE, SkySight, sky_sight
 from planner.world.frames.time_scales import Instants, utc_text
 from planner.world.orbits import Ephemeris
 from planner.world.targets import EarthFixedTarget, SkyTarget
@@ -64,9 +64,7 @@ def _allowed_rad(flight: TableSession) -> float:
     return EXACT_RAD
 
 
-def _seen_in_the_sky(
-    report: SessionReport, flight: TableSession, sky: SkyDirection
-) -> SessionReport:
+def _seen_in_the_sky(report: SessionReport, flight: TableSession, sky: SkySight) -> SessionReport:
     lowest, nearest_m = int(np.argmin(sky.clearance_rad)), float(sky.range_m.min())
     return replace(
         report,
@@ -147,7 +145,7 @@ def _ground_findings(
         )
 
 
-def _sky_findings(flight: TableSession, sky: SkyDirection, target: SkyTarget) -> Iterator[Finding]:
+def _sky_findings(flight: TableSession, sky: SkySight, target: SkyTarget) -> Iterator[Finding]:
     short_rad = -sky.clearance_rad - LIMB_MODEL_SHARE * sky.bending_rad
     lowest = int(np.argmax(short_rad))
     if not short_rad[lowest] <= ELEVATION_TOLERANCE_RAD:

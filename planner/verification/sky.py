@@ -285,7 +285,7 @@ _BENT_RAD = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
-class SkyDirection:
+class SkySight:
     """A target seen from the carrier at n instants.
 
     apparent_eci: unit vectors, shape (n, 3).  range_m: (n,), infinite for a star.
@@ -299,7 +299,7 @@ class SkyDirection:
     bending_rad: Array
 
 
-def sky_sight(target: SkyTarget, instants: Instants, states: OrbitStates) -> SkyDirection:
+def sky_sight(target: SkyTarget, instants: Instants, states: OrbitStates) -> SkySight:
     """Parallax, light time and the Sun's bending, then aberration by the Earth and the carrier.
 
     The limb and its air belong to the Earth's frame in between.  Of a mode it doesn't know
@@ -319,7 +319,7 @@ def sky_sight(target: SkyTarget, instants: Instants, states: OrbitStates) -> Sky
     if target.refraction == "standard":
         sight_itrf, bending_rad = _through_air(sight_itrf, r_sat_itrf_m)
         geocentric_eci = earth.eci_from_itrf(sight_itrf)
-    return SkyDirection(
+    return SkySight(
         apparent_eci=aberrate(geocentric_eci, states.v_sat_eci_m_s),
         range_m=range_m,
         clearance_rad=limb_clearance_rad(

@@ -19,7 +19,7 @@ from planner.world.orbits import Orbit
 
 
 @dataclass(frozen=True, kw_only=True)
-class TrackOptions:
+class OrbitTrackOptions:
     """How closely an orbit is looked at, and how long at most."""
 
     shadow_step_s: float = 30.0  # half the shortest eclipse that is sure to be noticed
@@ -28,7 +28,7 @@ class TrackOptions:
     rows_max: int = 45_000  # 31 days of a row a minute
 
 
-OPTIONS = TrackOptions()
+OPTIONS = OrbitTrackOptions()
 
 
 @spec

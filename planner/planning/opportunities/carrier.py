@@ -16,7 +16,7 @@ from planner.base.arrays import Array, cross
 from planner.base.interpolation import NODES, UniformTable
 from planner.planning.opportunities.looks import CarrierTables
 from planner.planning.opportunities.sweep import OPTIONS as SWEEP
-from planner.planning.opportunities.sweep import Rows
+from planner.planning.opportunities.sweep import LeapRows
 from planner.world.attitude import AttitudeLaw, LvlhAttitude
 from planner.world.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
 from planner.world.frames.geodesy import MU_EARTH_M3_S2
@@ -95,12 +95,12 @@ class Carrier:
         )
 
     @cached_property
-    def rows(self) -> Rows:
+    def rows(self) -> LeapRows:
         """What tells how many rows of the orbit can be leapt over."""
         r_m = self.r_sat_itrf_m.powers[:, 0]
         cosine = np.minimum((np.arange(2 * SWEEP.leaps + 2) + 1.0) / SWEEP.leaps - 1.0, 1.0)
         per_row_rad = self.tables.passing_rad_s * self.tables.step_s
-        return Rows(
+        return LeapRows(
             r_m / np.linalg.norm(r_m, axis=1, keepdims=True), np.arccos(cosine) / per_row_rad
         )
 

@@ -149,6 +149,7 @@ def in_platform(c: CarrierTables, d: Vector, r_sat: Vector, v: Vector, t_s: floa
 
 @compiled
 def platform_los(c: CarrierTables, p: Places, n: int, t_s: float) -> Vector:
+    """Direction of a target in the platform frame."""
     d, _, r_sat, v = look(c, p, n, t_s)
     return in_platform(c, d, r_sat, v, t_s)
 

@@ -1,7 +1,7 @@
 """The margin by which each condition is met, compiled: positive where it holds."""
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, get_args
 
 import numpy as np
 
@@ -29,21 +29,10 @@ from planner.planning.opportunities.looks import (
     to_body,
 )
 from planner.planning.opportunities.request import OpportunityRequest
+from planner.planning.opportunities.windows import Cause
 from planner.world.targets.limb_kernel import above_limb
 
-CAUSES = np.array(
-    [
-        "interval",
-        "elevation",
-        "sun_elevation",
-        "off_nadir",
-        "sun_keep_out",
-        "moon_keep_out",
-        "reach",
-        "across",
-        "mask",
-    ]
-)
+CAUSES = np.array(get_args(Cause))
 INTERVAL, ELEVATION, SUN, OFF_NADIR, SUN_AWAY, MOON_AWAY, REACH, ACROSS, MASK = range(len(CAUSES))
 # What is sought beside: where an axis is quickest, where a pair of angles can follow, and where a
 # mask is far enough off to brake before it.
@@ -66,7 +55,7 @@ class Asked(NamedTuple):
     kinds: Indices
 
 
-class Scene(NamedTuple):
+class WindowScene(NamedTuple):
     """The carrier, its platform's reach, what is asked, and targets."""
 
     c: CarrierTables
@@ -112,7 +101,7 @@ def asked_of(request: OpportunityRequest, in_space: bool, across_rad: float) -> 
 
 
 @compiled
-def _motion_margin(s: Scene, n: int, t_s: float, branch: int) -> float:
+def _motion_margin(s: WindowScene, n: int, t_s: float, branch: int) -> float:
     """How far from its limits the motion along one pair of angles is, in shares of them."""
     dt = OPTIONS.delta_s
     at = axes_at(s.g, platform_los(s.c, s.p, n, t_s))[branch]
@@ -142,7 +131,7 @@ def _motion_margin(s: Scene, n: int, t_s: float, branch: int) -> float:
 
 
 @compiled
-def _off_mask_margin(s: Scene, n: int, t_s: float) -> float:
+def _off_mask_margin(s: WindowScene, n: int, t_s: float) -> float:
     """How far off the masks an axis can still be braked before them."""
     dt = OPTIONS.delta_s
     after = off_masks(s.g, platform_los(s.c, s.p, n, t_s + dt))
@@ -154,7 +143,7 @@ def _off_mask_margin(s: Scene, n: int, t_s: float) -> float:
 
 
 @compiled
-def _along_sight(s: Scene, kind: int, n: int, t_s: float) -> float:
+def _along_sight(s: WindowScene, kind: int, n: int, t_s: float) -> float:
     """What hangs on the line of sight."""
     d, _, r_sat, v = look(s.c, s.p, n, t_s)
     if kind == OFF_NADIR:
@@ -177,7 +166,7 @@ def _along_sight(s: Scene, kind: int, n: int, t_s: float) -> float:
 
 
 @compiled
-def margin(s: Scene, kind: int, n: int, t_s: float) -> float:
+def margin(s: WindowScene, kind: int, n: int, t_s: float) -> float:
     """Positive where a condition holds; greatest where what is sought is."""
     if kind == ELEVATION:
         return elevation(s.c, s.p, n, t_s) - float(s.p.resting_parameters[n, 6])

@@ -14,7 +14,7 @@ from planner.base.errors import SearchEnded
 from planner.motion.pointing.reach import reach_of
 from planner.planning.opportunities.carrier import Carrier, carrier_over
 from planner.planning.opportunities.ground_sample import sample_along_m
-from planner.planning.opportunities.margins import CAUSES, NOTHING, Scene, asked_of
+from planner.planning.opportunities.margins import CAUSES, NOTHING, WindowScene, asked_of
 from planner.planning.opportunities.request import OpportunityRequest
 from planner.planning.opportunities.sessions import hold
 from planner.planning.opportunities.sights import Sight, sights_of
@@ -115,7 +115,7 @@ def opportunities_however_many(request: OpportunityRequest) -> Opportunities:
 def highest(sight: Sight, platform: TwoAxisPlatform, which: Indices) -> Array:
     """When targets stand highest over all the carrier's time, and at what elevation, (n, 2)."""
     return highest_over(
-        Scene(sight.carrier.tables, reach_of(platform), NOTHING, sight.places), which
+        WindowScene(sight.carrier.tables, reach_of(platform), NOTHING, sight.places), which
     )
 
 
@@ -132,7 +132,7 @@ def found_spans(
     least_rad = np.array([max(_own_least_rad(target), asked_rad) for target in targets])
     for numbers, sight in sights_of(carrier, targets, least_rad, OPTIONS.targets_at_once):
         asked = asked_of(request, not sight.on_earth, across_rad)
-        scene = Scene(carrier.tables, reach_of(request.platform), asked, sight.places)
+        scene = WindowScene(carrier.tables, reach_of(request.platform), asked, sight.places)
         shortest_s = max(request.conditions.min_duration_s, SWEEP.shortest_s)
         found = sweep(scene, carrier.rows, shortest_s, effort.remaining() / OPTIONS.look_rows)
         _count(found.looks)
@@ -168,7 +168,7 @@ def describe_windows(
     count = len(spans.target)
     effort.charge((OPTIONS.window_rows + OPTIONS.sample_rows * request.samples) * count)
     edge_s = np.stack([spans.start_s, spans.stop_s], axis=1)
-    scene = Scene(sight.carrier.tables, reach_of(request.platform), NOTHING, sight.places)
+    scene = WindowScene(sight.carrier.tables, reach_of(request.platform), NOTHING, sight.places)
     told = tell(scene, spans.target, edge_s, request.samples)
     seen = _sightings(told.seen_parameters, request.pixel_rad, sight.on_earth)
     at_s = np.insert(edge_s, 1, told.highest_parameters[:, 0], axis=1)

@@ -20,7 +20,7 @@ from planner.planning.opportunities.margins import (
     MOTION_0,
     OFF_MASK,
     OFF_PLANE,
-    Scene,
+    WindowScene,
     margin,
 )
 from planner.planning.opportunities.sweep import OPTIONS as SWEEP
@@ -39,7 +39,7 @@ OPTIONS = SessionOptions()
 
 
 @compiled
-def _with_keyholes(s: Scene, n: int, t_s: Array) -> Array:
+def _with_keyholes(s: WindowScene, n: int, t_s: Array) -> Array:
     """The nodes, and when between them the line of sight comes nearest to the plane of the axes.
 
     There the axes are quickest, for a moment.
@@ -77,7 +77,7 @@ def _is_on_turns(g: Reach, low_rad: Array, high_rad: Array) -> bool:
 
 @compiled
 def _unwound(
-    s: Scene, n: int, branch: int, nodes_s: Array, a: float, b: float
+    s: WindowScene, n: int, branch: int, nodes_s: Array, a: float, b: float
 ) -> tuple[float, float]:
     """The longest part of a stretch, from node to node, that one number of turns holds."""
     inside = nodes_s[(nodes_s > a) & (nodes_s < b)]
@@ -105,7 +105,7 @@ def _unwound(
 
 
 @compiled
-def _off_mask(s: Scene, n: int, edge_s: float, sign: float) -> float:
+def _off_mask(s: WindowScene, n: int, edge_s: float, sign: float) -> float:
     """When a mask at an edge is far enough off to brake before it, or NaN; sign: 1 at a start."""
     count = int(OPTIONS.mask_edge_s / OPTIONS.mask_step_s)
     t_s = np.empty(count)
@@ -118,7 +118,7 @@ def _off_mask(s: Scene, n: int, edge_s: float, sign: float) -> float:
 
 
 @compiled
-def _longest(s: Scene, n: int, a: float, b: float) -> tuple[float, float, int]:
+def _longest(s: WindowScene, n: int, a: float, b: float) -> tuple[float, float, int]:
     """The longest stretch that either pair of angles holds from a to b, or NaN; and looks."""
     is_wide = s.g.high[0] - s.g.low[0] > TURN_RAD or s.g.high[1] - s.g.low[1] > TURN_RAD
     held_a, held_b, longest = math.nan, math.nan, -1.0
@@ -136,7 +136,7 @@ def _longest(s: Scene, n: int, a: float, b: float) -> tuple[float, float, int]:
 
 
 @compiled
-def hold(s: Scene, found: Found, looks_limit: float) -> tuple[Array, int]:
+def hold(s: WindowScene, found: Found, looks_limit: float) -> tuple[Array, int]:
     """When a session holds the target in each window, (n, 2), NaN where no pair of angles can
     follow at all; and how many looks that took: none are sought once looks_limit is reached."""
     held, looks = found.edge_s.copy(), 0

@@ -33,7 +33,7 @@ from planner.planning.opportunities.margins import (
     MASK,
     REACH,
     SUN,
-    Scene,
+    WindowScene,
     margin,
 )
 
@@ -67,7 +67,7 @@ class SweepOptions(NamedTuple):
 OPTIONS = SweepOptions()
 
 
-class Rows(NamedTuple):
+class LeapRows(NamedTuple):
     """What tells how many of the orbit's rows can be leapt over.
 
     sat_directions: unit vectors from the geocentre, (m, 3).  leaps_rows: in which the carrier
@@ -177,7 +177,7 @@ def _edges_in_cell(
 
 @compiled
 def _spans_by_elevation(
-    c: CarrierTables, rows: Rows, resting_parameters: Array, n: int
+    c: CarrierTables, rows: LeapRows, resting_parameters: Array, n: int
 ) -> tuple[Array, int]:
     """Where a place at rest sees the carrier high enough, (k, 2), and how many looks that took."""
     r, up, least = (
@@ -226,7 +226,7 @@ def _spans_by_elevation(
 
 @compiled
 def root_of(
-    s: Scene,
+    s: WindowScene,
     kind: int,
     n: int,
     low_state: tuple[float, float],
@@ -234,8 +234,7 @@ def root_of(
     tolerance_s: float,
     delta_s: float,
 ) -> float:
-    """Of a margin, or with a delta_s of its difference over twice that, between (t, value)
-    pairs_rad.
+    """Of a margin, or with a delta_s of its difference over twice that, between states (t, value).
 
     Source: Chandrupatla 1997, Adv. Eng. Software 28, 145.
     """
@@ -266,7 +265,7 @@ def root_of(
 
 @compiled
 def turning_of(
-    s: Scene,
+    s: WindowScene,
     kind: int,
     n: int,
     sign: float,
@@ -322,7 +321,7 @@ def nodes_over(
 
 
 @compiled
-def _nodes_beside_masks(s: Scene, n: int, t_s: Array) -> Array:
+def _nodes_beside_masks(s: WindowScene, n: int, t_s: Array) -> Array:
     """The nodes, and more between those where a mask may be passed in a moment.
 
     How far off a mask is changes by no more than the line of sight turns.
@@ -362,7 +361,9 @@ def _nodes_beside_masks(s: Scene, n: int, t_s: Array) -> Array:
 
 
 @compiled
-def _hidden_turn(s: Scene, kind: int, n: int, t_s: Array, f: Array, k: int) -> tuple[float, float]:
+def _hidden_turn(
+    s: WindowScene, kind: int, n: int, t_s: Array, f: Array, k: int
+) -> tuple[float, float]:
     """Where a margin turns beside a node and has the other sign, and the margin; NaN where not."""
     count = len(t_s)
     sign = -1.0 if f[k] > 0.0 else 1.0  # seek a minimum where positive, else a maximum
@@ -380,7 +381,7 @@ def _hidden_turn(s: Scene, kind: int, n: int, t_s: Array, f: Array, k: int) -> t
 
 
 @compiled
-def stretches(s: Scene, kind: int, n: int, t_s: Array, pairs_rad: Array) -> Array:
+def stretches(s: WindowScene, kind: int, n: int, t_s: Array, pairs_rad: Array) -> Array:
     """Where a margin holds on nodes, (k, 2).  pairs_rad: takes the angles there, of the reach.
 
     A stretch or gap is missed only where the margin turns twice between two nodes, or by far more
@@ -490,7 +491,7 @@ class _Narrowed(NamedTuple):
 
 
 @compiled
-def _narrowed(s: Scene, kind: int, n: int, spans: _Narrowed) -> _Narrowed:
+def _narrowed(s: WindowScene, kind: int, n: int, spans: _Narrowed) -> _Narrowed:
     """Where a condition holds, too."""
     step_s, turn_rad = s.c.step_s, OPTIONS.turn_rad
     if kind == SUN:
@@ -528,8 +529,8 @@ def _narrowed(s: Scene, kind: int, n: int, spans: _Narrowed) -> _Narrowed:
 
 @compiled
 def _of_target(
-    s: Scene,
-    rows: Rows,
+    s: WindowScene,
+    rows: LeapRows,
     n: int,
 ) -> _Narrowed:
     """Where all conditions hold."""
@@ -551,8 +552,8 @@ def _of_target(
 
 @compiled
 def sweep(
-    s: Scene,
-    rows: Rows,
+    s: WindowScene,
+    rows: LeapRows,
     shortest_s: float,
     looks_limit: float,
 ) -> Found:

@@ -32,7 +32,7 @@ from planner.planning.opportunities.looks import (
     to_sun,
     up_at,
 )
-from planner.planning.opportunities.margins import CLOSENESS, ELEVATION, Scene, margin
+from planner.planning.opportunities.margins import CLOSENESS, ELEVATION, WindowScene, margin
 from planner.planning.opportunities.sweep import OPTIONS as SWEEP
 from planner.planning.opportunities.sweep import root_of
 from planner.world.frames.time_scales import DAY_S
@@ -64,7 +64,9 @@ class Told(NamedTuple):
 
 
 @compiled
-def greatest(s: Scene, kind: int, n: int, start_s: float, stop_s: float) -> tuple[float, float]:
+def greatest(
+    s: WindowScene, kind: int, n: int, start_s: float, stop_s: float
+) -> tuple[float, float]:
     """When a margin is greatest from start_s to stop_s, and how great: at an end, or where its
     rate turns."""
     d = SWEEP.delta_s
@@ -88,7 +90,7 @@ def greatest(s: Scene, kind: int, n: int, start_s: float, stop_s: float) -> tupl
 
 
 @compiled
-def highest_over(s: Scene, which: Indices) -> Array:
+def highest_over(s: WindowScene, which: Indices) -> Array:
     """When targets stand highest over all the time there is, and how high, (n, 2)."""
     out = np.empty((len(which), 2))
     for w in range(len(which)):
@@ -98,7 +100,7 @@ def highest_over(s: Scene, which: Indices) -> Array:
 
 
 @compiled
-def tell(s: Scene, target: Indices, edge_s: Array, samples: int) -> Told:
+def tell(s: WindowScene, target: Indices, edge_s: Array, samples: int) -> Told:
     """edge_s: (n, 2).  samples: instants evenly from rise to set."""
     count = len(target)
     highest, seen = np.empty((count, 2)), np.empty((count, samples + 1, 11))
