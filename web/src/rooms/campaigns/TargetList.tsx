@@ -7,6 +7,7 @@ import { words } from "../../i18n";
 import { Combobox } from "../../parts/Combobox";
 import { Field } from "../../parts/Field";
 import { useKept } from "../../parts/kept";
+import { RemoveButton } from "../../parts/RemoveButton";
 import { places } from "../planning/names";
 import { groundOf, textOf } from "../planning/target";
 import type { CampaignTarget, FieldError } from "./campaign";
@@ -79,14 +80,10 @@ export function TargetList({ targets, faults, onTargets, onAdd }: Props) {
                   />
                 </td>
                 <td>
-                  <button
-                    type="button"
-                    class="plain"
-                    aria-label={text.removeOne(one.id)}
-                    onClick={() => onTargets(targets.filter((_, k) => k !== number))}
-                  >
-                    ✕
-                  </button>
+                  <RemoveButton
+                    label={text.removeOne(one.id)}
+                    onRemove={() => onTargets(targets.filter((_, k) => k !== number))}
+                  />
                 </td>
               </tr>
             ))}

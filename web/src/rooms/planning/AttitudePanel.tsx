@@ -6,8 +6,9 @@ import { words } from "../../i18n";
 import { number } from "../../i18n/forms";
 import { DropZone } from "../../parts/DropZone";
 import { Field } from "../../parts/Field";
-import { Fields, NumberInput } from "../../parts/fields/Fields";
-import { faultTold, membersTold, valueLabel } from "../../parts/fields/labels";
+import { NumberInput } from "../../parts/fields/Fields";
+import { FoldedFields } from "../../parts/fields/FoldedFields";
+import { faultTold, valueLabel } from "../../parts/fields/labels";
 import { beginUnion, faultOf, type Members, schemaOf } from "../../parts/fields/shape";
 import { attitudeTold } from "../plan/identity";
 import * as draft from "./draft";
@@ -45,7 +46,6 @@ export function AttitudePanel() {
   const usualTold = mean?.map((angle) => number(angle, 3)).join("/") ?? "";
   const isUsual = attitude.law === "lvlh" && mean?.every((angle, at) => attitude[ANGLES[at] ?? "yaw_deg"] === angle);
   const name = platform.value?.name ?? "";
-  const set = Object.fromEntries(Object.entries(attitude).filter(([member]) => !OWN.includes(member)));
   return (
     <section class="panel" aria-label={text.title}>
       <details>
@@ -88,19 +88,15 @@ export function AttitudePanel() {
         )}
         {"content" in attitude && <Message content={attitude.content} />}
         {schema && (
-          <details class="fields-group" open={attitude.law === "inertial"}>
-            <summary>
-              <b>{text.more}</b>
-              <span class="small">{membersTold(schema, set)}</span>
-            </summary>
-            <Fields
-              schema={schema}
-              value={attitude as unknown as Members}
-              path="attitude"
-              omit={OWN}
-              onValue={(next) => draft.change({ attitude: next as unknown as draft.Attitude })}
-            />
-          </details>
+          <FoldedFields
+            title={text.more}
+            isOpen={attitude.law === "inertial"}
+            schema={schema}
+            value={attitude as unknown as Members}
+            path="attitude"
+            omit={OWN}
+            onValue={(next) => draft.change({ attitude: next as unknown as draft.Attitude })}
+          />
         )}
         {mean && !isUsual && !isUnlikely.value && (
           <button type="button" onClick={takeUsual}>

@@ -3,14 +3,12 @@ import { EARTH_FIXED_MODES, SEARCHED_MODES } from "../../api/lists";
 import { words } from "../../i18n";
 import { rfc3339 } from "../../i18n/forms";
 import { Field } from "../../parts/Field";
-import { Fields } from "../../parts/fields/Fields";
-import { membersTold } from "../../parts/fields/labels";
+import { FoldedFields } from "../../parts/fields/FoldedFields";
 import type { Members } from "../../parts/fields/shape";
 import * as draft from "./draft";
 
 export function SpanFields() {
   const text = words.value.plan.span;
-  const { min_elevation_deg: _, ...others } = draft.conditions.value;
   const mode = draft.target.value?.mode;
   const isInSpace = SEARCHED_MODES.some((one) => one === mode) && !EARTH_FIXED_MODES.some((one) => one === mode);
   const local = rfc3339(draft.from_ms.value).slice(0, 16);
@@ -45,21 +43,16 @@ export function SpanFields() {
           }}
         />
       )}
-      <details class="fields-group">
-        <summary>
-          <b>{text.conditions}</b>
-          <span class="small">{membersTold("OpportunityConditions", others)}</span>
-        </summary>
-        <Fields
-          schema="OpportunityConditions"
-          value={draft.conditions.value as Members}
-          path="conditions"
-          omit={["min_elevation_deg"]}
-          onValue={(next) => {
-            draft.conditions.value = next as draft.Conditions;
-          }}
-        />
-      </details>
+      <FoldedFields
+        title={text.conditions}
+        schema="OpportunityConditions"
+        value={draft.conditions.value as Members}
+        path="conditions"
+        omit={["min_elevation_deg"]}
+        onValue={(next) => {
+          draft.conditions.value = next as draft.Conditions;
+        }}
+      />
     </div>
   );
 }

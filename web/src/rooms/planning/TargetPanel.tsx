@@ -8,8 +8,8 @@ import { words } from "../../i18n";
 import { rfc3339 } from "../../i18n/forms";
 import { Combobox } from "../../parts/Combobox";
 import { Field } from "../../parts/Field";
-import { Fields } from "../../parts/fields/Fields";
-import { membersTold, valueLabel } from "../../parts/fields/labels";
+import { FoldedFields } from "../../parts/fields/FoldedFields";
+import { valueLabel } from "../../parts/fields/labels";
 import { begin, beginUnion, type Members } from "../../parts/fields/shape";
 import { useStateOf } from "../../parts/stateOf";
 import * as draft from "./draft";
@@ -116,22 +116,16 @@ function More({ target }: { target: Target }) {
   const text = words.value.plan.target;
   const schema = schemaOfMode(target.mode);
   if (!schema) return <p class="hint">{text.unknown(target.mode)}</p>;
-  const omit = ENTERED[target.mode] ?? [];
-  const set = Object.fromEntries(Object.entries(target).filter(([name]) => !omit.includes(name)));
   return (
-    <details class="fields-group" open={target.mode === "test_motion" || target.mode === "ground_moving"}>
-      <summary>
-        <b>{text.more}</b>
-        <span class="small">{membersTold(schema, set)}</span>
-      </summary>
-      <Fields
-        schema={schema}
-        value={target as unknown as Members}
-        path={`sessions.${draft.chosen.value}.target`}
-        omit={omit}
-        onValue={(next) => draft.refineTarget(next as unknown as Target)}
-      />
-    </details>
+    <FoldedFields
+      title={text.more}
+      isOpen={target.mode === "test_motion" || target.mode === "ground_moving"}
+      schema={schema}
+      value={target as unknown as Members}
+      path={`sessions.${draft.chosen.value}.target`}
+      omit={ENTERED[target.mode] ?? []}
+      onValue={(next) => draft.refineTarget(next as unknown as Target)}
+    />
   );
 }
 

@@ -1,6 +1,7 @@
 /** The requested areas, one line each. */
 import { words } from "../../i18n";
 import { named } from "../../i18n/forms";
+import { RemoveButton } from "../../parts/RemoveButton";
 import { type Asked, positionsOf } from "./session";
 
 const LEAST_PRIORITY = 1e-6;
@@ -48,14 +49,7 @@ export function AskedList({ asked, onAsked }: { asked: readonly Asked[]; onAsked
                 />
               </td>
               <td>
-                <button
-                  type="button"
-                  class="plain"
-                  aria-label={text.removeOne(one.name)}
-                  onClick={() => onAsked(asked.filter((_, k) => k !== number))}
-                >
-                  ✕
-                </button>
+                <RemoveButton label={text.removeOne(one.name)} onRemove={() => onAsked(asked.filter((_, k) => k !== number))} />
               </td>
             </tr>
           ))}

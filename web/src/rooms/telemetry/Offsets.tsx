@@ -1,6 +1,7 @@
 /** Offsets of the target in images, from which the attitude's correction is learnt. */
 import { words } from "../../i18n";
 import { Field } from "../../parts/Field";
+import { RemoveButton } from "../../parts/RemoveButton";
 import { UtcField } from "../../parts/UtcField";
 import type { ImageOffset } from "./compare";
 
@@ -33,14 +34,10 @@ export function Offsets({ epoch, offsets, onOffsets }: Props) {
               value={one.sigma_deg ?? SIGMA_DEG}
               onValue={(sigma_deg) => change(number, { sigma_deg })}
             />
-            <button
-              type="button"
-              class="plain"
-              aria-label={text.removeOffset(number + 1)}
-              onClick={() => onOffsets(offsets.filter((_, k) => k !== number))}
-            >
-              ✕
-            </button>
+            <RemoveButton
+              label={text.removeOffset(number + 1)}
+              onRemove={() => onOffsets(offsets.filter((_, k) => k !== number))}
+            />
           </div>
         );
       })}
