@@ -133,7 +133,7 @@ def told(monkeypatch, status, starts):
         found = solve(given, begin, start)
         if start not in starts:
             return found
-        run = found.run._replace(status=status)
+        run = replace(found.run, status=status)
         return found._replace(answer=found.answer._replace(run=run))
 
     monkeypatch.setattr(rounds, "solve", answered)
