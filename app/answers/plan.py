@@ -173,7 +173,7 @@ def dry_run_json(plan: Plan, provenance: ProvenanceOut) -> bytes:
             name=plan.scenario.name,
             platform=plan.scenario.platform.name,
             sessions=len(plan.scenario.sessions),
-            rows=len(plan.table.angle_rad),
+            rows=len(plan.table.position),
             warnings=list(plan.warnings),
             provenance=provenance,
         )
@@ -245,9 +245,9 @@ def plan_document(
 def table_out(table: CommandTable) -> TableOut:
     """The table in degrees, rounded to 1e-9."""
     columns: dict[str, Any] = {}
-    for column, axis in enumerate(table.axis_names):
-        columns[f"{axis}_deg"] = degrees_of(table.angle_rad[:, column])
-    for column, axis in enumerate(table.axis_names):
+    for column, axis in enumerate(table.dof_names):
+        columns[f"{axis}_deg"] = degrees_of(table.position[:, column])
+    for column, axis in enumerate(table.dof_names):
         columns[f"{axis}_rate_deg_s"] = degrees_of(table.rate_rad_s[:, column])
     # Constructed without validation: 2,000 floats that numpy has just made.
     return TableOut.model_construct(

@@ -109,7 +109,7 @@ def _packed(plan: Members, request: bytes) -> bytes:
     """The table of a plan's answer as it is kept; raises InvalidRequest."""
     import numpy as np
 
-    from planner.base.commands import CommandTable
+    from planner.base.commands import CommandTable, axis_channels
     from planner.world.plan import FlightPlan
 
     scenario = read_plan_request(request)
@@ -127,8 +127,8 @@ def _packed(plan: Members, request: bytes) -> bytes:
             ),
             table=CommandTable(
                 epoch_utc=utc_from_text(table["epoch"]),
-                axis_names=names,
-                angle_rad=angle_rad,
+                channels=axis_channels(names),
+                position=angle_rad,
                 rate_rad_s=rate_rad_s,
             ),
         )

@@ -22,7 +22,7 @@ from app.store.packed import PackedColumns, pack, unpack
 from app.work.horizon_views import horizon_checks
 from app.work.progress import report
 from app.work.result import Result
-from planner.base.commands import COMMAND_STEP_S, CommandTable
+from planner.base.commands import COMMAND_STEP_S, CommandTable, axis_channels
 from planner.base.spec import as_kept
 from planner.output.export import EXPORTERS
 from planner.verification import Finding
@@ -67,7 +67,7 @@ def end_of_table(table_columns: bytes) -> tuple[datetime, dict[str, dict[str, fl
     The acceleration is that of the cubic the platform flies between the last two rows.
     """
     table = _table(unpack(table_columns))
-    before_rad, angle_rad = table.angle_rad[-2:]
+    before_rad, angle_rad = table.position[-2:]
     rate_before_rad_s, rate_rad_s = table.rate_rad_s[-2:]
     acceleration_rad_s2 = (
         6.0 * (before_rad - angle_rad) / COMMAND_STEP_S + 2.0 * rate_before_rad_s + 4.0 * rate_rad_s
@@ -78,7 +78,7 @@ def end_of_table(table_columns: bytes) -> tuple[datetime, dict[str, dict[str, fl
         "accelerations_deg_s2": acceleration_rad_s2,
     }
     return shifted_utc(table.epoch_utc, float(table.t_s[-1])), {
-        member: dict(zip(table.axis_names, np.round(np.rad2deg(column), 12).tolist(), strict=True))
+        member: dict(zip(table.dof_names, np.round(np.rad2deg(column), 12).tolist(), strict=True))
         for member, column in members.items()
     }
 
@@ -124,10 +124,10 @@ def packed_plan(plan: FlightPlan, findings: Iterable[Finding] = ()) -> PackedCol
     """What is stored of a plan beside its request; findings: of its verification."""
     table = plan.table
     return PackedColumns(
-        columns={"angle_rad": table.angle_rad, "rate_rad_s": table.rate_rad_s},
+        columns={"angle_rad": table.position, "rate_rad_s": table.rate_rad_s},
         facts={
             "epoch": _exact(table.epoch_utc),
-            "axes": table.axis_names,
+            "axes": table.dof_names,
             "sessions": [[_exact(s.start), _exact(s.stop)] for s in plan.scenario.sessions],
             "segments": [
                 [s.kind, s.session, _exact(s.start_utc), _exact(s.stop_utc)] for s in plan.segments
@@ -150,8 +150,8 @@ def packed_plan(plan: FlightPlan, findings: Iterable[Finding] = ()) -> PackedCol
 def _table(packed: PackedColumns) -> CommandTable:
     return CommandTable(
         epoch_utc=utc_from_text(packed.facts["epoch"]),
-        axis_names=tuple(packed.facts["axes"]),
-        angle_rad=packed.columns["angle_rad"],
+        channels=axis_channels(tuple(packed.facts["axes"])),
+        position=packed.columns["angle_rad"],
         rate_rad_s=packed.columns["rate_rad_s"],
     )
 

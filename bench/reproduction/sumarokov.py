@@ -786,7 +786,7 @@ def draw_sessions(folder: Path) -> None:
     t_s = plan.table.t_s + CLOCK_S
     figure = Figure(figsize=(8.4, 5.4), layout="constrained")
     panels = figure.subplots(2, 1, sharex=True)
-    _axes_over_time(panels[0], t_s, plan.table.angle_rad, "angle, deg")
+    _axes_over_time(panels[0], t_s, plan.table.position, "angle, deg")
     _axes_over_time(panels[1], t_s, plan.table.rate_rad_s, "rate, deg/s")
     for panel in panels:
         for start_s, stop_s in IMAGING_S:
@@ -852,7 +852,7 @@ def flight(friction: bool = True, cable: bool = True, loop_hz: float = LOOP_HZ) 
     session = told.scenario.sessions[0]
     start_s, stop_s = (elapsed_s(at, told.table.epoch_utc) for at in (session.start, session.stop))
     inside = (motion.t_s >= start_s - 1e-6) & (motion.t_s <= stop_s + 1e-6)
-    commanded_rad = told.table.angle_rad[inside]
+    commanded_rad = told.table.position[inside]
     return Flown(
         t_s=motion.t_s[inside] - start_s,
         angle_rad=motion.angle_rad[inside],

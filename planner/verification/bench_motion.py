@@ -28,7 +28,7 @@ def bench_session(
     start_utc = target.start if target.start is not None else flight.scenario.sessions[number].start
     since_s = flight.t_s - elapsed_us(start_utc, table.epoch_utc) / 1e6
     try:
-        motion = target.axis_motion(table.axis_names, since_s)
+        motion = target.axis_motion(table.dof_names, since_s)
     except InvalidInput as refusal:
         detail = f"session {number + 1}: {refusal.detail}"
         return None, (Finding(limit="motion", detail=detail),)
@@ -46,7 +46,7 @@ def _findings(flight: TableSession, motion: PrescribedMotion) -> Iterator[Findin
     excess = np.maximum(
         np.abs(angle_off_rad) / allowed_rad, np.abs(rate_off_rad_s) / AT_ROWS_MAX_RAD_S
     )
-    for column, axis in enumerate(table.axis_names):
+    for column, axis in enumerate(table.dof_names):
         worst = int(np.argmax(excess[:, column]))
         if not excess[worst, column] <= 1.0:
             angle, rate = (off[worst, column] for off in (angle_off_rad, rate_off_rad_s))

@@ -69,13 +69,13 @@ class _Path:
     """The boresight's, by cells of the table and seconds into them."""
 
     def __init__(self, table: CommandTable, platform: TwoAxisPlatform) -> None:
-        self._platform, self._count = platform, len(table.angle_rad) - 1
+        self._platform, self._count = platform, len(table.position) - 1
         # Of a wait, in which the boresight stands, one cell says as much as all.
-        stands = (np.diff(table.angle_rad, axis=0) == 0.0).all(axis=1)
+        stands = (np.diff(table.position, axis=0) == 0.0).all(axis=1)
         stands &= (table.rate_rad_s[1:] == 0.0).all(axis=1)
         stands &= (table.rate_rad_s[:-1] == 0.0).all(axis=1)
         self._cells = np.flatnonzero(~(stands & np.append(False, stands[:-1])))
-        columns = zip(table.angle_rad.T, table.rate_rad_s.T, strict=True)
+        columns = zip(table.position.T, table.rate_rad_s.T, strict=True)
         self._axes = [AxisHermite(angle_rad, rate_rad_s) for angle_rad, rate_rad_s in columns]
         # In a cell the acceleration changes evenly: it is greatest at an end.
         at_ends = [

@@ -32,7 +32,7 @@ def keep_out_margins(table: CommandTable, scenario: Scenario) -> tuple[KeepOutMa
     """
     if not scenario.slew.keep_out:
         return ()
-    count = len(table.angle_rad)
+    count = len(table.position)
     ephemeris = scenario.orbit.ephemeris(
         table.epoch_utc, shifted_utc(table.epoch_utc, (count - 1) / ROWS_PER_S)
     )
@@ -107,7 +107,7 @@ def _away_rad(
 
 def _angle_rad(table: CommandTable, cell: NDArray[np.intp], u_s: Array) -> Array:
     """Angles, shape (n, 2), u_s after the rows; the last row ends a cell and begins none."""
-    is_last = cell == len(table.angle_rad) - 1
+    is_last = cell == len(table.position) - 1
     begins, into_s = np.where(is_last, cell - 1, cell), np.where(is_last, COMMAND_STEP_S, u_s)
     return angles_at(table, begins, into_s)
 

@@ -72,12 +72,12 @@ def limit_findings(margins: tuple[LimitMargin, ...], scenario: Scenario) -> Iter
 
 def axis_hermite(table: CommandTable, column: int) -> AxisHermite:
     """One axis of the table as it is flown."""
-    return AxisHermite(table.angle_rad[:, column], table.rate_rad_s[:, column])
+    return AxisHermite(table.position[:, column], table.rate_rad_s[:, column])
 
 
 def angles_at(table: CommandTable, cell: Indices, u_s: Array) -> Array:
     """Angles, shape (n, m), u_s after the rows that n cells begin with."""
-    columns = range(len(table.axis_names))
+    columns = range(len(table.dof_names))
     return np.stack([axis_hermite(table, k).angle_at(cell, u_s) for k in columns], axis=1)
 
 
@@ -112,7 +112,7 @@ def slow_stretches(
 
 def slow_outside_sessions(table: CommandTable, scenario: Scenario) -> Iterator[SlowStretch]:
     """The same wherever no session is held; an axis that stands still is not slow."""
-    held = np.zeros(len(table.angle_rad) - 1, dtype=bool)
+    held = np.zeros(len(table.position) - 1, dtype=bool)
     for session in scenario.sessions:
         rows = session_rows(session, table.epoch_utc)
         held[max(rows[0], 0) : max(rows[-1], 0)] = True

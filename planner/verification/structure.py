@@ -23,12 +23,12 @@ END_RATE_TOLERANCE_RAD_S = math.radians(0.01 / 3600.0)
 def unflyable(table: CommandTable, scenario: Scenario) -> Finding | None:
     """What leaves nothing to judge, else None."""
     names = scenario.platform.axis_names
-    shape = table.angle_rad.shape
+    shape = table.position.shape
     if table.epoch_utc.utcoffset() is None:
         return _fault("the epoch has no UTC offset")
-    if table.axis_names != names:
+    if table.dof_names != names:
         return _fault(
-            f"the axes are {', '.join(table.axis_names)}, the platform's {', '.join(names)}"
+            f"the axes are {', '.join(table.dof_names)}, the platform's {', '.join(names)}"
         )
     if shape != table.rate_rad_s.shape or len(shape) != 2 or shape[1] != len(names):
         return _fault(
@@ -37,7 +37,7 @@ def unflyable(table: CommandTable, scenario: Scenario) -> Finding | None:
         )
     if shape[0] < ROWS_MIN:
         return _fault(f"a table needs at least {ROWS_MIN} rows, not {shape[0]}")
-    finite = np.isfinite(table.angle_rad) & np.isfinite(table.rate_rad_s)
+    finite = np.isfinite(table.position) & np.isfinite(table.rate_rad_s)
     if not finite.all():
         row, column = (int(index) for index in np.argwhere(~finite)[0])
         return Finding(
@@ -70,7 +70,7 @@ def structure_findings(table: CommandTable, scenario: Scenario) -> Iterator[Find
                 limit="coverage",
                 detail=(
                     f"session {number + 1} needs rows {rows[0]}..{rows[-1]}, "
-                    f"the table has 0..{len(table.angle_rad) - 1}"
+                    f"the table has 0..{len(table.position) - 1}"
                 ),
             )
 
@@ -84,13 +84,13 @@ def session_rows(session: Session, epoch_utc: datetime) -> range:
 
 def covers(table: CommandTable, rows: range) -> bool:
     """Whether the table holds all these rows."""
-    return rows[0] >= 0 and rows[-1] < len(table.angle_rad)
+    return rows[0] >= 0 and rows[-1] < len(table.position)
 
 
 def _initial_state_findings(table: CommandTable, scenario: Scenario) -> Iterator[Finding]:
     for column, axis in enumerate(scenario.platform.axis_names):
         angle_rad, rate_rad_s, _ = scenario.initial_motion(axis)
-        angle_off_rad = float(table.angle_rad[0, column] - angle_rad)
+        angle_off_rad = float(table.position[0, column] - angle_rad)
         rate_off_rad_s = float(table.rate_rad_s[0, column] - rate_rad_s)
         if (
             abs(angle_off_rad) > END_ANGLE_TOLERANCE_RAD
@@ -110,11 +110,11 @@ def _initial_state_findings(table: CommandTable, scenario: Scenario) -> Iterator
 
 def _final_state_findings(table: CommandTable, scenario: Scenario) -> Iterator[Finding]:
     """Whether every axis ends at rest, and where it was asked to."""
-    end_s = (len(table.angle_rad) - 1) / ROWS_PER_S
+    end_s = (len(table.position) - 1) / ROWS_PER_S
     for column, axis in enumerate(scenario.platform.axis_names):
         asked_rad = scenario.final_angle_rad
         off_rad = (
-            0.0 if asked_rad is None else float(table.angle_rad[-1, column]) - asked_rad[column]
+            0.0 if asked_rad is None else float(table.position[-1, column]) - asked_rad[column]
         )
         rate_rad_s = float(table.rate_rad_s[-1, column])
         if abs(off_rad) > END_ANGLE_TOLERANCE_RAD or abs(rate_rad_s) > END_RATE_TOLERANCE_RAD_S:

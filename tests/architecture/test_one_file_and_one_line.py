@@ -44,7 +44,7 @@ from planner.output.export.exporter import Exporter
 
 
 def _write(plan, created_utc):
-    return "".join("\\t".join(map(repr, row)) + "\\n" for row in plan.table.angle_rad).encode()
+    return "".join("\\t".join(map(repr, row)) + "\\n" for row in plan.table.position).encode()
 
 
 TAB = Exporter(title="angles", media_type="text/tab-separated-values", suffix="tab", write=_write)

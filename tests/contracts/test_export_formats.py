@@ -14,7 +14,7 @@ import pytest
 from scipy.io import netcdf_file
 
 from app.answers.view import view_json
-from planner.base.commands import CommandTable
+from planner.base.commands import CommandTable, axis_channels
 from planner.base.errors import OutsideCoverage
 from planner.output.export import EXPORTERS
 from planner.output.view import view_plan
@@ -63,8 +63,8 @@ def plan_of(
         ),
         table=CommandTable(
             epoch_utc=epoch_utc,
-            axis_names=(outer, "beta"),
-            angle_rad=np.tile([outer_rad, 0.0], (len(t_s), 1)),
+            channels=axis_channels((outer, "beta")),
+            position=np.tile([outer_rad, 0.0], (len(t_s), 1)),
             rate_rad_s=np.zeros((len(t_s), 2)),
         ),
     )

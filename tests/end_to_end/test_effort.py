@@ -240,7 +240,7 @@ def test_sessions_with_no_time_between_are_refused_at_once(place, gap_s, slew):
     moved = replace(asked.sessions[1], start=refusal.earliest_feasible_start_utc)
     plan = make_plan(replace(asked, sessions=(asked.sessions[0], moved)))
     left, met = (
-        plan.table.angle_rad[round(elapsed_s(when, EPOCH) * ROWS_PER_S)]
+        plan.table.position[round(elapsed_s(when, EPOCH) * ROWS_PER_S)]
         for when in (asked.sessions[0].stop, moved.start)
     )
     rates = [limits.rate_max_rad_s for limits in asked.axis_limits]

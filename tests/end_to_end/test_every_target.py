@@ -56,7 +56,7 @@ def test_is_planned(mode):
         except NotVisible:
             continue
         assert plan.verification.passed
-        assert plan.table.angle_rad.shape[1] == 2
+        assert plan.table.position.shape[1] == 2
         return
     pytest.fail("seen at none of the times")
 

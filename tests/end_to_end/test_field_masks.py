@@ -48,7 +48,7 @@ def around(middle, half_width_deg, **fields):
 @pytest.fixture(scope="module")
 def mask(free_plan):
     """On the way to the first session."""
-    middle = scipy_boresight(free_plan.table.angle_rad[[350]])[0]
+    middle = scipy_boresight(free_plan.table.position[[350]])[0]
     return around(middle, 10.0, margin_deg=1.5)
 
 
@@ -60,7 +60,7 @@ def masked(*masks, base=FREE, **slew):
 def test_slew_is_led_around(mask, objective):
     plan = make_plan(masked(mask, objective=objective))
     assert plan.slews[0].status == "detour"
-    boresight = scipy_boresight(plan.table.angle_rad)
+    boresight = scipy_boresight(plan.table.position)
     assert not inside(mask_corners(mask), boresight).any()
     assert plan.verification.passed
     (margin,) = plan.verification.masks
@@ -97,19 +97,19 @@ def test_target_behind_a_mask_is_refused_with_when_and_a_start_that_works():
 
 def test_cones_and_masks_are_kept_together(free_plan, mask):
     """A cone on the side that the way around the mask alone takes."""
-    way = make_plan(masked(mask)).table.angle_rad
+    way = make_plan(masked(mask)).table.position
     away = [np.arccos(scipy_boresight(way) @ np.mean(mask_corners(mask), axis=0))]
     beside = scipy_boresight(way[[int(np.argmin(away[0]))]])[0]
     cone = KeepOut(direction_platform=tuple(beside.tolist()), half_angle_deg=6.0)
     plan = make_plan(masked(mask, keep_out=(cone,)))
-    boresight = scipy_boresight(plan.table.angle_rad)
+    boresight = scipy_boresight(plan.table.position)
     assert not inside(mask_corners(mask), boresight).any()
     assert np.degrees(np.arccos(boresight @ beside)).min() >= 6.0
     assert plan.verification.passed
 
 
 def test_a_platform_that_begins_inside_is_told_by_how_deep(free_plan):
-    start = scipy_boresight(free_plan.table.angle_rad[[0]])[0]
+    start = scipy_boresight(free_plan.table.position[[0]])[0]
     with pytest.raises(InfeasibleSlew, match=r"begins 10\.00 deg inside the mask") as refusal:
         make_plan(masked(around(start, 10.0)))
     assert refusal.value.field == "initial_state.angles_deg"
@@ -117,7 +117,7 @@ def test_a_platform_that_begins_inside_is_told_by_how_deep(free_plan):
 
 def test_a_mask_out_of_the_way_changes_nothing_but_its_margin(free_plan):
     plan = make_plan(masked(around(np.array([0.0, 0.0, -1.0]), 40.0)))
-    np.testing.assert_array_equal(plan.table.angle_rad, free_plan.table.angle_rad)
+    np.testing.assert_array_equal(plan.table.position, free_plan.table.position)
     (margin,) = plan.verification.masks
     assert math.degrees(margin.away_min_rad) > 40.0
 

@@ -55,7 +55,7 @@ def as_commanded(table, _session, _seed):
     t_s = np.arange(0.0, table.t_s[-1] + 1e-9, 0.02)
     still = np.zeros_like(table.rate_rad_s)
     still[1:-1] = (table.rate_rad_s[2:] - table.rate_rad_s[:-2]) * ROWS_PER_S / 2.0
-    angle_rad, _, _ = quintic_motion(t_s, table.t_s, table.angle_rad, table.rate_rad_s, still)
+    angle_rad, _, _ = quintic_motion(t_s, table.t_s, table.position, table.rate_rad_s, still)
     return AsCommanded(t_s, angle_rad, np.zeros((len(t_s), 3)))
 
 
@@ -135,7 +135,7 @@ def test_small_errors_displace_the_target_as_the_linear_budget_has_it(plan, scen
     here = undisturbed(scene.modes)
     [before, after] = scene.seen([here, here.with_cause_of(drawn, cause)])
     at = scene.instants.t_s[::10]
-    angle_rad = np.stack([np.interp(at, plan.table.t_s, a) for a in plan.table.angle_rad.T], 1)
+    angle_rad = np.stack([np.interp(at, plan.table.t_s, a) for a in plan.table.position.T], 1)
     sides = frame_axes(ISS_HRC, angle_rad)
     moved = after.directions_platform(at) - before.directions_platform(at)
     found_rad = np.einsum("nij,nj->ni", sides, moved) / small
@@ -229,7 +229,7 @@ def test_the_view_scales_the_ground_as_its_own_points_are_seen(scene):
     t_s = np.array([150.0, 185.0, 220.0])
     [seen] = scene.seen([undisturbed(scene.modes)])
     angle_rad = np.stack(
-        [np.interp(t_s - scene.from_s, scene.table.t_s, a) for a in scene.table.angle_rad.T], 1
+        [np.interp(t_s - scene.from_s, scene.table.t_s, a) for a in scene.table.position.T], 1
     )
     view = ground_view(scene, t_s, angle_rad)
     latitude, longitude = (

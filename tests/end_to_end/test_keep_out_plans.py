@@ -33,7 +33,7 @@ def free_plan():
 @pytest.fixture(scope="module")
 def cone(free_plan):
     """In LVLH, which is the platform's frame here, on the way to the first session."""
-    half_way = scipy_boresight(free_plan.table.angle_rad[[350]])[0]
+    half_way = scipy_boresight(free_plan.table.position[[350]])[0]
     return KeepOut(direction_lvlh=tuple(half_way + np.array([0.05, 0.0, 0.0])), half_angle_deg=15.0)
 
 
@@ -45,7 +45,7 @@ def with_cones(*cones, **slew):
 def test_slew_is_led_around(cone, objective):
     plan = make_plan(with_cones(cone, objective=objective))
     assert plan.slews[0].status == "detour"
-    boresight = scipy_boresight(plan.table.angle_rad)
+    boresight = scipy_boresight(plan.table.position)
     axis = np.array(cone.direction_lvlh) / np.linalg.norm(cone.direction_lvlh)
     away_deg = np.degrees(np.arccos(boresight @ axis))
     assert away_deg.min() >= 15.0
@@ -87,7 +87,7 @@ def test_sun_is_where_skyfield_sees_it(free_plan):
     z, y = z / np.linalg.norm(z), y / np.linalg.norm(y)
     sun_lvlh = np.array([np.cross(y, z), y, z]) @ (sun / np.linalg.norm(sun))
     row = round(margin.t_s * 5)
-    away = math.acos(scipy_boresight(free_plan.table.angle_rad[[row]])[0] @ sun_lvlh)
+    away = math.acos(scipy_boresight(free_plan.table.position[[row]])[0] @ sun_lvlh)
     assert margin.t_s == pytest.approx(row / 5, abs=1e-9)
     assert margin.away_min_rad == pytest.approx(
         away, abs=2e-5
@@ -112,7 +112,7 @@ def test_sun_behind_the_earth_blinds_nobody():
 
 
 def test_parked_inside_is_told_by_how_deep(free_plan):
-    start = scipy_boresight(free_plan.table.angle_rad[[0]])[0]
+    start = scipy_boresight(free_plan.table.position[[0]])[0]
     inside = KeepOut(direction_platform=tuple(start), half_angle_deg=10.0)
     with pytest.raises(InfeasibleSlew, match=r"begins 10\.00 deg inside") as refusal:
         make_plan(with_cones(inside))

@@ -56,7 +56,7 @@ def assert_whole(plan):
         if segment.kind == "wait":
             rows = rows_of(plan, segment)
             # The row that it shares with a slew is the slew's own, to rounding.
-            assert np.ptp(plan.table.angle_rad[rows], axis=0).max() < 1e-12
+            assert np.ptp(plan.table.position[rows], axis=0).max() < 1e-12
             assert np.abs(plan.table.rate_rad_s[rows]).max() < 1e-12
 
 
@@ -64,7 +64,7 @@ def steps_of_acceleration(plan):
     """By SciPy's Hermite, deg/s2 from cell to cell."""
     t_s = plan.table.t_s
     curve = CubicHermiteSpline(
-        t_s, np.degrees(plan.table.angle_rad), np.degrees(plan.table.rate_rad_s)
+        t_s, np.degrees(plan.table.position), np.degrees(plan.table.rate_rad_s)
     )
     return np.abs(curve(t_s[1:-1], 2) - curve(t_s[1:-1] - 1e-9, 2)).max()
 
@@ -124,7 +124,7 @@ def test_a_slew_with_hours_to_spare_is_as_gentle_as_a_track_and_no_slower():
 def test_short_leads_are_flown_as_ever():
     asked = scenario(session(LAS_VEGAS, 140.0, 230.0), alpha=(10.0, 0.5, 0.1))
     whole = make_plan(replace(asked, slew=SlewOptions(lead="all")))
-    np.testing.assert_array_equal(make_plan(asked).table.angle_rad, whole.table.angle_rad)
+    np.testing.assert_array_equal(make_plan(asked).table.position, whole.table.position)
 
 
 def test_braking_to_rest_anywhere_has_the_least_jerk():
@@ -202,7 +202,7 @@ def test_the_table_ends_at_rest_where_it_was_asked_to(final, lead, objective, me
     wanted = {"park": (0.0, 0.0), "angles": (-30.0, 50.0)}
     if final != "rest":
         name = "park" if final.park else "angles"
-        np.testing.assert_allclose(np.degrees(plan.table.angle_rad[-1]), wanted[name], atol=1e-9)
+        np.testing.assert_allclose(np.degrees(plan.table.position[-1]), wanted[name], atol=1e-9)
     run = plan.slews[-1]
     assert run.session is None
     if method == "ocp":
@@ -227,7 +227,7 @@ def test_the_judge_finds_a_table_that_ends_elsewhere():
     asked = scenario(session(LAS_VEGAS, 140.0, 230.0), final_state=FinalAngles(park="zero"))
     table = make_plan(asked).table
     assert verify(table, asked).passed
-    cut = replace(table, angle_rad=table.angle_rad[:-10], rate_rad_s=table.rate_rad_s[:-10])
+    cut = replace(table, position=table.position[:-10], rate_rad_s=table.rate_rad_s[:-10])
     found = [finding for finding in verify(cut, asked).findings if finding.limit == "final_state"]
     assert {finding.axis for finding in found} == {"alpha", "beta"}
     elsewhere = replace(asked, final_state=FinalAngles(angles_deg={"alpha": 0.0, "beta": 0.001}))

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
-from planner.base.commands import CommandTable
+from planner.base.commands import CommandTable, axis_channels
 from planner.world.attitude.lvlh import LvlhAttitude
 from planner.world.orbits import StateVectorOrbit, TleOrbit
 from planner.world.platforms import ISS_HRC, TwoAxisPlatform
@@ -92,8 +92,8 @@ def case(*, platform=SKEW, orbit=ISS, target=LAS_VEGAS, epoch_utc=EPOCH_UTC, sec
         ),
         table=CommandTable(
             epoch_utc=epoch_utc,
-            axis_names=platform.axis_names,
-            angle_rad=amplitude_rad * np.sin(phase),
+            channels=axis_channels(platform.axis_names),
+            position=amplitude_rad * np.sin(phase),
             rate_rad_s=amplitude_rad * angular_rad_s * np.cos(phase),
         ),
     )

@@ -92,7 +92,7 @@ class Reference:
 
     def fly(self, table, steps, method="LSODA", rtol=1e-9, atol=1e-11):
         """Angles of the shafts and the base's turn at the beginnings of control steps."""
-        told = CubicHermiteSpline(table.t_s, table.angle_rad, table.rate_rad_s)
+        told = CubicHermiteSpline(table.t_s, table.position, table.rate_rad_s)
         rate_of = told.derivative()
         latency = np.array([drive.command_latency_s for drive in self.drives])
 

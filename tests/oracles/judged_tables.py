@@ -14,7 +14,7 @@ import numpy as np
 from scipy.interpolate import BPoly, make_interp_spline
 from scipy.spatial.transform import Rotation
 
-from planner.base.commands import CommandTable
+from planner.base.commands import CommandTable, axis_channels
 from planner.world.attitude.lvlh import LvlhAttitude
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import OrbitStates
@@ -184,18 +184,18 @@ def table_along(scenario, los_eci):
     slew_s, track_s = np.arange(FIRST_ROW) / 5.0, np.arange(FIRST_ROW, LAST_ROW + 1) / 5.0
     return CommandTable(
         epoch_utc=EPOCH_UTC,
-        axis_names=("alpha", "beta"),
-        angle_rad=np.concatenate([slew(slew_s), track(track_s)]),
+        channels=axis_channels(("alpha", "beta")),
+        position=np.concatenate([slew(slew_s), track(track_s)]),
         rate_rad_s=np.concatenate([slew.derivative()(slew_s), track.derivative()(track_s)]),
     )
 
 
 def changed(table, column, row, *, angle_rad=0.0, rate_rad_s=0.0):
     """The table with one row, or a slice of rows, of one axis shifted."""
-    angles, rates = table.angle_rad.copy(), table.rate_rad_s.copy()
+    angles, rates = table.position.copy(), table.rate_rad_s.copy()
     angles[row, column] += angle_rad
     rates[row, column] += rate_rad_s
-    return dataclasses.replace(table, angle_rad=angles, rate_rad_s=rates)
+    return dataclasses.replace(table, position=angles, rate_rad_s=rates)
 
 
 def only(report, limit):

@@ -30,7 +30,7 @@ PLAN = case()
 def flown_at(t_s):
     """Payload axes in GCRF as rows, states; angles by the cubic Hermite the platform flies."""
     table = PLAN.table
-    angle_rad = CubicHermiteSpline(table.t_s, table.angle_rad, table.rate_rad_s)(t_s)
+    angle_rad = CubicHermiteSpline(table.t_s, table.position, table.rate_rad_s)(t_s)
     states = orbit_states(PLAN.scenario.orbit, Instants(EPOCH_UTC, np.append(t_s, 60.0)))
     c_body = c_body_from_eci(states)[:-1]
     return c_payload_from_body(SKEW, angle_rad) @ c_body, states

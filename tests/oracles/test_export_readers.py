@@ -51,7 +51,7 @@ def c_body(states):
 
 @pytest.fixture(scope="module")
 def c_payload(plan, c_body):
-    return c_payload_from_body(plan.scenario.platform, plan.table.angle_rad) @ c_body
+    return c_payload_from_body(plan.scenario.platform, plan.table.position) @ c_body
 
 
 def written(name, plan):
@@ -89,7 +89,7 @@ def test_aem_rates_give_back_what_is_flown_between_rows(plan):
     middle_s = t_s[:-1] + 0.1
     met = CubicHermiteSpline(t_s, data[:, :4], sign * q_dot)(middle_s)
     met /= np.linalg.norm(met, axis=1, keepdims=True)
-    angle_rad = CubicHermiteSpline(t_s, plan.table.angle_rad, plan.table.rate_rad_s)(middle_s)
+    angle_rad = CubicHermiteSpline(t_s, plan.table.position, plan.table.rate_rad_s)(middle_s)
     c_body = c_body_from_eci(orbit_states(plan.scenario.orbit, Instants(EPOCH_UTC, middle_s)))
     c_flown = c_payload_from_body(plan.scenario.platform, angle_rad) @ c_body
     # 0.1 arcsec, what the table promises; h^4/384 of the fourth derivative is 1e-3 arcsec here
@@ -189,7 +189,7 @@ def test_netcdf_by_the_reference_library(plan, states, c_payload):
     for column, axis in enumerate(plan.scenario.platform.axis_names):
         read_rad = np.deg2rad(data[f"{axis}_deg"][:])
         # rounded to 1e-9 deg
-        np.testing.assert_allclose(read_rad, plan.table.angle_rad[:, column], rtol=0, atol=1e-11)
+        np.testing.assert_allclose(read_rad, plan.table.position[:, column], rtol=0, atol=1e-11)
         assert data[f"{axis}_rate_deg_s"].units == "degree s-1"
     meanings = data["activity"].flag_meanings.split()
     activity = [meanings[flag] for flag in data["activity"][[2, 50, 200]]]
@@ -212,8 +212,8 @@ def test_tables_by_numpy_and_json(plan, name):
         read = json.loads(content)
         assert read["epoch"] == "2015-02-27T17:36:00.0Z"
     np.testing.assert_array_equal(read["t_s"], plan.table.t_s)
-    for column, axis in enumerate(plan.table.axis_names):
-        for key, values in (("deg", plan.table.angle_rad), ("rate_deg_s", plan.table.rate_rad_s)):
+    for column, axis in enumerate(plan.table.dof_names):
+        for key, values in (("deg", plan.table.position), ("rate_deg_s", plan.table.rate_rad_s)):
             # rounded to 1e-9 deg
             np.testing.assert_allclose(
                 np.deg2rad(read[f"{axis}_{key}"]), values[:, column], rtol=0, atol=1e-11

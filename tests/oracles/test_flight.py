@@ -47,5 +47,5 @@ def test_a_flight_is_scipys(case):
     np.testing.assert_allclose(ours.angle_rad, angle_rad, rtol=0, atol=0.05 * ARCSEC)
     np.testing.assert_allclose(ours.structure_rad, turn_rad, rtol=0, atol=0.05 * ARCSEC)
     # What is compared is no mere following of the table.
-    told = np.abs(ours.angle_rad - table.angle_rad[0]).max()
+    told = np.abs(ours.angle_rad - table.position[0]).max()
     assert told > 100.0 * ARCSEC

@@ -41,7 +41,7 @@ def flown_error(plan):
     """Times every 20 ms of the session and the error there."""
     table, towards = plan.table, target_at(plan.scenario)
     t_s = np.arange(towards.x[0], towards.x[-1] + 1e-6, FINE_S)
-    angle = CubicHermiteSpline(table.t_s, table.angle_rad, table.rate_rad_s)(t_s)
+    angle = CubicHermiteSpline(table.t_s, table.position, table.rate_rad_s)(t_s)
     target = towards(t_s) / np.linalg.norm(towards(t_s), axis=1, keepdims=True)
     boresight = scipy_boresight(angle)
     across = np.linalg.norm(np.cross(boresight, target), axis=1)
@@ -93,7 +93,7 @@ def test_no_motion_errs_much_less(plans, case):
 @pytest.mark.parametrize("case", [SWUNG, SWUNG_IN_FRAME, OVER_THE_TOP])
 def test_limits_hold_between_rows_too(plans, case):
     table = plans(case).table
-    spline = CubicHermiteSpline(table.t_s, table.angle_rad, table.rate_rad_s)
+    spline = CubicHermiteSpline(table.t_s, table.position, table.rate_rad_s)
     t_s = np.arange(0.0, table.t_s[-1], FINE_S)
     for order, limit in (
         (1, LIMITS.rate_max_rad_s),
@@ -134,7 +134,7 @@ def test_over_the_top_errs_by_the_distance_of_the_pass(plans):
     t_s = np.linspace(MIDDLE_S - 20.0, MIDDLE_S + 20.0, 401)
     nearest_rad = np.arccos(np.clip(towards(t_s) @ OUTER, -1.0, 1.0)).min()
     assert plan.verification.sessions[0].max_rad == pytest.approx(nearest_rad, rel=0.01)
-    swung_rad = np.ptp(plan.table.angle_rad[-1500:, 0])
+    swung_rad = np.ptp(plan.table.position[-1500:, 0])
     assert swung_rad < math.radians(60.0)
 
 
@@ -223,8 +223,8 @@ def test_judge_wants_the_frame_kept_and_exactness_where_none_was_waived(plans):
         assert "pointing" in [found.limit for found in report.findings if found.severity == "error"]
     pushed = CommandTable(
         epoch_utc=plan.table.epoch_utc,
-        axis_names=plan.table.axis_names,
-        angle_rad=plan.table.angle_rad + np.array([0.0, FRAME_RAD]),
+        channels=plan.table.channels,
+        position=plan.table.position + np.array([0.0, FRAME_RAD]),
         rate_rad_s=plan.table.rate_rad_s,
     )
     assert not verify(pushed, plan.scenario).passed

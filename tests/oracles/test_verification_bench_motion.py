@@ -17,7 +17,7 @@ from judged_tables import (
 )
 from scipy.interpolate import BPoly
 
-from planner.base.commands import CommandTable
+from planner.base.commands import CommandTable, axis_channels
 from planner.verification import verify
 from planner.world.targets import BenchMotionTarget
 from planner.world.targets.axis_signals import ConstantRate, Sine
@@ -50,8 +50,8 @@ def table_of(start_s=START_S):
     angle_rad, rate_rad_s, _ = motion(track_s, start_s)
     return CommandTable(
         epoch_utc=EPOCH_UTC,
-        axis_names=("alpha", "beta"),
-        angle_rad=np.concatenate([slew(slew_s), angle_rad]),
+        channels=axis_channels(("alpha", "beta")),
+        position=np.concatenate([slew(slew_s), angle_rad]),
         rate_rad_s=np.concatenate([slew.derivative()(slew_s), rate_rad_s]),
     )
 
@@ -115,11 +115,11 @@ def test_a_motion_too_quick_for_the_table_is_found():
     table = table_of()
     rows_s = np.arange(FIRST_ROW, LAST_ROW + 1) / 5.0 - START_S
     phase = 4.0 * np.pi * rows_s
-    angles, rates = table.angle_rad.copy(), table.rate_rad_s.copy()
+    angles, rates = table.position.copy(), table.rate_rad_s.copy()
     angles[FIRST_ROW:, 1] = np.deg2rad(0.1) * np.sin(phase)
     rates[FIRST_ROW:, 1] = np.deg2rad(0.1) * 4.0 * np.pi * np.cos(phase)
     report = verify(
-        dataclasses.replace(table, angle_rad=angles, rate_rad_s=rates), scenario_of(target=quick)
+        dataclasses.replace(table, position=angles, rate_rad_s=rates), scenario_of(target=quick)
     )
     finding = only(report, "motion")
     assert finding.axis == "beta"

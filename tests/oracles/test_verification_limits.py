@@ -13,7 +13,7 @@ from judged_tables import (
 )
 from scipy.interpolate import CubicHermiteSpline
 
-from planner.base.commands import CommandTable
+from planner.base.commands import CommandTable, axis_channels
 from planner.verification import verify
 from planner.world.platforms import ISS_HRC
 from planner.world.scenario import SlewOptions
@@ -38,7 +38,7 @@ def with_limits(axis, **limits):
 
 
 def test_a_stop_passed_only_between_rows_is_found(table):
-    rows = table.angle_rad[:, 1]
+    rows = table.position[:, 1]
     flown = CubicHermiteSpline(table.t_s, rows, table.rate_rad_s[:, 1])
     turning_s = flown.derivative().roots(extrapolate=False)
     bottom_rad = flown(turning_s).min()
@@ -60,8 +60,8 @@ def test_a_stop_well_passed_between_rows_fails_the_table():
     rate = np.deg2rad(0.08)
     table = CommandTable(
         epoch_utc=EPOCH_UTC,
-        axis_names=("alpha", "beta"),
-        angle_rad=np.deg2rad([[10.0, 0.0], [10.0, 0.0]]),
+        channels=axis_channels(("alpha", "beta")),
+        position=np.deg2rad([[10.0, 0.0], [10.0, 0.0]]),
         rate_rad_s=np.array([[rate, 0.0], [-rate, 0.0]]),
     )
     report = verify(table, scenario)
@@ -80,8 +80,8 @@ def test_a_stop_may_be_passed_by_rounding_only(past_rad, passes):
     scenario = scenario_of(platform=with_limits("inner", angle_min_rad=0.0, angle_max_rad=1.0))
     table = CommandTable(
         epoch_utc=EPOCH_UTC,
-        axis_names=("alpha", "beta"),
-        angle_rad=np.full((3, 2), -past_rad),
+        channels=axis_channels(("alpha", "beta")),
+        position=np.full((3, 2), -past_rad),
         rate_rad_s=np.zeros((3, 2)),
     )
     report = verify(table, scenario)
@@ -115,7 +115,7 @@ def test_slow_stretches_are_told_apart_by_axis(scenario, table):
     rate_min = ISS_HRC.inner_limits.rate_min_rad_s
     assert stretches
     for stretch in stretches:
-        rates = np.abs(table.rate_rad_s[:, table.axis_names.index(stretch.axis)])
+        rates = np.abs(table.rate_rad_s[:, table.dof_names.index(stretch.axis)])
         inside = (np.arange(len(rates)) / 5.0 > stretch.start_s) & (
             np.arange(len(rates)) / 5.0 < stretch.stop_s
         )

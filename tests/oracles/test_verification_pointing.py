@@ -130,7 +130,7 @@ def test_the_miss_on_the_ground_is_where_the_boresight_meets_the_targets_plane()
     range_m = np.linalg.norm(
         scenario.orbit.states(Instants(EPOCH_UTC, t_s)).r_sat_eci_m - r_target_m, axis=1
     )
-    alpha, beta = table.angle_rad[FIRST_ROW:].T
+    alpha, beta = table.position[FIRST_ROW:].T
     outer, inner = ISS_HRC.axes_platform
     boresight = (
         q_platform_from_eci(scenario, t_s).inv()
@@ -178,7 +178,7 @@ def test_a_light_correction_dropped_or_turned_over_is_found(scenario, light, arc
 def test_an_axis_with_the_other_sign_is_found(scenario, table, column):
     sign = np.where(np.arange(2) == column, -1.0, 1.0)
     turned = dataclasses.replace(
-        table, angle_rad=table.angle_rad * sign, rate_rad_s=table.rate_rad_s * sign
+        table, angle_rad=table.position * sign, rate_rad_s=table.rate_rad_s * sign
     )
     report = verify(turned, scenario)
     only(report, "pointing")

@@ -37,7 +37,7 @@ def test_a_beginning_that_is_not_the_platforms_state_is_found(scenario, table):
 
 def test_a_table_that_ends_too_early_is_found(scenario, table):
     short = dataclasses.replace(
-        table, angle_rad=table.angle_rad[:-1], rate_rad_s=table.rate_rad_s[:-1]
+        table, position=table.position[:-1], rate_rad_s=table.rate_rad_s[:-1]
     )
     report = verify(short, scenario)
     assert "300..500" in only(report, "coverage").detail
@@ -45,7 +45,7 @@ def test_a_table_that_ends_too_early_is_found(scenario, table):
 
 
 def test_two_rows_are_a_table(scenario, table):
-    two = dataclasses.replace(table, angle_rad=table.angle_rad[:2], rate_rad_s=table.rate_rad_s[:2])
+    two = dataclasses.replace(table, position=table.position[:2], rate_rad_s=table.rate_rad_s[:2])
     report = verify(two, scenario)
     only(report, "coverage")
     assert report.limits != ()  # one cell is judged
@@ -64,7 +64,7 @@ def test_what_cannot_be_flown_is_said_and_not_judged_further(scenario, table):
         "beta, alpha": dataclasses.replace(table, axis_names=("beta", "alpha")),
         "no table of 2 axes": dataclasses.replace(table, rate_rad_s=table.rate_rad_s[1:]),
         "at least 2 rows": dataclasses.replace(
-            table, angle_rad=table.angle_rad[:1], rate_rad_s=table.rate_rad_s[:1]
+            table, position=table.position[:1], rate_rad_s=table.rate_rad_s[:1]
         ),
         "no UTC offset": dataclasses.replace(table, epoch_utc=EPOCH_UTC.replace(tzinfo=None)),
     }

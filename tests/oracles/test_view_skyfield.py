@@ -12,7 +12,7 @@ import pytest
 from opportunity_requests import ISS, START, iss_request, oco3_targets
 from skyfield.api import Star, wgs84
 
-from planner.base.commands import CommandTable
+from planner.base.commands import CommandTable, axis_channels
 from planner.output.view import PlanView, view_plan
 from planner.output.view.orbit import OrbitTrackRequest, track_orbit
 from planner.planning.opportunities import OpportunityConditions, find_opportunities
@@ -43,8 +43,8 @@ def at_rest(target, start_utc, stop_utc):
         segments=(Segment(kind="track", session=0, start_utc=start_utc, stop_utc=stop_utc),),
         table=CommandTable(
             epoch_utc=epoch_utc,
-            axis_names=names,
-            angle_rad=np.zeros((rows, 2)),
+            channels=axis_channels(names),
+            position=np.zeros((rows, 2)),
             rate_rad_s=np.zeros((rows, 2)),
         ),
     )

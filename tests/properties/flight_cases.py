@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-from planner.base.commands import ROWS_PER_S, CommandTable
+from planner.base.commands import ROWS_PER_S, CommandTable, axis_channels
 from planner.inflight.simulation.plant import plant_of
 from planner.world.platforms import IDEAL_DRIVE, ISS_HRC, AxisDrive, CarrierMode
 
@@ -36,8 +36,8 @@ def steady(*rates_arcsec_s, duration_s):
     rate = np.array(rates_arcsec_s) * ARCSEC
     return CommandTable(
         epoch_utc=EPOCH,
-        axis_names=ISS_HRC.axis_names,
-        angle_rad=np.outer(t_s, rate),
+        channels=axis_channels(ISS_HRC.axis_names),
+        position=np.outer(t_s, rate),
         rate_rad_s=np.tile(rate, (len(t_s), 1)),
     )
 
@@ -49,8 +49,8 @@ def swinging(duration_s):
     phase = np.multiply.outer(t_s, rate)
     return CommandTable(
         epoch_utc=EPOCH,
-        axis_names=ISS_HRC.axis_names,
-        angle_rad=size * (1.0 - np.cos(phase)),
+        channels=axis_channels(ISS_HRC.axis_names),
+        position=size * (1.0 - np.cos(phase)),
         rate_rad_s=size * rate * np.sin(phase),
     )
 
@@ -59,7 +59,7 @@ def rows_between(table, t_s):
     """The table's cubic Hermite, by SciPy."""
     from scipy.interpolate import CubicHermiteSpline
 
-    return CubicHermiteSpline(table.t_s, table.angle_rad, table.rate_rad_s)(t_s)
+    return CubicHermiteSpline(table.t_s, table.position, table.rate_rad_s)(t_s)
 
 
 def rough(**changes):

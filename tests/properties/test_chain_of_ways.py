@@ -23,4 +23,4 @@ def test_an_axis_that_waits_is_not_turned_round_for_the_last_digit(monkeypatch, 
     monkeypatch.setattr(chain, "least_slew_s", otherwise_rounded)
     request = plausible_request(1032, sessions_max=3)
     plan = make_plan(read_plan_request(json.dumps(request).encode()))
-    assert abs(plan.table.angle_rad[310, 1] - plan.table.angle_rad[0, 1]) < 0.3
+    assert abs(plan.table.position[310, 1] - plan.table.position[0, 1]) < 0.3

@@ -6,7 +6,6 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from planner.motion.pointing.angles import boresight_platform
-from planner.output.export.table_states import omega_payload_rad_s, q_payload_from_platform
 from planner.world.platforms import ISS_HRC, TwoAxisPlatform
 
 ROUNDING = 1e-12
@@ -40,7 +39,7 @@ def platforms(draw):
 
 
 def c_platform_from_payload(platform, angle_rad):
-    return q_payload_from_platform(platform, np.atleast_2d(angle_rad)).inv().as_matrix()[0]
+    return platform.q_payload_from_base(np.atleast_2d(angle_rad)).inv().as_matrix()[0]
 
 
 def turn(axis, angle_rad):
@@ -78,7 +77,7 @@ def test_angular_velocity_is_the_derivative_of_the_axes(platform, angle_rad, rat
     )
     cross = here.T @ (after - before) / (2.0 * step_s)  # of omega, in payload axes
     omega_rad_s = np.array([cross[2, 1], cross[0, 2], cross[1, 0]])
-    found = omega_payload_rad_s(platform, angle, rate)[0]
+    found = platform.omega_payload_rad_s(angle, rate)[0]
     # step^2/6 of the third derivative, up to 8 /s3, is 1.3e-8; rounding 1e-16/step is 1e-12
     np.testing.assert_allclose(found, omega_rad_s, rtol=0, atol=2e-8)
 

@@ -140,7 +140,7 @@ def test_a_loop_is_refused_where_it_would_swing_up(bandwidth_hz):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if accepted(middle) else (low, middle)
     table = steady(0.0, 0.0, duration_s=60.0 / bandwidth_hz)
-    table.angle_rad[5:] += 0.1 * ARCSEC  # below what saturates
+    table.position[5:] += 0.1 * ARCSEC  # below what saturates
     drive = replace(IDEAL_DRIVE, bandwidth_hz=bandwidth_hz, lag_s=0.9 * low)
-    error = np.abs(fly(table, ISS_HRC, drives=(drive, drive)).angle_rad - table.angle_rad[-1])
+    error = np.abs(fly(table, ISS_HRC, drives=(drive, drive)).angle_rad - table.position[-1])
     assert error[-500:].max() < 0.2 * error[:500].max()

@@ -34,7 +34,7 @@ def table():
 def followed(table, drive):
     """Of the session: when, rates told and errors flown, arcsec."""
     flown = fly(table, ISS_HRC, drives=(drive, drive))
-    told = CubicHermiteSpline(table.t_s, table.angle_rad, table.rate_rad_s)
+    told = CubicHermiteSpline(table.t_s, table.position, table.rate_rad_s)
     inside = (flown.t_s >= SESSION_S[0]) & (flown.t_s <= SESSION_S[1])
     t_s = flown.t_s[inside]
     error = (flown.angle_rad[inside] - told(t_s)) / ARCSEC
@@ -83,7 +83,7 @@ def test_without_friction_beta_follows(table, without, oscillates):
 def test_an_ideal_platform_points_where_the_table_says(table):
     """To 0.2 arcsec, a third of the HRC's pixel, over the slew and the session."""
     flown = fly(table, ISS_HRC, drives=(IDEAL_DRIVE, IDEAL_DRIVE))
-    told = CubicHermiteSpline(table.t_s, table.angle_rad, table.rate_rad_s)(flown.t_s)
+    told = CubicHermiteSpline(table.t_s, table.position, table.rate_rad_s)(flown.t_s)
     apart = scipy_boresight(flown.angle_rad) - scipy_boresight(told)
     assert np.linalg.norm(apart, axis=1).max() < 0.2 * ARCSEC
     assert np.all(flown.structure_rad == 0.0)

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from planner.base.commands import CommandTable
+from planner.base.commands import CommandTable, axis_channels
 from planner.output.export import EXPORTERS
 from planner.world.attitude.inertial import InertialAttitude
 from planner.world.orbits import StateVectorOrbit
@@ -53,8 +53,8 @@ def test_spinning_body_gives_the_published_rows():
         segments=(),
         table=CommandTable(
             epoch_utc=EPOCH_UTC,
-            axis_names=("alpha", "beta"),
-            angle_rad=np.zeros((len(t_s), 2)),
+            channels=axis_channels(("alpha", "beta")),
+            position=np.zeros((len(t_s), 2)),
             rate_rad_s=np.zeros((len(t_s), 2)),
         ),
     )

@@ -172,7 +172,7 @@ class SessionScene:
     def commanded_rad(self, at_s: Array) -> Array:
         """What the table has the axes do then, (k, 2): linear between rows."""
         rows_s = self.from_s + self.table.t_s
-        return np.stack([np.interp(at_s, rows_s, column) for column in self.table.angle_rad.T], 1)
+        return np.stack([np.interp(at_s, rows_s, column) for column in self.table.position.T], 1)
 
     def seen(self, draws: Sequence[Draw]) -> list[SeenTarget]:
         """Where the target stands under each of them, all at once: few cost what many do."""
@@ -251,7 +251,7 @@ def _nodes(table: CommandTable, rows: RowSpan) -> Instants:
 def _rows_from(table: CommandTable, first: int, last: int) -> CommandTable:
     return CommandTable(
         epoch_utc=shifted_utc(table.epoch_utc, first / ROWS_PER_S),
-        axis_names=table.axis_names,
-        angle_rad=table.angle_rad[first : last + 1],
+        channels=table.channels,
+        position=table.position[first : last + 1],
         rate_rad_s=table.rate_rad_s[first : last + 1],
     )

@@ -60,7 +60,7 @@ def fly(
         )
     drives = platform.drives if drives is None else drives
     rows = round(COMMAND_STEP_S / CONTROL_STEP_S)
-    steps = rows * (len(table.angle_rad) - 1) + 1
+    steps = rows * (len(table.position) - 1) + 1
     t_s = np.arange(steps) / round(1.0 / CONTROL_STEP_S)
     command = _command(table, drives, t_s + clock_offset_s)
     noise = np.random.default_rng(seed)
@@ -107,7 +107,7 @@ def _command(table: CommandTable, drives: tuple[AxisDrive, AxisDrive], clock_s: 
 
 def _between_rows(table: CommandTable, axis: int, t_s: Array) -> tuple[Array, Array]:
     """Angle and rate of the table's cubic Hermite, (n,) each."""
-    angle, rate = table.angle_rad[:, axis], table.rate_rad_s[:, axis]
+    angle, rate = table.position[:, axis], table.rate_rad_s[:, axis]
     last = len(angle) - 1
     rows = t_s / COMMAND_STEP_S
     row = np.clip(np.floor(rows).astype(np.intp), 0, last - 1)

@@ -120,7 +120,7 @@ def _off_plan(value: Array, planned_value: Array, kind: Kind) -> Array:
 
 def _planned(motion: PlannedMotion, kind: Kind, t_s: Array) -> Array:
     """Straight lines between rows do here."""
-    columns = motion.table.angle_rad if kind == "angle" else motion.table.rate_rad_s
+    columns = motion.table.position if kind == "angle" else motion.table.rate_rad_s
     return np.interp(t_s, motion.table.t_s, columns[:, motion.axis])
 
 

@@ -85,7 +85,7 @@ def _draw_angles(panel: Axes, axis: AxisComparison, colour: str) -> None:
     followed = axis.followed
     table = followed.motion.table
     row = thinned(len(table.t_s), POINTS_MAX)
-    planned_deg = np.degrees(table.angle_rad[row, followed.motion.axis])
+    planned_deg = np.degrees(table.position[row, followed.motion.axis])
     panel.plot(table.t_s[row], planned_deg, color=colour, linewidth=1.6, label=axis.name)
     if followed.basis == "angles":
         seen = thinned(len(followed.t_s), 60)

@@ -65,11 +65,11 @@ class PlannedMotion:
 
     @cached_property
     def _curve(self) -> AxisHermite:
-        return AxisHermite(self.table.angle_rad[:, self.axis], self.table.rate_rad_s[:, self.axis])
+        return AxisHermite(self.table.position[:, self.axis], self.table.rate_rad_s[:, self.axis])
 
     @property
     def stop_s(self) -> float:
-        return float(len(self.table.angle_rad) - 1) / ROWS_PER_S
+        return float(len(self.table.position) - 1) / ROWS_PER_S
 
     def is_within(self, t_s: Array) -> Mask:
         """Whether the table covers each time, (n,)."""
@@ -94,7 +94,7 @@ class PlannedMotion:
 
     def _place(self, t_s: Array) -> tuple[Indices, Array]:
         inside_s = np.clip(t_s, 0.0, self.stop_s)
-        cells = len(self.table.angle_rad) - 1
+        cells = len(self.table.position) - 1
         cell = np.minimum((inside_s * ROWS_PER_S).astype(np.intp), cells - 1)
         return cell, inside_s - cell * COMMAND_STEP_S
 

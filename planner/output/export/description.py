@@ -41,11 +41,11 @@ class Column:
 
 def columns(table: CommandTable) -> tuple[Column, ...]:
     """`NAME_deg` of each axis, then `NAME_rate_deg_s`, rounded to DECIMALS."""
-    kinds = (("_deg", "degree", table.angle_rad), ("_rate_deg_s", "degree s-1", table.rate_rad_s))
+    kinds = (("_deg", "degree", table.position), ("_rate_deg_s", "degree s-1", table.rate_rad_s))
     return tuple(
         Column(name=axis + suffix, unit=unit, axis=axis, value_by_row=_degrees(radians[:, index]))
         for suffix, unit, radians in kinds
-        for index, axis in enumerate(table.axis_names)
+        for index, axis in enumerate(table.dof_names)
     )
 
 

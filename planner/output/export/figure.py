@@ -66,7 +66,7 @@ def draw_plan(plan: FlightPlan, image_format: str, created_utc: datetime) -> byt
     shade_spans(panels, _sessions(plan), "session")
     closest_s = list(_closest_approaches_s(plan))
     for order, (panel, (t_s, value_deg)) in enumerate(zip(panels, _motion(table), strict=True)):
-        for axis, (name, colour) in enumerate(zip(table.axis_names, AXIS_COLOURS, strict=True)):
+        for axis, (name, colour) in enumerate(zip(table.dof_names, AXIS_COLOURS, strict=True)):
             panel.plot(t_s, value_deg[:, axis], color=colour, linewidth=1.6, label=name)
         for number, at_s in enumerate(closest_s):
             label = None if number else "closest approach"
@@ -90,7 +90,7 @@ def _motion(table: CommandTable) -> list[tuple[Array, Array]]:
     cell = thinned(len(table.t_s) - 1, POINTS_MAX // 2)
     edges_s = np.column_stack([table.t_s[cell], table.t_s[cell + 1]]).ravel()
     return [
-        (table.t_s[row], np.degrees(table.angle_rad[row])),
+        (table.t_s[row], np.degrees(table.position[row])),
         (table.t_s[row], np.degrees(table.rate_rad_s[row])),
         (edges_s, np.degrees(_accelerations_rad_s2(table, cell))),
     ]
@@ -99,7 +99,7 @@ def _motion(table: CommandTable) -> list[tuple[Array, Array]]:
 def _accelerations_rad_s2(table: CommandTable, cell: Indices) -> Array:
     """At the start and the end of each cell's cubic, in turn, (2 k, m)."""
     h = COMMAND_STEP_S
-    angle, rate = table.angle_rad, table.rate_rad_s
+    angle, rate = table.position, table.rate_rad_s
     *_, c2, c3 = cubic_coefficients(h, angle[cell], angle[cell + 1], rate[cell], rate[cell + 1])
     ends = np.stack([2.0 * c2, 2.0 * c2 + 6.0 * c3], axis=1) / h**2
     return np.asarray(ends.reshape(-1, ends.shape[2]))

@@ -67,7 +67,7 @@ def _place(session: Session) -> Iterator[str]:
 def _uid(plan: FlightPlan, number: int, created_utc: datetime) -> str:
     """Of the plan's table and the time it was made at, which no other plan shares."""
     made = hashlib.sha256(utc_text(created_utc, 6).encode())
-    made.update(plan.table.angle_rad.tobytes())
+    made.update(plan.table.position.tobytes())
     return f"{made.hexdigest()[:32]}-{number}@slewtrack"
 
 

@@ -30,7 +30,7 @@ def write_json(plan: FlightPlan, created_utc: datetime) -> bytes:
         "description": {
             "created": utc_text(created_utc),
             "platform": one_line(platform.name),
-            "axes": list(table.axis_names),
+            "axes": list(table.dof_names),
             "time_scale": TIME_SCALE,
             "units": {"t_s": "s", **{column.name: column.unit for column in table_columns}},
             "rotation_order": rotation_order(platform),

@@ -180,7 +180,7 @@ def axis_identifiers(names: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _identifier(column: Column, plan: FlightPlan) -> str:
-    names = plan.table.axis_names
+    names = plan.table.dof_names
     return axis_identifiers(names)[names.index(column.axis)] + column.name.removeprefix(column.axis)
 
 

@@ -11,7 +11,6 @@ from planner.base.rotation import Rotation
 from planner.world.frames.time_scales import Instants, elapsed_s
 from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.plan import FlightPlan
-from planner.world.platforms import TwoAxisPlatform
 
 _DEGREE = 5
 
@@ -59,7 +58,7 @@ def _states_from(plan: FlightPlan, row: Indices, first_row: int) -> TableStates:
     q_body_from_eci = scenario.attitude.q_body_from_eci(instants, states)
     platform = scenario.platform
     q_payload_from_body = (
-        q_payload_from_platform(platform, table.angle_rad[row]) * platform.q_platform_from_body
+        platform.q_payload_from_base(table.position[row]) * platform.q_platform_from_body
     )
     return TableStates(
         first_row=first_row,
@@ -80,37 +79,10 @@ def omega_payload_from_eci_rad_s(plan: FlightPlan, rows: TableStates) -> Array:
     """
     q_payload_from_body = Rotation.from_quat(rows.q_payload_from_body_xyzw)
     omega_body_rad_s = _omega_body_rad_s(rows.instants.t_s, rows.q_body_from_eci_xyzw)
-    on_platform_rad_s = omega_payload_rad_s(
-        plan.scenario.platform, plan.table.angle_rad[rows.row], plan.table.rate_rad_s[rows.row]
+    on_platform_rad_s = plan.scenario.platform.omega_payload_rad_s(
+        plan.table.position[rows.row], plan.table.rate_rad_s[rows.row]
     )
     return np.asarray(q_payload_from_body.apply(omega_body_rad_s) + on_platform_rad_s)
-
-
-def q_payload_from_platform(platform: TwoAxisPlatform, angle_rad: Array) -> Rotation:
-    """n rotations to the payload's axes: +Z the boresight, +X and +Y carried by both axes.
-
-    angle_rad: shape (n, 2), in the order of `platform.axis_names`.  At zero angles +X is the
-    inner axis, or its part across the zero direction; so on the HRC the payload's axes then
-    are the platform's.  +Y completes.
-    """
-    outer, inner = platform.axes_platform
-    turn = Rotation.from_rotvec(angle_rad[:, :1] * outer) * Rotation.from_rotvec(
-        angle_rad[:, 1:] * inner
-    )
-    return (turn * Rotation.from_matrix(_c_platform_from_payload_at_zero(platform))).inv()
-
-
-def omega_payload_rad_s(platform: TwoAxisPlatform, angle_rad: Array, rate_rad_s: Array) -> Array:
-    """Angular velocity of the payload against the platform's base, payload axes, shape (n, 3).
-
-    angle_rad, rate_rad_s: shape (n, 2).
-    """
-    outer, inner = platform.axes_platform
-    inner_platform = Rotation.from_rotvec(angle_rad[:, :1] * outer).apply(inner)
-    omega_platform_rad_s = rate_rad_s[:, :1] * outer + rate_rad_s[:, 1:] * inner_platform
-    return np.asarray(
-        q_payload_from_platform(platform, angle_rad).apply(omega_platform_rad_s), dtype=np.float64
-    )
 
 
 def continuous(q: Rotation) -> Array:
@@ -151,13 +123,3 @@ def _first_tracking_row(plan: FlightPlan) -> int:
         if segment.kind == "track"
     )
     return round(start_s * ROWS_PER_S)
-
-
-def _c_platform_from_payload_at_zero(platform: TwoAxisPlatform) -> Array:
-    """Columns: the payload's axes in the platform frame when both angles are zero."""
-    z = np.array(platform.zero_direction_platform)
-    z = z / np.linalg.norm(z)
-    _, inner = platform.axes_platform
-    across = inner - (inner @ z) * z
-    x = across / np.linalg.norm(across)
-    return np.stack([x, np.cross(z, x), z], axis=1)

@@ -21,7 +21,7 @@ def cone_traces(scene: PlanScene) -> Iterator[ConeTrace]:
     count = len(scene.rows.instants)
     outlined = np.unique(np.linspace(0, count - 1, min(count, OUTLINES_MAX)).round().astype(int))
     boresight = boresight_platform(
-        scene.plan.scenario.platform, scene.plan.table.angle_rad[scene.rows.row]
+        scene.plan.scenario.platform, scene.plan.table.position[scene.rows.row]
     )
     axis_names = scene.plan.scenario.platform.axis_names
     for number, cone in enumerate(scene.plan.scenario.slew.keep_out):

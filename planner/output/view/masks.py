@@ -19,7 +19,7 @@ def mask_traces(plan: FlightPlan, row: Indices) -> Iterator[MaskTrace]:
     platform = plan.scenario.platform
     if not platform.masks:
         return
-    boresight = boresight_platform(platform, plan.table.angle_rad[row])
+    boresight = boresight_platform(platform, plan.table.position[row])
     for number, mask in enumerate(platform.masks):
         outline_platform = _outline_platform(mask)
         outline_rad = within_stops(platform, axis_angles(platform, outline_platform).angle_rad)

@@ -18,11 +18,11 @@ def motion_at_rows(table: CommandTable, row: Indices) -> dict[str, AxisMotion]:
     """By axis, at rows by their numbers, (n,); at the last of the cubic that ends there."""
     h = COMMAND_STEP_S
     cell = np.minimum(row, len(table.t_s) - 2)
-    angle, rate = table.angle_rad, table.rate_rad_s
+    angle, rate = table.position, table.rate_rad_s
     *_, c2, c3 = cubic_coefficients(h, angle[cell], angle[cell + 1], rate[cell], rate[cell + 1])
     acceleration, jerk = 2.0 * c2 / h**2, 6.0 * c3 / h**3
     acceleration = acceleration + (row > cell)[:, None] * h * jerk
-    return _by_axis(table.axis_names, angle[row], rate[row], acceleration, jerk)
+    return _by_axis(table.dof_names, angle[row], rate[row], acceleration, jerk)
 
 
 def _by_axis(axis_names: tuple[str, ...], *motion: Array) -> dict[str, AxisMotion]:
@@ -63,7 +63,7 @@ def baseline_slews(plan: FlightPlan, every: int) -> Iterator[BaselineSlew]:
         yield BaselineSlew(
             session=segment.session,
             t_s=row / ROWS_PER_S,
-            axes=_by_axis(table.axis_names, *motion),
+            axes=_by_axis(table.dof_names, *motion),
         )
 
 
@@ -71,7 +71,7 @@ def _states(table: CommandTable, row: int, acceleration_rad_s2: Array) -> tuple[
     return tuple(
         AxisState(angle_rad=float(q), rate_rad_s=float(v), acceleration_rad_s2=float(a))
         for q, v, a in zip(
-            table.angle_rad[row], table.rate_rad_s[row], acceleration_rad_s2, strict=True
+            table.position[row], table.rate_rad_s[row], acceleration_rad_s2, strict=True
         )
     )
 

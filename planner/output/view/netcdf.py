@@ -84,7 +84,7 @@ def write_view_netcdf(view: PlanView, created_utc: datetime) -> bytes:
                 file.createDimension(name, size)
         write_times(file, Instants(view.plan.table.epoch_utc, view.t_s))
         _activity(file, view)
-        names = axis_identifiers(view.plan.table.axis_names)
+        names = axis_identifiers(view.plan.table.dof_names)
         _motion(file, names, view.axes, "", "time")
         for section in ("carrier", "boresight", "footprint", "sun", "moon", "pointing"):
             for name, values in _arrays(getattr(view, section)):

@@ -122,7 +122,7 @@ def _covariance_rad2(
     rows = session_rows(session, table.epoch_utc)
     los = los_on_rows(scenario, scene.rows.ephemeris, target, rows, INSTANTS)
     at_s = los.instants.t_s
-    angle_rad = [np.interp(at_s, table.t_s, angle) for angle in table.angle_rad.T]
+    angle_rad = [np.interp(at_s, table.t_s, angle) for angle in table.position.T]
     found_rad2 = error_covariance_rad2(
         los,
         scene.rows.ephemeris,
@@ -171,7 +171,7 @@ def view_plan(plan: FlightPlan, step_s: float | None, pixel_arcsec: float) -> Pl
         axes=motion_at_rows(plan.table, row),
         limits={
             name: _bounds(limits)
-            for name, limits in zip(plan.table.axis_names, plan.scenario.axis_limits, strict=True)
+            for name, limits in zip(plan.table.dof_names, plan.scenario.axis_limits, strict=True)
         },
         keyholes_rad=keyholes_rad(platform),
         frame_rad=tuple(2.0 * half_rad for half_rad in platform.frame_half_rad),

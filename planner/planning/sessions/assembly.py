@@ -5,7 +5,7 @@ from datetime import datetime
 
 import numpy as np
 
-from planner.base.commands import ROWS_PER_S, CommandTable
+from planner.base.commands import ROWS_PER_S, CommandTable, axis_channels
 from planner.planning.sessions.joining import Join
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, tai_us
 from planner.world.scenario import Scenario
@@ -66,7 +66,10 @@ def assemble_table(
             rate_rad_s[track] -= left_rad / join.slew.settling_s
         from_row = join.stop_row
     return CommandTable(
-        epoch_utc=epoch_utc, axis_names=axis_names, angle_rad=angle_rad, rate_rad_s=rate_rad_s
+        epoch_utc=epoch_utc,
+        channels=axis_channels(axis_names),
+        position=angle_rad,
+        rate_rad_s=rate_rad_s,
     )
 
 

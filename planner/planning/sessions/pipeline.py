@@ -195,7 +195,7 @@ def session_budget(
     if los is None:
         los = los_on_rows(scenario, ephemeris, session.target, rows)
     los = los.cut_between(rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S)
-    angle_rad = [np.interp(los.instants.t_s, table.t_s, angle) for angle in table.angle_rad.T]
+    angle_rad = [np.interp(los.instants.t_s, table.t_s, angle) for angle in table.position.T]
     return pointing_budget(
         los,
         ephemeris,

@@ -12,6 +12,7 @@ from planner.world.platforms.definition import (
 )
 from planner.world.platforms.drive import IDEAL_DRIVE, AxisDrive
 from planner.world.platforms.field_mask import FieldMask
+from planner.world.platforms.geometry import PlatformGeometry
 from planner.world.platforms.iss_hrc import ISS_HRC
 from planner.world.platforms.two_axis import (
     AxisLimits,
@@ -36,6 +37,7 @@ __all__ = [
     "ParkPosition",
     "Platform",
     "PlatformDefinition",
+    "PlatformGeometry",
     "StructuralMode",
     "TwoAxisPlatform",
     "definition_of",

@@ -2,11 +2,12 @@
 
 import math
 from dataclasses import replace
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 
 from planner.base.arrays import Array
+from planner.base.commands import Channel, axis_channels
 from planner.base.rotation import Rotation
 from planner.base.spec import UnitPart, Within, spec
 from planner.world.platforms.camera import HRC_CAMERA, Camera
@@ -79,6 +80,8 @@ class TwoAxisPlatform:
     Source: Sumarokov 2016, eq. 10-11.
     """
 
+    kind: ClassVar[str] = "two_axis"
+
     name: str
     outer_name: str
     outer_axis_platform: UnitVector
@@ -142,6 +145,48 @@ class TwoAxisPlatform:
     def q_platform_from_body(self) -> Rotation:
         """The mount: `q_platform_from_body.apply(v_body)` gives `v_platform`."""
         return Rotation.from_quat(self.q_platform_from_body_xyzw)
+
+    @property
+    def dof_names(self) -> tuple[str, ...]:
+        """The axes' names."""
+        return self.axis_names
+
+    @property
+    def channels(self) -> tuple[Channel, ...]:
+        """Angle and rate of each axis."""
+        return axis_channels(self.axis_names)
+
+    def q_payload_from_base(self, position: Array) -> Rotation:
+        """n rotations to the payload's axes: +Z the boresight, +X and +Y carried by both axes.
+
+        position: angles, (n, 2).  At zero angles +X is the inner axis, or its part across the zero
+        direction; so on the HRC the payload's axes then are the platform's.  +Y completes.
+        """
+        outer, inner = self.axes_platform
+        turn = Rotation.from_rotvec(position[:, :1] * outer) * Rotation.from_rotvec(
+            position[:, 1:] * inner
+        )
+        return (turn * Rotation.from_matrix(self._c_platform_from_payload_at_zero)).inv()
+
+    def omega_payload_rad_s(self, position: Array, rate_rad_s: Array) -> Array:
+        """Angular velocity of the payload against the platform's base, payload axes, (n, 3).
+
+        position, rate_rad_s: angles and their rates, (n, 2).
+        """
+        outer, inner = self.axes_platform
+        inner_platform = Rotation.from_rotvec(position[:, :1] * outer).apply(inner)
+        omega_platform_rad_s = rate_rad_s[:, :1] * outer + rate_rad_s[:, 1:] * inner_platform
+        return np.asarray(self.q_payload_from_base(position).apply(omega_platform_rad_s))
+
+    @property
+    def _c_platform_from_payload_at_zero(self) -> Array:
+        """Columns: the payload's axes in the platform frame when both angles are zero."""
+        z = np.array(self.zero_direction_platform)
+        z = z / np.linalg.norm(z)
+        _, inner = self.axes_platform
+        across = inner - (inner @ z) * z
+        x = across / np.linalg.norm(across)
+        return np.stack([x, np.cross(z, x), z], axis=1)
 
 
 @spec
