@@ -10,7 +10,6 @@ from app.answers.horizon_view import HorizonCheckOut
 from app.answers.members import (
     PlanHead,
     ProvenanceOut,
-    degrees_of,
     to_json,
 )
 from app.answers.ranges import Count, NotNegative
@@ -243,16 +242,11 @@ def plan_document(
 
 
 def table_out(table: CommandTable) -> TableOut:
-    """The table in degrees, rounded to 1e-9."""
-    columns: dict[str, Any] = {}
-    for column, axis in enumerate(table.dof_names):
-        columns[f"{axis}_deg"] = degrees_of(table.position[:, column])
-    for column, axis in enumerate(table.dof_names):
-        columns[f"{axis}_rate_deg_s"] = degrees_of(table.rate_rad_s[:, column])
+    """The table as its channels tell it."""
     # Constructed without validation: 2,000 floats that numpy has just made.
     return TableOut.model_construct(
         epoch=utc_text(table.epoch_utc, 1),
         step_s=COMMAND_STEP_S,
         t_s=table.t_s.tolist(),
-        **columns,
+        **{one.name: value.tolist() for one, value in table.columns},
     )

@@ -107,30 +107,18 @@ def chosen(request: bytes, progress: OnProgress) -> dict[str, Any]:
 
 def _packed(plan: Members, request: bytes) -> bytes:
     """The table of a plan's answer as it is kept; raises InvalidRequest."""
-    import numpy as np
-
-    from planner.base.commands import CommandTable, axis_channels
+    from planner.base.commands import table_of
     from planner.world.plan import FlightPlan
 
-    scenario = read_plan_request(request)
-    names, table = scenario.platform.axis_names, plan["table"]
+    scenario, table = read_plan_request(request), plan["table"]
     try:
-        angle_rad, rate_rad_s = (
-            np.radians(np.array([table[f"{name}{kind}"] for name in names], dtype=float).T)
-            for kind in ("_deg", "_rate_deg_s")
-        )
         flown = FlightPlan(
             scenario=scenario,
             segments=tuple(
                 segment_of(*(one[name] for name in ("kind", "session", "start", "stop")))
                 for one in plan["segments"]
             ),
-            table=CommandTable(
-                epoch_utc=utc_from_text(table["epoch"]),
-                channels=axis_channels(names),
-                position=angle_rad,
-                rate_rad_s=rate_rad_s,
-            ),
+            table=table_of(utc_from_text(table["epoch"]), scenario.platform.channels, table),
         )
     except (KeyError, TypeError, ValueError) as fault:
         detail = f"is no whole answer of a plan of this request: {fault}"

@@ -22,7 +22,7 @@ from app.store.packed import PackedColumns, pack, unpack
 from app.work.horizon_views import horizon_checks
 from app.work.progress import report
 from app.work.result import Result
-from planner.base.commands import COMMAND_STEP_S, CommandTable, axis_channels
+from planner.base.commands import COMMAND_STEP_S, Channel, CommandTable, axis_channels
 from planner.base.spec import as_kept
 from planner.output.export import EXPORTERS
 from planner.verification import Finding
@@ -124,10 +124,14 @@ def packed_plan(plan: FlightPlan, findings: Iterable[Finding] = ()) -> PackedCol
     """What is stored of a plan beside its request; findings: of its verification."""
     table = plan.table
     return PackedColumns(
-        columns={"angle_rad": table.position, "rate_rad_s": table.rate_rad_s},
+        columns={
+            name: column
+            for name in ("position", "rate_rad_s", "acceleration_rad_s2")
+            if (column := getattr(table, name)) is not None
+        },
         facts={
             "epoch": _exact(table.epoch_utc),
-            "axes": table.dof_names,
+            "channels": table.channels,
             "sessions": [[_exact(s.start), _exact(s.stop)] for s in plan.scenario.sessions],
             "segments": [
                 [s.kind, s.session, _exact(s.start_utc), _exact(s.stop_utc)] for s in plan.segments
@@ -148,12 +152,13 @@ def packed_plan(plan: FlightPlan, findings: Iterable[Finding] = ()) -> PackedCol
 
 
 def _table(packed: PackedColumns) -> CommandTable:
-    return CommandTable(
-        epoch_utc=utc_from_text(packed.facts["epoch"]),
-        channels=axis_channels(tuple(packed.facts["axes"])),
-        position=packed.columns["angle_rad"],
-        rate_rad_s=packed.columns["rate_rad_s"],
-    )
+    facts, columns = packed.facts, dict(packed.columns)
+    if "angle_rad" in columns:  # as packed before tables had channels
+        columns["position"] = columns.pop("angle_rad")
+        channels = axis_channels(tuple(facts["axes"]))
+    else:
+        channels = tuple(Channel(*channel) for channel in facts["channels"])
+    return CommandTable(epoch_utc=utc_from_text(facts["epoch"]), channels=channels, **columns)
 
 
 def _finding(at: str | None, **members: Any) -> Finding:  # noqa: ANN401 (as stored)

@@ -1,5 +1,6 @@
 """The command table: plain data, made by one part and judged by another."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Literal, NamedTuple
@@ -27,6 +28,16 @@ class Channel(NamedTuple):
     of: Literal["position", "rate", "acceleration"]
     unit: str
     decimals: int = DEGREES_DECIMALS
+
+    def told(self, value: Array) -> Array:
+        """In the channel's unit, rounded to its decimals."""
+        in_unit = np.degrees(value) if self.unit.startswith("degree") else value
+        return np.asarray(np.round(in_unit, self.decimals) + 0.0)  # no -0.0
+
+    def read(self, told: Sequence[float]) -> Array:
+        """As the table's array holds what was told."""
+        values = np.array(told, dtype=float)
+        return np.radians(values) if self.unit.startswith("degree") else values
 
 
 def axis_channels(axis_names: tuple[str, ...]) -> tuple[Channel, ...]:
@@ -83,6 +94,35 @@ class CommandTable:
         return tuple(channel.dof for channel in self.channels if channel.of == "rate")
 
     @property
+    def columns(self) -> tuple[tuple[Channel, Array], ...]:
+        """The channels, and what each tells in its unit, (n,)."""
+        arrays = {
+            "position": self.position,
+            "rate": self.rate_rad_s,
+            "acceleration": self.acceleration_rad_s2,
+        }
+        columns = {of: iter(array.T) for of, array in arrays.items() if array is not None}
+        return tuple((one, one.told(next(columns[one.of]))) for one in self.channels)
+
+    @property
     def t_s(self) -> Array:
         """Seconds since the epoch of each row; k/5 is the closest double to 0.2 k, 0.2*k is not."""
         return np.arange(len(self.position)) / ROWS_PER_S
+
+
+def table_of(
+    epoch_utc: datetime, channels: tuple[Channel, ...], told: Mapping[str, Sequence[float]]
+) -> CommandTable:
+    """The table whose columns are told by the channels' names; raises KeyError, ValueError."""
+    read: dict[str, list[Array]] = {"position": [], "rate": [], "acceleration": []}
+    for channel in channels:
+        read[channel.of].append(channel.read(told[channel.name]))
+    return CommandTable(
+        epoch_utc=epoch_utc,
+        channels=channels,
+        position=np.stack(read["position"], axis=1),
+        rate_rad_s=np.stack(read["rate"], axis=1),
+        acceleration_rad_s2=(
+            np.stack(read["acceleration"], axis=1) if read["acceleration"] else None
+        ),
+    )

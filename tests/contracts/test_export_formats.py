@@ -117,7 +117,7 @@ def test_a_long_table_is_sampled_in_czml():
     plan = plan_of()
     rows = 432_001
     plan.table = dataclasses.replace(
-        plan.table, angle_rad=np.zeros((rows, 2)), rate_rad_s=np.zeros((rows, 2))
+        plan.table, position=np.zeros((rows, 2)), rate_rad_s=np.zeros((rows, 2))
     )
     document = write("czml", plan)
     assert len(document) < 10_000_000
@@ -206,7 +206,7 @@ def oem_of(plan, from_s):
     long = SimpleNamespace(**vars(plan))
     rows = 5 * 300
     long.table = dataclasses.replace(
-        plan.table, angle_rad=np.zeros((rows, 2)), rate_rad_s=np.zeros((rows, 2))
+        plan.table, position=np.zeros((rows, 2)), rate_rad_s=np.zeros((rows, 2))
     )
     lines = write("oem", long).decode().splitlines()
     start = (EPOCH_UTC + timedelta(seconds=from_s)).strftime("%Y-%m-%dT%H:%M:%S.000")

@@ -83,7 +83,7 @@ def test_the_stored_table_is_the_planned_one_to_the_bit(client, plan):
     with client.app.state.database.reading() as connection:
         stored = plans.get(connection, jobs.get(connection, plan["id"]))
     columns = unpack(stored.table_columns).columns
-    assert columns["angle_rad"].tobytes() == np.ascontiguousarray(table.position).tobytes()
+    assert columns["position"].tobytes() == np.ascontiguousarray(table.position).tobytes()
     assert columns["rate_rad_s"].tobytes() == np.ascontiguousarray(table.rate_rad_s).tobytes()
     rows = len(table.position)
     assert len(stored.table_columns) < 16 * rows  # half of the four doubles of a row

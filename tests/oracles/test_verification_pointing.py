@@ -178,7 +178,7 @@ def test_a_light_correction_dropped_or_turned_over_is_found(scenario, light, arc
 def test_an_axis_with_the_other_sign_is_found(scenario, table, column):
     sign = np.where(np.arange(2) == column, -1.0, 1.0)
     turned = dataclasses.replace(
-        table, angle_rad=table.position * sign, rate_rad_s=table.rate_rad_s * sign
+        table, position=table.position * sign, rate_rad_s=table.rate_rad_s * sign
     )
     report = verify(turned, scenario)
     only(report, "pointing")

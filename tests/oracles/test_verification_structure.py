@@ -12,6 +12,7 @@ from judged_tables import (
     only,
 )
 
+from planner.base.commands import axis_channels
 from planner.verification import verify
 from planner.verification.structure import session_rows
 
@@ -61,7 +62,7 @@ def test_a_table_that_begins_too_late_is_found(scenario, table):
 def test_what_cannot_be_flown_is_said_and_not_judged_further(scenario, table):
     unflyable = {
         "no finite number": changed(table, 0, 77, angle_rad=np.nan),
-        "beta, alpha": dataclasses.replace(table, axis_names=("beta", "alpha")),
+        "beta, alpha": dataclasses.replace(table, channels=axis_channels(("beta", "alpha"))),
         "no table of 2 axes": dataclasses.replace(table, rate_rad_s=table.rate_rad_s[1:]),
         "at least 2 rows": dataclasses.replace(
             table, position=table.position[:1], rate_rad_s=table.rate_rad_s[:1]

@@ -8,7 +8,7 @@ import numpy as np
 from planner.base.arrays import Array
 from planner.base.commands import CommandTable
 from planner.base.csv_cells import comment_lines, csv_lines
-from planner.output.export.description import DECIMALS, columns, notes, one_line
+from planner.output.export.description import notes, one_line
 from planner.world.frames.time_scales import Instants
 from planner.world.plan import FlightPlan
 
@@ -19,14 +19,10 @@ def write_csv(plan: FlightPlan, created_utc: datetime) -> bytes:
 
 
 def table_csv(table: CommandTable) -> str:
-    """As `rows_csv`: `NAME_deg` and `NAME_rate_deg_s` of each axis.
-
-    Degrees to 1e-9 (4 microarcsec), as in the JSON answer.
-    """
-    table_columns = columns(table)
-    names = [column.name for column in table_columns]
-    value_by_row = np.column_stack([column.value_by_row for column in table_columns])
-    return rows_csv(table.epoch_utc, table.t_s, names, value_by_row, [DECIMALS] * len(names))
+    """As `rows_csv`, a column for each of the table's channels, as in the JSON answer."""
+    names, decimals = zip(*((one.name, one.decimals) for one in table.channels), strict=True)
+    value_by_row = np.column_stack([value for _, value in table.columns])
+    return rows_csv(table.epoch_utc, table.t_s, names, value_by_row, decimals)
 
 
 def rows_csv(

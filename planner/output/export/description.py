@@ -1,12 +1,9 @@
 """Notes for the reader of an exported file: frames, units, time scale, rotations."""
 
-from dataclasses import dataclass
 from datetime import datetime
 
-import numpy as np
-
 from planner.base.arrays import Array
-from planner.base.commands import COMMAND_STEP_S, CommandTable
+from planner.base.commands import COMMAND_STEP_S
 from planner.world.frames.time_scales import utc_text
 from planner.world.orbits import CarrierName, Orbit
 from planner.world.plan import FlightPlan
@@ -27,26 +24,6 @@ QUATERNION = (
     "q_b_from_a_xyzw is scalar last and turns coordinates, v_b = q(v_a); a body turned by +theta "
     "about Z has [0, 0, -sin(theta/2), cos(theta/2)]"
 )
-
-
-@dataclass(frozen=True, kw_only=True)
-class Column:
-    """One column of the table in degrees, shape (n,); `unit` as UDUNITS writes it."""
-
-    name: str
-    unit: str
-    axis: str
-    value_by_row: Array
-
-
-def columns(table: CommandTable) -> tuple[Column, ...]:
-    """`NAME_deg` of each axis, then `NAME_rate_deg_s`, rounded to DECIMALS."""
-    kinds = (("_deg", "degree", table.position), ("_rate_deg_s", "degree s-1", table.rate_rad_s))
-    return tuple(
-        Column(name=axis + suffix, unit=unit, axis=axis, value_by_row=_degrees(radians[:, index]))
-        for suffix, unit, radians in kinds
-        for index, axis in enumerate(table.dof_names)
-    )
 
 
 def rotation_order(platform: TwoAxisPlatform) -> str:
@@ -90,10 +67,6 @@ def one_line(text: str) -> str:
     """Printable ASCII on one line, so that no name can break out of a header."""
     printable = "".join(c if " " <= c <= "~" else " " if c.isspace() else "?" for c in text)
     return " ".join(printable.split())[:TEXT_MAX]
-
-
-def _degrees(values_rad: Array) -> Array:
-    return np.asarray(np.round(np.degrees(values_rad), DECIMALS) + 0.0, dtype=np.float64)  # no -0.0
 
 
 def _vector(unit: tuple[float, ...] | Array) -> str:

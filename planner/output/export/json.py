@@ -8,7 +8,6 @@ from planner.output.export.description import (
     INTERPOLATION,
     PAYLOAD_AXES,
     TIME_SCALE,
-    columns,
     mount,
     one_line,
     rotation_order,
@@ -20,19 +19,18 @@ from planner.world.plan import FlightPlan
 def write_json(plan: FlightPlan, created_utc: datetime) -> bytes:
     """The answer's `table` with a `description` of frames, units, time scale and rotation."""
     table, platform = plan.table, plan.scenario.platform
-    table_columns = columns(table)
     document = {
         "name": plan.scenario.name,
         "epoch": utc_text(table.epoch_utc, 1),
         "step_s": COMMAND_STEP_S,
         "t_s": table.t_s.tolist(),
-        **{column.name: column.value_by_row.tolist() for column in table_columns},
+        **{one.name: value.tolist() for one, value in table.columns},
         "description": {
             "created": utc_text(created_utc),
             "platform": one_line(platform.name),
             "axes": list(table.dof_names),
             "time_scale": TIME_SCALE,
-            "units": {"t_s": "s", **{column.name: column.unit for column in table_columns}},
+            "units": {"t_s": "s", **{one.name: one.unit for one in table.channels}},
             "rotation_order": rotation_order(platform),
             "frames": f"{PAYLOAD_AXES}; {mount(platform)}",
             "interpolation": INTERPOLATION,

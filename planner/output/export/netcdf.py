@@ -9,15 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from planner.base.arrays import Array
-from planner.base.commands import ROWS_PER_S
+from planner.base.commands import ROWS_PER_S, Channel
 from planner.output.export.description import (
     INTERPOLATION,
     PAYLOAD_AXES,
     QUATERNION,
     TIME_SCALE,
-    Column,
     carrier_name,
-    columns,
     mount,
     one_line,
     rotation_order,
@@ -58,10 +56,10 @@ def write_netcdf(plan: FlightPlan, created_utc: datetime) -> bytes:
         file.createDimension("xyz", 3)
         file.createDimension("xyzw", 4)
         write_times(file, Instants(plan.table.epoch_utc, plan.table.t_s))
-        for column in columns(plan.table):
-            motion = "rate" if "s-1" in column.unit else "angle"
-            meaning = f"{motion} of axis {one_line(column.axis)}"
-            _write(file, _identifier(column, plan), column.value_by_row, column.unit, meaning)
+        for channel, value_by_row in plan.table.columns:
+            motion = "rate" if channel.of == "rate" else "angle"
+            meaning = f"{motion} of axis {one_line(channel.dof)}"
+            _write(file, _identifier(channel, plan), value_by_row, channel.unit, meaning)
         _segments(file, plan)
         _attitude(file, plan, rows)
         _ground(file, rows)
@@ -179,9 +177,11 @@ def axis_identifiers(names: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(f"axis{number}" for number in range(len(names)))
 
 
-def _identifier(column: Column, plan: FlightPlan) -> str:
+def _identifier(channel: Channel, plan: FlightPlan) -> str:
     names = plan.table.dof_names
-    return axis_identifiers(names)[names.index(column.axis)] + column.name.removeprefix(column.axis)
+    return axis_identifiers(names)[names.index(channel.dof)] + channel.name.removeprefix(
+        channel.dof
+    )
 
 
 def _write(

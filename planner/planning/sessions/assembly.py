@@ -5,7 +5,7 @@ from datetime import datetime
 
 import numpy as np
 
-from planner.base.commands import ROWS_PER_S, CommandTable, axis_channels
+from planner.base.commands import ROWS_PER_S, Channel, CommandTable
 from planner.planning.sessions.joining import Join
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, tai_us
 from planner.world.scenario import Scenario
@@ -35,16 +35,15 @@ def table_work(scenario: Scenario, rows: int) -> float:
 
 
 def assemble_table(
-    epoch_utc: datetime, axis_names: tuple[str, ...], joins: list[Join]
+    epoch_utc: datetime, channels: tuple[Channel, ...], joins: list[Join]
 ) -> CommandTable:
     """Row by row: braked to rest, at rest until each slew begins, the slew, the track.
 
     A row shared by two of them is the later one's.  What a slew leaves as end error is
     flown as it dies away.
     """
-    rows = joins[-1].stop_row + 1
-    angle_rad = np.empty((rows, len(axis_names)))
-    rate_rad_s = np.empty((rows, len(axis_names)))
+    last = joins[-1].track.axis_states
+    angle_rad, rate_rad_s = np.empty((2, joins[-1].stop_row + 1, last.shape[-1]))
     from_row = 0
     for join in joins:
         slew_t_s = np.arange(join.join_row - join.slew_row + 1) / ROWS_PER_S
@@ -67,7 +66,7 @@ def assemble_table(
         from_row = join.stop_row
     return CommandTable(
         epoch_utc=epoch_utc,
-        channels=axis_channels(axis_names),
+        channels=channels,
         position=angle_rad,
         rate_rad_s=rate_rad_s,
     )

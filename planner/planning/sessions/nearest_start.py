@@ -102,7 +102,7 @@ def _is_planned(scenario: Scenario) -> bool:
         return True
     effort.charge(table_work(scenario, whole[-1].stop_row))
     final, _ = sessions_after_conflicts(scenario, joins)
-    return verify(assemble_table(epoch_utc, scenario.platform.axis_names, whole), final).passed
+    return verify(assemble_table(epoch_utc, scenario.platform.channels, whole), final).passed
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -62,7 +62,7 @@ def make_plan(scenario: Scenario, tell: Reporter = tell_nobody) -> Plan:
             _slew_run(scenario.slew, number, join) for number, join in _pair_joins(scenario, joins)
         )
     final, losses = sessions_after_conflicts(scenario, onto_tracks)
-    table = assemble_table(epoch_utc, scenario.platform.axis_names, joins)
+    table = assemble_table(epoch_utc, scenario.platform.channels, joins)
     with time_stage("pointing budget"):
         budgets = tuple(
             session_budget(final, ephemeris, table, number, join.track.los)
