@@ -153,9 +153,7 @@ class BodySlewProblem:
 
 def rows_of(motion: Motion, rows: slice) -> Motion:
     """Some of a motion's rows."""
-    return Motion(
-        motion.position[rows], motion.rate_rad_s[rows], motion.acceleration_rad_s2[rows]
-    )
+    return Motion(motion.position[rows], motion.rate_rad_s[rows], motion.acceleration_rad_s2[rows])
 
 
 def between_rows(motion: Motion, shares: Array) -> tuple[Array, BodyMotion]:
