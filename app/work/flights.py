@@ -81,14 +81,14 @@ def flights_head(
     """What there is to tell before any disturbed run."""
     from planner.inflight.flights.drives import flown_by
     from planner.inflight.flights.nominal import nominal_session
-    from planner.planning.sessions.pipeline import session_budget
+    from planner.planning.sessions.platforms.registry import mover_of
 
     asked, table = read_flights_request(what.asked), plan.table
     fly = flown_by(plan.scenario.platform)
     sessions = []
     for scene in scenes:
         session = plan.scenario.sessions[scene.number]
-        budget = session_budget(plan.scenario, scene.ephemeris, table, scene.number)
+        budget = mover_of(plan.scenario).budget(scene.ephemeris, table, scene.number)
         assert budget is not None  # of a target that can be seen
         nominal = nominal_session(scene, fly, asked.moving_object)
         axes = plan.scenario.platform.axis_names

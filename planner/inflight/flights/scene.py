@@ -13,7 +13,8 @@ from planner.base.interpolation import NODES, UniformTable
 from planner.base.rotation import Rotation
 from planner.inflight.flights.draws import Draw
 from planner.inflight.flights.frames import exposures_s
-from planner.planning.sessions.track_branches import RowSpan, session_rows
+from planner.planning.sessions.platforms.mover import RowSpan
+from planner.planning.sessions.track_branches import session_rows
 from planner.planning.sessions.uncertainty import OPTIONS as BUDGET_OPTIONS
 from planner.planning.sessions.uncertainty import ut1_sigma_s
 from planner.world.attitude import AttitudeLaw

@@ -14,6 +14,7 @@ from planner.motion.keyhole.track import nearest_track
 from planner.motion.pointing.keep_out import KeepOutView, deepest_entry, keep_out_view
 from planner.motion.pointing.line_of_sight import STENCIL, LineOfSight, line_of_sight
 from planner.motion.pointing.track import AxisTrack, track_candidates
+from planner.planning.sessions.platforms.mover import RowSpan, TrackBranch
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 from planner.world.orbits import Ephemeris
 from planner.world.scenario import Scenario, Session
@@ -33,29 +34,6 @@ class TrackBranchOptions:
 OPTIONS = TrackBranchOptions()
 
 EARLY_ROWS = 600 * ROWS_PER_S  # how long before its session a target may be tracked already
-
-
-@dataclass(frozen=True, kw_only=True)
-class RowSpan:
-    """The rows of the table that enclose a session; `stop` is the last one, included."""
-
-    start: int
-    stop: int
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class TrackBranch:
-    """A branch of a session's track: an axis track over `rows` and what lies before.
-
-    seen_from_s: since when, up to the session, the target can be seen, and looked at out of
-    all cones and masks, without a break.  ephemeris: the orbit it was found on.
-    """
-
-    session: Session
-    track: AxisTrack
-    rows: RowSpan
-    seen_from_s: float
-    ephemeris: Ephemeris
 
 
 def session_rows(session: Session, epoch_utc: datetime) -> RowSpan:
