@@ -1,11 +1,12 @@
 """The direction the payload must point in, and how fast it turns."""
 
+import math
 from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
-from planner.base.arrays import Array
+from planner.base.arrays import Array, Indices
 from planner.base.rotation import Rotation
 from planner.world.attitude import AttitudeLaw
 from planner.world.frames.time_scales import Instants
@@ -82,18 +83,23 @@ def line_of_sight(
 
 def _differentiate_samples(los_platform: Array, step_s: float, order: int) -> Array:
     """Differences on the seven nearest samples, one-sided towards the ends, (n, 3)."""
-    n = len(los_platform)
-    first = np.clip(np.arange(n) - STENCIL // 2, 0, n - STENCIL)
+    first, weights = difference_stencils(len(los_platform), order)
     nodes = los_platform[first[:, None] + np.arange(STENCIL)]
-    differences = np.einsum("nk,nkj->nj", _stencil_weights(order)[np.arange(n) - first], nodes)
-    return np.asarray(differences / step_s**order)
+    return np.asarray(np.einsum("nk,nkj->nj", weights, nodes) / step_s**order)
+
+
+def difference_stencils(rows: int, order: int) -> tuple[Indices, Array]:
+    """For the derivative at each row: the first of its seven nodes, (rows,), and their weights,
+    (rows, 7), for a step of 1."""
+    first = np.clip(np.arange(rows) - STENCIL // 2, 0, rows - STENCIL)
+    return first, _stencil_weights(order)[np.arange(rows) - first]
 
 
 @cache
 def _stencil_weights(order: int) -> Array:
     """Weights on nodes 0..6 exact for polynomials of degree 6, a row for each node."""
     wanted = np.zeros(STENCIL)
-    wanted[order] = float(order)  # order! for order 1 and 2
+    wanted[order] = float(math.factorial(order))
     nodes = np.arange(STENCIL)
     return np.array(
         [np.linalg.solve(np.vander(nodes - float(at), increasing=True).T, wanted) for at in nodes]

@@ -1,0 +1,567 @@
+"""A platform of kind body: a spacecraft that turns as a whole to point its camera."""
+
+import math
+from dataclasses import field
+from functools import cached_property
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from planner.base.arrays import Array
+from planner.base.commands import BODY_CHANNELS, Channel
+from planner.base.rotation import Rotation
+from planner.base.spec import LENGTH_MIN, UnitPart, VectorPart, Within, spec
+from planner.world.platforms.camera import PIXELS_ARCSEC, Camera
+from planner.world.platforms.field_mask import FieldMask
+
+Direction = tuple[VectorPart, VectorPart, VectorPart]
+Matrix3 = tuple[
+    tuple[VectorPart, VectorPart, VectorPart],
+    tuple[VectorPart, VectorPart, VectorPart],
+    tuple[VectorPart, VectorPart, VectorPart],
+]
+BodyLimit = Annotated[float, Within(1e-4, 1e3)]
+AxisTriple = tuple[BodyLimit, BodyLimit, BodyLimit]
+_SettleS = Annotated[float, Within(0.0, 600.0)]
+_ExclusionDeg = Annotated[float, Within(0.0, 179.0)]
+LimitKind = Literal["magnitude", "axis"]
+Celestial = Literal["sun", "moon", "limb", "glint"]
+
+
+@spec
+class MagnitudeAgility:
+    """The largest motion of the body about any axis: limits of the vectors' lengths.
+
+    rate_max_deg_s: largest rate against GCRF. E.g. `1.5`.
+    acceleration_max_deg_s2: largest angular acceleration. E.g. `0.12`.
+    jerk_max_deg_s3: largest derivative of the acceleration. E.g. `0.06`.
+    settle_s: time on the target's track between a slew and the session, for the structure to
+    calm down.
+    """
+
+    limits: Literal["magnitude"] = "magnitude"
+    rate_max_deg_s: BodyLimit
+    acceleration_max_deg_s2: BodyLimit
+    jerk_max_deg_s3: BodyLimit
+    settle_s: _SettleS = 0.0
+
+    @property
+    def by_order_rad(self) -> Array:
+        """A row each of rate, acceleration and jerk, rad and s, (3, 3): three times the length."""
+        lengths_deg = [self.rate_max_deg_s, self.acceleration_max_deg_s2, self.jerk_max_deg_s3]
+        return np.repeat(np.deg2rad(lengths_deg)[:, None], 3, axis=1)
+
+
+@spec
+class AxisAgility:
+    """The largest motion about each body axis by itself.
+
+    rate_max_deg_s: largest rates against GCRF about body x, y, z. E.g. `[1.5, 1.5, 0.8]`.
+    acceleration_max_deg_s2: largest angular accelerations about them. E.g. `[0.12, 0.1, 0.1]`.
+    jerk_max_deg_s3: largest derivatives of these accelerations. E.g. `[0.06, 0.05, 0.05]`.
+    settle_s: time on the target's track between a slew and the session, for the structure to
+    calm down.
+    """
+
+    limits: Literal["axis"] = "axis"
+    rate_max_deg_s: AxisTriple
+    acceleration_max_deg_s2: AxisTriple
+    jerk_max_deg_s3: AxisTriple
+    settle_s: _SettleS = 0.0
+
+    @property
+    def by_order_rad(self) -> Array:
+        """A row each of rate, acceleration and jerk about body x, y, z, rad and s, (3, 3)."""
+        return np.deg2rad([self.rate_max_deg_s, self.acceleration_max_deg_s2, self.jerk_max_deg_s3])
+
+
+Agility = Annotated[MagnitudeAgility | AxisAgility, Field(discriminator="limits")]
+
+
+@spec
+class FrameCamera(Camera):
+    """A camera of the body that takes one frame after the other.
+
+    boresight_body: direction it looks in; needs no unit length.
+    side_body: direction of the frame's first side, square to the boresight.
+    field_of_view_deg: along the frame's first side and its second. E.g. `[2.0, 1.5]`.
+    """
+
+    type: Literal["frame"] = "frame"
+    boresight_body: Direction = (0.0, 0.0, 1.0)
+    side_body: Direction = (1.0, 0.0, 0.0)
+    field_of_view_deg: tuple[
+        Annotated[float, Within(1e-6, 170.0)], Annotated[float, Within(1e-6, 170.0)]
+    ]
+
+    def __post_init__(self) -> None:
+        _require_square("side_body", self.side_body, "boresight_body", self.boresight_body)
+        Camera.__post_init__(self)
+
+    @property
+    def c_payload_from_body(self) -> Array:
+        """Rows: the payload's axes, +X along the first side, +Z the boresight, (3, 3)."""
+        return _triad(self.side_body, self.boresight_body)
+
+    @property
+    def frame_half_rad(self) -> tuple[float, float]:
+        """Half the field of view along +X and +Y of the payload."""
+        along_deg, across_deg = self.field_of_view_deg
+        return math.radians(along_deg) / 2.0, math.radians(across_deg) / 2.0
+
+    @property
+    def both_ways(self) -> bool:
+        """A frame looks the same, whichever way the ground moves through it."""
+        return True
+
+
+@spec
+class PushbroomCamera:
+    """A camera whose one line of pixels is swept over the ground.
+
+    boresight_body: direction that the middle of the line looks in; needs no unit length.
+    line_body: direction along the line of pixels, square to the boresight. With it as +Y and the
+    boresight as +Z, the image moves along +X.
+    pixel_arcsec: angle a pixel sees.
+    pixels: number of pixels of the line.
+    tdi_lines: lines that are added up.
+    both_ways: whether the image may also move the other way, as TDI in both directions lets it.
+    line_rate_max_hz: largest number of lines in a second.
+    """
+
+    type: Literal["pushbroom"] = "pushbroom"
+    boresight_body: Direction = (0.0, 0.0, 1.0)
+    line_body: Direction = (0.0, 1.0, 0.0)
+    pixel_arcsec: Annotated[float, Within(*PIXELS_ARCSEC)]
+    pixels: Annotated[int, Within(1, 1_000_000)]
+    tdi_lines: Annotated[int, Within(1, 1024)] = 1
+    both_ways: bool = False
+    line_rate_max_hz: Annotated[float, Within(1.0, 1e6)] = 10_000.0
+
+    def __post_init__(self) -> None:
+        _require_square("line_body", self.line_body, "boresight_body", self.boresight_body)
+        width_deg = self.pixels * self.pixel_arcsec / 3600.0
+        if not width_deg <= 170.0:
+            raise ValueError(
+                f"pixels of {self.pixel_arcsec:g} arcsec each see {width_deg:.6g} deg together, "
+                f"more than 170: give fewer than {self.pixels}, or smaller ones"
+            )
+
+    @property
+    def pixel_rad(self) -> float:
+        """Angle a pixel sees."""
+        return math.radians(self.pixel_arcsec / 3600.0)
+
+    @property
+    def c_payload_from_body(self) -> Array:
+        """Rows: the payload's axes, +Y along the line, +Z the boresight, (3, 3)."""
+        line, boresight = unit_vector(self.line_body), unit_vector(self.boresight_body)
+        return _triad(np.cross(line, boresight), self.boresight_body)
+
+    @property
+    def frame_half_rad(self) -> tuple[float, float]:
+        """Half of what is seen at a time along +X and +Y of the payload: across, along the line."""
+        return self.tdi_lines * self.pixel_rad / 2.0, self.pixels * self.pixel_rad / 2.0
+
+
+BodyCamera = Annotated[FrameCamera | PushbroomCamera, Field(discriminator="type")]
+
+
+@spec
+class LinesAcrossMotion:
+    """The camera's +X lies along the motion of the looked-at point over the ground.
+
+    The image of a pushbroom then runs across its line. It needs a target that moves over the
+    ground, as paths do; where the motion dies away, the line turns faster and faster.
+    """
+
+    rule: Literal["lines_across_motion"] = "lines_across_motion"
+
+
+@spec
+class LinesAcrossTrack:
+    """The camera's +X lies along the satellite's motion over the turning Earth."""
+
+    rule: Literal["lines_across_track"] = "lines_across_track"
+
+
+@spec
+class NearestRoll:
+    """The attitude nearest to the one before the slew; then no turn about the line of sight."""
+
+    rule: Literal["nearest"] = "nearest"
+
+
+@spec
+class SunSide:
+    """A direction of the body is turned towards the Sun, as near as the line of sight lets it.
+
+    direction_body: such as the normal of the solar panels; needs no unit length. E.g.
+    `[-1.0, 0.0, 0.0]`.
+    """
+
+    rule: Literal["sun_side"] = "sun_side"
+    direction_body: Direction
+
+    def __post_init__(self) -> None:
+        _require_long("direction_body", self.direction_body)
+
+
+@spec
+class AzimuthRoll:
+    """The camera's +X lies along an azimuth at the target on the ground.
+
+    azimuth_deg: from north by east. E.g. `15.0`.
+    """
+
+    rule: Literal["azimuth"] = "azimuth"
+    azimuth_deg: Annotated[float, Within(-360.0, 360.0)]
+
+
+RollRule = Annotated[
+    LinesAcrossMotion | LinesAcrossTrack | NearestRoll | SunSide | AzimuthRoll,
+    Field(discriminator="rule"),
+]
+
+
+@spec
+class NadirIdle:
+    """Between sessions a body direction looks down, another one forward.
+
+    direction_body: to the geocentric nadir. E.g. `[0.0, 0.0, 1.0]`.
+    forward_body: as near to the flight's direction as the first lets it. E.g. `[1.0, 0.0, 0.0]`.
+    """
+
+    law: Literal["nadir"] = "nadir"
+    direction_body: Direction = (0.0, 0.0, 1.0)
+    forward_body: Direction = (1.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        _require_apart("forward_body", self.forward_body, "direction_body", self.direction_body)
+
+
+@spec
+class SunIdle:
+    """Between sessions a body direction looks at the Sun's centre, in the Earth's shadow too.
+
+    direction_body: to the Sun, such as the normal of the panels. E.g. `[0.0, 0.0, -1.0]`.
+    north_body: as near to the celestial north pole as the first lets it; unless given, the body
+    axis least along the first one.
+    """
+
+    law: Literal["sun"] = "sun"
+    direction_body: Direction
+    north_body: Direction | None = None
+
+    def __post_init__(self) -> None:
+        _require_long("direction_body", self.direction_body)
+        if self.north_body is not None:
+            _require_apart("north_body", self.north_body, "direction_body", self.direction_body)
+
+    @property
+    def north(self) -> Direction:
+        """`north_body`, given or not."""
+        if self.north_body is not None:
+            return self.north_body
+        least = int(np.argmin(np.abs(self.direction_body)))
+        return ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))[least]
+
+
+@spec
+class InertialIdle:
+    """Between sessions the body keeps one attitude among the stars.
+
+    q_body_from_eci_xyzw: carries GCRF axes onto the body's, scalar last. E.g.
+    `[0.0, 0.0, 0.0, 1.0]`.
+    """
+
+    law: Literal["inertial"] = "inertial"
+    q_body_from_eci_xyzw: tuple[UnitPart, UnitPart, UnitPart, UnitPart]
+
+    def __post_init__(self) -> None:
+        norm = math.hypot(*self.q_body_from_eci_xyzw)
+        if not abs(norm - 1.0) <= 1e-6:
+            raise ValueError(f"q_body_from_eci_xyzw must have unit length, not {norm}")
+
+
+IdleLaw = Annotated[NadirIdle | SunIdle | InertialIdle, Field(discriminator="law")]
+
+
+@spec
+class PointingKnowledge:
+    """Errors of the attitude, 1 sigma about each axis.
+
+    sigma_arcsec: of the attitude as the spacecraft knows it.
+    control_sigma_arcsec: of the attitude flown against the one commanded.
+    jitter_arcsec: of vibration faster than the exposure.
+    correlation_s: time in which the errors of knowledge and control forget half of themselves.
+    """
+
+    sigma_arcsec: Annotated[float, Within(0.0, 36e3)] = 10.0
+    control_sigma_arcsec: Annotated[float, Within(0.0, 36e3)] = 10.0
+    jitter_arcsec: Annotated[float, Within(0.0, 3600.0)] = 0.0
+    correlation_s: Annotated[float, Within(0.01, 1e5)] = 10.0
+
+
+@spec
+class StarTracker:
+    """A star tracker, which sees no stars too near to the Sun, the Moon or the Earth.
+
+    name: name of the tracker in margins and refusals.
+    boresight_body: direction it looks in; needs no unit length. E.g. `[0.5, -0.6, -0.62]`.
+    sun_deg: least angle from the edge of the Sun's disk.
+    moon_deg: least angle from the edge of the Moon's disk.
+    limb_deg: least angle from the Earth's limb.
+    """
+
+    name: str
+    boresight_body: Direction
+    sun_deg: _ExclusionDeg = 0.0
+    moon_deg: _ExclusionDeg = 0.0
+    limb_deg: _ExclusionDeg = 0.0
+
+    def __post_init__(self) -> None:
+        _require_name(self.name)
+        _require_long("boresight_body", self.boresight_body)
+
+    @property
+    def angles_deg(self) -> tuple[tuple[Celestial, float], ...]:
+        """What it keeps from, and by how much."""
+        return (("sun", self.sun_deg), ("moon", self.moon_deg), ("limb", self.limb_deg))
+
+
+@spec
+class StarTrackers:
+    """The star trackers, of which some must see stars while the camera images.
+
+    needed: number that must see stars at a time.
+    each: up to 8 trackers.
+    """
+
+    needed: Annotated[int, Within(0, 8)] = 1
+    each: tuple[StarTracker, ...]
+
+    def __post_init__(self) -> None:
+        _require_few_and_named("each", self.each)
+        if self.needed > len(self.each):
+            raise ValueError(
+                f"needed must be at most {len(self.each)}, the trackers there are, "
+                f"not {self.needed}"
+            )
+
+
+@spec
+class Exclusion:
+    """A direction of the body that keeps away from the Sun, the Moon, the Earth's limb or glint.
+
+    name: name of the exclusion in margins and refusals. E.g. `"radiator"`.
+    of: "camera" for the camera's boresight; else give direction_body.
+    direction_body: the direction that keeps away; needs no unit length. E.g. `[0.0, 1.0, 0.0]`.
+    away_from: "sun" and "moon" count from the edge of the disk, and not while the Earth hides it;
+    "limb" from the Earth's edge, outwards; "glint" from where a calm sea would mirror the Sun.
+    min_deg: least angle between them.
+    when: always, or only while the camera images.
+    """
+
+    name: str
+    of: Literal["camera"] | None = None
+    direction_body: Direction | None = None
+    away_from: Celestial
+    min_deg: _ExclusionDeg
+    when: Literal["always", "imaging"] = "always"
+
+    def __post_init__(self) -> None:
+        _require_name(self.name)
+        if (self.of is None) == (self.direction_body is None):
+            raise ValueError('direction_body or of: "camera" must be given, and not both')
+        if self.direction_body is not None:
+            _require_long("direction_body", self.direction_body)
+
+
+@spec
+class BodyPlatform:
+    """A spacecraft that turns as a whole, within an envelope of agility.
+
+    name: name of the platform in plans.
+    agility: the motion that it can do, by magnitude or by body axis.
+    off_nadir_max_deg: largest angle between boresight and geocentric nadir while a target on the
+    Earth is imaged; targets in the sky know no such limit.
+    roll: how the camera lies about the line of sight, for targets that move over the ground and,
+    but for lines_across_motion, all others, too; a session may have its own. Where the image
+    stands still, lines_across_motion gives way to nearest.
+    idle: the attitude between sessions.
+    inertia_kg_m2: of the whole spacecraft about its centre of mass, in body axes.
+    torque_max_n_m: length of the largest torque on the body, with the inertia.
+    camera: the camera on the body: its frame, or its line.
+    knowledge: errors of the attitude.
+    star_trackers: star trackers, and the number that must see stars while imaging.
+    exclusions: up to 16 directions of the body with what they keep away from.
+    """
+
+    masks: ClassVar[tuple[FieldMask, ...]] = ()  # its structure turns with the camera
+    frame_turn_rad: ClassVar[float] = 0.0
+
+    kind: Literal["body"] = "body"
+    name: str
+    agility: Agility
+    off_nadir_max_deg: Annotated[float, Within(0.1, 90.0)] = 45.0
+    roll: RollRule = NearestRoll()
+    idle: IdleLaw = NadirIdle()
+    inertia_kg_m2: Matrix3 | None = None
+    torque_max_n_m: Annotated[float, Within(1e-6, 1e6)] | None = None
+    camera: BodyCamera
+    knowledge: PointingKnowledge = field(default_factory=PointingKnowledge)
+    star_trackers: StarTrackers | None = None
+    exclusions: tuple[Exclusion, ...] = ()
+
+    def __post_init__(self) -> None:
+        _require_name(self.name)
+        if self.inertia_kg_m2 is not None:
+            _require_physical(np.array(self.inertia_kg_m2))
+        elif self.torque_max_n_m is not None:
+            raise ValueError(
+                "torque_max_n_m says nothing without inertia_kg_m2: give both, or leave it out"
+            )
+        if len(self.exclusions) > 16:
+            raise ValueError(
+                f"exclusions must hold at most 16 exclusions, not {len(self.exclusions)}"
+            )
+        _require_own_names("exclusions", [exclusion.name for exclusion in self.exclusions])
+        if isinstance(self.roll, SunSide):
+            _require_apart(
+                "roll.direction_body",
+                self.roll.direction_body,
+                "camera.boresight_body",
+                self.camera.boresight_body,
+            )
+
+    @property
+    def dof_names(self) -> tuple[str, ...]:
+        """The body axes."""
+        return ("x", "y", "z")
+
+    @property
+    def channels(self) -> tuple[Channel, ...]:
+        """Attitude, rates and accelerations."""
+        return BODY_CHANNELS
+
+    @property
+    def frame_half_rad(self) -> tuple[float, float]:
+        """Half of what the camera sees along +X and +Y of the payload."""
+        return self.camera.frame_half_rad
+
+    @property
+    def boresight_body(self) -> Array:
+        """Unit vector, (3,)."""
+        return unit_vector(self.camera.boresight_body)
+
+    @cached_property
+    def q_payload_from_body(self) -> Rotation:
+        """The camera's mount."""
+        return Rotation.from_matrix(self.camera.c_payload_from_body)
+
+    def q_payload_from_base(self, position: Array) -> Rotation:
+        """n rotations from GCRF to the payload's axes.
+
+        position: `q_eci_from_body_xyzw`, (n, 4).
+        """
+        return self.q_payload_from_body * Rotation.from_quat(position).inv()
+
+    def omega_payload_rad_s(self, position: Array, rate_rad_s: Array) -> Array:
+        """Angular velocity of the payload against GCRF in payload axes, (n, 3).
+
+        position: (n, 4).  rate_rad_s: of the body, in body axes, (n, 3).
+        """
+        return np.asarray(self.q_payload_from_body.apply(rate_rad_s))
+
+    def direction_of(self, exclusion: Exclusion) -> Array:
+        """The direction that keeps away, a unit vector in body axes, (3,)."""
+        return unit_vector(exclusion.direction_body or self.camera.boresight_body)
+
+
+def unit_vector(direction: Direction) -> Array:
+    """The direction with unit length, (3,)."""
+    return np.asarray(direction) / math.hypot(*direction)
+
+
+def _triad(x_body: Direction | Array, z_body: Direction) -> Array:
+    """Rows +X, +Y, +Z in body axes: +Z as given, +X as near to x_body as that lets it."""
+    z = unit_vector(z_body)
+    across = np.asarray(x_body) - (np.asarray(x_body) @ z) * z
+    x = across / np.linalg.norm(across)
+    return np.stack([x, np.cross(z, x), z])
+
+
+def _require_name(name: str) -> None:
+    if not name:
+        raise ValueError("name must not be empty: refusals and margins are given by it")
+
+
+def _require_few_and_named(what: str, trackers: tuple[StarTracker, ...]) -> None:
+    if not 1 <= len(trackers) <= 8:
+        raise ValueError(f"{what} must hold 1 to 8 trackers, not {len(trackers)}")
+    _require_own_names(what, [tracker.name for tracker in trackers])
+
+
+def _require_own_names(what: str, names: list[str]) -> None:
+    for number, name in enumerate(names):
+        if name in names[:number]:
+            raise ValueError(f"{what}.{number}.name must be its own, not {name!r} again")
+
+
+def _require_long(name: str, direction: Direction) -> None:
+    if not math.hypot(*direction) >= LENGTH_MIN:
+        raise ValueError(
+            f"{name} must be at least {LENGTH_MIN:g} long, not {math.hypot(*direction):g}"
+        )
+
+
+def _angle_deg(a: Direction, b: Direction) -> float:
+    a_unit, b_unit = unit_vector(a), unit_vector(b)
+    across = float(np.linalg.norm(np.cross(a_unit, b_unit)))
+    return math.degrees(math.atan2(across, float(a_unit @ b_unit)))
+
+
+def _require_apart(name: str, direction: Direction, other: str, other_direction: Direction) -> None:
+    """Both long enough, and neither along the other: else nothing says how the body lies."""
+    _require_long(other, other_direction)
+    _require_long(name, direction)
+    angle_deg = _angle_deg(direction, other_direction)
+    if not 1.0 <= angle_deg <= 179.0:
+        raise ValueError(
+            f"{name} must stand 1 deg or more off the line of {other}, "
+            f"not {min(angle_deg, 180.0 - angle_deg):.3g} deg"
+        )
+
+
+def _require_square(
+    name: str, direction: Direction, other: str, other_direction: Direction
+) -> None:
+    _require_long(other, other_direction)
+    _require_long(name, direction)
+    angle_deg = _angle_deg(direction, other_direction)
+    if not abs(angle_deg - 90.0) <= 0.01:
+        raise ValueError(f"{name} must stand square to {other}, not at {angle_deg:.6g} deg")
+
+
+def _require_physical(inertia_kg_m2: Array) -> None:
+    """Refuse a matrix that is no body's: its moments are sums of squares of lengths."""
+    for row, column in ((0, 1), (0, 2), (1, 2)):
+        there, back = inertia_kg_m2[row, column], inertia_kg_m2[column, row]
+        if abs(there - back) > 1e-9 * np.max(np.abs(inertia_kg_m2)):
+            raise ValueError(
+                f"inertia_kg_m2.{column}.{row} must be {there:g} as inertia_kg_m2.{row}.{column}, "
+                f"not {back:g}: an inertia is symmetric"
+            )
+    least, middle, most = np.linalg.eigvalsh(inertia_kg_m2).tolist()
+    if not least > 0.0:
+        raise ValueError(
+            f"inertia_kg_m2 must have positive principal moments, not {least:g} kg m2: "
+            "check the signs of its products"
+        )
+    if least + middle < most * (1.0 - 1e-9):
+        raise ValueError(
+            f"inertia_kg_m2 has the principal moments {least:g}, {middle:g} and {most:g} kg m2, "
+            "and no body's largest exceeds the sum of the others: check its entries"
+        )
