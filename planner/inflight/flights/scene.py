@@ -187,12 +187,12 @@ class SessionScene:
         late_s = [draw.earth_score * self.errors.ut1_s for draw in draws]
         # The Earth turned on by so much is the Earth so much later.
         seen = self.target.apparent(Instants(epoch_utc, np.add.outer(late_s, t_s).ravel()), states)
-        q_body_from_eci = self.scenario.attitude.q_body_from_eci(
+        q_body_from_eci = self.scenario.law.q_body_from_eci(
             Instants(epoch_utc, np.tile(t_s, count)), states
         )
         turned = np.concatenate([self.errors.turned_body_rad(draw) for draw in draws])
         q_platform_from_eci = (
-            self.scenario.platform.q_platform_from_body
+            self.scenario.two_axis.q_platform_from_body
             * Rotation.from_rotvec(-turned)
             * q_body_from_eci
         )
@@ -223,7 +223,7 @@ def session_scenes(plan: FlightPlan) -> list[SessionScene]:
     first_row = [max(rows.start - round(LEAD_S * ROWS_PER_S), 0) for *_, rows in seen]
     ephemerides = [scenario.orbit.ephemeris(at.utc(0), at.utc(-1)) for at in instants]
     states = [ephemeris.states(at) for ephemeris, at in zip(ephemerides, instants, strict=True)]
-    errors = session_errors(ephemerides, scenario.attitude, instants, states)
+    errors = session_errors(ephemerides, scenario.law, instants, states)
     return [
         SessionScene(
             number=number,

@@ -107,7 +107,7 @@ def _wanted_s(scenario: Scenario, state: States, rest: States) -> float:
         return recommended_duration_s(state, rest, limits, slew.avoid_modes)
     return paper_duration_s(
         SlewProblem(
-            axis_names=scenario.platform.axis_names,
+            axis_names=scenario.two_axis.axis_names,
             limits=limits,
             start=state,
             end=rest,
@@ -145,7 +145,7 @@ def _rest_branch(
     return TrackBranch(
         session=scenario.sessions[-1],
         track=AxisTrack(
-            axis_names=scenario.platform.axis_names,
+            axis_names=scenario.two_axis.axis_names,
             t_s=t_s,
             axis_states=np.stack([angle_rad, np.zeros((2, 2)), np.zeros((2, 2))]),
         ),

@@ -143,7 +143,7 @@ def _slew(
 def _require_within_limits(scenario: Scenario, state: tuple[AxisState, ...], does: str) -> None:
     """A track keeps its limits on its own rows; between rows that are finer it may not."""
     for name, axis, limits in zip(
-        scenario.platform.axis_names, state, scenario.axis_limits, strict=True
+        scenario.two_axis.axis_names, state, scenario.axis_limits, strict=True
     ):
         limit = broken_limit(axis, limits)
         if limit is not None:

@@ -67,7 +67,7 @@ def track_branches(
     else:
         los = _line_of_sight(scenario, ephemeris, session.target, rows, from_row)
         _require_visible(los, rows, session.target, number)
-        platform = scenario.platform.with_limits(scenario.axis_limits)
+        platform = scenario.two_axis.with_limits(scenario.axis_limits)
         start_s, stop_s = rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S
         try:
             tracks = track_candidates(platform, los, start_s, stop_s, start_angle_rad)
@@ -101,7 +101,7 @@ def _prescribed_track(
     epoch_utc = scenario.initial_state.epoch
     t_s = np.arange(rows.start, rows.stop + 1) / ROWS_PER_S
     start_utc = shifted_utc(epoch_utc, t_s[0])
-    names = scenario.platform.axis_names
+    names = scenario.two_axis.axis_names
     try:
         target.require_flyable(names, scenario.axis_limits, start_utc, float(t_s[-1] - t_s[0]))
         motion = target.axis_motion(names, t_s - elapsed_s(target.start or start_utc, epoch_utc))
@@ -158,8 +158,8 @@ def los_on_rows(
     return line_of_sight(
         Instants(scenario.initial_state.epoch, t_s),
         ephemeris,
-        scenario.attitude,
-        scenario.platform.q_platform_from_body,
+        scenario.law,
+        scenario.two_axis.q_platform_from_body,
         target,
     )
 

@@ -48,7 +48,7 @@ class TwoAxisMover:
 
     def initial(self, ephemeris: Ephemeris) -> States:
         scenario = self.scenario
-        names = scenario.platform.axis_names
+        names = scenario.two_axis.axis_names
         motions = (scenario.initial_motion(axis).tolist() for axis in names)
         state = tuple(
             AxisState(angle_rad=q, rate_rad_s=v, acceleration_rad_s2=a) for q, v, a in motions
@@ -98,7 +98,7 @@ class TwoAxisMover:
     def held(self, ephemeris: Ephemeris, los: LineOfSight) -> Iterator[Mask]:
         scenario, t_s = self.scenario, los.instants.t_s
         view = keep_out_view(scenario, ephemeris, float(t_s[0]), float(t_s[-1]))
-        platform = scenario.platform.with_limits(scenario.axis_limits)
+        platform = scenario.two_axis.with_limits(scenario.axis_limits)
         for angle_rad, held in held_cells(platform, los):
             if view is not None:
                 effort.charge(TRACK_BRANCH_OPTIONS.cone_row * len(t_s) * len(view.regions))
@@ -146,17 +146,17 @@ class TwoAxisMover:
         return pointing_budget(
             los,
             ephemeris,
-            scenario.attitude,
+            scenario.law,
             session.target,
-            scenario.platform,
+            scenario.two_axis,
             np.stack(angle_rad, axis=1),
             session=number,
         )
 
     def warnings_along(self, table: CommandTable) -> tuple[str, ...]:
-        attitude = self.scenario.attitude
+        attitude = self.scenario.law
         return (
-            *level_warnings(attitude, self.scenario.platform),
+            *level_warnings(attitude, self.scenario.two_axis),
             *attitude.warnings_at(Instants(table.epoch_utc, table.t_s)),
         )
 

@@ -44,7 +44,7 @@ class TwoAxisJudge:
     """Of axes on a carrier whose attitude the scenario gives."""
 
     def __init__(self, table: CommandTable, scenario: Scenario) -> None:
-        self._table, self._scenario, self._platform = table, scenario, scenario.platform
+        self._table, self._scenario, self._platform = table, scenario, scenario.two_axis
 
     @cached_property
     def _axes(self) -> tuple[tuple[str, AxisHermite, AxisLimits], ...]:
@@ -89,7 +89,7 @@ class TwoAxisJudge:
 
     def _initial_state_findings(self) -> Iterator[Finding]:
         table, scenario = self._table, self._scenario
-        for column, axis in enumerate(scenario.platform.axis_names):
+        for column, axis in enumerate(scenario.two_axis.axis_names):
             angle_rad, rate_rad_s, _ = scenario.initial_motion(axis)
             angle_off_rad = float(table.position[0, column] - angle_rad)
             rate_off_rad_s = float(table.rate_rad_s[0, column] - rate_rad_s)
@@ -112,7 +112,7 @@ class TwoAxisJudge:
         """Whether every axis ends at rest, and where it was asked to."""
         table, scenario = self._table, self._scenario
         end_s = (len(table.position) - 1) / ROWS_PER_S
-        for column, axis in enumerate(scenario.platform.axis_names):
+        for column, axis in enumerate(scenario.two_axis.axis_names):
             asked_rad = scenario.final_angle_rad
             off_rad = (
                 0.0 if asked_rad is None else float(table.position[-1, column]) - asked_rad[column]
@@ -188,7 +188,7 @@ class TwoAxisJudge:
     @property
     def derives_attitude(self) -> bool:
         """How far measurements turn the carrier from its law is taken as given."""
-        attitude = self._scenario.attitude
+        attitude = self._scenario.law
         return isinstance(attitude, DERIVED_LAWS) and not attitude.corrections
 
     def _angle_rad(self, cell: Indices, u_s: Array) -> Array:
@@ -199,5 +199,5 @@ class TwoAxisJudge:
         self, vector_platform: Array, at: FlownInstants, states: OrbitStates
     ) -> Array:
         return eci_from_platform(
-            vector_platform, self._platform, self._scenario.attitude, at.instants, states
+            vector_platform, self._platform, self._scenario.law, at.instants, states
         )
