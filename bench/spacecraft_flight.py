@@ -19,7 +19,7 @@ from planner.spacecraft.flight.stabilisation import (
 from planner.spacecraft.imaging.candidates import candidates
 from planner.spacecraft.imaging.session import ImagingSession, make_session
 from planner.spacecraft.imaging.timeline import Timeline, build_timeline, scans_of
-from planner.spacecraft.mrp import BodyMotion
+from planner.base.mrp import BodyMotion
 from planner.spacecraft.plan import ImagingPlan, make_table, plan_imaging
 from planner.spacecraft.requests import SpacecraftSettings
 from planner.spacecraft.slews.eigenaxis import eigenaxis_slew

@@ -13,7 +13,7 @@ from planner.base.answer_members import Count
 from planner.base.arrays import Array
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.base.rotation import Rotation
-from planner.spacecraft.mrp import BodyMotion, MrpState, body_motion, mrp_state, quintic
+from planner.base.mrp import BodyMotion, MrpState, body_motion, mrp_state, quintic
 
 TICK_S = COMMAND_STEP_S  # Platonov, Sumarokov 2019: the control cycle
 

@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation, RotationSpline
 
 from planner.base.errors import InfeasibleSlew
-from planner.spacecraft.mrp import MrpMotion, body_motion, mrp_state
+from planner.base.mrp import MrpMotion, body_motion, mrp_state
 from planner.spacecraft.slews.eigenaxis import eigenaxis_slew
 from planner.spacecraft.slews.slew_choice import compare, quickest_slew, slew_onto, smooth_slew
 from planner.spacecraft.slews.slew_problem import AttitudeSlewProblem, EndState

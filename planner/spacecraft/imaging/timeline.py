@@ -15,7 +15,7 @@ from planner.base.rotation import Rotation
 from planner.spacecraft.imaging.candidates import Candidate
 from planner.spacecraft.imaging.ground_arc import GroundArc
 from planner.spacecraft.imaging.session import AttitudeAt, ImagingSession, initial_profile
-from planner.spacecraft.mrp import BodyMotion
+from planner.base.mrp import BodyMotion
 from planner.spacecraft.slews.slew_choice import (
     AttitudeSlewComparison,
     SlewNeedsTime,

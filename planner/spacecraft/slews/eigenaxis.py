@@ -15,7 +15,7 @@ from scipy.interpolate import PPoly
 
 from planner.base import effort
 from planner.base.arrays import Array
-from planner.spacecraft.mrp import MrpCurve, MrpMotion
+from planner.base.mrp import MrpCurve, MrpMotion
 from planner.spacecraft.slews.slew_problem import (
     LIMIT_TOLERANCE,
     AttitudeSlew,

@@ -7,7 +7,7 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.rotation import Rotation
-from planner.spacecraft.mrp import BodyMotion, MrpCurve, MrpMotion, MrpState, body_motion, mrp_state
+from planner.base.mrp import BodyMotion, MrpCurve, MrpMotion, MrpState, body_motion, mrp_state
 from planner.spacecraft.vehicle.definition import SlewLimits
 
 Method = Literal["ocp", "eigenaxis"]
