@@ -1,0 +1,1 @@
+"""Attitudes of a whole body: slews between them within its agility."""
