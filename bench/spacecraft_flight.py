@@ -10,6 +10,7 @@ from imaging_cases import EPOCH, area, session_request, sun_synchronous
 from scipy.spatial.transform import Rotation
 
 from planner.base.errors import Refusal
+from planner.base.mrp import BodyMotion
 from planner.spacecraft.flight.closed_loop import Log
 from planner.spacecraft.flight.simulation import draw_dispersion, fly_many, fly_table
 from planner.spacecraft.flight.stabilisation import (
@@ -19,7 +20,6 @@ from planner.spacecraft.flight.stabilisation import (
 from planner.spacecraft.imaging.candidates import candidates
 from planner.spacecraft.imaging.session import ImagingSession, make_session
 from planner.spacecraft.imaging.timeline import Timeline, build_timeline, scans_of
-from planner.base.mrp import BodyMotion
 from planner.spacecraft.plan import ImagingPlan, make_table, plan_imaging
 from planner.spacecraft.requests import SpacecraftSettings
 from planner.spacecraft.slews.eigenaxis import eigenaxis_slew

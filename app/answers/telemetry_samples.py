@@ -78,7 +78,7 @@ def samples_of(comparison: "Comparison") -> SamplesOut:
     """Rows read, used and dropped, and the columns."""
     clean, alignment = comparison.samples, comparison.alignment
     first_s, last_s = alignment.t_s(clean.tag_s[[0, -1]]).tolist()
-    names = comparison.plan.scenario.platform.axis_names
+    names = comparison.plan.scenario.two_axis.axis_names
     return SamplesOut(
         read=clean.read,
         used=len(clean.tag_s),

@@ -81,17 +81,17 @@ def flights_head(
     """What there is to tell before any disturbed run."""
     from planner.inflight.flights.drives import flown_by
     from planner.inflight.flights.nominal import nominal_session
-    from planner.planning.sessions.pipeline import session_budget
+    from planner.planning.sessions.platforms.registry import mover_of
 
     asked, table = read_flights_request(what.asked), plan.table
-    fly = flown_by(plan.scenario.platform)
+    fly = flown_by(plan.scenario.two_axis)
     sessions = []
     for scene in scenes:
         session = plan.scenario.sessions[scene.number]
-        budget = session_budget(plan.scenario, scene.ephemeris, table, scene.number)
+        budget = mover_of(plan.scenario).budget(scene.ephemeris, table, scene.number)
         assert budget is not None  # of a target that can be seen
         nominal = nominal_session(scene, fly, asked.moving_object)
-        axes = plan.scenario.platform.axis_names
+        axes = plan.scenario.two_axis.axis_names
         sessions.append(
             SessionHead(
                 session=scene.number,
@@ -121,7 +121,7 @@ def fly_part(body: bytes, _: object = None) -> Result:
     asked = read_flights_request(what.asked)
     outcomes = fly_runs(
         session_scenes(plan),
-        flown_by(plan.scenario.platform),
+        flown_by(plan.scenario.two_axis),
         asked.seed,
         part["first"],
         part["count"],

@@ -99,7 +99,7 @@ def horizon_checks(scenario: Scenario, cameras: tuple[HorizonCamera, ...]) -> li
         for session in scenario.sessions
         for share in SEEN_AT
     ]
-    seen, _ = views(scenario.orbit, scenario.attitude, cameras, moments, body=Body())
+    seen, _ = views(scenario.orbit, scenario.law, cameras, moments, body=Body())
     count = len(cameras)
     per_session = len(SEEN_AT) * count
     return [

@@ -84,7 +84,7 @@ def _pointing(comparison: "Comparison", request: ComparisonRequest) -> list["Poi
 
 
 def _samples(plan: FlightPlan, sent: SentTelemetry) -> Samples:
-    names, plan_epoch_utc = plan.scenario.platform.axis_names, plan.table.epoch_utc
+    names, plan_epoch_utc = plan.scenario.two_axis.axis_names, plan.table.epoch_utc
     epoch_utc = sent.request.samples.epoch if sent.request.samples else None
     if isinstance(sent.samples, bytes):
         return read_csv(sent.samples, names, epoch_utc, plan_epoch_utc, sent.request.columns)

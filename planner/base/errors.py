@@ -128,6 +128,13 @@ class InvalidMessage(InvalidInput):
     title = "The orbit or attitude message can't be read"
 
 
+class NotForPlatform(Refusal):
+    """What was asked for can't be told of a platform of this kind."""
+
+    slug = "not-for-platform"
+    title = "There is nothing like this for platforms of this kind"
+
+
 class OutsideCoverage(Refusal):
     """The orbit, attitude or Earth orientation is not known at the instants asked for."""
 

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from planner.base.answer_members import Count
 from planner.base.arrays import Array
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
-from planner.base.rotation import Rotation
 from planner.base.mrp import BodyMotion, MrpState, body_motion, mrp_state, quintic
+from planner.base.rotation import Rotation
 
 TICK_S = COMMAND_STEP_S  # Platonov, Sumarokov 2019: the control cycle
 

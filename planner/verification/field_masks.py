@@ -2,35 +2,33 @@
 
 import math
 from collections.abc import Iterator
+from datetime import datetime
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from planner.base.arrays import Array
-from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
-from planner.verification.carrier import boresight_platform
-from planner.verification.hermite import AxisHermite
+from planner.base.arrays import Array, Indices
+from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.verification.report import Finding, MaskMargin
 from planner.world.frames.time_scales import shifted_utc
-from planner.world.platforms import FieldMask, TwoAxisPlatform
-from planner.world.scenario import Scenario
+from planner.world.platforms import FieldMask
 
 TOLERANCE_RAD = math.radians(0.1 / 3600.0)  # as for pointing
 KNOWN_RAD = 1e-5  # 2 arcsec, to which the least distance is found
 DIRECTIONS_AT_ONCE = 20_000
 
 
-def mask_margins(table: CommandTable, scenario: Scenario) -> tuple[MaskMargin, ...]:
+def mask_margins(
+    masks: tuple[FieldMask, ...], path: "Path", epoch_utc: datetime
+) -> tuple[MaskMargin, ...]:
     """How near the boresight comes to each mask, from the first row to the last.
 
     As near as told somewhere, and nowhere nearer by more than 2 arcsec: the path is halved until
     no part of it is long enough to come nearer.
     """
-    if not scenario.platform.masks:
-        return ()
-    margins, path = [], _Path(table, scenario.platform)
-    for number, mask in enumerate(scenario.platform.masks):
-        away_rad, t_s = path.nearest(Region(mask))
+    margins = []
+    for number, mask in enumerate(masks):
+        away_rad, t_s = _nearest(path, Region(mask))
         margins.append(
             MaskMargin(
                 number=number,
@@ -38,7 +36,7 @@ def mask_margins(table: CommandTable, scenario: Scenario) -> tuple[MaskMargin, .
                 asked_rad=math.radians(mask.margin_deg),
                 away_min_rad=away_rad,
                 t_s=t_s,
-                at_utc=shifted_utc(table.epoch_utc, t_s),
+                at_utc=shifted_utc(epoch_utc, t_s),
             )
         )
     return tuple(margins)
@@ -65,65 +63,53 @@ def _apart(away_rad: float) -> str:
     return f"{abs(math.degrees(away_rad)):.3f} deg {where}"
 
 
-class _Path:
-    """The boresight's, by cells of the table and seconds into them."""
+class Path(Protocol):
+    """The boresight's in the frame of the masks, over `count` cells of a table.
 
-    def __init__(self, table: CommandTable, platform: TwoAxisPlatform) -> None:
-        self._platform, self._count = platform, len(table.position) - 1
-        # Of a wait, in which the boresight stands, one cell says as much as all.
-        stands = (np.diff(table.position, axis=0) == 0.0).all(axis=1)
-        stands &= (table.rate_rad_s[1:] == 0.0).all(axis=1)
-        stands &= (table.rate_rad_s[:-1] == 0.0).all(axis=1)
-        self._cells = np.flatnonzero(~(stands & np.append(False, stands[:-1])))
-        columns = zip(table.position.T, table.rate_rad_s.T, strict=True)
-        self._axes = [AxisHermite(angle_rad, rate_rad_s) for angle_rad, rate_rad_s in columns]
-        # In a cell the acceleration changes evenly: it is greatest at an end.
-        at_ends = [
-            np.abs([axis.acceleration_after_row_rad_s2, axis.acceleration_before_row_rad_s2])
-            for axis in self._axes
-        ]
-        self._acceleration_rad_s2 = np.max(at_ends, axis=1).sum(axis=0)
+    moving: the cells that are looked at.
+    """
 
-    def nearest(self, region: "Region") -> tuple[float, float]:
-        """The least distance and when: of a part of the path, its middle and how far its ends may
-        be off that tell whether it must be halved."""
-        cell = self._cells
-        middle_s = np.full(len(cell), COMMAND_STEP_S / 2.0)
-        half_s = COMMAND_STEP_S / 2.0
-        last = self._count - 1
-        ends = self._away_rad(region, np.array([0, last]), np.array([0.0, COMMAND_STEP_S]))
-        at = int(np.argmin(ends))
-        best_rad, best_s = float(ends[at]), at * self._count / ROWS_PER_S
-        while cell.size:
-            away_rad = self._away_rad(region, cell, middle_s)
-            at = int(np.argmin(away_rad))
-            if away_rad[at] < best_rad:
-                best_rad = float(away_rad[at])
-                best_s = float(cell[at] / ROWS_PER_S + middle_s[at])
-            may_be_nearer = (
-                away_rad - self._reach_rad(cell, middle_s, half_s) < best_rad - KNOWN_RAD
-            )
-            half_s /= 2.0
-            cell = np.repeat(cell[may_be_nearer], 2)
-            middle_s = np.repeat(middle_s[may_be_nearer], 2)
-            middle_s[::2] -= half_s
-            middle_s[1::2] += half_s
-        return best_rad, best_s
+    count: int
+    moving: Indices
 
-    def _away_rad(self, region: "Region", cell: NDArray[np.intp], u_s: Array) -> Array:
-        away_rad = np.empty(len(cell))
-        for first in range(0, len(cell), DIRECTIONS_AT_ONCE):
-            part = slice(first, first + DIRECTIONS_AT_ONCE)
-            angle_rad = np.stack([axis.angle_at(cell[part], u_s[part]) for axis in self._axes], 1)
-            boresight = boresight_platform(self._platform, angle_rad)
-            away_rad[part] = region.away_rad(boresight)
-        return away_rad
+    def boresight(self, cell: Indices, u_s: Array) -> Array:
+        """Unit vectors (n, 3), u_s after the rows of n cells."""
 
-    def _reach_rad(self, cell: NDArray[np.intp], middle_s: Array, half_s: float) -> Array:
-        """How far the boresight can be from the middle within half_s of it: each axis turns it by
-        no more than it turns itself."""
-        rate_rad_s = sum(np.abs(axis.rate_at(cell, middle_s)) for axis in self._axes)
-        return np.asarray(half_s * (rate_rad_s + half_s * self._acceleration_rad_s2[cell] / 2.0))
+    def reach_rad(self, cell: Indices, middle_s: Array, half_s: float) -> Array:
+        """How far it can be from the middle within half_s of it, (n,)."""
+
+
+def _nearest(path: Path, region: "Region") -> tuple[float, float]:
+    """The least distance and when: of a part of the path, its middle and how far its ends may
+    be off that tell whether it must be halved."""
+    cell = path.moving
+    middle_s = np.full(len(cell), COMMAND_STEP_S / 2.0)
+    half_s = COMMAND_STEP_S / 2.0
+    last = path.count - 1
+    ends = _away_rad(path, region, np.array([0, last]), np.array([0.0, COMMAND_STEP_S]))
+    at = int(np.argmin(ends))
+    best_rad, best_s = float(ends[at]), at * path.count / ROWS_PER_S
+    while cell.size:
+        away_rad = _away_rad(path, region, cell, middle_s)
+        at = int(np.argmin(away_rad))
+        if away_rad[at] < best_rad:
+            best_rad = float(away_rad[at])
+            best_s = float(cell[at] / ROWS_PER_S + middle_s[at])
+        may_be_nearer = away_rad - path.reach_rad(cell, middle_s, half_s) < best_rad - KNOWN_RAD
+        half_s /= 2.0
+        cell = np.repeat(cell[may_be_nearer], 2)
+        middle_s = np.repeat(middle_s[may_be_nearer], 2)
+        middle_s[::2] -= half_s
+        middle_s[1::2] += half_s
+    return best_rad, best_s
+
+
+def _away_rad(path: Path, region: "Region", cell: Indices, u_s: Array) -> Array:
+    away_rad = np.empty(len(cell))
+    for first in range(0, len(cell), DIRECTIONS_AT_ONCE):
+        part = slice(first, first + DIRECTIONS_AT_ONCE)
+        away_rad[part] = region.away_rad(path.boresight(cell[part], u_s[part]))
+    return away_rad
 
 
 class Region:

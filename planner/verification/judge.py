@@ -1,16 +1,24 @@
 """The independent judge of a command table: it reads the table and the scenario."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cache
 
+import numpy as np
+
 from planner.base.commands import ROWS_PER_S, CommandTable
-from planner.verification.bench_motion import bench_session
-from planner.verification.carrier import DERIVED_LAWS
-from planner.verification.field_masks import mask_findings, mask_margins
+from planner.verification.field_masks import mask_findings
 from planner.verification.keep_out import keep_out_findings, keep_out_margins
-from planner.verification.limits import limit_findings, limit_margins, slow_outside_sessions
+from planner.verification.limits import limit_findings
+from planner.verification.platforms.judge import Judge, JudgedSession
+from planner.verification.platforms.registry import judge_of
 from planner.verification.pointing import pointing_session
-from planner.verification.report import Finding, Given, SessionReport, VerificationReport
+from planner.verification.report import (
+    Finding,
+    Given,
+    SessionReport,
+    SlowStretch,
+    VerificationReport,
+)
 from planner.verification.session import table_session
 from planner.verification.structure import covers, session_rows, structure_findings, unflyable
 from planner.world.frames.time_scales import shifted_utc
@@ -37,18 +45,19 @@ def verify(table: CommandTable, scenario: Scenario) -> VerificationReport:
     orbit isn't known over the sessions.  What the judge doesn't derive again is named in
     `taken_as_given`.
     """
-    given = _assumptions(scenario)
-    fault = unflyable(table, scenario)
+    judge = judge_of(table, scenario)
+    given = _assumptions(scenario, judge)
+    fault = unflyable(table, judge)
     if fault is not None:
         return VerificationReport(
             passed=False, findings=(fault,), sessions=(), limits=(), taken_as_given=given
         )
-    margins = limit_margins(table, scenario)
-    keep_out = keep_out_margins(table, scenario)
-    masks = mask_margins(table, scenario)
+    margins = judge.margins()
+    keep_out = keep_out_margins(table, scenario, judge)
+    masks = judge.masks()
     findings: list[Finding] = [
-        *structure_findings(table, scenario),
-        *limit_findings(margins, scenario),
+        *structure_findings(table, scenario, judge),
+        *limit_findings(margins),
         *keep_out_findings(keep_out),
         *mask_findings(masks),
     ]
@@ -61,7 +70,7 @@ def verify(table: CommandTable, scenario: Scenario) -> VerificationReport:
     ephemeris = cache(lambda: _ephemeris(table, scenario, rows_by_session))  # a propagation is dear
     for number, session in enumerate(scenario.sessions):
         report, session_findings = _judge_session(
-            table, scenario, ephemeris, number, session.target, rows_by_session.get(number)
+            table, scenario, judge, ephemeris, number, session.target, rows_by_session.get(number)
         )
         findings.extend(session_findings)
         if report is not None:
@@ -74,18 +83,19 @@ def verify(table: CommandTable, scenario: Scenario) -> VerificationReport:
         taken_as_given=given,
         keep_out=keep_out,
         masks=masks,
-        slow_stretches=tuple(slow_outside_sessions(table, scenario)),
+        slow_stretches=tuple(_slow_outside_sessions(table, scenario, judge)),
     )
 
 
 def _judge_session(
     table: CommandTable,
     scenario: Scenario,
+    judge: Judge,
     ephemeris: Callable[[], Ephemeris],
     number: int,
     target: object,
     rows: range | None,
-) -> tuple[SessionReport | None, tuple[Finding, ...]]:
+) -> JudgedSession:
     """rows: None where the table is too short for the session, which is a finding already."""
     if not isinstance(target, EarthFixedTarget | SkyTarget | BenchMotionTarget):
         detail = f"session {number + 1}: the judge can't derive where this target appears"
@@ -93,8 +103,20 @@ def _judge_session(
     if rows is None:
         return None, ()
     if isinstance(target, BenchMotionTarget):
-        return bench_session(table_session(table, scenario, number, rows), target)
-    return pointing_session(table_session(table, scenario, number, rows), ephemeris(), target)
+        return judge.prescribed(number, rows, target)
+    flight = table_session(table, scenario, judge, number, rows)
+    return pointing_session(flight, ephemeris(), target)
+
+
+def _slow_outside_sessions(
+    table: CommandTable, scenario: Scenario, judge: Judge
+) -> Iterator[SlowStretch]:
+    """Wherever no session is held; an axis that stands still is not slow."""
+    held = np.zeros(len(table.t_s) - 1, dtype=bool)
+    for session in scenario.sessions:
+        rows = session_rows(session, table.epoch_utc)
+        held[max(rows[0], 0) : max(rows[-1], 0)] = True
+    return judge.slow_stretches(~held, standing=False)
 
 
 def _ephemeris(
@@ -112,16 +134,13 @@ def _ephemeris(
     )
 
 
-def _assumptions(scenario: Scenario) -> tuple[Given, ...]:
+def _assumptions(scenario: Scenario, judge: Judge) -> tuple[Given, ...]:
     targets = [session.target for session in scenario.sessions]
     is_motion = [isinstance(target, BenchMotionTarget) for target in targets]
     is_derived = [isinstance(target, (*DERIVED_TARGETS, BenchMotionTarget)) for target in targets]
-    attitude = scenario.attitude
-    # How far measurements turn it from its law is taken as given.
-    is_law = isinstance(attitude, DERIVED_LAWS) and not attitude.corrections
     given: dict[Given, bool] = {
         "orbit": not all(is_motion),
-        "attitude": not all(is_motion) and not is_law,
+        "attitude": not all(is_motion) and not judge.derives_attitude,
         "target": not all(is_derived),
         "motion": any(is_motion),
     }

@@ -5,12 +5,11 @@ from collections.abc import Iterator
 
 import erfa
 import numpy as np
-from numpy.typing import NDArray
 
-from planner.base.arrays import Array
+from planner.base.arrays import Array, Indices, Mask
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
-from planner.verification.carrier import apart_rad, eci_from_lvlh, eci_from_platform, payload_eci
-from planner.verification.limits import angles_at
+from planner.verification.directions import apart_rad, eci_from_lvlh
+from planner.verification.platforms.judge import FlownInstants, Judge
 from planner.verification.report import Finding, KeepOutMargin
 from planner.verification.sky import sky_sight
 from planner.world.frames.time_scales import Instants, shifted_utc
@@ -21,35 +20,33 @@ from planner.world.targets.keep_out import HIDDEN_RAD
 
 TOLERANCE_RAD = math.radians(0.1 / 3600.0)  # as for pointing
 FINER = 20  # instants per cell, 10 ms apart, where a cone is near
-CARRIER_RATE_RAD_S = math.radians(1.0)  # none turns faster
 ROWS_AT_ONCE = 20_000
 
 
-def keep_out_margins(table: CommandTable, scenario: Scenario) -> tuple[KeepOutMargin, ...]:
+def keep_out_margins(
+    table: CommandTable, scenario: Scenario, judge: Judge
+) -> tuple[KeepOutMargin, ...]:
     """How near the boresight comes to each cone, from the first row to the last.
 
     Raises OutsideCoverage.
     """
     if not scenario.slew.keep_out:
         return ()
-    count = len(table.position)
+    count = len(table.t_s)
     ephemeris = scenario.orbit.ephemeris(
         table.epoch_utc, shifted_utc(table.epoch_utc, (count - 1) / ROWS_PER_S)
     )
-    rate_rad_s = np.abs(table.rate_rad_s).sum(axis=1)
-    reach_rad = (rate_rad_s + CARRIER_RATE_RAD_S) * COMMAND_STEP_S + sum(
-        limits.acceleration_max_rad_s2 for limits in scenario.axis_limits
-    ) * COMMAND_STEP_S**2
+    reach_rad = judge.turn_most_rad()
     margins = []
     for number, cone in enumerate(scenario.slew.keep_out):
         half_rad = math.radians(cone.half_angle_deg)
         rows = np.arange(count)
-        away_rad = _away_rad(table, scenario, ephemeris, cone, rows, np.zeros(count))
+        away_rad = _away_rad(table, judge, ephemeris, cone, rows, np.zeros(count))
         # Closest among the rows, and every 10 ms next to rows from which the cone is in reach.
         near = rows[(away_rad - half_rad < reach_rad) & (rows < count - 1)]
         cell = np.repeat(near, FINER)
         u_s = np.tile(np.arange(FINER) * (COMMAND_STEP_S / FINER), len(near))
-        finer_rad = _away_rad(table, scenario, ephemeris, cone, cell, u_s)
+        finer_rad = _away_rad(table, judge, ephemeris, cone, cell, u_s)
         every_rad = np.concatenate([away_rad, finer_rad])
         t_s = np.concatenate([rows / ROWS_PER_S, cell / ROWS_PER_S + u_s])
         least = int(np.argmin(every_rad))
@@ -86,47 +83,39 @@ def keep_out_findings(margins: tuple[KeepOutMargin, ...]) -> Iterator[Finding]:
 
 def _away_rad(
     table: CommandTable,
-    scenario: Scenario,
+    judge: Judge,
     ephemeris: Ephemeris,
     cone: KeepOut,
-    cell: NDArray[np.intp],
+    cell: Indices,
     u_s: Array,
 ) -> Array:
-    """From boresight to the cone's axis, u_s after the rows; infinite where it doesn't count."""
+    """From boresight to the cone's axis, u_s after the rows; infinite where it doesn't count.
+
+    The last row ends a cell and begins none.
+    """
+    is_last = cell == len(table.t_s) - 1
+    begins, into_s = np.where(is_last, cell - 1, cell), np.where(is_last, COMMAND_STEP_S, u_s)
     away_rad = np.empty(len(cell))
     for first in range(0, len(cell), ROWS_AT_ONCE):
         part = slice(first, first + ROWS_AT_ONCE)
         instants = Instants(table.epoch_utc, cell[part] / ROWS_PER_S + u_s[part])
         states = ephemeris.states(instants)
-        angle_rad = _angle_rad(table, cell[part], u_s[part])
-        boresight_eci = payload_eci(scenario, angle_rad, instants, states)
-        axis_eci, counts = _axis_eci(cone, scenario, instants, states)
+        at = FlownInstants(begins[part], into_s[part], instants)
+        boresight_eci = judge.boresight_eci(at, states)
+        axis_eci, counts = _axis_eci(cone, judge, at, states)
         away_rad[part] = np.where(counts, apart_rad(axis_eci, boresight_eci), np.inf)
     return away_rad
 
 
-def _angle_rad(table: CommandTable, cell: NDArray[np.intp], u_s: Array) -> Array:
-    """Angles, shape (n, 2), u_s after the rows; the last row ends a cell and begins none."""
-    is_last = cell == len(table.position) - 1
-    begins, into_s = np.where(is_last, cell - 1, cell), np.where(is_last, COMMAND_STEP_S, u_s)
-    return angles_at(table, begins, into_s)
-
-
 def _axis_eci(
-    cone: KeepOut, scenario: Scenario, instants: Instants, states: OrbitStates
-) -> tuple[Array, NDArray[np.bool_]]:
+    cone: KeepOut, judge: Judge, at: FlownInstants, states: OrbitStates
+) -> tuple[Array, Mask]:
     """Of the cone: vectors (n, 3), and whether it counts (n,)."""
-    always = np.ones(len(instants.t_s), dtype=bool)
+    always = np.ones(len(at.cell), dtype=bool)
     if cone.direction_platform is not None:
-        axis_platform = np.tile(cone.direction_platform, (len(always), 1))
-        return (
-            eci_from_platform(
-                axis_platform, scenario.platform, scenario.attitude, instants, states
-            ),
-            always,
-        )
+        return judge.direction_eci(np.asarray(cone.direction_platform), at, states), always
     if cone.body is not None:
-        sight = sky_sight(BodyTarget(name=cone.body, grazing_altitude_km=0.0), instants, states)
+        sight = sky_sight(BodyTarget(name=cone.body, grazing_altitude_km=0.0), at.instants, states)
         return sight.apparent_eci, sight.clearance_rad > -HIDDEN_RAD
     if cone.direction_lvlh is not None:
         return eci_from_lvlh(np.tile(cone.direction_lvlh, (len(always), 1)), states), always

@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 
 from planner.base.arrays import Array
-from planner.verification.carrier import apart_rad, payload_eci
+from planner.verification.directions import apart_rad
 from planner.verification.earth_fixed import EarthFixedSight, earth_fixed_sight
 from planner.verification.report import Finding, OffTarget, SessionReport
 from planner.verification.session import TableSession
 from planner.verification.sky import LIMB_MODEL_SHARE, SkySight, sky_sight
-from planner.world.frames.time_scales import Instants, utc_text
+from planner.world.frames.time_scales import utc_text
 from planner.world.orbits import Ephemeris
 from planner.world.targets import EarthFixedTarget, SkyTarget
 
@@ -28,9 +28,9 @@ def pointing_session(
     Where the air of the limb bends the light, the pointing error may be larger by
     `LIMB_MODEL_SHARE` of the bending, and the clearance smaller.
     """
-    instants = Instants(flight.table.epoch_utc, flight.t_s)
+    instants = flight.at.instants
     states = ephemeris.states(instants)
-    boresight_eci = payload_eci(flight.scenario, flight.angle_rad, instants, states)
+    boresight_eci = flight.judge.boresight_eci(flight.at, states)
     if isinstance(target, SkyTarget):
         sky = sky_sight(target, instants, states)
         error_rad = apart_rad(sky.apparent_eci, boresight_eci)

@@ -65,6 +65,11 @@ class Finding:
     detail: str
 
 
+def table_fault(detail: str) -> Finding:
+    """What is wrong with the table as a whole."""
+    return Finding(limit="table", detail=detail)
+
+
 @answer
 class LimitMargin:
     """The closest an axis comes to a limit, anywhere on or between rows.
@@ -85,6 +90,7 @@ class LimitMargin:
     limit: Angle
     extreme: Angle  # with its sign
     margin: Angle
+    tolerance: Internal[float]  # by which the margin may be negative without being an error
     t_s: NotNegative
     at_utc: Utc
 

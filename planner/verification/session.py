@@ -4,13 +4,12 @@ from dataclasses import dataclass
 from datetime import datetime
 
 import numpy as np
-from numpy.typing import NDArray
 
-from planner.base.arrays import Array
+from planner.base.arrays import Array, Mask
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
-from planner.verification.limits import angles_at, axis_hermite, slow_stretches
+from planner.verification.platforms.judge import FlownInstants, Judge
 from planner.verification.report import Finding, Limit, OffTarget, SessionReport
-from planner.world.frames.time_scales import shifted_utc
+from planner.world.frames.time_scales import Instants, shifted_utc
 from planner.world.scenario import Scenario
 
 POINTS_PER_CELL = 4  # the row, and three: a Hermite errs like u^2 (1-u)^2, most in the middle
@@ -20,19 +19,23 @@ POINTS_PER_CELL = 4  # the row, and three: a Hermite errs like u^2 (1-u)^2, most
 class TableSession:
     """What the table flies over one session, at n instants, every `POINTS_PER_CELL`th one a row.
 
-    number: the session's.  t_s: since the table's epoch, shape (n,).  angle_rad: shape (n, m), one
-    column per axis.
+    number: the session's.
     """
 
     table: CommandTable
     scenario: Scenario
+    judge: Judge
     number: int
     rows: range
-    t_s: Array
-    angle_rad: Array
+    at: FlownInstants
 
     @property
-    def is_row(self) -> NDArray[np.bool_]:
+    def t_s(self) -> Array:
+        """Since the table's epoch, shape (n,)."""
+        return self.at.instants.t_s
+
+    @property
+    def is_row(self) -> Mask:
         return np.asarray(np.arange(len(self.t_s)) % POINTS_PER_CELL == 0)
 
     def utc(self, index: int) -> datetime:
@@ -57,8 +60,10 @@ class TableSession:
         off_target: tuple[OffTarget, ...] = (),
     ) -> SessionReport:
         """error_rad: of each instant, shape (n,)."""
-        scenario, rows, epoch_utc = self.scenario, self.rows, self.table.epoch_utc
+        rows, epoch_utc = self.rows, self.table.epoch_utc
         worst = int(np.argmax(error_rad))
+        cells = np.zeros(len(self.table.t_s) - 1, dtype=bool)
+        cells[rows[0] : rows[-1]] = True
         return SessionReport(
             session=self.number,
             start_utc=shifted_utc(epoch_utc, rows[0] / ROWS_PER_S),
@@ -71,31 +76,24 @@ class TableSession:
             between_rows_max_rad=float(error_rad[~self.is_row].max()),
             allowed_rad=allowed_rad,
             off_target=off_target,
-            slow_stretches=tuple(
-                stretch
-                for column, (axis, limits) in enumerate(
-                    zip(scenario.platform.axis_names, scenario.axis_limits, strict=True)
-                )
-                for stretch in slow_stretches(
-                    axis, axis_hermite(self.table, column), limits.rate_min_rad_s, rows, epoch_utc
-                )
-            ),
+            slow_stretches=tuple(self.judge.slow_stretches(cells, standing=True)),
         )
 
 
 def table_session(
-    table: CommandTable, scenario: Scenario, number: int, rows: range
+    table: CommandTable, scenario: Scenario, judge: Judge, number: int, rows: range
 ) -> TableSession:
-    """The table's Hermite over rows that it has."""
+    """What is flown over rows that the table has."""
     cells = len(rows) - 1
     points = np.arange(POINTS_PER_CELL * cells + 1)
     cell = np.minimum(points // POINTS_PER_CELL, cells - 1)
     u_s = (points - POINTS_PER_CELL * cell) * (COMMAND_STEP_S / POINTS_PER_CELL)
+    t_s = (POINTS_PER_CELL * rows[0] + points) / (ROWS_PER_S * POINTS_PER_CELL)
     return TableSession(
         table=table,
         scenario=scenario,
+        judge=judge,
         number=number,
         rows=rows,
-        t_s=(POINTS_PER_CELL * rows[0] + points) / (ROWS_PER_S * POINTS_PER_CELL),
-        angle_rad=angles_at(table, rows[0] + cell, u_s),
+        at=FlownInstants(rows[0] + cell, u_s, Instants(table.epoch_utc, t_s)),
     )

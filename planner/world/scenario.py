@@ -12,20 +12,21 @@ from pydantic import Discriminator, Tag
 from planner.base.arrays import Array
 from planner.base.assumed import Assumed
 from planner.base.commands import COMMAND_STEP_S
-from planner.base.errors import figures
+from planner.base.errors import NotForPlatform, figures
 from planner.base.spec import Within, spec
 from planner.world.attitude import Attitude
 from planner.world.frames.time_scales import elapsed_s, utc_text
 from planner.world.orbits import Orbit
 from planner.world.platforms import (
     AngleDeg,
+    AnyPlatform,
     AxisLimits,
     JerkDegS3,
-    Platform,
     StructuralMode,
     TwoAxisPlatform,
 )
-from planner.world.targets import KeepOut, Target
+from planner.world.platforms.body import BodyPlatform
+from planner.world.targets import BenchMotionTarget, KeepOut, Target
 
 KEEP_OUT_MAX = 8  # each makes the detour's problem larger
 AVOID_MODES_MAX = 16
@@ -38,7 +39,7 @@ MotionDeg = Annotated[float, Within(-1e3, 1e3)]  # no axis may have more rate or
 class InitialState:
     """Where the platform is, and how it moves, when the table begins.
 
-    One entry per axis of the platform, by the axis's name.
+    Of two axes one entry per axis, by the axis's name; a body begins on its idle attitude.
 
     epoch: row 0 of the table; UTC, a whole multiple of 0.2 s after its second.
     angles_deg: of the axes.
@@ -48,7 +49,7 @@ class InitialState:
     """
 
     epoch: datetime
-    angles_deg: Mapping[str, AngleDeg]
+    angles_deg: Mapping[str, AngleDeg] = field(default_factory=dict)
     rates_deg_s: Mapping[str, MotionDeg] = field(default_factory=dict)
     accelerations_deg_s2: Mapping[str, MotionDeg] = field(default_factory=dict)
     assumed: tuple[Assumed, ...] = ()
@@ -145,7 +146,7 @@ class FinalAngles:
 
 
 FinalState = Annotated[
-    Annotated[Literal["rest"], Tag("word")] | Annotated[FinalAngles, Tag("object")],
+    Annotated[Literal["rest", "idle"], Tag("word")] | Annotated[FinalAngles, Tag("object")],
     Discriminator(_word_or_object),
 ]
 
@@ -210,14 +211,15 @@ class Scenario:
     slew: options of the slews between targets.
     on_conflict: treatment of a slew that doesn't fit between two sessions: refuse, begin the later
     one late, end the earlier one early, or whatever of both loses the least time.
-    final_state: angles at which the axes are brought to rest when the last session is over; unless
-    given, the table ends with that session, however the axes move.
+    attitude: attitude of the carrier that two axes stand on; a body steers itself and has none.
+    final_state: angles at which the axes are brought to rest when the last session is over, or
+    "idle" for a body's idle attitude; unless given, the table ends with that session, in motion.
     """
 
     name: str = ""
-    platform: Platform
+    platform: AnyPlatform
     orbit: Orbit
-    attitude: Attitude
+    attitude: Attitude | None = None
     initial_state: InitialState
     sessions: tuple[Session, ...]
     slew: SlewOptions = SlewOptions()
@@ -236,9 +238,41 @@ class Scenario:
                 )
             earliest_utc, what = session.stop, f"sessions.{number}.stop"
         self._check_ids()
+        if isinstance(self.platform, BodyPlatform):
+            self._check_body()
+            return
+        if self.attitude is None:
+            raise ValueError(f"attitude is required: {self.platform.name} stands on a carrier")
         self._check_initial_state()
+        if self.final_state == "idle":
+            raise ValueError('final_state must be "rest" or angles: two axes have no idle attitude')
         if isinstance(self.final_state, FinalAngles):
             self._check_final_state(self.final_state)
+
+    def _check_body(self) -> None:
+        """What only two axes on a carrier have is refused."""
+        state, slew = self.initial_state, self.slew
+        given = {
+            "attitude": self.attitude is not None,
+            "initial_state.angles_deg": bool(state.angles_deg),
+            "initial_state.rates_deg_s": bool(state.rates_deg_s),
+            "initial_state.accelerations_deg_s2": bool(state.accelerations_deg_s2),
+            "final_state": self.final_state not in (None, "idle"),
+            "slew.method": slew.method != "ocp",
+            "slew.jerk_max_deg_s3": slew.jerk_max_deg_s3 is not None,
+            "slew.keep_out": bool(slew.keep_out),
+            "slew.avoid_modes": bool(slew.avoid_modes),
+        }
+        for number, session in enumerate(self.sessions):
+            given[f"sessions.{number}.keyhole"] = session.keyhole != "refuse"
+            mode = session.target.mode
+            given[f"sessions.{number}.target.mode"] = mode == BenchMotionTarget.mode
+        for name, is_given in given.items():
+            if is_given:
+                raise ValueError(
+                    f"{name} is of two axes on a carrier; leave it out for {self.platform.name}, "
+                    "a body that steers itself"
+                )
 
     def _check_ids(self) -> None:
         seen: dict[str, int] = {}
@@ -255,7 +289,7 @@ class Scenario:
         return bool(self.slew.keep_out or self.platform.masks)
 
     def _check_initial_state(self) -> None:
-        names = self.platform.axis_names
+        names = self.two_axis.axis_names
         fields = ("angles_deg", "rates_deg_s", "accelerations_deg_s2")
         for what in fields:
             given = getattr(self.initial_state, what)
@@ -265,7 +299,7 @@ class Scenario:
                     f"initial_state.{what} must name the axes {', '.join(names)} of "
                     f"{self.platform.name}, not {', '.join(given) or 'none'}"
                 )
-        for axis, limits in zip(names, self.platform.axis_limits, strict=True):
+        for axis, limits in zip(names, self.two_axis.axis_limits, strict=True):
             motion_rad = self.initial_motion(axis)
             for what, value, (low, high) in zip(fields, motion_rad, limits.bounds, strict=False):
                 if not low <= value <= high:
@@ -277,20 +311,20 @@ class Scenario:
 
     def _check_final_state(self, final: FinalAngles) -> None:
         if final.park is not None:
-            known = [position.name for position in self.platform.park_positions]
+            known = [position.name for position in self.two_axis.park_positions]
             if final.park not in known:
                 raise ValueError(
                     f"final_state.park must be a position of {self.platform.name} "
                     f"({', '.join(known) or 'it has none'}), not {final.park!r}; or give angles_deg"
                 )
             return
-        names, angles_deg = self.platform.axis_names, final.angles_deg or {}
+        names, angles_deg = self.two_axis.axis_names, final.angles_deg or {}
         if set(angles_deg) != set(names):
             raise ValueError(
                 f"final_state.angles_deg must name the axes {', '.join(names)} of "
                 f"{self.platform.name}, not {', '.join(angles_deg) or 'none'}"
             )
-        for axis, limits in zip(names, self.platform.axis_limits, strict=True):
+        for axis, limits in zip(names, self.two_axis.axis_limits, strict=True):
             low_deg = math.degrees(limits.angle_min_rad)
             high_deg = math.degrees(limits.angle_max_rad)
             if not limits.angle_min_rad <= math.radians(angles_deg[axis]) <= limits.angle_max_rad:
@@ -310,23 +344,44 @@ class Scenario:
         return (*self.initial_state.assumed, *filter(None, looked_up))
 
     @property
+    def two_axis(self) -> TwoAxisPlatform:
+        """The platform, for what knows two axes only; raises NotForPlatform."""
+        if not isinstance(self.platform, TwoAxisPlatform):
+            raise self._not_for_platform()
+        return self.platform
+
+    @property
+    def law(self) -> Attitude:
+        """The attitude of the carrier that two axes stand on; raises NotForPlatform."""
+        if self.attitude is None:
+            raise self._not_for_platform()
+        return self.attitude
+
+    def _not_for_platform(self) -> NotForPlatform:
+        return NotForPlatform(
+            f"{self.platform.name} is a platform of kind {self.platform.kind}, for which there are "
+            "plans, their CSV and their JSON so far; ask for these, or plan for two axes",
+            field="platform.kind",
+        )
+
+    @property
     def final_angle_rad(self) -> tuple[float, ...] | None:
         """Where the axes are to rest in the end, in their order; None: anywhere, or unasked."""
         final = self.final_state
         if not isinstance(final, FinalAngles):
             return None
         if final.angles_deg is not None:
-            return tuple(math.radians(final.angles_deg[axis]) for axis in self.platform.axis_names)
+            return tuple(math.radians(final.angles_deg[axis]) for axis in self.two_axis.axis_names)
         return next(
             position.angle_rad
-            for position in self.platform.park_positions
+            for position in self.two_axis.park_positions
             if position.name == final.park
         )
 
     @property
     def axis_limits(self) -> tuple[AxisLimits, ...]:
         """The platform's limits with the jerk limit asked for, in the order of its axes."""
-        return self.slew.axis_limits(self.platform)
+        return self.slew.axis_limits(self.two_axis)
 
     def initial_motion(self, axis: str) -> Array:
         """Angle, rate and acceleration of one axis at the epoch, rad, rad/s, rad/s2."""

@@ -20,7 +20,8 @@ from planner.motion.pointing.angles import boresight_platform
 from planner.motion.pointing.frame import frame_axes, places_in_frame
 from planner.motion.pointing.hermite import quintic_motion
 from planner.motion.pointing.line_of_sight import line_of_sight
-from planner.planning.sessions.pipeline import make_plan, session_budget
+from planner.planning.sessions.pipeline import make_plan
+from planner.planning.sessions.platforms.registry import mover_of
 from planner.planning.sessions.uncertainty import (
     OPTIONS as BUDGET_OPTIONS,
 )
@@ -300,7 +301,7 @@ def test_causes_share_what_varies(plan, scene):
     spread = math.sqrt(sum(one.share_sigma**2 for one in found.contributors))
     assert abs(whole - 1.0) < 4.0 * spread
     assert by_cause["orbit"].smear_share > 0.5  # which moves the target along
-    budget = session_budget(plan.scenario, scene.ephemeris, plan.table, 0)
+    budget = mover_of(plan.scenario).budget(scene.ephemeris, plan.table, 0)
     assert not found.sessions[0].in_frame.differs_from(budget.probability_in_frame)
 
 

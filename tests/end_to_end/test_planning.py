@@ -18,9 +18,8 @@ from planner.base.commands import COMMAND_STEP_S
 from planner.base.errors import InfeasibleSlew, NotVisible, Refusal
 from planner.planning.opportunities.request import OpportunityRequest, OpportunityTarget
 from planner.planning.opportunities.search import opportunities_however_many
-from planner.planning.sessions import chain
-from planner.planning.sessions.joining import slew_onto
 from planner.planning.sessions.pipeline import make_plan
+from planner.planning.sessions.platforms.two_axis import TwoAxisMover
 from planner.world.attitude import LvlhAttitude
 from planner.world.platforms import ISS_HRC
 from planner.world.scenario import SlewOptions
@@ -145,13 +144,15 @@ def test_a_slew_that_is_not_found_is_sought_a_row_later(monkeypatch, vain):
     at_once_s = lost_s(asked, make_plan(asked))
     tried = []
 
-    def found_at_last(scenario, way, from_row, state, **how):
+    slew_onto = TwoAxisMover.slew_onto
+
+    def found_at_last(mover, way, from_row, state, **how):
         if from_row > 0 and len(tried) < vain:
             tried.append(way.rows.start)
             raise InfeasibleSlew("none was found", limit="duration")
-        return slew_onto(scenario, way, from_row, state, **how)
+        return slew_onto(mover, way, from_row, state, **how)
 
-    monkeypatch.setattr(chain, "slew_onto", found_at_last)
+    monkeypatch.setattr(TwoAxisMover, "slew_onto", found_at_last)
     later_s = lost_s(asked, make_plan(asked))
     assert tried == list(range(tried[0], tried[0] + vain))
     assert later_s == pytest.approx(at_once_s + vain * COMMAND_STEP_S, abs=1e-6)

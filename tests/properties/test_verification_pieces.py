@@ -14,13 +14,13 @@ from scipy.spatial.transform import Rotation
 
 from planner.base.errors import OutsideCoverage
 from planner.verification import earth
-from planner.verification.carrier import boresight_platform
 from planner.verification.clock import elapsed_us, tai_us, tt_s
 from planner.verification.earth import earth_orientation
 from planner.verification.earth_fixed import hidden_by_earth
-from planner.verification.hermite import AxisHermite
 from planner.verification.light import aberrate
-from planner.verification.limits import ACCELERATION_JUMP, slow_stretches
+from planner.verification.platforms.two_axis.carrier import boresight_platform
+from planner.verification.platforms.two_axis.hermite import AxisHermite
+from planner.verification.platforms.two_axis.limits import ACCELERATION_JUMP, slow_stretches
 from planner.world.frames.earth_orientation import c_itrf_from_eci, iers_data_end_utc
 from planner.world.frames.time_scales import Instants
 from planner.world.platforms import ISS_HRC

@@ -8,8 +8,8 @@ import erfa
 import numpy as np
 import pytest
 
-from planner.verification.carrier import eci_from_platform
 from planner.verification.earth_fixed import earth_fixed_sight
+from planner.verification.platforms.two_axis.carrier import eci_from_platform
 from planner.verification.sky import sky_sight
 from planner.world.attitude.lvlh import LvlhAttitude
 from planner.world.frames.time_scales import Instants

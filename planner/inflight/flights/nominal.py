@@ -47,11 +47,11 @@ def ground_view(scene: SessionScene, t_s: Array, angle_rad: Array) -> GroundView
 
     The scale is that of a plane through the target.
     """
-    platform, target = scene.scenario.platform, scene.target
+    platform, target = scene.scenario.two_axis, scene.target
     instants = Instants(scene.instants.epoch_utc, t_s)
     states = scene.ephemeris.states(instants)
     seen = target.apparent(instants, states)
-    q = platform.q_platform_from_body * scene.scenario.attitude.q_body_from_eci(instants, states)
+    q = platform.q_platform_from_body * scene.scenario.law.q_body_from_eci(instants, states)
 
     def place(direction_eci: Array) -> Array:
         unit = direction_eci / np.linalg.norm(direction_eci, axis=1, keepdims=True)

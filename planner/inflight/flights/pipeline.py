@@ -17,5 +17,5 @@ def fly_plan(
     on_run: told how many runs are flown.  Raises InvalidInput where no session does.
     """
     scenes = session_scenes(plan)
-    fly = flown_by(plan.scenario.platform)
+    fly = flown_by(plan.scenario.two_axis)
     return summarise(fly_runs(scenes, fly, seed, 0, runs, on_run))

@@ -172,7 +172,7 @@ def _frames(scene: SessionScene, motion: Motion, seen: SeenTarget, at_s: Array) 
         flown_s = block_s.ravel() - scene.from_s
         blocks.append(
             frames_of(
-                scene.scenario.platform,
+                scene.scenario.two_axis,
                 block_s,
                 _at(flown_s, motion.t_s, motion.angle_rad),
                 _at(flown_s, motion.t_s, motion.structure_rad),

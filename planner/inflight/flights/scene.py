@@ -13,7 +13,8 @@ from planner.base.interpolation import NODES, UniformTable
 from planner.base.rotation import Rotation
 from planner.inflight.flights.draws import Draw
 from planner.inflight.flights.frames import exposures_s
-from planner.planning.sessions.track_branches import RowSpan, session_rows
+from planner.planning.sessions.platforms.mover import RowSpan
+from planner.planning.sessions.track_branches import session_rows
 from planner.planning.sessions.uncertainty import OPTIONS as BUDGET_OPTIONS
 from planner.planning.sessions.uncertainty import ut1_sigma_s
 from planner.world.attitude import AttitudeLaw
@@ -186,12 +187,12 @@ class SessionScene:
         late_s = [draw.earth_score * self.errors.ut1_s for draw in draws]
         # The Earth turned on by so much is the Earth so much later.
         seen = self.target.apparent(Instants(epoch_utc, np.add.outer(late_s, t_s).ravel()), states)
-        q_body_from_eci = self.scenario.attitude.q_body_from_eci(
+        q_body_from_eci = self.scenario.law.q_body_from_eci(
             Instants(epoch_utc, np.tile(t_s, count)), states
         )
         turned = np.concatenate([self.errors.turned_body_rad(draw) for draw in draws])
         q_platform_from_eci = (
-            self.scenario.platform.q_platform_from_body
+            self.scenario.two_axis.q_platform_from_body
             * Rotation.from_rotvec(-turned)
             * q_body_from_eci
         )
@@ -222,7 +223,7 @@ def session_scenes(plan: FlightPlan) -> list[SessionScene]:
     first_row = [max(rows.start - round(LEAD_S * ROWS_PER_S), 0) for *_, rows in seen]
     ephemerides = [scenario.orbit.ephemeris(at.utc(0), at.utc(-1)) for at in instants]
     states = [ephemeris.states(at) for ephemeris, at in zip(ephemerides, instants, strict=True)]
-    errors = session_errors(ephemerides, scenario.attitude, instants, states)
+    errors = session_errors(ephemerides, scenario.law, instants, states)
     return [
         SessionScene(
             number=number,

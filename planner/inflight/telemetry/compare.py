@@ -116,7 +116,7 @@ class Comparison:
 
 def compare(plan: FlightPlan, samples: Samples) -> Comparison:
     """Raises InvalidInput for telemetry that tells nothing of the plan."""
-    table, names = plan.table, plan.scenario.platform.axis_names
+    table, names = plan.table, plan.scenario.two_axis.axis_names
     motions = [PlannedMotion(table, axis) for axis in range(len(names))]
     valid = [replace(one, value=_valid(one.value, SAMPLES.value_max)) for one in samples.columns]
     columns = [column for column in valid if np.isfinite(column.value).any()]
@@ -271,7 +271,7 @@ def _axes(
     motions: Sequence[PlannedMotion],
     turned: Mapping[tuple[int, Kind], int],
 ) -> tuple[list[AxisComparison], list[str]]:
-    platform = plan.scenario.platform
+    platform = plan.scenario.two_axis
     t_s = alignment.t_s(clean.tag_s)
     scales = {(one.axis, one.kind): one for one in alignment.scales}
     axes: list[AxisComparison] = []

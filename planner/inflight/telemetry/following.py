@@ -10,7 +10,7 @@ import numpy as np
 
 from planner.base.arrays import Array, Indices, Mask
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
-from planner.verification.hermite import AxisHermite
+from planner.verification.platforms.two_axis.hermite import AxisHermite
 from planner.world.frames.time_scales import elapsed_s
 from planner.world.plan import Segment, SegmentKind
 from planner.world.platforms import AxisLimits

@@ -77,7 +77,7 @@ def from_rotation(
 ) -> PointingParts:
     """Of a horizon estimate of the same session, its turn against the law without corrections."""
     t_s = _time_within(plan, measured.epoch, field)
-    platform = plan.scenario.platform
+    platform = plan.scenario.two_axis
     planned_rad, off_rad = _angles(plan, followed, t_s)
     sides, boresight = _frame(platform, planned_rad)
     axes = _axes_part(platform, planned_rad, off_rad, sides)
@@ -116,7 +116,7 @@ def from_image(
             "nothing; give frames of a session",
             field=f"{field}.epoch",
         )
-    platform = plan.scenario.platform
+    platform = plan.scenario.two_axis
     planned_rad, off_rad = _angles(plan, followed, t_s)
     sides, boresight = _frame(platform, planned_rad)
     axes = _axes_part(platform, planned_rad, off_rad, sides)
@@ -182,7 +182,7 @@ def _angles(
     plan: FlightPlan, followed: Sequence[Followed], t_s: float
 ) -> tuple[Array, Array | None]:
     """Planned angles and what the axes were off them, (1, 2) each; None without both."""
-    count = len(plan.scenario.platform.axis_names)
+    count = len(plan.scenario.two_axis.axis_names)
     planned_rad = np.array(
         [[PlannedMotion(plan.table, axis).angle_rad(np.array([t_s]))[0] for axis in range(count)]]
     )
@@ -218,7 +218,7 @@ def _axes_part(
 def _reckoned_turn_rad(plan: FlightPlan, epoch_utc: datetime) -> Array:
     """By which the plan's own corrections had turned the law then, (3,)."""
     instants = Instants(epoch_utc, np.zeros(1))
-    return np.asarray(plan.scenario.attitude.turn_rad(instants)[0])
+    return np.asarray(plan.scenario.law.turn_rad(instants)[0])
 
 
 def _pair(value: Array | None) -> tuple[float, float] | None:
@@ -253,7 +253,7 @@ def platform_found(comparison: Comparison, names: Sequence[str]) -> PlatformFoun
 
     Raises InvalidInput for names and plans that can't be identified.
     """
-    platform = comparison.plan.scenario.platform
+    platform = comparison.plan.scenario.two_axis
     found: tuple[Parameter, ...] = ()
     if names:
         found, drives = _drives(comparison, names)
@@ -275,7 +275,7 @@ def _least_rates(comparison: Comparison) -> list[Parameter]:
     found = []
     for axis in comparison.axes:
         motion = axis.followed.motion
-        limits = comparison.plan.scenario.platform.axis_limits[motion.axis]
+        limits = comparison.plan.scenario.two_axis.axis_limits[motion.axis]
         fastest_rad_s = max((one.rate_rad_s for one in axis.stick_slip), default=0.0)
         if limits.rate_min_rad_s < fastest_rad_s < limits.rate_max_rad_s / OPTIONS.room:
             found.append(
@@ -292,7 +292,7 @@ def _least_rates(comparison: Comparison) -> list[Parameter]:
 def _drives(
     comparison: Comparison, names: Sequence[str]
 ) -> tuple[tuple[Parameter, ...], tuple[AxisDrive, AxisDrive]]:
-    plan, platform = comparison.plan, comparison.plan.scenario.platform
+    plan, platform = comparison.plan, comparison.plan.scenario.two_axis
     _require_identifiable(names, platform, plan.table.t_s[-1])
     clean = comparison.samples
     t_s = comparison.alignment.t_s(clean.tag_s) + _own_delay_s(comparison)
@@ -340,7 +340,7 @@ def _require_identifiable(names: Sequence[str], platform: TwoAxisPlatform, table
 
 def _own_delay_s(comparison: Comparison) -> float:
     """By how much the platform's drives are late by themselves, as telemetry would show it."""
-    table, platform = comparison.plan.table, comparison.plan.scenario.platform
+    table, platform = comparison.plan.table, comparison.plan.scenario.two_axis
     flown = fly(table, platform)
     told = {one.followed.motion.axis for one in comparison.axes}
     channels = [

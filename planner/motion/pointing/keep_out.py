@@ -183,7 +183,7 @@ def keep_out_view(
     if not scenario.keeps_out:
         return None
     cones = _moving_cones(scenario, ephemeris, start_s, stop_s) if scenario.slew.keep_out else ()
-    return KeepOutView(platform=scenario.platform, cones=cones, masks=scenario.platform.masks)
+    return KeepOutView(platform=scenario.two_axis, cones=cones, masks=scenario.platform.masks)
 
 
 def _moving_cones(
@@ -193,8 +193,8 @@ def _moving_cones(
     t_s = np.linspace(start_s, stop_s, count)
     instants = Instants(scenario.initial_state.epoch, t_s)
     states = ephemeris.states(instants)
-    q_platform_from_eci = scenario.platform.q_platform_from_body * (
-        scenario.attitude.q_body_from_eci(instants, states)
+    q_platform_from_eci = scenario.two_axis.q_platform_from_body * (
+        scenario.law.q_body_from_eci(instants, states)
     )
     cones = []
     for cone in scenario.slew.keep_out:

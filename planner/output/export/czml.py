@@ -61,7 +61,7 @@ def write_czml(plan: FlightPlan, created_utc: datetime) -> bytes:
         _document(plan, rows, created_utc, every),
         *_spacecraft(plan, rows, c_itrf),
         *_boresight(plan, rows, boresight.end_itrf_m[:, 0]),
-        *_footprint(rows, plan.scenario.platform),
+        *_footprint(rows, plan.scenario.two_axis),
         *(
             packet
             for number, session in enumerate(plan.scenario.sessions)
@@ -72,7 +72,7 @@ def write_czml(plan: FlightPlan, created_utc: datetime) -> bytes:
 
 
 def _document(plan: FlightPlan, rows: TableStates, created_utc: datetime, every: int) -> Json:
-    platform = plan.scenario.platform
+    platform = plan.scenario.two_axis
     along, across = 2.0 * np.degrees(platform.frame_half_rad)
     turn_deg = np.degrees(platform.frame_turn_rad)
     lines = [

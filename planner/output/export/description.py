@@ -50,8 +50,8 @@ def notes(plan: FlightPlan, created_utc: datetime) -> tuple[str, ...]:
         f"platform {one_line(scenario.platform.name)}, written {utc_text(created_utc)}",
         f"epoch {utc_text(table.epoch_utc, 1)}, a row every {COMMAND_STEP_S} s; "
         f"time scale {TIME_SCALE}",
-        rotation_order(scenario.platform),
-        mount(scenario.platform),
+        rotation_order(scenario.two_axis),
+        mount(scenario.two_axis),
         PAYLOAD_AXES,
         INTERPOLATION,
     )

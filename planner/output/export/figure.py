@@ -54,7 +54,7 @@ def draw_plan(plan: FlightPlan, image_format: str, created_utc: datetime) -> byt
 
     Sessions are shaded, closest approaches and limits dashed.
     """
-    table, limits = plan.table, plan.scenario.platform.axis_limits
+    table, limits = plan.table, plan.scenario.two_axis.axis_limits
     title = plan.scenario.name or "Plan"
     figure, panels = panels_over_time(
         ("angle, deg", "rate, deg/s", "acceleration, deg/s²"),

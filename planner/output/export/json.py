@@ -18,7 +18,7 @@ from planner.world.plan import FlightPlan
 
 def write_json(plan: FlightPlan, created_utc: datetime) -> bytes:
     """The answer's `table` with a `description` of frames, units, time scale and rotation."""
-    table, platform = plan.table, plan.scenario.platform
+    table, platform = plan.table, plan.scenario.two_axis
     document = {
         "name": plan.scenario.name,
         "epoch": utc_text(table.epoch_utc, 1),

@@ -78,8 +78,8 @@ def write_global_attributes(file: netcdf_file, plan: FlightPlan, created_utc: da
         history=f"{utc_text(created_utc)} written by slewtrack",
         platform=one_line(scenario.platform.name),
         carrier=f"{spacecraft.name} ({spacecraft.designator})",
-        rotation_order=rotation_order(scenario.platform),
-        mount=mount(scenario.platform),
+        rotation_order=rotation_order(scenario.two_axis),
+        mount=mount(scenario.two_axis),
         time_scale=TIME_SCALE,
         interpolation=INTERPOLATION,
         frames="gcrf: geocentric, axes of the ICRF; body: of the carrier; "

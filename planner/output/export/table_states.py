@@ -55,8 +55,8 @@ def _states_from(plan: FlightPlan, row: Indices, first_row: int) -> TableStates:
     instants = Instants(table.epoch_utc, table.t_s[row])
     ephemeris = scenario.orbit.ephemeris(instants.utc(0), instants.utc(-1))
     states = ephemeris.states(instants)
-    q_body_from_eci = scenario.attitude.q_body_from_eci(instants, states)
-    platform = scenario.platform
+    q_body_from_eci = scenario.law.q_body_from_eci(instants, states)
+    platform = scenario.two_axis
     q_payload_from_body = (
         platform.q_payload_from_base(table.position[row]) * platform.q_platform_from_body
     )

@@ -21,9 +21,9 @@ def cone_traces(scene: PlanScene) -> Iterator[ConeTrace]:
     count = len(scene.rows.instants)
     outlined = np.unique(np.linspace(0, count - 1, min(count, OUTLINES_MAX)).round().astype(int))
     boresight = boresight_platform(
-        scene.plan.scenario.platform, scene.plan.table.position[scene.rows.row]
+        scene.plan.scenario.two_axis, scene.plan.table.position[scene.rows.row]
     )
-    axis_names = scene.plan.scenario.platform.axis_names
+    axis_names = scene.plan.scenario.two_axis.axis_names
     for number, cone in enumerate(scene.plan.scenario.slew.keep_out):
         axis_platform, counts_rad = _axis(scene, cone)
         half_angle_rad = math.radians(cone.half_angle_deg)
@@ -46,7 +46,7 @@ def cone_traces(scene: PlanScene) -> Iterator[ConeTrace]:
 
 def _axis(scene: PlanScene, cone: KeepOut) -> tuple[Array, Array]:
     rows = scene.rows
-    q_platform_from_eci = scene.plan.scenario.platform.q_platform_from_body * Rotation.from_quat(
+    q_platform_from_eci = scene.plan.scenario.two_axis.q_platform_from_body * Rotation.from_quat(
         rows.q_body_from_eci_xyzw
     )
     return cone.axis_platform(rows.instants, rows.states, q_platform_from_eci)
@@ -56,7 +56,7 @@ def _outlines_rad(
     scene: PlanScene, axis_platform: Array, half_angle_rad: float, outlined: Indices
 ) -> Array:
     """Shape (2, k, 2, OUTLINE_POINTS): axes, instants, ways of pointing there, points around."""
-    platform = scene.plan.scenario.platform
+    platform = scene.plan.scenario.two_axis
     axis = axis_platform[outlined]
     spare = np.eye(3)[np.abs(axis).argmin(axis=1)]
     first = cross(axis, spare)

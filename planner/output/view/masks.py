@@ -16,7 +16,7 @@ _STEP_RAD = math.radians(2.0)  # a great circle bends on the axes
 
 def mask_traces(plan: FlightPlan, row: Indices) -> Iterator[MaskTrace]:
     """Of each mask, at these rows of the table."""
-    platform = plan.scenario.platform
+    platform = plan.scenario.two_axis
     if not platform.masks:
         return
     boresight = boresight_platform(platform, plan.table.position[row])

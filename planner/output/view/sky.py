@@ -41,7 +41,7 @@ def _toward_eci(scene: PlanScene, target: SessionTarget) -> Array:
 
 def _cone_axes_eci(scene: PlanScene) -> list[Array]:
     rows = scene.rows
-    q_platform_from_eci = scene.plan.scenario.platform.q_platform_from_body * Rotation.from_quat(
+    q_platform_from_eci = scene.plan.scenario.two_axis.q_platform_from_body * Rotation.from_quat(
         rows.q_body_from_eci_xyzw
     )
     axes_platform = (

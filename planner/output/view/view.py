@@ -74,9 +74,9 @@ def _windows(
     """None where orbit or attitude aren't known over the span, or it is too short to be asked."""
     try:
         request = OpportunityRequest(
-            platform=scenario.platform,
+            platform=scenario.two_axis,
             orbit=scenario.orbit,
-            attitude=scenario.attitude,
+            attitude=scenario.law,
             targets=(OpportunityTarget(id=name, target=session.target),),
             start=span[0],
             stop=span[1],
@@ -126,9 +126,9 @@ def _covariance_rad2(
     found_rad2 = error_covariance_rad2(
         los,
         scene.rows.ephemeris,
-        scenario.attitude,
+        scenario.law,
         target,
-        scenario.platform,
+        scenario.two_axis,
         np.stack(angle_rad, axis=1),
     )
     wanted_s = scene.rows.row[inside] / ROWS_PER_S
@@ -159,7 +159,7 @@ def view_plan(plan: FlightPlan, step_s: float | None, pixel_arcsec: float) -> Pl
     # Before them orbit and attitude aren't known, and columns of carrier, Sun and targets are NaN.
     unknown = len(row) - len(scene.rows.row)
     segments = [plan.segments[number] for number in _segment(plan, row).tolist()]
-    platform = plan.scenario.platform
+    platform = plan.scenario.two_axis
     return PlanView(
         plan=plan,
         epoch_utc=plan.table.epoch_utc,

@@ -6,7 +6,7 @@ from datetime import datetime
 import numpy as np
 
 from planner.base.commands import ROWS_PER_S, Channel, CommandTable
-from planner.planning.sessions.joining import Join
+from planner.planning.sessions.platforms.mover import Join
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, tai_us
 from planner.world.scenario import Scenario
 

@@ -8,17 +8,8 @@ from planner.base import effort
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.base.effort import at_most
 from planner.base.errors import InfeasibleSlew
-from planner.motion.slew import AxisState
-from planner.planning.sessions.earliest_join import track_states
-from planner.planning.sessions.joining import (
-    Join,
-    first_row_in_reach,
-    may_slew_between,
-    slew_onto,
-)
-from planner.planning.sessions.slew_timing import least_slew_s
+from planner.planning.sessions.platforms.mover import Join, Mover, State, TrackBranch
 from planner.planning.sessions.track_branches import OPTIONS as TRACK_BRANCH_OPTIONS
-from planner.planning.sessions.track_branches import TrackBranch
 from planner.world.frames.time_scales import elapsed_s
 from planner.world.scenario import Scenario
 
@@ -46,7 +37,6 @@ CONFLICTS: dict[str, tuple[int, ...]] = {
     "shorten_earlier": (OPTIONS.splits,),
     "least_loss": tuple(range(OPTIONS.splits + 1)),
 }
-States = tuple[AxisState, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,35 +65,34 @@ Steps = tuple[SequenceStep, ...]
 Pair = tuple[TrackBranch | None, TrackBranch]  # left and joined
 
 
-def initial_state(scenario: Scenario) -> States:
-    """The platform at row 0, axis by axis."""
-    motions = (scenario.initial_motion(axis).tolist() for axis in scenario.platform.axis_names)
-    return tuple(AxisState(angle_rad=q, rate_rad_s=v, acceleration_rad_s2=a) for q, v, a in motions)
-
-
 class Chain:
     """The branches of each session, and the slews between them that solving found impossible.
 
     Results are kept, by branches and by rows: each search goes over it again.
     """
 
-    def __init__(self, scenario: Scenario, sessions: list[tuple[TrackBranch, ...]]) -> None:
-        self.scenario = scenario
-        self.sessions = sessions
+    def __init__(
+        self,
+        scenario: Scenario,
+        mover: Mover,
+        initial: State,
+        sessions: list[tuple[TrackBranch, ...]],
+    ) -> None:
+        self.scenario, self.mover, self.sessions = scenario, mover, sessions
         self._infeasible_rows: dict[Pair, set[tuple[int, int]]] = {}
         self._joins: dict[tuple[Pair, int, int], Join] = {}
         self._steps: dict[tuple[Pair, int, tuple[int, ...], int], SequenceStep | None] = {}
         self._blocked_rows: dict[Pair, int] = {}
         self._may_slew = cache(self._try_slew)
         self._first_row_in_reach = cache(self._seek_row_in_reach)
-        self._initial = initial_state(scenario)
+        self._initial = initial
         epoch_utc = scenario.initial_state.epoch
         self._session_span_s = cache(
             lambda branch: [
                 elapsed_s(at, epoch_utc) for at in (branch.session.start, branch.session.stop)
             ]
         )
-        self._track_states = cache(lambda branch, row: track_states(branch.track, row / ROWS_PER_S))
+        self._track_state = cache(mover.state_at)
         self._care_left = OPTIONS.care_share * effort.remaining()
         self._is_search_truncated = False
 
@@ -137,19 +126,17 @@ class Chain:
                 return None
         return self._joins[pair, *rows]
 
-    def _solve_join(self, branch: TrackBranch, from_row: int, state: States) -> Join:
+    def _solve_join(self, branch: TrackBranch, from_row: int, state: State) -> Join:
         """Around cones what is found at once, else with care; without, with care as it lasts."""
         keeps_out = self.scenario.keeps_out
         if self.scenario.slew.objective == "minimum_time" and not keeps_out:
             join = self._with_care(branch, from_row, state)
             if join is None:
-                join = slew_onto(
-                    self.scenario, branch, from_row, state, thorough=False, early=False
-                )
+                join = self.mover.slew_onto(branch, from_row, state, thorough=False, early=False)
                 join = replace(join, search_truncated=True)
             return join
         try:
-            return slew_onto(self.scenario, branch, from_row, state, thorough=False, early=False)
+            return self.mover.slew_onto(branch, from_row, state, thorough=False, early=False)
         except InfeasibleSlew as refusal:
             blocked = refusal
         careful = self._with_care(branch, from_row, state, early=False) if keeps_out else None
@@ -158,13 +145,13 @@ class Chain:
         return careful
 
     def _with_care(
-        self, branch: TrackBranch, from_row: int, state: States, *, early: bool = True
+        self, branch: TrackBranch, from_row: int, state: State, *, early: bool = True
     ) -> Join | None:
         """None where the work that may be done with care ends before anything is found."""
         join = None
         with at_most(min(OPTIONS.care_most, self._care_left)) as care:
             try:
-                join = slew_onto(self.scenario, branch, from_row, state, early=early)
+                join = self.mover.slew_onto(branch, from_row, state, early=early)
             finally:
                 self._care_left -= care.done_rows
         self._is_search_truncated |= join is None
@@ -190,7 +177,7 @@ class Chain:
             found = replace(join, search_truncated=True)
             with at_most(share):
                 try:
-                    found = slew_onto(self.scenario, branch, step.leave_row, state)
+                    found = self.mover.slew_onto(branch, step.leave_row, state)
                 except InfeasibleSlew:  # a search from other guesses may miss what was found
                     found = join
             search_truncated = found.search_truncated or self._is_search_truncated
@@ -246,7 +233,7 @@ class Chain:
             leave_row=leave_row,
             join_row=join_row,
             lost_rows=slew_start.last_row - leave_row + join_row - branch.rows.start,
-            slew_s=least_slew_s(here, there, self.scenario.axis_limits),
+            slew_s=self.mover.least_s(here, there),
         )
 
     def _may_fit(
@@ -261,7 +248,7 @@ class Chain:
     ) -> bool:
         there = self.state_at(branch, join_row)
         state = self.state_at(left, leave_row)
-        return may_slew_between(self.scenario, state, there, join_row - leave_row)
+        return self.mover.may_slew(state, there, join_row - leave_row)
 
     def _is_open(
         self, slew_start: SlewStart, branch: TrackBranch, leave_row: int, join_row: int
@@ -288,11 +275,11 @@ class Chain:
         self, left: TrackBranch | None, branch: TrackBranch, leave_row: int
     ) -> int | None:
         state = self.state_at(left, leave_row)
-        return first_row_in_reach(self.scenario, branch, leave_row, state, branch.rows.start)
+        return self.mover.first_row_in_reach(branch, leave_row, state, branch.rows.start)
 
-    def state_at(self, branch: TrackBranch | None, row: int) -> States:
-        """States of the axes on a row of a branch's track; without a branch, the initial one."""
-        return self._initial if branch is None else self._track_states(branch, row)
+    def state_at(self, branch: TrackBranch | None, row: int) -> State:
+        """How it moves on a row of a branch's track; without a branch, the initial one."""
+        return self._initial if branch is None else self._track_state(branch, row)
 
     def hopeless_sessions(self) -> tuple[int, ...]:
         """Sessions no branch of which any slew reaches in time from the one before, both as asked.

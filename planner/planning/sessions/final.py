@@ -12,7 +12,8 @@ from planner.motion.baseline.paper_cubic import paper_duration_s
 from planner.motion.pointing.track import AxisTrack
 from planner.motion.slew import AxisState, SlewProblem
 from planner.planning.sessions.earliest_join import track_states
-from planner.planning.sessions.joining import Join, slew_onto
+from planner.planning.sessions.joining import slew_onto
+from planner.planning.sessions.platforms.mover import Join, RowSpan, TrackBranch
 from planner.planning.sessions.slew_timing import (
     OPTIONS as SLEW_TIMING_OPTIONS,
 )
@@ -23,7 +24,6 @@ from planner.planning.sessions.slew_timing import (
     least_slew_s,
     recommended_duration_s,
 )
-from planner.planning.sessions.track_branches import RowSpan, TrackBranch
 from planner.world.frames.time_scales import shifted_utc
 from planner.world.orbits import Ephemeris
 from planner.world.scenario import BoundedLead, Scenario
@@ -107,7 +107,7 @@ def _wanted_s(scenario: Scenario, state: States, rest: States) -> float:
         return recommended_duration_s(state, rest, limits, slew.avoid_modes)
     return paper_duration_s(
         SlewProblem(
-            axis_names=scenario.platform.axis_names,
+            axis_names=scenario.two_axis.axis_names,
             limits=limits,
             start=state,
             end=rest,
@@ -145,7 +145,7 @@ def _rest_branch(
     return TrackBranch(
         session=scenario.sessions[-1],
         track=AxisTrack(
-            axis_names=scenario.platform.axis_names,
+            axis_names=scenario.two_axis.axis_names,
             t_s=t_s,
             axis_states=np.stack([angle_rad, np.zeros((2, 2)), np.zeros((2, 2))]),
         ),

@@ -1,7 +1,5 @@
 """The slew from the platform's state onto one session's track."""
 
-from dataclasses import dataclass
-
 from planner.base import effort
 from planner.base.commands import ROWS_PER_S
 from planner.base.effort import at_most
@@ -9,36 +7,11 @@ from planner.base.errors import InfeasibleSlew
 from planner.motion.baseline import in_paper_time, paper_slew
 from planner.motion.detour.detour import avoid_cones
 from planner.motion.pointing.keep_out import KeepOutView, keep_out_view
-from planner.motion.pointing.track import AxisTrack
 from planner.motion.slew import AxisState, SlewProblem, SlewSolution, broken_limit, optimal_slew
 from planner.planning.sessions.earliest_join import Approach, track_states
+from planner.planning.sessions.platforms.mover import Join, TrackBranch
 from planner.planning.sessions.slew_timing import TimedSlew, may_slew_within_lead, slew_within_lead
-from planner.planning.sessions.track_branches import TrackBranch
 from planner.world.scenario import Scenario
-
-
-@dataclass(frozen=True, kw_only=True)
-class Join:
-    """A slew from `slew_row` to `join_row`, and its track followed to `stop_row`.
-
-    brake: what brings the axes to rest at the end of what was before, None where they slew at
-    once or are at rest already.
-    search_truncated: whether the bound of work ended the search for an earlier join or a smoother
-    slew.
-    """
-
-    slew: SlewSolution
-    track: AxisTrack
-    slew_row: int
-    join_row: int
-    stop_row: int
-    brake: SlewSolution | None = None
-    search_truncated: bool = False
-
-    @property
-    def brake_rows(self) -> int:
-        """How many rows the braking takes."""
-        return round(self.brake.duration_s * ROWS_PER_S) if self.brake else 0
 
 
 def slew_onto(
@@ -90,24 +63,13 @@ def slew_onto(
     return Join(
         slew=slew,
         brake=timed.brake,
+        brake_rows=round(timed.brake.duration_s * ROWS_PER_S) if timed.brake else 0,
         track=branch.track,
         slew_row=join_row - round(slew.duration_s * ROWS_PER_S),
         join_row=join_row,
         stop_row=branch.rows.stop,
         search_truncated=search_truncated or slew.search_truncated,
     )
-
-
-def may_slew_onto(
-    scenario: Scenario, branch: TrackBranch, from_row: int, state: tuple[AxisState, ...]
-) -> bool:
-    """Whether closed forms leave open that `slew_onto` succeeds; microseconds, cones aside."""
-    join_row = branch.rows.start
-    there = track_states(branch.track, join_row / ROWS_PER_S)
-    if may_slew_between(scenario, state, there, join_row - from_row):
-        return True
-    # The durations a slew can take have gaps: an earlier row may be within reach.
-    return first_row_in_reach(scenario, branch, from_row, state, join_row) is not None
 
 
 def may_slew_between(
@@ -181,7 +143,7 @@ def _slew(
 def _require_within_limits(scenario: Scenario, state: tuple[AxisState, ...], does: str) -> None:
     """A track keeps its limits on its own rows; between rows that are finer it may not."""
     for name, axis, limits in zip(
-        scenario.platform.axis_names, state, scenario.axis_limits, strict=True
+        scenario.two_axis.axis_names, state, scenario.axis_limits, strict=True
     ):
         limit = broken_limit(axis, limits)
         if limit is not None:

@@ -11,12 +11,12 @@ from planner.base.commands import ROWS_PER_S
 from planner.base.effort import WorkLimitReached, at_most
 from planner.base.errors import InfeasibleSlew, Refusal
 from planner.base.reporting import Reporter, tell_nobody
-from planner.planning.sessions.assembly import assemble_table, sessions_after_conflicts, table_work
-from planner.planning.sessions.final import with_final_slew
-from planner.planning.sessions.joining import Join
+from planner.planning.sessions.assembly import sessions_after_conflicts, table_work
+from planner.planning.sessions.platforms.mover import Join, RowSpan
+from planner.planning.sessions.platforms.registry import mover_of
 from planner.planning.sessions.sequence import RefusedSession, SessionRefused, sequence_sessions
 from planner.planning.sessions.start_trials import Trials, longest_hold
-from planner.planning.sessions.track_branches import RowSpan, ephemeris_over, session_rows
+from planner.planning.sessions.track_branches import ephemeris_over, session_rows
 from planner.verification import verify
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 from planner.world.orbits import Ephemeris
@@ -97,12 +97,13 @@ def _is_planned(scenario: Scenario) -> bool:
     rows = [session_rows(session, epoch_utc) for session in scenario.sessions]
     ephemeris = ephemeris_over(scenario, rows)
     joins = sequence_sessions(scenario, ephemeris, prove=False)
-    whole = with_final_slew(scenario, ephemeris, joins)
+    mover = mover_of(scenario)
+    whole = mover.with_final_slew(ephemeris, joins)
     if not scenario.slew.keeps_limits:
         return True
     effort.charge(table_work(scenario, whole[-1].stop_row))
     final, _ = sessions_after_conflicts(scenario, joins)
-    return verify(assemble_table(epoch_utc, scenario.platform.channels, whole), final).passed
+    return verify(mover.table(epoch_utc, whole), final).passed
 
 
 @dataclass(frozen=True, kw_only=True)

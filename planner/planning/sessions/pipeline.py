@@ -4,33 +4,23 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-import numpy as np
-
 from planner.base import effort
-from planner.base.commands import ROWS_PER_S, CommandTable
+from planner.base.commands import ROWS_PER_S
 from planner.base.effort import at_most
 from planner.base.errors import SearchEnded, VerificationFailed
 from planner.base.reporting import Reporter, tell_nobody
-from planner.base.solvers import merged
-from planner.motion.baseline import compare_with_spline
-from planner.motion.pointing.line_of_sight import LineOfSight
-from planner.planning.sessions.assembly import assemble_table, sessions_after_conflicts, table_work
-from planner.planning.sessions.budget import PointingBudget
-from planner.planning.sessions.final import with_final_slew
-from planner.planning.sessions.joining import Join
+from planner.planning.sessions.assembly import sessions_after_conflicts, table_work
 from planner.planning.sessions.nearest_start import plan_sessions
-from planner.planning.sessions.plan import Plan, SlewRun
-from planner.planning.sessions.slew_timing import least_slew_s
-from planner.planning.sessions.track_branches import ephemeris_over, los_on_rows, session_rows
-from planner.planning.sessions.uncertainty import pointing_budget
+from planner.planning.sessions.plan import Plan
+from planner.planning.sessions.platforms.mover import Join
+from planner.planning.sessions.platforms.registry import mover_of
+from planner.planning.sessions.track_branches import ephemeris_over, session_rows
 from planner.verification import VerificationReport, verify
-from planner.world.attitude.lvlh import level_warnings
 from planner.world.frames.earth_orientation import earth_orientation_warnings
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc
 from planner.world.orbits import Ephemeris
 from planner.world.plan import Segment, SegmentKind
-from planner.world.scenario import Scenario, SlewOptions
-from planner.world.targets import BenchMotionTarget
+from planner.world.scenario import Scenario
 
 
 def make_plan(scenario: Scenario, tell: Reporter = tell_nobody) -> Plan:
@@ -41,6 +31,7 @@ def make_plan(scenario: Scenario, tell: Reporter = tell_nobody) -> Plan:
     there is one, the nearest session start that can.
     """
     epoch_utc = scenario.initial_state.epoch
+    mover = mover_of(scenario)
     wall_s: dict[str, float] = {}
 
     @contextmanager
@@ -58,14 +49,12 @@ def make_plan(scenario: Scenario, tell: Reporter = tell_nobody) -> Plan:
         joins = _find_joins(scenario, ephemeris, tell)
         onto_tracks = joins[: len(scenario.sessions)]
     with time_stage("comparison"):
-        slews = tuple(
-            _slew_run(scenario.slew, number, join) for number, join in _pair_joins(scenario, joins)
-        )
+        slews = tuple(mover.run(number, join) for number, join in _pair_joins(scenario, joins))
     final, losses = sessions_after_conflicts(scenario, onto_tracks)
-    table = assemble_table(epoch_utc, scenario.platform.channels, joins)
+    table = mover.table(epoch_utc, joins)
     with time_stage("pointing budget"):
         budgets = tuple(
-            session_budget(final, ephemeris, table, number, join.track.los)
+            mover_of(final).budget(ephemeris, table, number, join.track.los)
             for number, join in enumerate(onto_tracks)
         )
     misses = [budget.warning() for budget in budgets if budget]
@@ -84,8 +73,7 @@ def make_plan(scenario: Scenario, tell: Reporter = tell_nobody) -> Plan:
             *losses,
             *_cut_short(joins),
             *ephemeris.warnings,
-            *level_warnings(scenario.attitude, scenario.platform),
-            *scenario.attitude.warnings_at(Instants(epoch_utc, table.t_s)),
+            *mover.warnings_along(table),
             *filter(None, misses),
             *earth_orientation_warnings(Instants(epoch_utc, table.t_s)),
             *(finding.detail for finding in report.findings),
@@ -98,7 +86,9 @@ def _find_joins(scenario: Scenario, ephemeris: Ephemeris, tell: Reporter) -> lis
     """Found by no more work than one request may make, what its table takes set aside."""
     last_row = session_rows(scenario.sessions[-1], scenario.initial_state.epoch).stop
     with at_most(effort.PLAN - table_work(scenario, last_row)):
-        joins = with_final_slew(scenario, ephemeris, plan_sessions(scenario, ephemeris, tell))
+        joins = mover_of(scenario).with_final_slew(
+            ephemeris, plan_sessions(scenario, ephemeris, tell)
+        )
         effort.count(table_work(scenario, joins[-1].stop_row))
         return joins
     raise SearchEnded(
@@ -126,32 +116,6 @@ def _pair_joins(scenario: Scenario, joins: list[Join]) -> Iterator[tuple[int | N
     return ((number if number < count else None, join) for number, join in enumerate(joins))
 
 
-def _slew_run(options: SlewOptions, number: int | None, join: Join) -> SlewRun:
-    slew = join.slew
-    optimised = options.keeps_limits
-    cost_rad2_s5, bound_rad2_s5 = slew.jerk_squared_integral, sum(slew.lower_bounds_rad2_s5)
-    parts = [part for part in (join.brake, slew) if part]
-    return SlewRun(
-        session=number,
-        backend=options.method,
-        status="; ".join(dict.fromkeys(slew.status)),
-        iterations=sum(part.iterations for part in parts),
-        wall_s=sum(part.wall_s for part in parts),
-        duration_s=slew.duration_s,
-        minimum_s=least_slew_s(slew.problem.start, slew.problem.end, slew.problem.limits),
-        cost_rad2_s5=cost_rad2_s5 if optimised else None,
-        lower_bound_rad2_s5=bound_rad2_s5 if optimised else None,
-        gap=_gap(cost_rad2_s5, bound_rad2_s5) if optimised else None,
-        comparison=compare_with_spline(slew, options, number) if optimised else None,
-        solver=merged(run for part in parts for run in part.runs),
-    )
-
-
-def _gap(cost: float, bound: float) -> float:
-    """The share of the cost that is not proven to be needed."""
-    return max(1.0 - bound / cost, 0.0) if cost else 0.0
-
-
 def _segments_of(scenario: Scenario, joins: list[Join]) -> tuple[Segment, ...]:
     epoch_utc = scenario.initial_state.epoch
     kinds: tuple[SegmentKind, ...] = ("brake", "wait", "slew", "track")
@@ -175,36 +139,6 @@ def _segments_of(scenario: Scenario, joins: list[Join]) -> tuple[Segment, ...]:
         ]
         from_row = join.stop_row
     return tuple(segments)
-
-
-def session_budget(
-    scenario: Scenario,
-    ephemeris: Ephemeris,
-    table: CommandTable,
-    number: int,
-    los: LineOfSight | None = None,
-) -> PointingBudget | None:
-    """The linear pointing budget; None where no target is looked at.
-
-    ephemeris: over the session.  los: over the session and more, where it is known already.
-    """
-    session = scenario.sessions[number]
-    if isinstance(session.target, BenchMotionTarget):
-        return None
-    rows = session_rows(session, scenario.initial_state.epoch)
-    if los is None:
-        los = los_on_rows(scenario, ephemeris, session.target, rows)
-    los = los.cut_between(rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S)
-    angle_rad = [np.interp(los.instants.t_s, table.t_s, angle) for angle in table.position.T]
-    return pointing_budget(
-        los,
-        ephemeris,
-        scenario.attitude,
-        session.target,
-        scenario.platform,
-        np.stack(angle_rad, axis=1),
-        session=number,
-    )
 
 
 def _rejection_of(report: VerificationReport) -> VerificationFailed:

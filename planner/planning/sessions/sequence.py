@@ -1,11 +1,8 @@
 """The branch on which each session is held, and the rows at which it is joined and left."""
 
-import math
 from dataclasses import dataclass
 from datetime import datetime
 from itertools import pairwise
-
-import numpy as np
 
 from planner.base import effort
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
@@ -20,24 +17,15 @@ from planner.base.errors import (
     TrackBreaksLimit,
     Unreachable,
 )
-from planner.motion.pointing.keep_out import keep_out_view
-from planner.motion.slew import require_brakable
 from planner.planning.sessions.chain import (
     CONFLICTS,
     Chain,
     SlewStart,
-    States,
     Steps,
-    initial_state,
 )
-from planner.planning.sessions.earliest_join import track_states
-from planner.planning.sessions.joining import Join, slew_onto
-from planner.planning.sessions.track_branches import (
-    RowSpan,
-    TrackBranch,
-    session_rows,
-    track_branches,
-)
+from planner.planning.sessions.platforms.mover import Join, Mover, RowSpan, State, TrackBranch
+from planner.planning.sessions.platforms.registry import mover_of
+from planner.planning.sessions.track_branches import session_rows
 from planner.world.frames.time_scales import shifted_utc
 from planner.world.orbits import Ephemeris
 from planner.world.scenario import Scenario, Session
@@ -60,14 +48,14 @@ OPTIONS = SequenceOptions()
 class RefusedSession:
     """A session that can't be flown as asked.
 
-    number: its index.  state: of the axes at from_row, from which its slew begins.
+    number: its index.  state: of the platform at from_row, from which its slew begins.
     hopeless: sessions that no slew reaches in time from the one before, as both are asked.
     """
 
     scenario: Scenario
     number: int
     from_row: int
-    state: States
+    state: State
     hopeless: tuple[int, ...] = ()
 
     @property
@@ -119,11 +107,9 @@ def sequence_sessions(
     prove: whether to show, where a slew has no detour around cones, that there is none.
     Raises SessionRefused; InfeasibleSlew where it is the initial state's fault; SearchEnded.
     """
-    state = initial_state(scenario)
-    if scenario.slew.keeps_limits:
-        require_brakable(scenario.platform.axis_names, state, scenario.axis_limits)
-    _require_start_outside(scenario, ephemeris)
-    chain = Chain(scenario, _branches_by_session(scenario, ephemeris))
+    mover = mover_of(scenario)
+    state = mover.initial(ephemeris)
+    chain = Chain(scenario, mover, state, _branches_by_session(scenario, ephemeris, mover, state))
     found = None
     with at_most(OPTIONS.find_share * effort.remaining()) as search:
         found = chain.solve(scenario.on_conflict)
@@ -144,30 +130,14 @@ def sequence_sessions(
     )
 
 
-def _require_start_outside(scenario: Scenario, ephemeris: Ephemeris) -> None:
-    view = keep_out_view(scenario, ephemeris, 0.0, COMMAND_STEP_S)
-    if view is None:
-        return
-    angle_rad = np.array([[axis.angle_rad for axis in initial_state(scenario)]])
-    depth_rad = view.depths_rad(np.zeros(1), angle_rad)[:, 0]
-    worst = int(np.argmax(depth_rad))
-    if depth_rad[worst] > 0.0:
-        raise InfeasibleSlew(
-            f"the platform begins {math.degrees(depth_rad[worst]):.2f} deg inside "
-            f"{view.regions[worst].title}; begin with other angles, or leave that out",
-            field="initial_state.angles_deg",
-            limit="keep_out",
-            at_utc=scenario.initial_state.epoch,
-        )
-
-
-def _branches_by_session(scenario: Scenario, ephemeris: Ephemeris) -> list[tuple[TrackBranch, ...]]:
-    state, from_row = initial_state(scenario), 0
+def _branches_by_session(
+    scenario: Scenario, ephemeris: Ephemeris, mover: Mover, state: State
+) -> list[tuple[TrackBranch, ...]]:
+    from_row = 0
     sessions: list[tuple[TrackBranch, ...]] = []
     for number, session in enumerate(scenario.sessions):
-        angle_rad = np.array([axis.angle_rad for axis in state])
         try:
-            branches = track_branches(scenario, ephemeris, number, session, from_row, angle_rad)
+            branches = mover.ways(ephemeris, number, session, from_row, state)
         except (NotVisible, Unreachable, TrackBreaksLimit) as refusal:
             refused = RefusedSession(
                 scenario=scenario, number=number, from_row=from_row, state=state
@@ -175,7 +145,7 @@ def _branches_by_session(scenario: Scenario, ephemeris: Ephemeris) -> list[tuple
             raise SessionRefused(refused, refusal) from None
         sessions.append(branches)
         from_row = branches[0].rows.stop
-        state = track_states(branches[0].track, from_row / ROWS_PER_S)
+        state = mover.state_at(branches[0], from_row)
     return sessions
 
 
@@ -209,8 +179,7 @@ def _refusal(chain: Chain, number: int, slew_start: SlewStart, *, prove: bool) -
     state = chain.state_at(slew_start.branch, slew_start.last_row)
     for branch in chain.sessions[number]:
         try:
-            slew_onto(
-                chain.scenario,
+            chain.mover.slew_onto(
                 branch,
                 slew_start.last_row,
                 state,

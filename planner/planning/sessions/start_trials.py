@@ -4,25 +4,22 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from datetime import datetime
+from functools import cached_property
 
 import numpy as np
 
 from planner.base import effort
 from planner.base.arrays import Mask
-from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
+from planner.base.commands import COMMAND_STEP_S
 from planner.base.errors import Refusal
-from planner.motion.pointing.keep_out import keep_out_view
 from planner.motion.pointing.line_of_sight import STENCIL
-from planner.motion.pointing.track import held_cells
-from planner.planning.sessions.joining import may_slew_onto, slew_onto
+from planner.planning.sessions.platforms.mover import Mover, RowSpan, TrackBranch
+from planner.planning.sessions.platforms.registry import mover_of
 from planner.planning.sessions.sequence import RefusedSession
 from planner.planning.sessions.track_branches import OPTIONS as TRACK_BRANCH_OPTIONS
 from planner.planning.sessions.track_branches import (
-    RowSpan,
-    TrackBranch,
     los_on_rows,
     session_rows,
-    track_branches,
 )
 from planner.world.frames.time_scales import elapsed_s
 from planner.world.orbits import Ephemeris
@@ -31,15 +28,14 @@ from planner.world.targets import BenchMotionTarget
 
 # The longest stretch of a refused session over which its target can be held.
 
-AWAY_ROWS = ROWS_PER_S  # from a cone or mask, out of which no slew comes at once
 LOOKS_MAX = 20_000  # of more than an hour not every row is looked at
 
 
 def longest_hold(refused: RefusedSession, ephemeris: Ephemeris) -> RowSpan | None:
     """Rows of the session as asked; None where nothing of it can be held, or that isn't known.
 
-    On one branch throughout: one pair of axis angles, seen, within stops and limits and out of all
-    cones and masks.  Whether it can be slewed onto is not looked at.
+    On one branch throughout: seen, within stops and limits and out of all cones and masks.  Whether
+    it can be slewed onto is not looked at.
     """
     scenario, wanted, target = refused.scenario, refused.wanted, refused.session.target
     start = max(wanted.start, refused.from_row + 1)
@@ -51,20 +47,13 @@ def longest_hold(refused: RefusedSession, ephemeris: Ephemeris) -> RowSpan | Non
     effort.charge(TRACK_BRANCH_OPTIONS.hold + TRACK_BRANCH_OPTIONS.hold_row * count)
     try:
         los = los_on_rows(scenario, ephemeris, target, rows, count)
-        view = keep_out_view(scenario, ephemeris, rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S)
+        ways = tuple(mover_of(scenario).held(ephemeris, los))
     except Refusal:  # nothing is known of the orbit or attitude then
         return None
-    platform = scenario.platform.with_limits(scenario.axis_limits)
+    seen = (los.clearance_rad[1:] >= 0.0) & (los.clearance_rad[:-1] >= 0.0)
     longest: RowSpan | None = None
-    for angle_rad, held in held_cells(platform, los):
-        held &= (los.clearance_rad[1:] >= 0.0) & (los.clearance_rad[:-1] >= 0.0)
-        if view is not None:
-            effort.charge(TRACK_BRANCH_OPTIONS.cone_row * count * len(view.regions))
-            t_s = los.instants.t_s - los.instants.t_s[0]
-            inside = view.depths_rad(t_s, angle_rad).max(axis=0) > 0.0
-            near = np.convolve(inside, np.ones(2 * AWAY_ROWS + 1), "same") > 0.0
-            held &= ~(near[1:] | near[:-1])
-        cells = _longest_run(held)
+    for held in ways:
+        cells = _longest_run(held & seen)
         if longest is None or (cells.stop - cells.start) * stride > longest.stop - longest.start:
             longest = RowSpan(start=start + cells.start * stride, stop=start + cells.stop * stride)
     return longest if longest is not None and longest.stop > longest.start else None
@@ -95,6 +84,10 @@ class Trials:
     _latest: dict[tuple[datetime, datetime, bool], tuple[TrackBranch, ...]] = field(
         default_factory=dict
     )
+
+    @cached_property
+    def _mover(self) -> Mover:
+        return mover_of(self.refused.scenario)
 
     @property
     def _joins_early(self) -> bool:
@@ -175,17 +168,21 @@ class Trials:
         refused = self.refused
         rows = session_rows(session, refused.epoch_utc)
         from_row = refused.from_row if early else rows.start
-        angle_rad = np.array([axis.angle_rad for axis in refused.state])
         try:
-            return track_branches(
-                refused.scenario, self.ephemeris, refused.number, session, from_row, angle_rad
+            return self._mover.ways(
+                self.ephemeris, refused.number, session, from_row, refused.state
             )
         except Refusal:
             return ()
 
     def _may_be_slewed(self, branch: TrackBranch) -> bool:
-        refused = self.refused
-        return may_slew_onto(refused.scenario, branch, refused.from_row, refused.state)
+        """Whether closed forms leave open that a slew succeeds; microseconds, cones aside."""
+        state, from_row, join_row = self.refused.state, self.refused.from_row, branch.rows.start
+        there = self._mover.state_at(branch, join_row)
+        if self._mover.may_slew(state, there, join_row - from_row):
+            return True
+        # The durations a slew can take have gaps: an earlier row may be within reach.
+        return self._mover.first_row_in_reach(branch, from_row, state, join_row) is not None
 
     def _is_slewed(self, branch: TrackBranch) -> bool:
         """A track that can be joined where its session begins needs no search for an earlier row.
@@ -202,13 +199,8 @@ class Trials:
         if not self._may_be_slewed(branch):
             return False
         try:
-            slew_onto(
-                refused.scenario,
-                branch,
-                refused.from_row,
-                refused.state,
-                thorough=False,
-                early=early,
+            self._mover.slew_onto(
+                branch, refused.from_row, refused.state, thorough=False, early=early
             )
         except Refusal:
             return False

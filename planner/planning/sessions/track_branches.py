@@ -14,6 +14,7 @@ from planner.motion.keyhole.track import nearest_track
 from planner.motion.pointing.keep_out import KeepOutView, deepest_entry, keep_out_view
 from planner.motion.pointing.line_of_sight import STENCIL, LineOfSight, line_of_sight
 from planner.motion.pointing.track import AxisTrack, track_candidates
+from planner.planning.sessions.platforms.mover import RowSpan, TrackBranch
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 from planner.world.orbits import Ephemeris
 from planner.world.scenario import Scenario, Session
@@ -33,29 +34,6 @@ class TrackBranchOptions:
 OPTIONS = TrackBranchOptions()
 
 EARLY_ROWS = 600 * ROWS_PER_S  # how long before its session a target may be tracked already
-
-
-@dataclass(frozen=True, kw_only=True)
-class RowSpan:
-    """The rows of the table that enclose a session; `stop` is the last one, included."""
-
-    start: int
-    stop: int
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class TrackBranch:
-    """A branch of a session's track: an axis track over `rows` and what lies before.
-
-    seen_from_s: since when, up to the session, the target can be seen, and looked at out of
-    all cones and masks, without a break.  ephemeris: the orbit it was found on.
-    """
-
-    session: Session
-    track: AxisTrack
-    rows: RowSpan
-    seen_from_s: float
-    ephemeris: Ephemeris
 
 
 def session_rows(session: Session, epoch_utc: datetime) -> RowSpan:
@@ -89,7 +67,7 @@ def track_branches(
     else:
         los = _line_of_sight(scenario, ephemeris, session.target, rows, from_row)
         _require_visible(los, rows, session.target, number)
-        platform = scenario.platform.with_limits(scenario.axis_limits)
+        platform = scenario.two_axis.with_limits(scenario.axis_limits)
         start_s, stop_s = rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S
         try:
             tracks = track_candidates(platform, los, start_s, stop_s, start_angle_rad)
@@ -123,7 +101,7 @@ def _prescribed_track(
     epoch_utc = scenario.initial_state.epoch
     t_s = np.arange(rows.start, rows.stop + 1) / ROWS_PER_S
     start_utc = shifted_utc(epoch_utc, t_s[0])
-    names = scenario.platform.axis_names
+    names = scenario.two_axis.axis_names
     try:
         target.require_flyable(names, scenario.axis_limits, start_utc, float(t_s[-1] - t_s[0]))
         motion = target.axis_motion(names, t_s - elapsed_s(target.start or start_utc, epoch_utc))
@@ -180,8 +158,8 @@ def los_on_rows(
     return line_of_sight(
         Instants(scenario.initial_state.epoch, t_s),
         ephemeris,
-        scenario.attitude,
-        scenario.platform.q_platform_from_body,
+        scenario.law,
+        scenario.two_axis.q_platform_from_body,
         target,
     )
 

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from planner.base.arrays import Array
-from planner.base.rotation import Rotation
 from planner.base.mrp import BodyMotion, MrpMotion, body_motion
+from planner.base.rotation import Rotation
 from planner.spacecraft.table import TICK_S
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.geodesy import WGS84_A_M, WGS84_F, up_itrf

@@ -10,9 +10,9 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.errors import InvalidInput
+from planner.base.mrp import BodyMotion
 from planner.base.rotation import Rotation
 from planner.spacecraft.imaging.ground_arc import ChebyshevProfile, GroundArc, fitted_profile
-from planner.base.mrp import BodyMotion
 from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.slews.slew_time import SlewTime, slew_time
 from planner.spacecraft.table import TICK_S

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner.base.commands import ROWS_PER_S
+from planner.base.mrp import BodyMotion
 from planner.base.rotation import Rotation
 from planner.spacecraft.imaging.candidates import Candidate
 from planner.spacecraft.imaging.ground_arc import GroundArc
 from planner.spacecraft.imaging.session import AttitudeAt, ImagingSession, initial_profile
-from planner.base.mrp import BodyMotion
 from planner.spacecraft.slews.slew_choice import (
     AttitudeSlewComparison,
     SlewNeedsTime,

@@ -18,8 +18,8 @@ import numpy as np
 from scipy.interpolate import BSpline
 
 from planner.base.arrays import Array
-from planner.base.solvers import Answer, Options, Solver, Work
 from planner.base.mrp import MrpMotion, body_motion
+from planner.base.solvers import Answer, Options, Solver, Work
 from planner.spacecraft.slews.slew_problem import (
     LIMIT_TOLERANCE,
     AttitudeSlew,

@@ -6,8 +6,8 @@ from typing import Literal
 import numpy as np
 
 from planner.base.arrays import Array
-from planner.base.rotation import Rotation
 from planner.base.mrp import BodyMotion, MrpCurve, MrpMotion, MrpState, body_motion, mrp_state
+from planner.base.rotation import Rotation
 from planner.spacecraft.vehicle.definition import SlewLimits
 
 Method = Literal["ocp", "eigenaxis"]

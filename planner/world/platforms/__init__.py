@@ -2,7 +2,7 @@
 
 from planner.world.platforms.camera import PIXELS_ARCSEC, Camera
 from planner.world.platforms.carrier_mode import CarrierMode
-from planner.world.platforms.choice import PLATFORMS, Platform
+from planner.world.platforms.choice import PLATFORMS, AnyPlatform, Platform
 from planner.world.platforms.definition import (
     AngleDeg,
     AxisDefinition,
@@ -27,6 +27,7 @@ __all__ = [
     "PIXELS_ARCSEC",
     "PLATFORMS",
     "AngleDeg",
+    "AnyPlatform",
     "AxisDefinition",
     "AxisDrive",
     "AxisLimits",

@@ -7,6 +7,7 @@ from pydantic import Discriminator, Field, GetPydanticSchema, Tag
 from pydantic_core import core_schema
 
 from planner.base.spec import About
+from planner.world.platforms.body import BodyPlatform
 from planner.world.platforms.definition import PlatformDefinition
 from planner.world.platforms.iss_hrc import ISS_HRC
 from planner.world.platforms.two_axis import TwoAxisPlatform
@@ -36,6 +37,13 @@ def _find_platform(choice: str | PlatformDefinition) -> TwoAxisPlatform:
     return PLATFORMS[choice]
 
 
+def _kind_or_name(value: object) -> str:
+    is_body = isinstance(value, BodyPlatform) or (
+        isinstance(value, Mapping) and value.get("kind") == BodyPlatform.kind
+    )
+    return "body" if is_body else "two_axis"
+
+
 # A TwoAxisPlatform wherever Python says which; only requests name it or write it out.
 Platform = Annotated[
     TwoAxisPlatform,
@@ -45,4 +53,12 @@ Platform = Annotated[
         )
     ),
     About("A registered name, or a two-axis platform written out in degrees."),
+]
+AnyPlatform = Annotated[
+    Annotated[Platform, Tag("two_axis")] | Annotated[BodyPlatform, Tag("body")],
+    Discriminator(_kind_or_name),
+    About(
+        'A registered name, a two-axis platform written out in degrees, or, with "kind": "body", a '
+        "spacecraft that turns as a whole."
+    ),
 ]

@@ -8,13 +8,13 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.verification.clock import elapsed_us
+from planner.verification.directions import eci_from_lvlh
 from planner.world.attitude import AttitudeLaw
 from planner.world.attitude.inertial import InertialAttitude
 from planner.world.attitude.lvlh import LvlhAttitude
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import OrbitStates
 from planner.world.platforms import TwoAxisPlatform
-from planner.world.scenario import Scenario
 
 DERIVED_LAWS = (LvlhAttitude, InertialAttitude)  # any other law's rotations are taken as given
 
@@ -51,32 +51,6 @@ def eci_from_platform(
     if isinstance(attitude, InertialAttitude):
         return _eci_from_spinning(vector_body, attitude, instants)
     return np.asarray(attitude.q_body_from_eci(instants, states).inv().apply(vector_body))
-
-
-def payload_eci(
-    scenario: Scenario, angle_rad: Array, instants: Instants, states: OrbitStates
-) -> Array:
-    """Where the payload points, unit vectors, shape (n, 3), for angles of shape (n, 2)."""
-    boresight = boresight_platform(scenario.platform, angle_rad)
-    return eci_from_platform(boresight, scenario.platform, scenario.attitude, instants, states)
-
-
-def apart_rad(a_eci: Array, b_eci: Array) -> Array:
-    """Angles between vectors of shape (n, 3), accurate at 0 and pi too, shape (n,)."""
-    across = np.linalg.norm(np.cross(a_eci, b_eci), axis=1)
-    return np.asarray(np.arctan2(across, np.sum(a_eci * b_eci, axis=1)))
-
-
-def eci_from_lvlh(vector_lvlh: Array, states: OrbitStates) -> Array:
-    """Vectors (n, 3) in ECI; +Z to the Earth's centre, +Y against the orbit normal, +X completing
-    (near the velocity)."""
-    r, v = states.r_sat_eci_m, states.v_sat_eci_m_s
-    down = -r / np.sqrt(np.sum(r * r, axis=1, keepdims=True))
-    forward_m_s = v - np.sum(v * down, axis=1, keepdims=True) * down
-    forward = forward_m_s / np.sqrt(np.sum(forward_m_s * forward_m_s, axis=1, keepdims=True))
-    right = np.cross(down, forward)
-    x, y, z = (vector_lvlh[:, k, None] for k in range(3))
-    return np.asarray(x * forward + y * right + z * down)
 
 
 def _turn(v: Array, axis: Array, angle_rad: Array) -> Array:

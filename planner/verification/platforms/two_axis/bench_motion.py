@@ -5,9 +5,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from planner.base.arrays import Array
 from planner.base.errors import InvalidInput
 from planner.verification.clock import elapsed_us
-from planner.verification.report import Finding, SessionReport
+from planner.verification.platforms.judge import JudgedSession
+from planner.verification.report import Finding
 from planner.verification.session import TableSession
 from planner.world.targets import BenchMotionTarget, PrescribedMotion
 
@@ -18,9 +20,9 @@ AT_ROWS_MAX_RAD_S = math.radians(0.01 / 3600.0)
 
 
 def bench_session(
-    flight: TableSession, target: BenchMotionTarget
-) -> tuple[SessionReport | None, tuple[Finding, ...]]:
-    """Its error is the larger one of the axes' angles.
+    flight: TableSession, angle_rad: Array, target: BenchMotionTarget
+) -> JudgedSession:
+    """Its error is the larger one of the axes' angles, (n, m).
 
     Where the motion stands at each instant is taken from the target.
     """
@@ -32,14 +34,16 @@ def bench_session(
     except InvalidInput as refusal:
         detail = f"session {number + 1}: {refusal.detail}"
         return None, (Finding(limit="motion", detail=detail),)
-    error_rad = np.abs(flight.angle_rad - motion.angle_rad).max(axis=1)
+    error_rad = np.abs(angle_rad - motion.angle_rad).max(axis=1)
     report = flight.report(error_rad, allowed_rad=BETWEEN_ROWS_MAX_RAD)
-    return report, tuple(_findings(flight, motion))
+    return report, tuple(_findings(flight, angle_rad, motion))
 
 
-def _findings(flight: TableSession, motion: PrescribedMotion) -> Iterator[Finding]:
+def _findings(
+    flight: TableSession, angle_rad: Array, motion: PrescribedMotion
+) -> Iterator[Finding]:
     table, is_row, rows = flight.table, flight.is_row, slice(flight.rows[0], flight.rows[-1] + 1)
-    angle_off_rad = flight.angle_rad - motion.angle_rad
+    angle_off_rad = angle_rad - motion.angle_rad
     rate_off_rad_s = np.zeros_like(angle_off_rad)
     rate_off_rad_s[is_row] = table.rate_rad_s[rows] - motion.rate_rad_s[is_row]
     allowed_rad = np.where(is_row, AT_ROWS_MAX_RAD, BETWEEN_ROWS_MAX_RAD)[:, None]

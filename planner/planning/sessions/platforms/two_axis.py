@@ -1,0 +1,182 @@
+"""The motion of two axes on a carrier that somebody else steers."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import datetime
+
+import numpy as np
+
+from planner.base import effort
+from planner.base.arrays import Array, Mask
+from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
+from planner.base.errors import InfeasibleSlew
+from planner.base.solvers import merged
+from planner.motion.baseline import compare_with_spline
+from planner.motion.pointing.keep_out import keep_out_view
+from planner.motion.pointing.line_of_sight import LineOfSight
+from planner.motion.pointing.track import held_cells
+from planner.motion.slew import AxisState, require_brakable
+from planner.planning.sessions import joining
+from planner.planning.sessions.assembly import assemble_table
+from planner.planning.sessions.budget import PointingBudget
+from planner.planning.sessions.earliest_join import track_states
+from planner.planning.sessions.final import with_final_slew
+from planner.planning.sessions.plan import SlewRun
+from planner.planning.sessions.platforms.mover import Join, TrackBranch
+from planner.planning.sessions.slew_timing import least_slew_s
+from planner.planning.sessions.track_branches import (
+    OPTIONS as TRACK_BRANCH_OPTIONS,
+)
+from planner.planning.sessions.track_branches import los_on_rows, session_rows, track_branches
+from planner.planning.sessions.uncertainty import pointing_budget
+from planner.world.attitude.lvlh import level_warnings
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits import Ephemeris
+from planner.world.scenario import Scenario, Session
+from planner.world.targets import BenchMotionTarget
+
+States = tuple[AxisState, ...]
+AWAY_ROWS = ROWS_PER_S  # from a cone or mask, out of which no slew comes at once
+
+
+@dataclass(frozen=True)
+class TwoAxisMover:
+    """As `Mover` says; a state is that of each axis, its base turns by an attitude law."""
+
+    scenario: Scenario
+
+    def initial(self, ephemeris: Ephemeris) -> States:
+        scenario = self.scenario
+        names = scenario.two_axis.axis_names
+        motions = (scenario.initial_motion(axis).tolist() for axis in names)
+        state = tuple(
+            AxisState(angle_rad=q, rate_rad_s=v, acceleration_rad_s2=a) for q, v, a in motions
+        )
+        if scenario.slew.keeps_limits:
+            require_brakable(names, state, scenario.axis_limits)
+        self._require_outside(ephemeris, state)
+        return state
+
+    def ways(
+        self, ephemeris: Ephemeris, number: int, session: Session, from_row: int, state: States
+    ) -> tuple[TrackBranch, ...]:
+        angle_rad = np.array([axis.angle_rad for axis in state])
+        return track_branches(self.scenario, ephemeris, number, session, from_row, angle_rad)
+
+    def state_at(self, branch: TrackBranch, row: int) -> States:
+        return track_states(branch.track, row / ROWS_PER_S)
+
+    def may_slew(self, state: States, there: States, rows: int) -> bool:
+        return joining.may_slew_between(self.scenario, state, there, rows)
+
+    def least_s(self, state: States, there: States) -> float:
+        return least_slew_s(state, there, self.scenario.axis_limits)
+
+    def first_row_in_reach(
+        self, branch: TrackBranch, from_row: int, state: States, last_row: int
+    ) -> int | None:
+        return joining.first_row_in_reach(self.scenario, branch, from_row, state, last_row)
+
+    def slew_onto(
+        self,
+        branch: TrackBranch,
+        from_row: int,
+        state: States,
+        *,
+        thorough: bool = True,
+        early: bool = True,
+        prove: bool = False,
+    ) -> Join:
+        return joining.slew_onto(
+            self.scenario, branch, from_row, state, thorough=thorough, early=early, prove=prove
+        )
+
+    def with_final_slew(self, ephemeris: Ephemeris, joins: list[Join]) -> list[Join]:
+        return with_final_slew(self.scenario, ephemeris, joins)
+
+    def held(self, ephemeris: Ephemeris, los: LineOfSight) -> Iterator[Mask]:
+        scenario, t_s = self.scenario, los.instants.t_s
+        view = keep_out_view(scenario, ephemeris, float(t_s[0]), float(t_s[-1]))
+        platform = scenario.two_axis.with_limits(scenario.axis_limits)
+        for angle_rad, held in held_cells(platform, los):
+            if view is not None:
+                effort.charge(TRACK_BRANCH_OPTIONS.cone_row * len(t_s) * len(view.regions))
+                inside = view.depths_rad(t_s - t_s[0], angle_rad).max(axis=0) > 0.0
+                near = np.convolve(inside, np.ones(2 * AWAY_ROWS + 1), "same") > 0.0
+                held &= ~(near[1:] | near[:-1])
+            yield held
+
+    def table(self, epoch_utc: datetime, joins: list[Join]) -> CommandTable:
+        return assemble_table(epoch_utc, self.scenario.platform.channels, joins)
+
+    def run(self, number: int | None, join: Join) -> SlewRun:
+        slew, options = join.slew, self.scenario.slew
+        optimised = options.keeps_limits
+        cost_rad2_s5, bound_rad2_s5 = slew.jerk_squared_integral, sum(slew.lower_bounds_rad2_s5)
+        parts = [part for part in (join.brake, slew) if part]
+        return SlewRun(
+            session=number,
+            backend=options.method,
+            status="; ".join(dict.fromkeys(slew.status)),
+            iterations=sum(part.iterations for part in parts),
+            wall_s=sum(part.wall_s for part in parts),
+            duration_s=slew.duration_s,
+            minimum_s=least_slew_s(slew.problem.start, slew.problem.end, slew.problem.limits),
+            cost_rad2_s5=cost_rad2_s5 if optimised else None,
+            lower_bound_rad2_s5=bound_rad2_s5 if optimised else None,
+            gap=_gap(cost_rad2_s5, bound_rad2_s5) if optimised else None,
+            comparison=compare_with_spline(slew, options, number) if optimised else None,
+            solver=merged(run for part in parts for run in part.runs),
+        )
+
+    def budget(
+        self, ephemeris: Ephemeris, table: CommandTable, number: int, los: LineOfSight | None = None
+    ) -> PointingBudget | None:
+        """los: over the session and more, where it is known already."""
+        scenario = self.scenario
+        session = scenario.sessions[number]
+        if isinstance(session.target, BenchMotionTarget):
+            return None
+        rows = session_rows(session, scenario.initial_state.epoch)
+        if los is None:
+            los = los_on_rows(scenario, ephemeris, session.target, rows)
+        los = los.cut_between(rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S)
+        angle_rad = [np.interp(los.instants.t_s, table.t_s, angle) for angle in table.position.T]
+        return pointing_budget(
+            los,
+            ephemeris,
+            scenario.law,
+            session.target,
+            scenario.two_axis,
+            np.stack(angle_rad, axis=1),
+            session=number,
+        )
+
+    def warnings_along(self, table: CommandTable) -> tuple[str, ...]:
+        attitude = self.scenario.law
+        return (
+            *level_warnings(attitude, self.scenario.two_axis),
+            *attitude.warnings_at(Instants(table.epoch_utc, table.t_s)),
+        )
+
+    def _require_outside(self, ephemeris: Ephemeris, state: States) -> None:
+        view = keep_out_view(self.scenario, ephemeris, 0.0, COMMAND_STEP_S)
+        if view is None:
+            return
+        angle_rad = np.array([[axis.angle_rad for axis in state]])
+        depth_rad: Array = view.depths_rad(np.zeros(1), angle_rad)[:, 0]
+        worst = int(np.argmax(depth_rad))
+        if depth_rad[worst] > 0.0:
+            raise InfeasibleSlew(
+                f"the platform begins {math.degrees(depth_rad[worst]):.2f} deg inside "
+                f"{view.regions[worst].title}; begin with other angles, or leave that out",
+                field="initial_state.angles_deg",
+                limit="keep_out",
+                at_utc=self.scenario.initial_state.epoch,
+            )
+
+
+def _gap(cost: float, bound: float) -> float:
+    """The share of the cost that is not proven to be needed."""
+    return max(1.0 - bound / cost, 0.0) if cost else 0.0

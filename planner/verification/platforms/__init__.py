@@ -1,0 +1,1 @@
+"""The judges of tables by the kind of platform."""

@@ -1,0 +1,1 @@
+"""The judge of two axes on a carrier that somebody else steers."""
