@@ -392,7 +392,8 @@ class BodyPlatform:
     stands still, lines_across_motion gives way to nearest.
     idle: the attitude between sessions.
     inertia_kg_m2: of the whole spacecraft about its centre of mass, in body axes.
-    torque_max_n_m: length of the largest torque on the body, with the inertia.
+    torque_max_n_m: length of the largest torque on the body, with the inertia: the motion that
+    agility allows must not ask for more.
     camera: the camera on the body: its frame, or its line.
     knowledge: errors of the attitude.
     star_trackers: star trackers, and the number that must see stars while imaging.
@@ -419,6 +420,7 @@ class BodyPlatform:
         _require_name(self.name)
         if self.inertia_kg_m2 is not None:
             _require_physical(np.array(self.inertia_kg_m2))
+            self._require_torque(np.array(self.inertia_kg_m2))
         elif self.torque_max_n_m is not None:
             raise ValueError(
                 "torque_max_n_m says nothing without inertia_kg_m2: give both, or leave it out"
@@ -434,6 +436,19 @@ class BodyPlatform:
                 self.roll.direction_body,
                 "camera.boresight_body",
                 self.camera.boresight_body,
+            )
+
+    def _require_torque(self, inertia_kg_m2: Array) -> None:
+        """J alpha + omega x J omega at most: the second by half the spread of the moments."""
+        rate, acceleration, _ = self.agility.by_order_rad
+        if self.agility.limits == "magnitude":
+            rate, acceleration = rate[:1], acceleration[:1]
+        least, _, most = np.linalg.eigvalsh(inertia_kg_m2)
+        needed_n_m = most * math.hypot(*acceleration) + 0.5 * (most - least) * (rate @ rate)
+        if self.torque_max_n_m is not None and self.torque_max_n_m < needed_n_m:
+            raise ValueError(
+                f"torque_max_n_m must be {needed_n_m:.4g} or more, which agility may ask for, not "
+                f"{self.torque_max_n_m:g}: or lower agility.acceleration_max_deg_s2"
             )
 
     @property
