@@ -113,8 +113,10 @@ def draw_pointing(rng, kind):
         problem = BodySlewProblem(start=start, goal=goal, first_arrival_row=1, limits=limits)
         angle_rad = float(problem.angles_rad[300])
         used = [
-            np.max(np.abs(np.stack([motion.rate_rad_s, motion.acceleration_rad_s2], -1))
-            / limits.by_order[:, :2])
+            np.max(
+                np.abs(np.stack([motion.rate_rad_s, motion.acceleration_rad_s2], -1))
+                / limits.by_order[:, :2]
+            )
             for motion in (start, goal)
         ]
         if angle_rad > math.radians(5.0) and about_s(limits, angle_rad) < 90.0 and max(used) < 0.6:
