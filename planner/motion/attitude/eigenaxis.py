@@ -61,10 +61,9 @@ def smoothest_angle(angle_rad: float, duration_s: float) -> PPoly:
     return PPoly((powers / duration_s ** np.arange(5, -1, -1))[:, None], [0.0, duration_s])
 
 
-def blended(start: MrpState, end: MrpState, angle_at: PPoly) -> MrpCurve:
-    """sigma by time, of a slew by the angle that is reached, with the ends' motions blended in."""
+def blended(start: MrpState, end: MrpState, angle_at: PPoly, angle_rad: float) -> MrpCurve:
+    """sigma by time, of a slew by angle_rad as angle_at turns it, the ends' motions blended in."""
     span_s = float(angle_at.x[-1])
-    angle_rad = float(angle_at(span_s))
     (s0, v0, a0), (s1, v1, a1) = start, end
 
     def mrp_at(t_s: Array) -> MrpMotion:
@@ -162,7 +161,7 @@ def eigenaxis_slew(
         mrp = np.asarray((q_middle.inv() * q).as_mrp())
         ends.append(mrp_state(mrp, motion.rate_rad_s[0], motion.acceleration_rad_s2[0]))
     return EigenaxisSlew(
-        q_middle=q_middle, mrp_at=blended(ends[0], ends[1], angle_at), angle_at=angle_at
+        q_middle=q_middle, mrp_at=blended(ends[0], ends[1], angle_at, angle_rad), angle_at=angle_at
     )
 
 

@@ -52,7 +52,7 @@ class ProgrammeOptions:
     asked: float = 60.0
     span_iteration: float = 18.0
     cone_iteration: float = 8.0
-    made_span: float = 6000.0
+    made_span: float = 3000.0
 
 
 OPTIONS = ProgrammeOptions()

@@ -36,6 +36,7 @@ class BodySlewOptions:
 
     phases: int = 7  # a jerk-limited slew about one axis: up, hold, down, coast and the same again
     spans: int = 21  # of which each phase has 3: never 2 % over one of 4 times as many
+    least_spans: int = 2  # of a phase on rows: the others go to the longest
     shortest_phase: float = 0.01  # of the time, to begin at
     second_start: float = 1.15  # times as long as the first: a smooth slew there begins the second
     eased: tuple[float, ...] = (1.15, 1.5, 2.2, 3.0)  # times the eigenaxis's, until one is found
@@ -168,15 +169,14 @@ def _quickest(
     if best is None:
         return None, _smoothest(problem.arriving_at(problem.last_arrival_row))
     row = max(math.ceil(best.duration_s * ROWS_PER_S - 1e-6), least)
-    step = 1
-    for _ in range(OPTIONS.later_rows):
+    for later in range(OPTIONS.later_rows):
         if row > problem.last_arrival_row:
             break
         there = problem.arriving_at(row)
         found = _on_rows(there, best)
         if found is not None:
             return best.duration_s, found
-        row, step = row + step, max(1, row // 100)
+        row += 1 + later
     return best.duration_s, None
 
 
@@ -224,12 +224,14 @@ def _starts(problem: BodySlewProblem, widths_s: Array) -> Iterator[SpanMotion]:
 
 def _on_rows(problem: BodySlewProblem, quickest: SpanMotion) -> _Found | None:
     """The least jerk in the time given, switching on rows next to those of the least time."""
+    phases = quickest.widths_s.reshape(OPTIONS.phases, -1).sum(axis=1) / quickest.duration_s
     size = _span_count(problem)
-    places = np.append(0.0, np.cumsum(quickest.widths_s)) / quickest.duration_s
-    if size < len(quickest.widths_s):
-        places = np.interp(
-            np.linspace(0.0, 1.0, size + 1), np.linspace(0.0, 1.0, len(places)), places
-        )
+    counts = np.full(OPTIONS.phases, min(OPTIONS.least_spans, size // OPTIONS.phases))
+    while counts.sum() < size:  # the longest are cut first: a step of attitude errs by its length
+        counts[np.argmax(phases / counts)] += 1
+    places = np.append(0.0, np.cumsum(np.repeat(phases / np.maximum(counts, 1), counts)))
+    if size < OPTIONS.phases:
+        places = np.linspace(0.0, 1.0, size + 1)
     begin = quickest.on_spans(_row_widths_s(places, problem))
     return _solve_on_rows(problem, begin)
 
