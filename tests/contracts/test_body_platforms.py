@@ -77,7 +77,7 @@ def changed(path, value):
         ("inertia_kg_m2.0.0", -11.0, "inertia_kg_m2", "positive principal moments"),
         ("inertia_kg_m2.0.0", 30.0, "inertia_kg_m2", "exceeds the sum of the others"),
         ("inertia_kg_m2", None, "torque_max_n_m", "says nothing without inertia_kg_m2"),
-        ("torque_max_n_m", 0.028, "torque_max_n_m", "must be 0.02862 or more"),
+        ("torque_max_n_m", 0.028, "torque_max_n_m", "must be 0.02861 or more"),
         ("camera.type", "lidar", "camera.type", "must be one of frame, pushbroom"),
         ("camera.line_body", [0.0, 1.0, 0.1], "camera.line_body", "square to boresight_body"),
         ("camera.pixels", 8192.5, "camera.pixels", "must be a whole number"),
