@@ -31,9 +31,11 @@ def body_margins(
     quintic's rings.
     """
     h = COMMAND_STEP_S
-    jerk_rad_s3: Array = np.diff(row_alpha_rad_s2, axis=0) / h
+    jerk_rad_s3: Array = (row_alpha_rad_s2[1:] - row_alpha_rad_s2[:-1]) / h
     jerk_s = np.arange(len(jerk_rad_s3)) * h
-    rate_max, acceleration_max, jerk_max = map(np.asarray, agility.by_order_rad)
+    bounds: list[Array] = list(agility.by_order_rad)
+    rate_max, acceleration_max, jerk_max = bounds
+    no_rings: Array = np.zeros(3)
     kinds: tuple[tuple[Limit, Array, Array, Array, Array], ...] = (
         ("rate", t_s, flown.omega_body_rad_s, rate_max, RATE_RINGS * jerk_max * h**2),
         (
@@ -43,7 +45,7 @@ def body_margins(
             acceleration_max,
             ACCELERATION_RINGS * jerk_max * h,
         ),
-        ("jerk", jerk_s, jerk_rad_s3, jerk_max, np.zeros(3)),
+        ("jerk", jerk_s, jerk_rad_s3, jerk_max, no_rings),
     )
     whole = isinstance(agility, MagnitudeAgility)
     names = (WHOLE_BODY,) if whole else ("x", "y", "z")
