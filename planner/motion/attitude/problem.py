@@ -150,6 +150,22 @@ class BodySlewProblem:
         """The same slew where nothing is to be avoided."""
         return replace(self, cones=())
 
+    def at_rest(self) -> "BodySlewProblem":
+        """The slew between the same attitudes, none of which moves."""
+
+        def still(motion: Motion) -> Motion:
+            none = np.zeros_like(motion.rate_rad_s)
+            return Motion(motion.position, none, none)
+
+        return replace(self, start=still(self.start), goal=still(self.goal))
+
+    def with_patience(self, rows: int) -> "BodySlewProblem":
+        """The slew that has so many rows, and whose goal stays as it is at the first arrival."""
+        first = rows_of(self.goal, slice(1))
+        parts = (first.position, first.rate_rad_s, first.acceleration_rad_s2)
+        goal = Motion(*(np.repeat(part, rows, axis=0) for part in parts))
+        return replace(self, goal=goal, first_arrival_row=1)
+
 
 def rows_of(motion: Motion, rows: slice) -> Motion:
     """Some of a motion's rows."""
@@ -190,6 +206,7 @@ def require_ends(problem: BodySlewProblem) -> None:
                 f"({most:.4g} {unit}); begin or end the slew at another time, or slower",
                 limit=name,
             )
+    _require_brakable(problem)
     for cone in problem.cones:
         for side, motion, row in (
             ("start", problem.start, slice(1)),
@@ -203,6 +220,30 @@ def require_ends(problem: BodySlewProblem) -> None:
                     "choose another time or attitude",
                     limit="exclusion",
                 )
+
+
+def _require_brakable(problem: BodySlewProblem) -> None:
+    """Raises InfeasibleSlew where the acceleration of an end takes the rate beyond its limit.
+
+    Along the rate, or by axis, it goes on rising by a^2 / (2 jerk) however fast it is braked.
+    """
+    rate, _, jerk = problem.limits.by_order.T
+    for side, motion, sense in (("start", problem.start, 1.0), ("end", problem.goal, -1.0)):
+        omega, alpha = motion.rate_rad_s, sense * motion.acceleration_rad_s2
+        if problem.limits.kind == "magnitude":
+            size = np.linalg.norm(omega, axis=1, keepdims=True)
+            along = np.sum(omega * alpha, axis=1, keepdims=True) / np.maximum(size, 1e-15)
+            size = np.repeat(size, 3, axis=1)
+        else:
+            size, along = np.abs(omega), alpha * np.sign(omega)
+        reached = (size + np.maximum(along, 0.0) ** 2 / (2.0 * jerk)) / rate
+        share = float(np.min(np.max(reached, axis=1)))
+        if share > 1.0 + 1e-9:
+            raise InfeasibleSlew(
+                f"the body's motion at the {side} of the slew can't be braked before its rate is "
+                f"{share:.4g} of the limit; begin or end the slew at another time, or slower",
+                limit="rate",
+            )
 
 
 def depths_rad(cone: AvoidedCone, q_eci_from_body_xyzw: Array, centre_eci: Array) -> Array:

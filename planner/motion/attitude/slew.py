@@ -1,14 +1,55 @@
-"""The slew of a whole body: the OCP's within all limits, or a refusal that names the limit.
+"""The slew of a whole body: the OCP's within all limits, or a refusal that names the limit."""
 
-Signatures first; the body follows.
-"""
-
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
-from planner.base.commands import Motion
+import numpy as np
+
+from planner.base.arrays import Array
+from planner.base.commands import ROWS_PER_S, Motion
+from planner.base.errors import InfeasibleSlew
+from planner.base.mrp import BodyMotion
 from planner.base.solvers import SolverRun
-from planner.motion.attitude.problem import BodySlewProblem
+from planner.motion.attitude.around import around_cones, centres_eci
+from planner.motion.attitude.bounds import least_cost_rad2_s5, least_row
+from planner.motion.attitude.eigenaxis import (
+    EigenaxisSlew,
+    eigenaxis_slew,
+    over_limits,
+    quickest_eigenaxis,
+)
+from planner.motion.attitude.ocp import Solved, SpanMotion, arrival_within, solve
+from planner.motion.attitude.problem import (
+    ORDERS,
+    BodySlewProblem,
+    between_rows,
+    depths_rad,
+    require_ends,
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class BodySlewOptions:
+    """How the OCP is begun, and its answer judged."""
+
+    phases: int = 7  # a jerk-limited slew about one axis: up, hold, down, coast and the same again
+    spans: int = 21  # of which each phase has 3: never 2 % over one of 4 times as many
+    least_spans: int = 2  # of a phase on rows: the others go to the longest
+    shortest_phase: float = 0.01  # of the time, to begin at
+    second_start: float = 1.15  # times as long as the first: a smooth slew there begins the second
+    eased: tuple[float, ...] = (1.15, 1.5, 2.2, 3.0)  # times the eigenaxis's, until one is found
+    cap: float = 1.5  # times the guess: the time is free up to there
+    limit_share: float = 1.0 - 2e-6  # used on spans, so that the quintics between rows keep all
+    limit_tolerance: float = 1e-6  # of a limit, of what is flown
+    looks: int = 8  # at every row, of what is flown
+    later_rows: int = 8  # tried after the least time: a row's span can't switch inside
+    patience_rows: int = 18_000  # an hour: to tell what a slew without enough time takes
+    proven: float = 1e-3  # of the cost, beyond its bound: the best there is
+
+
+OPTIONS = BodySlewOptions()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -18,24 +59,36 @@ class BodySlew:
     motion: rows 0 .. n, the start and the goal's row among them; between them the body flies
     quintics in Rodrigues parameters, within all limits.
     cost_rad2_s5, bound_rad2_s5: integral of squared jerk, and what no slew of as many rows can
-    do with less.  least_s: no slew takes less; eigenaxis_s: the quickest about the Euler axis
-    found, None where none was.
+    do with less.  least_s: no slew takes less; quickest_s: the least time found for a jerk that
+    changes anywhere, None where the time was given; eigenaxis_s: of the quickest slew about the
+    Euler axis found, None where none was.
     is_best: what of this slew no other can beat: "time" (to a row), "jerk" or nothing, which is
     then the best found.
-    shares: the most used of rate, acceleration and jerk.  run: of the solver.
+    shares: the most used of rate, acceleration and jerk, as flown.  run: of the solver.
     """
 
     motion: Motion
     cost_rad2_s5: float
     bound_rad2_s5: float
     least_s: float
+    quickest_s: float | None
     eigenaxis_s: float | None
     is_best: Literal["time", "jerk"] | None
     shares: tuple[float, float, float]
     run: SolverRun
 
     @property
-    def duration_s(self) -> float: ...
+    def duration_s(self) -> float:
+        return (len(self.motion.position) - 1) / ROWS_PER_S
+
+
+class _Found(NamedTuple):
+    """A motion on spans of whole rows, the rows, and what is flown between them."""
+
+    spans: SpanMotion
+    motion: Motion
+    shares: Array
+    run: SolverRun
 
 
 def solve_attitude_slew(problem: BodySlewProblem) -> BodySlew:
@@ -45,19 +98,218 @@ def solve_attitude_slew(problem: BodySlewProblem) -> BodySlew:
     or can't be left or reached within it; "exclusion" where a cone is in the way; "duration"
     where the time is too short, with the time it takes.  Raises WorkLimitReached.
     """
-    raise NotImplementedError
-
-
-def least_s(problem: BodySlewProblem) -> float:
-    """No slew arrives at any row of the goal in less; infinite where at none of them."""
-    raise NotImplementedError
-
-
-def may(problem: BodySlewProblem) -> bool:
-    """False is a proof that no slew arrives at any row of the goal; some ms at most."""
-    raise NotImplementedError
+    require_ends(problem)
+    least = least_row(problem)
+    if least is None:
+        raise _too_short(problem, is_proof=True)
+    eigenaxis, _, keeps = quickest_eigenaxis(problem)
+    if problem.objective == "smooth" or len(problem.goal.position) == 1:
+        quickest_s, found = None, _smoothest(problem.arriving_at(problem.last_arrival_row))
+    else:
+        quickest_s, found = _quickest(problem, least, eigenaxis)
+    if found is None:
+        raise _refusal(problem)
+    row = len(found.motion.position) - 1
+    bound = least_cost_rad2_s5(problem, row)
+    cost = found.spans.cost_rad2_s5
+    is_best: Literal["time", "jerk"] | None = None
+    if row == least and problem.objective == "minimum_time":
+        is_best = "time"
+    elif cost - bound <= OPTIONS.proven * cost:
+        is_best = "jerk"
+    rate, acceleration, jerk = found.shares.tolist()
+    return BodySlew(
+        motion=found.motion,
+        cost_rad2_s5=cost,
+        bound_rad2_s5=bound,
+        least_s=least / ROWS_PER_S,
+        quickest_s=quickest_s,
+        eigenaxis_s=eigenaxis.duration_s if keeps else None,
+        is_best=is_best,
+        shares=(rate, acceleration, jerk),
+        run=found.run,
+    )
 
 
 def enough_s(problem: BodySlewProblem) -> float | None:
     """A time, on a row of the goal, in which an eigenaxis slew keeps all limits; None: unknown."""
-    raise NotImplementedError
+    eigenaxis, row, keeps = quickest_eigenaxis(problem)
+    if not keeps or eigenaxis.duration_s > row / ROWS_PER_S + 1e-9:
+        return None
+    t_s = np.linspace(0.0, eigenaxis.duration_s, row + 1)
+    q_xyzw, _ = eigenaxis.motion(t_s)
+    for cone in problem.cones:
+        if np.any(depths_rad(cone, q_xyzw, centres_eci(cone, t_s)) > 0.0):
+            return None
+    return row / ROWS_PER_S
+
+
+def _quickest(
+    problem: BodySlewProblem, least: int, eigenaxis: EigenaxisSlew
+) -> tuple[float | None, _Found | None]:
+    """The least time found from two starts, and the slew on rows that comes next to it."""
+    best: SpanMotion | None = None
+    phase = np.maximum(np.diff(eigenaxis.angle_at.x), OPTIONS.shortest_phase * eigenaxis.duration_s)
+    widths_s = np.repeat(phase, OPTIONS.spans // OPTIONS.phases)
+    begin = eigenaxis.on_spans(widths_s * (eigenaxis.duration_s / widths_s.sum()))
+    needs_more = bool(problem.cones) or problem.limits.kind == "axis"
+    if not problem.cones:
+        best = _least_time(problem, least, begin)
+    if best is None or needs_more or not problem.is_rest_to_rest:
+        guess_s = eigenaxis.duration_s if best is None else best.duration_s
+        for factor in OPTIONS.eased:
+            row = min(math.ceil(factor * guess_s * ROWS_PER_S), problem.last_arrival_row)
+            eased = _smoothest(problem.arriving_at(max(row, problem.first_arrival_row)))
+            if eased is None:
+                continue
+            again = _least_time(problem, least, eased.spans.on_spans(_even_widths_s(eased)))
+            if again is not None and (best is None or again.duration_s < best.duration_s):
+                best = again
+            break
+    if best is None:
+        return None, _smoothest(problem.arriving_at(problem.last_arrival_row))
+    row = max(math.ceil(best.duration_s * ROWS_PER_S - 1e-6), least)
+    for later in range(OPTIONS.later_rows):
+        if row > problem.last_arrival_row:
+            break
+        there = problem.arriving_at(row)
+        found = _on_rows(there, best)
+        if found is not None:
+            return best.duration_s, found
+        row += 1 + later
+    return best.duration_s, None
+
+
+def _even_widths_s(found: _Found) -> Array:
+    duration_s = found.spans.duration_s
+    return np.full(OPTIONS.spans, duration_s / OPTIONS.spans)
+
+
+def _least_time(problem: BodySlewProblem, least: int, begin: SpanMotion) -> SpanMotion | None:
+    """The least time that is found from here, with a jerk that may change at any time."""
+    cap = math.ceil(OPTIONS.cap * begin.duration_s * ROWS_PER_S)
+    last = min(max(cap, least + 1), problem.last_arrival_row)
+    first = min(max(least - 1, problem.first_arrival_row), last - 1)
+    if first < problem.first_arrival_row:
+        return None
+    found = solve(problem, begin, arrival_within(problem, first, last), phases=OPTIONS.phases)
+    return found.motion if found.run.is_promising else None
+
+
+def _smoothest(problem: BodySlewProblem) -> _Found | None:
+    """The least squared jerk found, in the time given, of all starts; None: none was found."""
+    widths_s = _row_widths_s(np.linspace(0.0, 1.0, _span_count(problem) + 1), problem)
+    best: _Found | None = None
+    for begin in _starts(problem, widths_s):
+        found = _solve_on_rows(problem, begin)
+        if found is not None and (
+            best is None or found.spans.cost_rad2_s5 < best.spans.cost_rad2_s5
+        ):
+            best = found
+    return best
+
+
+def _starts(problem: BodySlewProblem, widths_s: Array) -> Iterator[SpanMotion]:
+    """Blends about the Euler axis with and without the ends' motions, past cones on each side."""
+    row = problem.first_arrival_row
+    duration_s = row / ROWS_PER_S
+    blend = eigenaxis_slew(problem, row, duration_s=duration_s, smooth=True).on_spans(widths_s)
+    yield from around_cones(problem, blend)
+    if not problem.is_rest_to_rest:
+        plain = eigenaxis_slew(problem.at_rest(), row, duration_s=duration_s, smooth=True).on_spans(
+            widths_s
+        )
+        yield from around_cones(problem, plain)
+
+
+def _on_rows(problem: BodySlewProblem, quickest: SpanMotion) -> _Found | None:
+    """The least jerk in the time given, switching on rows next to those of the least time."""
+    phases = quickest.widths_s.reshape(OPTIONS.phases, -1).sum(axis=1) / quickest.duration_s
+    size = _span_count(problem)
+    counts = np.full(OPTIONS.phases, min(OPTIONS.least_spans, size // OPTIONS.phases))
+    while counts.sum() < size:  # the longest are cut first: a step of attitude errs by its length
+        counts[np.argmax(phases / counts)] += 1
+    places = np.append(0.0, np.cumsum(np.repeat(phases / np.maximum(counts, 1), counts)))
+    if size < OPTIONS.phases:
+        places = np.linspace(0.0, 1.0, size + 1)
+    begin = quickest.on_spans(_row_widths_s(places, problem))
+    return _solve_on_rows(problem, begin)
+
+
+def _solve_on_rows(problem: BodySlewProblem, begin: SpanMotion) -> _Found | None:
+    """The OCP's answer where it is flown within all limits."""
+    row, n = problem.first_arrival_row, len(begin.widths_s)
+    phases = OPTIONS.phases if n % OPTIONS.phases == 0 else n
+    found = solve(
+        problem,
+        begin,
+        arrival_within(problem, row, row),
+        phases=phases,
+        limit_share=OPTIONS.limit_share,
+    )
+    return _flown(problem, found) if found.run.is_promising else None
+
+
+def _flown(problem: BodySlewProblem, found: Solved) -> _Found | None:
+    motion = found.motion.on_rows(problem)
+    looks = np.arange(OPTIONS.looks + 1) / OPTIONS.looks
+    q_xyzw, body = between_rows(motion, looks)
+    rows = BodyMotion(*(part.reshape(-1, 3) for part in body))
+    shares = np.max(problem.limits.shares(rows), axis=0)
+    if np.any(shares > 1.0 + OPTIONS.limit_tolerance):
+        return None
+    t_s = (np.arange(len(q_xyzw))[:, None] + looks).ravel() / ROWS_PER_S
+    for cone in problem.cones:
+        if np.any(depths_rad(cone, q_xyzw.reshape(-1, 4), centres_eci(cone, t_s)) > 0.0):
+            return None
+    return _Found(found.motion, motion, shares, found.run)
+
+
+def _span_count(problem: BodySlewProblem) -> int:
+    """As many as there are, or whole numbers of phases; a row each where there are few."""
+    rows = min(problem.first_arrival_row, OPTIONS.spans)
+    return rows - rows % OPTIONS.phases if rows >= OPTIONS.phases else rows
+
+
+def _row_widths_s(places: Array, problem: BodySlewProblem) -> Array:
+    """Spans of whole rows, one at least, that end next to these shares of the time."""
+    rows, n = problem.first_arrival_row, len(places) - 1
+    ends = np.round(places * rows)
+    order = np.arange(n + 1)
+    ends = np.maximum.accumulate(ends - order) + order
+    ends = np.minimum(ends, rows - n + order)
+    return np.diff(ends) / ROWS_PER_S
+
+
+def _refusal(problem: BodySlewProblem) -> InfeasibleSlew:
+    """Of a slew that wasn't found."""
+    if problem.cones:
+        free = problem.without_cones()
+        if _smoothest(free.arriving_at(free.last_arrival_row)) is not None:
+            names = ", ".join(cone.name for cone in problem.cones)
+            return InfeasibleSlew(
+                f"no slew of {problem.available_s:.1f} s was found that stays out of what is to be "
+                f"avoided ({names}), though there is one without; give it more time, or choose "
+                "another time or attitude",
+                limit="exclusion",
+            )
+    return _too_short(problem, is_proof=False)
+
+
+def _too_short(problem: BodySlewProblem, *, is_proof: bool) -> InfeasibleSlew:
+    """Of a slew with too little time: with the time it takes about, the goal as it is at last."""
+    last = problem.arriving_at(problem.last_arrival_row)
+    angle_deg = math.degrees(float(last.angles_rad[0]))
+    patient, _, keeps = quickest_eigenaxis(last.with_patience(OPTIONS.patience_rows))
+    there = eigenaxis_slew(last, last.first_arrival_row, duration_s=last.available_s)
+    used = over_limits(last, there)
+    order = int(np.argmax(used ** (1.0 / np.arange(1, 4))))
+    needs_s = math.ceil(max(patient.duration_s, last.available_s) * ROWS_PER_S + 1e-6) / ROWS_PER_S
+    needed = f"about {needs_s:.1f} s" if keeps else f"more than {last.available_s:.1f} s"
+    shown = "no slew fits" if is_proof else "no slew was found"
+    return InfeasibleSlew(
+        f"the body needs {needed} to turn by {angle_deg:.4g} deg, but {last.available_s:.1f} s are "
+        f"available, in which {shown} (about the Euler axis it would take {used[order]:.3g} of the "
+        f"{ORDERS[order]} limit); begin the session later or start the slew nearer to it",
+        limit="duration",
+    )
