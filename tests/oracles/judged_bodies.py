@@ -24,9 +24,7 @@ from planner.world.scenario import InitialState, Scenario, Session
 
 LEAVES_S, ARRIVES_S, LAST_S = 5.0, 58.0, 102.0
 ORBIT = CircularOrbit()
-AGILITY = MagnitudeAgility(
-    rate_max_deg_s=2.0, acceleration_max_deg_s2=0.15, jerk_max_deg_s3=0.05
-)
+AGILITY = MagnitudeAgility(rate_max_deg_s=2.0, acceleration_max_deg_s2=0.15, jerk_max_deg_s3=0.05)
 BODY = BodyPlatform(
     name="body",
     agility=AGILITY,
@@ -34,7 +32,7 @@ BODY = BodyPlatform(
     idle=NadirIdle(),
     off_nadir_max_deg=60.0,
     camera=FrameCamera(
-        pixel_arcsec=1.0, exposure_ms=1.0, frame_rate_hz=10.0, field_of_view_deg=(2.0, 1.5)
+        pixel_arcsec=1.0, exposure_s=0.001, frames_per_s=10.0, field_of_view_deg=(2.0, 1.5)
     ),
 )
 

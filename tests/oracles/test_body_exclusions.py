@@ -50,9 +50,7 @@ def test_a_disk_is_as_far_as_skyfield_sees_it_and_lapses_behind_the_earth(skyfie
     # 960 for irradiation) and 0.2 (Moon)
     assert found_rad[counts] == pytest.approx(expected_rad[counts], abs=math.radians(1.0 / 3600.0))
     assert np.all(found_rad[~counts] == math.pi)
-    behind = (
-        observed.is_behind_earth() if body == "moon" else ~satellite.at(t).is_sunlit(bodies)
-    )
+    behind = observed.is_behind_earth() if body == "moon" else ~satellite.at(t).is_sunlit(bodies)
     # Skyfield's Earth hides a centre; ours is 1.5 deg deeper, 22 s of the orbit, each time
     assert np.all(behind[~counts])
     assert 10 < np.count_nonzero(~counts) <= np.count_nonzero(behind)
@@ -117,12 +115,8 @@ def test_margins_are_of_the_direction_that_keeps_away(around):
     radiator = Exclusion(
         name="radiator", direction_body=(0.0, 2.0, 0.0), away_from="sun", min_deg=60.0
     )
-    camera = Exclusion(
-        name="camera", of="camera", away_from="moon", min_deg=5.0, when="imaging"
-    )
-    platform = dataclasses.replace(
-        smallsat(), exclusions=(radiator, camera), star_trackers=None
-    )
+    camera = Exclusion(name="camera", of="camera", away_from="moon", min_deg=5.0, when="imaging")
+    platform = dataclasses.replace(smallsat(), exclusions=(radiator, camera), star_trackers=None)
     q = Rotation.from_rotvec(directions(len(REVOLUTION)) * 2.0)
     of_radiator, of_camera = exclusion_margins(platform, q, around)
     assert [of_radiator.imaging_only, of_camera.imaging_only] == [False, True]
