@@ -126,7 +126,7 @@ class PushbroomCamera:
     pixel_arcsec: angle a pixel sees. E.g. `0.275`.
     pixels: number of pixels of the line. E.g. `8192`.
     tdi_lines: lines that are added up.
-    both_ways: whether the image may also move the other way, as TDI in both directions lets it.
+    both_ways: true where the image may move the other way, too, as TDI in both directions lets it.
     line_rate_max_hz: largest number of lines in a second.
     """
 
