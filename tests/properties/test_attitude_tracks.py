@@ -51,8 +51,9 @@ def rows(start_s=0.0, stop_s=60.0):
 def circle(instants):
     """States of a circular orbit that comes north over the equator at the epoch."""
     angle = RATE_RAD_S * instants.t_s
-    x, y = np.array([1.0, 0.0, 0.0]), np.array(
-        [0.0, math.cos(INCLINATION_RAD), math.sin(INCLINATION_RAD)]
+    x, y = (
+        np.array([1.0, 0.0, 0.0]),
+        np.array([0.0, math.cos(INCLINATION_RAD), math.sin(INCLINATION_RAD)]),
     )
     c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
     return OrbitStates(RADIUS_M * (c * x + s * y), RADIUS_M * RATE_RAD_S * (c * y - s * x))
