@@ -9,7 +9,7 @@ from planner.base.assumed import Assumed
 from planner.base.commands import COMMAND_STEP_S
 from planner.base.spec import spec
 from planner.world.frames.time_scales import shifted_utc, utc_text
-from planner.world.platforms import AngleDeg, TwoAxisPlatform
+from planner.world.platforms import AngleDeg, AnyPlatform, TwoAxisPlatform
 from planner.world.scenario import InitialState, MotionDeg
 
 # Slews take at most ten times the least time that the limits allow: more makes them no smoother.
@@ -49,11 +49,12 @@ class AskedInitialState:
         if self.epoch is None and moves:
             raise ValueError("epoch is required where the axes move at the start")
 
-    def completed(self, platform: TwoAxisPlatform, first_start_utc: datetime) -> InitialState:
+    def completed(self, platform: AnyPlatform, first_start_utc: datetime) -> InitialState:
         """With what wasn't given, for a first session that starts then."""
         angles_deg = self.angles_deg
         if angles_deg is None:
-            angles_deg = dict.fromkeys(platform.axis_names, 0.0)
+            is_axes = isinstance(platform, TwoAxisPlatform)
+            angles_deg = dict.fromkeys(platform.dof_names if is_axes else (), 0.0)
         if self.epoch is None:
             lead_s = _lead_s(platform, angles_deg)
             epoch_utc = shifted_utc(first_start_utc, -lead_s).replace(microsecond=0)
@@ -82,7 +83,7 @@ class AskedInitialState:
         elif epoch_utc != self.epoch:
             detail = f"{epoch}, the last row not after {utc_text(self.epoch, 6)}"
             found.append(("epoch", detail, epoch))
-        if self.angles_deg is None:
+        if self.angles_deg is None and angles_deg:
             found.append(("angles_deg", f"at rest at {angles} deg", dict(angles_deg)))
         return tuple(
             Assumed(field=f"initial_state.{name}", detail=detail, members={name: value})
@@ -95,20 +96,25 @@ def _on_row(moment_utc: datetime) -> datetime:
     return moment_utc.replace(microsecond=moment_utc.microsecond // _STEP_US * _STEP_US)
 
 
-def _lead_s(platform: TwoAxisPlatform, angles_deg: Mapping[str, float]) -> float:
+def _lead_s(platform: AnyPlatform, angles_deg: Mapping[str, float]) -> float:
     """Time for a gentle slew from rest at these angles to the stop farthest from them.
+
+    Of a body by half a turn about any axis.
 
     Source: the profile that reaches every limit (Biagiotti, Melchiorri 2008, 3.4), which bounds
     the least time.
     """
-    least_s = 0.0
-    for axis, limits in zip(platform.axis_names, platform.axis_limits, strict=True):
-        angle_rad = math.radians(angles_deg.get(axis, 0.0))
-        travel_rad = max(limits.angle_max_rad - angle_rad, angle_rad - limits.angle_min_rad)
-        axis_s = (
-            travel_rad / limits.rate_max_rad_s
-            + limits.rate_max_rad_s / limits.acceleration_max_rad_s2
-            + limits.acceleration_max_rad_s2 / limits.jerk_max_rad_s3
-        )
-        least_s = max(least_s, axis_s)
+    if isinstance(platform, TwoAxisPlatform):
+        motions = []
+        for axis, limits in zip(platform.axis_names, platform.axis_limits, strict=True):
+            angle_rad = math.radians(angles_deg.get(axis, 0.0))
+            travel_rad = max(limits.angle_max_rad - angle_rad, angle_rad - limits.angle_min_rad)
+            most = limits.rate_max_rad_s, limits.acceleration_max_rad_s2, limits.jerk_max_rad_s3
+            motions.append((travel_rad, *most))
+    else:
+        motions = [(math.pi, *order) for order in platform.agility.by_order_rad.T.tolist()]
+    least_s = max(
+        travel / rate + rate / acceleration + acceleration / jerk
+        for travel, rate, acceleration, jerk in motions
+    )
     return math.ceil(max(least_s, min(_ENOUGH * least_s, _LEAD_MAX_S)))

@@ -8,7 +8,7 @@ import numpy as np
 from planner.base.commands import ROWS_PER_S, CommandTable
 from planner.verification.field_masks import mask_findings
 from planner.verification.keep_out import keep_out_findings, keep_out_margins
-from planner.verification.limits import limit_findings
+from planner.verification.limits import exclusion_findings, limit_findings
 from planner.verification.platforms.judge import Judge, JudgedSession
 from planner.verification.platforms.registry import judge_of
 from planner.verification.pointing import pointing_session
@@ -54,12 +54,13 @@ def verify(table: CommandTable, scenario: Scenario) -> VerificationReport:
         )
     margins = judge.margins()
     keep_out = keep_out_margins(table, scenario, judge)
-    masks = judge.masks()
+    masks, exclusions = judge.masks(), judge.exclusions()
     findings: list[Finding] = [
         *structure_findings(table, scenario, judge),
         *limit_findings(margins),
         *keep_out_findings(keep_out),
         *mask_findings(masks),
+        *exclusion_findings(exclusions),
     ]
     reports: list[SessionReport] = []
     rows_by_session = {
@@ -83,6 +84,7 @@ def verify(table: CommandTable, scenario: Scenario) -> VerificationReport:
         taken_as_given=given,
         keep_out=keep_out,
         masks=masks,
+        exclusions=exclusions,
         slow_stretches=tuple(_slow_outside_sessions(table, scenario, judge)),
     )
 

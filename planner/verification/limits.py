@@ -3,10 +3,11 @@
 import math
 from collections.abc import Iterator
 
-from planner.verification.report import Finding, LimitMargin
+from planner.verification.report import ExclusionMargin, Finding, LimitMargin
 
 # A solver works to 1e-8 and a drive resolves 1e-4 of its range: neither is worth a rejection.
 RELATIVE_TOLERANCE = 1e-6
+EXCLUSION_TOLERANCE_RAD = math.radians(0.1 / 3600.0)  # as for pointing
 
 
 def limit_findings(margins: tuple[LimitMargin, ...]) -> Iterator[Finding]:
@@ -23,5 +24,20 @@ def limit_findings(margins: tuple[LimitMargin, ...]) -> Iterator[Finding]:
                     f"{math.degrees(-margin.margin):.3g} {margin.unit} past its limit of "
                     f"{math.degrees(margin.limit):.6g} {margin.unit} ({margin.kind}), "
                     f"{margin.t_s:.3f} s after the table's epoch"
+                ),
+            )
+
+
+def exclusion_findings(margins: tuple[ExclusionMargin, ...]) -> Iterator[Finding]:
+    """One error for each exclusion that is entered."""
+    for margin in margins:
+        if margin.margin_rad is not None and margin.margin_rad < -EXCLUSION_TOLERANCE_RAD:
+            yield Finding(
+                limit="exclusion",
+                t_s=margin.t_s,
+                at_utc=margin.at_utc,
+                detail=(
+                    f'"{margin.name}" is entered by {-math.degrees(margin.margin_rad):.3f} deg, '
+                    f"{margin.t_s:.2f} s after the table's epoch"
                 ),
             )

@@ -46,7 +46,8 @@ def pointing_session(
         )
         findings = _ground_findings(flight, sight, target)
     pointing = _pointing_findings(flight, error_rad, model_rad, report)
-    return report, (*pointing, *findings, *_nearness_findings(report))
+    own = flight.judge.session_findings(flight.number, flight.at, states)
+    return report, (*pointing, *findings, *own, *_nearness_findings(report))
 
 
 def _report(flight: TableSession, error_rad: Array, model_rad: Array) -> SessionReport:

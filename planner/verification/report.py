@@ -32,6 +32,8 @@ Limit = Literal[
     "initial_state",
     "final_state",
     "keep_out",
+    "exclusion",
+    "off_nadir",
     "coverage",
 ]
 Given = Literal["orbit", "attitude", "target", "motion"]
@@ -152,6 +154,22 @@ class MaskMargin:
 
 
 @answer
+class ExclusionMargin:
+    """The least that a body keeps of one of its exclusions, or its star trackers of theirs.
+
+    name: the exclusion's, or `star_trackers`. E.g. `"radiator"`.
+    margin_rad: least angle beyond the one asked for, negative when it is entered; null when it
+    never counts. E.g. `12.5`.
+    at_utc: time of it; UTC, null when it never counts. E.g. `"2026-06-01T10:44:20.000Z"`.
+    """
+
+    name: str
+    margin_rad: Angle | None
+    t_s: Internal[float | None]
+    at_utc: Utc | None
+
+
+@answer
 class SlowStretch:
     """An axis commanded below its least smooth drive rate, where friction may shake it.
 
@@ -266,4 +284,5 @@ class VerificationReport:
     limits: Internal[tuple[LimitMargin, ...]]
     keep_out: Internal[tuple[KeepOutMargin, ...]] = ()
     masks: Internal[tuple[MaskMargin, ...]] = ()
+    exclusions: Internal[tuple[ExclusionMargin, ...]] = ()
     slow_stretches: Internal[tuple[SlowStretch, ...]] = ()  # outside of sessions, by axis, by time

@@ -33,7 +33,7 @@ def structure_findings(table: CommandTable, scenario: Scenario, judge: Judge) ->
         yield table_fault(
             f"the epoch {utc_text(epoch_utc, 6)} is {late_us / 1e6:+g} s from the initial state's"
         )
-    yield from judge.ends()
+    yield from judge.row_findings()
     for number, session in enumerate(scenario.sessions):
         rows = session_rows(session, epoch_utc)
         if not covers(table, rows):

@@ -288,6 +288,11 @@ class Scenario:
         """Whether there are directions that the boresight must not enter."""
         return bool(self.slew.keep_out or self.platform.masks)
 
+    @property
+    def needs_orbit_throughout(self) -> bool:
+        """Whether the orbit must be known from row 0 on, not over the sessions alone."""
+        return bool(self.slew.keep_out) or self.attitude is None
+
     def _check_initial_state(self) -> None:
         names = self.two_axis.axis_names
         fields = ("angles_deg", "rates_deg_s", "accelerations_deg_s2")

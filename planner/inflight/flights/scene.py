@@ -232,7 +232,7 @@ def session_scenes(plan: FlightPlan) -> list[SessionScene]:
             table=_rows_from(table, first_row[which], rows.stop),
             from_s=first_row[which] / ROWS_PER_S,
             at_s=exposures_s(
-                scenario.platform.camera, rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S
+                scenario.two_axis.camera, rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S
             ),
             instants=instants[which],
             ephemeris=ephemerides[which],

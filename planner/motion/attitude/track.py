@@ -1,4 +1,4 @@
-"""The attitudes that keep a body's camera on a target, by a roll rule, and whether it can fly them."""
+"""Attitudes that keep a body's camera on a target by a roll rule, if its agility lets them."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -357,7 +357,8 @@ def _by_share(body: BodyMotion) -> Iterator[BodyMotion]:
 
 def _on_rows(of_cells: Array) -> Array:
     """At each row the larger value of the two cells that meet there."""
-    return np.maximum(np.append(of_cells, of_cells[-1]), np.append(of_cells[0], of_cells))
+    before, after = np.append(of_cells[0], of_cells), np.append(of_cells, of_cells[-1])
+    return np.asarray(np.maximum(before, after))
 
 
 def torque_on(platform: BodyPlatform, motion: Motion) -> Array:
@@ -365,7 +366,8 @@ def torque_on(platform: BodyPlatform, motion: Motion) -> Array:
     inertia_kg_m2 = np.array(platform.inertia_kg_m2)
     omega, alpha = motion.rate_rad_s, motion.acceleration_rad_s2
     momentum_n_m_s = omega @ inertia_kg_m2.T
-    return np.linalg.norm(alpha @ inertia_kg_m2.T + cross(omega, momentum_n_m_s), axis=1)
+    torque_n_m = alpha @ inertia_kg_m2.T + cross(omega, momentum_n_m_s)
+    return np.asarray(np.linalg.norm(torque_n_m, axis=1))
 
 
 def _session_rows(t_s: Array, start_s: float, stop_s: float) -> slice:

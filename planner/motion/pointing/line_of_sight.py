@@ -54,12 +54,13 @@ class LineOfSight:
 def line_of_sight(
     instants: Instants,
     ephemeris: Ephemeris,
-    attitude: AttitudeLaw,
+    attitude: AttitudeLaw | None,
     q_platform_from_body: Rotation,
     target: VisibleTarget,
 ) -> LineOfSight:
     """Apparent line of sight in the platform frame.
 
+    attitude: of the body, None where the platform's frame stands in GCRF.
     instants: at least 7, uniformly spaced.  The derivatives are 7-point differences of the
     apparent direction itself, so that angles, rates and accelerations belong together for
     every orbit source; their error is (step / 54 s)^5 of the value on a 400 km pass.
@@ -67,7 +68,9 @@ def line_of_sight(
     """
     states = ephemeris.states(instants)
     seen = target.apparent(instants, states)
-    q_platform_from_eci = q_platform_from_body * attitude.q_body_from_eci(instants, states)
+    q_platform_from_eci = q_platform_from_body
+    if attitude is not None:
+        q_platform_from_eci = q_platform_from_eci * attitude.q_body_from_eci(instants, states)
     los_platform = q_platform_from_eci.apply(seen.direction_eci)
     step_s = (instants.t_s[-1] - instants.t_s[0]) / (len(instants.t_s) - 1)
     return LineOfSight(

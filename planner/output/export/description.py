@@ -1,6 +1,7 @@
 """Notes for the reader of an exported file: frames, units, time scale, rotations."""
 
 from datetime import datetime
+from typing import NamedTuple
 
 from planner.base.arrays import Array
 from planner.base.commands import COMMAND_STEP_S
@@ -8,7 +9,8 @@ from planner.world.frames.time_scales import utc_text
 from planner.world.orbits import CarrierName, Orbit
 from planner.world.plan import FlightPlan
 from planner.world.platforms import TwoAxisPlatform
-from planner.world.scenario import Session
+from planner.world.platforms.body import BodyPlatform
+from planner.world.scenario import Scenario, Session
 
 DECIMALS = 9  # 1e-9 deg is 4 microarcsec, 1/25,000 of what the table promises
 TEXT_MAX = 200  # a KVN line may have 254 characters
@@ -19,6 +21,15 @@ INTERPOLATION = "between rows the platform flies the cubic Hermite of angle and 
 PAYLOAD_AXES = (
     "payload: +Z boresight, +X at zero angles the inner axis (its part across the boresight), "
     "+Y completes; both axes carry it"
+)
+BODY_ROTATION = (
+    "q_eci_from_body is scalar last and turns vectors of the body into GCRF; omega_body and "
+    "alpha_body are the body's rate and acceleration against GCRF in body axes, about x, y, z"
+)
+BODY_AXES = "payload: +Z boresight, +X along the frame's first side or across the line of pixels"
+BODY_BETWEEN = (
+    "between rows the body flies the quintic in modified Rodrigues parameters that meets attitude, "
+    "rate and acceleration of both"
 )
 QUATERNION = (
     "q_b_from_a_xyzw is scalar last and turns coordinates, v_b = q(v_a); a body turned by +theta "
@@ -42,6 +53,24 @@ def mount(platform: TwoAxisPlatform) -> str:
     return f"q_platform_from_body_xyzw = {_vector(platform.q_platform_from_body_xyzw)}"
 
 
+class Described(NamedTuple):
+    """What a table's columns mean: how they turn, the frames, what is flown between rows."""
+
+    rotation_order: str
+    mount: str
+    payload_axes: str
+    interpolation: str
+
+
+def described(scenario: Scenario) -> Described:
+    """By the kind of the scenario's platform."""
+    if isinstance(scenario.platform, BodyPlatform):
+        c_payload_from_body = scenario.platform.camera.c_payload_from_body
+        return Described(BODY_ROTATION, _vectors(c_payload_from_body), BODY_AXES, BODY_BETWEEN)
+    platform = scenario.two_axis
+    return Described(rotation_order(platform), mount(platform), PAYLOAD_AXES, INTERPOLATION)
+
+
 def notes(plan: FlightPlan, created_utc: datetime) -> tuple[str, ...]:
     """Lines of one text each, for headers and comments."""
     scenario, table = plan.scenario, plan.table
@@ -50,10 +79,7 @@ def notes(plan: FlightPlan, created_utc: datetime) -> tuple[str, ...]:
         f"platform {one_line(scenario.platform.name)}, written {utc_text(created_utc)}",
         f"epoch {utc_text(table.epoch_utc, 1)}, a row every {COMMAND_STEP_S} s; "
         f"time scale {TIME_SCALE}",
-        rotation_order(scenario.two_axis),
-        mount(scenario.two_axis),
-        PAYLOAD_AXES,
-        INTERPOLATION,
+        *described(scenario),
     )
 
 
@@ -67,6 +93,10 @@ def one_line(text: str) -> str:
     """Printable ASCII on one line, so that no name can break out of a header."""
     printable = "".join(c if " " <= c <= "~" else " " if c.isspace() else "?" for c in text)
     return " ".join(printable.split())[:TEXT_MAX]
+
+
+def _vectors(c_payload_from_body: Array) -> str:
+    return "payload axes in body axes: " + ", ".join(map(_vector, c_payload_from_body))
 
 
 def _vector(unit: tuple[float, ...] | Array) -> str:

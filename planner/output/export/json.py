@@ -5,12 +5,9 @@ from datetime import datetime
 
 from planner.base.commands import COMMAND_STEP_S
 from planner.output.export.description import (
-    INTERPOLATION,
-    PAYLOAD_AXES,
     TIME_SCALE,
-    mount,
+    described,
     one_line,
-    rotation_order,
 )
 from planner.world.frames.time_scales import utc_text
 from planner.world.plan import FlightPlan
@@ -18,7 +15,7 @@ from planner.world.plan import FlightPlan
 
 def write_json(plan: FlightPlan, created_utc: datetime) -> bytes:
     """The answer's `table` with a `description` of frames, units, time scale and rotation."""
-    table, platform = plan.table, plan.scenario.two_axis
+    table, platform, told = plan.table, plan.scenario.platform, described(plan.scenario)
     document = {
         "name": plan.scenario.name,
         "epoch": utc_text(table.epoch_utc, 1),
@@ -31,9 +28,9 @@ def write_json(plan: FlightPlan, created_utc: datetime) -> bytes:
             "axes": list(table.dof_names),
             "time_scale": TIME_SCALE,
             "units": {"t_s": "s", **{one.name: one.unit for one in table.channels}},
-            "rotation_order": rotation_order(platform),
-            "frames": f"{PAYLOAD_AXES}; {mount(platform)}",
-            "interpolation": INTERPOLATION,
+            "rotation_order": told.rotation_order,
+            "frames": f"{told.payload_axes}; {told.mount}",
+            "interpolation": told.interpolation,
         },
     }
     return json.dumps(document, allow_nan=False, separators=(",", ":")).encode()

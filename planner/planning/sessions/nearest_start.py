@@ -401,7 +401,9 @@ def _known_span(refused: RefusedSession) -> _Span | Refusal:
         # Cones to keep out of must be known along the whole slew.
         early_row = wanted.start - int(horizon_s) * ROWS_PER_S
         known = RowSpan(
-            start=refused.from_row if scenario.slew.keep_out else max(refused.from_row, early_row),
+            start=refused.from_row
+            if scenario.needs_orbit_throughout
+            else max(refused.from_row, early_row),
             stop=wanted.stop + int(horizon_s) * ROWS_PER_S,
         )
         try:

@@ -10,6 +10,7 @@ from planner.base import effort
 from planner.base.arrays import Array
 from planner.base.commands import ROWS_PER_S
 from planner.base.errors import NotVisible, OutsideCoverage, Refusal, TrackBreaksLimit, Unreachable
+from planner.base.rotation import Rotation
 from planner.motion.keyhole.track import nearest_track
 from planner.motion.pointing.keep_out import KeepOutView, deepest_entry, keep_out_view
 from planner.motion.pointing.line_of_sight import STENCIL, LineOfSight, line_of_sight
@@ -59,14 +60,14 @@ def track_branches(
     the axes come from.  Raises NotVisible, Unreachable, TrackBreaksLimit.
     """
     rows = session_rows(session, scenario.initial_state.epoch)
-    looked_at = rows.stop - _early_row(scenario, rows.start, from_row)
+    looked_at = rows.stop - early_row(scenario, rows.start, from_row)
     effort.charge(OPTIONS.hold + OPTIONS.hold_row * looked_at)
     if isinstance(session.target, BenchMotionTarget):
         tracks: tuple[AxisTrack, ...] = (_prescribed_track(scenario, session.target, number, rows),)
-        seen_from_s = tracks[0].t_s[0]
+        seen_s = tracks[0].t_s[0]
     else:
         los = _line_of_sight(scenario, ephemeris, session.target, rows, from_row)
-        _require_visible(los, rows, session.target, number)
+        require_visible(los, rows, session.target, number)
         platform = scenario.two_axis.with_limits(scenario.axis_limits)
         start_s, stop_s = rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S
         try:
@@ -75,7 +76,7 @@ def track_branches(
             if session.keyhole == "refuse":
                 raise
             tracks = (nearest_track(platform, los, start_s, stop_s, exact),)
-        seen_from_s = _seen_from_s(los, start_s)
+        seen_s = seen_from_s(los, start_s)
     begins_s = min(float(track.t_s[0]) for track in tracks)
     view = keep_out_view(scenario, ephemeris, begins_s, rows.stop / ROWS_PER_S)
     if view is not None:
@@ -85,9 +86,7 @@ def track_branches(
             session=session,
             track=track,
             rows=rows,
-            seen_from_s=max(
-                seen_from_s, _outside_from_s(view, begins_s, scenario, number, track, rows)
-            ),
+            seen_from_s=max(seen_s, _outside_from_s(view, begins_s, scenario, number, track, rows)),
             ephemeris=ephemeris,
         )
         for track in tracks
@@ -114,8 +113,8 @@ def _prescribed_track(
 def ephemeris_over(scenario: Scenario, sessions: list[RowSpan]) -> Ephemeris:
     """The orbit over all sessions and, if it is known, over the time for joining one early."""
     epoch_utc = scenario.initial_state.epoch
-    narrow_row = 0 if scenario.slew.keep_out else sessions[0].start
-    wide_row = _early_row(scenario, narrow_row, 0)
+    narrow_row = 0 if scenario.needs_orbit_throughout else sessions[0].start
+    wide_row = early_row(scenario, narrow_row, 0)
     stop_utc = shifted_utc(epoch_utc, sessions[-1].stop / ROWS_PER_S)
     try:
         return scenario.orbit.ephemeris(shifted_utc(epoch_utc, wide_row / ROWS_PER_S), stop_utc)
@@ -125,7 +124,7 @@ def ephemeris_over(scenario: Scenario, sessions: list[RowSpan]) -> Ephemeris:
     return scenario.orbit.ephemeris(shifted_utc(epoch_utc, narrow_row / ROWS_PER_S), stop_utc)
 
 
-def _early_row(scenario: Scenario, start_row: int, from_row: int) -> int:
+def early_row(scenario: Scenario, start_row: int, from_row: int) -> int:
     """The first row from which the target may be followed."""
     if scenario.slew.objective != "minimum_time":
         return start_row
@@ -136,11 +135,11 @@ def _line_of_sight(
     scenario: Scenario, ephemeris: Ephemeris, target: VisibleTarget, rows: RowSpan, from_row: int
 ) -> LineOfSight:
     """Over the session and, where the orbit is known, over the time for joining it early."""
-    early_row = _early_row(scenario, rows.start, from_row)
+    first_row = early_row(scenario, rows.start, from_row)
     try:
-        return los_on_rows(scenario, ephemeris, target, RowSpan(start=early_row, stop=rows.stop))
+        return los_on_rows(scenario, ephemeris, target, RowSpan(start=first_row, stop=rows.stop))
     except OutsideCoverage:
-        if early_row == rows.start:
+        if first_row == rows.start:
             raise
     return los_on_rows(scenario, ephemeris, target, rows)
 
@@ -158,13 +157,15 @@ def los_on_rows(
     return line_of_sight(
         Instants(scenario.initial_state.epoch, t_s),
         ephemeris,
-        scenario.law,
-        scenario.two_axis.q_platform_from_body,
+        scenario.attitude,
+        Rotation.identity()
+        if scenario.attitude is None
+        else scenario.two_axis.q_platform_from_body,
         target,
     )
 
 
-def _require_visible(los: LineOfSight, rows: RowSpan, target: VisibleTarget, number: int) -> None:
+def require_visible(los: LineOfSight, rows: RowSpan, target: VisibleTarget, number: int) -> None:
     in_session = los.instants.t_s > (rows.start - 0.5) / ROWS_PER_S
     hidden = np.flatnonzero(in_session & (los.clearance_rad < 0.0))
     if not hidden.size:
@@ -181,7 +182,7 @@ def _require_visible(los: LineOfSight, rows: RowSpan, target: VisibleTarget, num
     )
 
 
-def _seen_from_s(los: LineOfSight, start_s: float) -> float:
+def seen_from_s(los: LineOfSight, start_s: float) -> float:
     """Since when, without a break until start_s, the target can be seen."""
     t_s = los.instants.t_s
     hidden_before = np.flatnonzero((los.clearance_rad < 0.0) & (t_s < start_s))

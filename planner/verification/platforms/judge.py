@@ -5,6 +5,7 @@ from typing import NamedTuple, Protocol
 
 from planner.base.arrays import Array, Indices, Mask
 from planner.verification.report import (
+    ExclusionMargin,
     Finding,
     LimitMargin,
     MaskMargin,
@@ -36,14 +37,18 @@ class Judge(Protocol):
     def fault(self) -> Finding | None:
         """What of the columns leaves nothing to judge: their names, shapes, numbers."""
 
-    def ends(self) -> Iterator[Finding]:
-        """How the first row misses the initial state, and the last the final state."""
+    def row_findings(self) -> Iterator[Finding]:
+        """How rows disagree with each other, the first with the initial, the last with the final
+        state."""
 
     def margins(self) -> tuple[LimitMargin, ...]:
         """To every limit of the motion, anywhere between the first and the last row."""
 
     def masks(self) -> tuple[MaskMargin, ...]:
         """To what stands in the platform's view."""
+
+    def exclusions(self) -> tuple[ExclusionMargin, ...]:
+        """To what directions of a body keep away from.  Raises OutsideCoverage."""
 
     def slow_stretches(self, cells: Mask, *, standing: bool) -> Iterator[SlowStretch]:
         """Where a drive is slower than it runs smoothly within these cells, shape (n - 1,).
@@ -59,6 +64,11 @@ class Judge(Protocol):
 
     def turn_most_rad(self) -> Array:
         """By how much the boresight may turn in space within a step of each row, shape (n,)."""
+
+    def session_findings(
+        self, number: int, at: FlownInstants, states: OrbitStates
+    ) -> Iterator[Finding]:
+        """What else is wrong while the session of that index looks at its target."""
 
     def prescribed(self, number: int, rows: range, target: BenchMotionTarget) -> JudgedSession:
         """A session whose target prescribes the motion itself, over rows that the table has."""

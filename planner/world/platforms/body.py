@@ -374,7 +374,7 @@ class Exclusion:
     def __post_init__(self) -> None:
         _require_name(self.name)
         if (self.of is None) == (self.direction_body is None):
-            raise ValueError('direction_body or of: "camera" must be given, and not both')
+            raise ValueError('of must be "camera", or direction_body given, and not both')
         if self.direction_body is not None:
             _require_long("direction_body", self.direction_body)
 
@@ -407,7 +407,7 @@ class BodyPlatform:
     agility: Agility
     off_nadir_max_deg: Annotated[float, Within(0.1, 90.0)] = 45.0
     roll: RollRule = NearestRoll()
-    idle: IdleLaw = NadirIdle()
+    idle: IdleLaw = field(default_factory=NadirIdle)
     inertia_kg_m2: Matrix3 | None = None
     torque_max_n_m: Annotated[float, Within(1e-6, 1e6)] | None = None
     camera: BodyCamera

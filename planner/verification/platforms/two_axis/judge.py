@@ -20,6 +20,7 @@ from planner.verification.platforms.two_axis.carrier import (
 from planner.verification.platforms.two_axis.hermite import AxisHermite
 from planner.verification.platforms.two_axis.limits import axis_margins, slow_stretches
 from planner.verification.report import (
+    ExclusionMargin,
     Finding,
     LimitMargin,
     MaskMargin,
@@ -81,7 +82,7 @@ class TwoAxisJudge:
             )
         return None
 
-    def ends(self) -> Iterator[Finding]:
+    def row_findings(self) -> Iterator[Finding]:
         """Whether every axis starts in its initial state, and ends at rest where it was asked."""
         yield from self._initial_state_findings()
         if self._scenario.final_state is not None:
@@ -152,6 +153,10 @@ class TwoAxisJudge:
         path = AxisPath(self._platform, tuple(hermite for _, hermite, _ in self._axes))
         return mask_margins(masks, path, self._table.epoch_utc)
 
+    def exclusions(self) -> tuple[ExclusionMargin, ...]:
+        """None: what the carrier turns away from somebody else plans."""
+        return ()
+
     def slow_stretches(self, cells: Mask, *, standing: bool) -> Iterator[SlowStretch]:
         """By axis, then by time."""
         for axis, hermite, limits in self._axes:
@@ -179,6 +184,12 @@ class TwoAxisJudge:
             (rate_rad_s + CARRIER_RATE_RAD_S) * COMMAND_STEP_S
             + sum(limits.acceleration_max_rad_s2 for _, _, limits in self._axes) * COMMAND_STEP_S**2
         )
+
+    def session_findings(
+        self, number: int, at: FlownInstants, states: OrbitStates
+    ) -> Iterator[Finding]:
+        """Nothing: axes that reach the target may look at it."""
+        return iter(())
 
     def prescribed(self, number: int, rows: range, target: BenchMotionTarget) -> JudgedSession:
         """A bench session's, whose target gives the axes' angles."""

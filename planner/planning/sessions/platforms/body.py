@@ -1,0 +1,329 @@
+"""The motion of a spacecraft that turns as a whole, from its idle attitude and back to it."""
+
+import math
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import datetime
+
+import numpy as np
+
+from planner.base.arrays import Array, Mask
+from planner.base.commands import ROWS_PER_S, CommandTable, Motion
+from planner.base.errors import InfeasibleSlew
+from planner.base.rotation import Rotation
+from planner.base.solvers import merged
+from planner.motion.attitude.bounds import least_s, may
+from planner.motion.attitude.idle import idle_attitude
+from planner.motion.attitude.problem import BodySlewProblem, rows_of
+from planner.motion.attitude.slew import BodySlew, solve_attitude_slew
+from planner.motion.attitude.track import Sight, agility_limits, attitude_tracks, roll_rule
+from planner.motion.pointing.line_of_sight import STENCIL, LineOfSight
+from planner.planning.sessions.budget import PointingBudget
+from planner.planning.sessions.plan import SlewRun
+from planner.planning.sessions.platforms.mover import Join, RowSpan, TrackBranch
+from planner.planning.sessions.track_branches import (
+    early_row,
+    los_on_rows,
+    require_visible,
+    seen_from_s,
+    session_rows,
+)
+from planner.world.frames.time_scales import Instants, shifted_utc
+from planner.world.orbits import Ephemeris
+from planner.world.platforms.body import BodyPlatform
+from planner.world.scenario import BoundedLead, Scenario, Session
+from planner.world.targets import VisibleTarget
+
+
+@dataclass(frozen=True, kw_only=True)
+class BodyMoverOptions:
+    """How much time a body's slew is given."""
+
+    recommended_times: float = 10.0  # the least time: as gentle as following a target, as of axes
+    fewest_rows: int = 10  # of a slew: the OCP's spans begin and end on rows
+    longest_s: float = 3600.0  # of the slew to the idle attitude in the end
+
+
+OPTIONS = BodyMoverOptions()
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BodyTrack:
+    """Rows t_s (n,) of a motion on the table's clock; los: what is followed, None of idling."""
+
+    t_s: Array
+    motion: Motion
+    los: LineOfSight | None = None
+
+    def rows_at(self, first_row: int, last_row: int) -> Motion:
+        """From one row of the table to another, both included."""
+        begin = first_row - round(float(self.t_s[0]) * ROWS_PER_S)
+        return rows_of(self.motion, slice(begin, begin + last_row - first_row + 1))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BodySlewParts:
+    """A slew, and what comes before it: onto the idle attitude, if need be, and waiting on it."""
+
+    slew: BodySlew
+    onto_idle: BodySlew | None = None
+    waiting: Motion | None = None
+    wall_s: float
+
+
+class BodyMover:
+    """As `Mover` says; a state is the `Motion` of one instant, the base is GCRF."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        platform = scenario.platform
+        if not isinstance(platform, BodyPlatform):
+            raise TypeError(f"{platform.name} is no body")
+        self.scenario, self.platform = scenario, platform
+        self.limits = agility_limits(platform)
+
+    def initial(self, ephemeris: Ephemeris) -> Motion:
+        return self._idle(ephemeris, 0, 0)
+
+    def ways(
+        self, ephemeris: Ephemeris, number: int, session: Session, from_row: int, state: Motion
+    ) -> tuple[TrackBranch, ...]:
+        scenario, target = self.scenario, session.target
+        assert isinstance(target, VisibleTarget)  # a scenario refuses the others
+        rows = session_rows(session, scenario.initial_state.epoch)
+        settled = math.ceil(self.platform.agility.settle_s * ROWS_PER_S - 1e-6)
+        first_row = early_row(scenario, rows.start - settled, from_row)
+        wide = RowSpan(start=first_row, stop=max(rows.stop, first_row + STENCIL - 1))
+        los = los_on_rows(scenario, ephemeris, target, wide)
+        require_visible(los, rows, target, number)
+        sight = Sight(
+            target=target, instants=los.instants, states=los.states, los_eci=los.los_platform
+        )
+        tracks = attitude_tracks(
+            self.platform,
+            roll_rule(self.platform, target, None),
+            sight,
+            (rows.start - settled) / ROWS_PER_S,
+            rows.stop / ROWS_PER_S,
+            Rotation.from_quat(state.position[0]),
+        )
+        seen_s = seen_from_s(los, rows.start / ROWS_PER_S)
+        return tuple(
+            TrackBranch(
+                session=session,
+                track=BodyTrack(t_s=track.t_s, motion=track.motion, los=los),
+                rows=RowSpan(start=rows.start - settled, stop=rows.stop),
+                seen_from_s=max(seen_s, float(track.t_s[0])),
+                ephemeris=ephemeris,
+            )
+            for track in tracks
+        )
+
+    def state_at(self, branch: TrackBranch, row: int) -> Motion:
+        state: Motion = branch.track.rows_at(row, row)
+        return state
+
+    def may_slew(self, state: Motion, there: Motion, rows: int) -> bool:
+        return rows > 0 and may(self._problem(state, there, rows))
+
+    def least_s(self, state: Motion, there: Motion) -> float:
+        return least_s(self._problem(state, there, 1).with_patience(ROWS_PER_S * 3600))
+
+    def first_row_in_reach(
+        self, branch: TrackBranch, from_row: int, state: Motion, last_row: int
+    ) -> int | None:
+        if self.scenario.slew.objective != "minimum_time":
+            return None
+        goal, first_row = self._early_goal(branch, from_row, last_row)
+        problem = BodySlewProblem(
+            start=state, goal=goal, first_arrival_row=first_row - from_row, limits=self.limits
+        )
+        needed_s = least_s(problem)
+        return None if math.isinf(needed_s) else from_row + round(needed_s * ROWS_PER_S)
+
+    def slew_onto(
+        self,
+        branch: TrackBranch,
+        from_row: int,
+        state: Motion,
+        *,
+        thorough: bool = True,
+        early: bool = True,
+        prove: bool = False,
+    ) -> Join:
+        """Without cones there is neither a detour to better nor to prove impossible."""
+        last_row = branch.rows.start
+        if last_row <= from_row:
+            raise InfeasibleSlew("no time is left for a slew before the session", limit="duration")
+        began_s = time.perf_counter()
+        if early and self.scenario.slew.objective == "minimum_time":
+            goal, first_row = self._early_goal(branch, from_row, last_row)
+        else:
+            goal, first_row = branch.track.rows_at(last_row, last_row), last_row
+        slew_row, onto_idle, waiting = from_row, None, None
+        there = rows_of(goal, slice(-1, None))
+        wait = self._wait(branch.ephemeris, from_row, state, last_row, there)
+        if wait is not None:
+            onto_idle, waiting = wait
+            slew_row = from_row + len(waiting.position) - 1
+            if onto_idle is not None:
+                slew_row += len(onto_idle.motion.position) - 1
+            state = rows_of(waiting, slice(-1, None))
+            goal, first_row = there, last_row
+        slew = solve_attitude_slew(
+            BodySlewProblem(
+                start=state,
+                goal=goal,
+                first_arrival_row=first_row - slew_row,
+                limits=self.limits,
+                objective=self.scenario.slew.objective,
+            )
+        )
+        return Join(
+            slew=BodySlewParts(
+                slew=slew,
+                onto_idle=onto_idle,
+                waiting=waiting,
+                wall_s=time.perf_counter() - began_s,
+            ),
+            track=branch.track,
+            slew_row=slew_row,
+            join_row=slew_row + len(slew.motion.position) - 1,
+            stop_row=branch.rows.stop,
+            brake_rows=0 if onto_idle is None else len(onto_idle.motion.position) - 1,
+        )
+
+    def with_final_slew(self, ephemeris: Ephemeris, joins: list[Join]) -> list[Join]:
+        if self.scenario.final_state is None:
+            return joins
+        last = joins[-1]
+        state = last.track.rows_at(last.stop_row, last.stop_row)
+        epoch_utc, stop_s = self.scenario.initial_state.epoch, last.stop_row / ROWS_PER_S
+        until_utc = shifted_utc(epoch_utc, stop_s + OPTIONS.longest_s + STENCIL / ROWS_PER_S)
+        onward = self.scenario.orbit.ephemeris(shifted_utc(epoch_utc, stop_s), until_utc)
+        most_rows = round(OPTIONS.longest_s * ROWS_PER_S)
+        idle = self._idle(onward, last.stop_row, last.stop_row + most_rows)
+        rows = self._recommended_rows(state, rows_of(idle, slice(1)))
+        goal_row = last.stop_row + min(rows, most_rows)
+        track = BodyTrack(
+            t_s=np.arange(last.stop_row, last.stop_row + most_rows + 1) / ROWS_PER_S, motion=idle
+        )
+        branch = TrackBranch(
+            session=self.scenario.sessions[-1],
+            track=track,
+            rows=RowSpan(start=goal_row, stop=goal_row),
+            seen_from_s=stop_s,
+            ephemeris=onward,
+        )
+        final = self.slew_onto(branch, last.stop_row, state)
+        return [*joins, Join(**(vars(final) | {"stop_row": final.join_row}))]
+
+    def held(self, ephemeris: Ephemeris, los: LineOfSight) -> Iterator[Mask]:
+        """Not told: another start is then sought row by row."""
+        return iter(())
+
+    def table(self, epoch_utc: datetime, joins: list[Join]) -> CommandTable:
+        parts: list[Motion] = []
+        for join in joins:
+            if join.slew.onto_idle is not None:
+                parts.append(join.slew.onto_idle.motion)
+            if join.slew.waiting is not None:
+                parts.append(join.slew.waiting)
+            parts += [join.slew.slew.motion, join.track.rows_at(join.join_row, join.stop_row)]
+        # A row that two share is the later one's.
+        parts = [*(rows_of(part, slice(-1)) for part in parts[:-1]), parts[-1]]
+        position = np.concatenate([part.position for part in parts])
+        flips = np.where(np.sum(position[1:] * position[:-1], axis=1) < 0.0, -1.0, 1.0)
+        signs = np.cumprod(np.concatenate([[-1.0 if position[0, 3] < 0.0 else 1.0], flips]))
+        return CommandTable(
+            epoch_utc=epoch_utc,
+            channels=self.platform.channels,
+            position=position * signs[:, None],
+            rate_rad_s=np.concatenate([part.rate_rad_s for part in parts]),
+            acceleration_rad_s2=np.concatenate([part.acceleration_rad_s2 for part in parts]),
+        )
+
+    def run(self, number: int | None, join: Join) -> SlewRun:
+        slew: BodySlew = join.slew.slew
+        runs = [part.run for part in (join.slew.onto_idle, slew) if part is not None]
+        gap = max(1.0 - slew.bound_rad2_s5 / slew.cost_rad2_s5, 0.0) if slew.cost_rad2_s5 else 0.0
+        return SlewRun(
+            session=number,
+            backend=self.scenario.slew.method,
+            status="optimal" if slew.is_best == "jerk" else f"best found, gap {gap:.1%}",
+            iterations=sum(run.iterations for run in runs),
+            wall_s=join.slew.wall_s,
+            duration_s=slew.duration_s,
+            minimum_s=slew.least_s,
+            cost_rad2_s5=slew.cost_rad2_s5,
+            lower_bound_rad2_s5=slew.bound_rad2_s5,
+            gap=gap,
+            comparison=None,
+            solver=merged(runs),
+        )
+
+    def budget(
+        self,
+        ephemeris: Ephemeris,
+        table: CommandTable,
+        number: int,
+        los: LineOfSight | None = None,
+    ) -> PointingBudget | None:
+        """Not told of a body yet."""
+        return None
+
+    def warnings_along(self, table: CommandTable) -> tuple[str, ...]:
+        """None: it steers itself."""
+        return ()
+
+    def _problem(self, state: Motion, there: Motion, rows: int) -> BodySlewProblem:
+        return BodySlewProblem(start=state, goal=there, first_arrival_row=rows, limits=self.limits)
+
+    def _early_goal(self, branch: TrackBranch, from_row: int, last_row: int) -> tuple[Motion, int]:
+        """The track from the first row at which it may be joined."""
+        seen_row = math.ceil(branch.seen_from_s * ROWS_PER_S - 1e-6)
+        first_row = min(max(from_row + 1, seen_row), last_row)
+        return branch.track.rows_at(first_row, last_row), first_row
+
+    def _recommended_rows(self, state: Motion, there: Motion) -> int:
+        least = self.least_s(state, there)
+        return max(OPTIONS.fewest_rows, math.ceil(OPTIONS.recommended_times * least * ROWS_PER_S))
+
+    def _most_rows(self, state: Motion, there: Motion) -> int | None:
+        """The longest that a slew lasts; None: as long as there is time."""
+        lead = self.scenario.slew.lead
+        if not isinstance(lead, BoundedLead):
+            return None
+        if lead.max_duration_s is not None:
+            return math.floor(lead.max_duration_s * ROWS_PER_S + 1e-6)
+        return self._recommended_rows(state, there)
+
+    def _wait(
+        self, ephemeris: Ephemeris, from_row: int, state: Motion, last_row: int, there: Motion
+    ) -> tuple[BodySlew | None, Motion] | None:
+        """The slew onto the idle attitude, unless it is there, and the wait on it; None: none."""
+        most_rows = self._most_rows(state, there)
+        if most_rows is None or last_row - from_row <= most_rows:
+            return None
+        idle = self._idle(ephemeris, from_row, last_row)
+        onto_idle, idle_row = None, 0
+        if not np.array_equal(state.position, idle.position[:1]):
+            idle_row = self._recommended_rows(state, rows_of(idle, slice(1)))
+            if idle_row >= last_row - from_row - OPTIONS.fewest_rows:
+                return None
+        slew_rows = self._most_rows(rows_of(idle, slice(idle_row, idle_row + 1)), there)
+        slew_row = last_row - from_row - (slew_rows or 0)
+        if slew_row <= idle_row:
+            return None
+        if idle_row:
+            goal = rows_of(idle, slice(idle_row, idle_row + 1))
+            onto_idle = solve_attitude_slew(self._problem(state, goal, idle_row))
+        return onto_idle, rows_of(idle, slice(idle_row, slew_row + 1))
+
+    def _idle(self, ephemeris: Ephemeris, first_row: int, last_row: int) -> Motion:
+        """The idle attitude from one row to another, both included."""
+        count = max(last_row - first_row + 1, STENCIL)
+        t_s = np.arange(first_row, first_row + count) / ROWS_PER_S
+        instants = Instants(self.scenario.initial_state.epoch, t_s)
+        idle = idle_attitude(self.platform.idle, instants, ephemeris.states(instants))
+        return rows_of(idle, slice(last_row - first_row + 1))

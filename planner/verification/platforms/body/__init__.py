@@ -1,0 +1,1 @@
+"""The judge of a spacecraft that turns as a whole."""

@@ -1,0 +1,288 @@
+"""The judge of a body: quaternions, rates and accelerations, and the quintic between their rows."""
+
+import math
+from collections.abc import Iterator
+from functools import cached_property
+
+import numpy as np
+
+from planner.base.arrays import Array, Indices, Mask, cross
+from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, Channel, CommandTable
+from planner.verification.directions import apart_rad
+from planner.verification.platforms.body.exclusions import exclusion_margins
+from planner.verification.platforms.body.idle import DIFFERENCE_S, idle_motion
+from planner.verification.platforms.body.limits import body_margins
+from planner.verification.platforms.body.quintic import FlownMotion, motion_between, turned
+from planner.verification.platforms.judge import FlownInstants, JudgedSession
+from planner.verification.report import (
+    ExclusionMargin,
+    Finding,
+    Limit,
+    LimitMargin,
+    MaskMargin,
+    SlowStretch,
+    table_fault,
+)
+from planner.verification.structure import covers, session_rows
+from planner.world.frames.time_scales import Instants, shifted_utc
+from planner.world.orbits import Ephemeris, OrbitStates
+from planner.world.platforms.body import BodyPlatform
+from planner.world.scenario import Scenario
+from planner.world.targets import BenchMotionTarget, EarthFixedTarget
+
+ROWS_MIN = 2
+POINTS_PER_CELL = 8  # 25 ms apart: between them a rate rises by 1e-5 of what the jerk lets it
+UNIT_TOLERANCE = 1e-9  # of a quaternion's length: 13 decimals, rounded
+# A fifth of what pointing may err by: idle attitudes and tracks are found to a hundredth of it.
+END_ANGLE_TOLERANCE_RAD = math.radians(0.02 / 3600.0)
+END_RATE_TOLERANCE_RAD_S = math.radians(0.02 / 3600.0)
+OFF_NADIR_TOLERANCE_RAD = math.radians(0.1 / 3600.0)  # as for pointing
+# By how much a turn over a cell may differ from what the rates and accelerations at its ends give,
+# in units of jerk x step^3, and the change of rate from the accelerations', of jerk x step^2: where
+# the jerk steps from one limit to the other twice inside the cell.
+TURN_MISS = 4.0 * 0.00802
+RATE_MISS = 4.0 * 0.125
+ROUNDING_RAD, ROUNDING_RAD_S = 1e-9, 1e-9
+
+
+class BodyJudge:
+    """Of a spacecraft that turns as a whole."""
+
+    def __init__(self, table: CommandTable, platform: BodyPlatform, scenario: Scenario) -> None:
+        self._table, self._platform, self._scenario = table, platform, scenario
+
+    def fault(self) -> Finding | None:
+        """Of the columns their names, shapes and numbers; of the quaternions length and sign."""
+        table, expected = self._table, self._platform.channels
+        if table.channels != expected:
+            return table_fault(
+                f"the columns are {_names(table.channels)}, the platform's {_names(expected)}"
+            )
+        columns = (table.position, table.rate_rad_s, table.acceleration_rad_s2)
+        shapes = tuple(None if column is None else column.shape for column in columns)
+        count = len(table.position)
+        if table.acceleration_rad_s2 is None or shapes != ((count, 4), (count, 3), (count, 3)):
+            return table_fault(
+                f"arrays of shapes {', '.join(map(str, shapes))} are no table of quaternions, "
+                "rates and accelerations"
+            )
+        if count < ROWS_MIN:
+            return table_fault(f"a table needs at least {ROWS_MIN} rows, not {count}")
+        numbers = np.hstack([table.position, table.rate_rad_s, table.acceleration_rad_s2])
+        finite = np.isfinite(numbers)
+        if not finite.all():
+            row, column = (int(index) for index in np.argwhere(~finite)[0])
+            name = expected[column].name
+            return self._of_row("table", row, f"row {row} of {name} holds no finite number")
+        lengths = np.linalg.norm(table.position, axis=1)
+        off = np.abs(lengths - 1.0)
+        worst = int(np.argmax(off))
+        if off[worst] > UNIT_TOLERANCE:
+            length = f"{lengths[worst]:.12g}"
+            return self._of_row("table", worst, f"the quaternion of row {worst} is {length} long")
+        same = np.sum(table.position[1:] * table.position[:-1], axis=1)
+        if not (same > 0.0).all():
+            row = int(np.argmax(~(same > 0.0))) + 1
+            return self._of_row(
+                "table",
+                row,
+                f"the quaternion of row {row} stands across or against the one before: the "
+                "attitude jumps, or its sign does",
+            )
+        return None
+
+    def row_findings(self) -> Iterator[Finding]:
+        """Whether attitude, rates and accelerations tell one motion, from and to the idle one."""
+        yield from self._incoherent()
+        ends: list[tuple[Limit, str, int]] = [("initial_state", "row 0", 0)]
+        if self._scenario.final_state is not None:
+            ends.append(("final_state", "the last row", len(self._table.position) - 1))
+        for limit, name, row in ends:
+            at = Instants(self._table.epoch_utc, self._table.t_s[[row]])
+            axes_eci, omega_body_rad_s = idle_motion(self._platform.idle, at, self._ephemeris)
+            q_xyzw = self._table.position[[row]]
+            off_rad = max(
+                float(apart_rad(turned(q_xyzw, axis), axes_eci[:, k])[0])
+                for k, axis in enumerate(np.eye(3))
+            )
+            rate_off_rad_s = float(
+                np.linalg.norm(self._table.rate_rad_s[row] - omega_body_rad_s[0])
+            )
+            if off_rad > END_ANGLE_TOLERANCE_RAD or rate_off_rad_s > END_RATE_TOLERANCE_RAD_S:
+                yield self._of_row(
+                    limit,
+                    row,
+                    f"{name} is {math.degrees(off_rad):.3g} deg and "
+                    f"{math.degrees(rate_off_rad_s):.3g} deg/s from the idle attitude",
+                )
+
+    def margins(self) -> tuple[LimitMargin, ...]:
+        """Of rate, acceleration and jerk, by magnitude or by body axis."""
+        cells = len(self._table.position) - 1
+        t_s = np.arange(POINTS_PER_CELL * cells + 1) / (POINTS_PER_CELL * ROWS_PER_S)
+        return tuple(
+            body_margins(
+                self._platform.agility,
+                self._fine,
+                t_s,
+                self._row_alpha_rad_s2,
+                self._table.epoch_utc,
+            )
+        )
+
+    def masks(self) -> tuple[MaskMargin, ...]:
+        """None: the structure turns with the camera."""
+        return ()
+
+    def exclusions(self) -> tuple[ExclusionMargin, ...]:
+        """Of each exclusion of the platform, and of the star trackers it needs."""
+        table, count = self._table, len(self._table.position)
+        imaging = np.zeros(count - 1, dtype=bool)
+        for session in self._scenario.sessions:
+            rows = session_rows(session, table.epoch_utc)
+            if covers(table, rows):
+                imaging[rows[0] : rows[-1]] = True
+        return exclusion_margins(self, self._platform, self._ephemeris, imaging, table.epoch_utc)
+
+    def slow_stretches(self, cells: Mask, *, standing: bool) -> Iterator[SlowStretch]:
+        """None: no drive of it has a least rate."""
+        return iter(())
+
+    def boresight_eci(self, at: FlownInstants, states: OrbitStates) -> Array:
+        """Of the camera."""
+        boresight_body = np.asarray(self._platform.camera.boresight_body)
+        return self.direction_eci(boresight_body, at, states)
+
+    def direction_eci(self, direction: Array, at: FlownInstants, states: OrbitStates) -> Array:
+        """Of a direction in body axes, as a unit vector."""
+        unit = direction / math.hypot(*direction)
+        return turned(self._motion(at).q_eci_from_body_xyzw, unit)
+
+    def turn_most_rad(self) -> Array:
+        """By the greatest rate and acceleration of the cell that begins with each row."""
+        rate_rad_s = np.linalg.norm(self._table.rate_rad_s, axis=1)
+        most_rad_s2 = float(np.linalg.norm(self._fine.alpha_body_rad_s2, axis=1).max())
+        return np.asarray(COMMAND_STEP_S * (rate_rad_s + COMMAND_STEP_S * most_rad_s2))
+
+    def session_findings(
+        self, number: int, at: FlownInstants, states: OrbitStates
+    ) -> Iterator[Finding]:
+        """Whether the camera looks too far off nadir at a target on the Earth."""
+        if not isinstance(self._scenario.sessions[number].target, EarthFixedTarget):
+            return
+        most_rad = math.radians(self._platform.off_nadir_max_deg)
+        off_rad = apart_rad(-states.r_sat_eci_m, self.boresight_eci(at, states))
+        worst = int(np.argmax(off_rad))
+        if off_rad[worst] > most_rad + OFF_NADIR_TOLERANCE_RAD:
+            t_s = float(at.instants.t_s[worst])
+            yield Finding(
+                limit="off_nadir",
+                t_s=t_s,
+                at_utc=shifted_utc(self._table.epoch_utc, t_s),
+                detail=(
+                    f"session {number + 1}: the camera looks {math.degrees(off_rad[worst]):.3f} "
+                    f"deg off nadir, more than {self._platform.off_nadir_max_deg:g} deg"
+                ),
+            )
+
+    def prescribed(self, number: int, rows: range, target: BenchMotionTarget) -> JudgedSession:
+        """A body has no axes to prescribe a motion of."""
+        detail = f"session {number + 1}: {self._platform.name} has no axes that a test could move"
+        return None, (Finding(limit="motion", detail=detail),)
+
+    @property
+    def derives_attitude(self) -> bool:
+        """It is in the table itself."""
+        return True
+
+    @cached_property
+    def _row_alpha_rad_s2(self) -> Array:
+        alpha_rad_s2 = self._table.acceleration_rad_s2
+        if alpha_rad_s2 is None:
+            raise TypeError("a table without accelerations is at fault already")
+        return alpha_rad_s2
+
+    @cached_property
+    def _ephemeris(self) -> Ephemeris:
+        """Over the table, and the step around it that idle rates are found by."""
+        last_s = (len(self._table.position) - 1) / ROWS_PER_S
+        return self._scenario.orbit.ephemeris(
+            shifted_utc(self._table.epoch_utc, -DIFFERENCE_S),
+            shifted_utc(self._table.epoch_utc, last_s + DIFFERENCE_S),
+        )
+
+    @cached_property
+    def _fine(self) -> FlownMotion:
+        """`POINTS_PER_CELL` instants of every cell, and the last row."""
+        cells = len(self._table.position) - 1
+        points = np.arange(POINTS_PER_CELL * cells + 1)
+        cell = np.minimum(points // POINTS_PER_CELL, cells - 1)
+        u_s = (points - POINTS_PER_CELL * cell) * (COMMAND_STEP_S / POINTS_PER_CELL)
+        return self._between(cell, u_s)
+
+    def _motion(self, at: FlownInstants) -> FlownMotion:
+        return self._between(at.cell, at.u_s)
+
+    def _between(self, cell: Indices, u_s: Array) -> FlownMotion:
+        return motion_between(
+            self._table.position, self._table.rate_rad_s, self._row_alpha_rad_s2, cell, u_s
+        )
+
+    def _incoherent(self) -> Iterator[Finding]:
+        """Where the rows of a cell tell more than one motion within the jerk limit can differ by.
+
+        The rotation vector of a short step is the mean rate, from rates and accelerations at its
+        ends, plus the coning of the rates.  Source: Bortz 1971, to third order in the step.
+        """
+        omega, alpha, h = self._table.rate_rad_s, self._row_alpha_rad_s2, COMMAND_STEP_S
+        jerk_rad_s3 = float(np.linalg.norm(self._platform.agility.by_order_rad[2]))
+        part, scalar = _turn_over_cells(self._table.position)
+        turn_rad = (
+            part
+            * (2.0 * np.arctan2(_length(part), scalar) / np.maximum(_length(part), 1e-300))[:, None]
+        )
+        mean_rad_s = 0.5 * (omega[1:] + omega[:-1]) + h / 12.0 * (alpha[:-1] - alpha[1:])
+        expected_rad = h * mean_rad_s + h**2 / 12.0 * cross(omega[:-1], omega[1:])
+        change_rad_s = np.diff(omega, axis=0) - 0.5 * h * (alpha[1:] + alpha[:-1])
+        for what, unit, missed, allowed in (
+            (
+                "attitude and rates",
+                "deg",
+                _length(turn_rad - expected_rad),
+                TURN_MISS * jerk_rad_s3 * h**3 + ROUNDING_RAD,
+            ),
+            (
+                "rates and accelerations",
+                "deg/s",
+                _length(change_rad_s),
+                RATE_MISS * jerk_rad_s3 * h**2 + ROUNDING_RAD_S,
+            ),
+        ):
+            worst = int(np.argmax(missed))
+            if missed[worst] > allowed:
+                yield self._of_row(
+                    "motion",
+                    worst,
+                    f"{what} disagree by {math.degrees(missed[worst]):.3g} {unit} over the cell "
+                    f"after row {worst}, more than {math.degrees(allowed):.3g} {unit}",
+                )
+
+    def _of_row(self, limit: Limit, row: int, detail: str) -> Finding:
+        t_s = row / ROWS_PER_S
+        at_utc = shifted_utc(self._table.epoch_utc, t_s)
+        return Finding(limit=limit, t_s=t_s, at_utc=at_utc, detail=detail)
+
+
+def _names(channels: tuple[Channel, ...]) -> str:
+    return ", ".join(channel.name for channel in channels)
+
+
+def _length(vector: Array) -> Array:
+    return np.asarray(np.linalg.norm(vector, axis=1))
+
+
+def _turn_over_cells(q_xyzw: Array) -> tuple[Array, Array]:
+    """Vector part (n - 1, 3) and scalar (n - 1,) of turns from row to row, the short way."""
+    a, b = q_xyzw[:-1], q_xyzw[1:]
+    part = a[:, 3:] * b[:, :3] - b[:, 3:] * a[:, :3] - cross(a[:, :3], b[:, :3])
+    return part, np.sum(a * b, axis=1)

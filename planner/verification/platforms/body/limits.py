@@ -1,0 +1,64 @@
+"""Margins of a body's motion to its agility, anywhere between the first and the last row."""
+
+from collections.abc import Iterator
+from datetime import datetime
+
+import numpy as np
+
+from planner.base.arrays import Array
+from planner.base.commands import COMMAND_STEP_S
+from planner.verification.limits import RELATIVE_TOLERANCE
+from planner.verification.platforms.body.quintic import FlownMotion
+from planner.verification.report import Limit, LimitMargin
+from planner.world.frames.time_scales import shifted_utc
+from planner.world.platforms.body import Agility, MagnitudeAgility
+
+WHOLE_BODY = "body"  # stands for the axis where a limit is of a vector's length
+# A motion whose jerk steps inside a row's cell keeps its limits itself; the quintic through its
+# rows rings about it.  By jerk x step (x step), of a stop of the jerk at the limit: its greatest
+# for acceleration and rate over where in the cell that is; two steps may share a cell.
+ACCELERATION_RINGS = 2.0 * 0.02369
+RATE_RINGS = 2.0 * 0.00474
+
+
+def body_margins(
+    agility: Agility, flown: FlownMotion, t_s: Array, row_alpha_rad_s2: Array, epoch_utc: datetime
+) -> Iterator[LimitMargin]:
+    """Rate and acceleration of n instants, jerk as the mean over each cell.
+
+    flown: with the instants t_s, (n,), rows among them.  row_alpha_rad_s2: of the rows, (m, 3).
+    Of the jerk only its mean is a property of the motion that was sampled: within a cell the
+    quintic's rings.
+    """
+    h = COMMAND_STEP_S
+    jerk_rad_s3: Array = np.diff(row_alpha_rad_s2, axis=0) / h
+    jerk_s = np.arange(len(jerk_rad_s3)) * h
+    rate_max, acceleration_max, jerk_max = map(np.asarray, agility.by_order_rad)
+    kinds: tuple[tuple[Limit, Array, Array, Array, Array], ...] = (
+        ("rate", t_s, flown.omega_body_rad_s, rate_max, RATE_RINGS * jerk_max * h**2),
+        (
+            "acceleration",
+            t_s,
+            flown.alpha_body_rad_s2,
+            acceleration_max,
+            ACCELERATION_RINGS * jerk_max * h,
+        ),
+        ("jerk", jerk_s, jerk_rad_s3, jerk_max, np.zeros(3)),
+    )
+    whole = isinstance(agility, MagnitudeAgility)
+    names = (WHOLE_BODY,) if whole else ("x", "y", "z")
+    for kind, at_s, vector, bound, rings in kinds:
+        sizes = np.linalg.norm(vector, axis=1, keepdims=True) if whole else vector
+        for column, name in enumerate(names):
+            worst = int(np.argmax(np.abs(sizes[:, column])))
+            extreme, limit = float(sizes[worst, column]), float(bound[column])
+            yield LimitMargin(
+                axis=name,
+                kind=kind,
+                limit=limit,
+                extreme=extreme,
+                margin=limit - abs(extreme),
+                tolerance=RELATIVE_TOLERANCE * limit + float(rings[column]),
+                t_s=float(at_s[worst]),
+                at_utc=shifted_utc(epoch_utc, float(at_s[worst])),
+            )

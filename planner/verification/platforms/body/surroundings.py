@@ -1,0 +1,125 @@
+"""Angles of directions from Sun, Moon, the Earth's limb and sunglint, by the judge's own sky."""
+
+import math
+from functools import cached_property
+
+import numpy as np
+
+from planner.base.arrays import Array
+from planner.verification.directions import apart_rad
+from planner.verification.earth import earth_orientation
+from planner.verification.earth_fixed import WGS84_A_M, WGS84_A_OVER_B
+from planner.verification.sky import SkySight, limb_clearance_rad, sky_sight
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits import OrbitStates
+from planner.world.platforms.body import Celestial
+from planner.world.targets import BodyTarget
+from planner.world.targets.keep_out import HIDDEN_RAD
+
+# IAU 2015 resolution B3; IAU Working Group on Cartographic Coordinates 2015
+RADIUS_M = {"sun": 695_700e3, "moon": 1_737.4e3}
+GLINT_STARTS = 60  # along the Earth's arc from below the carrier to its horizon: 100 km at most
+GLINT_PASSES = 8  # of Newton's
+GLINT_STEP = 1e-6  # of the arc, for his slopes
+SEMI_AXES_M = WGS84_A_M * np.array([1.0, 1.0, 1.0 / WGS84_A_OVER_B])
+
+
+class Surroundings:
+    """As the carrier sees them at n instants."""
+
+    def __init__(self, instants: Instants, states: OrbitStates) -> None:
+        self._instants, self._states = instants, states
+        self._earth = earth_orientation(instants.epoch_utc, instants.t_s)
+        self._r_sat_itrf_m = self._earth.itrf_from_eci(states.r_sat_eci_m)
+
+    def away_rad(self, direction_eci: Array, celestial: Celestial) -> Array:
+        """From unit vectors (n, 3) to a disk's edge, to the limb outwards, to the glint, (n,).
+
+        Infinite while there is nothing to keep away from.
+        """
+        if celestial == "limb":
+            return limb_clearance_rad(
+                self._earth.itrf_from_eci(direction_eci), self._r_sat_itrf_m, 0.0
+            )
+        if celestial == "glint":
+            return np.where(self._glint[1], apart_rad(direction_eci, self._glint[0]), math.inf)
+        seen = self._sun if celestial == "sun" else self._moon
+        edge_rad = np.arcsin(RADIUS_M[celestial] / seen.range_m)
+        away_rad = apart_rad(direction_eci, seen.apparent_eci) - edge_rad
+        return np.where(seen.clearance_rad > -HIDDEN_RAD, away_rad, math.inf)
+
+    @cached_property
+    def _sun(self) -> SkySight:
+        return self._disk("sun")
+
+    @cached_property
+    def _moon(self) -> SkySight:
+        return self._disk("moon")
+
+    def _disk(self, name: str) -> SkySight:
+        target = BodyTarget(name=name, grazing_altitude_km=0.0)
+        return sky_sight(target, self._instants, self._states)
+
+    @cached_property
+    def _glint(self) -> tuple[Array, Array]:
+        sun_itrf = self._earth.itrf_from_eci(self._sun.apparent_eci)
+        towards_itrf, is_there = mirror_direction(sun_itrf, self._r_sat_itrf_m)
+        return self._earth.eci_from_itrf(towards_itrf), is_there
+
+
+def mirror_direction(sun_itrf: Array, r_sat_itrf_m: Array) -> tuple[Array, Array]:
+    """Where the ellipsoid mirrors the Sun, unit vectors (n, 3), and whether it does, (n,).
+
+    Light takes the shortest way: of the points whose normals lie on the arc from the carrier's
+    zenith towards the Sun the one with the shortest way starts Newton's search for where normal
+    and half vector agree, in both coordinates across the arc's.
+    """
+    zenith = r_sat_itrf_m / np.linalg.norm(r_sat_itrf_m, axis=1, keepdims=True)
+    across = np.cross(zenith, sun_itrf)
+    across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-12)
+    ahead = np.cross(across, zenith)
+    horizon_rad = np.arccos(WGS84_A_M / np.maximum(np.linalg.norm(r_sat_itrf_m, axis=1), WGS84_A_M))
+
+    def normal(along: Array, aside: Array) -> Array:
+        n = zenith + np.tan(along)[:, None] * ahead + aside[:, None] * across
+        return np.asarray(n / np.linalg.norm(n, axis=1, keepdims=True))
+
+    def point_m(along: Array, aside: Array) -> Array:
+        n = normal(along, aside)
+        return np.asarray(
+            n * SEMI_AXES_M**2 / np.linalg.norm(n * SEMI_AXES_M, axis=1, keepdims=True)
+        )
+
+    def way_m(along: Array, aside: Array) -> Array:
+        point = point_m(along, aside)
+        to_sat_m = np.linalg.norm(r_sat_itrf_m - point, axis=1)
+        return np.asarray(to_sat_m - np.sum(sun_itrf * point, axis=1))
+
+    def off(along: Array, aside: Array) -> tuple[Array, Array]:
+        to_sat = r_sat_itrf_m - point_m(along, aside)
+        half = sun_itrf + to_sat / np.linalg.norm(to_sat, axis=1, keepdims=True)
+        miss = half / np.linalg.norm(half, axis=1, keepdims=True) - normal(along, aside)
+        return np.sum(miss * ahead, axis=1), np.sum(miss * across, axis=1)
+
+    zero = np.zeros(len(zenith))
+    shares = np.linspace(0.0, 1.0, GLINT_STARTS)
+    ways = np.stack([way_m(share * horizon_rad, zero) for share in shares])
+    along, aside = shares[np.argmin(ways, axis=0)] * horizon_rad, zero
+    for _ in range(GLINT_PASSES):
+        f, g = off(along, aside)
+        f_along, g_along = (
+            (b - a) / GLINT_STEP
+            for a, b in zip((f, g), off(along + GLINT_STEP, aside), strict=True)
+        )
+        f_aside, g_aside = (
+            (b - a) / GLINT_STEP
+            for a, b in zip((f, g), off(along, aside + GLINT_STEP), strict=True)
+        )
+        size = f_along * g_aside - f_aside * g_along
+        along = np.clip(along - (f * g_aside - g * f_aside) / size, 0.0, horizon_rad)
+        aside = aside - (g * f_along - f * g_along) / size
+    los_m = point_m(along, aside) - r_sat_itrf_m
+    n = normal(along, aside)
+    is_seen = np.sum(los_m * n, axis=1) < 0.0
+    is_lit = np.sum(sun_itrf * n, axis=1) > 0.0
+    return los_m / np.linalg.norm(los_m, axis=1, keepdims=True), is_seen & is_lit
