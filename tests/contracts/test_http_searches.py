@@ -6,13 +6,13 @@ import json
 import re
 
 import pytest
+from app.store.searches import PAGE_WINDOWS
 from databases import own_settings
 from fastapi.testclient import TestClient
 
 from app.http.app import create_app
 from app.ids import new_id
 from app.requests.examples import OPPORTUNITY_EXAMPLES
-from app.store.searches import PAGE_WINDOWS
 
 CITIES = OPPORTUNITY_EXAMPLES["cities"][1] | {"name": "Cities by day"}
 SKY = OPPORTUNITY_EXAMPLES["sky"][1]
