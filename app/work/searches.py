@@ -159,7 +159,8 @@ def _page(
     return Page(told, after if after < len(rows) else None, reasons)
 
 
-def _csv(texts: Sequence[str]) -> str:
+def pass_table_csv(texts: Sequence[str]) -> str:
+    """A line per window, of the JSON of each with its view."""
     return csv_lines(pass_cells(json.loads(text)) for text in texts)
 
 
@@ -168,7 +169,11 @@ def _geojson(texts: Sequence[str]) -> str:
     return ",".join(json.dumps(one, separators=(",", ":"), ensure_ascii=False) for one in features)
 
 
-_FORMS: dict[str, Callable[[Sequence[str]], str]] = {JSON: ",".join, GEOJSON: _geojson, CSV: _csv}
+_FORMS: dict[str, Callable[[Sequence[str]], str]] = {
+    JSON: ",".join,
+    GEOJSON: _geojson,
+    CSV: pass_table_csv,
+}
 
 
 def _packed(edges: WindowEdges) -> bytes:

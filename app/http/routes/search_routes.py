@@ -90,7 +90,6 @@ class SearchResource(JobResource):
     plural: str = "searches"
     list_response: type = SEARCH_LIST
     summary: str
-    bounds: Bounds = SEARCH_BOUNDS
     windows_response: type
     included: tuple[str, ...]
 
@@ -224,9 +223,9 @@ def _add_post(router: APIRouter, resource: SearchResource) -> None:
         spec = await anyio.to_thread.run_sync(resource.requests.read, body)
         origin, asked = provenance(begun_utc, body), query.asked(media_type)
         found, page = await in_child(
-            request, resource.bounds, find_windows, resource.kind, spec, origin, asked
+            request, SEARCH_BOUNDS, find_windows, resource.kind, spec, origin, asked
         )
-        new = new_job(request, resource, spec, body, deadline_s=resource.bounds.deadline_s)
+        new = new_job(request, resource, spec, body, deadline_s=SEARCH_BOUNDS.deadline_s)
         database: Database = request.app.state.database
         await database.answer(_keep, database, new, begun_utc, found)
         headers = {"Location": f"{resource.path}/{new.id}", "Vary": "Accept"}
@@ -246,10 +245,8 @@ class _Whole(NamedTuple):
     async def page(self, request: Request, cursor: int) -> Page:
         """Told in a child."""
         asked = replace(self.asked, cursor=cursor)
-        bounds, kind = self.resource.bounds, self.resource.kind
-        return await in_child(
-            request, bounds, read_windows, kind, self.body, self.found.edges, asked
-        )
+        edges, kind = self.found.edges, self.resource.kind
+        return await in_child(request, SEARCH_BOUNDS, read_windows, kind, self.body, edges, asked)
 
 
 def _first_answer(
