@@ -168,7 +168,7 @@ class OpportunitiesHead:
     start: of the time searched; UTC.
     stop: of the time searched; UTC.
     count: of all windows found. E.g. `8590`.
-    unseen: targets without any window.
+    unseen: ids of targets without any window. E.g. `["Reykjavik"]`.
     assumed: places of the targets that the request gives by name only.
     warnings: cautions to read before relying on it. E.g.
     `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the farthest instant asked for"]`.
@@ -191,7 +191,7 @@ class OpportunitiesResponse(OpportunitiesHead):
     """Windows in the order of the request's targets, each target's in order of time.
 
     id: of what was found, as its address names it.
-    reasons: why targets are unseen; with `reasons`.
+    reasons: the causes that leave targets unseen; with `reasons`.
     windows: the first of them.
     next: `cursor` of those that come after; null at the end. E.g. `100`.
     """

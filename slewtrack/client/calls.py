@@ -251,11 +251,7 @@ class CarrierCalls:
     def opportunities(
         self, request: Json, *, include: Include = VIEW, limit: int | None = None
     ) -> Call[Opportunities]:
-        """When each target can be seen, the first `limit` windows; what is found is kept.
-
-        include: what to tell beyond edges and session: `view`, `probability` and, of targets that
-        are never seen, `reasons`.
-        """
+        """When each target can be seen, the first `limit` windows; what is found is kept."""
         return self._search(request, include, limit)
 
     @call('client.searches(name="gallery", limit=5)')

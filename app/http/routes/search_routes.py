@@ -147,7 +147,7 @@ _TEXTS = {
     VIEW: "the greatest elevation, what is seen at the closest approach and through the window, "
     "the target's place and sky",
     PROBABILITY: "that the target stays in the frame",
-    REASONS: "why targets without windows have none",
+    REASONS: "the causes that leave targets without windows",
 }
 
 
