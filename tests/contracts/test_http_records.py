@@ -73,7 +73,7 @@ def test_the_best_elevation_is_that_of_the_opportunity(client, two):
     asked = {name: LAS_VEGAS[name] for name in ("platform", "orbit", "attitude")}
     asked["targets"] = [{"id": "LV", "target": LAS_VEGAS["sessions"][0]["target"]}]
     times = {"start": "2015-02-27T17:30:00Z", "stop": "2015-02-27T17:45:00Z"}
-    [window] = client.post("/v1/opportunities", json=asked | times).json()["windows"]
+    [window] = client.post("/v1/opportunities?include=view", json=asked | times).json()["windows"]
     vegas = two["summary"]["sessions"][0]
     # The judge looks every 0.05 s: at 1 deg/s past the zenith that is 0.001 deg of the parabola.
     assert vegas["best_elevation_deg"] == pytest.approx(window["highest_deg"], abs=1e-3)

@@ -123,8 +123,9 @@ function isAsked({ name, targets }: Job): boolean {
 }
 
 async function windowsOf(job: Job, until: AbortSignal): Promise<Seen[]> {
-  const found = await orGone(get("/v1/opportunities/{id}/windows", { id: job.id, query: { limit: WINDOWS }, signal: until }));
-  return (found?.windows ?? []).map((one) => ({
+  const given = { id: job.id, query: { limit: WINDOWS, include: "view" }, signal: until };
+  const found = await orGone(get("/v1/opportunities/{id}/windows", given));
+  return ((found?.windows ?? []) as Required<Schemas["WindowOut"]>[]).map((one) => ({
     search: job.name || job.targets.slice(0, 3).join(", "),
     platform: job.platform ?? "",
     target: one.target,
