@@ -50,11 +50,20 @@ def compiled(function: F) -> F:
 
     Divisions follow IEEE 754 (Python's check of each divisor costs a sixth of a flight's time).
     """
-    return cast(F, numba.njit(cache=True, nogil=True, error_model="numpy")(function))
+    return _to_machine_code(function)
+
+
+def lean(function: F) -> F:
+    """The same for what makes no arrays: it need not count who holds those it is given, which
+    takes several times as long as to look at a target once."""
+    return _to_machine_code(function, _nrt=False)
 
 
 def inlined(function: F) -> F:
     """The same, as a part of each caller: a call would copy the tables' descriptors."""
-    return cast(
-        F, numba.njit(cache=True, nogil=True, error_model="numpy", forceinline=True)(function)
-    )
+    return _to_machine_code(function, _nrt=False, forceinline=True)
+
+
+def _to_machine_code(function: F, **options: bool) -> F:
+    made = numba.njit(cache=True, nogil=True, error_model="numpy", **options)(function)
+    return cast(F, made)
