@@ -21,6 +21,7 @@ from planner.base.errors import InvalidInput, Refusal
 from planner.output.export import EXPORTERS
 
 if TYPE_CHECKING:
+    from app.work.campaign_files import MadePass
     from app.work.searches import WindowsAsked
     from app.work.telemetry import SentTelemetry
     from planner.inflight.telemetry.compare import Comparison
@@ -32,12 +33,15 @@ _KEPT = ("plans", "campaigns", "flights", "opportunities")
 
 @dataclass(frozen=True)
 class Kept:
-    """What was made: the whole answer under an id, and of a plan its request and packed table."""
+    """What was made: the whole answer under an id, its request, a plan's packed table, and of a
+    campaign the passes with plans.
+    """
 
     text: Callable[[str], bytes]
     passed: bool = True
     request: bytes = b""
     table_columns: bytes = b""
+    passes: "Sequence[MadePass]" = ()
 
 
 @dataclass(frozen=True)
@@ -116,6 +120,20 @@ class Desk:
     def whole(self, work: LocalAsk) -> bytes:
         """The answer, or the job that waits."""
         return _job(work.id) if work.id in self._open else self.kept(work.id).text(work.id)
+
+    def campaign(self, work: LocalAsk) -> bytes:
+        """The answer, or one of a campaign's files."""
+        from app.work.campaign_files import SUFFIXES, campaign_file
+
+        media_type = work.ask.headers.get("Accept", "application/json")
+        if media_type not in SUFFIXES:
+            formats = ("json", *(suffix[1:] for suffix in SUFFIXES.values()))
+            _require_format(media_type.removeprefix("application/"), formats)
+            return self.whole(work)
+        made = self.kept(work.id)
+        if not made.passes:
+            raise InvalidInput("there is no file of looks: the campaign has no plan", field="ID")
+        return campaign_file(media_type, made.request, made.passes)
 
     def carry_out(self, work: LocalAsk) -> bytes:
         """Tell the events of what waits; it begins anew where `on_line` ended it before."""
@@ -270,8 +288,10 @@ def _windows_asked(work: LocalAsk) -> "WindowsAsked":
 
 def _campaign(desk: Desk, work: LocalAsk) -> Kept:
     from app.work.campaign import choose, plan_pass
+    from app.work.campaign_files import MadePass
 
     chosen, passes = choose(work.body), []
+    made: list[MadePass] = []
     for number, wanted in enumerate(chosen.parts):
         report("plans", number, len(chosen.parts))
         part, new = plan_pass(wanted)
@@ -279,6 +299,9 @@ def _campaign(desk: Desk, work: LocalAsk) -> Kept:
             passes.append(told_pass(part, "refused", problem=problem_of(new)))
         else:
             plan_id = desk.keep(partial(_kept_plan, part.request, new, stored_table_json))
+            if new.state == "done":
+                at_utc, columns = datetime.now(UTC), new.table_columns
+                made.append(MadePass(part.facts, plan_id, part.request, columns, at_utc))
             passes.append(told_pass(part, new.state, plan=plan_id))
     report("plans", len(passes), len(passes))
     members = {
@@ -287,7 +310,11 @@ def _campaign(desk: Desk, work: LocalAsk) -> Kept:
         "choice": json.loads(unzip(chosen.document)),
         "passes": passes,
     }
-    return Kept(lambda campaign_id: json.dumps({"id": campaign_id, **members}).encode())
+    return Kept(
+        lambda campaign_id: json.dumps({"id": campaign_id, **members}).encode(),
+        request=work.body,
+        passes=made,
+    )
 
 
 def told_pass(
@@ -383,7 +410,8 @@ _WAYS: dict[str, Callable[[Desk, LocalAsk], bytes]] = {
     "GET plans/ID/table": _table,
     "GET plans/ID/view": _view,
     "GET plans/ID/request": lambda desk, work: desk.kept(work.id).request,
-    **{f"GET {kind}/ID": Desk.whole for kind in ("plans", "campaigns", "flights")},
+    **{f"GET {kind}/ID": Desk.whole for kind in ("plans", "flights")},
+    "GET campaigns/ID": Desk.campaign,
     **{f"GET {kind}/ID/events": Desk.carry_out for kind in ("plans", "campaigns", "flights")},
     **{f"DELETE {kind}/ID": Desk.forget for kind in _KEPT},
     **{f"GET {kind}": partial(_names, kind) for kind in _NAMES},

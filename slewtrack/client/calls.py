@@ -70,6 +70,12 @@ T = TypeVar("T")
 PLATFORM = ("/v1/plans", "/v1/opportunities")
 SPACECRAFT = ("/v1/spacecraft/plans", "/v1/spacecraft/opportunities")
 CAMPAIGNS = "/v1/campaigns"
+CAMPAIGN_FILES = {
+    "csv": "text/csv",
+    "geojson": "application/geo+json",
+    "kml": "application/vnd.google-earth.kml+xml",
+    "zip": "application/zip",
+}
 FLIGHTS = "/v1/flights"
 COMPARISONS = "/v1/telemetry/comparisons"
 WAIT_S = 30  # of a POST, for what takes no longer
@@ -447,6 +453,13 @@ class ServiceCalls(CarrierCalls):
         until_s = _until(timeout_s)
         job = yield from self._submit(CAMPAIGNS, request, until_s=until_s)
         return (yield from self._wait(CAMPAIGNS, job, progress, until_s, _campaign_or_job))
+
+    @call('Path("looks.kml").write_bytes(client.export_campaign(campaign, "kml"))')
+    def export_campaign(self, job: Named | Campaign, format_name: str) -> Call[bytes]:
+        """Its looks as csv, geojson or kml, or each pass's table and request as a zip archive."""
+        accept = {"Accept": CAMPAIGN_FILES.get(format_name, f"application/{format_name}")}
+        ask = Ask(method="GET", path=address(CAMPAIGNS, job), headers=accept)
+        return (yield from self._good(ask)).body
 
     @call("client.wait_for_campaign(client.campaigns(limit=1)[0])")
     def wait_for_campaign(

@@ -99,7 +99,7 @@ def test_the_same_calls_without_a_service(client, plan):
             said.append(dataclasses.replace(refused.value.problem, instance="", members={}))
         assert said[0] == said[1]
     for door, one in ((slewtrack, here), (client, plan)):
-        with pytest.raises(slewtrack.Refused, match="netcdf"):
+        with pytest.raises(slewtrack.Refused, match="or text/csv or"):
             door.export(one, "xlsx")
 
 
@@ -223,6 +223,10 @@ def test_a_campaign_is_followed_over_broken_connections(service):
     with slewtrack.Client(f"http://127.0.0.1:{relay.port}") as client:
         campaign = client.campaign(CITIES, progress=break_it)
         assert [client.get(one["plan"]).passed for one in campaign.passes] == [True, True]
+        looks = client.export_campaign(campaign, "csv").decode().splitlines()
+        with pytest.raises(slewtrack.Refused, match="or text/csv or"):
+            client.export_campaign(campaign, "netcdf")
+    assert len(looks) == 1 + sum(len(one.looks) for one in campaign.passes)
     assert campaign.value <= campaign.bound
     assert [progress.done for progress in told if progress.stage == "plans"] == [1, 2]
     assert [progress.state for progress in told].count("done") == 1

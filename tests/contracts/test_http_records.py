@@ -60,7 +60,7 @@ def test_a_plan_says_what_it_is(client, two):
     assert (summary["name"], summary["platform"]) == ("Ås and Vegas", "iss-hrc")
     assert summary["targets"] == ["Las Vegas, ÖST", "HIP 91262"]
     assert (vegas["id"], vegas["name"], vegas["mode"]) == ("LV-7", "Las Vegas, ÖST", "ground")
-    assert vegas["target"] == "36.1147, -115.1728"
+    assert vegas["target"] == "near Las Vegas (36.1147, -115.1728)"
     assert (star["id"], star["name"], star["best_elevation_deg"]) == (None, None, None)
     assert [vegas["start"], star["stop"]] == [summary["start"], summary["stop"]]
     budget = {one["session"]: one["probability_in_frame"] for one in two["uncertainty"]}
