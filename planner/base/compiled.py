@@ -4,7 +4,7 @@ import hashlib
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import numba
 
@@ -65,5 +65,6 @@ def inlined(function: F) -> F:
 
 
 def _to_machine_code(function: F, **options: bool) -> F:
-    made = numba.njit(cache=True, nogil=True, error_model="numpy", **options)(function)
+    njit = cast(Any, numba.njit)  # whose types don't list all of its options
+    made = njit(cache=True, nogil=True, error_model="numpy", **options)(function)
     return cast(F, made)

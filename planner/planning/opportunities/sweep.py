@@ -26,7 +26,13 @@ from planner.base.vectors import (
     wrapped,
 )
 from planner.motion.pointing.reach import Reach, axes_at, braking, off_masks, off_stops
-from planner.planning.opportunities.looks import CarrierTables, Places, place_at, platform_los, sight_at
+from planner.planning.opportunities.looks import (
+    CarrierTables,
+    Places,
+    place_at,
+    platform_los,
+    sight_at,
+)
 from planner.planning.opportunities.margins import (
     ELEVATION,
     INTERVAL,
