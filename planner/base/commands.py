@@ -11,8 +11,6 @@ from planner.base.arrays import Array
 
 ROWS_PER_S = 5  # Sumarokov 2016: the platform is fed every 0.2 s
 COMMAND_STEP_S = 1.0 / ROWS_PER_S
-DEGREES_DECIMALS = 9  # 1e-9 deg is 4 microarcsec, 1/25,000 of what the table promises
-QUATERNION_DECIMALS = 13  # likewise
 
 
 class Channel(NamedTuple):
@@ -27,7 +25,7 @@ class Channel(NamedTuple):
     dof: str
     of: Literal["position", "rate", "acceleration"]
     unit: str
-    decimals: int = DEGREES_DECIMALS
+    decimals: int = 9  # 1e-9 deg is 4 microarcsec, 1/25,000 of what the table promises
 
     def told(self, value: Array) -> Array:
         """In the channel's unit, rounded to its decimals."""
@@ -50,7 +48,7 @@ def axis_channels(axis_names: tuple[str, ...]) -> tuple[Channel, ...]:
 
 BODY_CHANNELS = (
     *(
-        Channel(f"q_eci_from_body_{part}", part, "position", "1", QUATERNION_DECIMALS)
+        Channel(f"q_eci_from_body_{part}", part, "position", "1", decimals=13)  # likewise
         for part in "xyzw"
     ),
     *(Channel(f"omega_body_deg_s_{part}", part, "rate", "degree s-1") for part in "xyz"),

@@ -1,1 +1,1 @@
-"""How the platforms of each kind move: what the sessions ask of them, and the answers by kind."""
+"""The movers: what sessions ask of a platform that moves, and the answers of each kind."""
