@@ -82,5 +82,6 @@ def _through(t_s: Array, q_xyzw: Array, widths_s: Array) -> SpanMotion:
     nodes_s = np.append(0.0, np.cumsum(widths_s))
     there = curve(nodes_s)
     there /= np.linalg.norm(there, axis=1, keepdims=True)
-    jerk = np.zeros((len(widths_s), 2, 3))
-    return SpanMotion(widths_s, there, turning(nodes_s), turning(nodes_s, 1), jerk)
+    alpha = turning(nodes_s, 1)
+    jerk = np.diff(alpha, axis=0) / widths_s[:, None]
+    return SpanMotion(widths_s, there, turning(nodes_s), alpha, np.stack([jerk, jerk], axis=1))

@@ -35,8 +35,8 @@ class BodySlewOptions:
     """How the OCP is begun, and its answer judged."""
 
     phases: int = 7  # a jerk-limited slew about one axis: up, hold, down, coast and the same again
-    spans: int = 21  # of which each phase has 3: never 2 % over one of 4 times as many
-    least_spans: int = 2  # of a phase on rows: the others go to the longest
+    spans: int = 28  # of which each phase has 4
+    least_spans: int = 3  # of a phase on rows: the others go to the longest
     shortest_phase: float = 0.01  # of the time, to begin at
     second_start: float = 1.15  # times as long as the first: a smooth slew there begins the second
     eased: tuple[float, ...] = (1.15, 1.5, 2.2, 3.0)  # times the eigenaxis's, until one is found
@@ -149,13 +149,10 @@ def _quickest(
 ) -> tuple[float | None, _Found | None]:
     """The least time found from two starts, and the slew on rows that comes next to it."""
     best: SpanMotion | None = None
-    phase = np.maximum(np.diff(eigenaxis.angle_at.x), OPTIONS.shortest_phase * eigenaxis.duration_s)
-    widths_s = np.repeat(phase, OPTIONS.spans // OPTIONS.phases)
-    begin = eigenaxis.on_spans(widths_s * (eigenaxis.duration_s / widths_s.sum()))
-    needs_more = bool(problem.cones) or problem.limits.kind == "axis"
+    is_proven = problem.is_rest_to_rest and problem.limits.kind == "magnitude"
     if not problem.cones:
-        best = _least_time(problem, least, begin)
-    if best is None or needs_more or not problem.is_rest_to_rest:
+        best = _least_time(problem, least, _in_phases(eigenaxis))
+    if best is None or not is_proven:
         guess_s = eigenaxis.duration_s if best is None else best.duration_s
         for factor in OPTIONS.eased:
             row = min(math.ceil(factor * guess_s * ROWS_PER_S), problem.last_arrival_row)
@@ -166,18 +163,24 @@ def _quickest(
             if again is not None and (best is None or again.duration_s < best.duration_s):
                 best = again
             break
-    if best is None:
-        return None, _smoothest(problem.arriving_at(problem.last_arrival_row))
-    row = max(math.ceil(best.duration_s * ROWS_PER_S - 1e-6), least)
+    row = 0 if best is None else max(math.ceil(best.duration_s * ROWS_PER_S - 1e-6), least)
     for later in range(OPTIONS.later_rows):
-        if row > problem.last_arrival_row:
+        if best is None or row > problem.last_arrival_row:
             break
-        there = problem.arriving_at(row)
-        found = _on_rows(there, best)
+        found = _on_rows(problem.arriving_at(row), best)
         if found is not None:
             return best.duration_s, found
         row += 1 + later
-    return best.duration_s, None
+    quickest_s = None if best is None else best.duration_s
+    return quickest_s, _smoothest(problem.arriving_at(problem.last_arrival_row))
+
+
+def _in_phases(eigenaxis: EigenaxisSlew) -> SpanMotion:
+    """The same in the phases of its scalar slew."""
+    least_s = OPTIONS.shortest_phase * eigenaxis.duration_s
+    phase = np.maximum(np.diff(eigenaxis.angle_at.x), least_s)
+    widths_s = np.repeat(phase, OPTIONS.spans // OPTIONS.phases)
+    return eigenaxis.on_spans(widths_s * (eigenaxis.duration_s / widths_s.sum()))
 
 
 def _even_widths_s(found: _Found) -> Array:
@@ -206,6 +209,12 @@ def _smoothest(problem: BodySlewProblem) -> _Found | None:
             best is None or found.spans.cost_rad2_s5 < best.spans.cost_rad2_s5
         ):
             best = found
+    if best is None and not problem.cones:
+        # Next to the least time the jerk must switch where it does there.
+        patient = problem.with_patience(problem.first_arrival_row)
+        eigenaxis, _, _ = quickest_eigenaxis(patient)
+        quickest = _least_time(patient, 1, _in_phases(eigenaxis))
+        best = None if quickest is None else _on_rows(problem, quickest)
     return best
 
 
@@ -304,7 +313,8 @@ def _too_short(problem: BodySlewProblem, *, is_proof: bool) -> InfeasibleSlew:
     there = eigenaxis_slew(last, last.first_arrival_row, duration_s=last.available_s)
     used = over_limits(last, there)
     order = int(np.argmax(used ** (1.0 / np.arange(1, 4))))
-    needs_s = math.ceil(max(patient.duration_s, last.available_s) * ROWS_PER_S + 1e-6) / ROWS_PER_S
+    needs_rows = math.ceil(patient.duration_s * ROWS_PER_S - 1e-6)
+    needs_s = max(needs_rows, last.first_arrival_row + 1) / ROWS_PER_S
     needed = f"about {needs_s:.1f} s" if keeps else f"more than {last.available_s:.1f} s"
     shown = "no slew fits" if is_proof else "no slew was found"
     return InfeasibleSlew(
