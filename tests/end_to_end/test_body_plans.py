@@ -1,4 +1,4 @@
-"""Plans of spacecraft that turn as a whole: by the same request as two axes, with another platform."""
+"""Plans of spacecraft that turn as a whole, by the same request with another platform."""
 
 import json
 

@@ -9,6 +9,7 @@ from planner.base.arrays import Array
 from planner.verification.directions import apart_rad
 from planner.verification.earth import earth_orientation
 from planner.verification.earth_fixed import WGS84_A_M, WGS84_A_OVER_B
+from planner.verification.platforms.body.options import OPTIONS
 from planner.verification.sky import SkySight, limb_clearance_rad, sky_sight
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import OrbitStates
@@ -16,12 +17,7 @@ from planner.world.platforms.body import Celestial
 from planner.world.targets import BodyTarget
 from planner.world.targets.keep_out import HIDDEN_RAD
 
-# IAU 2015 resolution B3; IAU Working Group on Cartographic Coordinates 2015
-RADIUS_M = {"sun": 695_700e3, "moon": 1_737.4e3}
-GLINT_STARTS = 60  # along the Earth's arc from below the carrier to its horizon: 100 km at most
-GLINT_PASSES = 8  # of Newton's
-GLINT_STEP = 1e-6  # of the arc, for his slopes
-ASIDE_MAX = 0.05  # the ellipsoid leads out of the plane by its flattening, 1/298, a few times
+RADIUS_M = {"sun": OPTIONS.sun_radius_m, "moon": OPTIONS.moon_radius_m}
 SEMI_AXES_M = WGS84_A_M * np.array([1.0, 1.0, 1.0 / WGS84_A_OVER_B])
 
 
@@ -103,25 +99,25 @@ def mirror_direction(sun_itrf: Array, r_sat_itrf_m: Array) -> tuple[Array, Array
         return np.sum(miss * ahead, axis=1), np.sum(miss * across, axis=1)
 
     zero = np.zeros(len(zenith))
-    shares = np.linspace(0.0, 1.0, GLINT_STARTS)
+    shares = np.linspace(0.0, 1.0, OPTIONS.glint_starts)
     ways = np.stack([way_m(share * horizon_rad, zero) for share in shares])
     along, aside = shares[np.argmin(ways, axis=0)] * horizon_rad, zero
-    for _ in range(GLINT_PASSES):
+    for _ in range(OPTIONS.glint_passes):
         f, g = off(along, aside)
         f_along, g_along = (
-            (b - a) / GLINT_STEP
-            for a, b in zip((f, g), off(along + GLINT_STEP, aside), strict=True)
+            (b - a) / OPTIONS.glint_step
+            for a, b in zip((f, g), off(along + OPTIONS.glint_step, aside), strict=True)
         )
         f_aside, g_aside = (
-            (b - a) / GLINT_STEP
-            for a, b in zip((f, g), off(along, aside + GLINT_STEP), strict=True)
+            (b - a) / OPTIONS.glint_step
+            for a, b in zip((f, g), off(along, aside + OPTIONS.glint_step), strict=True)
         )
         size = f_along * g_aside - f_aside * g_along
         with np.errstate(divide="ignore", invalid="ignore"):  # where nothing mirrors
             ahead_rad = along - (f * g_aside - g * f_aside) / size
             aside = aside - (g * f_along - f * g_along) / size
         along = np.clip(np.nan_to_num(ahead_rad), 0.0, horizon_rad)
-        aside = np.clip(np.nan_to_num(aside), -ASIDE_MAX, ASIDE_MAX)
+        aside = np.clip(np.nan_to_num(aside), -OPTIONS.glint_aside, OPTIONS.glint_aside)
     los_m = point_m(along, aside) - r_sat_itrf_m
     n = normal(along, aside)
     is_seen = np.sum(los_m * n, axis=1) < 0.0
