@@ -50,9 +50,9 @@ def _axes_eci(law: IdleLaw, instants: Instants, ephemeris: Ephemeris) -> Array:
     return np.asarray(np.einsum("ak,naj->nkj", in_body, here))
 
 
-def _triad(toward: Array, aside: Array) -> Array:
+def _triad(toward_direction: Array, aside_direction: Array) -> Array:
     """Rows: along the first, along the part of the second across it, and their product."""
-    first = toward / np.linalg.norm(toward, axis=1, keepdims=True)
-    third = cross(first, aside)
+    first = toward_direction / np.linalg.norm(toward_direction, axis=1, keepdims=True)
+    third = cross(first, aside_direction)
     third = third / np.linalg.norm(third, axis=1, keepdims=True)
     return np.stack([first, cross(third, first), third], axis=1)

@@ -262,12 +262,12 @@ def _names(channels: tuple[Channel, ...]) -> str:
     return ", ".join(channel.name for channel in channels)
 
 
-def _length(vector: Array) -> Array:
-    return np.asarray(np.linalg.norm(vector, axis=1))
+def _length(value: Array) -> Array:
+    return np.asarray(np.linalg.norm(value, axis=1))
 
 
-def _turn_over_cells(q_xyzw: Array) -> tuple[Array, Array]:
+def _turn_over_cells(q_eci_from_body_xyzw: Array) -> tuple[Array, Array]:
     """Vector part (n - 1, 3) and scalar (n - 1,) of turns from row to row, the short way."""
-    a, b = q_xyzw[:-1], q_xyzw[1:]
+    a, b = q_eci_from_body_xyzw[:-1], q_eci_from_body_xyzw[1:]
     part = a[:, 3:] * b[:, :3] - b[:, 3:] * a[:, :3] - cross(a[:, :3], b[:, :3])
     return part, np.sum(a * b, axis=1)

@@ -77,49 +77,49 @@ def mirror_direction(sun_itrf: Array, r_sat_itrf_m: Array) -> tuple[Array, Array
     ahead = np.cross(across, zenith)
     horizon_rad = np.arccos(WGS84_A_M / np.maximum(np.linalg.norm(r_sat_itrf_m, axis=1), WGS84_A_M))
 
-    def normal(along: Array, aside: Array) -> Array:
-        n = zenith + np.tan(along)[:, None] * ahead + aside[:, None] * across
+    def normal(along_rad: Array, aside_share: Array) -> Array:
+        n = zenith + np.tan(along_rad)[:, None] * ahead + aside_share[:, None] * across
         return np.asarray(n / np.linalg.norm(n, axis=1, keepdims=True))
 
-    def point_m(along: Array, aside: Array) -> Array:
-        n = normal(along, aside)
+    def point_m(along_rad: Array, aside_share: Array) -> Array:
+        n = normal(along_rad, aside_share)
         return np.asarray(
             n * SEMI_AXES_M**2 / np.linalg.norm(n * SEMI_AXES_M, axis=1, keepdims=True)
         )
 
-    def way_m(along: Array, aside: Array) -> Array:
-        point = point_m(along, aside)
+    def way_m(along_rad: Array, aside_share: Array) -> Array:
+        point = point_m(along_rad, aside_share)
         to_sat_m = np.linalg.norm(r_sat_itrf_m - point, axis=1)
         return np.asarray(to_sat_m - np.sum(sun_itrf * point, axis=1))
 
-    def off(along: Array, aside: Array) -> tuple[Array, Array]:
-        to_sat = r_sat_itrf_m - point_m(along, aside)
+    def off(along_rad: Array, aside_share: Array) -> tuple[Array, Array]:
+        to_sat = r_sat_itrf_m - point_m(along_rad, aside_share)
         half = sun_itrf + to_sat / np.linalg.norm(to_sat, axis=1, keepdims=True)
-        miss = half / np.linalg.norm(half, axis=1, keepdims=True) - normal(along, aside)
+        miss = half / np.linalg.norm(half, axis=1, keepdims=True) - normal(along_rad, aside_share)
         return np.sum(miss * ahead, axis=1), np.sum(miss * across, axis=1)
 
     zero = np.zeros(len(zenith))
     shares = np.linspace(0.0, 1.0, OPTIONS.glint_starts)
     ways = np.stack([way_m(share * horizon_rad, zero) for share in shares])
-    along, aside = shares[np.argmin(ways, axis=0)] * horizon_rad, zero
+    along_rad, aside_share = shares[np.argmin(ways, axis=0)] * horizon_rad, zero
     for _ in range(OPTIONS.glint_passes):
-        f, g = off(along, aside)
+        f, g = off(along_rad, aside_share)
         f_along, g_along = (
             (b - a) / OPTIONS.glint_step
-            for a, b in zip((f, g), off(along + OPTIONS.glint_step, aside), strict=True)
+            for a, b in zip((f, g), off(along_rad + OPTIONS.glint_step, aside_share), strict=True)
         )
         f_aside, g_aside = (
             (b - a) / OPTIONS.glint_step
-            for a, b in zip((f, g), off(along, aside + OPTIONS.glint_step), strict=True)
+            for a, b in zip((f, g), off(along_rad, aside_share + OPTIONS.glint_step), strict=True)
         )
         size = f_along * g_aside - f_aside * g_along
         with np.errstate(divide="ignore", invalid="ignore"):  # where nothing mirrors
-            ahead_rad = along - (f * g_aside - g * f_aside) / size
-            aside = aside - (g * f_along - f * g_along) / size
-        along = np.clip(np.nan_to_num(ahead_rad), 0.0, horizon_rad)
-        aside = np.clip(np.nan_to_num(aside), -OPTIONS.glint_aside, OPTIONS.glint_aside)
-    los_m = point_m(along, aside) - r_sat_itrf_m
-    n = normal(along, aside)
+            ahead_rad = along_rad - (f * g_aside - g * f_aside) / size
+            aside_share = aside_share - (g * f_along - f * g_along) / size
+        along_rad = np.clip(np.nan_to_num(ahead_rad), 0.0, horizon_rad)
+        aside_share = np.clip(np.nan_to_num(aside_share), -OPTIONS.glint_aside, OPTIONS.glint_aside)
+    los_m = point_m(along_rad, aside_share) - r_sat_itrf_m
+    n = normal(along_rad, aside_share)
     is_seen = np.sum(los_m * n, axis=1) < 0.0
     is_lit = np.sum(sun_itrf * n, axis=1) > 0.0
     return los_m / np.linalg.norm(los_m, axis=1, keepdims=True), is_seen & is_lit
