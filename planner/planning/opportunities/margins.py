@@ -34,10 +34,11 @@ from planner.planning.opportunities.windows import Cause
 from planner.world.targets.limb_kernel import above_limb
 
 CAUSES = np.array(get_args(Cause))
-INTERVAL, ELEVATION, SUN, OFF_NADIR, SUN_AWAY, MOON_AWAY, REACH, ACROSS, MASK = range(len(CAUSES))
+# Of numpy, as a kernel would be compiled anew for each of Python's.
+INTERVAL, ELEVATION, SUN, OFF_NADIR, SUN_AWAY, MOON_AWAY, REACH, ACROSS, MASK = np.arange(len(CAUSES))
 # What is sought beside: where an axis is quickest, where a pair of angles can follow, and where a
 # mask is far enough off to brake before it.
-CLOSENESS, OFF_PLANE, MOTION_0, MOTION_1, OFF_MASK = range(MASK + 1, MASK + 6)
+CLOSENESS, OFF_PLANE, MOTION_0, MOTION_1, OFF_MASK = np.arange(MASK + 1, MASK + 6)
 
 
 class Asked(NamedTuple):
@@ -71,7 +72,6 @@ NOTHING = Asked(math.nan, math.nan, math.nan, math.nan, math.nan, math.nan, np.e
 class MotionOptions(NamedTuple):
     """How closely tracks keep the limits, and what is hidden."""
 
-    rate_s: float = 0.05  # either side, for a rate
     delta_s: float = 0.4  # between the five looks from which rates, accelerations, jerks are found
     within_share: float = 0.995  # of each limit: plans test the motion between rows, too
     # of motion beside the braking distance: ways around a mask are harder to find
@@ -167,7 +167,7 @@ def _along_sight(s: WindowScene, kind: int, n: int, t_s: float) -> float:
     return max(off_stops(s.g, one), off_stops(s.g, two))
 
 
-@inlined
+@lean
 def _margin(s: WindowScene, kind: int, n: int, t_s: float) -> float:
     if kind == ELEVATION:
         return elevation(s.c, s.p, n, t_s) - float(s.p.resting_parameters[n, 6])
@@ -186,15 +186,15 @@ def _margin(s: WindowScene, kind: int, n: int, t_s: float) -> float:
 
 
 @inlined
-def margin(s: WindowScene, kind: int, n: int, t_s: float, of_rate: bool = False) -> float:
+def margin(s: WindowScene, kind: int, n: int, t_s: float, rate_s: float) -> float:
     """Positive where a condition holds; greatest where what is sought is.
 
-    of_rate: what has the sign of its rate, instead.
+    rate_s: unless 0, what has the sign of its rate, by looks so much before and after.
     """
-    if of_rate and s.p.step_s == 0.0 and kind in (ELEVATION, CLOSENESS):
+    if rate_s > 0.0 and s.p.step_s == 0.0 and kind in (ELEVATION, CLOSENESS):
         return climb(s.c, s.p, n, t_s, kind == ELEVATION)
     value, side = 0.0, 1.0
-    for _ in range(2 if of_rate else 1):
-        value += side * _margin(s, kind, n, t_s + side * OPTIONS.rate_s if of_rate else t_s)
+    for _ in range(2 if rate_s > 0.0 else 1):
+        value += side * _margin(s, kind, n, t_s + side * rate_s)
         side = -1.0
     return value
