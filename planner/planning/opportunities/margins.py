@@ -106,11 +106,10 @@ def asked_of(request: OpportunityRequest, in_space: bool, across_rad: float) -> 
 def _motion_margin(s: WindowScene, n: int, t_s: float, branch: int) -> float:
     """How far from its limits the motion along one pair of angles is, in shares of them."""
     dt = OPTIONS.delta_s
-    at = axes_at(s.g, platform_los(s.c, s.p, n, t_s))[branch]
-    look_0 = axes_at(s.g, platform_los(s.c, s.p, n, t_s - 2.0 * dt))[branch]
-    look_1 = axes_at(s.g, platform_los(s.c, s.p, n, t_s - dt))[branch]
-    look_3 = axes_at(s.g, platform_los(s.c, s.p, n, t_s + dt))[branch]
-    look_4 = axes_at(s.g, platform_los(s.c, s.p, n, t_s + 2.0 * dt))[branch]
+    look_0 = look_1 = at = look_3 = look_4 = (0.0, 0.0)
+    for place in range(-2, 3):  # a loop, as code is compiled for each call
+        look_0, look_1, at, look_3 = look_1, at, look_3, look_4
+        look_4 = axes_at(s.g, platform_los(s.c, s.p, n, t_s + place * dt))[branch]
     least = math.inf
     for k in range(2):
         a, b = wrapped(look_0[k] - at[k]), wrapped(look_1[k] - at[k])
@@ -136,11 +135,12 @@ def _motion_margin(s: WindowScene, n: int, t_s: float, branch: int) -> float:
 def _off_mask_margin(s: WindowScene, n: int, t_s: float) -> float:
     """How far off the masks an axis can still be braked before them."""
     dt = OPTIONS.delta_s
-    after = off_masks(s.g, platform_los(s.c, s.p, n, t_s + dt))
-    before = off_masks(s.g, platform_los(s.c, s.p, n, t_s - dt))
+    before, off, after = 0.0, 0.0, 0.0
+    for place in range(-1, 2):
+        before, off = off, after
+        after = off_masks(s.g, platform_los(s.c, s.p, n, t_s + place * dt))
     rate = abs(after - before) / (2.0 * dt)
     slowest = s.g.limits[0] if s.g.limits[0][1] <= s.g.limits[1][1] else s.g.limits[1]
-    off = off_masks(s.g, platform_los(s.c, s.p, n, t_s))
     return off - braking(rate, 0.0, slowest) - OPTIONS.off_mask_s * rate
 
 
@@ -193,8 +193,7 @@ def margin(s: WindowScene, kind: int, n: int, t_s: float, rate_s: float) -> floa
     """
     if rate_s > 0.0 and s.p.step_s == 0.0 and kind in (ELEVATION, CLOSENESS):
         return climb(s.c, s.p, n, t_s, kind == ELEVATION)
-    value, side = 0.0, 1.0
-    for _ in range(2 if rate_s > 0.0 else 1):
+    value = 0.0
+    for side in range(-1 if rate_s > 0.0 else 1, 2, 2):
         value += side * _margin(s, kind, n, t_s + side * rate_s)
-        side = -1.0
     return value
