@@ -35,7 +35,9 @@ from planner.world.targets.limb_kernel import above_limb
 
 CAUSES = np.array(get_args(Cause))
 # Of numpy, as a kernel would be compiled anew for each of Python's.
-INTERVAL, ELEVATION, SUN, OFF_NADIR, SUN_AWAY, MOON_AWAY, REACH, ACROSS, MASK = np.arange(len(CAUSES))
+INTERVAL, ELEVATION, SUN, OFF_NADIR, SUN_AWAY, MOON_AWAY, REACH, ACROSS, MASK = np.arange(
+    len(CAUSES)
+)
 # What is sought beside: where an axis is quickest, where a pair of angles can follow, and where a
 # mask is far enough off to brake before it.
 CLOSENESS, OFF_PLANE, MOTION_0, MOTION_1, OFF_MASK = np.arange(MASK + 1, MASK + 6)

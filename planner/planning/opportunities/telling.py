@@ -76,7 +76,9 @@ def greatest(
         high = margin(s, kind, n, high_s, SWEEP.rate_s)
         turns_s = high_s
         if k > 0 and low > 0.0 > high:
-            turns_s = root_of(s, kind, n, (low_s, low), (high_s, high), SWEEP.turning_s, SWEEP.rate_s)
+            turns_s = root_of(
+                s, kind, n, (low_s, low), (high_s, high), SWEEP.turning_s, SWEEP.rate_s
+            )
         if low > 0.0:
             value = margin(s, kind, n, turns_s, 0.0)
             if value > most:
