@@ -1,7 +1,7 @@
 """The margin by which each condition is met, compiled: positive where it holds."""
 
 import math
-from typing import NamedTuple, get_args
+from typing import NamedTuple, cast, get_args
 
 import numpy as np
 
@@ -35,12 +35,11 @@ from planner.world.targets.limb_kernel import above_limb
 
 CAUSES = np.array(get_args(Cause))
 # Of numpy, as a kernel would be compiled anew for each of Python's.
-INTERVAL, ELEVATION, SUN, OFF_NADIR, SUN_AWAY, MOON_AWAY, REACH, ACROSS, MASK = np.arange(
-    len(CAUSES)
-)
+_KINDS = cast(list[int], list(np.arange(len(CAUSES) + 5)))
+(INTERVAL, ELEVATION, SUN, OFF_NADIR, SUN_AWAY, MOON_AWAY, REACH, ACROSS, MASK) = _KINDS[:-5]
 # What is sought beside: where an axis is quickest, where a pair of angles can follow, and where a
 # mask is far enough off to brake before it.
-CLOSENESS, OFF_PLANE, MOTION_0, MOTION_1, OFF_MASK = np.arange(MASK + 1, MASK + 6)
+CLOSENESS, OFF_PLANE, MOTION_0, MOTION_1, OFF_MASK = _KINDS[-5:]
 
 
 class Asked(NamedTuple):
