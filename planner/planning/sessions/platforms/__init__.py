@@ -1,1 +1,1 @@
-"""How the platforms of each kind move: what the sessions ask of them, and the answers by kind."""
+"""The motion of each kind of platform, as sessions ask for it."""
