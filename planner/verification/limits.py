@@ -3,11 +3,11 @@
 import math
 from collections.abc import Iterator
 
+from planner.verification.field_masks import TOLERANCE_RAD
 from planner.verification.report import ExclusionMargin, Finding, LimitMargin
 
 # A solver works to 1e-8 and a drive resolves 1e-4 of its range: neither is worth a rejection.
 RELATIVE_TOLERANCE = 1e-6
-EXCLUSION_TOLERANCE_RAD = math.radians(0.1 / 3600.0)  # as for pointing
 
 
 def limit_findings(margins: tuple[LimitMargin, ...]) -> Iterator[Finding]:
@@ -31,7 +31,7 @@ def limit_findings(margins: tuple[LimitMargin, ...]) -> Iterator[Finding]:
 def exclusion_findings(margins: tuple[ExclusionMargin, ...]) -> Iterator[Finding]:
     """One error for each exclusion that is entered."""
     for margin in margins:
-        if margin.margin_rad is not None and margin.margin_rad < -EXCLUSION_TOLERANCE_RAD:
+        if margin.margin_rad is not None and margin.margin_rad < -TOLERANCE_RAD:
             yield Finding(
                 limit="exclusion",
                 t_s=margin.t_s,

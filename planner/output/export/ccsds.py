@@ -25,11 +25,11 @@ _DEGREE = 3  # h^4/384 of the fourth derivative, 1e-5 m/s4, is 3e-8 m
 class AttitudeSegment(NamedTuple):
     """Of an AEM: a frame's attitude against GCRF, and its rate in its own axes.
 
-    q_xyzw: from GCRF to the frame, (n, 4).  omega_rad_s: (n, 3).  about: a comment.
+    q_frame_from_eci_xyzw: from GCRF to the frame, (n, 4).  omega_rad_s: (n, 3).  about: a comment.
     """
 
     frame: str
-    q_xyzw: Array
+    q_frame_from_eci_xyzw: Array
     omega_rad_s: Array
     about: str = ""
 
@@ -158,7 +158,7 @@ def attitude_message(
             "DATA_START",
             *data_lines(
                 moments,
-                (axes_turn(segment.q_xyzw), QUATERNION_DECIMALS),
+                (axes_turn(segment.q_frame_from_eci_xyzw), QUATERNION_DECIMALS),
                 (np.degrees(segment.omega_rad_s), DECIMALS),
             ),
             "DATA_STOP",

@@ -12,7 +12,6 @@ from planner.world.frames.time_scales import Instants, elapsed_s
 from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.plan import FlightPlan
 from planner.world.platforms.body import BodyPlatform
-from planner.world.scenario import Scenario
 
 _DEGREE = 5
 
@@ -57,9 +56,7 @@ def _states_from(plan: FlightPlan, row: Indices, first_row: int) -> TableStates:
     instants = Instants(table.epoch_utc, table.t_s[row])
     ephemeris = scenario.orbit.ephemeris(instants.utc(0), instants.utc(-1))
     states = ephemeris.states(instants)
-    q_body_from_eci, q_payload_from_body = _rotations(
-        scenario, table.position[row], states, instants
-    )
+    q_body_from_eci, q_payload_from_body = _rotations(plan, row, instants, states)
     return TableStates(
         first_row=first_row,
         row=row,
@@ -73,15 +70,15 @@ def _states_from(plan: FlightPlan, row: Indices, first_row: int) -> TableStates:
 
 
 def _rotations(
-    scenario: Scenario, position: Array, states: OrbitStates, instants: Instants
+    plan: FlightPlan, row: Indices, instants: Instants, states: OrbitStates
 ) -> tuple[Rotation, Rotation]:
     """From GCRF to the body, and from the body to the payload, n of each."""
-    platform = scenario.platform
+    platform, position = plan.scenario.platform, plan.table.position[row]
     if isinstance(platform, BodyPlatform):
         mounts = Rotation.concatenate([platform.q_payload_from_body] * len(position))
         return Rotation.from_quat(position).inv(), mounts
     turns = platform.q_payload_from_base(position)
-    q_body_from_eci = scenario.law.q_body_from_eci(instants, states)
+    q_body_from_eci = plan.scenario.law.q_body_from_eci(instants, states)
     return q_body_from_eci, turns * platform.q_platform_from_body
 
 

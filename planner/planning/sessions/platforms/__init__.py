@@ -1,1 +1,1 @@
-"""The movers: what sessions ask of a platform that moves, and the answers of each kind."""
+"""The motion of each kind of platform, as sessions ask for it."""

@@ -8,17 +8,13 @@ import numpy as np
 
 from planner.base.arrays import Array, Indices, Mask
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
+from planner.verification.platforms.body.options import OPTIONS
 from planner.verification.platforms.body.surroundings import Surroundings
 from planner.verification.platforms.judge import FlownInstants, Judge
 from planner.verification.report import ExclusionMargin
 from planner.world.frames.time_scales import Instants, shifted_utc
 from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.platforms.body import BodyPlatform, Exclusion
-
-FINER = 20  # instants per cell, 10 ms apart, where a limit is near
-# Angles to the Earth's limb and the glint change with the orbit, too: below 0.2 deg/s from 200 km.
-ORBIT_RATE_RAD_S = math.radians(0.5)
-ROWS_AT_ONCE = 20_000
 
 Margin = Callable[[FlownInstants, OrbitStates, Surroundings], Array]
 
@@ -27,7 +23,7 @@ def exclusion_margins(
     judge: Judge, platform: BodyPlatform, ephemeris: Ephemeris, imaging: Mask, epoch_utc: datetime
 ) -> tuple[ExclusionMargin, ...]:
     """The least of each.  imaging: of the cells, (n - 1,)."""
-    reach_rad = judge.turn_most_rad()[:-1] + ORBIT_RATE_RAD_S * COMMAND_STEP_S
+    reach_rad = judge.turn_most_rad()[:-1] + OPTIONS.orbit_rate_rad_s * COMMAND_STEP_S
     return tuple(
         _least(name, margin, np.flatnonzero(imaging | always), reach_rad, ephemeris, epoch_utc)
         for name, always, margin in _rules(judge, platform)
@@ -84,7 +80,7 @@ def _least(
 
     def margins_rad(cell: Indices, u_s: Array) -> Array:
         parts = []
-        for part in np.array_split(np.arange(len(cell)), len(cell) // ROWS_AT_ONCE + 1):
+        for part in np.array_split(np.arange(len(cell)), len(cell) // OPTIONS.rows_at_once + 1):
             instants = Instants(epoch_utc, cell[part] / ROWS_PER_S + u_s[part])
             states = ephemeris.states(instants)
             at = FlownInstants(cell[part], u_s[part], instants)
@@ -98,8 +94,10 @@ def _least(
         every_rad = margins_rad(cell, u_s)
         near = cells[every_rad[:-1] < reach_rad[cells]]
         if near.size:
-            finer = np.repeat(near, FINER)
-            finer_s = np.tile(np.arange(FINER) * (COMMAND_STEP_S / FINER), len(near))
+            finer = np.repeat(near, OPTIONS.finer)
+            finer_s = np.tile(
+                np.arange(OPTIONS.finer) * (COMMAND_STEP_S / OPTIONS.finer), len(near)
+            )
             every_rad = np.append(every_rad, margins_rad(finer, finer_s))
             cell, u_s = np.append(cell, finer), np.append(u_s, finer_s)
         worst = int(np.argmin(every_rad))

@@ -5,15 +5,12 @@ from datetime import datetime
 import numpy as np
 
 from planner.base.arrays import Array, cross
+from planner.verification.platforms.body.options import OPTIONS
 from planner.verification.sky import sky_sight
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import Ephemeris
 from planner.world.platforms.body import IdleLaw, InertialIdle, NadirIdle
 from planner.world.targets import BodyTarget
-
-DIFFERENCE_S = (
-    1.0  # a low orbit's idle rate errs by (step / 54 s)^2 / 6 of 0.06 deg/s: 0.01 arcsec/s
-)
 
 
 def idle_motion(
@@ -23,10 +20,10 @@ def idle_motion(
 
     Rates are central differences of the axes.
     """
-    around_s = t_s + DIFFERENCE_S * np.array([-1.0, 0.0, 1.0])
+    around_s = t_s + OPTIONS.idle_difference_s * np.array([-1.0, 0.0, 1.0])
     sooner, axes, later = _axes_eci(law, Instants(epoch_utc, around_s), ephemeris)
     # An axis moves by w x axis: so w is the sum of axis x its velocity, halved.
-    velocity = (later - sooner) / (2.0 * DIFFERENCE_S)
+    velocity = (later - sooner) / (2.0 * OPTIONS.idle_difference_s)
     return axes, np.asarray(axes @ (0.5 * np.sum(cross(axes, velocity), axis=0)))
 
 
@@ -53,9 +50,9 @@ def _axes_eci(law: IdleLaw, instants: Instants, ephemeris: Ephemeris) -> Array:
     return np.asarray(np.einsum("ak,naj->nkj", in_body, here))
 
 
-def _triad(toward: Array, aside: Array) -> Array:
+def _triad(toward_direction: Array, aside_direction: Array) -> Array:
     """Rows: along the first, along the part of the second across it, and their product."""
-    first = toward / np.linalg.norm(toward, axis=1, keepdims=True)
-    third = cross(first, aside)
+    first = toward_direction / np.linalg.norm(toward_direction, axis=1, keepdims=True)
+    third = cross(first, aside_direction)
     third = third / np.linalg.norm(third, axis=1, keepdims=True)
     return np.stack([first, cross(third, first), third], axis=1)

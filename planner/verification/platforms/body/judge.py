@@ -10,8 +10,9 @@ from planner.base.arrays import Array, Indices, Mask, cross
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, Channel, CommandTable
 from planner.verification.directions import apart_rad
 from planner.verification.platforms.body.exclusions import exclusion_margins
-from planner.verification.platforms.body.idle import DIFFERENCE_S, idle_motion
+from planner.verification.platforms.body.idle import idle_motion
 from planner.verification.platforms.body.limits import body_margins
+from planner.verification.platforms.body.options import OPTIONS
 from planner.verification.platforms.body.quintic import FlownMotion, motion_between, turned
 from planner.verification.platforms.judge import FlownInstants, JudgedSession
 from planner.verification.report import (
@@ -29,20 +30,6 @@ from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.platforms.body import BodyPlatform
 from planner.world.scenario import Scenario
 from planner.world.targets import BenchMotionTarget, EarthFixedTarget
-
-ROWS_MIN = 2
-POINTS_PER_CELL = 8  # 25 ms apart: between them a rate rises by 1e-5 of what the jerk lets it
-UNIT_TOLERANCE = 1e-9  # of a quaternion's length: 13 decimals, rounded
-# A fifth of what pointing may err by: idle attitudes and tracks are found to a hundredth of it.
-END_ANGLE_TOLERANCE_RAD = math.radians(0.02 / 3600.0)
-END_RATE_TOLERANCE_RAD_S = math.radians(0.02 / 3600.0)
-OFF_NADIR_TOLERANCE_RAD = math.radians(0.1 / 3600.0)  # as for pointing
-# By how much a turn over a cell may differ from what the rates and accelerations at its ends give,
-# in units of jerk x step^3, and the change of rate from the accelerations', of jerk x step^2: where
-# the jerk steps from one limit to the other twice inside the cell.
-TURN_MISS = 4.0 * 0.00802
-RATE_MISS = 4.0 * 0.125
-ROUNDING_RAD, ROUNDING_RAD_S = 1e-9, 1e-9
 
 
 class BodyJudge:
@@ -66,8 +53,8 @@ class BodyJudge:
                 f"arrays of shapes {', '.join(map(str, shapes))} are no table of quaternions, "
                 "rates and accelerations"
             )
-        if count < ROWS_MIN:
-            return table_fault(f"a table needs at least {ROWS_MIN} rows, not {count}")
+        if count < OPTIONS.rows_min:
+            return table_fault(f"a table needs at least {OPTIONS.rows_min} rows, not {count}")
         numbers = np.hstack([table.position, table.rate_rad_s, table.acceleration_rad_s2])
         finite = np.isfinite(numbers)
         if not finite.all():
@@ -77,7 +64,7 @@ class BodyJudge:
         lengths = np.linalg.norm(table.position, axis=1)
         off = np.abs(lengths - 1.0)
         worst = int(np.argmax(off))
-        if off[worst] > UNIT_TOLERANCE:
+        if off[worst] > OPTIONS.unit:
             length = f"{lengths[worst]:.12g}"
             return self._of_row("table", worst, f"the quaternion of row {worst} is {length} long")
         same = np.sum(table.position[1:] * table.position[:-1], axis=1)
@@ -104,7 +91,7 @@ class BodyJudge:
             q_xyzw = np.repeat(self._table.position[[row]], 3, axis=0)
             off_rad = float(apart_rad(turned(q_xyzw, np.eye(3)), axes_eci).max())
             rate_off_rad_s = float(np.linalg.norm(self._table.rate_rad_s[row] - omega_body_rad_s))
-            if off_rad > END_ANGLE_TOLERANCE_RAD or rate_off_rad_s > END_RATE_TOLERANCE_RAD_S:
+            if off_rad > OPTIONS.end_rad or rate_off_rad_s > OPTIONS.end_rad_s:
                 yield self._of_row(
                     limit,
                     row,
@@ -115,7 +102,9 @@ class BodyJudge:
     def margins(self) -> tuple[LimitMargin, ...]:
         """Of rate, acceleration and jerk, by magnitude or by body axis."""
         cells = len(self._table.position) - 1
-        t_s = np.arange(POINTS_PER_CELL * cells + 1) / (POINTS_PER_CELL * ROWS_PER_S)
+        t_s = np.arange(OPTIONS.points_per_cell * cells + 1) / (
+            OPTIONS.points_per_cell * ROWS_PER_S
+        )
         return tuple(
             body_margins(
                 self._platform.agility,
@@ -169,7 +158,7 @@ class BodyJudge:
         most_rad = math.radians(self._platform.off_nadir_max_deg)
         off_rad = apart_rad(-states.r_sat_eci_m, self.boresight_eci(at, states))
         worst = int(np.argmax(off_rad))
-        if off_rad[worst] > most_rad + OFF_NADIR_TOLERANCE_RAD:
+        if off_rad[worst] > most_rad + OPTIONS.off_nadir_rad:
             t_s = float(at.instants.t_s[worst])
             yield Finding(
                 limit="off_nadir",
@@ -203,17 +192,17 @@ class BodyJudge:
         """Over the table, and the step around it that idle rates are found by."""
         last_s = (len(self._table.position) - 1) / ROWS_PER_S
         return self._scenario.orbit.ephemeris(
-            shifted_utc(self._table.epoch_utc, -DIFFERENCE_S),
-            shifted_utc(self._table.epoch_utc, last_s + DIFFERENCE_S),
+            shifted_utc(self._table.epoch_utc, -OPTIONS.idle_difference_s),
+            shifted_utc(self._table.epoch_utc, last_s + OPTIONS.idle_difference_s),
         )
 
     @cached_property
     def _fine(self) -> FlownMotion:
-        """`POINTS_PER_CELL` instants of every cell, and the last row."""
+        """A few instants of every cell, and the last row."""
         cells = len(self._table.position) - 1
-        points = np.arange(POINTS_PER_CELL * cells + 1)
-        cell = np.minimum(points // POINTS_PER_CELL, cells - 1)
-        u_s = (points - POINTS_PER_CELL * cell) * (COMMAND_STEP_S / POINTS_PER_CELL)
+        points = np.arange(OPTIONS.points_per_cell * cells + 1)
+        cell = np.minimum(points // OPTIONS.points_per_cell, cells - 1)
+        u_s = (points - OPTIONS.points_per_cell * cell) * (COMMAND_STEP_S / OPTIONS.points_per_cell)
         return self._between(cell, u_s)
 
     def _motion(self, at: FlownInstants) -> FlownMotion:
@@ -245,13 +234,13 @@ class BodyJudge:
                 "attitude and rates",
                 "deg",
                 _length(turn_rad - expected_rad),
-                TURN_MISS * jerk_rad_s3 * h**3 + ROUNDING_RAD,
+                OPTIONS.turn_miss * jerk_rad_s3 * h**3 + OPTIONS.rounding_rad,
             ),
             (
                 "rates and accelerations",
                 "deg/s",
                 _length(change_rad_s),
-                RATE_MISS * jerk_rad_s3 * h**2 + ROUNDING_RAD_S,
+                OPTIONS.rate_miss * jerk_rad_s3 * h**2 + OPTIONS.rounding_rad,
             ),
         ):
             worst = int(np.argmax(missed))
@@ -273,12 +262,12 @@ def _names(channels: tuple[Channel, ...]) -> str:
     return ", ".join(channel.name for channel in channels)
 
 
-def _length(vector: Array) -> Array:
-    return np.asarray(np.linalg.norm(vector, axis=1))
+def _length(value: Array) -> Array:
+    return np.asarray(np.linalg.norm(value, axis=1))
 
 
-def _turn_over_cells(q_xyzw: Array) -> tuple[Array, Array]:
+def _turn_over_cells(q_eci_from_body_xyzw: Array) -> tuple[Array, Array]:
     """Vector part (n - 1, 3) and scalar (n - 1,) of turns from row to row, the short way."""
-    a, b = q_xyzw[:-1], q_xyzw[1:]
+    a, b = q_eci_from_body_xyzw[:-1], q_eci_from_body_xyzw[1:]
     part = a[:, 3:] * b[:, :3] - b[:, 3:] * a[:, :3] - cross(a[:, :3], b[:, :3])
     return part, np.sum(a * b, axis=1)

@@ -8,17 +8,13 @@ import numpy as np
 from planner.base.arrays import Array
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.verification.limits import RELATIVE_TOLERANCE
+from planner.verification.platforms.body.options import OPTIONS
 from planner.verification.platforms.body.quintic import FlownMotion
 from planner.verification.report import Limit, LimitMargin
 from planner.world.frames.time_scales import shifted_utc
 from planner.world.platforms.body import Agility, MagnitudeAgility
 
 WHOLE_BODY = "body"  # stands for the axis where a limit is of a vector's length
-# A motion whose jerk steps inside a row's cell keeps its limits itself; the quintic through its
-# rows rings about it.  By jerk x step (x step), of a stop of the jerk at the limit: its greatest
-# for acceleration and rate over where in the cell that is; two steps may share a cell.
-ACCELERATION_RINGS = 2.0 * 0.02369
-RATE_RINGS = 2.0 * 0.00474
 
 
 def body_margins(
@@ -35,13 +31,13 @@ def body_margins(
     jerk_s = np.asarray(np.arange(len(jerk_rad_s3)) / ROWS_PER_S)
     rate_max, acceleration_max, jerk_max = agility.by_order_rad
     kinds: tuple[tuple[Limit, Array, Array, Array, Array], ...] = (
-        ("rate", t_s, flown.omega_body_rad_s, rate_max, RATE_RINGS * jerk_max * h**2),
+        ("rate", t_s, flown.omega_body_rad_s, rate_max, OPTIONS.rate_rings * jerk_max * h**2),
         (
             "acceleration",
             t_s,
             flown.alpha_body_rad_s2,
             acceleration_max,
-            ACCELERATION_RINGS * jerk_max * h,
+            OPTIONS.acceleration_rings * jerk_max * h,
         ),
         ("jerk", jerk_s, jerk_rad_s3, jerk_max, 0.0 * jerk_max),
     )

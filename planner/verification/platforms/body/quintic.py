@@ -63,15 +63,16 @@ def motion_between(
     )
 
 
-def turned(q_xyzw: Array, vector: Array) -> Array:
+def turned(q_eci_from_body_xyzw: Array, vector_body: Array) -> Array:
     """Vectors, (3,) or (n, 3), turned by n unit quaternions: v + 2 w (u x v) + 2 u x (u x v)."""
-    part, scalar = q_xyzw[:, :3], q_xyzw[:, 3:]
-    across = 2.0 * cross(part, np.broadcast_to(vector, part.shape))
-    return np.asarray(vector + scalar * across + cross(part, across))
+    part, scalar = q_eci_from_body_xyzw[:, :3], q_eci_from_body_xyzw[:, 3:]
+    across = 2.0 * cross(part, np.broadcast_to(vector_body, part.shape))
+    return np.asarray(vector_body + scalar * across + cross(part, across))
 
 
-def _derivatives(p: Array, omega: Array, alpha: Array) -> tuple[Array, Array]:
+def _derivatives(p: Array, omega_rad_s: Array, alpha_rad_s2: Array) -> tuple[Array, Array]:
     """First and second of the parameters, per s and per s2."""
+    omega, alpha = omega_rad_s, alpha_rad_s2
     along = _dot(p, omega)
     p1 = ((1.0 - _dot(p, p)) * omega + 2.0 * cross(p, omega) + 2.0 * along * p) / 4.0
     p2 = (
@@ -90,12 +91,12 @@ def _dot(a: Array, b: Array) -> Array:
     return np.asarray(np.sum(a * b, axis=1, keepdims=True))
 
 
-def _conjugate(q_xyzw: Array) -> Array:
-    return np.asarray(q_xyzw * [-1.0, -1.0, -1.0, 1.0])
+def _conjugate(q: Array) -> Array:
+    return np.asarray(q * [-1.0, -1.0, -1.0, 1.0])
 
 
-def _product(a_xyzw: Array, b_xyzw: Array) -> Array:
-    """Hamilton's, (n, 4): the turn b, then a."""
-    a, a_w, b, b_w = a_xyzw[:, :3], a_xyzw[:, 3:], b_xyzw[:, :3], b_xyzw[:, 3:]
+def _product(p: Array, q: Array) -> Array:
+    """Hamilton's, (n, 4): scalar last: the turn q, then p."""
+    a, a_w, b, b_w = p[:, :3], p[:, 3:], q[:, :3], q[:, 3:]
     part = a_w * b + b_w * a + cross(a, b)
     return np.concatenate([part, a_w * b_w - _dot(a, b)], axis=1)

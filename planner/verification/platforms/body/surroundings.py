@@ -9,6 +9,7 @@ from planner.base.arrays import Array
 from planner.verification.directions import apart_rad
 from planner.verification.earth import earth_orientation
 from planner.verification.earth_fixed import WGS84_A_M, WGS84_A_OVER_B
+from planner.verification.platforms.body.options import OPTIONS
 from planner.verification.sky import SkySight, limb_clearance_rad, sky_sight
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import OrbitStates
@@ -16,12 +17,7 @@ from planner.world.platforms.body import Celestial
 from planner.world.targets import BodyTarget
 from planner.world.targets.keep_out import HIDDEN_RAD
 
-# IAU 2015 resolution B3; IAU Working Group on Cartographic Coordinates 2015
-RADIUS_M = {"sun": 695_700e3, "moon": 1_737.4e3}
-GLINT_STARTS = 60  # along the Earth's arc from below the carrier to its horizon: 100 km at most
-GLINT_PASSES = 8  # of Newton's
-GLINT_STEP = 1e-6  # of the arc, for his slopes
-ASIDE_MAX = 0.05  # the ellipsoid leads out of the plane by its flattening, 1/298, a few times
+RADIUS_M = {"sun": OPTIONS.sun_radius_m, "moon": OPTIONS.moon_radius_m}
 SEMI_AXES_M = WGS84_A_M * np.array([1.0, 1.0, 1.0 / WGS84_A_OVER_B])
 
 
@@ -81,49 +77,49 @@ def mirror_direction(sun_itrf: Array, r_sat_itrf_m: Array) -> tuple[Array, Array
     ahead = np.cross(across, zenith)
     horizon_rad = np.arccos(WGS84_A_M / np.maximum(np.linalg.norm(r_sat_itrf_m, axis=1), WGS84_A_M))
 
-    def normal(along: Array, aside: Array) -> Array:
-        n = zenith + np.tan(along)[:, None] * ahead + aside[:, None] * across
+    def normal(along_rad: Array, aside_share: Array) -> Array:
+        n = zenith + np.tan(along_rad)[:, None] * ahead + aside_share[:, None] * across
         return np.asarray(n / np.linalg.norm(n, axis=1, keepdims=True))
 
-    def point_m(along: Array, aside: Array) -> Array:
-        n = normal(along, aside)
+    def point_m(along_rad: Array, aside_share: Array) -> Array:
+        n = normal(along_rad, aside_share)
         return np.asarray(
             n * SEMI_AXES_M**2 / np.linalg.norm(n * SEMI_AXES_M, axis=1, keepdims=True)
         )
 
-    def way_m(along: Array, aside: Array) -> Array:
-        point = point_m(along, aside)
+    def way_m(along_rad: Array, aside_share: Array) -> Array:
+        point = point_m(along_rad, aside_share)
         to_sat_m = np.linalg.norm(r_sat_itrf_m - point, axis=1)
         return np.asarray(to_sat_m - np.sum(sun_itrf * point, axis=1))
 
-    def off(along: Array, aside: Array) -> tuple[Array, Array]:
-        to_sat = r_sat_itrf_m - point_m(along, aside)
+    def off(along_rad: Array, aside_share: Array) -> tuple[Array, Array]:
+        to_sat = r_sat_itrf_m - point_m(along_rad, aside_share)
         half = sun_itrf + to_sat / np.linalg.norm(to_sat, axis=1, keepdims=True)
-        miss = half / np.linalg.norm(half, axis=1, keepdims=True) - normal(along, aside)
+        miss = half / np.linalg.norm(half, axis=1, keepdims=True) - normal(along_rad, aside_share)
         return np.sum(miss * ahead, axis=1), np.sum(miss * across, axis=1)
 
     zero = np.zeros(len(zenith))
-    shares = np.linspace(0.0, 1.0, GLINT_STARTS)
+    shares = np.linspace(0.0, 1.0, OPTIONS.glint_starts)
     ways = np.stack([way_m(share * horizon_rad, zero) for share in shares])
-    along, aside = shares[np.argmin(ways, axis=0)] * horizon_rad, zero
-    for _ in range(GLINT_PASSES):
-        f, g = off(along, aside)
+    along_rad, aside_share = shares[np.argmin(ways, axis=0)] * horizon_rad, zero
+    for _ in range(OPTIONS.glint_passes):
+        f, g = off(along_rad, aside_share)
         f_along, g_along = (
-            (b - a) / GLINT_STEP
-            for a, b in zip((f, g), off(along + GLINT_STEP, aside), strict=True)
+            (b - a) / OPTIONS.glint_step
+            for a, b in zip((f, g), off(along_rad + OPTIONS.glint_step, aside_share), strict=True)
         )
         f_aside, g_aside = (
-            (b - a) / GLINT_STEP
-            for a, b in zip((f, g), off(along, aside + GLINT_STEP), strict=True)
+            (b - a) / OPTIONS.glint_step
+            for a, b in zip((f, g), off(along_rad, aside_share + OPTIONS.glint_step), strict=True)
         )
         size = f_along * g_aside - f_aside * g_along
         with np.errstate(divide="ignore", invalid="ignore"):  # where nothing mirrors
-            ahead_rad = along - (f * g_aside - g * f_aside) / size
-            aside = aside - (g * f_along - f * g_along) / size
-        along = np.clip(np.nan_to_num(ahead_rad), 0.0, horizon_rad)
-        aside = np.clip(np.nan_to_num(aside), -ASIDE_MAX, ASIDE_MAX)
-    los_m = point_m(along, aside) - r_sat_itrf_m
-    n = normal(along, aside)
+            ahead_rad = along_rad - (f * g_aside - g * f_aside) / size
+            aside_share = aside_share - (g * f_along - f * g_along) / size
+        along_rad = np.clip(np.nan_to_num(ahead_rad), 0.0, horizon_rad)
+        aside_share = np.clip(np.nan_to_num(aside_share), -OPTIONS.glint_aside, OPTIONS.glint_aside)
+    los_m = point_m(along_rad, aside_share) - r_sat_itrf_m
+    n = normal(along_rad, aside_share)
     is_seen = np.sum(los_m * n, axis=1) < 0.0
     is_lit = np.sum(sun_itrf * n, axis=1) > 0.0
     return los_m / np.linalg.norm(los_m, axis=1, keepdims=True), is_seen & is_lit

@@ -1,0 +1,43 @@
+"""Numbers that the judge of a body works to, each with its reason."""
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """How densely a body's table is looked at, and by how much it may be off.
+
+    A motion whose jerk steps inside a row's cell keeps its limits itself; the quintic through its
+    rows rings about it.  `..._rings`: by jerk x step (x step), of two steps of the jerk to zero
+    at the limit, its greatest over where in the cell they are.  `..._miss`: by which rows of
+    one motion may disagree, in jerk x step^3 and jerk x step^2, where the jerk steps from one limit
+    to the other twice inside the cell.
+    """
+
+    rows_min: int = 2
+    points_per_cell: int = 8  # 25 ms apart: between them a rate rises by 1e-5 of its limit
+    unit: float = 1e-9  # of a quaternion's length: 13 decimals, rounded
+    # A fifth of what pointing may err by: idle attitudes are found to a hundredth of it.
+    end_rad: float = math.radians(0.02 / 3600.0)
+    end_rad_s: float = math.radians(0.02 / 3600.0)
+    off_nadir_rad: float = math.radians(0.1 / 3600.0)  # as for pointing
+    acceleration_rings: float = 2.0 * 0.02369
+    rate_rings: float = 2.0 * 0.00474
+    turn_miss: float = 4.0 * 0.00802
+    rate_miss: float = 4.0 * 0.125
+    rounding_rad: float = 1e-9  # of attitudes of 13 decimals and rates of 9, over a cell
+    idle_difference_s: float = 0.2  # a low orbit's rates err by (0.2 / 880)^2 / 6 of themselves
+    finer: int = 20  # instants per cell, 10 ms apart, where an exclusion is near
+    # Angles to limb and glint change with the orbit, too: below 0.2 deg/s from 200 km.
+    orbit_rate_rad_s: float = math.radians(0.5)
+    rows_at_once: int = 20_000
+    glint_starts: int = 60  # along the Earth's arc from below the carrier to its horizon
+    glint_passes: int = 8  # of Newton's
+    glint_step: float = 1e-6  # of the arc, for his slopes
+    glint_aside: float = 0.05  # the flattening, 1/298, leads out of the plane a few times as far
+    sun_radius_m: float = 695_700e3  # IAU 2015 resolution B3
+    moon_radius_m: float = 1_737.4e3  # IAU Working Group on Cartographic Coordinates 2015
+
+
+OPTIONS = Options()
