@@ -29,6 +29,7 @@ class BoundOptions:
     instants: int = 200
     narrowed: int = 40  # times by a third: 1e-7 of the accelerations there are
     margin: float = 2e-4  # of the angle: what the quadrature may be short by
+    passed_share: float = 0.5  # of the rows that a slew short of its angle needs at full rate
     row: float = 60.0  # of `effort`: to look at one arrival
 
 
@@ -80,12 +81,6 @@ def furthest_rad(problem: BodySlewProblem, row: int) -> float:
     return float(np.sum(most((low + high) / 2.0)) / OPTIONS.instants * span_s)
 
 
-def may_arrive(problem: BodySlewProblem, row: int) -> bool:
-    """False is a proof that no slew arrives at this row."""
-    angle_rad = float(problem.angles_rad[row - problem.first_arrival_row])
-    return furthest_rad(problem, row) >= angle_rad * (1.0 - OPTIONS.margin)
-
-
 def least_row(problem: BodySlewProblem) -> int | None:
     """The first row of the goal at which a slew may arrive, None: a proof that it is none."""
     rows, angles_rad = problem.arrival_rows, problem.angles_rad
@@ -98,10 +93,14 @@ def least_row(problem: BodySlewProblem) -> int | None:
     coast_s = t_s - (2.0 * peak - w0 - w1) / acceleration
     most_rad = (2.0 * peak**2 - w0**2 - w1**2) / (2.0 * acceleration) + peak * coast_s
     hopeful = np.flatnonzero(most_rad >= angles_rad * (1.0 - OPTIONS.margin))
-    # Rows far from the bound are passed by steps: what is turned grows with time.
-    for k in hopeful.tolist():
-        if may_arrive(problem, int(rows[k])):
+    fastest_rad_s = rate + float(np.max(w1))
+    k = int(hopeful[0]) if len(hopeful) else len(rows)
+    while k < len(rows):
+        short_rad = angles_rad[k] * (1.0 - OPTIONS.margin) - furthest_rad(problem, int(rows[k]))
+        if short_rad <= 0.0:
             return int(rows[k])
+        # Neither the slew nor its goal turns faster: rows in which they can't meet are passed.
+        k += 1 + int(OPTIONS.passed_share * short_rad / fastest_rad_s * ROWS_PER_S)
     return None
 
 

@@ -125,7 +125,7 @@ function isAsked({ name, targets }: Job): boolean {
 
 async function windowsOf(job: Job, until: AbortSignal): Promise<Seen[]> {
   const given = { id: job.id, query: { limit: WINDOWS, include: "view" }, signal: until };
-  const found = await orGone(get("/v1/opportunities/{id}/windows", given));
+  const found = await orGone(get("/v1/opportunities/{id}", given));
   return ((found?.windows ?? []) as Required<Schemas["WindowOut"]>[]).map((one) => ({
     search: job.name || job.targets.slice(0, 3).join(", "),
     platform: job.platform ?? "",
