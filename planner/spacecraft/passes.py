@@ -11,10 +11,6 @@ from planner.spacecraft.opportunities import PassEdges
 from planner.spacecraft.opportunity_request import ImagingOpportunityRequest
 from planner.spacecraft.table import TICK_S
 
-# From orbital orientation to the farthest look and back: 54 deg at 1.58 deg/s about each axis,
-# the build-up of the rate and the settling beside it.
-TURN_S = 60.0
-
 
 def imaging_columns(
     request: ImagingOpportunityRequest, passes: WindowEdges, told: WindowEdges
@@ -37,7 +33,10 @@ def imaging_columns(
 
 def _sessions(start_utc: datetime, passes: WindowEdges) -> Column:
     """On rows of a table, which begin on multiples of 0.2 s after the second."""
+    # From orbital orientation to the farthest look and back: 54 deg at 1.58 deg/s about each axis,
+    # the build-up of the rate and the settling beside it.
+    turn_s = 60.0
     before_s = start_utc.microsecond / 1e6
-    first = np.floor((passes.rise_s - TURN_S + before_s) / TICK_S) * TICK_S - before_s
-    last = np.ceil((passes.set_s + TURN_S + before_s) / TICK_S) * TICK_S - before_s
+    first = np.floor((passes.rise_s - turn_s + before_s) / TICK_S) * TICK_S - before_s
+    last = np.ceil((passes.set_s + turn_s + before_s) / TICK_S) * TICK_S - before_s
     return {"start": times_of(start_utc, first, 1), "stop": times_of(start_utc, last, 1)}

@@ -13,7 +13,6 @@ from planner.planning.opportunities import Sightings, WindowEdges, Windows
 from planner.planning.opportunities.windows import TargetSky
 from planner.world.frames.time_scales import Instants
 
-DECIMALS = 6  # 1e-6 deg is 4 milliarcsec, 1e-6 km a millimetre
 EVENTS = ("rise", "culmination", "set")
 SIGHTING = (
     "at",
@@ -114,8 +113,12 @@ def rows_json(columns: Column) -> list[str]:
     if isinstance(columns, Mapping):
         template = "{" + ",".join(f"{json.dumps(name)}:%s" for name in columns) + "}"
         return [template % row for row in zip(*map(rows_json, columns.values()), strict=True)]
-    rounded = np.round(columns, DECIMALS) + 0.0  # no -0.0
-    return joined(texts_of(rounded.ravel().tolist()), columns.shape)
+    return joined(texts_of(_rounded(columns).ravel().tolist()), columns.shape)
+
+
+def _rounded(numbers: Array) -> Array:
+    """To what can be read: 1e-6 deg is 4 milliarcsec, 1e-6 km a millimetre."""
+    return np.asarray(np.round(numbers, 6) + 0.0)  # no -0.0
 
 
 def joined(texts: list[str], shape: tuple[int, ...]) -> list[str]:
@@ -174,7 +177,7 @@ def _places(sky: TargetSky, rows: Indices) -> dict[str, Array]:
 
 def _turns_deg(angle_rad: Array) -> Array:
     """In 0..360, the latter excluded."""
-    return np.asarray(np.round(np.degrees(angle_rad), DECIMALS) % 360.0)
+    return _rounded(np.degrees(angle_rad)) % 360.0
 
 
 def _clock(since_midnight_s: float) -> str:

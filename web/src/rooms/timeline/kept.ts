@@ -131,6 +131,9 @@ async function windowsOf(job: Job, until: AbortSignal): Promise<Seen[]> {
     platform: job.platform ?? "",
     target: one.target,
     highest_deg: one.highest_deg,
+    to:
+      one.session &&
+      `/?${new URLSearchParams({ search: job.id, target: one.target, start: one.session.start, stop: one.session.stop })}`,
     inSpace: one.place === null,
     start_ms: Date.parse(one.rise),
     stop_ms: Date.parse(one.set),
