@@ -27,9 +27,10 @@ PURE = re.compile(
 DIRECTION = re.compile(
     r"_(itrf|gcrf|eci|lvlh|body|platform|payload|camera|sensor|enu|wheel|gyro|orbit|mean)$|(^|_)\w+_from_"
 )
-# The parts of a state have several units, which stand beside it.
+# The parts of a state have several units, which stand beside it; a position is angles of axes or
+# the quaternion of a body.
 PURE_ARRAY = re.compile(
-    r"(^|_)(directions?|cosines?|normals?|axis|axes|rotation|matrix|weights?|coefficients?|mask|image|unit"
+    r"(^|_)(positions?|xyzw|directions?|cosines?|normals?|axis|axes|rotation|matrix|weights?|coefficients?|mask|image|unit"
     r"|numbers|signs|mrp|states?|basis|limits|shares?|probabilities|priorities|knots|scores?|costs?|parameters)(_|$)"
 )
 NUMBER = ("float", "float | None")

@@ -208,11 +208,13 @@ def of_like_sign(q_xyzw: Array) -> Array:
     return np.asarray(q_xyzw * np.concatenate([[begin], begin * np.cumprod(flips)])[:, None])
 
 
-def _triads(toward: Array, aside: Array) -> Array:
-    """Orthonormal columns (..., 3, 3): toward, aside as near as that lets it, and their product."""
-    across = aside - np.sum(aside * toward, axis=-1, keepdims=True) * toward
+def _triads(toward_direction: Array, aside_direction: Array) -> Array:
+    """Orthonormal columns (..., 3, 3): the first, the second's part across it, their product."""
+    along = np.sum(aside_direction * toward_direction, axis=-1, keepdims=True)
+    across = aside_direction - along * toward_direction
     across = across / np.linalg.norm(across, axis=-1, keepdims=True)
-    return np.stack([toward, across, np.cross(toward, across)], axis=-1)
+    columns = [toward_direction, across, np.cross(toward_direction, across)]
+    return np.stack(columns, axis=-1)
 
 
 def _aside(platform: BodyPlatform, roll: RollRule, sight: Sight) -> tuple[Array, Array]:
@@ -351,9 +353,9 @@ def _by_share(body: BodyMotion) -> Iterator[BodyMotion]:
         yield BodyMotion(*(part[:, k] for part in body))
 
 
-def _on_rows(of_cells: Array) -> Array:
+def _on_rows(cell_shares: Array) -> Array:
     """At each row the larger value of the two cells that meet there."""
-    before, after = np.append(of_cells[0], of_cells), np.append(of_cells, of_cells[-1])
+    before, after = np.append(cell_shares[0], cell_shares), np.append(cell_shares, cell_shares[-1])
     return np.asarray(np.maximum(before, after))
 
 

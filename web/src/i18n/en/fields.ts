@@ -85,6 +85,7 @@ export const fields = {
     "deg^2": "°²",
     "m^2": "m²",
     "kg m^2": "kg m²",
+    "N m": "N m",
     "1/s^2": "1/s²",
     arcsec: "″",
     "arcsec/s": "″/s",
