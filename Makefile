@@ -118,23 +118,23 @@ test-page: setup web $(KERNELS)
 	.ci/with-chromium $(BIN)/pytest tests/page
 
 # What another Python may do otherwise: processes, threads, signals, sockets, texts, and the machine
-# code it makes of our kernels, whose numbers all worked answers show and two files here compare with
-# SciPy's.  The rest is arithmetic and reading of the same packages, which `make test` has tested.
+# code it makes of our kernels, whose numbers all worked answers show and test_flight compares with
+# SciPy's.  The rest is arithmetic and reading of the same packages, which `make test` has tested;
+# the tutorial gives every kind of command, here and to a service.
 OF_PROCESSES := $(patsubst %,tests/contracts/test_%.py,client client_faults cluster worker_process hostile \
-	http_compression http_in_child http_openapi http_protocol http_refusals limits observability \
-	progress slow_readers stopping worked_answers)
-OF_COMMANDS := $(patsubst %,tests/end_to_end/test_%.py,command_line command_service command_ways_out \
-	operations python_door readme resilience start_failures tutorial)
+	http_in_child http_refusals limits observability slow_readers stopping worked_answers)
+OF_COMMANDS := $(patsubst %,tests/end_to_end/test_%.py,command_line operations python_door resilience \
+	start_failures tutorial)
 OF_PYTHON := tests/architecture/test_compiled.py tests/architecture/test_uvicorn.py \
 	tests/published/test_messages_oem.py tests/published/test_aem.py tests/published/test_time_scales.py \
-	tests/oracles/test_flight.py tests/oracles/test_slew_optimum.py
+	tests/oracles/test_flight.py
 
 # What stores, and all services that are asked, on the database that is named, if any; the commands,
-# and what stores, on SQLite.
+# and the store itself, on SQLite.
 test-of-python: setup $(KERNELS)
 	$(PYTEST) $(STORING) $(OF_PROCESSES)
 	SLEWTRACK_TEST_DATABASE_URL= $(PYTEST) $(OF_COMMANDS) $(OF_PYTHON) \
-		tests/contracts/test_store.py tests/contracts/test_store_failures.py
+		tests/contracts/test_store.py
 
 # Both as they ship: Debian trixie's Python, and PostgreSQL.
 test-as-shipped:

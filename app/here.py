@@ -21,6 +21,8 @@ from planner.base.errors import InvalidInput, Refusal
 from planner.output.export import EXPORTERS
 
 if TYPE_CHECKING:
+    from app.work.campaign_files import MadePass
+    from app.work.searches import WindowsAsked
     from app.work.telemetry import SentTelemetry
     from planner.inflight.telemetry.compare import Comparison
     from slewtrack.client.asking import Ask
@@ -31,12 +33,15 @@ _KEPT = ("plans", "campaigns", "flights", "opportunities")
 
 @dataclass(frozen=True)
 class Kept:
-    """What was made: the whole answer under an id, and of a plan its request and packed table."""
+    """What was made: the whole answer under an id, its request, a plan's packed table, and of a
+    campaign the passes with plans.
+    """
 
     text: Callable[[str], bytes]
     passed: bool = True
     request: bytes = b""
     table_columns: bytes = b""
+    passes: "Sequence[MadePass]" = ()
 
 
 @dataclass(frozen=True)
@@ -115,6 +120,20 @@ class Desk:
     def whole(self, work: LocalAsk) -> bytes:
         """The answer, or the job that waits."""
         return _job(work.id) if work.id in self._open else self.kept(work.id).text(work.id)
+
+    def campaign(self, work: LocalAsk) -> bytes:
+        """The answer, or one of a campaign's files."""
+        from app.work.campaign_files import SUFFIXES, campaign_file
+
+        media_type = work.ask.headers.get("Accept", "application/json")
+        if media_type not in SUFFIXES:
+            formats = ("json", *(suffix[1:] for suffix in SUFFIXES.values()))
+            _require_format(media_type.removeprefix("application/"), formats)
+            return self.whole(work)
+        made = self.kept(work.id)
+        if not made.passes:
+            raise InvalidInput("there is no file of looks: the campaign has no plan", field="ID")
+        return campaign_file(media_type, made.request, made.passes)
 
     def carry_out(self, work: LocalAsk) -> bytes:
         """Tell the events of what waits; it begins anew where `on_line` ended it before."""
@@ -225,27 +244,54 @@ def _view(desk: Desk, work: LocalAsk) -> bytes:
     return view(made.request, made.table_columns, asked)
 
 
-def _opportunities(_: Desk, work: LocalAsk) -> bytes:
-    from app.answers.opportunities import whole_opportunities
-
-    origin = provenance(datetime.now(UTC), work.body)
-    if work.is_spacecraft:
-        from app.requests.spacecraft import read_imaging_opportunity_request
-        from app.work.spacecraft import answer_imaging_opportunities
-
-        imaged = answer_imaging_opportunities(read_imaging_opportunity_request(work.body), origin)
-        return whole_opportunities(new_id(), imaged)
+def _opportunities(desk: Desk, work: LocalAsk) -> bytes:
     from app.requests.opportunities import read_opportunity_request
-    from app.work.campaign import answer_opportunities
+    from app.requests.spacecraft import read_imaging_opportunity_request
+    from app.work.searches import find_windows, search_json
 
-    found = answer_opportunities(read_opportunity_request(work.body), origin)
-    return whole_opportunities(new_id(), found)
+    request: Any
+    if work.is_spacecraft:
+        request = read_imaging_opportunity_request(work.body)
+    else:
+        request = read_opportunity_request(work.body)
+    origin = provenance(datetime.now(UTC), work.body)
+    found, page = find_windows(_kind_of_search(work), request, origin, _windows_asked(work))
+    kept_id = desk.keep(
+        lambda: Kept(lambda _: found.head, request=work.body, table_columns=found.edges)
+    )
+    return search_json(kept_id, found, page)
+
+
+def _windows(desk: Desk, work: LocalAsk) -> bytes:
+    from app.work.searches import page_json, read_windows
+
+    made, asked = desk.kept(work.id), _windows_asked(work)
+    return page_json(read_windows(_kind_of_search(work), made.request, made.table_columns, asked))
+
+
+def _kind_of_search(work: LocalAsk) -> str:
+    return "imaging_opportunities" if work.is_spacecraft else "opportunities"
+
+
+def _windows_asked(work: LocalAsk) -> "WindowsAsked":
+    from app.work.searches import WindowsAsked
+
+    query = work.ask.query
+    include = frozenset(query.get("include", "").split(",")) - {""}
+    return WindowsAsked(
+        cursor=int(query.get("cursor", 0)),
+        limit=int(query["limit"]),
+        target=query.get("target"),
+        include=include,
+    )
 
 
 def _campaign(desk: Desk, work: LocalAsk) -> Kept:
     from app.work.campaign import choose, plan_pass
+    from app.work.campaign_files import MadePass
 
     chosen, passes = choose(work.body), []
+    made: list[MadePass] = []
     for number, wanted in enumerate(chosen.parts):
         report("plans", number, len(chosen.parts))
         part, new = plan_pass(wanted)
@@ -253,6 +299,9 @@ def _campaign(desk: Desk, work: LocalAsk) -> Kept:
             passes.append(told_pass(part, "refused", problem=problem_of(new)))
         else:
             plan_id = desk.keep(partial(_kept_plan, part.request, new, stored_table_json))
+            if new.state == "done":
+                at_utc, columns = datetime.now(UTC), new.table_columns
+                made.append(MadePass(part.facts, plan_id, part.request, columns, at_utc))
             passes.append(told_pass(part, new.state, plan=plan_id))
     report("plans", len(passes), len(passes))
     members = {
@@ -261,7 +310,11 @@ def _campaign(desk: Desk, work: LocalAsk) -> Kept:
         "choice": json.loads(unzip(chosen.document)),
         "passes": passes,
     }
-    return Kept(lambda campaign_id: json.dumps({"id": campaign_id, **members}).encode())
+    return Kept(
+        lambda campaign_id: json.dumps({"id": campaign_id, **members}).encode(),
+        request=work.body,
+        passes=made,
+    )
 
 
 def told_pass(
@@ -334,12 +387,13 @@ def _compare(desk: Desk, work: LocalAsk) -> "tuple[SentTelemetry, Comparison]":
 
 def _names(kind: str, _: Desk, work: LocalAsk) -> bytes:
     from app.answers.names import KnownPlaces, KnownStars, PlatformList
-    from planner.world.platforms import PLATFORMS, definition_of
+    from planner.world.platforms import BODIES, PLATFORMS, definition_of
     from planner.world.targets.autocomplete import places_beginning, stars_beginning
 
     query = work.ask.query
     if kind == "platforms":
-        return to_json(PlatformList(platforms=[*map(definition_of, PLATFORMS.values())]))
+        axes = map(definition_of, PLATFORMS.values())
+        return to_json(PlatformList(platforms=[*axes, *BODIES.values()]))
     begin, limit = query["begin"], int(query["limit"])
     if kind == "places":
         return to_json(KnownPlaces(places=places_beginning(begin, limit)))
@@ -353,10 +407,12 @@ _WAYS: dict[str, Callable[[Desk, LocalAsk], bytes]] = {
     "POST plans/ID/flights": lambda desk, work: desk.begin(partial(_flights, desk, work)),
     "POST horizon/estimates": _vertical,
     "POST telemetry/comparisons": _comparison,
+    "GET opportunities/ID/windows": _windows,
     "GET plans/ID/table": _table,
     "GET plans/ID/view": _view,
     "GET plans/ID/request": lambda desk, work: desk.kept(work.id).request,
-    **{f"GET {kind}/ID": Desk.whole for kind in ("plans", "campaigns", "flights")},
+    **{f"GET {kind}/ID": Desk.whole for kind in ("plans", "flights")},
+    "GET campaigns/ID": Desk.campaign,
     **{f"GET {kind}/ID/events": Desk.carry_out for kind in ("plans", "campaigns", "flights")},
     **{f"DELETE {kind}/ID": Desk.forget for kind in _KEPT},
     **{f"GET {kind}": partial(_names, kind) for kind in _NAMES},

@@ -41,6 +41,7 @@ wait = _here.wait
 draw_comparison = _here.draw_comparison
 estimate_vertical = _here.estimate_vertical
 export = _here.export
+export_campaign = _here.export_campaign
 fly = _here.fly
 get = _here.get
 next_pass = _here.next_pass
@@ -74,6 +75,7 @@ __all__ = [
     "draw_comparison",
     "estimate_vertical",
     "export",
+    "export_campaign",
     "fly",
     "get",
     "next_pass",

@@ -1,27 +1,27 @@
 """The answer to a search for passes of the imaging spacecraft."""
 
-import math
 from dataclasses import asdict, dataclass
+from datetime import datetime
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from app.answers.members import BUILT_ON_FIRST_USE, ProvenanceOut
+from app.answers.members import BUILT_ON_FIRST_USE
 from app.answers.opportunities import (
-    FoundWindows,
+    Column,
     OpportunitiesHead,
     PassWindow,
-    SessionTimesOut,
-    found_windows,
     pass_columns,
-    rows_of,
+    spread,
+    texts_of,
+    times_of,
 )
 from app.answers.ranges import Count
+from planner.planning.opportunities import WindowEdges
 from planner.spacecraft.table import TICK_S
-from planner.world.frames.time_scales import shifted_utc, utc_text
 
 if TYPE_CHECKING:
-    from planner.spacecraft.opportunities import ImagingOpportunities
+    from planner.spacecraft.opportunities import PassEdges
     from planner.spacecraft.opportunity_request import ImagingOpportunityRequest
 
 # From orbital orientation to the farthest look and back: 54 deg at 1.58 deg/s about each axis,
@@ -52,10 +52,10 @@ class ImagingOpportunityOut(PassWindow):
     that across it, "interval" the search's or the request's own start.
     closed_by: the condition that is met until `set`, likewise.
     closest: the view of the middle of its positions at the least range; angles `along` the track,
-    positive ahead, and `across` it, positive to the right of flight.
-    through: the view of the middle at instants spread evenly from rise to set.
-    place: the middle of its positions.
-    sky: the pass in the sky of the middle.
+    positive ahead, and `across` it, positive to the right of flight; with `view`.
+    through: the view of the middle at instants spread evenly from rise to set; with `view`.
+    place: the middle of its positions; with `view`.
+    sky: the pass in the sky of the middle; with `view`.
     mode: of the request. E.g. `"strip"`.
     geometry: as the request gives it: GeoJSON. E.g.
     `{"type": "LineString", "coordinates": [[-12.390357, 20.486982], [-12.506716, 21.017679]]}`.
@@ -73,13 +73,14 @@ class ImagingOpportunitiesResponse(OpportunitiesHead):
     """Passes in the order of the requests, each one's in order of time.
 
     id: of what was found, as its address names it.
-    windows: all there are.
+    windows: the first of them.
+    next: `cursor` of those that come after; null at the end. E.g. `100`.
     unseen: names of the requests that no pass shows whole. E.g. `["north"]`.
     """
 
     id: str
     windows: list[ImagingOpportunityOut]
-    unseen: list[str]
+    next: Count | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,38 +97,28 @@ class ImagingWindowsPage:
     next: Count | None
 
 
-def found_passes(
-    request: "ImagingOpportunityRequest", result: "ImagingOpportunities", provenance: ProvenanceOut
-) -> FoundWindows:
-    """The answer without its id."""
-    requests = [request.requests[row] for row in result.windows.target]
-    columns = pass_columns(result) | {
-        "session": [_session(result, row) for row in range(len(requests))],
-        "mode": [one.mode for one in requests],
-        "geometry": [asdict(one.geometry) for one in requests],
-        "whole": [_whole(result, row) for row in range(len(requests))],
+def imaging_columns(
+    request: "ImagingOpportunityRequest", passes: "PassEdges", told: WindowEdges
+) -> dict[str, Column]:
+    """By the names of an `ImagingOpportunityOut`; told: the passes, or more of them."""
+    asked = [request.requests[row] for row in passes.target]
+    is_whole = np.flatnonzero(~np.isnan(passes.whole_from_s))
+    whole = {
+        "start": times_of(request.start, passes.whole_from_s[is_whole]),
+        "stop": times_of(request.start, passes.whole_to_s[is_whole]),
     }
-    windows = [ImagingOpportunityOut(**row) for row in rows_of(columns)]
-    seen = {*result.windows.target.tolist()}
-    unseen = [name for row, name in enumerate(result.ids) if row not in seen]
-    return found_windows(result, request.name, provenance, windows, unseen)
+    names = [one.name for one in request.requests]
+    return pass_columns(request.start, names, ("along", "across"), told) | {
+        "session": _sessions(request.start, passes),
+        "mode": texts_of([one.mode for one in asked]),
+        "geometry": texts_of([asdict(one.geometry) for one in asked]),
+        "whole": spread(is_whole, len(passes), whole),
+    }
 
 
-def _session(result: "ImagingOpportunities", row: int) -> SessionTimesOut:
+def _sessions(start_utc: datetime, passes: WindowEdges) -> Column:
     """On rows of a table, which begin on multiples of 0.2 s after the second."""
-    before_s = result.start_utc.microsecond / 1e6
-    rise_s, set_s = float(result.windows.rise_s[row]), float(result.windows.set_s[row])
-    first = math.floor((rise_s - TURN_S + before_s) / TICK_S)
-    last = math.ceil((set_s + TURN_S + before_s) / TICK_S)
-    start, stop = (
-        utc_text(shifted_utc(result.start_utc, tick * TICK_S - before_s), 1)
-        for tick in (first, last)
-    )
-    return SessionTimesOut(start=start, stop=stop)
-
-
-def _whole(result: "ImagingOpportunities", row: int) -> WholeOut | None:
-    if np.isnan(result.whole_s[row, 0]):
-        return None
-    start, stop = (utc_text(shifted_utc(result.start_utc, t)) for t in result.whole_s[row].tolist())
-    return WholeOut(start=start, stop=stop)
+    before_s = start_utc.microsecond / 1e6
+    first = np.floor((passes.rise_s - TURN_S + before_s) / TICK_S) * TICK_S - before_s
+    last = np.ceil((passes.set_s + TURN_S + before_s) / TICK_S) * TICK_S - before_s
+    return {"start": times_of(start_utc, first, 1), "stop": times_of(start_utc, last, 1)}

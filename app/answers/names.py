@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from planner.world.platforms import PlatformDefinition
+from planner.world.platforms import BodyPlatform, PlatformDefinition
 from planner.world.targets.autocomplete import KnownPlace, KnownStar
 
 
@@ -10,10 +10,10 @@ from planner.world.targets.autocomplete import KnownPlace, KnownStar
 class PlatformList:
     """Every registered platform, written as a request may write out its own.
 
-    platforms: all there are.
+    platforms: all there are, two-axis ones first.
     """
 
-    platforms: list[PlatformDefinition]
+    platforms: list[PlatformDefinition | BodyPlatform]
 
 
 @dataclass(frozen=True, kw_only=True)

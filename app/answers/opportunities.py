@@ -1,14 +1,16 @@
 """The answer to a search for windows: degrees, UTC text, plain numbers."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
 from datetime import datetime
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import numpy as np
+import pydantic_core
 from pydantic import Field
 
-from app.answers.members import BUILT_ON_FIRST_USE, ProvenanceOut, to_json
+from app.answers.members import BUILT_ON_FIRST_USE, ProvenanceOut
 from app.answers.ranges import (
     Count,
     ElevationDeg,
@@ -18,17 +20,23 @@ from app.answers.ranges import (
     Share,
     Signed,
 )
-from app.answers.target_sky import PlaceOut, TargetSkyOut, places_out, skies_out
-from planner.base.arrays import Array
+from app.answers.target_sky import PlaceOut, TargetSkyOut, place_columns, sky_columns
+from planner.base.arrays import Array, Indices
 from planner.base.assumed import Assumed
-from planner.planning.opportunities import Opportunities, Sightings
+from planner.planning.opportunities import Sightings, WindowEdges, Windows
 from planner.planning.opportunities.closing import Unseen
-from planner.world.frames.time_scales import Instants, utc_text
+from planner.world.frames.time_scales import Instants
 
 DECIMALS = 6  # 1e-6 deg is 4 milliarcsec, 1e-6 km a millimetre
 
 Branch = Annotated[int, Field(ge=0, le=1)]
-Column = list[Any]
+# Of each row an object by names, a number, numbers, or its JSON text.
+Column = Mapping[str, Any] | Array | list[str]
+
+
+def not_included() -> Any:  # noqa: ANN401 (in place of a member of any type)
+    """What stands for a member that is missing unless `include` asks for it."""
+    return None
 
 
 class _Sighting:
@@ -109,14 +117,14 @@ class PassWindow:
     the rows of a command table; null where there is none.
     opened_by: the condition that is met from `rise` on; "interval" is the request's own start.
     closed_by: the condition that is met until `set`; "interval" is the request's own stop.
-    highest_at: time of the greatest elevation; UTC.
-    highest_deg: greatest elevation.
+    highest_at: time of the greatest elevation; with `view`; UTC.
+    highest_deg: greatest elevation; with `view`.
     closest: the view at the least range; of a target in space, at its greatest height above the
-    limb.
-    through: the view at instants spread evenly from rise to set.
-    place: place of the target as the carrier culminates; null for a target in space.
+    limb; with `view`.
+    through: the view at instants spread evenly from rise to set; with `view`.
+    place: place of the target as the carrier culminates; null for a target in space; with `view`.
     sky: the pass as pass tables have it: rise, culmination and set with azimuth and elevation, Sun
-    and local solar time; null for a target in space.
+    and local solar time; null for a target in space; with `view`.
     """
 
     target: str
@@ -126,12 +134,12 @@ class PassWindow:
     session: SessionTimesOut | None
     opened_by: str
     closed_by: str
-    highest_at: str
-    highest_deg: ElevationOrLimbDeg
-    closest: SightingOut
-    through: SightingsOut
-    place: PlaceOut | None
-    sky: TargetSkyOut | None
+    highest_at: str = field(default_factory=not_included)
+    highest_deg: ElevationOrLimbDeg = field(default_factory=not_included)
+    closest: SightingOut = field(default_factory=not_included)
+    through: SightingsOut = field(default_factory=not_included)
+    place: PlaceOut | None = field(default_factory=not_included)
+    sky: TargetSkyOut | None = field(default_factory=not_included)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -139,17 +147,17 @@ class WindowOut(PassWindow):
     """One stretch in which all conditions hold for a target.
 
     branch: the pair of axis angles that is given, 0 or 1, of the two that point at the target: the
-    one with less turn of the inner axis.
+    one with less turn of the inner axis; with `view`.
     branches: the pairs that keep within the stops through the window (none where the axes would
-    have to change over).
+    have to change over); with `view`.
     probability_in_frame: that the target stays inside the camera's frame over the whole session, as
-    a plan of it says; null where there is no session, for the windows of a plan's view, and for the
-    latest windows where there are more than 500. E.g. `0.68`.
+    a plan of it says; null where there is no session, and for the latest windows of a page where
+    these are more than 500; with `probability`. E.g. `0.68`.
     """
 
-    branch: Branch
-    branches: list[Branch]
-    probability_in_frame: Share | None
+    branch: Branch = field(default_factory=not_included)
+    branches: list[Branch] = field(default_factory=not_included)
+    probability_in_frame: Share | None = field(default_factory=not_included)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -159,7 +167,8 @@ class OpportunitiesHead:
     name: as the request gives it. E.g. `"cities in daylight"`.
     start: of the time searched; UTC.
     stop: of the time searched; UTC.
-    unseen: targets without any window, and why.
+    count: of all windows found. E.g. `8590`.
+    unseen: ids of targets without any window. E.g. `["Reykjavik"]`.
     assumed: places of the targets that the request gives by name only.
     warnings: cautions to read before relying on it. E.g.
     `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the farthest instant asked for"]`.
@@ -170,7 +179,8 @@ class OpportunitiesHead:
     name: str
     start: str
     stop: str
-    unseen: Sequence[Unseen | str]
+    count: Count
+    unseen: list[str]
     assumed: list[Assumed]
     warnings: list[str]
     provenance: ProvenanceOut
@@ -181,12 +191,15 @@ class OpportunitiesResponse(OpportunitiesHead):
     """Windows in the order of the request's targets, each target's in order of time.
 
     id: of what was found, as its address names it.
-    windows: all there are.
+    reasons: the causes that leave targets unseen; with `reasons`.
+    windows: the first of them.
+    next: `cursor` of those that come after; null at the end. E.g. `100`.
     """
 
     id: str
+    reasons: list[Unseen] = field(default_factory=not_included)
     windows: list[WindowOut]
-    unseen: list[Unseen]
+    next: Count | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -203,120 +216,117 @@ class WindowsPage:
     next: Count | None
 
 
-class FoundWindows(NamedTuple):
-    """An answer in parts. head: an `OpportunitiesHead`; windows: one JSON object each."""
-
-    head: bytes
-    windows: list[bytes]
-
-
-def found_windows(
-    result: Opportunities,
-    name: str,
-    provenance: ProvenanceOut,
-    windows: Sequence[PassWindow],
-    unseen: Sequence[Unseen | str],
-) -> FoundWindows:
-    """The answer without its id."""
-    head = OpportunitiesHead(
-        name=name,
-        start=utc_text(result.start_utc),
-        stop=utc_text(result.stop_utc),
-        unseen=unseen,
-        assumed=list(result.assumed),
-        warnings=list(result.warnings),
-        provenance=provenance,
-    )
-    return FoundWindows(to_json(head), [to_json(window) for window in windows])
+def window_columns(
+    start_utc: datetime,
+    ids: Sequence[str],
+    axis_names: tuple[str, str],
+    windows: WindowEdges,
+    probability: Array | None = None,
+) -> dict[str, Column]:
+    """By the names of a `WindowOut`, as far as they are known; probability: of each session."""
+    columns = pass_columns(start_utc, ids, axis_names, windows)
+    if isinstance(windows, Windows):
+        usable = [np.flatnonzero(one).tolist() for one in windows.branches]
+        columns |= {"branch": texts_of(windows.branch.tolist()), "branches": texts_of(usable)}
+    return columns if probability is None else columns | {"probability_in_frame": probability}
 
 
-def whole_opportunities(search_id: str, found: FoundWindows) -> bytes:
-    """An OpportunitiesResponse as UTF-8 JSON."""
-    windows = b",".join(found.windows)
-    return b"".join(
-        [b'{"id":', to_json(search_id), b",", found.head[1:-1], b',"windows":[', windows, b"]}"]
-    )
-
-
-def windows_out(result: Opportunities, probability: Array | float = np.nan) -> list[WindowOut]:
-    """All windows, in order; probability: in frame over the session of each, NaN where unknown."""
-    columns = pass_columns(result) | {
-        "probability_in_frame": _numbers(np.broadcast_to(probability, len(result.windows))),
-        "branch": result.windows.branch.tolist(),
-        "branches": [np.flatnonzero(usable).tolist() for usable in result.windows.branches],
+def pass_columns(
+    start_utc: datetime, ids: Sequence[str], axis_names: tuple[str, str], windows: WindowEdges
+) -> dict[str, Column]:
+    """By the names of a `PassWindow`, as far as they are known."""
+    session_s = windows.sessions_s(start_utc)
+    fits = np.flatnonzero(~np.isnan(session_s[:, 0]))
+    times = {
+        name: times_of(start_utc, session_s[fits, n]) for n, name in enumerate(("start", "stop"))
     }
-    return [WindowOut(**row) for row in rows_of(columns)]
-
-
-def pass_columns(result: Opportunities) -> dict[str, Column]:
-    """By the names of a `PassWindow`."""
-    windows = result.windows
-    return {
-        "target": [result.ids[row] for row in windows.target],
-        "rise": times_of(result.start_utc, windows.rise_s),
-        "set": times_of(result.start_utc, windows.set_s),
-        "duration_s": _numbers(windows.set_s - windows.rise_s),
-        "session": _sessions(result),
-        "opened_by": windows.opened_by.tolist(),
-        "closed_by": windows.closed_by.tolist(),
-        "highest_at": times_of(result.start_utc, windows.highest_s),
-        "highest_deg": _numbers(np.degrees(windows.highest_rad)),
-        "closest": _sightings(SightingOut, result, windows.closest),
-        "through": _sightings(SightingsOut, result, windows.through),
-        "place": places_out(windows.sky),
-        "sky": skies_out(result.start_utc, windows.sky),
-    }
-
-
-def _sessions(result: Opportunities) -> Column:
-    times_s = result.windows.sessions_s(result.start_utc)
-    fits = ~np.isnan(times_s[:, 0])
-    starts, stops = (times_of(result.start_utc, column[fits]) for column in times_s.T)
-    sessions: Column = [None] * len(fits)
-    for window, start, stop in zip(np.flatnonzero(fits), starts, stops, strict=True):
-        sessions[window] = SessionTimesOut(start=start, stop=stop)
-    return sessions
-
-
-def _sightings(
-    kind: type[SightingOut] | type[SightingsOut], result: Opportunities, seen: Sightings
-) -> Column:
     columns: dict[str, Column] = {
-        "at": times_of(result.start_utc, seen.t_s),
-        "range_km": _numbers(seen.range_m / 1e3),
-        "ground_sample_across_m": _numbers(seen.ground_sample_across_m),
-        "ground_sample_along_m": _numbers(seen.ground_sample_along_m),
-        "angles_deg": _by_axis(result.axis_names, seen.angle_rad),
-        "rates_deg_s": _by_axis(result.axis_names, seen.rate_rad_s),
+        "target": texts_of([ids[row] for row in windows.target]),
+        "rise": times_of(start_utc, windows.rise_s),
+        "set": times_of(start_utc, windows.set_s),
+        "duration_s": windows.set_s - windows.rise_s,
+        "session": spread(fits, len(windows), times),
+        "opened_by": texts_of(windows.opened_by.tolist()),
+        "closed_by": texts_of(windows.closed_by.tolist()),
     }
-    for field in fields(kind):
-        if field.name not in columns:
-            radians = getattr(seen, field.name.replace("_deg", "_rad"))
-            columns[field.name] = _numbers(np.degrees(radians))
-    return [kind(**row) for row in rows_of(columns)]
+    if not isinstance(windows, Windows):
+        return columns
+    on_earth = np.flatnonzero(~np.isnan(windows.sky.azimuth_rad[:, 0]))
+    count = len(windows)
+    columns |= {
+        "highest_at": times_of(start_utc, windows.highest_s),
+        "highest_deg": np.degrees(windows.highest_rad),
+        "closest": _sighting(start_utc, axis_names, windows.closest),
+        "through": _sighting(start_utc, axis_names, windows.through),
+        "place": spread(on_earth, count, place_columns(windows.sky, on_earth)),
+        "sky": spread(
+            on_earth,
+            count,
+            {
+                event: {"at": times_of(start_utc, sky.pop("t_s")), **sky}
+                for event, sky in sky_columns(windows.sky, on_earth).items()
+            },
+        ),
+    }
+    return columns
+
+
+def _sighting(start_utc: datetime, axis_names: tuple[str, str], seen: Sightings) -> Column:
+    columns: dict[str, Column] = {
+        "at": times_of(start_utc, seen.t_s),
+        "range_km": seen.range_m / 1e3,
+        "ground_sample_across_m": seen.ground_sample_across_m,
+        "ground_sample_along_m": seen.ground_sample_along_m,
+        "angles_deg": _by_axis(axis_names, seen.angle_rad),
+        "rates_deg_s": _by_axis(axis_names, seen.rate_rad_s),
+    }
+    for one in fields(SightingOut):
+        if one.name not in columns:
+            columns[one.name] = np.degrees(getattr(seen, one.name.replace("_deg", "_rad")))
+    return {one.name: columns[one.name] for one in fields(SightingOut)}
 
 
 def _by_axis(axis_names: tuple[str, str], motion_rad: Array) -> Column:
     """motion_rad: shape (..., 2), rad or rad/s."""
-    return rows_of(
-        {name: _numbers(np.degrees(motion_rad[..., axis])) for axis, name in enumerate(axis_names)}
-    )
+    return {name: np.degrees(motion_rad[..., axis]) for axis, name in enumerate(axis_names)}
 
 
-def rows_of(columns: dict[str, Column]) -> list[dict[str, Any]]:
-    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+def rows_json(columns: Column) -> list[str]:
+    """The JSON of each row; numbers are rounded, null where there is none."""
+    if isinstance(columns, list):
+        return columns
+    if isinstance(columns, Mapping):
+        template = "{" + ",".join(f"{json.dumps(name)}:%s" for name in columns) + "}"
+        return [template % row for row in zip(*map(rows_json, columns.values()), strict=True)]
+    rounded = np.round(columns, DECIMALS) + 0.0  # no -0.0
+    return joined(texts_of(rounded.ravel().tolist()), columns.shape)
 
 
-def times_of(start_utc: datetime, t_s: Array) -> Column:
-    texts = np.array(Instants(start_utc, t_s.ravel()).utc_text(3), dtype=object)
-    column: Column = texts.reshape(t_s.shape).tolist()
-    return column
+def joined(texts: list[str], shape: tuple[int, ...]) -> list[str]:
+    """The texts of numbers of a shape (rows,) or (rows, n): an array a row of those."""
+    if len(shape) == 1:
+        return texts
+    n = shape[1]
+    return [f"[{','.join(texts[k : k + n])}]" for k in range(0, len(texts), n)]
 
 
-def _numbers(numbers: Array) -> Column:
-    rounded = np.round(numbers, DECIMALS) + 0.0  # no -0.0
-    known = np.isfinite(rounded)
-    cells = rounded if known.all() else rounded.astype(object)
-    cells[~known] = None
-    column: Column = cells.tolist()
-    return column
+def spread(rows: Indices, count: int, columns: Column) -> list[str]:
+    """So many rows' JSON: those of the columns, null between them."""
+    texts = ["null"] * count
+    for row, text in zip(rows.tolist(), rows_json(columns), strict=True):
+        texts[row] = text
+    return texts
+
+
+def times_of(start_utc: datetime, t_s: Array, decimals: int = 3) -> list[str]:
+    """As JSON texts; of shape (rows, n) an array each."""
+    texts = [f'"{text}"' for text in Instants(start_utc, t_s.ravel()).utc_text(decimals)]
+    return joined(texts, t_s.shape)
+
+
+def texts_of(values: list[Any]) -> list[str]:
+    """The JSON of each."""
+    if values and isinstance(values[0], float):
+        numbers = pydantic_core.to_json(values, inf_nan_mode="null")
+        return numbers[1:-1].decode().split(",")
+    return [json.dumps(value, ensure_ascii=False, separators=(",", ":")) for value in values]

@@ -1,7 +1,6 @@
 """Windows as GeoJSON (RFC 7946), one Feature each."""
 
-import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -32,14 +31,8 @@ class FeatureCollection(BaseModel):
     features: list[dict[str, Any]]
 
 
-def features_json(windows: Iterable[Mapping[str, Any]], **members: object) -> bytes:
-    """A FeatureCollection as UTF-8 JSON; members: more of its own."""
-    features = [_feature(window) for window in windows]
-    collection = {"type": "FeatureCollection", **members, "features": features}
-    return json.dumps(collection, separators=(",", ":"), ensure_ascii=False).encode()
-
-
-def _feature(window: Mapping[str, Any]) -> dict[str, Any]:
+def feature(window: Mapping[str, Any]) -> dict[str, Any]:
+    """A Feature of a window as answered."""
     sky = window["sky"] or {}
     return {
         "type": "Feature",

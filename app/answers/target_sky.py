@@ -1,17 +1,14 @@
 """The pass in the target's sky, as in pass tables: rise, culmination and set."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from datetime import datetime
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from pydantic import Field
 
 from app.answers.ranges import ElevationDeg, Signed, TurnDeg
-from planner.base.arrays import Array
-from planner.base.csv_cells import csv_lines
-from planner.world.frames.time_scales import Instants
+from planner.base.arrays import Array, Indices
 
 if TYPE_CHECKING:
     from planner.planning.opportunities.windows import TargetSky
@@ -69,52 +66,33 @@ class PlaceOut:
     height_m: Signed
 
 
-def skies_out(start_utc: datetime, sky: "TargetSky") -> list[TargetSkyOut | None]:
-    """One per window, None for targets in space."""
-    columns = {
-        "at": Instants(start_utc, sky.t_s.ravel()).utc_text(3),
-        "azimuth_deg": _turns_deg(sky.azimuth_rad).ravel().tolist(),
-        "elevation_deg": _degrees(sky.elevation_rad).ravel().tolist(),
-        "sun_azimuth_deg": _turns_deg(sky.sun_azimuth_rad).ravel().tolist(),
-        "sun_elevation_deg": _degrees(sky.sun_elevation_rad).ravel().tolist(),
-        "local_solar_time": map(_clock, np.nan_to_num(sky.solar_time_s.ravel()).tolist()),
+def sky_columns(sky: "TargetSky", rows: Indices) -> dict[str, dict[str, Any]]:
+    """By event and the names of a `SkyPointOut`, of windows on the Earth, `t_s` for the time."""
+    return {
+        event: {
+            "t_s": sky.t_s[rows, n],
+            "azimuth_deg": _turns_deg(sky.azimuth_rad[rows, n]),
+            "elevation_deg": np.degrees(sky.elevation_rad[rows, n]),
+            "sun_azimuth_deg": _turns_deg(sky.sun_azimuth_rad[rows, n]),
+            "sun_elevation_deg": np.degrees(sky.sun_elevation_rad[rows, n]),
+            "local_solar_time": [f'"{_clock(one)}"' for one in sky.solar_time_s[rows, n].tolist()],
+        }
+        for n, event in enumerate(_EVENTS)
     }
-    rows = zip(*columns.values(), strict=True)
-    points = [SkyPointOut(**dict(zip(columns, row, strict=True))) for row in rows]
-    return [
-        TargetSkyOut(**dict(zip(_EVENTS, points[3 * window : 3 * window + 3], strict=True)))
-        if is_on_earth
-        else None
-        for window, is_on_earth in enumerate(~np.isnan(sky.azimuth_rad[:, 0]))
-    ]
 
 
-def places_out(sky: "TargetSky") -> list[PlaceOut | None]:
-    """One per window, None for targets in space."""
-    places = zip(
-        _degrees(sky.latitude_rad[:, 1]).tolist(),
-        _degrees(sky.longitude_rad[:, 1]).tolist(),
-        (np.round(sky.height_m[:, 1], 3) + 0.0).tolist(),
-        strict=True,
-    )
-    return [
-        None
-        if np.isnan(latitude_deg)
-        else PlaceOut(latitude_deg=latitude_deg, longitude_deg=longitude_deg, height_m=height_m)
-        for latitude_deg, longitude_deg, height_m in places
-    ]
-
-
-def pass_table_csv(windows: Iterable[Mapping[str, Any]]) -> bytes:
-    """One line per window, as answered; empty cells for targets in space."""
-    lines = map(_line, windows)
-    rows = ([line.get(name) for name in _COLUMNS] for line in lines)
-    return csv_lines([_COLUMNS, *rows]).encode()
+def place_columns(sky: "TargetSky", rows: Indices) -> dict[str, Array]:
+    """By the names of a `PlaceOut`, of windows on the Earth."""
+    return {
+        "latitude_deg": np.degrees(sky.latitude_rad[rows, 1]),
+        "longitude_deg": np.degrees(sky.longitude_rad[rows, 1]),
+        "height_m": np.round(sky.height_m[rows, 1], 3),
+    }
 
 
 _OF_EVENT = ("azimuth_deg", "elevation_deg")
 _AT_CULMINATION = ("local_solar_time", "sun_azimuth_deg", "sun_elevation_deg")
-_COLUMNS = (
+PASS_COLUMNS = (
     "target",
     *(part for event in _EVENTS for part in (event, *(f"{event}_{angle}" for angle in _OF_EVENT))),
     "duration_s",
@@ -124,9 +102,10 @@ _COLUMNS = (
 )
 
 
-def _line(window: Mapping[str, Any]) -> dict[str, Any]:
+def pass_cells(window: Mapping[str, Any]) -> list[Any]:
+    """Its line of a pass table, by `PASS_COLUMNS`; empty cells for targets in space."""
     sky = window["sky"] or {}
-    return {
+    line = {
         "target": window["target"],
         "rise": window["rise"],
         "culmination": window["highest_at"],
@@ -137,15 +116,12 @@ def _line(window: Mapping[str, Any]) -> dict[str, Any]:
         "off_nadir_deg": window["closest"]["off_nadir_deg"],
         **{name: sky["culmination"][name] for name in _AT_CULMINATION if sky},
     }
-
-
-def _degrees(angle_rad: Array) -> Array:
-    return np.asarray(np.round(np.degrees(angle_rad), DECIMALS) + 0.0)  # no -0.0
+    return [line.get(name) for name in PASS_COLUMNS]
 
 
 def _turns_deg(angle_rad: Array) -> Array:
     """In 0..360, the latter excluded."""
-    return _degrees(angle_rad) % 360.0
+    return np.asarray(np.round(np.degrees(angle_rad), DECIMALS) % 360.0)
 
 
 def _clock(since_midnight_s: float) -> str:

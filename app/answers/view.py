@@ -1,10 +1,13 @@
 """The view of a plan: columns over time, in degrees and metres."""
 
-from app.answers.members import BUILT_ON_FIRST_USE, ProvenanceOut, to_json
-from app.answers.opportunities import WindowOut, windows_out
+import json
+
+from app.answers.members import BUILT_ON_FIRST_USE, ProvenanceOut, from_store, to_json
+from app.answers.opportunities import WindowOut, rows_json, window_columns
 from planner.base.answer_members import answer
 from planner.output.view.columns import PlanView, TargetTrack
 from planner.output.view.orbit import OrbitTrack
+from planner.planning.opportunities import Opportunities
 
 
 @answer
@@ -56,7 +59,7 @@ def view_json(view: PlanView, plan_id: str, *, verified: bool) -> bytes:
     """The whole answer as UTF-8 JSON."""
     scenario = view.plan.scenario
     targets = tuple(
-        ViewedTarget(**vars(track), windows=[] if windows is None else windows_out(windows))
+        ViewedTarget(**vars(track), windows=[] if windows is None else _windows_out(windows))
         for track, windows in zip(view.targets, view.windows, strict=True)
     )
     return to_json(
@@ -68,3 +71,8 @@ def view_json(view: PlanView, plan_id: str, *, verified: bool) -> bytes:
             **vars(view) | {"targets": targets},
         )
     )
+
+
+def _windows_out(found: Opportunities) -> list[WindowOut]:
+    columns = window_columns(found.start_utc, found.ids, found.axis_names, found.windows)
+    return [from_store(WindowOut, json.loads(text)) for text in rows_json(columns)]

@@ -25,6 +25,14 @@ def campaign(
         Path | None,
         typer.Option(help="Write the choice, its bound, and each pass with its looks here."),
     ] = None,
+    export: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="FORMAT=PATH",
+            help="Write the looks as csv, geojson or kml, or each pass's table and request as a "
+            "zip archive (may be repeated).",
+        ),
+    ] = None,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Only choose; plan and write nothing.")
     ] = False,
@@ -32,8 +40,10 @@ def campaign(
 ) -> None:
     """Choose and plan sessions of many targets over days."""
     from app.work.campaign_files import looks_csv
+    from slewtrack.client.calls import CAMPAIGN_FILES
 
-    with files.report_beside(json, csv) as console:
+    with files.report_beside(json, csv, exports=export) as console:
+        wanted = files.formats_and_paths(export, CAMPAIGN_FILES)
         body = files.read_request(file)
         if dry_run and url is not None:
             raise InvalidInput(
@@ -53,6 +63,8 @@ def campaign(
             print_campaign(console, choice, passes)
             if url is not None:
                 console.print(f"kept as {made.id}")
+            for name, path in wanted:
+                files.write(path, planner.export_campaign(made, name))
             for one in passes if plans else ():
                 if one["problem"] is None:
                     stem = f"{plans}/pass-{_number(one)}"

@@ -86,6 +86,6 @@ def at_next_pass(body: bytes, start_utc: datetime) -> tuple[bytes, str]:
 
 def _found(search: dict[str, Any]) -> Opportunities:
     try:
-        return Local().opportunities(search)
+        return Local().opportunities(search, include=next_pass.TOLD)
     except Refusal as refusal:
         raise next_pass.as_in_plan(problem_of(members_of(refusal))) from None

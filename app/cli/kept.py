@@ -1,8 +1,9 @@
 """Plans that a running service keeps: listed, shown, exported, followed."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from http import HTTPStatus
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 from rich.text import Text
@@ -15,6 +16,7 @@ from app.cli.report_parts import UNBOUNDED, print_rows, report_console
 if TYPE_CHECKING:
     from slewtrack.client import Progress
 
+T = TypeVar("T")
 _SECOND, _MINUTE = 19, 16  # characters of a time to these
 _SHORT_ID = 13  # to the millisecond in which it was made
 
@@ -101,26 +103,27 @@ def export(
         list[str],
         typer.Argument(
             metavar="FORMAT=PATH...",
-            help="Write these files, as --export of `slewtrack plan` does.",
+            help="Write these files, as --export of `slewtrack plan` and `campaign` does.",
         ),
     ],
     url: files.KeptUrl = None,
 ) -> None:
-    """Write the table of a plan that a service keeps, in one format or several."""
+    """Write the table of a plan that a service keeps, or the looks of a campaign, as files."""
     from app.cli.service import service
     from planner.output.export import EXPORTERS
+    from slewtrack.client.calls import CAMPAIGN_FILES
 
     with files.report_beside(None, exports=tables), service(url) as client:
-        wanted = files.formats_and_paths(tables, EXPORTERS)
+        wanted = files.formats_and_paths(tables, {**EXPORTERS, **CAMPAIGN_FILES})
         whole = client.named(plan_id)
         for name, path in wanted:
-            files.write(path, client.export(whole, name))
+            ways = (client.export, client.export_campaign)
+            files.write(path, _first_there(*(partial(way, whole, name) for way in ways)))
 
 
 def watch(plan_id: Id, url: files.KeptUrl = None) -> None:
     """Follow a plan, campaign or flights to their end; 0 done, 1 failed or cancelled, 2 refused."""
     from app.cli.service import service
-    from slewtrack.client import Refused
 
     console = report_console()
 
@@ -131,12 +134,19 @@ def watch(plan_id: Id, url: files.KeptUrl = None) -> None:
     with service(url) as client:
         whole = client.named(plan_id)
         waits = (client.wait, client.wait_for_campaign, client.wait_for_flights)
-        for wait in waits:
-            try:
-                made = wait(whole, progress=tell)
-                break
-            except Refused as refused:
-                if refused.problem.status != HTTPStatus.NOT_FOUND or wait is waits[-1]:
-                    raise
-    if not getattr(made, "passed", made.state == "done"):
+        made = _first_there(*(partial(wait, whole, progress=tell) for wait in waits))
+    if made["state"] != "done":
         raise typer.Exit(FAILED)
+
+
+def _first_there(*ways: Callable[[], T]) -> T:
+    """What the first of them gives whose kind the id is of; raises Refused."""
+    from slewtrack.client import Refused
+
+    for way in ways[:-1]:
+        try:
+            return way()
+        except Refused as refused:
+            if refused.problem.status != HTTPStatus.NOT_FOUND:
+                raise
+    return ways[-1]()

@@ -118,7 +118,7 @@ def _orbit(asked: Members, start_utc: datetime, stop_utc: datetime) -> str:
 
 
 def _attitude(asked: Members) -> str:
-    law = asked.get("law", "lvlh")
+    law = asked.get("law", "its own attitude")
     if law != "lvlh":
         return str(law)
     angles = (asked.get(f"{turn}_deg", 0.0) for turn in ("yaw", "pitch", "roll"))

@@ -14,6 +14,8 @@ from app.cli import report_parts as parts
 from app.cli.planner import Members, planner_at
 from app.cli.progress_bar import told_progress
 from planner.base.csv_cells import csv_lines
+from slewtrack.client import next_pass
+from slewtrack.client.answers import Include
 
 _FAR_KM = 1e5
 _EDGES = (
@@ -29,13 +31,17 @@ def windows(
         Path | None, typer.Option(help="Write one line per window here, at its closest approach.")
     ] = None,
     json: files.WholeAnswer = None,
+    probability: Annotated[
+        bool, typer.Option(help="Tell how likely the target stays in the frame: 5 ms a window.")
+    ] = True,
     url: files.Url = None,
 ) -> None:
     """Search for windows of targets."""
     with files.report_beside(json, csv) as console:
         body = files.read_request(file)
+        told: Include = ("view", "probability", "reasons") if probability else next_pass.TOLD
         with planner_at(url) as planner, told_progress("opportunities"):
-            found = planner.opportunities(body)
+            found = planner.opportunities(body, include=told)
         print_windows(console, found.members)
         if url is not None:
             console.print(f"kept as {found.id}")
@@ -61,7 +67,7 @@ def print_windows(console: Console, found: Members) -> None:
         ("in frame", "probability_in_frame", ".2f"), keys=2,
     )  # fmt: skip
     parts.print_more(console, len(windows))
-    parts.print_reasons(console, "can't be seen", found["unseen"])
+    parts.print_reasons(console, "can't be seen", found["reasons"])
     parts.print_warnings(console, found["warnings"])
 
 
@@ -93,7 +99,7 @@ def _csv_rows(windows: Sequence[Members]) -> Iterator[list[object]]:
     for window in windows:
         seen = window["closest"]
         yield [
-            *(window[name] for name in _EDGES),
+            *(window.get(name) for name in _EDGES),
             *(seen[name] for name in view),
             *(seen[kind][axis] for kind in _BY_AXIS for axis in seen[kind]),
         ]

@@ -8,8 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from app.answers.campaign import CampaignChoiceOut
-from app.answers.members import ProvenanceOut, fill, to_json, to_members
-from app.answers.opportunities import FoundWindows, found_windows, windows_out
+from app.answers.members import fill, to_json, to_members
 from app.requests.campaign import read_campaign_request
 from app.requests.plan import write_plan_request
 from app.store.listing import Listing
@@ -17,7 +16,6 @@ from app.work.progress import report
 from app.work.result import Part, Result
 from planner.base.errors import Refusal
 from planner.planning.campaigns import CampaignRequest
-from planner.planning.opportunities import OpportunityRequest
 from planner.world.frames.time_scales import utc_from_text, utc_text
 
 if TYPE_CHECKING:
@@ -25,17 +23,6 @@ if TYPE_CHECKING:
 
 _CARRIED_OVER = ("platform", "orbit", "attitude", "slew")
 _SESSION = re.compile(r"sessions\.(\d+)(\.|$)")
-
-
-def answer_opportunities(request: OpportunityRequest, provenance: ProvenanceOut) -> FoundWindows:
-    """The answer in parts."""
-    from planner.planning.opportunities import find_opportunities
-    from planner.planning.opportunities.unseen import unseen_of
-    from planner.planning.sessions.window_probability import probabilities_in_frame
-
-    result = find_opportunities(request)
-    windows = windows_out(result, probabilities_in_frame(request, result))
-    return found_windows(result, request.name, provenance, windows, unseen_of(request, result))
 
 
 def choose(body: bytes, request: CampaignRequest | None = None) -> Result:

@@ -24,16 +24,29 @@ _MAPS = {"application/geo+json": geojson_of, "application/vnd.google-earth.kml+x
 SUFFIXES = dict(zip((CSV, *_MAPS, _ARCHIVE), (".csv", ".geojson", ".kml", ".zip"), strict=True))
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class MadePass:
-    """A pass whose plan is made; number: from 1."""
+    """A pass whose plan is made.
 
-    number: int
+    facts: what its campaign says of it.
+    """
+
+    facts: Mapping[str, Any]
     plan: str
-    looks: Sequence[Mapping[str, Any]]
     request: bytes
     table_columns: bytes
     planned_utc: datetime
+
+    @property
+    def number(self) -> int:
+        """From 1."""
+        return int(self.facts["pass"]) + 1
+
+    @property
+    def looks(self) -> Sequence[Mapping[str, Any]]:
+        """Those that are planned."""
+        looks: Sequence[Mapping[str, Any]] = self.facts["looks"]
+        return looks
 
 
 def campaign_file(media_type: str, body: bytes, passes: Sequence[MadePass]) -> bytes:

@@ -25,6 +25,7 @@ _LOADED = (
     "app.work.flights",
     "app.work.horizon",
     "app.work.horizon_series",
+    "app.work.searches",
     "app.work.spacecraft",
     "app.work.telemetry",
     "app.work.view",

@@ -4,9 +4,7 @@ import zlib
 from dataclasses import asdict
 from datetime import UTC, datetime
 
-from app.answers.imaging_opportunities import found_passes
 from app.answers.members import ProvenanceOut, provenance
-from app.answers.opportunities import FoundWindows
 from app.answers.spacecraft import (
     attitude_table_json,
     spacecraft_document,
@@ -18,7 +16,6 @@ from app.store.packed import PackedColumns, pack, unpack
 from app.work.progress import report
 from app.work.result import Result
 from planner.spacecraft.export import IMAGING_EXPORTERS, SessionTable
-from planner.spacecraft.opportunity_request import ImagingOpportunityRequest
 from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.table import AttitudeTable, ImagingWindow
 from planner.world.frames.time_scales import utc_from_text, utc_text
@@ -50,15 +47,6 @@ def try_session(request: ImagingPlanRequest, provenance: ProvenanceOut) -> bytes
     from planner.spacecraft.plan import plan_imaging
 
     return spacecraft_dry_run_json(plan_imaging(request), provenance)
-
-
-def answer_imaging_opportunities(
-    request: ImagingOpportunityRequest, provenance: ProvenanceOut
-) -> FoundWindows:
-    """The answer in parts."""
-    from planner.spacecraft.opportunities import find_imaging_opportunities
-
-    return found_passes(request, find_imaging_opportunities(request), provenance)
 
 
 def stored_session_json(table_columns: bytes) -> bytes:

@@ -35,8 +35,6 @@ def main() -> int:
             found.append("docs/reproduction.md isn't what docs/reproduction.csv makes")
         print("\n".join(found) or f"{len(before)} statements as kept")
         return 1 if found else 0
-    for old in report.IMAGES.glob("reproduction_*.png"):
-        old.unlink()
     report.write(report.rows_of(report.sections(), report.IMAGES))
     report.DOCUMENT.write_text(report.document(report.read()), encoding="utf-8")
     return 0

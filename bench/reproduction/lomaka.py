@@ -1,7 +1,7 @@
 """Lomaka, Ustyugov 2016: the vertical from two pictures of the horizon."""
 
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime, timedelta
+from datetime import UTC, datetime
 from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
@@ -15,15 +15,12 @@ from scipy.spatial.transform import Rotation
 from estimator.camera import HorizonCamera
 from estimator.limb.geometry import Limb
 from estimator.pipeline import estimate_vertical
-from estimator.prediction import predict_horizon
-from estimator.rendering.atmosphere import Atmosphere
 from estimator.rendering.scene import HorizonRenderer, Scene
 from estimator.rendering.sensor import Sensor
 from estimator.request import Body, HorizonRequest, Position, PredictedAttitude
-from estimator.search.plausibility import OPTIONS as PLAUSIBILITY_OPTIONS
 from estimator.surroundings import Surroundings
 from planner.base.arrays import Array
-from planner.world.frames.geodesy import MU_EARTH_M3_S2, WGS84_A_M, WGS84_B_M, itrf_from_geodetic
+from planner.world.frames.geodesy import WGS84_A_M, WGS84_B_M, itrf_from_geodetic
 from reproduction.lomaka_method import horizon_arc_px, paper_nadir
 from reproduction.report import Numbers
 
@@ -209,13 +206,6 @@ def model_rms_deg(
     return _rms(lens(width_deg, width_px, np.rad2deg(dip_rad(height_m)), 0.0), height_m, unit_rays)
 
 
-def strip_rms_deg(arc_width_px: int) -> float:
-    """The same between unit rays of an arc so short in a frame 640 px and 60 deg wide."""
-    width_deg = np.rad2deg(2.0 * np.arctan(arc_width_px / 640.0 * np.tan(np.deg2rad(30.0))))
-    down_deg = np.rad2deg(dip_rad(PAPERS_HEIGHT_M))
-    return _rms(lens(width_deg, arc_width_px, down_deg, 0.0), PAPERS_HEIGHT_M, True)
-
-
 def _rms(one: HorizonCamera, height_m: float, unit_rays: bool) -> float:
     """Over ROLLS_DEG about the boresight, about which the chord measures."""
     errors = [
@@ -234,36 +224,6 @@ def _rms(one: HorizonCamera, height_m: float, unit_rays: bool) -> float:
 def _turned(axis: Array, angle: float) -> Array:
     nadir, c, s = np.array([0.0, 0.0, 1.0]), np.cos(angle), np.sin(angle)
     return np.asarray(c * nadir + s * np.cross(axis, nadir) + (1.0 - c) * (axis @ nadir) * axis)
-
-
-def edge_deg(width_deg: float, down_deg: float, height_m: float) -> float:
-    """The smallest pitch, either way, at which one of both cameras has lost the horizon."""
-    cameras = pair(width_deg, down_deg)
-    edges = []
-    for sign in (-1.0, 1.0):
-        low, high = 0.0, next(t for t in range(1, 61) if not _both_see(cameras, sign * t, height_m))
-        while high - low > 1e-3:
-            middle = 0.5 * (low + high)
-            seen = _both_see(cameras, sign * middle, height_m)
-            low, high = (middle, high) if seen else (low, middle)
-        edges.append(high)
-    return min(edges)
-
-
-def _both_see(cameras: tuple[HorizonCamera, HorizonCamera], pitch: float, height_m: float) -> bool:
-    """Is there a point of the horizon on both cameras' pixels, their outer edges included?"""
-    rays = limb_rays(tilted_nadir(pitch, 0.0), height_m)
-    for one in cameras:
-        off_px = np.abs(one.pixels(rays) - [one.cx_px, one.cy_px])
-        if not np.any(np.all(off_px <= [0.5 * one.width_px, 0.5 * one.height_px], axis=1)):
-            return False
-    return True
-
-
-def highest_m(width_deg: float) -> float:
-    """From where level cameras of the paper's arrangement see no horizon at zero tilt."""
-    half_height = np.arctan(0.75 * np.tan(np.deg2rad(0.5 * width_deg)))
-    return float(RADIUS_M / np.cos(half_height) - RADIUS_M)
 
 
 def circle_misfit_px(width_deg: float) -> float:
@@ -296,8 +256,6 @@ EPOCH = datetime(2026, 3, 20, 12, tzinfo=UTC)
 POSITION = Position(frame="ITRF", position_km=(6878.0, 0.0, 0.0))
 LEVEL = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
 SHARP = Scene(constant_limb_m=17.5e3, cloud_cover=0.0, land=0.0)
-REAL = Scene(atmosphere=Atmosphere(), roughness_m=800.0)
-RENDERED_MAP_DEG = (-12.0, -6.0, 0.0, 6.0, 12.0)
 SWEEP_DEG = (-14.0, -12.0, -9.0, -6.0, -3.0, 0.0, 3.0, 6.0, 9.0, 12.0, 14.0)
 
 
@@ -324,37 +282,6 @@ def sweep(pitches_deg: tuple[float, ...]) -> Array:
     return np.array([errors_deg(pitch, 0.0) for pitch in pitches_deg])
 
 
-def error_map() -> Array:
-    """Errors over RENDERED_MAP_DEG of yaw and pitch: (5, 5, 3)."""
-    return np.array(
-        [[errors_deg(pitch, yaw) for pitch in RENDERED_MAP_DEG] for yaw in RENDERED_MAP_DEG]
-    )
-
-
-class RealAir(NamedTuple):
-    """On frames with real air: mean height of the limb found, km, and rms errors, deg."""
-
-    limb_km: float
-    unit_rays: float
-    estimator: float
-
-
-@lru_cache(maxsize=1)
-def real_air() -> RealAir:
-    """What the estimator and the paper's method make of four frames with real air."""
-    heights_km, errors = [], []
-    for pitch, yaw in ((3.0, -2.0), (-7.0, 5.0), (8.0, 8.0), (-4.0, -9.0)):
-        request, images, truth = frames(pitch, yaw, REAL, Sensor(colour=True))
-        answer = estimate_vertical(images, request)
-        if answer.geocentric is None or answer.limb_height_m is None:
-            raise RuntimeError(f"no vertical in a plain daylight frame: {answer.reason}")
-        heights_km.append(answer.limb_height_m / 1e3)
-        found = (paper_nadir(images, request.cameras, True), answer.geocentric.nadir_body)
-        errors.append([_off_deg(nadir, truth) for nadir in found])
-    unit_rays, estimator = np.sqrt(np.mean(np.square(errors), axis=0))
-    return RealAir(float(np.mean(heights_km)), float(unit_rays), float(estimator))
-
-
 def frames(
     pitch_deg: float, yaw_deg: float, scene: Scene, sensor: Sensor
 ) -> tuple[HorizonRequest, list, Array]:
@@ -379,67 +306,6 @@ def _off_deg(nadir: Array | None, truth: Array) -> float:
     return float(np.rad2deg(np.arctan2(across, nadir @ truth)))
 
 
-# Reach of a horizon sensor in visible light and in the infrared, and how often it sees.
-# The infrared limb is that of carbon dioxide at 14 to 16 um, by day and night: 30 to 40 km high
-# (Seshamani, Jain, Kamalakar 1990), taken as spread evenly between.
-
-ORBIT_RADIUS_M = 6878e3
-INCLINATION_DEG, NODE_DEG = 51.6, 10.0  # on 20 March the Sun is near this plane
-INSTANTS = 36
-INFRARED = Body(limb_height_km=35.0, limb_height_sigma_km=2.9)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Bands:
-    """Over one orbit at 500 km, two cameras 60 deg wide that look at the horizon: ahead and aside.
-
-    visible_share, infrared_share: of instants at which both see a usable limb.
-    sunlit_frames: share of frames with the Sun in them.
-    visible_sigma_deg, infrared_sigma_deg: median expected error of the nadir from one camera.
-    """
-
-    visible_share: float
-    infrared_share: float
-    sunlit_frames: float
-    visible_sigma_deg: float
-    infrared_sigma_deg: float
-
-
-def over_an_orbit() -> Bands:
-    """Predict both bands' views along an orbit, the craft level."""
-    period_s = 2.0 * np.pi * np.sqrt(ORBIT_RADIUS_M**3 / MU_EARTH_M3_S2)
-    usable, sigmas, sunny = np.zeros((2, INSTANTS)), np.full((2, INSTANTS), np.nan), []
-    for k, phase in enumerate(np.linspace(0.0, 2.0 * np.pi, INSTANTS, endpoint=False)):
-        plane = Rotation.from_euler(
-            "ZXZ", [NODE_DEG, INCLINATION_DEG, np.rad2deg(phase)], degrees=True
-        )
-        position_km = plane.apply([ORBIT_RADIUS_M / 1e3, 0.0, 0.0])
-        x_eci, z_eci = plane.apply([0.0, 1.0, 0.0]), -position_km / np.linalg.norm(position_km)
-        axes = np.stack([x_eci, np.cross(z_eci, x_eci), z_eci])
-        for band, body in enumerate((Body(), INFRARED)):
-            around = Surroundings(
-                EPOCH + timedelta(seconds=float(phase / (2.0 * np.pi) * period_s)),
-                Position(frame="GCRF", position_km=tuple(position_km.tolist())),
-                body,
-            )
-            views = [
-                predict_horizon(one, around, Rotation.from_matrix(axes), 0.5) for one in ring(2)
-            ]
-            usable[band, k] = all(view.reason is None for view in views)
-            known = [view.sigma_rad for view in views if view.sigma_rad is not None]
-            if known:
-                sigmas[band, k] = np.rad2deg(np.mean(known))
-            if band == 0:
-                sunny += [view.sun_in_frame for view in views]
-    return Bands(
-        visible_share=float(usable[0].mean()),
-        infrared_share=float(usable[1].mean()),
-        sunlit_frames=float(np.mean(sunny)),
-        visible_sigma_deg=float(np.nanmedian(sigmas[0])),
-        infrared_sigma_deg=float(np.nanmedian(sigmas[1])),
-    )
-
-
 # The paper's experiment on the bench: a flat picture of the horizon before a tilting camera.
 # A rig carries camera and accelerometer and is turned about a nearly level axis in front of a
 # print or a screen.  What the camera finds for the tilt is compared with what the accelerometer
@@ -452,7 +318,6 @@ HALF_WIDTH, HALF_HEIGHT = np.tan(np.deg2rad(30.0)), 0.75 * np.tan(np.deg2rad(30.
 WIDTH_PX = 640
 TILTS_DEG = np.linspace(-14.0, 14.0, 29)
 SWING_S = 20.0  # of a full swing to both sides, during which the video runs
-UPRIGHT = len(TILTS_DEG) // 2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -742,31 +607,6 @@ def experiment_numbers() -> Numbers:
     }
 
 
-def draw_experiment(folder: Path) -> None:
-    figure = Figure(figsize=(10.0, 4.8), layout="constrained")
-    left, right = figure.subplots(1, 2)
-    examples = (
-        ("perfect rig, as printed", Rig(), False),
-        ("twice the distance, as printed", Rig(distance=2.0), False),
-        ("accelerometer's scale 9 % off", Rig(scale_error=0.09), True),
-        ("axis 25 % above the lens", Rig(pivot_below=-0.25), True),
-        ("video 0.2 s late", Rig(delay_s=0.2), True),
-        ("noise of frame and accelerometer", Rig(whole_px=True, noise_g=0.0029), True),
-    )
-    for name, rig, unit_rays in examples:
-        left.plot(TILTS_DEG, differences_deg(rig, unit_rays=unit_rays), label=name, lw=1.2)
-    left.axhspan(-EXPERIMENT_DEG, EXPERIMENT_DEG, color="0.9", zorder=0)
-    left.set(xlabel="tilt of the rig, deg", ylabel="camera minus accelerometer, deg")
-    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=3)
-    rows = sorted(causes_alone(), key=lambda row: row[1])
-    right.barh([row[0].name for row in rows], [row[1] for row in rows], color="C0")
-    right.axvline(EXPERIMENT_DEG, color="0.3", lw=0.8)
-    right.tick_params(axis="y", labelsize="small")
-    right.set_xlabel("rms at its usual size, deg")
-    right.annotate("the paper", (0.74, 0.0), ha="right", fontsize="small", color="0.3")
-    figure.savefig(folder / "reproduction_vertical_print.png", dpi=90)
-
-
 # The vertical from two cameras: Lomaka, Ustyugov 2016, its equations, Figs. 3, 5 and 6.
 
 MODEL_DEG = 0.038
@@ -775,7 +615,7 @@ DOWN_DEG = float(np.rad2deg(dip_rad(PAPERS_HEIGHT_M)))
 
 
 def vertical_numbers() -> Numbers:
-    return {**_method(), **_figures(), **_edges(), **_bands()}
+    return {**_method(), **_figures(), "three points": float(points_needed())}
 
 
 def _method() -> Numbers:
@@ -803,14 +643,13 @@ def _method() -> Numbers:
 
 
 def _figures() -> Numbers:
-    over_map, over_sweep = _rms_of_each(error_map()), _rms_of_each(sweep(SWEEP_DEG))
+    over_sweep = _rms_of_each(sweep(SWEEP_DEG))
     narrow, half, double = (
         model_rms_deg(60.0, PAPERS_HEIGHT_M, unit_rays=True, width_px=px) for px in (640, 320, 1280)
     )
     return {
         "model's error": narrow,
         "pitch sweep, edges found": float(over_sweep[1]),
-        "error map": float(over_map[1]),
         "theory_deg": float(np.rad2deg(np.sqrt(1 / 6) / 640)),
         "at_320_px": half,
         "at_1280_px": double,
@@ -818,9 +657,6 @@ def _figures() -> Numbers:
         "printed_at_60": _model(60.0, unit_rays=False),
         "sweep_printed": float(over_sweep[0]),
         "sweep_estimator": float(over_sweep[2]),
-        "map_printed": float(over_map[0]),
-        "map_printed_worst": float(np.nanmax(error_map()[..., 0])),
-        "map_estimator": float(over_map[2]),
     }
 
 
@@ -831,42 +667,6 @@ def _model(field_deg: float, unit_rays: bool) -> float:
 
 def _rms_of_each(errors: Array) -> Array:
     return np.asarray(np.sqrt(np.nanmean(errors.reshape(-1, 3) ** 2, axis=0)))
-
-
-def _edges() -> Numbers:
-    inside, outside = errors_deg(24.0, 0.0), errors_deg(28.0, 0.0)
-    beyond = "gives no vertical" if np.isnan(outside.unit_rays) else (
-        f"gives one {outside.unit_rays:.0f} deg off, from an edge of the frame"
-    )  # fmt: skip
-    return {
-        "widest tilt": edge_deg(60.0, 0.0, PAPERS_HEIGHT_M),
-        "highest orbit": highest_m(60.0) / 1e3,
-        "shortest arc": strip_rms_deg(32),
-        "three points": float(points_needed()),
-        "aimed_deg": edge_deg(60.0, DOWN_DEG, PAPERS_HEIGHT_M),
-        "inside_deg": inside.unit_rays,
-        "beyond": beyond,
-        "estimator_deg": outside.estimator,
-        "highest_40_km": highest_m(40.0) / 1e3,
-        "highest_90_km": highest_m(90.0) / 1e3,
-        "down_deg": DOWN_DEG,
-        "long_deg": strip_rms_deg(640),
-        "asked_deg": float(np.rad2deg(PLAUSIBILITY_OPTIONS.min_arc_of_all_rad)),
-    }
-
-
-def _bands() -> Numbers:
-    orbit, air = over_an_orbit(), real_air()
-    return {
-        "infrared verticals": orbit.infrared_sigma_deg,
-        "visible limb": air.limb_km,
-        "lit part of the orbit": 100.0 * orbit.visible_share,
-        "Sun in frame": 100.0 * orbit.sunlit_frames,
-        "visible_sigma_deg": orbit.visible_sigma_deg,
-        "air_unit_rays": air.unit_rays,
-        "air_estimator": air.estimator,
-        "infrared_percent": 100.0 * orbit.infrared_share,
-    }
 
 
 def draw_vertical(folder: Path) -> None:

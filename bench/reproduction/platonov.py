@@ -14,7 +14,6 @@ import numpy as np
 from imaging_cases import EPOCH, area, line, local_axes, positions, session_request, sun_synchronous
 from matplotlib.figure import Figure
 from scipy.optimize import brentq
-from scipy.signal import butter, freqz
 from scipy.spatial.transform import Rotation
 from spacecraft_flight import PAPER_TURNS_S, itself, orbit_states, settle_table
 
@@ -31,7 +30,6 @@ from planner.spacecraft.flight.simulation import (
 from planner.spacecraft.flight.stabilisation import rate_errors, settled_after_s
 from planner.spacecraft.imaging.candidates import candidates
 from planner.spacecraft.imaging.choice_with_slews import options_of
-from planner.spacecraft.imaging.ground_arc import orbital_q_body_from_eci
 from planner.spacecraft.imaging.session import make_session
 from planner.spacecraft.imaging.timeline import scans_of
 from planner.spacecraft.plan import ImagingPlan, plan_imaging
@@ -53,20 +51,15 @@ from planner.spacecraft.vehicle.definition import (
     SlewLimits,
 )
 from planner.spacecraft.vehicle.onboard import PAPER, TABLE, Estimate, estimate_rate, memory_at
-from planner.spacecraft.vehicle.steering import steer, total_momentum_eci
-from planner.world.frames.earth_orientation import c_itrf_from_eci
-from planner.world.frames.geodesy import WGS84_A_M
-from planner.world.frames.solar_system import r_moon_eci_m, r_sun_eci_m
+from planner.spacecraft.vehicle.steering import steer
 from planner.world.frames.time_scales import Instants, utc_text
 from planner.world.orbits import StateVectorOrbit
-from planner.world.orbits.ephemeris import OrbitStates
 from reproduction.report import Numbers
 
 # The sessions of Platonov, Sumarokov 2019, Figs. 3 to 9: requests, plans and dispersed flights.
 # `text` makes the requests in examples/.  The paper gives times and sizes, neither orbit nor
 # places; here strips lie along the track where the orbit passes at those times.
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
 STRIP_S, STEREO_S, SCAN_S, GAP_S = 128.0, 338.0, 16.0, 110.0  # Figs. 4 and 6
 STEREO_KM, AREAS_KM = 700.0, 640.0  # of the paper's 600 to 700; lower, the ends lie beyond 30 deg
 LONG_START_S = 400.0  # the paper's clock at row 0 of the long session
@@ -313,89 +306,7 @@ def settling(name: str, dispersed: bool) -> Settling:
     )
 
 
-# The laws of Platonov, Sumarokov 2019 taken by the letter: what their misprints do, in numbers.
-# A rigid body, ideal gyros and sensors, the control cycle of 0.2 s.  Source: "Control law of the
-# gyro system", eq. 1 and the laws above it.
-
-INERTIA_KG_M2 = np.array(AGILE_CMG.inertia_kg_m2)
-ARRAY = CmgArray()
 K1_PER_S, K2_PER_S2 = 1.8, 1.0
-ORBITAL_RATE_RAD_S = np.array([0.0, 0.0, -np.deg2rad(0.0617)])  # in pitch, from 600 km
-TURN_RATE_RAD_S = np.array([0.0, 0.0, np.deg2rad(1.5)])
-SUBSTEPS = 10
-
-
-def parallel_measure(gimbal_rad: Array) -> float:
-    """The paper's Phi = -(m1 x m2)^2 - (m3 x m4)^2: 0 where each pair's torques are parallel."""
-    m = ARRAY.jacobian(gimbal_rad).T
-    return -float(np.sum(np.cross(m[0], m[1]) ** 2) + np.sum(np.cross(m[2], m[3]) ** 2))
-
-
-def printed_rates_rad_s(
-    gimbal_rad: Array, torque_n_m: Array, weight_rad_s: float, xi_sign: float
-) -> Array:
-    """Gimbal rates of eq. 1: D'(DD')^-1 M/h + rho (D'(DD')^-1 D - E) xi, xi = sign dPhi/dd.
-
-    xi_sign: -1 as printed.
-    """
-    d = ARRAY.jacobian(gimbal_rad)
-    inverse = d.T @ np.linalg.inv(d @ d.T)
-    step = 1e-6 * np.eye(4)
-    gradient = np.array(
-        [parallel_measure(gimbal_rad + e) - parallel_measure(gimbal_rad - e) for e in step]
-    ) / 2e-6  # fmt: skip
-    null = (inverse @ d - np.eye(4)) @ (xi_sign * gradient)
-    return np.asarray(inverse @ torque_n_m / ARRAY.momentum_n_m_s + weight_rad_s * null)
-
-
-def margin_under_null_motion(xi_sign: float, seconds: float = 120.0) -> Array:
-    """Least singular value of D every 0.2 s, from empty gyros and without torque: (n,)."""
-    gimbal_rad = ARRAY.gimbal_angles(np.zeros(3))
-    margins = []
-    for _ in range(round(seconds / TICK_S)):
-        margins.append(float(ARRAY.singularity_margin(gimbal_rad)))
-        if margins[-1] < 1e-2:
-            break
-        rates = printed_rates_rad_s(gimbal_rad, np.zeros(3), 0.02, xi_sign)
-        gimbal_rad = gimbal_rad + TICK_S * rates
-    return np.array(margins)
-
-
-class Hold(NamedTuple):
-    """Of the imaging law at a steady rate: the error left, deg, and its torque, N m."""
-
-    error_deg: float
-    torque_n_m: float
-
-
-def hold(rate_rad_s: Array, stored_n_m_s: Array, twice: bool, seconds: float = 40.0) -> Hold:
-    """The imaging law on a steadily turning goal with momentum stored in the gyros.
-
-    twice: with M* = M + omega x H as in the text, M holding omega x G already; else omega x G
-    once.  stored_n_m_s: in ECI; the gyros hold what the body doesn't.
-    """
-    goal, omega = Rotation.identity(), rate_rad_s.copy()
-    q_eci_from_body = goal
-    total_eci = INERTIA_KG_M2 * omega + stored_n_m_s
-    step_s = TICK_S / SUBSTEPS
-    gyros = stored_n_m_s.copy()
-    for _ in range(round(seconds / TICK_S)):
-        error = (goal.inv() * q_eci_from_body).as_quat(canonical=True)[:3]
-        total = q_eci_from_body.inv().apply(total_eci)
-        # What the gyros take up: M = -J(k2 2n + k1 (omega - goal's)) is given to the body.
-        acceleration = -K2_PER_S2 * 2.0 * error - K1_PER_S * (omega - rate_rad_s)
-        taken = -INERTIA_KG_M2 * acceleration - np.cross(omega, total)
-        if twice:
-            taken -= np.cross(omega, gyros)
-        for _ in range(SUBSTEPS):
-            gyros = gyros + step_s * taken
-            half = q_eci_from_body * Rotation.from_rotvec(0.5 * step_s * omega)
-            middle = (half.inv().apply(total_eci) - gyros + 0.5 * step_s * taken) / INERTIA_KG_M2
-            q_eci_from_body = q_eci_from_body * Rotation.from_rotvec(step_s * middle)
-            omega = (q_eci_from_body.inv().apply(total_eci) - gyros) / INERTIA_KG_M2
-        goal = goal * Rotation.from_rotvec(TICK_S * rate_rad_s)
-    left = (goal.inv() * q_eci_from_body).magnitude()
-    return Hold(float(np.rad2deg(left)), float(np.linalg.norm(np.cross(omega, gyros))))
 
 
 def switching_rate_deg_s(torque_n_m: float, share: float = 0.75) -> float:
@@ -403,7 +314,7 @@ def switching_rate_deg_s(torque_n_m: float, share: float = 0.75) -> float:
 
     sqrt(2 a1 phi) = phi k2/k1 at phi = 2 a1 (k1/k2)^2; the rate is 2 a1 k1/k2.
     """
-    a1 = share * torque_n_m / INERTIA_KG_M2[2]
+    a1 = share * torque_n_m / AGILE_CMG.inertia_kg_m2[2]
     return float(np.rad2deg(2.0 * a1 * K1_PER_S / K2_PER_S2))
 
 
@@ -534,158 +445,6 @@ def gyro_reach_deg_s() -> float:
     return float(brentq(beyond, 0.5, 10.0, xtol=1e-6))
 
 
-def node_drift_deg_day(height_km: float, revolutions: int = 15) -> float:
-    """How fast the plane of the bench's Sun-synchronous orbit turns, in the product's orbit."""
-    orbit = sun_synchronous(height_km)
-    period_s = 2.0 * math.pi * math.sqrt((6378.137e3 + 1e3 * height_km) ** 3 / 3.986004418e14)
-    ephemeris = orbit.ephemeris(EPOCH, EPOCH + timedelta(seconds=(revolutions + 1) * period_s))
-    t_s = np.arange(0.0, (revolutions + 0.9) * period_s, 20.0)
-    states = ephemeris.states(Instants(EPOCH, t_s))
-    normal = np.cross(states.r_sat_eci_m, states.v_sat_eci_m_s)
-    node = np.unwrap(np.arctan2(normal[:, 0], -normal[:, 1]))
-    z = states.r_sat_eci_m[:, 2]
-    up = np.flatnonzero((z[:-1] < 0.0) & (z[1:] >= 0.0))
-    share = -z[up] / (z[up + 1] - z[up])
-    at_node = node[up] + share * (node[up + 1] - node[up])
-    at_s = t_s[up] + share * 20.0
-    drift = (at_node[-1] - at_node[0]) / (at_s[-1] - at_s[0])
-    return float(np.rad2deg(drift) * 86400.0)
-
-
-# Two of three star trackers while imaging: which of them can see stars, and how well two do.
-# The paper has three trackers, two of them at work while imaging, and says no more.  Here they
-# look up and aside from the camera, 45 deg from the zenith, 120 deg apart; each is blind near the
-# Sun, the Earth's limb and the Moon, and in a fast turn.
-
-TILT_DEG = 45.0  # from +Y, the zenith in orbital orientation (the camera looks along -Y)
-FIRST_DEG = 90.0  # of the first tracker's azimuth about +Y, from +Z towards +X: straight ahead
-SUN_DEG, LIMB_DEG, MOON_DEG = 35.0, 20.0, 12.0  # assumed: of a common small tracker
-RATE_MAX_DEG_S = 2.0
-ACROSS_ARCSEC, ABOUT_ARCSEC = 5.0, 40.0  # 1 sigma of a fix, across and about the boresight
-
-
-class Seen(NamedTuple):
-    """At n rows: which of the three trackers see stars, (n, 3)."""
-
-    usable: Array
-    sun: Array
-    limb: Array
-
-
-def boresights_body() -> Array:
-    """Unit vectors (3, 3), one a row."""
-    azimuth = np.deg2rad(FIRST_DEG + 120.0 * np.arange(3))
-    tilt = np.deg2rad(TILT_DEG)
-    return np.column_stack(
-        [
-            np.sin(tilt) * np.sin(azimuth),
-            np.full(3, np.cos(tilt)),
-            np.sin(tilt) * np.cos(azimuth),
-        ]
-    )
-
-
-def seen(table: AttitudeTable, states: OrbitStates, instants: Instants) -> Seen:
-    """Which trackers are usable at each row of a table."""
-    turned = table.q_body_from_eci.inv()
-    eci = np.stack([turned.apply(one) for one in boresights_body()], axis=1)
-    r = states.r_sat_eci_m
-    distance_m = np.linalg.norm(r, axis=1, keepdims=True)
-    limb_rad = np.arcsin(WGS84_A_M / distance_m)
-    nadir_rad = np.arccos(np.clip(np.einsum("nij,nj->ni", eci, -r / distance_m), -1.0, 1.0))
-
-    def off_deg(target_m: Array) -> Array:
-        unit = target_m - r
-        unit /= np.linalg.norm(unit, axis=1, keepdims=True)
-        return np.rad2deg(np.arccos(np.clip(np.einsum("nij,nj->ni", eci, unit), -1.0, 1.0)))
-
-    sun_m = r_sun_eci_m(instants)
-    # Behind the Earth it does no harm.
-    hidden = np.einsum("ij,ij->i", sun_m, -r) > np.cos(limb_rad[:, 0]) * (
-        np.linalg.norm(sun_m, axis=1) * distance_m[:, 0]
-    )
-    sun = (off_deg(sun_m) < SUN_DEG) & ~hidden[:, None]
-    limb = np.rad2deg(nadir_rad - limb_rad) < LIMB_DEG
-    moon = off_deg(r_moon_eci_m(instants)) < MOON_DEG
-    rate_deg_s = np.rad2deg(np.linalg.norm(table.omega_body_rad_s, axis=1))
-    return Seen(~(sun | limb | moon) & (rate_deg_s < RATE_MAX_DEG_S)[:, None], sun, limb)
-
-
-def sigma_arcsec(which: tuple[int, ...]) -> Array:
-    """1-sigma of the attitude from trackers together, principal axes in order of size, (3,)."""
-    information = np.zeros((3, 3))
-    for one in boresights_body()[list(which)]:
-        about = np.outer(one, one)
-        information += (np.eye(3) - about) / ACROSS_ARCSEC**2 + about / ABOUT_ARCSEC**2
-    return np.asarray(np.sqrt(1.0 / np.linalg.eigvalsh(information)[::-1]))
-
-
-# Three coils that unload the gyros in the Earth's magnetic field.
-# The paper has three "electromagnetic devices" unload the momentum the gyros gather and says no
-# more. Here they are coils along the body's axes; each takes what part it can of the dipole m = k
-# (H x B)/|B|^2, whose torque m x B = -k (H - b (b.H)) brings down the momentum across the field,
-# never that along it; the field's turn along the orbit makes up for that.
-# Sources: Wertz 1978, section 18.3 (law); the dipole part of IGRF-13, epoch 2020 (field).
-
-RADIUS_M = 6371.2e3
-# g11, h11, g10 of IGRF-13 (Alken and others 2021), as the dipole's vector in ITRF.
-DIPOLE_ITRF_T = np.array([-1450.9, 4652.5, -29404.8]) * 1e-9
-COIL_A_M2 = 140.0  # assumed: a common size for a craft of one to two tonnes
-GAIN_PER_S = 5e-3  # with it the coils are at their limit above 1 N m s
-STEP_S = 5.0
-
-
-class Unloading(NamedTuple):
-    """Momentum of body and gyros over time, ECI: t_s (n,), h_eci_n_m_s (n, 3), and the coils'
-    torque, N m, (n,)."""
-
-    t_s: Array
-    h_eci_n_m_s: Array
-    torque_n_m: Array
-
-
-def field_eci_t(r_eci_m: Array, instants: Instants) -> Array:
-    """The dipole's field at positions (n, 3), T: 3 percent to 10 from the real one."""
-    c_itrf = c_itrf_from_eci(instants)
-    r_itrf = np.einsum("nij,nj->ni", c_itrf, r_eci_m)
-    distance_m = np.linalg.norm(r_itrf, axis=1, keepdims=True)
-    up = r_itrf / distance_m
-    along = up @ DIPOLE_ITRF_T
-    field_itrf = (RADIUS_M / distance_m) ** 3 * (3.0 * along[:, None] * up - DIPOLE_ITRF_T)
-    return np.asarray(np.einsum("nji,nj->ni", c_itrf, field_itrf))
-
-
-def coil_torque_n_m(h_n_m_s: Array, field_t: Array, axes: Array, coil_a_m2: float) -> Array:
-    """Torque of three coils along axes (3, 3, rows) against momentum, any one frame, (3,)."""
-    wanted = GAIN_PER_S * np.cross(h_n_m_s, field_t) / (field_t @ field_t)
-    dipole = axes @ wanted
-    # All scaled down together, so that what is left stays square to the field and against H.
-    dipole *= min(1.0, coil_a_m2 / max(float(np.max(np.abs(dipole))), 1e-12))
-    return np.asarray(np.cross(dipole @ axes, field_t))
-
-
-def unload(
-    states: OrbitStates,
-    instants: Instants,
-    axes_eci: Array,
-    start_eci_n_m_s: Array,
-    disturbance_eci_n_m: Array,
-    coil_a_m2: float = COIL_A_M2,
-) -> Unloading:
-    """Momentum along an orbit whose states are STEP_S apart.
-
-    axes_eci: the coils' axes (n, 3, 3), rows; disturbance_eci_n_m: (n, 3), outer torque.
-    """
-    field = field_eci_t(states.r_sat_eci_m, instants)
-    h, rows, torques = start_eci_n_m_s.copy(), [], []
-    for k in range(len(field)):
-        torque = coil_torque_n_m(h, field[k], axes_eci[k], coil_a_m2)
-        rows.append(h)
-        torques.append(float(np.linalg.norm(torque)))
-        h = h + STEP_S * (torque + disturbance_eci_n_m[k])
-    return Unloading(np.arange(len(rows)) * STEP_S, np.array(rows), np.array(torques))
-
-
 # Imaging from a CMG spacecraft: Platonov, Sumarokov 2019, Figs. 3 to 9.
 
 LIMIT_DEG_S = 1e-3
@@ -728,11 +487,6 @@ def angles_between_strips_deg(height_km: float, scan_s: float) -> list[float]:
     ]
 
 
-def _pitch_share(plan: ImagingPlan, first_row: int, last_row: int) -> float:
-    turned = np.abs(plan.table.omega_body_rad_s[first_row:last_row].sum(axis=0))
-    return float(turned[2] / np.linalg.norm(turned))
-
-
 def _along_deg(height_km: float) -> float:
     """How far ahead or behind an area's ends are seen at the paper's moments, flat ground."""
     orbit = sun_synchronous(height_km)
@@ -744,20 +498,7 @@ def _along_deg(height_km: float) -> float:
 
 
 def imaging_numbers() -> Numbers:
-    return {**_simulation(), **_turns(), **_session()}
-
-
-def _simulation() -> Numbers:
-    array, modes = AGILE_CMG.array, [mode.frequency_hz for mode in AGILE_CMG.modes]
-    return {
-        "control cycle": TICK_S,
-        "rate_max_deg_s": math.degrees(array.rate_max_rad_s),
-        "rate_step_deg_s": math.degrees(array.rate_step_rad_s),
-        "error_percent": 100 * array.rate_error_share,
-        "error_deg_s": math.degrees(array.rate_error_rad_s),
-        "slowest_hz": min(modes),
-        "fastest_hz": max(modes),
-    }
+    return {**_turns(), **_session()}
 
 
 def worst_deg_s(log: Log, first_row: int, last_row: int) -> float:
@@ -776,10 +517,8 @@ def _turns() -> Numbers:
     between = [slew for slew in long.slews if slew.window is not None and slew.window % 4 != 0]
     angles = [math.degrees(turn.comparison.angle_rad) for turn in between]
     as_told = angles_between_strips_deg(600.0, TOLD_STRIP_S)
-    pitch = [_pitch_share(long, turn.first_row, turn.last_row) for turn in between]
     return {
         "angle between strips": float(np.mean(angles)),
-        "mostly in pitch": 100.0 * float(np.median(pitch)),
         "least_deg": min(angles),
         "most_deg": max(angles),
         "eigenaxis_s": float(np.median([turn.comparison.eigenaxis_s for turn in between])),
@@ -860,14 +599,6 @@ def draw(plan: ImagingPlan, log: Log, spans: Sequence[Span], clock_s: float) -> 
 # The paper's own laws on its own turns, and its misprints: Platonov, Sumarokov 2019.
 
 CLOCK = "time on the paper's clock, s"
-STORED_N_M_S = np.array([40.0, 20.0, 20.0])
-
-
-def _filter_share(frequency_hz: float) -> float:
-    """What the on-board filter leaves of a rate at a frequency."""
-    b, a = butter(2, AGILE_CMG.gains.cutoff_hz, fs=1.0 / TICK_S)
-    _, response = freqz(b, a, worN=[frequency_hz], fs=1.0 / TICK_S)
-    return float(np.abs(response[0]))
 
 
 @lru_cache(maxsize=1)
@@ -879,7 +610,11 @@ def _log_by_own_laws() -> tuple[Array, Array]:
 
 
 def laws_numbers() -> Numbers:
-    return {**_strip_and_stereo(), **_long_session(), **_errata()}
+    return {
+        **_strip_and_stereo(),
+        **_long_session(),
+        "rate at the hand-over": switching_rate_deg_s(30.0),
+    }
 
 
 def _strip_and_stereo() -> Numbers:
@@ -928,34 +663,6 @@ def _share(worst_deg_s: Array) -> float:
     return float(np.mean(worst_deg_s <= LIMIT_DEG_S))
 
 
-def _errata() -> Numbers:
-    printed, turned = margin_under_null_motion(-1.0), margin_under_null_motion(1.0)
-    orbit, turning = (
-        [hold(rate, STORED_N_M_S, twice) for twice in (False, True)]
-        for rate in (ORBITAL_RATE_RAD_S, TURN_RATE_RAD_S)
-    )
-    array, gains = AGILE_CMG.array, AGILE_CMG.gains
-    return {
-        "sign of xi": float(printed[-1]),
-        "omega x H twice": turning[1].error_deg,
-        "rate at the hand-over": switching_rate_deg_s(30.0),
-        "filter of the modes": _filter_share(2.0),
-        "servo": float(array.servo_rad_s),
-        "printed_s": len(printed) * 0.2,
-        "margin_first": float(printed[0]),
-        "margin_other": float(turned[-1]),
-        "turned_s": len(turned) * 0.2,
-        "twice_n_m": turning[1].torque_n_m,
-        "least_torques": turning[1].torque_n_m / (array.momentum_n_m_s * array.rate_step_rad_s),
-        "once_deg": turning[0].error_deg,
-        "orbit_twice_deg": orbit[1].error_deg,
-        "orbit_once_deg": orbit[0].error_deg,
-        "cutoff_hz": gains.cutoff_hz,
-        "passes_2_1_hz": _filter_share(2.1),
-        "servo_damping": array.servo_damping,
-    }
-
-
 def draw_laws(folder: Path) -> None:
     figure = Figure(figsize=(10.0, 6.4), layout="constrained")
     (top, needed), (eight, nine) = figure.subplots(2, 2)
@@ -985,72 +692,13 @@ def draw_laws(folder: Path) -> None:
     figure.savefig(folder / "reproduction_spacecraft_own_laws.png", dpi=90)
 
 
-# The spacecraft itself: gyros, unloading coils and trackers of Platonov, Sumarokov 2019.
+# The spacecraft's gyros: Platonov, Sumarokov 2019.
 
-HEIGHT_KM = 650.0
-START_N_M_S = np.array([20.0, -15.0, math.sqrt(30.0**2 - 25.0**2)])
-SOLAR_AND_AIR_N_M = np.array([1e-4, 0.0, 1e-4])  # assumed, always the same way: the worst kind
-ORBITS = 3.0
 NAMES = ("strip_and_stereo", "eight_areas")
-COILS_A_M2 = (50.0, COIL_A_M2, 300.0)
-
-
-class Gathered(NamedTuple):
-    """Momentum that the gravity gradient adds over the long session, N m s, and coils' runs."""
-
-    session_n_m_s: float
-    runs: tuple[Unloading, ...]
-    field_t: tuple[float, float]
-
-
-@lru_cache(maxsize=1)
-def _gathered() -> Gathered:
-    plan = planned("eight_areas")
-    total = total_momentum_eci(
-        plan.table.q_body_from_eci,
-        np.zeros(3),
-        orbit_states(plan).r_sat_eci_m,
-        np.array(AGILE_CMG.inertia_kg_m2),
-    )
-    period_s = 2.0 * math.pi * math.sqrt((6378.137e3 + 1e3 * HEIGHT_KM) ** 3 / 3.986004418e14)
-    t_s = np.arange(0.0, ORBITS * period_s, STEP_S)
-    instants = Instants(EPOCH, t_s)
-    ephemeris = sun_synchronous(HEIGHT_KM).ephemeris(
-        EPOCH - timedelta(seconds=10.0), EPOCH + timedelta(seconds=float(t_s[-1]) + 10.0)
-    )
-    states = ephemeris.states(instants)
-    # In orbital orientation the principal axes see no gravity gradient.
-    axes = orbital_q_body_from_eci(ephemeris, instants).as_matrix()
-    disturbance = np.tile(SOLAR_AND_AIR_N_M, (len(t_s), 1))
-    runs = tuple(
-        unload(states, instants, axes, START_N_M_S, disturbance, coil) for coil in COILS_A_M2
-    )
-    strength = np.linalg.norm(field_eci_t(states.r_sat_eci_m, instants), axis=1)
-    return Gathered(
-        float(np.linalg.norm(total, axis=1).max()),
-        runs,
-        (float(strength.min()), float(strength.max())),
-    )
-
-
-class Trackers(NamedTuple):
-    """Of a session: rows' times, trackers usable (n, 3), and which rows image (n,)."""
-
-    t_s: np.ndarray
-    usable: np.ndarray
-    imaging: np.ndarray
-
-
-@lru_cache(maxsize=2)
-def _trackers_of(name: str) -> Trackers:
-    plan = planned(name)
-    table = plan.table
-    found = seen(table, orbit_states(plan), Instants(table.epoch_utc, table.t_s))
-    return Trackers(table.t_s, found.usable, np.append(table.imaging(), False))
 
 
 def spacecraft_numbers() -> Numbers:
-    return {**_gyros(), **_rates(), **_craft(), **_coils(), **_trackers()}
+    return {**_gyros(), **_rates()}
 
 
 def _gyros() -> Numbers:
@@ -1096,74 +744,3 @@ def _rates() -> Numbers:
         "fast_s": fast.turn_s,
         "fast_settled_s": fast.settled_s,
     }
-
-
-def _craft() -> Numbers:
-    low_m, middle_m, high_m = (AGILE_CMG.camera.pixel_rad * km * 1e3 for km in (600, 650, 700))
-    return {
-        "Sun-synchronous": node_drift_deg_day(HEIGHT_KM),
-        "resolution": middle_m,
-        "low_m": low_m,
-        "high_m": high_m,
-    }
-
-
-def _coils() -> Numbers:
-    found = _gathered()
-    usual = found.runs[COILS_A_M2.index(COIL_A_M2)]
-    h = np.linalg.norm(usual.h_eci_n_m_s, axis=1)
-    left = ", ".join(
-        f"{np.linalg.norm(run.h_eci_n_m_s[-1]):.2g} with {coil:.0f}"
-        for coil, run in zip(COILS_A_M2, found.runs, strict=True)
-    )
-    return {
-        "unloading coils": float(usual.t_s[np.argmax(h < 0.1 * h[0])]) / 60.0,
-        "what a session gathers": found.session_n_m_s,
-        "least_ut": 1e6 * found.field_t[0],
-        "most_ut": 1e6 * found.field_t[1],
-        "left": left,
-        "kept_n_m_s": float(h[-(len(h) // 3) :].max()),
-        "coil_mn_m": 1e3 * float(usual.torque_n_m.max()),
-    }
-
-
-def _trackers() -> Numbers:
-    shares = []
-    for one in map(_trackers_of, NAMES):
-        two = one.usable.sum(axis=1) >= 2
-        shares.append((100.0 * two[one.imaging].mean(), 100.0 * two[~one.imaging].mean()))
-    single, pair, three = (float(sigma_arcsec(k)[-1]) for k in ((0,), (0, 1), (0, 1, 2)))
-    return {
-        "two of three trackers": float(shares[1][0]),
-        "why two trackers": pair,
-        "strip_percent": float(shares[0][0]),
-        "turning_percent": float(shares[1][1]),
-        "single": single,
-        "three": three,
-        "assumed": math.degrees(AGILE_CMG.sensors.star_tracker_noise_rad) * 3600.0,
-    }
-
-
-def draw_spacecraft(folder: Path) -> None:
-    figure = Figure(figsize=(10.0, 3.8), layout="constrained")
-    left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.2))
-    for coil, run in zip(COILS_A_M2, _gathered().runs, strict=True):
-        h = np.linalg.norm(run.h_eci_n_m_s, axis=1)
-        left.semilogy(run.t_s / 3600.0, h, label=f"{coil:.0f} A m²")
-    left.set(xlabel="time, h", ylabel="momentum in the gyros, N m s", title="three coils")
-    left.legend(fontsize="small")
-    one = _trackers_of("eight_areas")
-    for k in range(3):
-        right.fill_between(
-            one.t_s + 400.0, k + 0.1, k + 0.9, where=one.usable[:, k], color=f"C{k}", lw=0.0
-        )
-    right.fill_between(
-        one.t_s + 400.0, 3.1, 3.4, where=one.imaging, color="0.4", lw=0.0, label="imaging"
-    )
-    right.set(
-        xlabel="time on the paper's clock, s",
-        yticks=[0.5, 1.5, 2.5, 3.25],
-        yticklabels=["tracker 1", "tracker 2", "tracker 3", "imaging"],
-        title="when each tracker sees stars, eight areas",
-    )
-    figure.savefig(folder / "reproduction_spacecraft_coils_and_trackers.png", dpi=90)

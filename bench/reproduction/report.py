@@ -41,6 +41,7 @@ class Statement:
     stated: float | None = None
     unit: str = ""
     function: str | None = None
+    ours: float | None = None
     tolerance: float = 0.0
     within: float | None = None
     sense: Literal["at most", "at least"] | None = None
@@ -56,7 +57,10 @@ class Statement:
             "a number of the paper's that is ours alone": self.verdict == "ours" and has_number,
             "reproduced without one of within and sense": reproduced
             != ((self.within is None) != (self.sense is None)),
-            "nothing computed": self.verdict != "ours" and self.function is None,
+            "nothing computed": self.function is None
+            and (reproduced or (self.verdict == "set" and self.ours is None)),
+            "a number of ours beside the function that computes it": self.function is not None
+            and self.ours is not None,
         }
         for what in (what for what, is_so in wrong.items() if is_so):
             raise ValueError(f"{self.paper}, {self.name}: {what}")
@@ -99,7 +103,7 @@ def read_statements(file: Path = FILE) -> list[Statement]:
 
 
 def row(one: Statement, numbers: Mapping[str, float | str]) -> Row:
-    ours = None if one.function is None else float(numbers[one.name])
+    ours = one.ours if one.function is None else float(numbers[one.name])
     if ours is not None and not math.isfinite(ours):
         raise ValueError(f"{one.paper}, {one.name}: {ours} is no number to state")
     result = ""

@@ -4,7 +4,7 @@ import hashlib
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import numba
 
@@ -50,11 +50,21 @@ def compiled(function: F) -> F:
 
     Divisions follow IEEE 754 (Python's check of each divisor costs a sixth of a flight's time).
     """
-    return cast(F, numba.njit(cache=True, nogil=True, error_model="numpy")(function))
+    return _to_machine_code(function)
+
+
+def lean(function: F) -> F:
+    """The same for what makes no arrays: it need not count who holds those it is given, which
+    takes several times as long as to look at a target once."""
+    return _to_machine_code(function, _nrt=False)
 
 
 def inlined(function: F) -> F:
     """The same, as a part of each caller: a call would copy the tables' descriptors."""
-    return cast(
-        F, numba.njit(cache=True, nogil=True, error_model="numpy", forceinline=True)(function)
-    )
+    return _to_machine_code(function, _nrt=False, forceinline=True)
+
+
+def _to_machine_code(function: F, **options: bool) -> F:
+    njit = cast(Any, numba.njit)  # whose types don't list all of its options
+    made = njit(cache=True, nogil=True, error_model="numpy", **options)(function)
+    return cast(F, made)

@@ -17,10 +17,10 @@ from planner.base.effort import at_most
 from planner.base.errors import InvalidInput, SearchEnded
 from planner.planning.opportunities.carrier import Carrier, carrier_over
 from planner.planning.opportunities.request import OpportunityRequest, OpportunityTarget
-from planner.planning.opportunities.search import Spans, describe_windows, found_spans
+from planner.planning.opportunities.search import Spans, describe_windows, edges_of, found_spans
 from planner.planning.opportunities.sights import resting_sight
 from planner.planning.opportunities.sweep import OPTIONS as SWEEP
-from planner.planning.opportunities.windows import Opportunities, Sightings
+from planner.planning.opportunities.windows import Sightings, WindowEdges, Windows
 from planner.spacecraft.imaging.session import HEIGHT_MAX_M
 from planner.spacecraft.opportunity_request import ImagingOpportunityRequest, positions_of
 from planner.spacecraft.requests import Request
@@ -37,61 +37,72 @@ _PASSES_APART_S = 1800.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ImagingOpportunities(Opportunities):
+class PassEdges(WindowEdges):
     """Windows of requests: from when its first position is within the camera's angles until the
     last is no more, of the passes in which every one is.
 
-    The view is that of the middle of its positions; axis_names: `along` and `across` the track.
-    whole_s: shape (windows, 2), since start_utc, while all of it is within them at once; NaN where
-    it never is.
+    whole_from_s, whole_to_s: (windows,), since the search's start, while all of it is within them
+    at once; NaN where it never is.
     """
 
-    whole_s: Array
+    whole_from_s: Array
+    whole_to_s: Array
 
 
-def find_imaging_opportunities(request: ImagingOpportunityRequest) -> ImagingOpportunities:
-    """All passes over all requests, by no more work than one request may make.
+class ImagingSearch:
+    """One spacecraft with all it is to image: what is found follows from the request alone.
 
-    Edges are those of the exact orbit and frames to 0.1 ms.  Neglected: the yaw with which the
-    camera steers against the Earth's rotation, which moves what it looks at by nothing, and the
-    duration of scans and slews: the plan tells whether they fit.
-    Raises InvalidInput for a high orbit, OutsideCoverage, SearchEnded.
+    Raises InvalidInput for a high orbit, OutsideCoverage.
     """
-    with at_most(effort.PLAN):
-        return _no_passes(request)
-    raise SearchEnded(
-        f"the passes over these {len(request.requests)} requests take more work than one request "
-        "may make; ask for fewer requests, days, samples or conditions at a time",
-        field="requests",
-    )
 
+    def __init__(self, request: ImagingOpportunityRequest) -> None:
+        self._request = request
+        self._camera = request.definition().camera
+        ephemeris = request.orbit.ephemeris(request.start, request.stop)
+        self._asked, self._owner = _position_search(request, self._camera)
+        self._carrier = carrier_over(
+            ephemeris, self._asked.attitude, self._asked.platform, request.start, request.stop
+        )
+        _require_low(self._carrier)
+        ends = Instants(request.start, np.array([0.0, self._carrier.span_s]))
+        self.warnings = (*ephemeris.warnings, *earth_orientation_warnings(ends))
+        self.axis_names = self._asked.platform.axis_names
 
-def _no_passes(request: ImagingOpportunityRequest) -> ImagingOpportunities:
-    camera = request.definition().camera
-    ephemeris = request.orbit.ephemeris(request.start, request.stop)
-    asked, owner = _position_search(request, camera)
-    carrier = carrier_over(ephemeris, asked.attitude, asked.platform, request.start, request.stop)
-    _require_low(carrier)
-    of_positions = _spans_of_positions(asked, carrier, camera)
-    spans, whole_s = _request_passes(request, owner, of_positions)
-    sight = resting_sight(carrier, _middle_places(request), np.zeros(len(request.requests)))
-    whole = np.stack([spans.start_s, spans.stop_s], axis=1)
-    windows = describe_windows(asked, sight, np.arange(len(request.requests)), spans, whole)
-    ends = Instants(request.start, np.array([0.0, carrier.span_s]))
-    return ImagingOpportunities(
-        start_utc=request.start,
-        stop_utc=request.stop,
-        ids=tuple(one.name for one in request.requests),
-        axis_names=asked.platform.axis_names,
-        assumed=(),
-        warnings=(*ephemeris.warnings, *earth_orientation_warnings(ends)),
-        windows=replace(
+    def find(self) -> PassEdges:
+        """All passes over all requests, by no more work than one request may make.
+
+        Edges are those of the exact orbit and frames to 0.1 ms.  Neglected: the yaw with which the
+        camera steers against the Earth's rotation, which moves what it looks at by nothing, and
+        the duration of scans and slews: the plan tells whether they fit.
+        Raises SearchEnded.
+        """
+        with at_most(effort.PLAN):
+            of_positions = _spans_of_positions(self._asked, self._carrier, self._camera)
+            spans, whole_s = _request_passes(self._request, self._owner, of_positions)
+            held_s = np.stack([spans.start_s, spans.stop_s], axis=1)
+            edges = edges_of(np.arange(len(self._request.requests)), spans, held_s)
+            return PassEdges(**vars(edges), whole_from_s=whole_s[:, 0], whole_to_s=whole_s[:, 1])
+        raise SearchEnded(
+            f"the passes over these {len(self._request.requests)} requests take more work than one "
+            "request may make; ask for fewer requests, days, samples or conditions at a time",
+            field="requests",
+        )
+
+    def tell(self, edges: WindowEdges) -> Windows:
+        """What is told of passes that were found: the view of the middle of a request's positions.
+
+        Its axes are `along` and `across` the track.
+        """
+        middles = _middle_places(self._request)
+        sight = resting_sight(self._carrier, middles, np.zeros(len(middles)))
+        spans = Spans(edges.target, edges.rise_s, edges.set_s, edges.opened_by, edges.closed_by)
+        held_s = np.stack([edges.held_from_s, edges.held_to_s], axis=1)
+        windows = describe_windows(self._asked, sight, np.arange(len(middles)), spans, held_s)
+        return replace(
             windows,
             closest=_in_camera_angles(windows.closest),
             through=_in_camera_angles(windows.through),
-        ),
-        whole_s=whole_s,
-    )
+        )
 
 
 def _require_low(carrier: Carrier) -> None:

@@ -270,8 +270,8 @@ class Scenario:
         for name, is_given in given.items():
             if is_given:
                 raise ValueError(
-                    f"{name} is of two axes on a carrier; leave it out for {self.platform.name}, "
-                    "a body that steers itself"
+                    f"{name} must be left out for {self.platform.name}: only two axes on a carrier "
+                    "have it, and a body steers itself"
                 )
 
     def _check_ids(self) -> None:

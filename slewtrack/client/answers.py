@@ -5,10 +5,11 @@ schema: `plan.passed`, `plan["margins"]`.  Numbers are the doubles that the JSON
 rounded or converted; units stand in the names.
 """
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     import xarray
 
 Column = NDArray[Any]
+# Of windows beyond edges and session, and why targets are never seen.
+Include = Sequence[Literal["view", "probability", "reasons"]]
 OPEN_STATES = ("queued", "running")
 
 
@@ -184,13 +187,14 @@ class Window(Answer):
 
     session: the `start` and `stop` that a plan's session takes as they stand, None if too short.
     probability_in_frame: that the target stays in it over that session, None where not known.
-    closest: the view then, in degrees and kilometres, its members those of the API's schema.
+    highest_deg: the carrier's greatest elevation.  closest: the view then, in degrees and
+    kilometres, its members those of the API's schema.  Both only where the view was asked for.
     """
 
     target: str
     rise: datetime
     set: datetime
-    highest_deg: float
+    highest_deg: float = math.nan
     session: Mapping[str, str] | None
     probability_in_frame: float | None = None
     closest: Members = field(default_factory=dict, repr=False)
@@ -214,18 +218,20 @@ class Unseen(Answer):
 class Opportunities(Answer):
     """Windows in the order of the request's targets.
 
-    id: under which the service keeps them.  unseen: targets without any; of the imaging spacecraft
-    names of requests.
+    id: under which the service keeps them.  count: of all there are.  unseen: targets without any;
+    of the imaging spacecraft names of requests.  reasons: why, where they were asked for.
     """
 
     id: str
+    count: int
     windows: tuple[Window, ...]
-    unseen: tuple[Unseen | str, ...]
+    unseen: tuple[str, ...]
+    reasons: tuple[Unseen, ...] = ()
     warnings: tuple[str, ...]
 
     def __repr__(self) -> str:
         targets = dict.fromkeys(window.target for window in self.windows)
-        unseen = f", unseen: {', '.join(map(str, self.unseen))}" if self.unseen else ""
+        unseen = f", unseen: {', '.join(self.unseen)}" if self.unseen else ""
         return f"Opportunities({len(self.windows)} windows of {', '.join(targets)}{unseen})"
 
 

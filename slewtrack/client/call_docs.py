@@ -18,6 +18,8 @@ _ARGS = {
     "step_s": "seconds from row to row; by the plan's length unless given",
     "search": "what `opportunities` or `searches` returned, or its id",
     "target": "id of one target; all unless given",
+    "include": "what to tell of windows beyond edges and session: view, probability; why targets "
+    "are never seen: reasons",
     "images": "one PNG, JPEG or TIFF per camera: bytes, or a file's Path",
     "csv": "telemetry as CSV (docs/telemetry.md): bytes, or a file's Path",
     "begin": "letters that the name begins with",

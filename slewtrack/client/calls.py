@@ -12,7 +12,16 @@ from collections.abc import Awaitable, Callable, Coroutine, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 from functools import partial
-from typing import Any, Concatenate, Generic, NoReturn, ParamSpec, TypeVar, Unpack, overload
+from typing import (
+    Any,
+    Concatenate,
+    Generic,
+    NoReturn,
+    ParamSpec,
+    TypeVar,
+    Unpack,
+    overload,
+)
 
 from slewtrack.client import asking, next_pass
 from slewtrack.client.answers import (
@@ -21,6 +30,7 @@ from slewtrack.client.answers import (
     Columns,
     Comparison,
     Flights,
+    Include,
     Job,
     Known,
     Opportunities,
@@ -60,13 +70,20 @@ T = TypeVar("T")
 PLATFORM = ("/v1/plans", "/v1/opportunities")
 SPACECRAFT = ("/v1/spacecraft/plans", "/v1/spacecraft/opportunities")
 CAMPAIGNS = "/v1/campaigns"
+CAMPAIGN_FILES = {
+    "csv": "text/csv",
+    "geojson": "application/geo+json",
+    "kml": "application/vnd.google-earth.kml+xml",
+    "zip": "application/zip",
+}
 FLIGHTS = "/v1/flights"
 COMPARISONS = "/v1/telemetry/comparisons"
 WAIT_S = 30  # of a POST, for what takes no longer
-JOBS_A_PAGE, WINDOWS_A_PAGE = 200, 1000  # at most, for the service
+JOBS_A_PAGE, WINDOWS_A_PAGE, PROBABLE_A_PAGE = 200, 5000, 500  # at most, for the service
 ENTRIES_MAX = 1_000_000  # of a list that is asked for whole
 LOOK_S = 1.0
 CATCH_UP_S = 45.0
+VIEW: Include = ("view",)
 JSON = {"Accept": "application/json"}
 
 
@@ -237,9 +254,11 @@ class CarrierCalls:
         return self._delete(address(self._plans, plan))
 
     @call('client.opportunities(Path("targets.json")).windows[0].rise')
-    def opportunities(self, request: Json) -> Call[Opportunities]:
-        """When each target can be seen; what is found is kept."""
-        return self._search(request)
+    def opportunities(
+        self, request: Json, *, include: Include = VIEW, limit: int | None = None
+    ) -> Call[Opportunities]:
+        """When each target can be seen, the first `limit` windows; what is found is kept."""
+        return self._search(request, include, limit)
 
     @call('client.searches(name="gallery", limit=5)')
     def searches(self, *, limit: int = 50, **filters: Unpack[Filters]) -> Call[list[Job]]:
@@ -247,17 +266,27 @@ class CarrierCalls:
         return self._jobs(self._searches, limit, filters)
 
     @call("client.get_search(client.searches(limit=1)[0])")
-    def get_search(self, search: Named) -> Call[Opportunities]:
-        """All that one found."""
-        return self._get(address(self._searches, search), partial(read, Opportunities))
+    def get_search(
+        self, search: Named, *, include: Include = VIEW, limit: int | None = None
+    ) -> Call[Opportunities]:
+        """What one found, the first `limit` windows, told as by `opportunities`."""
+        query = _window_query(include, limit)
+        path = address(self._searches, search)
+        found = yield from self._get(path, partial(read, Opportunities), query)
+        return (yield from self._with_the_rest(found, query, limit))
 
     @call('client.windows(search, target="Las Vegas", limit=3)')
     def windows(
-        self, search: Named, *, target: str | None = None, limit: int | None = None
+        self,
+        search: Named,
+        *,
+        target: str | None = None,
+        include: Include = VIEW,
+        limit: int | None = None,
     ) -> Call[list[Window]]:
         """What one found of the target with this id, of all unless given; the first `limit`."""
-        path, query = address(self._searches, search, "windows"), _given(target=target)
-        return self._pages(Window, path, "windows", query, WINDOWS_A_PAGE, limit)
+        query = _window_query(include, limit) | _given(target=target)
+        return self._windows(search, query, limit)
 
     @call("client.opportunities(client.search_request(search))")
     def search_request(self, search: Named) -> Call[dict[str, Any]]:
@@ -269,8 +298,30 @@ class CarrierCalls:
         """Forget what it found."""
         return self._delete(address(self._searches, search))
 
-    def _search(self, request: Json) -> Call[Opportunities]:
-        return self._read_as(Opportunities, post(self._searches, request))
+    def _search(
+        self, request: Json, include: Include = VIEW, limit: int | None = None
+    ) -> Call[Opportunities]:
+        query = _window_query(include, limit)
+        found = yield from self._read_as(Opportunities, post(self._searches, request, query=query))
+        return (yield from self._with_the_rest(found, query, limit))
+
+    def _with_the_rest(
+        self, found: Opportunities, query: Mapping[str, str], limit: int | None
+    ) -> Call[Opportunities]:
+        """The pages after the first."""
+        after, left = found["next"], None if limit is None else limit - len(found.windows)
+        if after is None or left == 0:
+            return found
+        more = yield from self._windows(found, {**query, "cursor": str(after)}, left)
+        windows = (*found.windows, *more)
+        members = {**found.members, "windows": [one.members for one in windows], "next": None}
+        return replace(found, members=members, windows=windows)
+
+    def _windows(
+        self, search: Named, query: Mapping[str, str], limit: int | None
+    ) -> Call[list[Window]]:
+        path = address(self._searches, search, "windows")
+        return self._pages(Window, path, "windows", query, int(query["limit"]), limit)
 
     def _read_as(self, kind: type[T], ask: Ask) -> Call[T]:
         return self._read(ask, partial(read, kind))
@@ -386,7 +437,7 @@ class ServiceCalls(CarrierCalls):
         until_s = _until(timeout_s)
         asked = object_of(json.loads(body_of(request)))
         try:
-            found = yield from self._search(next_pass.search_of(asked, start))
+            found = yield from self._search(next_pass.search_of(asked, start), next_pass.TOLD)
         except Refused as refused:
             raise next_pass.as_in_plan(refused.problem) from None
         yield from self._delete(address(self._searches, found))
@@ -402,6 +453,13 @@ class ServiceCalls(CarrierCalls):
         until_s = _until(timeout_s)
         job = yield from self._submit(CAMPAIGNS, request, until_s=until_s)
         return (yield from self._wait(CAMPAIGNS, job, progress, until_s, _campaign_or_job))
+
+    @call('Path("looks.kml").write_bytes(client.export_campaign(campaign, "kml"))')
+    def export_campaign(self, job: Named | Campaign, format_name: str) -> Call[bytes]:
+        """Its looks as csv, geojson or kml, or each pass's table and request as a zip archive."""
+        accept = {"Accept": CAMPAIGN_FILES.get(format_name, f"application/{format_name}")}
+        ask = Ask(method="GET", path=address(CAMPAIGNS, job), headers=accept)
+        return (yield from self._good(ask)).body
 
     @call("client.wait_for_campaign(client.campaigns(limit=1)[0])")
     def wait_for_campaign(
@@ -515,6 +573,12 @@ class Calls(ServiceCalls, Carrier):
 
 def _whole(members: Members) -> dict[str, Any]:
     return members if isinstance(members, dict) else dict(members)
+
+
+def _window_query(include: Include, limit: int | None) -> dict[str, str]:
+    page = PROBABLE_A_PAGE if "probability" in include else WINDOWS_A_PAGE
+    query = {"limit": str(page if limit is None else min(limit, page))}
+    return query | ({"include": ",".join(include)} if include else {})
 
 
 def _given(**query: str | None) -> dict[str, str]:

@@ -3,10 +3,11 @@
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
-from slewtrack.client.answers import Opportunities, Unseen, Window
+from slewtrack.client.answers import Include, Opportunities, Window
 from slewtrack.client.problems import Problem, Refused, problem_of
 from slewtrack.client.reading import Members, object_of
 
+TOLD: Include = ("view", "reasons")
 SEARCH = timedelta(days=7)
 LEAD = timedelta(seconds=120)  # iss-hrc turns half a circle in 63 s: 3 deg/s, 1 deg/s2
 ELEVATION_MIN_DEG = 10.0  # unless the target says otherwise
@@ -54,7 +55,7 @@ def first_window(found: Opportunities) -> Window:
         if window.session is not None:
             return window
     since = str(found.get("start", ""))
-    why = "".join(f": {one.because}" for one in found.unseen if isinstance(one, Unseen))
+    why = "".join(f": {one.because}" for one in found.reasons)
     detail = f"the target isn't in sight within {SEARCH.days} days after {since}{why}"
     raise _refused("not-visible", "sessions.0.target", detail)
 

@@ -27,7 +27,7 @@ def test_limits_may_be_given_by_axis():
         "acceleration_max_deg_s2": [0.1, 0.1, 0.2],
         "jerk_max_deg_s3": [0.1, 0.1, 0.2],
     }
-    assert smallsat(agility=by_axis).agility.by_order_rad[0] == pytest.approx(
+    assert smallsat(agility=by_axis, torque_max_n_m=None).agility.by_order_rad[0] == pytest.approx(
         [0.0261799, 0.0174533, 0.0087266], abs=5e-8
     )
 
@@ -77,6 +77,7 @@ def changed(path, value):
         ("inertia_kg_m2.0.0", -11.0, "inertia_kg_m2", "positive principal moments"),
         ("inertia_kg_m2.0.0", 30.0, "inertia_kg_m2", "exceeds the sum of the others"),
         ("inertia_kg_m2", None, "torque_max_n_m", "says nothing without inertia_kg_m2"),
+        ("torque_max_n_m", 0.028, "torque_max_n_m", "must be 0.02861 or more"),
         ("camera.type", "lidar", "camera.type", "must be one of frame, pushbroom"),
         ("camera.line_body", [0.0, 1.0, 0.1], "camera.line_body", "square to boresight_body"),
         ("camera.pixels", 8192.5, "camera.pixels", "must be a whole number"),

@@ -4,6 +4,7 @@ import asyncio
 import dataclasses
 import inspect
 import json
+import math
 import os
 import re
 import subprocess
@@ -98,7 +99,7 @@ def test_the_same_calls_without_a_service(client, plan):
             said.append(dataclasses.replace(refused.value.problem, instance="", members={}))
         assert said[0] == said[1]
     for door, one in ((slewtrack, here), (client, plan)):
-        with pytest.raises(slewtrack.Refused, match="netcdf"):
+        with pytest.raises(slewtrack.Refused, match="or text/csv or"):
             door.export(one, "xlsx")
 
 
@@ -186,7 +187,7 @@ def test_what_is_kept_is_listed_exported_revised_and_deleted(client):
 
 
 def test_windows_are_sessions_that_plan(client):
-    found = client.opportunities(GALLERY)
+    found = client.opportunities(GALLERY, include=("view", "probability"))
     window = next(one for one in found.windows if one.target == "Las Vegas")
     assert window.rise < window.set
     assert window.rise.utcoffset().total_seconds() == 0.0
@@ -201,12 +202,13 @@ def test_windows_are_sessions_that_plan(client):
 def test_a_target_that_is_never_seen_says_why(client):
     """The ISS never stands above the pole's horizon."""
     pole = {"id": "pole", "target": {"mode": "ground", "latitude_deg": 90.0, "longitude_deg": 0.0}}
-    found = client.opportunities(json.loads(GALLERY) | {"targets": [pole]})
-    [one] = found.unseen
+    found = client.opportunities(json.loads(GALLERY) | {"targets": [pole]}, include=["reasons"])
+    [one] = found.reasons
     assert (one.target, one.closed_by, one["closed_by"]) == ("pole", "elevation", "elevation")
     assert -30.0 < one.best_elevation_deg < 0.0
     assert one.best_time.utcoffset().total_seconds() == 0.0
-    assert "unseen: pole (the carrier stays below" in repr(found)
+    assert (found.unseen, str(one)) == (("pole",), f"pole ({one.because})")
+    assert "unseen: pole" in repr(found)
 
 
 def test_a_campaign_is_followed_over_broken_connections(service):
@@ -221,6 +223,10 @@ def test_a_campaign_is_followed_over_broken_connections(service):
     with slewtrack.Client(f"http://127.0.0.1:{relay.port}") as client:
         campaign = client.campaign(CITIES, progress=break_it)
         assert [client.get(one["plan"]).passed for one in campaign.passes] == [True, True]
+        looks = client.export_campaign(campaign, "csv").decode().splitlines()
+        with pytest.raises(slewtrack.Refused, match="or text/csv or"):
+            client.export_campaign(campaign, "netcdf")
+    assert len(looks) == 1 + sum(len(one.looks) for one in campaign.passes)
     assert campaign.value <= campaign.bound
     assert [progress.done for progress in told if progress.stage == "plans"] == [1, 2]
     assert [progress.state for progress in told].count("done") == 1
@@ -318,6 +324,11 @@ def test_windows_come_page_after_page(monkeypatch, client):
     assert len(found.windows) == 92
     assert tuple(client.windows(found.id)) == found.windows
     assert tuple(client.windows(found.id, limit=50)) == found.windows[:50]
+    assert client.opportunities(GALLERY, limit=50).windows == found.windows[:50]
+    [edges, *_] = client.get_search(found.id, include=(), limit=3).windows
+    assert (edges.rise, edges.session) == (found.windows[0].rise, found.windows[0].session)
+    assert not edges.closest
+    assert math.isnan(edges.highest_deg)
 
 
 def test_many_at_once_with_await(service):

@@ -13,14 +13,13 @@ import numpy as np
 import pytest
 from test_export_formats import CREATED_UTC, plan_of
 
-from app.answers.members import to_json
-from app.answers.opportunities import windows_out
+from app.answers.opportunities import rows_json, window_columns
 from app.cli.windows import windows_csv
 from app.requests.examples import OPPORTUNITY_EXAMPLES, SPACECRAFT_EXAMPLES
 from app.requests.opportunities import read_opportunity_request
 from app.requests.spacecraft import read_spacecraft_request
 from app.work.campaign_files import looks_csv
-from app.work.searches import CSV, windows_in_form
+from app.work.searches import CSV, opened, pass_table_csv
 from planner.base.answer_members import member_names
 from planner.base.csv_cells import comment_lines, csv_lines
 from planner.inflight.telemetry.following import PlannedMotion
@@ -32,10 +31,8 @@ from planner.spacecraft.export import IMAGING_EXPORTERS
 from planner.spacecraft.table import AttitudeTable, ImagingWindow
 
 ROOT = Path(__file__).parents[2]
-FOUND = windows_out(
-    find_opportunities(
-        read_opportunity_request(json.dumps(OPPORTUNITY_EXAMPLES["cities"][1]).encode())
-    )
+FOUND = find_opportunities(
+    read_opportunity_request(json.dumps(OPPORTUNITY_EXAMPLES["cities"][1]).encode())
 )
 ASKED = read_spacecraft_request(json.dumps(SPACECRAFT_EXAMPLES["four modes"][1]).encode())
 FORMULAS = (
@@ -68,25 +65,16 @@ def table_csv(text):
 
 
 def windows_of(text):
-    return [
-        dataclasses.replace(
-            window,
-            target=text,
-            closest=dataclasses.replace(
-                window.closest, angles_deg={text: -0.5}, rates_deg_s={text: -1e-7}
-            ),
-        )
-        for window in FOUND[:3]
-    ]
+    ids = [text] * len(FOUND.ids)
+    return rows_json(window_columns(FOUND.start_utc, ids, (text, "beta"), FOUND.windows))
 
 
 def opportunities_csv(text):
-    windows = [to_json(window) for window in windows_of(text)]
-    return windows_in_form(CSV, windows, {}).decode()
+    return opened(CSV, [], None).decode() + pass_table_csv(windows_of(text))
 
 
 def search_csv(text):
-    return windows_csv([json.loads(to_json(one)) for one in windows_of(text)])
+    return windows_csv([json.loads(one) for one in windows_of(text)])
 
 
 def campaign_csv(text):

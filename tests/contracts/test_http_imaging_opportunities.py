@@ -24,7 +24,7 @@ def client(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def found(client):
-    answer = client.post(PATH, json=ASKED)
+    answer = client.post(f"{PATH}?include=view", json=ASKED)
     assert answer.status_code == 200, answer.text
     assert answer.headers["Location"] == f"{PATH}/{answer.json()['id']}"
     return answer.json()
@@ -66,9 +66,9 @@ def test_the_session_of_each_window_can_be_planned(client, found):
 
 def test_they_are_kept_and_found(client, found):
     at = f"{PATH}/{found['id']}"
-    assert client.get(at).json() == found
+    assert client.get(f"{at}?include=view").json() == found
     assert client.get(f"{at}/request").json() == ASKED
-    page = client.get(f"{at}/windows?target=area&limit=1").json()
+    page = client.get(f"{at}/windows?target=area&limit=1&include=view").json()
     assert page["windows"] == [w for w in found["windows"] if w["target"] == "area"][:1]
     [row] = client.get(f"{PATH}?target=corridor").json()["opportunities"]
     assert (row["id"], row["platform"]) == (found["id"], "agile-cmg")

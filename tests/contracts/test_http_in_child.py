@@ -12,8 +12,7 @@ from databases import own_settings
 from refusal_cases import request
 from waiting import alive, eventually
 
-from app.http.routes import horizon, opportunities, plan_routes
-from app.http.routes.opportunities import OPPORTUNITIES
+from app.http.routes import horizon, opportunities, plan_routes, search_routes
 from app.http.routes.plans import PLANS
 from app.http.serving import server
 from app.jobs.child import Bounds
@@ -32,7 +31,7 @@ SHORT = request(
 # What a route hands to its child, its bounds, and a request that gets so far.
 ROUTES = {
     "/v1/opportunities": (
-        (OPPORTUNITIES, "find", "bounds"),
+        (search_routes, "find_windows", "SEARCH_BOUNDS"),
         {"json": CITIES},
     ),
     "/v1/orbits/tracks": (
@@ -111,7 +110,7 @@ def test_a_picture_whose_child_dies_is_not_put_down_to_the_request(client, monke
 def test_the_child_of_a_client_that_goes_away_is_killed(tmp_path, monkeypatch, notes):
     """Over a real connection: that it has gone is told through all layers of the service."""
     hanging = partial(hang, os.fsencode(notes.file))
-    monkeypatch.setitem(vars(OPPORTUNITIES), "find", hanging)
+    monkeypatch.setattr(search_routes, "find_windows", hanging)
     service = server("127.0.0.1", 0, own_settings(tmp_path))
     children = service.application.state.children
     listening = socket.create_server(("127.0.0.1", 0))

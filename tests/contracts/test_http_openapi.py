@@ -12,7 +12,7 @@ from app.requests.examples import LAS_VEGAS, OPPORTUNITY_EXAMPLES, PLAN_EXAMPLES
 from planner.output.export import EXPORTERS
 from planner.world.attitude import ATTITUDES
 from planner.world.orbits import ORBITS
-from planner.world.platforms import PLATFORMS
+from planner.world.platforms import BODIES, PLATFORMS
 from planner.world.targets import TARGETS
 
 WITH_WINDOWS = {name: mode for name, mode in TARGETS.items() if mode.has_windows}
@@ -45,6 +45,7 @@ def document(client):
 def test_every_registered_kind_is_documented(document, schema, field, member, kind, cls):
     schemas = document["components"]["schemas"]
     union = schemas[schema]["properties"][field]
+    union = next((one for one in union.get("anyOf", []) if "oneOf" in one), union)
     assert union["discriminator"]["propertyName"] == member
     assert len(union["oneOf"]) == len(REGISTERED[schema, field])
     ref = union["discriminator"]["mapping"][kind]
@@ -60,11 +61,15 @@ def test_every_registered_kind_is_documented(document, schema, field, member, ki
 
 
 def test_every_registered_platform_is_documented(document, client):
-    for request in ("PlanRequest", "OpportunityRequest"):
+    everyone = [*PLATFORMS, *BODIES]
+    for request, names in (("PlanRequest", everyone), ("OpportunityRequest", [*PLATFORMS])):
         platform = document["components"]["schemas"][request]["properties"]["platform"]
-        assert platform["oneOf"][0]["enum"] == list(PLATFORMS)
+        assert platform["oneOf"][0]["enum"] == names
     listed = client.get("/v1/platforms").json()["platforms"]
-    assert [entry["name"] for entry in listed] == list(PLATFORMS)
+    assert [(entry["kind"], entry["name"]) for entry in listed] == [
+        *(("two_axis", name) for name in PLATFORMS),
+        *(("body", name) for name in BODIES),
+    ]
 
 
 def test_the_ways_to_slew_are_documented(document):

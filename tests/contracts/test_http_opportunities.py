@@ -13,21 +13,22 @@ from skyfield.api import EarthSatellite, load, wgs84
 from app.requests.examples import LAS_VEGAS, OPPORTUNITY_EXAMPLES, PLAN_EXAMPLES
 from app.requests.json_reader import InvalidRequest
 from app.requests.opportunities import read_opportunity_request
-from planner.planning.opportunities import find_opportunities, unseen
+from planner.planning.opportunities import WindowSearch, unseen
 
 CITIES = OPPORTUNITY_EXAMPLES["cities"][1]
 CITY = CITIES["targets"][0]["target"]
+PATH = "/v1/opportunities"
 STAR = {"id": "Vega", "target": {"mode": "star", "hip": 91262}}
 
 
 @pytest.fixture(scope="module")
 def cities(client):
-    return client.post("/v1/opportunities", json=CITIES).json()
+    return client.post(f"{PATH}?include=view,probability,reasons", json=CITIES).json()
 
 
 @pytest.fixture(scope="module")
 def sky(client):
-    return client.post("/v1/opportunities", json=OPPORTUNITY_EXAMPLES["sky"][1]).json()
+    return client.post(f"{PATH}?include=view", json=OPPORTUNITY_EXAMPLES["sky"][1]).json()
 
 
 def utc(text):
@@ -39,8 +40,8 @@ def changed(**members):
 
 
 def test_members(cities):
-    told = {"start", "stop", "windows", "unseen", "assumed", "warnings", "provenance"}
-    assert set(cities) == told | {"id", "name"}
+    told = {"start", "stop", "windows", "next", "unseen", "assumed", "warnings", "provenance"}
+    assert set(cities) == told | {"id", "name", "count", "reasons"}
     digest = hashlib.sha256(json.dumps(CITIES, separators=(",", ":")).encode()).hexdigest()
     assert cities["provenance"]["input_sha256"] == digest
     for window in cities["windows"]:
@@ -115,9 +116,10 @@ def test_targets_that_are_never_seen_say_why(client):
     night = {"sun_elevation_max_deg": -89.0}
     asked = changed(targets=[pole, seen], conditions=CITIES["conditions"] | night)
     del asked["conditions"]["sun_elevation_min_deg"]
-    answer = client.post("/v1/opportunities", json=asked).json()
-    assert answer["windows"] == []
-    low, light = answer["unseen"]
+    assert "reasons" not in client.post(PATH, json=asked).json()
+    answer = client.post(f"{PATH}?include=reasons", json=asked).json()
+    assert (answer["windows"], answer["unseen"]) == ([], ["pole", seen["id"]])
+    low, light = answer["reasons"]
     assert (low["target"], low["closed_by"]) == ("pole", "elevation")
     assert low["because"] == "the carrier stays below 30 deg in its sky"
     # Over 51.6 deg of latitude at 400 km: 38.4 deg away, 13 deg below the pole's horizon.
@@ -131,9 +133,9 @@ def test_reasons_end_with_the_work_for_them(monkeypatch):
     asked = read_opportunity_request(
         json.dumps(changed(conditions={"min_duration_s": 3000.0})).encode()
     )
-    found = find_opportunities(asked)
+    search = WindowSearch(asked)
     monkeypatch.setattr(unseen, "OPTIONS", replace(unseen.OPTIONS, targets_at_once=1, most=1.0))
-    first, *others = unseen.unseen_of(asked, found)
+    first, *others = unseen.unseen_of(asked, search.carrier, search.find().target)
     assert "min_duration_s 3000" in first.because or first.closed_by == "work"
     assert {one.closed_by for one in others} == {"work"}
     assert len(others) == len(asked.targets) - 1

@@ -10,13 +10,14 @@ from databases import own_settings
 from fastapi.testclient import TestClient
 
 from app.http.app import create_app
+from app.http.routes import search_routes
 from app.ids import new_id
 from app.requests.examples import OPPORTUNITY_EXAMPLES
-from app.store.searches import PAGE_WINDOWS
 
 CITIES = OPPORTUNITY_EXAMPLES["cities"][1] | {"name": "Cities by day"}
 SKY = OPPORTUNITY_EXAMPLES["sky"][1]
 PATH = "/v1/opportunities"
+VIEW = "include=view"
 GEOJSON, CSV = {"Accept": "application/geo+json"}, {"Accept": "text/csv"}
 
 
@@ -28,7 +29,7 @@ def client(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def posted(client):
-    return client.post(PATH, json=CITIES)
+    return client.post(f"{PATH}?{VIEW}", json=CITIES)
 
 
 @pytest.fixture(scope="module")
@@ -47,16 +48,32 @@ def rows(answer):
 def test_what_was_found_is_kept(client, posted, cities):
     assert posted.status_code == 200
     assert posted.headers["Location"] == f"{PATH}/{cities['id']}"
-    again = client.get(posted.headers["Location"])
+    again = client.get(f"{posted.headers['Location']}?{VIEW}")
     assert again.content == posted.content
     assert cities["name"] == "Cities by day"
     tag = {"If-None-Match": again.headers["ETag"]}
-    assert client.get(posted.headers["Location"], headers=tag).status_code == 304
-    other = client.get(posted.headers["Location"], headers=tag | GEOJSON)
-    assert other.status_code == 200  # another form of it
+    assert client.get(f"{posted.headers['Location']}?{VIEW}", headers=tag).status_code == 304
+    for other in ({"params": VIEW, "headers": tag | GEOJSON}, {"headers": tag}):
+        assert client.get(posted.headers["Location"], **other).status_code == 200
     sent = client.get(f"{posted.headers['Location']}/request")
     assert sent.json() == CITIES
-    assert client.post(PATH, json=sent.json()).json()["windows"] == cities["windows"]
+    again = client.post(f"{PATH}?{VIEW}", json=sent.json()).json()
+    assert again["windows"] == cities["windows"]
+
+
+def test_what_is_told_is_what_is_asked_for(client, cities):
+    """The rest of a window stays the same, and none of it is lost."""
+    at = f"{PATH}/{cities['id']}/windows"
+    edges = {"target", "rise", "set", "duration_s", "session", "opened_by", "closed_by"}
+    plain = client.get(at).json()["windows"]
+    assert {*plain[0]} == edges
+    assert plain == [{name: one[name] for name in edges} for one in cities["windows"]]
+    likely = client.get(f"{at}?include=probability").json()["windows"]
+    assert {*likely[0]} == edges | {"probability_in_frame"}
+    both = client.get(f"{at}?include=view,probability").json()["windows"]
+    merged = zip(cities["windows"], likely, strict=True)
+    assert both == [view | probability for view, probability in merged]
+    assert client.get(f"{at}?include=reasons").json()["reasons"] == []
 
 
 def test_searches_are_listed_and_deleted(client):
@@ -86,7 +103,7 @@ def test_an_id_of_something_else_is_none(client):
 
 
 def test_windows_come_in_pages(client, cities):
-    found, url = [], f"{PATH}/{cities['id']}/windows?limit=2"
+    found, url = [], f"{PATH}/{cities['id']}/windows?limit=2&{VIEW}"
     while url:
         answer = client.get(url)
         page = answer.json()
@@ -103,21 +120,27 @@ def test_windows_come_in_pages(client, cities):
 def test_a_page_that_is_known_is_not_sent_again(client, cities):
     address = f"{PATH}/{cities['id']}/windows"
     tags = set()
-    for query in ("?limit=1", "?limit=2", "?limit=1&cursor=1", "?limit=1&target=London"):
+    for query in (
+        "?limit=1",
+        "?limit=2",
+        "?limit=1&cursor=1",
+        "?limit=1&target=London",
+        f"?limit=1&{VIEW}",
+    ):
         page = client.get(address + query)
         tags.add(page.headers["etag"].removeprefix("W/"))
         again = client.get(address + query, headers={"If-None-Match": page.headers["etag"]})
         assert (again.status_code, again.content) == (304, b"")
     csv = client.get(address + "?limit=1", headers={"Accept": "text/csv"})
     assert csv.headers["content-disposition"].startswith("attachment; ")
-    assert len({*tags, csv.headers["etag"].removeprefix("W/")}) == 5
+    assert len({*tags, csv.headers["etag"].removeprefix("W/")}) == 6
     gone = f"{PATH}/{new_id()}/windows"
     assert client.get(gone, headers={"If-None-Match": "*"}).status_code == 404
 
 
 def test_windows_of_one_target(client, cities):
     of_london = [window for window in cities["windows"] if window["target"] == "London"]
-    answer = client.get(f"{PATH}/{cities['id']}/windows?target=London").json()
+    answer = client.get(f"{PATH}/{cities['id']}/windows?target=London&{VIEW}").json()
     assert answer == {"windows": of_london, "next": None}
     assert client.get(f"{PATH}/{cities['id']}/windows?target=Lon").json()["windows"] == []
 
@@ -134,7 +157,10 @@ def test_a_target_of_any_name_is_found_by_it(client):
     ("query", "field", "says"),
     [
         ("limit=0", "limit", "at least 1"),
-        ("limit=1001", "limit", "at most 1000"),
+        ("limit=10001", "limit", "at most 10000"),
+        ("limit=501&include=probability", "limit", "at most 500"),
+        ("include=weather", "include", "view, probability, reasons"),
+        ("include=view,", "include", "view, probability, reasons"),
         ("limit=x", "limit", "whole number"),
         ("cursor=-1", "cursor", "at least 0"),
         ("target=%07", "target", "can't be seen"),
@@ -206,7 +232,7 @@ def test_as_a_table(client, cities):
 
 
 def test_what_is_in_space_has_no_ground(client):
-    sky = client.post(PATH, json=SKY)
+    sky = client.post(f"{PATH}?{VIEW}", json=SKY)
     assert {json.dumps([w["sky"], w["place"]]) for w in sky.json()["windows"]} == {"[null, null]"}
     at = sky.headers["Location"]
     features = client.get(at, headers=GEOJSON).json()["features"]
@@ -217,23 +243,32 @@ def test_what_is_in_space_has_no_ground(client):
     assert all(row["culmination"] for row in found)
 
 
-def test_many_windows_in_another_form(client):
-    """Made in a child, past what would hold others up."""
+def test_many_windows_stream_in_another_form(client, monkeypatch):
+    """Told of in several parts, by whoever reads all of them."""
+    monkeypatch.setattr(search_routes, "STREAMED", 150)
     targets = [
         {"id": f"{n}", "target": {"mode": "ground", "latitude_deg": n / 2.0, "longitude_deg": n}}
         for n in range(120)
     ]
     asked = CITIES | {"targets": targets, "conditions": {}}
-    answer = client.post(PATH, json=asked)
-    assert len(answer.content) > 200_000
-    at, windows = answer.headers["Location"], answer.json()["windows"]
-    features = client.get(at, headers=GEOJSON).json()["features"]
-    assert len(features) == len(windows) > PAGE_WINDOWS + 20
-    for first in (0, PAGE_WINDOWS - 10, PAGE_WINDOWS, len(windows) - 10, len(windows)):
-        page = client.get(f"{at}/windows?cursor={first}&limit=20").json()
-        assert page["windows"] == windows[first : first + 20]
-        assert page["next"] == (first + 20 if first + 20 < len(windows) else None)
-    assert client.get(at).json()["windows"] == windows
+    first = client.post(f"{PATH}?limit=5&{VIEW}", json=asked)
+    at, count = first.headers["Location"], first.json()["count"]
+    assert count > 500
+    whole = client.get(f"{at}/windows?limit=10000&{VIEW}").json()
+    windows = whole["windows"]
+    assert (len(windows), whole["next"]) == (count, None)
+    assert (first.json()["windows"], first.json()["next"]) == (windows[:5], 5)
+    posted = client.post(PATH, json=asked, headers=GEOJSON).json()
+    streamed = client.get(at, headers=GEOJSON).json()
+    assert streamed["features"] == posted["features"]
+    ids = [f"{window['target']}/{window['rise']}" for window in windows]
+    assert [feature["id"] for feature in streamed["features"]] == ids
+    table = rows(client.get(at, headers=CSV))
+    assert [f"{row['target']}/{row['rise']}" for row in table] == ids
+    for begin in (0, 490, count - 10, count):
+        page = client.get(f"{at}/windows?cursor={begin}&limit=20&{VIEW}").json()
+        assert page["windows"] == windows[begin : begin + 20]
+        assert page["next"] == (begin + 20 if begin + 20 < count else None)
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ from functools import cache
 from typing import Any
 
 import pytest
+from agile_bodies import SMALLSAT
 
 from app.requests.campaign import CAMPAIGN_READER, read_campaign_request
 from app.requests.examples import (
@@ -76,7 +77,29 @@ _CONES = [
 _AXIS = {"angle_min_deg": -175.0, "angle_max_deg": 175.0, "rate_max_deg_s": 3.0,
          "acceleration_max_deg_s2": 1.0, "jerk_max_deg_s3": 1.0, "drive": {}}  # fmt: skip
 _PLACE = {"latitude_deg": 36.0, "longitude_deg": -115.0}
+
+
+def _body_of(**changes: object) -> Document:
+    """Las Vegas by a satellite that turns as a whole, written out."""
+    plan = {key: value for key, value in LAS_VEGAS.items() if key not in ("attitude", "slew")}
+    start = {"epoch": LAS_VEGAS["initial_state"]["epoch"]}
+    return plan | {"initial_state": start, "platform": SMALLSAT | changes}
+
+
 FRAGMENTS = [
+    _body_of(),
+    _body_of(
+        agility={"limits": "axis", "rate_max_deg_s": [1.0, 1.0, 1.0], "settle_s": 0.0,
+                 "acceleration_max_deg_s2": [0.05, 0.05, 0.05],
+                 "jerk_max_deg_s3": [0.1, 0.1, 0.1]},
+        roll={"rule": "azimuth", "azimuth_deg": 0.0},
+        idle={"law": "nadir", "direction_body": [0.0, 0.0, 1.0], "forward_body": [1.0, 0.0, 0.0]},
+        camera={"type": "frame", "boresight_body": [0.0, 0.0, 1.0], "side_body": [1.0, 0.0, 0.0],
+                "field_of_view_deg": [1.0, 1.0]}),
+    _body_of(
+        roll={"rule": "sun_side", "direction_body": [1.0, 0.0, 0.0]},
+        idle={"law": "sun", "direction_body": [0.0, 0.0, -1.0], "north_body": [1.0, 0.0, 0.0]}),
+    _body_of(idle={"law": "inertial", "q_body_from_eci_xyzw": [0.0, 0.0, 0.0, 1.0]}),
     _with(slew={"keep_out": _CONES, "avoid_modes": [{"frequency_hz": 0.2}]}),
     _with(initial_state=LAS_VEGAS["initial_state"] | {
         "accelerations_deg_s2": {"alpha": 0.0, "beta": 0.0}}),
@@ -298,8 +321,16 @@ def _fits(schema: Document, choice: Document, value: Any) -> bool:
     if "oneOf" in choice:
         return any(_fits(schema, one, value) for one in choice["oneOf"])
     if isinstance(value, dict):
-        tags = {k: p["const"] for k, p in choice.get("properties", {}).items() if "const" in p}
-        return choice.get("type") == "object" and tags.items() <= value.items()
+        properties = choice.get("properties", {})
+        tags = {k: p["const"] for k, p in properties.items() if "const" in p}
+        # A kind that may be left out is listed, as the only one.
+        assumed = {k: p["default"] for k, p in properties.items() if "default" in p}
+        kinds = all(
+            p["enum"] != [assumed.get(k)] or value.get(k, assumed[k]) == assumed[k]
+            for k, p in properties.items()
+            if "enum" in p
+        )
+        return choice.get("type") == "object" and tags.items() <= value.items() and kinds
     if isinstance(value, list):
         return choice.get("type") == "array"
     return choice.get("type") in ("number", "integer") and not isinstance(value, str)

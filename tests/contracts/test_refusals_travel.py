@@ -17,7 +17,7 @@ from waiting import PatientClient
 from app.answers.problem import problem_of
 from app.cli.service import RefusedThere
 from app.http.app import create_app
-from app.http.routes.opportunities import OPPORTUNITIES
+from app.http.routes import search_routes
 from app.jobs.child import Bounds
 from app.jobs.kinds import JOB_KINDS, PLAN
 from app.jobs.worker_process import run_in_worker
@@ -103,7 +103,7 @@ def client(tmp_path_factory):
 
 
 def test_what_a_child_can_not_read_is_no_bug_over_http(client, monkeypatch):
-    monkeypatch.setitem(vars(OPPORTUNITIES), "find", refuse_unread)
+    monkeypatch.setattr(search_routes, "find_windows", refuse_unread)
     answer = client.post("/v1/opportunities", json=OPPORTUNITY_EXAMPLES["cities"][1])
     assert answer.status_code == 422, answer.text
     told = answer.json()

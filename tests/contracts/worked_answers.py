@@ -203,7 +203,8 @@ def _asked_at_once(answers: Answers) -> None:
 
 def _searched(answers: Answers, path: str, request: dict[str, Any]) -> None:
     """The example's answer once; what says the same in another form of one target only."""
-    answers.ask("POST", path, json=request)
+    everything = "view" if "requests" in request else "view,probability,reasons"
+    answers.ask("POST", path, query=f"?include={everything}", json=request)
     [name] = {"targets", "requests"} & request.keys()
     little = request | {name: request[name][:1], "samples": 2}
     made_id = answers.client.post(path, json=little).json()["id"]
@@ -212,7 +213,7 @@ def _searched(answers: Answers, path: str, request: dict[str, Any]) -> None:
         if media_type != JSON:
             answers.ask("POST", path, json=little, headers=accept)
         answers.ask("GET", f"{path}/{{id}}", made_id=made_id, headers=accept)
-        windows = {"made_id": made_id, "query": "?limit=1", "headers": accept}
+        windows = {"made_id": made_id, "query": "?limit=1&include=view", "headers": accept}
         answers.ask("GET", f"{path}/{{id}}/windows", **windows)
     answers.ask("GET", path)
     answers.ask("GET", f"{path}/{{id}}/request", made_id=made_id)

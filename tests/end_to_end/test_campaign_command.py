@@ -1,6 +1,7 @@
 """`slewtrack campaign` chooses, plans, reports, writes files, and refuses in one line."""
 
 import json
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -22,7 +23,9 @@ def test_report_and_files(tmp_path):
     asked = json.loads(EXAMPLE.read_text())
     assert asked == CITIES  # the example of the pages is the one in the folder
     plans, csv, told = tmp_path / "plans", tmp_path / "looks.csv", tmp_path / "told.json"
-    result = campaign(asked, "--plans", plans, "--csv", csv, "--json", told)
+    files = {name: tmp_path / f"looks.{name}" for name in ("csv", "geojson", "kml", "zip")}
+    wanted = [word for name, path in files.items() for word in ("--export", f"{name}={path}")]
+    result = campaign(asked, "--plans", plans, "--csv", csv, "--json", told, *wanted)
     assert result.exit_code == 0, result.stderr
     assert "4 looks in 2 passes" in result.stdout
     rows = [line.split(",") for line in csv.read_text().splitlines()[1:]]
@@ -35,6 +38,14 @@ def test_report_and_files(tmp_path):
     assert set(lost["displaced_by"]) <= {row[1] for row in rows}
     assert sum(float(row[4]) for row in rows) == pytest.approx(choice["value"])
     assert choice["greedy_value"] <= choice["value"] <= choice["bound"]
+    assert files["csv"].read_bytes() == csv.read_bytes()
+    features = json.loads(files["geojson"].read_text())["features"]
+    assert {one["properties"]["name"] for one in features} == {row[1] for row in rows}
+    assert files["kml"].read_bytes().startswith(b"<?xml")
+    with zipfile.ZipFile(files["zip"]) as archive:
+        assert archive.read("looks.csv") == csv.read_bytes()
+        assert archive.read("pass-1-request.json") == (plans / "pass-1-request.json").read_bytes()
+        assert archive.read("pass-2.csv").startswith(b"#")
     for number in (1, 2):
         plan = json.loads((plans / f"pass-{number}.json").read_text())
         assert plan["verification"]["passed"]

@@ -174,6 +174,9 @@ def test_a_plan_and_a_campaign_are_followed(run, url, plan_id):
     followed = run("watch", late.value.job_id)
     assert followed.exit_code == 0
     assert "running: plans 2 of 2" in followed.stdout
+    exported = run("export", late.value.job_id, "kml=-")
+    assert exported.exit_code == 0, exported.stderr
+    assert exported.stdout.startswith("<?xml")
 
 
 @pytest.mark.parametrize("words", [["show"], ["watch"], ["export", "csv=-"]])

@@ -53,6 +53,13 @@ ELSEWHERE = {
     "horizon examples/horizon_session.json film.avi": (
         "test_horizon_command::test_a_video_shows_the_same"
     ),
+    "spacecraft examples/spacecraft_eight_areas.json": (
+        "test_spacecraft_paper_sessions::test_the_long_session_has_the_papers_moments"
+    ),
+    "spacecraft examples/spacecraft_strip_and_stereo.json": (
+        "test_spacecraft_paper_sessions::"
+        "test_strip_and_stereo_pair_are_imaged_when_the_paper_images_them"
+    ),
     "serve --host 0.0.0.0 --port 8000": "test_command_line::test_serves_this_machine_only",
     "worker --scheduler tcp://10.0.0.1:8786 --solves 8": (
         "test_cluster::test_work_is_done_in_a_child_of_the_worker"

@@ -57,6 +57,9 @@ def test_opportunities_and_a_campaign():
     assert [one.looks[0].target for one in campaign.passes] == ["Los Angeles", "Boston"]
     assert all(slewtrack.get(one.plan).passed for one in campaign.passes)
     assert [now.done for now in told if now.stage == "plans"] == [0, 1, 2]
+    assert slewtrack.export_campaign(campaign, "csv").startswith(b"pass,target")
+    with pytest.raises(slewtrack.Refused, match="must be one of csv, geojson, json, kml, zip"):
+        slewtrack.export_campaign(campaign, "netcdf")
 
 
 def test_the_vertical_of_two_pictures():

@@ -86,7 +86,7 @@ CASES = {
 @pytest.mark.parametrize("request_", CASES.values(), ids=CASES)
 def test_a_window_and_the_plan_of_its_session_agree(request_):
     found = find_opportunities(request_)
-    probability = probabilities_in_frame(request_, found)
+    probability = probabilities_in_frame(request_, found.windows)
     known = np.flatnonzero(np.isfinite(probability))
     assert len(known) >= 1
     for window in {known[0], known[-1]}:
@@ -98,7 +98,7 @@ def test_older_elements_make_it_less_likely():
     """A city low at first and high two days on: the soonest is the likelier all the same."""
     request = search(COLOGNO, 52.0)
     found = find_opportunities(request)
-    probability = probabilities_in_frame(request, found)
+    probability = probabilities_in_frame(request, found.windows)
     today = found.windows.rise_s < 86_400.0
     assert probability[today].max() > 2.0 * probability[~today].max()
 
@@ -115,6 +115,6 @@ def test_the_soonest_windows_are_told_where_there_are_too_many(monkeypatch):
         ),
     )
     found = find_opportunities(request)
-    told = np.isfinite(probabilities_in_frame(request, found))
+    told = np.isfinite(probabilities_in_frame(request, found.windows))
     assert 2 <= told.sum() < len(told)
     assert found.windows.rise_s[told].max() < found.windows.rise_s[~told].min()

@@ -1,4 +1,4 @@
-"""Angles from Sun, Moon, limb and glint: against Skyfield, and SciPy's shortest way of the light."""
+"""Angles from Sun, Moon, limb and glint: by Skyfield, and by SciPy's shortest way of light."""
 
 import dataclasses
 import math

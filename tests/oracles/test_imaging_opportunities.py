@@ -10,7 +10,7 @@ from skyfield.data import iers
 from skyfield.framelib import itrs
 from spacecraft_cases import EPOCH, ORBIT, four_modes, line
 
-from planner.spacecraft.opportunities import find_imaging_opportunities
+from planner.spacecraft.opportunities import ImagingSearch
 from planner.spacecraft.opportunity_request import ImagingOpportunityRequest, positions_of
 from planner.spacecraft.requests import CorridorRequest, SpacecraftSettings, StripRequest
 from planner.world.frames.time_scales import Instants
@@ -61,6 +61,13 @@ def camera_angles_deg(timescale, position, t_s):
     return np.where(hidden, np.nan, along), np.where(hidden, np.nan, across)
 
 
+def searched(request):
+    """The edges of all passes, and what is told of them."""
+    search = ImagingSearch(request)
+    edges = search.find()
+    return edges, search.tell(edges)
+
+
 def is_seen(angles_deg):
     along, across = angles_deg
     return (np.abs(along) <= ALONG_DEG) & (np.abs(across) <= ACROSS_DEG)
@@ -68,12 +75,12 @@ def is_seen(angles_deg):
 
 @pytest.fixture(scope="module")
 def found():
-    return find_imaging_opportunities(asked(four_modes()))
+    return searched(asked(four_modes()))
 
 
 def test_every_pass_is_found_and_no_other(found, timescale):
     t_s = np.arange(0.0, HOURS * 3600.0, 10.0)
-    windows, passes = found.windows, 0
+    passes, (_, windows) = 0, found
     for number, request in enumerate(four_modes()):
         seen = np.array(
             [is_seen(camera_angles_deg(timescale, p, t_s)) for p in positions_of(request)]
@@ -99,8 +106,8 @@ def test_every_pass_is_found_and_no_other(found, timescale):
 def test_edges_are_where_the_camera_s_angles_are_met(timescale, across_max_deg, causes):
     """Seen from 6.5 to 10.8 deg across, the strip leaves a camera that looks to 9."""
     settings = SpacecraftSettings(across_max_deg=across_max_deg)
-    found = find_imaging_opportunities(asked(four_modes(), settings=settings))
-    windows, compared = found.windows, set()
+    _, windows = searched(asked(four_modes(), settings=settings))
+    compared = set()
     for row, number in enumerate(windows.target):
         positions = positions_of(four_modes()[number])
         for edge_s, cause in (
@@ -118,7 +125,7 @@ def test_edges_are_where_the_camera_s_angles_are_met(timescale, across_max_deg, 
 
 
 def test_the_view_s_angles_are_those_of_the_camera(found, timescale):
-    windows = found.windows
+    _, windows = found
     for row, number in enumerate(windows.target):
         if four_modes()[number].mode != "strip":
             continue  # whose middle is that of its two ends
@@ -145,9 +152,9 @@ def test_the_view_s_angles_are_those_of_the_camera(found, timescale):
 
 
 def test_while_it_is_seen_whole(found, timescale):
-    windows = found.windows
+    edges, windows = found
     for row, number in enumerate(windows.target):
-        from_s, until_s = found.whole_s[row]
+        from_s, until_s = edges.whole_from_s[row], edges.whole_to_s[row]
         assert windows.rise_s[row] <= from_s < until_s <= windows.set_s[row]
         t_s = np.linspace(from_s, until_s, 21)[1:-1]
         for position in positions_of(four_modes()[number]):
@@ -156,10 +163,10 @@ def test_while_it_is_seen_whole(found, timescale):
 
 def test_a_line_longer_than_the_camera_s_reach_is_never_seen_whole():
     long = CorridorRequest(name="long", geometry=line(360.0, half_km=900.0))
-    found = find_imaging_opportunities(asked([long]))
-    assert len(found.windows)
-    assert np.isnan(found.whole_s).all()
-    assert (found.windows.set_s - found.windows.rise_s > 300.0).all()  # 1800 km at 7 km/s
+    edges, windows = searched(asked([long]))
+    assert len(windows)
+    assert np.isnan(edges.whole_from_s).all()
+    assert (windows.set_s - windows.rise_s > 300.0).all()  # 1800 km at 7 km/s
 
 
 def test_what_a_request_says_of_its_time_counts():
@@ -171,22 +178,23 @@ def test_what_a_request_says_of_its_time_counts():
         StripRequest(name="then", geometry=line(90.0), start=late),
         StripRequest(name="never", geometry=line(90.0), start=EPOCH + timedelta(hours=3)),
     )
-    found = find_imaging_opportunities(asked(strips))
+    _, windows = searched(asked(strips))
     rise_s = {
-        name: found.windows.rise_s[found.windows.target == n] for n, name in enumerate(found.ids)
+        name: windows.rise_s[windows.target == n]
+        for n, name in enumerate(one.name for one in strips)
     }
     assert rise_s["late"][0] == 100.0
-    assert found.windows.opened_by[found.windows.target == 1][0] == "interval"
+    assert windows.opened_by[windows.target == 1][0] == "interval"
     assert rise_s["then"][0] == rise_s["free"][0] < 100.0
     assert len(rise_s["then"]) == 1
     assert len(rise_s["never"]) == 0
 
 
 def test_settings_and_conditions_narrow_it(found):
-    narrow = find_imaging_opportunities(
+    _, narrow = searched(
         asked(four_modes(), settings=SpacecraftSettings(along_max_deg=10.0, across_max_deg=20.0))
     )
-    assert 0 < len(narrow.windows) < len(found.windows)
-    assert np.degrees(np.abs(narrow.windows.closest.angle_rad[:, 1])).max() <= 20.0
+    assert 0 < len(narrow) < len(found[1])
+    assert np.degrees(np.abs(narrow.closest.angle_rad[:, 1])).max() <= 20.0
     # The minute's window at 10 deg along, 117 km to either side at 7 km/s.
-    assert (narrow.windows.set_s - narrow.windows.rise_s < 60.0).all()
+    assert (narrow.set_s - narrow.rise_s < 60.0).all()

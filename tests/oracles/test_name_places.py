@@ -9,7 +9,7 @@ from make_names import geoid_height_m
 from skyfield.named_stars import named_star_dict
 
 from planner.world.frames.time_scales import Instants, utc_from_text
-from planner.world.targets import PlaceTarget, StarTarget
+from planner.world.targets import GroundTarget, PlaceTarget, StarTarget
 from planner.world.targets.gazetteer import find_place
 from planner.world.targets.star_names import hipparcos_number
 
@@ -122,3 +122,20 @@ def test_a_place_lies_where_its_coordinates_say_above_the_ellipsoid():
     there = wgs84.latlon(place.latitude_deg, place.longitude_deg, place.height_m)
     ours_m = target.r_target_itrf_m(J2000)[0]
     assert ours_m == pytest.approx(there.itrs_xyz.m, abs=1e-3)
+
+
+# Points and what Wikipedia says they lie in or near: a suburb's airport, a lake, an ocean.
+@pytest.mark.parametrize(
+    ("latitude_deg", "longitude_deg", "town"),
+    [
+        (36.1147, -115.1728, "Las Vegas"),  # the Strip, in Paradise
+        (48.8049, 2.1204, "Paris"),  # the palace of Versailles
+        (46.3625, 14.0944, "Kranj"),  # Lake Bled, 24 km off
+        (0.0, -30.0, None),  # the middle of the Atlantic
+        (-17.83, -179.9, None),  # beyond the date line from Fiji's Taveuni
+    ],
+)
+def test_a_point_is_told_by_a_town_that_people_know(latitude_deg, longitude_deg, town):
+    target = GroundTarget(latitude_deg=latitude_deg, longitude_deg=longitude_deg)
+    place = f"{latitude_deg:.4f}, {longitude_deg:.4f}"
+    assert target.label == (f"near {town} ({place})" if town else place)

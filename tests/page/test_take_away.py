@@ -20,6 +20,7 @@ def plan_page(open_page):
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     page.get_by_role("button", name="Plan").click()
     expect(page.get_by_test_id("verdict")).to_contain_text("Passed")
+    expect(page.locator(".look-charts canvas").first).to_be_visible()  # nothing moves any more
     return page
 
 

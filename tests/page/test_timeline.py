@@ -32,7 +32,7 @@ def kept(browser, tmp_path_factory):
 def windows(kept, open_page):
     page = open_page("/healthz", at=kept)
     cities = OPPORTUNITY_EXAMPLES["cities"][1] | {"name": "cities"}
-    answer = page.request.post("/v1/opportunities", data=cities)
+    answer = page.request.post("/v1/opportunities?include=view", data=cities)
     assert answer.ok
     yield answer.json()["windows"]
     page.request.delete(f"/v1/opportunities/{answer.json()['id']}")

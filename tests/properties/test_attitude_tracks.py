@@ -198,7 +198,7 @@ def test_lines_across_the_track_lie_square_to_the_motion_over_the_turning_earth(
 
 def test_the_nearest_attitude_is_turned_least_and_then_not_about_the_line_of_sight():
     before = Rotation.from_euler("xyz", [30.0, -20.0, 140.0], degrees=True)
-    sight, [track] = tracks(ground(), NEAREST, before=before)
+    _, [track] = tracks(ground(), NEAREST, before=before)
     first = int(np.searchsorted(track.t_s, START_S))
     q = Rotation.from_quat(track.motion.position[first])
     turned = (before.inv() * q).magnitude()
@@ -338,12 +338,6 @@ def test_an_exclusion_in_the_way_is_named():
     refusal = refusal_of(NotVisible, target, NEAREST, platform)
     assert refusal.limit == "exclusion"
     assert "camera Sun" in refusal.detail
-
-
-def test_torque_that_following_takes_is_refused():
-    platform = dataclasses.replace(agile(), torque_max_n_m=2e-5)
-    refusal = refusal_of(TrackBreaksLimit, ground(off_m=(0.0, 0.0)), NEAREST, platform)
-    assert refusal.limit == "torque"
 
 
 def test_the_nadir_attitude_turns_once_an_orbit_about_the_pitch_axis():

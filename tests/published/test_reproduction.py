@@ -84,6 +84,8 @@ def test_the_last_digits_of_what_may_not_move_are_the_processors(accepted):
         ({"sense": "at most"}, "one of within and sense"),
         ({"verdict": "ours", "within": None}, "that is ours alone"),
         ({"verdict": "set", "within": None, "function": None}, "nothing computed"),
+        ({"function": None, "ours": 56.0}, "nothing computed"),
+        ({"ours": 56.0}, "beside the function"),
     ],
 )
 def test_no_verdict_without_its_numbers(changes, why):

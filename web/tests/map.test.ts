@@ -4,20 +4,40 @@ import { expect, test } from "vitest";
 
 import "./page";
 
-const { arrange } = await import("../src/map/labels");
+const { placeNames } = await import("../src/map/labels");
 const { ellipseAt } = await import("../src/rooms/viewer/ground");
 type View = Parameters<typeof ellipseAt>[0];
 
 test("a name stands beside its mark, off all marks and names, and is left out where there is no room", () => {
-  const at = (x: number, y: number) => ({ x, y, text: "name" });
-  expect(arrange([at(50, 50)], 400)[0]).toMatchObject({ x: 10, "text-anchor": "start" });
-  expect(arrange([at(390, 50)], 400)[0]).toMatchObject({ x: -10, "text-anchor": "end" }); // the edge
+  type Point = readonly [number, number];
+  const place = (...points: (Point | null)[]) =>
+    placeNames(
+      points,
+      points.map(() => "name"),
+      400,
+    );
+  expect(place([50, 50])[0]).toMatchObject({ x: 10, "text-anchor": "start" });
+  expect(place([390, 50])[0]).toMatchObject({ x: -10, "text-anchor": "end" }); // the edge
   // Another mark on its right, then on both sides.
-  expect(arrange([at(100, 50), at(125, 50)], 400)[0]).toMatchObject({ "text-anchor": "end" });
-  expect(arrange([at(100, 50), at(125, 50), at(75, 50)], 400)[0]).toMatchObject({ "text-anchor": "middle", y: 21 });
-  const crowd = Array.from({ length: 25 }, (_, k) => at(100 + 14 * (k % 5), 100 + 14 * Math.floor(k / 5)));
-  expect(arrange(crowd, 400)[12]).toBeNull();
-  expect(arrange([null, at(50, 50)], 400)[0]).toBeNull();
+  expect(place([100, 50], [125, 50])[0]).toMatchObject({ "text-anchor": "end" });
+  expect(place([100, 50], [125, 50], [75, 50])[0]).toMatchObject({ "text-anchor": "middle", y: 21 });
+  const crowd = Array.from({ length: 25 }, (_, k): Point => [100 + 14 * (k % 5), 100 + 14 * Math.floor(k / 5)]);
+  expect(place(...crowd)[12]).toBeNull();
+  expect(place(null, [50, 50])[0]).toBeNull();
+});
+
+test("a name as long as the map lies on no mark, be it far from where the name begins", () => {
+  const long = (y: number) =>
+    placeNames(
+      [
+        [5, 50],
+        [900, y],
+      ],
+      ["n".repeat(140), ""],
+      1000,
+    )[0];
+  expect(long(50)).toBeNull();
+  expect(long(70)).toMatchObject({ "text-anchor": "start", y: 4 });
 });
 
 const KM_PER_DEG = 111.195;

@@ -119,9 +119,8 @@ async def _write_file(request: Request, job: Job, media_type: str) -> bytes:
         made = [plans.get(connection, part) for part in jobs.parts_of(connection, job.id)]
         passes = [
             MadePass(
-                number=plan.options["campaign"]["pass"] + 1,
+                facts=plan.options["campaign"],
                 plan=plan.id,
-                looks=plan.options["campaign"]["looks"],
                 request=jobs.request_of(connection, plan.id) or b"",
                 table_columns=plan.table_columns,
                 planned_utc=plan.planned_utc,

@@ -8,7 +8,7 @@ from pydantic import Field
 from app.answers.names import KnownPlaces, KnownStars, PlatformList
 from app.http.negotiation import ONLY_JSON
 from app.http.query import Parameters
-from planner.world.platforms import PLATFORMS, definition_of
+from planner.world.platforms import BODIES, PLATFORMS, definition_of
 from planner.world.targets.autocomplete import places_beginning, stars_beginning
 
 router = APIRouter(tags=["platforms"], dependencies=ONLY_JSON)
@@ -29,8 +29,8 @@ class NamesQuery(Parameters):
 
 @router.get("/v1/platforms", summary="List platforms")
 async def get_platforms() -> PlatformList:
-    """Each has axes, limits and mount; copy one into a request's `platform` to change it."""
-    return PlatformList(platforms=[definition_of(platform) for platform in PLATFORMS.values()])
+    """Two axes on a carrier, or a body; copy one into a request's `platform` to change it."""
+    return PlatformList(platforms=[*map(definition_of, PLATFORMS.values()), *BODIES.values()])
 
 
 @router.get("/v1/places", summary="List places by the beginning of their names")

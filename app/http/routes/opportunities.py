@@ -19,8 +19,7 @@ from app.requests.examples import (
 from app.requests.listings import listing_of_imaging, listing_of_search
 from app.requests.opportunities import OPPORTUNITY_READER, ORBIT_TRACK_READER
 from app.requests.spacecraft import IMAGING_OPPORTUNITY_READER
-from app.work.campaign import answer_opportunities
-from app.work.spacecraft import answer_imaging_opportunities
+from app.work.searches import INCLUDED, VIEW
 from app.work.view import orbit_track_json
 
 OPPORTUNITIES = SearchResource(
@@ -31,9 +30,9 @@ OPPORTUNITIES = SearchResource(
     tag="opportunities",
     summary="Search for windows of targets",
     examples=OPPORTUNITY_EXAMPLES,
-    find=answer_opportunities,
     response=OpportunitiesResponse,
     windows_response=WindowsPage,
+    included=INCLUDED,
 )
 IMAGING_OPPORTUNITIES = SearchResource(
     kind="imaging_opportunities",
@@ -43,9 +42,9 @@ IMAGING_OPPORTUNITIES = SearchResource(
     tag="spacecraft",
     summary="Search for passes of the imaging spacecraft",
     examples=IMAGING_OPPORTUNITY_EXAMPLES,
-    find=answer_imaging_opportunities,
     response=ImagingOpportunitiesResponse,
     windows_response=ImagingWindowsPage,
+    included=(VIEW,),
 )
 
 router = search_routes(OPPORTUNITIES)

@@ -5,24 +5,24 @@ The same for every resource that holds what a search found.
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+import zlib
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from http import HTTPStatus
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple, Self
 
 import anyio.to_thread
-from fastapi import APIRouter, Depends, HTTPException, Query, Request, Response
-from pydantic import Field
+from fastapi import APIRouter, Depends, HTTPException, Request, Response
+from fastapi.responses import StreamingResponse
+from pydantic import AfterValidator, Field, create_model, model_validator
 from sqlalchemy import Connection
 
 from app.answers.job import list_class
-from app.answers.members import ProvenanceOut, provenance, to_json
-from app.answers.opportunities import FoundWindows, whole_opportunities
+from app.answers.members import provenance
 from app.answers.opportunities_geojson import FeatureCollection
-from app.http.blocking import EXPORT_BOUNDS, in_child, read
+from app.http.blocking import in_child, read
 from app.http.negotiation import (
-    JSON,
     ONLY_JSON,
     is_known_already,
     json_body,
@@ -42,21 +42,39 @@ from app.http.routes.job_routes import (
     new_job,
     tag_for_good,
 )
-from app.http.routes.parameters import PathId
+from app.http.routes.parameters import Asked, PathId, read_query
 from app.http.routes.resources import JobResource
 from app.jobs.child import Bounds
-from app.store import audit, jobs, results, searches
+from app.store import audit, jobs, results
 from app.store.database import Database
 from app.store.jobs import NewJob
-from app.store.searches import StoredWindows
-from app.work.searches import CSV, GEOJSON, windows_in_form
+from app.store.packed import unzip
+from app.work.searches import (
+    CSV,
+    GEOJSON,
+    JSON,
+    PAGE_WINDOWS,
+    PROBABILITY,
+    REASONS,
+    VIEW,
+    FoundSearch,
+    Page,
+    WindowsAsked,
+    closed,
+    find_windows,
+    members_of,
+    opened,
+    read_windows,
+    search_json,
+)
+from planner.base.errors import InvalidInput
 
-PAGE_MAX = 1000
+PAGE_MAX = 10_000
+PROBABLE_MAX = 500  # windows whose probability one request may ask for: three seconds
+STREAMED = 2000  # windows that are told of at a time where all are asked for
 SEARCH_BOUNDS = Bounds(deadline_s=120.0, memory_mib=2000)
 _SUFFIXES = {GEOJSON: ".geojson", CSV: ".csv"}
 FORMS = (JSON, *_SUFFIXES)
-# Turning more than this of packed windows into another form would hold the interpreter for long.
-_PACKED_MAX_BYTES = 100_000
 
 SEARCH_LIST = list_class("SearchList", "opportunities", "Searches for opportunities")
 
@@ -65,24 +83,55 @@ SEARCH_LIST = list_class("SearchList", "opportunities", "Searches for opportunit
 class SearchResource(JobResource):
     """One that holds what searches found.
 
-    find: what a child does.  windows_response: of some of what was found.
+    windows_response: of some of what was found.  included: what `include` may ask for.
     """
 
     singular: str = "search for opportunities"
     plural: str = "searches"
     list_response: type = SEARCH_LIST
     summary: str
-    find: Callable[[Any, ProvenanceOut], FoundWindows]
-    bounds: Bounds = SEARCH_BOUNDS
     windows_response: type
+    included: tuple[str, ...]
 
 
-class WindowsQuery(Parameters):
-    """Which windows."""
+class FirstWindowsQuery(Parameters):
+    """What to tell of the first windows."""
 
     limit: int = Field(
-        default=100, ge=1, le=PAGE_MAX, description="The largest number of windows of this page."
+        default=PAGE_WINDOWS,
+        ge=1,
+        le=PAGE_MAX,
+        description="The largest number of windows of JSON's page; at most 500 with `probability`.",
     )
+    include: str = ""
+
+    @model_validator(mode="after")
+    def _require_few(self) -> Self:
+        if PROBABILITY in self.include.split(",") and self.limit > PROBABLE_MAX:
+            raise InvalidInput(
+                f"must be at most {PROBABLE_MAX} with include={PROBABILITY}; ask for the rest by "
+                "`cursor`",
+                field="query.limit",
+            )
+        return self
+
+    def asked(self, media_type: str) -> WindowsAsked:
+        """As the work is told; the other forms are of what is seen."""
+        pages = {name: getattr(self, name) for name in ("cursor", "target") if hasattr(self, name)}
+        include = frozenset(self.include.split(",")) - {""}
+        if media_type == JSON:
+            return WindowsAsked(limit=self.limit, include=include, **pages)
+        return WindowsAsked(
+            media_type=media_type,
+            limit=self.limit if pages else STREAMED,
+            include=(include | {VIEW}) - {PROBABILITY},
+            **pages,
+        )
+
+
+class WindowsQuery(FirstWindowsQuery):
+    """Which windows, and what to tell of them."""
+
     cursor: int = Field(
         default=0, ge=0, le=10**9, description="`next` of the page before; 0 for the first."
     )
@@ -91,6 +140,39 @@ class WindowsQuery(Parameters):
         min_length=1,
         max_length=200,
         description="Only windows of the target with this id.",
+    )
+
+
+_TEXTS = {
+    VIEW: "the greatest elevation, what is seen at the closest approach and through the window, "
+    "the target's place and sky",
+    PROBABILITY: "that the target stays in the frame",
+    REASONS: "the causes that leave targets without windows",
+}
+
+
+def _including(query: type[Asked], names: Sequence[str]) -> Callable[[Asked], Awaitable[Asked]]:
+    """A dependency: these parameters, `include` of these names."""
+
+    def require_known(text: str) -> str:
+        if text and not set(text.split(",")) <= set(names):
+            raise ValueError(f"must be one or more of {', '.join(names)}, with commas between")
+        return text
+
+    told = "; ".join(f"`{name}` {_TEXTS[name]}" for name in names)
+    field = Field(
+        default="",
+        description="What is told beyond edges and session, with commas between: "
+        f"{told}. GeoJSON and CSV always tell of the view, and of no probability.",
+        examples=[",".join(names)],
+    )
+    return read_query(
+        create_model(
+            query.__name__,
+            __base__=query,
+            __doc__=query.__doc__,
+            include=(Annotated[str, AfterValidator(require_known)], field),
+        )
     )
 
 
@@ -119,30 +201,74 @@ def _add_post(router: APIRouter, resource: SearchResource) -> None:
         response_model=resource.response,
         responses={
             200: _in_all_forms(
-                "The windows found; as GeoJSON if `Accept` asks, or as a pass table in CSV"
+                "What was found, and the first windows; all of them as GeoJSON or as a pass table "
+                "in CSV if `Accept` asks"
             )
         },
         openapi_extra=json_body_of(resource.requests, resource.examples),
     )
-    async def post(request: Request, body: Annotated[bytes, Depends(json_body)]) -> Response:
-        """Windows are found to the millisecond, with the limits that open and close each, and the
-        view through it.
+    async def post(
+        request: Request,
+        body: Annotated[bytes, Depends(json_body)],
+        query: Annotated[
+            FirstWindowsQuery, Depends(_including(FirstWindowsQuery, resource.included))
+        ],
+    ) -> Response:
+        """Windows are found to the millisecond, with the limits that open and close each.
 
-        The search is kept under `id`, at Location.
+        The search is kept under `id`, at Location; windows come in pages.
         """
         media_type = preferred_type(request, FORMS)
         begun_utc = datetime.now(UTC)
         spec = await anyio.to_thread.run_sync(resource.requests.read, body)
-        origin = provenance(begun_utc, body)
-        found = await in_child(request, resource.bounds, resource.find, spec, origin)
-        deadline_s = resource.bounds.deadline_s
-        new = new_job(request, resource, spec, body, deadline_s=deadline_s)
-        content = await anyio.to_thread.run_sync(searches.packed, found.head, found.windows)
+        origin, asked = provenance(begun_utc, body), query.asked(media_type)
+        found, page = await in_child(
+            request, SEARCH_BOUNDS, find_windows, resource.kind, spec, origin, asked
+        )
+        new = new_job(request, resource, spec, body, deadline_s=SEARCH_BOUNDS.deadline_s)
         database: Database = request.app.state.database
-        await database.answer(_keep, database, new, begun_utc, content)
+        await database.answer(_keep, database, new, begun_utc, found)
         headers = {"Location": f"{resource.path}/{new.id}", "Vary": "Accept"}
-        answer = await _whole(request, new.id, found, media_type)
-        return Response(answer, HTTPStatus.OK, headers | _saved(found.head, media_type), media_type)
+        whole = _Whole(resource, new.id, body, found, asked)
+        return _first_answer(request, whole, page, headers)
+
+
+class _Whole(NamedTuple):
+    """All that was found, and what is asked of it.  body: the search's request."""
+
+    resource: SearchResource
+    search_id: str
+    body: bytes
+    found: FoundSearch
+    asked: WindowsAsked
+
+    async def page(self, request: Request, cursor: int) -> Page:
+        """Told in a child."""
+        asked = replace(self.asked, cursor=cursor)
+        edges, kind = self.found.edges, self.resource.kind
+        return await in_child(request, SEARCH_BOUNDS, read_windows, kind, self.body, edges, asked)
+
+
+def _first_answer(
+    request: Request, whole: _Whole, page: Page, headers: Mapping[str, str]
+) -> Response:
+    """Of JSON the first page, of others all as it is told."""
+    media_type = whole.asked.media_type
+    if media_type == JSON:
+        answer = search_json(whole.search_id, whole.found, page)
+        return Response(answer, HTTPStatus.OK, headers, JSON)
+    members = members_of(whole.search_id, whole.found.head)
+
+    async def parts() -> AsyncIterator[bytes]:
+        told = page
+        yield opened(media_type, members, page.reasons) + told.windows
+        while told.next is not None:
+            told = await whole.page(request, told.next)
+            yield (b"" if media_type == CSV else b",") + told.windows
+        yield closed(media_type, None)
+
+    headers = {**headers, **_saved(whole.found.head, media_type)}
+    return StreamingResponse(parts(), HTTPStatus.OK, headers, media_type)
 
 
 def _saved(head: bytes, media_type: str) -> dict[str, str]:
@@ -152,27 +278,11 @@ def _saved(head: bytes, media_type: str) -> dict[str, str]:
     return saved_as(json.loads(head)["name"], "opportunities", _SUFFIXES[media_type])
 
 
-def _keep(database: Database, new: NewJob, begun_utc: datetime, content: Sequence[bytes]) -> None:
+def _keep(database: Database, new: NewJob, begun_utc: datetime, found: FoundSearch) -> None:
     with database.writing() as connection:
         jobs.record_done(connection, new, begun_utc)
-        results.store(connection, new.id, content)
+        results.store(connection, new.id, [zlib.compress(found.head), found.edges])
         audit.record(connection, key_id=new.key_id, action=f"{new.kind}.accept", subject=new.id)
-
-
-async def _whole(request: Request, search_id: str, found: FoundWindows, media_type: str) -> bytes:
-    """All that was found."""
-    if media_type == JSON:
-        return whole_opportunities(search_id, found)
-    members = {"id": search_id, **json.loads(found.head)}
-    return await _in_form(request, media_type, found.windows, members)
-
-
-async def _in_form(
-    request: Request, media_type: str, windows: Sequence[bytes], members: Mapping[str, object]
-) -> bytes:
-    if sum(map(len, windows)) > _PACKED_MAX_BYTES:
-        return await in_child(request, EXPORT_BOUNDS, windows_in_form, media_type, windows, members)
-    return windows_in_form(media_type, windows, members)
 
 
 def _add_one(router: APIRouter, resource: SearchResource) -> None:
@@ -180,20 +290,27 @@ def _add_one(router: APIRouter, resource: SearchResource) -> None:
         "/{id}",
         summary="Get a search",
         response_model=resource.response,
-        responses={200: _in_all_forms("The answer to its POST; in another form if `Accept` asks")},
+        responses={
+            200: _in_all_forms(
+                "As the answer to its POST; all windows in another form if `Accept` asks"
+            )
+        },
     )
-    async def get_search(request: Request, search_id: PathId) -> Response:
+    async def get_search(
+        request: Request,
+        search_id: PathId,
+        query: Annotated[
+            FirstWindowsQuery, Depends(_including(FirstWindowsQuery, resource.included))
+        ],
+    ) -> Response:
         """A search never changes."""
-        media_type = preferred_type(request, FORMS)
-        tag = _tag(search_id, media_type)
+        asked = query.asked(preferred_type(request, FORMS))
+        tag = _tag(search_id, asked)
         if is_known_already(request, tag):
             await find_job(request, resource, search_id)
             return not_modified(tag)
-        search = await _find(request, resource, search_id)
-        found = FoundWindows(search.head, search.windows)
-        answer = await _whole(request, search_id, found, media_type)
-        headers = revalidated(tag) | _saved(found.head, media_type)
-        return Response(answer, HTTPStatus.OK, headers, media_type)
+        whole = await _find(request, resource, search_id, asked)
+        return _first_answer(request, whole, await whole.page(request, 0), revalidated(tag))
 
 
 def _add_windows(router: APIRouter, resource: SearchResource) -> None:
@@ -214,33 +331,24 @@ def _add_windows(router: APIRouter, resource: SearchResource) -> None:
         },
     )
     async def get_windows(
-        request: Request, search_id: PathId, query: Annotated[WindowsQuery, Query()]
+        request: Request,
+        search_id: PathId,
+        query: Annotated[WindowsQuery, Depends(_including(WindowsQuery, resource.included))],
     ) -> Response:
         """They follow the order of the request's targets, those of each target in order of time."""
-        media_type = preferred_type(request, FORMS)
-        tag = _tag(search_id, media_type, query)
+        asked = query.asked(media_type := preferred_type(request, FORMS))
+        tag = _tag(search_id, asked)
         if is_known_already(request, tag):
             await find_job(request, resource, search_id)
             return not_modified(tag)
-        stop = query.cursor + query.limit
-        if query.target is None:
-            search = await _find(request, resource, search_id, query.cursor, stop)
-            shown, count = search.windows, search.window_count
-        else:
-            begins = b'{"target":' + to_json(query.target) + b","
-            search = await _find(request, resource, search_id)
-            windows = [window for window in search.windows if window.startswith(begins)]
-            shown, count = windows[query.cursor : stop], len(windows)
-        headers = revalidated(tag)
-        after = stop if stop < count else None
-        if after is not None:
-            url = request.url.include_query_params(cursor=after)
+        whole = await _find(request, resource, search_id, asked)
+        page = await whole.page(request, asked.cursor)
+        headers = revalidated(tag) | _saved(whole.found.head, media_type)
+        if page.next is not None:
+            url = request.url.include_query_params(cursor=page.next)
             headers["Link"] = f'<{url.path}?{url.query}>; rel="next"'
-        if media_type == JSON:
-            body = b"".join([b'{"windows":[', b",".join(shown), b'],"next":', to_json(after), b"}"])
-            return Response(body, HTTPStatus.OK, headers, media_type)
-        headers |= _saved(search.head, media_type)
-        answer = await _in_form(request, media_type, shown, {"next": after})
+        answer = opened(media_type, [], page.reasons) + page.windows
+        answer += closed(media_type, page.next)
         return Response(answer, HTTPStatus.OK, headers, media_type)
 
 
@@ -259,25 +367,27 @@ def _add_delete(router: APIRouter, resource: SearchResource) -> None:
 
 
 async def _find(
-    request: Request,
-    resource: SearchResource,
-    search_id: str,
-    first: int = 0,
-    stop: int | None = None,
-) -> StoredWindows:
-    """With these windows; raises 404."""
+    request: Request, resource: SearchResource, search_id: str, asked: WindowsAsked
+) -> _Whole:
+    """As it is kept; raises 404."""
 
-    def reading(connection: Connection) -> StoredWindows | None:
+    def reading(connection: Connection) -> _Whole | None:
         job_of(connection, resource, search_id)
-        return searches.get(connection, search_id, first, stop)
+        body = jobs.request_of(connection, search_id)
+        content = results.get(connection, search_id)
+        if body is None or not content:
+            return None
+        found = FoundSearch(unzip(content[0]), content[1])
+        return _Whole(resource, search_id, body, found, asked)
 
-    search = await read(request, reading)
-    if search is None:  # no job of this kind is without
+    whole = await read(request, reading)
+    if whole is None:  # no job of this kind is without
         raise HTTPException(HTTPStatus.NOT_FOUND)
-    return search
+    return whole
 
 
-def _tag(search_id: str, media_type: str, page: WindowsQuery | None = None) -> str:
-    """Of all that was found, or of a page of it."""
-    which = "" if page is None else f"-{hashlib.sha256(to_json(page)).hexdigest()[:32]}"
-    return tag_for_good(search_id, f"{media_type.rsplit('/')[-1]}{which}")
+def _tag(search_id: str, asked: WindowsAsked) -> str:
+    """Of a page of what was found."""
+    told = [asked.media_type, asked.cursor, asked.limit, asked.target, sorted(asked.include)]
+    which = hashlib.sha256(json.dumps(told).encode()).hexdigest()[:32]
+    return tag_for_good(search_id, which)

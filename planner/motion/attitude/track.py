@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from planner.base.arrays import Array, Mask, angle_rad, cross
+from planner.base.arrays import Array, Mask, angle_rad
 from planner.base.commands import Motion
 from planner.base.errors import NotVisible, Refusal, TrackBreaksLimit, Unreachable, figures
 from planner.base.mrp import BodyMotion, MrpMotion, body_motion
@@ -130,7 +130,7 @@ def attitude_tracks(
     sight: rows that cover the session and may reach before and after it.  session_*_s: on the clock
     of its instants.  q_eci_from_body_before: the attitude before the slew onto the target.
     A way is a sense of the rule: two where the camera images both ways.  Rates and accelerations
-    are 7-point differences of the attitude.  Limits of rate, acceleration, jerk and torque are
+    are 7-point differences of the attitude.  Limits of rate, acceleration and jerk are
     tried as flown between rows; off-nadir angle (of targets on the Earth) and exclusions on rows,
     with what a path may bend in between, and those for imaging in the session alone.
     Raises Unreachable (off-nadir angle), NotVisible (exclusion), TrackBreaksLimit where no way is
@@ -343,10 +343,6 @@ def _checks(platform: BodyPlatform, sight: Sight, motion: Motion) -> Iterator[_C
         used_share = _on_rows(used_shares[:, order])
         refuse = partial(_refuse_limit, sight, platform, limits, order, used_share)
         yield _Check(1.0 + OPTIONS.tolerance - used_share, False, refuse)
-    if platform.torque_max_n_m is not None:
-        torque_n_m = torque_on(platform, motion)
-        refuse = partial(_refuse_torque, sight, platform, torque_n_m)
-        yield _Check(platform.torque_max_n_m - torque_n_m, False, refuse)
 
 
 def _by_share(body: BodyMotion) -> Iterator[BodyMotion]:
@@ -359,15 +355,6 @@ def _on_rows(of_cells: Array) -> Array:
     """At each row the larger value of the two cells that meet there."""
     before, after = np.append(of_cells[0], of_cells), np.append(of_cells, of_cells[-1])
     return np.asarray(np.maximum(before, after))
-
-
-def torque_on(platform: BodyPlatform, motion: Motion) -> Array:
-    """Length of the torque that turns a body with an inertia so, N m, (n,)."""
-    inertia_kg_m2 = np.array(platform.inertia_kg_m2)
-    omega, alpha = motion.rate_rad_s, motion.acceleration_rad_s2
-    momentum_n_m_s = omega @ inertia_kg_m2.T
-    torque_n_m = alpha @ inertia_kg_m2.T + cross(omega, momentum_n_m_s)
-    return np.asarray(np.linalg.norm(torque_n_m, axis=1))
 
 
 def _session_rows(t_s: Array, start_s: float, stop_s: float) -> slice:
@@ -428,17 +415,5 @@ def _refuse_limit(
         f"{platform.name} at {utc_text(at_utc)}; choose other times, a shorter session, or another "
         "roll",
         limit=ORDERS[order],
-        at_utc=at_utc,
-    )
-
-
-def _refuse_torque(sight: Sight, platform: BodyPlatform, torque_n_m: Array, row: int) -> Refusal:
-    at_utc = sight.instants.utc(row)
-    most_n_m = platform.torque_max_n_m or 0.0
-    return TrackBreaksLimit(
-        f"following the target needs {figures(torque_n_m[row], most_n_m)} N m at "
-        f"{utc_text(at_utc)}, more than the {figures(most_n_m, torque_n_m[row])} N m of "
-        f"{platform.name}; choose other times, a shorter session, or another roll",
-        limit="torque",
         at_utc=at_utc,
     )

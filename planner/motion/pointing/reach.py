@@ -7,7 +7,7 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.commands import ROWS_PER_S
-from planner.base.compiled import compiled, inlined
+from planner.base.compiled import inlined, lean
 from planner.base.vectors import (
     Vector,
     cross,
@@ -100,7 +100,7 @@ def _about(axis: Vector, start: Vector, end: Vector) -> float:
     )
 
 
-@compiled
+@lean
 def axes_at(g: Reach, los: Vector) -> tuple[Pair, Pair]:
     """As `planner.motion.pointing.angles.axis_angles`: both pairs, NaN where unreachable."""
     along = dot(los, g.outer)
@@ -136,7 +136,7 @@ def turned(axis: Vector, angle_rad: float, v: Vector) -> Vector:
     return plus(plus(scaled(c, v), s, cross(axis, v)), (1.0 - c) * dot(v, axis), axis)
 
 
-@compiled
+@lean
 def off_masks(g: Reach, los: Vector) -> float:
     """How far off the nearest mask's margin; as `FieldMask.depth_rad`, negative."""
     sides, nearest, first = g.side_parameters, math.inf, 0
@@ -181,7 +181,7 @@ def braking(rate_rad_s: float, acceleration_rad_s2: float, limit: Vector) -> flo
     return ramp + peak * (0.5 * brake_s + 1.0 / ROWS_PER_S)
 
 
-@compiled
+@lean
 def off_plane(g: Reach, los: Vector) -> float:
     """Greatest where the line of sight is nearest to the plane of the axes."""
     pair = axes_at(g, los)[0]
@@ -190,7 +190,7 @@ def off_plane(g: Reach, los: Vector) -> float:
     return value if value == value else 0.0
 
 
-@compiled
+@lean
 def axis_rates(g: Reach, angle_rad: float, los: Vector, rate_rad_s: Vector) -> tuple[float, float]:
     """As `planner.motion.pointing.angles.axis_motion`."""
     inner = turned(g.outer, angle_rad, g.inner)

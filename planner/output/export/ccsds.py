@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from datetime import datetime
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,27 +13,48 @@ from planner.output.export.table_states import axes_turn, omega_payload_from_eci
 from planner.world.frames.time_scales import Instants, utc_text
 from planner.world.orbits import Orbit
 from planner.world.plan import FlightPlan
+from planner.world.platforms.body import BodyPlatform
 
 ORIGINATOR = "SLEWTRACK"
 ATTITUDE_FRAME_A = "GCRF"
 QUATERNION_DECIMALS = 13
-_FRAME_B = "INSTRUMENT_1"
+_PAYLOAD_FRAME, BODY_FRAME = "INSTRUMENT_1", "SC_BODY_1"  # as CCSDS 504.0-B names them
 _DEGREE = 3  # h^4/384 of the fourth derivative, 1e-5 m/s4, is 3e-8 m
 
 
+class AttitudeSegment(NamedTuple):
+    """Of an AEM: a frame's attitude against GCRF, and its rate in its own axes.
+
+    q_xyzw: from GCRF to the frame, (n, 4).  omega_rad_s: (n, 3).  about: a comment.
+    """
+
+    frame: str
+    q_xyzw: Array
+    omega_rad_s: Array
+    about: str = ""
+
+
 def write_aem(plan: FlightPlan, created_utc: datetime) -> bytes:
-    """Version 2, KVN: the quaternion from GCRF to the payload and its angular velocity."""
+    """Version 2, KVN: the quaternion from GCRF to the payload and its angular velocity.
+
+    Of a body that turns as a whole its own attitude comes first, as another segment.
+    """
     rows = table_states(plan)
-    return attitude_message(
-        created_utc,
-        notes(plan, created_utc),
-        plan.scenario.orbit,
-        _FRAME_B,
-        rows.instants,
-        rows.q_payload_from_eci_xyzw,
-        omega_payload_from_eci_rad_s(plan, rows),
-        about=[f"attitude of the payload ({_FRAME_B}: +Z boresight) against {ATTITUDE_FRAME_A}"],
-    )
+    segments = [
+        AttitudeSegment(
+            _PAYLOAD_FRAME,
+            rows.q_payload_from_eci_xyzw,
+            omega_payload_from_eci_rad_s(plan, rows),
+            f"attitude of the payload ({_PAYLOAD_FRAME}: +Z boresight) against {ATTITUDE_FRAME_A}",
+        )
+    ]
+    if isinstance(plan.scenario.platform, BodyPlatform):
+        omega_body_rad_s = plan.table.rate_rad_s[rows.row]
+        about = f"attitude of the spacecraft ({BODY_FRAME}) against {ATTITUDE_FRAME_A}"
+        body = AttitudeSegment(BODY_FRAME, rows.q_body_from_eci_xyzw, omega_body_rad_s, about)
+        segments.insert(0, body)
+    remarks, orbit = notes(plan, created_utc), plan.scenario.orbit
+    return attitude_message(created_utc, remarks, orbit, rows.instants, segments)
 
 
 def write_oem(plan: FlightPlan, created_utc: datetime) -> bytes:
@@ -105,45 +127,42 @@ def attitude_message(
     created_utc: datetime,
     remarks: Iterable[str],
     orbit: Orbit,
-    frame_b: str,
     instants: Instants,
-    q_b_from_eci_xyzw: Array,
-    omega_b_rad_s: Array,
-    *,
-    about: Iterable[str] = (),
+    segments: Iterable[AttitudeSegment],
 ) -> bytes:
-    """An AEM, version 2: quaternion of a frame B from GCRF, (n, 4), and its rate, (n, 3).
+    """An AEM, version 2: quaternions of frames B from GCRF, and their rates.
 
     The message's quaternion (Q1 Q2 Q3 QC) turns the axes of frame A into those of frame B
     (`axes_turn`).  Angular velocities are of B against A in B's axes,
     so that two rows and a cubic Hermite give back what is flown between them.
-    about: comments of its segment.  Source: CCSDS 504.0-B-2, sections 4 and A3.
+    Source: CCSDS 504.0-B-2, sections 4 and A3.
     """
     moments = epochs(instants)
-    lines = [
-        *header("AEM", "2.0", created_utc, remarks),
-        "META_START",
-        *(f"COMMENT {line}" for line in about),
-        "COMMENT data: Q1 Q2 Q3 QC, scalar last, then ANGVEL_X ANGVEL_Y ANGVEL_Z in deg/s",
-        *object_lines(orbit),
-        f"REF_FRAME_A = {ATTITUDE_FRAME_A}",
-        f"REF_FRAME_B = {frame_b}",
-        "TIME_SYSTEM = UTC",
-        f"START_TIME = {moments[0]}",
-        f"STOP_TIME = {moments[-1]}",
-        "ATTITUDE_TYPE = QUATERNION/ANGVEL",
-        f"ANGVEL_FRAME = {frame_b}",
-        "INTERPOLATION_METHOD = HERMITE",
-        "INTERPOLATION_DEGREE = 3",
-        "META_STOP",
-        "DATA_START",
-        *data_lines(
-            moments,
-            (axes_turn(q_b_from_eci_xyzw), QUATERNION_DECIMALS),
-            (np.degrees(omega_b_rad_s), DECIMALS),
-        ),
-        "DATA_STOP",
-    ]
+    lines = header("AEM", "2.0", created_utc, remarks)
+    for segment in segments:
+        lines += [
+            "META_START",
+            *(f"COMMENT {line}" for line in [segment.about] if line),
+            "COMMENT data: Q1 Q2 Q3 QC, scalar last, then ANGVEL_X ANGVEL_Y ANGVEL_Z in deg/s",
+            *object_lines(orbit),
+            f"REF_FRAME_A = {ATTITUDE_FRAME_A}",
+            f"REF_FRAME_B = {segment.frame}",
+            "TIME_SYSTEM = UTC",
+            f"START_TIME = {moments[0]}",
+            f"STOP_TIME = {moments[-1]}",
+            "ATTITUDE_TYPE = QUATERNION/ANGVEL",
+            f"ANGVEL_FRAME = {segment.frame}",
+            "INTERPOLATION_METHOD = HERMITE",
+            "INTERPOLATION_DEGREE = 3",
+            "META_STOP",
+            "DATA_START",
+            *data_lines(
+                moments,
+                (axes_turn(segment.q_xyzw), QUATERNION_DECIMALS),
+                (np.degrees(segment.omega_rad_s), DECIMALS),
+            ),
+            "DATA_STOP",
+        ]
     return ("\n".join(lines) + "\n").encode("ascii")
 
 

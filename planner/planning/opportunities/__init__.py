@@ -8,12 +8,22 @@ from planner.planning.opportunities.request import (
     OpportunityRequest,
     OpportunityTarget,
 )
-from planner.planning.opportunities.windows import Opportunities, Sightings, Windows
+from planner.planning.opportunities.windows import (
+    Opportunities,
+    Sightings,
+    WindowEdges,
+    Windows,
+)
 
 if TYPE_CHECKING:
-    from planner.planning.opportunities.search import find_opportunities, opportunities_however_many
+    from planner.planning.opportunities.search import (
+        WindowSearch,
+        find_opportunities,
+        opportunities_however_many,
+    )
 else:
     __getattr__ = on_first_use(
+        WindowSearch="planner.planning.opportunities.search",
         find_opportunities="planner.planning.opportunities.search",
         opportunities_however_many="planner.planning.opportunities.search",
     )
@@ -24,6 +34,8 @@ __all__ = [
     "OpportunityRequest",
     "OpportunityTarget",
     "Sightings",
+    "WindowEdges",
+    "WindowSearch",
     "Windows",
     "find_opportunities",
     "opportunities_however_many",

@@ -9,7 +9,7 @@ import math
 from typing import NamedTuple
 
 from planner.base.arrays import Array
-from planner.base.compiled import compiled, inlined
+from planner.base.compiled import inlined, lean
 from planner.base.vectors import (
     Powers,
     Vector,
@@ -18,6 +18,7 @@ from planner.base.vectors import (
     column_at,
     cross,
     dot,
+    motion_at,
     norm,
     plus,
     scaled,
@@ -104,7 +105,7 @@ def aberrate(direction: Vector, v_m_s: Vector) -> Vector:
     return scaled(1.0 / (1.0 + along), seen)
 
 
-@compiled
+@lean
 def _in_space(c: CarrierTables, p: Places, t_s: float) -> tuple[Vector, float]:
     """Direction before the carrier's aberration, refracted where that is asked for, and range."""
     d = unit(vector_at(p.track, p.step_s, t_s, 0))
@@ -147,11 +148,17 @@ def in_platform(c: CarrierTables, d: Vector, r_sat: Vector, v: Vector, t_s: floa
     return plus(plus(lvlh, scale * w, across), 1.0, cross(axis, across))
 
 
-@compiled
-def platform_los(c: CarrierTables, p: Places, n: int, t_s: float) -> Vector:
+@inlined
+def sight_at(c: CarrierTables, p: Places, n: int, t_s: float) -> Vector:
     """Direction of a target in the platform frame."""
     d, _, r_sat, v = look(c, p, n, t_s)
     return in_platform(c, d, r_sat, v, t_s)
+
+
+@lean
+def platform_los(c: CarrierTables, p: Places, n: int, t_s: float) -> Vector:
+    """The same, as a call."""
+    return sight_at(c, p, n, t_s)
 
 
 @inlined
@@ -193,3 +200,15 @@ def closeness(c: CarrierTables, p: Places, n: int, t_s: float) -> float:
     if p.in_space:
         return elevation(c, p, n, t_s)
     return -norm(plus(vector_at(c.orbit, c.step_s, t_s, 0), -1.0, place_at(p, n, t_s)))
+
+
+@inlined
+def climb(c: CarrierTables, p: Places, n: int, t_s: float, of_elevation: bool) -> float:
+    """What has the sign of the rate of elevation or closeness, of a place at rest."""
+    r_sat, v = motion_at(c.orbit, c.step_s, t_s)
+    apart = plus(r_sat, -1.0, vector_of(p.resting_parameters, n, 0))
+    opening = dot(v, apart)
+    if not of_elevation:
+        return -opening
+    up = vector_of(p.resting_parameters, n, 3)
+    return dot(v, up) - dot(apart, up) * opening / dot(apart, apart)

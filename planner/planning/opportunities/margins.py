@@ -6,7 +6,7 @@ from typing import NamedTuple, get_args
 import numpy as np
 
 from planner.base.arrays import Indices
-from planner.base.compiled import compiled
+from planner.base.compiled import inlined, lean
 from planner.base.vectors import TURN_RAD, angle_between, scaled, wrapped
 from planner.motion.pointing.reach import (
     Reach,
@@ -20,6 +20,7 @@ from planner.motion.pointing.reach import (
 from planner.planning.opportunities.looks import (
     CarrierTables,
     Places,
+    climb,
     closeness,
     elevation,
     in_platform,
@@ -70,6 +71,7 @@ NOTHING = Asked(math.nan, math.nan, math.nan, math.nan, math.nan, math.nan, np.e
 class MotionOptions(NamedTuple):
     """How closely tracks keep the limits, and what is hidden."""
 
+    rate_s: float = 0.05  # either side, for a rate
     delta_s: float = 0.4  # between the five looks from which rates, accelerations, jerks are found
     within_share: float = 0.995  # of each limit: plans test the motion between rows, too
     # of motion beside the braking distance: ways around a mask are harder to find
@@ -100,7 +102,7 @@ def asked_of(request: OpportunityRequest, in_space: bool, across_rad: float) -> 
     return Asked(low, high, off_nadir, sun_away, moon_away, across_rad, order)
 
 
-@compiled
+@lean
 def _motion_margin(s: WindowScene, n: int, t_s: float, branch: int) -> float:
     """How far from its limits the motion along one pair of angles is, in shares of them."""
     dt = OPTIONS.delta_s
@@ -130,7 +132,7 @@ def _motion_margin(s: WindowScene, n: int, t_s: float, branch: int) -> float:
     return least
 
 
-@compiled
+@lean
 def _off_mask_margin(s: WindowScene, n: int, t_s: float) -> float:
     """How far off the masks an axis can still be braked before them."""
     dt = OPTIONS.delta_s
@@ -142,7 +144,7 @@ def _off_mask_margin(s: WindowScene, n: int, t_s: float) -> float:
     return off - braking(rate, 0.0, slowest) - OPTIONS.off_mask_s * rate
 
 
-@compiled
+@inlined
 def _along_sight(s: WindowScene, kind: int, n: int, t_s: float) -> float:
     """What hangs on the line of sight."""
     d, _, r_sat, v = look(s.c, s.p, n, t_s)
@@ -165,9 +167,8 @@ def _along_sight(s: WindowScene, kind: int, n: int, t_s: float) -> float:
     return max(off_stops(s.g, one), off_stops(s.g, two))
 
 
-@compiled
-def margin(s: WindowScene, kind: int, n: int, t_s: float) -> float:
-    """Positive where a condition holds; greatest where what is sought is."""
+@inlined
+def _margin(s: WindowScene, kind: int, n: int, t_s: float) -> float:
     if kind == ELEVATION:
         return elevation(s.c, s.p, n, t_s) - float(s.p.resting_parameters[n, 6])
     if kind == CLOSENESS:
@@ -182,3 +183,18 @@ def margin(s: WindowScene, kind: int, n: int, t_s: float) -> float:
     if kind == OFF_MASK:
         return _off_mask_margin(s, n, t_s)
     return _along_sight(s, kind, n, t_s)
+
+
+@inlined
+def margin(s: WindowScene, kind: int, n: int, t_s: float, of_rate: bool = False) -> float:
+    """Positive where a condition holds; greatest where what is sought is.
+
+    of_rate: what has the sign of its rate, instead.
+    """
+    if of_rate and s.p.step_s == 0.0 and kind in (ELEVATION, CLOSENESS):
+        return climb(s.c, s.p, n, t_s, kind == ELEVATION)
+    value, side = 0.0, 1.0
+    for _ in range(2 if of_rate else 1):
+        value += side * _margin(s, kind, n, t_s + side * OPTIONS.rate_s if of_rate else t_s)
+        side = -1.0
+    return value

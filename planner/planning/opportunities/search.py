@@ -17,7 +17,7 @@ from planner.planning.opportunities.ground_sample import sample_along_m
 from planner.planning.opportunities.margins import CAUSES, NOTHING, WindowScene, asked_of
 from planner.planning.opportunities.request import OpportunityRequest
 from planner.planning.opportunities.sessions import hold
-from planner.planning.opportunities.sights import Sight, sights_of
+from planner.planning.opportunities.sights import Sight, in_sights, sights_of
 from planner.planning.opportunities.sweep import OPTIONS as SWEEP
 from planner.planning.opportunities.sweep import Found, sweep
 from planner.planning.opportunities.telling import highest_over, sky_each, tell
@@ -25,6 +25,7 @@ from planner.planning.opportunities.windows import (
     Opportunities,
     Sightings,
     TargetSky,
+    WindowEdges,
     Windows,
     in_order,
 )
@@ -67,8 +68,61 @@ class Spans:
         return Spans(*(column[rows] for column in vars(self).values()))
 
 
+class WindowSearch:
+    """One carrier with all its targets: what is found follows from the request alone.
+
+    So it can be done anywhere, and again; windows that were found are told of at any time.
+    Raises OutsideCoverage where orbit, attitude or Earth orientation are not known.
+    """
+
+    def __init__(self, request: OpportunityRequest) -> None:
+        self._request = request
+        ephemeris = request.orbit.ephemeris(request.start, request.stop)
+        self.carrier = carrier_over(
+            ephemeris, request.attitude, request.platform, request.start, request.stop
+        )
+        ends = Instants(request.start, np.array([0.0, self.carrier.span_s]))
+        self.warnings = (
+            *ephemeris.warnings,
+            *level_warnings(request.attitude, request.platform),
+            *request.attitude.warnings_at(ends),
+            *earth_orientation_warnings(ends),
+        )
+
+    def find(self) -> WindowEdges:
+        """All windows, by no more work than one request may make; raises SearchEnded."""
+        with at_most(effort.PLAN):
+            return in_order(
+                [
+                    edges_of(numbers, spans, held_s)
+                    for numbers, _, spans, held_s in found_spans(self._request, self.carrier)
+                ]
+            )
+        raise _ended(self._request)
+
+    def tell(self, edges: WindowEdges) -> Windows:
+        """What is told of windows that were found, at least one; raises SearchEnded."""
+        targets = [wanted.target for wanted in self._request.targets]
+        parts = []
+        with at_most(effort.PLAN):
+            for rows, sight, which in in_sights(edges.target, targets, self.carrier):
+                part = edges.select(rows)
+                numbers = np.zeros(which.max() + 1, np.intp)
+                numbers[which] = part.target
+                spans = Spans(which, part.rise_s, part.set_s, part.opened_by, part.closed_by)
+                held_s = np.stack([part.held_from_s, part.held_to_s], axis=1)
+                parts.append(describe_windows(self._request, sight, numbers, spans, held_s))
+            return in_order(parts)
+        raise SearchEnded(
+            f"to tell of these {len(edges)} windows takes more work than one request may make; ask "
+            "for fewer windows or samples at a time",
+            field="limit",
+        )
+
+
 def find_opportunities(request: OpportunityRequest) -> Opportunities:
-    """All windows of all targets, by no more work than one request may make.
+    """All windows of all targets, and what is told of them, by no more work than one request may
+    make.
 
     The orbit is evaluated once, on rows 0.066 rad of its motion apart (60 s for the ISS), and all
     else on polynomials through the rows.  Edges are those of the exact orbit and frames to 0.1 ms,
@@ -78,7 +132,11 @@ def find_opportunities(request: OpportunityRequest) -> Opportunities:
     """
     with at_most(effort.PLAN):
         return opportunities_however_many(request)
-    raise SearchEnded(
+    raise _ended(request)
+
+
+def _ended(request: OpportunityRequest) -> SearchEnded:
+    return SearchEnded(
         f"the windows of these {len(request.targets)} targets take more work than one request may "
         "make; ask for fewer targets, days, samples or conditions at a time",
         field="targets",
@@ -87,28 +145,32 @@ def find_opportunities(request: OpportunityRequest) -> Opportunities:
 
 def opportunities_however_many(request: OpportunityRequest) -> Opportunities:
     """Search with whatever work that takes."""
-    ephemeris = request.orbit.ephemeris(request.start, request.stop)
-    carrier = carrier_over(
-        ephemeris, request.attitude, request.platform, request.start, request.stop
-    )
+    search = WindowSearch(request)
     found = [
         describe_windows(request, sight, numbers, spans, held_s)
-        for numbers, sight, spans, held_s in found_spans(request, carrier)
+        for numbers, sight, spans, held_s in found_spans(request, search.carrier)
     ]
-    ends = Instants(request.start, np.array([0.0, carrier.span_s]))
     return Opportunities(
         start_utc=request.start,
         stop_utc=request.stop,
         ids=tuple(wanted.id for wanted in request.targets),
         axis_names=request.platform.axis_names,
         assumed=request.assumed,
-        warnings=(
-            *ephemeris.warnings,
-            *level_warnings(request.attitude, request.platform),
-            *request.attitude.warnings_at(ends),
-            *earth_orientation_warnings(ends),
-        ),
+        warnings=search.warnings,
         windows=in_order(found),
+    )
+
+
+def edges_of(numbers: Indices, spans: Spans, held_s: Array) -> WindowEdges:
+    """Windows of one sight; numbers: its targets' rows in the request.  held_s: (m, 2)."""
+    return WindowEdges(
+        target=numbers[spans.target],
+        rise_s=spans.start_s,
+        set_s=spans.stop_s,
+        held_from_s=held_s[:, 0],
+        held_to_s=held_s[:, 1],
+        opened_by=spans.opened_by,
+        closed_by=spans.closed_by,
     )
 
 
@@ -173,13 +235,7 @@ def describe_windows(
     seen = _sightings(told.seen_parameters, request.pixel_rad, sight.on_earth)
     at_s = np.insert(edge_s, 1, told.highest_parameters[:, 0], axis=1)
     return Windows(
-        target=numbers[spans.target],
-        rise_s=spans.start_s,
-        set_s=spans.stop_s,
-        held_from_s=held_s[:, 0],
-        held_to_s=held_s[:, 1],
-        opened_by=spans.opened_by,
-        closed_by=spans.closed_by,
+        **vars(edges_of(numbers, spans, held_s)),
         highest_s=told.highest_parameters[:, 0],
         highest_rad=told.highest_parameters[:, 1],
         closest=seen.select_samples(0),

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from planner.base.arrays import Array, Indices, Mask
-from planner.base.compiled import compiled, inlined
+from planner.base.compiled import compiled, inlined, lean
 from planner.base.vectors import (
     TURN_RAD,
     Vector,
@@ -26,7 +26,13 @@ from planner.base.vectors import (
     wrapped,
 )
 from planner.motion.pointing.reach import Reach, axes_at, braking, off_masks, off_stops
-from planner.planning.opportunities.looks import CarrierTables, Places, place_at, platform_los
+from planner.planning.opportunities.looks import (
+    CarrierTables,
+    Places,
+    place_at,
+    platform_los,
+    sight_at,
+)
 from planner.planning.opportunities.margins import (
     ELEVATION,
     INTERVAL,
@@ -57,7 +63,6 @@ class SweepOptions(NamedTuple):
     slowest_rad_s: float = 1e-6  # what stands still is taken to turn so, as it is divided by
     # of a turning point beyond its node, in steps of the two cells on either side
     overshoot_ratio: float = 2.0
-    delta_s: float = 0.05  # either side, for a rate
     turning_s: float = 1e-3  # an excursion this much shorter than a command step is none
     plain_share: float = 0.4  # of a limit: below that no window is looked at more closely
     plain_turn_rad: float = 0.6  # of an axis from node to node
@@ -104,7 +109,7 @@ def _above(
     )
 
 
-@compiled
+@lean
 def _edge_by_elevation(
     c: CarrierTables,
     r: Vector,
@@ -132,7 +137,7 @@ def _edge_by_elevation(
     return t
 
 
-@compiled
+@lean
 def _edges_in_cell(
     c: CarrierTables,
     r: Vector,
@@ -224,7 +229,7 @@ def _spans_by_elevation(
     return edges_s[:count].copy().reshape(-1, 2), looks
 
 
-@compiled
+@lean
 def root_of(
     s: WindowScene,
     kind: int,
@@ -232,9 +237,9 @@ def root_of(
     low_state: tuple[float, float],
     high_state: tuple[float, float],
     tolerance_s: float,
-    delta_s: float,
+    of_rate: bool,
 ) -> float:
-    """Of a margin, or with a delta_s of its difference over twice that, between states (t, value).
+    """Of a margin or its rate, between states (t, value).
 
     Source: Chandrupatla 1997, Adv. Eng. Software 28, 145.
     """
@@ -242,10 +247,7 @@ def root_of(
     share, k, fk = 0.5, a, fa
     for _ in range(80):
         x = a + share * (b - a)
-        if delta_s == 0.0:
-            f = margin(s, kind, n, x)
-        else:
-            f = margin(s, kind, n, x + delta_s) - margin(s, kind, n, x - delta_s)
+        f = margin(s, kind, n, x, of_rate)
         if (f > 0.0) == (fa > 0.0):
             k, fk = a, fa
         else:
@@ -263,7 +265,7 @@ def root_of(
     return a if abs(fa) < abs(fb) else b
 
 
-@compiled
+@lean
 def turning_of(
     s: WindowScene,
     kind: int,
@@ -276,15 +278,14 @@ def turning_of(
 
     Within a millisecond of a smooth function's, within 50 ms of a kink.
     """
-    d = OPTIONS.delta_s
-    at_low = margin(s, kind, n, low_s + d) - margin(s, kind, n, low_s - d)
-    if sign * at_low <= 0.0:
-        return low_s
-    at_high = margin(s, kind, n, high_s + d) - margin(s, kind, n, high_s - d)
-    if sign * at_high >= 0.0:
+    rate, low = 0.0, 0.0
+    for end in range(2):
+        low, rate = rate, margin(s, kind, n, high_s if end else low_s, True)
+        if end == 0 and sign * rate <= 0.0:
+            return low_s
+    if sign * rate >= 0.0:
         return high_s
-    low, high = (low_s, at_low), (high_s, at_high)
-    return root_of(s, kind, n, low, high, OPTIONS.turning_s, d)
+    return root_of(s, kind, n, (low_s, low), (high_s, rate), OPTIONS.turning_s, True)
 
 
 @compiled
@@ -360,7 +361,7 @@ def _nodes_beside_masks(s: WindowScene, n: int, t_s: Array) -> Array:
     return nodes[:count].copy()
 
 
-@compiled
+@lean
 def _hidden_turn(
     s: WindowScene, kind: int, n: int, t_s: Array, f: Array, k: int
 ) -> tuple[float, float]:
@@ -391,7 +392,7 @@ def stretches(s: WindowScene, kind: int, n: int, t_s: Array, pairs_rad: Array) -
     f = np.empty(count)
     for k in range(count):
         if kind == REACH:
-            one, two = axes_at(s.g, platform_los(s.c, s.p, n, t_s[k]))
+            one, two = axes_at(s.g, sight_at(s.c, s.p, n, t_s[k]))
             pairs_rad[k, 0], pairs_rad[k, 1], pairs_rad[k, 2], pairs_rad[k, 3] = (
                 one[0],
                 one[1],
@@ -416,7 +417,7 @@ def stretches(s: WindowScene, kind: int, n: int, t_s: Array, pairs_rad: Array) -
                 continue
             if (f2 > 0.0) != (f1 > 0.0):
                 ends = (t1, f1), (t2, f2)
-                edges_s[found] = root_of(s, kind, n, ends[0], ends[1], OPTIONS.edge_s, 0.0)
+                edges_s[found] = root_of(s, kind, n, ends[0], ends[1], OPTIONS.edge_s, False)
                 found += 1
             t1, f1 = t2, f2
     if found % 2:
@@ -425,7 +426,7 @@ def stretches(s: WindowScene, kind: int, n: int, t_s: Array, pairs_rad: Array) -
     return edges_s[:found].copy().reshape(-1, 2)
 
 
-@compiled
+@lean
 def _is_lively(limit: Vector, t_s: Array, pairs_rad: Array, column: int) -> bool:
     """Whether an axis comes near to a limit of its motion from node to node."""
     rate_before, acceleration_before = 0.0, 0.0
@@ -450,7 +451,7 @@ def _is_lively(limit: Vector, t_s: Array, pairs_rad: Array, column: int) -> bool
     return False
 
 
-@compiled
+@lean
 def _may_wind_up(travel_rad: float, t_s: Array, pairs_rad: Array, column: int) -> bool:
     """Whether an axis may turn so far that no number of turns holds all of it."""
     turned_rad = 0.0
@@ -459,7 +460,7 @@ def _may_wind_up(travel_rad: float, t_s: Array, pairs_rad: Array, column: int) -
     return travel_rad > TURN_RAD and turned_rad > travel_rad - TURN_RAD
 
 
-@compiled
+@lean
 def _is_plain(g: Reach, t_s: Array, pairs_rad: Array) -> bool:
     """Whether one pair of angles, of both (n, 4), follows a window far from all limits."""
     stop_rad = OPTIONS.plain_stop_rad + max(

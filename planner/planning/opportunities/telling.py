@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from planner.base.arrays import Array, Indices, Mask
-from planner.base.compiled import compiled
+from planner.base.compiled import compiled, lean
 from planner.base.vectors import (
     TURN_RAD,
     angle_between,
@@ -33,6 +33,7 @@ from planner.planning.opportunities.looks import (
     up_at,
 )
 from planner.planning.opportunities.margins import CLOSENESS, ELEVATION, WindowScene, margin
+from planner.planning.opportunities.margins import OPTIONS as MOTION
 from planner.planning.opportunities.sweep import OPTIONS as SWEEP
 from planner.planning.opportunities.sweep import root_of
 from planner.world.frames.time_scales import DAY_S
@@ -63,24 +64,20 @@ class Told(NamedTuple):
     usable: Mask
 
 
-@compiled
+@lean
 def greatest(
     s: WindowScene, kind: int, n: int, start_s: float, stop_s: float
 ) -> tuple[float, float]:
     """When a margin is greatest from start_s to stop_s, and how great: at an end, or where its
     rate turns."""
-    d = SWEEP.delta_s
     cells = max(math.ceil((stop_s - start_s) / OPTIONS.turning_s), OPTIONS.cells_min)
-    at_s, most = start_s, margin(s, kind, n, start_s)
-    low_s = start_s
-    low = margin(s, kind, n, start_s + d) - margin(s, kind, n, start_s - d)
-    for k in range(1, cells + 1):
+    at_s, most, low_s, low = start_s, -math.inf, start_s, 1.0
+    for k in range(cells + 1):
         high_s = start_s + k / cells * (stop_s - start_s)
-        high = margin(s, kind, n, high_s + d) - margin(s, kind, n, high_s - d)
+        high = margin(s, kind, n, high_s, True)
         turns_s = high_s
-        if low > 0.0 > high:
-            ends = (low_s, low), (high_s, high)
-            turns_s = root_of(s, kind, n, ends[0], ends[1], SWEEP.turning_s, d)
+        if k > 0 and low > 0.0 > high:
+            turns_s = root_of(s, kind, n, (low_s, low), (high_s, high), SWEEP.turning_s, True)
         if low > 0.0:
             value = margin(s, kind, n, turns_s)
             if value > most:
@@ -147,7 +144,7 @@ def tell(s: WindowScene, target: Indices, edge_s: Array, samples: int) -> Told:
             for axis in range(2):
                 middle = 0.5 * (s.g.low[axis] + s.g.high[axis])
                 row[7 + axis] = middle + wrapped(both[branch[w], k, axis] - middle)
-            d_s = SWEEP.delta_s
+            d_s = MOTION.rate_s
             before = platform_los(s.c, s.p, n, t_s - d_s)
             rate = plus(platform_los(s.c, s.p, n, t_s + d_s), -1.0, before)
             rate = scaled(1.0 / (2.0 * d_s), rate)

@@ -11,12 +11,12 @@ import numpy as np
 
 from planner.base.arrays import Array, Indices
 from planner.base.effort import at_most
-from planner.planning.opportunities.carrier import Carrier, carrier_over
+from planner.planning.opportunities.carrier import Carrier
 from planner.planning.opportunities.closing import Closing, Unseen
 from planner.planning.opportunities.request import OpportunityConditions, OpportunityRequest
 from planner.planning.opportunities.search import highest, opportunities_however_many
 from planner.planning.opportunities.sights import in_sights
-from planner.planning.opportunities.windows import Opportunities, Windows
+from planner.planning.opportunities.windows import Windows
 from planner.world.frames.time_scales import shifted_utc
 from planner.world.targets.earth_fixed import EarthFixedTarget
 
@@ -44,15 +44,9 @@ _NARROWING: tuple[tuple[Closing, tuple[str, ...]], ...] = (
 )
 
 
-def unseen_of(request: OpportunityRequest, found: Opportunities) -> tuple[Unseen, ...]:
-    """Those of the request without a window, and why."""
-    unseen = np.setdiff1d(np.arange(len(request.targets)), found.windows.target).tolist()
-    if not unseen:
-        return ()
-    ephemeris = request.orbit.ephemeris(request.start, request.stop)
-    carrier = carrier_over(
-        ephemeris, request.attitude, request.platform, request.start, request.stop
-    )
+def unseen_of(request: OpportunityRequest, carrier: Carrier, seen: Indices) -> tuple[Unseen, ...]:
+    """Those of the request without a window, and why; seen: rows of those that have one."""
+    unseen = np.setdiff1d(np.arange(len(request.targets)), seen).tolist()
     return unseen_because(request, carrier, unseen, {})
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from datetime import datetime
-from typing import Literal, TypeVar
+from typing import Literal, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,20 +86,13 @@ class TargetSky:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Windows:
-    """Arrays of shape (windows,) unless said otherwise.
+class WindowEdges:
+    """Windows as they are found, arrays of shape (windows,), by target and time.
 
-    target: row of the request's targets.  rise_s, set_s: since `Opportunities.start_utc`.
+    target: row of the request's targets.  rise_s, set_s: since the search's start.
     held_from_s, held_to_s: the longest part that a session can hold its target over, or NaN.
     opened_by, closed_by: which `Cause` made the edge; "interval" is the request's own start
     or stop.
-    highest_s, highest_rad: greatest elevation within the window.
-    closest: at the least range (for a target in space, at the greatest height above the limb).
-    through: at instants spread evenly from rise to set.
-    sky: the carrier and the Sun in the target's sky at rise, greatest elevation and set.
-    branches: (windows, 2), which rows of `axis_angles` stay within the stops, at the samples
-    and the closest approach; none of them where the axes would have to change over.
-    branch: the one reported, that with less turn of the inner axis (Sumarokov 2016, p. 88).
     """
 
     target: NDArray[np.intp]
@@ -109,18 +102,11 @@ class Windows:
     held_to_s: Array
     opened_by: NDArray[np.str_]
     closed_by: NDArray[np.str_]
-    highest_s: Array
-    highest_rad: Array
-    closest: Sightings
-    through: Sightings
-    sky: TargetSky
-    branch: NDArray[np.intp]
-    branches: NDArray[np.bool_]
 
     def __len__(self) -> int:
         return len(self.target)
 
-    def select(self, rows: NDArray[np.bool_] | Indices) -> "Windows":
+    def select(self, rows: NDArray[np.bool_] | Indices | slice) -> Self:
         """Select those at `rows`."""
         return _concatenate_sorted([self], rows)
 
@@ -135,6 +121,28 @@ class Windows:
         last = np.minimum(last, first + SESSION_MAX_S * ROWS_PER_S)
         rows = np.where(last > first, np.stack([first, last]), np.nan)
         return np.asarray((rows / ROWS_PER_S - before_s).T)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Windows(WindowEdges):
+    """Windows and what is told of each, arrays of shape (windows,) unless said otherwise.
+
+    highest_s, highest_rad: greatest elevation within the window.
+    closest: at the least range (for a target in space, at the greatest height above the limb).
+    through: at instants spread evenly from rise to set.
+    sky: the carrier and the Sun in the target's sky at rise, greatest elevation and set.
+    branches: (windows, 2), which rows of `axis_angles` stay within the stops, at the samples
+    and the closest approach; none of them where the axes would have to change over.
+    branch: the one reported, that with less turn of the inner axis (Sumarokov 2016, p. 88).
+    """
+
+    highest_s: Array
+    highest_rad: Array
+    closest: Sightings
+    through: Sightings
+    sky: TargetSky
+    branch: NDArray[np.intp]
+    branches: NDArray[np.bool_]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -154,7 +162,10 @@ class Opportunities:
     windows: Windows
 
 
-def in_order(parts: Sequence[Windows]) -> Windows:
+Edges = TypeVar("Edges", bound=WindowEdges)
+
+
+def in_order(parts: Sequence[Edges]) -> Edges:
     """All of the parts' windows, by target and time."""
     order = np.lexsort(
         (
@@ -165,7 +176,7 @@ def in_order(parts: Sequence[Windows]) -> Windows:
     return _concatenate_sorted(parts, order)
 
 
-def _concatenate_sorted(parts: Sequence[T], order: NDArray[np.bool_] | Indices) -> T:
+def _concatenate_sorted(parts: Sequence[T], order: NDArray[np.bool_] | Indices | slice) -> T:
     """The arrays of like dataclasses, however deep, end to end and then put in order."""
     columns: dict[str, object] = {}
     for field in fields(parts[0]):  # type: ignore[arg-type]  # T is a dataclass

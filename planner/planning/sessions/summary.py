@@ -19,7 +19,7 @@ class SessionSummary:
     id: as the request gives it; null for none. E.g. `"LV-7"`.
     name: as the request gives it; null for none. E.g. `"Las Vegas, east"`.
     mode: of the target. E.g. `"ground"`.
-    target: the target in a few words. E.g. `"36.1147, -115.1728"`.
+    target: the target in a few words. E.g. `"near Las Vegas (36.1147, -115.1728)"`.
     start_utc: its first row; UTC.
     stop_utc: its last row; UTC.
     best_elevation_rad: the carrier's highest in the target's sky during the session; null unless

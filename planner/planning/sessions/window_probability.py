@@ -9,7 +9,7 @@ from planner.base.arrays import Array
 from planner.base.effort import at_most
 from planner.motion.pointing.angles import axis_angles
 from planner.motion.pointing.line_of_sight import line_of_sight
-from planner.planning.opportunities import Opportunities, OpportunityRequest
+from planner.planning.opportunities import OpportunityRequest, Windows
 from planner.planning.sessions.uncertainty import OPTIONS as BUDGET
 from planner.planning.sessions.uncertainty import PointingScene, error_biases, stay_probability
 from planner.world.frames.time_scales import Instants
@@ -30,18 +30,18 @@ class WindowProbabilityOptions:
 OPTIONS = WindowProbabilityOptions()
 
 
-def probabilities_in_frame(request: OpportunityRequest, found: Opportunities) -> Array:
+def probabilities_in_frame(request: OpportunityRequest, windows: Windows) -> Array:
     """That the target stays in the camera's frame over the longest session of each window.
 
     As the budget of a plan of that session has it, on the branch that the window reports; errors of
     the table itself are none.  Shape (windows,).  NaN where there is no session, or no pair of
     angles throughout; and for the latest windows where there are more than 500.
     """
-    probability = np.full(len(found.windows), np.nan)
+    probability = np.full(len(windows), np.nan)
     ephemeris = request.orbit.ephemeris(request.start, request.stop)
-    sessions_s = found.windows.sessions_s(request.start)
+    sessions_s = windows.sessions_s(request.start)
     with at_most(OPTIONS.most):
-        for window in np.argsort(found.windows.rise_s, kind="stable"):
+        for window in np.argsort(windows.rise_s, kind="stable"):
             if not np.isnan(sessions_s[window, 0]):
                 effort.charge(OPTIONS.window)
                 start_s, stop_s = sessions_s[window]
@@ -49,9 +49,9 @@ def probabilities_in_frame(request: OpportunityRequest, found: Opportunities) ->
                 probability[window] = _session_probability(
                     request,
                     ephemeris,
-                    request.targets[found.windows.target[window]].target,
+                    request.targets[windows.target[window]].target,
                     Instants(request.start, t_s),
-                    int(found.windows.branch[window]),
+                    int(windows.branch[window]),
                 )
     return probability
 

@@ -8,7 +8,12 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.csv_cells import comment_lines
-from planner.output.export.ccsds import QUATERNION_DECIMALS, attitude_message
+from planner.output.export.ccsds import (
+    BODY_FRAME,
+    QUATERNION_DECIMALS,
+    AttitudeSegment,
+    attitude_message,
+)
 from planner.output.export.csv import rows_csv
 from planner.output.export.description import DECIMALS, QUATERNION, TIME_SCALE, one_line
 from planner.output.export.netcdf import describe
@@ -132,8 +137,6 @@ def write_aem(plan: SessionTable, created_utc: datetime) -> bytes:
         created_utc,
         session_notes(plan, created_utc),
         plan.request.orbit,
-        "SC_BODY_1",
         Instants(table.epoch_utc, table.t_s),
-        continuous(table.q_body_from_eci),
-        table.omega_body_rad_s,
+        [AttitudeSegment(BODY_FRAME, continuous(table.q_body_from_eci), table.omega_body_rad_s)],
     )

@@ -1,8 +1,9 @@
 """The platforms known by name."""
 
+from planner.world.platforms.body import BodyPlatform
 from planner.world.platforms.camera import PIXELS_ARCSEC, Camera
 from planner.world.platforms.carrier_mode import CarrierMode
-from planner.world.platforms.choice import PLATFORMS, AnyPlatform, Platform
+from planner.world.platforms.choice import BODIES, PLATFORMS, AnyPlatform, Platform
 from planner.world.platforms.definition import (
     AngleDeg,
     AxisDefinition,
@@ -22,6 +23,7 @@ from planner.world.platforms.two_axis import (
 )
 
 __all__ = [
+    "BODIES",
     "IDEAL_DRIVE",
     "ISS_HRC",
     "PIXELS_ARCSEC",
@@ -31,6 +33,7 @@ __all__ = [
     "AxisDefinition",
     "AxisDrive",
     "AxisLimits",
+    "BodyPlatform",
     "Camera",
     "CarrierMode",
     "FieldMask",

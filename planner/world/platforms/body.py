@@ -123,10 +123,10 @@ class PushbroomCamera:
     boresight_body: direction that the middle of the line looks in; needs no unit length.
     line_body: direction along the line of pixels, square to the boresight. With it as +Y and the
     boresight as +Z, the image moves along +X.
-    pixel_arcsec: angle a pixel sees.
-    pixels: number of pixels of the line.
+    pixel_arcsec: angle a pixel sees. E.g. `0.275`.
+    pixels: number of pixels of the line. E.g. `8192`.
     tdi_lines: lines that are added up.
-    both_ways: whether the image may also move the other way, as TDI in both directions lets it.
+    both_ways: true where the image may move the other way, too, as TDI in both directions lets it.
     line_rate_max_hz: largest number of lines in a second.
     """
 
@@ -247,7 +247,7 @@ class SunIdle:
 
     direction_body: to the Sun, such as the normal of the panels. E.g. `[0.0, 0.0, -1.0]`.
     north_body: as near to the celestial north pole as the first lets it; unless given, the body
-    axis least along the first one.
+    axis least along the first one. E.g. `[1.0, 0.0, 0.0]`.
     """
 
     law: Literal["sun"] = "sun"
@@ -308,7 +308,7 @@ class PointingKnowledge:
 class StarTracker:
     """A star tracker, which sees no stars too near to the Sun, the Moon or the Earth.
 
-    name: name of the tracker in margins and refusals.
+    name: name of the tracker in margins and refusals. E.g. `"st1"`.
     boresight_body: direction it looks in; needs no unit length. E.g. `[0.5, -0.6, -0.62]`.
     sun_deg: least angle from the edge of the Sun's disk.
     moon_deg: least angle from the edge of the Moon's disk.
@@ -360,7 +360,7 @@ class Exclusion:
     direction_body: the direction that keeps away; needs no unit length. E.g. `[0.0, 1.0, 0.0]`.
     away_from: "sun" and "moon" count from the edge of the disk, and not while the Earth hides it;
     "limb" from the Earth's edge, outwards; "glint" from where a calm sea would mirror the Sun.
-    min_deg: least angle between them.
+    min_deg: least angle between them. E.g. `30.0`.
     when: always, or only while the camera images.
     """
 
@@ -383,16 +383,18 @@ class Exclusion:
 class BodyPlatform:
     """A spacecraft that turns as a whole, within an envelope of agility.
 
-    name: name of the platform in plans.
+    kind: body, a spacecraft that turns as a whole.
+    name: name of the platform in plans. E.g. `"smallsat-120kg"`.
     agility: the motion that it can do, by magnitude or by body axis.
     off_nadir_max_deg: largest angle between boresight and geocentric nadir while a target on the
     Earth is imaged; targets in the sky know no such limit.
-    roll: how the camera lies about the line of sight, for targets that move over the ground and,
-    but for lines_across_motion, all others, too; a session may have its own. Where the image
-    stands still, lines_across_motion gives way to nearest.
+    roll: rule by which the camera lies about the line of sight. lines_across_motion gives way to
+    nearest for targets that don't move over the ground, azimuth for those in the sky.
     idle: the attitude between sessions.
-    inertia_kg_m2: of the whole spacecraft about its centre of mass, in body axes.
-    torque_max_n_m: length of the largest torque on the body, with the inertia.
+    inertia_kg_m2: of the whole spacecraft about its centre of mass, in body axes. E.g.
+    `[[11.0, 0.1, 0.0], [0.1, 13.0, 0.0], [0.0, 0.0, 9.0]]`.
+    torque_max_n_m: length of the largest torque on the body, with the inertia: the motion that
+    agility allows must not ask for more. E.g. `0.03`.
     camera: the camera on the body: its frame, or its line.
     knowledge: errors of the attitude.
     star_trackers: star trackers, and the number that must see stars while imaging.
@@ -419,6 +421,7 @@ class BodyPlatform:
         _require_name(self.name)
         if self.inertia_kg_m2 is not None:
             _require_physical(np.array(self.inertia_kg_m2))
+            self._require_torque(np.array(self.inertia_kg_m2))
         elif self.torque_max_n_m is not None:
             raise ValueError(
                 "torque_max_n_m says nothing without inertia_kg_m2: give both, or leave it out"
@@ -434,6 +437,19 @@ class BodyPlatform:
                 self.roll.direction_body,
                 "camera.boresight_body",
                 self.camera.boresight_body,
+            )
+
+    def _require_torque(self, inertia_kg_m2: Array) -> None:
+        """J alpha + omega x J omega at most: the second by half the spread of the moments."""
+        rate, acceleration, _ = self.agility.by_order_rad
+        if self.agility.limits == "magnitude":
+            rate, acceleration = rate[:1], acceleration[:1]
+        least, _, most = np.linalg.eigvalsh(inertia_kg_m2)
+        needed_n_m = most * math.hypot(*acceleration) + 0.5 * (most - least) * (rate @ rate)
+        if self.torque_max_n_m is not None and self.torque_max_n_m < needed_n_m:
+            raise ValueError(
+                f"torque_max_n_m must be {needed_n_m:.4g} or more, which agility may ask for, not "
+                f"{self.torque_max_n_m:g}: or lower agility.acceleration_max_deg_s2"
             )
 
     @property

@@ -3,7 +3,9 @@
 import math
 from collections.abc import Mapping
 from dataclasses import field
-from typing import Annotated
+from typing import Annotated, Literal
+
+from pydantic import WithJsonSchema
 
 from planner.base.spec import UnitPart, Within, spec
 from planner.world.platforms.camera import HRC_CAMERA, Camera
@@ -90,6 +92,7 @@ class AxisDefinition:
 class PlatformDefinition:
     """A two-axis platform: `outer` is fixed to the base and carries `inner`.
 
+    kind: two_axis, which may be left out.
     name: name of the platform in plans.
     outer: the axis fixed to the base.
     inner: the axis that the outer one carries.
@@ -109,6 +112,10 @@ class PlatformDefinition:
     structural_modes: up to 8 in which the carrier rocks when the axes accelerate.
     """
 
+    kind: Annotated[
+        Literal["two_axis"],
+        WithJsonSchema({"type": "string", "enum": ["two_axis"], "default": "two_axis"}),
+    ] = "two_axis"
     name: str
     outer: AxisDefinition
     inner: AxisDefinition

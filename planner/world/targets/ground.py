@@ -11,6 +11,7 @@ from planner.base.spec import spec
 from planner.world.frames.geodesy import HeightM, LatitudeDeg, LongitudeDeg, itrf_from_geodetic
 from planner.world.frames.time_scales import Instants
 from planner.world.targets.earth_fixed import EarthFixedTarget, ElevationDeg, place_text
+from planner.world.targets.gazetteer import town_near
 from planner.world.targets.refraction import Refraction
 
 
@@ -29,10 +30,12 @@ class GroundTarget(EarthFixedTarget):
     min_elevation_deg: ElevationDeg = 0.0
     refraction: Refraction = "none"
 
-    @property
+    @cached_property
     def label(self) -> str:
-        """Its place."""
-        return place_text(self.latitude_deg, self.longitude_deg)
+        """Its place, and a town that people know where there is one."""
+        place = place_text(self.latitude_deg, self.longitude_deg)
+        town = town_near(self.latitude_deg, self.longitude_deg)
+        return f"near {town} ({place})" if town else place
 
     def r_target_itrf_m(self, instants: Instants) -> Array:
         """Shape (n, 3), the same point n times."""

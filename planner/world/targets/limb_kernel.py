@@ -8,14 +8,14 @@ import math
 import numpy as np
 
 from planner.base.arrays import Array
-from planner.base.compiled import compiled
+from planner.base.compiled import lean
 from planner.base.vectors import Vector, angle_between, cross, dot, norm, plus, scaled, unit
 from planner.world.frames.geodesy import WGS84_A_M, WGS84_B_M, WGS84_F
 from planner.world.targets.earth_limb import REFRACTION_PASSES
 from planner.world.targets.standard_atmosphere import TOP_M
 
 
-@compiled
+@lean
 def above_limb(d: Vector, r_sat: Vector, grazing_m: float) -> float:
     """As `planner.world.targets.earth_limb.limb_clearance_rad`."""
     a, b = WGS84_A_M + grazing_m, WGS84_B_M + grazing_m
@@ -29,7 +29,7 @@ def above_limb(d: Vector, r_sat: Vector, grazing_m: float) -> float:
     return angle_between(d, nadir) - angle_between((limb[0] * a, limb[1] * a, limb[2] * b), nadir)
 
 
-@compiled
+@lean
 def _unit_across(v: Vector, axis: Vector) -> Vector:
     """Direction of the part of `v` across the unit vector `axis`; any where it has none."""
     across = plus(v, -dot(v, axis), axis)
@@ -38,7 +38,7 @@ def _unit_across(v: Vector, axis: Vector) -> Vector:
     return unit(across)
 
 
-@compiled
+@lean
 def refracted(spline_coefficients: Array, d: Vector, r_sat: Vector) -> Vector:
     """As `planner.world.targets.earth_limb.refract`."""
     height_m = _line_height_m(d, r_sat)
@@ -57,7 +57,7 @@ def refracted(spline_coefficients: Array, d: Vector, r_sat: Vector) -> Vector:
     return seen if height_m < TOP_M else d
 
 
-@compiled
+@lean
 def _bending(spline_coefficients: Array, height_m: float) -> tuple[float, float]:
     """The air's, rad, and the derivative of its logarithm, 1/m; as `bending_rad`."""
     k = spline_coefficients
@@ -72,7 +72,7 @@ def _bending(spline_coefficients: Array, height_m: float) -> tuple[float, float]
     return math.exp(value + beyond * (height_m - inside)), slope
 
 
-@compiled
+@lean
 def _line_height_m(d: Vector, r_sat: Vector) -> float:
     """Least height above the ellipsoid along a line of sight; infinite where it only climbs."""
     a, b = WGS84_A_M, WGS84_B_M

@@ -54,7 +54,10 @@ export function number(value: number | null | undefined, decimals = 1): string {
 /** With so many significant digits. */
 export function digits(value: number | null | undefined, count = 3): string {
   if (value == null || !Number.isFinite(value)) return "–";
-  if (value !== 0 && Math.abs(value) < 1e-3) return value.toExponential(count - 1);
+  if (value !== 0 && Math.abs(value) < 1e-3) {
+    const [whole, power] = value.toExponential(count - 1).split("e");
+    return `${number(Number(whole), count - 1)}e${power}`;
+  }
   return (value + 0).toLocaleString(language.value, {
     maximumSignificantDigits: count,
     useGrouping: false,

@@ -1,5 +1,6 @@
 /** Names of kept work, the same in every list. */
 import { period } from "./forms";
+import { words } from "./index";
 
 interface Named {
   id: string;
@@ -9,9 +10,14 @@ interface Named {
   stop: string | null;
 }
 
+/** A target in the service's few words, told in the page's language. */
+export function targetTold(target: string): string {
+  return words.value.service.told(target);
+}
+
 /** What a person called it, or else what it looks at. */
 export function nameOf({ id, name, targets }: Pick<Named, "id" | "name" | "targets">): string {
-  return name || targets.join(", ") || id;
+  return name || targets.map(targetTold).join(", ") || id;
 }
 
 /** "Las Vegas, 27 Feb 2015 17:36:20–17:37:50 UTC". */

@@ -12,6 +12,8 @@ import { clampLatitude, type LonLat, middleOf, wrap } from "./places";
 export interface Drawing {
   projection: GeoProjection;
   path: GeoPath;
+  /** Of the map, in pixels. */
+  wide: number;
 }
 
 interface Props {
@@ -161,7 +163,7 @@ export function EarthMap({ label, hint, around, aroundLabel, fits, onPick, heigh
         <path class="graticule" d={ground.graticule} />
         <path class="land" d={ground.land} />
         <path class="borders" d={ground.borders} />
-        {wide > 0 && children({ projection, path })}
+        {wide > 0 && children({ projection, path, wide })}
         {onPick && <Cross point={cross && projection(cross)} />}
       </svg>
       <div class="map-tools">

@@ -2,13 +2,7 @@
 const LETTER_PX = 6.8;
 const HIGH_PX = 13;
 const MARK_PX = 9; // half of what a mark takes, with air
-
-export interface Label {
-  /** The mark's middle. */
-  x: number;
-  y: number;
-  text: string;
-}
+const CELL_PX = 40; // about as wide as a short name
 
 /** Where a name begins, or ends, from its mark's middle on; on its baseline. */
 export interface Placing {
@@ -32,30 +26,61 @@ const PLACINGS: readonly Placing[] = [
   { x: 0, y: -12, "text-anchor": "middle" },
 ];
 
-/** In the labels' order; null for a name without a free place.  wide: of the map, beyond which nothing is read. */
-export function arrange(labels: readonly (Label | null)[], wide: number): (Placing | null)[] {
-  const marks = labels.flatMap((one) => (one ? [markOf(one)] : []));
-  const shown: Box[] = [];
-  return labels.map((label) => {
-    if (!label) return null;
-    const own = markOf(label);
-    const isOwn = (box: Box) => box.left === own.left && box.top === own.top;
-    const others = [...shown, ...marks.filter((box) => !isOwn(box))];
+/**
+ * Where each mark's name stands: in the marks' order; null for a name without a free place.
+ * wide: of the map, beyond which nothing is read.
+ */
+export function placeNames(
+  points: readonly (readonly [number, number] | null)[],
+  names: readonly string[],
+  wide: number,
+): (Placing | null)[] {
+  const boxes = new Boxes();
+  const marks = points.map((point) => point && boxes.add(markOf(point)));
+  return points.map((point, k) => {
+    if (!point) return null;
     for (const placing of PLACINGS) {
-      const box = boxOf(label, placing);
-      if (box.left < 0 || box.right > wide || others.some((one) => overlap(one, box))) continue;
-      shown.push(box);
+      const box = boxOf(point, names[k] ?? "", placing);
+      if (box.left < 0 || box.right > wide || boxes.meet(box, marks[k] ?? null)) continue;
+      boxes.add(box);
       return placing;
     }
     return null;
   });
 }
 
-function markOf({ x, y }: Label): Box {
+/** Boxes found by the cells of a grid that they touch: as many as lie around, not all, are compared. */
+class Boxes {
+  private readonly cells = new Map<string, Box[]>();
+
+  add(box: Box): Box {
+    for (const key of cellsOf(box)) {
+      const held = this.cells.get(key);
+      if (held) held.push(box);
+      else this.cells.set(key, [box]);
+    }
+    return box;
+  }
+
+  /** Whether it lies on any of them; on marks in its own mark's very place it may. */
+  meet(box: Box, own: Box | null): boolean {
+    const isOwn = (one: Box) => own !== null && one.left === own.left && one.top === own.top;
+    return cellsOf(box).some((key) => this.cells.get(key)?.some((one) => !isOwn(one) && overlap(one, box)));
+  }
+}
+
+function cellsOf({ left, right, top, bottom }: Box): string[] {
+  const keys: string[] = [];
+  for (let x = Math.floor(left / CELL_PX); x <= Math.floor(right / CELL_PX); x++)
+    for (let y = Math.floor(top / CELL_PX); y <= Math.floor(bottom / CELL_PX); y++) keys.push(`${x},${y}`);
+  return keys;
+}
+
+function markOf([x, y]: readonly [number, number]): Box {
   return { left: x - MARK_PX, right: x + MARK_PX, top: y - MARK_PX, bottom: y + MARK_PX };
 }
 
-function boxOf({ x, y, text }: Label, placing: Placing): Box {
+function boxOf([x, y]: readonly [number, number], text: string, placing: Placing): Box {
   const wide = text.length * LETTER_PX;
   const before = { start: 0, middle: wide / 2, end: wide }[placing["text-anchor"]];
   const left = x + placing.x - before;
@@ -65,18 +90,4 @@ function boxOf({ x, y, text }: Label, placing: Placing): Box {
 
 function overlap(one: Box, other: Box): boolean {
   return one.left < other.right && other.left < one.right && one.top < other.bottom && other.top < one.bottom;
-}
-
-/** Whether each name to the right of its mark hides none before it. */
-export function readable(labels: readonly (Label | null)[]): boolean[] {
-  const shown: Label[] = [];
-  return labels.map((label) => {
-    if (!label) return false;
-    const wide = label.text.length * LETTER_PX;
-    const isFree = shown.every(
-      ({ x, y, text }) => Math.abs(y - label.y) > HIGH_PX || label.x > x + text.length * LETTER_PX || label.x + wide < x,
-    );
-    if (isFree) shown.push(label);
-    return isFree;
-  });
 }

@@ -11,14 +11,15 @@ const MOST_DAYS = 31;
 const DAY_MS = 86_400_000;
 const tracks = new Map<string, Track>();
 
-/** Ground track and eclipses; why there are none where the service refuses. */
+/** Ground track and eclipses, a row each so many seconds; why there are none where the service refuses. */
 export async function fetchTrack(
   orbit: Orbit,
   [from_ms, to_ms]: readonly [number, number],
+  step_s: number,
   until: AbortSignal,
 ): Promise<Track | Problem | null> {
   if (to_ms - from_ms > MOST_DAYS * DAY_MS) return null;
-  const request = { orbit, start: rfc3339(from_ms), stop: rfc3339(to_ms), step_s: 60 };
+  const request = { orbit, start: rfc3339(from_ms), stop: rfc3339(to_ms), step_s };
   const key = JSON.stringify(request);
   try {
     const track = tracks.get(key) ?? (await post("/v1/orbits/tracks", request, { signal: until }));

@@ -4,7 +4,7 @@ import { useRef, useState } from "preact/hooks";
 import { get, type Schemas } from "../api/client";
 import { useRequest } from "../api/request";
 import { words } from "../i18n";
-import { labelOf } from "../i18n/labels";
+import { labelOf, targetTold } from "../i18n/labels";
 import { fetchPlan, isPlan, type Plan } from "../rooms/plan/plan";
 import { Combobox, type Offer } from "./Combobox";
 import { Field } from "./Field";
@@ -38,7 +38,7 @@ export function PlanField({ id, onId, kept: { plan, error } }: Props) {
         const known = idOf.current.get(label);
         const value = known === undefined || known === one.id ? label : `${label} · ${one.id.slice(-8)}`;
         idOf.current.set(value, one.id);
-        return { value, told: one.name ? one.targets.join(", ") : "" };
+        return { value, told: one.name ? one.targets.map(targetTold).join(", ") : "" };
       }),
     );
   const take = (value: string) => {

@@ -1,7 +1,10 @@
 /** One pass as it is drawn and told: the light at the target, and how sharp it is seen. */
 import type { Schemas } from "../api/client";
 
-export type Pass = Pick<Schemas["WindowOut"], "rise" | "set" | "duration_s" | "highest_deg" | "closest" | "through" | "place">;
+export type Pass = Pick<
+  Required<Schemas["WindowOut"]>,
+  "rise" | "set" | "duration_s" | "highest_deg" | "closest" | "through" | "place"
+>;
 export type Light = "day" | "low" | "twilight" | "night";
 
 /** Of the Sun at the target; null in space. */

@@ -254,7 +254,9 @@ class BodyMover:
             iterations=sum(run.iterations for run in runs),
             wall_s=join.slew.wall_s,
             duration_s=slew.duration_s,
-            minimum_s=slew.least_s,
+            minimum_s=self.least_s(
+                rows_of(slew.motion, slice(1)), rows_of(slew.motion, slice(-1, None))
+            ),
             cost_rad2_s5=slew.cost_rad2_s5,
             lower_bound_rad2_s5=slew.bound_rad2_s5,
             gap=gap,

@@ -84,8 +84,7 @@ def _least(
 
     def margins_rad(cell: Indices, u_s: Array) -> Array:
         parts = []
-        for first in range(0, len(cell), ROWS_AT_ONCE):
-            part = slice(first, first + ROWS_AT_ONCE)
+        for part in np.array_split(np.arange(len(cell)), len(cell) // ROWS_AT_ONCE + 1):
             instants = Instants(epoch_utc, cell[part] / ROWS_PER_S + u_s[part])
             states = ephemeris.states(instants)
             at = FlownInstants(cell[part], u_s[part], instants)

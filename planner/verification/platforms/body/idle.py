@@ -1,5 +1,7 @@
 """The attitude between sessions, by the judge's own Sun and its own triads."""
 
+from datetime import datetime
+
 import numpy as np
 
 from planner.base.arrays import Array, cross
@@ -14,20 +16,18 @@ DIFFERENCE_S = (
 )
 
 
-def idle_motion(law: IdleLaw, instants: Instants, ephemeris: Ephemeris) -> tuple[Array, Array]:
-    """Rows of the body's axes in ECI, (n, 3, 3), and the rates in them, rad/s, (n, 3).
+def idle_motion(
+    law: IdleLaw, epoch_utc: datetime, t_s: float, ephemeris: Ephemeris
+) -> tuple[Array, Array]:
+    """At one instant: rows of the body's axes in ECI, (3, 3), and the rates in them, rad/s, (3,).
 
     Rates are central differences of the axes.
     """
-    axes = _axes_eci(law, instants, ephemeris)
-    later, sooner = (
-        _axes_eci(law, Instants(instants.epoch_utc, instants.t_s + step_s), ephemeris)
-        for step_s in (DIFFERENCE_S, -DIFFERENCE_S)
-    )
+    around_s = t_s + DIFFERENCE_S * np.array([-1.0, 0.0, 1.0])
+    sooner, axes, later = _axes_eci(law, Instants(epoch_utc, around_s), ephemeris)
     # An axis moves by w x axis: so w is the sum of axis x its velocity, halved.
     velocity = (later - sooner) / (2.0 * DIFFERENCE_S)
-    omega_eci_rad_s = 0.5 * np.sum(cross(axes, velocity), axis=1)
-    return axes, np.einsum("nij,nj->ni", axes, omega_eci_rad_s)
+    return axes, np.asarray(axes @ (0.5 * np.sum(cross(axes, velocity), axis=0)))
 
 
 def _axes_eci(law: IdleLaw, instants: Instants, ephemeris: Ephemeris) -> Array:

@@ -24,7 +24,7 @@ from planner.verification.report import (
     table_fault,
 )
 from planner.verification.structure import covers, session_rows
-from planner.world.frames.time_scales import Instants, shifted_utc
+from planner.world.frames.time_scales import shifted_utc
 from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.platforms.body import BodyPlatform
 from planner.world.scenario import Scenario
@@ -98,16 +98,12 @@ class BodyJudge:
         if self._scenario.final_state is not None:
             ends.append(("final_state", "the last row", len(self._table.position) - 1))
         for limit, name, row in ends:
-            at = Instants(self._table.epoch_utc, self._table.t_s[[row]])
-            axes_eci, omega_body_rad_s = idle_motion(self._platform.idle, at, self._ephemeris)
-            q_xyzw = self._table.position[[row]]
-            off_rad = max(
-                float(apart_rad(turned(q_xyzw, axis), axes_eci[:, k])[0])
-                for k, axis in enumerate(np.eye(3))
+            axes_eci, omega_body_rad_s = idle_motion(
+                self._platform.idle, self._table.epoch_utc, row / ROWS_PER_S, self._ephemeris
             )
-            rate_off_rad_s = float(
-                np.linalg.norm(self._table.rate_rad_s[row] - omega_body_rad_s[0])
-            )
+            q_xyzw = np.repeat(self._table.position[[row]], 3, axis=0)
+            off_rad = float(apart_rad(turned(q_xyzw, np.eye(3)), axes_eci).max())
+            rate_off_rad_s = float(np.linalg.norm(self._table.rate_rad_s[row] - omega_body_rad_s))
             if off_rad > END_ANGLE_TOLERANCE_RAD or rate_off_rad_s > END_RATE_TOLERANCE_RAD_S:
                 yield self._of_row(
                     limit,

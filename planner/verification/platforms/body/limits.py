@@ -6,7 +6,7 @@ from datetime import datetime
 import numpy as np
 
 from planner.base.arrays import Array
-from planner.base.commands import COMMAND_STEP_S
+from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.verification.limits import RELATIVE_TOLERANCE
 from planner.verification.platforms.body.quintic import FlownMotion
 from planner.verification.report import Limit, LimitMargin
@@ -31,9 +31,9 @@ def body_margins(
     quintic's rings.
     """
     h = COMMAND_STEP_S
-    jerk_rad_s3: Array = np.diff(row_alpha_rad_s2, axis=0) / h
-    jerk_s = np.arange(len(jerk_rad_s3)) * h
-    rate_max, acceleration_max, jerk_max = map(np.asarray, agility.by_order_rad)
+    jerk_rad_s3 = (row_alpha_rad_s2[1:] - row_alpha_rad_s2[:-1]) / h
+    jerk_s = np.asarray(np.arange(len(jerk_rad_s3)) / ROWS_PER_S)
+    rate_max, acceleration_max, jerk_max = agility.by_order_rad
     kinds: tuple[tuple[Limit, Array, Array, Array, Array], ...] = (
         ("rate", t_s, flown.omega_body_rad_s, rate_max, RATE_RINGS * jerk_max * h**2),
         (
@@ -43,7 +43,7 @@ def body_margins(
             acceleration_max,
             ACCELERATION_RINGS * jerk_max * h,
         ),
-        ("jerk", jerk_s, jerk_rad_s3, jerk_max, np.zeros(3)),
+        ("jerk", jerk_s, jerk_rad_s3, jerk_max, 0.0 * jerk_max),
     )
     whole = isinstance(agility, MagnitudeAgility)
     names = (WHOLE_BODY,) if whole else ("x", "y", "z")

@@ -21,6 +21,7 @@ RADIUS_M = {"sun": 695_700e3, "moon": 1_737.4e3}
 GLINT_STARTS = 60  # along the Earth's arc from below the carrier to its horizon: 100 km at most
 GLINT_PASSES = 8  # of Newton's
 GLINT_STEP = 1e-6  # of the arc, for his slopes
+ASIDE_MAX = 0.05  # the ellipsoid leads out of the plane by its flattening, 1/298, a few times
 SEMI_AXES_M = WGS84_A_M * np.array([1.0, 1.0, 1.0 / WGS84_A_OVER_B])
 
 
@@ -116,8 +117,11 @@ def mirror_direction(sun_itrf: Array, r_sat_itrf_m: Array) -> tuple[Array, Array
             for a, b in zip((f, g), off(along, aside + GLINT_STEP), strict=True)
         )
         size = f_along * g_aside - f_aside * g_along
-        along = np.clip(along - (f * g_aside - g * f_aside) / size, 0.0, horizon_rad)
-        aside = aside - (g * f_along - f * g_along) / size
+        with np.errstate(divide="ignore", invalid="ignore"):  # where nothing mirrors
+            ahead_rad = along - (f * g_aside - g * f_aside) / size
+            aside = aside - (g * f_along - f * g_along) / size
+        along = np.clip(np.nan_to_num(ahead_rad), 0.0, horizon_rad)
+        aside = np.clip(np.nan_to_num(aside), -ASIDE_MAX, ASIDE_MAX)
     los_m = point_m(along, aside) - r_sat_itrf_m
     n = normal(along, aside)
     is_seen = np.sum(los_m * n, axis=1) < 0.0

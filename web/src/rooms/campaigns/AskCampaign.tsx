@@ -5,7 +5,7 @@ import example from "../../../../examples/campaign_cities.json";
 import { Problem } from "../../api/problem";
 import { words } from "../../i18n";
 import { EarthMap } from "../../map/EarthMap";
-import { readable } from "../../map/labels";
+import { placeNames } from "../../map/labels";
 import type { LonLat } from "../../map/places";
 import { DropZone } from "../../parts/DropZone";
 import { Field } from "../../parts/Field";
@@ -92,21 +92,16 @@ export function AskCampaign() {
             fits={!hasPicked}
             onPick={pick}
           >
-            {({ projection }) => {
+            {({ projection, wide }) => {
               const points = places.map((one) => one && projection(one));
-              const named = readable(
-                points.map((point, k) => point && { x: point[0] + 7, y: point[1], text: targets[k]?.id ?? "" }),
-              );
+              const names = targets.map((one) => one.id);
+              const placings = placeNames(points, names, wide);
               return points.map(
                 (point, k) =>
                   point && (
                     <g key={k} class="fate fate-open" transform={`translate(${point[0]},${point[1]})`}>
                       <circle r={targets.length > 300 ? 2.5 : 4.5} />
-                      {named[k] && (
-                        <text x={7} y={4}>
-                          {targets[k]?.id}
-                        </text>
-                      )}
+                      {placings[k] && <text {...placings[k]}>{names[k]}</text>}
                     </g>
                   ),
               );

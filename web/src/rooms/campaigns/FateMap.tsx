@@ -1,7 +1,7 @@
 /** The targets on the Earth, by what became of them. */
 import { words } from "../../i18n";
 import { EarthMap } from "../../map/EarthMap";
-import { readable } from "../../map/labels";
+import { placeNames } from "../../map/labels";
 import { FATES, type TargetFate } from "./campaign";
 
 interface Props {
@@ -28,13 +28,17 @@ export function FateMap({ fates, chosen, onChoose }: Props) {
         aroundLabel={text.toTargets}
         fits
       >
-        {({ projection }) => {
+        {({ projection, wide }) => {
           const points = drawn.map((one) => one.place && projection(one.place));
-          const named = readable(points.map((point, k) => point && { x: point[0] + 8, y: point[1], text: drawn[k]?.id ?? "" }));
+          const placings = placeNames(
+            points,
+            drawn.map((one) => one.id),
+            wide,
+          );
           // Those that matter least first, so that the others lie over them.
           return drawn
             .map((one, k) => {
-              const point = points[k];
+              const [point, placing] = [points[k], placings[k]];
               return (
                 point && (
                   <g
@@ -46,11 +50,7 @@ export function FateMap({ fates, chosen, onChoose }: Props) {
                   >
                     <title>{one.id}</title>
                     <circle r={fates.length > 300 ? 3 : 5} />
-                    {named[k] && (
-                      <text x={8} y={4}>
-                        {one.id}
-                      </text>
-                    )}
+                    {placing && <text {...placing}>{one.id}</text>}
                   </g>
                 )
               );

@@ -6,7 +6,7 @@ import { untilDone } from "../../api/job";
 import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { instant, percent, period } from "../../i18n/forms";
-import { labelOf, nameOf } from "../../i18n/labels";
+import { labelOf, nameOf, targetTold } from "../../i18n/labels";
 import { Bar } from "../../parts/Bar";
 import { Dialog } from "../../parts/Dialog";
 import { Link } from "../../parts/Link";
@@ -114,5 +114,5 @@ const NAMED = 3;
 
 function named({ targets, target_count }: Job): string {
   const rest = target_count - Math.min(targets.length, NAMED);
-  return targets.slice(0, NAMED).join("; ") + (rest > 0 ? ` +${rest}` : "");
+  return targets.slice(0, NAMED).map(targetTold).join("; ") + (rest > 0 ? ` +${rest}` : "");
 }

@@ -2,6 +2,7 @@
 import type { Schemas } from "../../api/client";
 import { words } from "../../i18n";
 import { digits, instant, number, percent } from "../../i18n/forms";
+import { targetTold } from "../../i18n/labels";
 
 export type Plan = Schemas["PlanResponse"];
 
@@ -43,7 +44,7 @@ function ofSession(plan: Plan, session: Plan["summary"]["sessions"][number]): Fi
   const pointing = plan.pointing.find((one) => one.session === session.session);
   const budget = plan.uncertainty.find((one) => one.session === session.session);
   return [
-    { name: `${name}, ${text.target}`, value: session.target },
+    { name: `${name}, ${text.target}`, value: targetTold(session.target) },
     { name: `${name}, ${text.start}`, value: instant(session.start) },
     { name: `${name}, ${text.stop}`, value: instant(session.stop) },
     { name: `${name}, ${text.elevation}`, value: `${number(session.best_elevation_deg, 2)}°` },

@@ -1,6 +1,7 @@
 /** The figures behind the verdict: sessions, margins, the pointing budget, warnings. */
 import { words } from "../../i18n";
 import { arcsecTold, digits, marginTold, number, percent, period, rowClock } from "../../i18n/forms";
+import { targetTold } from "../../i18n/labels";
 import type { Plan } from "./plan";
 import { isAtLimit, shareOf } from "./verdict";
 
@@ -68,7 +69,7 @@ function Sessions({ plan }: { plan: Plan }) {
             const pointing = plan.pointing.find((held) => held.session === one.session);
             return (
               <tr key={one.session}>
-                <td>{one.name ?? one.target}</td>
+                <td>{one.name ?? targetTold(one.target)}</td>
                 <td>{period(one.start, one.stop).replace(" UTC", "")}</td>
                 <td class="number">{one.best_elevation_deg == null ? "–" : `${number(one.best_elevation_deg)}°`}</td>
                 <td class="number">{pointing?.range_min_km == null ? "–" : `${number(pointing.range_min_km, 0)} ${units.km}`}</td>

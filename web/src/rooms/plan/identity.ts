@@ -2,13 +2,14 @@
 import { type Orbit, reachOf } from "../../api/orbit";
 import { words } from "../../i18n";
 import { day, number, period, rowClock } from "../../i18n/forms";
+import { targetTold } from "../../i18n/labels";
 import { valueLabel } from "../../parts/fields/labels";
 import type { Plan, PlanRequest } from "./plan";
 
 const HOUR_MS = 3_600_000;
 
 export function nameOf({ summary }: Plan): string {
-  return summary.name || summary.targets.join(", ");
+  return summary.name || summary.targets.map(targetTold).join(", ");
 }
 
 /** Parts in their order; without the request neither orbit nor attitude is known. */

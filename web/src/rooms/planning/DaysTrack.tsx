@@ -6,10 +6,12 @@ import { Night } from "../../map/Night";
 import { fetchTrack, linesIn, rowAt, type Track } from "../../map/track";
 import * as draft from "./draft";
 
+const STEP_S = 180; // between rows the map draws great circles, which a low orbit's track keeps to 0.1 deg
+
 export function DaysTrack({ path }: { path: GeoPath }) {
   const [orbit, from_ms, to_ms] = [draft.orbit.value, draft.from_ms.value, draft.to_ms.value];
   const found = useRequest<Track | null>(JSON.stringify([orbit, from_ms, to_ms]), async (until) => {
-    const track = await fetchTrack(orbit, [from_ms, to_ms], until);
+    const track = await fetchTrack(orbit, [from_ms, to_ms], STEP_S, until);
     return track && "carrier" in track ? track : null; // the form says what is wrong with the orbit
   });
   const track = found.answer;

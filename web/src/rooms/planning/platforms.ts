@@ -13,7 +13,9 @@ export const platforms = signal<readonly Platform[] | null>(null);
 export async function learnPlatforms(until: AbortSignal): Promise<void> {
   if (platforms.peek()) return;
   try {
-    platforms.value = (await get("/v1/platforms", { signal: until })).platforms;
+    // the form writes requests of two axes only
+    const known = (await get("/v1/platforms", { signal: until })).platforms;
+    platforms.value = known.filter((one) => one.kind !== "body");
   } catch (error) {
     if (until.aborted) return;
     platforms.value = [];

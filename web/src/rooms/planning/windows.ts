@@ -10,9 +10,11 @@ import * as draft from "./draft";
 import { platforms, slewTime_s } from "./platforms";
 import { durationOf, middleOf, type Target } from "./target";
 
-export type Window = Schemas["WindowOut"];
+/** With all that `include` below asks for. */
+export type Window = Required<Schemas["WindowOut"]>;
 
 const SAMPLES = 41;
+const ASKED = { include: "view,probability,reasons", limit: 500 };
 const QUIET_MS = 250; // typing isn't yet asking
 const LONGEST_S = 300; // a star is seen for most of an hour; nobody asks that by a click
 
@@ -220,21 +222,22 @@ async function search(target: Target, until: AbortSignal): Promise<void> {
         conditions: conditionsFor(target),
         samples: SAMPLES,
       },
-      { signal: until },
+      { query: ASKED, signal: until },
     );
+    const windows = answer.windows as Window[];
     found.value = {
-      windows: answer.windows,
-      unseen: answer.unseen[0] ?? null,
+      windows,
+      unseen: answer.reasons?.[0] ?? null,
       assumed: answer.assumed[0]?.detail ?? null,
       warnings: answer.warnings,
     };
     // Kept by the service for who wants it; ours is seen once.
     if (last) void remove("/v1/opportunities/{id}", { id: last }).catch(() => undefined);
     last = answer.id;
-    const taken = draft.session.peek().start ? null : best(withRoom(answer.windows));
+    const taken = draft.session.peek().start ? null : best(withRoom(windows));
     const times = taken && sessionIn(taken);
     if (times) draft.setTimes(times.start, times.stop);
-    rememberAngles(answer.windows);
+    rememberAngles(windows);
   } catch (error) {
     if (isAbort(error)) return;
     found.value = null;

@@ -3,7 +3,7 @@ import { useMemo } from "preact/hooks";
 
 import { words } from "../../i18n";
 import { type Drawing, EarthMap } from "../../map/EarthMap";
-import { readable } from "../../map/labels";
+import { placeNames } from "../../map/labels";
 import { type LonLat, ringOf } from "../../map/places";
 import { cursor_s } from "../../time/cursor";
 import type { SessionView } from "./session";
@@ -54,24 +54,25 @@ export function SessionMap({ view, closer }: Props) {
   );
 }
 
-function Asked({ view, drawing: { path, projection } }: { view: SessionView; drawing: Drawing }) {
+function Asked({ view, drawing: { path, projection, wide } }: { view: SessionView; drawing: Drawing }) {
   const starts = view.requests.map((one) => {
     const [first] = placesOf(one);
     return first ? projection(first) : null;
   });
-  const named = readable(starts.map((at, k) => at && { x: at[0] + 10, y: at[1], text: view.requests[k]?.name ?? "" }));
+  const names = view.requests.map((one) => one.name);
+  const placings = placeNames(starts, names, wide);
   return (
     <>
       {view.requests.map((one, number) => {
         const places = placesOf(one);
         const shape: GeoJSON.Geometry =
           one.mode === "area" ? { type: "Polygon", coordinates: [ringOf(places)] } : { type: "LineString", coordinates: places };
-        const at = starts[number];
+        const [at, placing] = [starts[number], placings[number]];
         return (
           <g key={one.name} class={`asked-shape ${one.imaged ? "asked-imaged" : "asked-left-out"}`}>
             <path d={path(shape) ?? ""} />
-            {at && named[number] && (
-              <text x={at[0] + 10} y={at[1] + 4}>
+            {at && placing && (
+              <text {...placing} x={at[0] + placing.x} y={at[1] + placing.y}>
                 {one.name}
               </text>
             )}

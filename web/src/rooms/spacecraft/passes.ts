@@ -4,7 +4,8 @@ import { reachOf } from "../../api/orbit";
 import { rfc3339 } from "../../i18n/forms";
 import type { SessionRequest } from "./session";
 
-export type Opportunity = Schemas["ImagingOpportunityOut"];
+/** With its view. */
+export type Opportunity = Required<Schemas["ImagingOpportunityOut"]>;
 
 export interface Found {
   from_ms: number;
@@ -26,6 +27,7 @@ export interface Pass {
 
 const DAY_MS = 86_400_000;
 const SAMPLES = 21;
+const ASKED = { include: "view", limit: 1000 };
 const LONGEST_MS = 3_600_000; // of a session, as the service takes it
 
 export type Search = Pick<SessionRequest, "orbit" | "spacecraft" | "settings" | "requests"> & {
@@ -38,7 +40,9 @@ export async function findPasses({ from_ms, days, ...asked }: Search, until: Abo
   const wanted_ms = from_ms + days * DAY_MS;
   const to_ms = last_ms > from_ms ? Math.min(wanted_ms, last_ms) : wanted_ms;
   const body = { ...asked, start: rfc3339(from_ms), stop: rfc3339(to_ms), samples: SAMPLES };
-  const { id, windows, unseen, warnings } = await post("/v1/spacecraft/opportunities", body, { signal: until });
+  const given = { query: ASKED, signal: until };
+  const { id, windows: found, unseen, warnings } = await post("/v1/spacecraft/opportunities", body, given);
+  const windows = found as Opportunity[];
   // Kept by the service for who wants it; ours is seen once.
   void remove("/v1/spacecraft/opportunities/{id}", { id }).catch(() => undefined);
   return { from_ms, to_ms, opportunities: windows, passes: passesOf(windows), unseen, warnings };

@@ -5,7 +5,7 @@ import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { instant } from "../../i18n/forms";
 import { EarthMap } from "../../map/EarthMap";
-import { arrange } from "../../map/labels";
+import { placeNames } from "../../map/labels";
 import { Night } from "../../map/Night";
 import { type LonLat, ringOf } from "../../map/places";
 import { linesIn, rowAt, type Track } from "../../map/track";
@@ -66,11 +66,11 @@ export function DaysMap({ span: [from_ms, to_ms], now_ms, lanes, lane, onLane, t
         aroundLabel={text.toTargets}
         height={380}
       >
-        {({ projection, path }) => {
+        {({ projection, path, wide }) => {
           const points = targets.map((one) => projection(one.at));
-          const wide = projection.clipExtent()?.[1][0] ?? 0;
-          const names = arrange(
-            points.map((point, k) => point && { x: point[0], y: point[1], text: targets[k]?.name ?? "" }),
+          const placings = placeNames(
+            points,
+            targets.map((one) => one.name),
             wide,
           );
           const carrier = now && projection(now.carrier);
@@ -82,7 +82,7 @@ export function DaysMap({ span: [from_ms, to_ms], now_ms, lanes, lane, onLane, t
               {carrier && <circle class="dm-carrier" cx={carrier[0]} cy={carrier[1]} r={5} />}
               {targets.map((one, k) => {
                 const point = points[k];
-                const placing = names[k];
+                const placing = placings[k];
                 return (
                   point && (
                     <g key={`${one.name} ${one.at.join()}`} class="dm-target" transform={`translate(${point[0]},${point[1]})`}>

@@ -219,7 +219,7 @@ function useTracks(carriers: readonly Lane[], kept: Kept | null, days: Span): Ma
     async (until) => {
       const made = new Map<string, Track | Problem>();
       for (const { name, orbit } of orbits) {
-        const track = await fetchTrack(orbit, days, until);
+        const track = await fetchTrack(orbit, days, 60, until);
         if (track) made.set(name, track);
       }
       return made;

@@ -3,6 +3,7 @@ import { get, type Schemas, send } from "../../api/client";
 import { type Orbit, reachOf, textOf } from "../../api/orbit";
 import { isAbort, Problem } from "../../api/problem";
 import { rfc3339 } from "../../i18n/forms";
+import { targetTold } from "../../i18n/labels";
 import type { Block, Seen, Span } from "./lanes";
 
 type Job = Schemas["JobResponse"];
@@ -123,8 +124,9 @@ function isAsked({ name, targets }: Job): boolean {
 }
 
 async function windowsOf(job: Job, until: AbortSignal): Promise<Seen[]> {
-  const found = await orGone(get("/v1/opportunities/{id}/windows", { id: job.id, query: { limit: WINDOWS }, signal: until }));
-  return (found?.windows ?? []).map((one) => ({
+  const given = { id: job.id, query: { limit: WINDOWS, include: "view" }, signal: until };
+  const found = await orGone(get("/v1/opportunities/{id}/windows", given));
+  return ((found?.windows ?? []) as Required<Schemas["WindowOut"]>[]).map((one) => ({
     search: job.name || job.targets.slice(0, 3).join(", "),
     platform: job.platform ?? "",
     target: one.target,
@@ -153,7 +155,7 @@ async function detailsOf(block: Block, until: AbortSignal) {
 function timesOf({ segments, summary }: Schemas["PlanResponse"]): Partial<Block> {
   const stretches = segments.map(({ kind, session, start, stop }) => {
     const of = summary.sessions.find((one) => one.session === session);
-    const target = kind === "track" && of ? (of.name ?? of.id ?? of.target) : "";
+    const target = kind === "track" && of ? (of.name ?? of.id ?? targetTold(of.target)) : "";
     return { kind, target, start_ms: Date.parse(start), stop_ms: Date.parse(stop) };
   });
   const [first, last] = [stretches[0], stretches[stretches.length - 1]];

@@ -5,6 +5,7 @@ import { RangeButtons, useTimeRange } from "../../charts/range";
 import { type Line, type Shade, TimeChart } from "../../charts/TimeChart";
 import { words } from "../../i18n";
 import { arcsecTold, digits, marginTold } from "../../i18n/forms";
+import { targetTold } from "../../i18n/labels";
 import type { Stretch } from "../../time/TimeBar";
 import type { Plan } from "../plan/plan";
 import { isAtLimit, shareOf } from "../plan/verdict";
@@ -127,7 +128,7 @@ function Sight({ view, common }: { view: View; common: Common }) {
   const text = words.value.viewer.charts;
   const lines = useMemo<Line[]>(
     () => [
-      ...view.targets.map((target) => ({ label: target.name, values: target.elevation_deg, colour: "series-1" })),
+      ...view.targets.map((target) => ({ label: targetTold(target.name), values: target.elevation_deg, colour: "series-1" })),
       { label: text.offNadir, values: view.boresight.off_nadir_deg, colour: "series-2" },
       { label: text.sun, values: view.boresight.sun_separation_deg, colour: "warn", dashed: true },
     ],

@@ -5,7 +5,8 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 
 import { words } from "../../i18n";
 import { number } from "../../i18n/forms";
-import { arrange } from "../../map/labels";
+import { targetTold } from "../../i18n/labels";
+import { placeNames } from "../../map/labels";
 import { Night as NightSide } from "../../map/Night";
 import { outlines, wantDetail, wantOutlines } from "../../map/outlines";
 import type { LonLat } from "../../map/places";
@@ -144,14 +145,12 @@ function Targets({ view, projection, width }: { view: View; projection: GeoProje
     const [longitude, latitude] = [target.longitude_deg[row], target.latitude_deg[row]];
     return longitude == null || latitude == null ? null : projection([longitude, latitude]);
   });
-  const names = arrange(
-    points.map((point, k) => point && { x: point[0], y: point[1], text: view.targets[k]?.name ?? "" }),
-    width,
-  );
+  const names = view.targets.map(({ name }) => targetTold(name));
+  const placings = placeNames(points, names, width);
   return (
     <>
       {view.targets.map((target, k) => {
-        const [point, placing] = [points[k], names[k]];
+        const [point, placing] = [points[k], placings[k]];
         if (!point) return null;
         const isNow = view.session[row] === target.session;
         return (
@@ -162,7 +161,7 @@ function Targets({ view, projection, width }: { view: View; projection: GeoProje
           >
             <path d="M-6,0H-2M2,0H6M0,-6V-2M0,2V6" />
             <circle r={4.5} />
-            {placing ? <text {...placing}>{target.name}</text> : <title>{target.name}</title>}
+            {placing ? <text {...placing}>{names[k]}</text> : <title>{names[k]}</title>}
           </g>
         );
       })}

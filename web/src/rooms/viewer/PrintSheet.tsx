@@ -9,8 +9,8 @@ import type { Stretch } from "../../time/TimeBar";
 import { MapPicture } from "./FlatMap";
 import { hasPlaces, lastOf, type View } from "./view";
 
-const MAP_PX = { width: 700, height: 215 };
-const CHART_PX = 132;
+const MAP_PX = { width: 700, height: 195 };
+const CHART_PX = 118;
 const MOST_POINTS = 700;
 const MOTION = [
   { key: "angle", column: "angle_deg", unit: "°" },

@@ -3,6 +3,7 @@ import { useEffect, useState } from "preact/hooks";
 
 import { words } from "../../i18n";
 import { clock, digits, fixed, number } from "../../i18n/forms";
+import { targetTold } from "../../i18n/labels";
 import { cursor_s, isPlaying } from "../../time/cursor";
 import { longitudeAt, rowAt, type View, valueAt } from "./view";
 
@@ -71,7 +72,7 @@ export function Readout({ view }: { view: View }) {
         {target && (
           <>
             <dt>{text.target}</dt>
-            <dd>{target.name}</dd>
+            <dd>{targetTold(target.name)}</dd>
             <dt>{heightName(target)}</dt>
             <dd>{unit(at(target.elevation_deg), 2, "°")}</dd>
             <dt>{text.sample}</dt>

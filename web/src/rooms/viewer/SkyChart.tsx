@@ -4,7 +4,8 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 
 import { words } from "../../i18n";
 import { fixed } from "../../i18n/forms";
-import { arrange } from "../../map/labels";
+import { targetTold } from "../../i18n/labels";
+import { placeNames } from "../../map/labels";
 import type { LonLat } from "../../map/places";
 import { cursor_s } from "../../time/cursor";
 import { rowAt, type View } from "./view";
@@ -85,7 +86,7 @@ function shownTarget(view: View, sky: Sky, row: number) {
   const numbers = sky.targets.flatMap((one, number) => (firstKnown(one) ? [number] : []));
   const number = numbers.find((one) => one === view.session[row]) ?? numbers[0];
   const [direction, target] = [sky.targets[number ?? -1], view.targets.find((one) => one.session === number)];
-  return direction && target ? { direction, name: target.name, height_deg: target.elevation_deg[row] ?? null } : null;
+  return direction && target ? { direction, name: targetTold(target.name), height_deg: target.elevation_deg[row] ?? null } : null;
 }
 
 function placeAt({ right_ascension_deg, declination_deg }: Direction, row: number): LonLat | null {
@@ -176,20 +177,18 @@ function Marks({ view, sky, row, projection, width }: PartProps & { width: numbe
   const text = words.value.viewer.sky;
   const marks = [
     { kind: "boresight", name: "", at: placeAt(sky.boresight, row) },
-    ...sky.targets.map((one, k) => ({ kind: "target", name: view.targets[k]?.name ?? "", at: placeAt(one, row) })),
+    ...sky.targets.map((one, k) => ({ kind: "target", name: targetTold(view.targets[k]?.name ?? ""), at: placeAt(one, row) })),
     { kind: "sun", name: text.sun, at: placeAt(sky.sun, row) },
     { kind: "moon", name: text.moon, at: placeAt(sky.moon, row) },
     { kind: "nadir", name: text.earth, at: placeAt(sky.nadir, row) },
   ];
   const points = marks.map(({ at }) => at && projection(at));
-  const names = arrange(
-    points.map((point, k) => point && { x: point[0], y: point[1], text: marks[k]?.name ?? "" }),
-    width,
-  );
+  const names = marks.map((one) => one.name);
+  const placings = placeNames(points, names, width);
   return (
     <>
       {marks.map(({ kind, name }, k) => {
-        const [point, placing] = [points[k], names[k]];
+        const [point, placing] = [points[k], placings[k]];
         if (!point) return null;
         return (
           <g key={`${kind}${k}`} class={`sky-mark sky-${kind}`} transform={`translate(${point[0]},${point[1]})`}>

@@ -1,5 +1,6 @@
 /** The view of a plan, and its values at an instant. */
 import { get, type Schemas, send } from "../../api/client";
+import { targetTold } from "../../i18n/labels";
 import type { Stretch } from "../../time/TimeBar";
 import type { Plan } from "../plan/plan";
 
@@ -84,7 +85,7 @@ export function stretchesOf(view: View, plan: Plan, kinds: Record<string, string
     const name = kind === "track" && session !== null ? view.targets.find((one) => one.session === session)?.name : null;
     return {
       kind,
-      label: name || (kinds[kind] ?? kind),
+      label: (name && targetTold(name)) || (kinds[kind] ?? kind),
       start_s: (Date.parse(start) - epoch_ms) / 1000,
       stop_s: (Date.parse(stop) - epoch_ms) / 1000,
     };

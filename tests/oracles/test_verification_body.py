@@ -1,0 +1,282 @@
+"""The judge of a body passes a table made by others' code, and finds each fault put into it."""
+
+import dataclasses
+import math
+from importlib.resources import files
+
+import numpy as np
+import pytest
+from judged_bodies import AGILITY, BODY, ORBIT, body_scenario, body_table, unit, with_rows
+from judged_tables import ARCSEC_RAD, EPOCH_UTC, LAS_VEGAS, apparent_eci
+from scipy.interpolate import BPoly
+from scipy.spatial.transform import Rotation
+from skyfield.api import load, load_file
+from skyfield.framelib import ICRS
+
+from planner.base.commands import COMMAND_STEP_S
+from planner.verification import verify
+from planner.verification.platforms.body.judge import BodyJudge
+from planner.verification.platforms.body.quintic import motion_between
+from planner.verification.platforms.body.surroundings import Surroundings, mirror_direction
+from planner.world.frames.time_scales import Instants
+from planner.world.platforms.body import AxisAgility, Exclusion, StarTracker, StarTrackers
+
+
+@pytest.fixture(scope="module")
+def table():
+    return body_table()
+
+
+def limits_of(report):
+    return {finding.limit for finding in report.findings}
+
+
+def with_body(**fields):
+    return body_scenario(dataclasses.replace(BODY, **fields))
+
+
+def test_a_table_by_other_code_passes(table):
+    report = verify(table, body_scenario(final_state=None))
+    assert report.passed
+    assert report.findings == ()
+    assert report.taken_as_given == ("orbit",)
+    (session,) = report.sessions
+    assert session.max_rad < 0.01 * ARCSEC_RAD  # ERFA's full series against the judge's nodes
+
+
+def test_between_rows_it_flies_the_quintic_of_the_parameters(table):
+    """SciPy's parameters and its polynomial through both rows' values and derivatives."""
+    cell, u_s = np.array([170, 170, 171]), np.array([0.03, 0.17, 0.1])
+    motion = motion_between(table.position, table.rate_rad_s, table.acceleration_rad_s2, cell, u_s)
+    q = Rotation.from_quat(table.position)
+    for number, (row, into_s) in enumerate(zip(cell, u_s, strict=True)):
+        turn = (q[row].inv() * q[row + 1]).as_mrp()
+        # their derivatives at the second row, by differences of how SciPy composes turns
+        step_s = 1e-3
+        omega, alpha = table.rate_rad_s[row + 1], table.acceleration_rad_s2[row + 1]
+        near = [
+            (
+                Rotation.from_mrp(turn) * Rotation.from_rotvec(omega * s + alpha * s**2 / 2.0)
+            ).as_mrp()
+            for s in (-step_s, 0.0, step_s)
+        ]
+        end = [
+            turn,
+            (near[2] - near[0]) / (2 * step_s),
+            (near[2] - 2 * near[1] + near[0]) / step_s**2,
+        ]
+        start = [np.zeros(3), table.rate_rad_s[row] / 4.0, table.acceleration_rad_s2[row] / 4.0]
+        curve = BPoly.from_derivatives([0.0, COMMAND_STEP_S], [start, end])
+        expected = q[row] * Rotation.from_mrp(curve(into_s))
+        off = (expected.inv() * Rotation.from_quat(motion.q_eci_from_body_xyzw[number])).magnitude()
+        assert off < 1e-3 * ARCSEC_RAD
+        later = q[row] * Rotation.from_mrp(curve(into_s + 1e-4))
+        sooner = q[row] * Rotation.from_mrp(curve(into_s - 1e-4))
+        omega = (sooner.inv() * later).as_rotvec() / 2e-4
+        assert motion.omega_body_rad_s[number] == pytest.approx(omega, abs=1e-7)
+        q_at = expected
+        ahead, behind = (q_at.inv() * later).as_rotvec(), (q_at.inv() * sooner).as_rotvec()
+        alpha = (ahead + behind) / 1e-8
+        assert motion.alpha_body_rad_s2[number] == pytest.approx(alpha, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("kind", "share"), [("rate", 0.999), ("acceleration", 0.99), ("jerk", 0.999)]
+)
+@pytest.mark.parametrize("by_axis", [False, True])
+def test_a_limit_just_below_what_is_flown_is_broken(table, kind, share, by_axis):
+    """Also by axis, where only one is below."""
+    margins = verify(table, body_scenario()).limits
+    (margin,) = [margin for margin in margins if margin.kind == kind]
+    name = {"rate": "rate_max_deg_s", "acceleration": "acceleration_max_deg_s2"}.get(
+        kind, "jerk_max_deg_s3"
+    )
+    if by_axis:
+        names = ("rate_max_deg_s", "acceleration_max_deg_s2", "jerk_max_deg_s3")
+        free = {one: (getattr(AGILITY, one),) * 3 for one in names}
+        by_axis_margins = verify(table, with_body(agility=AxisAgility(**free))).limits
+        worst = min((m for m in by_axis_margins if m.kind == kind), key=lambda m: m.margin)
+        bounds = list(free[name])
+        bounds["xyz".index(worst.axis)] = math.degrees(abs(worst.extreme)) * share
+        agility = AxisAgility(**{**free, name: tuple(bounds)})
+        expected_axis = worst.axis
+    else:
+        most = math.degrees(margin.extreme)
+        agility = dataclasses.replace(AGILITY, **{name: most * share})
+        expected_axis = "body"
+    (finding,) = verify(table, with_body(agility=agility)).findings
+    assert (finding.limit, finding.axis) == (kind, expected_axis)
+
+
+def test_the_rate_between_rows_is_judged():
+    """Rows at 1 deg/s either side of a faster middle."""
+    table = body_table()
+    h, peak = COMMAND_STEP_S, np.deg2rad(1.0)
+    alpha = np.deg2rad(0.05)
+    rows = np.array([0.0, h])
+    turn = peak * h + alpha * h**2 / 6.0  # of a rate peak + alpha u (h - u) / h
+    table = dataclasses.replace(
+        table,
+        position=Rotation.from_rotvec([[0, 0, 0], [turn, 0, 0]]).as_quat(),
+        rate_rad_s=np.array([[peak, 0, 0]] * 2),
+        acceleration_rad_s2=np.array([[alpha, 0, 0], [-alpha, 0, 0]]),
+    )
+    assert rows[1] == h
+    (rate,) = [m for m in BodyJudge(table, BODY, body_scenario()).margins() if m.kind == "rate"]
+    assert rate.extreme == pytest.approx(peak + alpha * h / 4.0, rel=1e-6)
+    assert rate.t_s == pytest.approx(0.1)
+
+
+MUTANTS = {
+    "rate of the other sign": lambda t: dataclasses.replace(t, rate_rad_s=-t.rate_rad_s),
+    "attitude turned over": lambda t: dataclasses.replace(
+        t, position=t.position * [-1.0, -1.0, -1.0, 1.0]
+    ),
+    "scalar first": lambda t: dataclasses.replace(t, position=np.roll(t.position, 1, axis=1)),
+    "rates in the other order": lambda t: dataclasses.replace(t, rate_rad_s=t.rate_rad_s[:, ::-1]),
+    "rates in ECI": lambda t: dataclasses.replace(
+        t, rate_rad_s=Rotation.from_quat(t.position).apply(t.rate_rad_s)
+    ),
+    "accelerations of the other sign": lambda t: dataclasses.replace(
+        t, acceleration_rad_s2=-t.acceleration_rad_s2
+    ),
+    "rates in degrees": lambda t: dataclasses.replace(t, rate_rad_s=np.rad2deg(t.rate_rad_s)),
+    "a row late": lambda t: dataclasses.replace(
+        t,
+        **{
+            name: np.concatenate([getattr(t, name)[:1], getattr(t, name)[:-1]])
+            for name in ("position", "rate_rad_s", "acceleration_rad_s2")
+        },
+    ),
+    "one rate too high": lambda t: with_rows(t, 150, rate_rad_s=[0.0, 1e-4, 0.0]),
+    "one attitude off": lambda t: with_rows(t, 150, position=[0.0, 1e-7, 0.0, 0.0]),
+    "one acceleration off": lambda t: with_rows(t, 150, acceleration_rad_s2=[2e-3, 0.0, 0.0]),
+    "not unit": lambda t: dataclasses.replace(t, position=t.position * 1.00001),
+    "a sign that flips": lambda t: dataclasses.replace(
+        t, position=np.concatenate([t.position[:200], -t.position[200:]])
+    ),
+    "no number": lambda t: with_rows(t, 17, rate_rad_s=[np.nan, 0.0, 0.0]),
+    "short of a row": lambda t: dataclasses.replace(t, rate_rad_s=t.rate_rad_s[1:]),
+    "no accelerations": lambda t: dataclasses.replace(t, acceleration_rad_s2=None),
+    "other columns": lambda t: dataclasses.replace(t, channels=t.channels[::-1]),
+}
+
+
+@pytest.mark.parametrize("mutate", MUTANTS.values(), ids=MUTANTS.keys())
+def test_a_mutant_is_found(table, mutate):
+    report = verify(mutate(table), body_scenario())
+    assert not report.passed
+    assert limits_of(report) & {"table", "motion", "pointing", "initial_state"}
+
+
+@pytest.mark.parametrize(("off_arcsec", "passes"), [(0.08, True), (0.15, False), (-3.0, False)])
+def test_a_shifted_target_is_found(off_arcsec, passes):
+    report = verify(body_table(off_arcsec * ARCSEC_RAD), body_scenario())
+    assert report.passed is passes
+    assert limits_of(report) == (set() if passes else {"pointing"})
+    (session,) = report.sessions
+    assert session.max_rad == pytest.approx(abs(off_arcsec) * ARCSEC_RAD, rel=0.1)
+
+
+def test_off_nadir_is_counted_at_the_target(table):
+    t_s = np.arange(300, 501) / 5.0
+    los, states = apparent_eci(ORBIT, LAS_VEGAS, t_s), ORBIT.states(Instants(EPOCH_UTC, t_s))
+    most_deg = math.degrees(np.arccos(np.sum(los * unit(-states.r_sat_eci_m), axis=1)).max())
+    assert verify(table, with_body(off_nadir_max_deg=most_deg + 1e-3)).passed
+    (finding,) = verify(table, with_body(off_nadir_max_deg=most_deg - 1e-3)).findings
+    assert finding.limit == "off_nadir"
+
+
+def test_the_end_is_the_idle_attitude_where_asked(table):
+    report = verify(table, body_scenario(final_state="idle"))
+    assert limits_of(report) == {"final_state"}
+    idle = body_table(last_s=4.0)  # before it leaves the idle attitude
+    judge = BodyJudge(idle, BODY, body_scenario(final_state="idle"))
+    assert list(judge.row_findings()) == []
+    turned = with_rows(table, 0, rate_rad_s=[0.0, 3e-7, 0.0])
+    assert "initial_state" in limits_of(verify(turned, body_scenario()))
+
+
+@pytest.fixture(scope="module")
+def skyfield_sun_eci():
+    """Where the Sun stands in the carrier's sky at the epoch, unit vector: by Skyfield."""
+
+    ephemeris = load_file(str(files("planner.verification") / "data" / "de421.bsp"))
+    at = load.timescale(builtin=True).from_datetime(EPOCH_UTC)
+    sun = ephemeris["earth"].at(at).observe(ephemeris["sun"]).apparent()
+    return unit(sun.frame_xyz(ICRS).au)
+
+
+def test_exclusions_are_counted_from_the_suns_edge(table, skyfield_sun_eci):
+    """The least angle of a body axis, but for the carrier's parallax and aberration."""
+    for axis in np.eye(3):
+        expected = np.arccos(
+            Rotation.from_quat(table.position).apply(axis) @ skyfield_sun_eci
+        ).min() - math.radians(0.2690)  # half the disk at 0.9905 au
+        rule = Exclusion(
+            name="axis", direction_body=tuple(axis.tolist()), away_from="sun", min_deg=10.0
+        )
+        report = verify(table, with_body(exclusions=(rule,)))
+        (margin,) = report.exclusions
+        assert margin.margin_rad == pytest.approx(expected - math.radians(10.0), abs=2e-4)
+        tight = dataclasses.replace(rule, min_deg=math.degrees(expected) + 0.1)
+        (finding,) = verify(table, with_body(exclusions=(tight,))).findings
+        assert finding.limit == "exclusion"
+        assert '"axis"' in finding.detail
+
+
+def test_only_imaging_counts_where_so_asked(table):
+    """The boresight on its way from nadir is nearer to the limb's inside than on the target."""
+    rule = Exclusion(name="limb", of="camera", away_from="limb", min_deg=0.0)
+    always = verify(table, with_body(exclusions=(rule,))).exclusions[0]
+    imaging = dataclasses.replace(rule, when="imaging")
+    while_imaging = verify(table, with_body(exclusions=(imaging,))).exclusions[0]
+    assert always.margin_rad < while_imaging.margin_rad < 0.0
+    assert always.t_s < 10.0
+    assert 60.0 <= while_imaging.t_s <= 100.0
+
+
+def test_star_trackers_need_the_second_best_of_two(table):
+    up = StarTracker(name="up", boresight_body=(0.0, 0.0, -1.0), limb_deg=10.0)
+    down = StarTracker(name="down", boresight_body=(0.0, 0.0, 1.0), limb_deg=10.0)
+    one = StarTrackers(needed=1, each=(down, up))
+    assert verify(table, with_body(star_trackers=one)).passed
+    both = dataclasses.replace(one, needed=2)
+    (finding,) = verify(table, with_body(star_trackers=both)).findings
+    assert finding.limit == "exclusion"
+
+
+def test_the_mirror_of_the_sun_obeys_the_law_of_reflection():
+    """At the point where the line of sight meets the ellipsoid, whose normal is its gradient."""
+    random = np.random.default_rng(5)
+    sun = unit(random.normal(size=(400, 3)))
+    zenith = unit(random.normal(size=(400, 3)))
+    r_m = zenith * (6378e3 + random.uniform(300e3, 36000e3, size=(400, 1)))
+    towards, is_there = mirror_direction(sun, r_m)
+    axes = np.array([6378137.0, 6378137.0, 6356752.314245])
+    o, d = r_m / axes, towards / axes
+    a, b, c = np.sum(d * d, 1), np.sum(o * d, 1), np.sum(o * o, 1) - 1.0
+    root = b * b - a * c
+    assert (root[is_there] > 0.0).all()
+    point = r_m + ((-b - np.sqrt(np.maximum(root, 0.0))) / a)[:, None] * towards
+    normal = unit(point / axes**2)
+    reflected = towards - 2.0 * np.sum(towards * normal, 1)[:, None] * normal
+    off = np.linalg.norm(np.cross(reflected, sun), axis=1)
+    high = is_there & (np.sum(sun * normal, axis=1) > 0.05)
+    assert np.count_nonzero(high) > 100
+    assert off[high].max() < 1e-6
+    # and none is missed: where the Sun is within 80 deg of the zenith there always is one
+    assert is_there[np.sum(sun * zenith, axis=1) > 0.2].all()
+
+
+def test_what_is_hidden_counts_for_nothing():
+    """The Sun, 30 deg below the limb."""
+    instants = Instants(EPOCH_UTC, np.array([0.0, 0.2]))
+    states = ORBIT.states(instants)
+    around = Surroundings(instants, states)
+    sun = unit(around._sun.apparent_eci)
+    behind = dataclasses.replace(
+        states, r_sat_eci_m=-sun * 6.8e6, v_sat_eci_m_s=np.cross(sun, [0.0, 0.0, 7.6e3])
+    )
+    assert np.isinf(Surroundings(instants, behind).away_rad(sun, "sun")).all()
+    assert Surroundings(instants, behind).away_rad(-sun, "limb")[0] > 1.0
