@@ -131,19 +131,6 @@ def solve_attitude_slew(problem: BodySlewProblem) -> BodySlew:
     )
 
 
-def enough_s(problem: BodySlewProblem) -> float | None:
-    """A time, on a row of the goal, in which an eigenaxis slew keeps all limits; None: unknown."""
-    eigenaxis, row, keeps = quickest_eigenaxis(problem)
-    if not keeps or eigenaxis.duration_s > row / ROWS_PER_S + 1e-9:
-        return None
-    t_s = np.linspace(0.0, eigenaxis.duration_s, row + 1)
-    q_xyzw, _ = eigenaxis.motion(t_s)
-    for cone in problem.cones:
-        if np.any(depths_rad(cone, q_xyzw, centres_eci(cone, t_s)) > 0.0):
-            return None
-    return row / ROWS_PER_S
-
-
 def _quickest(
     problem: BodySlewProblem, least: int, eigenaxis: EigenaxisSlew
 ) -> tuple[float | None, _Found | None]:
