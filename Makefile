@@ -68,7 +68,7 @@ PYTEST := $(BIN)/pytest -n 2 --dist worksteal
 # Compiles the kernels once (80 s of a processor in a fresh clone), as the processes that test would
 # each do for themselves where they begin together.
 KERNELS := .venv/kernels
-$(KERNELS): .venv/installed $(shell find planner/base planner/planning planner/world/frames planner/world/platforms planner/world/targets planner/inflight/simulation planner/motion/slew planner/spacecraft -name '*.py')
+$(KERNELS): .venv/installed $(shell find planner/base planner/planning planner/motion/pointing planner/world/frames planner/world/platforms planner/world/targets planner/inflight/simulation planner/motion/slew planner/spacecraft -name '*.py')
 	$(BIN)/slewtrack campaign examples/campaign_cities.json >/dev/null
 	$(BIN)/slewtrack spacecraft examples/spacecraft_four_modes.json >/dev/null
 	$(BIN)/slewtrack fly examples/las_vegas_2015.json --runs 2 >/dev/null
@@ -170,7 +170,7 @@ oracles: setup
 	$(BIN)/python tests/oracles/make_spacecraft_basilisk.py
 
 # With DATA=FOLDER also what bench/truth.py holds against data that nothing was made with.
-BENCHES := slew slew_optimum slew_contacts body_slew vibration keep_out plan plausible opportunities campaign horizon horizon_air spacecraft sizing
+BENCHES := slew slew_optimum body_slew vibration keep_out plan plausible opportunities campaign horizon horizon_air spacecraft sizing
 
 bench: setup
 	$(PIP_INSTALL) --require-hashes -r requirements-bench.txt

@@ -22,7 +22,6 @@ from planner.output.export import EXPORTERS
 
 if TYPE_CHECKING:
     from app.work.campaign_files import MadePass
-    from app.work.searches import WindowsAsked
     from app.work.telemetry import SentTelemetry
     from planner.inflight.telemetry.compare import Comparison
     from slewtrack.client.asking import Ask
@@ -245,45 +244,26 @@ def _view(desk: Desk, work: LocalAsk) -> bytes:
 
 
 def _opportunities(desk: Desk, work: LocalAsk) -> bytes:
-    from app.requests.opportunities import read_opportunity_request
-    from app.requests.spacecraft import read_imaging_opportunity_request
-    from app.work.searches import find_windows, search_json
+    """Found, or told of again by page."""
+    from app.work.searches import READERS, WindowsAsked, find_windows, read_windows, search_json
 
-    request: Any
-    if work.is_spacecraft:
-        request = read_imaging_opportunity_request(work.body)
-    else:
-        request = read_opportunity_request(work.body)
-    origin = provenance(datetime.now(UTC), work.body)
-    found, page = find_windows(_kind_of_search(work), request, origin, _windows_asked(work))
-    kept_id = desk.keep(
-        lambda: Kept(lambda _: found.head, request=work.body, table_columns=found.edges)
-    )
-    return search_json(kept_id, found, page)
-
-
-def _windows(desk: Desk, work: LocalAsk) -> bytes:
-    from app.work.searches import page_json, read_windows
-
-    made, asked = desk.kept(work.id), _windows_asked(work)
-    return page_json(read_windows(_kind_of_search(work), made.request, made.table_columns, asked))
-
-
-def _kind_of_search(work: LocalAsk) -> str:
-    return "imaging_opportunities" if work.is_spacecraft else "opportunities"
-
-
-def _windows_asked(work: LocalAsk) -> "WindowsAsked":
-    from app.work.searches import WindowsAsked
-
-    query = work.ask.query
-    include = frozenset(query.get("include", "").split(",")) - {""}
-    return WindowsAsked(
+    query, request = work.ask.query, work.body
+    asked = WindowsAsked(
         cursor=int(query.get("cursor", 0)),
         limit=int(query["limit"]),
         target=query.get("target"),
-        include=include,
+        include=frozenset(filter(None, query.get("include", "").split(","))),
     )
+    kind = "imaging_opportunities" if work.is_spacecraft else "opportunities"
+    if work.id:
+        made = desk.kept(work.id)
+        page = read_windows(kind, made.request, made.table_columns, asked)
+        return search_json(work.id, made.text(work.id), page)
+    found, page = find_windows(
+        READERS[kind].read(request), provenance(datetime.now(UTC), request), asked
+    )
+    kept_id = desk.keep(lambda: Kept(lambda _: found.head, True, request, found.edges))
+    return search_json(kept_id, found.head, page)
 
 
 def _campaign(desk: Desk, work: LocalAsk) -> Kept:
@@ -407,7 +387,7 @@ _WAYS: dict[str, Callable[[Desk, LocalAsk], bytes]] = {
     "POST plans/ID/flights": lambda desk, work: desk.begin(partial(_flights, desk, work)),
     "POST horizon/estimates": _vertical,
     "POST telemetry/comparisons": _comparison,
-    "GET opportunities/ID/windows": _windows,
+    "GET opportunities/ID": _opportunities,
     "GET plans/ID/table": _table,
     "GET plans/ID/view": _view,
     "GET plans/ID/request": lambda desk, work: desk.kept(work.id).request,

@@ -1,11 +1,16 @@
-"""Windows for 1,000 targets over 7 days: processor time, and agreement with the peers' windows.
+"""Windows of 20, 300 and 1,000 targets over 7 days: processor time, and agreement with the peers.
 
 Ours against Skyfield's find_events and brahe's location_accesses, all on one thread, in one
-run: 559 real OCO-3 targets and 441 seeded ones, the ISS, elevation of 10 deg.  Ours also
-gives, for every window, what the peers don't: reach of the axes, angles and rates, sunlight,
-Sun and Moon separation at five samples.
+run: 559 real OCO-3 targets and 441 seeded ones, the ISS, elevation of 10 deg.  Ours are windows
+and sessions; the whole request of a first page of 100 with its JSON; and all windows as JSON with
+all that is told of their view, what the peers don't: angles and rates of the axes, sunlight, Sun
+and Moon at five samples.
 
-    OMP_NUM_THREADS=1 python bench/opportunities.py [--targets 1000] [--days 7]
+    OMP_NUM_THREADS=1 python bench/opportunities.py [--targets 20 300 1000] [--days 7]
+
+`--carriers 100 --targets 10000 --days 1` instead finds the windows of so many carriers, each a
+task with all targets, by one and two workers of dask.distributed and by two threads; one of the
+workers is killed in the middle, and nothing may be lost.
 
 Times are of the processor (all threads), which other work on the machine changes least; the
 best of three for ours.  Earth orientation is the same finals2000A in all three.
@@ -18,56 +23,138 @@ geometric, over the plane of the WGS84 ellipsoid, without refraction or light ti
 
 import argparse
 import json
+import os
+import resource
+import signal
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
+from functools import partial
 from importlib.resources import files
 from pathlib import Path
+from typing import TypeVar
 
 import brahe
 import numpy as np
+from distributed import Client, LocalCluster, as_completed
 from numpy.typing import NDArray
 from skyfield.api import EarthSatellite, Loader, wgs84
 from skyfield.data import iers
 
-from planner.planning.opportunities import (
-    OpportunityConditions,
-    OpportunityRequest,
-    OpportunityTarget,
-    find_opportunities,
-)
+from app.answers.members import provenance
+from app.requests.opportunities import read_opportunity_request
+from app.work.searches import VIEW, WindowsAsked, find_windows, search_json
+from planner.planning.opportunities import OpportunityRequest, WindowEdges, WindowSearch
 from planner.world.orbits import TleOrbit
-from planner.world.platforms import PLATFORMS
-from planner.world.targets import GroundTarget
 
 ROOT = Path(__file__).parent.parent
 FINALS = files("skyfield_data") / "data" / "finals2000A.all"
 MIN_ELEVATION_DEG = 10.0
 START = datetime(2015, 2, 27, tzinfo=UTC)
+T = TypeVar("T")
 Windows = list[NDArray[np.float64]]  # per target: rows of rise and set, s since the start
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--targets", type=int, default=1000)
+    parser.add_argument("--targets", type=int, nargs="+", default=[20, 300, 1000])
     parser.add_argument("--days", type=float, default=7.0)
+    parser.add_argument("--carriers", type=int)
     asked = parser.parse_args()
-    places_deg = _places_deg(asked.targets)
     stop = START + timedelta(days=asked.days)
     orbit = json.loads((ROOT / "examples" / "las_vegas_2015.json").read_text())["orbit"]
     lines = orbit["line1"], orbit["line2"]
+    for targets in asked.targets:
+        places_deg = _places_deg(targets)
+        if asked.carriers is None:
+            _beside_peers(places_deg, stop, lines)
+        else:
+            _many_carriers(_request(places_deg, stop, lines), asked.carriers)
 
-    ours, ours_s = min((_timed(_ours, places_deg, stop, lines) for _ in range(3)), key=_seconds)
-    print(f"{asked.targets} targets, {asked.days:g} days: {_count(ours)} windows")
-    print(f"  {'slewtrack':22s} {ours_s:8.2f} s")
+
+def _beside_peers(
+    places_deg: list[tuple[float, float]], stop: datetime, lines: tuple[str, str]
+) -> None:
+    body = _body(places_deg, stop, lines)
+    request = read_opportunity_request(body)
+    ours, took_s = _best(lambda: _by_target(WindowSearch(request).find(), len(places_deg)))
+    _, page_s = _best(lambda: _answer(body, WindowsAsked(limit=100, include=frozenset({VIEW}))))
+    every = WindowsAsked(limit=1_000_000, include=frozenset({VIEW}))
+    text, all_s = _best(lambda: _answer(body, every))
+    print(f"{len(places_deg)} targets: {_count(ours)} windows")
+    print(f"  {'windows and sessions':26s} {took_s:8.3f} s")
+    print(f"  {'request, JSON of 100':26s} {page_s:8.3f} s")
+    print(f"  {'request, JSON of all':26s} {all_s:8.3f} s, {len(text) / 1e6:.1f} MB")
     for name, finder in (
         ("Skyfield find_events", _skyfield),
         ("brahe, 60 s steps", _brahe(60.0)),
         ("brahe, 10 s steps", _brahe(10.0)),
     ):
-        theirs, theirs_s = _timed(finder, places_deg, stop, lines)
-        ratio = theirs_s / ours_s
-        print(f"  {name:22s} {theirs_s:8.2f} s = {ratio:5.1f} x; {_compared(ours, theirs)}")
+        theirs, theirs_s = _timed(partial(finder, places_deg, stop, lines))
+        ratios = ", ".join(f"{theirs_s / own_s:.1f}" for own_s in (took_s, page_s, all_s))
+        print(f"  {name:26s} {theirs_s:8.3f} s = {ratios} x; {_compared(ours, theirs)}")
+
+
+def _answer(body: bytes, asked: WindowsAsked) -> bytes:
+    """As the service makes it, from the request's bytes to the answer's."""
+    request = read_opportunity_request(body)
+    found, page = find_windows(request, provenance(START, body), asked)
+    return search_json("id", found.head, page)
+
+
+def _many_carriers(request: OpportunityRequest, count: int) -> None:
+    """One task each: by one worker, two, two of which one is killed, and two threads."""
+    tasks = [*_carriers(request, count)]
+    alone = _edges_s(tasks[0])  # compiled
+    for name, workers, is_killed in (
+        ("one worker", 1, False),
+        ("two workers", 2, False),
+        ("two workers, one killed", 2, True),
+    ):
+        with (
+            LocalCluster(workers, threads_per_worker=1, dashboard_address=None) as cluster,
+            Client(cluster) as client,
+        ):
+            client.run(_edges_s, tasks[0])  # loaded
+            began, found = time.perf_counter(), {}
+            pids = [*client.run(os.getpid).values()]
+            futures = {client.submit(_edges_s, task): row for row, task in enumerate(tasks)}
+            for future in as_completed(futures):
+                found[futures[future]] = future.result()
+                if is_killed and len(found) == count // 2:
+                    os.kill(pids[0], signal.SIGKILL)
+            took_s = time.perf_counter() - began
+        _tell(name, took_s, [found[row] for row in range(count)])
+        assert np.array_equal(found[0], alone)
+    with ThreadPoolExecutor(2) as threads:
+        began = time.perf_counter()
+        found_here = [*threads.map(_edges_s, tasks)]
+    _tell("two threads", time.perf_counter() - began, found_here)
+    held = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    print(f"  memory of this process at most {held:.0f} MiB")
+
+
+def _carriers(request: OpportunityRequest, count: int) -> Iterator[OpportunityRequest]:
+    """The same orbit, its node turned around the Earth."""
+    orbit = request.orbit
+    assert isinstance(orbit, TleOrbit)
+    for number in range(count):
+        line = f"{orbit.line2[:17]}{360.0 * number / count:8.4f}{orbit.line2[25:68]}"
+        check = sum(int(one) if one.isdigit() else one == "-" for one in line) % 10
+        yield replace(request, orbit=replace(orbit, line2=f"{line}{check}"))
+
+
+def _edges_s(request: OpportunityRequest) -> NDArray[np.float64]:
+    """A task: target, rise and set of all windows of one carrier."""
+    found = WindowSearch(request).find()
+    return np.stack([found.target, found.rise_s, found.set_s], axis=1)
+
+
+def _tell(name: str, took_s: float, found: list[NDArray[np.float64]]) -> None:
+    windows = sum(map(len, found))
+    print(f"  {name:26s} {took_s:8.2f} s: {windows} windows, {took_s / windows * 1e6:.1f} us each")
 
 
 def _places_deg(count: int) -> list[tuple[float, float]]:
@@ -81,23 +168,48 @@ def _places_deg(count: int) -> list[tuple[float, float]]:
     return [*real, *seeded][:count]
 
 
-def _ours(places_deg: list[tuple[float, float]], stop: datetime, lines: tuple[str, str]) -> Windows:
-    request = OpportunityRequest(
-        orbit=TleOrbit(line1=lines[0], line2=lines[1]),
-        platform=PLATFORMS["iss-hrc"],
-        targets=tuple(
-            OpportunityTarget(
-                id=str(number), target=GroundTarget(latitude_deg=latitude, longitude_deg=longitude)
-            )
-            for number, (latitude, longitude) in enumerate(places_deg)
-        ),
-        start=START,
-        stop=stop,
-        conditions=OpportunityConditions(min_elevation_deg=MIN_ELEVATION_DEG),
+def _body(places_deg: list[tuple[float, float]], stop: datetime, lines: tuple[str, str]) -> bytes:
+    targets = [
+        {
+            "id": str(number),
+            "target": {"mode": "ground", "latitude_deg": latitude, "longitude_deg": longitude},
+        }
+        for number, (latitude, longitude) in enumerate(places_deg)
+    ]
+    asked = {
+        "platform": "iss-hrc",
+        "orbit": {"source": "tle", "line1": lines[0], "line2": lines[1]},
+        "targets": targets,
+        "start": START.isoformat(),
+        "stop": stop.isoformat(),
+        "conditions": {"min_elevation_deg": MIN_ELEVATION_DEG},
+    }
+    return json.dumps(asked).encode()
+
+
+def _request(
+    places_deg: list[tuple[float, float]], stop: datetime, lines: tuple[str, str]
+) -> OpportunityRequest:
+    """Of more targets than one request may have."""
+    few = read_opportunity_request(_body(places_deg[:1], stop, lines))
+    [one] = few.targets
+    asked = object.__new__(OpportunityRequest)
+    targets = tuple(
+        replace(
+            one,
+            id=str(number),
+            target=replace(one.target, latitude_deg=latitude, longitude_deg=longitude),  # type: ignore[arg-type]
+        )
+        for number, (latitude, longitude) in enumerate(places_deg)
     )
-    found = find_opportunities(request).windows
+    for name, value in (vars(few) | {"targets": targets}).items():
+        object.__setattr__(asked, name, value)
+    return asked
+
+
+def _by_target(found: WindowEdges, count: int) -> Windows:
     edges_s = np.stack([found.rise_s, found.set_s], axis=1)
-    return [edges_s[found.target == number] for number in range(len(places_deg))]
+    return [edges_s[found.target == number] for number in range(count)]
 
 
 def _skyfield(
@@ -175,19 +287,15 @@ def _compared(ours: Windows, theirs: Windows) -> str:
     )
 
 
-def _timed(
-    finder: Callable[[list[tuple[float, float]], datetime, tuple[str, str]], Windows],
-    places_deg: list[tuple[float, float]],
-    stop: datetime,
-    lines: tuple[str, str],
-) -> tuple[Windows, float]:
+def _timed(work: Callable[[], T]) -> tuple[T, float]:
     began = time.process_time()
-    windows = finder(places_deg, stop, lines)
-    return windows, time.process_time() - began
+    made = work()
+    return made, time.process_time() - began
 
 
-def _seconds(timed: tuple[Windows, float]) -> float:
-    return timed[1]
+def _best(work: Callable[[], T]) -> tuple[T, float]:
+    """Of four: in the first of a process kernels are loaded."""
+    return min((_timed(work) for _ in range(4)), key=lambda timed: timed[1])
 
 
 def _count(windows: Windows) -> int:

@@ -1,32 +1,10 @@
 """The answer to a search for passes of the imaging spacecraft."""
 
-from dataclasses import asdict, dataclass
-from datetime import datetime
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import Any
 
-import numpy as np
-
-from app.answers.members import BUILT_ON_FIRST_USE
-from app.answers.opportunities import (
-    Column,
-    OpportunitiesHead,
-    PassWindow,
-    pass_columns,
-    spread,
-    texts_of,
-    times_of,
-)
+from app.answers.opportunities import OpportunitiesHead, PassWindow
 from app.answers.ranges import Count
-from planner.planning.opportunities import WindowEdges
-from planner.spacecraft.table import TICK_S
-
-if TYPE_CHECKING:
-    from planner.spacecraft.opportunities import PassEdges
-    from planner.spacecraft.opportunity_request import ImagingOpportunityRequest
-
-# From orbital orientation to the farthest look and back: 54 deg at 1.58 deg/s about each axis,
-# the build-up of the rate and the settling beside it.
-TURN_S = 60.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,44 +59,3 @@ class ImagingOpportunitiesResponse(OpportunitiesHead):
     id: str
     windows: list[ImagingOpportunityOut]
     next: Count | None
-
-
-@dataclass(frozen=True, kw_only=True)
-class ImagingWindowsPage:
-    """Some of the passes found.
-
-    windows: those of this page.
-    next: `cursor` of what comes after; null at the end. E.g. `100`.
-    """
-
-    __pydantic_config__ = BUILT_ON_FIRST_USE
-
-    windows: list[ImagingOpportunityOut]
-    next: Count | None
-
-
-def imaging_columns(
-    request: "ImagingOpportunityRequest", passes: "PassEdges", told: WindowEdges
-) -> dict[str, Column]:
-    """By the names of an `ImagingOpportunityOut`; told: the passes, or more of them."""
-    asked = [request.requests[row] for row in passes.target]
-    is_whole = np.flatnonzero(~np.isnan(passes.whole_from_s))
-    whole = {
-        "start": times_of(request.start, passes.whole_from_s[is_whole]),
-        "stop": times_of(request.start, passes.whole_to_s[is_whole]),
-    }
-    names = [one.name for one in request.requests]
-    return pass_columns(request.start, names, ("along", "across"), told) | {
-        "session": _sessions(request.start, passes),
-        "mode": texts_of([one.mode for one in asked]),
-        "geometry": texts_of([asdict(one.geometry) for one in asked]),
-        "whole": spread(is_whole, len(passes), whole),
-    }
-
-
-def _sessions(start_utc: datetime, passes: WindowEdges) -> Column:
-    """On rows of a table, which begin on multiples of 0.2 s after the second."""
-    before_s = start_utc.microsecond / 1e6
-    first = np.floor((passes.rise_s - TURN_S + before_s) / TICK_S) * TICK_S - before_s
-    last = np.ceil((passes.set_s + TURN_S + before_s) / TICK_S) * TICK_S - before_s
-    return {"start": times_of(start_utc, first, 1), "stop": times_of(start_utc, last, 1)}

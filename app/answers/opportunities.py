@@ -1,13 +1,8 @@
 """The answer to a search for windows: degrees, UTC text, plain numbers."""
 
-import json
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
-from datetime import datetime
+from dataclasses import dataclass, field
 from typing import Annotated, Any
 
-import numpy as np
-import pydantic_core
 from pydantic import Field
 
 from app.answers.members import BUILT_ON_FIRST_USE, ProvenanceOut
@@ -20,18 +15,11 @@ from app.answers.ranges import (
     Share,
     Signed,
 )
-from app.answers.target_sky import PlaceOut, TargetSkyOut, place_columns, sky_columns
-from planner.base.arrays import Array, Indices
+from app.answers.target_sky import PlaceOut, TargetSkyOut
 from planner.base.assumed import Assumed
-from planner.planning.opportunities import Sightings, WindowEdges, Windows
 from planner.planning.opportunities.closing import Unseen
-from planner.world.frames.time_scales import Instants
-
-DECIMALS = 6  # 1e-6 deg is 4 milliarcsec, 1e-6 km a millimetre
 
 Branch = Annotated[int, Field(ge=0, le=1)]
-# Of each row an object by names, a number, numbers, or its JSON text.
-Column = Mapping[str, Any] | Array | list[str]
 
 
 def not_included() -> Any:  # noqa: ANN401 (in place of a member of any type)
@@ -200,133 +188,3 @@ class OpportunitiesResponse(OpportunitiesHead):
     reasons: list[Unseen] = field(default_factory=not_included)
     windows: list[WindowOut]
     next: Count | None
-
-
-@dataclass(frozen=True, kw_only=True)
-class WindowsPage:
-    """Some of the windows found.
-
-    windows: those of this page.
-    next: `cursor` of what comes after; null at the end. E.g. `100`.
-    """
-
-    __pydantic_config__ = BUILT_ON_FIRST_USE
-
-    windows: list[WindowOut]
-    next: Count | None
-
-
-def window_columns(
-    start_utc: datetime,
-    ids: Sequence[str],
-    axis_names: tuple[str, str],
-    windows: WindowEdges,
-    probability: Array | None = None,
-) -> dict[str, Column]:
-    """By the names of a `WindowOut`, as far as they are known; probability: of each session."""
-    columns = pass_columns(start_utc, ids, axis_names, windows)
-    if isinstance(windows, Windows):
-        usable = [np.flatnonzero(one).tolist() for one in windows.branches]
-        columns |= {"branch": texts_of(windows.branch.tolist()), "branches": texts_of(usable)}
-    return columns if probability is None else columns | {"probability_in_frame": probability}
-
-
-def pass_columns(
-    start_utc: datetime, ids: Sequence[str], axis_names: tuple[str, str], windows: WindowEdges
-) -> dict[str, Column]:
-    """By the names of a `PassWindow`, as far as they are known."""
-    session_s = windows.sessions_s(start_utc)
-    fits = np.flatnonzero(~np.isnan(session_s[:, 0]))
-    times = {
-        name: times_of(start_utc, session_s[fits, n]) for n, name in enumerate(("start", "stop"))
-    }
-    columns: dict[str, Column] = {
-        "target": texts_of([ids[row] for row in windows.target]),
-        "rise": times_of(start_utc, windows.rise_s),
-        "set": times_of(start_utc, windows.set_s),
-        "duration_s": windows.set_s - windows.rise_s,
-        "session": spread(fits, len(windows), times),
-        "opened_by": texts_of(windows.opened_by.tolist()),
-        "closed_by": texts_of(windows.closed_by.tolist()),
-    }
-    if not isinstance(windows, Windows):
-        return columns
-    on_earth = np.flatnonzero(~np.isnan(windows.sky.azimuth_rad[:, 0]))
-    count = len(windows)
-    columns |= {
-        "highest_at": times_of(start_utc, windows.highest_s),
-        "highest_deg": np.degrees(windows.highest_rad),
-        "closest": _sighting(start_utc, axis_names, windows.closest),
-        "through": _sighting(start_utc, axis_names, windows.through),
-        "place": spread(on_earth, count, place_columns(windows.sky, on_earth)),
-        "sky": spread(
-            on_earth,
-            count,
-            {
-                event: {"at": times_of(start_utc, sky.pop("t_s")), **sky}
-                for event, sky in sky_columns(windows.sky, on_earth).items()
-            },
-        ),
-    }
-    return columns
-
-
-def _sighting(start_utc: datetime, axis_names: tuple[str, str], seen: Sightings) -> Column:
-    columns: dict[str, Column] = {
-        "at": times_of(start_utc, seen.t_s),
-        "range_km": seen.range_m / 1e3,
-        "ground_sample_across_m": seen.ground_sample_across_m,
-        "ground_sample_along_m": seen.ground_sample_along_m,
-        "angles_deg": _by_axis(axis_names, seen.angle_rad),
-        "rates_deg_s": _by_axis(axis_names, seen.rate_rad_s),
-    }
-    for one in fields(SightingOut):
-        if one.name not in columns:
-            columns[one.name] = np.degrees(getattr(seen, one.name.replace("_deg", "_rad")))
-    return {one.name: columns[one.name] for one in fields(SightingOut)}
-
-
-def _by_axis(axis_names: tuple[str, str], motion_rad: Array) -> Column:
-    """motion_rad: shape (..., 2), rad or rad/s."""
-    return {name: np.degrees(motion_rad[..., axis]) for axis, name in enumerate(axis_names)}
-
-
-def rows_json(columns: Column) -> list[str]:
-    """The JSON of each row; numbers are rounded, null where there is none."""
-    if isinstance(columns, list):
-        return columns
-    if isinstance(columns, Mapping):
-        template = "{" + ",".join(f"{json.dumps(name)}:%s" for name in columns) + "}"
-        return [template % row for row in zip(*map(rows_json, columns.values()), strict=True)]
-    rounded = np.round(columns, DECIMALS) + 0.0  # no -0.0
-    return joined(texts_of(rounded.ravel().tolist()), columns.shape)
-
-
-def joined(texts: list[str], shape: tuple[int, ...]) -> list[str]:
-    """The texts of numbers of a shape (rows,) or (rows, n): an array a row of those."""
-    if len(shape) == 1:
-        return texts
-    n = shape[1]
-    return [f"[{','.join(texts[k : k + n])}]" for k in range(0, len(texts), n)]
-
-
-def spread(rows: Indices, count: int, columns: Column) -> list[str]:
-    """So many rows' JSON: those of the columns, null between them."""
-    texts = ["null"] * count
-    for row, text in zip(rows.tolist(), rows_json(columns), strict=True):
-        texts[row] = text
-    return texts
-
-
-def times_of(start_utc: datetime, t_s: Array, decimals: int = 3) -> list[str]:
-    """As JSON texts; of shape (rows, n) an array each."""
-    texts = [f'"{text}"' for text in Instants(start_utc, t_s.ravel()).utc_text(decimals)]
-    return joined(texts, t_s.shape)
-
-
-def texts_of(values: list[Any]) -> list[str]:
-    """The JSON of each."""
-    if values and isinstance(values[0], float):
-        numbers = pydantic_core.to_json(values, inf_nan_mode="null")
-        return numbers[1:-1].decode().split(",")
-    return [json.dumps(value, ensure_ascii=False, separators=(",", ":")) for value in values]

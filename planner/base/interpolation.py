@@ -29,9 +29,13 @@ class UniformTable:
         self.step_s = step_s
         cells = len(node_value) - 1
         first = np.clip(np.arange(cells) - NODES // 2 + 1, 0, len(node_value) - NODES)
-        stencils = node_value[first[:, None] + np.arange(NODES)]
         place = np.arange(cells) - first
-        self.powers = np.matmul(_vandermonde_inverses()[place], stencils)
+        self.powers = np.empty((cells, NODES, node_value.shape[1]))
+        for at in np.unique(place).tolist():  # all but two cells at either end at once
+            here = np.flatnonzero(place == at)
+            nodes = node_value[first[here] + np.arange(NODES)[:, None]]
+            powers = _vandermonde_inverses()[at] @ nodes.reshape(NODES, -1)
+            self.powers[here] = np.moveaxis(powers.reshape(nodes.shape), 0, 1)
 
     def at(self, t_s: Array) -> Array:
         """Shape (m, k) at t_s (m,)."""

@@ -60,13 +60,12 @@ class ImagingSearch:
         self._camera = request.definition().camera
         ephemeris = request.orbit.ephemeris(request.start, request.stop)
         self._asked, self._owner = _position_search(request, self._camera)
-        self._carrier = carrier_over(
+        self.carrier = carrier_over(
             ephemeris, self._asked.attitude, self._asked.platform, request.start, request.stop
         )
-        _require_low(self._carrier)
-        ends = Instants(request.start, np.array([0.0, self._carrier.span_s]))
+        _require_low(self.carrier)
+        ends = Instants(request.start, np.array([0.0, self.carrier.span_s]))
         self.warnings = (*ephemeris.warnings, *earth_orientation_warnings(ends))
-        self.axis_names = self._asked.platform.axis_names
 
     def find(self) -> PassEdges:
         """All passes over all requests, by no more work than one request may make.
@@ -77,7 +76,7 @@ class ImagingSearch:
         Raises SearchEnded.
         """
         with at_most(effort.PLAN):
-            of_positions = _spans_of_positions(self._asked, self._carrier, self._camera)
+            of_positions = _spans_of_positions(self._asked, self.carrier, self._camera)
             spans, whole_s = _request_passes(self._request, self._owner, of_positions)
             held_s = np.stack([spans.start_s, spans.stop_s], axis=1)
             edges = edges_of(np.arange(len(self._request.requests)), spans, held_s)
@@ -94,7 +93,7 @@ class ImagingSearch:
         Its axes are `along` and `across` the track.
         """
         middles = _middle_places(self._request)
-        sight = resting_sight(self._carrier, middles, np.zeros(len(middles)))
+        sight = resting_sight(self.carrier, middles, np.zeros(len(middles)))
         spans = Spans(edges.target, edges.rise_s, edges.set_s, edges.opened_by, edges.closed_by)
         held_s = np.stack([edges.held_from_s, edges.held_to_s], axis=1)
         windows = describe_windows(self._asked, sight, np.arange(len(middles)), spans, held_s)

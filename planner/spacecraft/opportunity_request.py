@@ -5,6 +5,7 @@ from typing import Annotated
 
 from pydantic import FailFast, Field
 
+from planner.base.assumed import Assumed
 from planner.base.spec import Within, spec
 from planner.planning.opportunities.request import (
     BOUNDS as BOUNDS,
@@ -70,6 +71,16 @@ class ImagingOpportunityRequest:
             seen.add(request.name)
         self._require_bounds()
         self.definition()
+
+    @property
+    def ids(self) -> tuple[str, ...]:
+        """Names of the requests, in order."""
+        return tuple(one.name for one in self.requests)
+
+    @property
+    def assumed(self) -> tuple[Assumed, ...]:
+        """Nothing is."""
+        return ()
 
     def _require_bounds(self) -> None:
         days = elapsed_s(self.stop, self.start) / DAY_S

@@ -365,7 +365,8 @@ class Scenario:
     def _not_for_platform(self) -> NotForPlatform:
         return NotForPlatform(
             f"{self.platform.name} is a platform of kind {self.platform.kind}, for which there are "
-            "plans, their CSV and their JSON so far; ask for these, or plan for two axes",
+            "plans, and their tables as CSV, JSON, AEM, OEM, STK and ICS so far; ask for these, or "
+            "plan for two axes",
             field="platform.kind",
         )
 

@@ -79,7 +79,7 @@ CAMPAIGN_FILES = {
 FLIGHTS = "/v1/flights"
 COMPARISONS = "/v1/telemetry/comparisons"
 WAIT_S = 30  # of a POST, for what takes no longer
-JOBS_A_PAGE, WINDOWS_A_PAGE, PROBABLE_A_PAGE = 200, 5000, 500  # at most, for the service
+JOBS_A_PAGE, WINDOWS_A_PAGE, PROBABLE_A_PAGE = 200, 1000, 500  # at most, for the service
 ENTRIES_MAX = 1_000_000  # of a list that is asked for whole
 LOOK_S = 1.0
 CATCH_UP_S = 45.0
@@ -320,7 +320,7 @@ class CarrierCalls:
     def _windows(
         self, search: Named, query: Mapping[str, str], limit: int | None
     ) -> Call[list[Window]]:
-        path = address(self._searches, search, "windows")
+        path = address(self._searches, search)
         return self._pages(Window, path, "windows", query, int(query["limit"]), limit)
 
     def _read_as(self, kind: type[T], ask: Ask) -> Call[T]:

@@ -13,18 +13,19 @@ import numpy as np
 import pytest
 from test_export_formats import CREATED_UTC, plan_of
 
-from app.answers.opportunities import rows_json, window_columns
 from app.cli.windows import windows_csv
 from app.requests.examples import OPPORTUNITY_EXAMPLES, SPACECRAFT_EXAMPLES
 from app.requests.opportunities import read_opportunity_request
 from app.requests.spacecraft import read_spacecraft_request
 from app.work.campaign_files import looks_csv
-from app.work.searches import CSV, opened, pass_table_csv
+from app.work.searches import CSV, opened
 from planner.base.answer_members import member_names
 from planner.base.csv_cells import comment_lines, csv_lines
 from planner.inflight.telemetry.following import PlannedMotion
 from planner.inflight.telemetry.table import write_comparison_csv
 from planner.output.export import EXPORTERS
+from planner.output.windows.forms import pass_table_csv
+from planner.output.windows.rows import rows_json, window_columns
 from planner.planning.campaigns.chosen import ChosenLook
 from planner.planning.opportunities import find_opportunities
 from planner.spacecraft.export import IMAGING_EXPORTERS

@@ -68,7 +68,7 @@ def test_they_are_kept_and_found(client, found):
     at = f"{PATH}/{found['id']}"
     assert client.get(f"{at}?include=view").json() == found
     assert client.get(f"{at}/request").json() == ASKED
-    page = client.get(f"{at}/windows?target=area&limit=1&include=view").json()
+    page = client.get(f"{at}?target=area&limit=1&include=view").json()
     assert page["windows"] == [w for w in found["windows"] if w["target"] == "area"][:1]
     [row] = client.get(f"{PATH}?target=corridor").json()["opportunities"]
     assert (row["id"], row["platform"]) == (found["id"], "agile-cmg")

@@ -63,7 +63,7 @@ def test_what_was_found_is_kept(client, posted, cities):
 
 def test_what_is_told_is_what_is_asked_for(client, cities):
     """The rest of a window stays the same, and none of it is lost."""
-    at = f"{PATH}/{cities['id']}/windows"
+    at = f"{PATH}/{cities['id']}"
     edges = {"target", "rise", "set", "duration_s", "session", "opened_by", "closed_by"}
     plain = client.get(at).json()["windows"]
     assert {*plain[0]} == edges
@@ -83,7 +83,7 @@ def test_searches_are_listed_and_deleted(client):
     assert (row["id"], row["state"], row["targets"]) == (made_id, "done", ["Las Vegas", "London"])
     assert (row["start"], row["stop"]) == ("2015-02-27T12:00:00.000Z", "2015-03-01T12:00:00.000Z")
     assert client.delete(f"{PATH}/{made_id}").status_code == 204
-    for method, tail in (("GET", ""), ("GET", "/windows"), ("GET", "/request"), ("DELETE", "")):
+    for method, tail in (("GET", ""), ("GET", ""), ("GET", "/request"), ("DELETE", "")):
         gone = client.request(method, f"{PATH}/{made_id}{tail}")
         assert gone.status_code == 404, (method, tail)
         assert f"GET {PATH} lists them" in gone.json()["detail"]
@@ -103,7 +103,7 @@ def test_an_id_of_something_else_is_none(client):
 
 
 def test_windows_come_in_pages(client, cities):
-    found, url = [], f"{PATH}/{cities['id']}/windows?limit=2&{VIEW}"
+    found, url = [], f"{PATH}/{cities['id']}?limit=2&{VIEW}"
     while url:
         answer = client.get(url)
         page = answer.json()
@@ -118,7 +118,7 @@ def test_windows_come_in_pages(client, cities):
 
 
 def test_a_page_that_is_known_is_not_sent_again(client, cities):
-    address = f"{PATH}/{cities['id']}/windows"
+    address = f"{PATH}/{cities['id']}"
     tags = set()
     for query in (
         "?limit=1",
@@ -134,22 +134,22 @@ def test_a_page_that_is_known_is_not_sent_again(client, cities):
     csv = client.get(address + "?limit=1", headers={"Accept": "text/csv"})
     assert csv.headers["content-disposition"].startswith("attachment; ")
     assert len({*tags, csv.headers["etag"].removeprefix("W/")}) == 6
-    gone = f"{PATH}/{new_id()}/windows"
+    gone = f"{PATH}/{new_id()}"
     assert client.get(gone, headers={"If-None-Match": "*"}).status_code == 404
 
 
 def test_windows_of_one_target(client, cities):
     of_london = [window for window in cities["windows"] if window["target"] == "London"]
-    answer = client.get(f"{PATH}/{cities['id']}/windows?target=London&{VIEW}").json()
-    assert answer == {"windows": of_london, "next": None}
-    assert client.get(f"{PATH}/{cities['id']}/windows?target=Lon").json()["windows"] == []
+    answer = client.get(f"{PATH}/{cities['id']}?target=London&{VIEW}").json()
+    assert (answer["windows"], answer["next"]) == (of_london, None)
+    assert client.get(f"{PATH}/{cities['id']}?target=Lon").json()["windows"] == []
 
 
 def test_a_target_of_any_name_is_found_by_it(client):
     name = 'Zürich "§\\7, 東京'
     target = {"id": name, "target": CITIES["targets"][0]["target"]}
     made_id = client.post(PATH, json=CITIES | {"targets": [target]}).json()["id"]
-    answer = client.get(f"{PATH}/{made_id}/windows", params={"target": name}).json()
+    answer = client.get(f"{PATH}/{made_id}", params={"target": name}).json()
     assert {window["target"] for window in answer["windows"]} == {name}
 
 
@@ -169,7 +169,7 @@ def test_a_target_of_any_name_is_found_by_it(client):
     ],
 )
 def test_pages_that_there_can_t_be_are_refused(client, cities, query, field, says):
-    answer = client.get(f"{PATH}/{cities['id']}/windows?{query}")
+    answer = client.get(f"{PATH}/{cities['id']}?{query}")
     assert answer.status_code == 422
     assert answer.json()["field"] == f"query.{field}"
     assert says in answer.json()["detail"]
@@ -214,7 +214,7 @@ def test_as_geojson(client, cities):
         assert told["off_nadir_deg"] == window["closest"]["off_nadir_deg"]
         assert told["culmination_azimuth_deg"] == window["sky"]["culmination"]["azimuth_deg"]
         assert told["sun_elevation_deg"] == window["sky"]["culmination"]["sun_elevation_deg"]
-    page = client.get(f"{kept and answer.headers['Location']}/windows?limit=1", headers=GEOJSON)
+    page = client.get(f"{kept and answer.headers['Location']}?limit=1", headers=GEOJSON)
     assert page.json()["features"] == collection["features"][:1]
     assert page.json()["next"] == 1
 
@@ -254,7 +254,7 @@ def test_many_windows_stream_in_another_form(client, monkeypatch):
     first = client.post(f"{PATH}?limit=5&{VIEW}", json=asked)
     at, count = first.headers["Location"], first.json()["count"]
     assert count > 500
-    whole = client.get(f"{at}/windows?limit=10000&{VIEW}").json()
+    whole = client.get(f"{at}?limit=10000&{VIEW}").json()
     windows = whole["windows"]
     assert (len(windows), whole["next"]) == (count, None)
     assert (first.json()["windows"], first.json()["next"]) == (windows[:5], 5)
@@ -266,14 +266,12 @@ def test_many_windows_stream_in_another_form(client, monkeypatch):
     table = rows(client.get(at, headers=CSV))
     assert [f"{row['target']}/{row['rise']}" for row in table] == ids
     for begin in (0, 490, count - 10, count):
-        page = client.get(f"{at}/windows?cursor={begin}&limit=20&{VIEW}").json()
+        page = client.get(f"{at}?cursor={begin}&limit=20&{VIEW}").json()
         assert page["windows"] == windows[begin : begin + 20]
         assert page["next"] == (begin + 20 if begin + 20 < count else None)
 
 
-@pytest.mark.parametrize(
-    ("method", "tail"), [("POST", ""), ("GET", "/{id}"), ("GET", "/{id}/windows")]
-)
+@pytest.mark.parametrize(("method", "tail"), [("POST", ""), ("GET", "/{id}")])
 def test_other_forms_are_not_to_be_had(client, cities, method, tail):
     path = PATH + tail.format(id=cities["id"])
     answer = client.request(method, path, json=CITIES, headers={"Accept": "image/png"})

@@ -17,8 +17,7 @@ from pathlib import Path
 import httpx2 as httpx
 import psycopg
 import pytest
-from databases import SERVER, damage, fresh_database, own_settings
-from fastapi.testclient import TestClient
+from databases import SERVER, damage, fresh_database
 from job_cases import new_job
 from live_service import ROOT, children_of, live_service
 from relay import Relay
@@ -26,7 +25,6 @@ from sqlalchemy import create_engine, text
 from sqlalchemy.exc import DBAPIError
 from waiting import eventually
 
-from app.http.app import create_app
 from app.requests.examples import LAS_VEGAS
 from app.store import jobs
 from app.store.database import FILE, open_database
@@ -293,17 +291,16 @@ def test_of_many_lines_of_a_kind_one_a_second_is_told():
 
 
 @pytest.mark.parametrize("path", ["/v1/plans", "/v1/spacecraft/plans", "/v1/campaigns"])
-def test_one_of_many_deletes_deletes(tmp_path, path):
+def test_one_of_many_deletes_deletes(client, tmp_path, path):
     kinds = {"/v1/plans": "plan", "/v1/spacecraft/plans": "spacecraft"}
-    with TestClient(create_app(own_settings(tmp_path))) as client:
-        new = new_job(kinds.get(path, "campaign"), tmp_path)
-        with client.app.state.database.writing() as connection:
-            jobs.accept(connection, new, lease_s=3600.0)
-            jobs.finish(connection, jobs.get(connection, new.id), "cancelled")
-        with ThreadPoolExecutor(16) as threads:
-            codes = list(
-                threads.map(lambda _: client.delete(f"{path}/{new.id}").status_code, range(16))
-            )
+    new = new_job(kinds.get(path, "campaign"), tmp_path)
+    with client.app.state.database.writing() as connection:
+        jobs.accept(connection, new, lease_s=3600.0)
+        jobs.finish(connection, jobs.get(connection, new.id), "cancelled")
+    with ThreadPoolExecutor(16) as threads:
+        codes = list(
+            threads.map(lambda _: client.delete(f"{path}/{new.id}").status_code, range(16))
+        )
     assert sorted(codes) == [204] + [404] * 15
 
 
@@ -340,8 +337,9 @@ def test_what_sqlite_takes_its_time_for_is_waited_for(tmp_path):
 @pytest.mark.skipif(bool(SERVER), reason="of SQLite")
 def test_a_database_damaged_in_the_middle_is_told_as_damaged(tmp_path):
     """It starts and lists; what meets the damage says so, and doesn't ask to be asked again."""
-    with live_service(tmp_path) as service:
-        httpx.post(f"{service.address}/v1/plans", json=LAS_VEGAS, timeout=None)
+    database = open_database("", tmp_path)
+    upgrade(database)
+    database.close()
     damage(tmp_path / FILE)
     with live_service(tmp_path) as service:
         assert httpx.get(f"{service.address}/v1/platforms").status_code == 200

@@ -212,9 +212,8 @@ def _searched(answers: Answers, path: str, request: dict[str, Any]) -> None:
         accept = {"Accept": media_type}
         if media_type != JSON:
             answers.ask("POST", path, json=little, headers=accept)
-        answers.ask("GET", f"{path}/{{id}}", made_id=made_id, headers=accept)
         windows = {"made_id": made_id, "query": "?limit=1&include=view", "headers": accept}
-        answers.ask("GET", f"{path}/{{id}}/windows", **windows)
+        answers.ask("GET", f"{path}/{{id}}", **windows)
     answers.ask("GET", path)
     answers.ask("GET", f"{path}/{{id}}/request", made_id=made_id)
 

@@ -2,7 +2,9 @@
 
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
+from functools import cache
 
+from planner.planning.sessions.pipeline import make_plan
 from planner.world.attitude import AttitudeUncertainty, LvlhAttitude
 from planner.world.orbits import TleOrbit
 from planner.world.platforms import PLATFORMS
@@ -45,3 +47,17 @@ def scenario(*sessions, alpha=(0.0, 0.0, 0.0), beta=(0.0, 0.0, 0.0), epoch_s=0, 
         slew=slew or SlewOptions(),
         **more,
     )
+
+
+# Two sessions with nothing in the way.
+FREE = scenario(
+    session(LAS_VEGAS, 140, 230),
+    session(SALT_LAKE, 290, 330),
+    alpha=(-60.0, 0, 0),
+    beta=(40.0, 0, 0),
+)
+
+
+@cache
+def free_plan():
+    return make_plan(FREE)

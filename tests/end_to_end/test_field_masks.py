@@ -7,7 +7,7 @@ from datetime import timedelta
 import numpy as np
 import pytest
 from mask_shapes import inside, mask_corners
-from scenarios import EPOCH, LAS_VEGAS, SALT_LAKE, scenario, session
+from scenarios import EPOCH, FREE, free_plan
 from scipy_boresight import scipy_boresight
 
 from planner.base.errors import InfeasibleSlew, NotVisible
@@ -17,18 +17,6 @@ from planner.verification import verify
 from planner.world.platforms import ISS_HRC, FieldMask
 from planner.world.scenario import FinalAngles, SlewOptions
 from planner.world.targets import KeepOut
-
-FREE = scenario(
-    session(LAS_VEGAS, 140, 230),
-    session(SALT_LAKE, 290, 330),
-    alpha=(-60.0, 0, 0),
-    beta=(40.0, 0, 0),
-)
-
-
-@pytest.fixture(scope="module")
-def free_plan():
-    return make_plan(FREE)
 
 
 def around(middle, half_width_deg, **fields):
@@ -46,9 +34,9 @@ def around(middle, half_width_deg, **fields):
 
 
 @pytest.fixture(scope="module")
-def mask(free_plan):
+def mask():
     """On the way to the first session."""
-    middle = scipy_boresight(free_plan.table.position[[350]])[0]
+    middle = scipy_boresight(free_plan().table.position[[350]])[0]
     return around(middle, 10.0, margin_deg=1.5)
 
 
@@ -68,8 +56,8 @@ def test_slew_is_led_around(mask, objective):
     assert math.degrees(margin.away_min_rad) >= 1.5
 
 
-def test_judge_rejects_the_straight_table(free_plan, mask):
-    report = verify(free_plan.table, masked(mask))
+def test_judge_rejects_the_straight_table(mask):
+    report = verify(free_plan().table, masked(mask))
     assert not report.passed
     (finding,) = report.findings
     assert finding.limit == "keep_out"
@@ -95,7 +83,7 @@ def test_target_behind_a_mask_is_refused_with_when_and_a_start_that_works():
     assert plan.verification.passed
 
 
-def test_cones_and_masks_are_kept_together(free_plan, mask):
+def test_cones_and_masks_are_kept_together(mask):
     """A cone on the side that the way around the mask alone takes."""
     way = make_plan(masked(mask)).table.position
     away = [np.arccos(scipy_boresight(way) @ np.mean(mask_corners(mask), axis=0))]
@@ -108,16 +96,16 @@ def test_cones_and_masks_are_kept_together(free_plan, mask):
     assert plan.verification.passed
 
 
-def test_a_platform_that_begins_inside_is_told_by_how_deep(free_plan):
-    start = scipy_boresight(free_plan.table.position[[0]])[0]
+def test_a_platform_that_begins_inside_is_told_by_how_deep():
+    start = scipy_boresight(free_plan().table.position[[0]])[0]
     with pytest.raises(InfeasibleSlew, match=r"begins 10\.00 deg inside the mask") as refusal:
         make_plan(masked(around(start, 10.0)))
     assert refusal.value.field == "initial_state.angles_deg"
 
 
-def test_a_mask_out_of_the_way_changes_nothing_but_its_margin(free_plan):
+def test_a_mask_out_of_the_way_changes_nothing_but_its_margin():
     plan = make_plan(masked(around(np.array([0.0, 0.0, -1.0]), 40.0)))
-    np.testing.assert_array_equal(plan.table.position, free_plan.table.position)
+    np.testing.assert_array_equal(plan.table.position, free_plan().table.position)
     (margin,) = plan.verification.masks
     assert math.degrees(margin.away_min_rad) > 40.0
 

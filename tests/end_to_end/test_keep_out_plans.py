@@ -7,7 +7,7 @@ from importlib.resources import files
 
 import numpy as np
 import pytest
-from scenarios import EPOCH, LAS_VEGAS, SALT_LAKE, scenario, session
+from scenarios import EPOCH, FREE, free_plan, scenario, session
 from scipy_boresight import scipy_boresight
 from skyfield.api import EarthSatellite, load, load_file, wgs84
 
@@ -17,23 +17,11 @@ from planner.verification import verify
 from planner.world.scenario import SlewOptions
 from planner.world.targets import BodyTarget, KeepOut
 
-FREE = scenario(
-    session(LAS_VEGAS, 140, 230),
-    session(SALT_LAKE, 290, 330),
-    alpha=(-60.0, 0, 0),
-    beta=(40.0, 0, 0),
-)
-
 
 @pytest.fixture(scope="module")
-def free_plan():
-    return make_plan(FREE)
-
-
-@pytest.fixture(scope="module")
-def cone(free_plan):
+def cone():
     """In LVLH, which is the platform's frame here, on the way to the first session."""
-    half_way = scipy_boresight(free_plan.table.position[[350]])[0]
+    half_way = scipy_boresight(free_plan().table.position[[350]])[0]
     return KeepOut(direction_lvlh=tuple(half_way + np.array([0.05, 0.0, 0.0])), half_angle_deg=15.0)
 
 
@@ -53,8 +41,8 @@ def test_slew_is_led_around(cone, objective):
     assert 15.0 <= math.degrees(margin.away_min_rad) <= away_deg.min() + 1e-9
 
 
-def test_judge_rejects_the_straight_table(free_plan, cone):
-    report = verify(free_plan.table, with_cones(cone))
+def test_judge_rejects_the_straight_table(cone):
+    report = verify(free_plan().table, with_cones(cone))
     assert not report.passed
     assert [finding.limit for finding in report.findings] == ["keep_out"]
 
@@ -74,9 +62,9 @@ def test_target_inside_a_cone_is_refused_with_when():
     assert refusal.value.earliest_feasible_start_utc is not None
 
 
-def test_sun_is_where_skyfield_sees_it(free_plan):
+def test_sun_is_where_skyfield_sees_it():
     """The judge's least distance to the Sun's centre against Skyfield's apparent Sun."""
-    report = verify(free_plan.table, with_cones(KeepOut(body="sun", half_angle_deg=5.0)))
+    report = verify(free_plan().table, with_cones(KeepOut(body="sun", half_angle_deg=5.0)))
     (margin,) = report.keep_out
     times = load.timescale(builtin=True).from_datetime(margin.at_utc)
     sky = load_file(str(files("skyfield_data") / "data" / "de421.bsp"))
@@ -87,7 +75,7 @@ def test_sun_is_where_skyfield_sees_it(free_plan):
     z, y = z / np.linalg.norm(z), y / np.linalg.norm(y)
     sun_lvlh = np.array([np.cross(y, z), y, z]) @ (sun / np.linalg.norm(sun))
     row = round(margin.t_s * 5)
-    away = math.acos(scipy_boresight(free_plan.table.position[[row]])[0] @ sun_lvlh)
+    away = math.acos(scipy_boresight(free_plan().table.position[[row]])[0] @ sun_lvlh)
     assert margin.t_s == pytest.approx(row / 5, abs=1e-9)
     assert margin.away_min_rad == pytest.approx(
         away, abs=2e-5
@@ -111,8 +99,8 @@ def test_sun_behind_the_earth_blinds_nobody():
     assert plan.verification.keep_out[0].away_min_rad is None
 
 
-def test_parked_inside_is_told_by_how_deep(free_plan):
-    start = scipy_boresight(free_plan.table.position[[0]])[0]
+def test_parked_inside_is_told_by_how_deep():
+    start = scipy_boresight(free_plan().table.position[[0]])[0]
     inside = KeepOut(direction_platform=tuple(start), half_angle_deg=10.0)
     with pytest.raises(InfeasibleSlew, match=r"begins 10\.00 deg inside") as refusal:
         make_plan(with_cones(inside))

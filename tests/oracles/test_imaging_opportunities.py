@@ -1,12 +1,10 @@
 """The spacecraft's windows lie where its camera's angles, by Skyfield's frames, are met."""
 
 from datetime import timedelta
-from importlib.resources import files
 
 import numpy as np
 import pytest
-from skyfield.api import Loader, wgs84
-from skyfield.data import iers
+from skyfield.api import wgs84
 from skyfield.framelib import itrs
 from spacecraft_cases import EPOCH, ORBIT, four_modes, line
 
@@ -19,15 +17,6 @@ ALONG_DEG, ACROSS_DEG = 30.0, 45.0
 # The search's directions hold light time and aberration, 5 arcsec together, which these do not.
 ANGLE_DEG = 2e-3
 HOURS = 26
-
-
-@pytest.fixture(scope="module")
-def timescale():
-    load = Loader(str(files("skyfield_data") / "data"))
-    timescale = load.timescale(builtin=False)
-    with load.open("finals2000A.all") as lines:
-        iers.install_polar_motion_table(timescale, iers.parse_x_y_dut1_from_finals_all(lines))
-    return timescale
 
 
 def asked(requests, **more):

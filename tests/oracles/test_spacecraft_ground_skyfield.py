@@ -1,26 +1,14 @@
 """The ground point under the slit lies where Skyfield's geometry puts it."""
 
-from importlib.resources import files
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from skyfield.api import Loader, wgs84
-from skyfield.data import iers
+from skyfield.api import wgs84
 from skyfield.framelib import itrs
 from spacecraft_cases import EPOCH, ORBIT, four_modes, session
 
 from planner.spacecraft.plan import plan_imaging
 from planner.world.frames.time_scales import Instants
-
-
-@pytest.fixture(scope="module")
-def timescale():
-    load = Loader(str(files("skyfield_data") / "data"))
-    timescale = load.timescale(builtin=False)
-    with load.open("finals2000A.all") as lines:
-        iers.install_polar_motion_table(timescale, iers.parse_x_y_dut1_from_finals_all(lines))
-    return timescale
 
 
 @pytest.fixture(scope="module")

@@ -184,3 +184,34 @@ def test_nothing_kept(browser, tmp_path, open_page):
         page = open_page("/timeline", at=service)
         expect(page.get_by_text("Nothing is kept for this time.")).to_be_visible()
         page.close()
+
+
+def test_a_window_is_a_link_to_its_plan(kept, windows, open_page):
+    page = open_page(DAY, at=kept)
+    link = page.get_by_role("link", name=re.compile("Window of Las Vegas.*plan it")).first
+    expect(link).to_be_visible()
+    link.focus()
+    page.keyboard.press("Enter")
+    taken = page.get_by_role("button", name=re.compile(r"27 Feb 2015 17:36.* 84°"), pressed=True)
+    expect(taken).to_be_visible()
+    page.get_by_role("button", name="Plan", exact=True).click()
+    expect(page.get_by_role("heading", name="Las Vegas", level=1)).to_be_visible(timeout=30_000)
+
+
+def test_of_an_ephemeris_only_what_it_covers_is_asked_for(browser, tmp_path, open_page):
+    with live_service(tmp_path) as service:
+        made(service, "/v1/plans", PLAN_EXAMPLES["oem"][1] | {"name": "by an ephemeris"})
+        page = open_page("/healthz", at=service)
+        refused = []
+        page.on("response", lambda got: got.status >= 400 and refused.append(got.url))
+        page.goto(f"{service.address}{DAY}")
+        told = "covers only 27 Feb 2015 17:28:00–17:44:00 UTC of this time"
+        expect(page.get_by_text(told)).to_be_visible()
+        track = page.get_by_role("region", name="Ground track").locator(".dm-track")
+        expect(track).to_have_attribute("d", re.compile("^M"))
+        expect(page.get_by_text("No ground track")).to_have_count(0)
+        page.goto(f"{service.address}{DAY.replace('2015-02-27', '2015-02-26')}")
+        page.get_by_role("button", name="A week").click()
+        expect(page.get_by_text("covers only")).to_be_visible()
+        assert refused == []
+        page.close()

@@ -75,7 +75,12 @@ def draw_cases(seed, count, starting=None):
             yield case
 
 
-def _drawn(rng, starting):
+def draw_straight(rng, starting=None):
+    """A slew between states at random, as flown where nothing is in the way; None if it can't be.
+
+    starting: rate and acceleration of the outer axis at the start, rad/s, rad/s2.
+    """
+
     def state():
         return AxisState(
             angle_rad=math.radians(rng.uniform(-170.0, 170.0)),
@@ -99,9 +104,16 @@ def _drawn(rng, starting):
         duration_s=duration_s,
     )
     try:
-        straight = optimal_slew(problem, on_rows=True)
+        return optimal_slew(problem, on_rows=True)
     except InfeasibleSlew:
         return None
+
+
+def _drawn(rng, starting):
+    straight = draw_straight(rng, starting)
+    if straight is None:
+        return None
+    duration_s = straight.problem.duration_s
     angle_rad = straight.motion(np.array([duration_s * rng.uniform(0.25, 0.75)]))[0]
     on_path = scipy_boresight(angle_rad)[0]
     aside, turn_axis = np.cross(on_path, rng.normal(size=3)), rng.normal(size=3)
@@ -118,7 +130,8 @@ def _drawn(rng, starting):
         axis_platform=turning(middle_axis, turn_axis, nodes_s - duration_s / 2.0),
         counts_rad=np.ones(len(nodes_s)),
     )
-    problem = replace(problem, keep_out=KeepOutView(platform=ISS_HRC, cones=(cone,)))
+    view = KeepOutView(platform=ISS_HRC, cones=(cone,))
+    problem = replace(straight.problem, keep_out=view)
     case = Case(replace(straight, problem=problem), half_angle_rad, middle_axis, turn_axis)
     t_s, angle, _, _ = hermite(straight)
     away = away_rad(case, t_s, angle)

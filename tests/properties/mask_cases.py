@@ -4,18 +4,13 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from keep_out_cases import LIMITS, hermite
+from keep_out_cases import draw_straight, hermite
 from mask_shapes import inside, mask_corners
 from scipy_boresight import scipy_boresight
 
-from planner.base.errors import InfeasibleSlew
 from planner.motion.pointing.keep_out import KeepOutView, MovingCone
 from planner.motion.slew import (
-    AxisState,
-    SlewProblem,
     SlewSolution,
-    next_duration_s,
-    optimal_slew,
 )
 from planner.world.platforms import ISS_HRC, FieldMask
 
@@ -48,38 +43,21 @@ def draw_mask_cases(seed, count, draw_corners, masks=1):
 
 
 def _drawn(rng, draw_corners, masks):
-    def state():
-        return AxisState(
-            angle_rad=math.radians(rng.uniform(-170.0, 170.0)),
-            rate_rad_s=math.radians(rng.uniform(-1.0, 1.0)),
-        )
-
-    start, end = (state(), state()), (state(), state())
-    least_s = [next_duration_s(a, b, LIMITS, 0.0) for a, b in zip(start, end, strict=True)]
-    if None in least_s:
-        return None
-    duration_s = math.ceil(max(least_s) * rng.uniform(1.2, 3.0) * 5.0) / 5.0
-    problem = SlewProblem(
-        axis_names=ISS_HRC.axis_names,
-        limits=ISS_HRC.axis_limits,
-        start=start,
-        end=end,
-        duration_s=duration_s,
-    )
-    try:
-        straight = optimal_slew(problem, on_rows=True)
-    except InfeasibleSlew:
+    straight = draw_straight(rng)
+    if straight is None:
         return None
     drawn = []
     for number in range(masks):
-        at_s = np.array([duration_s * rng.uniform(0.25, 0.75)])
+        at_s = np.array([straight.problem.duration_s * rng.uniform(0.25, 0.75)])
         middle = scipy_boresight(straight.motion(at_s)[0])[0]
         corners = draw_corners(rng, middle)
         drawn.append(
             FieldMask(name=f"{number}", corners_platform=tuple(map(tuple, corners.tolist())))
         )
     view = KeepOutView(platform=ISS_HRC, masks=tuple(drawn))
-    case = MaskCase(replace(straight, problem=replace(problem, keep_out=view)), tuple(drawn))
+    case = MaskCase(
+        replace(straight, problem=replace(straight.problem, keep_out=view)), tuple(drawn)
+    )
     _, angle, _, _ = hermite(straight)
     if case.is_entered(angle[[0, -1]]) or not case.is_entered(angle):
         return None

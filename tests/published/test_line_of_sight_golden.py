@@ -1,30 +1,16 @@
 """The planner's line of sight, its rate included, is that of Orekit and Skyfield."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
+from golden_sight import ARCSEC_RAD, GOLDEN, orbit_of
 from scipy.spatial.transform import Rotation
 
 from planner.motion.pointing.line_of_sight import line_of_sight
 from planner.world.attitude.lvlh import LvlhAttitude
 from planner.world.frames.time_scales import Instants, shifted_utc, utc_from_text
-from planner.world.orbits import OemOrbit, TleOrbit
 from planner.world.targets import GroundTarget
 
-DATA = Path(__file__).parents[1] / "data"
-# Orekit 13.1.9 and Skyfield 1.55; conventions in the file
-GOLDEN = json.loads((DATA / "golden_los.json").read_text())
-ARCSEC_RAD = np.pi / 648000.0
 ABERRATION_RATE_SHARE = 3e-5  # v/c: the golden rate is that of the geometric direction
-
-
-def orbit_of(source):
-    if source["type"] == "TLE":
-        return TleOrbit(line1=source["line1"], line2=source["line2"])
-    name = source["file"].removeprefix("oem/ISS.OEM_J2K_EPH_").removesuffix(".xml.gz")
-    return OemOrbit(content=(DATA / f"iss_oem_{name}_excerpt.xml").read_text())
 
 
 @pytest.mark.parametrize("case", GOLDEN["cases"], ids=lambda case: case["id"])

@@ -1,28 +1,13 @@
 """The orbit sources give Orekit's and Skyfield's lines of sight."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
+from golden_sight import ARCSEC_RAD, GOLDEN, orbit_of
 
 from planner.world.frames.earth_orientation import C_GCRF_FROM_EME2000, c_itrf_from_eci
 from planner.world.frames.geodesy import itrf_from_geodetic
 from planner.world.frames.local_orbital import q_lvlh_from_eci
 from planner.world.frames.time_scales import Instants, elapsed_s, utc_from_text
-from planner.world.orbits import OemOrbit, TleOrbit
-
-DATA = Path(__file__).parents[1] / "data"
-# Orekit 13.1.9 and Skyfield 1.55, each checked against a third tool; conventions in the file
-GOLDEN = json.loads((DATA / "golden_los.json").read_text())
-ARCSEC_RAD = np.pi / 648000.0
-
-
-def orbit_of(source):
-    if source["type"] == "TLE":
-        return TleOrbit(line1=source["line1"], line2=source["line2"])
-    name = source["file"].removeprefix("oem/ISS.OEM_J2K_EPH_").removesuffix(".xml.gz")
-    return OemOrbit(content=(DATA / f"iss_oem_{name}_excerpt.xml").read_text())
 
 
 @pytest.mark.parametrize("case", GOLDEN["cases"], ids=lambda case: case["id"])

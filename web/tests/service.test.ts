@@ -65,6 +65,24 @@ test("a reason within a sentence is told with it, names in it stay", () => {
   expect(service.told("there is no telemetry of orbit")).toBe("телеметрии оси orbit нет");
 });
 
+test.each([
+  "the straight slew enters the Sun's cone by 12.30 deg and no way around the Sun's cone was found in 40.0 s; " +
+    "give the slew more time or the cone a smaller half angle",
+  "no motion within the limits leads around mask 1 in 40.0 s; give the slew more time, or begin it with other angles, " +
+    "or choose other times",
+  "following the target needs 7.13 deg/s of alpha at 2015-02-27T17:37:00.2Z, more than the 3 deg/s it has; as near as " +
+    "the limits allow, the target is 1.234 deg off at 2015-02-27T17:37:01.0Z, outside the circle of 0.400 deg inside the frame",
+  "content: OEM line 12: REF_FRAME 'MARS' is not supported; convert to one of EME2000, GCRF, ICRF, ITRF, TEME",
+  "content: AEM line 3: the quaternion's length is 1.2, not 1",
+  "the OEM says nothing between 2015-02-27T17:44:00.000Z and 2015-02-28T00:00:00.000Z; it covers " +
+    "2015-02-27T17:28:00.000Z to 2015-02-27T17:44:00.000Z",
+])("refusals of detours, keyholes and messages in Russian: %s", (text) => {
+  const told = service.told(text);
+  expect(told).not.toBe(text);
+  expect(told).not.toMatch(/ (the|is|at|of|not) /);
+  for (const figure of text.match(FIGURE) ?? []) expect(told).toContain(figure);
+});
+
 test("signs of patterns are no signs of expressions", () => {
   expect(tellerBy({ "costs 1.5 $ (a+b?) for {n}": "стоит {n}" })("costs 1.5 $ (a+b?) for 3")).toBe("стоит 3");
 });

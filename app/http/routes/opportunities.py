@@ -4,8 +4,8 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, Request, Response
 
-from app.answers.imaging_opportunities import ImagingOpportunitiesResponse, ImagingWindowsPage
-from app.answers.opportunities import OpportunitiesResponse, WindowsPage
+from app.answers.imaging_opportunities import ImagingOpportunitiesResponse
+from app.answers.opportunities import OpportunitiesResponse
 from app.answers.view import OrbitTrackResponse
 from app.http.blocking import answer_in_child
 from app.http.negotiation import ONLY_JSON, json_body
@@ -31,7 +31,6 @@ OPPORTUNITIES = SearchResource(
     summary="Search for windows of targets",
     examples=OPPORTUNITY_EXAMPLES,
     response=OpportunitiesResponse,
-    windows_response=WindowsPage,
     included=INCLUDED,
 )
 IMAGING_OPPORTUNITIES = SearchResource(
@@ -43,7 +42,6 @@ IMAGING_OPPORTUNITIES = SearchResource(
     summary="Search for passes of the imaging spacecraft",
     examples=IMAGING_OPPORTUNITY_EXAMPLES,
     response=ImagingOpportunitiesResponse,
-    windows_response=ImagingWindowsPage,
     included=(VIEW,),
 )
 

@@ -6,16 +6,16 @@ The same for every resource that holds what a search found.
 import hashlib
 import json
 import zlib
-from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
+from collections.abc import AsyncIterator
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from http import HTTPStatus
-from typing import Annotated, Any, NamedTuple, Self
+from typing import Annotated, Any, NamedTuple
 
 import anyio.to_thread
-from fastapi import APIRouter, Depends, HTTPException, Request, Response
+from fastapi import APIRouter, Depends, HTTPException, Query, Request, Response
 from fastapi.responses import StreamingResponse
-from pydantic import AfterValidator, Field, create_model, model_validator
+from pydantic import Field
 from sqlalchemy import Connection
 
 from app.answers.job import list_class
@@ -42,7 +42,7 @@ from app.http.routes.job_routes import (
     new_job,
     tag_for_good,
 )
-from app.http.routes.parameters import Asked, PathId, read_query
+from app.http.routes.parameters import PathId
 from app.http.routes.resources import JobResource
 from app.jobs.child import Bounds
 from app.store import audit, jobs, results
@@ -53,23 +53,19 @@ from app.work.searches import (
     CSV,
     GEOJSON,
     JSON,
-    PAGE_WINDOWS,
     PROBABILITY,
-    REASONS,
     VIEW,
     FoundSearch,
     Page,
     WindowsAsked,
     closed,
     find_windows,
-    members_of,
     opened,
     read_windows,
-    search_json,
 )
 from planner.base.errors import InvalidInput
 
-PAGE_MAX = 10_000
+PAGE_WINDOWS, PAGE_MAX = 100, 10_000
 PROBABLE_MAX = 500  # windows whose probability one request may ask for: three seconds
 STREAMED = 2000  # windows that are told of at a time where all are asked for
 SEARCH_BOUNDS = Bounds(deadline_s=120.0, memory_mib=2000)
@@ -83,55 +79,53 @@ SEARCH_LIST = list_class("SearchList", "opportunities", "Searches for opportunit
 class SearchResource(JobResource):
     """One that holds what searches found.
 
-    windows_response: of some of what was found.  included: what `include` may ask for.
+    included: what `include` may ask for.
     """
 
     singular: str = "search for opportunities"
     plural: str = "searches"
     list_response: type = SEARCH_LIST
     summary: str
-    windows_response: type
     included: tuple[str, ...]
 
-
-class FirstWindowsQuery(Parameters):
-    """What to tell of the first windows."""
-
-    limit: int = Field(
-        default=PAGE_WINDOWS,
-        ge=1,
-        le=PAGE_MAX,
-        description="The largest number of windows of JSON's page; at most 500 with `probability`.",
-    )
-    include: str = ""
-
-    @model_validator(mode="after")
-    def _require_few(self) -> Self:
-        if PROBABILITY in self.include.split(",") and self.limit > PROBABLE_MAX:
+    def asked(self, request: Request, query: "WindowsQuery") -> WindowsAsked:
+        """As the work is told; raises InvalidInput, 406.  Other forms are of what is seen."""
+        names = set(filter(None, query.include.split(",")))
+        media_type = preferred_type(request, FORMS)
+        if not names <= set(self.included) or query.include.endswith(","):
+            raise InvalidInput(
+                f"must be one or more of {', '.join(self.included)}, with commas between, not "
+                f"{query.include!r}",
+                field="query.include",
+            )
+        if media_type != JSON:
+            names = (names | {VIEW}) - {PROBABILITY}
+        limit = query.limit or (PAGE_WINDOWS if media_type == JSON else STREAMED)
+        if PROBABILITY in names and limit > PROBABLE_MAX:
             raise InvalidInput(
                 f"must be at most {PROBABLE_MAX} with include={PROBABILITY}; ask for the rest by "
                 "`cursor`",
                 field="query.limit",
             )
-        return self
-
-    def asked(self, media_type: str) -> WindowsAsked:
-        """As the work is told; the other forms are of what is seen."""
-        pages = {name: getattr(self, name) for name in ("cursor", "target") if hasattr(self, name)}
-        include = frozenset(self.include.split(",")) - {""}
-        if media_type == JSON:
-            return WindowsAsked(limit=self.limit, include=include, **pages)
         return WindowsAsked(
             media_type=media_type,
-            limit=self.limit if pages else STREAMED,
-            include=(include | {VIEW}) - {PROBABILITY},
-            **pages,
+            cursor=query.cursor,
+            limit=limit,
+            target=query.target,
+            include=frozenset(names),
         )
 
 
-class WindowsQuery(FirstWindowsQuery):
+class WindowsQuery(Parameters):
     """Which windows, and what to tell of them."""
 
+    limit: int | None = Field(
+        default=None,
+        ge=1,
+        le=PAGE_MAX,
+        description="The largest number of windows of this page: 100 unless given, of GeoJSON and "
+        "CSV all there are. At most 500 with `probability`.",
+    )
     cursor: int = Field(
         default=0, ge=0, le=10**9, description="`next` of the page before; 0 for the first."
     )
@@ -141,38 +135,15 @@ class WindowsQuery(FirstWindowsQuery):
         max_length=200,
         description="Only windows of the target with this id.",
     )
-
-
-_TEXTS = {
-    VIEW: "the greatest elevation, what is seen at the closest approach and through the window, "
-    "the target's place and sky",
-    PROBABILITY: "that the target stays in the frame",
-    REASONS: "the causes that leave targets without windows",
-}
-
-
-def _including(query: type[Asked], names: Sequence[str]) -> Callable[[Asked], Awaitable[Asked]]:
-    """A dependency: these parameters, `include` of these names."""
-
-    def require_known(text: str) -> str:
-        if text and not set(text.split(",")) <= set(names):
-            raise ValueError(f"must be one or more of {', '.join(names)}, with commas between")
-        return text
-
-    told = "; ".join(f"`{name}` {_TEXTS[name]}" for name in names)
-    field = Field(
+    include: str = Field(
         default="",
-        description="What is told beyond edges and session, with commas between: "
-        f"{told}. GeoJSON and CSV always tell of the view, and of no probability.",
-        examples=[",".join(names)],
-    )
-    return read_query(
-        create_model(
-            query.__name__,
-            __base__=query,
-            __doc__=query.__doc__,
-            include=(Annotated[str, AfterValidator(require_known)], field),
-        )
+        max_length=100,
+        description="Members of windows beyond edges and session, with commas between: `view` the "
+        "greatest elevation, the sight at the closest approach and through the window, the "
+        "target's place and sky; of a platform's windows also `probability` that the target stays "
+        "in the frame, and `reasons` that leave targets without windows. GeoJSON and CSV always "
+        "have the view, and no probability.",
+        examples=["view,reasons"],
     )
 
 
@@ -182,10 +153,17 @@ def search_routes(resource: SearchResource) -> APIRouter:
     _add_post(router, resource)
     add_list(router, resource)
     _add_one(router, resource)
-    _add_windows(router, resource)
     add_request(router, resource)
     _add_delete(router, resource)
     return router
+
+
+_LINK = {
+    "Link": {
+        "description": 'Of the next page, `rel="next"`; missing on the last',
+        "schema": {"type": "string"},
+    }
+}
 
 
 def _in_all_forms(description: str) -> dict[str, Any]:
@@ -201,36 +179,33 @@ def _add_post(router: APIRouter, resource: SearchResource) -> None:
         response_model=resource.response,
         responses={
             200: _in_all_forms(
-                "What was found, and the first windows; all of them as GeoJSON or as a pass table "
-                "in CSV if `Accept` asks"
+                "The search and its first windows; all as GeoJSON or as a pass table in CSV if "
+                "`Accept` asks"
             )
+            | {"headers": _LINK}
         },
         openapi_extra=json_body_of(resource.requests, resource.examples),
     )
     async def post(
         request: Request,
         body: Annotated[bytes, Depends(json_body)],
-        query: Annotated[
-            FirstWindowsQuery, Depends(_including(FirstWindowsQuery, resource.included))
-        ],
+        query: Annotated[WindowsQuery, Query()],
     ) -> Response:
         """Windows are found to the millisecond, with the limits that open and close each.
 
         The search is kept under `id`, at Location; windows come in pages.
         """
-        media_type = preferred_type(request, FORMS)
+        asked = resource.asked(request, query)
         begun_utc = datetime.now(UTC)
         spec = await anyio.to_thread.run_sync(resource.requests.read, body)
-        origin, asked = provenance(begun_utc, body), query.asked(media_type)
-        found, page = await in_child(
-            request, SEARCH_BOUNDS, find_windows, resource.kind, spec, origin, asked
-        )
+        origin = provenance(begun_utc, body)
+        found, page = await in_child(request, SEARCH_BOUNDS, find_windows, spec, origin, asked)
         new = new_job(request, resource, spec, body, deadline_s=SEARCH_BOUNDS.deadline_s)
         database: Database = request.app.state.database
         await database.answer(_keep, database, new, begun_utc, found)
-        headers = {"Location": f"{resource.path}/{new.id}", "Vary": "Accept"}
+        at = f"{resource.path}/{new.id}"
         whole = _Whole(resource, new.id, body, found, asked)
-        return _first_answer(request, whole, page, headers)
+        return _answer(request, whole, page, {"Location": at, "Vary": "Accept"}, query)
 
 
 class _Whole(NamedTuple):
@@ -249,33 +224,33 @@ class _Whole(NamedTuple):
         return await in_child(request, SEARCH_BOUNDS, read_windows, kind, self.body, edges, asked)
 
 
-def _first_answer(
-    request: Request, whole: _Whole, page: Page, headers: Mapping[str, str]
+def _answer(
+    request: Request, whole: _Whole, page: Page, headers: dict[str, str], query: WindowsQuery
 ) -> Response:
-    """Of JSON the first page, of others all as it is told."""
-    media_type = whole.asked.media_type
-    if media_type == JSON:
-        answer = search_json(whole.search_id, whole.found, page)
-        return Response(answer, HTTPStatus.OK, headers, JSON)
-    members = members_of(whole.search_id, whole.found.head)
+    """A page, or without a limit, in other forms than JSON, all as it is told."""
+    media_type, search_id, (head, _) = whole.asked.media_type, whole.search_id, whole.found
+    begin = opened(media_type, search_id, head, page.reasons) + page.windows
+    if media_type != JSON:
+        name, suffix = json.loads(head)["name"], _SUFFIXES[media_type]
+        headers |= saved_as(name, "opportunities", suffix)
+    if media_type == JSON or query.limit is not None:
+        if page.next is not None:
+            path = f"{whole.resource.path}/{search_id}"
+            url = request.url.include_query_params(cursor=page.next)
+            headers["Link"] = f'<{path}?{url.query}>; rel="next"'
+        content = begin + closed(media_type, page.next)
+        return Response(content, HTTPStatus.OK, headers, media_type)
 
     async def parts() -> AsyncIterator[bytes]:
-        told = page
-        yield opened(media_type, members, page.reasons) + told.windows
-        while told.next is not None:
-            told = await whole.page(request, told.next)
+        yield begin
+        after = page.next
+        while after is not None:
+            told = await whole.page(request, after)
             yield (b"" if media_type == CSV else b",") + told.windows
+            after = told.next
         yield closed(media_type, None)
 
-    headers = {**headers, **_saved(whole.found.head, media_type)}
     return StreamingResponse(parts(), HTTPStatus.OK, headers, media_type)
-
-
-def _saved(head: bytes, media_type: str) -> dict[str, str]:
-    """The header that names a file after its search."""
-    if media_type == JSON:
-        return {}
-    return saved_as(json.loads(head)["name"], "opportunities", _SUFFIXES[media_type])
 
 
 def _keep(database: Database, new: NewJob, begun_utc: datetime, found: FoundSearch) -> None:
@@ -291,65 +266,25 @@ def _add_one(router: APIRouter, resource: SearchResource) -> None:
         summary="Get a search",
         response_model=resource.response,
         responses={
-            200: _in_all_forms(
-                "As the answer to its POST; all windows in another form if `Accept` asks"
-            )
+            200: _in_all_forms("A page of its windows; in another form if `Accept` asks")
+            | {"headers": _LINK}
         },
     )
     async def get_search(
-        request: Request,
-        search_id: PathId,
-        query: Annotated[
-            FirstWindowsQuery, Depends(_including(FirstWindowsQuery, resource.included))
-        ],
+        request: Request, search_id: PathId, query: Annotated[WindowsQuery, Query()]
     ) -> Response:
-        """A search never changes."""
-        asked = query.asked(preferred_type(request, FORMS))
-        tag = _tag(search_id, asked)
-        if is_known_already(request, tag):
-            await find_job(request, resource, search_id)
-            return not_modified(tag)
-        whole = await _find(request, resource, search_id, asked)
-        return _first_answer(request, whole, await whole.page(request, 0), revalidated(tag))
-
-
-def _add_windows(router: APIRouter, resource: SearchResource) -> None:
-    @router.get(
-        "/{id}/windows",
-        summary="List windows of a search",
-        response_model=resource.windows_response,
-        responses={
-            200: _in_all_forms("A page of the windows; in another form if `Accept` asks")
-            | {
-                "headers": {
-                    "Link": {
-                        "description": 'Of the next page, `rel="next"`; missing on the last',
-                        "schema": {"type": "string"},
-                    }
-                }
-            }
-        },
-    )
-    async def get_windows(
-        request: Request,
-        search_id: PathId,
-        query: Annotated[WindowsQuery, Depends(_including(WindowsQuery, resource.included))],
-    ) -> Response:
-        """They follow the order of the request's targets, those of each target in order of time."""
-        asked = query.asked(media_type := preferred_type(request, FORMS))
-        tag = _tag(search_id, asked)
+        """A search never changes. Windows follow the order of the request's targets, those of each
+        target the order of time.
+        """
+        asked = resource.asked(request, query)
+        told = [asked.media_type, *vars(query).values()]
+        tag = tag_for_good(search_id, hashlib.sha256(json.dumps(told).encode()).hexdigest()[:32])
         if is_known_already(request, tag):
             await find_job(request, resource, search_id)
             return not_modified(tag)
         whole = await _find(request, resource, search_id, asked)
         page = await whole.page(request, asked.cursor)
-        headers = revalidated(tag) | _saved(whole.found.head, media_type)
-        if page.next is not None:
-            url = request.url.include_query_params(cursor=page.next)
-            headers["Link"] = f'<{url.path}?{url.query}>; rel="next"'
-        answer = opened(media_type, [], page.reasons) + page.windows
-        answer += closed(media_type, page.next)
-        return Response(answer, HTTPStatus.OK, headers, media_type)
+        return _answer(request, whole, page, revalidated(tag), query)
 
 
 def _add_delete(router: APIRouter, resource: SearchResource) -> None:
@@ -384,10 +319,3 @@ async def _find(
     if whole is None:  # no job of this kind is without
         raise HTTPException(HTTPStatus.NOT_FOUND)
     return whole
-
-
-def _tag(search_id: str, asked: WindowsAsked) -> str:
-    """Of a page of what was found."""
-    told = [asked.media_type, asked.cursor, asked.limit, asked.target, sorted(asked.include)]
-    which = hashlib.sha256(json.dumps(told).encode()).hexdigest()[:32]
-    return tag_for_good(search_id, which)

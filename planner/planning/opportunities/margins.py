@@ -1,7 +1,7 @@
 """The margin by which each condition is met, compiled: positive where it holds."""
 
 import math
-from typing import NamedTuple, get_args
+from typing import NamedTuple, cast, get_args
 
 import numpy as np
 
@@ -34,10 +34,12 @@ from planner.planning.opportunities.windows import Cause
 from planner.world.targets.limb_kernel import above_limb
 
 CAUSES = np.array(get_args(Cause))
-INTERVAL, ELEVATION, SUN, OFF_NADIR, SUN_AWAY, MOON_AWAY, REACH, ACROSS, MASK = range(len(CAUSES))
+# Of numpy, as a kernel would be compiled anew for each of Python's.
+_KINDS = cast(list[int], list(np.arange(len(CAUSES) + 5)))
+(INTERVAL, ELEVATION, SUN, OFF_NADIR, SUN_AWAY, MOON_AWAY, REACH, ACROSS, MASK) = _KINDS[:-5]
 # What is sought beside: where an axis is quickest, where a pair of angles can follow, and where a
 # mask is far enough off to brake before it.
-CLOSENESS, OFF_PLANE, MOTION_0, MOTION_1, OFF_MASK = range(MASK + 1, MASK + 6)
+CLOSENESS, OFF_PLANE, MOTION_0, MOTION_1, OFF_MASK = _KINDS[-5:]
 
 
 class Asked(NamedTuple):
@@ -71,7 +73,6 @@ NOTHING = Asked(math.nan, math.nan, math.nan, math.nan, math.nan, math.nan, np.e
 class MotionOptions(NamedTuple):
     """How closely tracks keep the limits, and what is hidden."""
 
-    rate_s: float = 0.05  # either side, for a rate
     delta_s: float = 0.4  # between the five looks from which rates, accelerations, jerks are found
     within_share: float = 0.995  # of each limit: plans test the motion between rows, too
     # of motion beside the braking distance: ways around a mask are harder to find
@@ -106,11 +107,10 @@ def asked_of(request: OpportunityRequest, in_space: bool, across_rad: float) -> 
 def _motion_margin(s: WindowScene, n: int, t_s: float, branch: int) -> float:
     """How far from its limits the motion along one pair of angles is, in shares of them."""
     dt = OPTIONS.delta_s
-    at = axes_at(s.g, platform_los(s.c, s.p, n, t_s))[branch]
-    look_0 = axes_at(s.g, platform_los(s.c, s.p, n, t_s - 2.0 * dt))[branch]
-    look_1 = axes_at(s.g, platform_los(s.c, s.p, n, t_s - dt))[branch]
-    look_3 = axes_at(s.g, platform_los(s.c, s.p, n, t_s + dt))[branch]
-    look_4 = axes_at(s.g, platform_los(s.c, s.p, n, t_s + 2.0 * dt))[branch]
+    look_0 = look_1 = at = look_3 = look_4 = (0.0, 0.0)
+    for place in range(-2, 3):  # a loop, as code is compiled for each call
+        look_0, look_1, at, look_3 = look_1, at, look_3, look_4
+        look_4 = axes_at(s.g, platform_los(s.c, s.p, n, t_s + place * dt))[branch]
     least = math.inf
     for k in range(2):
         a, b = wrapped(look_0[k] - at[k]), wrapped(look_1[k] - at[k])
@@ -136,11 +136,12 @@ def _motion_margin(s: WindowScene, n: int, t_s: float, branch: int) -> float:
 def _off_mask_margin(s: WindowScene, n: int, t_s: float) -> float:
     """How far off the masks an axis can still be braked before them."""
     dt = OPTIONS.delta_s
-    after = off_masks(s.g, platform_los(s.c, s.p, n, t_s + dt))
-    before = off_masks(s.g, platform_los(s.c, s.p, n, t_s - dt))
+    before, off, after = 0.0, 0.0, 0.0
+    for place in range(-1, 2):
+        before, off = off, after
+        after = off_masks(s.g, platform_los(s.c, s.p, n, t_s + place * dt))
     rate = abs(after - before) / (2.0 * dt)
     slowest = s.g.limits[0] if s.g.limits[0][1] <= s.g.limits[1][1] else s.g.limits[1]
-    off = off_masks(s.g, platform_los(s.c, s.p, n, t_s))
     return off - braking(rate, 0.0, slowest) - OPTIONS.off_mask_s * rate
 
 
@@ -167,7 +168,7 @@ def _along_sight(s: WindowScene, kind: int, n: int, t_s: float) -> float:
     return max(off_stops(s.g, one), off_stops(s.g, two))
 
 
-@inlined
+@lean
 def _margin(s: WindowScene, kind: int, n: int, t_s: float) -> float:
     if kind == ELEVATION:
         return elevation(s.c, s.p, n, t_s) - float(s.p.resting_parameters[n, 6])
@@ -186,15 +187,14 @@ def _margin(s: WindowScene, kind: int, n: int, t_s: float) -> float:
 
 
 @inlined
-def margin(s: WindowScene, kind: int, n: int, t_s: float, of_rate: bool = False) -> float:
+def margin(s: WindowScene, kind: int, n: int, t_s: float, rate_s: float) -> float:
     """Positive where a condition holds; greatest where what is sought is.
 
-    of_rate: what has the sign of its rate, instead.
+    rate_s: unless 0, what has the sign of its rate, by looks so much before and after.
     """
-    if of_rate and s.p.step_s == 0.0 and kind in (ELEVATION, CLOSENESS):
+    if rate_s > 0.0 and s.p.step_s == 0.0 and kind in (ELEVATION, CLOSENESS):
         return climb(s.c, s.p, n, t_s, kind == ELEVATION)
-    value, side = 0.0, 1.0
-    for _ in range(2 if of_rate else 1):
-        value += side * _margin(s, kind, n, t_s + side * OPTIONS.rate_s if of_rate else t_s)
-        side = -1.0
+    value = 0.0
+    for side in range(-1 if rate_s > 0.0 else 1, 2, 2):
+        value += side * _margin(s, kind, n, t_s + side * rate_s)
     return value

@@ -138,6 +138,11 @@ class OpportunityRequest:
         self._require_bounds()
 
     @property
+    def ids(self) -> tuple[str, ...]:
+        """Of the targets, in order."""
+        return tuple(wanted.id for wanted in self.targets)
+
+    @property
     def pixel_rad(self) -> float:
         """Angle a pixel sees."""
         if self.pixel_arcsec is None:

@@ -153,7 +153,7 @@ def opportunities_however_many(request: OpportunityRequest) -> Opportunities:
     return Opportunities(
         start_utc=request.start,
         stop_utc=request.stop,
-        ids=tuple(wanted.id for wanted in request.targets),
+        ids=request.ids,
         axis_names=request.platform.axis_names,
         assumed=request.assumed,
         warnings=search.warnings,

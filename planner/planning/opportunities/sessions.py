@@ -47,7 +47,7 @@ def _with_keyholes(s: WindowScene, n: int, t_s: Array) -> Array:
     count = len(t_s)
     f, nodes, more = np.empty(count), np.empty(2 * count), 0
     for k in range(count):
-        f[k] = margin(s, OFF_PLANE, n, t_s[k])
+        f[k] = margin(s, OFF_PLANE, n, t_s[k], 0.0)
     for k in range(count):
         low, high = max(k - 1, 0), min(k + 1, count - 1)
         at_s = math.nan

@@ -63,6 +63,7 @@ class SweepOptions(NamedTuple):
     slowest_rad_s: float = 1e-6  # what stands still is taken to turn so, as it is divided by
     # of a turning point beyond its node, in steps of the two cells on either side
     overshoot_ratio: float = 2.0
+    rate_s: float = 0.05  # either side, for a rate
     turning_s: float = 1e-3  # an excursion this much shorter than a command step is none
     plain_share: float = 0.4  # of a limit: below that no window is looked at more closely
     plain_turn_rad: float = 0.6  # of an axis from node to node
@@ -237,9 +238,9 @@ def root_of(
     low_state: tuple[float, float],
     high_state: tuple[float, float],
     tolerance_s: float,
-    of_rate: bool,
+    rate_s: float,
 ) -> float:
-    """Of a margin or its rate, between states (t, value).
+    """Of a margin or its rate, as `margin` has it, between states (t, value).
 
     Source: Chandrupatla 1997, Adv. Eng. Software 28, 145.
     """
@@ -247,7 +248,7 @@ def root_of(
     share, k, fk = 0.5, a, fa
     for _ in range(80):
         x = a + share * (b - a)
-        f = margin(s, kind, n, x, of_rate)
+        f = margin(s, kind, n, x, rate_s)
         if (f > 0.0) == (fa > 0.0):
             k, fk = a, fa
         else:
@@ -280,12 +281,12 @@ def turning_of(
     """
     rate, low = 0.0, 0.0
     for end in range(2):
-        low, rate = rate, margin(s, kind, n, high_s if end else low_s, True)
+        low, rate = rate, margin(s, kind, n, high_s if end else low_s, OPTIONS.rate_s)
         if end == 0 and sign * rate <= 0.0:
             return low_s
     if sign * rate >= 0.0:
         return high_s
-    return root_of(s, kind, n, (low_s, low), (high_s, rate), OPTIONS.turning_s, True)
+    return root_of(s, kind, n, (low_s, low), (high_s, rate), OPTIONS.turning_s, OPTIONS.rate_s)
 
 
 @compiled
@@ -377,7 +378,7 @@ def _hidden_turn(
     if abs(f[k]) > OPTIONS.overshoot_ratio * nearby:
         return math.nan, 0.0
     at_s = turning_of(s, kind, n, sign, t_s[low], t_s[high])
-    value = margin(s, kind, n, at_s)
+    value = margin(s, kind, n, at_s, 0.0)
     return (at_s if sign * value > 0.0 else math.nan), value
 
 
@@ -401,7 +402,7 @@ def stretches(s: WindowScene, kind: int, n: int, t_s: Array, pairs_rad: Array) -
             )
             f[k] = max(off_stops(s.g, one), off_stops(s.g, two))
         else:
-            f[k] = margin(s, kind, n, t_s[k])
+            f[k] = margin(s, kind, n, t_s[k], 0.0)
     edges_s, found = np.empty(4 * count + 2), 0
     if f[0] > 0.0:
         edges_s[0], found = t_s[0], 1
@@ -417,7 +418,7 @@ def stretches(s: WindowScene, kind: int, n: int, t_s: Array, pairs_rad: Array) -
                 continue
             if (f2 > 0.0) != (f1 > 0.0):
                 ends = (t1, f1), (t2, f2)
-                edges_s[found] = root_of(s, kind, n, ends[0], ends[1], OPTIONS.edge_s, False)
+                edges_s[found] = root_of(s, kind, n, ends[0], ends[1], OPTIONS.edge_s, 0.0)
                 found += 1
             t1, f1 = t2, f2
     if found % 2:

@@ -33,7 +33,6 @@ from planner.planning.opportunities.looks import (
     up_at,
 )
 from planner.planning.opportunities.margins import CLOSENESS, ELEVATION, WindowScene, margin
-from planner.planning.opportunities.margins import OPTIONS as MOTION
 from planner.planning.opportunities.sweep import OPTIONS as SWEEP
 from planner.planning.opportunities.sweep import root_of
 from planner.world.frames.time_scales import DAY_S
@@ -74,12 +73,14 @@ def greatest(
     at_s, most, low_s, low = start_s, -math.inf, start_s, 1.0
     for k in range(cells + 1):
         high_s = start_s + k / cells * (stop_s - start_s)
-        high = margin(s, kind, n, high_s, True)
+        high = margin(s, kind, n, high_s, SWEEP.rate_s)
         turns_s = high_s
         if k > 0 and low > 0.0 > high:
-            turns_s = root_of(s, kind, n, (low_s, low), (high_s, high), SWEEP.turning_s, True)
+            turns_s = root_of(
+                s, kind, n, (low_s, low), (high_s, high), SWEEP.turning_s, SWEEP.rate_s
+            )
         if low > 0.0:
-            value = margin(s, kind, n, turns_s)
+            value = margin(s, kind, n, turns_s, 0.0)
             if value > most:
                 at_s, most = turns_s, value
         low_s, low = high_s, high
@@ -144,7 +145,7 @@ def tell(s: WindowScene, target: Indices, edge_s: Array, samples: int) -> Told:
             for axis in range(2):
                 middle = 0.5 * (s.g.low[axis] + s.g.high[axis])
                 row[7 + axis] = middle + wrapped(both[branch[w], k, axis] - middle)
-            d_s = MOTION.rate_s
+            d_s = SWEEP.rate_s
             before = platform_los(s.c, s.p, n, t_s - d_s)
             rate = plus(platform_los(s.c, s.p, n, t_s + d_s), -1.0, before)
             rate = scaled(1.0 / (2.0 * d_s), rate)

@@ -1,7 +1,12 @@
 /** A kept plan's request with what was learnt of its flight: the next plan's beginning. */
 import { get, type Schemas } from "./client";
 
-type PlanRequest = Schemas["PlanRequest"];
+type Asked = Schemas["PlanRequest"];
+/** As the form writes it: of two axes on a carrier. */
+export type PlanRequest = Omit<Asked, "attitude" | "platform"> & {
+  attitude: NonNullable<Asked["attitude"]>;
+  platform: string | Schemas["PlatformDefinition"];
+};
 
 export interface Learnt {
   corrections: readonly Schemas["CorrectionOut"][];

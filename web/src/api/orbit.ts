@@ -66,6 +66,17 @@ export function reachOf(orbit: Orbit): Reach | null {
   return epoch === undefined ? null : { from_ms: epoch, to_ms: null };
 }
 
+/** What an ephemeris covers of a span, by its usable times where it has some; null for nothing of it. */
+export function covered(orbit: Orbit, [from_ms, to_ms]: readonly [number, number]): [number, number] | null {
+  const reach = reachOf(orbit);
+  if (!reach || reach.to_ms === null) return [from_ms, to_ms];
+  const text = textOf(orbit);
+  const first = Math.max(reach.from_ms, ...timesAfter(text, "USEABLE_START_TIME").slice(0, 1));
+  const last = Math.min(reach.to_ms, ...timesAfter(text, "USEABLE_STOP_TIME").slice(-1));
+  const both: [number, number] = [Math.max(from_ms, first), Math.min(to_ms, last)];
+  return both[0] < both[1] ? both : null;
+}
+
 /** From when on to look for windows: now, where the orbit still holds then. */
 export function searchStart(orbit: Orbit, now_ms: number): number {
   const known = reachOf(orbit);

@@ -19,7 +19,8 @@ export function identityOf(plan: Plan, asked: PlanRequest | null): string[] {
   return [
     period(start, stop),
     platform,
-    ...(asked ? [orbitTold(asked.orbit, start), attitudeTold(asked.attitude)] : []),
+    ...(asked ? [orbitTold(asked.orbit, start)] : []),
+    ...(asked?.attitude ? [attitudeTold(asked.attitude)] : []), // a body has none
     text.revision(plan.revision),
   ];
 }

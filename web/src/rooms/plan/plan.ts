@@ -2,7 +2,7 @@
 import { get, type Schemas } from "../../api/client";
 
 export type Plan = Schemas["PlanResponse"];
-export type PlanRequest = Schemas["PlanRequest"];
+export type { PlanRequest } from "../../api/correct";
 
 /** The plan, or null while it is being made. */
 export async function fetchPlan(id: string, signal?: AbortSignal): Promise<Plan | Schemas["JobResponse"]> {

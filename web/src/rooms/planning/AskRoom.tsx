@@ -82,10 +82,20 @@ export default function AskRoom(_: RoomProps) {
   }, []);
   const isReloaded = useRef(wasReloaded);
   wasReloaded = false;
-  const from = place.value.query.get("from");
-  const isToPlan = place.value.query.has("plan");
-  const isRevision = place.value.query.has("revises"); // of a plan that was made
-  const loading = useRequest<void>(from, async (until) => {
+  const { query } = place.value;
+  const from = query.get("from");
+  const search = query.get("search");
+  const isToPlan = query.has("plan");
+  const isRevision = query.has("revises"); // of a plan that was made
+  const loading = useRequest<void>(from ?? search, async (until) => {
+    if (search !== null) {
+      const searched = await get("/v1/opportunities/{id}/request", { id: search, signal: until });
+      if (until.aborted) return;
+      draft.loadWindow(searched as unknown as draft.SearchRequest, Object.fromEntries(query));
+      fail(null);
+      go("/", { replace: true }); // loaded anew, the page keeps what was changed since
+      return;
+    }
     const given = { id: from ?? "", signal: until };
     const [asked, job] = await Promise.all([
       get("/v1/plans/{id}/request", given),

@@ -9,6 +9,7 @@ import { keep, readKept } from "../../parts/kept";
 import type { PlanRequest } from "../plan/plan";
 import { kindOf, type Target, textOf } from "./target";
 
+export type SearchRequest = Schemas["OpportunityRequest"];
 type Session = Schemas["Session"];
 /** A session whose target or times aren't chosen yet. */
 export type DraftSession = Omit<Session, "target" | "start" | "stop"> & {
@@ -169,6 +170,20 @@ export function load(asked: PlanRequest | DraftRequest, replaces: string | null,
     revises.value = replaces;
     loaded.value = from;
     wantedKind.value = null;
+  });
+}
+
+/** Put a window of a search into the form: its target, from start to stop. */
+export function loadWindow(searched: SearchRequest, window: { target?: string; start?: string; stop?: string }): void {
+  const { platform, orbit, attitude, targets } = searched;
+  const asked = targets.find((one) => one.id === window.target);
+  const { start, stop } = window;
+  batch(() => {
+    load(
+      { platform, orbit, attitude, sessions: [{ name: window.target, target: asked?.target, start, stop }] } as DraftRequest,
+      null,
+    );
+    conditions.value = searched.conditions ?? {};
   });
 }
 

@@ -15,7 +15,7 @@ export async function learnPlatforms(until: AbortSignal): Promise<void> {
   try {
     // the form writes requests of two axes only
     const known = (await get("/v1/platforms", { signal: until })).platforms;
-    platforms.value = known.filter((one) => one.kind !== "body");
+    platforms.value = known.filter((one): one is Platform => one.kind !== "body");
   } catch (error) {
     if (until.aborted) return;
     platforms.value = [];

@@ -140,6 +140,13 @@ interface Place {
   isDragged: () => boolean;
 }
 
+/** What ends a drag is no click on what lies there. */
+function endDrag(at: Place, event: Event): void {
+  if (!at.isDragged()) return;
+  event.preventDefault();
+  event.stopPropagation();
+}
+
 function share({ span: [from_ms, to_ms] }: Place, at_ms: number): number {
   return (at_ms - from_ms) / (to_ms - from_ms);
 }
@@ -271,11 +278,7 @@ function PlanBlock({ block, row, at, isReplaced, clashes }: BlockProps) {
     <div
       class={["block", `block-${block.kind}`, ...state].filter(Boolean).join(" ")}
       style={{ ...lie(at, block.start_ms, block.stop_ms, `${LEAST_PX}px`), top: `${row * ROW_PX + 2}px` }}
-      onClickCapture={(event) => {
-        if (!at.isDragged()) return;
-        event.preventDefault();
-        event.stopPropagation();
-      }}
+      onClickCapture={(event) => endDrag(at, event)}
       onDragStart={(event) => event.preventDefault()}
       title={said}
     >
@@ -318,20 +321,28 @@ function WindowLanes({ windows, at }: { windows: readonly Seen[]; at: Place }) {
             <ul class="lane-rows" style={{ height: `${(Math.max(0, ...rows) + 1) * ROW_PX}px` }}>
               {shown.map((one, k) => {
                 const height = (one.inSpace ? text.aboveLimb : text.elevation)(number(one.highest_deg, 0));
-                const said = text.windowTold(one.target, told(one), height);
-                return (
-                  <li
-                    key={`${one.target} ${one.start_ms}`}
-                    class="seen block-narrow"
-                    title={said}
-                    style={{ ...lie(at, one.start_ms, one.stop_ms, "4px"), top: `${(rows[k] ?? 0) * ROW_PX + 2}px` }}
-                  >
+                const about = text.windowTold(one.target, told(one), height);
+                const said = one.to === null ? about : `${about}: ${text.planIt}`;
+                const shownAs = (
+                  <>
                     {isNamed && (
                       <span class="block-name" aria-hidden="true">
                         {one.target}
                       </span>
                     )}
                     <span class="hidden">{said}</span>
+                  </>
+                );
+                return (
+                  <li
+                    key={`${one.target} ${one.start_ms}`}
+                    class="seen block-narrow"
+                    title={said}
+                    style={{ ...lie(at, one.start_ms, one.stop_ms, "4px"), top: `${(rows[k] ?? 0) * ROW_PX + 2}px` }}
+                    onClickCapture={(event) => endDrag(at, event)}
+                    onDragStart={(event) => event.preventDefault()}
+                  >
+                    {one.to === null ? shownAs : <Link to={one.to}>{shownAs}</Link>}
                   </li>
                 );
               })}

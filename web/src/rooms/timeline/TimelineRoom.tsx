@@ -2,6 +2,7 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 
 import { save } from "../../api/download";
+import { covered, type Orbit } from "../../api/orbit";
 import { Problem } from "../../api/problem";
 import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
@@ -72,7 +73,8 @@ function Timeline({ span, onSpan }: { span: Span; onSpan: (span: Span) => void }
   const lanes = useMemo(() => lanesOf(blocks, by, text.nobody), [kept.answer, by, text]);
   const carriers = useMemo(() => lanesOf(blocks, "carrier", ""), [kept.answer]);
   const conflicts = useMemo(() => conflictsOf(blocks), [kept.answer]);
-  const tracks = useTracks(carriers, kept.answer, days);
+  const orbits = orbitsOf(carriers, kept.answer, days);
+  const tracks = useTracks(orbits, days);
   useEffect(() => {
     const query = new URLSearchParams(
       ["from", "to"].map((name, k) => [name, `${new Date(span[k] ?? 0).toISOString().slice(0, 19)}Z`]),
@@ -180,6 +182,13 @@ function Timeline({ span, onSpan }: { span: Span; onSpan: (span: Span) => void }
           {text.noTrack(name, why)}
         </p>
       ))}
+      {orbits
+        .filter(({ span: has }) => has === null || has[0] > from_ms || has[1] < to_ms)
+        .map(({ name, span: has }) => (
+          <p key={name} class="small">
+            {has ? text.covers(name, told({ start_ms: has[0], stop_ms: has[1] })) : text.coversNothing(name)}
+          </p>
+        ))}
       {kept.answer && <Conflicts conflicts={conflicts.filter((one) => one.stop_ms > from_ms && one.start_ms < to_ms)} />}
       <DaysMap
         span={span}
@@ -206,20 +215,31 @@ function useQuietly(value: Span, quiet_ms: number): Span {
   return settled;
 }
 
-/** Ground track and shadow of each satellite, by the orbit of its plans that is nearest in time. */
-function useTracks(carriers: readonly Lane[], kept: Kept | null, days: Span): Map<string, Track | Problem> {
+interface Known {
+  name: string;
+  orbit: Orbit;
+  /** What the orbit covers of the days; null for nothing of them. */
+  span: Span | null;
+}
+
+/** Of each satellite the orbit of its plans that is nearest in time. */
+function orbitsOf(carriers: readonly Lane[], kept: Kept | null, days: Span): Known[] {
   const middle_ms = (days[0] + days[1]) / 2;
-  const orbits = carriers.flatMap((lane) => {
+  return carriers.flatMap((lane) => {
     const known = lane.blocks.flatMap((one) => kept?.orbits.get(one.id) ?? []);
     const orbit = nearest(known, middle_ms);
-    return orbit ? [{ name: lane.name, orbit }] : [];
+    return orbit ? [{ name: lane.name, orbit, span: covered(orbit, days) }] : [];
   });
+}
+
+/** Ground track and shadow of each satellite, for as long as its orbit is known. */
+function useTracks(orbits: readonly Known[], days: Span): Map<string, Track | Problem> {
   const found = useRequest<Map<string, Track | Problem>>(
     "tracks",
     async (until) => {
       const made = new Map<string, Track | Problem>();
-      for (const { name, orbit } of orbits) {
-        const track = await fetchTrack(orbit, days, 60, until);
+      for (const { name, orbit, span } of orbits) {
+        const track = span && (await fetchTrack(orbit, span, 60, until));
         if (track) made.set(name, track);
       }
       return made;

@@ -125,12 +125,15 @@ function isAsked({ name, targets }: Job): boolean {
 
 async function windowsOf(job: Job, until: AbortSignal): Promise<Seen[]> {
   const given = { id: job.id, query: { limit: WINDOWS, include: "view" }, signal: until };
-  const found = await orGone(get("/v1/opportunities/{id}/windows", given));
+  const found = await orGone(get("/v1/opportunities/{id}", given));
   return ((found?.windows ?? []) as Required<Schemas["WindowOut"]>[]).map((one) => ({
     search: job.name || job.targets.slice(0, 3).join(", "),
     platform: job.platform ?? "",
     target: one.target,
     highest_deg: one.highest_deg,
+    to:
+      one.session &&
+      `/?${new URLSearchParams({ search: job.id, target: one.target, start: one.session.start, stop: one.session.stop })}`,
     inSpace: one.place === null,
     start_ms: Date.parse(one.rise),
     stop_ms: Date.parse(one.set),

@@ -34,6 +34,8 @@ export interface Block {
 /** A stretch in which a target of a kept search can be seen. */
 export interface Seen {
   search: string;
+  /** Where the page plans it; null where no session fits into it. */
+  to: string | null;
   platform: string;
   target: string;
   highest_deg: number;

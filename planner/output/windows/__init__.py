@@ -1,0 +1,1 @@
+"""Windows as they are told: rows of JSON, and forms for maps and tables."""

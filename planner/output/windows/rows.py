@@ -1,0 +1,186 @@
+"""Windows as rows of JSON, made column by column: degrees, UTC text, plain numbers."""
+
+import json
+from collections.abc import Mapping, Sequence
+from datetime import datetime
+from typing import Any
+
+import numpy as np
+import pydantic_core
+
+from planner.base.arrays import Array, Indices
+from planner.planning.opportunities import Sightings, WindowEdges, Windows
+from planner.planning.opportunities.windows import TargetSky
+from planner.world.frames.time_scales import Instants
+
+EVENTS = ("rise", "culmination", "set")
+SIGHTING = (
+    "at",
+    "elevation_deg",
+    "range_km",
+    "off_nadir_deg",
+    "ground_sample_across_m",
+    "ground_sample_along_m",
+    "sun_elevation_deg",
+    "sun_separation_deg",
+    "moon_separation_deg",
+    "angles_deg",
+    "rates_deg_s",
+)
+# Of each row an object by names, a number, numbers, or its JSON text.
+Column = Mapping[str, Any] | Array | list[str]
+
+
+def window_columns(
+    start_utc: datetime,
+    ids: Sequence[str],
+    axis_names: tuple[str, str],
+    windows: WindowEdges,
+    probability: Array | None = None,
+) -> dict[str, Column]:
+    """All that is told of windows as far as it is known, by name; probability: of each session."""
+    columns = pass_columns(start_utc, ids, axis_names, windows)
+    if isinstance(windows, Windows):
+        usable = [np.flatnonzero(one).tolist() for one in windows.branches]
+        columns |= {"branch": texts_of(windows.branch.tolist()), "branches": texts_of(usable)}
+    return columns if probability is None else columns | {"probability_in_frame": probability}
+
+
+def pass_columns(
+    start_utc: datetime, ids: Sequence[str], axis_names: tuple[str, str], windows: WindowEdges
+) -> dict[str, Column]:
+    """The same without what axes have to do with."""
+    session_s = windows.sessions_s(start_utc)
+    fits = np.flatnonzero(~np.isnan(session_s[:, 0]))
+    times = {
+        name: times_of(start_utc, session_s[fits, n]) for n, name in enumerate(("start", "stop"))
+    }
+    columns: dict[str, Column] = {
+        "target": texts_of([ids[row] for row in windows.target]),
+        "rise": times_of(start_utc, windows.rise_s),
+        "set": times_of(start_utc, windows.set_s),
+        "duration_s": windows.set_s - windows.rise_s,
+        "session": spread(fits, len(windows), times),
+        "opened_by": texts_of(windows.opened_by.tolist()),
+        "closed_by": texts_of(windows.closed_by.tolist()),
+    }
+    if not isinstance(windows, Windows):
+        return columns
+    on_earth = np.flatnonzero(~np.isnan(windows.sky.azimuth_rad[:, 0]))
+    count = len(windows)
+    columns |= {
+        "highest_at": times_of(start_utc, windows.highest_s),
+        "highest_deg": np.degrees(windows.highest_rad),
+        "closest": _sighting(start_utc, axis_names, windows.closest),
+        "through": _sighting(start_utc, axis_names, windows.through),
+        "place": spread(on_earth, count, _places(windows.sky, on_earth)),
+        "sky": spread(
+            on_earth,
+            count,
+            {
+                event: {"at": times_of(start_utc, sky.pop("t_s")), **sky}
+                for event, sky in _sky(windows.sky, on_earth).items()
+            },
+        ),
+    }
+    return columns
+
+
+def _sighting(start_utc: datetime, axis_names: tuple[str, str], seen: Sightings) -> Column:
+    columns: dict[str, Column] = {
+        "at": times_of(start_utc, seen.t_s),
+        "range_km": seen.range_m / 1e3,
+        "ground_sample_across_m": seen.ground_sample_across_m,
+        "ground_sample_along_m": seen.ground_sample_along_m,
+        "angles_deg": _by_axis(axis_names, seen.angle_rad),
+        "rates_deg_s": _by_axis(axis_names, seen.rate_rad_s),
+    }
+    for one in SIGHTING:
+        if one not in columns:
+            columns[one] = np.degrees(getattr(seen, one.replace("_deg", "_rad")))
+    return {one: columns[one] for one in SIGHTING}
+
+
+def _by_axis(axis_names: tuple[str, str], motion_rad: Array) -> Column:
+    """motion_rad: shape (..., 2), rad or rad/s."""
+    return {name: np.degrees(motion_rad[..., axis]) for axis, name in enumerate(axis_names)}
+
+
+def rows_json(columns: Column) -> list[str]:
+    """The JSON of each row; numbers are rounded, null where there is none."""
+    if isinstance(columns, list):
+        return columns
+    if isinstance(columns, Mapping):
+        template = "{" + ",".join(f"{json.dumps(name)}:%s" for name in columns) + "}"
+        return [template % row for row in zip(*map(rows_json, columns.values()), strict=True)]
+    return joined(texts_of(_rounded(columns).ravel().tolist()), columns.shape)
+
+
+def _rounded(numbers: Array) -> Array:
+    """To what can be read: 1e-6 deg is 4 milliarcsec, 1e-6 km a millimetre."""
+    return np.asarray(np.round(numbers, 6) + 0.0)  # no -0.0
+
+
+def joined(texts: list[str], shape: tuple[int, ...]) -> list[str]:
+    """The texts of numbers of a shape (rows,) or (rows, n): an array a row of those."""
+    if len(shape) == 1:
+        return texts
+    n = shape[1]
+    return [f"[{','.join(texts[k : k + n])}]" for k in range(0, len(texts), n)]
+
+
+def spread(rows: Indices, count: int, columns: Column) -> list[str]:
+    """So many rows' JSON: those of the columns, null between them."""
+    texts = ["null"] * count
+    for row, text in zip(rows.tolist(), rows_json(columns), strict=True):
+        texts[row] = text
+    return texts
+
+
+def times_of(start_utc: datetime, t_s: Array, decimals: int = 3) -> list[str]:
+    """As JSON texts; of shape (rows, n) an array each."""
+    texts = [f'"{text}"' for text in Instants(start_utc, t_s.ravel()).utc_text(decimals)]
+    return joined(texts, t_s.shape)
+
+
+def texts_of(values: list[Any]) -> list[str]:
+    """The JSON of each."""
+    if values and isinstance(values[0], float):
+        numbers = pydantic_core.to_json(values, inf_nan_mode="null")
+        return numbers[1:-1].decode().split(",")
+    return [json.dumps(value, ensure_ascii=False, separators=(",", ":")) for value in values]
+
+
+def _sky(sky: TargetSky, rows: Indices) -> dict[str, dict[str, Any]]:
+    """By event, of windows on the Earth, `t_s` for the time."""
+    return {
+        event: {
+            "t_s": sky.t_s[rows, n],
+            "azimuth_deg": _turns_deg(sky.azimuth_rad[rows, n]),
+            "elevation_deg": np.degrees(sky.elevation_rad[rows, n]),
+            "sun_azimuth_deg": _turns_deg(sky.sun_azimuth_rad[rows, n]),
+            "sun_elevation_deg": np.degrees(sky.sun_elevation_rad[rows, n]),
+            "local_solar_time": [f'"{_clock(one)}"' for one in sky.solar_time_s[rows, n].tolist()],
+        }
+        for n, event in enumerate(EVENTS)
+    }
+
+
+def _places(sky: TargetSky, rows: Indices) -> dict[str, Array]:
+    """Of windows on the Earth."""
+    return {
+        "latitude_deg": np.degrees(sky.latitude_rad[rows, 1]),
+        "longitude_deg": np.degrees(sky.longitude_rad[rows, 1]),
+        "height_m": np.round(sky.height_m[rows, 1], 3),
+    }
+
+
+def _turns_deg(angle_rad: Array) -> Array:
+    """In 0..360, the latter excluded."""
+    return _rounded(np.degrees(angle_rad)) % 360.0
+
+
+def _clock(since_midnight_s: float) -> str:
+    """To the second, which is 15 arcsec of the Sun."""
+    whole_s = round(since_midnight_s) % 86400
+    return f"{whole_s // 3600:02d}:{whole_s // 60 % 60:02d}:{whole_s % 60:02d}"

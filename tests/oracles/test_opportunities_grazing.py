@@ -1,0 +1,149 @@
+"""Windows of milliseconds, as the carrier grazes the least elevation, and the highest of slow ones.
+
+The elevations that judge are Skyfield's turn of the Earth on the planner's orbit.
+"""
+
+import dataclasses
+import math
+from datetime import UTC, datetime, timedelta
+
+import numpy as np
+import pytest
+from opportunity_requests import ISS, ROOT, START, iss_request
+from skyfield.api import wgs84
+from skyfield.framelib import itrs
+from test_opportunities_exact import MOLNIYA
+
+from planner.planning.opportunities import (
+    OpportunityConditions,
+    OpportunityTarget,
+    find_opportunities,
+)
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits import OemOrbit, StateVectorOrbit
+from planner.world.targets import GroundTarget
+
+STATE = StateVectorOrbit(
+    frame="EME2000",
+    epoch=datetime(2022, 1, 17, 12, tzinfo=UTC),
+    position_km=(545.284043961596, 4217.41745999061, 5288.80993327732),
+    velocity_km_s=(-7.63639664838008, 0.168827885257, 0.65634287389035),
+)
+OEM = OemOrbit(content=(ROOT / "tests" / "data" / "iss_oem_2022-038_excerpt.xml").read_text())
+CASES = {
+    "elements": (ISS, START, 0.5),
+    "ephemeris": (OEM, datetime(2022, 2, 8, 7, 26, tzinfo=UTC), 1.2 / 24.0),
+    "state": (STATE, STATE.epoch, 0.5),
+    "eccentric": (MOLNIYA, START, 1.0),
+}
+# By which elevations from two Earth orientations and orbits differ: 5 cm at 400 km
+ERROR_RAD = 1.5e-7
+
+
+def places(count):
+    rng = np.random.default_rng(45)
+    latitudes_deg = np.degrees(np.arcsin(rng.uniform(-0.9, 0.9, count)))
+    return [
+        GroundTarget(latitude_deg=latitude_deg, longitude_deg=longitude_deg)
+        for latitude_deg, longitude_deg in zip(
+            latitudes_deg.tolist(), rng.uniform(-180.0, 180.0, count).tolist(), strict=True
+        )
+    ]
+
+
+def searched(orbit, start, days, targets):
+    request = iss_request(
+        0.0,
+        orbit=orbit,
+        start=start,
+        stop=start + timedelta(days=days),
+        targets=tuple(OpportunityTarget(id=f"{n}", target=one) for n, one in enumerate(targets)),
+        samples=2,
+    )
+    return request, find_opportunities(request).windows
+
+
+def elevation_rad(timescale, request, target, t_s):
+    instants = Instants(request.start, t_s)
+    ephemeris = request.orbit.ephemeris(request.start, request.stop)
+    r_m = ephemeris.states(instants).r_sat_eci_m
+    turned = itrs.rotation_at(timescale.tt_jd(*instants.tt_jd()))
+    place = wgs84.latlon(target.latitude_deg, target.longitude_deg)
+    apart_m = np.einsum("ijn,nj->ni", turned, r_m) - place.itrs_xyz.m
+    latitude, longitude = math.radians(target.latitude_deg), math.radians(target.longitude_deg)
+    up = [
+        math.cos(latitude) * math.cos(longitude),
+        math.cos(latitude) * math.sin(longitude),
+        math.sin(latitude),
+    ]
+    return np.arcsin(apart_m @ np.array(up) / np.linalg.norm(apart_m, axis=1))
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_windows_of_milliseconds_are_found(skyfield, case):
+    """The least elevation lies below a pass's greatest by what is left for so long a window."""
+    timescale = skyfield[0]
+    orbit, start, days = CASES[case]
+    request, whole = searched(orbit, start, days, places(400))
+    rng = np.random.default_rng(1)
+    grazing, asked = [], []
+    for row in range(len(whole)):
+        high_s, high_rad = float(whole.highest_s[row]), float(whole.highest_rad[row])
+        inside = min(high_s - whole.rise_s[row], whole.set_s[row] - high_s) > 30.0
+        if inside and high_rad < math.radians(85.0):
+            target = places_of(request)[whole.target[row]]
+            step_s = 10.0
+            for _ in range(3):  # by instants close to the greatest for how much it bends
+                around_s = high_s + step_s * np.array([-1.0, 0.0, 1.0])
+                seen_rad = elevation_rad(timescale, request, target, around_s)
+                bend_rad_s2 = (2.0 * seen_rad[1] - seen_rad[0] - seen_rad[2]) / step_s**2
+                step_s = min(0.05 / math.sqrt(bend_rad_s2), 30.0)
+            # above what double precision leaves of an elevation: 1e-15 rad
+            least_s = max(2e-3, math.sqrt(8e-14 / bend_rad_s2))
+            duration_s = math.exp(rng.uniform(math.log(least_s), 0.0))
+            least_rad = high_rad - bend_rad_s2 * duration_s**2 / 8.0
+            grazing.append(
+                dataclasses.replace(target, min_elevation_deg=float(np.degrees(least_rad)))
+            )
+            asked.append((high_s, duration_s, seen_rad[1] - high_rad))
+    assert len(grazing) > 50
+    request, found = searched(orbit, start, days, grazing)
+    for number, (high_s, duration_s, off_rad) in enumerate(asked):
+        assert abs(off_rad) < ERROR_RAD
+        of_target = found.target == number
+        holds = (found.rise_s < high_s + 1e-3) & (found.set_s > high_s - 1e-3) & of_target
+        assert np.count_nonzero(holds) == 1, (number, duration_s)
+        lasts_s = (found.set_s - found.rise_s)[holds][0]
+        # its greatest elevation is known within a millisecond
+        assert 0.9 * duration_s - 1e-4 < lasts_s < 1.1 * duration_s + 2e-3
+        middle_s = 0.5 * (found.rise_s + found.set_s)[of_target]
+        seen_rad = elevation_rad(timescale, request, grazing[number], middle_s)
+        assert np.all(seen_rad > math.radians(grazing[number].min_elevation_deg) - ERROR_RAD)
+
+
+def places_of(request):
+    return [wanted.target for wanted in request.targets]
+
+
+def test_the_highest_of_windows_that_last_for_hours(skyfield):
+    """A Molniya's carrier turns more than once in a target's sky; looked at every 20 s."""
+    timescale = skyfield[0]
+    request = iss_request(
+        2.0,
+        orbit=MOLNIYA,
+        targets=tuple(OpportunityTarget(id=f"{n}", target=one) for n, one in enumerate(places(40))),
+        conditions=OpportunityConditions(min_elevation_deg=5.0),
+    )
+    windows = find_opportunities(request).windows
+    humps = 0
+    for row in range(len(windows)):
+        target = places_of(request)[windows.target[row]]
+        t_s = np.append(
+            np.arange(windows.rise_s[row], windows.set_s[row], 20.0), windows.set_s[row]
+        )
+        seen_rad = elevation_rad(timescale, request, target, t_s)
+        assert windows.highest_rad[row] > seen_rad.max() - ERROR_RAD
+        at = elevation_rad(timescale, request, target, windows.highest_s[row : row + 1])[0]
+        assert windows.highest_rad[row] == pytest.approx(at, abs=ERROR_RAD)
+        humps += np.count_nonzero(np.diff(np.sign(np.diff(seen_rad))) < 0) > 1
+    assert humps > 5
