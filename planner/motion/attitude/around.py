@@ -72,10 +72,14 @@ def centres_eci(cone: AvoidedCone, t_s: Array) -> Array:
     return np.asarray(middle / np.linalg.norm(middle, axis=1, keepdims=True))
 
 
-def _through(t_s: Array, q_xyzw: Array, widths_s: Array) -> SpanMotion:
+def _through(t_s: Array, q_eci_from_body_xyzw: Array, widths_s: Array) -> SpanMotion:
     """A motion through attitudes at these instants, by splines."""
-    flips = np.where(np.einsum("nj,nj->n", q_xyzw[1:], q_xyzw[:-1]) < 0.0, -1.0, 1.0)
-    curve = CubicSpline(t_s, q_xyzw * np.cumprod(np.append(1.0, flips))[:, None], bc_type="clamped")
+    flips = np.where(
+        np.einsum("nj,nj->n", q_eci_from_body_xyzw[1:], q_eci_from_body_xyzw[:-1]) < 0.0, -1.0, 1.0
+    )
+    curve = CubicSpline(
+        t_s, q_eci_from_body_xyzw * np.cumprod(np.append(1.0, flips))[:, None], bc_type="clamped"
+    )
     q, dq = curve(t_s), curve(t_s, 1)
     omega = 2.0 * (q[:, 3:] * dq[:, :3] - dq[:, 3:] * q[:, :3] - np.cross(q[:, :3], dq[:, :3]))
     turning = CubicSpline(t_s, omega)

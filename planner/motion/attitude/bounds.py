@@ -36,12 +36,14 @@ class BoundOptions:
 OPTIONS = BoundOptions()
 
 
-def _reachable_rate(t: Array, w0: float, a0: float, a: Array, rate: float, jerk: float) -> Array:
+def _reachable_rate(
+    t: Array, w0: float, a0: float, a: Array, rate_rad_s: float, jerk_rad_s3: float
+) -> Array:
     """The greatest rate after t with acceleration a then, from w0 and at most a0."""
-    begin = np.minimum(a0, a + jerk * t)
-    peak = np.minimum(rate, (jerk * t + begin + a) / 2.0)
-    hold = t - (2.0 * peak - begin - a) / jerk
-    reached = w0 + (2.0 * peak**2 - begin**2 - a**2) / (2.0 * jerk) + peak * hold
+    begin = np.minimum(a0, a + jerk_rad_s3 * t)
+    peak = np.minimum(rate_rad_s, (jerk_rad_s3 * t + begin + a) / 2.0)
+    hold = t - (2.0 * peak - begin - a) / jerk_rad_s3
+    reached = w0 + (2.0 * peak**2 - begin**2 - a**2) / (2.0 * jerk_rad_s3) + peak * hold
     return np.where(hold < -1e-9 * np.max(t, initial=1e-9), -np.inf, reached)
 
 
@@ -64,7 +66,8 @@ def furthest_rad(problem: BodySlewProblem, row: int) -> float:
     # Midpoints: of a rate that rises and falls a sum at these is too large rather than too small.
     t = (np.arange(OPTIONS.instants) + 0.5) / OPTIONS.instants * span_s
 
-    def most(a: Array) -> Array:
+    def most(alpha_rad_s2: Array) -> Array:
+        a = alpha_rad_s2
         over = np.maximum(a**2 - max(a0, a1) ** 2, 0.0)
         here = np.minimum(
             _reachable_rate(t, w0, a0, a, acceleration, jerk),

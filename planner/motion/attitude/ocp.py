@@ -57,7 +57,6 @@ class ProgrammeOptions:
 
 OPTIONS = ProgrammeOptions()
 IPOPT: Options = {"tol": 1e-7, "max_iter": 200, "mu_strategy": "adaptive"}
-GAUSS_SHARES = (0.5 - math.sqrt(0.15), 0.5, 0.5 + math.sqrt(0.15))
 
 
 class _Span(NamedTuple):
@@ -80,7 +79,8 @@ class _Span(NamedTuple):
         """Rotation from one share to another: a Magnus step; for body rates [a, b] = -a x b."""
         import casadi as ca
 
-        w1, w2, w3 = (self.rate(begin + x * (end - begin)) for x in GAUSS_SHARES)
+        gauss = (0.5 - math.sqrt(0.15), 0.5, 0.5 + math.sqrt(0.15))
+        w1, w2, w3 = (self.rate(begin + x * (end - begin)) for x in gauss)
         h = (end - begin) * self.width
         a1, a2 = h * w2, math.sqrt(15.0) / 3.0 * h * (w3 - w1)
         a3 = 10.0 / 3.0 * h * (w3 - 2 * w2 + w1)
@@ -270,11 +270,13 @@ class SpanMotion(NamedTuple):
         k = np.clip(k, 0, len(self.widths_s) - 1)
         return k, (t_s - begins_s[k]) / self.widths_s[k]
 
-    def _turned(self, k: Indices, first: Array, last: Array) -> tuple[Array, Array, Array]:
+    def _turned(
+        self, k: Indices, first_share: Array, last_share: Array
+    ) -> tuple[Array, Array, Array]:
         """Rotations from one share of a span to another, (m, 4), rates and accelerations then."""
         jerk = self.jerk_body_rad_s3[k]
         vectors = (self.omega_body_rad_s[k], self.alpha_body_rad_s2[k], jerk[:, 0], jerk[:, 1])
-        scalars = (first[None], last[None], self.widths_s[k][None])
+        scalars = (first_share[None], last_share[None], self.widths_s[k][None])
         turns, omega, alpha = _turn_within_span()(*scalars, *(vector.T for vector in vectors))
         return np.array(turns).T, np.array(omega).T, np.array(alpha).T
 
@@ -288,9 +290,11 @@ class SpanMotion(NamedTuple):
         return SpanMotion(widths_s, there.position, omega, alpha, np.stack([jerk, jerk], axis=1))
 
 
-def _of_like_sign(q_xyzw: Array) -> Array:
-    flips = np.where(np.einsum("nj,nj->n", q_xyzw[1:], q_xyzw[:-1]) < 0.0, -1.0, 1.0)
-    return np.asarray(q_xyzw * np.cumprod(np.append(1.0, flips))[:, None])
+def _of_like_sign(q_eci_from_body_xyzw: Array) -> Array:
+    flips = np.where(
+        np.einsum("nj,nj->n", q_eci_from_body_xyzw[1:], q_eci_from_body_xyzw[:-1]) < 0.0, -1.0, 1.0
+    )
+    return np.asarray(q_eci_from_body_xyzw * np.cumprod(np.append(1.0, flips))[:, None])
 
 
 def _quaternion_product(p: Sequence[float], q: Sequence[float]) -> tuple[float, ...]:

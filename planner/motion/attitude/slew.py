@@ -131,19 +131,6 @@ def solve_attitude_slew(problem: BodySlewProblem) -> BodySlew:
     )
 
 
-def enough_s(problem: BodySlewProblem) -> float | None:
-    """A time, on a row of the goal, in which an eigenaxis slew keeps all limits; None: unknown."""
-    eigenaxis, row, keeps = quickest_eigenaxis(problem)
-    if not keeps or eigenaxis.duration_s > row / ROWS_PER_S + 1e-9:
-        return None
-    t_s = np.linspace(0.0, eigenaxis.duration_s, row + 1)
-    q_xyzw, _ = eigenaxis.motion(t_s)
-    for cone in problem.cones:
-        if np.any(depths_rad(cone, q_xyzw, centres_eci(cone, t_s)) > 0.0):
-            return None
-    return row / ROWS_PER_S
-
-
 def _quickest(
     problem: BodySlewProblem, least: int, eigenaxis: EigenaxisSlew
 ) -> tuple[float | None, _Found | None]:
@@ -238,10 +225,10 @@ def _on_rows(problem: BodySlewProblem, quickest: SpanMotion) -> _Found | None:
     counts = np.full(OPTIONS.phases, min(OPTIONS.least_spans, size // OPTIONS.phases))
     while counts.sum() < size:  # the longest are cut first: a step of attitude errs by its length
         counts[np.argmax(phases / counts)] += 1
-    places = np.append(0.0, np.cumsum(np.repeat(phases / np.maximum(counts, 1), counts)))
+    end_shares = np.append(0.0, np.cumsum(np.repeat(phases / np.maximum(counts, 1), counts)))
     if size < OPTIONS.phases:
-        places = np.linspace(0.0, 1.0, size + 1)
-    begin = quickest.on_spans(_row_widths_s(places, problem))
+        end_shares = np.linspace(0.0, 1.0, size + 1)
+    begin = quickest.on_spans(_row_widths_s(end_shares, problem))
     return _solve_on_rows(problem, begin)
 
 
@@ -280,10 +267,10 @@ def _span_count(problem: BodySlewProblem) -> int:
     return rows - rows % OPTIONS.phases if rows >= OPTIONS.phases else rows
 
 
-def _row_widths_s(places: Array, problem: BodySlewProblem) -> Array:
+def _row_widths_s(end_shares: Array, problem: BodySlewProblem) -> Array:
     """Spans of whole rows, one at least, that end next to these shares of the time."""
-    rows, n = problem.first_arrival_row, len(places) - 1
-    ends = np.round(places * rows)
+    rows, n = problem.first_arrival_row, len(end_shares) - 1
+    ends = np.round(end_shares * rows)
     order = np.arange(n + 1)
     ends = np.maximum.accumulate(ends - order) + order
     ends = np.minimum(ends, rows - n + order)
