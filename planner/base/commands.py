@@ -1,11 +1,12 @@
 """The command table: plain data, made by one part and judged by another."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from planner.base.arrays import Array
 
@@ -32,9 +33,9 @@ class Channel(NamedTuple):
         in_unit = np.degrees(value) if self.unit.startswith("degree") else value
         return np.asarray(np.round(in_unit, self.decimals) + 0.0)  # no -0.0
 
-    def read(self, told: Sequence[float]) -> Array:
+    def read(self, cells: ArrayLike) -> Array:
         """As the table's array holds what was told."""
-        values = np.array(told, dtype=float)
+        values = np.array(cells, dtype=float)
         return np.radians(values) if self.unit.startswith("degree") else values
 
 
@@ -109,12 +110,12 @@ class CommandTable:
 
 
 def table_of(
-    epoch_utc: datetime, channels: tuple[Channel, ...], told: Mapping[str, Sequence[float]]
+    epoch_utc: datetime, channels: tuple[Channel, ...], columns: Mapping[str, ArrayLike]
 ) -> CommandTable:
     """The table whose columns are told by the channels' names; raises KeyError, ValueError."""
     read: dict[str, list[Array]] = {"position": [], "rate": [], "acceleration": []}
     for channel in channels:
-        read[channel.of].append(channel.read(told[channel.name]))
+        read[channel.of].append(channel.read(columns[channel.name]))
     return CommandTable(
         epoch_utc=epoch_utc,
         channels=channels,
