@@ -76,14 +76,14 @@ def _sigma_curve(
     return blended(*problem.ends_mrp(), angle_at, about_axis[0]), float(angle_at.x[-1])
 
 
-def _bang_coast_bang(angle_rad: float, rate_rad_s: float, acceleration: float) -> PPoly:
+def _bang_coast_bang(angle_rad: float, rate_rad_s: float, acceleration_rad_s2: float) -> PPoly:
     """The slew with any jerk."""
-    ramp_s = min(rate_rad_s / acceleration, math.sqrt(angle_rad / acceleration))
-    top_rad_s = acceleration * ramp_s
+    ramp_s = min(rate_rad_s / acceleration_rad_s2, math.sqrt(angle_rad / acceleration_rad_s2))
+    top_rad_s = acceleration_rad_s2 * ramp_s
     brake_s = max(angle_rad / top_rad_s, ramp_s)
     ramp_rad = 0.5 * top_rad_s * ramp_s
     pieces = [
-        [0.5 * acceleration, 0.0, -0.5 * acceleration],
+        [0.5 * acceleration_rad_s2, 0.0, -0.5 * acceleration_rad_s2],
         [0.0, top_rad_s, top_rad_s],
         [0.0, ramp_rad, angle_rad - ramp_rad],
     ]
