@@ -120,7 +120,9 @@ def _many_carriers(request: OpportunityRequest, count: int) -> None:
             client.run(_edges_s, tasks[0])  # loaded
             began, found = time.perf_counter(), {}
             pids = [*client.run(os.getpid).values()]
-            futures = {client.submit(_edges_s, task): row for row, task in enumerate(tasks)}
+            futures = {
+                client.submit(_edges_s, task, pure=False): row for row, task in enumerate(tasks)
+            }
             for future in as_completed(futures):
                 found[futures[future]] = future.result()
                 if is_killed and len(found) == count // 2:
