@@ -78,6 +78,20 @@ class Surroundings:
             self._glint = np.asarray(direction_eci), counts_rad
         return self._glint
 
+    def cone(self, celestial: Celestial) -> tuple[Array, Array, Array]:
+        """Its middle, unit vectors (n, 3), half its size, rad, (n,), and by how much it counts.
+
+        The limb's is the least that holds all of the Earth.
+        """
+        if celestial == "glint":
+            centre_eci, counts_rad = self.glint()
+            return centre_eci, np.zeros_like(counts_rad), counts_rad
+        if celestial == "limb":
+            r_m = np.linalg.norm(self.states.r_sat_eci_m, axis=1)
+            centre_eci = -self.states.r_sat_eci_m / r_m[:, None]
+            return centre_eci, np.arcsin(WGS84_A_M / r_m), np.full(len(r_m), math.pi)
+        return self.disk(celestial)
+
     def apart_rad(self, direction_eci: Array, celestial: Celestial) -> Array:
         """Angle of unit vectors (n, 3) from it, (n,): from a disk's edge, from the limb outwards.
 
@@ -87,12 +101,8 @@ class Surroundings:
         if celestial == "limb":
             r_sat_itrf_m = self._itrf(self.states.r_sat_eci_m)
             return limb_clearance_rad(self._itrf(direction_eci), r_sat_itrf_m, 0.0)
-        if celestial == "glint":
-            centre_eci, counts_rad = self.glint()
-            apart_rad = angle_rad(direction_eci, centre_eci)
-        else:
-            centre_eci, half_rad, counts_rad = self.disk(celestial)
-            apart_rad = angle_rad(direction_eci, centre_eci) - half_rad
+        centre_eci, half_rad, counts_rad = self.cone(celestial)
+        apart_rad = angle_rad(direction_eci, centre_eci) - half_rad
         return np.where(counts_rad > 0.0, apart_rad, math.pi)
 
     def _itrf(self, vector_eci: Array) -> Array:

@@ -1,11 +1,14 @@
 """Plans of spacecraft that turn as a whole: the request of two axes, with another platform."""
 
 import json
+from datetime import timedelta
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from skyfield.api import load, load_file
 
 from app.requests.plan import read_plan_request
 from planner.base.errors import InfeasibleSlew, InvalidRequest, NotForPlatform
@@ -13,6 +16,8 @@ from planner.output.export import EXPORTERS
 from planner.planning.sessions.pipeline import make_plan
 from planner.world.frames.time_scales import Instants, elapsed_s
 
+TIME_SCALE = load.timescale(builtin=True)
+EPHEMERIS = load_file(str(files("skyfield_data") / "data" / "de421.bsp"))
 THREE_CITIES = Path(__file__).parents[2] / "examples" / "three_sessions.json"
 SMALLSAT = {
     "kind": "body",
@@ -116,3 +121,61 @@ def test_two_axes_need_a_carriers_attitude():
 def test_what_is_made_for_axes_alone_says_so(plan):
     with pytest.raises(NotForPlatform, match="kind body"):
         EXPORTERS["czml"].write(plan, plan.table.epoch_utc)
+
+
+def sun_in_body(plan, row):
+    """Unit vector (3,) to the Sun in body axes at a row of the table, by the JPL ephemeris."""
+    utc = plan.table.epoch_utc + timedelta(seconds=0.2 * row)
+    sun = EPHEMERIS["earth"].at(TIME_SCALE.from_datetime(utc)).observe(EPHEMERIS["sun"])
+    sun_eci = sun.apparent().position.m / np.linalg.norm(sun.apparent().position.m)
+    return Rotation.from_quat(plan.table.position[row]).inv().apply(sun_eci)
+
+
+def slew_rows(plan, number):
+    """The first and the last row of the slew to a session."""
+    [slew] = [one for one in plan.segments if one.kind == "slew" and one.session == number]
+    return [
+        round(elapsed_s(at_utc, plan.table.epoch_utc) * 5)
+        for at_utc in (slew.start_utc, slew.stop_utc)
+    ]
+
+
+def test_slews_lead_around_what_is_always_excluded(plan):
+    """A radiator that would face the Sun half-way from one city to the next."""
+    first, last = slew_rows(plan, 1)
+    radiator = sun_in_body(plan, (first + last) // 2)
+    seen = np.array([sun_in_body(plan, row) for row in range(0, len(plan.table.t_s), 5)])
+    away_deg = np.degrees(np.arccos(np.clip(seen @ radiator, -1.0, 1.0)))
+    seconds = np.arange(len(away_deg))
+    tracked = np.zeros(len(away_deg), dtype=bool)
+    for one in plan.segments:
+        if one.kind == "track":
+            begin, end = (
+                elapsed_s(at, plan.table.epoch_utc) for at in (one.start_utc, one.stop_utc)
+            )
+            tracked |= (begin - 1.0 <= seconds) & (seconds <= end + 1.0)
+    least_deg = 0.6 * min(away_deg[tracked].min(), away_deg[0])
+    assert away_deg.min() < 0.1 * least_deg
+    exclusion = {
+        "name": "radiator",
+        "direction_body": radiator.tolist(),
+        "away_from": "sun",
+        "min_deg": least_deg,
+    }
+    around = planned(body_request(platform=SMALLSAT | {"exclusions": [exclusion]}))
+    assert around.verification.passed
+    seen = np.array([sun_in_body(around, row) for row in range(0, len(around.table.t_s), 5)])
+    assert np.degrees(np.arccos(np.max(seen @ radiator))) > least_deg
+
+
+def test_an_idle_attitude_inside_an_exclusion_is_refused_by_name(plan):
+    facing = sun_in_body(plan, 0)
+    exclusion = {
+        "name": "radiator",
+        "direction_body": facing.tolist(),
+        "away_from": "sun",
+        "min_deg": 5.0,
+    }
+    with pytest.raises(InfeasibleSlew, match=r"radiator: at 2015-05-10T.* nearer to the Sun") as no:
+        planned(body_request(platform=SMALLSAT | {"exclusions": [exclusion]}))
+    assert (no.value.field, no.value.limit) == ("platform.exclusions", "exclusion")

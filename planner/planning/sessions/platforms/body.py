@@ -3,7 +3,7 @@
 import math
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 
 import numpy as np
@@ -15,7 +15,7 @@ from planner.base.rotation import Rotation
 from planner.base.solvers import merged
 from planner.motion.attitude.bounds import least_s, may
 from planner.motion.attitude.idle import idle_attitude
-from planner.motion.attitude.problem import BodySlewProblem, rows_of
+from planner.motion.attitude.problem import AvoidedCone, BodySlewProblem, depths_rad, rows_of
 from planner.motion.attitude.slew import BodySlew, solve_attitude_slew
 from planner.motion.attitude.track import Sight, agility_limits, attitude_tracks, roll_rule
 from planner.motion.pointing.line_of_sight import STENCIL, LineOfSight
@@ -29,7 +29,8 @@ from planner.planning.sessions.track_branches import (
     seen_from_s,
     session_rows,
 )
-from planner.world.frames.time_scales import Instants, shifted_utc
+from planner.world.exclusions import Surroundings, exclusion_margins
+from planner.world.frames.time_scales import Instants, shifted_utc, utc_text
 from planner.world.orbits import Ephemeris
 from planner.world.platforms.body import BodyPlatform
 from planner.world.scenario import BoundedLead, Scenario, Session
@@ -43,6 +44,7 @@ class BodyMoverOptions:
     recommended_times: float = 10.0  # the least time: as gentle as following a target, as of axes
     fewest_rows: int = 10  # of a slew: the OCP's spans begin and end on rows
     longest_s: float = 3600.0  # of the slew to the idle attitude in the end
+    inside_rad: float = 1e-6  # of an exclusion: 0.2 arcsec, more than the OCP leaves
 
 
 OPTIONS = BodyMoverOptions()
@@ -151,7 +153,7 @@ class BodyMover:
         early: bool = True,
         prove: bool = False,
     ) -> Join:
-        """Without cones there is neither a detour to better nor to prove impossible."""
+        """Exclusions are part of the programme: there is no detour to better or to prove."""
         last_row = branch.rows.start
         if last_row <= from_row:
             raise InfeasibleSlew("no time is left for a slew before the session", limit="duration")
@@ -176,6 +178,7 @@ class BodyMover:
                 goal=goal,
                 first_arrival_row=first_row - slew_row,
                 limits=self.limits,
+                cones=self._cones(branch.ephemeris, slew_row, last_row, state, goal),
                 objective=self.scenario.slew.objective,
             )
         )
@@ -235,6 +238,7 @@ class BodyMover:
         position = np.concatenate([part.position for part in parts])
         flips = np.where(np.sum(position[1:] * position[:-1], axis=1) < 0.0, -1.0, 1.0)
         signs = np.cumprod(np.concatenate([[-1.0 if position[0, 3] < 0.0 else 1.0], flips]))
+        self._require_clear(epoch_utc, position)
         return CommandTable(
             epoch_utc=epoch_utc,
             channels=self.platform.channels,
@@ -319,8 +323,68 @@ class BodyMover:
             return None
         if idle_row:
             goal = rows_of(idle, slice(idle_row, idle_row + 1))
-            onto_idle = solve_attitude_slew(self._problem(state, goal, idle_row))
+            cones = self._cones(ephemeris, from_row, from_row + idle_row, state, goal)
+            onto_idle = solve_attitude_slew(
+                replace(self._problem(state, goal, idle_row), cones=cones)
+            )
         return onto_idle, rows_of(idle, slice(idle_row, slew_row + 1))
+
+    def _cones(
+        self, ephemeris: Ephemeris, first_row: int, last_row: int, state: Motion, goal: Motion
+    ) -> tuple[AvoidedCone, ...]:
+        """What a slew keeps away from at every instant: of the exclusions that always count, those
+        that some row sees, and that neither its start nor all of its goal lies in."""
+        exclusions = [one for one in self.platform.exclusions if one.when == "always"]
+        if not exclusions:
+            return ()
+        rows = last_row - first_row + 1
+        surroundings = self._surroundings(ephemeris, first_row, max(rows, STENCIL))
+        cones = []
+        for exclusion in exclusions:
+            centre_eci, half_rad, counts_rad = surroundings.cone(exclusion.away_from)
+            cone = AvoidedCone(
+                name=exclusion.name,
+                direction_body=self.platform.direction_of(exclusion),
+                centre_eci=centre_eci[:rows],
+                half_rad=math.radians(exclusion.min_deg) + float(half_rad.max()),
+            )
+            start_rad = depths_rad(cone, state.position, cone.centre_eci[:1])
+            arrivals = cone.centre_eci[-len(goal.position) :]
+            goal_rad = depths_rad(cone, goal.position, arrivals)
+            if np.any(counts_rad[:rows] > 0.0) and max(start_rad[0], goal_rad.min()) <= 0.0:
+                cones.append(cone)
+        return tuple(cones)
+
+    def _require_clear(self, epoch_utc: datetime, q_eci_from_body_xyzw: Array) -> None:
+        """Raises InfeasibleSlew where the way, or idling, breaks an exclusion that always counts:
+        the idle attitude may, and what comes out of the Earth's shadow on the way."""
+        platform = self.platform
+        if not platform.exclusions:
+            return
+        rows = len(q_eci_from_body_xyzw)
+        stop_utc = shifted_utc(epoch_utc, (max(rows, STENCIL) - 1) / ROWS_PER_S)
+        surroundings = self._surroundings(
+            self.scenario.orbit.ephemeris(epoch_utc, stop_utc), 0, max(rows, STENCIL)
+        )
+        turned = np.minimum(np.arange(max(rows, STENCIL)), rows - 1)
+        q_eci_from_body = Rotation.from_quat(q_eci_from_body_xyzw[turned])
+        for margin in exclusion_margins(platform, q_eci_from_body, surroundings):
+            row = int(np.argmin(margin.margin_rad[:rows]))
+            inside_rad = -float(margin.margin_rad[row])
+            if not margin.imaging_only and inside_rad > OPTIONS.inside_rad:
+                at_utc = shifted_utc(epoch_utc, row / ROWS_PER_S)
+                raise InfeasibleSlew(
+                    f"{margin.name}: at {utc_text(at_utc)} the body stands "
+                    f"{math.degrees(inside_rad):.4g} deg nearer to {margin.title} than allowed, on "
+                    "its way or idling; choose another time, idle attitude or exclusion",
+                    limit="exclusion",
+                    field="platform.exclusions",
+                )
+
+    def _surroundings(self, ephemeris: Ephemeris, first_row: int, count: int) -> Surroundings:
+        t_s = np.arange(first_row, first_row + count) / ROWS_PER_S
+        instants = Instants(self.scenario.initial_state.epoch, t_s)
+        return Surroundings(instants, ephemeris.states(instants))
 
     def _idle(self, ephemeris: Ephemeris, first_row: int, last_row: int) -> Motion:
         """The idle attitude from one row to another, both included."""
