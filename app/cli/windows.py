@@ -32,7 +32,7 @@ def windows(
     ] = None,
     json: files.WholeAnswer = None,
     probability: Annotated[
-        bool, typer.Option(help="Tell how likely the target stays in the frame: 5 ms a window.")
+        bool, typer.Option(help="Report how likely the target stays in the frame: 5 ms a window.")
     ] = True,
     url: files.Url = None,
 ) -> None:
@@ -64,7 +64,7 @@ def print_windows(console: Console, found: Members) -> None:
         ("km", "closest.range_km", _kilometres), ("m/px", "closest.ground_sample_across_m", ".2f"),
         ("Sun", "closest.sun_elevation_deg", ".0f"),
         *((axis, partial(_angle_deg, axis), ".1f") for axis in _axes(windows)),
-        ("in frame", "probability_in_frame", ".2f"), keys=2,
+        ("in frame", lambda window: window.get("probability_in_frame"), ".2f"), keys=2,
     )  # fmt: skip
     parts.print_more(console, len(windows))
     parts.print_reasons(console, "can't be seen", found["reasons"])

@@ -41,6 +41,7 @@ PLAN_CALLS = {
 CALLS = PLAN_CALLS | {
     "next_pass": lambda client: client.next_pass({"sessions": [{}]}, **ENDS),
     "campaign": lambda client: client.campaign(REQUEST, **ENDS),
+    "export_campaign": lambda client: client.export_campaign(ID, "csv"),
     "wait_for_campaign": lambda client: client.wait_for_campaign(ID, **ENDS),
     "campaigns": lambda client: client.campaigns(),
     "fly": lambda client: client.fly(ID, REQUEST, **ENDS),

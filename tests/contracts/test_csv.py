@@ -71,7 +71,7 @@ def windows_of(text):
 
 
 def opportunities_csv(text):
-    return opened(CSV, [], None).decode() + pass_table_csv(windows_of(text))
+    return opened(CSV, "", b"", None).decode() + pass_table_csv(windows_of(text))
 
 
 def search_csv(text):

@@ -74,7 +74,8 @@ def test_a_target_without_a_window_says_why(tmp_path):
     document = search("opportunities_gallery.json")
     document["targets"][0]["target"] = {"mode": "ground", "latitude_deg": 90.0, "longitude_deg": 0}
     lines, answer = report("windows", document, tmp_path)
-    [one] = answer["unseen"]
+    [one] = answer["reasons"]
+    assert answer["unseen"] == [one["target"]]
     [line] = [line for line in lines if line.startswith("can't be seen: ")]
     assert line.startswith(f"can't be seen: {one['target']}, {one['because']} (at most ")
 

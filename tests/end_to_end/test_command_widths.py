@@ -24,7 +24,7 @@ REPORTS = {
 }
 # A line of headings at 80 columns, where the whole table is wider.
 NARROW = {
-    "fly": "session target frames held frames sharp smear px miss m",
+    "fly": "session target frames sharp smear px miss m",
     "compare": "axis phase from samples rms max mean lag 1 sigma",
 }
 

@@ -60,6 +60,10 @@ ELSEWHERE = {
         "test_spacecraft_paper_sessions::"
         "test_strip_and_stereo_pair_are_imaged_when_the_paper_images_them"
     ),
+    "campaign examples/campaign_cities.json --export kml=looks.kml": (
+        "test_campaign_command::test_report_and_files"
+    ),
+    "export ID zip=plans.zip": "test_command_service::test_a_plan_and_a_campaign_are_followed",
     "serve --host 0.0.0.0 --port 8000": "test_command_line::test_serves_this_machine_only",
     "worker --scheduler tcp://10.0.0.1:8786 --solves 8": (
         "test_cluster::test_work_is_done_in_a_child_of_the_worker"
@@ -86,7 +90,7 @@ campaign examples/campaign_cities.json --dry-run --json OUT.json
 horizon examples/horizon_estimate.json examples/horizon_ahead.png {right} --json OUT.json
 spacecraft {strip} --dry-run --json OUT.json
 spacecraft {strip} --url {url} --csv OUT.csv
-windows examples/opportunities_gallery.json --url {url} --csv OUT.csv
+windows examples/opportunities_gallery.json --url {url} --csv OUT.csv --no-probability
 campaign examples/campaign_cities.json --url {url} --csv OUT.csv
 horizon examples/horizon_estimate.json examples/horizon_ahead.png {right} --url {url}
 keys create many --rate-per-minute 60 --concurrency 2

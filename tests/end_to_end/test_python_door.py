@@ -92,7 +92,8 @@ def test_an_imaging_session():
 
 def test_names_are_completed():
     assert [star.name for star in slewtrack.stars("veg")] == ["Vega"]
-    [platform] = slewtrack.platforms()
+    platform, body = slewtrack.platforms()
+    assert (platform.name, body.name) == ("iss-hrc", "smallsat-120kg")
     assert slewtrack.plan(document("las_vegas_2015.json") | {"platform": platform}).passed
 
 
