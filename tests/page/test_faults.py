@@ -139,7 +139,7 @@ def test_a_service_that_starts_anew_while_it_works(form, tmp_path):
 
 
 def test_too_many_requests_are_waited_for(form, tmp_path):
-    with live_service(tmp_path, SLEWTRACK_RATE_PER_MINUTE="900") as service:
+    with live_service(tmp_path, SLEWTRACK_RATE_PER_MINUTE="120") as service:
         page = form(service)
         refusal = spend_all(service)
         assert (refusal.status_code, refusal.headers["retry-after"]) == (429, "1")

@@ -123,7 +123,7 @@ def test_a_closer_look_at_the_session(open_page, service, las_vegas):
     with urllib.request.urlopen(f"{service.address}/v1{las_vegas}", timeout=60) as answer:
         told = json.load(answer)["uncertainty"][0]["probability_in_frame"]
     page = open_page(las_vegas)
-    page.get_by_role("button", name="Closer look: 36.1147").click()
+    page.get_by_role("button", name="Closer look: near Las Vegas").click()
     expect(page.get_by_label("Time of the cursor")).to_have_value("140")
     expect(page.get_by_text(f"in frame: {round(100 * told, 1):g} %")).to_be_visible()
 
