@@ -1,6 +1,6 @@
 /** Forms in the making, kept while the tab is open: a reload finds them as they were. */
 import { signal } from "@preact/signals";
-import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import { useLayoutEffect, useMemo, useRef, useState } from "preact/hooks";
 
 const PREFIX = "slewtrack.";
 const QUIET_MS = 100;
@@ -60,8 +60,8 @@ export function useKept<T>(name: string, first: T, from: string | null = null) {
   const [found, keepIt] = useBegun<T>(name, from);
   const [value, setValue] = useState<T>(found ?? first);
   const shown = useRef(value);
-  // After it was shown: what a room can't show is not kept.
-  useEffect(() => {
+  // As soon as it is shown, before a reload can come: what a room can't show is not kept.
+  useLayoutEffect(() => {
     if (value !== shown.current) keepIt(value);
     shown.current = value;
   }, [value]);
