@@ -15,7 +15,7 @@ from planner_values import compare
 
 from app.requests.examples import LAS_VEGAS
 from app.requests.plan import read_plan_request
-from planner.inflight.telemetry.alignment import Channel, align
+from planner.inflight.telemetry.alignment import AlignedColumn, align
 from planner.inflight.telemetry.following import PlannedMotion
 from planner.output.export.csv import table_csv
 from planner.planning.sessions.pipeline import make_plan
@@ -91,7 +91,7 @@ def late_alignments(late_s, seeds, rate_hz=5.0):
     for seed in range(seeds):
         chance = np.random.default_rng(seed)
         channels = [
-            Channel(
+            AlignedColumn(
                 motion=motion,
                 kind="angle",
                 tag_s=t_s + OFFSET_S,

@@ -19,7 +19,7 @@ FRAMES_AT_ONCE = 4000  # 60 MB
 GEOMETRY = tuple(cause for cause in CAUSES if cause != DRIVE)
 
 
-class Motion(Protocol):
+class FlownTable(Protocol):
     """What flying a table gives: true shaft angles (k, 2) and the structure's turn (k, 3).
 
     is_saturated: (k, 2), whether each drive gives all it has.
@@ -37,7 +37,7 @@ class Motion(Protocol):
 
 # Flies the table of a session, told by its number, with the drives that a seed makes; None: as
 # they are nominally.
-Fly = Callable[[CommandTable, int, int | None], Motion]
+Fly = Callable[[CommandTable, int, int | None], FlownTable]
 
 
 def fly_runs(
@@ -138,7 +138,7 @@ def _fly_pair(
     rows = np.unique(np.linspace(0, len(scene.at_s) - 1, FRAMES_COMPARED).round().astype(np.intp))
     at_s = scene.at_s[rows]
 
-    def shows(motion: Motion, view: SeenTarget) -> tuple[Array, Array]:
+    def shows(motion: FlownTable, view: SeenTarget) -> tuple[Array, Array]:
         frames = _frames(scene, motion, view, at_s)
         return frames.place_px, frames.smear_px
 
@@ -165,7 +165,7 @@ def _half_squares(one_px: tuple[Array, Array], other_px: tuple[Array, Array]) ->
     return np.array([0.5 * np.sum((a - b) ** 2) for a, b in zip(one_px, other_px, strict=True)])
 
 
-def _frames(scene: SessionScene, motion: Motion, seen: SeenTarget, at_s: Array) -> Frames:
+def _frames(scene: SessionScene, motion: FlownTable, seen: SeenTarget, at_s: Array) -> Frames:
     blocks = []
     for first in range(0, len(at_s), FRAMES_AT_ONCE):
         block_s = at_s[first : first + FRAMES_AT_ONCE]

@@ -55,7 +55,7 @@ OPTIONS = AlignmentOptions()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Channel:
+class AlignedColumn:
     """One column: tag_s and value, (n,), in radians or rad/s and without gaps."""
 
     motion: PlannedMotion
@@ -160,7 +160,7 @@ class Fit:
     """parameters: drift, the offsets, then each channel's own.  covariance_parameters: of them.
     places: by channel."""
 
-    channels: tuple[Channel, ...]
+    channels: tuple[AlignedColumn, ...]
     axes_apart: tuple[int, ...]
     parameters: Array
     covariance_parameters: Array
@@ -197,7 +197,7 @@ class Fit:
         return tuple(found)
 
 
-def align(channels: Sequence[Channel], start_offset_s: float, axes: int) -> Alignment:
+def align(channels: Sequence[AlignedColumn], start_offset_s: float, axes: int) -> Alignment:
     """Offset and drift that the channels share, and how much later one axis is.
 
     Where the axes clearly differ, the offset is that of the earlier one; else the one that suits
@@ -301,7 +301,7 @@ def inseparable(alignment: Alignment, axis_names: Sequence[str]) -> list[Insepar
 
 
 def _fit(
-    channels: Sequence[Channel],
+    channels: Sequence[AlignedColumn],
     start_offset_s: float,
     axes_apart: Sequence[int] = (),
     *,
@@ -337,7 +337,7 @@ def _fit(
 
 
 def _places(
-    channels: Sequence[Channel], axes_apart: Sequence[int], is_ideal: bool
+    channels: Sequence[AlignedColumn], axes_apart: Sequence[int], is_ideal: bool
 ) -> list[Indices]:
     """Of each channel the parameters it hangs on: drift and offset, then its own."""
     counts = [len(channel.nuisance_sigma(is_ideal)) for channel in channels]
@@ -348,7 +348,7 @@ def _places(
     ]
 
 
-def _residual(channel: Channel, parameters: Array, columns: Indices) -> tuple[Array, Array]:
+def _residual(channel: AlignedColumn, parameters: Array, columns: Indices) -> tuple[Array, Array]:
     """What is left of the rows within the table, and by what it falls, (n, k)."""
     drift, offset_s = parameters[columns[:2]]
     t_s = (channel.tag_s - offset_s) / (1.0 + drift)
@@ -382,7 +382,7 @@ def _solve(normal: Array, right_parameters: Array) -> Array:
 
 
 def _covariance(
-    channels: Sequence[Channel],
+    channels: Sequence[AlignedColumn],
     places: Sequence[Indices],
     parameters: Array,
     scale_by_channel: Array,
@@ -416,7 +416,7 @@ def _covariance(
     return np.asarray(clustered * np.outer(grown, grown))
 
 
-def _cost(channels: Sequence[Channel], fit: Fit) -> float:
+def _cost(channels: Sequence[AlignedColumn], fit: Fit) -> float:
     """Mean error by its size, rows outside the table as a whole motion off."""
     total, rows = 0.0, 0
     for channel, columns in zip(channels, fit.places, strict=True):

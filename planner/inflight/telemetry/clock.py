@@ -11,7 +11,7 @@ import numpy as np
 
 from planner.base.arrays import Array, Mask
 from planner.base.errors import InvalidInput
-from planner.inflight.telemetry.alignment import Alignment, Channel, align
+from planner.inflight.telemetry.alignment import AlignedColumn, Alignment, align
 from planner.inflight.telemetry.following import PlannedMotion, spikes_of_angles, spikes_of_rates
 from planner.inflight.telemetry.samples import OPTIONS as SAMPLES
 from planner.inflight.telemetry.samples import RAD_BY_UNIT, Kind, TelemetryColumn
@@ -173,10 +173,10 @@ def _channels(
     rate_rad_s: Array,
     motions: Sequence[PlannedMotion],
     usable: Mask,
-) -> list[Channel]:
+) -> list[AlignedColumn]:
     kinds: tuple[tuple[Kind, Array], ...] = (("angle", angle_rad), ("rate", rate_rad_s))
     channels = [
-        Channel(motion=motion, kind=kind, tag_s=tag_s[own], value=value[own, motion.axis])
+        AlignedColumn(motion=motion, kind=kind, tag_s=tag_s[own], value=value[own, motion.axis])
         for motion in motions
         for kind, value in kinds
         if (own := usable & np.isfinite(value[:, motion.axis])).sum() >= SAMPLES.rows_min
@@ -190,8 +190,8 @@ def _channels(
 
 
 def _on_plan(
-    channels: Sequence[Channel], alignment: Alignment, start_s: float, axes: int
-) -> list[Channel]:
+    channels: Sequence[AlignedColumn], alignment: Alignment, start_s: float, axes: int
+) -> list[AlignedColumn]:
     """Without those that follow neither with the clock of all nor with one of their own; all where
     none follows."""
     told = [_follows(one, alignment) for one in channels]
@@ -208,7 +208,7 @@ def _on_plan(
     ]
 
 
-def _follows(channel: Channel, alignment: Alignment) -> bool | None:
+def _follows(channel: AlignedColumn, alignment: Alignment) -> bool | None:
     t_s = alignment.t_s(channel.tag_s)
     return follows(channel.value, channel.kind, t_s, channel.motion)
 

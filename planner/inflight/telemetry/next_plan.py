@@ -25,7 +25,7 @@ from planner.base.rotation import Rotation
 from planner.inflight.simulation.candidates import IDENTIFIABLE
 from planner.inflight.simulation.flight import fly
 from planner.inflight.simulation.identification import identify
-from planner.inflight.telemetry.alignment import Channel, align
+from planner.inflight.telemetry.alignment import AlignedColumn, align
 from planner.inflight.telemetry.compare import Comparison
 from planner.inflight.telemetry.following import Followed, PlannedMotion
 from planner.inflight.telemetry.samples import ImageOffset
@@ -344,7 +344,7 @@ def _own_delay_s(comparison: Comparison) -> float:
     flown = fly(table, platform)
     told = {one.followed.motion.axis for one in comparison.axes}
     channels = [
-        Channel(
+        AlignedColumn(
             motion=PlannedMotion(table, axis),
             kind="angle",
             tag_s=flown.t_s,
