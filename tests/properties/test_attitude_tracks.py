@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation, RotationSpline
 
 from planner.base.errors import NotVisible, TrackBreaksLimit, Unreachable
 from planner.motion.attitude.idle import idle_attitude
-from planner.motion.attitude.track import Sight, attitude_tracks, roll_rule
+from planner.motion.attitude.track import TargetSight, attitude_tracks, roll_rule
 from planner.world.exclusions import Surroundings
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.geodesy import geodetic_from_itrf
@@ -91,7 +91,7 @@ def sight_of(target, instants=None):
     instants = rows() if instants is None else instants
     states = circle(instants)
     los_eci = target.apparent(instants, states).direction_eci
-    return Sight(target=target, instants=instants, states=states, los_eci=los_eci)
+    return TargetSight(target=target, instants=instants, states=states, los_eci=los_eci)
 
 
 def agile(**changes):

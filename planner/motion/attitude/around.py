@@ -9,7 +9,7 @@ from scipy.interpolate import CubicSpline
 
 from planner.base.arrays import Array
 from planner.base.commands import ROWS_PER_S
-from planner.base.rotation import Rotation
+from planner.base.rotation import Rotation, like_signs
 from planner.motion.attitude.ocp import SpanMotion
 from planner.motion.attitude.problem import AvoidedCone, BodySlewProblem, depths_rad
 
@@ -74,12 +74,8 @@ def centres_eci(cone: AvoidedCone, t_s: Array) -> Array:
 
 def _through(t_s: Array, q_eci_from_body_xyzw: Array, widths_s: Array) -> SpanMotion:
     """A motion through attitudes at these instants, by splines."""
-    flips = np.where(
-        np.einsum("nj,nj->n", q_eci_from_body_xyzw[1:], q_eci_from_body_xyzw[:-1]) < 0.0, -1.0, 1.0
-    )
-    curve = CubicSpline(
-        t_s, q_eci_from_body_xyzw * np.cumprod(np.append(1.0, flips))[:, None], bc_type="clamped"
-    )
+    signs = like_signs(q_eci_from_body_xyzw)
+    curve = CubicSpline(t_s, q_eci_from_body_xyzw * signs[:, None], bc_type="clamped")
     q, dq = curve(t_s), curve(t_s, 1)
     omega = 2.0 * (q[:, 3:] * dq[:, :3] - dq[:, 3:] * q[:, :3] - np.cross(q[:, :3], dq[:, :3]))
     turning = CubicSpline(t_s, omega)

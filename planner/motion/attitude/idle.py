@@ -3,8 +3,8 @@
 import numpy as np
 
 from planner.base.commands import Motion
-from planner.base.rotation import Rotation
-from planner.motion.attitude.track import attitude_motion, of_like_sign, pointed_quaternions
+from planner.base.rotation import Rotation, of_like_sign
+from planner.motion.attitude.track import attitude_motion, pointed_quaternions
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import OrbitStates
 from planner.world.platforms.body import IdleLaw, InertialIdle, SunIdle, unit_vector

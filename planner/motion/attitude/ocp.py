@@ -29,7 +29,7 @@ import numpy as np
 from planner.base import effort
 from planner.base.arrays import Array, Indices
 from planner.base.commands import ROWS_PER_S, Motion
-from planner.base.rotation import Rotation
+from planner.base.rotation import Rotation, like_signs
 from planner.base.solvers import Options, Solver, SolverRun, Work
 from planner.motion.attitude.problem import BodySlewProblem, LimitKind
 
@@ -114,7 +114,7 @@ def _rotated(q: "casadi.SX", v: "casadi.SX") -> "casadi.SX":
     return v + 2.0 * ca.cross(u, ca.cross(u, v) + q[3] * v)
 
 
-class Kept(NamedTuple):
+class BoundedSolver(NamedTuple):
     """A solver, and the bounds of its constraints: equalities first."""
 
     solver: Solver
@@ -123,7 +123,7 @@ class Kept(NamedTuple):
 
 
 @lru_cache(maxsize=OPTIONS.solvers_kept)
-def body_solver(spans: int, phases: int, kind: LimitKind, cones: int) -> Kept:
+def body_solver(spans: int, phases: int, kind: LimitKind, cones: int) -> BoundedSolver:
     """Made once per process and size, 1 s."""
     import casadi as ca
 
@@ -195,7 +195,7 @@ def body_solver(spans: int, phases: int, kind: LimitKind, cones: int) -> Kept:
     low = -np.ones(m) if kind == "axis" else np.full(m, -np.inf)
     if kind == "axis" and cones:
         low = np.where(_is_cone(spans, cones), -np.inf, low)
-    return Kept(solver, np.append(np.zeros(n), low), np.append(np.zeros(n), np.ones(m)))
+    return BoundedSolver(solver, np.append(np.zeros(n), low), np.append(np.zeros(n), np.ones(m)))
 
 
 def _is_cone(spans: int, cones: int) -> Array:
@@ -236,7 +236,8 @@ class SpanMotion(NamedTuple):
         k, shares = self._place(t_s)
         turns, omega, alpha = self._turned(k, np.zeros_like(shares), shares)
         q = Rotation.from_quat(self.q_eci_from_body_xyzw[k]) * Rotation.from_quat(turns)
-        return Motion(_of_like_sign(q.as_quat()), omega, alpha)
+        q_xyzw = q.as_quat()
+        return Motion(q_xyzw * like_signs(q_xyzw)[:, None], omega, alpha)
 
     def on_rows(self, problem: BodySlewProblem) -> Motion:
         """The motion on the rows of a table, for spans of whole rows; it ends at the goal's row.
@@ -257,8 +258,9 @@ class SpanMotion(NamedTuple):
         spread = u**3 * (10.0 - 15.0 * u + 6.0 * u**2)
         q = Rotation.from_quat(q_xyzw) * Rotation.from_rotvec(spread[:, None] * missed)
         omega[-1], alpha[-1] = problem.goal.rate_rad_s[0], problem.goal.acceleration_rad_s2[0]
+        q_rows_xyzw = q.as_quat()
         return Motion(
-            _of_like_sign(q.as_quat()),
+            q_rows_xyzw * like_signs(q_rows_xyzw)[:, None],
             np.vstack([problem.start.rate_rad_s, omega]),
             np.vstack([problem.start.acceleration_rad_s2, alpha]),
         )
@@ -288,13 +290,6 @@ class SpanMotion(NamedTuple):
         omega, alpha = there.rate_rad_s / stretch, there.acceleration_rad_s2 / stretch**2
         jerk = np.diff(alpha, axis=0) / widths_s[:, None]
         return SpanMotion(widths_s, there.position, omega, alpha, np.stack([jerk, jerk], axis=1))
-
-
-def _of_like_sign(q_eci_from_body_xyzw: Array) -> Array:
-    flips = np.where(
-        np.einsum("nj,nj->n", q_eci_from_body_xyzw[1:], q_eci_from_body_xyzw[:-1]) < 0.0, -1.0, 1.0
-    )
-    return np.asarray(q_eci_from_body_xyzw * np.cumprod(np.append(1.0, flips))[:, None])
 
 
 def _quaternion_product(p: Sequence[float], q: Sequence[float]) -> tuple[float, ...]:
@@ -356,7 +351,7 @@ def arrival_within(problem: BodySlewProblem, first_row: int, last_row: int) -> A
     return Arrival(first_row / ROWS_PER_S, last_row / ROWS_PER_S, coefficients)
 
 
-class Solved(NamedTuple):
+class SolvedBodySlew(NamedTuple):
     """A motion, to be judged by what it is."""
 
     motion: SpanMotion
@@ -370,7 +365,7 @@ def solve(
     *,
     phases: int,
     limit_share: float = 1.0,
-) -> Solved:
+) -> SolvedBodySlew:
     """The solver's answer, begun at a motion of as many spans.
 
     Where the arrival is at one instant, its spans' widths are kept and the jerk is least; else the
@@ -438,7 +433,7 @@ def solve(
         a.reshape(-1, 3) / unit_s**2,
         j.reshape(-1, 2, 3) / unit_s**3,
     )
-    return Solved(motion, answer.run)
+    return SolvedBodySlew(motion, answer.run)
 
 
 def _cone_numbers(problem: BodySlewProblem, arrival: Arrival, unit_s: float) -> list[Array]:

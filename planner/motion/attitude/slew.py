@@ -20,7 +20,7 @@ from planner.motion.attitude.eigenaxis import (
     over_limits,
     quickest_eigenaxis,
 )
-from planner.motion.attitude.ocp import Solved, SpanMotion, arrival_within, solve
+from planner.motion.attitude.ocp import SolvedBodySlew, SpanMotion, arrival_within, solve
 from planner.motion.attitude.problem import (
     ORDERS,
     BodySlewProblem,
@@ -246,7 +246,7 @@ def _solve_on_rows(problem: BodySlewProblem, begin: SpanMotion) -> _Found | None
     return _flown(problem, found) if found.run.is_promising else None
 
 
-def _flown(problem: BodySlewProblem, found: Solved) -> _Found | None:
+def _flown(problem: BodySlewProblem, found: SolvedBodySlew) -> _Found | None:
     motion = found.motion.on_rows(problem)
     looks = np.arange(OPTIONS.looks + 1) / OPTIONS.looks
     q_xyzw, body = between_rows(motion, looks)

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +12,7 @@ from planner.base.arrays import Array, Mask, angle_rad
 from planner.base.commands import Motion
 from planner.base.errors import NotVisible, Refusal, TrackBreaksLimit, Unreachable, figures
 from planner.base.mrp import BodyMotion, MrpMotion, body_motion
-from planner.base.rotation import Rotation
+from planner.base.rotation import Rotation, of_like_sign
 from planner.motion.attitude.problem import (
     ORDERS,
     UNIT_TEXTS,
@@ -40,7 +40,7 @@ from planner.world.targets import BodyTarget, EarthFixedTarget, VisibleTarget
 
 
 @dataclass(frozen=True, kw_only=True)
-class TrackOptions:
+class AttitudeTrackOptions:
     """How a track is tried against its limits."""
 
     shares: tuple[float, ...] = (0.0, 0.5, 1.0)  # of the time between two rows; it turns evenly
@@ -49,11 +49,11 @@ class TrackOptions:
     still_m_s: float = 1e-4  # a path goes 10 times as fast; rounding of places is 1e-8 m/s
 
 
-OPTIONS = TrackOptions()
+OPTIONS = AttitudeTrackOptions()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Sight:
+class TargetSight:
     """A target as seen over n instants: where to look, from where.
 
     instants: at least 7, uniformly spaced.  los_eci: apparent directions, unit vectors (n, 3) in
@@ -69,6 +69,11 @@ class Sight:
     def step_s(self) -> float:
         """From one instant to the next."""
         return float(self.instants.t_s[-1] - self.instants.t_s[0]) / (len(self.instants) - 1)
+
+    @cached_property
+    def surroundings(self) -> Surroundings:
+        """What is seen around the spacecraft, whichever way it lies."""
+        return Surroundings(self.instants, self.states)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -120,7 +125,7 @@ def roll_rule(platform: BodyPlatform, target: VisibleTarget, asked: RollRule | N
 def attitude_tracks(
     platform: BodyPlatform,
     roll: RollRule,
-    sight: Sight,
+    sight: TargetSight,
     session_start_s: float,
     session_stop_s: float,
     q_eci_from_body_before: Rotation,
@@ -201,13 +206,6 @@ def attitude_motion(q_eci_from_body_xyzw: Array, step_s: float) -> Motion:
     return Motion(q_eci_from_body_xyzw, body.omega_body_rad_s, body.alpha_body_rad_s2)
 
 
-def of_like_sign(q_xyzw: Array) -> Array:
-    """The same rotations (n, 4): the first w not negative, each nearest to the one before it."""
-    flips = np.sign(np.sum(q_xyzw[1:] * q_xyzw[:-1], axis=1))
-    begin = -1.0 if q_xyzw[0, 3] < 0.0 else 1.0
-    return np.asarray(q_xyzw * np.concatenate([[begin], begin * np.cumprod(flips)])[:, None])
-
-
 def _triads(toward_direction: Array, aside_direction: Array) -> Array:
     """Orthonormal columns (..., 3, 3): the first, the second's part across it, their product."""
     along = np.sum(aside_direction * toward_direction, axis=-1, keepdims=True)
@@ -217,7 +215,7 @@ def _triads(toward_direction: Array, aside_direction: Array) -> Array:
     return np.stack(columns, axis=-1)
 
 
-def _aside(platform: BodyPlatform, roll: RollRule, sight: Sight) -> tuple[Array, Array]:
+def _aside(platform: BodyPlatform, roll: RollRule, sight: TargetSight) -> tuple[Array, Array]:
     """The direction in GCRF, (n, 3), that a body direction, (3,), is turned towards by a rule."""
     along_body = platform.camera.c_payload_from_body[0]
     if isinstance(roll, SunSide):
@@ -233,7 +231,7 @@ def _aside(platform: BodyPlatform, roll: RollRule, sight: Sight) -> tuple[Array,
     return np.asarray(np.einsum("nji,nj->ni", c_itrf, along_itrf)), along_body
 
 
-def _along_ground(roll: RollRule, sight: Sight) -> Array:
+def _along_ground(roll: RollRule, sight: TargetSight) -> Array:
     """The motion of the looked-at point over the ground, or an azimuth there, ITRF, (n, 3)."""
     if not isinstance(sight.target, EarthFixedTarget):
         raise TrackBreaksLimit(
@@ -300,7 +298,7 @@ def _shortest_arcs(a: Array, b: Array) -> Array:
 
 
 def _held_rows(
-    platform: BodyPlatform, sight: Sight, motion: Motion, session: slice
+    platform: BodyPlatform, sight: TargetSight, motion: Motion, session: slice
 ) -> tuple[Mask, _Break | None]:
     """Rows (n,) at which the motion may go on, and the first break in the session."""
     held = np.ones(len(sight.instants), dtype=bool)
@@ -326,16 +324,15 @@ class _Check(NamedTuple):
     refuse: Callable[[int], Refusal]
 
 
-def _checks(platform: BodyPlatform, sight: Sight, motion: Motion) -> Iterator[_Check]:
+def _checks(platform: BodyPlatform, sight: TargetSight, motion: Motion) -> Iterator[_Check]:
     if isinstance(sight.target, EarthFixedTarget):
         off_nadir_rad = angle_rad(sight.los_eci, -sight.states.r_sat_eci_m)
         margin_rad = math.radians(platform.off_nadir_max_deg) - off_nadir_rad
         refuse = partial(_refuse_off_nadir, platform, sight, off_nadir_rad)
         yield _Check(margin_rad - OPTIONS.between_rows_rad, True, refuse)
     if platform.exclusions or platform.star_trackers is not None:
-        surroundings = Surroundings(sight.instants, sight.states)
         q_eci_from_body = Rotation.from_quat(motion.position)
-        for kept in exclusion_margins(platform, q_eci_from_body, surroundings):
+        for kept in exclusion_margins(platform, q_eci_from_body, sight.surroundings):
             margin_rad = kept.margin_rad - OPTIONS.between_rows_rad
             yield _Check(margin_rad, kept.imaging_only, partial(_refuse_exclusion, sight, kept))
     limits = agility_limits(platform)
@@ -377,7 +374,7 @@ def _run_with(held: Mask, session: slice) -> slice:
 
 
 def _refuse_off_nadir(
-    platform: BodyPlatform, sight: Sight, off_nadir_rad: Array, row: int
+    platform: BodyPlatform, sight: TargetSight, off_nadir_rad: Array, row: int
 ) -> Refusal:
     at_utc = sight.instants.utc(row)
     value_deg, most_deg = math.degrees(off_nadir_rad[row]), platform.off_nadir_max_deg
@@ -389,7 +386,7 @@ def _refuse_off_nadir(
     )
 
 
-def _refuse_exclusion(sight: Sight, kept: ExclusionMargin, row: int) -> Refusal:
+def _refuse_exclusion(sight: TargetSight, kept: ExclusionMargin, row: int) -> Refusal:
     at_utc = sight.instants.utc(row)
     short_deg = math.degrees(OPTIONS.between_rows_rad - kept.margin_rad[row])
     return NotVisible(
@@ -401,7 +398,7 @@ def _refuse_exclusion(sight: Sight, kept: ExclusionMargin, row: int) -> Refusal:
 
 
 def _refuse_limit(
-    sight: Sight,
+    sight: TargetSight,
     platform: BodyPlatform,
     limits: AgilityLimits,
     order: int,

@@ -7,7 +7,7 @@ import numpy as np
 from planner.base.arrays import Array, Indices
 from planner.base.commands import ROWS_PER_S
 from planner.base.errors import OutsideCoverage
-from planner.base.rotation import Rotation
+from planner.base.rotation import Rotation, like_signs
 from planner.world.frames.time_scales import Instants, elapsed_s
 from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.plan import FlightPlan
@@ -100,9 +100,7 @@ def omega_payload_from_eci_rad_s(plan: FlightPlan, rows: TableStates) -> Array:
 def continuous(q: Rotation) -> Array:
     """Components of n rotations, shape (n, 4), scalar last, neighbours of like sign."""
     q_xyzw = q.as_quat()
-    likeness = np.sum(q_xyzw[1:] * q_xyzw[:-1], axis=1)
-    sign = np.concatenate([[1.0], np.cumprod(np.where(likeness < 0.0, -1.0, 1.0))])
-    return np.asarray(q_xyzw * sign[:, None])
+    return np.asarray(q_xyzw * like_signs(q_xyzw)[:, None])
 
 
 def axes_turn(q_b_from_a_xyzw: Array) -> Array:

@@ -67,3 +67,8 @@ class Plan(FlightPlan):
         """The least of any session's; None without any."""
         known = (budget.probability_in_frame for budget in self.budgets if budget is not None)
         return min(known, default=None)
+
+
+def unproven_share(cost: float, bound: float) -> float:
+    """The share of a slew's cost that is not proven to be needed."""
+    return max(1.0 - bound / cost, 0.0) if cost else 0.0

@@ -12,7 +12,7 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.errors import InvalidMessage
-from planner.base.rotation import Rotation
+from planner.base.rotation import Rotation, like_signs
 from planner.world.messages.kvn import Grammar, raw_kvn
 from planner.world.messages.oem import standard_frame
 from planner.world.messages.segments import (
@@ -102,8 +102,7 @@ def _segment_of(raw: RawSegment) -> AemSegment:
     # The message's quaternion turns axes, SciPy's turns vectors: A to B is the conjugate.
     if body_is_b == (_read_choice(raw, "ATTITUDE_DIR", "A2B", "B2A") == "A2B"):
         q_xyzw, q_dot_s = _q_conjugate(q_xyzw), None if q_dot_s is None else _q_conjugate(q_dot_s)
-    likeness = np.sign(np.sum(q_xyzw[1:] * q_xyzw[:-1], axis=1))
-    sign = np.concatenate([[1.0], np.cumprod(np.where(likeness < 0.0, -1.0, 1.0))])[:, None]
+    sign = like_signs(q_xyzw)[:, None]
     q_xyzw = q_xyzw * sign
     if q_dot_s is not None:
         q_dot_s = q_dot_s * sign

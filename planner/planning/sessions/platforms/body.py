@@ -11,16 +11,16 @@ import numpy as np
 from planner.base.arrays import Array, Mask
 from planner.base.commands import ROWS_PER_S, CommandTable, Motion
 from planner.base.errors import InfeasibleSlew
-from planner.base.rotation import Rotation
+from planner.base.rotation import Rotation, of_like_sign
 from planner.base.solvers import merged
 from planner.motion.attitude.bounds import least_s, may
 from planner.motion.attitude.idle import idle_attitude
 from planner.motion.attitude.problem import AvoidedCone, BodySlewProblem, depths_rad, rows_of
 from planner.motion.attitude.slew import BodySlew, solve_attitude_slew
-from planner.motion.attitude.track import Sight, agility_limits, attitude_tracks, roll_rule
+from planner.motion.attitude.track import TargetSight, agility_limits, attitude_tracks, roll_rule
 from planner.motion.pointing.line_of_sight import STENCIL, LineOfSight
 from planner.planning.sessions.budget import PointingBudget
-from planner.planning.sessions.plan import SlewRun
+from planner.planning.sessions.plan import SlewRun, unproven_share
 from planner.planning.sessions.platforms.mover import Join, RowSpan, TrackBranch
 from planner.planning.sessions.track_branches import (
     early_row,
@@ -51,7 +51,7 @@ OPTIONS = BodyMoverOptions()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class BodyTrack:
+class MotionTrack:
     """Rows t_s (n,) of a motion on the table's clock; los: what is followed, None of idling."""
 
     t_s: Array
@@ -83,6 +83,7 @@ class BodyMover:
             raise TypeError(f"{platform.name} is no body")
         self.scenario, self.platform = scenario, platform
         self.limits = agility_limits(platform)
+        self._always_excluded = [one for one in platform.exclusions if one.when == "always"]
 
     def initial(self, ephemeris: Ephemeris) -> Motion:
         return self._idle(ephemeris, 0, 0)
@@ -98,7 +99,7 @@ class BodyMover:
         wide = RowSpan(start=first_row, stop=max(rows.stop, first_row + STENCIL - 1))
         los = los_on_rows(scenario, ephemeris, target, wide)
         require_visible(los, rows, target, number)
-        sight = Sight(
+        sight = TargetSight(
             target=target, instants=los.instants, states=los.states, los_eci=los.los_platform
         )
         tracks = attitude_tracks(
@@ -113,7 +114,7 @@ class BodyMover:
         return tuple(
             TrackBranch(
                 session=session,
-                track=BodyTrack(t_s=track.t_s, motion=track.motion, los=los),
+                track=MotionTrack(t_s=track.t_s, motion=track.motion, los=los),
                 rows=RowSpan(start=rows.start - settled, stop=rows.stop),
                 seen_from_s=max(seen_s, float(track.t_s[0])),
                 ephemeris=ephemeris,
@@ -208,7 +209,7 @@ class BodyMover:
         idle = self._idle(onward, last.stop_row, last.stop_row + most_rows)
         rows = self._recommended_rows(state, rows_of(idle, slice(1)))
         goal_row = last.stop_row + min(rows, most_rows)
-        track = BodyTrack(
+        track = MotionTrack(
             t_s=np.arange(last.stop_row, last.stop_row + most_rows + 1) / ROWS_PER_S, motion=idle
         )
         branch = TrackBranch(
@@ -236,13 +237,11 @@ class BodyMover:
         # A row that two share is the later one's.
         parts = [*(rows_of(part, slice(-1)) for part in parts[:-1]), parts[-1]]
         position = np.concatenate([part.position for part in parts])
-        flips = np.where(np.sum(position[1:] * position[:-1], axis=1) < 0.0, -1.0, 1.0)
-        signs = np.cumprod(np.concatenate([[-1.0 if position[0, 3] < 0.0 else 1.0], flips]))
         self._require_clear(epoch_utc, position)
         return CommandTable(
             epoch_utc=epoch_utc,
             channels=self.platform.channels,
-            position=position * signs[:, None],
+            position=of_like_sign(position),
             rate_rad_s=np.concatenate([part.rate_rad_s for part in parts]),
             acceleration_rad_s2=np.concatenate([part.acceleration_rad_s2 for part in parts]),
         )
@@ -250,7 +249,7 @@ class BodyMover:
     def run(self, number: int | None, join: Join) -> SlewRun:
         slew: BodySlew = join.slew.slew
         runs = [part.run for part in (join.slew.onto_idle, slew) if part is not None]
-        gap = max(1.0 - slew.bound_rad2_s5 / slew.cost_rad2_s5, 0.0) if slew.cost_rad2_s5 else 0.0
+        gap = unproven_share(slew.cost_rad2_s5, slew.bound_rad2_s5)
         return SlewRun(
             session=number,
             backend=self.scenario.slew.method,
@@ -334,62 +333,54 @@ class BodyMover:
     ) -> tuple[AvoidedCone, ...]:
         """What a slew keeps away from at every instant: of the exclusions that always count, those
         that some row sees, and that neither its start nor all of its goal lies in."""
-        exclusions = [one for one in self.platform.exclusions if one.when == "always"]
-        if not exclusions:
+        if not self._always_excluded:
             return ()
-        rows = last_row - first_row + 1
-        surroundings = self._surroundings(ephemeris, first_row, max(rows, STENCIL))
+        instants = self._instants(first_row, last_row)
+        surroundings = Surroundings(instants, ephemeris.states(instants))
         cones = []
-        for exclusion in exclusions:
+        for exclusion in self._always_excluded:
             centre_eci, half_rad, counts_rad = surroundings.cone(exclusion.away_from)
             cone = AvoidedCone(
                 name=exclusion.name,
                 direction_body=self.platform.direction_of(exclusion),
-                centre_eci=centre_eci[:rows],
+                centre_eci=centre_eci,
                 half_rad=math.radians(exclusion.min_deg) + float(half_rad.max()),
             )
             start_rad = depths_rad(cone, state.position, cone.centre_eci[:1])
             arrivals = cone.centre_eci[-len(goal.position) :]
             goal_rad = depths_rad(cone, goal.position, arrivals)
-            if np.any(counts_rad[:rows] > 0.0) and max(start_rad[0], goal_rad.min()) <= 0.0:
+            if np.any(counts_rad > 0.0) and max(start_rad[0], goal_rad.min()) <= 0.0:
                 cones.append(cone)
         return tuple(cones)
 
     def _require_clear(self, epoch_utc: datetime, q_eci_from_body_xyzw: Array) -> None:
         """Raises InfeasibleSlew where the way, or idling, breaks an exclusion that always counts:
         the idle attitude may, and what comes out of the Earth's shadow on the way."""
-        platform = self.platform
-        if not platform.exclusions:
+        if not self._always_excluded:
             return
-        rows = len(q_eci_from_body_xyzw)
-        stop_utc = shifted_utc(epoch_utc, (max(rows, STENCIL) - 1) / ROWS_PER_S)
-        surroundings = self._surroundings(
-            self.scenario.orbit.ephemeris(epoch_utc, stop_utc), 0, max(rows, STENCIL)
-        )
-        turned = np.minimum(np.arange(max(rows, STENCIL)), rows - 1)
-        q_eci_from_body = Rotation.from_quat(q_eci_from_body_xyzw[turned])
-        for margin in exclusion_margins(platform, q_eci_from_body, surroundings):
-            row = int(np.argmin(margin.margin_rad[:rows]))
+        instants = self._instants(0, len(q_eci_from_body_xyzw) - 1)
+        ephemeris = self.scenario.orbit.ephemeris(epoch_utc, instants.utc(-1))
+        surroundings = Surroundings(instants, ephemeris.states(instants))
+        q_eci_from_body = Rotation.from_quat(q_eci_from_body_xyzw)
+        for margin in exclusion_margins(self.platform, q_eci_from_body, surroundings):
+            row = int(np.argmin(margin.margin_rad))
             inside_rad = -float(margin.margin_rad[row])
             if not margin.imaging_only and inside_rad > OPTIONS.inside_rad:
-                at_utc = shifted_utc(epoch_utc, row / ROWS_PER_S)
                 raise InfeasibleSlew(
-                    f"{margin.name}: at {utc_text(at_utc)} the body stands "
+                    f"{margin.name}: at {utc_text(instants.utc(row))} the body stands "
                     f"{math.degrees(inside_rad):.4g} deg nearer to {margin.title} than allowed, on "
                     "its way or idling; choose another time, idle attitude or exclusion",
                     limit="exclusion",
                     field="platform.exclusions",
                 )
 
-    def _surroundings(self, ephemeris: Ephemeris, first_row: int, count: int) -> Surroundings:
-        t_s = np.arange(first_row, first_row + count) / ROWS_PER_S
-        instants = Instants(self.scenario.initial_state.epoch, t_s)
-        return Surroundings(instants, ephemeris.states(instants))
+    def _instants(self, first_row: int, last_row: int) -> Instants:
+        """Of the table's rows from one to another, both included."""
+        t_s = np.arange(first_row, last_row + 1) / ROWS_PER_S
+        return Instants(self.scenario.initial_state.epoch, t_s)
 
     def _idle(self, ephemeris: Ephemeris, first_row: int, last_row: int) -> Motion:
         """The idle attitude from one row to another, both included."""
-        count = max(last_row - first_row + 1, STENCIL)
-        t_s = np.arange(first_row, first_row + count) / ROWS_PER_S
-        instants = Instants(self.scenario.initial_state.epoch, t_s)
+        instants = self._instants(first_row, max(last_row, first_row + STENCIL - 1))
         idle = idle_attitude(self.platform.idle, instants, ephemeris.states(instants))
         return rows_of(idle, slice(last_row - first_row + 1))

@@ -22,7 +22,7 @@ from planner.planning.sessions.assembly import assemble_table
 from planner.planning.sessions.budget import PointingBudget
 from planner.planning.sessions.earliest_join import track_states
 from planner.planning.sessions.final import with_final_slew
-from planner.planning.sessions.plan import SlewRun
+from planner.planning.sessions.plan import SlewRun, unproven_share
 from planner.planning.sessions.platforms.mover import Join, TrackBranch
 from planner.planning.sessions.slew_timing import least_slew_s
 from planner.planning.sessions.track_branches import (
@@ -125,7 +125,7 @@ class TwoAxisMover:
             minimum_s=least_slew_s(slew.problem.start, slew.problem.end, slew.problem.limits),
             cost_rad2_s5=cost_rad2_s5 if optimised else None,
             lower_bound_rad2_s5=bound_rad2_s5 if optimised else None,
-            gap=_gap(cost_rad2_s5, bound_rad2_s5) if optimised else None,
+            gap=unproven_share(cost_rad2_s5, bound_rad2_s5) if optimised else None,
             comparison=compare_with_spline(slew, options, number) if optimised else None,
             solver=merged(run for part in parts for run in part.runs),
         )
@@ -175,8 +175,3 @@ class TwoAxisMover:
                 limit="keep_out",
                 at_utc=self.scenario.initial_state.epoch,
             )
-
-
-def _gap(cost: float, bound: float) -> float:
-    """The share of the cost that is not proven to be needed."""
-    return max(1.0 - bound / cost, 0.0) if cost else 0.0
