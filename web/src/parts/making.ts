@@ -1,5 +1,5 @@
 /** A request in the making: begun with an example or with one that was sent before, kept, and sent off. */
-import { useEffect, useRef } from "preact/hooks";
+import { useLayoutEffect, useRef } from "preact/hooks";
 
 import { type JobPaths, sendOff } from "../api/job";
 import { useRequest } from "../api/request";
@@ -20,8 +20,8 @@ export function useMaking<R extends object>(
   const first = kept ?? begun.answer;
   const [request, setRequest] = useStateOf<R>(first, () => first ?? example);
   const shown = useRef(request);
-  // After it was shown: what a room can't show is not kept.
-  useEffect(() => {
+  // As soon as it is shown, before a reload can come: what a room can't show is not kept.
+  useLayoutEffect(() => {
     if (request !== shown.current && request !== begun.answer && !begun.isAsking) keep(request);
     shown.current = request;
   }, [request]);
