@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from planner.base.answer_members import Count
 from planner.base.arrays import Array
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
-from planner.base.mrp import BodyMotion, MrpState, body_motion, mrp_state, quintic
+from planner.base.mrp import BodyMotion
 from planner.base.rotation import Rotation
+from planner.base.table_motion import body_motion_at
 
 TICK_S = COMMAND_STEP_S  # Platonov, Sumarokov 2019: the control cycle
 
@@ -62,23 +63,10 @@ class AttitudeTable:
 
     def attitude_at(self, t_s: Array) -> tuple[Rotation, BodyMotion]:
         """q_body_from_eci and body rates at any instants (m,) from the first to the last row."""
-        n = len(self.omega_body_rad_s)
-        position = np.clip(np.asarray(t_s) * ROWS_PER_S, 0.0, n - 1.0)
-        k = np.minimum(position.astype(int), n - 2)
-        q_eci_from_start = Rotation.from_quat(self.eci_from_body_xyzw[k])
-        q_eci_from_end = Rotation.from_quat(self.eci_from_body_xyzw[k + 1])
-        sigma = np.asarray((q_eci_from_start.inv() * q_eci_from_end).as_mrp())
-        curve = quintic(
-            MrpState(
-                np.zeros_like(sigma),
-                self.omega_body_rad_s[k] / 4.0,
-                self.alpha_body_rad_s2[k] / 4.0,
-            ),
-            mrp_state(sigma, self.omega_body_rad_s[k + 1], self.alpha_body_rad_s2[k + 1]),
-            TICK_S,
-            position - k,
+        q_eci_from_body, motion = body_motion_at(
+            self.eci_from_body_xyzw, self.omega_body_rad_s, self.alpha_body_rad_s2, t_s
         )
-        return (q_eci_from_start * Rotation.from_mrp(curve.mrp)).inv(), body_motion(curve)
+        return q_eci_from_body.inv(), motion
 
     def imaging(self) -> NDArray[np.bool_]:
         """Whether the camera runs from row k to k + 1, shape (n - 1,)."""

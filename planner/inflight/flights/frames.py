@@ -8,7 +8,7 @@ import numpy as np
 
 from planner.base.arrays import Array, Mask, cross
 from planner.motion.pointing.frame import places_in_frame
-from planner.world.platforms import Camera, TwoAxisPlatform
+from planner.world.platforms import Camera, PlatformGeometry
 
 EXPOSURE_POINTS = 16  # 50 a second for the HRC: structure and drives swing at a few hertz
 _WAYS = np.linspace(0.0, math.pi, 16, endpoint=False)  # a path is told up to 0.5 % too short
@@ -70,21 +70,21 @@ def exposures_s(camera: Camera, start_s: float, stop_s: float) -> Array:
 
 
 def frames_of(
-    platform: TwoAxisPlatform,
+    platform: PlatformGeometry,
     at_s: Array,
-    angle_rad: Array,
+    position: Array,
     structure_rad: Array,
-    los_platform: Array,
+    directions_base: Array,
 ) -> Frames:
     """From the true motion and the true direction of the target.
 
-    at_s: (n, p), instants of each exposure.  angle_rad: (n p, 2), true shaft angles then.
+    at_s: (n, p), instants of each exposure.  position: (n p, c), true, of axes their shafts', then.
     structure_rad: (n p, 3), how the structure has turned the camera, a small rotation vector in
-    the platform frame.  los_platform: (n p, 3), unit vectors.  Leaves out the turn of the image
-    about the boresight, which smears the frame's corners, and the air.
+    the axes of the base.  directions_base: (n p, 3), unit vectors.  Leaves out the turn of the
+    image about the boresight, which smears the frame's corners, and the air.
     """
-    seen_platform = los_platform - cross(structure_rad, los_platform)
-    place = places_in_frame(platform, angle_rad, seen_platform).reshape(*at_s.shape, 2)
+    seen = directions_base - cross(structure_rad, directions_base)
+    place = places_in_frame(platform, position, seen).reshape(*at_s.shape, 2)
     with np.errstate(invalid="ignore"):  # of what is behind the camera
         ways = place @ _WAY
         extent = np.max(ways.max(axis=1) - ways.min(axis=1), axis=1)

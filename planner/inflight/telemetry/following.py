@@ -3,14 +3,13 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
-from planner.base.arrays import Array, Indices, Mask
-from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
-from planner.verification.platforms.two_axis.hermite import AxisHermite
+from planner.base.arrays import Array, Mask
+from planner.base.commands import ROWS_PER_S, CommandTable
+from planner.base.table_motion import axes_motion_at
 from planner.world.frames.time_scales import elapsed_s
 from planner.world.plan import Segment, SegmentKind
 from planner.world.platforms import AxisLimits
@@ -63,10 +62,6 @@ class PlannedMotion:
     table: CommandTable
     axis: int
 
-    @cached_property
-    def _curve(self) -> AxisHermite:
-        return AxisHermite(self.table.position[:, self.axis], self.table.rate_rad_s[:, self.axis])
-
     @property
     def stop_s(self) -> float:
         return float(len(self.table.position) - 1) / ROWS_PER_S
@@ -77,26 +72,22 @@ class PlannedMotion:
 
     def angle_rad(self, t_s: Array) -> Array:
         """(n,)."""
-        cell, u_s = self._place(t_s)
-        return self._curve.angle_at(cell, u_s)
+        return self._motion(t_s)[0]
 
     def rate_rad_s(self, t_s: Array) -> Array:
         """(n,); zero outside."""
-        cell, u_s = self._place(t_s)
-        return np.where(self.is_within(t_s), self._curve.rate_at(cell, u_s), 0.0)
+        return np.where(self.is_within(t_s), self._motion(t_s)[1], 0.0)
 
     def acceleration_rad_s2(self, t_s: Array) -> Array:
         """(n,); zero outside."""
-        cell, u_s = self._place(t_s)
-        half, jerk = self._curve.half_acceleration_rad_s2, self._curve.sixth_jerk_rad_s3
-        inside = 2.0 * half[cell] + 6.0 * jerk[cell] * u_s
-        return np.where(self.is_within(t_s), inside, 0.0)
+        return np.where(self.is_within(t_s), self._motion(t_s)[2], 0.0)
 
-    def _place(self, t_s: Array) -> tuple[Indices, Array]:
-        inside_s = np.clip(t_s, 0.0, self.stop_s)
-        cells = len(self.table.position) - 1
-        cell = np.minimum((inside_s * ROWS_PER_S).astype(np.intp), cells - 1)
-        return cell, inside_s - cell * COMMAND_STEP_S
+    def _motion(self, t_s: Array) -> tuple[Array, Array, Array]:
+        column = slice(self.axis, self.axis + 1)
+        angle, rate, acceleration = axes_motion_at(
+            self.table.position[:, column], self.table.rate_rad_s[:, column], t_s
+        )
+        return angle[:, 0], rate[:, 0], acceleration[:, 0]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

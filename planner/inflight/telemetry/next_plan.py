@@ -29,11 +29,11 @@ from planner.inflight.telemetry.alignment import AlignedColumn, align
 from planner.inflight.telemetry.compare import Comparison
 from planner.inflight.telemetry.following import Followed, PlannedMotion
 from planner.inflight.telemetry.samples import ImageOffset
-from planner.motion.pointing.angles import boresight_platform, carried_axes
+from planner.motion.pointing.frame import frame_axes
 from planner.world.attitude.corrections import AttitudeCorrection
 from planner.world.frames.time_scales import Instants, elapsed_s, utc_text
 from planner.world.plan import FlightPlan
-from planner.world.platforms import AxisDrive, TwoAxisPlatform
+from planner.world.platforms import AxisDrive, PlatformGeometry, TwoAxisPlatform
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -194,24 +194,18 @@ def _angles(
     return planned_rad, off_rad if np.isfinite(off_rad).all() else None
 
 
-def _frame(platform: TwoAxisPlatform, angle_rad: Array) -> tuple[Array, Array]:
-    """The frame's two sides in the platform frame, (2, 3), and the boresight, (3,)."""
-    [boresight] = boresight_platform(platform, angle_rad)
-    [inner] = carried_axes(platform, angle_rad)[1]
-    along = inner - (inner @ boresight) * boresight
-    along /= np.linalg.norm(along)
-    across = np.cross(boresight, along)
-    c, s = np.cos(platform.frame_turn_rad), np.sin(platform.frame_turn_rad)
-    return np.array([c * along + s * across, c * across - s * along]), boresight
+def _frame(platform: PlatformGeometry, position: Array) -> tuple[Array, Array]:
+    """The frame's two sides in the base's axes, (2, 3), and the boresight, (3,)."""
+    [sides] = frame_axes(platform, position)
+    return sides, np.cross(*sides)
 
 
 def _axes_part(
-    platform: TwoAxisPlatform, planned_rad: Array, off_rad: Array | None, side_directions: Array
+    platform: PlatformGeometry, planned_rad: Array, off_rad: Array | None, side_directions: Array
 ) -> Array | None:
     if off_rad is None:
         return None
-    [flown] = boresight_platform(platform, planned_rad + off_rad)
-    [planned] = boresight_platform(platform, planned_rad)
+    flown, planned = (_frame(platform, at)[1] for at in (planned_rad + off_rad, planned_rad))
     return np.asarray(side_directions @ (flown - planned))
 
 

@@ -20,10 +20,13 @@ class PlatformGeometry(Protocol):
     """
 
     kind: ClassVar[str]
-    name: str
-    frame_half_rad: tuple[float, float]
-    frame_turn_rad: float
 
+    @property
+    def name(self) -> str: ...
+    @property
+    def frame_half_rad(self) -> tuple[float, float]: ...
+    @property
+    def frame_turn_rad(self) -> float: ...
     @property
     def camera(self) -> Camera: ...
     @property

@@ -12,6 +12,7 @@ from planner.base.arrays import Array, Mask
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.base.errors import InfeasibleSlew
 from planner.base.solvers import merged
+from planner.base.table_motion import motion_at
 from planner.motion.baseline import compare_with_spline
 from planner.motion.pointing.keep_out import keep_out_view
 from planner.motion.pointing.line_of_sight import LineOfSight
@@ -142,14 +143,13 @@ class TwoAxisMover:
         if los is None:
             los = los_on_rows(scenario, ephemeris, session.target, rows)
         los = los.cut_between(rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S)
-        angle_rad = [np.interp(los.instants.t_s, table.t_s, angle) for angle in table.position.T]
         return pointing_budget(
             los,
             ephemeris,
             scenario.law,
             session.target,
             scenario.two_axis,
-            np.stack(angle_rad, axis=1),
+            motion_at(table, los.instants.t_s).position,
             session=number,
         )
 
