@@ -7,7 +7,6 @@ import numpy as np
 
 from planner.base.arrays import Array, Mask
 from planner.base.commands import COMMAND_STEP_S, CommandTable
-from planner.base.table_motion import axes_motion_at
 from planner.inflight.simulation.loop import Command, Loop, LoopLog, close_loops
 from planner.inflight.simulation.plant import AXIS_STATES, MODE_STATES, plant_of
 from planner.world.platforms import AxisDrive, TwoAxisPlatform
@@ -107,11 +106,22 @@ def _command(table: CommandTable, drives: tuple[AxisDrive, AxisDrive], clock_s: 
 
 
 def _between_rows(table: CommandTable, axis: int, t_s: Array) -> tuple[Array, Array]:
-    """Angle and rate, (n,) each; outside the table its first or last rate goes on."""
-    column = slice(axis, axis + 1)
-    angle, rate, _ = axes_motion_at(table.position[:, column], table.rate_rad_s[:, column], t_s)
-    outside_s = t_s - np.clip(t_s, 0.0, table.t_s[-1])
-    return angle[:, 0] + outside_s * rate[:, 0], rate[:, 0]
+    """Angle and rate of the table's cubic Hermite, (n,) each.
+
+    Not by `axes_motion_at`, whose last digits friction makes an image's 0.001 px.
+    """
+    angle, rate = table.position[:, axis], table.rate_rad_s[:, axis]
+    last = len(angle) - 1
+    rows = t_s / COMMAND_STEP_S
+    row = np.clip(np.floor(rows).astype(np.intp), 0, last - 1)
+    share = np.clip(rows - row, 0.0, 1.0)
+    before, after = COMMAND_STEP_S * rate[row], COMMAND_STEP_S * rate[row + 1]
+    change = angle[row + 1] - angle[row]
+    c2, c3 = 3.0 * change - 2.0 * before - after, before + after - 2.0 * change
+    found = angle[row] + share * (before + share * (c2 + share * c3))
+    found_rate = (before + share * (2.0 * c2 + share * 3.0 * c3)) / COMMAND_STEP_S
+    outside_s = COMMAND_STEP_S * (rows - np.clip(rows, 0.0, last))
+    return found + outside_s * found_rate, found_rate
 
 
 def _drive_loop(platform: TwoAxisPlatform, drives: tuple[AxisDrive, AxisDrive]) -> Loop:
