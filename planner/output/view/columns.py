@@ -53,8 +53,10 @@ class BoresightTrace:
     longitude_rad: of that point; east positive.
     range_m: to that point.
     off_nadir_rad: of the boresight from the geocentric nadir.
-    along_track_rad: of the boresight ahead of the nadir, in the plane of the orbit.
-    across_track_rad: of the boresight from that plane, to the right of the flight.
+    along_track_rad: of the boresight ahead of the nadir, in the plane of the orbit. E.g.
+    `[12.1, 11.8]`.
+    across_track_rad: of the boresight from that plane, to the right of the flight. E.g.
+    `[-3.2, -3.1]`.
     sun_separation_rad: of the boresight from the Sun's centre.
     moon_separation_rad: of the boresight from the Moon's centre.
     """
@@ -279,8 +281,8 @@ class ExclusionTrace:
     """One of a body's `exclusions`, or its star trackers together.
 
     name: of the exclusion; star_trackers of the trackers. E.g. `"radiator"`.
-    away_from: what it keeps away from. E.g. `"the Sun"`.
-    imaging_only: true where it counts only while the camera images.
+    away_from: the body, edge or reflection that it avoids. E.g. `"the Sun"`.
+    imaging_only: true where it counts only while the camera images. E.g. `false`.
     margin_rad: by how much it is kept; negative where it is not, 180 where there is nothing to keep
     away from. E.g. `[14.2, 13.9]`.
     """
