@@ -365,8 +365,7 @@ class Scenario:
     def _not_for_platform(self) -> NotForPlatform:
         return NotForPlatform(
             f"{self.platform.name} is a platform of kind {self.platform.kind}, for which there are "
-            "plans, and their tables as CSV, JSON, AEM, OEM, STK and ICS so far; ask for these, or "
-            "plan for two axes",
+            "plans, their files and views so far; ask for these, or plan for two axes",
             field="platform.kind",
         )
 

@@ -1,5 +1,6 @@
 """Plans of spacecraft that turn as a whole: the request of two axes, with another platform."""
 
+import io
 import json
 from datetime import timedelta
 from importlib.resources import files
@@ -7,17 +8,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.io import netcdf_file
 from scipy.spatial.transform import Rotation
 from skyfield.api import load, load_file
 
 from app.requests.plan import read_plan_request
 from planner.base.errors import InfeasibleSlew, InvalidRequest, NotForPlatform
 from planner.output.export import EXPORTERS
+from planner.output.view import VIEW_EXPORTERS, view_plan
 from planner.planning.sessions.pipeline import make_plan
 from planner.world.frames.time_scales import Instants, elapsed_s
 
 TIME_SCALE = load.timescale(builtin=True)
 EPHEMERIS = load_file(str(files("skyfield_data") / "data" / "de421.bsp"))
+MAPPED = ("swath", "target")
 THREE_CITIES = Path(__file__).parents[2] / "examples" / "three_sessions.json"
 SMALLSAT = {
     "kind": "body",
@@ -48,7 +52,9 @@ def planned(request):
 
 @pytest.fixture(scope="module")
 def plan():
-    return planned(body_request(final_state="idle"))
+    radiator = {"name": "radiator", "direction_body": [0.0, 1.0, 0.0], "when": "imaging"}
+    excluded = [radiator | {"away_from": "sun", "min_deg": 20.0}]
+    return planned(body_request(platform=SMALLSAT | {"exclusions": excluded}, final_state="idle"))
 
 
 def test_three_cities_are_tracked_from_the_idle_attitude_and_back_to_it(plan):
@@ -120,7 +126,49 @@ def test_two_axes_need_a_carriers_attitude():
 
 def test_what_is_made_for_axes_alone_says_so(plan):
     with pytest.raises(NotForPlatform, match="kind body"):
-        EXPORTERS["czml"].write(plan, plan.table.epoch_utc)
+        _ = plan.scenario.two_axis
+
+
+def test_maps_show_a_footprint_over_each_city(plan):
+    features = json.loads(EXPORTERS["geojson"].write(plan, plan.table.epoch_utc))["features"]
+    shown = {kind: [f for f in features if f["properties"]["kind"] == kind] for kind in MAPPED}
+    assert [len(shown[kind]) for kind in ("swath", "target")] == [3, 3]
+    for swath, target in zip(shown["swath"], shown["target"], strict=True):
+        ring = np.array(swath["geometry"]["coordinates"][0])
+        place = np.array(target["geometry"]["coordinates"][:2])
+        assert (ring.min(axis=0) < place).all()
+        assert (place < ring.max(axis=0)).all()
+
+
+def test_views_hold_rates_margins_and_where_the_boresight_looks(plan):
+    """The angles along and across the track compose to that off nadir (spherical Pythagoras)."""
+    view = view_plan(plan, None, 10.0)
+    seen = view.boresight
+    cosine = np.cos(seen.along_track_rad) * np.cos(seen.across_track_rad)
+    assert cosine == pytest.approx(np.cos(seen.off_nadir_rad), abs=1e-12)
+    at_start = [seen.along_track_rad[0], seen.across_track_rad[0]]
+    assert at_start == pytest.approx([0.0, 0.0], abs=1e-9)  # idle at the nadir
+    row = np.round(view.t_s * 5).astype(int)
+    rates = np.stack([view.axes[axis].rate_rad_s for axis in "xyz"], axis=1)
+    np.testing.assert_array_equal(rates, plan.table.rate_rad_s[row])
+    assert np.isnan(view.axes["x"].angle_rad).all()
+    assert view.limits["z"].rate_max_rad_s == pytest.approx(np.radians(3.0))
+    inside = ~np.isnan(view.pointing.error_rad)
+    assert inside.any()
+    assert np.degrees(view.pointing.error_rad[inside].max()) * 3600.0 < 0.1
+    (margin,) = view.exclusions
+    sun_body = sun_in_body(plan, int(row[40]))
+    away_deg = np.degrees(np.arccos(sun_body[1]))  # of body +Y, from the Sun's centre
+    sun_radius_deg, refined_deg = 0.2666, 0.01  # 1 au; +-1.7 % over a year, and aberration
+    told_deg = np.degrees(margin.margin_rad[40])
+    assert told_deg == pytest.approx(away_deg - sun_radius_deg - 20.0, abs=refined_deg)
+
+
+@pytest.mark.parametrize("format_name", VIEW_EXPORTERS)
+def test_views_are_written_as_files(plan, format_name):
+    content = VIEW_EXPORTERS[format_name].write(view_plan(plan, None, 10.0), plan.table.epoch_utc)
+    with netcdf_file(io.BytesIO(content)) as file:
+        assert file.variables["exclusion_margin_deg"].shape == (1, len(file.variables["time"][:]))
 
 
 def sun_in_body(plan, row):

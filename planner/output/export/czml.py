@@ -31,7 +31,7 @@ from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.time_scales import Instants, elapsed_s
 from planner.world.orbits import OrbitStates
 from planner.world.plan import FlightPlan
-from planner.world.platforms import TwoAxisPlatform
+from planner.world.platforms import BodyPlatform, TwoAxisPlatform
 from planner.world.scenario import Session
 from planner.world.targets import EarthFixedTarget, SkyTarget
 
@@ -61,7 +61,7 @@ def write_czml(plan: FlightPlan, created_utc: datetime) -> bytes:
         _document(plan, rows, created_utc, every),
         *_spacecraft(plan, rows, c_itrf),
         *_boresight(plan, rows, boresight.end_itrf_m[:, 0]),
-        *_footprint(rows, plan.scenario.two_axis),
+        *_footprint(rows, plan.scenario.platform),
         *(
             packet
             for number, session in enumerate(plan.scenario.sessions)
@@ -72,7 +72,7 @@ def write_czml(plan: FlightPlan, created_utc: datetime) -> bytes:
 
 
 def _document(plan: FlightPlan, rows: TableStates, created_utc: datetime, every: int) -> Json:
-    platform = plan.scenario.two_axis
+    platform = plan.scenario.platform
     along, across = 2.0 * np.degrees(platform.frame_half_rad)
     turn_deg = np.degrees(platform.frame_turn_rad)
     lines = [
@@ -139,7 +139,7 @@ def _boresight(plan: FlightPlan, rows: TableStates, end_itrf_m: Array) -> list[J
     ]
 
 
-def _footprint(rows: TableStates, platform: TwoAxisPlatform) -> list[Json]:
+def _footprint(rows: TableStates, platform: TwoAxisPlatform | BodyPlatform) -> list[Json]:
     """The frame's outline while all four corners are on the ground."""
     corners = sights(rows, frame_corner_rays(platform))
     stretches = list(runs(np.asarray(corners.on_ground.all(axis=1))))

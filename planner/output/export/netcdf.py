@@ -11,14 +11,11 @@ import numpy as np
 from planner.base.arrays import Array
 from planner.base.commands import ROWS_PER_S, Channel
 from planner.output.export.description import (
-    INTERPOLATION,
-    PAYLOAD_AXES,
     QUATERNION,
     TIME_SCALE,
     carrier_name,
-    mount,
+    described,
     one_line,
-    rotation_order,
 )
 from planner.output.export.ground import BORESIGHT_PAYLOAD, sights
 from planner.output.export.table_states import (
@@ -57,9 +54,7 @@ def write_netcdf(plan: FlightPlan, created_utc: datetime) -> bytes:
         file.createDimension("xyzw", 4)
         write_times(file, Instants(plan.table.epoch_utc, plan.table.t_s))
         for channel, value_by_row in plan.table.columns:
-            motion = "rate" if channel.of == "rate" else "angle"
-            meaning = f"{motion} of axis {one_line(channel.dof)}"
-            _write(file, _identifier(channel, plan), value_by_row, channel.unit, meaning)
+            _write(file, _identifier(channel, plan), value_by_row, channel.unit, _meaning(channel))
         _segments(file, plan)
         _attitude(file, plan, rows)
         _ground(file, rows)
@@ -70,7 +65,7 @@ def write_netcdf(plan: FlightPlan, created_utc: datetime) -> bytes:
 def write_global_attributes(file: netcdf_file, plan: FlightPlan, created_utc: datetime) -> None:
     """What the file is of, and its frames."""
     scenario = plan.scenario
-    spacecraft = carrier_name(scenario.orbit)
+    spacecraft, about = carrier_name(scenario.orbit), described(scenario)
     describe(
         file,
         Conventions="CF-1.12",
@@ -78,12 +73,12 @@ def write_global_attributes(file: netcdf_file, plan: FlightPlan, created_utc: da
         history=f"{utc_text(created_utc)} written by slewtrack",
         platform=one_line(scenario.platform.name),
         carrier=f"{spacecraft.name} ({spacecraft.designator})",
-        rotation_order=rotation_order(scenario.two_axis),
-        mount=mount(scenario.two_axis),
+        rotation_order=about.rotation_order,
+        mount=about.mount,
         time_scale=TIME_SCALE,
-        interpolation=INTERPOLATION,
+        interpolation=about.interpolation,
         frames="gcrf: geocentric, axes of the ICRF; body: of the carrier; "
-        f"{PAYLOAD_AXES}; {QUATERNION}",
+        f"{about.payload_axes}; {QUATERNION}",
     )
 
 
@@ -179,9 +174,17 @@ def axis_identifiers(names: tuple[str, ...]) -> tuple[str, ...]:
 
 def _identifier(channel: Channel, plan: FlightPlan) -> str:
     names = plan.table.dof_names
-    return axis_identifiers(names)[names.index(channel.dof)] + channel.name.removeprefix(
-        channel.dof
-    )
+    identifiers = axis_identifiers(names)
+    if identifiers == names:
+        return channel.name
+    return identifiers[names.index(channel.dof)] + channel.name.removeprefix(channel.dof)
+
+
+def _meaning(channel: Channel) -> str:
+    if channel.unit == "1":
+        return f"attitude, part {channel.dof} of the quaternion"
+    motion = "angle" if channel.of == "position" else channel.of
+    return f"{motion} of axis {one_line(channel.dof)}"
 
 
 def _write(

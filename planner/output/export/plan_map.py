@@ -1,4 +1,4 @@
-"""The map of a two-axis platform's plan."""
+"""The map of a plan."""
 
 import math
 from collections.abc import Iterator
@@ -43,7 +43,7 @@ def _features(plan: FlightPlan, rows: TableStates) -> Iterator[MapFeature]:
     boresight = sights(rows, BORESIGHT_PAYLOAD)
     for segment in plan.segments:
         yield from _boresight(rows, boresight, segment)
-    corners = sights(rows, frame_corner_rays(plan.scenario.two_axis))
+    corners = sights(rows, frame_corner_rays(plan.scenario.platform))
     for number, session in enumerate(plan.scenario.sessions):
         label = session_label(session, number)
         facts: Facts = {"session": number, "mode": session.target.mode}

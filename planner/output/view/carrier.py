@@ -6,6 +6,7 @@ from planner.base.arrays import Array
 from planner.output.view.columns import BodyTrack, BoresightTrace, CarrierTrack, FootprintTrace
 from planner.output.view.scene import Body, CarrierScene, PlanScene
 from planner.world.frames.geodesy import geodetic_from_itrf
+from planner.world.frames.local_orbital import q_lvlh_from_eci
 from planner.world.targets.earth_limb import limb_clearance_rad
 
 SUN_RADIUS_M = 695.7e6  # IAU 2015 resolution B3
@@ -31,11 +32,16 @@ def boresight_trace(scene: PlanScene) -> BoresightTrace:
     end_itrf_m, on_ground = scene.sights.end_itrf_m[:, 0], scene.sights.on_ground[:, 0]
     latitude_rad, longitude_rad, _ = geodetic_from_itrf(end_itrf_m)
     range_m = np.linalg.norm(end_itrf_m - scene.r_sat_itrf_m, axis=1)
+    states = scene.states
+    q_lvlh = q_lvlh_from_eci(states.r_sat_eci_m, states.v_sat_eci_m_s)
+    ahead, right, down = q_lvlh.apply(scene.boresight_eci).T
     return BoresightTrace(
         latitude_rad=np.where(on_ground, latitude_rad, np.nan),
         longitude_rad=np.where(on_ground, longitude_rad, np.nan),
         range_m=np.where(on_ground, range_m, np.nan),
         off_nadir_rad=scene.off_nadir_rad(scene.boresight_eci),
+        along_track_rad=np.arctan2(ahead, down),
+        across_track_rad=np.arcsin(np.clip(right, -1.0, 1.0)),
         sun_separation_rad=scene.separation_rad(scene.boresight_eci, "sun"),
         moon_separation_rad=scene.separation_rad(scene.boresight_eci, "moon"),
     )

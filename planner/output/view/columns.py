@@ -53,6 +53,10 @@ class BoresightTrace:
     longitude_rad: of that point; east positive.
     range_m: to that point.
     off_nadir_rad: of the boresight from the geocentric nadir.
+    along_track_rad: of the boresight ahead of the nadir, in the plane of the orbit. E.g.
+    `[12.1, 11.8]`.
+    across_track_rad: of the boresight from that plane, to the right of the flight. E.g.
+    `[-3.2, -3.1]`.
     sun_separation_rad: of the boresight from the Sun's centre.
     moon_separation_rad: of the boresight from the Moon's centre.
     """
@@ -61,6 +65,8 @@ class BoresightTrace:
     longitude_rad: Longitudes
     range_m: Lengths
     off_nadir_rad: HalfTurns
+    along_track_rad: Angles
+    across_track_rad: Angles
     sun_separation_rad: HalfTurns
     moon_separation_rad: HalfTurns
 
@@ -126,18 +132,18 @@ class SkyTrack:
 
 @answer
 class AxisMotion:
-    """The motion of one axis, with a number for each row.
+    """The motion of one axis, or of a body about one of its own, with a number for each row.
 
-    Acceleration and jerk are those of the cubic that is flown from the row to the table's next;
-    they jump from row to row.
+    Acceleration and jerk of an axis are those of the cubic that is flown from the row to the
+    table's next; they jump from row to row.  Jerk of a body is the mean up to the table's next row.
 
-    angle_rad: of the axis.
+    angle_rad: of the axis; null of a body, whose axes turn with it.
     rate_rad_s: of the axis.
     acceleration_rad_s2: of the axis.
     jerk_rad_s3: of the axis.
     """
 
-    angle_rad: Motions
+    angle_rad: Annotated[Array, Member("deg", decimals=9, gaps=True)]
     rate_rad_s: Motions
     acceleration_rad_s2: Motions
     jerk_rad_s3: Motions
@@ -271,18 +277,35 @@ class MaskTrace:
 
 
 @answer
-class AxisBounds:
-    """Limits of one axis.
+class ExclusionTrace:
+    """One of a body's `exclusions`, or its star trackers together.
 
-    angle_min_rad: its lower stop.
-    angle_max_rad: its upper stop.
+    name: of the exclusion; star_trackers of the trackers. E.g. `"radiator"`.
+    away_from: the body, edge or reflection that it avoids. E.g. `"the Sun"`.
+    imaging_only: true where it counts only while the camera images. E.g. `false`.
+    margin_rad: by how much it is kept; negative where it is not, 180 where there is nothing to keep
+    away from. E.g. `[14.2, 13.9]`.
+    """
+
+    name: str
+    away_from: str
+    imaging_only: bool
+    margin_rad: Angles
+
+
+@answer
+class AxisBounds:
+    """Limits of one axis, or of a body about one of its own, where magnitudes bound the whole.
+
+    angle_min_rad: its lower stop; null of a body.
+    angle_max_rad: its upper stop; null of a body.
     rate_max_rad_s: in either sense.
     acceleration_max_rad_s2: in either sense.
     jerk_max_rad_s3: in either sense.
     """
 
-    angle_min_rad: Angle
-    angle_max_rad: Angle
+    angle_min_rad: Angle | None
+    angle_max_rad: Angle | None
     rate_max_rad_s: AngleSize
     acceleration_max_rad_s2: AngleSize
     jerk_max_rad_s3: AngleSize
@@ -298,17 +321,18 @@ class PlanView:
     t_s: of each row, since the epoch.
     activity: activity of the platform from the row on.
     session: number of the session that belongs to, from 0; null on the way to the final state.
-    axes: motion of each axis, by its name.
+    axes: motion of each axis, by its name; of a body about its axes x, y and z.
     limits: limits of each axis, by its name.
     keyholes_rad: angles of the second axis at which the boresight lies in the plane of both: near
-    them the first must turn fast. E.g. `[-90.0, 90.0]`.
+    them the first must turn fast; none of a body. E.g. `[-90.0, 90.0]`.
     frame_rad: the camera's field of view along the frame's first side and its second. E.g.
     `[2.6, 1.7]`.
     targets: of each session.
     keep_out: of each cone of the request.
     masks: of each of the platform's.
+    exclusions: of each of a body's, then of its star trackers.
     sky: null where every target is on the Earth.
-    baseline: of each slew; empty where the plan is the baseline itself.
+    baseline: of each slew; empty where the plan is the baseline itself, or a body's.
     """
 
     plan: Internal[FlightPlan]
@@ -332,5 +356,6 @@ class PlanView:
     pointing: PointingTrace
     keep_out: tuple[ConeTrace, ...]
     masks: tuple[MaskTrace, ...]
+    exclusions: tuple[ExclusionTrace, ...]
     sky: SkyTrack | None
     baseline: tuple[BaselineSlew, ...]

@@ -18,6 +18,8 @@ OUTLINE_POINTS = 37  # every 10 deg around, the first again at the end
 
 def cone_traces(scene: PlanScene) -> Iterator[ConeTrace]:
     """Of each cone of the scenario."""
+    if not scene.plan.scenario.slew.keep_out:  # of axes alone
+        return
     count = len(scene.rows.instants)
     outlined = np.unique(np.linspace(0, count - 1, min(count, OUTLINES_MAX)).round().astype(int))
     boresight = boresight_platform(

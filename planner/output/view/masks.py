@@ -16,9 +16,9 @@ _STEP_RAD = math.radians(2.0)  # a great circle bends on the axes
 
 def mask_traces(plan: FlightPlan, row: Indices) -> Iterator[MaskTrace]:
     """Of each mask, at these rows of the table."""
-    platform = plan.scenario.two_axis
-    if not platform.masks:
+    if not plan.scenario.platform.masks:  # of axes alone
         return
+    platform = plan.scenario.two_axis
     boresight = boresight_platform(platform, plan.table.position[row])
     for number, mask in enumerate(platform.masks):
         outline_platform = _outline_platform(mask)

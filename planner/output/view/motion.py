@@ -6,23 +6,25 @@ import numpy as np
 
 from planner.base.arrays import Array, Indices
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
-from planner.base.interpolation import cubic_coefficients
 from planner.motion.baseline import paper_profiles
 from planner.motion.slew import AxisState
+from planner.output.export.table_motion import accelerations_rad_s2
 from planner.output.view.columns import AxisMotion, BaselineSlew
 from planner.world.frames.time_scales import elapsed_s
 from planner.world.plan import FlightPlan
 
 
 def motion_at_rows(table: CommandTable, row: Indices) -> dict[str, AxisMotion]:
-    """By axis, at rows by their numbers, (n,); at the last of the cubic that ends there."""
-    h = COMMAND_STEP_S
+    """By axis, at rows by their numbers, (n,); at the last of the cell that ends there."""
     cell = np.minimum(row, len(table.t_s) - 2)
-    angle, rate = table.position, table.rate_rad_s
-    *_, c2, c3 = cubic_coefficients(h, angle[cell], angle[cell + 1], rate[cell], rate[cell + 1])
-    acceleration, jerk = 2.0 * c2 / h**2, 6.0 * c3 / h**3
-    acceleration = acceleration + (row > cell)[:, None] * h * jerk
-    return _by_axis(table.dof_names, angle[row], rate[row], acceleration, jerk)
+    begin, end = np.moveaxis(accelerations_rad_s2(table, cell), 1, 0)
+    rate = table.rate_rad_s[row]
+    angle = np.full_like(rate, np.nan)
+    if table.acceleration_rad_s2 is None:
+        angle = table.position[row]
+    acceleration = np.where((row > cell)[:, None], end, begin)
+    jerk = (end - begin) / COMMAND_STEP_S
+    return _by_axis(table.dof_names, angle, rate, acceleration, jerk)
 
 
 def _by_axis(axis_names: tuple[str, ...], *motion: Array) -> dict[str, AxisMotion]:
@@ -40,10 +42,10 @@ def _by_axis(axis_names: tuple[str, ...], *motion: Array) -> dict[str, AxisMotio
 
 
 def baseline_slews(plan: FlightPlan, every: int) -> Iterator[BaselineSlew]:
-    """Of each slew, at every so many rows and its end; none of a plan that is the spline itself."""
-    if not plan.scenario.slew.keeps_limits:
-        return
+    """Of each slew, at every so many rows and its end; none of a spline's plan, nor of a body's."""
     table = plan.table
+    if not plan.scenario.slew.keeps_limits or table.acceleration_rad_s2 is not None:
+        return
     for segment in plan.segments:
         if segment.kind != "slew":
             continue

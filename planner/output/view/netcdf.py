@@ -71,6 +71,7 @@ def write_view_netcdf(view: PlanView, created_utc: datetime) -> bytes:
             "cone": len(view.keep_out),
             "mask": len(view.masks),
             "mask_point": sum(len(mask.outline_platform) for mask in view.masks),
+            "exclusion": len(view.exclusions),
             "component": 3,
             "outline_time": len(view.keep_out[0].outline_t_s) if view.keep_out else 0,
             "way": 2,
@@ -92,6 +93,7 @@ def write_view_netcdf(view: PlanView, created_utc: datetime) -> bytes:
         _targets(file, view)
         _cones(file, view)
         _masks(file, view)
+        _exclusions(file, view)
         _sky(file, view)
         _baseline(file, view, names)
         _windows(file, view)
@@ -174,6 +176,15 @@ def _masks(file: netcdf_file, view: PlanView) -> None:
     describe(corners, units="1", long_name="mask outline, unit vectors in the platform frame")
     outline_rad = np.concatenate([_last_axis(mask.outline_rad) for mask in masks], axis=1)
     _write(file, "mask_outline_rad", outline_rad, ("way", "mask_point", "axis"))
+
+
+def _exclusions(file: netcdf_file, view: PlanView) -> None:
+    if not view.exclusions:
+        return
+    names = ", ".join(one_line(one.name) for one in view.exclusions)
+    describe(file, exclusion_names=names)
+    margins = np.stack([one.margin_rad for one in view.exclusions])
+    _write(file, "exclusion_margin_rad", margins, ("exclusion", "time"))
 
 
 def _sky(file: netcdf_file, view: PlanView) -> None:

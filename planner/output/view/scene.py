@@ -88,7 +88,7 @@ class PlanScene(CarrierScene):
     @cached_property
     def sights(self) -> Sights:
         """Of the boresight, then of the frame's four corners."""
-        corners = frame_corner_rays(self.plan.scenario.two_axis)
+        corners = frame_corner_rays(self.plan.scenario.platform)
         return sights(self.rows, np.concatenate([BORESIGHT_PAYLOAD, corners]))
 
     @cached_property

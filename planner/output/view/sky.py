@@ -41,6 +41,8 @@ def _toward_eci(scene: PlanScene, target: SessionTarget) -> Array:
 
 def _cone_axes_eci(scene: PlanScene) -> list[Array]:
     rows = scene.rows
+    if not scene.plan.scenario.slew.keep_out:  # of axes alone
+        return []
     q_platform_from_eci = scene.plan.scenario.two_axis.q_platform_from_body * Rotation.from_quat(
         rows.q_body_from_eci_xyzw
     )

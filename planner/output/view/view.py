@@ -14,9 +14,11 @@ from planner.base.arrays import Array, Indices
 from planner.base.commands import ROWS_PER_S
 from planner.base.errors import OutsideCoverage
 from planner.motion.pointing.angles import keyholes_rad
+from planner.output.export.table_motion import Bounds, bounds_rad
 from planner.output.view.carrier import body_track, boresight_trace, carrier_track, footprint_trace
 from planner.output.view.columns import AxisBounds, PlanView, PointingTrace, TargetTrack
 from planner.output.view.cones import cone_traces
+from planner.output.view.exclusions import exclusion_traces
 from planner.output.view.masks import mask_traces
 from planner.output.view.motion import baseline_slews, motion_at_rows
 from planner.output.view.rows import view_rows
@@ -33,7 +35,7 @@ from planner.planning.sessions.error_ellipse import error_covariance_rad2
 from planner.planning.sessions.track_branches import los_on_rows, session_rows
 from planner.world.frames.time_scales import elapsed_s, shifted_utc
 from planner.world.plan import FlightPlan
-from planner.world.platforms import AxisLimits
+from planner.world.platforms import BodyPlatform
 from planner.world.scenario import Scenario, Session
 from planner.world.targets import VisibleTarget
 
@@ -71,10 +73,16 @@ def _windows(
     span: tuple[datetime, datetime],
     pixel_arcsec: float,
 ) -> Opportunities | None:
-    """None where orbit or attitude aren't known over the span, or it is too short to be asked."""
+    """None where orbit or attitude aren't known over the span, or it is too short to be asked.
+
+    None of a body, too, for which there is no search of windows.
+    """
+    platform = scenario.platform
+    if isinstance(platform, BodyPlatform):
+        return None
     try:
         request = OpportunityRequest(
-            platform=scenario.two_axis,
+            platform=platform,
             orbit=scenario.orbit,
             attitude=scenario.law,
             targets=(OpportunityTarget(id=name, target=session.target),),
@@ -101,14 +109,16 @@ _COLUMNS = ("error_rad", *_ELLIPSE)
 
 
 def pointing_trace(scene: PlanScene, targets: Sequence[TargetTrack]) -> PointingTrace:
-    """Of each session's own target."""
+    """Of each session's own target; no ellipse of a body, which has no such budget."""
     columns = {name: np.full(len(scene.rows.instants), np.nan) for name in _COLUMNS}
     for track in targets:
-        session = scene.plan.scenario.sessions[track.session]
+        scenario = scene.plan.scenario
+        session = scenario.sessions[track.session]
+        target = session.target
         inside = np.flatnonzero(track.in_session)
         columns["error_rad"][inside] = track.error_rad[inside]
-        if len(inside) and isinstance(session.target, VisibleTarget):
-            covariance_rad2 = _covariance_rad2(scene, session, session.target, inside)
+        if scenario.attitude is not None and len(inside) and isinstance(target, VisibleTarget):
+            covariance_rad2 = _covariance_rad2(scene, session, target, inside)
             for name, values in zip(_ELLIPSE, _ellipse(covariance_rad2), strict=True):
                 columns[name][inside] = values
     return PointingTrace(**columns)
@@ -159,7 +169,7 @@ def view_plan(plan: FlightPlan, step_s: float | None, pixel_arcsec: float) -> Pl
     # Before them orbit and attitude aren't known, and columns of carrier, Sun and targets are NaN.
     unknown = len(row) - len(scene.rows.row)
     segments = [plan.segments[number] for number in _segment(plan, row).tolist()]
-    platform = plan.scenario.two_axis
+    platform = plan.scenario.platform
     return PlanView(
         plan=plan,
         epoch_utc=plan.table.epoch_utc,
@@ -170,10 +180,10 @@ def view_plan(plan: FlightPlan, step_s: float | None, pixel_arcsec: float) -> Pl
         session=tuple(segment.session for segment in segments),
         axes=motion_at_rows(plan.table, row),
         limits={
-            name: _bounds(limits)
-            for name, limits in zip(plan.table.dof_names, plan.scenario.axis_limits, strict=True)
+            name: _bounds(*bounds)
+            for name, bounds in zip(plan.table.dof_names, bounds_rad(plan.scenario), strict=True)
         },
-        keyholes_rad=keyholes_rad(platform),
+        keyholes_rad=() if isinstance(platform, BodyPlatform) else keyholes_rad(platform),
         frame_rad=tuple(2.0 * half_rad for half_rad in platform.frame_half_rad),
         baseline=tuple(baseline_slews(plan, round(step_s * ROWS_PER_S))),
         carrier=_from_first(carrier_track(scene), unknown),
@@ -193,17 +203,19 @@ def view_plan(plan: FlightPlan, step_s: float | None, pixel_arcsec: float) -> Pl
             for cone in cone_traces(scene)
         ),
         masks=tuple(mask_traces(plan, row)),
+        exclusions=tuple(_from_first(one, unknown) for one in exclusion_traces(scene)),
         sky=sky_track(scene, unknown),
     )
 
 
-def _bounds(limits: AxisLimits) -> AxisBounds:
+def _bounds(angle: Bounds | None, rate: Bounds, acceleration: Bounds, jerk: Bounds) -> AxisBounds:
+    least, most = angle or (None, None)
     return AxisBounds(
-        angle_min_rad=limits.angle_min_rad,
-        angle_max_rad=limits.angle_max_rad,
-        rate_max_rad_s=limits.rate_max_rad_s,
-        acceleration_max_rad_s2=limits.acceleration_max_rad_s2,
-        jerk_max_rad_s3=limits.jerk_max_rad_s3,
+        angle_min_rad=least,
+        angle_max_rad=most,
+        rate_max_rad_s=rate[1],
+        acceleration_max_rad_s2=acceleration[1],
+        jerk_max_rad_s3=jerk[1],
     )
 
 
