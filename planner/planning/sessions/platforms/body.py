@@ -10,7 +10,7 @@ import numpy as np
 
 from planner.base.arrays import Array, Mask
 from planner.base.commands import ROWS_PER_S, CommandTable, Motion
-from planner.base.errors import InfeasibleSlew
+from planner.base.errors import InfeasibleSlew, Refusal
 from planner.base.rotation import Rotation, of_like_sign
 from planner.base.solvers import merged
 from planner.motion.attitude.bounds import least_s, may
@@ -102,14 +102,19 @@ class BodyMover:
         sight = TargetSight(
             target=target, instants=los.instants, states=los.states, los_eci=los.los_platform
         )
-        tracks = attitude_tracks(
-            self.platform,
-            roll_rule(self.platform, target, None),
-            sight,
-            (rows.start - settled) / ROWS_PER_S,
-            rows.stop / ROWS_PER_S,
-            Rotation.from_quat(state.position[0]),
-        )
+        try:
+            tracks = attitude_tracks(
+                self.platform,
+                roll_rule(self.platform, target, session.roll),
+                sight,
+                (rows.start - settled) / ROWS_PER_S,
+                rows.stop / ROWS_PER_S,
+                Rotation.from_quat(state.position[0]),
+            )
+        except Refusal as refusal:
+            if refusal.field == "roll":
+                refusal.field = f"sessions.{number}.roll"
+            raise
         seen_s = seen_from_s(los, rows.start / ROWS_PER_S)
         return tuple(
             TrackBranch(
