@@ -1,6 +1,7 @@
 """Plans of spacecraft that turn as a whole: the request of two axes, with another platform."""
 
 import json
+import math
 from datetime import timedelta
 from importlib.resources import files
 from pathlib import Path
@@ -252,3 +253,23 @@ def test_two_axes_have_no_roll():
     request["sessions"][1]["roll"] = {"rule": "nearest"}
     with pytest.raises(InvalidRequest, match=r"sessions\.1\.roll: must be left out for iss-hrc"):
         read_plan_request(json.dumps(request).encode())
+
+
+def test_the_budget_is_of_orbit_and_what_the_body_knows_and_controls(plan):
+    [first, *_] = plan.budgets
+    told = {part.cause: part.sigma_arcsec for part in first.contributions}
+    assert told["attitude knowledge"] == told["attitude control"] == pytest.approx(10.0)
+    assert "attitude" not in told  # of a carrier
+    squares = sum(sigma**2 for sigma in told.values())
+    assert first.sigma_arcsec == pytest.approx(math.sqrt(squares))
+    # the elements are a day old and err by kilometres: degrees from 400 km, in a frame of 2 by 1.5
+    assert 0.5 < first.probability_in_frame < 1.0
+
+
+def test_a_body_that_hardly_knows_its_attitude_hardly_keeps_the_target_in_the_frame():
+    lost = SMALLSAT | {"knowledge": {"sigma_arcsec": 7200.0, "correlation_s": 5.0}}
+    plan = planned(one_session(PATH, roll={"rule": "nearest"}) | {"platform": lost})
+    [budget] = plan.budgets
+    assert budget.probability_in_frame < 0.05
+    assert budget.helps_most == "attitude knowledge"
+    assert any("better star trackers would help most" in one for one in plan.warnings)
