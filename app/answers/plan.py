@@ -7,11 +7,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict
 
 from app.answers.horizon_view import HorizonCheckOut
-from app.answers.members import (
-    PlanHead,
-    ProvenanceOut,
-    to_json,
-)
+from app.answers.members import PlanHead, ProvenanceOut, to_json
 from app.answers.ranges import Count, NotNegative
 from planner.base.assumed import Assumed
 from planner.base.commands import COMMAND_STEP_S, CommandTable
@@ -21,7 +17,7 @@ from planner.planning.sessions.budget import PointingBudget
 from planner.planning.sessions.plan import Plan, SlewRun
 from planner.planning.sessions.summary import PlanSummary, summarise
 from planner.verification import Finding, LimitMargin, SessionReport, VerificationReport
-from planner.verification.report import KeepOutMargin, MaskMargin, SlowStretch
+from planner.verification.report import ExclusionMargin, KeepOutMargin, MaskMargin, SlowStretch
 from planner.world.frames.time_scales import utc_text
 from planner.world.plan import Segment
 
@@ -94,6 +90,7 @@ class PlanDocument:
     margins: the least distance of each axis from its limits: by axis, then by limit.
     keep_out: the least angle between the boresight and each cone of the request.
     masks: the least angle between the boresight and each mask of the platform.
+    exclusions: the least that a body keeps of each of its exclusions, and its star trackers.
     pointing: pointing errors of each session.
     slow_stretches: outside of the sessions, so on slews; those of a session are in `pointing`.
     uncertainty: of every session that looks at a target.
@@ -113,6 +110,7 @@ class PlanDocument:
     margins: dict[str, dict[str, LimitMargin]]
     keep_out: tuple[KeepOutMargin, ...]
     masks: tuple[MaskMargin, ...]
+    exclusions: tuple[ExclusionMargin, ...]
     pointing: tuple[SessionReport, ...]
     slow_stretches: tuple[SlowStretch, ...]
     uncertainty: list[PointingBudget]
@@ -220,6 +218,7 @@ def plan_document(
             margins=margins,
             keep_out=report.keep_out,
             masks=report.masks,
+            exclusions=report.exclusions,
             pointing=report.sessions,
             slow_stretches=report.slow_stretches,
             uncertainty=[budget for budget in plan.budgets if budget is not None],

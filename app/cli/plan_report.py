@@ -60,6 +60,10 @@ def print_plan(console: Console, plan: Members, request: bytes | Members) -> Non
         _AT, red=_is_entered,
     )  # fmt: skip
     print_rows(
+        console, "exclusions of the body", plan["exclusions"],
+        ("<name", "name"), ("margin deg", "margin_deg", ".3f"), _AT, red=_is_entered,
+    )  # fmt: skip
+    print_rows(
         console, "optimal slew against the spline", _methods(plan),
         ("<slew", "session", session_number), ("<axis", "axis"), ("<by", "by"),
         ("deg/s", "peak_rate_deg_s", ".4f"), ("deg/s2", "peak_acceleration_deg_s2", ".4f"),
@@ -141,8 +145,7 @@ def _seconds(segment: Members) -> float:
 
 
 def _largest_cause(budget: Members) -> str:
-    worst = max(budget["contributions"], key=lambda part: part["sigma_arcsec"])
-    return str(worst["cause"])
+    return str(max(budget["contributions"], key=lambda part: part["sigma_arcsec"])["cause"])
 
 
 def _is_entered(keep_out: Members) -> bool:

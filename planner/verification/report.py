@@ -34,6 +34,7 @@ Limit = Literal[
     "keep_out",
     "exclusion",
     "off_nadir",
+    "roll",
     "coverage",
 ]
 Given = Literal["orbit", "attitude", "target", "motion"]

@@ -25,8 +25,14 @@ from planner.world.platforms import (
     StructuralMode,
     TwoAxisPlatform,
 )
-from planner.world.platforms.body import BodyPlatform
-from planner.world.targets import BenchMotionTarget, KeepOut, Target
+from planner.world.platforms.body import AzimuthRoll, BodyPlatform, LinesAcrossMotion, RollRule
+from planner.world.targets import (
+    BenchMotionTarget,
+    EarthFixedTarget,
+    KeepOut,
+    Target,
+    VisibleTarget,
+)
 
 KEEP_OUT_MAX = 8  # each makes the detour's problem larger
 AVOID_MODES_MAX = 16
@@ -64,6 +70,15 @@ class InitialState:
             )
 
 
+def says_roll(rule: RollRule, target: Target | VisibleTarget) -> bool:
+    """Whether a rule says how the camera lies on a target: no lines across a motion that it doesn't
+    have, no azimuth in the sky."""
+    is_on_earth = isinstance(target, EarthFixedTarget)
+    if isinstance(rule, LinesAcrossMotion):
+        return is_on_earth and not target.rests_on_earth
+    return is_on_earth or not isinstance(rule, AzimuthRoll)
+
+
 @spec
 class Session:
     """One target held from `start` to `stop`.
@@ -75,6 +90,8 @@ class Session:
     stop: until when it is held; UTC.
     keyhole: treatment of spans where following the target exactly would break a limit, as it does
     near the outer axis: refuse, or follow as near as the limits allow, in the frame.
+    roll: of a body, the rule by which its camera lies about the line of sight; the platform's
+    unless given.
     """
 
     id: str | None = None
@@ -83,6 +100,7 @@ class Session:
     start: datetime
     stop: datetime
     keyhole: Keyhole = "refuse"
+    roll: RollRule | None = None
 
     def __post_init__(self) -> None:
         for text in ("id", "name"):
@@ -239,8 +257,14 @@ class Scenario:
             earliest_utc, what = session.stop, f"sessions.{number}.stop"
         self._check_ids()
         if isinstance(self.platform, BodyPlatform):
-            self._check_body()
+            self._check_body(self.platform)
             return
+        for number, session in enumerate(self.sessions):
+            if session.roll is not None:
+                raise ValueError(
+                    f"sessions.{number}.roll must be left out for {self.platform.name}: only a "
+                    "body can lie any way about the line of sight"
+                )
         if self.attitude is None:
             raise ValueError(f"attitude is required: {self.platform.name} stands on a carrier")
         self._check_initial_state()
@@ -249,7 +273,7 @@ class Scenario:
         if isinstance(self.final_state, FinalAngles):
             self._check_final_state(self.final_state)
 
-    def _check_body(self) -> None:
+    def _check_body(self, platform: BodyPlatform) -> None:
         """What only two axes on a carrier have is refused."""
         state, slew = self.initial_state, self.slew
         given = {
@@ -267,6 +291,14 @@ class Scenario:
             given[f"sessions.{number}.keyhole"] = session.keyhole != "refuse"
             mode = session.target.mode
             given[f"sessions.{number}.target.mode"] = mode == BenchMotionTarget.mode
+            if session.roll is not None:
+                platform.require_roll(f"sessions.{number}.roll", session.roll)
+                if not says_roll(session.roll, session.target):
+                    raise ValueError(
+                        f"sessions.{number}.roll must not be {session.roll.rule}, which says "
+                        f"nothing of {session.target.label}: give another rule, such as nearest, "
+                        "or leave it out"
+                    )
         for name, is_given in given.items():
             if is_given:
                 raise ValueError(

@@ -2,6 +2,7 @@
 
 import io
 import json
+import math
 from datetime import timedelta
 from importlib.resources import files
 from pathlib import Path
@@ -227,3 +228,96 @@ def test_an_idle_attitude_inside_an_exclusion_is_refused_by_name(plan):
     with pytest.raises(InfeasibleSlew, match=r"radiator: at 2015-05-10T.* nearer to the Sun") as no:
         planned(body_request(platform=SMALLSAT | {"exclusions": [exclusion]}))
     assert (no.value.field, no.value.limit) == ("platform.exclusions", "exclusion")
+
+
+PATH = {
+    "mode": "ground_path",
+    "points": [
+        {"latitude_deg": 37.9, "longitude_deg": 23.6},
+        {"latitude_deg": 38.1, "longitude_deg": 23.9},
+    ],
+    "speed_m_s": 1000.0,
+}
+BELOW = {
+    "ground_path": PATH,
+    "ground_moving": {
+        "mode": "ground_moving",
+        "epoch": "2015-05-10T10:41:00Z",
+        "latitude_deg": 37.9,
+        "longitude_deg": 23.6,
+        "height_m": 0.0,
+        "speed_m_s": 10.0,
+        "course_deg": 45.0,
+    },
+    "body": {"mode": "body", "name": "sun"},
+}
+
+
+def one_session(target, **members):
+    times = {"start": "2015-05-10T10:41:08Z", "stop": "2015-05-10T10:41:38Z"}
+    return body_request(sessions=[{"target": target, **times, **members}])
+
+
+@pytest.mark.parametrize("target", BELOW.values(), ids=BELOW.keys())
+def test_what_moves_is_a_target_too(target):
+    plan = planned(one_session(target))
+    assert plan.verification.passed
+    assert plan.verification.findings == ()
+
+
+@pytest.mark.parametrize(
+    "roll",
+    [
+        {"rule": "lines_across_motion"},
+        {"rule": "lines_across_track"},
+        {"rule": "sun_side", "direction_body": [-1.0, 0.0, 0.3]},
+        {"rule": "azimuth", "azimuth_deg": 15.0},
+        {"rule": "nearest"},
+    ],
+    ids=lambda roll: roll["rule"],
+)
+def test_a_session_has_a_roll_of_its_own(roll):
+    plan = planned(one_session(PATH, roll=roll))
+    assert plan.verification.passed
+    assert plan.scenario.sessions[0].roll.rule == roll["rule"]
+
+
+@pytest.mark.parametrize(
+    ("target", "roll", "field"),
+    [
+        ({"mode": "star", "name": "Vega"}, {"rule": "azimuth", "azimuth_deg": 1.0}, "roll"),
+        (BELOW["body"], {"rule": "lines_across_motion"}, "roll"),
+        (PATH, {"rule": "sun_side", "direction_body": [0, 0, 1]}, "roll.direction_body"),
+    ],
+)
+def test_a_roll_that_says_nothing_of_its_target_is_refused(target, roll, field):
+    with pytest.raises(InvalidRequest, match=rf"sessions\.0\.{field}: must ") as refused:
+        read_plan_request(json.dumps(one_session(target, roll=roll)).encode())
+    assert refused.value.field.startswith("sessions.0.roll")
+
+
+def test_two_axes_have_no_roll():
+    request = json.loads(THREE_CITIES.read_text())
+    request["sessions"][1]["roll"] = {"rule": "nearest"}
+    with pytest.raises(InvalidRequest, match=r"sessions\.1\.roll: must be left out for iss-hrc"):
+        read_plan_request(json.dumps(request).encode())
+
+
+def test_the_budget_is_of_orbit_and_what_the_body_knows_and_controls(plan):
+    [first, *_] = plan.budgets
+    told = {part.cause: part.sigma_arcsec for part in first.contributions}
+    assert told["attitude knowledge"] == told["attitude control"] == pytest.approx(10.0)
+    assert "attitude" not in told  # of a carrier
+    squares = sum(sigma**2 for sigma in told.values())
+    assert first.sigma_arcsec == pytest.approx(math.sqrt(squares))
+    # the elements are a day old and err by kilometres: degrees from 400 km, in a frame of 2 by 1.5
+    assert 0.5 < first.probability_in_frame < 1.0
+
+
+def test_a_body_that_hardly_knows_its_attitude_hardly_keeps_the_target_in_the_frame():
+    lost = SMALLSAT | {"knowledge": {"sigma_arcsec": 7200.0, "correlation_s": 5.0}}
+    plan = planned(one_session(PATH, roll={"rule": "nearest"}) | {"platform": lost})
+    [budget] = plan.budgets
+    assert budget.probability_in_frame < 0.05
+    assert budget.helps_most == "attitude knowledge"
+    assert any("better star trackers would help most" in one for one in plan.warnings)

@@ -6,6 +6,7 @@ smooth share of the angle, and tracks it; rates are those of splines of the atti
 
 import dataclasses
 
+import erfa
 import numpy as np
 from judged_tables import EPOCH_UTC, LAS_VEGAS, START_S, STOP_S, CircularOrbit, apparent_eci
 from scipy.interpolate import BPoly, make_interp_spline
@@ -64,23 +65,30 @@ def share_rad(t_s):
     return np.where(t_s < LEAVES_S, 0.0, np.where(t_s > ARRIVES_S, 1.0, curve(t_s)[:, 0]))
 
 
-def attitude_matrices(t_s, off_rad=0.0):
-    """Columns: body axes in ECI.  off_rad: of the target's direction, about the flight's."""
+def attitude_matrices(t_s, off_rad=0.0, roll_rad=0.0):
+    """Columns: body axes in ECI, x along the flight, on the target along that over the ground.
+
+    off_rad: of the target's direction, about the flight's.  roll_rad: about the boresight.
+    """
     states = ORBIT.states(Instants(EPOCH_UTC, t_s))
     down, target = unit(-states.r_sat_eci_m), apparent_eci(ORBIT, LAS_VEGAS, t_s)
-    flight = unit(states.v_sat_eci_m_s)
+    # The pole of 27 February 2015, which moves 0.05 arcsec a day: 3e-3 in this direction.
+    earth_rad_s = 7.2921150e-5 * erfa.c2i06a(2457080.5, 0.7)[2]
+    over_ground = np.cross(earth_rad_s, states.r_sat_eci_m) * share_rad(t_s)[:, None]
+    flight = unit(states.v_sat_eci_m_s - over_ground)
     target = target + off_rad * np.cross(flight, target)
     axis = np.cross(down, target)
     angle = np.arctan2(np.linalg.norm(axis, axis=1), np.sum(down * target, axis=1))
     z = Rotation.from_rotvec(unit(axis) * (share_rad(t_s) * angle)[:, None]).apply(down)
     y = unit(np.cross(z, flight))
+    y = Rotation.from_rotvec(z * (roll_rad * share_rad(t_s))[:, None]).apply(y)
     return np.stack([np.cross(y, z), y, z], axis=2)
 
 
-def body_table(off_rad=0.0, last_s=LAST_S):
+def body_table(off_rad=0.0, last_s=LAST_S, roll_rad=0.0):
     """Rows from 0 to last_s, of attitudes every 0.1 s from before to after."""
     t_s = np.arange(-20, round(last_s * 10.0) + 21) / 10.0
-    q_xyzw = Rotation.from_matrix(attitude_matrices(t_s, off_rad)).as_quat()
+    q_xyzw = Rotation.from_matrix(attitude_matrices(t_s, off_rad, roll_rad)).as_quat()
     signs = np.sign(np.sum(q_xyzw[1:] * q_xyzw[:-1], axis=1))
     q_xyzw[1:] *= np.cumprod(signs)[:, None]
     curve = make_interp_spline(t_s, q_xyzw, k=7)

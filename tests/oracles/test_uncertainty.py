@@ -7,12 +7,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 from scipy.spatial.transform import Rotation, Slerp
 from scipy.stats import multivariate_normal, norm
 
 from planner.motion.pointing.angles import axis_angles
 from planner.motion.pointing.line_of_sight import line_of_sight
-from planner.planning.sessions.probability import lattice_points, probability_inside
+from planner.planning.sessions.probability import (
+    lattice_points,
+    probability_inside,
+    probability_wandering,
+)
 from planner.planning.sessions.uncertainty import OPTIONS as BUDGET_OPTIONS
 from planner.planning.sessions.uncertainty import pointing_budget
 from planner.world.attitude import AttitudeUncertainty, InertialAttitude, LvlhAttitude
@@ -406,3 +411,54 @@ def test_what_is_said_to_help_most_does(sigma_deg, swing_deg, clock_s, older):
         assert found.helps_most is None
     else:
         assert kept[found.helps_most] >= max(kept.values()) - 0.01 - 2.0 * QUASI_RANDOM
+
+
+def kept_inside(half_sigmas, half_lives, off_sigmas=0.0, cells=400):
+    """That a Gauss-Markov process stays between walls: its Fokker-Planck equation by finite volumes
+    (Scharfetter-Gummel, whose still state is Gauss's), which the walls swallow."""
+    walls = np.linspace(-half_sigmas - off_sigmas, half_sigmas - off_sigmas, cells + 1)
+    width = walls[1] - walls[0]
+    pull = walls[1:-1] * width + 1e-9  # the drift of a width, in units of the diffusion; never 0
+    up, down = pull / np.expm1(pull), -pull / np.expm1(-pull)
+    flow = np.zeros((cells, cells))
+    for k in range(cells - 1):
+        flow[k, k] -= up[k]
+        flow[k + 1, k] += up[k]
+        flow[k, k + 1] += down[k]
+        flow[k + 1, k + 1] -= down[k]
+    flow[0, 0] -= 2.0
+    flow[-1, -1] -= 2.0
+    start = np.diff(norm.cdf(walls))
+    return float((expm(flow / width**2 * math.log(2.0) * half_lives) @ start).sum())
+
+
+@pytest.mark.parametrize(
+    ("half_sigmas", "half_lives"), [(2.0, 1.0), (2.5, 10.0), (1.5, 3.0), (3.5, 40.0), (3.0, 1e-4)]
+)
+def test_what_wanders_leaves_as_its_fokker_planck_equation_says(half_sigmas, half_lives):
+    """In one axis; across the frame's other side nothing is lost."""
+    t_s = np.linspace(0.0, half_lives, 11)
+    found = probability_wandering(
+        np.zeros((1, 11, 2)), np.array([half_sigmas, np.inf]), np.zeros((11, 2)), t_s, 1.0, 1.0
+    )
+    # 4096 paths: 2.5 sigma of their share
+    assert found == pytest.approx(kept_inside(half_sigmas, half_lives), abs=0.02)
+
+
+def test_beside_what_wanders_a_constant_error_counts_as_itself():
+    """Sigma 1 of each, forgotten never: their sum's variances add up, in both axes."""
+    offsets = np.broadcast_to(np.array([[[1.0, 0.0]], [[0.0, 1.0]]]), (2, 11, 2))
+    found = probability_wandering(
+        offsets, np.array([2.0, 3.0]), np.zeros((11, 2)), np.linspace(0.0, 60.0, 11), 1.0, 1e9
+    )
+    both = [1.0 - 2.0 * norm.sf(half / math.sqrt(2.0)) for half in (2.0, 3.0)]
+    assert found == pytest.approx(both[0] * both[1], abs=0.02)
+
+
+def test_one_place_alone_is_the_frame_of_a_process_that_starts_off():
+    """Known to be off by a sigma: the walls are as far apart as they are."""
+    known = np.tile([1.0, 0.0], (11, 1))
+    found = probability_wandering(
+        np.zeros((1, 11, 2)), np.array([2.5, np.inf]), known, np.linspace(0.0, 5.0, 11), 1.0, 1.0
+    )
+    assert found == pytest.approx(kept_inside(2.5, 5.0, off_sigmas=1.0), abs=0.02)

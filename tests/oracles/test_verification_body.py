@@ -19,7 +19,16 @@ from planner.verification.platforms.body.judge import BodyJudge
 from planner.verification.platforms.body.quintic import motion_between
 from planner.verification.platforms.body.surroundings import Surroundings, mirror_direction
 from planner.world.frames.time_scales import Instants
-from planner.world.platforms.body import AxisAgility, Exclusion, StarTracker, StarTrackers
+from planner.world.platforms.body import (
+    AxisAgility,
+    AzimuthRoll,
+    Exclusion,
+    NearestRoll,
+    PushbroomCamera,
+    StarTracker,
+    StarTrackers,
+    SunSide,
+)
 
 
 @pytest.fixture(scope="module")
@@ -185,6 +194,37 @@ def test_off_nadir_is_counted_at_the_target(table):
     assert verify(table, with_body(off_nadir_max_deg=most_deg + 1e-3)).passed
     (finding,) = verify(table, with_body(off_nadir_max_deg=most_deg - 1e-3)).findings
     assert finding.limit == "off_nadir"
+
+
+@pytest.mark.parametrize(("off_arcsec", "passes"), [(7.0, True), (-15.0, False), (30.0, False)])
+def test_a_camera_off_its_roll_rule_is_found(off_arcsec, passes):
+    """The pointing is as it was: the turn is about the boresight."""
+    report = verify(body_table(roll_rad=off_arcsec * ARCSEC_RAD), body_scenario())
+    assert report.passed is passes
+    assert limits_of(report) == (set() if passes else {"roll"})
+
+
+@pytest.mark.parametrize(
+    "rule",
+    [
+        NearestRoll(),
+        AzimuthRoll(azimuth_deg=90.0),
+        SunSide(direction_body=(1.0, 0.0, 0.0)),
+    ],
+    ids=lambda rule: rule.rule,
+)
+def test_another_rule_than_the_one_flown_is_broken(table, rule):
+    assert limits_of(verify(table, with_body(roll=rule))) == {"roll"}
+
+
+def test_a_line_lies_square_to_the_motion_and_not_against_it(table):
+    """A frame may be flown against it, and a line that sums up both ways; another may not."""
+    lines = PushbroomCamera(pixel_arcsec=0.275, pixels=8192, line_body=(0.0, -1.0, 0.0))
+    assert limits_of(verify(table, with_body(camera=lines))) == {"roll"}
+    both = dataclasses.replace(lines, both_ways=True)
+    assert verify(table, with_body(camera=both)).passed
+    aside = dataclasses.replace(both, line_body=(1.0, 0.0, 0.0))
+    assert limits_of(verify(table, with_body(camera=aside))) == {"roll"}
 
 
 def test_the_end_is_the_idle_attitude_where_asked(table):

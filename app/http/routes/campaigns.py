@@ -8,11 +8,7 @@ from fastapi import APIRouter, Depends, Query, Request, Response
 from pydantic import Field
 from sqlalchemy import Connection
 
-from app.answers.campaign import (
-    CampaignDryRun,
-    CampaignResponse,
-    campaign_json,
-)
+from app.answers.campaign import CampaignDryRun, CampaignResponse, campaign_json
 from app.answers.job import list_class
 from app.answers.members import to_json
 from app.http.blocking import EXPORT_BOUNDS, in_child, read

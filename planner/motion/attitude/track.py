@@ -29,13 +29,13 @@ from planner.world.orbits import OrbitStates
 from planner.world.platforms.body import (
     AzimuthRoll,
     BodyPlatform,
-    LinesAcrossMotion,
     LinesAcrossTrack,
     NearestRoll,
     RollRule,
     SunSide,
     unit_vector,
 )
+from planner.world.scenario import says_roll
 from planner.world.targets import BodyTarget, EarthFixedTarget, VisibleTarget
 
 
@@ -108,18 +108,10 @@ def agility_limits(platform: BodyPlatform) -> AgilityLimits:
 
 
 def roll_rule(platform: BodyPlatform, target: VisibleTarget, asked: RollRule | None) -> RollRule:
-    """The rule asked for; else the platform's, or nearest where that says nothing of the target.
-
-    That is lines across a motion that the target doesn't have, or an azimuth in the sky.
-    """
+    """The rule asked for; else the platform's, or nearest where that says nothing of the target."""
     if asked is not None:
         return asked
-    is_on_earth = isinstance(target, EarthFixedTarget)
-    if isinstance(platform.roll, LinesAcrossMotion) and (not is_on_earth or target.rests_on_earth):
-        return NearestRoll()
-    if isinstance(platform.roll, AzimuthRoll) and not is_on_earth:
-        return NearestRoll()
-    return platform.roll
+    return platform.roll if says_roll(platform.roll, target) else NearestRoll()
 
 
 def attitude_tracks(

@@ -5,7 +5,7 @@ Each cause is carried through the geometry by repeating it with the cause distur
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
@@ -62,6 +62,7 @@ class BudgetOptions:
     # of the drives, whose error is another each row: kept free at the frame's edge
     random_margin_sigma: float = 3.0
     off_target: float = 1e-3  # of the frame: more than a table's rows leave between them
+    half_lives: float = 128.0  # of what wanders, in a session: quicker, it counts as so many
     range_max_m: float = 1e8  # beyond, metres at the target say nothing
     probe_m: float = 10.0  # by which the orbit is probed: 2.5e-5 of the range at 400 km, so linear
     probe_s: float = 0.1  # by which the clock is probed: 50 m of the ground's turning, likewise
@@ -77,13 +78,15 @@ _ARCSEC = 1.0 / RAD_PER_ARCSEC
 DRIVE_RAD = 5.0 * RAD_PER_ARCSEC / math.sqrt(12.0)  # 1-sigma of an axis by its encoder's step
 
 
-class _Cause(NamedTuple):
+class Cause(NamedTuple):
+    """What makes an error, on what evidence, and what would make it smaller."""
+
     cause: str
     basis: str
     better: str
 
 
-_DRIVES = _Cause("drive resolution", "5 arcsec encoder step assumed unless stated", "finer drives")
+_DRIVES = Cause("drive resolution", "5 arcsec encoder step assumed unless stated", "finer drives")
 
 
 def pointing_budget(
@@ -109,15 +112,41 @@ def pointing_budget(
     scene = PointingScene(los, attitude, target, platform, angle_rad, OPTIONS.samples)
     errors = attitude.errors(scene.instants)
     biases = error_biases(scene, los, ephemeris, errors, clock_s)
-    squares_rad2: dict[_Cause, Array] = {}
+
+    def stay(without: Cause | None, every: int) -> float:
+        others = [bias for bias in biases if bias.cause != without]
+        return stay_probability(others, scene, platform, every)
+
+    return budget_of(scene, biases, {}, {_DRIVES: DRIVE_RAD}, stay, session=session)
+
+
+def budget_of(
+    scene: "ImageScene",
+    biases: Sequence["Bias"],
+    wander_rad: Mapping[Cause, float],
+    random_rad: Mapping[Cause, float],
+    stay: Callable[[Cause | None, int], float],
+    *,
+    session: int,
+) -> PointingBudget:
+    """All causes of a session, by its number, put together.
+
+    wander_rad, random_rad: 1-sigma per image axis of what changes over seconds, and faster.
+    stay: the probability to stay in the frame without a cause, by each so manieth draw.
+    """
+    squares_rad2: dict[Cause, Array] = {}
     for bias in biases:
         squares_rad2[bias.cause] = squares_rad2.get(bias.cause, 0.0) + bias.sigma_rad**2
-    total_rad = np.sqrt(sum(squares_rad2.values()) + DRIVE_RAD**2)
+    lasting = set(squares_rad2)
+    for cause, sigma_rad in wander_rad.items():
+        squares_rad2[cause] = np.full(len(scene.range_m), sigma_rad**2)
+    random_rad2 = sum(sigma_rad**2 for sigma_rad in random_rad.values())
+    total_rad = np.sqrt(sum(squares_rad2.values()) + random_rad2)
     worst = int(np.argmax(total_rad))
     range_m = float(scene.range_m[worst])
     sigmas_rad = {cause: math.sqrt(squares[worst]) for cause, squares in squares_rad2.items()}
-    sigmas_rad[_DRIVES] = DRIVE_RAD
-    probability = stay_probability(biases, scene, platform)
+    sigmas_rad.update(random_rad)
+    probability = stay(None, 1)
     return PointingBudget(
         session=session,
         contributions=tuple(
@@ -125,16 +154,14 @@ def pointing_budget(
                 **cause._asdict(),
                 sigma_arcsec=sigma_rad * _ARCSEC,
                 ground_m=_ground_m(sigma_rad, range_m),
-                is_bias=cause != _DRIVES,
+                is_bias=cause in lasting,
             )
             for cause, sigma_rad in sigmas_rad.items()
         ),
         sigma_arcsec=float(total_rad[worst]) * _ARCSEC,
         ground_m=_ground_m(float(total_rad[worst]), range_m),
         probability_in_frame=probability,
-        helps_most=(
-            None if probability >= LIKELY else _helps_most(biases, squares_rad2, scene, platform)
-        ),
+        helps_most=None if probability >= LIKELY else _helps_most(squares_rad2, stay),
     )
 
 
@@ -142,7 +169,7 @@ def stay_probability(
     biases: Sequence["Bias"], scene: "PointingScene", platform: TwoAxisPlatform, every: int = 1
 ) -> float:
     return probability_inside(
-        np.stack(_constant_biases(biases)),
+        np.stack(constant_biases(biases)),
         _half_rad(platform),
         scene.off_rad,
         [
@@ -150,16 +177,13 @@ def stay_probability(
             for bias in biases
             if bias.quarter_later_rad is not None
         ],
-        _along_track(biases),
+        along_track(biases),
         every=every,
     )
 
 
 def _helps_most(
-    biases: Sequence["Bias"],
-    squares_rad2: Mapping[_Cause, Array],
-    scene: "PointingScene",
-    platform: TwoAxisPlatform,
+    squares_rad2: Mapping[Cause, Array], stay: Callable[[Cause | None, int], float]
 ) -> str:
     """The cause without which the target stays likeliest, the largest of those that are alike.
 
@@ -168,10 +192,8 @@ def _helps_most(
     variances_rad2 = {cause: float(np.sum(squares)) for cause, squares in squares_rad2.items()}
     least_rad2 = OPTIONS.felt * sum(variances_rad2.values())
 
-    def share_left(cause: _Cause) -> tuple[float, float]:
-        others = [bias for bias in biases if bias.cause != cause]
-        left = stay_probability(others, scene, platform, OPTIONS.compared)
-        return round(left, 2), variances_rad2[cause]
+    def share_left(cause: Cause) -> tuple[float, float]:
+        return round(stay(cause, OPTIONS.compared), 2), variances_rad2[cause]
 
     felt = [cause for cause, variance_rad2 in variances_rad2.items() if variance_rad2 >= least_rad2]
     return max(felt, key=share_left).cause
@@ -197,7 +219,7 @@ def probabilities_at(
         return np.zeros(len(los.instants))
     errors = attitude.errors_each(scene.instants)
     biases = error_biases(scene, los, ephemeris, errors, clock_s)
-    constant = _constant_biases(biases)
+    constant = constant_biases(biases)
     swings = [
         part
         for bias in biases
@@ -205,7 +227,7 @@ def probabilities_at(
         for part in (bias.offsets_rad, bias.quarter_later_rad)
     ]
     points = lattice_points(len(constant), len(swings) // 2)[:, :: OPTIONS.coarse]
-    points = mixture_points(points, len(constant) - 1, _along_track(biases))
+    points = mixture_points(points, len(constant) - 1, along_track(biases))
     offsets = np.stack([*constant, *swings], axis=-1) / half_rad[:, None]
     middle = scene.off_rad / half_rad
     parts = []
@@ -220,26 +242,25 @@ def _half_rad(platform: TwoAxisPlatform) -> Array:
     return np.array(platform.frame_half_rad) - OPTIONS.random_margin_sigma * DRIVE_RAD
 
 
-class PointingScene:
+class ImageScene:
     """The session at a few instants, and where a disturbance puts the target in the image.
 
-    off_rad: (n, 2), where the target is without errors; the instants are those, one of each
-    stretch, at which it is farthest off.
+    The base that the payload moves against is GCRF.  image: (n, 2, 3), directions of the frame's
+    sides in it at the instants of `los`.  off_rad: (n, 2), where the target is without errors; the
+    instants are those, one of each stretch, at which it is farthest off.
     """
 
     def __init__(
         self,
         los: LineOfSight,
-        attitude: AttitudeLaw,
         target: VisibleTarget,
-        platform: TwoAxisPlatform,
-        angle_rad: Array,
+        image: Array,
+        frame_half_rad: tuple[float, float],
         samples: int,
     ) -> None:
-        image = frame_axes(platform, angle_rad)
         self.rows = spread_rows(image, min(len(image), samples))
         off_rad = np.einsum("nij,nj->ni", image, los.los_platform)
-        shares = np.abs(off_rad / platform.frame_half_rad).max(axis=1)
+        shares = np.abs(off_rad / frame_half_rad).max(axis=1)
         if shares.max() > OPTIONS.off_target:
             self.rows = farthest_rows(shares, self.rows)
         self._image, self.off_rad = image[self.rows], off_rad[self.rows]
@@ -249,16 +270,11 @@ class PointingScene:
         )
         self.los_platform = los.los_platform[self.rows]
         self.range_m = los.range_m[self.rows]
-        self._attitude, self._target, self._platform = attitude, target, platform
+        self._target = target
 
     def in_image(self, shift_platform: Array) -> Array:
         """Components along the inner axis and across it, shape (n, 2)."""
         return np.asarray(np.einsum("nij,nj->ni", self._image, shift_platform))
-
-    def turned_about_body(self, axis: int) -> Array:
-        """Where the target goes, per radian by which the carrier turns about a body axis."""
-        axis_platform = self._platform.q_platform_from_body.apply(np.eye(3)[axis])
-        return self.in_image(cross(self.los_platform, axis_platform))
 
     def directions_platform(self, orbits: Sequence[OrbitStates], late_s: Sequence[float]) -> Array:
         """Directions with other orbits and the target as it will be (Earth turned on) late_s later.
@@ -272,11 +288,37 @@ class PointingScene:
         )
         late = Instants(epoch_utc, np.add.outer(late_s, t_s).ravel())
         seen = self._target.apparent(late, states).direction_eci
-        q_body_from_eci = self._attitude.q_body_from_eci(
-            Instants(epoch_utc, np.tile(t_s, len(orbits))), states
-        )
-        seen_platform = (self._platform.q_platform_from_body * q_body_from_eci).apply(seen)
-        return np.asarray(seen_platform.reshape(len(orbits), len(t_s), 3))
+        seen_base = self._in_base(seen, Instants(epoch_utc, np.tile(t_s, len(orbits))), states)
+        return np.asarray(seen_base.reshape(len(orbits), len(t_s), 3))
+
+    def _in_base(self, seen_eci: Array, instants: Instants, states: OrbitStates) -> Array:
+        return seen_eci
+
+
+class PointingScene(ImageScene):
+    """The same of two axes: their base is turned by the law of the carrier's attitude."""
+
+    def __init__(
+        self,
+        los: LineOfSight,
+        attitude: AttitudeLaw,
+        target: VisibleTarget,
+        platform: TwoAxisPlatform,
+        angle_rad: Array,
+        samples: int,
+    ) -> None:
+        image = frame_axes(platform, angle_rad)
+        super().__init__(los, target, image, platform.frame_half_rad, samples)
+        self._attitude, self._platform = attitude, platform
+
+    def turned_about_body(self, axis: int) -> Array:
+        """Where the target goes, per radian by which the carrier turns about a body axis."""
+        axis_platform = self._platform.q_platform_from_body.apply(np.eye(3)[axis])
+        return self.in_image(cross(self.los_platform, axis_platform))
+
+    def _in_base(self, seen_eci: Array, instants: Instants, states: OrbitStates) -> Array:
+        q_body_from_eci = self._attitude.q_body_from_eci(instants, states)
+        return (self._platform.q_platform_from_body * q_body_from_eci).apply(seen_eci)
 
 
 class Bias(NamedTuple):
@@ -286,7 +328,7 @@ class Bias(NamedTuple):
     mixture: distribution of a constant error, where it isn't Gauss's.
     """
 
-    cause: _Cause
+    cause: Cause
     offsets_rad: Array
     quarter_later_rad: Array | None = None
     mixture: NormalMixture = GAUSS
@@ -300,31 +342,32 @@ class Bias(NamedTuple):
         return np.asarray(np.sqrt(0.5 * squares))
 
 
-def _constant_biases(biases: Sequence[Bias]) -> list[Array]:
-    """The biases that don't swing, that of `_along_track` last."""
+def constant_biases(biases: Sequence[Bias]) -> list[Array]:
+    """The biases that don't swing, that of `along_track` last."""
     steady = [bias for bias in biases if bias.quarter_later_rad is None]
     return [bias.offsets_rad for bias in sorted(steady, key=lambda bias: bias.mixture != GAUSS)]
 
 
-def _along_track(biases: Sequence[Bias]) -> NormalMixture:
+def along_track(biases: Sequence[Bias]) -> NormalMixture:
     """How the only error that isn't Gauss's is distributed."""
     return next((bias.mixture for bias in biases if bias.mixture != GAUSS), GAUSS)
 
 
 def error_biases(
-    scene: PointingScene,
+    scene: ImageScene,
     los: LineOfSight,
     ephemeris: Ephemeris,
-    errors: AttitudeErrors,
+    errors: AttitudeErrors | None,
     clock_s: float,
 ) -> list[Bias]:
+    """What lasts over a session; errors: of a carrier's attitude, where the scene has one."""
     orbits = [*_disturbed_orbits(scene.states), scene.states, scene.states]
     *moved, late, early = scene.directions_platform(
         orbits, [0.0, 0.0, 0.0, OPTIONS.probe_s, -OPTIONS.probe_s]
     )
     return [
         *_orbit_offsets(scene, ephemeris, moved),
-        *_attitude_offsets(scene, errors),
+        *(_attitude_offsets(scene, errors) if isinstance(scene, PointingScene) and errors else ()),
         _earth_offsets(scene, late - early),
         _clock_offsets(scene, los, clock_s),
     ]
@@ -346,7 +389,7 @@ def _disturbed_orbits(states: OrbitStates) -> tuple[OrbitStates, ...]:
 
 
 def _orbit_offsets(
-    scene: PointingScene, ephemeris: Ephemeris, moved_platform: Sequence[Array]
+    scene: ImageScene, ephemeris: Ephemeris, moved_platform: Sequence[Array]
 ) -> list[Bias]:
     """Radial, along-track and cross-track, as independent causes.
 
@@ -357,7 +400,7 @@ def _orbit_offsets(
     mixtures = (GAUSS, sigma.along, GAUSS)
     return [
         Bias(
-            _Cause("orbit", sigma.basis, sigma.better),
+            Cause("orbit", sigma.basis, sigma.better),
             scene.in_image(direction - scene.los_platform) * (size_m / OPTIONS.probe_m)[:, None],
             mixture=mixture,
         )
@@ -371,7 +414,7 @@ def _attitude_offsets(scene: PointingScene, errors: AttitudeErrors) -> list[Bias
     r_m, v_m_s = scene.states.r_sat_eci_m, scene.states.v_sat_eci_m_s
     rate_rad_s = np.linalg.norm(cross(r_m, v_m_s), axis=1) / np.sum(r_m**2, axis=1)
     phase_rad = (rate_rad_s * (scene.instants.t_s - scene.instants.t_s[0]))[:, None]
-    cause = _Cause("attitude", errors.basis, errors.better)
+    cause = Cause("attitude", errors.basis, errors.better)
     about = np.stack([scene.turned_about_body(axis) for axis in range(3)])
     biases = [
         Bias(cause, np.einsum("na,ani->ni", mode_rad, about)) for mode_rad in errors.modes_body_rad
@@ -397,13 +440,13 @@ def ut1_sigma_s(instants: Instants) -> float:
     return 2e-5 + 2.5e-4 * float(predicted_days**0.75) + 8.5e-4 * max(0.0, past_days)
 
 
-def _earth_offsets(scene: PointingScene, passing_platform: Array) -> Bias:
+def _earth_offsets(scene: ImageScene, passing_platform: Array) -> Bias:
     """UT1; the pole's part is a tenth of it.
 
     passing_platform: how far the turning Earth moves the target from `probe_s` before to after.
     """
     ut1_s = ut1_sigma_s(scene.instants)
-    cause = _Cause(
+    cause = Cause(
         "Earth orientation",
         "measured UT1 drift of 0.85 ms a day where the last value is held, before that IERS "
         "Bulletin A's 0.25 ms x days^0.75",
@@ -412,10 +455,10 @@ def _earth_offsets(scene: PointingScene, passing_platform: Array) -> Bias:
     return Bias(cause, scene.in_image(passing_platform) * (ut1_s / (2.0 * OPTIONS.probe_s)))
 
 
-def _clock_offsets(scene: PointingScene, los: LineOfSight, clock_s: float) -> Bias:
+def _clock_offsets(scene: ImageScene, los: LineOfSight, clock_s: float) -> Bias:
     """A table flown late points where the target was."""
     drift = scene.in_image(los.los_rate_platform_per_s[scene.rows])
-    cause = _Cause("clock", "20 ms of the platform's clock assumed unless stated", "a better clock")
+    cause = Cause("clock", "20 ms of the platform's clock assumed unless stated", "a better clock")
     return Bias(cause, drift * clock_s)
 
 

@@ -431,12 +431,17 @@ class BodyPlatform:
                 f"exclusions must hold at most 16 exclusions, not {len(self.exclusions)}"
             )
         _require_own_names("exclusions", [exclusion.name for exclusion in self.exclusions])
-        if isinstance(self.roll, SunSide):
+        self.require_roll("roll", self.roll)
+
+    def require_roll(self, name: str, roll: RollRule) -> None:
+        """Raises ValueError where the camera looks along what the rule turns to the Sun."""
+        if isinstance(roll, SunSide):
+            boresight_body = self.camera.boresight_body
             _require_apart(
-                "roll.direction_body",
-                self.roll.direction_body,
+                f"{name}.direction_body",
+                roll.direction_body,
                 "camera.boresight_body",
-                self.camera.boresight_body,
+                boresight_body,
             )
 
     def _require_torque(self, inertia_kg_m2: Array) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from planner.base.arrays import Array, Mask
 from planner.base.commands import ROWS_PER_S, CommandTable, Motion
-from planner.base.errors import InfeasibleSlew
+from planner.base.errors import InfeasibleSlew, Refusal
 from planner.base.rotation import Rotation, of_like_sign
 from planner.base.solvers import merged
 from planner.motion.attitude.bounds import least_s, may
@@ -21,6 +21,7 @@ from planner.motion.attitude.track import TargetSight, agility_limits, attitude_
 from planner.motion.pointing.line_of_sight import STENCIL, LineOfSight
 from planner.planning.sessions.budget import PointingBudget
 from planner.planning.sessions.plan import SlewRun, unproven_share
+from planner.planning.sessions.platforms.body_budget import body_budget
 from planner.planning.sessions.platforms.mover import Join, RowSpan, TrackBranch
 from planner.planning.sessions.track_branches import (
     early_row,
@@ -102,14 +103,19 @@ class BodyMover:
         sight = TargetSight(
             target=target, instants=los.instants, states=los.states, los_eci=los.los_platform
         )
-        tracks = attitude_tracks(
-            self.platform,
-            roll_rule(self.platform, target, None),
-            sight,
-            (rows.start - settled) / ROWS_PER_S,
-            rows.stop / ROWS_PER_S,
-            Rotation.from_quat(state.position[0]),
-        )
+        try:
+            tracks = attitude_tracks(
+                self.platform,
+                roll_rule(self.platform, target, session.roll),
+                sight,
+                (rows.start - settled) / ROWS_PER_S,
+                rows.stop / ROWS_PER_S,
+                Rotation.from_quat(state.position[0]),
+            )
+        except Refusal as refusal:
+            if refusal.field == "roll":
+                refusal.field = f"sessions.{number}.roll"
+            raise
         seen_s = seen_from_s(los, rows.start / ROWS_PER_S)
         return tuple(
             TrackBranch(
@@ -274,8 +280,21 @@ class BodyMover:
         number: int,
         los: LineOfSight | None = None,
     ) -> PointingBudget | None:
-        """Not told of a body yet."""
-        return None
+        """los: over the session and more, where it is known already."""
+        session = self.scenario.sessions[number]
+        target = session.target
+        assert isinstance(target, VisibleTarget)  # a scenario refuses the others
+        rows = session_rows(session, self.scenario.initial_state.epoch)
+        if los is None:
+            los = los_on_rows(self.scenario, ephemeris, target, rows)
+        return body_budget(
+            los.cut_between(rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S),
+            ephemeris,
+            target,
+            self.platform,
+            table.position[rows.start : rows.stop + 1],
+            session=number,
+        )
 
     def warnings_along(self, table: CommandTable) -> tuple[str, ...]:
         """None: it steers itself."""

@@ -14,6 +14,7 @@ from planner.verification.platforms.body.idle import idle_motion
 from planner.verification.platforms.body.limits import body_margins
 from planner.verification.platforms.body.options import OPTIONS
 from planner.verification.platforms.body.quintic import FlownMotion, motion_between, turned
+from planner.verification.platforms.body.roll import roll_off_rad
 from planner.verification.platforms.judge import FlownInstants, JudgedSession
 from planner.verification.report import (
     ExclusionMargin,
@@ -152,7 +153,21 @@ class BodyJudge:
     def session_findings(
         self, number: int, at: FlownInstants, states: OrbitStates
     ) -> Iterator[Finding]:
-        """Whether the camera looks too far off nadir at a target on the Earth."""
+        """Whether the camera lies off its roll rule, or looks at the Earth too far off nadir."""
+        session, flown = self._scenario.sessions[number], self._motion(at)
+        roll_rad = roll_off_rad(self._platform, session, at.instants, states, flown)
+        worst = int(np.argmax(roll_rad))
+        if roll_rad[worst] > OPTIONS.roll_rad:
+            t_s = float(at.instants.t_s[worst])
+            yield Finding(
+                limit="roll",
+                t_s=t_s,
+                at_utc=shifted_utc(self._table.epoch_utc, t_s),
+                detail=(
+                    f"session {number + 1}: the camera lies {math.degrees(roll_rad[worst]):.3g} "
+                    "deg off its roll rule"
+                ),
+            )
         if not isinstance(self._scenario.sessions[number].target, EarthFixedTarget):
             return
         most_rad = math.radians(self._platform.off_nadir_max_deg)

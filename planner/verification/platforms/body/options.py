@@ -22,6 +22,8 @@ class Options:
     end_rad: float = math.radians(0.02 / 3600.0)
     end_rad_s: float = math.radians(0.02 / 3600.0)
     off_nadir_rad: float = math.radians(0.1 / 3600.0)  # as for pointing
+    roll_rad: float = 5e-5  # the end of a line of 8192 pixels then lies a fifth of a pixel off
+    motion_difference_s: float = 0.05  # either way: a path's corners take 2 s or more
     acceleration_rings: float = 2.0 * 0.02369
     rate_rings: float = 2.0 * 0.00474
     turn_miss: float = 4.0 * 0.00802
