@@ -56,6 +56,16 @@ export function formOf(forms: readonly Shape[], value: unknown): number {
   });
 }
 
+/** The shape with the choices and forms left out that are listed by the field's name: "PlanRequest.final_state.rest". */
+export function without(shape: Shape, listed: readonly string[], field: string): Shape {
+  const isHere = (one: string) => !listed.includes(`${field}.${one}`);
+  if (shape.kind === "choice") return { ...shape, of: shape.of.filter(isHere) };
+  if (shape.kind !== "either") return shape;
+  const forms = shape.of.filter((one) => one.kind !== "object" || isHere(one.of)).map((one) => without(one, listed, field));
+  const [only] = forms;
+  return only && forms.length === 1 ? only : { ...shape, of: forms };
+}
+
 /** A new value to go on from: only members without which there is none. */
 export function begin(book: Book, shape: Shape, example?: unknown): unknown {
   if (shape.kind === "object") return beginObject(book, shape.of);
