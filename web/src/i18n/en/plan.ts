@@ -216,6 +216,7 @@ export const plan = {
       off_nadir: "angle off nadir",
       exclusion: "exclusion",
     },
+    wholeBody: "body",
     limitOf: (axis: string, limit: string) => `${axis} ${limit}`,
     keepOut: (about: string) => `the cone about ${about}`,
     mask: (name: string) => `mask ${name}`,

@@ -230,6 +230,7 @@ export const plan: Words["plan"] = {
       off_nadir: "угол от надира",
       exclusion: "запретный угол",
     },
+    wholeBody: "корпус",
     limitOf: (axis, limit) => `${axis}, ${limit}`,
     keepOut: (about) => `конус вокруг ${about}`,
     mask: (name) => `маска ${name}`,

@@ -359,7 +359,7 @@ function UnionEditor(props: EditorProps & { shape: Extract<Shape, { kind: "union
 function EitherEditor(props: EditorProps & { shape: Extract<Shape, { kind: "either" }> }) {
   const { shape, field, label, name, path, value, onValue } = props;
   const text = words.value.fields;
-  const which = value === undefined || value === null ? -1 : formOf(shape.of, value);
+  const which = value === undefined || value === null ? -1 : formOf(FIELDS, shape.of, value);
   const form = shape.of[which];
   const formLabel = (one: Shape) =>
     one.kind === "constant" ? valueLabel(one.value) : one.kind === "object" ? valueLabel(one.of) : valueLabel(one.kind);
