@@ -89,6 +89,7 @@ function plainShapeOf(node: Node, unit: string | undefined, visit: (name: string
   const inner = (one: Node): Shape => shapeOf(one, unit, visit).shape;
   if (node.$ref) return { kind: "object", of: visit(nameOf(node.$ref)) };
   if (node.const !== undefined) return { kind: "constant", value: String(node.const) };
+  if (node.enum?.length === 1) return { kind: "constant", value: String(node.enum[0]) };
   if (node.enum) return { kind: "choice", of: node.enum };
   if (node.type === "boolean") return { kind: "flag" };
   if (node.type === "string") return { kind: node.format === "date-time" ? "instant" : "text" };

@@ -390,3 +390,31 @@ def test_everything_unfolded_fits_a_phone_in_both_languages(open_page, locale):
         names = re.compile(r"^([\W\d]*|(alpha|beta)(, °.*)?|CCSDS AEM)$")
         english = {word for word in words if not CYRILLIC.search(word) and not names.match(word)}
         assert english == set()
+
+
+def test_a_spacecraft_that_turns_as_a_whole_is_planned_by_name_and_written_out(open_page):
+    page = open_page()
+    panel = opened(page, "Request")
+    panel.get_by_label("Platform", exact=True).select_option("smallsat-120kg")
+    attitude = page.get_by_role("region", name="Attitude", exact=True)
+    expect(attitude).to_contain_text("smallsat-120kg steers itself")
+    expect(page.get_by_role("radio", name="Test motion")).to_have_count(0)
+    assert "attitude" not in request_as_json(page)
+    panel.get_by_label("Platform", exact=True).select_option("Written out…")
+    group(panel, "Platform smallsat-120kg, written out")
+    panel.get_by_label("Off nadir max, °", exact=True).fill("45")
+    assert request_as_json(page)["platform"]["off_nadir_max_deg"] == 45
+    page.get_by_role("button", name="Plan").click()
+    page.get_by_role("button", name=re.compile("Take")).first.click()  # the nearest that works
+    expect(page.get_by_test_id("verdict")).to_contain_text("Passed")
+    plan_id = page.url.rsplit("/", 1)[1]
+    asked = page.request.get(f"/v1/plans/{plan_id}/request").json()
+    assert asked["platform"]["kind"] == "body"
+    assert asked["platform"]["off_nadir_max_deg"] == 45
+    for room in ("Fly it many times", "Compare telemetry", "Check with horizon frames"):
+        expect(page.get_by_role("link", name=room)).to_have_count(0)
+    expect(page.get_by_text("are for two axes only, so far").first).to_be_visible()
+    page.get_by_role("link", name="Change the request").click()
+    panel = opened(page, "Request")
+    panel.get_by_label("Platform", exact=True).select_option("iss-hrc")
+    assert request_as_json(page)["attitude"]["yaw_deg"] == -4

@@ -146,3 +146,34 @@ test("where none is good it is the likeliest, and of those alike the soonest", (
   expect(best([unknown, aged, fresh, alike])).toBe(fresh);
   expect(best([unknown])).toBe(unknown);
 });
+
+test("a body is asked nothing of axes, and what was asked of them is there again for two axes", () => {
+  const [first] = example.sessions;
+  const asked = {
+    ...example,
+    initial_state: { epoch: "2015-02-27T17:34:00Z", angles_deg: { alpha: 40 } },
+    slew: { objective: "minimum_time", keep_out: [{ body: "sun", half_angle_deg: 25 }] },
+    final_state: "rest",
+    sessions: [{ ...first, keyhole: "nearest" }],
+  } as unknown as typeof example;
+  draft.load(asked, null);
+  draft.takeBody("smallsat-120kg");
+  const { attitude: _, final_state: __, ...rest } = asked;
+  expect(draft.made.value).toEqual({
+    ...rest,
+    platform: "smallsat-120kg",
+    initial_state: { epoch: "2015-02-27T17:34:00Z" },
+    slew: { objective: "minimum_time" },
+    sessions: [first],
+  });
+  expect(draft.requestOf(draft.made.value)).not.toBeNull();
+  draft.takeAxes(example.platform, { law: "lvlh", yaw_deg: 0, pitch_deg: 0, roll_deg: 0 });
+  expect(draft.made.value).toEqual(asked);
+});
+
+test("two axes that come after a request of a body take the mean that is given", () => {
+  const { attitude: _, ...rest } = example;
+  draft.load({ ...rest, platform: "smallsat-120kg" }, null);
+  draft.takeAxes("iss-hrc", { law: "lvlh", yaw_deg: -4 });
+  expect(draft.made.value.attitude).toEqual({ law: "lvlh", yaw_deg: -4 });
+});

@@ -105,6 +105,15 @@ test("members that the form has no fields for are named", () => {
   expect(unknownIn(FIELDS, "PlanRequest", session({ mode: "comet" }))).toEqual(["sessions.0.target"]);
 });
 
+test("a platform written out is looked at by its kind", () => {
+  const { kind, name, agility, camera } = begin(FIELDS, { kind: "object", of: "BodyPlatform" }) as Record<string, unknown>;
+  const platform = { kind: kind ?? "body", name, agility, camera, off_nadir_max_deg: 95 };
+  expect(unknownIn(FIELDS, "PlanRequest", { ...example, platform })).toEqual([]);
+  expect(faultsOf(FIELDS, "PlanRequest", { ...example, platform })).toEqual([
+    { path: "platform.off_nadir_max_deg", fault: { kind: "range", least: 0.1, most: 90, unit: "deg" } },
+  ]);
+});
+
 test("a path is told in steps, entries of lists by numbers from 1", () => {
   const request = session({ mode: "ground_path", points: [{}, {}], speed_m_s: 1 });
   expect(stepsOf(FIELDS, "PlanRequest", request, "sessions.0.target.points.1.latitude_deg")).toEqual([

@@ -2,10 +2,10 @@
 import { get, type Schemas } from "./client";
 
 type Asked = Schemas["PlanRequest"];
-/** As the form writes it: of two axes on a carrier. */
+/** Two axes stand on a carrier, whose attitude is asked for; a body steers itself and has none. */
 export type PlanRequest = Omit<Asked, "attitude" | "platform"> & {
-  attitude: NonNullable<Asked["attitude"]>;
-  platform: string | Schemas["PlatformDefinition"];
+  attitude?: NonNullable<Asked["attitude"]>;
+  platform: string | Schemas["PlatformDefinition"] | Schemas["BodyPlatform"];
 };
 
 export interface Learnt {
@@ -17,10 +17,10 @@ export interface Learnt {
 export async function correctedRequest(plan: string, { corrections, platform }: Learnt): Promise<PlanRequest> {
   const asked = (await get("/v1/plans/{id}/request", { id: plan })) as unknown as PlanRequest;
   const { attitude } = asked;
-  const before = "corrections" in attitude ? (attitude.corrections ?? []) : [];
+  const before = attitude && "corrections" in attitude ? (attitude.corrections ?? []) : [];
   return {
     ...asked,
-    attitude: { ...attitude, corrections: [...before, ...corrections] },
+    ...(attitude && { attitude: { ...attitude, corrections: [...before, ...corrections] } }),
     ...(platform && { platform }),
   } as PlanRequest;
 }

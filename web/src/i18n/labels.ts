@@ -24,3 +24,14 @@ export function nameOf({ id, name, targets }: Pick<Named, "id" | "name" | "targe
 export function labelOf(one: Named): string {
   return one.start && one.stop ? `${nameOf(one)}, ${period(one.start, one.stop)}` : nameOf(one);
 }
+
+/** A limit that a margin or a refusal names: "off_nadir"; what has no words of the page's own as it is. */
+export function limitTold(limit: string): string {
+  const { limits } = words.value.plan.one;
+  return limits[limit as keyof typeof limits] ?? limit;
+}
+
+/** An axis by its name; a spacecraft that turns as a whole is "body". */
+export function axisTold(axis: string): string {
+  return axis === "body" ? words.value.plan.one.wholeBody : axis;
+}

@@ -20,6 +20,7 @@ import {
   numberOf,
   type Shape,
   schemaOf,
+  without,
 } from "./shape";
 
 export interface Surroundings {
@@ -27,10 +28,12 @@ export interface Surroundings {
   axes: readonly string[];
   /** Known values of text fields, by the field's name. */
   known: Readonly<Record<string, readonly string[]>>;
+  /** Fields that aren't for this platform, and values of fields: "Session.keyhole", "PlanRequest.final_state.idle". */
+  others: readonly string[];
   /** What the service refused, by the field's dotted path. */
   refused: { path: string; why: string } | null;
 }
-export const FormSurroundings = createContext<Surroundings>({ axes: [], known: {}, refused: null });
+export const FormSurroundings = createContext<Surroundings>({ axes: [], known: {}, others: [], refused: null });
 
 interface FieldsProps {
   schema: string;
@@ -43,9 +46,13 @@ interface FieldsProps {
 }
 
 export function Fields({ schema, value, path, omit = [], onValue }: FieldsProps) {
-  const shown = Object.entries(FIELDS[schema] ?? {}).filter(
-    ([name, field]) => field.shape.kind !== "constant" && !omit.includes(name),
-  );
+  const { others: notHere } = useContext(FormSurroundings);
+  // What is set all the same is shown, so that it can be taken out.
+  const isHere = (name: string) => value[name] !== undefined || !notHere.includes(`${schema}.${name}`);
+  const shown = Object.entries(FIELDS[schema] ?? {}).flatMap(([name, field]): [string, FieldSpec][] => {
+    if (field.shape.kind === "constant" || omit.includes(name) || !isHere(name)) return [];
+    return [[name, { ...field, shape: without(field.shape, notHere, `${schema}.${name}`) }]];
+  });
   const simple = shown.filter(([, { shape }]) => isSimple(shape));
   const others = shown.filter(([, { shape }]) => !isSimple(shape));
   const one = ([name, field]: [string, FieldSpec]) => (
@@ -352,7 +359,7 @@ function UnionEditor(props: EditorProps & { shape: Extract<Shape, { kind: "union
 function EitherEditor(props: EditorProps & { shape: Extract<Shape, { kind: "either" }> }) {
   const { shape, field, label, name, path, value, onValue } = props;
   const text = words.value.fields;
-  const which = value === undefined || value === null ? -1 : formOf(shape.of, value);
+  const which = value === undefined || value === null ? -1 : formOf(FIELDS, shape.of, value);
   const form = shape.of[which];
   const formLabel = (one: Shape) =>
     one.kind === "constant" ? valueLabel(one.value) : one.kind === "object" ? valueLabel(one.of) : valueLabel(one.kind);

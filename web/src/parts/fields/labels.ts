@@ -2,7 +2,7 @@
 import { FIELDS } from "../../api/fields";
 import { words } from "../../i18n";
 import { language } from "../../i18n/language";
-import { type Fault, isMembers, type Members, type Shape, stepsOf } from "./shape";
+import { type Fault, formOf, isMembers, type Members, type Shape, stepsOf } from "./shape";
 
 const SUFFIX =
   /_(deg_s3|deg_s2|deg_s|deg2|deg|arcsec_s|arcsec|arcmin_s|km_s|m_s|km|kg_m2|kg|m2|m|s|hz|px|mas_yr|mas|per_s2|per_s|jyear|xyzw)$/;
@@ -61,10 +61,8 @@ function schemaWithin(shape: Shape, value: unknown): string | null {
   if (shape.kind === "union" && isMembers(value)) return shape.of[String(value[shape.by])] ?? null;
   if (shape.kind === "list" || shape.kind === "map") return schemaWithin(shape.of, value);
   if (shape.kind === "either") {
-    for (const form of shape.of) {
-      const found: string | null = schemaWithin(form, value);
-      if (found) return found;
-    }
+    const form = shape.of[formOf(FIELDS, shape.of, value)];
+    return form ? schemaWithin(form, value) : null;
   }
   return null;
 }

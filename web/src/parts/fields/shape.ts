@@ -46,14 +46,31 @@ export function schemaOf(shape: Shape, value: unknown): string | null {
 }
 
 /** Which of several forms a value has; -1 for none. */
-export function formOf(forms: readonly Shape[], value: unknown): number {
+export function formOf(book: Book, forms: readonly Shape[], value: unknown): number {
   return forms.findIndex((form) => {
     if (form.kind === "constant") return value === form.value;
     if (form.kind === "choice") return typeof value === "string";
     if (form.kind === "list" || form.kind === "vector") return Array.isArray(value);
     if (form.kind === "text") return typeof value === "string";
-    return isMembers(value);
+    return isMembers(value) && (form.kind !== "object" || isOfKind(book[form.of] ?? {}, value));
   });
+}
+
+/** Whether the members that tell the kind are this schema's, or left out. */
+function isOfKind(fields: Fields, value: Members): boolean {
+  return Object.entries(fields).every(
+    ([name, { shape }]) => shape.kind !== "constant" || value[name] === undefined || value[name] === shape.value,
+  );
+}
+
+/** The shape with the choices and forms left out that are listed by the field's name: "PlanRequest.final_state.rest". */
+export function without(shape: Shape, listed: readonly string[], field: string): Shape {
+  const isHere = (one: string) => !listed.includes(`${field}.${one}`);
+  if (shape.kind === "choice") return { ...shape, of: shape.of.filter(isHere) };
+  if (shape.kind !== "either") return shape;
+  const forms = shape.of.filter((one) => one.kind !== "object" || isHere(one.of)).map((one) => without(one, listed, field));
+  const [only] = forms;
+  return only && forms.length === 1 ? only : { ...shape, of: forms };
 }
 
 /** A new value to go on from: only members without which there is none. */
@@ -131,7 +148,7 @@ function faultsIn(book: Book, shape: Shape, value: unknown, path: string): Place
   if (fault) return [{ path, fault }];
   if (shape.kind === "object" || shape.kind === "union") return faultsOf(book, schemaOf(shape, value) ?? "", value, path);
   if (shape.kind === "either") {
-    const form = shape.of[formOf(shape.of, value)];
+    const form = shape.of[formOf(book, shape.of, value)];
     return form ? faultsIn(book, form, value, path) : [];
   }
   if (Array.isArray(value) && (shape.kind === "list" || shape.kind === "vector")) {
@@ -165,7 +182,7 @@ function unknownWithin(book: Book, shape: Shape, value: unknown, path: string): 
     return schema ? unknownIn(book, schema, value, path) : [path];
   }
   if (shape.kind === "either") {
-    const form = shape.of[formOf(shape.of, value)];
+    const form = shape.of[formOf(book, shape.of, value)];
     return form ? unknownWithin(book, form, value, path) : value === null ? [] : [path];
   }
   if (shape.kind === "list" && Array.isArray(value)) {
@@ -183,7 +200,7 @@ export function stepsOf(book: Book, schema: string, value: unknown, path: string
   let [shape, now]: [Shape | null, unknown] = [{ kind: "object", of: schema }, value];
   for (const part of path.split(".")) {
     const last = steps.at(-1);
-    if (shape?.kind === "either") shape = shape.of[formOf(shape.of, now)] ?? null;
+    if (shape?.kind === "either") shape = shape.of[formOf(book, shape.of, now)] ?? null;
     const within: string | null = shape && schemaOf(shape, now);
     if (/^\d+$/.test(part) && last && !within) {
       last.number = Number(part) + 1;

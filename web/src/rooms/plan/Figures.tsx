@@ -1,7 +1,7 @@
 /** The figures behind the verdict: sessions, margins, the pointing budget, warnings. */
 import { words } from "../../i18n";
 import { arcsecTold, digits, marginTold, number, percent, period, rowClock } from "../../i18n/forms";
-import { targetTold } from "../../i18n/labels";
+import { axisTold, limitTold, targetTold } from "../../i18n/labels";
 import type { Plan } from "./plan";
 import { isAtLimit, shareOf } from "./verdict";
 
@@ -112,9 +112,9 @@ function Margins({ plan }: { plan: Plan }) {
               ([limit, one]) =>
                 one && (
                   <tr key={axis + limit}>
-                    <td>{axis}</td>
+                    <td>{axisTold(axis)}</td>
                     <td>
-                      {text.limits[limit as keyof typeof text.limits] ?? limit} {digits(one.limit)} {unitOf(one.unit)}
+                      {limitTold(limit)} {digits(one.limit)} {unitOf(one.unit)}
                     </td>
                     <td class="number">{digits(one.extreme)}</td>
                     <td class="number">

@@ -21,7 +21,7 @@ import type { RoomProps } from "../../room";
 import { go } from "../../router";
 import { Figures } from "./Figures";
 import { identityOf, nameOf } from "./identity";
-import { fetchPlan, isPlan, type Plan, type PlanRequest } from "./plan";
+import { fetchPlan, isOfBody, isPlan, type Plan, type PlanRequest } from "./plan";
 import "../planning/planning.css";
 import "./plan.css";
 import { TakeAway } from "./TakeAway";
@@ -88,15 +88,19 @@ function Shown({ plan, Viewer }: { plan: Plan; Viewer: ComponentType<{ plan: Pla
           <Link to={`/?from=${id}&revises=yes`} class="button">
             {text.plan.one.change}
           </Link>
-          <Link to={`/flights?plan=${id}`} class="button">
-            {text.plan.one.fly}
-          </Link>
-          <Link to={`/telemetry?plan=${id}`} class="button">
-            {text.plan.one.telemetry}
-          </Link>
-          <Link to={`/horizon?plan=${id}`} class="button">
-            {text.plan.one.horizon}
-          </Link>
+          {!isOfBody(plan) && (
+            <>
+              <Link to={`/flights?plan=${id}`} class="button">
+                {text.plan.one.fly}
+              </Link>
+              <Link to={`/telemetry?plan=${id}`} class="button">
+                {text.plan.one.telemetry}
+              </Link>
+              <Link to={`/horizon?plan=${id}`} class="button">
+                {text.plan.one.horizon}
+              </Link>
+            </>
+          )}
           <button type="button" onClick={() => takeAway.current?.scrollIntoView({ block: "start" })}>
             {text.plan.one.take}
           </button>
@@ -108,6 +112,7 @@ function Shown({ plan, Viewer }: { plan: Plan; Viewer: ComponentType<{ plan: Pla
         proof={[id, checksum(plan.provenance.input_sha256)]}
         made={{ at: plan.provenance.planned_at, by: plan.requested_by }}
       />
+      {isOfBody(plan) && <p class="hint no-print">{text.plan.one.notForBody}</p>}
       <Verdict plan={plan} />
       {Viewer ? <Viewer plan={plan} /> : <p class="loading no-print">{text.shell.loading}</p>}
       <div class="one-below">

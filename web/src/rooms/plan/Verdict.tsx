@@ -1,5 +1,6 @@
 import { words } from "../../i18n";
 import { marginTold, number, percent, rowClock } from "../../i18n/forms";
+import { axisTold, limitTold } from "../../i18n/labels";
 import type { Plan } from "./plan";
 import { gradeOf, isAtLimit, type LeastMargin, leastMargin } from "./verdict";
 
@@ -34,5 +35,5 @@ function nameOf(least: LeastMargin): string {
   const text = words.value.plan.one;
   if (least.kind === "keepOut") return text.keepOut(least.limit);
   if (least.kind === "mask") return text.mask(least.limit);
-  return text.limitOf(least.axis, text.limits[least.limit as keyof typeof text.limits] ?? least.limit);
+  return text.limitOf(axisTold(least.axis), limitTold(least.limit));
 }

@@ -20,7 +20,7 @@ export function identityOf(plan: Plan, asked: PlanRequest | null): string[] {
     period(start, stop),
     platform,
     ...(asked ? [orbitTold(asked.orbit, start)] : []),
-    ...(asked?.attitude ? [attitudeTold(asked.attitude)] : []), // a body has none
+    ...(asked?.attitude ? [attitudeTold(asked.attitude)] : []),
     text.revision(plan.revision),
   ];
 }
@@ -47,7 +47,7 @@ function orbitTold(orbit: Orbit, start: string): string {
 }
 
 /** "LVLH -4/-2/1, 1 correction". */
-export function attitudeTold(attitude: PlanRequest["attitude"]): string {
+export function attitudeTold(attitude: NonNullable<PlanRequest["attitude"]>): string {
   const { law, corrections = [] } = attitude;
   const corrected = corrections.length > 0 ? `, ${words.value.plan.one.identity.corrected(corrections.length)}` : "";
   if (law !== "lvlh") return valueLabel(law) + corrected;

@@ -9,6 +9,11 @@ export async function fetchPlan(id: string, signal?: AbortSignal): Promise<Plan 
   return get("/v1/plans/{id}", { id, signal });
 }
 
+/** Whether it moves a spacecraft that turns as a whole, by the table's columns. */
+export function isOfBody({ table }: Plan): boolean {
+  return "q_eci_from_body_w" in table;
+}
+
 export function isPlan(answer: Plan | Schemas["JobResponse"]): answer is Plan {
   return "table" in answer;
 }

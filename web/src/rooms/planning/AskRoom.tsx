@@ -23,7 +23,7 @@ import * as draft from "./draft";
 import { OptionsPanel } from "./OptionsPanel";
 import { OrbitPanel } from "./OrbitPanel";
 import "./planning.css";
-import { axes, learnPlatforms, platform } from "./platforms";
+import { axes, learnPlatforms, others, twoAxes } from "./platforms";
 import { RefusalNotice } from "./RefusalNotice";
 import { RequestPanel } from "./RequestPanel";
 import { failure, refused } from "./refusal";
@@ -147,7 +147,8 @@ export default function AskRoom(_: RoomProps) {
   const problem = failure.value instanceof Problem ? failure.value : null;
   const surroundings = {
     axes: axes.value,
-    known: { body: BODIES, park: Object.keys(platform.value?.park_positions_deg ?? {}) },
+    known: { body: BODIES, park: Object.keys(twoAxes.value?.park_positions_deg ?? {}) },
+    others: others.value,
     refused: problem?.field ? { path: problem.field, why: words.value.service.told(problem.document.detail) } : null,
   };
   const faults = faultsOf(FIELDS, "PlanRequest", draft.request.value);

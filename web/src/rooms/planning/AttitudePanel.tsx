@@ -1,4 +1,4 @@
-/** The carrier's attitude: its law, its mean from LVLH, or a message that was pasted or dropped. */
+/** The carrier's attitude: its law, its mean from LVLH, or a message that was pasted or dropped; a body steers itself. */
 import { useState } from "preact/hooks";
 
 import { FIELDS } from "../../api/fields";
@@ -8,12 +8,12 @@ import { DropZone } from "../../parts/DropZone";
 import { Field } from "../../parts/Field";
 import { NumberInput } from "../../parts/fields/Fields";
 import { FoldedFields } from "../../parts/fields/FoldedFields";
-import { faultTold, valueLabel } from "../../parts/fields/labels";
+import { faultTold, labelOf, valueLabel } from "../../parts/fields/labels";
 import { beginUnion, faultOf, type Members, schemaOf } from "../../parts/fields/shape";
 import { attitudeTold } from "../plan/identity";
 import * as draft from "./draft";
 import { readMessage } from "./message";
-import { isUnlikely, platform, takeUsual, usual } from "./platforms";
+import { type Body, body, isUnlikely, platform, takeUsual, usual } from "./platforms";
 
 const ANGLES = ["yaw_deg", "pitch_deg", "roll_deg"] as const;
 const SHAPE = FIELDS.PlanRequest?.attitude?.shape;
@@ -39,6 +39,33 @@ export function takeAem(content: string): void {
 }
 
 export function AttitudePanel() {
+  return body.value ? <Steering of={body.value} /> : <CarrierPanel />;
+}
+
+function Steering({ of }: { of: Body }) {
+  const text = words.value.plan.attitude;
+  const { roll = { rule: "nearest" }, idle = { law: "nadir" } } = of;
+  return (
+    <section class="panel" aria-label={text.title}>
+      <h2>{text.title}</h2>
+      <p>{text.steers(of.name)}</p>
+      <p class="small">
+        {labelOf("BodyPlatform", "roll")}: {valueLabel(roll.rule ?? "")} · {labelOf("BodyPlatform", "idle")}:{" "}
+        {valueLabel(idle.law ?? "")}
+      </p>
+      {draft.made.value.attitude && (
+        <div class="notice notice-warn" role="status">
+          <p>{text.notOfBody}</p>
+          <button type="button" onClick={() => draft.takeBody(draft.platform.peek())}>
+            {text.leaveOut}
+          </button>
+        </div>
+      )}
+    </section>
+  );
+}
+
+function CarrierPanel() {
   const text = words.value.plan.attitude;
   const attitude = draft.attitude.value;
   const schema = SHAPE ? schemaOf(SHAPE, attitude) : null;

@@ -1,4 +1,4 @@
-/** Everything else that a plan takes: where the axes begin and end, how they slew, cones, cameras. */
+/** Everything else that a plan takes: where the platform begins and ends, how it slews, cones, cameras. */
 import { useState } from "preact/hooks";
 import { get } from "../../api/client";
 import { FIELDS } from "../../api/fields";

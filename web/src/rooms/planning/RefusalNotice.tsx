@@ -1,6 +1,7 @@
 /** A refusal in words, with the button that takes the times it offers instead. */
 import { words } from "../../i18n";
 import { rowClock } from "../../i18n/forms";
+import { limitTold } from "../../i18n/labels";
 import { pathTold } from "../../parts/fields/labels";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { TakeOffer } from "../../parts/TakeOffer";
@@ -19,7 +20,7 @@ export function RefusalNotice({ plan }: { plan: () => void }) {
         <p class="small">
           {text.session(now.session + 1)}
           {now.problem.document.axis && ` · ${text.axis} ${now.problem.document.axis}`}
-          {now.problem.document.limit && ` · ${text.limit} ${now.problem.document.limit}`}
+          {now.problem.document.limit && ` · ${text.limit} ${limitTold(now.problem.document.limit)}`}
           {now.at && ` · ${rowClock(now.at)} UTC`}
         </p>
       )}

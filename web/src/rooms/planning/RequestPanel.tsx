@@ -12,7 +12,7 @@ import { type Members, unknownIn } from "../../parts/fields/shape";
 import { RequestText } from "../../parts/RequestText";
 import * as draft from "./draft";
 import { readMessage } from "./message";
-import { platform, platforms } from "./platforms";
+import { platform, platforms, usualOf } from "./platforms";
 import { failure } from "./refusal";
 import { deleteTemplate, saveTemplate, templates } from "./templates";
 
@@ -66,7 +66,8 @@ export function RequestPanel() {
               <b>{text.platformOf(asked.name)}</b>
             </summary>
             <Fields
-              schema="PlatformDefinition"
+              key={asked.kind}
+              schema={asked.kind === "body" ? "BodyPlatform" : "PlatformDefinition"}
               value={asked as unknown as Members}
               path="platform"
               onValue={(next) => draft.change({ platform: next as unknown as draft.DraftRequest["platform"] })}
@@ -83,8 +84,11 @@ export function RequestPanel() {
 
 /** Another registered one, or the one that is there in numbers, to be changed. */
 function takePlatform(name: string): void {
-  if (name !== WRITTEN_OUT) draft.change({ platform: name as draft.DraftRequest["platform"] });
-  else if (platform.peek()) draft.change({ platform: { ...platform.peek() } as draft.DraftRequest["platform"] });
+  const found = name === WRITTEN_OUT ? platform.peek() : platforms.peek()?.find((one) => one.name === name);
+  if (!found) return;
+  const asked = name === WRITTEN_OUT ? { ...found } : name;
+  if (found.kind === "body") draft.takeBody(asked);
+  else draft.takeAxes(asked, usualOf(found));
 }
 
 /** Members that no field here shows, by their names. */

@@ -16,7 +16,7 @@ import * as draft from "./draft";
 import { places, stars } from "./names";
 import { PathEntry } from "./PathEntry";
 import { PointEntry } from "./PointEntry";
-import { axes } from "./platforms";
+import { axes, others } from "./platforms";
 import { BODIES, groundOf, KINDS, kindOf, type Point, schemaOfMode, starOf, type Target, textOf } from "./target";
 import { found, searchError, searchedOf } from "./windows";
 
@@ -43,7 +43,7 @@ export function TargetPanel() {
       </h2>
       <fieldset class="choice choice-wraps">
         <legend class="hidden">{text.kind}</legend>
-        {KINDS.map((one) => (
+        {KINDS.filter((one) => one === kind || !others.value.includes(`Session.target.${one}`)).map((one) => (
           <label key={one}>
             <input type="radio" name="kind" checked={kind === one} onChange={() => draft.setKind(one)} />
             <span>{valueLabel(one)}</span>

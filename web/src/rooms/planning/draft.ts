@@ -4,7 +4,7 @@ import { batch, computed, effect, signal } from "@preact/signals";
 import example from "../../../../examples/las_vegas_2015.json";
 import type { Schemas } from "../../api/client";
 import { type Orbit, reachOf, searchStart } from "../../api/orbit";
-import { isMembers } from "../../parts/fields/shape";
+import { isMembers, type Members } from "../../parts/fields/shape";
 import { keep, readKept } from "../../parts/kept";
 import type { PlanRequest } from "../plan/plan";
 import { kindOf, type Target, textOf } from "./target";
@@ -19,10 +19,11 @@ export type DraftSession = Omit<Session, "target" | "start" | "stop"> & {
 };
 export type DraftRequest = Omit<PlanRequest, "sessions"> & { sessions: readonly DraftSession[] };
 export type Conflict = NonNullable<PlanRequest["on_conflict"]>;
-export type Attitude = PlanRequest["attitude"];
+export type Attitude = NonNullable<PlanRequest["attitude"]>;
 export type Conditions = Schemas["OpportunityConditions"];
 
 const EXAMPLE = example as unknown as DraftRequest;
+const LVLH: Attitude = { law: "lvlh" };
 const KEPT = "plan";
 const NAMED_TARGETS = 3;
 
@@ -53,7 +54,7 @@ export const loaded = signal<string | null>(kept?.loaded ?? null);
 export const wasKept = kept !== null;
 
 export const orbit = computed<Orbit>(() => made.value.orbit);
-export const attitude = computed<Attitude>(() => made.value.attitude);
+export const attitude = computed<Attitude>(() => made.value.attitude ?? LVLH);
 export const platform = computed(() => made.value.platform);
 export const sessions = computed(() => made.value.sessions);
 export const onConflict = computed<Conflict>(() => made.value.on_conflict ?? "refuse");
@@ -93,6 +94,48 @@ export function targetsTold(): string {
 
 export function change(members: Partial<DraftRequest>): void {
   made.value = { ...made.value, ...members };
+}
+
+/** The request as it was when a body took the place of its two axes. */
+let ofAxes: DraftRequest | null = null;
+
+/** A body steers itself: what only axes have is set aside, and is there again for them. */
+export function takeBody(next: PlanRequest["platform"]): void {
+  const before = made.peek();
+  if (before.attitude) ofAxes = before;
+  const { attitude: _, initial_state, final_state: __, slew, ...rest } = before;
+  const { epoch, after } = initial_state ?? {};
+  const { objective, lead } = slew ?? {};
+  made.value = {
+    ...rest,
+    platform: next,
+    sessions: before.sessions.map(({ keyhole: ___, ...one }) => one),
+    ...((epoch || after) && { initial_state: { ...(epoch && { epoch }), ...(after && { after }) } }),
+    ...((objective || lead) && { slew: { ...(objective && { objective }), ...(lead && { lead }) } }),
+  } as DraftRequest;
+}
+
+/** Two axes on a carrier, with what was asked of the ones before a body; mean: the attitude where none was. */
+export function takeAxes(next: PlanRequest["platform"], mean: Attitude): void {
+  const now = made.peek();
+  if (now.attitude) {
+    change({ platform: next });
+    return;
+  }
+  const { final_state: _, ...rest } = now;
+  const { attitude = mean, initial_state, final_state, slew, sessions: before = [] } = ofAxes ?? {};
+  made.value = {
+    ...rest,
+    platform: next,
+    attitude,
+    ...((initial_state || now.initial_state) && { initial_state: { ...initial_state, ...now.initial_state } }),
+    ...((slew || now.slew) && { slew: { ...slew, ...now.slew } }),
+    ...(final_state !== undefined && { final_state }),
+    sessions: now.sessions.map((one, number) => {
+      const keyhole = before[number]?.target === one.target ? before[number]?.keyhole : undefined;
+      return keyhole ? { ...one, keyhole } : one;
+    }),
+  } as DraftRequest;
 }
 
 export function setKind(next: string): void {
@@ -161,6 +204,7 @@ export function removeSession(number: number): void {
 export function load(asked: PlanRequest | DraftRequest, replaces: string | null, from: string | null = null): void {
   batch(() => {
     made.value = asked as DraftRequest;
+    ofAxes = null;
     // A name that was made of the targets follows them.
     if (asked.name && asked.name === targetsTold()) change({ name: "" });
     chosen.value = 0;
@@ -187,10 +231,16 @@ export function loadWindow(searched: SearchRequest, window: { target?: string; s
   });
 }
 
-/** The request that a JSON text holds; null for what has no orbit, attitude and sessions. */
+/** The request that a JSON text holds; null for what has no orbit, sessions and, but of a body, attitude. */
 export function requestOf(read: unknown): DraftRequest | null {
-  const isRequest = isMembers(read) && isMembers(read.orbit) && isMembers(read.attitude) && Array.isArray(read.sessions);
+  const isRequest = isMembers(read) && isMembers(read.orbit) && Array.isArray(read.sessions) && hasAttitude(read);
   return isRequest && (read.sessions as unknown[]).every(isMembers) ? (read as unknown as DraftRequest) : null;
+}
+
+/** A body may go by a name that only the service knows. */
+function hasAttitude({ attitude, platform: of }: Members): boolean {
+  const mayBeBody = typeof of === "string" || (isMembers(of) && of.kind === "body");
+  return isMembers(attitude) || (attitude === undefined && mayBeBody);
 }
 
 function begin(one: DraftSession): number {

@@ -4,7 +4,9 @@ import { computed, signal } from "@preact/signals";
 import { get, type Schemas } from "../../api/client";
 import * as draft from "./draft";
 
-export type Platform = Schemas["PlatformDefinition"];
+export type TwoAxes = Schemas["PlatformDefinition"];
+export type Body = Schemas["BodyPlatform"];
+export type Platform = TwoAxes | Body;
 
 /** null until the service has told them. */
 export const platforms = signal<readonly Platform[] | null>(null);
@@ -13,9 +15,7 @@ export const platforms = signal<readonly Platform[] | null>(null);
 export async function learnPlatforms(until: AbortSignal): Promise<void> {
   if (platforms.peek()) return;
   try {
-    // the form writes requests of two axes only
-    const known = (await get("/v1/platforms", { signal: until })).platforms;
-    platforms.value = known.filter((one): one is Platform => one.kind !== "body");
+    platforms.value = (await get("/v1/platforms", { signal: until })).platforms;
   } catch (error) {
     if (until.aborted) return;
     platforms.value = [];
@@ -29,23 +29,54 @@ export const platform = computed<Platform | null>(() => {
   return platforms.value?.find((one) => one.name === asked) ?? null;
 });
 
-export const axes = computed(() => (platform.value ? [platform.value.outer.name, platform.value.inner.name] : []));
+/** The spacecraft, where it turns as a whole. */
+export const body = computed<Body | null>(() => (platform.value?.kind === "body" ? platform.value : null));
+
+/** The axes, where there are two on a carrier. */
+export const twoAxes = computed<TwoAxes | null>(() => (platform.value && platform.value.kind !== "body" ? platform.value : null));
+
+export const axes = computed(() => (twoAxes.value ? [twoAxes.value.outer.name, twoAxes.value.inner.name] : []));
 
 /** Yaw, pitch and roll from LVLH that the carrier usually has; degrees. */
-export const usual = computed(() => platform.value?.usual_yaw_pitch_roll_deg ?? null);
+export const usual = computed(() => twoAxes.value?.usual_yaw_pitch_roll_deg ?? null);
+
+const AXES_ONLY = [
+  "PlanRequest.attitude",
+  "AskedInitialState.angles_deg",
+  "AskedInitialState.rates_deg_s",
+  "AskedInitialState.accelerations_deg_s2",
+  "PlanRequest.final_state.rest",
+  "PlanRequest.final_state.FinalAngles",
+  "SlewOptions.method",
+  "SlewOptions.jerk_max_deg_s3",
+  "SlewOptions.filter_cutoff_hz",
+  "SlewOptions.filter_lag_compensation",
+  "SlewOptions.keep_out",
+  "SlewOptions.avoid_modes",
+  "Session.keyhole",
+  "Session.target.test_motion",
+];
+const BODY_ONLY = ["PlanRequest.final_state.idle"];
+
+/** Fields, and values of fields, that a platform of the other kind has. */
+export const others = computed<readonly string[]>(() => (body.value ? AXES_ONLY : BODY_ONLY));
 
 /** The carrier's usual mean attitude in the place of what is there. */
 export function takeUsual(): void {
-  const [yaw_deg, pitch_deg, roll_deg] = usual.peek() ?? [0, 0, 0];
   const attitude = draft.attitude.peek();
-  const others = attitude.law === "lvlh" ? attitude : {};
-  draft.change({ attitude: { ...others, law: "lvlh", yaw_deg, pitch_deg, roll_deg } as draft.Attitude });
+  const rest = attitude.law === "lvlh" ? attitude : {};
+  draft.change({ attitude: { ...rest, ...usualOf(twoAxes.peek()) } as draft.Attitude });
+}
+
+export function usualOf(one: TwoAxes | null): draft.Attitude {
+  const [yaw_deg = 0, pitch_deg = 0, roll_deg = 0] = one?.usual_yaw_pitch_roll_deg ?? [];
+  return { law: "lvlh", yaw_deg, pitch_deg, roll_deg };
 }
 
 /** Whether the attitude is 0/0/0 although the carrier's usual mean is another. */
 export const isUnlikely = computed(() => {
   const attitude = draft.attitude.value;
-  if (attitude.law !== "lvlh" || !usual.value) return false;
+  if (body.value || attitude.law !== "lvlh" || !usual.value) return false;
   return ![attitude.yaw_deg, attitude.pitch_deg, attitude.roll_deg].some(Boolean) && usual.value.some(Boolean);
 });
 
@@ -55,7 +86,7 @@ const SPARE_S = 4;
 
 /** Time to leave for a slew between two sessions, by the axes' angles at its ends; degrees, seconds. */
 export function slewTime_s(from: Readonly<Record<string, number>> | null, to: Readonly<Record<string, number>> | null): number {
-  const one = platform.peek();
+  const one = twoAxes.peek();
   if (!one) return 0;
   const times = [one.outer, one.inner].map((axis) => {
     const [first, last] = [from?.[axis.name], to?.[axis.name]];

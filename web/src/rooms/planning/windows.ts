@@ -7,7 +7,7 @@ import { isAbort } from "../../api/problem";
 import { rfc3339 } from "../../i18n/forms";
 import { lightOf } from "../../windows/sight";
 import * as draft from "./draft";
-import { platforms, slewTime_s } from "./platforms";
+import { body, platforms, slewTime_s } from "./platforms";
 import { durationOf, middleOf, type Target } from "./target";
 
 /** With all that `include` below asks for. */
@@ -177,9 +177,9 @@ function isOneOf(modes: readonly string[], mode: string): boolean {
 
 let last: string | null = null;
 
-/** The target that windows are looked for: of a path the point halfway; null where there are none. */
+/** The target that windows are looked for: of a path the point halfway; null where there are none, as for a body. */
 export function searchedOf(target: Target | undefined): Target | null {
-  if (!target) return null;
+  if (!target || body.value) return null;
   if (target.mode === "ground_path") {
     const middle = middleOf(target.points);
     return middle && target.points.length > 1 ? { mode: "ground", ...middle } : null;
