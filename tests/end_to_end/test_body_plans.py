@@ -97,6 +97,14 @@ def test_least_time_joins_no_later_than_asked_and_a_star_is_a_target_too():
     assert elapsed_s(plan.scenario.sessions[0].start, joined_utc) >= 4.0
 
 
+def test_least_time_is_sought_to_its_end_for_every_session():
+    """Making the solver once took more work than a slew may, and the first fell back to smooth."""
+    plan = planned(body_request(slew={"objective": "minimum_time"}))
+    assert plan.verification.passed
+    assert plan.warnings == ()
+    assert max(slew.duration_s / slew.minimum_s for slew in plan.slews) < 2.0
+
+
 def test_a_turn_for_which_there_is_no_time_is_refused_with_the_time_it_takes():
     slow = SMALLSAT | {"agility": SMALLSAT["agility"] | {"acceleration_max_deg_s2": 0.05}}
     with pytest.raises(InfeasibleSlew, match="the body needs") as refused:

@@ -13,7 +13,9 @@ kept at samples, deeper by what a path can bulge between two of them.
 Spans are runs of equal share of phases, whose lengths are free in least time, so that switches
 lie where they belong; at a given time both are given, and spans begin and end on rows.  The
 goal's motion is a polynomial in the time of arrival.  Time is counted in the first guess's.
-One programme serves all objectives: its solver is made once for each size and kind of limit.
+One programme serves all objectives: its solver is made once for each size and kind of limit,
+from the derivatives of one span, which are mapped over all: derivatives of the whole took 15 times
+as long to find, and 45 to 170 MB to keep.
 
 Source: S. Blanes, F. Casas, J. Ros, BIT 40 (2000), 434-450, of the Magnus expansion.
 """
@@ -50,9 +52,9 @@ class ProgrammeOptions:
     solvers_kept: int = 32
     # Of `effort`: to ask, an iteration of a span, and of a span and cone; to make a solver.
     asked: float = 60.0
-    span_iteration: float = 18.0
-    cone_iteration: float = 8.0
-    made_span: float = 3000.0
+    span_iteration: float = 14.0
+    cone_iteration: float = 12.0
+    made_span: float = 200.0
 
 
 OPTIONS = ProgrammeOptions()
@@ -115,7 +117,7 @@ def _rotated(q: "casadi.SX", v: "casadi.SX") -> "casadi.SX":
 
 
 class BoundedSolver(NamedTuple):
-    """A solver, and the bounds of its constraints: equalities first."""
+    """A solver, and the bounds of its constraints."""
 
     solver: Solver
     lbg_numbers: Array
@@ -124,88 +126,170 @@ class BoundedSolver(NamedTuple):
 
 @lru_cache(maxsize=OPTIONS.solvers_kept)
 def body_solver(spans: int, phases: int, kind: LimitKind, cones: int) -> BoundedSolver:
-    """Made once per process and size, 1 s."""
+    """Made once per process and size, 30 to 50 ms: a span's derivatives are found once."""
+    import casadi as ca
+
+    span = _span_functions(kind, cones)
+    whole = _whole_functions(spans, phases, span.rows.size1_in(1))
+    x, p = (ca.MX.sym(name, whole.spread.size1_in(i)) for i, name in enumerate(("x", "p")))
+    each, numbers, met = whole.spread(x, p)
+    each_by_x, met_by_x = whole.spread_by_x(x, p)
+    given = each, ca.repmat(numbers, 1, spans)
+    rows = span.rows.map(spans)(*given)
+    size, count = rows.size1(), rows.numel()
+    lam_f, lam_g = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", count + met.numel())
+    lam = ca.reshape(lam_g[:count], size, spans)
+    rows_by_each = ca.horzsplit(span.jacobian.map(spans)(*given), each.size1())
+    bent_by_each = ca.horzsplit(span.hessian.map(spans)(*given, lam), each.size1())
+    hessian = each_by_x.T @ ca.diagcat(*bent_by_each) @ each_by_x
+    hessian += whole.hessian(x, p, lam_f, lam_g[count:])
+    g = ca.vertcat(ca.vec(rows), met)
+    g_by_x = ca.vertcat(ca.diagcat(*rows_by_each) @ each_by_x, met_by_x)
+    iteration = spans * (OPTIONS.span_iteration + cones * OPTIONS.cone_iteration)
+    solver = Solver(
+        {"x": x, "p": p, "f": whole.cost(x, p), "g": g},
+        IPOPT,
+        Work(OPTIONS.asked, iteration),
+        jacobian=ca.Function("nlp_jac_g", [x, p], [g, g_by_x], ["x", "p"], ["g", "jac_g_x"]),
+        hessian=ca.Function(
+            "nlp_hess_l",
+            [x, p, lam_f, lam_g],
+            [ca.triu(hessian)],
+            ["x", "p", "lam_f", "lam_g"],
+            ["triu_hess_gamma_x_x"],
+        ),
+    )
+    least, most = (
+        np.tile(bounds, (spans, 1)) for bounds in (span.least_numbers, span.most_numbers)
+    )
+    given_start = slice(10, 16 if kind == "axis" else 12)
+    for side, follows in ((0, given_start), (-1, slice(size - cones, size))):  # from the ends
+        least[side, follows], most[side, follows] = -np.inf, np.inf
+    zero = np.zeros(met.numel())
+    return BoundedSolver(solver, np.append(least, zero), np.append(most, zero))
+
+
+class _WholeFunctions(NamedTuple):
+    """Of all variables x and numbers p of the programme.
+
+    spread: the variables of each span in a column, the numbers that all share, and what is 0
+    where the goal is met.  cost.  hessian: of cost and meeting, times a multiplier each.
+    """
+
+    spread: "casadi.Function"
+    spread_by_x: "casadi.Function"
+    cost: "casadi.Function"
+    hessian: "casadi.Function"
+
+
+def _whole_functions(spans: int, phases: int, shared: int) -> _WholeFunctions:
     import casadi as ca
 
     q, j = ca.SX.sym("q", 4, spans + 1), ca.SX.sym("jerk", 6, spans)
     w, a = ca.SX.sym("omega", 3, spans + 1), ca.SX.sym("alpha", 3, spans + 1)
     T, shares = ca.SX.sym("T"), ca.SX.sym("shares", phases)
     fractions = ca.SX.sym("fractions", spans)  # of its phase
-    most = ca.SX.sym("most", 3, 3)  # by body axis, of rate, acceleration, jerk
     goal, about = ca.SX.sym("goal", 10, OPTIONS.goal_degree + 1), ca.SX.sym("about", 2)
     weights = ca.SX.sym("weights", 2)  # of time and of jerk
+    numbers = ca.SX.sym("numbers", shared)
+    widths = (ca.repmat(shares.T, spans // phases, 1).reshape((1, spans))) * fractions.T
+    begins = ca.cumsum(widths, 1) - widths
+    knots = ca.vertcat(q, w, a)
+    each = ca.vertcat(ca.repmat(T, 1, spans), widths, begins, knots[:, :-1], j, knots[:, 1:])
+    j0, j1 = j[:3, :], j[3:, :]
+    squares = ca.sum1(j0**2 + j0 * j1 + j1**2) / 3
+    cost = weights[0] * T + weights[1] * T * ca.dot(widths, squares)
+    z = (T - about[0]) / about[1]
+    arrival = goal @ ca.vertcat(*(z**p for p in range(OPTIONS.goal_degree + 1)))
+    off = _product(ca.vertcat(-arrival[:3], arrival[3]), q[:, spans])
+    met = ca.vertcat(
+        off[:3], w[:, spans] - arrival[4:7], a[:, spans] - arrival[7:], ca.sum1(shares) - 1.0
+    )
+    x, p = ca.veccat(q, w, a, j, T, shares), ca.veccat(fractions, goal, about, weights, numbers)
+    lam_f, lam_met = ca.SX.sym("lam_f"), ca.SX.sym("lam_met", met.numel())
+    bent, _ = ca.hessian(lam_f * cost + ca.dot(lam_met, met), x)
+    by_x = [ca.jacobian(ca.vec(each), x), ca.jacobian(met, x)]
+    return _WholeFunctions(
+        spread=ca.Function("spread", [x, p], [each, numbers, met]),
+        spread_by_x=ca.Function("spread_by_x", [x, p], by_x),
+        cost=ca.Function("cost", [x, p], [cost]),
+        hessian=ca.Function("hessian", [x, p, lam_f, lam_met], [bent]),
+    )
+
+
+class _SpanFunctions(NamedTuple):
+    """Of one span's variables and the numbers that all spans share.
+
+    rows: what is kept between least_numbers and most_numbers: 10 of the motion, limits, cones.
+    hessian: of the rows, times a multiplier each.
+    """
+
+    rows: "casadi.Function"
+    jacobian: "casadi.Function"
+    hessian: "casadi.Function"
+    least_numbers: Array
+    most_numbers: Array
+
+
+@lru_cache(maxsize=OPTIONS.solvers_kept)
+def _span_functions(kind: LimitKind, cones: int) -> _SpanFunctions:
+    import casadi as ca
+
+    T, share, begun = (ca.SX.sym(name) for name in ("T", "share", "begun"))
+    begin, omega, alpha, jerk, end, next_omega, next_alpha = (
+        ca.SX.sym(f"v{i}", n) for i, n in enumerate((4, 3, 3, 6, 4, 3, 3))
+    )
+    most = ca.SX.sym("most", 3, 3)  # by body axis, of rate, acceleration, jerk
     b, cosine = ca.SX.sym("b", 3, cones), ca.SX.sym("cosine", cones)
     centre = ca.SX.sym("centre", 3 * (OPTIONS.centre_degree + 1), cones)
     bend = ca.SX.sym("bend", cones)  # at least |d2/dt2 (b . s)|
-    zero, inside, cost = [], [], ca.SX(0)
+    inside = []
 
     def keep(order: int, *points: ca.SX) -> None:
         for point in points:
             x = point / most[:, order]
             inside.append(ca.dot(x, x) if kind == "magnitude" else x)
 
-    begun = ca.SX(0)
-    for k in range(spans):
-        h = T * shares[k * phases // spans] * fractions[k]
-        span = _Span(h, w[:, k], a[:, k], j[:3, k], j[3:, k])
-        begin, end = q[:, k], q[:, k + 1]
-        half = _product(begin, span.turn(0.0, 0.5))
-        zero += [_product(half, span.turn(0.5, 1.0)) - end]
-        zero += [span.rate(1.0) - w[:, k + 1], span.acceleration(1.0) - a[:, k + 1]]
-        if k:  # the start is given
-            keep(0, span.omega)
-            keep(1, span.alpha)
-        keep(0, span.omega + h / 3 * span.alpha, w[:, k + 1] - h / 3 * a[:, k + 1])
-        keep(1, span.alpha + h / 2 * span.j0)
-        keep(2, span.j0, span.j1)
-        cost += h / 3 * (ca.dot(span.j0, span.j0 + span.j1) + ca.dot(span.j1, span.j1))
-        path = {0.5: half, 1.0: end}
-        for i in range(1, OPTIONS.samples + 1) if cones else ():
-            share = i / OPTIONS.samples
-            if k == spans - 1 and share == 1.0:
-                continue  # the end is the goal's
-            here = path.get(share)
-            if here is None:
-                first = 0.0 if share < 0.5 else 0.5
-                here = _product(half if first else begin, span.turn(first, share))
-            z = 2.0 * (begun + share * h) - 1.0
-            bulge = bend * (h / OPTIONS.samples) ** 2 / 8.0
-            powers = ca.vertcat(*(z**p for p in range(OPTIONS.centre_degree + 1)))
-            for c in range(cones):
-                middle = ca.reshape(centre[:, c], 3, OPTIONS.centre_degree + 1) @ powers
-                off = ca.dot(_rotated(here, b[:, c]), middle) - cosine[c]
-                inside.append(off + bulge[c] + 1.0)
-        begun += h
-    z = (T - about[0]) / about[1]
-    arrival = goal @ ca.vertcat(*(z**p for p in range(OPTIONS.goal_degree + 1)))
-    off = _product(ca.vertcat(-arrival[:3], arrival[3]), q[:, spans])
-    zero += [off[:3], w[:, spans] - arrival[4:7], a[:, spans] - arrival[7:]]
-    zero.append(ca.sum1(shares) - 1.0)
-
-    equal, under = ca.vertcat(*zero), ca.vertcat(*inside)
-    programme = {
-        "x": ca.veccat(q, w, a, j, T, shares),
-        "p": ca.veccat(fractions, most, goal, about, weights, b, cosine, centre, bend),
-        "f": weights[0] * T + weights[1] * cost,
-        "g": ca.vertcat(equal, under),
-    }
-    iteration = spans * (OPTIONS.span_iteration + cones * OPTIONS.cone_iteration)
-    solver = Solver(programme, IPOPT, Work(OPTIONS.asked, iteration))
-    n, m = equal.numel(), under.numel()
-    low = -np.ones(m) if kind == "axis" else np.full(m, -np.inf)
-    if kind == "axis" and cones:
-        low = np.where(_is_cone(spans, cones), -np.inf, low)
-    return BoundedSolver(solver, np.append(np.zeros(n), low), np.append(np.zeros(n), np.ones(m)))
-
-
-def _is_cone(spans: int, cones: int) -> Array:
-    """Which of the inequalities by axis are a cone's, in the programme's order."""
-    parts = []
-    for k in range(spans):
-        limited = 3 * ((2 if k else 0) + 5)
-        samples = OPTIONS.samples - (k == spans - 1)
-        parts += [np.zeros(limited), np.ones(samples * cones)]
-    return np.concatenate(parts).astype(bool)
+    h = T * share
+    span = _Span(h, omega, alpha, jerk[:3], jerk[3:])
+    half = _product(begin, span.turn(0.0, 0.5))
+    zero = [_product(half, span.turn(0.5, 1.0)) - end]
+    zero += [span.rate(1.0) - next_omega, span.acceleration(1.0) - next_alpha]
+    keep(0, omega)
+    keep(1, alpha)
+    keep(0, omega + h / 3 * alpha, next_omega - h / 3 * next_alpha)
+    keep(1, alpha + h / 2 * span.j0)
+    keep(2, span.j0, span.j1)
+    limited = ca.vertcat(*inside).numel()
+    path = {0.5: half, 1.0: end}
+    for i in range(1, OPTIONS.samples + 1) if cones else ():
+        at = i / OPTIONS.samples
+        here = path.get(at)
+        if here is None:
+            first = 0.0 if at < 0.5 else 0.5
+            here = _product(half if first else begin, span.turn(first, at))
+        z = 2.0 * T * (begun + at * share) - 1.0
+        bulge = bend * (h / OPTIONS.samples) ** 2 / 8.0
+        powers = ca.vertcat(*(z**p for p in range(OPTIONS.centre_degree + 1)))
+        for c in range(cones):
+            middle = ca.reshape(centre[:, c], 3, OPTIONS.centre_degree + 1) @ powers
+            off = ca.dot(_rotated(here, b[:, c]), middle) - cosine[c]
+            inside.append(off + bulge[c] + 1.0)
+    x = ca.vertcat(T, share, begun, begin, omega, alpha, jerk, end, next_omega, next_alpha)
+    p = ca.veccat(most, b, cosine, centre, bend)
+    rows = ca.vertcat(*zero, *inside)
+    lam = ca.SX.sym("lam", rows.numel())
+    least = np.full(rows.numel(), -np.inf)
+    least[:10] = 0.0
+    if kind == "axis":
+        least[10 : 10 + limited] = -1.0
+    return _SpanFunctions(
+        rows=ca.Function("rows", [x, p], [rows]),
+        jacobian=ca.Function("jacobian", [x, p], [ca.jacobian(rows, x)]),
+        hessian=ca.Function("hessian", [x, p, lam], [ca.hessian(ca.dot(lam, rows), x)[0]]),
+        least_numbers=least,
+        most_numbers=np.append(np.zeros(10), np.ones(rows.numel() - 10)),
+    )
 
 
 class SpanMotion(NamedTuple):
@@ -390,10 +474,10 @@ def solve(
         weights = [1.0, OPTIONS.jerk_weight / float(most[:, 2] @ most[:, 2])]
     numbers = [
         fractions.ravel(),
-        most.ravel(order="F"),
         (arrival.goal_coefficients * rates[:, None]).ravel(order="F"),
         [arrival.middle_s / unit_s, arrival.half_s / unit_s],
         weights,
+        most.ravel(order="F"),
         *_cone_numbers(problem, arrival, unit_s),
     ]
     x0 = [
