@@ -21,7 +21,7 @@ from planner.planning.opportunities import (
 )
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import OemOrbit, StateVectorOrbit
-from planner.world.targets import GroundTarget
+from planner.world.targets import GroundTarget, MovingGroundTarget
 
 STATE = StateVectorOrbit(
     frame="EME2000",
@@ -38,6 +38,7 @@ CASES = {
 }
 # By which elevations from two Earth orientations and orbits differ: 5 cm at 400 km
 ERROR_RAD = 1.5e-7
+EQUATOR_M = 6378137.0  # radius, WGS84
 
 
 def places(count):
@@ -47,6 +48,25 @@ def places(count):
         GroundTarget(latitude_deg=latitude_deg, longitude_deg=longitude_deg)
         for latitude_deg, longitude_deg in zip(
             latitudes_deg.tolist(), rng.uniform(-180.0, 180.0, count).tolist(), strict=True
+        )
+    ]
+
+
+def ships_and_aircraft(count):
+    """East along the equator, where the way is an arc of a circle."""
+    rng = np.random.default_rng(46)
+    return [
+        MovingGroundTarget(
+            epoch=START,
+            latitude_deg=0.0,
+            longitude_deg=longitude_deg,
+            course_deg=90.0,
+            speed_m_s=speed_m_s,
+        )
+        for longitude_deg, speed_m_s in zip(
+            rng.uniform(-180.0, 180.0, count).tolist(),
+            np.exp(rng.uniform(1.0, 6.0, count)).tolist(),
+            strict=True,
         )
     ]
 
@@ -68,23 +88,29 @@ def elevation_rad(timescale, request, target, t_s):
     ephemeris = request.orbit.ephemeris(request.start, request.stop)
     r_m = ephemeris.states(instants).r_sat_eci_m
     turned = itrs.rotation_at(timescale.tt_jd(*instants.tt_jd()))
-    place = wgs84.latlon(target.latitude_deg, target.longitude_deg)
-    apart_m = np.einsum("ijn,nj->ni", turned, r_m) - place.itrs_xyz.m
-    latitude, longitude = math.radians(target.latitude_deg), math.radians(target.longitude_deg)
-    up = [
-        math.cos(latitude) * math.cos(longitude),
-        math.cos(latitude) * math.sin(longitude),
-        math.sin(latitude),
-    ]
-    return np.arcsin(apart_m @ np.array(up) / np.linalg.norm(apart_m, axis=1))
+    passed_rad = np.asarray(t_s) * getattr(target, "speed_m_s", 0.0) / EQUATOR_M
+    longitude = math.radians(target.longitude_deg) + passed_rad
+    latitude = np.full(len(longitude), math.radians(target.latitude_deg))
+    place = wgs84.latlon(np.degrees(latitude), np.degrees(longitude))
+    apart_m = np.einsum("ijn,nj->ni", turned, r_m) - place.itrs_xyz.m.T
+    up = (
+        np.cos(latitude) * np.cos(longitude),
+        np.cos(latitude) * np.sin(longitude),
+        np.sin(latitude),
+    )
+    return np.arcsin(np.einsum("ni,in->n", apart_m, up) / np.linalg.norm(apart_m, axis=1))
 
 
-@pytest.mark.parametrize("case", CASES)
-def test_windows_of_milliseconds_are_found(skyfield, case):
+@pytest.mark.parametrize(
+    ("case", "targets"),
+    [*((case, places(400)) for case in CASES), ("elements", ships_and_aircraft(40))],
+    ids=[*CASES, "moving"],
+)
+def test_windows_of_milliseconds_are_found(skyfield, case, targets):
     """The least elevation lies below a pass's greatest by what is left for so long a window."""
     timescale = skyfield[0]
     orbit, start, days = CASES[case]
-    request, whole = searched(orbit, start, days, places(400))
+    request, whole = searched(orbit, start, days, targets)
     rng = np.random.default_rng(1)
     grazing, asked = [], []
     for row in range(len(whole)):

@@ -36,7 +36,7 @@ class CarrierTableOptions:
     step_turn_rad: float = 0.066  # of the carrier about the Earth between rows: 60 s in low orbit
     step_max_s: float = 900.0  # high orbits turn slowly, but their targets don't
     body_step_s: float = 900.0  # of the Sun and the Moon: 0.1 mas of the Earth's turn below them
-    level_step_s: float = 3600.0  # of an attitude that rests in the local orbital frame
+    body_eci_step_s: float = 10_800.0  # of their own motion: the Moon's by 0.004 mas
     between_rows: float = 1.05  # times what it is on rows, a motion may be
     attitude_step_min_s: float = 1.0  # telemetry has a row a second
     attitude_error_rad: float = 5e-7  # 0.1 arcsec: less than what drives and orbit leave
@@ -133,8 +133,7 @@ def carrier_over(
     r_sat_itrf_m = _to_itrf(c_itrf, rows.states.r_sat_eci_m)
     v_sat_itrf_m_s = _to_itrf(c_itrf, rows.states.v_sat_eci_m_s)
     if isinstance(attitude, LvlhAttitude) and not attitude.corrections:
-        cells = 2 * max(math.ceil(span_s / OPTIONS.level_step_s / 2.0), NODES - 1)
-        rows = _rows(ephemeris, start_utc, span_s, cells)
+        rows = _rows(ephemeris, start_utc, span_s, 2 * (NODES - 1))  # it rests in the orbit's frame
     q_platform_from_lvlh_xyzw, turn_rad_s = _attitude_table(rows, ephemeris, attitude, platform)
     passing_m2_s = np.linalg.norm(np.cross(r_sat_itrf_m, v_sat_itrf_m_s), axis=1)
     turn_max_rad_s = float(np.max(passing_m2_s / np.sum(r_sat_itrf_m**2, axis=1)))
@@ -203,10 +202,16 @@ def _perigee_rate_rad_s(states: OrbitStates) -> float:
 
 def _body_table(body: str, start_utc: datetime, span_s: float) -> UniformTable:
     """Where it is seen from the geocentre, ITRF axes."""
-    cells = max(math.ceil(span_s / OPTIONS.body_step_s), NODES - 1)
-    instants = Instants(start_utc, np.linspace(0.0, span_s, cells + 1))
-    r_itrf_m = _to_itrf(c_itrf_from_eci(instants), apparent_geocentric_m(body, instants))
-    return UniformTable(span_s / cells, r_itrf_m)
+    steps, instants = zip(
+        *(
+            (span_s / cells, Instants(start_utc, np.linspace(0.0, span_s, cells + 1)))
+            for step_s in (OPTIONS.body_eci_step_s, OPTIONS.body_step_s)
+            for cells in [max(math.ceil(span_s / step_s), NODES - 1)]
+        ),
+        strict=True,
+    )
+    r_eci_m = UniformTable(steps[0], apparent_geocentric_m(body, instants[0])).at(instants[1].t_s)
+    return UniformTable(steps[1], _to_itrf(c_itrf_from_eci(instants[1]), r_eci_m))
 
 
 def apparent_geocentric_m(body: str, instants: Instants) -> Array:
