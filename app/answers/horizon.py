@@ -12,9 +12,16 @@ import numpy as np
 
 from app.answers.horizon_view import ViewOut
 from app.answers.members import BUILT_ON_FIRST_USE, DECIMALS, ProvenanceOut, degrees, fill
-from app.answers.ranges import DirectionPart, HalfTurnDeg, NotNegative, Share, Signed, TurnDeg
 from estimator.check import Verdict
 from estimator.errors import Reason
+from planner.base.answer_members import (
+    DirectionPart,
+    HalfTurnDeg,
+    NotNegative,
+    Share,
+    Signed,
+    TurnDeg,
+)
 from planner.base.arrays import Array
 from planner.world.frames.time_scales import utc_text
 

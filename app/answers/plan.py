@@ -12,7 +12,7 @@ from app.answers.members import (
     ProvenanceOut,
     to_json,
 )
-from app.answers.ranges import Count, NotNegative
+from planner.base.answer_members import Count, NotNegative
 from planner.base.assumed import Assumed
 from planner.base.commands import COMMAND_STEP_S, CommandTable
 from planner.base.errors import Unverified
