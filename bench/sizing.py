@@ -36,7 +36,8 @@ CASES: dict[str, tuple[Callable[[Request], object], str]] = {
     "plan of one session": (slewtrack.plan, "las_vegas_2015"),
     "plan of three sessions": (slewtrack.plan, "three_sessions"),
     "refusal with ways out": (refuse, "las_vegas_2015"),
-    "windows of six targets": (
+    "windows of six targets": (slewtrack.opportunities, "opportunities_gallery"),
+    "  with probabilities": (
         partial(slewtrack.opportunities, include=("view", "probability")),
         "opportunities_gallery",
     ),

@@ -1,11 +1,11 @@
 """Agreement of the measured vertical with the planned attitude."""
 
 import math
-from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
 
+from planner.base.answer_members import Angle, HalfTurn, Internal, Share, answer
 from planner.base.arrays import Array
 
 INCONSISTENT_BELOW = 1e-3
@@ -20,23 +20,27 @@ class Verdict(StrEnum):
     MEASURED = "measured"
 
 
-@dataclass(frozen=True, eq=False)
+@answer
 class AttitudeCheck:
     """The measured nadir against the predicted one.
 
-    angle_rad: between them; along_rad and across_rad: its parts along the two covariance axes.
-    probability: that errors of the stated sizes alone would differ by this much or more
-    (chi-square, two degrees of freedom).  The turn about nadir is not measured.
+    The turn about nadir is not measured.
+
+    angle_rad: between them.
+    along_rad: its part on the first of `axes_body`, from the prediction to the measurement.
+    across_rad: its part on the second of `axes_body`, from the prediction to the measurement.
+    probability: that errors of the stated sizes differ by as much or more.
     turn_body_rad: rotation vector from the predicted body to the measured one, none of it about
-    nadir.  turn_covariance_rad2: (3, 3), of the measurement alone, pi about nadir.
+    nadir.
+    turn_covariance_rad2: (3, 3), of the measurement alone, pi about nadir.
     """
 
-    angle_rad: float
-    along_rad: float
-    across_rad: float
-    probability: float
-    turn_body_rad: Array
-    turn_covariance_rad2: Array
+    angle_rad: HalfTurn
+    along_rad: Angle
+    across_rad: Angle
+    probability: Share
+    turn_body_rad: Internal[Array]
+    turn_covariance_rad2: Internal[Array]
 
     @property
     def verdict(self) -> Verdict:

@@ -9,8 +9,8 @@ from pydantic import SerializeAsAny
 from app.answers.job import JobResponse, job_out
 from app.answers.members import fill, from_store, to_json
 from app.answers.problem import Problem
-from app.answers.ranges import Count, NotNegative, Share
 from app.ids import JobState
+from planner.base.answer_members import Count, NotNegative, Share
 from planner.base.assumed import Assumed
 from planner.planning.campaigns.chosen import ChosenLook, UnchosenTarget
 from planner.planning.opportunities.closing import Unseen

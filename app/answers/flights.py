@@ -10,8 +10,8 @@ from pydantic import Field, SerializeAsAny
 
 from app.answers.job import JobResponse, job_out
 from app.answers.members import fill, from_store, to_json
-from app.answers.ranges import Count, NotNegative, Share
 from app.store.packed import unzip
+from planner.base.answer_members import Count, NotNegative, Share
 from planner.base.arrays import Array
 from planner.inflight.flights.contributors import Contributor
 from planner.inflight.flights.outcomes import NominalSession

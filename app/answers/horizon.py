@@ -12,9 +12,14 @@ import numpy as np
 
 from app.answers.horizon_view import ViewOut
 from app.answers.members import BUILT_ON_FIRST_USE, DECIMALS, ProvenanceOut, degrees, fill
-from app.answers.ranges import DirectionPart, HalfTurnDeg, NotNegative, Share, Signed, TurnDeg
-from estimator.check import Verdict
+from estimator.check import AttitudeCheck, Verdict
 from estimator.errors import Reason
+from planner.base.answer_members import (
+    DirectionPart,
+    NotNegative,
+    Signed,
+    TurnDeg,
+)
 from planner.base.arrays import Array
 from planner.world.frames.time_scales import utc_text
 
@@ -23,24 +28,6 @@ if TYPE_CHECKING:
     from estimator.prediction import HorizonPrediction
 
 PIXEL_DECIMALS = 2
-
-
-@dataclass(frozen=True, kw_only=True)
-class CheckOut:
-    """The measured nadir against the predicted one.
-
-    The turn about nadir is not measured.
-
-    angle_deg: between them.
-    along_deg: its part on the first of `axes_body`, from the prediction to the measurement.
-    across_deg: its part on the second of `axes_body`, from the prediction to the measurement.
-    probability: that errors of the stated sizes differ by as much or more.
-    """
-
-    angle_deg: HalfTurnDeg
-    along_deg: Signed
-    across_deg: Signed
-    probability: Share
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -123,7 +110,7 @@ class EstimateResponse:
     geodetic_sigma_deg: NotNegative | None
     limb_height_km: Signed | None
     limb_height_sigma_km: NotNegative | None
-    check: CheckOut | None
+    check: AttitudeCheck | None
     correction: CorrectionOut | None
     cameras: list[CameraOut]
     warnings: list[str]
@@ -183,7 +170,6 @@ def estimate_out(
         **_on_its_axes(geodetic, "geodetic_"),
         limb_height_km=_kilometres(estimate.limb_height_m),
         limb_height_sigma_km=_kilometres(estimate.limb_height_sigma_m),
-        check=check and fill(CheckOut, check, decimals=DECIMALS),
         correction=check
         and CorrectionOut(
             epoch=utc_text(epoch_utc),

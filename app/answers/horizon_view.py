@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from app.answers.ranges import Count, HalfTurnDeg, NotNegative, Signed, TurnDeg
+from planner.base.answer_members import Count, HalfTurnDeg, NotNegative, Signed, TurnDeg
 
 
 @dataclass(frozen=True, kw_only=True)

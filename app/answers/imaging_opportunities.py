@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from app.answers.opportunities import OpportunitiesHead, PassWindow
-from app.answers.ranges import Count
+from planner.base.answer_members import Count
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,8 +8,8 @@ from pydantic import Field, TypeAdapter
 
 from app.answers.members import BUILT_ON_FIRST_USE, fill, to_json
 from app.answers.problem import Problem
-from app.answers.ranges import Count, Share
 from app.ids import JobState
+from planner.base.answer_members import Count, Share
 
 if TYPE_CHECKING:  # children answer without a database
     from app.store.jobs import Job

@@ -6,7 +6,8 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from app.answers.members import BUILT_ON_FIRST_USE, ProvenanceOut
-from app.answers.ranges import (
+from app.answers.target_sky import PlaceOut, TargetSkyOut
+from planner.base.answer_members import (
     Count,
     ElevationDeg,
     ElevationOrLimbDeg,
@@ -15,7 +16,6 @@ from app.answers.ranges import (
     Share,
     Signed,
 )
-from app.answers.target_sky import PlaceOut, TargetSkyOut
 from planner.base.assumed import Assumed
 from planner.planning.opportunities.closing import Unseen
 

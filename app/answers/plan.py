@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict
 
 from app.answers.horizon_view import HorizonCheckOut
 from app.answers.members import PlanHead, ProvenanceOut, to_json
-from app.answers.ranges import Count, NotNegative
+from planner.base.answer_members import Count, NotNegative
 from planner.base.assumed import Assumed
 from planner.base.commands import COMMAND_STEP_S, CommandTable
 from planner.base.errors import Unverified

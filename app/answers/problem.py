@@ -7,7 +7,7 @@ from typing import Annotated, Any, TypeVar
 from pydantic import Field
 
 from app.answers.members import utc_or_none
-from app.answers.ranges import Count
+from planner.base.answer_members import Count
 from planner.base.errors import FieldError, Refusal, Relaxation
 
 TYPE_PREFIX = "urn:slewtrack:problem:"

@@ -11,7 +11,7 @@ from app.answers.members import (
     degrees_of,
     to_json,
 )
-from app.answers.ranges import Count, DirectionPart, NotNegative, Signed
+from planner.base.answer_members import Count, DirectionPart, NotNegative, Signed
 from planner.output.export.table_states import continuous
 from planner.spacecraft.flight.report import StabilisationReport
 from planner.spacecraft.requests import LeftOut

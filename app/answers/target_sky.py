@@ -1,13 +1,8 @@
 """The pass in the target's sky, as in pass tables: rise, culmination and set."""
 
 from dataclasses import dataclass
-from typing import Annotated
 
-from pydantic import Field
-
-from app.answers.ranges import ElevationDeg, Signed, TurnDeg
-
-LongitudeDeg = Annotated[float, Field(json_schema_extra={"minimum": -180.0, "maximum": 180.0})]
+from planner.base.answer_members import ElevationDeg, LongitudeDeg, Signed, TurnDeg
 
 
 @dataclass(frozen=True, kw_only=True)

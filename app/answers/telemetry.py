@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Literal
 
 from app.answers.horizon import CorrectionOut
 from app.answers.members import BUILT_ON_FIRST_USE, ProvenanceOut, fill, to_json
-from app.answers.ranges import Count, NotNegative, Signed
 from app.answers.telemetry_axes import AxisComparisonOut, EstimateOut, arcsec, axis_of, estimate
 from app.answers.telemetry_samples import SamplesOut, samples_of
+from planner.base.answer_members import Count, NotNegative, Signed
 from planner.base.arrays import Array
 from planner.world.attitude.corrections import AttitudeCorrection
 from planner.world.frames.time_scales import utc_text

@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-from app.answers.ranges import Count, NotNegative, Share, Signed
 from app.answers.telemetry_samples import StretchOut, span
+from planner.base.answer_members import Count, NotNegative, Share, Signed
 from planner.inflight.telemetry.following import Basis, Limit
 from planner.world.plan import SegmentKind
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from app.answers.members import fill
-from app.answers.ranges import Count, NotNegative
+from planner.base.answer_members import Count, NotNegative
 from planner.inflight.telemetry.samples import AngleUnit, Dropped, Kind
 from planner.world.frames.time_scales import shifted_utc, utc_text
 

@@ -5,7 +5,9 @@ internal error than that there was one.
 """
 
 import json
+import re
 from collections.abc import Mapping
+from difflib import get_close_matches
 from http import HTTPStatus
 from typing import Any
 
@@ -54,7 +56,11 @@ def http_error(request: Request, error: Exception) -> Response:
     status = HTTPStatus(error.status_code)
     detail = error.detail
     if detail == status.phrase:  # Starlette's own: say what would have worked
-        detail = _WAY_OUT.get(status, status.description)
+        way_out = {
+            HTTPStatus.NOT_FOUND: f"there is nothing at this address; {_near(request)}",
+            HTTPStatus.METHOD_NOT_ALLOWED: "this address has other methods: see the Allow header",
+        }
+        detail = way_out.get(status, status.description)
     return problem_answer(
         request,
         {"type": "about:blank", "title": status.phrase, "status": status.value, "detail": detail},
@@ -78,10 +84,14 @@ def _allowed_methods(request: Request) -> dict[str, str]:
     return {"Allow": ", ".join(sorted(methods | ({"HEAD"} if "GET" in methods else set())))}
 
 
-_WAY_OUT = {
-    HTTPStatus.NOT_FOUND: "there is nothing at this address; /docs lists what there is",
-    HTTPStatus.METHOD_NOT_ALLOWED: "this address has other methods: see the Allow header",
-}
+def _near(request: Request) -> str:
+    """The address of ours that was perhaps meant: it names the last word, or else looks alike."""
+    asked = _AN_ID.sub("/{id}", request.scope["path"][:200])
+    last = asked.rstrip("/").rpartition("/")[2]
+    ours = sorted(request.app.state.methods, key=len)
+    same_word = [path for path in ours if last.isalpha() and last in path.split("/")]
+    near = same_word or get_close_matches(asked, ours, 1)
+    return (f"did you mean {near[0]}? " if near else "") + "/docs lists what there is"
 
 
 def problem_answer(
@@ -99,6 +109,7 @@ def problem_answer(
     return Response(body, status, headers, media_type=PROBLEM_JSON)
 
 
+_AN_ID = re.compile(r"/[0-9a-f-]{8,}(?=/|$)")
 _ORDER = tuple(Problem.__dataclass_fields__)
 _PROBLEM_TYPE = "problem_type"
 _FOR_GOOD = TYPE_PREFIX + StoreDamaged.slug

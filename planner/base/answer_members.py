@@ -94,13 +94,10 @@ class Member:
     def _schema(self, kind: str) -> Schema:
         if kind == "bool":
             return {"type": kind}
-        if self.least is None:
-            return {
-                "type": kind,
-                "metadata": {"pydantic_js_updates": {"x-range": "any, of either sign"}},
-            }
-        ends = {"ge": self.least, "le": self.greatest}
-        return {"type": kind} | {name: end for name, end in ends.items() if end is not None}
+        told: Schema = {"minimum": self.least, "maximum": self.greatest}
+        told = {name: end for name, end in told.items() if end is not None}
+        told = told or {"x-range": "any, of either sign"}
+        return {"type": kind, "metadata": {"pydantic_js_updates": told}}  # made, not validated
 
     def _number(self, value: float) -> float:
         converted = value * _UNITS[self.unit][2]
@@ -138,6 +135,14 @@ HalfTurn = Annotated[float, Member("deg", 0.0, 180.0, decimals=9)]
 Elevation = Annotated[float, Member("deg", -90.0, 90.0, decimals=9)]
 Arcsec = Annotated[float, Member("arcsec", 0.0, decimals=9)]
 Km = Annotated[float, Member("km", 0.0, decimals=9)]
+
+# In degrees already, or of a unit vector; told as they are.
+TurnDeg = Annotated[float, Member(least=0.0, greatest=360.0)]
+HalfTurnDeg = Annotated[float, Member(least=0.0, greatest=180.0)]
+ElevationDeg = Annotated[float, Member(least=-90.0, greatest=90.0)]
+ElevationOrLimbDeg = Annotated[float, Member(least=-90.0, greatest=180.0)]
+LongitudeDeg = Annotated[float, Member(least=-180.0, greatest=180.0)]
+DirectionPart = Annotated[float, Member(least=-1.0, greatest=1.0)]
 
 # Columns, an entry a row; null where nothing is known.  1e-6 deg is 0.1 m on the ground.
 Latitudes = Annotated[Array, Member("deg", -90.0, 90.0, decimals=6, gaps=True)]

@@ -3,6 +3,7 @@
 import csv
 import dataclasses
 import io
+import itertools
 import json
 import re
 from datetime import UTC, datetime, timedelta
@@ -17,6 +18,7 @@ from app.answers.view import view_json
 from planner.base.commands import CommandTable, axis_channels
 from planner.base.errors import OutsideCoverage
 from planner.output.export import EXPORTERS
+from planner.output.export.figure_parts import panels_over_time, shade_spans
 from planner.output.view import view_plan
 from planner.output.view.netcdf import write_view_netcdf
 from planner.world.attitude.lvlh import LvlhAttitude
@@ -293,3 +295,21 @@ def test_a_view_begins_where_the_orbit_is_known():
         height_m = file.variables["carrier_height_m"]
         assert (height_m[:20] == height_m._FillValue).all()
         assert (height_m[20:] < 5e5).all()
+
+
+@pytest.mark.parametrize(
+    "spans_s", [[(280.0, 300.0)], [(0.0, 8.0)], [(10.0, 60.0), (90.0, 150.0), (250.0, 299.0)]]
+)
+def test_names_above_a_picture_lie_within_it_and_apart(spans_s):
+    name = "near Las Vegas (36.1147, -115.1728)"
+    epoch_utc = datetime(2015, 2, 27, tzinfo=UTC)
+    figure, panels = panels_over_time(["angle"], "a title", epoch_utc, 0.0, 300.0)
+    shade_spans(panels, [(*span_s, name) for span_s in spans_s], "session")
+    shown = panels[0].texts[0].get_text()
+    assert shown == name or (len(spans_s) > 1 and shown.startswith("near Las Vegas"))
+    figure.draw_without_rendering()
+    frame = panels[0].get_window_extent()
+    boxes = [text.get_window_extent() for text in panels[0].texts]
+    assert frame.x0 <= boxes[0].x0
+    assert boxes[-1].x1 <= frame.x1
+    assert all(first.x1 < second.x0 for first, second in itertools.pairwise(boxes))

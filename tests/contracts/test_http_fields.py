@@ -71,8 +71,7 @@ def untold(field, where):
         if not ("imum" in text or "x-range" in text or '"string"' in text):
             yield (
                 f"{where} states no range: write its type as Annotated[float, Within(least, "
-                "greatest)] in a request, as one of planner/base/answer_members.py or "
-                "app/answers/ranges.py in an answer"
+                "greatest)] in a request, as one of planner/base/answer_members.py in an answer"
             )
 
 

@@ -32,8 +32,19 @@ def assert_problem(answer, status: int) -> dict:
     return problem
 
 
-def test_unknown_address(client):
-    assert_problem(client.get("/v1/nothing"), 404)
+@pytest.mark.parametrize(
+    ("asked", "meant"),
+    [
+        ("/v1/plan", "did you mean /v1/plans? "),
+        ("/v1/plans/01a203fd-cbae-73f8-8276-319f76b8842c/comparisons", "/v1/telemetry/comparisons"),
+        ("/v1/plans/01a203fd-cbae-73f8-8276-319f76b8842c/tables", "mean /v1/plans/{id}/table? "),
+        ("/qqqq", "; /docs"),
+    ],
+)
+def test_unknown_address(client, asked, meant):
+    detail = assert_problem(client.get(asked), 404)["detail"]
+    assert meant in detail
+    assert detail.endswith("/docs lists what there is")
 
 
 def test_unknown_method(client):

@@ -337,7 +337,7 @@ def add_events(router: APIRouter, resource: JobResource) -> None:
 
     @router.get(
         "/{id}/events",
-        summary=f"Stream a {resource.singular}'s events",
+        summary=f"Stream the events of a {resource.singular}",
         response_class=StreamingResponse,
         responses={
             200: {

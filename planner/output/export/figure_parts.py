@@ -23,7 +23,7 @@ FORMATS = ("png", "svg", "pdf")
 _TICKS_MAX = 8
 _TICK_STEPS_S = (1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1200, 1800, 3600, 7200, 14400, 21600)
 _DAY_S = 86400
-_NAMES_MAX = 12  # side by side; with more they can't be read
+_ACROSS = 120  # characters of a name's size side by side over a panel
 
 
 def panels_over_time(
@@ -84,13 +84,20 @@ def shade_spans(panels: list[Axes], spans: Iterable[tuple[float, float, str]], l
             panel.axvspan(
                 start_s, stop_s, color=SPAN_COLOUR, zorder=0, label=label if is_told else None
             )
-    if len(spans) > _NAMES_MAX:
-        return
-    for start_s, stop_s, name in spans:
+    first_s, last_s = panels[0].get_xlim()
+    middles_s = [0.5 * (start_s + stop_s) for start_s, stop_s, _ in spans]
+    for middle_s, (_, _, name) in zip(middles_s, spans, strict=True):
+        away_s = (abs(middle_s - other_s) for other_s in middles_s if other_s != middle_s)
+        character_s = (last_s - first_s) / _ACROSS
+        most = int(min(away_s, default=last_s - first_s) / character_s)
+        if most < 8:  # that little can't be read
+            continue
+        shown = shown_text(name, most)
+        half_s = 0.5 * len(shown) * character_s
         panels[0].text(
-            0.5 * (start_s + stop_s),
+            min(max(middle_s, first_s + half_s), last_s - half_s),
             1.01,
-            shown_text(name, NAME_MAX),
+            shown,
             transform=panels[0].get_xaxis_transform(),
             ha="center",
             va="bottom",
