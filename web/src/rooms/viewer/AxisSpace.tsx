@@ -24,9 +24,13 @@ export function AxisSpace({ view, stretches }: Props) {
   const [across, up] = [view.axes[outer], view.axes[inner]];
   const [acrossMay, upMay] = [view.limits[outer], view.limits[inner]];
   if (!across || !up || !acrossMay || !upMay) return null;
+  const ends: (number | null)[] = [acrossMay, upMay].flatMap((one) => [one.angle_min_deg, one.angle_max_deg]);
+  const [left, right, low, high] = ends;
+  // A spacecraft that turns as a whole has no angles of axes.
+  if (left == null || right == null || low == null || high == null) return null;
   const stops: [Span, Span] = [
-    [acrossMay.angle_min_deg, acrossMay.angle_max_deg],
-    [upMay.angle_min_deg, upMay.angle_max_deg],
+    [left, right],
+    [low, high],
   ];
   const x = span(isWhole ? stops[0] : across.angle_deg, LEAST_SPAN_DEG);
   const y = span(isWhole ? stops[1] : up.angle_deg, LEAST_SPAN_DEG);

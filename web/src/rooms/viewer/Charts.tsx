@@ -154,7 +154,7 @@ function motionLines(view: View, column: (typeof ORDERS)[number]["column"], with
     ? view.baseline.flatMap((slew) =>
         names.map((name, axis) => ({
           label: `spline ${name}`,
-          values: onRows(view.t_s, slew.t_s, slew.axes[name]?.[column] ?? []),
+          values: onRows(view.t_s, slew.t_s, (slew.axes[name]?.[column] ?? []) as readonly number[]),
           colour: COLOURS[axis] ?? "text-soft",
           width: 1,
           isBehind: true,
@@ -172,12 +172,12 @@ function motionLines(view: View, column: (typeof ORDERS)[number]["column"], with
 }
 
 function limitsOf(view: View, key: (typeof ORDERS)[number]["key"]): number[] {
-  const all = Object.values(view.limits).flatMap((one) => {
+  const all = Object.values(view.limits).flatMap((one): (number | null)[] => {
     if (key === "angle") return [one.angle_min_deg, one.angle_max_deg];
     const most = key === "rate" ? one.rate_max_deg_s : key === "acceleration" ? one.acceleration_max_deg_s2 : one.jerk_max_deg_s3;
     return [-most, most];
   });
-  return [...new Set(all)];
+  return [...new Set(all.filter((one) => one !== null))];
 }
 
 /** "least margin 67 % (alpha, limit 3 °/s)": the nearest that an axis comes to this limit. */
