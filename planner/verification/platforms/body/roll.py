@@ -1,4 +1,4 @@
-"""How far the camera lies off its roll rule, by the judge's own Earth, Sun and differences."""
+"""The angle between a camera and its roll rule, by the judge's own Earth, Sun and differences."""
 
 import numpy as np
 
