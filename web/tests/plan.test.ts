@@ -8,7 +8,7 @@ import example from "../../examples/las_vegas_2015.json";
 const { language } = await import("../src/i18n/language");
 const { fileNameOf, identityOf } = await import("../src/rooms/plan/identity");
 const { checksum, quoted } = await import("../src/parts/paper");
-const { gradeOf, isAtLimit, leastMargin } = await import("../src/rooms/plan/verdict");
+const { gradeOf, isAtLimit, leastExclusion, leastMargin } = await import("../src/rooms/plan/verdict");
 type Plan = Parameters<typeof gradeOf>[0];
 type Request = NonNullable<Parameters<typeof identityOf>[1]>;
 
@@ -34,6 +34,7 @@ function plan(probability: number | null, margins: object, passed = true): Plan 
     margins: { alpha: margins },
     keep_out: [],
     masks: [],
+    exclusions: [],
   } as unknown as Plan;
 }
 
@@ -90,4 +91,15 @@ test("a slew at its rate limit is at the limit; an angle on its stop isn't", () 
   expect(least({ angle_min: margin(-175, 0.035) })).toBe(false);
   expect(least({ rate: margin(3, 1) })).toBe(false);
   expect(least({ rate: margin(3, 0), angle_min: margin(-175, 0.035) })).toBe(false); // what the verdict warns of is told
+});
+
+test("the exclusion that is kept by least is told, and on it a plan is doubtful", () => {
+  const kept = (...margins: (number | null)[]) => ({
+    ...plan(1, {}),
+    exclusions: margins.map((margin_deg, number) => ({ name: `${number}`, margin_deg, at: margin_deg === null ? null : at })),
+  });
+  expect(leastExclusion(kept(40, null, 12.5))).toEqual({ name: "2", margin_deg: 12.5, at });
+  expect(leastExclusion(kept(null))).toBeNull();
+  expect(gradeOf(kept(40, null, 12.5))).toBe("good");
+  expect(gradeOf(kept(40, 1e-5))).toBe("warn");
 });

@@ -3,7 +3,7 @@ import { expect, test } from "vitest";
 
 import "./page";
 
-const { frameRowAt, longitudeAt, onRows, rowAt, valueAt } = await import("../src/rooms/viewer/view");
+const { frameRowAt, hasAngles, longitudeAt, marginsKept, onRows, rowAt, valueAt } = await import("../src/rooms/viewer/view");
 const { lightOf, quality, sample_m } = await import("../src/windows/sight");
 type View = Parameters<typeof rowAt>[0];
 type Pass = Parameters<typeof quality>[0];
@@ -39,6 +39,18 @@ test("a column goes straight between its rows, and isn't known beside one that i
 
 test("a slew's column is known in the slew only", () => {
   expect(onRows([0, 1, 2, 3, 4], [1, 3], [10, 30])).toEqual([null, 10, 20, 30, null]);
+});
+
+test("an exclusion has a margin while it counts, and there is something to keep away from", () => {
+  const held = { ...view, activity: ["slew", "track", "track", "slew"] } as unknown as View;
+  const of = (imaging_only: boolean) => ({ imaging_only, margin_deg: [5, 180, -1, 7] }) as unknown as View["exclusions"][number];
+  expect(marginsKept(held, of(false))).toEqual([5, null, -1, 7]);
+  expect(marginsKept(held, of(true))).toEqual([null, null, -1, null]);
+});
+
+test("axes that turn with the spacecraft have no angles", () => {
+  const of = (angle_deg: (number | null)[]) => ({ ...view, axes: { x: { angle_deg } } }) as unknown as View;
+  expect([hasAngles(of([null, null])), hasAngles(of([0, 1]))]).toEqual([false, true]);
 });
 
 test("light is told by the Sun's elevation at the target", () => {

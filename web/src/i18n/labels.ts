@@ -31,6 +31,11 @@ export function limitTold(limit: string): string {
   return limits[limit as keyof typeof limits] ?? limit;
 }
 
+/** An exclusion by the name it was given; a body's star trackers count together. */
+export function exclusionTold(name: string): string {
+  return name === "star_trackers" ? words.value.plan.one.starTrackers : name;
+}
+
 /** An axis by its name; a spacecraft that turns as a whole is "body". */
 export function axisTold(axis: string): string {
   return axis === "body" ? words.value.plan.one.wholeBody : axis;

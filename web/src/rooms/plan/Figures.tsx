@@ -1,7 +1,7 @@
 /** The figures behind the verdict: sessions, margins, the pointing budget, warnings. */
 import { words } from "../../i18n";
 import { arcsecTold, digits, marginTold, number, percent, period, rowClock } from "../../i18n/forms";
-import { axisTold, limitTold, targetTold } from "../../i18n/labels";
+import { axisTold, exclusionTold, limitTold, targetTold } from "../../i18n/labels";
 import type { Plan } from "./plan";
 import { isAtLimit, shareOf } from "./verdict";
 
@@ -127,6 +127,15 @@ function Margins({ plan }: { plan: Plan }) {
                 ),
             ),
           )}
+          {plan.exclusions.map(({ name, margin_deg, at }) => (
+            <tr key={`exclusion ${name}`}>
+              <td>{text.limits.exclusion}</td>
+              <td>{exclusionTold(name)}</td>
+              <td class="number">–</td>
+              <td class="number">{margin_deg === null ? text.neverCounts : `${number(margin_deg)}°`}</td>
+              <td class="number">{at === null ? "–" : rowClock(at)}</td>
+            </tr>
+          ))}
         </tbody>
       </table>
     </section>

@@ -1,14 +1,15 @@
 import { words } from "../../i18n";
 import { marginTold, number, percent, rowClock } from "../../i18n/forms";
-import { axisTold, limitTold } from "../../i18n/labels";
+import { axisTold, exclusionTold, limitTold } from "../../i18n/labels";
 import type { Plan } from "./plan";
-import { gradeOf, isAtLimit, type LeastMargin, leastMargin } from "./verdict";
+import { gradeOf, isAtLimit, type LeastMargin, leastExclusion, leastMargin } from "./verdict";
 
 /** Whether it passed, and the figures one asks for first. */
 export function Verdict({ plan }: { plan: Plan }) {
   const text = words.value.plan.one;
   const grade = gradeOf(plan);
   const least = leastMargin(plan);
+  const kept = leastExclusion(plan);
   const highest = Math.max(...plan.summary.sessions.map((one) => one.best_elevation_deg ?? -Infinity));
   const samples = plan.summary.sessions.map((one) => one.ground_sample_m ?? Infinity);
   const sample = Math.min(...samples);
@@ -17,6 +18,7 @@ export function Verdict({ plan }: { plan: Plan }) {
       (isAtLimit(least)
         ? text.atLimit(nameOf(least), `${rowClock(least.at)} UTC`)
         : text.least(nameOf(least), marginTold(least.share), `${rowClock(least.at)} UTC`)),
+    kept && text.exclusion(exclusionTold(kept.name), number(kept.margin_deg), `${rowClock(kept.at)} UTC`),
     plan.summary.probability_in_frame !== null && text.inFrame(percent(plan.summary.probability_in_frame)),
     Number.isFinite(sample) && text.sample(number(sample, 2)),
     Number.isFinite(highest) && text.elevation(number(highest, 0)),

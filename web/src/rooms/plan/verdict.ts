@@ -5,14 +5,18 @@ import type { Plan } from "./plan";
 const PROBABLE = 0.9;
 /** A share of an angle's limit so small that the motion lies on it. */
 const ON_A_STOP = 0.01;
+/** So near an exclusion that the motion lies on it: the same share of a usual one of 30°. */
+const ON_AN_EXCLUSION_DEG = 0.3;
 
 export type Grade = "good" | "warn" | "bad";
 
-/** bad: something breaks; warn: it flies, but will probably miss or lies on a stop, a cone or a mask. */
+/** bad: something breaks; warn: it flies, but will probably miss or lies on a stop, a cone, a mask or an exclusion. */
 export function gradeOf(plan: Plan): Grade {
   if (!plan.verification.passed) return "bad";
   const probability = plan.summary.probability_in_frame;
-  return marginsOf(plan).some(isOnAStop) || (probability !== null && probability < PROBABLE) ? "warn" : "good";
+  const kept = leastExclusion(plan);
+  const isOnOne = marginsOf(plan).some(isOnAStop) || (kept !== null && kept.margin_deg < ON_AN_EXCLUSION_DEG);
+  return isOnOne || (probability !== null && probability < PROBABLE) ? "warn" : "good";
 }
 
 /** A slew as fast as it may is meant to be: of rates and above, a limit that is reached is no danger. */
@@ -52,6 +56,14 @@ export function leastMargin(plan: Plan): LeastMargin | null {
     (least, one) => (!least || one.share < least.share ? one : least),
     null,
   );
+}
+
+/** The exclusion that is kept by least, of those that count at any time. */
+export function leastExclusion({ exclusions }: Plan): { name: string; margin_deg: number; at: string } | null {
+  const counting = exclusions.flatMap(({ name, margin_deg, at }) =>
+    margin_deg !== null && at !== null ? [{ name, margin_deg, at }] : [],
+  );
+  return counting.sort((one, other) => one.margin_deg - other.margin_deg)[0] ?? null;
 }
 
 function marginsOf(plan: Plan): LeastMargin[] {

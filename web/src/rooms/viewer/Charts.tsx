@@ -5,15 +5,16 @@ import { RangeButtons, useTimeRange } from "../../charts/range";
 import { type Line, type Shade, TimeChart } from "../../charts/TimeChart";
 import { words } from "../../i18n";
 import { arcsecTold, digits, marginTold } from "../../i18n/forms";
-import { targetTold } from "../../i18n/labels";
+import { axisTold, exclusionTold, targetTold } from "../../i18n/labels";
 import type { Stretch } from "../../time/TimeBar";
 import type { Plan } from "../plan/plan";
 import { isAtLimit, shareOf } from "../plan/verdict";
-import { hasPlaces, lastOf, onRows, type View } from "./view";
+import { hasAngles, hasPlaces, lastOf, marginsKept, onRows, type View } from "./view";
 
 const HEIGHT = 118;
 const TIMES_HEIGHT = 26;
-const COLOURS = ["series-1", "series-2"];
+const COLOURS = ["series-1", "series-2", "series-3", "series-4"];
+const EXCLUDED = [0];
 const ORDERS = [
   { key: "angle", column: "angle_deg", unit: "°" },
   { key: "rate", column: "rate_deg_s", unit: "°/s" },
@@ -45,8 +46,9 @@ export function Charts({ view, plan, stretches, chosen, onWhole }: Props) {
     [stretches],
   );
   const names = Object.keys(view.axes);
-  const motion = useMemo(() => ORDERS.map(({ column }) => motionLines(view, column, withSpline)), [view, withSpline]);
-  const limits = useMemo(() => ORDERS.map(({ key }) => limitsOf(view, key)), [view]);
+  const orders = useMemo(() => (hasAngles(view) ? ORDERS : ORDERS.slice(1)), [view]);
+  const motion = useMemo(() => orders.map(({ column }) => motionLines(view, column, withSpline)), [orders, view, withSpline]);
+  const limits = useMemo(() => orders.map(({ key }) => limitsOf(view, key)), [orders, view]);
   const common = { epoch_ms, t_s: view.t_s, shades, range };
   return (
     <section class="panel look-charts" aria-label={text.title}>
@@ -76,7 +78,7 @@ export function Charts({ view, plan, stretches, chosen, onWhole }: Props) {
         <span class="key key-stop">{text.limit}</span>
         <span class="key key-session">{text.session}</span>
       </p>
-      {ORDERS.map(({ key, unit }, order) => (
+      {orders.map(({ key, unit }, order) => (
         <div key={key} class="look-strip">
           <h3>
             {text[key]}, {unit} <small>{marginsTold(plan, key, unit)}</small>
@@ -87,12 +89,14 @@ export function Charts({ view, plan, stretches, chosen, onWhole }: Props) {
             lines={motion[order] ?? []}
             limits={limits[order]}
             withLimits={withLimits}
-            hasTimes={order === ORDERS.length - 1}
-            height={HEIGHT + (order === ORDERS.length - 1 ? TIMES_HEIGHT : 0)}
+            hasTimes={order === orders.length - 1}
+            height={HEIGHT + (order === orders.length - 1 ? TIMES_HEIGHT : 0)}
           />
         </div>
       ))}
       <Pointing view={view} plan={plan} common={common} />
+      <Exclusions view={view} common={common} withLimits={withLimits} />
+      {orders !== ORDERS && <FromNadir view={view} common={common} />}
       <Sight view={view} common={common} />
     </section>
   );
@@ -119,6 +123,64 @@ function Pointing({ view, plan, common }: { view: View; plan: Plan; common: Comm
         <small>{text.most(arcsecTold(Math.max(...plan.pointing.map((one) => one.max_arcsec))))}</small>
       </h3>
       <TimeChart {...common} label={text.told(text.pointing, "″")} lines={lines} isLogarithmic height={HEIGHT} />
+    </div>
+  );
+}
+
+/** By how much each of a body's exclusions is kept, while it counts. */
+function Exclusions({ view, common, withLimits }: { view: View; common: Common; withLimits: boolean }) {
+  const text = words.value.viewer.charts;
+  const lines = useMemo<Line[]>(
+    () =>
+      view.exclusions.map((one, number) => ({
+        label: exclusionTold(one.name),
+        values: marginsKept(view, one),
+        colour: COLOURS[number % COLOURS.length] ?? "text-soft",
+        dashed: number >= COLOURS.length,
+      })),
+    [view, text],
+  );
+  if (lines.every((line) => line.values.every((one) => one === null))) return null;
+  return (
+    <div class="look-strip">
+      <h3>
+        {text.exclusions}, °{" "}
+        {lines.map(({ label, dashed }, number) => (
+          <span key={label} class={`key key-axis-${number % COLOURS.length} ${dashed ? "key-dashed" : ""}`}>
+            {label}
+          </span>
+        ))}
+      </h3>
+      <TimeChart
+        {...common}
+        label={text.told(text.exclusions, "°")}
+        lines={lines}
+        limits={EXCLUDED}
+        withLimits={withLimits}
+        height={HEIGHT}
+      />
+    </div>
+  );
+}
+
+/** Where the camera of a body looks, which has no angles of axes to tell it. */
+function FromNadir({ view, common }: { view: View; common: Common }) {
+  const text = words.value.viewer.charts;
+  const { along_track_deg, across_track_deg } = view.boresight;
+  const lines = useMemo<Line[]>(
+    () => [
+      { label: text.alongTrack, values: along_track_deg, colour: "series-1" },
+      { label: text.acrossTrack, values: across_track_deg, colour: "series-2" },
+    ],
+    [along_track_deg, across_track_deg, text],
+  );
+  return (
+    <div class="look-strip">
+      <h3>
+        {text.fromNadir}, ° <span class="key key-axis-0">{text.alongTrack}</span>{" "}
+        <span class="key key-axis-1">{text.acrossTrack}</span>
+      </h3>
+      <TimeChart {...common} label={text.told(text.fromNadir, "°")} lines={lines} height={HEIGHT} />
     </div>
   );
 }
@@ -194,6 +256,6 @@ function marginsTold(plan: Plan, key: (typeof ORDERS)[number]["key"], unit: stri
   const least = all.reduce<(typeof all)[number] | null>((best, one) => (!best || one.share < best.share ? one : best), null);
   if (!least) return "";
   return isAtLimit({ kind: "axis", limit: key, share: least.share })
-    ? text.atLimit(digits(least.limit), least.axis, unit)
-    : text.margin(digits(least.limit), marginTold(least.share), least.axis, unit);
+    ? text.atLimit(digits(least.limit), axisTold(least.axis), unit)
+    : text.margin(digits(least.limit), marginTold(least.share), axisTold(least.axis), unit);
 }

@@ -7,7 +7,7 @@ import { clock } from "../../i18n/forms";
 import { wantOutlines } from "../../map/outlines";
 import type { Stretch } from "../../time/TimeBar";
 import { MapPicture } from "./FlatMap";
-import { hasPlaces, lastOf, type View } from "./view";
+import { hasAngles, hasPlaces, lastOf, type View } from "./view";
 
 const MAP_PX = { width: 700, height: 195 };
 const CHART_PX = 118;
@@ -48,7 +48,7 @@ function Sheet({ view, stretches }: Props) {
     <div class="sheet">
       <MapPicture view={view} reach="pass" closer={1} {...MAP_PX} />
       <div class="sheet-charts">
-        {MOTION.map(({ key, column, unit }) => (
+        {(hasAngles(view) ? MOTION : MOTION.slice(1)).map(({ key, column, unit }) => (
           <Chart
             key={key}
             view={view}

@@ -5,7 +5,7 @@ import { words } from "../../i18n";
 import { clock, digits, fixed, number } from "../../i18n/forms";
 import { targetTold } from "../../i18n/labels";
 import { cursor_s, isPlaying } from "../../time/cursor";
-import { longitudeAt, rowAt, type View, valueAt } from "./view";
+import { hasAngles, longitudeAt, rowAt, type View, valueAt } from "./view";
 
 const QUIET_MS = 600;
 
@@ -17,6 +17,7 @@ export function Readout({ view }: { view: View }) {
   const { carrier, boresight, pointing, sun } = view;
   const target = targetAt(view, row);
   const isLit = carrier.sunlit_share[row];
+  const withAngles = hasAngles(view);
   return (
     <section class="panel look-panel look-values">
       <h2>{text.title}</h2>
@@ -24,9 +25,11 @@ export function Readout({ view }: { view: View }) {
         <thead>
           <tr>
             <th scope="col">{text.axis}</th>
-            <th scope="col" class="number">
-              °
-            </th>
+            {withAngles && (
+              <th scope="col" class="number">
+                °
+              </th>
+            )}
             <th scope="col" class="number">
               °/s
             </th>
@@ -42,7 +45,7 @@ export function Readout({ view }: { view: View }) {
           {Object.entries(view.axes).map(([name, axis]) => (
             <tr key={name}>
               <th scope="row">{name}</th>
-              <td class="number">{fixed(at(axis.angle_deg), 4)}</td>
+              {withAngles && <td class="number">{fixed(at(axis.angle_deg), 4)}</td>}
               <td class="number">{fixed(at(axis.rate_deg_s), 5)}</td>
               <td class="number">{fixed(axis.acceleration_deg_s2[row], 5)}</td>
               <td class="number">{fixed(axis.jerk_deg_s3[row], 5)}</td>
@@ -98,10 +101,11 @@ function Aloud({ view }: { view: View }) {
     if (plays) return;
     const timer = setTimeout(() => {
       const row = rowAt(view, t_s);
-      const axes = Object.entries(view.axes).map(
-        ([name, axis]) =>
-          `${name} ${number(valueAt(view, axis.angle_deg, t_s), 2)}°, ${number(valueAt(view, axis.rate_deg_s, t_s), 3)} °/s`,
-      );
+      const axes = Object.entries(view.axes).map(([name, axis]) => {
+        const angle = valueAt(view, axis.angle_deg, t_s);
+        const rate = `${number(valueAt(view, axis.rate_deg_s, t_s), 3)} °/s`;
+        return `${name} ${angle === null ? "" : `${number(angle, 2)}°, `}${rate}`;
+      });
       const kinds = words.value.viewer.kinds;
       const target = targetAt(view, row);
       const elevation = target && number(valueAt(view, target.elevation_deg, t_s), 1);

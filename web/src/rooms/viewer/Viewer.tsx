@@ -1,13 +1,12 @@
 /** The view of a plan: globe, charts and cameras by one time cursor. */
 import { useMemo, useRef, useState } from "preact/hooks";
 
-import { Problem } from "../../api/problem";
 import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { cursor_s } from "../../time/cursor";
 import { type Stretch, TimeBar } from "../../time/TimeBar";
-import { isOfBody, type Plan } from "../plan/plan";
+import type { Plan } from "../plan/plan";
 import { AxisSpace } from "./AxisSpace";
 import { Charts } from "./Charts";
 import { HorizonViews } from "./HorizonViews";
@@ -28,9 +27,6 @@ export default function Viewer({ plan }: { plan: Plan }) {
     cursor_s.value = 0;
     return fetchView(plan, until);
   });
-  if (isOfBody(plan) && error instanceof Problem && error.status === 422) {
-    return <p class="notice no-print">{text.plan.one.noViewOfBody}</p>;
-  }
   if (error !== null) return <ProblemNotice error={error} again={() => void ask()} />;
   if (!view) return <p class="loading">{text.shell.loading}</p>;
   return <Opened view={view} plan={plan} />;

@@ -10,6 +10,7 @@ type Numbers = readonly (number | null)[];
 
 const TABLE_STEP_S = 0.2;
 const EVERY_ROW_UP_TO = 5000;
+const NOTHING_THERE_DEG = 180; // the margin told where there is nothing to keep away from
 const SEEN_UP_TO = 60; // sessions and cones, of which each is as long as the table
 
 /** Every row of the table, or as many as the service thinks enough for a longer one. */
@@ -28,6 +29,17 @@ export async function fetchCzml(id: string, signal: AbortSignal): Promise<object
 export async function fetchCameras(id: string, signal: AbortSignal): Promise<HorizonCamera[]> {
   const request = (await get("/v1/plans/{id}/request", { id, signal })) as { horizon_cameras?: HorizonCamera[] };
   return request.horizon_cameras ?? [];
+}
+
+/** Whether its axes have angles: those of a spacecraft that turns as a whole turn with it. */
+export function hasAngles(view: View): boolean {
+  return Object.values(view.axes).some((axis) => axis.angle_deg.some((angle) => angle !== null));
+}
+
+/** An exclusion's margin where it is one: null where there is nothing to keep away from, or it doesn't count. */
+export function marginsKept(view: View, { imaging_only, margin_deg }: View["exclusions"][number]): (number | null)[] {
+  const counts = (row: number) => !imaging_only || view.activity[row] === "track";
+  return margin_deg.map((margin, row) => (margin !== null && margin < NOTHING_THERE_DEG && counts(row) ? margin : null));
 }
 
 /** Whether anything on the Earth is looked at. */
