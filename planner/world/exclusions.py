@@ -105,6 +105,11 @@ class Surroundings:
         apart_rad = angle_rad(direction_eci, centre_eci) - half_rad
         return np.where(counts_rad > 0.0, apart_rad, math.pi)
 
+    def margin_rad(self, direction_eci: Array, celestial: Celestial, least_deg: float) -> Array:
+        """By how much unit vectors (n, 3) are farther from it, (n,); pi while it doesn't count."""
+        apart_rad = self.apart_rad(direction_eci, celestial)
+        return np.where(apart_rad < math.pi, apart_rad - math.radians(least_deg), math.pi)
+
     def _itrf(self, vector_eci: Array) -> Array:
         return np.asarray(np.einsum("nij,nj->ni", self._c_itrf_from_eci, vector_eci))
 
@@ -122,10 +127,11 @@ def exclusion_margins(
             exclusion.name,
             TITLES[exclusion.away_from],
             exclusion.when == "imaging",
-            surroundings.apart_rad(
-                q_eci_from_body.apply(platform.direction_of(exclusion)), exclusion.away_from
-            )
-            - math.radians(exclusion.min_deg),
+            surroundings.margin_rad(
+                q_eci_from_body.apply(platform.direction_of(exclusion)),
+                exclusion.away_from,
+                exclusion.min_deg,
+            ),
         )
         for exclusion in platform.exclusions
     ]
@@ -135,7 +141,7 @@ def exclusion_margins(
         for tracker in trackers.each:
             direction_eci = q_eci_from_body.apply(unit_vector(tracker.boresight_body))
             aparts_rad = [
-                surroundings.apart_rad(direction_eci, celestial) - math.radians(least_deg)
+                surroundings.margin_rad(direction_eci, celestial, least_deg)
                 for celestial, least_deg in tracker.angles_deg
             ]
             each.append(np.min(aparts_rad, axis=0))

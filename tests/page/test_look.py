@@ -3,6 +3,7 @@
 import io
 import json
 import math
+import re
 import urllib.request
 
 import pytest
@@ -15,6 +16,40 @@ from app.requests.examples import ESTIMATE_EXAMPLE, PLAN_EXAMPLES
 
 AHEAD = ESTIMATE_EXAMPLE["cameras"][0]
 RIGHT = ESTIMATE_EXAMPLE["cameras"][1]
+AGILE = {
+    "kind": "body",
+    "name": "agile",
+    "agility": {
+        "limits": "magnitude",
+        "rate_max_deg_s": 3.0,
+        "acceleration_max_deg_s2": 0.5,
+        "jerk_max_deg_s3": 0.3,
+    },
+    "off_nadir_max_deg": 60.0,
+    "camera": {"type": "frame", "field_of_view_deg": [2.0, 1.5]},
+    "exclusions": [
+        {
+            "name": "radiator",
+            "direction_body": [0.0, 1.0, 0.0],
+            "away_from": "sun",
+            "min_deg": 20.0,
+            "when": "imaging",
+        }
+    ],
+    "star_trackers": {
+        "needed": 1,
+        "each": [
+            {
+                "name": f"st{number}",
+                "boresight_body": [along, -0.6, -0.6245],
+                "sun_deg": 35.0,
+                "moon_deg": 10.0,
+                "limb_deg": 12.0,
+            }
+            for number, along in ((1, 0.5), (2, -0.5))
+        ],
+    },
+}
 
 _WITHOUT_WEBGL = """
 const { getContext } = HTMLCanvasElement.prototype;
@@ -84,6 +119,35 @@ def test_the_values_are_those_of_the_view(open_page, service, las_vegas):
         assert told[2] == pytest.approx(axis["acceleration_deg_s2"][row], abs=1e-5)
         assert told[3] == pytest.approx(axis["jerk_deg_s3"][row], abs=1e-5)
     expect(page.get_by_test_id("aloud")).to_contain_text("17:36:50 UTC; session; alpha")
+
+
+def test_a_spacecraft_that_turns_as_a_whole_shows_what_it_has(open_page, service):
+    """Rates about x, y and z, exclusions in the verdict and over time; no angles of axes."""
+    request = json.loads((ROOT / "examples/three_sessions.json").read_text()) | {"platform": AGILE}
+    del request["attitude"], request["initial_state"]
+    path = f"/plans/{made(service, '/v1/plans', request)['id']}"
+    page = open_page(path)
+    view = view_of(service, path)
+    least_deg = min(
+        margin
+        for one in view["exclusions"]
+        for margin, does in zip(one["margin_deg"], view["activity"], strict=True)
+        if does == "track"  # both count while the camera images
+    )
+    verdict = page.get_by_test_id("verdict").inner_text()
+    told = re.search(r"([\d.]+)° at least", verdict)
+    # to one decimal, and between rows, of which each turns by 0.2 s of at most 1 deg/s
+    assert float(told[1]) == pytest.approx(least_deg, abs=0.05 + 0.2)
+    charts = page.get_by_role("region", name="Motion and sight")
+    for shown in ("Exclusions kept by", "Camera from the nadir", "star trackers", "radiator"):
+        expect(charts).to_contain_text(shown)
+    expect(charts.get_by_role("heading", name="Angle")).to_have_count(0)
+    expect(page.get_by_role("region", name="Margins")).to_contain_text("star trackers")
+    for name in "xyz":
+        assert len(axis_row(page, name)) == 3
+    page.set_viewport_size(PHONE)
+    assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
+    assert violations(page) == []
 
 
 def test_keys_move_the_cursor_and_play(open_page, las_vegas):

@@ -15,7 +15,7 @@ import "./viewer.css";
 import { PrintSheet } from "./PrintSheet";
 import { Readout } from "./Readout";
 import { Scene } from "./Scene";
-import { fetchView, lastOf, stretchesOf, type View } from "./view";
+import { fetchView, hasAngles, lastOf, stretchesOf, type View } from "./view";
 
 export default function Viewer({ plan }: { plan: Plan }) {
   const text = words.value;
@@ -44,8 +44,12 @@ function Opened({ view, plan }: { view: View; plan: Plan }) {
       <div class="look no-print" ref={box} role="group" aria-label={title}>
         <div class="look-grid">
           <div class="look-left">
-            <ImageFrame view={view} plan={plan} />
-            <AxisSpace view={view} stretches={stretches} />
+            {hasAngles(view) && (
+              <>
+                <ImageFrame view={view} plan={plan} />
+                <AxisSpace view={view} stretches={stretches} />
+              </>
+            )}
             <Scene view={view} />
             <Readout view={view} />
           </div>
