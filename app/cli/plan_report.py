@@ -98,7 +98,7 @@ def _identity(plan: Members, asked: Members) -> str:
     start_utc, stop_utc = (utc_from_text(plan["summary"][name]) for name in ("start", "stop"))
     stop = _day_and_time(stop_utc).removeprefix(f"{start_utc:%-d %b %Y} ")
     parts = [f"{_day_and_time(start_utc)} to {stop} UTC", plan["platform"]]
-    parts += [_orbit(asked["orbit"], start_utc, stop_utc), _attitude(asked.get("attitude", {}))]
+    parts += [_orbit(asked["orbit"], start_utc, stop_utc), _attitude(asked.get("attitude") or {})]
     parts += [f"revision {plan['revision']}", plan["id"]]
     return ", ".join(["", *parts])
 
