@@ -28,6 +28,11 @@ def made(service: Service, path: str, request: dict[str, object], **query: str) 
     return answer.json()
 
 
+def box_of(shown: Locator) -> dict[str, float]:
+    """Where it stands, once it does: what is drawn anew has no box for a moment."""
+    return eventually(shown.bounding_box)
+
+
 def show_one_instant(marks: Locator, count: int) -> None:
     """So many charts, all with the cursor at the same place, once they have their widths."""
     expect(marks).to_have_count(count)

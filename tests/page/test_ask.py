@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from browsing import ROOT, violations
+from browsing import ROOT, box_of, violations
 from playwright.sync_api import expect
 
 from app.requests.examples import LAS_VEGAS
@@ -105,7 +105,7 @@ def test_coordinates_are_taken_with_letters_and_height(ask):
 
 def test_a_click_on_the_map_is_a_target(ask):
     world = ask.get_by_role("application")
-    box = world.bounding_box()
+    box = box_of(world)
     # Flat, 360 degrees wide, 12 north in the middle.
     east_deg, north_deg = 15.0, 46.0
     scale = box["width"] / 360.0
@@ -184,7 +184,7 @@ def test_a_session_is_dragged_and_moved_by_keys(ask):
     expect(start).to_have_attribute("aria-valuetext", "17:36:21 UTC")
     start.press("Shift+ArrowLeft")
     expect(start).to_have_attribute("aria-valuetext", "17:36:11 UTC")
-    box = start.bounding_box()
+    box = box_of(start)
     ask.mouse.move(box["x"] + 7, box["y"] + 20)
     ask.mouse.down()
     ask.mouse.move(box["x"] + 107, box["y"] + 20, steps=5)

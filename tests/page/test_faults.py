@@ -16,6 +16,7 @@ from databases import damage
 from hardships import dying_workers, full_disk, idle_workers, small_disk, spend_all, spent_rate
 from live_service import Service, live_service
 from playwright.sync_api import expect
+from waiting import eventually
 
 from app.requests.examples import LAS_VEGAS
 from app.store.database import FILE
@@ -79,8 +80,10 @@ def keeps_what_was_typed(page):
 def is_planned(page):
     """The plan is made, of the target that was typed; and once."""
     expect(page.get_by_test_id("verdict")).to_contain_text("Passed")
-    path = f"/v1/plans/{page.url.rsplit('/', 1)[1]}"
-    target = page.request.get(f"{path}/request").json()["sessions"][0]["target"]
+    path = f"/v1/plans/{page.url.rsplit('/', 1)[1]}/request"
+    # Where the rate is spent, it is answered a little later.
+    sessions = eventually(lambda: page.request.get(path).json().get("sessions"))
+    target = sessions[0]["target"]
     assert (target["latitude_deg"], target["longitude_deg"]) == (36.17, -115.14)
 
 

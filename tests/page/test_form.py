@@ -4,7 +4,7 @@ import json
 import re
 
 import pytest
-from browsing import PHONE, ROOT, violations
+from browsing import PHONE, ROOT, box_of, violations
 from playwright.sync_api import Page, expect
 
 MESSAGES = ROOT / "app/requests/examples/data"
@@ -67,7 +67,7 @@ def test_a_path_is_clicked_on_the_map(form):
     form.get_by_role("button", name="To the target").click()
     for _ in range(4):
         closer.click()
-    box = world.bounding_box()
+    box = box_of(world)
     middle = {"x": box["width"] / 2, "y": box["height"] / 2}
     for step in (0, 12, 24):
         world.click(position={"x": middle["x"] + step, "y": middle["y"] - step / 2})

@@ -7,7 +7,7 @@ import re
 import urllib.request
 
 import pytest
-from browsing import PHONE, ROOT, made, show_one_instant, violations
+from browsing import PHONE, ROOT, box_of, made, show_one_instant, violations
 from PIL import Image
 from playwright.sync_api import Locator, Page, expect
 from waiting import eventually
@@ -175,7 +175,7 @@ def test_dragging_a_chart_moves_the_cursor_for_all(open_page, las_vegas):
     page = open_page(las_vegas)
     rate = page.locator(".chart .u-over").nth(1)
     show_one_instant(page.locator(".chart-now"), 6)
-    width = rate.bounding_box()["width"]
+    width = box_of(rate)["width"]
     begin, end = ({"x": share * width, "y": 20} for share in (0.2, 0.5))
     rate.drag_to(rate, source_position=begin, target_position=end)
     slider = page.get_by_label("Time of the cursor")
@@ -211,8 +211,8 @@ def test_close_to_the_target_there_is_the_flat_map(open_page, service, las_vegas
     near = page.get_by_role("img", name="Map with the ground track")
     row = view["targets"][0]["elevation_deg"].index(max(view["targets"][0]["elevation_deg"]))
     go_to(page, view["t_s"][row])
-    box = near.locator(".lm-ellipse").bounding_box()
-    scale = near.locator(".lm-scale path").bounding_box()["width"]
+    box = box_of(near.locator(".lm-ellipse"))
+    scale = box_of(near.locator(".lm-scale path"))["width"]
     [told] = near.locator(".lm-scale text").all_text_contents()
     per_px_m = 1e3 * float(told.removesuffix(" km")) / scale
     sigma_rad = view["pointing"]["sigma_major_arcsec"][row] / 206_264.806
@@ -225,7 +225,7 @@ def test_close_to_the_target_there_is_the_flat_map(open_page, service, las_vegas
     for named in ("swath and frame", "1 sigma", "night"):
         expect(page.locator(".look-map-legend").get_by_text(named)).to_be_visible()
     name, mark = near.get_by_text("36.1147"), near.locator(".lm-target circle")
-    assert name.bounding_box()["x"] > mark.bounding_box()["x"] + mark.bounding_box()["width"]
+    assert box_of(name)["x"] > box_of(mark)["x"] + box_of(mark)["width"]
     assert violations(page) == []
     page.get_by_role("button", name="Overview").click()
     expect(near.locator(".lm-carrier")).to_be_visible()
@@ -252,7 +252,7 @@ def test_a_star_has_a_chart_of_the_sky(open_page, service):
     go_to(page, 200)
     row = view["t_s"].index(200.0)
     whole, star, sun = (
-        chart.locator(part).first.bounding_box()
+        box_of(chart.locator(part).first)
         for part in (".sky-ground", ".sky-target path", ".sky-sun circle")
     )
 

@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
-from browsing import PHONE, ROOT, made, violations
+from browsing import PHONE, ROOT, box_of, made, violations
 from live_service import live_service
 from playwright.sync_api import Page, expect
 from waiting import eventually
@@ -98,7 +98,7 @@ def test_keys_and_wheel_zoom_and_a_drag_moves(kept, open_page):
     page.mouse.wheel(0, -100)
     eventually(lambda: span_of(page)[1] - span_of(page)[0] < 0.9 * (before[1] - before[0]))
     before = span_of(page)
-    box = lanes.bounding_box()
+    box = box_of(lanes)
     page.mouse.move(box["x"] + 300, box["y"] + 8)
     page.mouse.down()
     page.mouse.move(box["x"] + 100, box["y"] + 8, steps=5)
@@ -117,7 +117,7 @@ def test_a_drag_over_a_plan_does_not_open_it(kept, open_page):
     page = open_page("/timeline?from=2015-02-27T17:30:00Z&to=2015-02-27T17:45:00Z", at=kept)
     block = page.get_by_role("link", name="Vega, iss-hrc").first
     expect(block).to_be_visible()
-    box = block.bounding_box()
+    box = box_of(block)
     page.mouse.move(box["x"] + 40, box["y"] + 8)
     page.mouse.down()
     page.mouse.move(box["x"] + 140, box["y"] + 8, steps=5)
