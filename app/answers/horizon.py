@@ -14,12 +14,7 @@ from app.answers.horizon_view import ViewOut
 from app.answers.members import BUILT_ON_FIRST_USE, DECIMALS, ProvenanceOut, degrees, fill
 from estimator.check import AttitudeCheck, Verdict
 from estimator.errors import Reason
-from planner.base.answer_members import (
-    DirectionPart,
-    NotNegative,
-    Signed,
-    TurnDeg,
-)
+from planner.base.answer_members import DirectionPart, NotNegative, Signed, TurnDeg
 from planner.base.arrays import Array
 from planner.world.frames.time_scales import utc_text
 

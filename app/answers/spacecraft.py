@@ -12,7 +12,7 @@ from app.answers.members import (
     to_json,
 )
 from planner.base.answer_members import Count, DirectionPart, NotNegative, Signed
-from planner.output.export.table_states import continuous
+from planner.base.rotation import continuous
 from planner.spacecraft.flight.report import StabilisationReport
 from planner.spacecraft.requests import LeftOut
 from planner.spacecraft.summary import (

@@ -56,11 +56,11 @@ def http_error(request: Request, error: Exception) -> Response:
     status = HTTPStatus(error.status_code)
     detail = error.detail
     if detail == status.phrase:  # Starlette's own: say what would have worked
-        way_out = {
-            HTTPStatus.NOT_FOUND: f"there is nothing at this address; {_near(request)}",
-            HTTPStatus.METHOD_NOT_ALLOWED: "this address has other methods: see the Allow header",
-        }
-        detail = way_out.get(status, status.description)
+        detail = status.description
+        if status == HTTPStatus.NOT_FOUND:
+            detail = f"there is nothing at this address; {_near(request)}"
+        elif status == HTTPStatus.METHOD_NOT_ALLOWED:
+            detail = "this address has other methods: see the Allow header"
     return problem_answer(
         request,
         {"type": "about:blank", "title": status.phrase, "status": status.value, "detail": detail},

@@ -29,6 +29,12 @@ def like_signs(q_xyzw: Array) -> Array:
     return np.concatenate([[1.0], np.cumprod(np.where(likeness < 0.0, -1.0, 1.0))])
 
 
+def continuous(q: "Rotation") -> Array:
+    """Components of n rotations, shape (n, 4), scalar last, neighbours of like sign."""
+    q_xyzw = q.as_quat()
+    return np.asarray(q_xyzw * like_signs(q_xyzw)[:, None])
+
+
 def of_like_sign(q_xyzw: Array) -> Array:
     """The same rotations (n, 4): the first w not negative, each nearest to the one before it."""
     begin = -1.0 if q_xyzw[0, 3] < 0.0 else 1.0

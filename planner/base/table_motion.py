@@ -33,6 +33,19 @@ def axes_motion_at(angle_rad: Array, rate_rad_s: Array, t_s: Array) -> tuple[Arr
     return angle, (c1 + s * (2.0 * c2 + s * 3.0 * c3)) / h, (2.0 * c2 + s * 6.0 * c3) / h**2
 
 
+def accelerations_rad_s2(table: CommandTable, cell: Indices) -> Array:
+    """At the start and the end of each cell between two rows, (k, 2, m).
+
+    Of axes those of the cubic that is flown there, of a body those of the two rows.
+    """
+    if table.acceleration_rad_s2 is not None:
+        return np.stack([table.acceleration_rad_s2[cell + i] for i in (0, 1)], axis=1)
+    h = COMMAND_STEP_S
+    angle, rate = table.position, table.rate_rad_s
+    *_, c2, c3 = cubic_coefficients(h, angle[cell], angle[cell + 1], rate[cell], rate[cell + 1])
+    return np.stack([2.0 * c2, 2.0 * c2 + 6.0 * c3], axis=1) / h**2
+
+
 def body_motion_at(
     q_eci_from_body_xyzw: Array, omega_body_rad_s: Array, alpha_body_rad_s2: Array, t_s: Array
 ) -> tuple[Rotation, BodyMotion]:

@@ -16,7 +16,7 @@ from planner.base import effort
 from planner.base.arrays import Array
 from planner.base.commands import ROWS_PER_S
 from planner.base.mrp import BodyMotion, MrpCurve, MrpMotion, MrpState, body_motion, mrp_state
-from planner.base.rotation import Rotation, like_signs
+from planner.base.rotation import Rotation, continuous
 from planner.motion.attitude.ocp import SpanMotion
 from planner.motion.attitude.problem import BodySlewProblem
 
@@ -120,8 +120,7 @@ class EigenaxisSlew:
     def motion(self, t_s: Array) -> tuple[Array, BodyMotion]:
         """q_eci_from_body_xyzw (n, 4), neighbours of like sign, and body rates at instants (n,)."""
         curve = self.mrp_at(t_s)
-        q = (self.q_middle * Rotation.from_mrp(curve.mrp)).as_quat()
-        return q * like_signs(q)[:, None], body_motion(curve)
+        return continuous(self.q_middle * Rotation.from_mrp(curve.mrp)), body_motion(curve)
 
     def on_spans(self, widths_s: Array) -> SpanMotion:
         """The motion where spans begin and end, to begin an OCP at."""

@@ -31,7 +31,7 @@ import numpy as np
 from planner.base import effort
 from planner.base.arrays import Array, Indices
 from planner.base.commands import ROWS_PER_S, Motion
-from planner.base.rotation import Rotation, like_signs
+from planner.base.rotation import Rotation, continuous
 from planner.base.solvers import Options, Solver, SolverRun, Work
 from planner.motion.attitude.problem import BodySlewProblem, LimitKind
 
@@ -320,8 +320,7 @@ class SpanMotion(NamedTuple):
         k, shares = self._place(t_s)
         turns, omega, alpha = self._turned(k, np.zeros_like(shares), shares)
         q = Rotation.from_quat(self.q_eci_from_body_xyzw[k]) * Rotation.from_quat(turns)
-        q_xyzw = q.as_quat()
-        return Motion(q_xyzw * like_signs(q_xyzw)[:, None], omega, alpha)
+        return Motion(continuous(q), omega, alpha)
 
     def on_rows(self, problem: BodySlewProblem) -> Motion:
         """The motion on the rows of a table, for spans of whole rows; it ends at the goal's row.
@@ -342,9 +341,8 @@ class SpanMotion(NamedTuple):
         spread = u**3 * (10.0 - 15.0 * u + 6.0 * u**2)
         q = Rotation.from_quat(q_xyzw) * Rotation.from_rotvec(spread[:, None] * missed)
         omega[-1], alpha[-1] = problem.goal.rate_rad_s[0], problem.goal.acceleration_rad_s2[0]
-        q_rows_xyzw = q.as_quat()
         return Motion(
-            q_rows_xyzw * like_signs(q_rows_xyzw)[:, None],
+            continuous(q),
             np.vstack([problem.start.rate_rad_s, omega]),
             np.vstack([problem.start.acceleration_rad_s2, alpha]),
         )

@@ -13,9 +13,8 @@ from typing import Any
 import numpy as np
 
 from planner.base.arrays import Array, Indices
-from planner.base.rotation import Rotation
+from planner.base.rotation import Rotation, continuous
 from planner.output.export.map_features import thinned
-from planner.output.export.table_states import continuous
 from planner.world.frames.geodesy import geodetic_from_itrf
 from planner.world.frames.time_scales import Instants, utc_text
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.commands import COMMAND_STEP_S, CommandTable
+from planner.base.table_motion import accelerations_rad_s2
 from planner.output.export.description import notes, one_line, session_label
 from planner.output.export.figure_parts import (
     DASHED,
@@ -23,11 +24,12 @@ from planner.output.export.figure_parts import (
     shade_spans,
     shown_text,
 )
+from planner.output.export.limits import bounds_rad
 from planner.output.export.map_features import thinned
-from planner.output.export.table_motion import Bounds, accelerations_rad_s2, bounds_rad
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.time_scales import Instants, elapsed_s
 from planner.world.plan import FlightPlan
+from planner.world.platforms import Bounds
 from planner.world.targets import EarthFixedTarget
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ import numpy as np
 from planner.base.arrays import Array, Indices
 from planner.base.commands import ROWS_PER_S
 from planner.base.errors import OutsideCoverage
-from planner.base.rotation import Rotation, like_signs
+from planner.base.rotation import Rotation, continuous
 from planner.world.frames.time_scales import Instants, elapsed_s
 from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.plan import FlightPlan
@@ -95,12 +95,6 @@ def omega_payload_from_eci_rad_s(plan: FlightPlan, rows: TableStates) -> Array:
     omega_body_rad_s = _omega_body_rad_s(rows.instants.t_s, rows.q_body_from_eci_xyzw)
     on_platform_rad_s = platform.omega_payload_rad_s(position, rate_rad_s)
     return np.asarray(q_payload_from_body.apply(omega_body_rad_s) + on_platform_rad_s)
-
-
-def continuous(q: Rotation) -> Array:
-    """Components of n rotations, shape (n, 4), scalar last, neighbours of like sign."""
-    q_xyzw = q.as_quat()
-    return np.asarray(q_xyzw * like_signs(q_xyzw)[:, None])
 
 
 def axes_turn(q_b_from_a_xyzw: Array) -> Array:

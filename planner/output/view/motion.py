@@ -6,9 +6,9 @@ import numpy as np
 
 from planner.base.arrays import Array, Indices
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
+from planner.base.table_motion import accelerations_rad_s2
 from planner.motion.baseline import paper_profiles
 from planner.motion.slew import AxisState
-from planner.output.export.table_motion import accelerations_rad_s2
 from planner.output.view.columns import AxisMotion, BaselineSlew
 from planner.world.frames.time_scales import elapsed_s
 from planner.world.plan import FlightPlan

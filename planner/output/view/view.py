@@ -14,7 +14,7 @@ from planner.base.arrays import Array, Indices
 from planner.base.commands import ROWS_PER_S
 from planner.base.errors import OutsideCoverage
 from planner.motion.pointing.angles import keyholes_rad
-from planner.output.export.table_motion import Bounds, bounds_rad
+from planner.output.export.limits import bounds_rad
 from planner.output.view.carrier import body_track, boresight_trace, carrier_track, footprint_trace
 from planner.output.view.columns import AxisBounds, PlanView, PointingTrace, TargetTrack
 from planner.output.view.cones import cone_traces
@@ -35,7 +35,7 @@ from planner.planning.sessions.error_ellipse import error_covariance_rad2
 from planner.planning.sessions.track_branches import los_on_rows, session_rows
 from planner.world.frames.time_scales import elapsed_s, shifted_utc
 from planner.world.plan import FlightPlan
-from planner.world.platforms import BodyPlatform
+from planner.world.platforms import BodyPlatform, Bounds
 from planner.world.scenario import Scenario, Session
 from planner.world.targets import VisibleTarget
 

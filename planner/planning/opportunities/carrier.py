@@ -202,16 +202,22 @@ def _perigee_rate_rad_s(states: OrbitStates) -> float:
 
 def _body_table(body: str, start_utc: datetime, span_s: float) -> UniformTable:
     """Where it is seen from the geocentre, ITRF axes."""
-    steps, instants = zip(
-        *(
-            (span_s / cells, Instants(start_utc, np.linspace(0.0, span_s, cells + 1)))
-            for step_s in (OPTIONS.body_eci_step_s, OPTIONS.body_step_s)
-            for cells in [max(math.ceil(span_s / step_s), NODES - 1)]
-        ),
-        strict=True,
+    motion, turned = (
+        _evenly(start_utc, span_s, step_s)
+        for step_s in (OPTIONS.body_eci_step_s, OPTIONS.body_step_s)
     )
-    r_eci_m = UniformTable(steps[0], apparent_geocentric_m(body, instants[0])).at(instants[1].t_s)
-    return UniformTable(steps[1], _to_itrf(c_itrf_from_eci(instants[1]), r_eci_m))
+    r_eci_m = _table_of(motion, apparent_geocentric_m(body, motion)).at(turned.t_s)
+    return _table_of(turned, _to_itrf(c_itrf_from_eci(turned), r_eci_m))
+
+
+def _evenly(start_utc: datetime, span_s: float, step_s: float) -> Instants:
+    """Over all of the span, by steps of at most so long."""
+    cells = max(math.ceil(span_s / step_s), NODES - 1)
+    return Instants(start_utc, np.linspace(0.0, span_s, cells + 1))
+
+
+def _table_of(instants: Instants, value_by_row: Array) -> UniformTable:
+    return UniformTable(float(instants.t_s[-1]) / (len(instants) - 1), value_by_row)
 
 
 def apparent_geocentric_m(body: str, instants: Instants) -> Array:

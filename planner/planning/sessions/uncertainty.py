@@ -354,20 +354,31 @@ def along_track(biases: Sequence[Bias]) -> NormalMixture:
 
 
 def error_biases(
+    scene: PointingScene,
+    los: LineOfSight,
+    ephemeris: Ephemeris,
+    errors: AttitudeErrors,
+    clock_s: float,
+) -> list[Bias]:
+    """What lasts over a session of two axes, whose carrier's attitude has these errors."""
+    return lasting_biases(scene, los, ephemeris, _attitude_offsets(scene, errors), clock_s)
+
+
+def lasting_biases(
     scene: ImageScene,
     los: LineOfSight,
     ephemeris: Ephemeris,
-    errors: AttitudeErrors | None,
+    attitude: Sequence[Bias],
     clock_s: float,
 ) -> list[Bias]:
-    """What lasts over a session; errors: of a carrier's attitude, where the scene has one."""
+    """Those of orbit, attitude as given, Earth and clock."""
     orbits = [*_disturbed_orbits(scene.states), scene.states, scene.states]
     *moved, late, early = scene.directions_platform(
         orbits, [0.0, 0.0, 0.0, OPTIONS.probe_s, -OPTIONS.probe_s]
     )
     return [
         *_orbit_offsets(scene, ephemeris, moved),
-        *(_attitude_offsets(scene, errors) if isinstance(scene, PointingScene) and errors else ()),
+        *attitude,
         _earth_offsets(scene, late - early),
         _clock_offsets(scene, los, clock_s),
     ]

@@ -5,6 +5,7 @@ from datetime import datetime
 
 import numpy as np
 
+from planner.base.rotation import continuous
 from planner.output.export.czml_packets import (
     AREA_RGBA,
     TARGET_RGBA,
@@ -21,7 +22,6 @@ from planner.output.export.czml_packets import (
     span_text,
 )
 from planner.output.export.description import carrier_name
-from planner.output.export.table_states import continuous
 from planner.spacecraft.export.ground import AXIS, SessionGround
 from planner.spacecraft.export.map import asked_rad
 from planner.spacecraft.export.session_table import SessionTable

@@ -8,6 +8,7 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.csv_cells import comment_lines
+from planner.base.rotation import continuous
 from planner.output.export.ccsds import (
     BODY_FRAME,
     QUATERNION_DECIMALS,
@@ -17,7 +18,6 @@ from planner.output.export.ccsds import (
 from planner.output.export.csv import rows_csv
 from planner.output.export.description import DECIMALS, QUATERNION, TIME_SCALE, one_line
 from planner.output.export.netcdf import describe
-from planner.output.export.table_states import continuous
 from planner.spacecraft.export.session_table import SessionTable
 from planner.spacecraft.table import TICK_S, AttitudeTable
 from planner.world.frames.time_scales import Instants, utc_text

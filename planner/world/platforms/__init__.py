@@ -17,6 +17,7 @@ from planner.world.platforms.geometry import PlatformGeometry
 from planner.world.platforms.iss_hrc import ISS_HRC
 from planner.world.platforms.two_axis import (
     AxisLimits,
+    Bounds,
     ParkPosition,
     StructuralMode,
     TwoAxisPlatform,
@@ -34,6 +35,7 @@ __all__ = [
     "AxisDrive",
     "AxisLimits",
     "BodyPlatform",
+    "Bounds",
     "Camera",
     "CarrierMode",
     "FieldMask",

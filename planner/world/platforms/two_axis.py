@@ -16,6 +16,7 @@ from planner.world.platforms.drive import AxisDrive
 from planner.world.platforms.field_mask import FieldMask
 
 UnitVector = tuple[UnitPart, UnitPart, UnitPart]
+Bounds = tuple[float, float]  # least, greatest
 # 5.36 x 3.56 km from 350 km (Sumarokov 2016).
 HRC_FRAME_HALF_RAD = (math.atan(2.68 / 350.0), math.atan(1.78 / 350.0))
 
@@ -47,10 +48,13 @@ class AxisLimits:
             raise ValueError(f"rate_min_rad_s must lie in [0, rate_max), not {self.rate_min_rad_s}")
 
     @property
-    def bounds(self) -> tuple[tuple[float, float], ...]:
+    def bounds(self) -> tuple[Bounds, Bounds, Bounds, Bounds]:
         """(least, greatest) of angle, rate, acceleration and jerk."""
-        symmetric = (self.rate_max_rad_s, self.acceleration_max_rad_s2, self.jerk_max_rad_s3)
-        return ((self.angle_min_rad, self.angle_max_rad), *((-bound, bound) for bound in symmetric))
+        rate, acceleration, jerk = (
+            (-bound, bound)
+            for bound in (self.rate_max_rad_s, self.acceleration_max_rad_s2, self.jerk_max_rad_s3)
+        )
+        return (self.angle_min_rad, self.angle_max_rad), rate, acceleration, jerk
 
 
 @spec

@@ -15,7 +15,7 @@ from planner.planning.sessions.uncertainty import (
     along_track,
     budget_of,
     constant_biases,
-    error_biases,
+    lasting_biases,
 )
 from planner.world.frames.iers import RAD_PER_ARCSEC
 from planner.world.orbits import Ephemeris
@@ -47,7 +47,7 @@ def body_budget(
     # Rows of the matrices are the payload's axes in the base.
     image = platform.q_payload_from_base(q_eci_from_body_xyzw).as_matrix()[:, :2]
     scene = ImageScene(los, target, image, platform.frame_half_rad, OPTIONS.samples)
-    biases = error_biases(scene, los, ephemeris, None, OPTIONS.clock_s)
+    biases = lasting_biases(scene, los, ephemeris, (), OPTIONS.clock_s)
     knowledge = platform.knowledge
     wander_rad = {
         KNOWLEDGE: knowledge.sigma_arcsec * RAD_PER_ARCSEC,

@@ -156,34 +156,30 @@ class BodyJudge:
         """Whether the camera lies off its roll rule, or looks at the Earth too far off nadir."""
         session, flown = self._scenario.sessions[number], self._motion(at)
         roll_rad = roll_off_rad(self._platform, session, at.instants, states, flown)
-        worst = int(np.argmax(roll_rad))
-        if roll_rad[worst] > OPTIONS.roll_rad:
-            t_s = float(at.instants.t_s[worst])
-            yield Finding(
-                limit="roll",
-                t_s=t_s,
-                at_utc=shifted_utc(self._table.epoch_utc, t_s),
-                detail=(
-                    f"session {number + 1}: the camera lies {math.degrees(roll_rad[worst]):.3g} "
-                    "deg off its roll rule"
-                ),
-            )
-        if not isinstance(self._scenario.sessions[number].target, EarthFixedTarget):
+        if roll_rad.max() > OPTIONS.roll_rad:
+            told = "lies {:.3g} deg off its roll rule"
+            yield self._finding_at_most("roll", roll_rad, at, number, told)
+        if not isinstance(session.target, EarthFixedTarget):
             return
         most_rad = math.radians(self._platform.off_nadir_max_deg)
         off_rad = apart_rad(-states.r_sat_eci_m, self.boresight_eci(at, states))
+        if off_rad.max() > most_rad + OPTIONS.off_nadir_rad:
+            most = f"more than {self._platform.off_nadir_max_deg:g} deg"
+            told = f"looks {{:.3f}} deg off nadir, {most}"
+            yield self._finding_at_most("off_nadir", off_rad, at, number, told)
+
+    def _finding_at_most(
+        self, limit: Limit, off_rad: Array, at: FlownInstants, number: int, told: str
+    ) -> Finding:
+        """Of a session, where an angle is greatest; told: of the camera, with its degrees."""
         worst = int(np.argmax(off_rad))
-        if off_rad[worst] > most_rad + OPTIONS.off_nadir_rad:
-            t_s = float(at.instants.t_s[worst])
-            yield Finding(
-                limit="off_nadir",
-                t_s=t_s,
-                at_utc=shifted_utc(self._table.epoch_utc, t_s),
-                detail=(
-                    f"session {number + 1}: the camera looks {math.degrees(off_rad[worst]):.3f} "
-                    f"deg off nadir, more than {self._platform.off_nadir_max_deg:g} deg"
-                ),
-            )
+        t_s = float(at.instants.t_s[worst])
+        return Finding(
+            limit=limit,
+            t_s=t_s,
+            at_utc=shifted_utc(self._table.epoch_utc, t_s),
+            detail=f"session {number + 1}: the camera " + told.format(math.degrees(off_rad[worst])),
+        )
 
     def prescribed(self, number: int, rows: range, target: BenchMotionTarget) -> JudgedSession:
         """A body has no axes to prescribe a motion of."""
