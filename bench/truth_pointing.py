@@ -21,7 +21,7 @@ from truth_rows import Row, share_row
 from planner.motion.pointing.angles import axis_angles
 from planner.motion.pointing.line_of_sight import line_of_sight
 from planner.planning.sessions.budget import LIKELY, PointingBudget
-from planner.planning.sessions.uncertainty import pointing_budget
+from planner.planning.sessions.platforms.two_axis.budget import pointing_budget
 from planner.world.attitude import LvlhAttitude
 from planner.world.attitude.errors import MEAN_SIGMA_DEG
 from planner.world.frames.earth_orientation import c_itrf_from_eci

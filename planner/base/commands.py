@@ -39,11 +39,11 @@ class Channel(NamedTuple):
         return np.radians(values) if self.unit.startswith("degree") else values
 
 
-def axis_channels(axis_names: tuple[str, ...]) -> tuple[Channel, ...]:
+def axis_channels(names: tuple[str, ...]) -> tuple[Channel, ...]:
     """Angle and rate of each axis."""
     return (
-        *(Channel(f"{name}_deg", name, "position", "degree") for name in axis_names),
-        *(Channel(f"{name}_rate_deg_s", name, "rate", "degree s-1") for name in axis_names),
+        *(Channel(f"{name}_deg", name, "position", "degree") for name in names),
+        *(Channel(f"{name}_rate_deg_s", name, "rate", "degree s-1") for name in names),
     )
 
 

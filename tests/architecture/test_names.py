@@ -25,7 +25,7 @@ PURE = re.compile(
 
 # An array that ends in its frame and no unit is a direction, `x_from_y` a rotation.
 DIRECTION = re.compile(
-    r"_(itrf|gcrf|eci|lvlh|body|platform|payload|camera|sensor|enu|wheel|gyro|orbit|mean)$|(^|_)\w+_from_"
+    r"_(itrf|gcrf|eci|lvlh|body|base|platform|payload|camera|sensor|enu|wheel|gyro|orbit|mean)$|(^|_)\w+_from_"
 )
 # The parts of a state have several units, which stand beside it; a position is angles of axes or
 # the quaternion of a body.

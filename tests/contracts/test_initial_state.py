@@ -8,7 +8,7 @@ import pytest
 from planner_values import plan_of, read_request
 
 from app.requests.examples import LAS_VEGAS, PLAN_EXAMPLES
-from planner.planning.sessions.slew_timing import OPTIONS as SLEW_TIMING_OPTIONS
+from planner.planning.sessions.platforms.two_axis.slew_timing import OPTIONS as SLEW_TIMING_OPTIONS
 from planner.world.frames.time_scales import elapsed_s, utc_from_text, utc_text
 
 DENVER = {"mode": "ground", "latitude_deg": 39.74, "longitude_deg": -104.98, "height_m": 1600.0}

@@ -22,13 +22,8 @@ from planner.motion.pointing.hermite import quintic_motion
 from planner.motion.pointing.line_of_sight import line_of_sight
 from planner.planning.sessions.pipeline import make_plan
 from planner.planning.sessions.platforms.registry import mover_of
-from planner.planning.sessions.uncertainty import (
-    OPTIONS as BUDGET_OPTIONS,
-)
-from planner.planning.sessions.uncertainty import (
-    PointingScene,
-    error_biases,
-)
+from planner.planning.sessions.platforms.two_axis.budget import PointingScene, error_biases
+from planner.planning.sessions.uncertainty import OPTIONS as BUDGET_OPTIONS
 from planner.world.attitude import AttitudeUncertainty, LvlhAttitude
 from planner.world.frames.geodesy import itrf_from_geodetic
 from planner.world.frames.time_scales import Instants
@@ -150,7 +145,7 @@ def test_small_errors_displace_the_target_as_the_linear_budget_has_it(plan, scen
     )
     told = PointingScene(los, plan.scenario.attitude, scene.target, ISS_HRC, angle_rad, len(at))
     errors = plan.scenario.attitude.errors(told.instants)
-    biases = error_biases(told, los, scene.ephemeris, errors, BUDGET_OPTIONS.clock_s)
+    biases = error_biases(told, scene.ephemeris, errors, BUDGET_OPTIONS.clock_s)
     mine = [bias for bias in biases if bias.cause.cause == cause]
     orbit = drawn.orbit_scores.copy()
     orbit[1] = scene.errors.along.scores(orbit[1])

@@ -13,7 +13,11 @@ from planner.base.commands import COMMAND_STEP_S
 from planner.base.errors import InfeasibleSlew, Refusal
 from planner.motion.slew import AxisState, SlewProblem, optimal_slew
 from planner.planning.sessions.pipeline import make_plan
-from planner.planning.sessions.slew_timing import at_rest_after, least_slew_s, slew_within_lead
+from planner.planning.sessions.platforms.two_axis.slew_timing import (
+    at_rest_after,
+    least_slew_s,
+    slew_within_lead,
+)
 from planner.verification import verify
 from planner.world.frames.time_scales import elapsed_s
 from planner.world.platforms import ISS_HRC, AxisLimits, StructuralMode

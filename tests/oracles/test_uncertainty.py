@@ -13,13 +13,13 @@ from scipy.stats import multivariate_normal, norm
 
 from planner.motion.pointing.angles import axis_angles
 from planner.motion.pointing.line_of_sight import line_of_sight
+from planner.planning.sessions.platforms.two_axis.budget import pointing_budget
 from planner.planning.sessions.probability import (
     lattice_points,
     probability_inside,
     probability_wandering,
 )
 from planner.planning.sessions.uncertainty import OPTIONS as BUDGET_OPTIONS
-from planner.planning.sessions.uncertainty import pointing_budget
 from planner.world.attitude import AttitudeUncertainty, InertialAttitude, LvlhAttitude
 from planner.world.frames.time_scales import Instants, utc_from_text
 from planner.world.messages.aem import read_aem

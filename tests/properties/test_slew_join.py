@@ -9,7 +9,7 @@ from slew_cases import LIMITS, NAMES, deg_state
 
 from planner.motion.pointing.track import AxisTrack
 from planner.motion.slew.feasibility import verdict
-from planner.planning.sessions.earliest_join import Approach, track_states
+from planner.planning.sessions.platforms.two_axis.earliest_join import Approach, track_states
 from planner.world.scenario import SlewOptions
 
 OPTIONS = SlewOptions()

@@ -31,7 +31,7 @@ from planner.planning.opportunities import (
     OpportunityTarget,
     find_opportunities,
 )
-from planner.planning.sessions.error_ellipse import error_covariance_rad2
+from planner.planning.sessions.platforms.registry import mover_of
 from planner.planning.sessions.track_branches import los_on_rows, session_rows
 from planner.world.frames.time_scales import elapsed_s, shifted_utc
 from planner.world.plan import FlightPlan
@@ -109,38 +109,28 @@ _COLUMNS = ("error_rad", *_ELLIPSE)
 
 
 def pointing_trace(scene: PlanScene, targets: Sequence[TargetTrack]) -> PointingTrace:
-    """Of each session's own target; no ellipse of a body, which has no such budget."""
+    """Of each session's own target."""
     columns = {name: np.full(len(scene.rows.instants), np.nan) for name in _COLUMNS}
     for track in targets:
-        scenario = scene.plan.scenario
-        session = scenario.sessions[track.session]
-        target = session.target
+        target = scene.plan.scenario.sessions[track.session].target
         inside = np.flatnonzero(track.in_session)
         columns["error_rad"][inside] = track.error_rad[inside]
-        if scenario.attitude is not None and len(inside) and isinstance(target, VisibleTarget):
-            covariance_rad2 = _covariance_rad2(scene, session, target, inside)
+        if len(inside) and isinstance(target, VisibleTarget):
+            covariance_rad2 = _covariance_rad2(scene, track.session, target, inside)
             for name, values in zip(_ELLIPSE, _ellipse(covariance_rad2), strict=True):
                 columns[name][inside] = values
     return PointingTrace(**columns)
 
 
 def _covariance_rad2(
-    scene: PlanScene, session: Session, target: VisibleTarget, inside: Indices
+    scene: PlanScene, number: int, target: VisibleTarget, inside: Indices
 ) -> Array:
     """At rows `inside`, linear between instants at which it is found, (k, 2, 2)."""
     scenario, table = scene.plan.scenario, scene.plan.table
-    rows = session_rows(session, table.epoch_utc)
+    rows = session_rows(scenario.sessions[number], table.epoch_utc)
     los = los_on_rows(scenario, scene.rows.ephemeris, target, rows, INSTANTS)
     at_s = los.instants.t_s
-    angle_rad = [np.interp(at_s, table.t_s, angle) for angle in table.position.T]
-    found_rad2 = error_covariance_rad2(
-        los,
-        scene.rows.ephemeris,
-        scenario.law,
-        target,
-        scenario.two_axis,
-        np.stack(angle_rad, axis=1),
-    )
+    found_rad2 = mover_of(scenario).error_covariance_rad2(scene.rows.ephemeris, table, number, los)
     wanted_s = scene.rows.row[inside] / ROWS_PER_S
     parts = [np.interp(wanted_s, at_s, found_rad2[:, i, j]) for i, j in ((0, 0), (0, 1), (1, 1))]
     return np.stack([np.stack(parts[:2], -1), np.stack(parts[1:], -1)], axis=1)

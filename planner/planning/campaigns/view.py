@@ -12,7 +12,7 @@ from planner.motion.pointing.line_of_sight import LineOfSight
 from planner.planning.campaigns.request import ViewWeights
 from planner.planning.opportunities.carrier import Carrier
 from planner.planning.opportunities.sights import Sight, in_sights
-from planner.planning.sessions.uncertainty import probabilities_at
+from planner.planning.sessions.platforms.two_axis.budget import probabilities_at
 from planner.world.attitude import AttitudeLaw
 from planner.world.frames.geodesy import geodetic_from_itrf
 from planner.world.frames.time_scales import Instants

@@ -13,17 +13,13 @@ from typing import NamedTuple
 import numpy as np
 
 from planner.base.arrays import Array, Indices, cross
-from planner.motion.pointing.frame import frame_axes
 from planner.motion.pointing.line_of_sight import LineOfSight
 from planner.planning.sessions.budget import LIKELY, Contribution, PointingBudget
-from planner.planning.sessions.probability import lattice_points, mixture_points, probability_inside
-from planner.world.attitude import AttitudeErrors, AttitudeLaw
 from planner.world.frames.earth_orientation import iers_data_end_utc
 from planner.world.frames.iers import RAD_PER_ARCSEC
 from planner.world.frames.time_scales import DAY_S, Instants, elapsed_s
 from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.orbits.accuracy import GAUSS, NormalMixture
-from planner.world.platforms import TwoAxisPlatform
 from planner.world.targets import VisibleTarget
 
 # Sample rows of a session for its pointing budget.
@@ -31,13 +27,13 @@ from planner.world.targets import VisibleTarget
 _FRAME_TURN_RAD = 0.1  # a keyhole turns the frame in seconds: one more row each
 
 
-def spread_rows(image_platform: Array, samples: int) -> Indices:
-    """Choose that many of the rows, evenly, and more where the frame turns in the platform.
+def spread_rows(image_base: Array, samples: int) -> Indices:
+    """Choose that many of the rows, evenly, and more where the frame turns in the base.
 
-    image_platform: (n, 2, 3), the directions of the frame's sides.
+    image_base: (n, 2, 3), the directions of the frame's sides.
     """
-    rows = np.arange(len(image_platform))
-    turn_rad = np.linalg.norm(np.diff(image_platform, axis=0), axis=(1, 2))
+    rows = np.arange(len(image_base))
+    turn_rad = np.linalg.norm(np.diff(image_base, axis=0), axis=(1, 2))
     along = np.linspace(0.0, samples - 1.0, len(rows))
     along[1:] += np.cumsum(turn_rad) / _FRAME_TURN_RAD
     even = np.linspace(0.0, along[-1], math.ceil(along[-1]) + 1)
@@ -75,7 +71,6 @@ class BudgetOptions:
 OPTIONS = BudgetOptions()
 
 _ARCSEC = 1.0 / RAD_PER_ARCSEC
-DRIVE_RAD = 5.0 * RAD_PER_ARCSEC / math.sqrt(12.0)  # 1-sigma of an axis by its encoder's step
 
 
 class Cause(NamedTuple):
@@ -84,40 +79,6 @@ class Cause(NamedTuple):
     cause: str
     basis: str
     better: str
-
-
-_DRIVES = Cause("drive resolution", "5 arcsec encoder step assumed unless stated", "finer drives")
-
-
-def pointing_budget(
-    los: LineOfSight,
-    ephemeris: Ephemeris,
-    attitude: AttitudeLaw,
-    target: VisibleTarget,
-    platform: TwoAxisPlatform,
-    angle_rad: Array,
-    *,
-    session: int,
-    clock_s: float = OPTIONS.clock_s,
-) -> PointingBudget:
-    """Budget of the session, by its number, whose line of sight is `los`.
-
-    angle_rad: (n, 2), the axes at the instants of `los`.
-
-    Orbit, clock, Earth orientation and the mean attitude are taken as constant over the session
-    (their errors change over hours); the carrier swings about its mean at the orbital rate with
-    a phase that nobody knows beforehand; the drives' resolution is random.  Leaves out the mount's
-    alignment and the camera's own distortion, which are calibrated, and refraction.
-    """
-    scene = PointingScene(los, attitude, target, platform, angle_rad, OPTIONS.samples)
-    errors = attitude.errors(scene.instants)
-    biases = error_biases(scene, los, ephemeris, errors, clock_s)
-
-    def stay(without: Cause | None, every: int) -> float:
-        others = [bias for bias in biases if bias.cause != without]
-        return stay_probability(others, scene, platform, every)
-
-    return budget_of(scene, biases, {}, {_DRIVES: DRIVE_RAD}, stay, session=session)
 
 
 def budget_of(
@@ -165,23 +126,6 @@ def budget_of(
     )
 
 
-def stay_probability(
-    biases: Sequence["Bias"], scene: "PointingScene", platform: TwoAxisPlatform, every: int = 1
-) -> float:
-    return probability_inside(
-        np.stack(constant_biases(biases)),
-        _half_rad(platform),
-        scene.off_rad,
-        [
-            np.stack([bias.offsets_rad, bias.quarter_later_rad])
-            for bias in biases
-            if bias.quarter_later_rad is not None
-        ],
-        along_track(biases),
-        every=every,
-    )
-
-
 def _helps_most(
     squares_rad2: Mapping[Cause, Array], stay: Callable[[Cause | None, int], float]
 ) -> str:
@@ -197,49 +141,6 @@ def _helps_most(
 
     felt = [cause for cause, variance_rad2 in variances_rad2.items() if variance_rad2 >= least_rad2]
     return max(felt, key=share_left).cause
-
-
-def probabilities_at(
-    los: LineOfSight,
-    ephemeris: Ephemeris,
-    attitude: AttitudeLaw,
-    target: VisibleTarget,
-    platform: TwoAxisPlatform,
-    angle_rad: Array,
-    *,
-    clock_s: float = OPTIONS.clock_s,
-) -> Array:
-    """That the target is in the frame at each instant by itself, (n,); as `pointing_budget`.
-
-    By every 16th point of the budget's, good to 0.01.
-    """
-    scene = PointingScene(los, attitude, target, platform, angle_rad, len(los.instants))
-    half_rad = _half_rad(platform)
-    if not (half_rad > 0.0).all():
-        return np.zeros(len(los.instants))
-    errors = attitude.errors_each(scene.instants)
-    biases = error_biases(scene, los, ephemeris, errors, clock_s)
-    constant = constant_biases(biases)
-    swings = [
-        part
-        for bias in biases
-        if bias.quarter_later_rad is not None
-        for part in (bias.offsets_rad, bias.quarter_later_rad)
-    ]
-    points = lattice_points(len(constant), len(swings) // 2)[:, :: OPTIONS.coarse]
-    points = mixture_points(points, len(constant) - 1, along_track(biases))
-    offsets = np.stack([*constant, *swings], axis=-1) / half_rad[:, None]
-    middle = scene.off_rad / half_rad
-    parts = []
-    for first in range(0, len(los.instants), OPTIONS.batch):
-        batch = slice(first, first + OPTIONS.batch)
-        places = middle[batch, :, None] + offsets[batch] @ points
-        parts.append(np.mean(np.abs(places).max(axis=1) <= 1.0, axis=1))
-    return np.concatenate(parts)
-
-
-def _half_rad(platform: TwoAxisPlatform) -> Array:
-    return np.array(platform.frame_half_rad) - OPTIONS.random_margin_sigma * DRIVE_RAD
 
 
 class ImageScene:
@@ -268,15 +169,16 @@ class ImageScene:
         self.states = OrbitStates(
             los.states.r_sat_eci_m[self.rows], los.states.v_sat_eci_m_s[self.rows]
         )
-        self.los_platform = los.los_platform[self.rows]
+        self.los_base = los.los_platform[self.rows]
+        self.los_rate_base_per_s = los.los_rate_platform_per_s[self.rows]
         self.range_m = los.range_m[self.rows]
         self._target = target
 
-    def in_image(self, shift_platform: Array) -> Array:
+    def in_image(self, shift_base: Array) -> Array:
         """Components along the inner axis and across it, shape (n, 2)."""
-        return np.asarray(np.einsum("nij,nj->ni", self._image, shift_platform))
+        return np.asarray(np.einsum("nij,nj->ni", self._image, shift_base))
 
-    def directions_platform(self, orbits: Sequence[OrbitStates], late_s: Sequence[float]) -> Array:
+    def directions_base(self, orbits: Sequence[OrbitStates], late_s: Sequence[float]) -> Array:
         """Directions with other orbits and the target as it will be (Earth turned on) late_s later.
 
         All m cases at once, as a few instants cost what many do.  Shape (m, n, 3).
@@ -293,32 +195,6 @@ class ImageScene:
 
     def _in_base(self, seen_eci: Array, instants: Instants, states: OrbitStates) -> Array:
         return seen_eci
-
-
-class PointingScene(ImageScene):
-    """The same of two axes: their base is turned by the law of the carrier's attitude."""
-
-    def __init__(
-        self,
-        los: LineOfSight,
-        attitude: AttitudeLaw,
-        target: VisibleTarget,
-        platform: TwoAxisPlatform,
-        angle_rad: Array,
-        samples: int,
-    ) -> None:
-        image = frame_axes(platform, angle_rad)
-        super().__init__(los, target, image, platform.frame_half_rad, samples)
-        self._attitude, self._platform = attitude, platform
-
-    def turned_about_body(self, axis: int) -> Array:
-        """Where the target goes, per radian by which the carrier turns about a body axis."""
-        axis_platform = self._platform.q_platform_from_body.apply(np.eye(3)[axis])
-        return self.in_image(cross(self.los_platform, axis_platform))
-
-    def _in_base(self, seen_eci: Array, instants: Instants, states: OrbitStates) -> Array:
-        q_body_from_eci = self._attitude.q_body_from_eci(instants, states)
-        return (self._platform.q_platform_from_body * q_body_from_eci).apply(seen_eci)
 
 
 class Bias(NamedTuple):
@@ -348,39 +224,38 @@ def constant_biases(biases: Sequence[Bias]) -> list[Array]:
     return [bias.offsets_rad for bias in sorted(steady, key=lambda bias: bias.mixture != GAUSS)]
 
 
+def covariances_rad2(biases: Sequence[Bias], random_rad: float) -> Array:
+    """Of the place in the image by these errors, and one alike each way, (n, 2, 2)."""
+    count = len(biases[0].offsets_rad)
+    covariance_rad2 = np.tile(random_rad**2 * np.eye(2), (count, 1, 1))
+    for bias in biases:
+        for part_rad in (bias.offsets_rad, bias.quarter_later_rad):
+            if part_rad is not None:
+                covariance_rad2 += part_rad[:, :, None] * part_rad[:, None, :]
+    return covariance_rad2
+
+
 def along_track(biases: Sequence[Bias]) -> NormalMixture:
     """How the only error that isn't Gauss's is distributed."""
     return next((bias.mixture for bias in biases if bias.mixture != GAUSS), GAUSS)
 
 
-def error_biases(
-    scene: PointingScene,
-    los: LineOfSight,
-    ephemeris: Ephemeris,
-    errors: AttitudeErrors,
-    clock_s: float,
-) -> list[Bias]:
-    """What lasts over a session of two axes, whose carrier's attitude has these errors."""
-    return lasting_biases(scene, los, ephemeris, _attitude_offsets(scene, errors), clock_s)
-
-
 def lasting_biases(
     scene: ImageScene,
-    los: LineOfSight,
     ephemeris: Ephemeris,
     attitude: Sequence[Bias],
     clock_s: float,
 ) -> list[Bias]:
     """Those of orbit, attitude as given, Earth and clock."""
     orbits = [*_disturbed_orbits(scene.states), scene.states, scene.states]
-    *moved, late, early = scene.directions_platform(
+    *moved, late, early = scene.directions_base(
         orbits, [0.0, 0.0, 0.0, OPTIONS.probe_s, -OPTIONS.probe_s]
     )
     return [
         *_orbit_offsets(scene, ephemeris, moved),
         *attitude,
         _earth_offsets(scene, late - early),
-        _clock_offsets(scene, los, clock_s),
+        _clock_offsets(scene, clock_s),
     ]
 
 
@@ -400,11 +275,11 @@ def _disturbed_orbits(states: OrbitStates) -> tuple[OrbitStates, ...]:
 
 
 def _orbit_offsets(
-    scene: ImageScene, ephemeris: Ephemeris, moved_platform: Sequence[Array]
+    scene: ImageScene, ephemeris: Ephemeris, moved_base: Sequence[Array]
 ) -> list[Bias]:
     """Radial, along-track and cross-track, as independent causes.
 
-    moved_platform: where the target is seen from each of the `_disturbed_orbits`.
+    moved_base: where the target is seen from each of the `_disturbed_orbits`.
     """
     sigma = ephemeris.sigma(scene.instants)
     sizes_m = (sigma.radial_m, sigma.along_m, sigma.cross_m)
@@ -412,32 +287,11 @@ def _orbit_offsets(
     return [
         Bias(
             Cause("orbit", sigma.basis, sigma.better),
-            scene.in_image(direction - scene.los_platform) * (size_m / OPTIONS.probe_m)[:, None],
+            scene.in_image(direction - scene.los_base) * (size_m / OPTIONS.probe_m)[:, None],
             mixture=mixture,
         )
-        for direction, size_m, mixture in zip(moved_platform, sizes_m, mixtures, strict=True)
+        for direction, size_m, mixture in zip(moved_base, sizes_m, mixtures, strict=True)
     ]
-
-
-def _attitude_offsets(scene: PointingScene, errors: AttitudeErrors) -> list[Bias]:
-    """Turns about the body axes, constant and swinging with the orbit."""
-    sigma_body_rad = np.broadcast_to(errors.sigma_body_rad, (len(scene.instants), 3))
-    r_m, v_m_s = scene.states.r_sat_eci_m, scene.states.v_sat_eci_m_s
-    rate_rad_s = np.linalg.norm(cross(r_m, v_m_s), axis=1) / np.sum(r_m**2, axis=1)
-    phase_rad = (rate_rad_s * (scene.instants.t_s - scene.instants.t_s[0]))[:, None]
-    cause = Cause("attitude", errors.basis, errors.better)
-    about = np.stack([scene.turned_about_body(axis) for axis in range(3)])
-    biases = [
-        Bias(cause, np.einsum("na,ani->ni", mode_rad, about)) for mode_rad in errors.modes_body_rad
-    ]
-    for axis, swing_rms_rad in enumerate(errors.swing_rms_body_rad):
-        turned = about[axis]
-        if not len(errors.modes_body_rad):
-            biases.append(Bias(cause, sigma_body_rad[:, axis, None] * turned))
-        if swing_rms_rad > 0.0:
-            swing = swing_rms_rad * turned
-            biases.append(Bias(cause, swing * np.cos(phase_rad), swing * np.sin(phase_rad)))
-    return biases
 
 
 def ut1_sigma_s(instants: Instants) -> float:
@@ -451,10 +305,10 @@ def ut1_sigma_s(instants: Instants) -> float:
     return 2e-5 + 2.5e-4 * float(predicted_days**0.75) + 8.5e-4 * max(0.0, past_days)
 
 
-def _earth_offsets(scene: ImageScene, passing_platform: Array) -> Bias:
+def _earth_offsets(scene: ImageScene, passing_base: Array) -> Bias:
     """UT1; the pole's part is a tenth of it.
 
-    passing_platform: how far the turning Earth moves the target from `probe_s` before to after.
+    passing_base: how far the turning Earth moves the target from `probe_s` before to after.
     """
     ut1_s = ut1_sigma_s(scene.instants)
     cause = Cause(
@@ -463,12 +317,12 @@ def _earth_offsets(scene: ImageScene, passing_platform: Array) -> Bias:
         "Bulletin A's 0.25 ms x days^0.75",
         "newer Earth orientation data",
     )
-    return Bias(cause, scene.in_image(passing_platform) * (ut1_s / (2.0 * OPTIONS.probe_s)))
+    return Bias(cause, scene.in_image(passing_base) * (ut1_s / (2.0 * OPTIONS.probe_s)))
 
 
-def _clock_offsets(scene: ImageScene, los: LineOfSight, clock_s: float) -> Bias:
+def _clock_offsets(scene: ImageScene, clock_s: float) -> Bias:
     """A table flown late points where the target was."""
-    drift = scene.in_image(los.los_rate_platform_per_s[scene.rows])
+    drift = scene.in_image(scene.los_rate_base_per_s)
     cause = Cause("clock", "20 ms of the platform's clock assumed unless stated", "a better clock")
     return Bias(cause, drift * clock_s)
 

@@ -1,5 +1,6 @@
 """The probability in frame of the sessions that windows offer, before any of them is planned."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,14 +8,9 @@ import numpy as np
 from planner.base import effort
 from planner.base.arrays import Array
 from planner.base.effort import at_most
-from planner.motion.pointing.angles import axis_angles
-from planner.motion.pointing.line_of_sight import line_of_sight
 from planner.planning.opportunities import OpportunityRequest, Windows
-from planner.planning.sessions.uncertainty import OPTIONS as BUDGET
-from planner.planning.sessions.uncertainty import PointingScene, error_biases, stay_probability
+from planner.planning.sessions.platforms.two_axis.budget import probability_held
 from planner.world.frames.time_scales import Instants
-from planner.world.orbits import Ephemeris
-from planner.world.targets import VisibleTarget
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +25,9 @@ class WindowProbabilityOptions:
 
 OPTIONS = WindowProbabilityOptions()
 
+# That the target stays in the frame of each kind of platform.
+HELD: dict[str, Callable[..., float]] = {"two_axis": probability_held}
+
 
 def probabilities_in_frame(request: OpportunityRequest, windows: Windows) -> Array:
     """That the target stays in the camera's frame over the longest session of each window.
@@ -39,36 +38,20 @@ def probabilities_in_frame(request: OpportunityRequest, windows: Windows) -> Arr
     """
     probability = np.full(len(windows), np.nan)
     ephemeris = request.orbit.ephemeris(request.start, request.stop)
-    sessions_s = windows.sessions_s(request.start)
+    sessions_s, held = windows.sessions_s(request.start), HELD[request.platform.kind]
     with at_most(OPTIONS.most):
         for window in np.argsort(windows.rise_s, kind="stable"):
             if not np.isnan(sessions_s[window, 0]):
                 effort.charge(OPTIONS.window)
                 start_s, stop_s = sessions_s[window]
                 t_s = np.linspace(start_s, stop_s, OPTIONS.instants)
-                probability[window] = _session_probability(
-                    request,
+                probability[window] = held(
+                    request.platform,
+                    request.attitude,
                     ephemeris,
                     request.targets[windows.target[window]].target,
                     Instants(request.start, t_s),
                     int(windows.branch[window]),
+                    OPTIONS.every,
                 )
     return probability
-
-
-def _session_probability(
-    request: OpportunityRequest,
-    ephemeris: Ephemeris,
-    target: VisibleTarget,
-    instants: Instants,
-    branch: int,
-) -> float:
-    platform, attitude = request.platform, request.attitude
-    los = line_of_sight(instants, ephemeris, attitude, platform.q_platform_from_body, target)
-    angle_rad = axis_angles(platform, los.los_platform).angle_rad[branch]
-    if not np.isfinite(angle_rad).all():
-        return np.nan
-    scene = PointingScene(los, attitude, target, platform, angle_rad, BUDGET.samples)
-    errors = attitude.errors(scene.instants)
-    biases = error_biases(scene, los, ephemeris, errors, BUDGET.clock_s)
-    return stay_probability(biases, scene, platform, OPTIONS.every)

@@ -458,6 +458,11 @@ class BodyPlatform:
             )
 
     @property
+    def q_base_from_carrier(self) -> Rotation:
+        """Identity: its base is GCRF."""
+        return Rotation.identity()
+
+    @property
     def dof_names(self) -> tuple[str, ...]:
         """The body axes."""
         return ("x", "y", "z")

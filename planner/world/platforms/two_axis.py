@@ -151,6 +151,11 @@ class TwoAxisPlatform:
         return Rotation.from_quat(self.q_platform_from_body_xyzw)
 
     @property
+    def q_base_from_carrier(self) -> Rotation:
+        """The mount."""
+        return self.q_platform_from_body
+
+    @property
     def dof_names(self) -> tuple[str, ...]:
         """The axes' names."""
         return self.axis_names

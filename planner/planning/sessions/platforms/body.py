@@ -13,6 +13,7 @@ from planner.base.commands import ROWS_PER_S, CommandTable, Motion
 from planner.base.errors import InfeasibleSlew, Refusal
 from planner.base.rotation import Rotation, of_like_sign
 from planner.base.solvers import merged
+from planner.base.table_motion import motion_at
 from planner.motion.attitude.bounds import least_s, may
 from planner.motion.attitude.idle import idle_attitude
 from planner.motion.attitude.problem import AvoidedCone, BodySlewProblem, depths_rad, rows_of
@@ -21,7 +22,7 @@ from planner.motion.attitude.track import TargetSight, agility_limits, attitude_
 from planner.motion.pointing.line_of_sight import STENCIL, LineOfSight
 from planner.planning.sessions.budget import PointingBudget
 from planner.planning.sessions.plan import SlewRun, unproven_share
-from planner.planning.sessions.platforms.body_budget import body_budget
+from planner.planning.sessions.platforms.body_budget import body_budget, body_covariance_rad2
 from planner.planning.sessions.platforms.mover import Join, RowSpan, TrackBranch
 from planner.planning.sessions.track_branches import (
     early_row,
@@ -295,6 +296,14 @@ class BodyMover:
             table.position[rows.start : rows.stop + 1],
             session=number,
         )
+
+    def error_covariance_rad2(
+        self, ephemeris: Ephemeris, table: CommandTable, number: int, los: LineOfSight
+    ) -> Array:
+        target = self.scenario.sessions[number].target
+        assert isinstance(target, VisibleTarget)  # a scenario refuses the others
+        position = motion_at(table, los.instants.t_s).position
+        return body_covariance_rad2(los, ephemeris, target, self.platform, position)
 
     def warnings_along(self, table: CommandTable) -> tuple[str, ...]:
         """None: it steers itself."""

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from planner.base.arrays import Array
+from planner.motion.pointing.frame import frame_axes
 from planner.motion.pointing.line_of_sight import LineOfSight
 from planner.planning.sessions.budget import PointingBudget
 from planner.planning.sessions.probability import probability_wandering
@@ -15,6 +16,7 @@ from planner.planning.sessions.uncertainty import (
     along_track,
     budget_of,
     constant_biases,
+    covariances_rad2,
     lasting_biases,
 )
 from planner.world.frames.iers import RAD_PER_ARCSEC
@@ -44,10 +46,9 @@ def body_budget(
     edge.  A pushbroom's frame is its line: across it only the time changes at which a point is
     imaged.  Turns about the line of sight are left out: the target is in the frame's middle.
     """
-    # Rows of the matrices are the payload's axes in the base.
-    image = platform.q_payload_from_base(q_eci_from_body_xyzw).as_matrix()[:, :2]
+    image = frame_axes(platform, q_eci_from_body_xyzw)
     scene = ImageScene(los, target, image, platform.frame_half_rad, OPTIONS.samples)
-    biases = lasting_biases(scene, los, ephemeris, (), OPTIONS.clock_s)
+    biases = lasting_biases(scene, ephemeris, (), OPTIONS.clock_s)
     knowledge = platform.knowledge
     wander_rad = {
         KNOWLEDGE: knowledge.sigma_arcsec * RAD_PER_ARCSEC,
@@ -76,3 +77,21 @@ def body_budget(
         )
 
     return budget_of(scene, biases, wander_rad, {VIBRATION: jitter_rad}, stay, session=session)
+
+
+def body_covariance_rad2(
+    los: LineOfSight,
+    ephemeris: Ephemeris,
+    target: VisibleTarget,
+    platform: BodyPlatform,
+    q_eci_from_body_xyzw: Array,
+) -> Array:
+    """Covariances of the image place by the causes of `body_budget`, as there, (n, 2, 2)."""
+    image = frame_axes(platform, q_eci_from_body_xyzw)
+    scene = ImageScene(los, target, image, platform.frame_half_rad, len(los.instants))
+    biases = lasting_biases(scene, ephemeris, (), OPTIONS.clock_s)
+    knowledge = platform.knowledge
+    alike_arcsec = math.hypot(
+        knowledge.sigma_arcsec, knowledge.control_sigma_arcsec, knowledge.jitter_arcsec
+    )
+    return covariances_rad2(biases, alike_arcsec * RAD_PER_ARCSEC)

@@ -152,6 +152,15 @@ class Mover(Protocol):
         """The pointing budget of a session; None where no target is looked at."""
         ...
 
+    def error_covariance_rad2(
+        self, ephemeris: Ephemeris, table: CommandTable, number: int, los: LineOfSight
+    ) -> Array:
+        """Of a session's target in the image at the instants of `los`, by the budget's causes.
+
+        (n, 2, 2), in the order of the frame's sides.
+        """
+        ...
+
     def warnings_along(self, table: CommandTable) -> tuple[str, ...]:
         """What the user should know about the base that it moves against."""
         ...

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from planner.planning.sessions.platforms.body import BodyMover
 from planner.planning.sessions.platforms.mover import Mover
-from planner.planning.sessions.platforms.two_axis import TwoAxisMover
+from planner.planning.sessions.platforms.two_axis.mover import TwoAxisMover
 from planner.world.scenario import Scenario
 
 MOVERS: dict[str, Callable[[Scenario], Mover]] = {"two_axis": TwoAxisMover, "body": BodyMover}

@@ -18,24 +18,27 @@ from planner.motion.pointing.keep_out import keep_out_view
 from planner.motion.pointing.line_of_sight import LineOfSight
 from planner.motion.pointing.track import held_cells
 from planner.motion.slew import AxisState, require_brakable
-from planner.planning.sessions import joining
-from planner.planning.sessions.assembly import assemble_table
 from planner.planning.sessions.budget import PointingBudget
-from planner.planning.sessions.earliest_join import track_states
-from planner.planning.sessions.final import with_final_slew
 from planner.planning.sessions.plan import SlewRun, unproven_share
 from planner.planning.sessions.platforms.mover import Join, TrackBranch
-from planner.planning.sessions.slew_timing import least_slew_s
+from planner.planning.sessions.platforms.two_axis import joining
+from planner.planning.sessions.platforms.two_axis.budget import (
+    error_covariance_rad2,
+    pointing_budget,
+)
+from planner.planning.sessions.platforms.two_axis.earliest_join import track_states
+from planner.planning.sessions.platforms.two_axis.final import with_final_slew
+from planner.planning.sessions.platforms.two_axis.slew_timing import least_slew_s
+from planner.planning.sessions.platforms.two_axis.tracks import track_branches
 from planner.planning.sessions.track_branches import (
     OPTIONS as TRACK_BRANCH_OPTIONS,
 )
-from planner.planning.sessions.track_branches import los_on_rows, session_rows, track_branches
-from planner.planning.sessions.uncertainty import pointing_budget
+from planner.planning.sessions.track_branches import los_on_rows, session_rows
 from planner.world.attitude.lvlh import level_warnings
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import Ephemeris
 from planner.world.scenario import Scenario, Session
-from planner.world.targets import BenchMotionTarget
+from planner.world.targets import BenchMotionTarget, VisibleTarget
 
 States = tuple[AxisState, ...]
 AWAY_ROWS = ROWS_PER_S  # from a cone or mask, out of which no slew comes at once
@@ -109,7 +112,39 @@ class TwoAxisMover:
             yield held
 
     def table(self, epoch_utc: datetime, joins: list[Join]) -> CommandTable:
-        return assemble_table(epoch_utc, self.scenario.platform.channels, joins)
+        """Row by row: braked to rest, at rest until each slew begins, the slew, the track.
+
+        A row shared by two of them is the later one's.  What a slew leaves as end error is
+        flown as it dies away.
+        """
+        last = joins[-1].track.axis_states
+        angle_rad, rate_rad_s = np.empty((2, joins[-1].stop_row + 1, last.shape[-1]))
+        from_row = 0
+        for join in joins:
+            slew_t_s = np.arange(join.join_row - join.slew_row + 1) / ROWS_PER_S
+            slew = slice(join.slew_row, join.join_row + 1)
+            angle_rad[slew], rate_rad_s[slew], _, _ = join.slew.motion(slew_t_s)
+            at_rest = slice(from_row + join.brake_rows, join.slew_row)
+            angle_rad[at_rest], rate_rad_s[at_rest] = angle_rad[join.slew_row], 0.0
+            if join.brake:
+                brake = slice(from_row, from_row + join.brake_rows)
+                brake_t_s = np.arange(join.brake_rows) / ROWS_PER_S
+                angle_rad[brake], rate_rad_s[brake], _, _ = join.brake.motion(brake_t_s)
+            track = slice(join.join_row, join.stop_row + 1)
+            track_t_s = np.arange(join.join_row, join.stop_row + 1) / ROWS_PER_S
+            angle_rad[track], rate_rad_s[track], _ = join.track.motion(track_t_s)
+            if join.slew.settling_s:
+                since_join_s = track_t_s[:, None] - track_t_s[0]
+                left_rad = np.exp(-since_join_s / join.slew.settling_s) * join.slew.end_error_rad
+                angle_rad[track] += left_rad
+                rate_rad_s[track] -= left_rad / join.slew.settling_s
+            from_row = join.stop_row
+        return CommandTable(
+            epoch_utc=epoch_utc,
+            channels=self.scenario.platform.channels,
+            position=angle_rad,
+            rate_rad_s=rate_rad_s,
+        )
 
     def run(self, number: int | None, join: Join) -> SlewRun:
         slew, options = join.slew, self.scenario.slew
@@ -151,6 +186,22 @@ class TwoAxisMover:
             scenario.two_axis,
             motion_at(table, los.instants.t_s).position,
             session=number,
+        )
+
+    def error_covariance_rad2(
+        self, ephemeris: Ephemeris, table: CommandTable, number: int, los: LineOfSight
+    ) -> Array:
+        """The axes are linear between rows."""
+        angle_rad = [np.interp(los.instants.t_s, table.t_s, angle) for angle in table.position.T]
+        target = self.scenario.sessions[number].target
+        assert isinstance(target, VisibleTarget)  # a test motion looks at nothing
+        return error_covariance_rad2(
+            los,
+            ephemeris,
+            self.scenario.law,
+            target,
+            self.scenario.two_axis,
+            np.stack(angle_rad, axis=1),
         )
 
     def warnings_along(self, table: CommandTable) -> tuple[str, ...]:

@@ -18,7 +18,7 @@ from planner.motion.pointing.track import AxisTrack
 from planner.motion.slew.feasibility import fits_without_jerk, next_duration_s, verdict
 from planner.motion.slew.optimal import optimal_slew
 from planner.motion.slew.problem import AxisState, SlewProblem, axis_states, is_within
-from planner.planning.sessions.slew_timing import TimedSlew, slew_within_lead
+from planner.planning.sessions.platforms.two_axis.slew_timing import TimedSlew, slew_within_lead
 from planner.world.platforms import AxisLimits
 from planner.world.scenario import SlewOptions
 

@@ -8,9 +8,13 @@ from planner.motion.baseline import in_paper_time, paper_slew
 from planner.motion.detour.detour import avoid_cones
 from planner.motion.pointing.keep_out import KeepOutView, keep_out_view
 from planner.motion.slew import AxisState, SlewProblem, SlewSolution, broken_limit, optimal_slew
-from planner.planning.sessions.earliest_join import Approach, track_states
 from planner.planning.sessions.platforms.mover import Join, TrackBranch
-from planner.planning.sessions.slew_timing import TimedSlew, may_slew_within_lead, slew_within_lead
+from planner.planning.sessions.platforms.two_axis.earliest_join import Approach, track_states
+from planner.planning.sessions.platforms.two_axis.slew_timing import (
+    TimedSlew,
+    may_slew_within_lead,
+    slew_within_lead,
+)
 from planner.world.scenario import Scenario
 
 

@@ -11,13 +11,13 @@ from planner.base.errors import InfeasibleSlew
 from planner.motion.baseline.paper_cubic import paper_duration_s
 from planner.motion.pointing.track import AxisTrack
 from planner.motion.slew import AxisState, SlewProblem
-from planner.planning.sessions.earliest_join import track_states
-from planner.planning.sessions.joining import slew_onto
 from planner.planning.sessions.platforms.mover import Join, RowSpan, TrackBranch
-from planner.planning.sessions.slew_timing import (
+from planner.planning.sessions.platforms.two_axis.earliest_join import track_states
+from planner.planning.sessions.platforms.two_axis.joining import slew_onto
+from planner.planning.sessions.platforms.two_axis.slew_timing import (
     OPTIONS as SLEW_TIMING_OPTIONS,
 )
-from planner.planning.sessions.slew_timing import (
+from planner.planning.sessions.platforms.two_axis.slew_timing import (
     States,
     at_rest_after,
     brake_enough_s,

@@ -1,0 +1,1 @@
+"""Two axes on a carrier: their slews, tracks and pointing budget."""
