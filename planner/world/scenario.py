@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import field, replace
+from dataclasses import field
 from datetime import datetime
 from typing import Annotated, Literal
 
@@ -13,10 +13,11 @@ from planner.base.arrays import Array
 from planner.base.assumed import Assumed
 from planner.base.commands import COMMAND_STEP_S
 from planner.base.errors import NotForPlatform, figures
+from planner.base.rotation import Rotation
 from planner.base.spec import Within, spec
 from planner.world.attitude import Attitude
-from planner.world.frames.time_scales import elapsed_s, utc_text
-from planner.world.orbits import Orbit
+from planner.world.frames.time_scales import Instants, elapsed_s, utc_text
+from planner.world.orbits import Orbit, OrbitStates
 from planner.world.platforms import (
     AngleDeg,
     AnyPlatform,
@@ -211,12 +212,7 @@ class SlewOptions:
 
     def axis_limits(self, platform: TwoAxisPlatform) -> tuple[AxisLimits, ...]:
         """The platform's limits with the jerk limit asked for, in the order of its axes."""
-        if self.jerk_max_deg_s3 is None:
-            return platform.axis_limits
-        jerk_max_rad_s3 = math.radians(self.jerk_max_deg_s3)
-        return tuple(
-            replace(limits, jerk_max_rad_s3=jerk_max_rad_s3) for limits in platform.axis_limits
-        )
+        return platform.limits_with_jerk(self.jerk_max_deg_s3)
 
 
 @spec
@@ -393,6 +389,12 @@ class Scenario:
         if self.attitude is None:
             raise self._not_for_platform()
         return self.attitude
+
+    def q_body_from_eci(self, instants: Instants, states: OrbitStates, position: Array) -> Rotation:
+        """n attitudes of the carrier by its law, or of a body as its positions (n, 4) are."""
+        if self.attitude is None:
+            return Rotation.from_quat(position).inv()
+        return self.attitude.q_body_from_eci(instants, states)
 
     def _not_for_platform(self) -> NotForPlatform:
         return NotForPlatform(

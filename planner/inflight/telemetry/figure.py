@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from planner.base.arrays import Array, Indices
-from planner.output.export.description import notes, one_line, session_label
+from planner.base.header_text import one_line
+from planner.output.export.description import notes, session_label
 from planner.output.export.figure import AXIS_COLOURS
 from planner.output.export.figure_parts import (
     LIMIT_COLOUR,

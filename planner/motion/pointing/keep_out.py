@@ -198,7 +198,7 @@ def _moving_cones(
     )
     cones = []
     for cone in scenario.slew.keep_out:
-        axis_platform, counts_rad = cone.axis_platform(instants, states, q_platform_from_eci)
+        axis_platform, counts_rad = cone.axis_base(instants, states, q_platform_from_eci)
         cones.append(
             MovingCone(
                 about=cone.about,

@@ -8,12 +8,12 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.commands import ROWS_PER_S
-from planner.output.export.description import DECIMALS, TEXT_MAX, carrier_name, notes
+from planner.base.header_text import TEXT_MAX
+from planner.output.export.description import DECIMALS, carrier_name, notes
 from planner.output.export.table_states import axes_turn, omega_payload_from_eci_rad_s, table_states
 from planner.world.frames.time_scales import Instants, utc_text
 from planner.world.orbits import Orbit
 from planner.world.plan import FlightPlan
-from planner.world.platforms.body import BodyPlatform
 
 ORIGINATOR = "SLEWTRACK"
 ATTITUDE_FRAME_A = "GCRF"
@@ -48,7 +48,7 @@ def write_aem(plan: FlightPlan, created_utc: datetime) -> bytes:
             f"attitude of the payload ({_PAYLOAD_FRAME}: +Z boresight) against {ATTITUDE_FRAME_A}",
         )
     ]
-    if isinstance(plan.scenario.platform, BodyPlatform):
+    if plan.scenario.attitude is None:
         omega_body_rad_s = plan.table.rate_rad_s[rows.row]
         about = f"attitude of the spacecraft ({BODY_FRAME}) against {ATTITUDE_FRAME_A}"
         body = AttitudeSegment(BODY_FRAME, rows.q_body_from_eci_xyzw, omega_body_rad_s, about)

@@ -8,7 +8,8 @@ import numpy as np
 from planner.base.arrays import Array
 from planner.base.commands import CommandTable
 from planner.base.csv_cells import comment_lines, csv_lines
-from planner.output.export.description import notes, one_line
+from planner.base.header_text import one_line
+from planner.output.export.description import notes
 from planner.world.frames.time_scales import Instants
 from planner.world.plan import FlightPlan
 

@@ -31,7 +31,7 @@ from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.time_scales import Instants, elapsed_s
 from planner.world.orbits import OrbitStates
 from planner.world.plan import FlightPlan
-from planner.world.platforms import BodyPlatform, TwoAxisPlatform
+from planner.world.platforms import AnyPlatform
 from planner.world.scenario import Session
 from planner.world.targets import EarthFixedTarget, SkyTarget
 
@@ -139,7 +139,7 @@ def _boresight(plan: FlightPlan, rows: TableStates, end_itrf_m: Array) -> list[J
     ]
 
 
-def _footprint(rows: TableStates, platform: TwoAxisPlatform | BodyPlatform) -> list[Json]:
+def _footprint(rows: TableStates, platform: AnyPlatform) -> list[Json]:
     """The frame's outline while all four corners are on the ground."""
     corners = sights(rows, frame_corner_rays(platform))
     stretches = list(runs(np.asarray(corners.on_ground.all(axis=1))))

@@ -11,8 +11,9 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.commands import COMMAND_STEP_S, CommandTable
+from planner.base.header_text import one_line
 from planner.base.table_motion import accelerations_rad_s2
-from planner.output.export.description import notes, one_line, session_label
+from planner.output.export.description import notes, session_label
 from planner.output.export.figure_parts import (
     DASHED,
     LIMIT_COLOUR,
@@ -24,7 +25,6 @@ from planner.output.export.figure_parts import (
     shade_spans,
     shown_text,
 )
-from planner.output.export.limits import bounds_rad
 from planner.output.export.map_features import thinned
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.time_scales import Instants, elapsed_s
@@ -55,7 +55,10 @@ def draw_plan(plan: FlightPlan, image_format: str, created_utc: datetime) -> byt
 
     Sessions are shaded, closest approaches and limits dashed.
     """
-    table, limits = plan.table, bounds_rad(plan.scenario)
+    table, limits = (
+        plan.table,
+        plan.scenario.platform.motion_bounds(plan.scenario.slew.jerk_max_deg_s3),
+    )
     channels = [channel for channel in table.channels if channel.of == "position"]
     parts = tuple(channel.dof for channel in channels)
     title = plan.scenario.name or "Plan"

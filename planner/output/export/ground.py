@@ -11,7 +11,7 @@ from planner.output.export.table_states import TableStates
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.geodesy import WGS84_A_M, WGS84_F
 from planner.world.frames.time_scales import Instants
-from planner.world.platforms import BodyPlatform, TwoAxisPlatform
+from planner.world.platforms import AnyPlatform
 from planner.world.targets.apparent import aberrate
 
 BORESIGHT_PAYLOAD = np.array([[0.0, 0.0, 1.0]])
@@ -58,7 +58,7 @@ def ends_on_ground(instants: Instants, r_sat_eci_m: Array, direction_eci: Array)
     return _on_ellipsoid(r_sat_itrf_m[:, None, :], direction_itrf)
 
 
-def frame_corner_rays(platform: TwoAxisPlatform | BodyPlatform) -> Array:
+def frame_corner_rays(platform: AnyPlatform) -> Array:
     """Corners of the camera's frame in payload axes, shape (4, 3), counter-clockwise from +X +Y."""
     x, y = np.tan(platform.frame_half_rad)
     corners = np.array([[i * x, j * y, 1.0] for i, j in FRAME_CORNERS])

@@ -4,18 +4,15 @@ import json
 from datetime import datetime
 
 from planner.base.commands import COMMAND_STEP_S
-from planner.output.export.description import (
-    TIME_SCALE,
-    described,
-    one_line,
-)
+from planner.base.header_text import one_line
+from planner.output.export.description import TIME_SCALE
 from planner.world.frames.time_scales import utc_text
 from planner.world.plan import FlightPlan
 
 
 def write_json(plan: FlightPlan, created_utc: datetime) -> bytes:
     """The answer's `table` with a `description` of frames, units, time scale and rotation."""
-    table, platform, told = plan.table, plan.scenario.platform, described(plan.scenario)
+    table, platform, told = plan.table, plan.scenario.platform, plan.scenario.platform.described()
     document = {
         "name": plan.scenario.name,
         "epoch": utc_text(table.epoch_utc, 1),

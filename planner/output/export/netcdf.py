@@ -10,13 +10,8 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.commands import ROWS_PER_S, Channel
-from planner.output.export.description import (
-    QUATERNION,
-    TIME_SCALE,
-    carrier_name,
-    described,
-    one_line,
-)
+from planner.base.header_text import one_line
+from planner.output.export.description import QUATERNION, TIME_SCALE, carrier_name
 from planner.output.export.ground import BORESIGHT_PAYLOAD, sights
 from planner.output.export.table_states import (
     TableStates,
@@ -65,7 +60,7 @@ def write_netcdf(plan: FlightPlan, created_utc: datetime) -> bytes:
 def write_global_attributes(file: netcdf_file, plan: FlightPlan, created_utc: datetime) -> None:
     """What the file is of, and its frames."""
     scenario = plan.scenario
-    spacecraft, about = carrier_name(scenario.orbit), described(scenario)
+    spacecraft, about = carrier_name(scenario.orbit), scenario.platform.described()
     describe(
         file,
         Conventions="CF-1.12",

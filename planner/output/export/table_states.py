@@ -11,7 +11,6 @@ from planner.base.rotation import Rotation, continuous
 from planner.world.frames.time_scales import Instants, elapsed_s
 from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.plan import FlightPlan
-from planner.world.platforms.body import BodyPlatform
 
 _DEGREE = 5
 
@@ -56,7 +55,9 @@ def _states_from(plan: FlightPlan, row: Indices, first_row: int) -> TableStates:
     instants = Instants(table.epoch_utc, table.t_s[row])
     ephemeris = scenario.orbit.ephemeris(instants.utc(0), instants.utc(-1))
     states = ephemeris.states(instants)
-    q_body_from_eci, q_payload_from_body = _rotations(plan, row, instants, states)
+    position = table.position[row]
+    q_body_from_eci = scenario.q_body_from_eci(instants, states, position)
+    q_payload_from_body = scenario.platform.q_payload_from_body(position)
     return TableStates(
         first_row=first_row,
         row=row,
@@ -69,32 +70,18 @@ def _states_from(plan: FlightPlan, row: Indices, first_row: int) -> TableStates:
     )
 
 
-def _rotations(
-    plan: FlightPlan, row: Indices, instants: Instants, states: OrbitStates
-) -> tuple[Rotation, Rotation]:
-    """From GCRF to the body, and from the body to the payload, n of each."""
-    platform, position = plan.scenario.platform, plan.table.position[row]
-    if isinstance(platform, BodyPlatform):
-        mounts = Rotation.concatenate([platform.q_payload_from_body] * len(position))
-        return Rotation.from_quat(position).inv(), mounts
-    turns = platform.q_payload_from_base(position)
-    q_body_from_eci = plan.scenario.law.q_body_from_eci(instants, states)
-    return q_body_from_eci, turns * platform.q_platform_from_body
-
-
 def omega_payload_from_eci_rad_s(plan: FlightPlan, rows: TableStates) -> Array:
     """Angular velocity of the payload against ECI, payload axes, shape (n, 3), of all rows.
 
     That of a carrier is the derivative of a quintic through the rows.
     """
-    platform = plan.scenario.platform
     position, rate_rad_s = plan.table.position[rows.row], plan.table.rate_rad_s[rows.row]
-    if isinstance(platform, BodyPlatform):
-        return platform.omega_payload_rad_s(position, rate_rad_s)
+    on_base_rad_s = plan.scenario.platform.omega_payload_rad_s(position, rate_rad_s)
+    if plan.scenario.attitude is None:  # the base is GCRF
+        return on_base_rad_s
     q_payload_from_body = Rotation.from_quat(rows.q_payload_from_body_xyzw)
     omega_body_rad_s = _omega_body_rad_s(rows.instants.t_s, rows.q_body_from_eci_xyzw)
-    on_platform_rad_s = platform.omega_payload_rad_s(position, rate_rad_s)
-    return np.asarray(q_payload_from_body.apply(omega_body_rad_s) + on_platform_rad_s)
+    return np.asarray(q_payload_from_body.apply(omega_body_rad_s) + on_base_rad_s)
 
 
 def axes_turn(q_b_from_a_xyzw: Array) -> Array:

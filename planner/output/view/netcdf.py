@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from planner.base.arrays import Array
-from planner.output.export.description import one_line
+from planner.base.header_text import one_line
 from planner.output.export.netcdf import (
     FILL,
     NO_SESSION,
@@ -21,7 +21,7 @@ from planner.output.export.netcdf import (
     write_times,
 )
 from planner.output.view.columns import AxisMotion, PlanView, SkyDirection
-from planner.output.view.cones import OUTLINE_POINTS
+from planner.output.view.platforms.parts import OUTLINE_POINTS
 from planner.world.frames.iers import RAD_PER_ARCSEC
 from planner.world.frames.time_scales import Instants, elapsed_s
 from planner.world.plan import KINDS

@@ -16,6 +16,7 @@ from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import OrbitStates
 from planner.world.plan import FlightPlan
+from planner.world.targets import KeepOut
 from planner.world.targets.apparent import aberrate
 
 Body = Literal["sun", "moon"]
@@ -96,6 +97,16 @@ class PlanScene(CarrierScene):
         """Where the payload looks, aberration included, unit vectors (n, 3)."""
         turn = Rotation.from_quat(self.rows.q_payload_from_eci_xyzw).inv()
         return np.asarray(turn.apply([0.0, 0.0, 1.0]))
+
+    def keep_out_axis(self, cone: KeepOut) -> tuple[Array, Array]:
+        """Of a cone in the base's axes, and by how much it counts; as `KeepOut.axis_base`."""
+        return cone.axis_base(self.instants, self.states, self.q_base_from_eci)
+
+    @cached_property
+    def q_base_from_eci(self) -> Rotation:
+        """Of what stands on a carrier, n rotations."""
+        q_body_from_eci = Rotation.from_quat(self.rows.q_body_from_eci_xyzw)
+        return self.plan.scenario.platform.q_base_from_carrier * q_body_from_eci
 
 
 def scene_of(plan: FlightPlan, row: Indices) -> PlanScene:

@@ -3,7 +3,6 @@
 import numpy as np
 
 from planner.base.arrays import Array
-from planner.base.rotation import Rotation
 from planner.output.view.columns import SkyDirection, SkyTrack
 from planner.output.view.scene import PlanScene
 from planner.world.targets import SkyTarget
@@ -20,6 +19,10 @@ def sky_track(scene: PlanScene, unknown: int) -> SkyTrack | None:
         return None
     bodies_m = {body: scene.r_body_eci_m(body) for body in ("sun", "moon")}
     r_sat_eci_m = scene.states.r_sat_eci_m
+    cone_axes_eci = (
+        scene.q_base_from_eci.inv().apply(scene.keep_out_axis(cone)[0])
+        for cone in scene.plan.scenario.slew.keep_out
+    )
     return SkyTrack(
         boresight=_direction(scene.boresight_eci, unknown),
         nadir=_direction(-r_sat_eci_m, unknown),
@@ -28,7 +31,7 @@ def sky_track(scene: PlanScene, unknown: int) -> SkyTrack | None:
         targets=tuple(
             _direction(_toward_eci(scene, session.target), unknown) for session in sessions
         ),
-        keep_out=tuple(_direction(axis, unknown) for axis in _cone_axes_eci(scene)),
+        keep_out=tuple(_direction(axis, unknown) for axis in cone_axes_eci),
     )
 
 
@@ -37,20 +40,6 @@ def _toward_eci(scene: PlanScene, target: SessionTarget) -> Array:
     if not isinstance(target, SkyTarget):
         return np.full_like(scene.boresight_eci, np.nan)
     return target.apparent(scene.instants, scene.states).direction_eci
-
-
-def _cone_axes_eci(scene: PlanScene) -> list[Array]:
-    rows = scene.rows
-    if not scene.plan.scenario.slew.keep_out:  # of axes alone
-        return []
-    q_platform_from_eci = scene.plan.scenario.two_axis.q_platform_from_body * Rotation.from_quat(
-        rows.q_body_from_eci_xyzw
-    )
-    axes_platform = (
-        cone.axis_platform(rows.instants, rows.states, q_platform_from_eci)[0]
-        for cone in scene.plan.scenario.slew.keep_out
-    )
-    return [q_platform_from_eci.inv().apply(axis) for axis in axes_platform]
 
 
 def _direction(vector_eci: Array, unknown: int) -> SkyDirection:

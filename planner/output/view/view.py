@@ -13,14 +13,10 @@ from numpy.typing import NDArray
 from planner.base.arrays import Array, Indices
 from planner.base.commands import ROWS_PER_S
 from planner.base.errors import OutsideCoverage
-from planner.motion.pointing.angles import keyholes_rad
-from planner.output.export.limits import bounds_rad
 from planner.output.view.carrier import body_track, boresight_trace, carrier_track, footprint_trace
 from planner.output.view.columns import AxisBounds, PlanView, PointingTrace, TargetTrack
-from planner.output.view.cones import cone_traces
-from planner.output.view.exclusions import exclusion_traces
-from planner.output.view.masks import mask_traces
-from planner.output.view.motion import baseline_slews, motion_at_rows
+from planner.output.view.motion import motion_at_rows
+from planner.output.view.platforms.registry import parts_of
 from planner.output.view.rows import view_rows
 from planner.output.view.scene import PlanScene, scene_of
 from planner.output.view.sky import sky_track
@@ -159,7 +155,7 @@ def view_plan(plan: FlightPlan, step_s: float | None, pixel_arcsec: float) -> Pl
     # Before them orbit and attitude aren't known, and columns of carrier, Sun and targets are NaN.
     unknown = len(row) - len(scene.rows.row)
     segments = [plan.segments[number] for number in _segment(plan, row).tolist()]
-    platform = plan.scenario.platform
+    platform, kind = plan.scenario.platform, parts_of(scene, row, round(step_s * ROWS_PER_S))
     return PlanView(
         plan=plan,
         epoch_utc=plan.table.epoch_utc,
@@ -171,11 +167,15 @@ def view_plan(plan: FlightPlan, step_s: float | None, pixel_arcsec: float) -> Pl
         axes=motion_at_rows(plan.table, row),
         limits={
             name: _bounds(*bounds)
-            for name, bounds in zip(plan.table.dof_names, bounds_rad(plan.scenario), strict=True)
+            for name, bounds in zip(
+                plan.table.dof_names,
+                plan.scenario.platform.motion_bounds(plan.scenario.slew.jerk_max_deg_s3),
+                strict=True,
+            )
         },
-        keyholes_rad=() if isinstance(platform, BodyPlatform) else keyholes_rad(platform),
+        keyholes_rad=kind.keyholes_rad,
         frame_rad=tuple(2.0 * half_rad for half_rad in platform.frame_half_rad),
-        baseline=tuple(baseline_slews(plan, round(step_s * ROWS_PER_S))),
+        baseline=kind.baseline,
         carrier=_from_first(carrier_track(scene), unknown),
         boresight=_from_first(boresight_trace(scene), unknown),
         footprint=_from_first(footprint_trace(scene), unknown),
@@ -190,10 +190,10 @@ def view_plan(plan: FlightPlan, step_s: float | None, pixel_arcsec: float) -> Pl
                 separation_rad=_whole(cone.separation_rad, unknown),
                 counts=(None,) * unknown + cone.counts,
             )
-            for cone in cone_traces(scene)
+            for cone in kind.keep_out
         ),
-        masks=tuple(mask_traces(plan, row)),
-        exclusions=tuple(_from_first(one, unknown) for one in exclusion_traces(scene)),
+        masks=kind.masks,
+        exclusions=tuple(_from_first(one, unknown) for one in kind.exclusions),
         sky=sky_track(scene, unknown),
     )
 

@@ -5,7 +5,7 @@ from datetime import datetime
 import numpy as np
 
 from planner.base.arrays import Array
-from planner.output.export.description import one_line
+from planner.base.header_text import one_line
 from planner.output.export.figure_parts import (
     DASHED,
     LIMIT_COLOUR,

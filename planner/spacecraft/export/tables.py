@@ -8,6 +8,7 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.csv_cells import comment_lines
+from planner.base.header_text import one_line
 from planner.base.rotation import continuous
 from planner.output.export.ccsds import (
     BODY_FRAME,
@@ -16,7 +17,7 @@ from planner.output.export.ccsds import (
     attitude_message,
 )
 from planner.output.export.csv import rows_csv
-from planner.output.export.description import DECIMALS, QUATERNION, TIME_SCALE, one_line
+from planner.output.export.description import DECIMALS, QUATERNION, TIME_SCALE
 from planner.output.export.netcdf import describe
 from planner.spacecraft.export.session_table import SessionTable
 from planner.spacecraft.table import TICK_S, AttitudeTable

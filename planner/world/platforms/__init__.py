@@ -13,11 +13,10 @@ from planner.world.platforms.definition import (
 )
 from planner.world.platforms.drive import IDEAL_DRIVE, AxisDrive
 from planner.world.platforms.field_mask import FieldMask
-from planner.world.platforms.geometry import PlatformGeometry
+from planner.world.platforms.geometry import Bounds, MotionBounds, PlatformGeometry
 from planner.world.platforms.iss_hrc import ISS_HRC
 from planner.world.platforms.two_axis import (
     AxisLimits,
-    Bounds,
     ParkPosition,
     StructuralMode,
     TwoAxisPlatform,
@@ -40,6 +39,7 @@ __all__ = [
     "CarrierMode",
     "FieldMask",
     "JerkDegS3",
+    "MotionBounds",
     "ParkPosition",
     "Platform",
     "PlatformDefinition",

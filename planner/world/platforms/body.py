@@ -14,6 +14,7 @@ from planner.base.rotation import Rotation
 from planner.base.spec import LENGTH_MIN, UnitPart, VectorPart, Within, spec
 from planner.world.platforms.camera import PIXELS_ARCSEC, Camera
 from planner.world.platforms.field_mask import FieldMask
+from planner.world.platforms.geometry import Described, MotionBounds, vector_text
 
 Direction = tuple[VectorPart, VectorPart, VectorPart]
 Matrix3 = tuple[
@@ -482,24 +483,46 @@ class BodyPlatform:
         """Unit vector, (3,)."""
         return unit_vector(self.camera.boresight_body)
 
+    def motion_bounds(self, jerk_max_deg_s3: float | None = None) -> tuple[MotionBounds, ...]:
+        """About each body axis; no request gives a body another jerk."""
+        by_axis = self.agility.by_order_rad.T.tolist()
+        return tuple((None, (-v, v), (-a, a), (-j, j)) for v, a, j in by_axis)
+
+    def described(self) -> Described:
+        """How its quaternion turns, the camera's mount, the payload's axes."""
+        mount = ", ".join(map(vector_text, self.camera.c_payload_from_body))
+        return Described(
+            "q_eci_from_body is scalar last and turns vectors of the body into GCRF; omega_body "
+            "and alpha_body are the body's rate and acceleration against GCRF in body axes, about "
+            "x, y, z",
+            f"payload axes in body axes: {mount}",
+            "payload: +Z boresight, +X along the frame's first side or across the line of pixels",
+            "between rows the body flies the quintic in modified Rodrigues parameters that meets "
+            "attitude, rate and acceleration of both",
+        )
+
     @cached_property
-    def q_payload_from_body(self) -> Rotation:
-        """The camera's mount."""
+    def _mount(self) -> Rotation:
+        """The camera's, payload from body."""
         return Rotation.from_matrix(self.camera.c_payload_from_body)
+
+    def q_payload_from_body(self, position: Array) -> Rotation:
+        """The camera's mount, for n instants; position: (n, 4)."""
+        return Rotation.concatenate([self._mount] * len(position))
 
     def q_payload_from_base(self, position: Array) -> Rotation:
         """n rotations from GCRF to the payload's axes.
 
         position: `q_eci_from_body_xyzw`, (n, 4).
         """
-        return self.q_payload_from_body * Rotation.from_quat(position).inv()
+        return self._mount * Rotation.from_quat(position).inv()
 
     def omega_payload_rad_s(self, position: Array, rate_rad_s: Array) -> Array:
         """Angular velocity of the payload against GCRF in payload axes, (n, 3).
 
         position: (n, 4).  rate_rad_s: of the body, in body axes, (n, 3).
         """
-        return np.asarray(self.q_payload_from_body.apply(rate_rad_s))
+        return np.asarray(self._mount.apply(rate_rad_s))
 
     def direction_of(self, exclusion: Exclusion) -> Array:
         """The direction that keeps away, a unit vector in body axes, (3,)."""

@@ -8,15 +8,16 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.commands import Channel, axis_channels
+from planner.base.header_text import one_line
 from planner.base.rotation import Rotation
 from planner.base.spec import UnitPart, Within, spec
 from planner.world.platforms.camera import HRC_CAMERA, Camera
 from planner.world.platforms.carrier_mode import UNIT_TOLERANCE, CarrierMode
 from planner.world.platforms.drive import AxisDrive
 from planner.world.platforms.field_mask import FieldMask
+from planner.world.platforms.geometry import Bounds, Described, MotionBounds, vector_text
 
 UnitVector = tuple[UnitPart, UnitPart, UnitPart]
-Bounds = tuple[float, float]  # least, greatest
 # 5.36 x 3.56 km from 350 km (Sumarokov 2016).
 HRC_FRAME_HALF_RAD = (math.atan(2.68 / 350.0), math.atan(1.78 / 350.0))
 
@@ -139,6 +140,17 @@ class TwoAxisPlatform:
         """Limits in the order of `axis_names`."""
         return (self.outer_limits, self.inner_limits)
 
+    def limits_with_jerk(self, jerk_max_deg_s3: float | None) -> tuple[AxisLimits, ...]:
+        """The limits with another one of jerk, unless that is None."""
+        if jerk_max_deg_s3 is None:
+            return self.axis_limits
+        jerk_max_rad_s3 = math.radians(jerk_max_deg_s3)
+        return tuple(replace(one, jerk_max_rad_s3=jerk_max_rad_s3) for one in self.axis_limits)
+
+    def motion_bounds(self, jerk_max_deg_s3: float | None = None) -> tuple[MotionBounds, ...]:
+        """Of each axis."""
+        return tuple(limits.bounds for limits in self.limits_with_jerk(jerk_max_deg_s3))
+
     @property
     def axes_platform(self) -> Array:
         """Unit vectors of the axes, shape (2, 3), in the order of `axis_names`."""
@@ -164,6 +176,25 @@ class TwoAxisPlatform:
     def channels(self) -> tuple[Channel, ...]:
         """Angle and rate of each axis."""
         return axis_channels(self.axis_names)
+
+    def described(self) -> Described:
+        """The boresight as a product of right-handed turns, the mount, the payload's axes."""
+        outer, inner = self.axes_platform
+        a, b = map(one_line, self.axis_names)
+        return Described(
+            f"boresight_platform = R({a}) R({b}) zero, right-handed; {a} about "
+            f"{vector_text(outer)} (outer, fixed to the base), {b} about {vector_text(inner)} "
+            f"(inner, carried by {a}), zero {vector_text(self.zero_direction_platform)}, "
+            "platform axes",
+            f"q_platform_from_body_xyzw = {vector_text(self.q_platform_from_body_xyzw)}",
+            "payload: +Z boresight, +X at zero angles the inner axis (its part across the "
+            "boresight), +Y completes; both axes carry it",
+            "between rows the platform flies the cubic Hermite of angle and rate",
+        )
+
+    def q_payload_from_body(self, position: Array) -> Rotation:
+        """n rotations from the carrier's axes to the payload's; position: angles, (n, 2)."""
+        return self.q_payload_from_base(position) * self.q_platform_from_body
 
     def q_payload_from_base(self, position: Array) -> Rotation:
         """n rotations to the payload's axes: +Z the boresight, +X and +Y carried by both axes.

@@ -68,8 +68,8 @@ class KeepOut:
         assert self.direction_platform is not None
         return f"platform direction {_direction_text(self.direction_platform)}"
 
-    def axis_platform(
-        self, instants: Instants, states: OrbitStates, q_platform_from_eci: Rotation
+    def axis_base(
+        self, instants: Instants, states: OrbitStates, q_base_from_eci: Rotation
     ) -> tuple[Array, Array]:
         """The cone's axis, unit vectors (n, 3), and by how much it counts, rad, (n,).
 
@@ -88,7 +88,7 @@ class KeepOut:
         else:
             ra, dec = math.radians(self.ra_deg or 0.0), math.radians(self.dec_deg or 0.0)
             axis_eci = np.tile(erfa.s2c(ra, dec), (n, 1))
-        return np.asarray(q_platform_from_eci.apply(axis_eci)), always
+        return np.asarray(q_base_from_eci.apply(axis_eci)), always
 
 
 def _unit_vector(vector: Vector3) -> Array:

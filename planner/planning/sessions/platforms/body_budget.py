@@ -5,7 +5,6 @@ import math
 import numpy as np
 
 from planner.base.arrays import Array
-from planner.motion.pointing.frame import frame_axes
 from planner.motion.pointing.line_of_sight import LineOfSight
 from planner.planning.sessions.budget import PointingBudget
 from planner.planning.sessions.probability import probability_wandering
@@ -46,7 +45,8 @@ def body_budget(
     edge.  A pushbroom's frame is its line: across it only the time changes at which a point is
     imaged.  Turns about the line of sight are left out: the target is in the frame's middle.
     """
-    image = frame_axes(platform, q_eci_from_body_xyzw)
+    # Rows of the matrices are the payload's axes in the base.
+    image = platform.q_payload_from_base(q_eci_from_body_xyzw).as_matrix()[:, :2]
     scene = ImageScene(los, target, image, platform.frame_half_rad, OPTIONS.samples)
     biases = lasting_biases(scene, ephemeris, (), OPTIONS.clock_s)
     knowledge = platform.knowledge
@@ -87,7 +87,7 @@ def body_covariance_rad2(
     q_eci_from_body_xyzw: Array,
 ) -> Array:
     """Covariances of the image place by the causes of `body_budget`, as there, (n, 2, 2)."""
-    image = frame_axes(platform, q_eci_from_body_xyzw)
+    image = platform.q_payload_from_base(q_eci_from_body_xyzw).as_matrix()[:, :2]
     scene = ImageScene(los, target, image, platform.frame_half_rad, len(los.instants))
     biases = lasting_biases(scene, ephemeris, (), OPTIONS.clock_s)
     knowledge = platform.knowledge

@@ -1,0 +1,1 @@
+"""The parts of a plan's view that belong to one kind of platform."""

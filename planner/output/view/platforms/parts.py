@@ -1,0 +1,17 @@
+"""What of a view its platform's kind decides: keyholes, baseline, and what to keep out of."""
+
+from typing import NamedTuple
+
+from planner.output.view.columns import BaselineSlew, ConeTrace, ExclusionTrace, MaskTrace
+
+OUTLINE_POINTS = 37  # of a cone: every 10 deg around, the first again at the end
+
+
+class KindParts(NamedTuple):
+    """As in `PlanView`; cones and exclusions over the rows of the scene."""
+
+    keyholes_rad: tuple[float, ...] = ()
+    baseline: tuple[BaselineSlew, ...] = ()
+    keep_out: tuple[ConeTrace, ...] = ()
+    masks: tuple[MaskTrace, ...] = ()
+    exclusions: tuple[ExclusionTrace, ...] = ()
