@@ -44,12 +44,8 @@ function Opened({ view, plan }: { view: View; plan: Plan }) {
       <div class="look no-print" ref={box} role="group" aria-label={title}>
         <div class="look-grid">
           <div class="look-left">
-            {hasAngles(view) && (
-              <>
-                <ImageFrame view={view} plan={plan} />
-                <AxisSpace view={view} stretches={stretches} />
-              </>
-            )}
+            <ImageFrame view={view} plan={plan} />
+            {hasAngles(view) && <AxisSpace view={view} stretches={stretches} />}
             <Scene view={view} />
             <Readout view={view} />
           </div>
