@@ -311,16 +311,3 @@ def test_a_picture_comes_as_png_by_itself(client):
 def test_pictures_are_refused_with_the_field(client, member, value, field):
     body = {**PICTURE_EXAMPLES["ahead"][1], member: value}
     refused(client.post("/v1/horizon/images", json=body), "invalid-request", field)
-
-
-@pytest.mark.parametrize(
-    ("file", "example"),
-    [
-        ("estimate", ESTIMATE_EXAMPLE),
-        ("prediction", PREDICTION_EXAMPLES["pass"][1]),
-        ("image", PICTURE_EXAMPLES["ahead"][1]),
-    ],
-)
-def test_the_example_files_are_the_worked_examples(pytestconfig, file, example):
-    path = pytestconfig.rootpath / "examples" / f"horizon_{file}.json"
-    assert json.loads(path.read_text()) == example
