@@ -254,12 +254,17 @@ def _from_coordinates(target: StarTarget) -> _Star:
 
 
 @cache
+def _catalogue_lines() -> bytes:
+    return gzip.decompress(_CATALOGUE.read_bytes())
+
+
+@cache
 def _hipparcos(number: int) -> _Star:
     """A line of the catalogue: number, RA and Dec in rad, parallax and motions in mas.
 
     A negative parallax is the noise of a star too far to tell.
     """
-    lines = gzip.decompress(_CATALOGUE.read_bytes())
+    lines = _catalogue_lines()
 
     def line(at: int) -> bytes:
         return lines[at * _LINE_BYTES : (at + 1) * _LINE_BYTES]

@@ -230,10 +230,8 @@ def test_the_predicted_sigma_is_that_of_the_estimate(client, pictures, predictio
 @pytest.mark.parametrize(
     ("change", "slug", "field"),
     [
-        ({"instants": []}, "invalid-request", "instants"),
         ({"instants": ["2015-02-27T17:37:00"]}, "invalid-request", "instants.0"),
         ({"instants": ["2015-06-27T17:37:00Z"]}, "outside-coverage", None),
-        ({"cameras": [AHEAD, AHEAD]}, "invalid-request", "cameras"),
         ({"body": {"a_km": 9000.0, "b_km": 9000.0}}, "invalid-input", "body"),
     ],
 )
@@ -300,10 +298,7 @@ def test_a_picture_comes_as_png_by_itself(client):
 @pytest.mark.parametrize(
     ("member", "value", "field"),
     [
-        ("seed", -1, "seed"),
         ("sensor", {"bits": 12}, "sensor.bits"),
-        ("sensor", {"blur_px": 1e9}, "sensor.blur_px"),
-        ("scene", {"stars": 10**12}, "scene.stars"),
         ("scene", {"weather": "fine"}, "scene.weather"),
         ("camera", {**AHEAD, "width_px": 8000, "height_px": 8000}, "camera"),
     ],
@@ -311,16 +306,3 @@ def test_a_picture_comes_as_png_by_itself(client):
 def test_pictures_are_refused_with_the_field(client, member, value, field):
     body = {**PICTURE_EXAMPLES["ahead"][1], member: value}
     refused(client.post("/v1/horizon/images", json=body), "invalid-request", field)
-
-
-@pytest.mark.parametrize(
-    ("file", "example"),
-    [
-        ("estimate", ESTIMATE_EXAMPLE),
-        ("prediction", PREDICTION_EXAMPLES["pass"][1]),
-        ("image", PICTURE_EXAMPLES["ahead"][1]),
-    ],
-)
-def test_the_example_files_are_the_worked_examples(pytestconfig, file, example):
-    path = pytestconfig.rootpath / "examples" / f"horizon_{file}.json"
-    assert json.loads(path.read_text()) == example

@@ -92,11 +92,6 @@ def test_features_are_taken_as_in_a_plan(client):
     assert {window["target"] for window in answer.json()["windows"]} == names
 
 
-def test_the_example_file_is_the_worked_example(pytestconfig):
-    file = pytestconfig.rootpath / "examples" / "spacecraft_opportunities.json"
-    assert json.loads(file.read_text()) == ASKED
-
-
 STRIP = ASKED["requests"][0]
 FAR = {"type": "LineString", "coordinates": [[100.0, -20.0], [100.1, -20.4]]}
 

@@ -13,7 +13,6 @@ from waiting import PatientClient, eventually
 
 from app.http.app import create_app
 from app.jobs.kinds import JOB_KINDS, JobKind
-from app.requests.examples import SPACECRAFT_EXAMPLES
 from app.requests.plan import read_plan_request
 from app.store import audit, jobs, plans
 from app.store.packed import unpack
@@ -339,19 +338,3 @@ def test_patience_ends_with_where_to_look(busy):
     answer = client.post(PLANS, json=SHORT, headers={"Prefer": "wait=1"})
     assert answer.headers["preference-applied"] == "wait=1"
     assert cancelled(client, located(answer))
-
-
-def test_imaging_sessions_are_kept_the_same_way(client):
-    strip = SPACECRAFT_EXAMPLES["geojson"][1] | {"objective": "smooth", "simulation_runs": 0}
-    path = "/v1/spacecraft/plans"
-    dry = client.post(f"{path}?dry_run=true", json=strip).json()
-    assert (dry["flies"], dry["requests"], dry["left_out"]) == (True, 1, [])
-    made = client.post(path, json=strip)
-    assert made.status_code == 201, made.text
-    location = made.headers["location"]
-    assert client.get(location).json() == made.json()
-    assert client.get(f"{location}/table").json() == made.json()["table"]
-    netcdf = client.get(f"{location}/table?format=netcdf")
-    assert netcdf.content[:3] == b"CDF"
-    assert made.json()["id"] in [one["id"] for one in client.get(path).json()["plans"]]
-    assert client.delete(location).status_code == 204

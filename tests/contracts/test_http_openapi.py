@@ -8,7 +8,17 @@ import pytest
 from jsonschema_rs import Draft202012Validator
 from openapi_spec_validator import OpenAPIV31SpecValidator
 
-from app.requests.examples import LAS_VEGAS, OPPORTUNITY_EXAMPLES, PLAN_EXAMPLES
+from app.requests.examples import (
+    ESTIMATE_EXAMPLE,
+    FOUR_MODES,
+    IMAGING_OPPORTUNITY_EXAMPLES,
+    LAS_VEGAS,
+    OPPORTUNITY_EXAMPLES,
+    PICTURE_EXAMPLES,
+    PLAN_EXAMPLES,
+    PREDICTION_EXAMPLES,
+    SESSION_EXAMPLE,
+)
 from planner.output.export import EXPORTERS
 from planner.world.attitude import ATTITUDES
 from planner.world.orbits import ORBITS
@@ -213,6 +223,18 @@ def test_worked_examples_have_windows(client, document, name):
     assert answer.json()["unseen"] == []
 
 
-def test_the_example_file_is_the_worked_example(request):
-    file = request.config.rootpath / "examples" / "las_vegas_2015.json"
-    assert json.loads(file.read_text()) == LAS_VEGAS
+EXAMPLE_FILES = {
+    "las_vegas_2015": LAS_VEGAS,
+    "spacecraft_four_modes": FOUR_MODES,
+    "spacecraft_opportunities": IMAGING_OPPORTUNITY_EXAMPLES["four modes"][1],
+    "horizon_estimate": ESTIMATE_EXAMPLE,
+    "horizon_prediction": PREDICTION_EXAMPLES["pass"][1],
+    "horizon_image": PICTURE_EXAMPLES["ahead"][1],
+    "horizon_session": SESSION_EXAMPLE,
+}
+
+
+@pytest.mark.parametrize("name", EXAMPLE_FILES)
+def test_an_example_file_is_the_worked_example(pytestconfig, name):
+    file = pytestconfig.rootpath / "examples" / f"{name}.json"
+    assert json.loads(file.read_text()) == EXAMPLE_FILES[name]

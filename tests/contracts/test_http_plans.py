@@ -222,11 +222,6 @@ def test_solver(plan):
     assert solver["slews"][0]["minimum_s"] < solver["slews"][0]["duration_s"]
 
 
-def test_ocp_is_set_beside_the_spline(plan):
-    [comparison] = plan["comparison"]
-    assert comparison["session"] == 0
-
-
 def test_a_dry_run_plans_nothing(client):
     body = json.dumps(LAS_VEGAS)
     answer = client.post("/v1/plans?dry_run=true", content=body, headers=JSON)

@@ -1,8 +1,7 @@
-"""Cones and modes that make no sense are refused, and the refusal says so."""
+"""Cones that make no sense are refused, and the refusal says so."""
 
 import pytest
 
-from planner.world.platforms import StructuralMode
 from planner.world.scenario import SlewOptions
 from planner.world.targets import KeepOut
 
@@ -10,12 +9,9 @@ from planner.world.targets import KeepOut
 @pytest.mark.parametrize(
     ("fields", "says"),
     [
-        ({"half_angle_deg": 0.0, "body": "sun"}, "half_angle_deg"),
-        ({"half_angle_deg": 180.0, "body": "sun"}, "half_angle_deg"),
         ({"half_angle_deg": 30.0}, "needs one direction"),
         ({"half_angle_deg": 30.0, "body": "sun", "ra_deg": 1.0, "dec_deg": 2.0}, "one direction"),
         ({"half_angle_deg": 30.0, "ra_deg": 1.0}, "belong together"),
-        ({"half_angle_deg": 30.0, "ra_deg": 361.0, "dec_deg": 2.0}, "ra_deg"),
         ({"half_angle_deg": 30.0, "body": "sirius"}, "body must be one of"),
         ({"half_angle_deg": 30.0, "direction_lvlh": (0.0, 0.0, 0.0)}, "at least 0.001 long"),
     ],
@@ -29,17 +25,3 @@ def test_cones_are_counted():
     cones = (KeepOut(half_angle_deg=10.0, body="sun"),) * 9
     with pytest.raises(ValueError, match="keep_out must hold at most 8"):
         SlewOptions(keep_out=cones)
-
-
-@pytest.mark.parametrize(
-    ("fields", "says"),
-    [
-        ({"frequency_hz": 0.0}, "frequency_hz"),
-        ({"frequency_hz": 3.0}, "frequency_hz"),
-        ({"frequency_hz": 1.0, "damping": 1.0}, "damping"),
-        ({"frequency_hz": 1.0, "damping": -0.1}, "damping"),
-    ],
-)
-def test_modes_that_make_no_sense_are_refused(fields, says):
-    with pytest.raises(ValueError, match=says):
-        StructuralMode(**fields)

@@ -152,13 +152,6 @@ def test_a_dry_run_writes_nothing(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_campaigns_json_holds_its_looks(tmp_path):
-    run("campaign", EXAMPLES / "campaign_cities.json", "--json", tmp_path / "told.json")
-    told = json.loads((tmp_path / "told.json").read_text())
-    assert [one["state"] for one in told["passes"]] == ["done", "done"]
-    assert sum(len(one["looks"]) for one in told["passes"]) == told["looks"]
-
-
 def test_version_help_and_completion():
     assert re.fullmatch(r"slewtrack \d+\.\d+\.\d+\n", run("--version").stdout)
     assert "Usage" in run("-h").stdout

@@ -61,7 +61,6 @@ def test_a_service_flies_the_same(told, service, tmp_path):
     ("words", "named"),
     [
         (("--runs", 1), "runs"),
-        (("--seed", -1), "seed"),
         (("--plot", "flights.gif"), "--plot"),
         (("--moving-object-m-s", 1e6), "moving_object.speed_m_s"),
     ],

@@ -111,7 +111,3 @@ def test_a_list_of_requests(tmp_path):
     # Frames alike: no scatter, to the answer's nine digits.
     np.testing.assert_allclose(series["scatter_deg"], 0.0, atol=1e-9)
     assert horizon(asked, *PICTURES).exit_code == 2
-
-
-def test_the_example_file_is_the_worked_example():
-    assert json.loads(SESSION.read_text()) == SESSION_EXAMPLE

@@ -284,6 +284,7 @@ def test_a_window_too_short_is_refused_with_the_nearest_that_works():
     )
     with pytest.raises(Unreachable, match="window") as why:
         plan_imaging(session([strip], 240.0))
+    assert why.value.field == "requests.0"
     opens, closes = why.value.earliest_feasible_start_utc, why.value.feasible_stop_utc
     # 60 km at 60/11 km/s, in whole cycles; around the window asked for, on the grid of 2 s.
     assert (closes - opens).total_seconds() == pytest.approx(11.0, abs=0.2)
@@ -298,6 +299,7 @@ def test_no_time_to_turn_is_refused_with_the_session_it_takes():
     with pytest.raises(InfeasibleSlew, match=r"works: 'strip' .* in a session from") as why:
         plan_imaging(session([strip], 240.0))
     start = why.value.earliest_feasible_start_utc
+    assert why.value.field == "requests.0"
     assert abs((start - strip.start).total_seconds()) <= 1.0  # nearest on a grid of 2 s
 
 
@@ -345,6 +347,7 @@ def test_momentum_beyond_the_sphere_is_refused_with_how_much_would_do():
     request = session([area(100.0)], 240.0, settings=settings)
     with pytest.raises(InvalidInput, match=r"unload at least 4.*works: \d+ N m s") as why:
         plan_imaging(request)
+    assert why.value.field == "settings.momentum_n_m_s"
     share = int(re.search(r"works: (\d+) N", why.value.detail)[1]) / np.hypot(50.0, 40.0)
     settings = SpacecraftSettings(momentum_n_m_s=(50.0 * share, 40.0 * share, 0.0))
     less = dataclasses.replace(request, settings=settings, simulation_runs=0)

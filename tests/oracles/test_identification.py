@@ -68,7 +68,7 @@ def test_gyro_rates_with_a_bias_tell_it_too(flown_by_scipy):
 
 def test_sigmas_are_what_seeds_scatter():
     """Within a factor of three: an encoder's noise also moves the axis, which sigmas leave out."""
-    table, drives = swinging(40.0), (AxisDrive(), AxisDrive())
+    table, drives = swinging(20.0), (AxisDrive(), AxisDrive())
     scaled = []
     for seed in range(4):
         flown = fly(table, ISS_HRC, drives=drives, seed=seed)

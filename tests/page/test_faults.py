@@ -188,17 +188,15 @@ def test_work_whose_process_dies_is_told_and_tried_again(form, hard):
 
 def test_work_that_takes_too_long_is_told_and_asked_for_again(form, tmp_path):
     """Nothing can be planned in the hundredth of a second that is allowed at first."""
-    with live_service(tmp_path) as service:
+    with live_service(tmp_path, SLEWTRACK_JOB_DEADLINE_S="0.01") as service:
         page = form(service)
-    port = str(service.port)
-    with live_service(tmp_path, "--port", port, SLEWTRACK_JOB_DEADLINE_S="0.01"):
         plan(page)
         alert = page.get_by_role("alert")
         expect(alert).to_contain_text("It takes more than the service allows")
         expect(alert).to_contain_text("this took more than the 0.01 s of a processor")
         told_in_russian_too(page, "Это больше, чем служба позволяет", "Просите меньше за раз")
         keeps_what_was_typed(page)
-    with live_service(tmp_path, "--port", port):
+    with live_service(tmp_path, "--port", str(service.port)):
         plan(page)
         is_planned(page)
         page.close()

@@ -179,11 +179,9 @@ def test_russian_on_a_phone(kept, open_page, theme):
     assert violations(page) == []
 
 
-def test_nothing_kept(browser, tmp_path, open_page):
-    with live_service(tmp_path) as service:
-        page = open_page("/timeline", at=service)
-        expect(page.get_by_text("Nothing is kept for this time.")).to_be_visible()
-        page.close()
+def test_nothing_kept(kept, open_page):
+    page = open_page(DAY.replace("2015", "2014"), at=kept)
+    expect(page.get_by_text("Nothing is kept for this time.")).to_be_visible()
 
 
 def test_a_window_is_a_link_to_its_plan(kept, windows, open_page):

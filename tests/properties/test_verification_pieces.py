@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.interpolate import CubicHermiteSpline
-from scipy.spatial.transform import Rotation
 
 from planner.base.errors import OutsideCoverage
 from planner.verification import earth
@@ -18,12 +17,10 @@ from planner.verification.clock import elapsed_us, tai_us, tt_s
 from planner.verification.earth import earth_orientation
 from planner.verification.earth_fixed import hidden_by_earth
 from planner.verification.light import aberrate
-from planner.verification.platforms.two_axis.carrier import boresight_platform
 from planner.verification.platforms.two_axis.hermite import AxisHermite
 from planner.verification.platforms.two_axis.limits import ACCELERATION_JUMP, slow_stretches
 from planner.world.frames.earth_orientation import c_itrf_from_eci, iers_data_end_utc
 from planner.world.frames.time_scales import Instants
-from planner.world.platforms import ISS_HRC
 
 STEP_S = 0.2
 ROWS = 6
@@ -120,15 +117,6 @@ def test_the_jump_bound_is_reached():
     jerk_even = AxisHermite(np.array([-p_side, 0.0, p_side]), np.array([v_side, 0.0, v_side]))
     jump = jerk_even.acceleration_after_row_rad_s2[1] - jerk_even.acceleration_before_row_rad_s2[0]
     assert abs(jump) == pytest.approx(ACCELERATION_JUMP * STEP_S, rel=1e-9)
-
-
-@given(angle=arrays(np.float64, (4, 2), elements=st.floats(-3.1, 3.1)))
-def test_boresight_is_the_product_of_scipys_rotations(angle):
-    outer, inner = ISS_HRC.axes_platform
-    expected = (
-        Rotation.from_rotvec(angle[:, :1] * outer) * Rotation.from_rotvec(angle[:, 1:] * inner)
-    ).apply(ISS_HRC.zero_direction_platform)
-    np.testing.assert_allclose(boresight_platform(ISS_HRC, angle), expected, rtol=0, atol=1e-14)
 
 
 directions = st.tuples(st.floats(0, 2 * np.pi), st.floats(-np.pi / 2, np.pi / 2))
