@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -136,6 +137,7 @@ def _quickest(
 ) -> tuple[float | None, _Found | None]:
     """The least time found from two starts, and the slew on rows that comes next to it."""
     best: SpanMotion | None = None
+    smoothest_at = cache(lambda row: _smoothest(problem.arriving_at(row)))
     is_proven = problem.is_rest_to_rest and problem.limits.kind == "magnitude"
     if not problem.cones:
         best = _least_time(problem, least, _in_phases(eigenaxis))
@@ -143,7 +145,7 @@ def _quickest(
         guess_s = eigenaxis.duration_s if best is None else best.duration_s
         for factor in OPTIONS.eased:
             row = min(math.ceil(factor * guess_s * ROWS_PER_S), problem.last_arrival_row)
-            eased = _smoothest(problem.arriving_at(max(row, problem.first_arrival_row)))
+            eased = smoothest_at(max(row, problem.first_arrival_row))
             if eased is None:
                 continue
             again = _least_time(problem, least, eased.spans.on_spans(_even_widths_s(eased)))
@@ -159,7 +161,7 @@ def _quickest(
             return best.duration_s, found
         row += 1 + later
     quickest_s = None if best is None else best.duration_s
-    return quickest_s, _smoothest(problem.arriving_at(problem.last_arrival_row))
+    return quickest_s, smoothest_at(problem.last_arrival_row)
 
 
 def _in_phases(eigenaxis: EigenaxisSlew) -> SpanMotion:

@@ -121,7 +121,7 @@ class Chain:
                 self._joins[pair, *rows] = self._solve_join(branch, step.leave_row, state)
             except InfeasibleSlew as refusal:
                 self._infeasible_rows.setdefault(pair, set()).add(rows)
-                if refusal.limit == "keep_out":
+                if refusal.limit in ("keep_out", "exclusion"):
                     self._blocked_rows[pair] = step.join_row - step.leave_row + OPTIONS.blocked_rows
                 return None
         return self._joins[pair, *rows]
