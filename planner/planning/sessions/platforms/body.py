@@ -139,6 +139,7 @@ class BodyMover:
                 rows=RowSpan(start=rows.start - settled, stop=rows.stop),
                 seen_from_s=max(seen_s, float(track.t_s[0])),
                 ephemeris=ephemeris,
+                settle_rows=settled,
             )
             for track in tracks
         )
@@ -207,6 +208,7 @@ class BodyMover:
             slew_row=slew_row,
             join_row=slew_row + len(slew.motion.position) - 1,
             stop_row=branch.rows.stop,
+            settle_rows=branch.settle_rows,
             brake_rows=0 if wait is None else wait.rows.start - from_row,
         )
 

@@ -9,6 +9,7 @@ import numpy as np
 from planner.base.arrays import Array, Indices, Mask, cross
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, Channel, CommandTable
 from planner.verification.directions import apart_rad
+from planner.verification.earth_fixed import earth_fixed_sight
 from planner.verification.platforms.body.exclusions import exclusion_margins
 from planner.verification.platforms.body.idle import idle_motion
 from planner.verification.platforms.body.limits import body_margins, sizes_limited
@@ -25,12 +26,13 @@ from planner.verification.report import (
     SlowStretch,
     table_fault,
 )
+from planner.verification.sky import LIMB_MODEL_SHARE, sky_sight
 from planner.verification.structure import covers, session_rows
-from planner.world.frames.time_scales import shifted_utc
+from planner.world.frames.time_scales import Instants, shifted_utc
 from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.platforms.body import BodyPlatform
-from planner.world.scenario import Scenario
-from planner.world.targets import BenchMotionTarget, EarthFixedTarget
+from planner.world.scenario import Scenario, Session
+from planner.world.targets import BenchMotionTarget, EarthFixedTarget, SkyTarget
 
 
 class BodyJudge:
@@ -146,8 +148,10 @@ class BodyJudge:
     def session_findings(
         self, number: int, at: FlownInstants, states: OrbitStates
     ) -> Iterator[Finding]:
-        """Whether the camera lies off its roll rule, or looks at the Earth too far off nadir."""
+        """Whether the camera lies off its roll rule, looks at the Earth too far off nadir, or
+        hasn't settled."""
         session, flown = self._scenario.sessions[number], self._motion(at)
+        yield from self._unsettled(number, session)
         roll_rad = roll_off_rad(self._platform, session, at.instants, states, flown)
         if roll_rad.max() > OPTIONS.roll_rad:
             told = "lies {:.3g} deg off its roll rule"
@@ -160,6 +164,36 @@ class BodyJudge:
             most = f"more than {self._platform.off_nadir_max_deg:g} deg"
             told = f"looks {{:.3f}} deg off nadir, {most}"
             yield self._finding_at_most("off_nadir", off_rad, at, number, told)
+
+    def _unsettled(self, number: int, session: Session) -> Iterator[Finding]:
+        """Where, before a session, the camera doesn't stand yet on the target in sight."""
+        first = 2 * session_rows(session, self._table.epoch_utc)[0]
+        points = np.arange(first - 2 * int(self._platform.agility.settle_s * ROWS_PER_S), first)
+        points = points[points >= 0]
+        if not points.size:
+            return
+        instants = Instants(self._table.epoch_utc, points / (2 * ROWS_PER_S))
+        u_s = np.where(points % 2, COMMAND_STEP_S / 2.0, 0.0)
+        at = FlownInstants(points // 2, u_s, instants)
+        states, target = self._ephemeris.states(instants), session.target
+        boresight_eci = self.boresight_eci(at, states)
+        if isinstance(target, EarthFixedTarget):
+            off_rad = apart_rad(
+                earth_fixed_sight(target, instants, states).apparent_eci, boresight_eci
+            )
+        else:
+            assert isinstance(target, SkyTarget)  # `prescribed` judges the others
+            sky = sky_sight(target, instants, states)
+            off_rad = apart_rad(sky.apparent_eci, boresight_eci)
+            off_rad -= LIMB_MODEL_SHARE * sky.bending_rad
+            off_rad[sky.clearance_rad < 0.0] = 0.0
+        if off_rad.max() > OPTIONS.off_nadir_rad:
+            told = (
+                f"stands {{:.3g}} deg off the target in the {self._platform.agility.settle_s:g} s"
+            )
+            yield self._finding_at_most(
+                "pointing", off_rad, at, number, f"{told} in which it settles"
+            )
 
     def _finding_at_most(
         self, limit: Limit, off_rad: Array, at: FlownInstants, number: int, told: str
