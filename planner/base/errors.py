@@ -183,11 +183,13 @@ class InfeasibleSlew(Refusal):
     """The axis can't get from its state to the track in the time available.
 
     relaxations: what would make the sequence fit, one entry per way out and session that loses.
+    needs_s: about the time in which it fits, where that is known.
     """
 
     slug = "infeasible-slew"
     title = "The slew doesn't fit in the time available"
     relaxations: tuple[Relaxation, ...] = ()
+    needs_s: float | None = None
 
 
 class SearchEnded(Refusal):

@@ -112,6 +112,17 @@ def test_a_turn_for_which_there_is_no_time_is_refused_with_the_time_it_takes():
     assert refused.value.field == "sessions.2.start"
 
 
+@pytest.mark.parametrize("mode", ["shorten_later", "least_loss"])
+def test_a_session_cut_short_begins_settled_too(mode):
+    slow = SMALLSAT | {"agility": SMALLSAT["agility"] | {"acceleration_max_deg_s2": 0.05}}
+    plan = planned(body_request(platform=slow, on_conflict=mode))
+    assert plan.verification.passed
+    joined = [one.start_utc for one in plan.segments if one.kind == "track"]
+    starts = [session.start for session in plan.scenario.sessions]
+    settled_s = [elapsed_s(*pair) for pair in zip(starts, joined, strict=True)]
+    assert min(settled_s) == pytest.approx(4.0)
+
+
 @pytest.mark.parametrize(
     ("changes", "field"),
     [

@@ -15,6 +15,7 @@ from skyfield.framelib import ICRS
 
 from planner.base.commands import COMMAND_STEP_S
 from planner.verification import verify
+from planner.verification.platforms.body import judge as body_judge
 from planner.verification.platforms.body.judge import BodyJudge
 from planner.verification.platforms.body.quintic import motion_between
 from planner.verification.platforms.body.surroundings import Surroundings, mirror_direction
@@ -28,6 +29,12 @@ from planner.world.platforms.body import (
     StarTracker,
     StarTrackers,
     SunSide,
+)
+
+BY_AXIS = AxisAgility(
+    rate_max_deg_s=(2.0, 2.0, 2.0),
+    acceleration_max_deg_s2=(0.15, 0.15, 0.15),
+    jerk_max_deg_s3=(0.05, 0.05, 0.05),
 )
 
 
@@ -185,6 +192,31 @@ def test_a_shifted_target_is_found(off_arcsec, passes):
     assert limits_of(report) == (set() if passes else {"pointing"})
     (session,) = report.sessions
     assert session.max_rad == pytest.approx(abs(off_arcsec) * ARCSEC_RAD, rel=0.1)
+
+
+@pytest.mark.parametrize(("settle_s", "passes"), [(0.0, True), (2.0, True), (4.0, False)])
+def test_the_camera_stands_on_the_target_while_it_settles(table, settle_s, passes):
+    """The session begins at 60 s, the slew ends at 58."""
+    settling = with_body(agility=dataclasses.replace(AGILITY, settle_s=settle_s))
+    assert limits_of(verify(table, settling)) == (set() if passes else {"pointing"})
+
+
+@pytest.mark.parametrize("column", ["position", "rate_rad_s", "acceleration_rad_s2"])
+def test_cells_left_out_hold_no_extreme(table, column, monkeypatch):
+    """Beside every cell looked into, on rows that are off by 1e-7 to 1e-2 in one column."""
+    rng = np.random.default_rng(44)
+    every = dataclasses.replace(body_judge.OPTIONS, turn_within=1e99, rate_within=1e99)
+    for scale in np.logspace(-7.0, -2.0, 11):
+        rows = rng.integers(0, len(table.t_s), 4)
+        off = scale * rng.normal(size=(4, getattr(table, column).shape[1]))
+        spoiled = with_rows(table, rows, **{column: off})
+        for agility in (AGILITY, BY_AXIS):
+            body = dataclasses.replace(BODY, agility=agility)
+            told = BodyJudge(spoiled, body, body_scenario(body)).margins()
+            with monkeypatch.context() as patched:
+                patched.setattr(body_judge, "OPTIONS", every)
+                whole = BodyJudge(spoiled, body, body_scenario(body)).margins()
+            assert [one.extreme for one in told] == [one.extreme for one in whole]
 
 
 def test_off_nadir_is_counted_at_the_target(table):

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -44,6 +45,7 @@ class BodySlewOptions:
     limit_share: float = 1.0 - 2e-6  # used on spans, so that the quintics between rows keep all
     limit_tolerance: float = 1e-6  # of a limit, of what is flown
     looks: int = 8  # at every row, of what is flown
+    later: float = 1.1  # times as long, where what a slew takes isn't known, another one is tried
     later_rows: int = 8  # tried after the least time: a row's span can't switch inside
     patience_rows: int = 18_000  # an hour: to tell what a slew without enough time takes
     proven: float = 1e-3  # of the cost, beyond its bound: the best there is
@@ -136,6 +138,7 @@ def _quickest(
 ) -> tuple[float | None, _Found | None]:
     """The least time found from two starts, and the slew on rows that comes next to it."""
     best: SpanMotion | None = None
+    smoothest_at = cache(lambda row: _smoothest(problem.arriving_at(row)))
     is_proven = problem.is_rest_to_rest and problem.limits.kind == "magnitude"
     if not problem.cones:
         best = _least_time(problem, least, _in_phases(eigenaxis))
@@ -143,7 +146,7 @@ def _quickest(
         guess_s = eigenaxis.duration_s if best is None else best.duration_s
         for factor in OPTIONS.eased:
             row = min(math.ceil(factor * guess_s * ROWS_PER_S), problem.last_arrival_row)
-            eased = _smoothest(problem.arriving_at(max(row, problem.first_arrival_row)))
+            eased = smoothest_at(max(row, problem.first_arrival_row))
             if eased is None:
                 continue
             again = _least_time(problem, least, eased.spans.on_spans(_even_widths_s(eased)))
@@ -159,7 +162,7 @@ def _quickest(
             return best.duration_s, found
         row += 1 + later
     quickest_s = None if best is None else best.duration_s
-    return quickest_s, _smoothest(problem.arriving_at(problem.last_arrival_row))
+    return quickest_s, smoothest_at(problem.last_arrival_row)
 
 
 def _in_phases(eigenaxis: EigenaxisSlew) -> SpanMotion:
@@ -304,9 +307,11 @@ def _too_short(problem: BodySlewProblem, *, is_proof: bool) -> InfeasibleSlew:
     needs_s = max(needs_rows, last.first_arrival_row + 1) / ROWS_PER_S
     needed = f"about {needs_s:.1f} s" if keeps else f"more than {last.available_s:.1f} s"
     shown = "no slew fits" if is_proof else "no slew was found"
-    return InfeasibleSlew(
+    refusal = InfeasibleSlew(
         f"the body needs {needed} to turn by {angle_deg:.4g} deg, but {last.available_s:.1f} s are "
         f"available, in which {shown} (about the Euler axis it would take {used[order]:.3g} of the "
         f"{ORDERS[order]} limit); begin the session later or start the slew nearer to it",
         limit="duration",
     )
+    refusal.needs_s = needs_s if keeps else OPTIONS.later * last.available_s
+    return refusal

@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from planner.base.arrays import Array, Mask, angle_rad
+from planner.base.arrays import Array, Mask, angle_rad, cross
 from planner.base.commands import Motion
 from planner.base.errors import NotVisible, Refusal, TrackBreaksLimit, Unreachable, figures
-from planner.base.mrp import BodyMotion, MrpMotion, body_motion
+from planner.base.mrp import BodyMotion
 from planner.base.rotation import Rotation, of_like_sign
 from planner.motion.attitude.problem import (
     ORDERS,
@@ -181,21 +181,15 @@ def pointed_quaternions(
 def attitude_motion(q_eci_from_body_xyzw: Array, step_s: float) -> Motion:
     """Attitudes (n, 4) at uniform steps with their rates and accelerations in body axes.
 
-    7-point differences of Rodrigues parameters about each row, one-sided towards the ends; n is at
-    least 7.  Exact for a motion of degree 6 in them.
+    7-point differences of the quaternion, of like sign from row to row, one-sided towards the
+    ends: omega = 2 q* q', alpha = 2 q* q''; n is at least 7.
     """
-    n = len(q_eci_from_body_xyzw)
-    first, rate_weights = difference_stencils(n, 1)
-    _, acceleration_weights = difference_stencils(n, 2)
-    q_eci_from_body = Rotation.from_quat(q_eci_from_body_xyzw)
-    nodes = first[:, None] + np.arange(STENCIL)
-    here, there = np.repeat(np.arange(n), STENCIL), nodes.ravel()
-    mrp = (q_eci_from_body[here].inv() * q_eci_from_body[there]).as_mrp().reshape(n, STENCIL, 3)
-    rate = np.einsum("nk,nkj->nj", rate_weights, mrp) / step_s
-    acceleration = np.einsum("nk,nkj->nj", acceleration_weights, mrp) / step_s**2
-    nothing = np.zeros_like(rate)
-    body = body_motion(MrpMotion(nothing, rate, acceleration, nothing))
-    return Motion(q_eci_from_body_xyzw, body.omega_body_rad_s, body.alpha_body_rad_s2)
+    back = q_eci_from_body_xyzw * [-1.0, -1.0, -1.0, 1.0]
+    omega, alpha = (
+        2.0 * (back[:, 3:] * q[:, :3] + q[:, 3:] * back[:, :3] + cross(back[:, :3], q[:, :3]))
+        for q in (_differences(q_eci_from_body_xyzw, step_s, order) for order in (1, 2))
+    )
+    return Motion(q_eci_from_body_xyzw, omega, alpha)
 
 
 def _triads(toward_direction: Array, aside_direction: Array) -> Array:
@@ -252,11 +246,11 @@ def _along_ground(roll: RollRule, sight: TargetSight) -> Array:
     return v_target_itrf_m_s
 
 
-def _differences(value: Array, step_s: float) -> Array:
-    """Derivative of rows (n, 3) at uniform steps."""
-    first, weights = difference_stencils(len(value), 1)
+def _differences(value: Array, step_s: float, order: int = 1) -> Array:
+    """Derivative of rows (n, k) at uniform steps."""
+    first, weights = difference_stencils(len(value), order)
     nodes = value[first[:, None] + np.arange(STENCIL)]
-    return np.asarray(np.einsum("nk,nkj->nj", weights, nodes) / step_s)
+    return np.asarray(np.einsum("nk,nkj->nj", weights, nodes) / step_s**order)
 
 
 def _nearest(

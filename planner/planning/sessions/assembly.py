@@ -36,10 +36,11 @@ def sessions_after_conflicts(scenario: Scenario, joins: list[Join]) -> tuple[Sce
     epoch_utc = scenario.initial_state.epoch
     sessions, losses = [], []
     for number, (session, join) in enumerate(zip(scenario.sessions, joins, strict=True)):
-        joined_utc, left_utc = (
-            shifted_utc(epoch_utc, row / ROWS_PER_S) for row in (join.join_row, join.stop_row)
+        settled_utc, left_utc = (
+            shifted_utc(epoch_utc, row / ROWS_PER_S)
+            for row in (join.join_row + join.settle_rows, join.stop_row)
         )
-        start = max(session.start, joined_utc, key=tai_us)
+        start = max(session.start, settled_utc, key=tai_us)
         stop = min(session.stop, left_utc, key=tai_us)
         late_s, early_s = elapsed_s(start, session.start), elapsed_s(session.stop, stop)
         lost = [

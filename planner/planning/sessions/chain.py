@@ -1,5 +1,7 @@
 """The cheapest chain of slews through all sessions, step by step from branch to branch."""
 
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise, product
@@ -121,8 +123,10 @@ class Chain:
                 self._joins[pair, *rows] = self._solve_join(branch, step.leave_row, state)
             except InfeasibleSlew as refusal:
                 self._infeasible_rows.setdefault(pair, set()).add(rows)
-                if refusal.limit == "keep_out":
+                if refusal.limit in ("keep_out", "exclusion"):
                     self._blocked_rows[pair] = step.join_row - step.leave_row + OPTIONS.blocked_rows
+                elif refusal.needs_s is not None:
+                    self._blocked_rows[pair] = math.ceil(refusal.needs_s * ROWS_PER_S)
                 return None
         return self._joins[pair, *rows]
 
@@ -309,28 +313,37 @@ class Chain:
     def _left_s(self, branch: TrackBranch, join_row: int, stop_row: int) -> float:
         """Seconds of a session between the rows at which its track is joined and left."""
         start_s, stop_s = self._session_span_s(branch)
-        return min(stop_s, stop_row / ROWS_PER_S) - max(start_s, join_row / ROWS_PER_S)
+        settled_s = (join_row + branch.settle_rows) / ROWS_PER_S
+        return min(stop_s, stop_row / ROWS_PER_S) - max(start_s, settled_s)
 
     def _share_loss(
         self, slew_start: SlewStart, branch: TrackBranch, eighths: tuple[int, ...]
     ) -> tuple[int, int] | None:
         """The rows of least loss, of which the session left bears one of the given eighths."""
 
-        def fitting_rows(loss: int) -> tuple[int, int] | None:
+        def ends_at(loss: int) -> Iterator[tuple[int, int]]:
             for share in eighths:
                 early = round(loss * share / OPTIONS.splits)
-                rows = (slew_start.last_row - early, branch.rows.start + loss - early)
-                if self._may_fit(slew_start, branch, *rows):
-                    return rows
-            return None
+                yield slew_start.last_row - early, branch.rows.start + loss - early
+
+        def fitting_rows(loss: int) -> tuple[int, int] | None:
+            fitting = (rows for rows in ends_at(loss) if self._may_fit(slew_start, branch, *rows))
+            return next(fitting, None)
 
         overlap = max(slew_start.last_row - branch.rows.start, 0)
-        most = slew_start.last_row - slew_start.join_row + branch.rows.stop - branch.rows.start
+        most, nothing_left = overlap, slew_start.last_row - slew_start.join_row
+        nothing_left += branch.rows.stop - branch.rows.start + overlap + 1
+        while nothing_left - most > 1:
+            middle = (most + nothing_left) // 2
+            if any(self._leaves_something(slew_start, branch, *rows) for rows in ends_at(middle)):
+                most = middle
+            else:
+                nothing_left = middle
         low, high, found = overlap, overlap + 1, fitting_rows(overlap + 1)
         while found is None:
-            low, high = high, overlap + 2 * (high - overlap)
-            if low > most:
+            if high >= most:
                 return None
+            low, high = high, min(overlap + 2 * (high - overlap), most)
             found = fitting_rows(high)
         while high - low > 1:
             middle = (low + high) // 2

@@ -5,6 +5,7 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from datetime import datetime
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,7 +17,13 @@ from planner.base.solvers import merged
 from planner.base.table_motion import motion_at
 from planner.motion.attitude.bounds import least_s, may
 from planner.motion.attitude.idle import idle_attitude
-from planner.motion.attitude.problem import AvoidedCone, BodySlewProblem, depths_rad, rows_of
+from planner.motion.attitude.problem import (
+    AvoidedCone,
+    BodySlewProblem,
+    Objective,
+    depths_rad,
+    rows_of,
+)
 from planner.motion.attitude.slew import BodySlew, solve_attitude_slew
 from planner.motion.attitude.track import TargetSight, agility_limits, attitude_tracks, roll_rule
 from planner.motion.pointing.line_of_sight import STENCIL, LineOfSight
@@ -71,9 +78,16 @@ class BodySlewParts:
     """A slew, and what comes before it: onto the idle attitude, if need be, and waiting on it."""
 
     slew: BodySlew
-    onto_idle: BodySlew | None = None
-    waiting: Motion | None = None
+    wait: "_Wait | None" = None
     wall_s: float
+
+
+class _Wait(NamedTuple):
+    """Rows of the idle attitude, on this orbit, and the slew onto the first of them, if need be."""
+
+    onto_idle: BodySlew | None
+    rows: RowSpan
+    ephemeris: Ephemeris
 
 
 class BodyMover:
@@ -86,6 +100,7 @@ class BodyMover:
         self.scenario, self.platform = scenario, platform
         self.limits = agility_limits(platform)
         self._always_excluded = [one for one in platform.exclusions if one.when == "always"]
+        self._refused: dict[tuple[object, ...], InfeasibleSlew] = {}
 
     def initial(self, ephemeris: Ephemeris) -> Motion:
         return self._idle(ephemeris, 0, 0)
@@ -125,6 +140,7 @@ class BodyMover:
                 rows=RowSpan(start=rows.start - settled, stop=rows.stop),
                 seen_from_s=max(seen_s, float(track.t_s[0])),
                 ephemeris=ephemeris,
+                settle_rows=settled,
             )
             for track in tracks
         )
@@ -161,7 +177,10 @@ class BodyMover:
         early: bool = True,
         prove: bool = False,
     ) -> Join:
-        """Exclusions are part of the programme: there is no detour to better or to prove."""
+        """Exclusions are part of the programme: there is no detour to better or to prove.
+
+        What was refused once isn't solved again.
+        """
         last_row = branch.rows.start
         if last_row <= from_row:
             raise InfeasibleSlew("no time is left for a slew before the session", limit="duration")
@@ -170,38 +189,28 @@ class BodyMover:
             goal, first_row = self._early_goal(branch, from_row, last_row)
         else:
             goal, first_row = branch.track.rows_at(last_row, last_row), last_row
-        slew_row, onto_idle, waiting = from_row, None, None
-        there = rows_of(goal, slice(-1, None))
-        wait = self._wait(branch.ephemeris, from_row, state, last_row, there)
-        if wait is not None:
-            onto_idle, waiting = wait
-            slew_row = from_row + len(waiting.position) - 1
-            if onto_idle is not None:
-                slew_row += len(onto_idle.motion.position) - 1
-            state = rows_of(waiting, slice(-1, None))
-            goal, first_row = there, last_row
-        slew = solve_attitude_slew(
-            BodySlewProblem(
-                start=state,
-                goal=goal,
-                first_arrival_row=first_row - slew_row,
-                limits=self.limits,
-                cones=self._cones(branch.ephemeris, slew_row, last_row, state, goal),
-                objective=self.scenario.slew.objective,
-            )
-        )
+        asked = (branch.track, first_row, last_row, from_row, state.position.tobytes())
+        if asked in self._refused:
+            raise self._refused[asked]
+        slew_row, there = from_row, rows_of(goal, slice(-1, None))
+        try:
+            wait = self._wait(branch.ephemeris, from_row, state, last_row, there)
+            if wait is not None:
+                slew_row = wait.rows.stop
+                state = self._idle(branch.ephemeris, slew_row, slew_row)
+                goal, first_row = there, last_row
+            slew = self._solve(branch.ephemeris, slew_row, state, goal, first_row)
+        except InfeasibleSlew as refusal:
+            self._refused[asked] = refusal
+            raise
         return Join(
-            slew=BodySlewParts(
-                slew=slew,
-                onto_idle=onto_idle,
-                waiting=waiting,
-                wall_s=time.perf_counter() - began_s,
-            ),
+            slew=BodySlewParts(slew=slew, wait=wait, wall_s=time.perf_counter() - began_s),
             track=branch.track,
             slew_row=slew_row,
             join_row=slew_row + len(slew.motion.position) - 1,
             stop_row=branch.rows.stop,
-            brake_rows=0 if onto_idle is None else len(onto_idle.motion.position) - 1,
+            settle_rows=branch.settle_rows,
+            brake_rows=0 if wait is None else wait.rows.start - from_row,
         )
 
     def with_final_slew(self, ephemeris: Ephemeris, joins: list[Join]) -> list[Join]:
@@ -236,10 +245,11 @@ class BodyMover:
     def table(self, epoch_utc: datetime, joins: list[Join]) -> CommandTable:
         parts: list[Motion] = []
         for join in joins:
-            if join.slew.onto_idle is not None:
-                parts.append(join.slew.onto_idle.motion)
-            if join.slew.waiting is not None:
-                parts.append(join.slew.waiting)
+            wait: _Wait | None = join.slew.wait
+            if wait is not None:
+                if wait.onto_idle is not None:
+                    parts.append(wait.onto_idle.motion)
+                parts.append(self._idle(wait.ephemeris, wait.rows.start, wait.rows.stop))
             parts += [join.slew.slew.motion, join.track.rows_at(join.join_row, join.stop_row)]
         # A row that two share is the later one's.
         parts = [*(rows_of(part, slice(-1)) for part in parts[:-1]), parts[-1]]
@@ -255,7 +265,8 @@ class BodyMover:
 
     def run(self, number: int | None, join: Join) -> SlewRun:
         slew: BodySlew = join.slew.slew
-        runs = [part.run for part in (join.slew.onto_idle, slew) if part is not None]
+        onto_idle = join.slew.wait.onto_idle if join.slew.wait is not None else None
+        runs = [part.run for part in (onto_idle, slew) if part is not None]
         gap = unproven_share(slew.cost_rad2_s5, slew.bound_rad2_s5)
         return SlewRun(
             session=number,
@@ -333,28 +344,39 @@ class BodyMover:
 
     def _wait(
         self, ephemeris: Ephemeris, from_row: int, state: Motion, last_row: int, there: Motion
-    ) -> tuple[BodySlew | None, Motion] | None:
+    ) -> _Wait | None:
         """The slew onto the idle attitude, unless it is there, and the wait on it; None: none."""
         most_rows = self._most_rows(state, there)
         if most_rows is None or last_row - from_row <= most_rows:
             return None
-        idle = self._idle(ephemeris, from_row, last_row)
-        onto_idle, idle_row = None, 0
-        if not np.array_equal(state.position, idle.position[:1]):
-            idle_row = self._recommended_rows(state, rows_of(idle, slice(1)))
-            if idle_row >= last_row - from_row - OPTIONS.fewest_rows:
+        idle, idle_row, onto_idle = self._idle(ephemeris, from_row, from_row), from_row, None
+        if not np.array_equal(state.position, idle.position):
+            idle_row += self._recommended_rows(state, idle)
+            if idle_row >= last_row - OPTIONS.fewest_rows:
                 return None
-        slew_rows = self._most_rows(rows_of(idle, slice(idle_row, idle_row + 1)), there)
-        slew_row = last_row - from_row - (slew_rows or 0)
+            idle = self._idle(ephemeris, idle_row, idle_row)
+        slew_row = last_row - (self._most_rows(idle, there) or 0)
         if slew_row <= idle_row:
             return None
-        if idle_row:
-            goal = rows_of(idle, slice(idle_row, idle_row + 1))
-            cones = self._cones(ephemeris, from_row, from_row + idle_row, state, goal)
-            onto_idle = solve_attitude_slew(
-                replace(self._problem(state, goal, idle_row), cones=cones)
-            )
-        return onto_idle, rows_of(idle, slice(idle_row, slew_row + 1))
+        if idle_row > from_row:
+            onto_idle = self._solve(ephemeris, from_row, state, idle, idle_row, "smooth")
+        return _Wait(onto_idle, RowSpan(start=idle_row, stop=slew_row), ephemeris)
+
+    def _solve(
+        self,
+        ephemeris: Ephemeris,
+        from_row: int,
+        state: Motion,
+        goal: Motion,
+        first_row: int,
+        objective: Objective | None = None,
+    ) -> BodySlew:
+        """From a row onto a goal that begins at another; the objective is the scenario's."""
+        last_row = first_row + len(goal.position) - 1
+        problem = self._problem(state, goal, first_row - from_row)
+        cones = self._cones(ephemeris, from_row, last_row, state, goal)
+        objective = objective or self.scenario.slew.objective
+        return solve_attitude_slew(replace(problem, cones=cones, objective=objective))
 
     def _cones(
         self, ephemeris: Ephemeris, first_row: int, last_row: int, state: Motion, goal: Motion

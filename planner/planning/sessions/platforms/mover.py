@@ -41,7 +41,8 @@ class TrackBranch:
     """One way to hold a session's target: a track over `rows` and what lies before.
 
     seen_from_s: since when, up to the session, the target can be seen, and looked at out of
-    all cones and masks, without a break.  ephemeris: the orbit it was found on.
+    all cones and masks, without a break.  ephemeris: the orbit it was found on.  settle_rows: of
+    the track, from where it is joined, in which the session can't have begun.
     """
 
     session: Session
@@ -49,6 +50,7 @@ class TrackBranch:
     rows: RowSpan
     seen_from_s: float
     ephemeris: Ephemeris
+    settle_rows: int = 0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,7 +59,7 @@ class Join:
 
     slew, brake: of the mover's own kind.  brake: what brings the platform to its idle motion in
     the brake_rows at the end of what was before, None where it slews at once or is idle already;
-    it then waits until slew_row.
+    it then waits until slew_row.  settle_rows: as of the branch.
     search_truncated: whether the bound of work ended the search for an earlier join or a smoother
     slew.
     """
@@ -69,6 +71,7 @@ class Join:
     join_row: int
     stop_row: int
     brake_rows: int = 0
+    settle_rows: int = 0
     search_truncated: bool = False
 
 

@@ -9,9 +9,10 @@ import numpy as np
 from planner.base.arrays import Array, Indices, Mask, cross
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, Channel, CommandTable
 from planner.verification.directions import apart_rad
+from planner.verification.earth_fixed import earth_fixed_sight
 from planner.verification.platforms.body.exclusions import exclusion_margins
 from planner.verification.platforms.body.idle import idle_motion
-from planner.verification.platforms.body.limits import body_margins
+from planner.verification.platforms.body.limits import body_margins, sizes_limited
 from planner.verification.platforms.body.options import OPTIONS
 from planner.verification.platforms.body.quintic import FlownMotion, motion_between, turned
 from planner.verification.platforms.body.roll import roll_off_rad
@@ -25,12 +26,13 @@ from planner.verification.report import (
     SlowStretch,
     table_fault,
 )
+from planner.verification.sky import LIMB_MODEL_SHARE, sky_sight
 from planner.verification.structure import covers, session_rows
-from planner.world.frames.time_scales import shifted_utc
+from planner.world.frames.time_scales import Instants, shifted_utc
 from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.platforms.body import BodyPlatform
-from planner.world.scenario import Scenario
-from planner.world.targets import BenchMotionTarget, EarthFixedTarget
+from planner.world.scenario import Scenario, Session
+from planner.world.targets import BenchMotionTarget, EarthFixedTarget, SkyTarget
 
 
 class BodyJudge:
@@ -102,17 +104,10 @@ class BodyJudge:
 
     def margins(self) -> tuple[LimitMargin, ...]:
         """Of rate, acceleration and jerk, by magnitude or by body axis."""
-        cells = len(self._table.position) - 1
-        t_s = np.arange(OPTIONS.points_per_cell * cells + 1) / (
-            OPTIONS.points_per_cell * ROWS_PER_S
-        )
+        t_s, flown = self._fine
         return tuple(
             body_margins(
-                self._platform.agility,
-                self._fine,
-                t_s,
-                self._row_alpha_rad_s2,
-                self._table.epoch_utc,
+                self._platform.agility, flown, t_s, self._row_alpha_rad_s2, self._table.epoch_utc
             )
         )
 
@@ -147,14 +142,16 @@ class BodyJudge:
     def turn_most_rad(self) -> Array:
         """By the greatest rate and acceleration of the cell that begins with each row."""
         rate_rad_s = np.linalg.norm(self._table.rate_rad_s, axis=1)
-        most_rad_s2 = float(np.linalg.norm(self._fine.alpha_body_rad_s2, axis=1).max())
+        most_rad_s2 = float(np.linalg.norm(self._fine[1].alpha_body_rad_s2, axis=1).max())
         return np.asarray(COMMAND_STEP_S * (rate_rad_s + COMMAND_STEP_S * most_rad_s2))
 
     def session_findings(
         self, number: int, at: FlownInstants, states: OrbitStates
     ) -> Iterator[Finding]:
-        """Whether the camera lies off its roll rule, or looks at the Earth too far off nadir."""
+        """Whether the camera lies off its roll rule, looks at the Earth too far off nadir, or
+        hasn't settled."""
         session, flown = self._scenario.sessions[number], self._motion(at)
+        yield from self._unsettled(number, session)
         roll_rad = roll_off_rad(self._platform, session, at.instants, states, flown)
         if roll_rad.max() > OPTIONS.roll_rad:
             told = "lies {:.3g} deg off its roll rule"
@@ -167,6 +164,36 @@ class BodyJudge:
             most = f"more than {self._platform.off_nadir_max_deg:g} deg"
             told = f"looks {{:.3f}} deg off nadir, {most}"
             yield self._finding_at_most("off_nadir", off_rad, at, number, told)
+
+    def _unsettled(self, number: int, session: Session) -> Iterator[Finding]:
+        """Where, before a session, the camera doesn't stand yet on the target in sight."""
+        first = 2 * session_rows(session, self._table.epoch_utc)[0]
+        points = np.arange(first - 2 * int(self._platform.agility.settle_s * ROWS_PER_S), first)
+        points = points[points >= 0]
+        if not points.size:
+            return
+        instants = Instants(self._table.epoch_utc, points / (2 * ROWS_PER_S))
+        u_s = np.where(points % 2, COMMAND_STEP_S / 2.0, 0.0)
+        at = FlownInstants(points // 2, u_s, instants)
+        states, target = self._ephemeris.states(instants), session.target
+        boresight_eci = self.boresight_eci(at, states)
+        if isinstance(target, EarthFixedTarget):
+            off_rad = apart_rad(
+                earth_fixed_sight(target, instants, states).apparent_eci, boresight_eci
+            )
+        else:
+            assert isinstance(target, SkyTarget)  # `prescribed` judges the others
+            sky = sky_sight(target, instants, states)
+            off_rad = apart_rad(sky.apparent_eci, boresight_eci)
+            off_rad -= LIMB_MODEL_SHARE * sky.bending_rad
+            off_rad[sky.clearance_rad < 0.0] = 0.0
+        if off_rad.max() > OPTIONS.off_nadir_rad:
+            told = (
+                f"stands {{:.3g}} deg off the target in the {self._platform.agility.settle_s:g} s"
+            )
+            yield self._finding_at_most(
+                "pointing", off_rad, at, number, f"{told} in which it settles"
+            )
 
     def _finding_at_most(
         self, limit: Limit, off_rad: Array, at: FlownInstants, number: int, told: str
@@ -208,13 +235,29 @@ class BodyJudge:
         )
 
     @cached_property
-    def _fine(self) -> FlownMotion:
-        """A few instants of every cell, and the last row."""
-        cells = len(self._table.position) - 1
-        points = np.arange(OPTIONS.points_per_cell * cells + 1)
-        cell = np.minimum(points // OPTIONS.points_per_cell, cells - 1)
-        u_s = (points - OPTIONS.points_per_cell * cell) * (COMMAND_STEP_S / OPTIONS.points_per_cell)
-        return self._between(cell, u_s)
+    def _fine(self) -> tuple[Array, FlownMotion]:
+        """Every row, and a few instants of each cell in which the rate or the acceleration of an
+        axis can be greater than on all rows; with their times, (n,)."""
+        table, alpha_rad_s2, h = self._table, self._row_alpha_rad_s2, COMMAND_STEP_S
+        turn_off_rad, rate_off_rad_s = self._disagreements
+        rate, acceleration = (
+            _greater_ends(_length(rows)[:, None]) for rows in (table.rate_rad_s, alpha_rad_s2)
+        )
+        strays_rad_s2 = h * rate * acceleration + h**2 * rate**3
+        strays_rad_s2 += OPTIONS.turn_within / h**2 * turn_off_rad[:, None]
+        strays_rad_s2 += OPTIONS.rate_within / h * rate_off_rad_s[:, None]
+        strays_rad_s = h * (acceleration + strays_rad_s2)
+        looked = np.zeros(len(rate), dtype=bool)
+        for rows, strays in ((table.rate_rad_s, strays_rad_s), (alpha_rad_s2, strays_rad_s2)):
+            sizes = np.abs(sizes_limited(self._platform.agility, rows))
+            looked |= np.any(_greater_ends(sizes) + strays >= sizes.max(axis=0), axis=1)
+        cell = np.repeat(np.flatnonzero(looked), OPTIONS.points_per_cell - 1)
+        shares = np.arange(1, OPTIONS.points_per_cell) / OPTIONS.points_per_cell
+        u_s = np.tile(shares * h, np.count_nonzero(looked))
+        between = self._between(cell, u_s)
+        on_rows = FlownMotion(table.position, table.rate_rad_s, alpha_rad_s2)
+        flown = FlownMotion(*(np.concatenate(two) for two in zip(on_rows, between, strict=True)))
+        return np.concatenate([table.t_s, cell / ROWS_PER_S + u_s]), flown
 
     def _motion(self, at: FlownInstants) -> FlownMotion:
         return self._between(at.cell, at.u_s)
@@ -225,32 +268,21 @@ class BodyJudge:
         )
 
     def _incoherent(self) -> Iterator[Finding]:
-        """Where the rows of a cell tell more than one motion within the jerk limit can differ by.
-
-        The rotation vector of a short step is the mean rate, from rates and accelerations at its
-        ends, plus the coning of the rates.  Source: Bortz 1971, to third order in the step.
-        """
-        omega, alpha, h = self._table.rate_rad_s, self._row_alpha_rad_s2, COMMAND_STEP_S
+        """Where rows of a cell tell more than one motion within the jerk limit can differ by."""
+        h = COMMAND_STEP_S
         jerk_rad_s3 = float(np.linalg.norm(self._platform.agility.by_order_rad[2]))
-        part, scalar = _turn_over_cells(self._table.position)
-        turn_rad = (
-            part
-            * (2.0 * np.arctan2(_length(part), scalar) / np.maximum(_length(part), 1e-300))[:, None]
-        )
-        mean_rad_s = 0.5 * (omega[1:] + omega[:-1]) + h / 12.0 * (alpha[:-1] - alpha[1:])
-        expected_rad = h * mean_rad_s + h**2 / 12.0 * cross(omega[:-1], omega[1:])
-        change_rad_s = np.diff(omega, axis=0) - 0.5 * h * (alpha[1:] + alpha[:-1])
+        turn_off_rad, rate_off_rad_s = self._disagreements
         for what, unit, missed, allowed in (
             (
                 "attitude and rates",
                 "deg",
-                _length(turn_rad - expected_rad),
+                turn_off_rad,
                 OPTIONS.turn_miss * jerk_rad_s3 * h**3 + OPTIONS.rounding_rad,
             ),
             (
                 "rates and accelerations",
                 "deg/s",
-                _length(change_rad_s),
+                rate_off_rad_s,
                 OPTIONS.rate_miss * jerk_rad_s3 * h**2 + OPTIONS.rounding_rad,
             ),
         ):
@@ -263,6 +295,25 @@ class BodyJudge:
                     f"after row {worst}, more than {math.degrees(allowed):.3g} {unit}",
                 )
 
+    @cached_property
+    def _disagreements(self) -> tuple[Array, Array]:
+        """By how much the turn over each cell differs from what rates and accelerations at its ends
+        tell, rad, and its change of rate from what accelerations tell, rad/s, (n - 1,) each.
+
+        The rotation vector of a short step is the mean rate, from rates and accelerations at its
+        ends, plus the coning of the rates.  Source: Bortz 1971, to third order in the step.
+        """
+        omega, alpha, h = self._table.rate_rad_s, self._row_alpha_rad_s2, COMMAND_STEP_S
+        part, scalar = _turn_over_cells(self._table.position)
+        turn_rad = (
+            part
+            * (2.0 * np.arctan2(_length(part), scalar) / np.maximum(_length(part), 1e-300))[:, None]
+        )
+        mean_rad_s = 0.5 * (omega[1:] + omega[:-1]) + h / 12.0 * (alpha[:-1] - alpha[1:])
+        expected_rad = h * mean_rad_s + h**2 / 12.0 * cross(omega[:-1], omega[1:])
+        change_rad_s = np.diff(omega, axis=0) - 0.5 * h * (alpha[1:] + alpha[:-1])
+        return _length(turn_rad - expected_rad), _length(change_rad_s)
+
     def _of_row(self, limit: Limit, row: int, detail: str) -> Finding:
         t_s = row / ROWS_PER_S
         at_utc = shifted_utc(self._table.epoch_utc, t_s)
@@ -271,6 +322,11 @@ class BodyJudge:
 
 def _names(channels: tuple[Channel, ...]) -> str:
     return ", ".join(channel.name for channel in channels)
+
+
+def _greater_ends(size: Array) -> Array:
+    """Of each cell the greater of its two rows, of (n, k) rows, (n - 1, k)."""
+    return np.maximum(size[:-1], size[1:])
 
 
 def _length(value: Array) -> Array:

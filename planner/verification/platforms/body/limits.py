@@ -41,10 +41,9 @@ def body_margins(
         ),
         ("jerk", jerk_s, jerk_rad_s3, jerk_max, 0.0 * jerk_max),
     )
-    whole = isinstance(agility, MagnitudeAgility)
-    names = (WHOLE_BODY,) if whole else ("x", "y", "z")
+    names = (WHOLE_BODY,) if isinstance(agility, MagnitudeAgility) else ("x", "y", "z")
     for kind, at_s, vector, bound, rings in kinds:
-        sizes = np.linalg.norm(vector, axis=1, keepdims=True) if whole else vector
+        sizes = sizes_limited(agility, vector)
         for column, name in enumerate(names):
             worst = int(np.argmax(np.abs(sizes[:, column])))
             extreme, limit = float(sizes[worst, column]), float(bound[column])
@@ -58,3 +57,10 @@ def body_margins(
                 t_s=float(at_s[worst]),
                 at_utc=shifted_utc(epoch_utc, float(at_s[worst])),
             )
+
+
+def sizes_limited(agility: Agility, value: Array) -> Array:
+    """What of vectors (n, 3) has a limit: their lengths, (n, 1), or components, (n, 3)."""
+    if isinstance(agility, MagnitudeAgility):
+        return np.asarray(np.linalg.norm(value, axis=1, keepdims=True))
+    return value

@@ -17,6 +17,10 @@ class Options:
 
     rows_min: int = 2
     points_per_cell: int = 8  # 25 ms apart: between them a rate rises by 1e-5 of its limit
+    # By how much the second derivative of a quintic passes its ends: in what its value is off the
+    # cubic through them by step^2, and its slope by step.
+    turn_within: float = 5.8
+    rate_within: float = 6.9
     unit: float = 1e-9  # of a quaternion's length: 13 decimals, rounded
     # A fifth of what pointing may err by: idle attitudes are found to a hundredth of it.
     end_rad: float = math.radians(0.02 / 3600.0)
