@@ -32,7 +32,7 @@ def windows(
     ] = None,
     json: files.WholeAnswer = None,
     probability: Annotated[
-        bool, typer.Option(help="Report how likely the target stays in the frame: 5 ms a window.")
+        bool, typer.Option(help="Report how likely the target stays in the frame: 3 ms a window.")
     ] = True,
     url: files.Url = None,
 ) -> None:

@@ -3,7 +3,7 @@
 import asyncio
 import os
 from collections.abc import AsyncIterator, Iterator
-from contextlib import asynccontextmanager, contextmanager
+from contextlib import asynccontextmanager, closing, contextmanager
 from threading import Lock
 from typing import Any
 
@@ -44,7 +44,7 @@ from app.http.routes import (
 from app.http.view_cache import ViewCache
 from app.ids import JobState
 from app.jobs.dispatcher import Dispatcher
-from app.jobs.executors import LocalExecutor, SolveExecutor
+from app.jobs.executors import RunTask, run_here
 from app.jobs.worker_process import spare_children, start_server
 from app.settings import Settings, settings_of_environment
 from app.store import jobs
@@ -115,6 +115,9 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     for route in _routes():
         app.state.methods.setdefault(route.path, set()).update(route.methods)
     app.state.children = anyio.CapacityLimiter(os.cpu_count() or 1)
+    app.state.solves = app.state.children
+    if settings.dask_scheduler:
+        app.state.solves = anyio.CapacityLimiter(settings.workers)
     for router in (*_OF_API, documentation.router):
         app.include_router(router)
     documentation.serve_files(app)
@@ -201,8 +204,8 @@ def _dispatching(settings: Settings, database: Database, metrics: Metrics) -> It
     metrics.count_jobs_by(counts)
     # With a cluster only what is answered at once is done here.
     here = settings.workers if not settings.dask_scheduler else os.cpu_count() or 1
-    with spare_children(here):
-        dispatcher = Dispatcher(database, _executor(settings), settings, on_end)
+    with spare_children(here), _running_tasks(settings) as run_task:
+        dispatcher = Dispatcher(database, run_task, settings, on_end)
         dispatcher.start()
         try:
             yield dispatcher
@@ -210,12 +213,15 @@ def _dispatching(settings: Settings, database: Database, metrics: Metrics) -> It
             dispatcher.close()
 
 
-def _executor(settings: Settings) -> SolveExecutor:
+@contextmanager
+def _running_tasks(settings: Settings) -> Iterator[RunTask]:
     if not settings.dask_scheduler:
-        return LocalExecutor(settings.workers)
+        yield run_here
+        return
     from app.jobs.dask_executor import DaskExecutor  # half a second that others needn't wait
 
-    return DaskExecutor(settings.dask_scheduler, settings.workers)
+    with closing(DaskExecutor(settings.dask_scheduler)) as executor:
+        yield executor.run
 
 
 def _describe(app: FastAPI) -> None:

@@ -3,9 +3,11 @@
 import asyncio
 from collections.abc import Callable
 from datetime import UTC, datetime
-from typing import TypeVar
+from functools import partial
+from typing import Any, TypeVar
 
 import anyio.to_thread
+from anyio import CapacityLimiter
 from fastapi import Request, Response
 from sqlalchemy import Connection
 from starlette.requests import ClientDisconnect
@@ -14,6 +16,7 @@ from app.answers.members import ProvenanceOut, provenance
 from app.http.negotiation import JSON
 from app.http.problems import service_stops
 from app.jobs.child import Bounds
+from app.jobs.executors import Task
 from app.jobs.worker_process import Stop, Stopped, run_in_worker
 from app.store.database import Database
 
@@ -56,6 +59,17 @@ async def in_child(
     Raises ClientDisconnect or 503 then, and else what `run_in_worker` does.  The request's body
     must have been read.
     """
+    run = partial(run_in_worker, bounds, work, *arguments)
+    return await _wait(request, run, request.app.state.children)
+
+
+async def where_solved(request: Request, task: Task) -> Any:  # noqa: ANN401 (the work's)
+    """As `in_child`, by a worker of the cluster where there is one; again, if that is lost."""
+    run = partial(request.app.state.dispatcher.run_task, task)
+    return await _wait(request, run, request.app.state.solves)
+
+
+async def _wait(request: Request, run: Callable[..., T], limiter: CapacityLimiter) -> T:
     stop = Stop()
     stopping: asyncio.Event = request.app.state.stopping
     watches = [
@@ -63,10 +77,7 @@ async def in_child(
         asyncio.create_task(_stop_with_service(stopping, stop)),
     ]
     try:
-        return await anyio.to_thread.run_sync(
-            lambda: run_in_worker(bounds, work, *arguments, stop=stop),
-            limiter=request.app.state.children,
-        )
+        return await anyio.to_thread.run_sync(lambda: run(stop=stop), limiter=limiter)
     except Stopped:
         raise (service_stops() if stopping.is_set() else ClientDisconnect()) from None
     finally:

@@ -7,7 +7,7 @@ or the connection, is begun again; a result counts once, for the lease it was ma
 import secrets
 import threading
 import time
-from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
+from concurrent.futures import CancelledError
 from contextlib import ExitStack
 from typing import Any
 
@@ -18,7 +18,7 @@ from distributed.client import ClosedClientError
 from distributed.comm.core import CommClosedError
 from tornado.ioloop import IOLoop
 
-from app.jobs.dask_worker import PROGRESS_TOPIC, SLOT, run_here, stop_here
+from app.jobs.dask_worker import PROGRESS_TOPIC, SLOT, run_on_worker, stop_here
 from app.jobs.executors import Task
 from app.jobs.worker_process import Stop, Stopped
 from app.log.logs import log
@@ -31,12 +31,10 @@ _LOST = (CancelledError, ClosedClientError, CommClosedError, TimeoutError, OSErr
 
 
 class DaskExecutor:
-    """Hands `workers` tasks at a time to the cluster, a thread waiting for each."""
+    """Hands tasks to the cluster."""
 
-    def __init__(self, scheduler: str, workers: int) -> None:
-        self.workers = workers
+    def __init__(self, scheduler: str) -> None:
         self._scheduler = scheduler
-        self._threads = ThreadPoolExecutor(workers, thread_name_prefix="cluster")
         self._lock = threading.Lock()
         self._client: Client | None = None
         # A client that finds no scheduler would leave the event loop it began.
@@ -44,18 +42,16 @@ class DaskExecutor:
         self._loop = self._loop_kept.enter_context(start_blocking_portal()).call(IOLoop.current)
         self._listeners: dict[str, OnProgress] = {}
 
-    def submit(self, task: Task, stop: Stop, on_progress: OnProgress) -> Future[Any]:
-        """As a SolveExecutor does; without a scheduler it waits for one."""
-        return self._threads.submit(self._run, task, stop, on_progress)
-
     def close(self) -> None:
-        self._threads.shutdown()
+        """All tasks have ended."""
         with self._loop_kept:
             self._disconnect()
 
-    def _run(self, task: Task, stop: Stop, on_progress: OnProgress) -> Any:  # noqa: ANN401 (the work's)
+    def run(self, task: Task, stop: Stop, on_progress: OnProgress | None = None) -> Any:  # noqa: ANN401 (the work's)
+        """As a RunTask does; without a scheduler it waits for one."""
         key = f"slewtrack-{task.job_id}-{secrets.token_hex(4)}"
-        self._listeners[key] = on_progress
+        if on_progress is not None:
+            self._listeners[key] = on_progress
         wake = threading.Event()
         try:
             with stop.ending_by(wake.set):
@@ -68,11 +64,11 @@ class DaskExecutor:
                         wake.wait(_PAUSE_S)
                 raise Stopped
         finally:
-            del self._listeners[key]
+            self._listeners.pop(key, None)
 
     def _result_of(self, key: str, task: Task, stop: Stop, wake: threading.Event) -> Any:  # noqa: ANN401 (the work's)
         client = self._connect()
-        future = client.submit(run_here, key, task, key=key, resources={SLOT: 1}, pure=False)
+        future = client.submit(run_on_worker, key, task, key=key, resources={SLOT: 1}, pure=False)
         future.add_done_callback(lambda _: wake.set())
         wake.wait()
         if stop.requested:

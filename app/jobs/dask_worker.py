@@ -9,13 +9,12 @@ from typing import Any
 from distributed import Worker, get_worker
 from distributed.comm.addressing import get_local_address_for
 
-from app.jobs.executors import Task
+from app.jobs.executors import Task, run_here
 from app.jobs.worker_process import (
     ChildDied,
     ChildFailed,
     Stop,
     Stopped,
-    run_in_worker,
     spare_children,
     start_server,
 )
@@ -34,7 +33,7 @@ Outcome = tuple[bool, Any]
 _stops: dict[str, Stop] = {}
 
 
-def run_here(key: str, task: Task) -> Outcome:
+def run_on_worker(key: str, task: Task) -> Outcome:
     """(True, result), or (False, what the work raised), which Dask needn't know about."""
     worker = get_worker()
 
@@ -42,14 +41,7 @@ def run_here(key: str, task: Task) -> Outcome:
         worker.log_event(PROGRESS_TOPIC, {"key": key, "progress": asdict(progress)})
 
     try:
-        result = run_in_worker(
-            task.bounds,
-            task.work,
-            task.body,
-            task.request,
-            stop=_stops.setdefault(key, Stop()),
-            on_progress=tell,
-        )
+        result = run_here(task, _stops.setdefault(key, Stop()), tell)
     except (Refusal, Stopped, ChildFailed, ChildDied) as error:
         return False, error
     finally:
@@ -68,7 +60,9 @@ def stop_here(key: str) -> bool:
 
 def work_for(scheduler: str, solves: int) -> None:
     """Do tasks of the scheduler at this address, so many at a time, until told to end."""
-    import app.jobs.kinds  # noqa: F401 (what tasks refer to: seconds in which it wouldn't answer)
+    # what tasks refer to: seconds in which it wouldn't answer
+    import app.jobs.kinds
+    import app.work.searches  # noqa: F401
 
     start_server()
     with spare_children(solves):

@@ -6,7 +6,7 @@ moment.  One thread takes work up and keeps the leases; results are stored in th
 
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import Future
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime, timedelta
@@ -18,7 +18,7 @@ from sqlalchemy.exc import IntegrityError, SQLAlchemyError
 
 from app.ids import OPEN_STATES, JobState
 from app.jobs.child import Bounds
-from app.jobs.executors import SolveExecutor, Task
+from app.jobs.executors import RunTask, Task
 from app.jobs.job_completion import Settled, give_up, settle, take_up_again
 from app.jobs.kinds import JOB_KINDS, JobKind
 from app.jobs.refusals import QueueFull
@@ -62,14 +62,15 @@ class Dispatcher:
     """Accepts jobs, and works on those of the database as far as there is room."""
 
     def __init__(
-        self, database: Database, executor: SolveExecutor, settings: Settings, on_end: OnEnd
+        self, database: Database, run_task: RunTask, settings: Settings, on_end: OnEnd
     ) -> None:
         self._database = database
-        self._executor = executor
+        self.run_task = run_task
+        self._threads = ThreadPoolExecutor(settings.workers, thread_name_prefix="solve")
         self._settings = settings
         self._on_end = on_end
         self._lock = Lock()
-        self._free = executor.workers
+        self._free = settings.workers
         self._running: dict[str, _Running] = {}
         self._watchers: dict[str, list[Future[Settled | None]]] = {}
         self._wake = Event()
@@ -89,7 +90,7 @@ class Dispatcher:
         self._thread.join()
         for running in self._now_running():
             running.stop.request()
-        self._executor.close()
+        self._threads.shutdown()
 
     def submit(self, new: NewJob, request: object = None) -> Job:
         """Accept a job, begun at once where there is room; or the one accepted under its key.
@@ -211,11 +212,13 @@ class Dispatcher:
             job_id=running.job_id,
             bounds=Bounds(deadline_s=deadline_s, memory_mib=kind.bounds.memory_mib),
             work=kind.work,
-            body=body,
-            request=request,
+            arguments=(body, request),
         )
-        return self._executor.submit(
-            task, running.stop, lambda progress: self._record_progress(running, progress)
+        return self._threads.submit(
+            self.run_task,
+            task,
+            running.stop,
+            lambda progress: self._record_progress(running, progress),
         )
 
     def _follow(self, running: _Running, work: Future[Result]) -> None:

@@ -8,6 +8,7 @@ import zlib
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
+from typing import Any
 
 from app.work.progress import report
 from app.work.result import Result
@@ -68,6 +69,14 @@ def die_once(request: bytes, *_: object) -> Result:
 
 def hang_once(request: bytes, *_: object) -> Result:
     return note(request) if Path(os.fsdecode(request)).exists() else hang(request)
+
+
+def find_once_hung(file: bytes, *search: Any) -> object:
+    """Windows, but for the first who is asked."""
+    hang_once(file)
+    from app.work.searches import find_windows  # which the others don't have
+
+    return find_windows(*search)
 
 
 def linger(request: bytes, *_: object) -> Result:

@@ -5,17 +5,21 @@ import os
 import re
 import subprocess
 import sys
-from concurrent.futures import Future
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 import pytest
-from child_work import let_go
+from child_work import find_once_hung, let_go
 from dask import config
+from databases import own_settings
 from distributed import Client
 from job_cases import KINDS, BoundsWithABug
-from waiting import alive, eventually
+from waiting import PatientClient, alive, eventually
 
+from app.http.app import create_app
+from app.http.routes import search_routes
 from app.jobs import dask_executor
 from app.jobs.child import Bounds, TooDemanding
 from app.jobs.dask_address import check_scheduler
@@ -24,7 +28,7 @@ from app.jobs.dask_worker import SLOT
 from app.jobs.executors import Task
 from app.jobs.kinds import RUNS
 from app.jobs.worker_process import ChildDied, ChildFailed, Stop, Stopped
-from app.requests.examples import LAS_VEGAS
+from app.requests.examples import LAS_VEGAS, OPPORTUNITY_EXAMPLES
 from app.work.flights import PlanToFly, fly_part
 from app.work.plan import plan_and_pack
 from app.work.progress import Progress
@@ -33,6 +37,7 @@ from planner.base.errors import InvalidInput
 BIN = Path(sys.executable).parent
 HERE = Path(__file__).parent
 CANARY = "canarybody4711"
+THREADS = ThreadPoolExecutor(4)
 WITHIN_S = 200.0  # a loaded machine takes long to start a worker
 
 
@@ -67,7 +72,7 @@ def scheduler(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def executor(scheduler):
-    executor = DaskExecutor(scheduler, 4)
+    executor = DaskExecutor(scheduler)
     yield executor
     executor.close()
 
@@ -87,9 +92,9 @@ def submitted(executor, work, notes, stop=None, bounds=None, on_progress=lambda 
         job_id=work,
         bounds=bounds or KINDS[work].bounds,
         work=KINDS[work].work,
-        body=os.fsencode(notes),
+        arguments=(os.fsencode(notes), None),
     )
-    return executor.submit(task, stop or Stop(), on_progress)
+    return THREADS.submit(executor.run, task, stop or Stop(), on_progress)
 
 
 def pids(notes):
@@ -129,8 +134,9 @@ def test_flights_are_the_same_wherever_they_are_flown(executor, a_worker):
     what = PlanToFly(plan_id="", asked=asked, request=body, table_columns=table)
     parts = [what.to_bytes(first=first, count=2) for first in (0, 2)]
     futures = [
-        executor.submit(
-            Task(job_id="runs", bounds=RUNS.bounds, work=RUNS.work, body=part),
+        THREADS.submit(
+            executor.run,
+            Task(job_id="runs", bounds=RUNS.bounds, work=RUNS.work, arguments=(part, None)),
             Stop(),
             lambda _: None,
         )
@@ -190,12 +196,37 @@ def test_what_a_worker_was_at_is_done_by_another(executor, scheduler, a_worker, 
     assert len(pids(tmp_path / "told")) == 2
 
 
+def test_windows_are_found_by_a_worker_and_by_another_where_it_is_lost(
+    client, scheduler, tmp_path, monkeypatch
+):
+    asked = {"json": OPPORTUNITY_EXAMPLES["cities"][1]}
+    path = "/v1/opportunities?include=view"
+    here = client.post(path, **asked).json()
+    finding = partial(find_once_hung, os.fsencode(tmp_path / "lost"))
+    monkeypatch.setattr(search_routes, "find_windows", finding)
+    settings = own_settings(tmp_path, dask_scheduler=scheduler, workers=1)
+    with (
+        PatientClient(create_app(settings)) as served,
+        ThreadPoolExecutor(1) as waiting,
+        worker(scheduler) as first,
+    ):
+        answer = waiting.submit(served.post, path, **asked)
+        (pid,) = eventually(lambda: pids(tmp_path / "lost"))
+        first.kill()
+        with worker(scheduler):
+            there = answer.result(WITHIN_S).json()
+        assert not alive(pid)
+    assert len(pids(tmp_path / "lost")) == 2
+    assert there["windows"] == here["windows"]
+    assert there["next"] == here["next"]
+
+
 def test_looking_for_a_scheduler_in_vain_leaves_no_descriptors(monkeypatch, tmp_path):
     monkeypatch.setattr(dask_executor, "_CONNECT_S", 0.1)
     monkeypatch.setattr(dask_executor, "_PAUSE_S", 0.0)
     tries = []
     monkeypatch.setattr(dask_executor.log, "warning", lambda *_, **__: tries.append(descriptors()))
-    executor, stop = DaskExecutor("tcp://127.0.0.1:1", 1), Stop()
+    executor, stop = DaskExecutor("tcp://127.0.0.1:1"), Stop()
     future = submitted(executor, "note", tmp_path / "notes", stop)
     eventually(lambda: len(tries) > 5)
     stop.request()
@@ -222,7 +253,7 @@ class LosingClient:
 
 def test_work_taken_up_again_after_a_loss_can_be_stopped(monkeypatch, tmp_path):
     monkeypatch.setattr(dask_executor, "_PAUSE_S", 0.0)
-    executor, client, stop = DaskExecutor("tcp://127.0.0.1:1", 1), LosingClient(), Stop()
+    executor, client, stop = DaskExecutor("tcp://127.0.0.1:1"), LosingClient(), Stop()
     monkeypatch.setattr(executor, "_connect", lambda: client)
     future = submitted(executor, "note", tmp_path / "notes", stop)
     eventually(lambda: len(client.futures) == 2)
@@ -253,7 +284,7 @@ def test_worker_that_waits_for_its_scheduler_ends_when_told():
 def test_a_worker_tells_no_request_whatever_fails(tmp_path):
     """In JSON, of all that can fail; other formats hide the same (test_store_failures.py)."""
     with a_scheduler(tmp_path / "scheduler") as address:
-        executor = DaskExecutor(address, 4)
+        executor = DaskExecutor(address)
         lines = told_of_failures(executor, address, tmp_path)
         executor.close()
     assert CANARY not in (tmp_path / "scheduler").read_text()

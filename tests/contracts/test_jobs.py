@@ -14,7 +14,7 @@ from waiting import PATIENCE_S, alive, eventually
 
 from app.jobs import dispatcher as dispatcher_module
 from app.jobs.dispatcher import Dispatcher
-from app.jobs.executors import LocalExecutor
+from app.jobs.executors import run_here
 from app.jobs.kinds import JOB_KINDS
 from app.jobs.refusals import QueueFull
 from app.settings import Settings
@@ -42,7 +42,9 @@ def database(tmp_path):
 def dispatching(database, workers=1, **rules):
     """A service on the database, with connections of its own."""
     own = Database(database.url)
-    dispatcher = Dispatcher(own, LocalExecutor(workers), Settings(**RULES | rules), lambda *_: None)
+    dispatcher = Dispatcher(
+        own, run_here, Settings(**RULES | {"workers": workers} | rules), lambda *_: None
+    )
     dispatcher.start()
     try:
         yield dispatcher

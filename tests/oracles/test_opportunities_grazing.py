@@ -6,11 +6,13 @@ The elevations that judge are Skyfield's turn of the Earth on the planner's orbi
 import dataclasses
 import math
 from datetime import UTC, datetime, timedelta
+from functools import partial
 
 import numpy as np
 import pytest
 from opportunity_requests import ISS, ROOT, START, iss_request
-from skyfield.api import wgs84
+from scipy.optimize import brentq
+from skyfield.api import Star, wgs84
 from skyfield.framelib import itrs
 from test_opportunities_exact import MOLNIYA
 
@@ -19,9 +21,10 @@ from planner.planning.opportunities import (
     OpportunityTarget,
     find_opportunities,
 )
+from planner.world.attitude.lvlh import LvlhAttitude
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import OemOrbit, StateVectorOrbit
-from planner.world.targets import GroundTarget, MovingGroundTarget
+from planner.world.targets import GroundTarget, MovingGroundTarget, StarTarget
 
 STATE = StateVectorOrbit(
     frame="EME2000",
@@ -38,6 +41,7 @@ CASES = {
 }
 # By which elevations from two Earth orientations and orbits differ: 5 cm at 400 km
 ERROR_RAD = 1.5e-7
+SHORTEST_S = 1.2e-3  # a millisecond, promised, and how well the bend is known
 EQUATOR_M = 6378137.0  # radius, WGS84
 
 
@@ -71,7 +75,7 @@ def ships_and_aircraft(count):
     ]
 
 
-def searched(orbit, start, days, targets):
+def searched(orbit, start, days, targets, **fields):
     request = iss_request(
         0.0,
         orbit=orbit,
@@ -79,6 +83,7 @@ def searched(orbit, start, days, targets):
         stop=start + timedelta(days=days),
         targets=tuple(OpportunityTarget(id=f"{n}", target=one) for n, one in enumerate(targets)),
         samples=2,
+        **fields,
     )
     return request, find_opportunities(request).windows
 
@@ -101,6 +106,82 @@ def elevation_rad(timescale, request, target, t_s):
     return np.arcsin(np.einsum("ni,in->n", apart_m, up) / np.linalg.norm(apart_m, axis=1))
 
 
+def above_limb_rad(skyfield, request, star, t_s):
+    """Skyfield's direction from the Earth's centre, whose motion the limb shares, and the ray of
+    the same plane that just touches the ellipsoid."""
+    timescale, kernel, satellite = skyfield
+    at = timescale.tt_jd(*Instants(request.start, t_s).tt_jd())
+    place = Star(ra_hours=star.ra_deg / 15.0, dec_degrees=star.dec_deg)
+    seen = kernel["earth"].at(at).observe(place).apparent().position.m
+    turned = itrs.rotation_at(at)
+    squeezed = np.array([1.0, 1.0, 1.0 / (1.0 - 1.0 / 298.257223563)]) / EQUATOR_M
+    found = []
+    for direction, r_m in zip(
+        np.einsum("ijn,jn->ni", turned, seen / np.linalg.norm(seen, axis=0)),
+        np.einsum("ijn,jn->ni", turned, satellite.at(at).position.m),
+        strict=True,
+    ):
+        nadir = -r_m / np.linalg.norm(r_m)
+        aside = direction - (direction @ nadir) * nadir
+        from_nadir_rad = math.atan2(np.linalg.norm(aside), direction @ nadir)
+        aside /= np.linalg.norm(aside)
+        start = r_m * squeezed
+
+        def discriminant(angle_rad, nadir=nadir, aside=aside, start=start):
+            line = (math.cos(angle_rad) * nadir + math.sin(angle_rad) * aside) * squeezed
+            return (line @ start) ** 2 - (line @ line) * (start @ start - 1.0)
+
+        found.append(from_nadir_rad - brentq(discriminant, 0.5, 0.5 * math.pi, xtol=1e-14))
+    return np.array(found)
+
+
+def shortened(seen_rad, high_s, high_rad, rng):
+    """How long a window to ask for, the least elevation that leaves it, and how far the greatest
+    elevation is from the one seen; by instants close to it for how much it bends."""
+    step_s = 10.0
+    for _ in range(3):
+        at_rad = seen_rad(high_s + step_s * np.array([-1.0, 0.0, 1.0]))
+        bend_rad_s2 = (2.0 * at_rad[1] - at_rad[0] - at_rad[2]) / step_s**2
+        step_s = min(0.05 / math.sqrt(bend_rad_s2), 30.0)
+    # above what double precision leaves of an elevation: 1e-15 rad
+    least_s = max(SHORTEST_S, math.sqrt(8e-14 / bend_rad_s2))
+    duration_s = math.exp(rng.uniform(math.log(least_s), 0.0))
+    return duration_s, high_rad - bend_rad_s2 * duration_s**2 / 8.0, at_rad[1] - high_rad
+
+
+def require_held(found, seen_rad, least_rad, high_s, duration_s):
+    """One about the instant, which is known within a millisecond, and none where it's too low."""
+    holds = (found.rise_s < high_s + 1e-3) & (found.set_s > high_s - 1e-3)
+    assert np.count_nonzero(holds) == 1, duration_s
+    lasts_s = (found.set_s - found.rise_s)[holds][0]
+    assert 0.9 * duration_s - 1e-4 < lasts_s < 1.1 * duration_s + 2e-3
+    assert np.all(seen_rad(0.5 * (found.rise_s + found.set_s)) > least_rad - ERROR_RAD)
+
+
+def test_stars_seen_for_milliseconds_are_found(skyfield):
+    """Above the limb by what is left of their greatest height for so long a window."""
+    rng, checked = np.random.default_rng(47), 0
+    for ra_deg, dec_deg in zip(
+        rng.uniform(60.0, 260.0, 12).tolist(), rng.uniform(-60.0, 60.0, 12).tolist(), strict=True
+    ):  # far from the Sun
+        star = StarTarget(ra_deg=ra_deg, dec_deg=dec_deg, grazing_altitude_km=0.0)
+        up = LvlhAttitude(roll_deg=180.0)
+        request, whole = searched(ISS, START, 0.3, [star], attitude=up)
+
+        def seen_rad(t_s, request=request, star=star):
+            return above_limb_rad(skyfield, request, star, t_s)
+
+        for high_s, high_rad in zip(whole.highest_s, whole.highest_rad, strict=True):
+            if 30.0 < high_s < 0.3 * 86400.0 - 30.0 and high_rad < math.radians(90.0):
+                duration_s, least_rad, off_rad = shortened(seen_rad, high_s, high_rad, rng)
+                assert abs(off_rad) < ERROR_RAD
+                asked = OpportunityConditions(min_elevation_deg=math.degrees(least_rad))
+                _, found = searched(ISS, START, 0.3, [star], attitude=up, conditions=asked)
+                require_held(found, seen_rad, least_rad, high_s, duration_s)
+                checked += 1
+    assert checked > 20
+
+
 @pytest.mark.parametrize(
     ("case", "targets"),
     [*((case, places(400)) for case in CASES), ("elements", ships_and_aircraft(40))],
@@ -118,33 +199,21 @@ def test_windows_of_milliseconds_are_found(skyfield, case, targets):
         inside = min(high_s - whole.rise_s[row], whole.set_s[row] - high_s) > 30.0
         if inside and high_rad < math.radians(85.0):
             target = places_of(request)[whole.target[row]]
-            step_s = 10.0
-            for _ in range(3):  # by instants close to the greatest for how much it bends
-                around_s = high_s + step_s * np.array([-1.0, 0.0, 1.0])
-                seen_rad = elevation_rad(timescale, request, target, around_s)
-                bend_rad_s2 = (2.0 * seen_rad[1] - seen_rad[0] - seen_rad[2]) / step_s**2
-                step_s = min(0.05 / math.sqrt(bend_rad_s2), 30.0)
-            # above what double precision leaves of an elevation: 1e-15 rad
-            least_s = max(2e-3, math.sqrt(8e-14 / bend_rad_s2))
-            duration_s = math.exp(rng.uniform(math.log(least_s), 0.0))
-            least_rad = high_rad - bend_rad_s2 * duration_s**2 / 8.0
+            duration_s, least_rad, off_rad = shortened(
+                partial(elevation_rad, timescale, request, target), high_s, high_rad, rng
+            )
             grazing.append(
                 dataclasses.replace(target, min_elevation_deg=float(np.degrees(least_rad)))
             )
-            asked.append((high_s, duration_s, seen_rad[1] - high_rad))
+            asked.append((high_s, duration_s, off_rad))
     assert len(grazing) > 50
     request, found = searched(orbit, start, days, grazing)
     for number, (high_s, duration_s, off_rad) in enumerate(asked):
         assert abs(off_rad) < ERROR_RAD
-        of_target = found.target == number
-        holds = (found.rise_s < high_s + 1e-3) & (found.set_s > high_s - 1e-3) & of_target
-        assert np.count_nonzero(holds) == 1, (number, duration_s)
-        lasts_s = (found.set_s - found.rise_s)[holds][0]
-        # its greatest elevation is known within a millisecond
-        assert 0.9 * duration_s - 1e-4 < lasts_s < 1.1 * duration_s + 2e-3
-        middle_s = 0.5 * (found.rise_s + found.set_s)[of_target]
-        seen_rad = elevation_rad(timescale, request, grazing[number], middle_s)
-        assert np.all(seen_rad > math.radians(grazing[number].min_elevation_deg) - ERROR_RAD)
+        of_target = found.select(found.target == number)
+        seen_rad = partial(elevation_rad, timescale, request, grazing[number])
+        least_rad = math.radians(grazing[number].min_elevation_deg)
+        require_held(of_target, seen_rad, least_rad, high_s, duration_s)
 
 
 def places_of(request):

@@ -13,7 +13,7 @@ from http import HTTPStatus
 from typing import Annotated, Any, NamedTuple
 
 import anyio.to_thread
-from fastapi import APIRouter, Depends, HTTPException, Query, Request, Response
+from fastapi import APIRouter, Depends, Query, Request, Response
 from fastapi.responses import StreamingResponse
 from pydantic import Field
 from sqlalchemy import Connection
@@ -21,7 +21,7 @@ from sqlalchemy import Connection
 from app.answers.job import list_class
 from app.answers.members import provenance
 from app.answers.opportunities_geojson import FeatureCollection
-from app.http.blocking import in_child, read
+from app.http.blocking import in_child, read, where_solved
 from app.http.negotiation import (
     ONLY_JSON,
     is_known_already,
@@ -45,6 +45,7 @@ from app.http.routes.job_routes import (
 from app.http.routes.parameters import PathId
 from app.http.routes.resources import JobResource
 from app.jobs.child import Bounds
+from app.jobs.executors import Task
 from app.store import audit, jobs, results
 from app.store.database import Database
 from app.store.jobs import NewJob
@@ -199,8 +200,11 @@ def _add_post(router: APIRouter, resource: SearchResource) -> None:
         begun_utc = datetime.now(UTC)
         spec = await anyio.to_thread.run_sync(resource.requests.read, body)
         origin = provenance(begun_utc, body)
-        found, page = await in_child(request, SEARCH_BOUNDS, find_windows, spec, origin, asked)
         new = new_job(request, resource, spec, body, deadline_s=SEARCH_BOUNDS.deadline_s)
+        task = Task(
+            job_id=new.id, bounds=SEARCH_BOUNDS, work=find_windows, arguments=(spec, origin, asked)
+        )
+        found, page = await where_solved(request, task)
         database: Database = request.app.state.database
         await database.answer(_keep, database, new, begun_utc, found)
         at = f"{resource.path}/{new.id}"
@@ -306,16 +310,13 @@ async def _find(
 ) -> _Whole:
     """As it is kept; raises 404."""
 
-    def reading(connection: Connection) -> _Whole | None:
+    def reading(connection: Connection) -> _Whole:
         job_of(connection, resource, search_id)
         body = jobs.request_of(connection, search_id)
         content = results.get(connection, search_id)
-        if body is None or not content:
-            return None
+        assert body is not None
+        assert content  # no job of this kind is without
         found = FoundSearch(unzip(content[0]), content[1])
         return _Whole(resource, search_id, body, found, asked)
 
-    whole = await read(request, reading)
-    if whole is None:  # no job of this kind is without
-        raise HTTPException(HTTPStatus.NOT_FOUND)
-    return whole
+    return await read(request, reading)
