@@ -15,6 +15,7 @@ from skyfield.framelib import ICRS
 
 from planner.base.commands import COMMAND_STEP_S
 from planner.verification import verify
+from planner.verification.platforms.body import exclusions as body_exclusions
 from planner.verification.platforms.body import judge as body_judge
 from planner.verification.platforms.body.judge import BodyJudge
 from planner.verification.platforms.body.quintic import motion_between
@@ -295,6 +296,28 @@ def test_exclusions_are_counted_from_the_suns_edge(table, skyfield_sun_eci):
         (finding,) = verify(table, with_body(exclusions=(tight,))).findings
         assert finding.limit == "exclusion"
         assert '"axis"' in finding.detail
+
+
+def test_cells_passed_by_hold_no_nearest_exclusion(table, monkeypatch):
+    """Beside every cell looked at; the same but for how sums of many numbers are rounded."""
+    rng = np.random.default_rng(44)
+    excluded = tuple(
+        Exclusion(
+            name=f"{away_from} {n}",
+            direction_body=tuple(rng.normal(size=3).tolist()),
+            away_from=away_from,
+            min_deg=1.0,
+        )
+        for away_from in ("sun", "moon", "limb", "glint")
+        for n in range(4)
+    )
+    body = dataclasses.replace(BODY, exclusions=excluded)
+    told = BodyJudge(table, body, body_scenario(body)).exclusions()
+    every = dataclasses.replace(body_exclusions.OPTIONS, stride=len(table.t_s))
+    monkeypatch.setattr(body_exclusions, "OPTIONS", every)
+    whole = BodyJudge(table, body, body_scenario(body)).exclusions()
+    for one, other in zip(told, whole, strict=True):
+        assert one.margin_rad == pytest.approx(other.margin_rad, abs=1e-12), one.name
 
 
 def test_only_imaging_counts_where_so_asked(table):

@@ -53,7 +53,7 @@ class ProgrammeOptions:
     # Of `effort`: to ask, an iteration of a span, and of a span and cone; to make a solver.
     asked: float = 60.0
     span_iteration: float = 14.0
-    cone_iteration: float = 12.0
+    cone_iteration: float = 18.0
     made_span: float = 200.0
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, Motion
-from planner.base.errors import InfeasibleSlew
+from planner.base.errors import InfeasibleSlew, figures
 from planner.base.mrp import BodyMotion, MrpState, body_motion, mrp_state, quintic
 from planner.base.rotation import Rotation
 
@@ -202,8 +202,9 @@ def require_ends(problem: BodySlewProblem) -> None:
                 continue
             most = math.degrees(problem.limits.lengths[order])
             raise InfeasibleSlew(
-                f"the body's {name} at the {side} of the slew is {least[order]:.4g} of its limit "
-                f"({most:.4g} {unit}); begin or end the slew at another time, or slower",
+                f"the body's {name} at the {side} of the slew is "
+                f"{figures(float(least[order]), 1.0)} of its limit ({most:.4g} {unit}); "
+                "begin or end the slew at another time, or slower",
                 limit=name,
             )
     _require_brakable(problem)
@@ -241,7 +242,8 @@ def _require_brakable(problem: BodySlewProblem) -> None:
         if share > 1.0 + 1e-9:
             raise InfeasibleSlew(
                 f"the body's motion at the {side} of the slew can't be braked before its rate is "
-                f"{share:.4g} of the limit; begin or end the slew at another time, or slower",
+                f"{figures(share, 1.0)} of the limit; begin or end the slew at another time, or "
+                "slower",
                 limit="rate",
             )
 

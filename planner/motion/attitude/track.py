@@ -395,8 +395,9 @@ def _refuse_limit(
     of_what = "its limits by axis"
     if limits.kind == "magnitude":
         of_what = f"the {math.degrees(limits.lengths[order]):.6g} {UNIT_TEXTS[order]} it has"
+    share = figures(float(used_share[row]), 1.0, digits=3)
     return TrackBreaksLimit(
-        f"following the target needs {used_share[row]:.3g} times {of_what} in {ORDERS[order]} of "
+        f"following the target needs {share} times {of_what} in {ORDERS[order]} of "
         f"{platform.name} at {utc_text(at_utc)}; choose other times, a shorter session, or another "
         "roll",
         limit=ORDERS[order],

@@ -16,6 +16,7 @@ class AssemblyPrices:
     cone_row: float = 0.13  # more, for each cone
     mask_row: float = 0.03  # for each mask
     corner_row: float = 0.012  # and for each of its corners
+    exclusion_row: float = 0.8  # for each exclusion of a body that always counts
     session: int = 1_500  # for its budget, comparison and report
 
 
@@ -28,6 +29,7 @@ def table_work(scenario: Scenario, rows: int) -> float:
     corners = sum(len(mask.corners_platform) for mask in masks)
     a_row = OPTIONS.row + OPTIONS.cone_row * len(scenario.slew.keep_out)
     a_row += OPTIONS.mask_row * len(masks) + OPTIONS.corner_row * corners
+    a_row += OPTIONS.exclusion_row * len(scenario.platform.always_excluded)
     return a_row * rows + OPTIONS.session * len(scenario.sessions)
 
 

@@ -524,6 +524,11 @@ class BodyPlatform:
         """
         return np.asarray(self._mount.apply(rate_rad_s))
 
+    @property
+    def always_excluded(self) -> tuple[Exclusion, ...]:
+        """What its directions keep away from also while nothing is imaged."""
+        return tuple(one for one in self.exclusions if one.when == "always")
+
     def direction_of(self, exclusion: Exclusion) -> Array:
         """The direction that keeps away, a unit vector in body axes, (3,)."""
         return unit_vector(exclusion.direction_body or self.camera.boresight_body)

@@ -86,6 +86,7 @@ class TwoAxisPlatform:
     """
 
     kind: ClassVar[str] = "two_axis"
+    always_excluded: ClassVar[tuple[()]] = ()  # what a carrier keeps away from is the request's
 
     name: str
     outer_name: str

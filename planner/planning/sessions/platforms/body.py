@@ -99,7 +99,6 @@ class BodyMover:
             raise TypeError(f"{platform.name} is no body")
         self.scenario, self.platform = scenario, platform
         self.limits = agility_limits(platform)
-        self._always_excluded = [one for one in platform.exclusions if one.when == "always"]
         self._refused: dict[tuple[object, ...], InfeasibleSlew] = {}
 
     def initial(self, ephemeris: Ephemeris) -> Motion:
@@ -383,12 +382,12 @@ class BodyMover:
     ) -> tuple[AvoidedCone, ...]:
         """What a slew keeps away from at every instant: of the exclusions that always count, those
         that some row sees, and that neither its start nor all of its goal lies in."""
-        if not self._always_excluded:
+        if not self.platform.always_excluded:
             return ()
         instants = self._instants(first_row, last_row)
         surroundings = Surroundings(instants, ephemeris.states(instants))
         cones = []
-        for exclusion in self._always_excluded:
+        for exclusion in self.platform.always_excluded:
             centre_eci, half_rad, counts_rad = surroundings.cone(exclusion.away_from)
             cone = AvoidedCone(
                 name=exclusion.name,
@@ -406,7 +405,7 @@ class BodyMover:
     def _require_clear(self, epoch_utc: datetime, q_eci_from_body_xyzw: Array) -> None:
         """Raises InfeasibleSlew where the way, or idling, breaks an exclusion that always counts:
         the idle attitude may, and what comes out of the Earth's shadow on the way."""
-        if not self._always_excluded:
+        if not self.platform.always_excluded:
             return
         instants = self._instants(0, len(q_eci_from_body_xyzw) - 1)
         ephemeris = self.scenario.orbit.ephemeris(epoch_utc, instants.utc(-1))

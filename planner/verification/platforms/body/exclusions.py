@@ -76,7 +76,10 @@ def _least(
     ephemeris: Ephemeris,
     epoch_utc: datetime,
 ) -> ExclusionMargin:
-    """Among the ends of these cells, and every 10 ms inside those from which zero is in reach."""
+    """Among the ends of these cells, and every 10 ms inside those from which zero is in reach.
+
+    Cells are passed by that can't come nearer than others, nor to zero, since the one before.
+    """
 
     def margins_rad(cell: Indices, u_s: Array) -> Array:
         parts = []
@@ -87,6 +90,7 @@ def _least(
             parts.append(margin(at, states, Surroundings(instants, states)))
         return np.concatenate(parts)
 
+    cells = _near_cells(cells, lambda some: margins_rad(some, np.zeros(len(some))), reach_rad)
     cell = np.append(cells, cells[-1:])
     u_s = np.append(np.zeros(len(cells)), np.full(len(cells[-1:]), COMMAND_STEP_S))
     least_rad, t_s = math.inf, None
@@ -110,3 +114,28 @@ def _least(
         t_s=t_s if is_there else None,
         at_utc=shifted_utc(epoch_utc, t_s) if is_there and t_s is not None else None,
     )
+
+
+def _near_cells(
+    cells: Indices, margins_rad: Callable[[Indices], Array], reach_rad: Array
+) -> Indices:
+    """Of these cells those in which the least margin, or one near zero, may be; the last always.
+
+    Every `stride`th is looked at: what lies between is passed by where the way there is too far,
+    or where at both ends there is nothing to keep away from.
+    """
+    stride = OPTIONS.stride
+    if len(cells) <= stride:
+        return cells
+    first = np.arange(0, len(cells), stride)
+    last = np.minimum(first + stride, len(cells) - 1)
+    ends_rad = margins_rad(cells[np.append(first, last[-1])])
+    before_rad, after_rad = ends_rad[:-1], ends_rad[1:]
+    way_rad = np.append(0.0, np.cumsum(reach_rad))[[cells[last], cells[first]]]
+    least_rad = max(float(ends_rad.min()), float(reach_rad.max()))
+    is_far = before_rad - (way_rad[0] - way_rad[1]) > least_rad
+    is_far &= np.isfinite(before_rad) == np.isfinite(after_rad)
+    is_far &= cells[last] - cells[first] == last - first
+    is_looked_at = np.repeat(~is_far, stride)[: len(cells)]
+    is_looked_at[-1] = True
+    return np.asarray(cells[is_looked_at])

@@ -35,6 +35,8 @@ class Options:
     rounding_rad: float = 1e-9  # of attitudes of 13 decimals and rates of 9, over a cell
     idle_difference_s: float = 0.2  # a low orbit's rates err by (0.2 / 880)^2 / 6 of themselves
     finer: int = 20  # instants per cell, 10 ms apart, where an exclusion is near
+    # Rows from one look to the next where an exclusion is far: the Sun isn't up for less than 2 s.
+    stride: int = 10
     # Angles to limb and glint change with the orbit, too: below 0.2 deg/s from 200 km.
     orbit_rate_rad_s: float = math.radians(0.5)
     rows_at_once: int = 20_000
