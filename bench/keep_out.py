@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.extend(str(Path(__file__).parents[1] / "tests" / folder) for folder in (".", "properties"))
-from keep_out_cases import LIMITS, Case, away_rad, draw_cases, hermite
+from keep_out_cases import LIMITS, Case, away_rad, draw_cases, hermite, row_accelerations
 
 from planner.base.errors import InfeasibleSlew
 from planner.motion.detour.detour import OPTIONS as DETOUR_OPTIONS
@@ -52,15 +52,10 @@ def flown_within(case: Case, solution: SlewSolution) -> tuple[float, float]:
     """Least distance outside the cone, and the greatest share of a limit, on a 10 ms grid."""
     t_s, angle, rows, rates = hermite(solution)
     outside = away_rad(case, t_s, angle).min() - case.half_angle_rad
-    mean = np.diff(rows, axis=0) / 0.2
-    accelerations = [
-        (6.0 * mean - 4.0 * rates[:-1] - 2.0 * rates[1:]) / 0.2,
-        (2.0 * rates[:-1] + 4.0 * rates[1:] - 6.0 * mean) / 0.2,
-    ]
     shares = [
         np.abs(angle).max() / LIMITS.angle_max_rad,
         np.abs(np.diff(angle, axis=0)).max() / 0.01 / LIMITS.rate_max_rad_s,
-        np.abs(accelerations).max() / LIMITS.acceleration_max_rad_s2,
+        np.abs(row_accelerations(rows, rates)).max() / LIMITS.acceleration_max_rad_s2,
     ]
     return outside, max(shares)
 

@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
+from truth_elements import read_tles
 
 from planner.world.attitude.blend import Blend, blend
 from planner.world.attitude.extrapolation import (
@@ -28,7 +29,6 @@ from planner.world.attitude.extrapolation import (
 from planner.world.attitude.harmonic import OPTIONS as HARMONIC_OPTIONS
 from planner.world.frames.local_orbital import q_lvlh_from_eci
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc
-from planner.world.orbits import TleOrbit
 
 YEAR_UTC = datetime(2017, 12, 31, tzinfo=UTC)  # day 1 of the telemetry's hours is 1 January
 PERIOD_S = 5560.0
@@ -175,13 +175,7 @@ def _rms(turns: list) -> float:
 def lvlh(tles: Path, t_s: NDArray[np.float64]) -> Rotation:
     """LVLH from ECI, from the TLE nearest in time."""
     start_utc = shifted_utc(YEAR_UTC, float(t_s[0]))
-    lines = [line.rstrip() for line in tles.read_text().splitlines()]
-    sets = [
-        TleOrbit(line1=one, line2=two)
-        for one, two in zip(lines, lines[1:], strict=False)  # noqa: RUF007 (reads as pairs)
-        if one.startswith("1 ") and two.startswith("2 ")
-    ]
-    nearest = min(sets, key=lambda tle: abs(elapsed_s(tle.epoch_utc, start_utc)))
+    nearest = min(read_tles(tles), key=lambda tle: abs(elapsed_s(tle.epoch_utc, start_utc)))
     instants = Instants(YEAR_UTC, t_s)
     stop_utc = shifted_utc(YEAR_UTC, float(t_s[-1]))
     states = nearest.ephemeris(start_utc, stop_utc).states(instants)

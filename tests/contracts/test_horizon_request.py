@@ -13,24 +13,10 @@ from planner.base.errors import InvalidRequest
 
 AHEAD = ESTIMATE_EXAMPLE["cameras"][0]
 
-CAMERA = {
-    "name": "pitch",
-    "width_px": 640,
-    "height_px": 480,
-    "fx_px": 554.0,
-    "fy_px": 554.0,
-    "cx_px": 319.5,
-    "cy_px": 239.5,
-    "distortion": [0.01, 0, 0, 0, 0],
-    "q_camera_from_body_xyzw": [0, 0, 0, 1],
-    "mask": [[[0, 0], [100, 0], [0, 100]]],
-}
-BODY = {
-    "epoch": "2026-03-20T12:00:00Z",
-    "position": {"frame": "EME2000", "position_km": [6800.0, 0.0, 0.0]},
+CAMERA = AHEAD | {"distortion": [0.01, 0, 0, 0, 0], "mask": [[[0, 0], [100, 0], [0, 100]]]}
+BODY = ESTIMATE_EXAMPLE | {
     "cameras": [CAMERA],
     "body": {"a_km": 6378.137, "b_km": 6356.752, "limb_height_km": 20, "limb_height_sigma_km": 4},
-    "predicted": {"q_body_from_eci_xyzw": [0, 0, 0, 1], "sigma_deg": 0.5},
     "overlay": True,
 }
 READ = TypeAdapter(HorizonRequest)

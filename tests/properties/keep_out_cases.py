@@ -64,6 +64,16 @@ def hermite(solution, fine_s=FINE_S):
     return t_s, np.vstack([parts, angle[-1:]]), angle, rate
 
 
+def row_accelerations(rows, rates):
+    """Of the Hermite through rows, at both ends of each cell, (2, n - 1, 2)."""
+    mean = np.diff(rows, axis=0) / 0.2
+    first, last = rates[:-1], rates[1:]
+    return (
+        np.array([6.0 * mean - 4.0 * first - 2.0 * last, 2.0 * first + 4.0 * last - 6.0 * mean])
+        / 0.2
+    )
+
+
 def draw_cases(seed, count, starting=None):
     """starting: (rate, acceleration) of the outer axis at the start, in place of a random rate."""
     rng = np.random.default_rng(seed)

@@ -24,6 +24,14 @@ from estimator.pipeline import CameraReport, VerticalEstimate
 PICTURE = np.random.default_rng(0).integers(0, 255, (48, 64, 3), dtype=np.uint8)
 
 
+def camera_of(width_px, height_px, focal_px, **more):
+    """Its optical axis in the middle of the frame, along the body's Z."""
+    middle_px = {"cx_px": 0.5 * (width_px - 1), "cy_px": 0.5 * (height_px - 1)}
+    focal = {"fx_px": focal_px, "fy_px": focal_px, "q_camera_from_body_xyzw": (0.0, 0.0, 0.0, 1.0)}
+    size = {"width_px": width_px, "height_px": height_px}
+    return HorizonCamera(name="c", **size, **focal, **middle_px, **more)
+
+
 def coded(extension, picture=PICTURE):
     _, content = cv2.imencode(extension, picture)
     return content.tobytes()
@@ -50,18 +58,9 @@ def exif_rotated(content):
 
 def test_a_large_frame_is_annotated_at_reduced_size():
     """In full size 20.7 megapixels would take more memory than a measurement has."""
-    camera = HorizonCamera(
-        name="large",
-        width_px=5568,
-        height_px=3712,
-        fx_px=5000.0,
-        fy_px=5000.0,
-        cx_px=2783.5,
-        cy_px=1855.5,
-        q_camera_from_body_xyzw=(0.0, 0.0, 0.0, 1.0),
-    )
+    camera = camera_of(5568, 3712, 5000.0)
     limb_px = np.array([[2784.0, 1856.0]])
-    report = CameraReport("large", True, None, 30.0, 0.2, limb_px)
+    report = CameraReport("c", True, None, 30.0, 0.2, limb_px)
     estimate = VerticalEstimate(verdict=Verdict.NOT_OBSERVABLE, cameras=(report,))
     picture = draw_overlay(np.zeros((3712, 5568), dtype=np.uint8), camera, report, estimate)
     assert picture.shape == (1067, 1600, 3)
@@ -90,17 +89,8 @@ def test_exif_rotation_is_ignored():
 def test_alpha_masks():
     picture = np.dstack([PICTURE, np.full((48, 64), 255, np.uint8)])
     picture[:10, :, 3] = 0
-    camera = HorizonCamera(
-        name="c",
-        width_px=64,
-        height_px=48,
-        fx_px=50.0,
-        fy_px=50.0,
-        cx_px=31.5,
-        cy_px=23.5,
-        q_camera_from_body_xyzw=(0.0, 0.0, 0.0, 1.0),
-        mask=(((0.0, 40.0), (63.0, 40.0), (63.0, 47.0), (0.0, 47.0)),),
-    )
+    below = ((0.0, 40.0), (63.0, 40.0), (63.0, 47.0), (0.0, 47.0))
+    camera = camera_of(64, 48, 50.0, mask=(below,))
     usable = prepare(decode_image(coded(".png", picture)), camera, "images.0", blue=False).usable
     assert not usable[:10].any()
     assert not usable[40:].any()

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from keep_out_cases import LIMITS, away_rad, draw_cases, hermite
+from keep_out_cases import LIMITS, away_rad, draw_cases, hermite, row_accelerations
 
 from planner.base.errors import InfeasibleSlew
 from planner.motion.detour.detour import avoid_cones
@@ -32,14 +32,9 @@ def test_detour_keeps_out_of_the_cone_and_within_the_limits(number):
     t_s, angle, rows, rates = hermite(solution)
     assert away_rad(case, t_s, angle).min() >= case.half_angle_rad
     assert np.abs(angle).max() <= LIMITS.angle_max_rad * ROUNDING
-    mean = np.diff(rows, axis=0) / 0.2
-    first, last = rates[:-1], rates[1:]
-    accelerations = (
-        (6.0 * mean - 4.0 * first - 2.0 * last) / 0.2,
-        (2.0 * first + 4.0 * last - 6.0 * mean) / 0.2,
-    )
-    assert np.abs(accelerations).max() <= LIMITS.acceleration_max_rad_s2 * ROUNDING
-    between = 1.5 * mean - 0.25 * (first + last)  # the rate in the middle of a cell
+    assert np.abs(row_accelerations(rows, rates)).max() <= LIMITS.acceleration_max_rad_s2 * ROUNDING
+    # The rate in the middle of a cell.
+    between = 7.5 * np.diff(rows, axis=0) - 0.25 * (rates[:-1] + rates[1:])
     assert max(np.abs(rates).max(), np.abs(between).max()) <= LIMITS.rate_max_rad_s * ROUNDING
     for values, state in zip((rows, rates), ("angle_rad", "rate_rad_s"), strict=True):
         for row, side in ((0, case.problem.start), (-1, case.problem.end)):
