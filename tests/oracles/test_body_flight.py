@@ -107,7 +107,7 @@ def test_the_camera_sees_what_a_body_turned_so_would_see(star):
     position, turn_rad = flyer.fly(star.table, 0.0, 0, seeds).at(t_s)
     q_eci_from_true = Rotation.from_rotvec(turn_rad) * Rotation.from_quat(position)
     vega_eci = np.array([0.12509597, -0.76941358, 0.62637765])  # any direction near to it will do
-    seen_payload = platform.q_payload_from_body.apply(q_eci_from_true.inv().apply(vega_eci))
+    seen_payload = q_eci_from_true.inv().apply(vega_eci) @ platform.camera.c_payload_from_body.T
     at_s, target = t_s[None, :], np.tile(vega_eci, (len(t_s), 1))
     frames = frames_of(platform, at_s, position, turn_rad, target)
     middle = seen_payload[EXPOSURE_POINTS // 2]
