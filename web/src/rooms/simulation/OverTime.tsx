@@ -46,7 +46,7 @@ export function OverTime({ flights, epoch }: { flights: Flights; epoch: string }
   const errors = useMemo<Line[]>(
     () => [
       { label: text.flownLine, values: positive(frames.error_arcsec), colour: "series-1", width: 1.8 },
-      // A body's budget is told of a session, not over time.
+      // Of what the view tells over time alone.
       ...(planned?.sigma_arcsec.some(Boolean)
         ? [{ label: text.sigmaLine, values: positive(planned.sigma_arcsec), colour: "series-2", dashed: true }]
         : []),
