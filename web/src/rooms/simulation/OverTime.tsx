@@ -46,10 +46,7 @@ export function OverTime({ flights, epoch }: { flights: Flights; epoch: string }
   const errors = useMemo<Line[]>(
     () => [
       { label: text.flownLine, values: positive(frames.error_arcsec), colour: "series-1", width: 1.8 },
-      // Of what the view tells over time alone.
-      ...(planned?.sigma_arcsec.some(Boolean)
-        ? [{ label: text.sigmaLine, values: positive(planned.sigma_arcsec), colour: "series-2", dashed: true }]
-        : []),
+      { label: text.sigmaLine, values: positive(planned?.sigma_arcsec ?? frames.nothing), colour: "series-2", dashed: true },
       // A table that holds its target to nothing has no place on this scale.
       ...(planned?.error_arcsec.some(Boolean)
         ? [{ label: text.plannedLine, values: positive(planned.error_arcsec), colour: "series-3" }]

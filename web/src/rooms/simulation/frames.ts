@@ -29,7 +29,7 @@ export function framesOf(sessions: Sessions) {
     smear_px.push(...nominal.smear_px, null);
     holds.push(...nominal.holds, null);
   }
-  return { t_s, number, error_arcsec, smear_px, holds };
+  return { t_s, number, error_arcsec, smear_px, holds, nothing: t_s.map(() => null) as Values };
 }
 
 /** By the rows of the view: a session may begin between two of them. */
