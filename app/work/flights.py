@@ -79,26 +79,24 @@ def flights_head(
     plan: FlightPlan, scenes: Sequence["SessionScene"], what: PlanToFly
 ) -> FlightsHead:
     """What there is to tell before any disturbed run."""
-    from planner.inflight.flights.drives import flown_by
     from planner.inflight.flights.nominal import nominal_session
     from planner.planning.sessions.platforms.registry import mover_of
 
     asked, table = read_flights_request(what.asked), plan.table
-    fly = flown_by(plan.scenario.two_axis)
     sessions = []
     for scene in scenes:
         session = plan.scenario.sessions[scene.number]
         budget = mover_of(plan.scenario).budget(scene.ephemeris, table, scene.number)
         assert budget is not None  # of a target that can be seen
-        nominal = nominal_session(scene, fly, asked.moving_object)
-        axes = plan.scenario.two_axis.axis_names
+        nominal = nominal_session(scene, asked.moving_object)
+        names = plan.scenario.platform.dof_names
         sessions.append(
             SessionHead(
                 session=scene.number,
                 label=session.label,
                 budget_probability_in_frame=budget.probability_in_frame,
                 nominal=to_members(nominal),
-                saturated_s=dict(zip(axes, nominal.saturated_s.tolist(), strict=True)),
+                saturated_s=dict(zip(names, nominal.saturated_s.tolist(), strict=True)),
             )
         )
     return FlightsHead(
@@ -112,7 +110,6 @@ def flights_head(
 
 def fly_part(body: bytes, _: object = None) -> Result:
     """Outcomes of some runs, packed."""
-    from planner.inflight.flights.drives import flown_by
     from planner.inflight.flights.runs import fly_runs
     from planner.inflight.flights.scene import session_scenes
 
@@ -121,7 +118,6 @@ def fly_part(body: bytes, _: object = None) -> Result:
     asked = read_flights_request(what.asked)
     outcomes = fly_runs(
         session_scenes(plan),
-        flown_by(plan.scenario.two_axis),
         asked.seed,
         part["first"],
         part["count"],
@@ -139,7 +135,7 @@ def packed_outcomes(sessions: Sequence[RunOutcomes], first: int) -> bytes:
                 for number, runs in enumerate(sessions)
                 for name, values in runs.columns.items()
             },
-            facts={"first": first, "sessions": len(sessions)},
+            facts={"first": first, "sessions": len(sessions), "causes": sessions[0].causes},
         )
     )
 
@@ -150,10 +146,12 @@ def unpacked_outcomes(packed: bytes) -> tuple[int, list[RunOutcomes]]:
     sessions = []
     for number in range(part.facts["sessions"]):
         columns: dict[str, Any] = {
-            name: part.columns[f"{number}.{name}"] for name in RunOutcomes.__dataclass_fields__
+            name.partition(".")[2]: column
+            for name, column in part.columns.items()
+            if name.startswith(f"{number}.")
         }
         columns |= {name: columns[name] > 0.5 for name in ("holds", "sharp")}
-        sessions.append(RunOutcomes(**columns))
+        sessions.append(RunOutcomes(causes=tuple(part.facts["causes"]), **columns))
     return part.facts["first"], sessions
 
 

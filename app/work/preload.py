@@ -34,7 +34,6 @@ _LOADED = (
     "estimator.prediction",
     "estimator.rendering.scene",
     "planner.planning.campaigns.campaign",
-    "planner.inflight.flights.drives",
     "planner.inflight.flights.nominal",
     "planner.inflight.flights.runs",
     "planner.planning.opportunities.search",

@@ -399,7 +399,7 @@ class Scenario:
     def _not_for_platform(self) -> NotForPlatform:
         return NotForPlatform(
             f"{self.platform.name} is a platform of kind {self.platform.kind}, for which there are "
-            "plans, their files and views so far; ask for these, or plan for two axes",
+            "plans, their files, views and flights so far; ask for these, or plan for two axes",
             field="platform.kind",
         )
 

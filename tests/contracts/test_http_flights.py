@@ -73,6 +73,32 @@ def test_a_drive_that_is_spent_is_told_by_its_session(client):
     assert all(warning.startswith("session 1: ") for warning in warnings)
 
 
+def test_a_body_is_flown_with_the_same_answer(client, flown):
+    """The smallsat of the registry, whose causes are the body's own and whose lines are counted."""
+    [session] = LAS_VEGAS["sessions"]
+    body = LAS_VEGAS | {
+        "platform": "smallsat-120kg",
+        "initial_state": {"epoch": LAS_VEGAS["initial_state"]["epoch"]},
+        "sessions": [session | {"start": "2015-02-27T17:36:46Z"}],
+    }
+    del body["attitude"]
+    plan = client.post("/v1/plans", json=body)
+    assert plan.status_code == 201, plan.text
+    answer = client.post(f"/v1/plans/{plan.json()['id']}/flights", json=ASKED)
+    assert answer.status_code == 201, answer.text
+    told, of_axes = answer.json(), flown.json()
+    assert told.keys() == of_axes.keys()
+    assert told["sessions"][0].keys() == of_axes["sessions"][0].keys()
+    causes = {one["cause"] for one in told["contributors"]}
+    assert {"attitude knowledge", "attitude control", "vibration", "orbit"} <= causes
+    assert not causes & {"attitude", "drive"}
+    nominal = told["sessions"][0]["nominal"]
+    lasts_s = nominal["t_s"][-1] - nominal["t_s"][0]
+    assert nominal["frames"] == pytest.approx(10.0 * lasts_s, rel=0.01)  # ten lines a second
+    assert nominal["held"] == nominal["frames"]
+    assert told["warnings"] == []
+
+
 def test_the_service_flies_what_python_flies(flown):
     """Parts in children of two workers, and one loop here: the same runs."""
     alone = fly_plan(make_plan(read_plan_request(json.dumps(LAS_VEGAS).encode())), 6, 3)

@@ -1,7 +1,7 @@
 """Disturbed flights miss by what geometry says, whoever flies them."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,13 +9,14 @@ from scenarios import LAS_VEGAS, SALT_LAKE, STILL, scenario, session
 
 from planner.base.commands import ROWS_PER_S
 from planner.base.errors import InvalidInput
-from planner.inflight.flights.draws import CAUSES, draw_run, undisturbed
-from planner.inflight.flights.drives import flown_by
+from planner.inflight.flights.draws import draw_run, undisturbed
 from planner.inflight.flights.frames import EXPOSURE_POINTS, exposures_s, frames_of
 from planner.inflight.flights.nominal import ground_view, nominal_session
 from planner.inflight.flights.runs import fly_nominal, fly_runs
 from planner.inflight.flights.scene import session_scenes
 from planner.inflight.flights.summary import joined, summarise
+from planner.inflight.simulation.flight import FlownMotion
+from planner.inflight.simulation.platforms.two_axis import TwoAxisFlyer
 from planner.motion.pointing.angles import boresight_platform
 from planner.motion.pointing.frame import frame_axes, places_in_frame
 from planner.motion.pointing.hermite import quintic_motion
@@ -34,25 +35,27 @@ from planner.world.targets.axis_signals import ConstantRate
 ARCSEC = math.radians(1.0 / 3600.0)
 
 
-@dataclass(frozen=True)
-class AsCommanded:
+class AsCommanded(TwoAxisFlyer):
     """The table itself, by its own interpolation."""
 
-    t_s: np.ndarray
-    angle_rad: np.ndarray
-    structure_rad: np.ndarray
+    def fly(self, table, from_s, session, seeds):
+        t_s = np.arange(0.0, table.t_s[-1] + 1e-9, 0.02)
+        still = np.zeros_like(table.rate_rad_s)
+        still[1:-1] = (table.rate_rad_s[2:] - table.rate_rad_s[:-2]) * ROWS_PER_S / 2.0
+        angle_rad, *_ = quintic_motion(t_s, table.t_s, table.position, table.rate_rad_s, still)
+        return FlownMotion(
+            t_s=t_s,
+            angle_rad=angle_rad,
+            rate_rad_s=angle_rad,
+            structure_rad=np.zeros((len(t_s), 3)),
+            measured_angle_rad=angle_rad,
+            measured_rate_rad_s=angle_rad,
+            is_saturated=np.zeros(angle_rad.shape, dtype=bool),
+        )
 
-    @property
-    def is_saturated(self):
-        return np.zeros(self.angle_rad.shape, dtype=bool)
 
-
-def as_commanded(table, _session, _seed):
-    t_s = np.arange(0.0, table.t_s[-1] + 1e-9, 0.02)
-    still = np.zeros_like(table.rate_rad_s)
-    still[1:-1] = (table.rate_rad_s[2:] - table.rate_rad_s[:-2]) * ROWS_PER_S / 2.0
-    angle_rad, _, _ = quintic_motion(t_s, table.t_s, table.position, table.rate_rad_s, still)
-    return AsCommanded(t_s, angle_rad, np.zeros((len(t_s), 3)))
+def as_commanded(*scenes):
+    return [replace(scene, flyer=AsCommanded(scene.scenario)) for scene in scenes]
 
 
 @pytest.fixture(scope="module")
@@ -68,19 +71,18 @@ def scene(plan):
 
 
 def test_a_run_is_the_same_whoever_flies_it_and_with_whichever_others(scene):
-    whole = fly_runs([scene], as_commanded, 7, 0, 12)
-    parts = [fly_runs([scene], as_commanded, 7, first, 4)[0] for first in (8, 0, 4)]
+    scenes = as_commanded(scene)
+    whole = fly_runs(scenes, 7, 0, 12)
+    parts = [fly_runs(scenes, 7, first, 4)[0] for first in (8, 0, 4)]
     in_order = joined([parts[1], parts[2], parts[0]])
     for name, values in whole[0].columns.items():
         np.testing.assert_array_equal(values, in_order.columns[name])
-    assert not np.array_equal(
-        fly_runs([scene], as_commanded, 8, 0, 4)[0].miss_rad, parts[1].miss_rad
-    )
+    assert not np.array_equal(fly_runs(scenes, 8, 0, 4)[0].miss_rad, parts[1].miss_rad)
 
 
 def test_drives_are_drawn_by_run_and_session_alone(scene):
-    fly, sessions = flown_by(scene.scenario.platform), [scene, replace(scene, number=1)]
-    once, again = fly_runs(sessions, fly, 3, 0, 4), fly_runs(sessions, fly, 3, 2, 2)
+    sessions = [scene, replace(scene, number=1)]
+    once, again = fly_runs(sessions, 3, 0, 4), fly_runs(sessions, 3, 2, 2)
     for whole, part in zip(once, again, strict=True):
         np.testing.assert_array_equal(whole.miss_rad[2:], part.miss_rad)
         np.testing.assert_array_equal(whole.smear_px[2:], part.smear_px)
@@ -92,9 +94,9 @@ def test_a_runs_sessions_share_its_drives_but_not_their_noise(scene, sensors):
     """Friction and cables are the same in all; what the encoders read is drawn anew in each."""
     silent = replace(AxisDrive(), encoder_noise_arcsec=0.0)
     drives = (silent, silent) if sensors == "quiet" else ISS_HRC.drives
-    fly = flown_by(replace(ISS_HRC, drives=drives))
-    for seed in (None, 5):
-        first, again, second = (fly(scene.table, k, seed).angle_rad for k in (0, 0, 1))
+    flyer = TwoAxisFlyer(replace(scene.scenario, platform=replace(ISS_HRC, drives=drives)))
+    for seeds in (None, {"drive": 5}):
+        first, again, second = (flyer.fly(scene.table, 0.0, k, seeds).angle_rad for k in (0, 0, 1))
         np.testing.assert_array_equal(first, again)
         assert np.array_equal(first, second) == (sensors == "quiet")
 
@@ -110,16 +112,16 @@ def test_directions_between_nodes_are_those_of_the_geometry(scene):
         ISS_HRC.q_platform_from_body,
         scene.target,
     )
-    apart_rad = np.linalg.norm(seen.directions_platform(t_s) - exact.los_platform, axis=1)
+    apart_rad = np.linalg.norm(seen.directions_at(t_s) - exact.los_platform, axis=1)
     assert apart_rad.max() < 1e-4 * ARCSEC
     np.testing.assert_allclose(seen.ranges_m(t_s), exact.range_m, rtol=1e-4)
 
 
-@pytest.mark.parametrize("cause", [cause for cause in CAUSES if cause != "drive"])
+@pytest.mark.parametrize("cause", [cause for cause in TwoAxisFlyer.causes if cause != "drive"])
 def test_small_errors_displace_the_target_as_the_linear_budget_has_it(plan, scene, cause):
     """Each cause drawn small, against the derivatives of the plan's budget; 1 % of them."""
     small = 1e-2
-    drawn = draw_run(11, 0, scene.modes)
+    drawn = draw_run(11, 0, scene.modes, ["drive"])
     drawn = replace(
         drawn,
         orbit_scores=drawn.orbit_scores * small,
@@ -133,7 +135,7 @@ def test_small_errors_displace_the_target_as_the_linear_budget_has_it(plan, scen
     at = scene.instants.t_s[::10]
     angle_rad = np.stack([np.interp(at, plan.table.t_s, a) for a in plan.table.position.T], 1)
     sides = frame_axes(ISS_HRC, angle_rad)
-    moved = after.directions_platform(at) - before.directions_platform(at)
+    moved = after.directions_at(at) - before.directions_at(at)
     found_rad = np.einsum("nij,nj->ni", sides, moved) / small
 
     los = line_of_sight(
@@ -173,7 +175,7 @@ def test_ideal_drives_keep_the_target_in_the_middle(plan):
     ideal = replace(ISS_HRC, drives=(IDEAL_DRIVE, IDEAL_DRIVE))
     flown = replace(plan, scenario=replace(plan.scenario, platform=ideal))
     [scene] = session_scenes(flown)
-    frames, range_m, _, saturated_s = fly_nominal(scene, flown_by(ideal))
+    frames, range_m, _, saturated_s = fly_nominal(scene)
     assert np.max(frames.error_rad) < 0.3 * ARCSEC
     assert frames.is_sharp.all()
     assert range_m.min() > 400e3
@@ -248,8 +250,7 @@ def test_the_view_scales_the_ground_as_its_own_points_are_seen(scene):
     )
     [other] = replace(scene, target=beside).seen([undisturbed(scene.modes)])
     places = [
-        places_in_frame(ISS_HRC, angle_rad, which.directions_platform(t_s))
-        for which in (seen, other)
+        places_in_frame(ISS_HRC, angle_rad, which.directions_at(t_s)) for which in (seen, other)
     ]
     expected = view.scale @ np.array([100.0, 200.0])
     moved = places[1] - places[0]
@@ -276,7 +277,7 @@ def test_told_and_flown_probabilities_agree():
             replace(scenario(session(target, start_s, start_s + 40)), attitude=attitude)
         )
         runs = 250
-        flown = summarise(fly_runs(session_scenes(made), as_commanded, number, 0, runs))
+        flown = summarise(fly_runs(as_commanded(*session_scenes(made)), number, 0, runs))
         told = made.budgets[0].probability_in_frame
         assert 0.05 < told < 0.998  # some are lost, some are not
         squares += (flown.in_frame.value - told) ** 2 / (told * (1.0 - told) / runs)
@@ -289,7 +290,7 @@ def test_told_and_flown_probabilities_agree():
 def test_causes_share_what_varies(plan, scene):
     """Nothing but clock and Earth varies where orbit and attitude are exact; all together make
     the whole, for errors that nearly add up."""
-    found = summarise(fly_runs([scene], as_commanded, 1, 0, 200))
+    found = summarise(fly_runs(as_commanded(scene), 1, 0, 200))
     by_cause = {one.cause: one for one in found.contributors}
     assert by_cause["drive"].share == 0.0  # the same table each time
     whole = sum(one.share for one in found.contributors)
@@ -308,7 +309,7 @@ def test_sessions_of_one_plan_share_their_errors():
             attitude=LvlhAttitude(uncertainty=STILL),
         )
     )
-    outcomes = fly_runs(session_scenes(made), as_commanded, 4, 0, 200)
+    outcomes = fly_runs(as_commanded(*session_scenes(made)), 4, 0, 200)
     both = summarise(outcomes)
     first, second = (one.in_frame.value for one in both.sessions)
     assert both.in_frame.value <= min(first, second)
@@ -322,11 +323,11 @@ def test_a_star_is_held_without_metres():
     made = make_plan(
         replace(scenario(session(star, 300, 330)), attitude=LvlhAttitude(uncertainty=STILL))
     )
-    [scene] = session_scenes(made)
-    shown = nominal_session(scene, as_commanded, None)
+    [scene] = as_commanded(*session_scenes(made))
+    shown = nominal_session(scene, None)
     assert shown.error_m is shown.ground_sample_across_m is shown.moving_object_px is None
     assert shown.held == shown.frames == 90
-    flown = summarise(fly_runs([scene], as_commanded, 1, 0, 40))
+    flown = summarise(fly_runs([scene], 1, 0, 40))
     assert flown.sessions[0].miss_m is None
     assert flown.sessions[0].in_frame.value == pytest.approx(
         made.budgets[0].probability_in_frame, abs=0.25

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scenarios import LAS_VEGAS, STILL, scenario, session
 
-from planner.inflight.flights.drives import flown_by
 from planner.inflight.flights.nominal import nominal_session
 from planner.inflight.flights.request import MovingObject
 from planner.inflight.flights.runs import fly_runs
@@ -36,9 +35,8 @@ def found(plan, **changes):
     """The flight as planned, and four that are not."""
     flown = replace(plan, scenario=replace(plan.scenario, **changes))
     [scene] = session_scenes(flown)
-    fly = flown_by(flown.scenario.platform)
-    shown = nominal_session(scene, fly, MovingObject(speed_m_s=20.0))
-    return shown, summarise(fly_runs([scene], fly, 1, 0, 4))
+    shown = nominal_session(scene, MovingObject(speed_m_s=20.0))
+    return shown, summarise(fly_runs([scene], 1, 0, 4))
 
 
 def numbers(shown, flights):

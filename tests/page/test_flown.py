@@ -4,7 +4,7 @@ import json
 
 import httpx
 import pytest
-from browsing import ROOT, made, show_one_instant, violations
+from browsing import PHONE, ROOT, made, show_one_instant, violations
 from playwright.sync_api import expect
 
 
@@ -46,6 +46,29 @@ def test_a_plan_is_flown_and_what_is_to_blame_is_told(open_page, plan):
     assert violations(page) == []
     page.goto(page.url.rsplit("/flights", 1)[0] + "/flights")
     expect(page.get_by_role("heading", name="Flown before")).to_be_visible()
+
+
+def test_a_body_is_flown_from_its_plan(open_page, service):
+    """The smallsat of the registry over Las Vegas, in Russian on a phone."""
+    request = json.loads((ROOT / "examples/las_vegas_2015.json").read_text())
+    del request["attitude"]
+    request["platform"] = "smallsat-120kg"
+    request["initial_state"] = {"epoch": request["initial_state"]["epoch"]}
+    request["sessions"][0]["start"] = "2015-02-27T17:36:46Z"
+    page = open_page(f"/plans/{made(service, '/v1/plans', request)['id']}")
+    page.get_by_role("link", name="Fly it many times").click()
+    page.get_by_label("Runs").fill("20")
+    page.get_by_role("button", name="Fly it").click()
+    expect(page.get_by_text("20 of 20 flights")).to_be_visible(timeout=120_000)
+    for cause in ("attitude knowledge", "attitude control", "vibration"):
+        expect(page.get_by_role("row", name=cause)).to_be_visible()
+    expect(page.get_by_test_id("frame-now")).to_contain_text("Frame 1: error flown")
+    page.get_by_label("Language").select_option("ru")
+    page.set_viewport_size(PHONE)
+    expect(page.get_by_role("row", name="управление ориентацией")).to_be_visible()
+    wide = page.evaluate("document.documentElement.scrollWidth")
+    assert wide <= PHONE["width"]
+    assert violations(page) == []
 
 
 def test_flights_under_way_are_cancelled(open_page, plan):

@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 
 from planner.inflight.flights.contributors import contributors
-from planner.inflight.flights.draws import CAUSES
-from planner.inflight.flights.drives import flown_by
 from planner.inflight.flights.nominal import nominal_session
 from planner.inflight.flights.outcomes import RunOutcomes
 from planner.inflight.flights.proportion import Proportion
 from planner.inflight.flights.request import MovingObject
 from planner.inflight.flights.scene import session_scenes
+from planner.inflight.simulation.platforms.registry import FLYERS
 from planner.planning.sessions.pipeline import make_plan
 from planner.world.attitude import LvlhAttitude
 from planner.world.orbits import StateVectorOrbit
@@ -21,6 +20,7 @@ from planner.world.scenario import InitialState, Scenario, Session
 from planner.world.targets import GroundTarget
 
 OVERHEAD = datetime(2015, 5, 20, 15, 0, tzinfo=UTC)
+CAUSES = FLYERS["two_axis"].causes
 EARTH_KM, HEIGHT_KM = 6378.137, 350.0
 CAR = MovingObject(speed_m_s=75.0 / 3.6, course_deg=90.0, interval_s=10.0)
 
@@ -48,7 +48,7 @@ def pass_at_350_km():
         )
     )
     [scene] = session_scenes(plan)
-    return nominal_session(scene, flown_by(ISS_HRC), CAR)
+    return nominal_session(scene, CAR)
 
 
 def test_a_pixel_is_1_15_m_from_350_km(pass_at_350_km):
@@ -113,6 +113,7 @@ def test_indices_are_those_of_ishigamis_function():
         first[:, :, column] = (0.5 * (ishigami(changed) - yb) ** 2)[:, None]
     variance = np.repeat((0.5 * (ya - yb) ** 2)[:, None], 2, axis=1)
     runs = RunOutcomes(
+        causes=CAUSES,
         **dict.fromkeys(
             ("holds", "sharp", "holds_share", "sharp_share", "miss_rad", "miss_m", "smear_px"),
             np.zeros(0),

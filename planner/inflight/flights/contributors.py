@@ -7,7 +7,6 @@ import numpy as np
 
 from planner.base.answer_members import Member, answer
 from planner.base.arrays import Array
-from planner.inflight.flights.draws import CAUSES
 from planner.inflight.flights.outcomes import RunOutcomes
 
 _LEAST = 1e-12  # of a variance: below, nothing varies
@@ -69,7 +68,7 @@ def contributors(sessions: Sequence[RunOutcomes]) -> list[Contributor]:
             smear_alone_share=float(1.0 - left[1, column]),
             smear_alone_sigma=float(left_sigma[1, column]),
         )
-        for column, cause in enumerate(CAUSES)
+        for column, cause in enumerate(sessions[0].causes)
     ]
     return sorted(found, key=lambda one: -one.share)
 

@@ -5,20 +5,13 @@ run is the same whoever flies it and whichever runs are flown beside it.
 Source: Salmon et al. 2011, Parallel random numbers: as easy as 1, 2, 3.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from planner.base.arrays import Array
-
-ORBIT, ATTITUDE, EARTH, CLOCK, DRIVE = (
-    "orbit",
-    "attitude",
-    "Earth orientation",
-    "clock",
-    "drive",
-)
-CAUSES = (ORBIT, ATTITUDE, EARTH, CLOCK, DRIVE)
+from planner.inflight.simulation.platforms.flyer import ATTITUDE, CLOCK, EARTH, ORBIT
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -28,7 +21,7 @@ class Draw:
     orbit_scores: radial, along and across the track, (3,), the second carried onto that error's
     own distribution.  attitude_scores: of each mode or body axis.
     phase_rad: of the swing about each body axis, (3,); swing_share: 1, or 0 for none.
-    drive: the seed of what the drives do.
+    seeds: of what happens in the flight itself, by cause.
     """
 
     orbit_scores: Array
@@ -37,10 +30,12 @@ class Draw:
     swing_share: float
     earth_score: float
     clock_score: float
-    drive: int
+    seeds: Mapping[str, int]
 
     def with_cause_of(self, other: "Draw", cause: str) -> "Draw":
         """The same run, but for one cause as the other has it."""
+        if cause in self.seeds:
+            return replace(self, seeds={**self.seeds, cause: other.seeds[cause]})
         return replace(self, **{name: getattr(other, name) for name in _MEMBERS[cause]})
 
 
@@ -49,12 +44,11 @@ _MEMBERS = {
     ATTITUDE: ("attitude_scores", "phase_rad", "swing_share"),
     EARTH: ("earth_score",),
     CLOCK: ("clock_score",),
-    DRIVE: ("drive",),
 }
 
 
-def draw_run(seed: int, run: int, modes: int) -> Draw:
-    """The errors of one run; modes: independent turns of the attitude."""
+def draw_run(seed: int, run: int, modes: int, flown_causes: Sequence[str]) -> Draw:
+    """The errors of one run; modes: independent turns of the base's attitude."""
     random = np.random.Generator(np.random.Philox(key=[seed, run]))
     orbit, earth_and_clock = random.standard_normal(3), random.standard_normal(2)
     return Draw(
@@ -63,13 +57,13 @@ def draw_run(seed: int, run: int, modes: int) -> Draw:
         swing_share=1.0,
         earth_score=float(earth_and_clock[0]),
         clock_score=float(earth_and_clock[1]),
-        drive=int(random.integers(2**32)),
+        seeds={cause: int(random.integers(2**32)) for cause in flown_causes},
         attitude_scores=random.standard_normal(modes),  # last: their number hangs on the request
     )
 
 
 def undisturbed(modes: int) -> Draw:
-    """Everything as the plan has it; the drives as the seed 0 makes them."""
+    """Everything as the plan has it."""
     return Draw(
         orbit_scores=np.zeros(3),
         attitude_scores=np.zeros(modes),
@@ -77,5 +71,5 @@ def undisturbed(modes: int) -> Draw:
         swing_share=0.0,
         earth_score=0.0,
         clock_score=0.0,
-        drive=0,
+        seeds={},
     )

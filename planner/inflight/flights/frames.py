@@ -8,7 +8,7 @@ import numpy as np
 
 from planner.base.arrays import Array, Mask, cross
 from planner.motion.pointing.frame import places_in_frame
-from planner.world.platforms import Camera, PlatformGeometry
+from planner.world.platforms import PlatformGeometry, Shutter
 
 EXPOSURE_POINTS = 16  # 50 a second for the HRC: structure and drives swing at a few hertz
 _WAYS = np.linspace(0.0, math.pi, 16, endpoint=False)  # a path is told up to 0.5 % too short
@@ -26,8 +26,8 @@ class Frames:
     from the frame's middle along its sides, (n, 2).  error_rad: the largest angle
     between the boresight and the target while the shutter is open.  smear_px: the longest way
     between two places of the target in the image meanwhile.  Both end where no frame reaches.
-    share: of half the frame, how far the target is from its middle, along the side where that is
-    more; it is inside up to 1.  All others (n,).
+    share: of half of what holds the target, how far it is from the middle, along the side where
+    that is more; it is inside up to 1.  All others (n,).
     """
 
     begins_s: Array
@@ -57,7 +57,7 @@ class Frames:
         return self.holds & (self.smear_px < 1.0)
 
 
-def exposures_s(camera: Camera, start_s: float, stop_s: float) -> Array:
+def exposures_s(camera: Shutter, start_s: float, stop_s: float) -> Array:
     """Instants of each exposure from `start_s` to `stop_s`, (n, EXPOSURE_POINTS).
 
     The first frame begins with the session; one that would end after it isn't taken, unless no
@@ -73,22 +73,22 @@ def frames_of(
     platform: PlatformGeometry,
     at_s: Array,
     position: Array,
-    structure_rad: Array,
+    turn_rad: Array,
     directions_base: Array,
 ) -> Frames:
     """From the true motion and the true direction of the target.
 
     at_s: (n, p), instants of each exposure.  position: (n p, c), true, of axes their shafts', then.
-    structure_rad: (n p, 3), how the structure has turned the camera, a small rotation vector in
-    the axes of the base.  directions_base: (n p, 3), unit vectors.  Leaves out the turn of the
+    turn_rad: (n p, 3), how the camera has turned beside it, a small rotation vector in the axes of
+    the base.  directions_base: (n p, 3), unit vectors.  Leaves out the turn of the
     image about the boresight, which smears the frame's corners, and the air.
     """
-    seen = directions_base - cross(structure_rad, directions_base)
+    seen = directions_base - cross(turn_rad, directions_base)
     place = places_in_frame(platform, position, seen).reshape(*at_s.shape, 2)
     with np.errstate(invalid="ignore"):  # of what is behind the camera
         ways = place @ _WAY
         extent = np.max(ways.max(axis=1) - ways.min(axis=1), axis=1)
-    half = np.tan(platform.frame_half_rad)
+    half = np.tan(np.minimum(platform.held_half_rad, FARTHEST_RAD))
     middle = place[:, at_s.shape[1] // 2]
     return Frames(
         begins_s=at_s[:, 0],

@@ -1,4 +1,4 @@
-"""A session flown as planned, by nominal drives: what its frames show, over time."""
+"""A session flown as planned: what its frames show, over time."""
 
 import math
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from planner.base.arrays import Array
 from planner.inflight.flights.frames import FARTHEST_RAD
 from planner.inflight.flights.outcomes import NominalSession
 from planner.inflight.flights.request import MovingObject
-from planner.inflight.flights.runs import Fly, fly_nominal
+from planner.inflight.flights.runs import fly_nominal
 from planner.inflight.flights.scene import SessionScene
 from planner.motion.pointing.frame import places_in_frame
 from planner.planning.opportunities.ground_sample import sample_along_m
@@ -42,20 +42,20 @@ class GroundView:
     scale: Array | None
 
 
-def ground_view(scene: SessionScene, t_s: Array, angle_rad: Array) -> GroundView:
-    """Without errors.  t_s: (n,), on the scene's epoch.  angle_rad: (n, 2), the axes then.
+def ground_view(scene: SessionScene, t_s: Array, position: Array) -> GroundView:
+    """Without errors.  t_s: (n,), on the scene's epoch.  position: (n, c), the platform's then.
 
     The scale is that of a plane through the target.
     """
-    platform, target = scene.scenario.two_axis, scene.target
+    platform, target = scene.scenario.platform, scene.target
     instants = Instants(scene.instants.epoch_utc, t_s)
     states = scene.ephemeris.states(instants)
     seen = target.apparent(instants, states)
-    q = platform.q_platform_from_body * scene.scenario.law.q_body_from_eci(instants, states)
+    q_base_from_eci = scene.flyer.q_base_from_eci(instants, states)
 
     def place(direction_eci: Array) -> Array:
         unit = direction_eci / np.linalg.norm(direction_eci, axis=1, keepdims=True)
-        return places_in_frame(platform, angle_rad, q.apply(unit))
+        return places_in_frame(platform, position, q_base_from_eci.apply(unit))
 
     middle = place(seen.direction_eci)
     if not isinstance(target, EarthFixedTarget):
@@ -109,14 +109,12 @@ def _ways_eci(target: EarthFixedTarget, instants: Instants) -> tuple[Array, Arra
 SHOWN_MAX = 300  # frames: what a picture has room for
 
 
-def nominal_session(
-    scene: SessionScene, fly: Fly, moving_object: MovingObject | None
-) -> NominalSession:
-    """Without errors of orbit, attitude and clock; the drives do what theirs do."""
-    frames, range_m, angle_rad, saturated_s = fly_nominal(scene, fly)
+def nominal_session(scene: SessionScene, moving_object: MovingObject | None) -> NominalSession:
+    """Without errors of orbit, attitude and clock; drives and vibration do what theirs do."""
+    frames, range_m, position, saturated_s = fly_nominal(scene)
     lost = frames.error_rad > FARTHEST_RAD
-    angle_rad[lost] = scene.commanded_rad(frames.begins_s[lost])
-    view = ground_view(scene, frames.begins_s, angle_rad)
+    position[lost] = scene.commanded(frames.begins_s[lost])
+    view = ground_view(scene, frames.begins_s, position)
     shown = slice(None, None, -(-len(frames.begins_s) // SHOWN_MAX))
     on_earth = bool((range_m < BUDGET_OPTIONS.range_max_m).all())
     moves = moving_object is not None and view.scale is not None

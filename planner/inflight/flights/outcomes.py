@@ -14,6 +14,7 @@ _NotNegatives = Annotated[Array, Member("", 0.0, decimals=6)]
 class RunOutcomes:
     """What r runs made of one session, each (r,), and p pairs of them.
 
+    causes: of what differs from run to run.
     holds, sharp: whether all frames hold the target, and whether all are sharp, too.
     holds_share, sharp_share: of the frames.  miss_rad: the largest angle between boresight and
     target; miss_m: that on the ground, across the line of sight, infinite for a target in the sky.
@@ -23,6 +24,7 @@ class RunOutcomes:
     cause moves a run away from itself, and leaves it away from the other.
     """
 
+    causes: tuple[str, ...]
     holds: Mask
     sharp: Mask
     holds_share: Array
@@ -37,12 +39,12 @@ class RunOutcomes:
     @property
     def columns(self) -> Mapping[str, Array]:
         """By name."""
-        return vars(self)
+        return {name: values for name, values in vars(self).items() if name != "causes"}
 
 
 @answer
 class NominalSession:
-    """A session flown as planned: no errors but those of the drives as they nominally are.
+    """A session flown as planned: no errors but those of nominal drives, or of a body's vibration.
 
     Lists hold every so many frames, at most 300 of them.
 
@@ -82,4 +84,4 @@ class NominalSession:
     ground_sample_along_m: Annotated[Array, Member("", 0.0, decimals=6, gaps=True)] | None
     moving_object_ground_m: NotNegative | None
     moving_object_px: _NotNegatives | None
-    saturated_s: Internal[Array]  # (2,), how long each drive gives all it has
+    saturated_s: Internal[Array]  # (d,), how long each drive gives all it has

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 
-from planner.inflight.flights.drives import flown_by
 from planner.inflight.flights.runs import fly_runs
 from planner.inflight.flights.scene import session_scenes
 from planner.inflight.flights.summary import PlanFlights, summarise
@@ -16,6 +15,4 @@ def fly_plan(
 
     on_run: told how many runs are flown.  Raises InvalidInput where no session does.
     """
-    scenes = session_scenes(plan)
-    fly = flown_by(plan.scenario.two_axis)
-    return summarise(fly_runs(scenes, fly, seed, 0, runs, on_run))
+    return summarise(fly_runs(session_scenes(plan), seed, 0, runs, on_run))

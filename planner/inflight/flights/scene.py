@@ -10,14 +10,14 @@ from planner.base.arrays import Array, cross
 from planner.base.commands import ROWS_PER_S, CommandTable
 from planner.base.errors import InvalidInput
 from planner.base.interpolation import NODES, UniformTable
-from planner.base.rotation import Rotation
 from planner.inflight.flights.draws import Draw
 from planner.inflight.flights.frames import exposures_s
+from planner.inflight.simulation.platforms.flyer import Flyer
+from planner.inflight.simulation.platforms.registry import flyer_of
 from planner.planning.sessions.platforms.mover import RowSpan
 from planner.planning.sessions.track_branches import session_rows
 from planner.planning.sessions.uncertainty import OPTIONS as BUDGET_OPTIONS
 from planner.planning.sessions.uncertainty import ut1_sigma_s
-from planner.world.attitude import AttitudeLaw
 from planner.world.frames.time_scales import Instants, shifted_utc
 from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.orbits.accuracy import NormalMixture
@@ -72,7 +72,7 @@ class SessionErrors:
 
 def session_errors(
     ephemerides: Sequence[Ephemeris],
-    attitude: AttitudeLaw,
+    flyer: Flyer,
     instants: Sequence[Instants],
     states: Sequence[OrbitStates],
 ) -> list[SessionErrors]:
@@ -82,7 +82,7 @@ def session_errors(
     """
     count = int(np.clip(_INSTANTS // len(instants), *ATTITUDE_INSTANTS))
     few_s = [np.linspace(at.t_s[0], at.t_s[-1], count) for at in instants]
-    told = attitude.errors(Instants(instants[0].epoch_utc, np.concatenate(few_s)))
+    told = flyer.base_errors(Instants(instants[0].epoch_utc, np.concatenate(few_s)))
     modes = told.modes_body_rad
     if not len(modes):
         sigma = np.broadcast_to(told.sigma_body_rad, (len(few_s) * count, 3))
@@ -125,17 +125,17 @@ LEAD_S = 10.0  # flown before a session, for the drives to be at work when it be
 class SeenTarget(NamedTuple):
     """A target as the base sees it: at n nodes by the platform's clock.
 
-    nodes_s: (n,).  los_platform: unit vectors, (n, 3).  range_m: (n,).
+    nodes_s: (n,).  directions_base: unit vectors, (n, 3).  range_m: (n,).
     """
 
     nodes_s: Array
-    los_platform: Array
+    directions_base: Array
     range_m: Array
 
-    def directions_platform(self, at_s: Array) -> Array:
+    def directions_at(self, at_s: Array) -> Array:
         """Unit vectors at k instants, in whatever shape they come, (k, 3)."""
         step_s = float(self.nodes_s[-1] - self.nodes_s[0]) / (len(self.nodes_s) - 1)
-        found = UniformTable(step_s, self.los_platform).at(at_s.ravel() - self.nodes_s[0])
+        found = UniformTable(step_s, self.directions_base).at(at_s.ravel() - self.nodes_s[0])
         return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
 
     def ranges_m(self, at_s: Array) -> Array:
@@ -147,8 +147,9 @@ class SeenTarget(NamedTuple):
 class SessionScene:
     """One session whose target can be seen.
 
-    number: among the plan's sessions.  table: its rows and those of `LEAD_S` before it, whose
-    first is `from_s` after the epoch of the plan's table, from which all times here are counted.
+    number: among the plan's sessions.  flyer: of the scenario's platform.  table: the session's
+    rows and those of `LEAD_S` before it, whose first is `from_s` after the epoch of the plan's
+    table, from which all times here are counted.
     at_s: (n, p), instants of each exposure, by the platform's clock.
     instants: of the nodes, uniformly spaced, by UTC.  states: of the orbit then.
     errors: how large they may be, at the nodes.
@@ -156,6 +157,7 @@ class SessionScene:
 
     number: int
     scenario: Scenario
+    flyer: Flyer
     target: VisibleTarget
     table: CommandTable
     from_s: float
@@ -170,8 +172,8 @@ class SessionScene:
         """Of the attitude, as `draw_run` wants to know."""
         return len(self.errors.attitude_body_rad)
 
-    def commanded_rad(self, at_s: Array) -> Array:
-        """What the table has the axes do then, (k, 2): linear between rows."""
+    def commanded(self, at_s: Array) -> Array:
+        """The table's position then, (k, c): linear between rows."""
         rows_s = self.from_s + self.table.t_s
         return np.stack([np.interp(at_s, rows_s, column) for column in self.table.position.T], 1)
 
@@ -187,16 +189,10 @@ class SessionScene:
         late_s = [draw.earth_score * self.errors.ut1_s for draw in draws]
         # The Earth turned on by so much is the Earth so much later.
         seen = self.target.apparent(Instants(epoch_utc, np.add.outer(late_s, t_s).ravel()), states)
-        q_body_from_eci = self.scenario.law.q_body_from_eci(
-            Instants(epoch_utc, np.tile(t_s, count)), states
-        )
         turned = np.concatenate([self.errors.turned_body_rad(draw) for draw in draws])
-        q_platform_from_eci = (
-            self.scenario.two_axis.q_platform_from_body
-            * Rotation.from_rotvec(-turned)
-            * q_body_from_eci
-        )
-        nodes = q_platform_from_eci.apply(seen.direction_eci).reshape(count, len(t_s), 3)
+        at = Instants(epoch_utc, np.tile(t_s, count))
+        q_base_from_eci = self.flyer.q_base_from_eci(at, states, turned)
+        nodes = q_base_from_eci.apply(seen.direction_eci).reshape(count, len(t_s), 3)
         ranges_m = seen.range_m.reshape(count, len(t_s))
         # What the platform does at a time by its own clock it does so much later by UTC.
         return [
@@ -207,7 +203,7 @@ class SessionScene:
 
 def session_scenes(plan: FlightPlan) -> list[SessionScene]:
     """Of the sessions that look at a target; raises InvalidInput where none does."""
-    scenario, table = plan.scenario, plan.table
+    scenario, table, flyer = plan.scenario, plan.table, flyer_of(plan.scenario)
     seen = [
         (number, session, session.target, session_rows(session, table.epoch_utc))
         for number, session in enumerate(scenario.sessions)
@@ -223,16 +219,17 @@ def session_scenes(plan: FlightPlan) -> list[SessionScene]:
     first_row = [max(rows.start - round(LEAD_S * ROWS_PER_S), 0) for *_, rows in seen]
     ephemerides = [scenario.orbit.ephemeris(at.utc(0), at.utc(-1)) for at in instants]
     states = [ephemeris.states(at) for ephemeris, at in zip(ephemerides, instants, strict=True)]
-    errors = session_errors(ephemerides, scenario.law, instants, states)
+    errors = session_errors(ephemerides, flyer, instants, states)
     return [
         SessionScene(
             number=number,
             scenario=scenario,
+            flyer=flyer,
             target=target,
             table=_rows_from(table, first_row[which], rows.stop),
             from_s=first_row[which] / ROWS_PER_S,
             at_s=exposures_s(
-                scenario.two_axis.camera, rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S
+                scenario.platform.camera, rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S
             ),
             instants=instants[which],
             ephemeris=ephemerides[which],
@@ -255,4 +252,7 @@ def _rows_from(table: CommandTable, first: int, last: int) -> CommandTable:
         channels=table.channels,
         position=table.position[first : last + 1],
         rate_rad_s=table.rate_rad_s[first : last + 1],
+        acceleration_rad_s2=None
+        if table.acceleration_rad_s2 is None
+        else table.acceleration_rad_s2[first : last + 1],
     )

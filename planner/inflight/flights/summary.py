@@ -1,7 +1,7 @@
 """Summaries of many disturbed flights, of each session and of the whole plan."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
@@ -65,10 +65,11 @@ class PlanFlights:
 def joined(parts: Sequence[RunOutcomes]) -> RunOutcomes:
     """Runs of one session, flown in parts, in the order of their numbers."""
     return RunOutcomes(
+        causes=parts[0].causes,
         **{
-            member.name: np.concatenate([getattr(part, member.name) for part in parts])
-            for member in fields(RunOutcomes)
-        }
+            name: np.concatenate([part.columns[name] for part in parts])
+            for name in parts[0].columns
+        },
     )
 
 

@@ -37,6 +37,22 @@ class FlownMotion:
     measured_rate_rad_s: Array
     is_saturated: Mask
 
+    @property
+    def saturated_s(self) -> Array:
+        """How long each drive gives all it has, (2,)."""
+        return np.asarray(np.diff(self.t_s) @ self.is_saturated[:-1])
+
+    def at(self, t_s: Array) -> tuple[Array, Array]:
+        """True angles, (n, 2), and the structure's turn, (n, 3), at n instants.
+
+        Linear between samples 0.02 s apart: a mode of 2.5 Hz is told 0.4 % too small at most.
+        """
+        return _between(t_s, self.t_s, self.angle_rad), _between(t_s, self.t_s, self.structure_rad)
+
+
+def _between(t_s: Array, known_s: Array, angle_rad: Array) -> Array:
+    return np.stack([np.interp(t_s, known_s, column) for column in angle_rad.T], axis=1)
+
 
 def fly(
     table: CommandTable,

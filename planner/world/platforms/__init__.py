@@ -1,7 +1,7 @@
 """The platforms known by name."""
 
 from planner.world.platforms.body import BodyPlatform
-from planner.world.platforms.camera import PIXELS_ARCSEC, Camera
+from planner.world.platforms.camera import PIXELS_ARCSEC, Camera, Shutter
 from planner.world.platforms.carrier_mode import CarrierMode
 from planner.world.platforms.choice import BODIES, PLATFORMS, AnyPlatform, Platform
 from planner.world.platforms.definition import (
@@ -44,6 +44,7 @@ __all__ = [
     "Platform",
     "PlatformDefinition",
     "PlatformGeometry",
+    "Shutter",
     "StructuralMode",
     "TwoAxisPlatform",
     "definition_of",

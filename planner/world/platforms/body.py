@@ -112,6 +112,11 @@ class FrameCamera(Camera):
         return math.radians(along_deg) / 2.0, math.radians(across_deg) / 2.0
 
     @property
+    def held_half_rad(self) -> tuple[float, float]:
+        """The frame holds what is inside it."""
+        return self.frame_half_rad
+
+    @property
     def both_ways(self) -> bool:
         """A frame looks the same, whichever way the ground moves through it."""
         return True
@@ -164,6 +169,21 @@ class PushbroomCamera:
     def frame_half_rad(self) -> tuple[float, float]:
         """Half of what is seen at a time along +X and +Y of the payload: across, along the line."""
         return self.tdi_lines * self.pixel_rad / 2.0, self.pixels * self.pixel_rad / 2.0
+
+    @property
+    def held_half_rad(self) -> tuple[float, float]:
+        """The ground is swept along +X: a point beside the line there is imaged at another time."""
+        return math.pi / 2.0, self.frame_half_rad[1]
+
+    @property
+    def exposure_s(self) -> float:
+        """Time in which a point crosses the lines that are added up, at the largest line rate."""
+        return self.tdi_lines / self.line_rate_max_hz
+
+    @property
+    def frames_per_s(self) -> float:
+        """So many lines of a second are looked at, as errors change slowly beside them."""
+        return min(10.0, 1.0 / self.exposure_s)
 
 
 BodyCamera = Annotated[FrameCamera | PushbroomCamera, Field(discriminator="type")]
@@ -477,6 +497,11 @@ class BodyPlatform:
     def frame_half_rad(self) -> tuple[float, float]:
         """Half of what the camera sees along +X and +Y of the payload."""
         return self.camera.frame_half_rad
+
+    @property
+    def held_half_rad(self) -> tuple[float, float]:
+        """How far from the middle a target is still imaged, along +X and +Y of the payload."""
+        return self.camera.held_half_rad
 
     @property
     def boresight_body(self) -> Array:

@@ -1,12 +1,23 @@
 """The camera of a platform: pixel, exposure, frame rate."""
 
 import math
-from typing import Annotated
+from typing import Annotated, Protocol
 
 from planner.base.spec import Within, spec
 
 HRC_PIXEL_ARCSEC = math.degrees(1.15 / 350e3) * 3600.0  # 1.15 m from 350 km: Sumarokov 2016
 PIXELS_ARCSEC = (1e-4, 36e3)
+
+
+class Shutter(Protocol):
+    """How often a camera looks, and how long at a time."""
+
+    @property
+    def pixel_rad(self) -> float: ...
+    @property
+    def exposure_s(self) -> float: ...
+    @property
+    def frames_per_s(self) -> float: ...
 
 
 @spec

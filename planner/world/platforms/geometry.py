@@ -1,12 +1,12 @@
 """The answers that every kind of platform gives about itself: names, camera, how it is turned."""
 
 from collections.abc import Iterable
-from typing import ClassVar, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 from planner.base.arrays import Array
 from planner.base.commands import Channel
 from planner.base.rotation import Rotation
-from planner.world.platforms.camera import Camera
+from planner.world.platforms.camera import Shutter
 from planner.world.platforms.field_mask import FieldMask
 
 Bounds = tuple[float, float]  # least and greatest
@@ -35,10 +35,9 @@ class PlatformGeometry(Protocol):
     attitude law; of a body it is GCRF, and the whole spacecraft is what moves.  Payload: +Z the
     boresight, +X and +Y carried along.
     dof_names: what rates have a column for.  channels: of its table.
+    held_half_rad: how far from the middle of the view a target is still imaged, along +X and +Y.
     masks: what stands in its view, fixed to the base.
     """
-
-    kind: ClassVar[str]
 
     @property
     def name(self) -> str: ...
@@ -47,7 +46,9 @@ class PlatformGeometry(Protocol):
     @property
     def frame_turn_rad(self) -> float: ...
     @property
-    def camera(self) -> Camera: ...
+    def held_half_rad(self) -> tuple[float, float]: ...
+    @property
+    def camera(self) -> Shutter: ...
     @property
     def masks(self) -> tuple[FieldMask, ...]: ...
     @property

@@ -132,6 +132,11 @@ class TwoAxisPlatform:
         return replace(self, outer_limits=outer, inner_limits=inner)
 
     @property
+    def held_half_rad(self) -> tuple[float, float]:
+        """The frame holds what is inside it."""
+        return self.frame_half_rad
+
+    @property
     def axis_names(self) -> tuple[str, str]:
         """Column order of every angle array of this platform."""
         return (self.outer_name, self.inner_name)

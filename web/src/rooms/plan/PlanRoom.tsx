@@ -88,11 +88,11 @@ function Shown({ plan, Viewer }: { plan: Plan; Viewer: ComponentType<{ plan: Pla
           <Link to={`/?from=${id}&revises=yes`} class="button">
             {text.plan.one.change}
           </Link>
+          <Link to={`/flights?plan=${id}`} class="button">
+            {text.plan.one.fly}
+          </Link>
           {!isOfBody(plan) && (
             <>
-              <Link to={`/flights?plan=${id}`} class="button">
-                {text.plan.one.fly}
-              </Link>
               <Link to={`/telemetry?plan=${id}`} class="button">
                 {text.plan.one.telemetry}
               </Link>

@@ -19,7 +19,7 @@ export function Contributors({ contributors }: Pick<Flights, "contributors">) {
         <tbody>
           {contributors.map((one) => (
             <tr key={one.cause}>
-              <th scope="row">{one.cause}</th>
+              <th scope="row">{words.value.service.told(one.cause)}</th>
               <Share share={one.share} sigma={one.share_sigma} />
               <Share share={one.smear_share} sigma={one.smear_share_sigma} />
             </tr>

@@ -1,0 +1,1 @@
+"""The flight of each kind of platform, as flights ask for it."""
