@@ -12,8 +12,10 @@ from planner.motion.pointing.line_of_sight import line_of_sight
 from planner.planning.opportunities import OpportunityRequest, Windows
 from planner.planning.sessions.uncertainty import OPTIONS as BUDGET
 from planner.planning.sessions.uncertainty import PointingScene, error_biases, stay_probability
+from planner.world.attitude import Attitude
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import Ephemeris
+from planner.world.platforms import TwoAxisPlatform
 from planner.world.targets import VisibleTarget
 
 
@@ -35,9 +37,12 @@ def probabilities_in_frame(request: OpportunityRequest, windows: Windows) -> Arr
 
     As the budget of a plan of that session has it, on the branch that the window reports; errors of
     the table itself are none.  Shape (windows,).  NaN where there is no session, or no pair of
-    angles throughout; and for the latest windows where there are more than 500.
+    angles throughout; for the latest windows where there are more than 500; and of a body, whose
+    plan's budget tells it.
     """
-    probability = np.full(len(windows), np.nan)
+    platform, probability = request.platform, np.full(len(windows), np.nan)
+    if not isinstance(platform, TwoAxisPlatform):
+        return probability
     ephemeris = request.orbit.ephemeris(request.start, request.stop)
     sessions_s = windows.sessions_s(request.start)
     with at_most(OPTIONS.most):
@@ -47,7 +52,8 @@ def probabilities_in_frame(request: OpportunityRequest, windows: Windows) -> Arr
                 start_s, stop_s = sessions_s[window]
                 t_s = np.linspace(start_s, stop_s, OPTIONS.instants)
                 probability[window] = _session_probability(
-                    request,
+                    platform,
+                    request.law,
                     ephemeris,
                     request.targets[windows.target[window]].target,
                     Instants(request.start, t_s),
@@ -57,13 +63,13 @@ def probabilities_in_frame(request: OpportunityRequest, windows: Windows) -> Arr
 
 
 def _session_probability(
-    request: OpportunityRequest,
+    platform: TwoAxisPlatform,
+    attitude: Attitude,
     ephemeris: Ephemeris,
     target: VisibleTarget,
     instants: Instants,
     branch: int,
 ) -> float:
-    platform, attitude = request.platform, request.attitude
     los = line_of_sight(instants, ephemeris, attitude, platform.q_platform_from_body, target)
     angle_rad = axis_angles(platform, los.los_platform).angle_rad[branch]
     if not np.isfinite(angle_rad).all():
