@@ -31,7 +31,7 @@ from planner.planning.sessions.platforms.registry import mover_of
 from planner.planning.sessions.track_branches import los_on_rows, session_rows
 from planner.world.frames.time_scales import elapsed_s, shifted_utc
 from planner.world.plan import FlightPlan
-from planner.world.platforms import BodyPlatform, Bounds
+from planner.world.platforms import Bounds
 from planner.world.scenario import Scenario, Session
 from planner.world.targets import VisibleTarget
 
@@ -69,18 +69,12 @@ def _windows(
     span: tuple[datetime, datetime],
     pixel_arcsec: float,
 ) -> Opportunities | None:
-    """None where orbit or attitude aren't known over the span, or it is too short to be asked.
-
-    None of a body, too, for which there is no search of windows.
-    """
-    platform = scenario.platform
-    if isinstance(platform, BodyPlatform):
-        return None
+    """None where orbit or attitude aren't known over the span, or it is too short to be asked."""
     try:
         request = OpportunityRequest(
-            platform=platform,
+            platform=scenario.platform,
             orbit=scenario.orbit,
-            attitude=scenario.law,
+            attitude=scenario.attitude,
             targets=(OpportunityTarget(id=name, target=session.target),),
             start=span[0],
             stop=span[1],

@@ -32,6 +32,7 @@ from planner.planning.campaigns.ways import Ways, ways_to_follow
 from planner.planning.opportunities import Windows, opportunities_however_many
 from planner.planning.opportunities.carrier import Carrier, carrier_over
 from planner.planning.opportunities.closing import Closing, Unseen
+from planner.planning.opportunities.platforms.registry import lookout_of
 from planner.planning.opportunities.unseen import unseen_because
 from planner.world.frames.time_scales import shifted_utc, utc_text
 from planner.world.platforms import AxisLimits
@@ -96,7 +97,8 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> C
     tell("ways", 0, 1)
     platform = request.platform.with_limits(limits)
     ephemeris = request.orbit.ephemeris(request.start, request.stop)
-    carrier = carrier_over(ephemeris, request.attitude, platform, request.start, request.stop)
+    base = lookout_of(platform, request.attitude)
+    carrier = carrier_over(ephemeris, base, request.start, request.stop)
     viewing = Viewing(
         weights=request.view, ephemeris=ephemeris, attitude=request.attitude, platform=platform
     )
