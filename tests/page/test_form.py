@@ -400,6 +400,8 @@ def test_a_spacecraft_that_turns_as_a_whole_is_planned_by_name_and_written_out(o
     expect(attitude).to_contain_text("smallsat-120kg steers itself")
     expect(page.get_by_role("radio", name="Test motion")).to_have_count(0)
     assert "attitude" not in request_as_json(page)
+    windows = page.get_by_role("region", name="Windows", exact=True)
+    expect(windows.get_by_role("listitem").first).to_be_visible(timeout=60_000)
     panel.get_by_label("Platform", exact=True).select_option("Written out…")
     group(panel, "Platform smallsat-120kg, written out")
     panel.get_by_label("Off nadir max, °", exact=True).fill("45")

@@ -135,8 +135,6 @@ export const plan = {
     lights: { day: "day", low: "low Sun", twilight: "twilight", night: "night" },
     onePoint: "A path has two points at least: add the second.",
     untimed: "It needs no window: give its times under Sessions.",
-    ofBody:
-      "Windows are looked for with two axes only, so far. Give the times under Sessions; where they don't fit, the refusal offers the nearest that do.",
     space: "over limb",
     quality: (share: string) => `ground sample: ${share} of the best, straight below`,
     metres: "m",

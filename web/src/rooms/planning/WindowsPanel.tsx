@@ -6,7 +6,6 @@ import { ProblemNotice } from "../../parts/ProblemNotice";
 import { Overview } from "../../windows/Overview";
 import { PassFigures } from "../../windows/PassFigures";
 import * as draft from "./draft";
-import { body } from "./platforms";
 import { SessionBar } from "./SessionBar";
 import { SpanFields } from "./SpanFields";
 import {
@@ -40,10 +39,10 @@ export function WindowsPanel() {
           {isSearching.value ? text.searching : now ? text.count(now.windows.length) : ""}
         </span>
       </div>
-      {!body.value && <SpanFields />}
+      <SpanFields />
       {error !== null && !isTargets && <ProblemNotice error={error} again={searchAgain} />}
       {target && searchedOf(target) === null && (
-        <p class="hint">{body.value ? text.ofBody : target.mode === "ground_path" ? text.onePoint : text.untimed}</p>
+        <p class="hint">{target.mode === "ground_path" ? text.onePoint : text.untimed}</p>
       )}
       {now?.unseen && <p>{text.none(now.unseen.closed_by, now.unseen.because, number(now.unseen.best_elevation_deg, 1))}</p>}
       {now && now.windows.length > 0 && (

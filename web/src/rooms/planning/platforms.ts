@@ -84,9 +84,14 @@ const UNKNOWN_TURN_DEG = 90;
 const IN_MOTION = 1.25; // the axes follow targets before and after
 const SPARE_S = 4;
 
-/** Time to leave for a slew between two sessions, by the axes' angles at its ends; degrees, seconds. */
+/** Time to leave for a slew between two sessions, by the axes' angles at its ends, or a body's agility; degrees, seconds. */
 export function slewTime_s(from: Readonly<Record<string, number>> | null, to: Readonly<Record<string, number>> | null): number {
-  const one = twoAxes.peek();
+  const [one, whole] = [twoAxes.peek(), body.peek()];
+  if (whole) {
+    const { rate_max_deg_s: rate, acceleration_max_deg_s2: acceleration, jerk_max_deg_s3: jerk, settle_s } = whole.agility;
+    const [slowest = 1, least = 1, gentlest = 1] = [rate, acceleration, jerk].map((most) => Math.min(...[most].flat()));
+    return IN_MOTION * restToRest_s(UNKNOWN_TURN_DEG, slowest, least, gentlest) + (settle_s ?? 0) + SPARE_S;
+  }
   if (!one) return 0;
   const times = [one.outer, one.inner].map((axis) => {
     const [first, last] = [from?.[axis.name], to?.[axis.name]];

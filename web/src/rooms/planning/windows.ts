@@ -37,7 +37,7 @@ export function searchAgain(): void {
 }
 
 // Where the boresight comes to an edge; at the others only the sight ends.
-const EDGES: ReadonlySet<string> = new Set(["reach", "across", "mask", "sun_keep_out", "moon_keep_out"]);
+const EDGES: ReadonlySet<string> = new Set(["reach", "across", "mask", "exclusion", "sun_keep_out", "moon_keep_out"]);
 const AWAY_FROM_A_STOP = 0.05;
 const GRID_MS = 200; // of the command table
 const EDGE_MS = 1000;
@@ -177,9 +177,9 @@ function isOneOf(modes: readonly string[], mode: string): boolean {
 
 let last: string | null = null;
 
-/** The target that windows are looked for: of a path the point halfway; null where there are none, as for a body. */
+/** The target that windows are looked for: of a path the point halfway; null where there are none. */
 export function searchedOf(target: Target | undefined): Target | null {
-  if (!target || body.value) return null;
+  if (!target) return null;
   if (target.mode === "ground_path") {
     const middle = middleOf(target.points);
     return middle && target.points.length > 1 ? { mode: "ground", ...middle } : null;
@@ -216,7 +216,7 @@ async function search(target: Target, until: AbortSignal): Promise<void> {
       {
         platform: draft.platform.peek(),
         orbit: draft.orbit.peek(),
-        attitude: draft.attitude.peek(),
+        attitude: body.peek() ? undefined : draft.attitude.peek(),
         targets: [{ id: "target", target }],
         ...spanFor(target),
         conditions: conditionsFor(target),
