@@ -16,6 +16,7 @@ OWN = (
     "planner/motion",
     "planner/inflight/simulation",
     "planner/output/view/platforms",
+    "planner/planning/campaigns/platforms",
     "planner/planning/sessions/platforms",
     "planner/verification/platforms",
     "planner/world/platforms",
