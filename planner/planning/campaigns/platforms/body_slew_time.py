@@ -77,8 +77,8 @@ def body_fits(
 ) -> bool:
     """Whether a slew between two states fits; sign 1: surely, -1: nothing proves that it doesn't.
 
-    start_state, end_state: (11,): q_still_from_body_xyzw, from axes that don't turn, body rates, body
-    accelerations, and 1 where the roll about the boresight is that of the attitude before, else 0.
+    start_state, end_state: (11,), q_still_from_body_xyzw against axes that don't turn, body rates,
+    body accelerations, and 1 where the roll about the boresight is that of the attitude before.
     """
     ends = _ends(start_state, end_state, envelope.boresight_body)
     if sign < 0.0:
