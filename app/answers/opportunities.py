@@ -42,8 +42,8 @@ class _Sighting:
     sun_elevation_deg: in the target's sky, null for a target in space.
     sun_separation_deg: of the line of sight from the Sun's centre.
     moon_separation_deg: of the line of sight from the Moon's centre.
-    angles_deg: of the axes, by name.
-    rates_deg_s: of the axes, by name.
+    angles_deg: of the axes, by name; of a body's line of sight, along and across the track.
+    rates_deg_s: of these angles, by name.
     """
 
 
@@ -101,8 +101,8 @@ class PassWindow:
     rise: start of the window; UTC.
     set: end of the window; UTC.
     duration_s: from rise to set.
-    session: the longest, up to six hours, over which the axes can follow by one pair of angles, on
-    the rows of a command table; null where there is none.
+    session: the longest, up to six hours, over which the axes can follow by one pair of angles, or
+    a body by its roll rule, on the rows of a command table; null where there is none.
     opened_by: the condition that is met from `rise` on; "interval" is the request's own start.
     closed_by: the condition that is met until `set`; "interval" is the request's own stop.
     highest_at: time of the greatest elevation; with `view`; UTC.
@@ -135,12 +135,12 @@ class WindowOut(PassWindow):
     """One stretch in which all conditions hold for a target.
 
     branch: the pair of axis angles that is given, 0 or 1, of the two that point at the target: the
-    one with less turn of the inner axis; with `view`.
+    one with less turn of the inner axis; with `view`; a body has none.
     branches: the pairs that keep within the stops through the window (none where the axes would
-    have to change over); with `view`.
+    have to change over); with `view`; a body has none.
     probability_in_frame: that the target stays inside the camera's frame over the whole session, as
-    a plan of it says; null where there is no session, and for the latest windows of a page where
-    these are more than 500; with `probability`. E.g. `0.68`.
+    a plan of it says; null where there is no session, of a body, and for the latest windows of a
+    page where these are more than 500; with `probability`. E.g. `0.68`.
     """
 
     branch: Branch = field(default_factory=not_included)

@@ -75,5 +75,5 @@ def view_json(view: PlanView, plan_id: str, *, verified: bool) -> bytes:
 
 
 def _windows_out(found: Opportunities) -> list[WindowOut]:
-    columns = window_columns(found.start_utc, found.ids, found.axis_names, found.windows)
+    columns = window_columns(found.start_utc, found.ids, found, found.windows)
     return [from_store(WindowOut, json.loads(text)) for text in rows_json(columns)]

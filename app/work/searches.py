@@ -87,8 +87,7 @@ def find_windows(
         warnings=[*search.warnings],
         provenance=provenance,
     )
-    page = _page(request, lambda: search, edges, asked)
-    return FoundSearch(to_json(head), _packed(edges)), page
+    return FoundSearch(to_json(head), _packed(edges)), _page(request, lambda: search, edges, asked)
 
 
 def read_windows(kind: str, body: bytes, edges: bytes, asked: WindowsAsked) -> Page:
@@ -133,8 +132,7 @@ def _page(
 ) -> Page:
     rows = np.arange(len(edges))
     if asked.target is not None:
-        ids = [*request.ids]
-        rows = rows[edges.target == (ids.index(asked.target) if asked.target in ids else -1)]
+        rows = rows[np.array(request.ids)[edges.target] == asked.target]
     after = asked.cursor + asked.limit
     shown = edges.select(rows[asked.cursor : after])
     texts = rows_json(_columns(request, search, shown, asked.include)) if len(shown) else []
@@ -165,8 +163,10 @@ def _columns(
         from planner.planning.sessions.window_probability import probabilities_in_frame
 
         probability = probabilities_in_frame(request, told)
-    axis_names = request.platform.axis_names
-    return window_columns(request.start, request.ids, axis_names, shown, probability)
+    from planner.planning.opportunities.platforms.registry import lookout_of
+
+    axes = lookout_of(request.platform, request.attitude)
+    return window_columns(request.start, request.ids, axes, shown, probability)
 
 
 def _packed(edges: WindowEdges) -> bytes:

@@ -16,6 +16,7 @@ from planner.base.arrays import Array, Indices
 from planner.base.effort import at_most
 from planner.base.errors import InvalidInput, SearchEnded
 from planner.planning.opportunities.carrier import Carrier, carrier_over
+from planner.planning.opportunities.platforms.registry import lookout_of
 from planner.planning.opportunities.request import OpportunityRequest, OpportunityTarget
 from planner.planning.opportunities.search import Spans, describe_windows, edges_of, found_spans
 from planner.planning.opportunities.sights import resting_sight
@@ -60,9 +61,8 @@ class ImagingSearch:
         self._camera = request.definition().camera
         ephemeris = request.orbit.ephemeris(request.start, request.stop)
         self._asked, self._owner = _position_search(request, self._camera)
-        self.carrier = carrier_over(
-            ephemeris, self._asked.attitude, self._asked.platform, request.start, request.stop
-        )
+        base = lookout_of(self._asked.platform, self._asked.attitude)
+        self.carrier = carrier_over(ephemeris, base, request.start, request.stop)
         _require_low(self.carrier)
         ends = Instants(request.start, np.array([0.0, self.carrier.span_s]))
         self.warnings = (*ephemeris.warnings, *earth_orientation_warnings(ends))

@@ -71,7 +71,7 @@ def moved_to(window: Window, request: Members) -> dict[str, Any]:
     asked = request.get("initial_state", {})
     if isinstance(asked, dict) and "after" not in asked:
         still = dict.fromkeys(window.closest["angles_deg"], 0.0)
-        rest = {"angles_deg": still, "rates_deg_s": still}
+        rest = {"angles_deg": still, "rates_deg_s": still} if "attitude" in request else {}
         epoch = _text(datetime.fromisoformat(times["start"]) - LEAD)
         moved["initial_state"] = {**rest, **asked, "epoch": epoch}
     return moved

@@ -57,7 +57,7 @@ def planned_probability(request, found, window):
         replace(
             asked,
             orbit=request.orbit,
-            attitude=request.attitude,
+            attitude=request.law,
             platform=request.platform,
             initial_state=replace(asked.initial_state, epoch=start - timedelta(seconds=120)),
             sessions=(replace(asked.sessions[0], start=start, stop=stop),),

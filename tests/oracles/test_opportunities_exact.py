@@ -79,7 +79,7 @@ def margins(request, wanted, t_s):
     )
     target, asked = wanted.target, request.conditions
     los = line_of_sight(
-        instants, ephemeris, request.attitude, request.platform.q_platform_from_body, target
+        instants, ephemeris, request.law, request.platform.q_platform_from_body, target
     )
     states = ephemeris.states(instants)
     direction_eci = target.apparent(instants, states).direction_eci
@@ -280,7 +280,7 @@ def test_samples_are_the_planners_own():
             los = line_of_sight(
                 Instants(request.start, at_s + 0.2 * np.arange(-3.0, 4.0)),
                 ephemeris,
-                request.attitude,
+                request.law,
                 HRC.q_platform_from_body,
                 wanted.target,
             )

@@ -22,6 +22,7 @@ from planner.planning.opportunities import (
     opportunities_however_many,
 )
 from planner.planning.opportunities.carrier import carrier_over
+from planner.planning.opportunities.platforms.registry import lookout_of
 from planner.planning.opportunities.sights import sights_of
 from planner.world.attitude.inertial import InertialAttitude
 from planner.world.frames.earth_orientation import c_itrf_from_eci
@@ -187,7 +188,7 @@ def test_attitude_table_is_as_fine_as_the_attitude_needs(rate_deg_s):
     )
     stop = START + timedelta(seconds=2000)
     ephemeris = ISS.ephemeris(START, stop)
-    carrier = carrier_over(ephemeris, attitude, HRC, START, stop)
+    carrier = carrier_over(ephemeris, lookout_of(HRC, attitude), START, stop)
     t_s = np.random.default_rng(1).uniform(0.0, 2000.0, 500)
     instants = Instants(START, t_s)
     direction_itrf = np.tile([0.48, -0.6, 0.64], (500, 1))
@@ -202,7 +203,7 @@ def test_attitude_table_is_as_fine_as_the_attitude_needs(rate_deg_s):
 def test_orbit_table_keeps_the_orbit():
     stop = START + timedelta(days=1)
     ephemeris = ISS.ephemeris(START, stop)
-    carrier = carrier_over(ephemeris, request((ground(0, 0.0, 0.0),)).attitude, HRC, START, stop)
+    carrier = carrier_over(ephemeris, lookout_of(HRC, None), START, stop)
     t_s = np.random.default_rng(2).uniform(0.0, 86401.0, 2000)
     instants = Instants(START, t_s)
     r_sat_itrf_m = np.einsum(
@@ -318,7 +319,7 @@ def test_compiled_angles_and_masks_are_the_platforms(components):
 def test_compiled_looks_are_the_targets_own(target):
     stop = START + timedelta(hours=6)
     ephemeris = ISS.ephemeris(START, stop)
-    carrier = carrier_over(ephemeris, request((ground(0, 0.0, 0.0),)).attitude, HRC, START, stop)
+    carrier = carrier_over(ephemeris, lookout_of(HRC, None), START, stop)
     ((_, sight),) = sights_of(carrier, [target], np.zeros(1), 1)
     t_s = np.random.default_rng(3).uniform(600.0, 21000.0, 300)
     seen = sight.sighting(np.zeros(300, np.intp), t_s)

@@ -69,18 +69,12 @@ def _windows(
     span: tuple[datetime, datetime],
     pixel_arcsec: float,
 ) -> Opportunities | None:
-    """None where orbit or attitude aren't known over the span, or it is too short to be asked.
-
-    None of a body, too, for which there is no search of windows.
-    """
-    platform = scenario.platform
-    if isinstance(platform, BodyPlatform):
-        return None
+    """None where orbit or attitude aren't known over the span, or it is too short to be asked."""
     try:
         request = OpportunityRequest(
-            platform=platform,
+            platform=scenario.platform,
             orbit=scenario.orbit,
-            attitude=scenario.law,
+            attitude=scenario.attitude,
             targets=(OpportunityTarget(id=name, target=session.target),),
             start=span[0],
             stop=span[1],

@@ -3,7 +3,7 @@
 import json
 from collections.abc import Mapping, Sequence
 from datetime import datetime
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import pydantic_core
@@ -31,16 +31,25 @@ SIGHTING = (
 Column = Mapping[str, Any] | Array | list[str]
 
 
+class AxesTold(Protocol):
+    """The angles that windows tell."""
+
+    @property
+    def axis_names(self) -> tuple[str, str]: ...
+    @property
+    def has_branches(self) -> bool: ...
+
+
 def window_columns(
     start_utc: datetime,
     ids: Sequence[str],
-    axis_names: tuple[str, str],
+    axes: AxesTold,
     windows: WindowEdges,
     probability: Array | None = None,
 ) -> dict[str, Column]:
     """All that is told of windows as far as it is known, by name; probability: of each session."""
-    columns = pass_columns(start_utc, ids, axis_names, windows)
-    if isinstance(windows, Windows):
+    columns = pass_columns(start_utc, ids, axes.axis_names, windows)
+    if isinstance(windows, Windows) and axes.has_branches:
         usable = [np.flatnonzero(one).tolist() for one in windows.branches]
         columns |= {"branch": texts_of(windows.branch.tolist()), "branches": texts_of(usable)}
     return columns if probability is None else columns | {"probability_in_frame": probability}

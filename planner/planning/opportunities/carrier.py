@@ -8,23 +8,22 @@ import math
 from dataclasses import dataclass
 from datetime import datetime
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from planner.base.arrays import Array, cross
 from planner.base.interpolation import NODES, UniformTable
+from planner.base.rotation import Rotation
 from planner.planning.opportunities.looks import CarrierTables
 from planner.planning.opportunities.sweep import OPTIONS as SWEEP
 from planner.planning.opportunities.sweep import LeapRows
-from planner.world.attitude import AttitudeLaw, LvlhAttitude
 from planner.world.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
 from planner.world.frames.geodesy import MU_EARTH_M3_S2
 from planner.world.frames.local_orbital import c_lvlh_from_eci, q_lvlh_from_eci
 from planner.world.frames.solar_system import earth_bary_state
 from planner.world.frames.time_scales import Instants, elapsed_s
 from planner.world.orbits import Ephemeris, OrbitStates
-from planner.world.platforms import TwoAxisPlatform
 from planner.world.targets import BodyTarget
 from planner.world.targets.apparent import aberrate
 
@@ -43,6 +42,19 @@ class CarrierTableOptions:
 
 
 OPTIONS = CarrierTableOptions()
+
+
+class Base(Protocol):
+    """What the angles that windows tell are counted in: a platform's mounting plate, say."""
+
+    @property
+    def rests_in_orbit(self) -> bool:
+        """Whether it never turns in the local orbital frame."""
+        ...
+
+    def q_base_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
+        """n rotations, `states` being the orbit at the same n instants."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,6 +116,15 @@ class Carrier:
             r_m / np.linalg.norm(r_m, axis=1, keepdims=True), np.arccos(cosine) / per_row_rad
         )
 
+    def states(self, instants: Instants) -> OrbitStates:
+        """Of the tables, at instants that count from the same start."""
+        c_itrf = c_itrf_from_eci(instants)
+        r_m, v_m_s = (
+            np.einsum("nji,nj->ni", c_itrf, table.at(instants.t_s))
+            for table in (self.r_sat_itrf_m, self.v_sat_itrf_m_s)
+        )
+        return OrbitStates(r_m, v_m_s)
+
     def in_platform(self, vector_itrf: Array, t_s: Array) -> Array:
         """Vectors (n, 3) turned into the platform frame at t_s (n,)."""
         c_lvlh = c_lvlh_from_eci(self.r_sat_itrf_m.at(t_s), self.v_sat_itrf_m_s.at(t_s))
@@ -117,8 +138,7 @@ class Carrier:
 
 def carrier_over(
     ephemeris: Ephemeris,
-    attitude: AttitudeLaw,
-    platform: TwoAxisPlatform,
+    base: Base,
     start_utc: datetime,
     stop_utc: datetime,
 ) -> Carrier:
@@ -132,9 +152,9 @@ def carrier_over(
     c_itrf = c_itrf_from_eci(rows.instants)
     r_sat_itrf_m = _to_itrf(c_itrf, rows.states.r_sat_eci_m)
     v_sat_itrf_m_s = _to_itrf(c_itrf, rows.states.v_sat_eci_m_s)
-    if isinstance(attitude, LvlhAttitude) and not attitude.corrections:
-        rows = _rows(ephemeris, start_utc, span_s, 2 * (NODES - 1))  # it rests in the orbit's frame
-    q_platform_from_lvlh_xyzw, turn_rad_s = _attitude_table(rows, ephemeris, attitude, platform)
+    if base.rests_in_orbit:
+        rows = _rows(ephemeris, start_utc, span_s, 2 * (NODES - 1))
+    q_platform_from_lvlh_xyzw, turn_rad_s = _attitude_table(rows, ephemeris, base)
     passing_m2_s = np.linalg.norm(np.cross(r_sat_itrf_m, v_sat_itrf_m_s), axis=1)
     turn_max_rad_s = float(np.max(passing_m2_s / np.sum(r_sat_itrf_m**2, axis=1)))
     turn_max_rad_s += OMEGA_EARTH_RAD_S
@@ -164,12 +184,10 @@ def _rows(ephemeris: Ephemeris, start_utc: datetime, span_s: float, cells: int) 
     return _Rows(instants, ephemeris.states(instants))
 
 
-def _attitude_table(
-    rows: _Rows, ephemeris: Ephemeris, attitude: AttitudeLaw, platform: TwoAxisPlatform
-) -> tuple[UniformTable, float]:
+def _attitude_table(rows: _Rows, ephemeris: Ephemeris, base: Base) -> tuple[UniformTable, float]:
     """Rows as fine as needed: every other row must predict the rest; and the greatest rate."""
     while True:
-        q = _q_platform_from_lvlh_xyzw(rows, attitude, platform)
+        q = _q_platform_from_lvlh_xyzw(rows, base)
         t_s = rows.instants.t_s
         step_s = float(t_s[1])
         off_rad = 2.0 * np.linalg.norm(UniformTable(2.0 * step_s, q[::2]).at(t_s) - q, axis=1)
@@ -179,13 +197,11 @@ def _attitude_table(
         rows = _rows(ephemeris, rows.instants.epoch_utc, float(t_s[-1]), 2 * (len(t_s) - 1))
 
 
-def _q_platform_from_lvlh_xyzw(
-    rows: _Rows, attitude: AttitudeLaw, platform: TwoAxisPlatform
-) -> Array:
+def _q_platform_from_lvlh_xyzw(rows: _Rows, base: Base) -> Array:
     """Neighbours of like sign, shape (n, 4)."""
-    q_body_from_eci = attitude.q_body_from_eci(rows.instants, rows.states)
+    q_base_from_eci = base.q_base_from_eci(rows.instants, rows.states)
     q_lvlh_from_eci_ = q_lvlh_from_eci(rows.states.r_sat_eci_m, rows.states.v_sat_eci_m_s)
-    q = (platform.q_platform_from_body * q_body_from_eci * q_lvlh_from_eci_.inv()).as_quat()
+    q = (q_base_from_eci * q_lvlh_from_eci_.inv()).as_quat()
     turns_over = np.sum(q[1:] * q[:-1], axis=1) < 0.0
     q[1:] *= np.where(np.cumsum(turns_over) % 2 == 1, -1.0, 1.0)[:, None]
     return np.asarray(q)

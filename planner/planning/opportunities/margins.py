@@ -1,6 +1,7 @@
 """The margin by which each condition is met, compiled: positive where it holds."""
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple, cast, get_args
 
 import numpy as np
@@ -29,14 +30,26 @@ from planner.planning.opportunities.looks import (
     sun_elevation,
     to_body,
 )
-from planner.planning.opportunities.request import OpportunityRequest
+from planner.planning.opportunities.request import OpportunityConditions
 from planner.planning.opportunities.windows import Cause
 from planner.world.targets.limb_kernel import above_limb
 
 CAUSES = np.array(get_args(Cause))
 # Of numpy, as a kernel would be compiled anew for each of Python's.
 _KINDS = cast(list[int], list(np.arange(len(CAUSES) + 5)))
-(INTERVAL, ELEVATION, SUN, OFF_NADIR, SUN_AWAY, MOON_AWAY, REACH, ACROSS, MASK) = _KINDS[:-5]
+(
+    INTERVAL,
+    ELEVATION,
+    SUN,
+    OFF_NADIR,
+    SUN_AWAY,
+    MOON_AWAY,
+    REACH,
+    ACROSS,
+    MASK,
+    EXCLUSION,
+    RATE,
+) = _KINDS[:-5]
 # What is sought beside: where an axis is quickest, where a pair of angles can follow, and where a
 # mask is far enough off to brake before it.
 CLOSENESS, OFF_PLANE, MOTION_0, MOTION_1, OFF_MASK = _KINDS[-5:]
@@ -84,9 +97,10 @@ class MotionOptions(NamedTuple):
 OPTIONS = MotionOptions()
 
 
-def asked_of(request: OpportunityRequest, in_space: bool, across_rad: float) -> Asked:
-    """Conditions as compiled code takes them."""
-    c = request.conditions
+def asked_of(
+    c: OpportunityConditions, causes: Sequence[Cause], in_space: bool, across_rad: float
+) -> Asked:
+    """Conditions as compiled code takes them; causes: that the platform adds by itself."""
     given = (
         (SUN, c.sun_elevation_min_deg, not in_space),
         (SUN, c.sun_elevation_max_deg, not in_space),
@@ -94,8 +108,8 @@ def asked_of(request: OpportunityRequest, in_space: bool, across_rad: float) -> 
         (SUN_AWAY, c.sun_keep_out_deg, True),
         (MOON_AWAY, c.moon_keep_out_deg, True),
     )
-    kinds = {kind for kind, value, applies in given if applies and value is not None} | {REACH}
-    kinds |= {MASK} if request.platform.masks else set()
+    kinds = {kind for kind, value, applies in given if applies and value is not None}
+    kinds |= {_KINDS[CAUSES.tolist().index(cause)] for cause in causes}
     kinds |= set() if math.isnan(across_rad) else {ACROSS}
     values = [math.nan if value is None else math.radians(value) for _, value, _ in given]
     low, high, off_nadir, sun_away, moon_away = values

@@ -13,7 +13,7 @@ from planner.world.attitude import Attitude
 from planner.world.attitude.lvlh import LvlhAttitude
 from planner.world.frames.time_scales import DAY_S, elapsed_s, utc_text
 from planner.world.orbits import Orbit
-from planner.world.platforms import PIXELS_ARCSEC, Platform
+from planner.world.platforms import PIXELS_ARCSEC, AnyPlatform
 from planner.world.targets import WindowTarget
 
 
@@ -97,9 +97,11 @@ class OpportunityConditions:
 
 @spec
 class OpportunityRequest:
-    """A carrier, a platform on it, and the targets it may look at from `start` to `stop`.
+    """A platform, its orbit, and the targets it may look at from `start` to `stop`.
 
     name: your name for it, shown in lists.
+    attitude: attitude of the carrier that two axes stand on, its local orbital frame unless given;
+    a body steers itself and has none.
     targets: the targets to search for.
     start: start of the search; UTC.
     stop: end of the search; UTC.
@@ -109,9 +111,9 @@ class OpportunityRequest:
     """
 
     name: str = ""
-    platform: Platform
+    platform: AnyPlatform
     orbit: Orbit
-    attitude: Attitude = LvlhAttitude()
+    attitude: Attitude | None = None
     targets: Annotated[tuple[OpportunityTarget, ...], Field(max_length=BOUNDS.targets_max)]
     start: datetime
     stop: datetime
@@ -124,6 +126,11 @@ class OpportunityRequest:
             raise ValueError(
                 f"stop ({utc_text(self.stop)}) must come a second or more after start "
                 f"({utc_text(self.start)})"
+            )
+        if self.platform.kind == "body" and self.attitude is not None:
+            raise ValueError(
+                f"attitude must be left out for {self.platform.name}: only two axes stand on a "
+                "carrier, and a body steers itself"
             )
         if not self.targets:
             raise ValueError("targets must hold at least one target")
@@ -141,6 +148,11 @@ class OpportunityRequest:
     def ids(self) -> tuple[str, ...]:
         """Of the targets, in order."""
         return tuple(wanted.id for wanted in self.targets)
+
+    @property
+    def law(self) -> Attitude:
+        """The attitude of the carrier that two axes stand on."""
+        return self.attitude or LvlhAttitude()
 
     @property
     def pixel_rad(self) -> float:

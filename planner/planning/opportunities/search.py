@@ -11,12 +11,12 @@ from planner.base import effort
 from planner.base.arrays import Array, Indices
 from planner.base.effort import at_most
 from planner.base.errors import SearchEnded
-from planner.motion.pointing.reach import reach_of
+from planner.motion.pointing.reach import Reach
 from planner.planning.opportunities.carrier import Carrier, carrier_over
 from planner.planning.opportunities.ground_sample import sample_along_m
 from planner.planning.opportunities.margins import CAUSES, NOTHING, WindowScene, asked_of
+from planner.planning.opportunities.platforms.registry import lookout_of
 from planner.planning.opportunities.request import OpportunityRequest
-from planner.planning.opportunities.sessions import hold
 from planner.planning.opportunities.sights import Sight, in_sights, sights_of
 from planner.planning.opportunities.sweep import OPTIONS as SWEEP
 from planner.planning.opportunities.sweep import Found, sweep
@@ -29,11 +29,9 @@ from planner.planning.opportunities.windows import (
     Windows,
     in_order,
 )
-from planner.world.attitude.lvlh import level_warnings
 from planner.world.frames.earth_orientation import earth_orientation_warnings
 from planner.world.frames.geodesy import geodetic_from_itrf
 from planner.world.frames.time_scales import Instants
-from planner.world.platforms import TwoAxisPlatform
 from planner.world.targets import EarthFixedTarget, Target
 
 
@@ -78,14 +76,12 @@ class WindowSearch:
     def __init__(self, request: OpportunityRequest) -> None:
         self._request = request
         ephemeris = request.orbit.ephemeris(request.start, request.stop)
-        self.carrier = carrier_over(
-            ephemeris, request.attitude, request.platform, request.start, request.stop
-        )
+        lookout = lookout_of(request.platform, request.attitude)
+        self.carrier = carrier_over(ephemeris, lookout, request.start, request.stop)
         ends = Instants(request.start, np.array([0.0, self.carrier.span_s]))
         self.warnings = (
             *ephemeris.warnings,
-            *level_warnings(request.attitude, request.platform),
-            *request.attitude.warnings_at(ends),
+            *lookout.warnings_at(ends),
             *earth_orientation_warnings(ends),
         )
 
@@ -145,7 +141,7 @@ def _ended(request: OpportunityRequest) -> SearchEnded:
 
 def opportunities_however_many(request: OpportunityRequest) -> Opportunities:
     """Search with whatever work that takes."""
-    search = WindowSearch(request)
+    search, lookout = WindowSearch(request), lookout_of(request.platform, request.attitude)
     found = [
         describe_windows(request, sight, numbers, spans, held_s)
         for numbers, sight, spans, held_s in found_spans(request, search.carrier)
@@ -154,7 +150,8 @@ def opportunities_however_many(request: OpportunityRequest) -> Opportunities:
         start_utc=request.start,
         stop_utc=request.stop,
         ids=request.ids,
-        axis_names=request.platform.axis_names,
+        axis_names=lookout.axis_names,
+        has_branches=lookout.has_branches,
         assumed=request.assumed,
         warnings=search.warnings,
         windows=in_order(found),
@@ -174,11 +171,9 @@ def edges_of(numbers: Indices, spans: Spans, held_s: Array) -> WindowEdges:
     )
 
 
-def highest(sight: Sight, platform: TwoAxisPlatform, which: Indices) -> Array:
+def highest(sight: Sight, reach: Reach, which: Indices) -> Array:
     """When targets stand highest over all the carrier's time, and at what elevation, (n, 2)."""
-    return highest_over(
-        WindowScene(sight.carrier.tables, reach_of(platform), NOTHING, sight.places), which
-    )
+    return highest_over(WindowScene(sight.carrier.tables, reach, NOTHING, sight.places), which)
 
 
 def found_spans(
@@ -190,17 +185,20 @@ def found_spans(
     across_rad: of a line of sight from the plane of its track at most; sessions are then left out.
     """
     targets = [wanted.target for wanted in request.targets]
+    lookout = lookout_of(request.platform, request.attitude)
+    conditions = lookout.conditions(request.conditions)
     asked_rad = math.radians(request.conditions.min_elevation_deg)
     least_rad = np.array([max(_own_least_rad(target), asked_rad) for target in targets])
     for numbers, sight in sights_of(carrier, targets, least_rad, OPTIONS.targets_at_once):
-        asked = asked_of(request, not sight.on_earth, across_rad)
-        scene = WindowScene(carrier.tables, reach_of(request.platform), asked, sight.places)
+        asked = asked_of(conditions, lookout.causes, not sight.on_earth, across_rad)
+        scene = WindowScene(carrier.tables, lookout.reach, asked, sight.places)
         shortest_s = max(request.conditions.min_duration_s, SWEEP.shortest_s)
         found = sweep(scene, carrier.rows, shortest_s, effort.remaining() / OPTIONS.look_rows)
         _count(found.looks)
         held_s = found.edge_s
         if math.isnan(across_rad):
-            held_s, looks = hold(scene, found, effort.remaining() / OPTIONS.look_rows)
+            most = effort.remaining() / OPTIONS.look_rows
+            found, held_s, looks = lookout.hold(sight, scene, found, shortest_s, most)
             _count(looks)
         yield numbers, sight, _spans_of(found), held_s
 
@@ -230,7 +228,8 @@ def describe_windows(
     count = len(spans.target)
     effort.charge((OPTIONS.window_rows + OPTIONS.sample_rows * request.samples) * count)
     edge_s = np.stack([spans.start_s, spans.stop_s], axis=1)
-    scene = WindowScene(sight.carrier.tables, reach_of(request.platform), NOTHING, sight.places)
+    reach = lookout_of(request.platform, request.attitude).reach
+    scene = WindowScene(sight.carrier.tables, reach, NOTHING, sight.places)
     told = tell(scene, spans.target, edge_s, request.samples)
     seen = _sightings(told.seen_parameters, request.pixel_rad, sight.on_earth)
     at_s = np.insert(edge_s, 1, told.highest_parameters[:, 0], axis=1)

@@ -14,7 +14,6 @@ from planner.planning.opportunities.telling import look_each, places_each
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.geodesy import geodetic_from_itrf, up_itrf
 from planner.world.frames.time_scales import Instants
-from planner.world.orbits import OrbitStates
 from planner.world.targets import EarthFixedTarget, SkyTarget, Target, VisibleTarget
 from planner.world.targets.refraction import bending_spline
 
@@ -128,11 +127,7 @@ def _lone_sight(carrier: Carrier, target: Target, least_rad: float) -> Sight:
 
     def direction(instants: Instants) -> Array:
         c_itrf = c_itrf_from_eci(instants)
-        r_m, v_m_s = (
-            np.einsum("nji,nj->ni", c_itrf, table.at(instants.t_s))
-            for table in (carrier.r_sat_itrf_m, carrier.v_sat_itrf_m_s)
-        )
-        direction_eci, range_m = target.arriving(instants, OrbitStates(r_m, v_m_s))
+        direction_eci, range_m = target.arriving(instants, carrier.states(instants))
         direction_itrf = np.einsum("nij,nj->ni", c_itrf, direction_eci)
         return np.concatenate([direction_itrf, 1.0 / range_m[:, None]], axis=1)
 

@@ -13,6 +13,7 @@ from planner.base.arrays import Array, Indices
 from planner.base.effort import at_most
 from planner.planning.opportunities.carrier import Carrier
 from planner.planning.opportunities.closing import Closing, Unseen
+from planner.planning.opportunities.platforms.registry import lookout_of
 from planner.planning.opportunities.request import OpportunityConditions, OpportunityRequest
 from planner.planning.opportunities.search import highest, opportunities_however_many
 from planner.planning.opportunities.sights import in_sights
@@ -34,8 +35,6 @@ OPTIONS = UnseenOptions()
 Reasons = Mapping[int, tuple[Closing, str]]
 # The order in which opportunities are narrowed, and the fields of each condition.
 _NARROWING: tuple[tuple[Closing, tuple[str, ...]], ...] = (
-    ("reach", ()),
-    ("mask", ()),
     ("sun_elevation", ("sun_elevation_min_deg", "sun_elevation_max_deg")),
     ("off_nadir", ("max_off_nadir_deg",)),
     ("sun_keep_out", ("sun_keep_out_deg",)),
@@ -75,8 +74,9 @@ def _highest(request: OpportunityRequest, carrier: Carrier, target: Indices) -> 
     """The greatest elevation of each target and when, (n,) each."""
     targets = [wanted.target for wanted in request.targets]
     best_rad, best_s = np.empty(len(target)), np.empty(len(target))
+    reach = lookout_of(request.platform, request.attitude).reach
     for rows, sight, which in in_sights(target, targets, carrier):
-        best_s[rows], best_rad[rows] = highest(sight, request.platform, which).T
+        best_s[rows], best_rad[rows] = highest(sight, reach, which).T
     return best_rad, best_s
 
 
@@ -105,24 +105,25 @@ def _narrowed(request: OpportunityRequest, rows: Sequence[int]) -> dict[int, tup
     left = list(rows)
     now = replace(
         request,
-        platform=replace(request.platform, masks=()),
         conditions=OpportunityConditions(min_elevation_deg=request.conditions.min_elevation_deg),
         samples=OPTIONS.samples,
     )
-    before: dict[int, Windows] = {}
+    for cause, platform, because in lookout_of(request.platform, request.attitude).narrowing():
+        now = replace(now, platform=platform)
+        found = _windows_of(now, left) if left else {}
+        closed |= {row: (cause, because) for row in left if row not in found}
+        left = list(found)
     for cause, names in _NARROWING:
         asked = {name: getattr(request.conditions, name) for name in names}
         wider = now
         now = replace(now, conditions=replace(now.conditions, **asked))
-        if cause == "mask":
-            now = replace(now, platform=request.platform)
-        if not left or (cause != "reach" and now == wider):
+        if not left or now == wider:
             continue
-        found = _windows_of(now, left)
+        before, found = found, _windows_of(now, left)
         for row in left:
             if row not in found:
-                closed[row] = cause, _reason(cause, asked, before.get(row))
-        left, before = list(found), found
+                closed[row] = cause, _reason(cause, asked, before[row])
+        left = list(found)
     for row in left:  # an edge by a millisecond
         closed[row] = "duration", "its windows are shorter than the least session"
     return closed
@@ -148,13 +149,9 @@ def _too_low(request: OpportunityRequest, row: int, least_deg: float) -> str:
     return f"it stays below {least_deg:g} deg above the limb"
 
 
-def _reason(cause: Closing, asked: Mapping[str, float | None], before: Windows | None) -> str:
+def _reason(cause: Closing, asked: Mapping[str, float | None], before: Windows) -> str:
     """before: the windows without this condition."""
     said = ", ".join(f"{name} {value:g}" for name, value in asked.items() if value is not None)
-    if cause == "reach" or before is None:
-        return "no angles of the axes within their stops point there while it is in sight"
-    if cause == "mask":
-        return "what stands in the platform's view hides it whenever the axes can point there"
     if cause == "duration":
         longest_s = float((before.set_s - before.rise_s).max())
         return f"its longest window lasts {longest_s:.1f} s: {said}"

@@ -23,6 +23,8 @@ Cause = Literal[
     "reach",
     "across",
     "mask",
+    "exclusion",
+    "rate",
 ]
 GRID_TOLERANCE_ROWS = 5e-5  # 10 us
 SESSION_MAX_S = 21_600.0  # a plan of twice that takes more work than one request may make
@@ -150,6 +152,7 @@ class Opportunities:
     """Windows in order of the request's targets, each target's in order of time.
 
     ids: one per target.
+    axis_names: of the angles told.  has_branches: whether two pairs of them point at a target.
     assumed: places of those given by name.
     """
 
@@ -157,6 +160,7 @@ class Opportunities:
     stop_utc: datetime
     ids: tuple[str, ...]
     axis_names: tuple[str, str]
+    has_branches: bool
     warnings: tuple[str, ...]
     assumed: tuple[Assumed, ...]
     windows: Windows

@@ -34,11 +34,14 @@ def probabilities_in_frame(request: OpportunityRequest, windows: Windows) -> Arr
 
     As the budget of a plan of that session has it, on the branch that the window reports; errors of
     the table itself are none.  Shape (windows,).  NaN where there is no session, or no pair of
-    angles throughout; and for the latest windows where there are more than 500.
+    angles throughout; for the latest windows where there are more than 500; and of a body, whose
+    plan's budget tells it.
     """
-    probability = np.full(len(windows), np.nan)
+    probability, held = np.full(len(windows), np.nan), HELD.get(request.platform.kind)
+    if held is None:
+        return probability
     ephemeris = request.orbit.ephemeris(request.start, request.stop)
-    sessions_s, held = windows.sessions_s(request.start), HELD[request.platform.kind]
+    sessions_s = windows.sessions_s(request.start)
     with at_most(OPTIONS.most):
         for window in np.argsort(windows.rise_s, kind="stable"):
             if not np.isnan(sessions_s[window, 0]):
@@ -47,7 +50,7 @@ def probabilities_in_frame(request: OpportunityRequest, windows: Windows) -> Arr
                 t_s = np.linspace(start_s, stop_s, OPTIONS.instants)
                 probability[window] = held(
                     request.platform,
-                    request.attitude,
+                    request.law,
                     ephemeris,
                     request.targets[windows.target[window]].target,
                     Instants(request.start, t_s),

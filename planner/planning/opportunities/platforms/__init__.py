@@ -1,0 +1,1 @@
+"""The search for windows, by kind of platform."""

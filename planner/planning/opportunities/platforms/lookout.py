@@ -1,0 +1,60 @@
+"""The lookout: everything that the search for windows asks of a platform, whatever its kind."""
+
+from typing import Protocol
+
+from planner.base.arrays import Array
+from planner.motion.pointing.reach import Reach
+from planner.planning.opportunities.carrier import Base
+from planner.planning.opportunities.closing import Closing
+from planner.planning.opportunities.margins import WindowScene
+from planner.planning.opportunities.request import OpportunityConditions
+from planner.planning.opportunities.sights import Sight
+from planner.planning.opportunities.sweep import Found
+from planner.planning.opportunities.windows import Cause
+from planner.world.frames.time_scales import Instants
+from planner.world.platforms import AnyPlatform
+
+
+class Lookout(Base, Protocol):
+    """One platform in a search for windows.
+
+    reach: the axes whose angles windows tell, in the frame of the base.
+    """
+
+    reach: Reach
+
+    @property
+    def axis_names(self) -> tuple[str, str]:
+        """Of the angles that windows tell."""
+        ...
+
+    @property
+    def has_branches(self) -> bool:
+        """Whether two pairs of them point at a target."""
+        ...
+
+    def warnings_at(self, instants: Instants) -> tuple[str, ...]:
+        """What the user should know about that frame."""
+        ...
+
+    def conditions(self, asked: OpportunityConditions) -> OpportunityConditions:
+        """These, as far as the platform doesn't ask for more itself."""
+        ...
+
+    @property
+    def causes(self) -> tuple[Cause, ...]:
+        """The conditions that the platform sets beside those."""
+        ...
+
+    def hold(
+        self, sight: Sight, scene: WindowScene, found: Found, shortest_s: float, looks_limit: float
+    ) -> tuple[Found, Array, int]:
+        """Windows as far as the platform's motion allows them, what a session holds of each,
+        (m, 2), NaN where nothing, and how many looks that took: no more are begun at that limit.
+        """
+        ...
+
+    def narrowing(self) -> tuple[tuple[Closing, AnyPlatform, str], ...]:
+        """The platform with more and more of its own conditions, the last with all: what each adds,
+        and what is said where it leaves nothing."""
+        ...

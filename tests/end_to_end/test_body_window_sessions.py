@@ -1,0 +1,93 @@
+"""Sessions that a body's windows offer are planned; what isn't a body's is refused."""
+
+from datetime import timedelta
+
+import numpy as np
+import pytest
+from agile_bodies import SMALLSAT, smallsat
+from scenarios import LAS_VEGAS, TLE, at
+
+from planner.planning.opportunities import OpportunityRequest, OpportunityTarget, WindowSearch
+from planner.planning.opportunities.unseen import unseen_of
+from planner.planning.sessions.pipeline import make_plan
+from planner.planning.sessions.window_probability import probabilities_in_frame
+from planner.world.attitude import LvlhAttitude
+from planner.world.frames.time_scales import shifted_utc
+from planner.world.scenario import InitialState, Scenario, Session
+from planner.world.targets import GroundTarget, StarTarget
+
+BOSTON = GroundTarget(latitude_deg=42.36, longitude_deg=-71.06)
+RADIATOR, CAMERA = SMALLSAT["exclusions"][1], SMALLSAT["exclusions"][0]
+KEPT = [RADIATOR | {"when": "imaging"}, CAMERA | {"when": "imaging"}]
+ROLLS = {
+    "nearest": {"exclusions": KEPT},
+    "lines across the track": {"roll": {"rule": "lines_across_track"}, "exclusions": KEPT},
+}
+
+
+def request(platform, *targets, **fields):
+    return OpportunityRequest(
+        **{
+            "orbit": TLE,
+            "platform": platform,
+            "start": at(0.0),
+            "stop": at(14400.0),
+            "targets": tuple(
+                OpportunityTarget(id=str(number), target=target)
+                for number, target in enumerate(targets)
+            ),
+            **fields,
+        }
+    )
+
+
+@pytest.mark.parametrize("changes", ROLLS.values(), ids=ROLLS)
+def test_the_session_of_every_window_of_a_body_plans_as_it_stands(changes):
+    asked = request(smallsat(**changes), LAS_VEGAS, BOSTON, StarTarget(name="Vega"))
+    edges = WindowSearch(asked).find()
+    sessions_s = edges.sessions_s(asked.start)[:3]
+    assert len(sessions_s) == 3
+    for row, (start_s, stop_s) in zip(edges.target.tolist(), sessions_s.tolist(), strict=False):
+        start, stop = (
+            shifted_utc(asked.start, t_s) for t_s in (start_s, min(stop_s, start_s + 300.0))
+        )
+        plan = make_plan(
+            Scenario(
+                platform=asked.platform,
+                orbit=asked.orbit,
+                initial_state=InitialState(epoch=start - timedelta(seconds=150.0)),
+                sessions=(Session(target=asked.targets[row].target, start=start, stop=stop),),
+            )
+        )
+        assert plan.verification.passed
+
+
+def test_an_attitude_is_no_bodys():
+    with pytest.raises(ValueError, match="attitude must be left out for smallsat-120kg"):
+        request(smallsat(), LAS_VEGAS, attitude=LvlhAttitude())
+
+
+def test_a_bodys_windows_have_no_probability_yet():
+    asked = request(smallsat(), LAS_VEGAS)
+    search = WindowSearch(asked)
+    told = search.tell(search.find())
+    assert len(told)
+    assert np.isnan(probabilities_in_frame(asked, told)).all()
+
+
+CLOSED = {
+    "off_nadir": {"off_nadir_max_deg": 2.0},
+    "exclusion": {"exclusions": [CAMERA | {"min_deg": 179.0}]},
+    "rate": {
+        "torque_max_n_m": None,
+        "agility": SMALLSAT["agility"] | {"rate_max_deg_s": 0.1},
+    },
+}
+
+
+@pytest.mark.parametrize(("cause", "changes"), CLOSED.items(), ids=CLOSED)
+def test_what_closes_all_windows_of_a_body_is_told(cause, changes):
+    asked = request(smallsat(**changes), LAS_VEGAS)
+    search = WindowSearch(asked)
+    [unseen] = unseen_of(asked, search.carrier, search.find().target)
+    assert unseen.closed_by == cause
