@@ -58,6 +58,8 @@ def _part(
 
     scenario = scenario_of(request, flight, number)
     words = {name: document[name] for name in _CARRIED_OVER if name in document}
+    if scenario.slew != request.slew:
+        words.pop("slew", None)
     target_words = [document["targets"][look.row]["target"] for look in flight.looks]
     looks = [to_members(look) for look in flight.looks]
     return Part(

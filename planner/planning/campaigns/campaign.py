@@ -136,7 +136,7 @@ def scenario_of(request: CampaignRequest, flight: ChosenPass, number: int) -> Sc
     return Scenario(
         name=f"{request.name or 'campaign'}, pass {number + 1}",
         orbit=request.orbit,
-        attitude=request.attitude,
+        attitude=ends.attitude,
         platform=request.platform,
         initial_state=ends.initial_state,
         sessions=(
@@ -237,9 +237,7 @@ def _closed_later(
         return "rest", (
             f"no {least_s:g} s of its windows are left beside the time {follower.resting}"
         )
-    return "motion", (
-        f"the axes can't follow it for {least_s:g} s within their stops, rates and accelerations"
-    )
+    return "motion", (follower.unable.format(least_s=least_s))
 
 
 def _left_out(request: CampaignRequest, one: Displaced, grid_s: float) -> UnchosenTarget:

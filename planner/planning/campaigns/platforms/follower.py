@@ -8,6 +8,7 @@ from planner.base.arrays import Array, Indices, Mask
 from planner.planning.campaigns.platforms.slew_fits import SlewLimits
 from planner.planning.opportunities.carrier import Carrier
 from planner.planning.opportunities.sights import Sight
+from planner.world.attitude import Attitude
 from planner.world.orbits import Ephemeris
 from planner.world.scenario import FinalState, InitialState, Session, SlewOptions
 
@@ -27,9 +28,10 @@ class Following(NamedTuple):
 class PassEnds(NamedTuple):
     """How the plan of a pass begins and ends.
 
-    rest: the sessions after the last look.
+    rest: the sessions after the last look.  attitude: of the carrier, if it stands on one.
     """
 
+    attitude: Attitude | None
     initial_state: InitialState
     rest: tuple[Session, ...]
     final_state: FinalState | None
@@ -41,7 +43,7 @@ class Follower(Protocol):
 
     slew_limits: of its slews.  longest_slew_s: none between two targets needs longer.  rest_s: room
     that a pass needs at either end, whole rows.  settle_s: on a target before a look.
-    resting: where it rests, in the words of a reason.
+    resting, unable: reasons: that a pass leaves no time, that it can't follow for `least_s`.
     """
 
     slew_limits: SlewLimits
@@ -49,6 +51,7 @@ class Follower(Protocol):
     rest_s: float
     settle_s: float
     resting: str
+    unable: str
 
     def carrier(self, ephemeris: Ephemeris) -> Carrier:
         """The carrier over all of the campaign."""

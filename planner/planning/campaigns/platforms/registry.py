@@ -2,11 +2,15 @@
 
 from collections.abc import Callable
 
+from planner.planning.campaigns.platforms.body import BodyFollower
 from planner.planning.campaigns.platforms.follower import Follower
 from planner.planning.campaigns.platforms.two_axis import TwoAxisFollower
 from planner.planning.campaigns.request import CampaignRequest
 
-FOLLOWERS: dict[str, Callable[[CampaignRequest], Follower]] = {"two_axis": TwoAxisFollower}
+FOLLOWERS: dict[str, Callable[[CampaignRequest], Follower]] = {
+    "two_axis": TwoAxisFollower,
+    "body": BodyFollower,
+}
 
 
 def follower_of(request: CampaignRequest) -> Follower:

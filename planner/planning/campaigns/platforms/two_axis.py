@@ -16,11 +16,12 @@ from planner.planning.campaigns.platforms.follower import Following, PassEnds
 from planner.planning.campaigns.platforms.slew_fits import SlewLimits
 from planner.planning.campaigns.request import CampaignRequest
 from planner.planning.opportunities.carrier import Carrier, carrier_over
+from planner.planning.opportunities.platforms.registry import lookout_of
 from planner.planning.opportunities.sights import Sight, visible_target
 from planner.planning.sessions.platforms.two_axis.budget import probabilities_at
 from planner.world.frames.time_scales import Instants, shifted_utc
 from planner.world.orbits import Ephemeris
-from planner.world.platforms import AxisLimits
+from planner.world.platforms import AxisLimits, TwoAxisPlatform
 from planner.world.scenario import InitialState, Session
 from planner.world.targets import BenchMotionTarget
 from planner.world.targets.axis_signals import ConstantRate
@@ -46,8 +47,13 @@ class TwoAxisFollower:
 
     settle_s = 0.0
     resting = "the axes need to leave their rest and to come back to it"
+    unable = (
+        "the axes can't follow it for {least_s:g} s within their stops, rates and accelerations"
+    )
 
     def __init__(self, request: CampaignRequest) -> None:
+        if not isinstance(request.platform, TwoAxisPlatform):
+            raise TypeError(f"{request.platform.name} has no two axes")
         self._request = request
         limits = request.slew.axis_limits(request.platform)
         self._platform = request.platform.with_limits(limits)
@@ -66,9 +72,8 @@ class TwoAxisFollower:
 
     def carrier(self, ephemeris: Ephemeris) -> Carrier:
         request = self._request
-        return carrier_over(
-            ephemeris, request.attitude, self._platform, request.start, request.stop
-        )
+        base = lookout_of(self._platform, request.attitude)
+        return carrier_over(ephemeris, base, request.start, request.stop)
 
     def ways(self, sight: Sight, which: Indices, t_s: Array) -> Iterator[Following]:
         platform = self._platform
@@ -108,7 +113,7 @@ class TwoAxisFollower:
         probability[rows] = probabilities_at(
             line_of_sight,
             ephemeris,
-            self._request.attitude,
+            self._request.opportunities().law,
             visible_target(sight, which[rows]),
             self._platform,
             angle_rad[rows],
@@ -123,6 +128,7 @@ class TwoAxisFollower:
         )  # fmt: skip
         rest_utc = shifted_utc(stop_utc, -OPTIONS.rest_rows * COMMAND_STEP_S)
         return PassEnds(
+            attitude=self._request.opportunities().law,
             initial_state=InitialState(epoch=start_utc, angles_deg=rest_deg),
             rest=(Session(target=rest, start=rest_utc, stop=stop_utc),),
             final_state=None,
