@@ -31,7 +31,7 @@ from planner.planning.sessions.platforms.registry import mover_of
 from planner.planning.sessions.track_branches import los_on_rows, session_rows
 from planner.world.frames.time_scales import elapsed_s, shifted_utc
 from planner.world.plan import FlightPlan
-from planner.world.platforms import BodyPlatform, Bounds
+from planner.world.platforms import Bounds
 from planner.world.scenario import Scenario, Session
 from planner.world.targets import VisibleTarget
 

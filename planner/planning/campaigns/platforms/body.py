@@ -7,10 +7,11 @@ from datetime import datetime
 
 import numpy as np
 
-from planner.base.arrays import Array, Indices
+from planner.base.arrays import Array, Indices, Mask
 from planner.base.commands import ROWS_PER_S
 from planner.base.compiled import compiled
 from planner.base.rotation import Rotation
+from planner.base.vectors import scaled
 from planner.motion.attitude.track import agility_limits, pointed_quaternions
 from planner.motion.pointing.line_of_sight import LineOfSight
 from planner.planning.campaigns.platforms.axis_slew_time import change_s
@@ -21,9 +22,9 @@ from planner.planning.campaigns.platforms.slew_fits import SlewLimits
 from planner.planning.campaigns.request import CampaignRequest
 from planner.planning.opportunities.carrier import Carrier, carrier_over
 from planner.planning.opportunities.looks import CarrierTables, Places, look
-from planner.planning.opportunities.platforms.registry import lookout_of
+from planner.planning.opportunities.platforms.body import BodyLookout
 from planner.planning.opportunities.sights import Sight, visible_target
-from planner.planning.opportunities.tracking import NEAREST, Tracking, aside_at, held_margin
+from planner.planning.opportunities.tracking import NEAREST, Tracking, aside_at, session_holds
 from planner.planning.sessions.probability import lattice_points, mixture_points
 from planner.planning.sessions.uncertainty import OPTIONS as BUDGET
 from planner.planning.sessions.uncertainty import (
@@ -67,7 +68,7 @@ class BodyFollower:
         if not isinstance(platform, BodyPlatform):
             raise TypeError(f"{platform.name} is no body")
         self._request, self._platform = request, platform
-        self._lookout = lookout_of(platform, None)
+        self._lookout = BodyLookout(platform, None)
         limits = agility_limits(platform)
         lengths, least = np.array(limits.lengths), limits.by_order.min(axis=0)
         self.slew_limits = SlewLimits(
@@ -104,10 +105,9 @@ class BodyFollower:
             )
             rate = (turn_after - turn_before) / (2.0 * OPTIONS.delta_s)
             acceleration = (turn_after + turn_before) / OPTIONS.delta_s**2
-            kept = _kept(tracking, carrier.tables, sight.places, which, t_s, sense, most_rad)
             yield Following(
                 states=np.concatenate([then.as_quat(), rate, acceleration, is_free], axis=1),
-                usable=kept > 0.0,
+                usable=_usable(tracking, carrier.tables, sight.places, which, t_s, sense, most_rad),
                 goes_on=np.ones(len(t_s) - 1, np.bool_),
             )
 
@@ -139,7 +139,7 @@ class BodyFollower:
         image = self._platform.q_payload_from_base(q_eci_from_body.as_quat()).as_matrix()[:, :2]
         half_rad = self._platform.frame_half_rad
         scene = ImageScene(los, visible_target(sight, which), image, half_rad, len(t_s))
-        return self._shares_inside(scene, lasting_biases(scene, los, ephemeris, (), BUDGET.clock_s))
+        return self._shares_inside(scene, lasting_biases(scene, ephemeris, (), BUDGET.clock_s))
 
     def _shares_inside(self, scene: ImageScene, biases: Sequence[Bias]) -> Array:
         """The probability in frame at each instant by itself, (n,); as of the plan's budget."""
@@ -226,7 +226,7 @@ def _directions(b: Tracking, c: CarrierTables, p: Places, which: Indices, t_s: A
 
 
 @compiled
-def _kept(
+def _usable(
     b: Tracking,
     c: CarrierTables,
     p: Places,
@@ -234,9 +234,12 @@ def _kept(
     t_s: Array,
     sense: int,
     off_nadir_rad: float,
-) -> Array:
-    """By how much a session keeps its exclusions and limits at each sample, (n,)."""
-    margin = np.empty(len(t_s))
+) -> Mask:
+    """Whether a session may be there by a sense of the rule, at each sample, (n,)."""
+    usable, sign = np.empty(len(t_s), np.bool_), 1.0 - 2.0 * sense
     for row in range(len(t_s)):
-        margin[row] = held_margin(b, c, p, which[row], t_s[row], sense, off_nadir_rad)
-    return margin
+        n, at_s = which[row], t_s[row]
+        d, _, r_sat, v = look(c, p, n, at_s)
+        aside = scaled(sign, aside_at(b, c, p, n, at_s, d, r_sat, v))
+        usable[row] = session_holds(b, c, p, n, at_s, sign, aside, off_nadir_rad)
+    return usable
