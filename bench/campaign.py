@@ -5,7 +5,7 @@ Real OCO-3 targets and seeded ones beyond 559, the ISS, elevation of 30 deg, loo
 best there (greedy), and what planners do by hand: by priority, the first window that is left.
 
     OMP_NUM_THREADS=1 python bench/campaign.py [--targets 200] [--days 1] [--step 2] [--plan 3]
-        [--sun 10] [--ground-sample 0]
+        [--sun 10] [--ground-sample 0] [--platform smallsat-120kg]
 
 --sun: least elevation of the Sun.  --ground-sample: its weight in what a look is worth; without
 it all views are worth the same, and the choice is hardest.  Times are of the processor.
@@ -33,7 +33,7 @@ from planner.planning.campaigns import (
 from planner.planning.opportunities import OpportunityConditions, find_opportunities
 from planner.world.frames.time_scales import elapsed_s
 from planner.world.orbits import TleOrbit
-from planner.world.platforms import PLATFORMS
+from planner.world.platforms import BODIES, PLATFORMS
 from planner.world.targets import GroundTarget
 
 ROOT = Path(__file__).parent.parent
@@ -49,6 +49,7 @@ def main() -> None:
     parser.add_argument("--plan", type=int, default=0, help="plan so many of the passes")
     parser.add_argument("--sun", type=float, help="deg, the Sun's least elevation")
     parser.add_argument("--ground-sample", type=float, default=1.0, help="its weight")
+    parser.add_argument("--platform", choices=[*PLATFORMS, *BODIES], default="iss-hrc")
     asked = parser.parse_args()
     request = campaign_request(asked.targets, asked.days, asked.step, asked.looks)
     request = replace(
@@ -56,6 +57,8 @@ def main() -> None:
         conditions=replace(request.conditions, sun_elevation_min_deg=asked.sun),
         view=ViewWeights(ground_sample=asked.ground_sample),
     )
+    if asked.platform in BODIES:
+        request = replace(request, platform=BODIES[asked.platform], rest_angles_deg=None)
     stages: dict[str, float] = {}
     last = ["", time.process_time()]
 

@@ -21,7 +21,7 @@ from planner.world.frames.time_scales import utc_from_text, utc_text
 if TYPE_CHECKING:
     from planner.planning.campaigns import Campaign, ChosenPass
 
-_CARRIED_OVER = ("platform", "orbit", "attitude", "slew")
+_CARRIED_OVER = ("platform", "orbit", "attitude", "slew")  # the last where it is as asked
 _SESSION = re.compile(r"sessions\.(\d+)(\.|$)")
 
 
@@ -57,7 +57,8 @@ def _part(
     from planner.planning.campaigns import scenario_of
 
     scenario = scenario_of(request, flight, number)
-    words = {name: document[name] for name in _CARRIED_OVER if name in document}
+    carried = _CARRIED_OVER if scenario.slew == request.slew else _CARRIED_OVER[:-1]
+    words = {name: document[name] for name in carried if name in document}
     target_words = [document["targets"][look.row]["target"] for look in flight.looks]
     looks = [to_members(look) for look in flight.looks]
     return Part(
@@ -106,8 +107,7 @@ def without_refused(part: Part, field: str | None, detail: str) -> Part | None:
     looks = list(part.facts["looks"])
     if len(looks) < 2:
         return None
-    named = _SESSION.match(field or "")
-    row = int(named[1]) if named else len(looks)
+    row = int(named[1]) if (named := _SESSION.match(field or "")) else len(looks)
     if row >= len(looks):
         row = min(range(len(looks)), key=lambda number: looks[number]["value"])
     request = json.loads(part.request)

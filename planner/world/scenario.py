@@ -215,6 +215,27 @@ class SlewOptions:
         return platform.limits_with_jerk(self.jerk_max_deg_s3)
 
 
+def asked_of_axes(attitude: Attitude | None, slew: SlewOptions) -> dict[str, bool]:
+    """Whether a request gives what only two axes on a carrier have, by field."""
+    return {
+        "attitude": attitude is not None,
+        "slew.method": slew.method != "ocp",
+        "slew.jerk_max_deg_s3": slew.jerk_max_deg_s3 is not None,
+        "slew.keep_out": bool(slew.keep_out),
+        "slew.avoid_modes": bool(slew.avoid_modes),
+    }
+
+
+def refuse_axes_only(platform: str, is_given: Mapping[str, bool]) -> None:
+    """Raises ValueError for the first field that is given though this platform is a body."""
+    for name, is_there in is_given.items():
+        if is_there:
+            raise ValueError(
+                f"{name} must be left out for {platform}: only two axes on a carrier have it, and "
+                "a body steers itself"
+            )
+
+
 @spec
 class Scenario:
     """A carrier, a platform on it, its state, and the sessions to fly in order of time.
@@ -271,17 +292,12 @@ class Scenario:
 
     def _check_body(self, platform: BodyPlatform) -> None:
         """What only two axes on a carrier have is refused."""
-        state, slew = self.initial_state, self.slew
-        given = {
-            "attitude": self.attitude is not None,
+        state = self.initial_state
+        given = asked_of_axes(self.attitude, self.slew) | {
             "initial_state.angles_deg": bool(state.angles_deg),
             "initial_state.rates_deg_s": bool(state.rates_deg_s),
             "initial_state.accelerations_deg_s2": bool(state.accelerations_deg_s2),
             "final_state": self.final_state not in (None, "idle"),
-            "slew.method": slew.method != "ocp",
-            "slew.jerk_max_deg_s3": slew.jerk_max_deg_s3 is not None,
-            "slew.keep_out": bool(slew.keep_out),
-            "slew.avoid_modes": bool(slew.avoid_modes),
         }
         for number, session in enumerate(self.sessions):
             given[f"sessions.{number}.keyhole"] = session.keyhole != "refuse"
@@ -295,12 +311,7 @@ class Scenario:
                         f"nothing of {session.target.label}: give another rule, such as nearest, "
                         "or leave it out"
                     )
-        for name, is_given in given.items():
-            if is_given:
-                raise ValueError(
-                    f"{name} must be left out for {self.platform.name}: only two axes on a carrier "
-                    "have it, and a body steers itself"
-                )
+        refuse_axes_only(platform.name, given)
 
     def _check_ids(self) -> None:
         seen: dict[str, int] = {}

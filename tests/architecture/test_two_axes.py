@@ -16,6 +16,7 @@ OWN = (
     "planner/motion",
     "planner/inflight/simulation",
     "planner/output/view/platforms",
+    "planner/planning/campaigns/platforms",
     "planner/planning/sessions/platforms",
     "planner/verification/platforms",
     "planner/world/platforms",
@@ -25,7 +26,7 @@ WORD = re.compile(
     r"|TwoAxisPlatform|(outer|inner)_(axis|limits|name|rad|rate)\w*|q_platform_from_body\w*"
     r"|(los|seen|boresight|directions?|axis|axes|q_eci_from|q_itrf_from)_(rate_)?platform\w*)\b"
 )
-MOST = 79  # lower it when it has fallen; the aim is 0
+MOST = 75  # lower it when it has fallen; the aim is 0
 SLACK = 10  # so that work side by side needn't meet in this line
 
 

@@ -72,7 +72,7 @@ def test_every_registered_kind_is_documented(document, schema, field, member, ki
 
 def test_every_registered_platform_is_documented(document, client):
     everyone = [*PLATFORMS, *BODIES]
-    for request in ("PlanRequest", "OpportunityRequest"):
+    for request in ("PlanRequest", "OpportunityRequest", "CampaignRequest"):
         platform = document["components"]["schemas"][request]["properties"]["platform"]
         assert platform["oneOf"][0]["enum"] == everyone
     listed = client.get("/v1/platforms").json()["platforms"]

@@ -89,7 +89,9 @@ def best_of_all(request, ways):
     ]
     looks.sort(key=lambda look: look[2])
     states = {
-        (way, int(ways.first_step[way]) + row): axes(ways.axis_states[ways.offset[way] + row])
+        (way, int(ways.first_step[way]) + row): axes(
+            ways.states[ways.offset[way] + row].reshape(3, 2)
+        )
         for way in range(len(ways.target))
         for row in range(int(ways.steps[way]))
     }

@@ -10,37 +10,25 @@ from datetime import datetime
 import numpy as np
 
 from planner.base.arrays import Array, Indices
-from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
+from planner.base.commands import COMMAND_STEP_S
 from planner.base.reporting import Reporter, tell_nobody
 from planner.planning.campaigns.choice import CampaignChoice, Looking, bound_at, choose
 from planner.planning.campaigns.chosen import ChosenLook, UnchosenTarget
 from planner.planning.campaigns.displaced import Displaced, displaced_by
 from planner.planning.campaigns.network import Network, network_of, relax
-from planner.planning.campaigns.passes import (
-    PASS_MAX_S,
-    SESSIONS_MAX,
-    Looks,
-    in_passes,
-    longest_rest_s,
-    longest_slew_s,
-)
+from planner.planning.campaigns.passes import PASS_MAX_S, SESSIONS_MAX, Looks, in_passes
+from planner.planning.campaigns.platforms.follower import Follower
+from planner.planning.campaigns.platforms.registry import follower_of
 from planner.planning.campaigns.request import BOUNDS as CAMPAIGN_BOUNDS
 from planner.planning.campaigns.request import CampaignRequest
-from planner.planning.campaigns.slew_time import limit_table
 from planner.planning.campaigns.view import Viewing
 from planner.planning.campaigns.ways import Ways, ways_to_follow
 from planner.planning.opportunities import Windows, opportunities_however_many
-from planner.planning.opportunities.carrier import Carrier, carrier_over
+from planner.planning.opportunities.carrier import Carrier
 from planner.planning.opportunities.closing import Closing, Unseen
-from planner.planning.opportunities.platforms.registry import lookout_of
 from planner.planning.opportunities.unseen import unseen_because
 from planner.world.frames.time_scales import shifted_utc, utc_text
-from planner.world.platforms import AxisLimits
-from planner.world.scenario import InitialState, Scenario, Session
-from planner.world.targets import BenchMotionTarget
-from planner.world.targets.axis_signals import ConstantRate
-
-REST_ROWS = 5 * ROWS_PER_S  # how long the axes are held at rest at the end of a pass
+from planner.world.scenario import Scenario, Session
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,31 +77,25 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> C
     Raises OutsideCoverage.
     """
     tell("opportunities", 0, 1)
-    limits = request.slew.axis_limits(request.platform)
+    follower = follower_of(request)
     grid_s = _first_row_s(request)
     found = opportunities_however_many(request.opportunities())
-    rest_s = _rest_s(request, limits)
-    looks = _looks_in_passes(request, found.windows, rest_s)
+    looks = _looks_in_passes(request, found.windows, follower.rest_s)
     tell("ways", 0, 1)
-    platform = request.platform.with_limits(limits)
     ephemeris = request.orbit.ephemeris(request.start, request.stop)
-    base = lookout_of(platform, request.attitude)
-    carrier = carrier_over(ephemeris, base, request.start, request.stop)
-    viewing = Viewing(
-        weights=request.view, ephemeris=ephemeris, attitude=request.attitude, platform=platform
-    )
+    carrier = follower.carrier(ephemeris)
+    viewing = Viewing(weights=request.view, ephemeris=ephemeris, follower=follower)
     targets = [wanted.target for wanted in request.targets]
-    least_s = _least_s(request)
-    ways = ways_to_follow(looks, targets, least_s, carrier, viewing, request.step_s, grid_s)
-    looking = _looking_of(request)
+    looking = _looking_of(request, follower.settle_s)
     shortest = looking.length_steps[:, 0]
-    networks = _build_networks(ways, shortest, limits, tell)
+    ways = ways_to_follow(looks, targets, shortest, carrier, viewing, request.step_s, grid_s)
+    networks = _build_networks(ways, shortest, follower, tell)
     choice = choose(networks, looking, tell)
     tell("bound", 0, 1)
     # At slew times that nothing can beat.
-    table = limit_table(limits)
+    limits = follower.slew_limits
     with _thread_count() as threads:
-        optimistic = list(threads.map(lambda one: relax(one, ways, shortest, table), networks))
+        optimistic = list(threads.map(lambda one: relax(one, ways, shortest, limits), networks))
     bound = bound_at(optimistic, looking, choice.price)
     seen = set(np.unique(ways.target).tolist())
     unseen = [row for row in range(len(request.targets)) if row not in seen]
@@ -125,7 +107,7 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> C
         np.array(sorted(seen - looked_at), np.intp),
     )
     return Campaign(
-        passes=_in_utc(request, choice, rest_s, grid_s, carrier, viewing),
+        passes=_in_utc(request, choice, grid_s, carrier, viewing),
         value=choice.value,
         bound=max(bound, choice.value),
         greedy_value=choice.greedy_value,
@@ -135,7 +117,7 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> C
             carrier,
             unseen,
             {
-                row: _closed_later(request, row, found.windows, looks)
+                row: _closed_later(request, row, found.windows, looks, follower)
                 for row in unseen
                 if (found.windows.target == row).any()
             },
@@ -150,17 +132,13 @@ def scenario_of(request: CampaignRequest, flight: ChosenPass, number: int) -> Sc
 
     What a slew lacks, its neighbours give: slew times were estimated without stops.
     """
-    rest = BenchMotionTarget(
-        axes={name: ConstantRate(angle_deg=angle_deg, rate_deg_s=0.0)
-              for name, angle_deg in request.rest_deg.items()}
-    )  # fmt: skip
-    rest_utc = shifted_utc(flight.stop_utc, -REST_ROWS * COMMAND_STEP_S)
+    ends = follower_of(request).pass_ends(flight.start_utc, flight.stop_utc)
     return Scenario(
         name=f"{request.name or 'campaign'}, pass {number + 1}",
         orbit=request.orbit,
-        attitude=request.attitude,
+        attitude=ends.attitude,
         platform=request.platform,
-        initial_state=InitialState(epoch=flight.start_utc, angles_deg=request.rest_deg),
+        initial_state=ends.initial_state,
         sessions=(
             *(
                 Session(
@@ -171,10 +149,11 @@ def scenario_of(request: CampaignRequest, flight: ChosenPass, number: int) -> Sc
                 )
                 for look in flight.looks
             ),
-            Session(target=rest, start=rest_utc, stop=flight.stop_utc),
+            *ends.rest,
         ),
-        slew=request.slew,
+        slew=ends.slew,
         on_conflict="least_loss",
+        final_state=ends.final_state,
     )
 
 
@@ -182,13 +161,6 @@ def _first_row_s(request: CampaignRequest) -> float:
     """Seconds from the start to the first command row, which counts from a whole UTC second."""
     row_us = round(COMMAND_STEP_S * 1e6)
     return (-request.start.microsecond % row_us) / 1e6
-
-
-def _rest_s(request: CampaignRequest, limits: tuple[AxisLimits, ...]) -> float:
-    """Room for a slew to or from rest and for resting, whole rows."""
-    names = request.platform.axis_names
-    rest_rad = np.deg2rad([request.rest_deg[name] for name in names])
-    return (math.ceil(longest_rest_s(limits, rest_rad) * ROWS_PER_S) + REST_ROWS) / ROWS_PER_S
 
 
 def _least_s(request: CampaignRequest) -> Array:
@@ -209,29 +181,31 @@ def _looks_in_passes(request: CampaignRequest, windows: Windows, rest_s: float) 
     )
 
 
-def _looking_of(request: CampaignRequest) -> Looking:
+def _looking_of(request: CampaignRequest, settle_s: float) -> Looking:
+    settle_steps = math.ceil(settle_s / request.step_s - 1e-9)
     length_steps = np.zeros((len(request.targets), CAMPAIGN_BOUNDS.lengths), np.intp)
     look_value = np.zeros((len(request.targets), CAMPAIGN_BOUNDS.lengths))
     for row, wanted in enumerate(request.targets):
         for place, length_s in enumerate(wanted.lengths_s):
-            length_steps[row, place] = math.ceil(length_s / request.step_s - 1e-9)
+            length_steps[row, place] = settle_steps + math.ceil(length_s / request.step_s - 1e-9)
             look_value[row, place] = wanted.worth_value(length_s)
     return Looking(
         length_steps=length_steps,
         look_value=look_value,
         look_limit=np.array([float(wanted.looks) for wanted in request.targets]),
+        settle_steps=settle_steps,
     )
 
 
 def _build_networks(
-    ways: Ways, shortest: Indices, limits: tuple[AxisLimits, ...], tell: Reporter
+    ways: Ways, shortest: Indices, follower: Follower, tell: Reporter
 ) -> list[Network]:
     numbers = np.unique(ways.pass_number)
-    table, longest_s = limit_table(limits), longest_slew_s(limits)
+    limits, longest_s = follower.slew_limits, follower.longest_slew_s
 
     def build_network(number: int) -> Network:
         rows = np.flatnonzero(ways.pass_number == number)
-        return network_of(ways, rows, shortest, table, longest_s)
+        return network_of(ways, rows, shortest, limits, longest_s)
 
     networks: list[Network] = []
     with _thread_count() as threads:
@@ -247,7 +221,7 @@ def _thread_count() -> ThreadPoolExecutor:
 
 
 def _closed_later(
-    request: CampaignRequest, row: int, windows: Windows, looks: Looks
+    request: CampaignRequest, row: int, windows: Windows, looks: Looks, follower: Follower
 ) -> tuple[Closing, str]:
     """Why no observation of a target with windows that hold all conditions."""
     own = windows.select(windows.target == row)
@@ -261,12 +235,9 @@ def _closed_later(
         )
     if not (looks.target == row).any():
         return "rest", (
-            f"no {least_s:g} s of its windows are left beside the time the axes need to leave "
-            "their rest and to come back to it"
+            f"no {least_s:g} s of its windows are left beside the time {follower.resting}"
         )
-    return "motion", (
-        f"the axes can't follow it for {least_s:g} s within their stops, rates and accelerations"
-    )
+    return "motion", (follower.unable.format(least_s=least_s))
 
 
 def _left_out(request: CampaignRequest, one: Displaced, grid_s: float) -> UnchosenTarget:
@@ -294,7 +265,6 @@ def _left_out(request: CampaignRequest, one: Displaced, grid_s: float) -> Unchos
 def _in_utc(
     request: CampaignRequest,
     choice: CampaignChoice,
-    rest_s: float,
     grid_s: float,
     carrier: Carrier,
     viewing: Viewing,
@@ -304,6 +274,7 @@ def _in_utc(
     length_s = np.array([request.targets[look.target].lengths_s[look.length] for look in chosen])
     target = np.array([look.target for look in chosen], np.intp)
     targets = [wanted.target for wanted in request.targets]
+    rest_s = viewing.follower.rest_s
     pixel_rad = request.opportunities().pixel_rad
     views = viewing.seen(carrier, targets, target, start_s + 0.5 * length_s, pixel_rad)
     pending = iter(

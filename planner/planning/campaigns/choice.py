@@ -136,15 +136,17 @@ class Looking:
 
     length_steps, look_value: (targets, lengths), steps on the grid until it has ended and what
     it is worth at the best view; 0 for lengths there are not.  look_limit: (targets,).
+    settle_steps: of length_steps, before the look itself begins.
     """
 
     length_steps: Indices
     look_value: Array
     look_limit: Array
+    settle_steps: int
 
     def less_prices(self, price: Array) -> Worth:
         """The worth less a price for each observation, (targets,)."""
-        return Worth(self.length_steps, self.look_value, price)
+        return Worth(self.length_steps, self.look_value, price, self.settle_steps)
 
     def looks_of(self, passes: Iterable[Sequence[Look]]) -> Array:
         """How many observations each target gets, (targets,)."""

@@ -48,6 +48,7 @@ def displaced_by(
             start = cell - int(worth.steps[target, length])
             blocked = _blocked(network, way, start, cell, places)
             step = network.first_step + int(network.first[way]) + start - int(network.offset[way])
+            step += worth.settle_steps
             found = Displaced(
                 target=target,
                 value=look_worth(network, worth, cell, target, length),
@@ -73,7 +74,7 @@ def _places(network: Network, looks: Sequence[Look], worth: Worth) -> _Places:
     row = {way: n for n, way in enumerate(network.way.tolist())}
     way = np.array([row[look.way] for look in looks], np.intp)
     first = np.array([look.first_step for look in looks], np.intp) - network.first_step
-    start = network.offset[way] + first - network.first[way]
+    start = network.offset[way] + first - network.first[way] - worth.settle_steps
     takes = np.array([worth.steps[look.target, look.length] for look in looks], np.intp)
     return _Places(way, start, start + takes, np.array([look.value for look in looks]))
 

@@ -7,11 +7,15 @@ from numpy.typing import NDArray
 
 from planner.base.arrays import Array, Indices
 from planner.base.compiled import compiled
-from planner.planning.campaigns.slew_time import slew_fits
+from planner.planning.campaigns.platforms.slew_fits import (
+    NECESSARY,
+    SUFFICIENT,
+    SlewLimits,
+    slew_fits,
+)
 from planner.planning.campaigns.ways import Ways
 
 NEVER = -1
-SUFFICIENT, NECESSARY = 1.0, -1.0
 
 
 class Network(NamedTuple):
@@ -43,11 +47,11 @@ class Network(NamedTuple):
 
 
 def network_of(
-    ways: Ways, rows: Indices, least_steps: Indices, limits: Array, longest_s: float
+    ways: Ways, rows: Indices, least_steps: Indices, limits: SlewLimits, longest_s: float
 ) -> Network:
     """rows: of one pass's ways.  least_steps: (targets,), the shortest look.
 
-    limits: as of `limit_table`.  longest_s: no slew needs longer.  Slew times suffice.
+    longest_s: no slew needs longer.  Slew times suffice.
     """
     start = int(ways.first_step[rows].min())
     first = ways.first_step[rows] - start
@@ -83,7 +87,7 @@ def network_of(
     return network
 
 
-def relax(network: Network, ways: Ways, least_steps: Indices, limits: Array) -> Network:
+def relax(network: Network, ways: Ways, least_steps: Indices, limits: SlewLimits) -> Network:
     """The same, every arrival as early as no motion can beat: for a bound."""
     arrival = np.empty_like(network.arrival)
     usable_to = network.last - least_steps[network.target]
@@ -104,16 +108,16 @@ def _quality_sum(ways: Ways, rows: Indices, offset: Indices) -> Array:
 
 def _states(ways: Ways, rows: Indices) -> Array:
     begin = int(ways.offset[rows[0]])
-    return ways.axis_states[begin : int(ways.offset[rows[-1]] + ways.steps[rows[-1]])]
+    return ways.states[begin : int(ways.offset[rows[-1]] + ways.steps[rows[-1]])]
 
 
 @compiled
 def _fill(
-    axis_states: Array,
+    states: Array,
     network: Network,
     usable_to: Indices,
     step_s: float,
-    limits: Array,
+    limits: SlewLimits,
     sign: float,
     arrival: NDArray[np.int32],
 ) -> None:
@@ -138,7 +142,7 @@ def _fill(
                     latest = first[to]
                 else:
                     latest = _first_arrival(
-                        axis_states[offset[source] + steps], axis_states, offset[to], first[to],
+                        states[offset[source] + steps], states, offset[to], first[to],
                         usable_to[to], leave, latest, step_s, limits, sign,
                     )  # fmt: skip
                 arrival[place] = NEVER if latest == NEVER else offset[to] + latest - first[to]
@@ -146,23 +150,23 @@ def _fill(
 
 @compiled
 def _first_arrival(
-    axis_state: Array,
-    axis_states: Array,
+    state: Array,
+    states: Array,
     offset: int,
     first: int,
     usable_to: int,
     leave: int,
     latest: int,
     step_s: float,
-    limits: Array,
+    limits: SlewLimits,
     sign: float,
 ) -> int:
     """Down from the latest arrival known, as long as the slew still fits."""
     found = latest
     step = usable_to if latest == NEVER else latest - 1
     while step >= first and step > leave:
-        there = axis_states[offset + step - first]
-        if not slew_fits(axis_state, there, limits, sign, (step - leave) * step_s + 1e-9):
+        there = states[offset + step - first]
+        if not slew_fits(state, there, limits, sign, (step - leave) * step_s + 1e-9):
             break
         found = step
         step -= 1

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner.base.arrays import Array, Indices
-from planner.world.platforms import AxisLimits
 
 PASS_MAX_S = 3600.0
 SESSIONS_MAX = 200  # of one plan
@@ -24,26 +23,6 @@ class Looks:
     from_s: Array
     to_s: Array
     pass_number: Indices
-
-
-def longest_slew_s(limits: tuple[AxisLimits, ...]) -> float:
-    """No slew between two tracks needs longer: stop to stop, both rates in the way."""
-    return max(_slew_s(axis, axis.angle_max_rad - axis.angle_min_rad, 2) for axis in limits)
-
-
-def longest_rest_s(limits: tuple[AxisLimits, ...], rest_angle_rad: Array) -> float:
-    """No slew between a track and the resting angles (m,) needs longer."""
-    return max(
-        _slew_s(axis, max(axis.angle_max_rad - rest_rad, rest_rad - axis.angle_min_rad), 1)
-        for axis, rest_rad in zip(limits, rest_angle_rad.tolist(), strict=True)
-    )
-
-
-def _slew_s(axis: AxisLimits, travel_rad: float, tracks: int) -> float:
-    """Two changes between rest and the greatest rate, and as many at each track it joins."""
-    rate, acceleration = axis.rate_max_rad_s, axis.acceleration_max_rad_s2
-    changes_s = 2.0 * (rate / acceleration + acceleration / axis.jerk_max_rad_s3)
-    return travel_rad / rate + 2.0 * tracks * rate / acceleration + changes_s
 
 
 def in_passes(

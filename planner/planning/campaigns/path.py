@@ -52,12 +52,14 @@ class Worth(NamedTuple):
     """What looks at each target are worth.
 
     steps: on the grid, and value: at the best view, (targets, lengths), 0 for lengths there are
-    not.  price: of any look, (targets,); one that is worth no more is never taken.
+    not.  price: of any look, (targets,); one that is worth no more is never taken.  settle_steps:
+    of these steps, before the look itself begins.
     """
 
     steps: Indices
     value: Array
     price: Array
+    settle_steps: int = 0
 
 
 def best_path(network: Network, worth: Worth) -> Path:
@@ -69,7 +71,7 @@ def best_path(network: Network, worth: Worth) -> Path:
         cell, length = divmod(number, worth.value.shape[1])
         way = int(np.searchsorted(network.offset, cell, side="right")) - 1
         takes = int(worth.steps[target, length])
-        step = cell - network.offset[way] + network.first[way] - takes
+        step = cell - network.offset[way] + network.first[way] - takes + worth.settle_steps
         looks.append(
             Look(
                 target=target,
@@ -102,7 +104,7 @@ def path_bound(network: Network, worth: Worth, labels_max: int) -> float:
 @compiled
 def look_worth(network: Network, worth: Worth, cell: int, target: int, length: int) -> float:
     """Without its price, of a look that ends at a cell: by the mean quality of its view."""
-    takes = max(worth.steps[target, length], 1)
+    takes = max(worth.steps[target, length] - worth.settle_steps, 1)
     seen = network.quality_sum[cell] - network.quality_sum[max(cell - takes, 0)]
     return float(worth.value[target, length] * seen / takes)
 

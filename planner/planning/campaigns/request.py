@@ -17,11 +17,10 @@ from planner.planning.opportunities import (
 )
 from planner.planning.opportunities.request import BOUNDS as OPPORTUNITY_BOUNDS
 from planner.world.attitude import Attitude
-from planner.world.attitude.lvlh import LvlhAttitude
 from planner.world.frames.time_scales import DAY_S, elapsed_s
 from planner.world.orbits import Orbit
-from planner.world.platforms import PIXELS_ARCSEC, AngleDeg, Platform
-from planner.world.scenario import SlewOptions
+from planner.world.platforms import PIXELS_ARCSEC, AngleDeg, AnyPlatform, TwoAxisPlatform
+from planner.world.scenario import SlewOptions, asked_of_axes, refuse_axes_only
 from planner.world.targets import WindowTarget
 
 
@@ -109,11 +108,13 @@ class CampaignTarget:
 
 @spec
 class CampaignRequest:
-    """A carrier, a platform on it, and targets to be looked at from `start` to `stop`.
+    """A platform, its orbit, and targets to be looked at from `start` to `stop`.
 
     name: your name for it, shown in lists.
-    rest_angles_deg: angles at which the axes rest before, between and after passes, by axis; 0
-    unless given. E.g. `{"alpha": 0.0, "beta": 0.0}`.
+    attitude: attitude of the carrier that two axes stand on, its local orbital frame unless given;
+    a body steers itself and has none.
+    rest_angles_deg: angles at which two axes rest before, between and after passes, by axis; 0
+    unless given. A body rests on its idle attitude. E.g. `{"alpha": 0.0, "beta": 0.0}`.
     targets: the targets to choose from.
     start: start of the campaign; UTC, rounded up to a command row.
     stop: end of the campaign; UTC.
@@ -124,9 +125,9 @@ class CampaignRequest:
     """
 
     name: str = ""
-    platform: Platform
+    platform: AnyPlatform
     orbit: Orbit
-    attitude: Attitude = LvlhAttitude()
+    attitude: Attitude | None = None
     rest_angles_deg: Mapping[str, AngleDeg] | None = None
     targets: Annotated[tuple[CampaignTarget, ...], Field(max_length=OPPORTUNITY_BOUNDS.targets_max)]
     start: datetime
@@ -154,13 +155,18 @@ class CampaignRequest:
         self.opportunities()
 
     def _require_rest(self) -> None:
-        names = self.platform.axis_names
+        platform = self.platform
+        if not isinstance(platform, TwoAxisPlatform):
+            given = {"rest_angles_deg": self.rest_angles_deg is not None}
+            refuse_axes_only(platform.name, given | asked_of_axes(self.attitude, self.slew))
+            return
+        names = platform.axis_names
         if set(self.rest_deg) != set(names):
             raise ValueError(
-                f"rest_angles_deg must name the axes {', '.join(names)} of {self.platform.name}, "
+                f"rest_angles_deg must name the axes {', '.join(names)} of {platform.name}, "
                 f"not {', '.join(self.rest_deg) or 'none'}"
             )
-        for name, limits in zip(names, self.platform.axis_limits, strict=True):
+        for name, limits in zip(names, platform.axis_limits, strict=True):
             low_deg = math.degrees(limits.angle_min_rad)
             high_deg = math.degrees(limits.angle_max_rad)
             if not low_deg <= self.rest_deg[name] <= high_deg:
@@ -203,7 +209,7 @@ class CampaignRequest:
     def rest_deg(self) -> Mapping[str, float]:
         """Where each axis rests, by its name."""
         if self.rest_angles_deg is None:
-            return dict.fromkeys(self.platform.axis_names, 0.0)
+            return dict.fromkeys(self.platform.dof_names, 0.0)
         return self.rest_angles_deg
 
     @property

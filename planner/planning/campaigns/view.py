@@ -7,22 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner.base.arrays import Array, Indices, angle_rad
-from planner.motion.pointing.angles import axis_angles
-from planner.motion.pointing.line_of_sight import LineOfSight
+from planner.planning.campaigns.platforms.follower import Follower
 from planner.planning.campaigns.request import ViewWeights
 from planner.planning.opportunities.carrier import Carrier
 from planner.planning.opportunities.sights import Sight, in_sights
-from planner.planning.sessions.platforms.two_axis.budget import probabilities_at
-from planner.world.attitude import AttitudeLaw
 from planner.world.frames.geodesy import geodetic_from_itrf
-from planner.world.frames.time_scales import Instants
 from planner.world.orbits import Ephemeris
-from planner.world.platforms import TwoAxisPlatform
-from planner.world.targets import Target, VisibleTarget
-from planner.world.targets.earth_fixed import EarthFixedTarget
+from planner.world.targets import Target
 
 PROBABILITY_EVERY = 10  # samples; it changes by less than 0.02 in 20 s of a 400 km pass
-_DELTA_S = 1.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -63,8 +56,7 @@ class Viewing:
 
     weights: ViewWeights
     ephemeris: Ephemeris
-    attitude: AttitudeLaw
-    platform: TwoAxisPlatform
+    follower: Follower
 
     def quality(self, sight: Sight, which: Indices, t_s: Array, breaks: Indices) -> Array:
         """Quality of the view of targets `which` (n,) at t_s (n,), between 0 and 1.
@@ -83,42 +75,9 @@ class Viewing:
         if weights.probability > 0.0:
             every = np.arange(0, len(t_s), PROBABILITY_EVERY)
             rows = np.unique(np.concatenate([every, breaks, breaks[1:] - 1, [len(t_s) - 1]]))
-            found = self.probability(sight, which[rows], t_s[rows])
+            found = self.follower.probability(sight, which[rows], t_s[rows], self.ephemeris)
             quality *= np.interp(np.arange(len(t_s)), rows, found) ** weights.probability
         return quality
-
-    def probability(self, sight: Sight, which: Indices, t_s: Array) -> Array:
-        """That each target is in the frame, (n,); 0 where no angles point there."""
-        carrier = sight.carrier
-        before, seen, after = (
-            sight.sighting(which, at_s) for at_s in (t_s - _DELTA_S, t_s, t_s + _DELTA_S)
-        )
-        los_platform = seen.los_platform
-        angle_rad = axis_angles(self.platform, los_platform).angle_rad[0]
-        rows = np.flatnonzero(np.isfinite(angle_rad).all(axis=1))
-        if not len(rows):
-            return np.zeros(len(t_s))
-        los_rate_per_s = (after.los_platform - before.los_platform) / (2.0 * _DELTA_S)
-        instants = Instants(carrier.start_utc, t_s[rows])
-        los = LineOfSight(
-            instants=instants,
-            states=self.ephemeris.states(instants),
-            los_platform=los_platform[rows],
-            los_rate_platform_per_s=los_rate_per_s[rows],
-            los_acceleration_platform_per_s2=np.full((len(rows), 3), math.nan),
-            range_m=seen.range_m[rows],
-            clearance_rad=seen.elevation_rad[rows],
-        )
-        probability = np.zeros(len(t_s))
-        probability[rows] = probabilities_at(
-            los,
-            self.ephemeris,
-            self.attitude,
-            _target_of(sight, which[rows]),
-            self.platform,
-            angle_rad[rows],
-        )
-        return probability
 
     def seen(
         self,
@@ -132,7 +91,7 @@ class Viewing:
         seen: list[Seen | None] = [None] * len(target)
         for rows, sight, which in in_sights(target, targets, carrier):
             view = view_of(sight, which, t_s[rows])
-            probability = self.probability(sight, which, t_s[rows])
+            probability = self.follower.probability(sight, which, t_s[rows], self.ephemeris)
             pixel_m = pixel_rad * view.plumb_m * view.stretch_ratio
             on_earth = sight.on_earth
             for n, row in enumerate(rows.tolist()):
@@ -160,26 +119,3 @@ def view_of(sight: Sight, which: Indices, t_s: Array) -> ViewOverTime:
         stretch_ratio=seen.range_m / (plumb_m * np.maximum(np.sin(seen.elevation_rad), 1e-6)),
         sun_elevation_rad=seen.sun_elevation_rad,
     )
-
-
-def _target_of(sight: Sight, which: Indices) -> VisibleTarget:
-    """Rows of `which` as one target, a place per instant."""
-    if not sight.on_earth:
-        return sight.targets[0]
-    if sight.places.step_s == 0.0:
-        return _Places(sight.places.resting_parameters[which, :3])
-    return sight.targets[0]
-
-
-class _Places(EarthFixedTarget):
-    """A place at rest for each instant, whose number may be asked for several times over."""
-
-    min_elevation_deg = 0.0
-    refraction = "none"
-
-    def __init__(self, r_itrf_m: Array) -> None:
-        self._r_itrf_m = r_itrf_m
-
-    def r_target_itrf_m(self, instants: Instants) -> Array:
-        """Shape (n, 3)."""
-        return np.tile(self._r_itrf_m, (len(instants) // len(self._r_itrf_m), 1))

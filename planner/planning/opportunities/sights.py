@@ -14,7 +14,7 @@ from planner.planning.opportunities.telling import look_each, places_each
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.geodesy import geodetic_from_itrf, up_itrf
 from planner.world.frames.time_scales import Instants
-from planner.world.targets import EarthFixedTarget, SkyTarget, Target
+from planner.world.targets import EarthFixedTarget, SkyTarget, Target, VisibleTarget
 from planner.world.targets.refraction import bending_spline
 
 
@@ -166,3 +166,26 @@ def _track(carrier: Carrier, of: Callable[[Instants], Array], error: float) -> U
 def _up_itrf(r_itrf_m: Array) -> Array:
     latitude_rad, longitude_rad, _ = geodetic_from_itrf(r_itrf_m)
     return up_itrf(latitude_rad, longitude_rad)
+
+
+def visible_target(sight: Sight, which: Indices) -> VisibleTarget:
+    """Targets `which` (n,) as one target, a place per instant."""
+    if not sight.on_earth:
+        return sight.targets[0]
+    if sight.places.step_s == 0.0:
+        return _Places(sight.places.resting_parameters[which, :3])
+    return sight.targets[0]
+
+
+class _Places(EarthFixedTarget):
+    """A place at rest for each instant, whose number may be asked for several times over."""
+
+    min_elevation_deg = 0.0
+    refraction = "none"
+
+    def __init__(self, r_itrf_m: Array) -> None:
+        self._r_itrf_m = r_itrf_m
+
+    def r_target_itrf_m(self, instants: Instants) -> Array:
+        """Shape (n, 3)."""
+        return np.tile(self._r_itrf_m, (len(instants) // len(self._r_itrf_m), 1))

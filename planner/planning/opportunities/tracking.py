@@ -271,7 +271,7 @@ def _ways_margins(
 
 
 @lean
-def _held(
+def session_holds(
     b: Tracking, c: CarrierTables, p: Places, n: int, t_s: float, sign: float, aside: Vector,
     off_nadir_rad: float
 ) -> bool:  # fmt: skip
@@ -312,7 +312,7 @@ def _longest_run(
                 later_s = t_s - before_s
                 aside = _carried_over(aside, before, _carried_round(d, later_s))
                 aside = _carried_round(aside, -later_s)
-            is_held = _held(b, c, p, n, t_s, sign, aside, off_nadir_rad)
+            is_held = session_holds(b, c, p, n, t_s, sign, aside, off_nadir_rad)
             if is_held and (begins_s != begins_s or (is_new and b.roll == NEAREST)):
                 begins_s = t_s
             if is_held:

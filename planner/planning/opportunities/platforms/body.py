@@ -103,11 +103,11 @@ class BodyLookout:
     def hold(
         self, sight: Sight, scene: WindowScene, found: Found, shortest_s: float, looks_limit: float
     ) -> tuple[Found, Array, int]:
-        tracking = self._tracking(sight.carrier, sight.targets[0])
+        tracking = self.tracking(sight.carrier, sight.targets[0])
         most_rad = math.radians(self.platform.off_nadir_max_deg)
         return follow(tracking, scene, found, most_rad, (shortest_s, looks_limit))
 
-    def _tracking(self, carrier: Carrier, target: VisibleTarget) -> Tracking:
+    def tracking(self, carrier: Carrier, target: VisibleTarget) -> Tracking:
         """How it lies on a target, and on those that are seen alike."""
         platform, roll = self.platform, roll_rule(self.platform, target, None)
         aside_body = platform.camera.c_payload_from_body[0]

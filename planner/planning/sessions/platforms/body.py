@@ -222,7 +222,8 @@ class BodyMover:
         onward = self.scenario.orbit.ephemeris(shifted_utc(epoch_utc, stop_s), until_utc)
         most_rows = round(OPTIONS.longest_s * ROWS_PER_S)
         idle = self._idle(onward, last.stop_row, last.stop_row + most_rows)
-        rows = self._recommended_rows(state, rows_of(idle, slice(1)))
+        there = rows_of(idle, slice(1))
+        rows = self._most_rows(state, there) or self._recommended_rows(state, there)
         goal_row = last.stop_row + min(rows, most_rows)
         track = MotionTrack(
             t_s=np.arange(last.stop_row, last.stop_row + most_rows + 1) / ROWS_PER_S, motion=idle

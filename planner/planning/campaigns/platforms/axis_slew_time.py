@@ -1,4 +1,4 @@
-"""The least time of a slew from one track to another, computed millions of times over.
+"""The least time of a slew of axes from one track to another, computed millions of times over.
 
 `planner.motion.slew.closed_forms` answers for any state; here the accelerations at both ends, small
 beside the limit on a track, are taken away by ramps of their own, and what they cost is added
@@ -7,24 +7,11 @@ beside the limit on a track, are taken away by ramps of their own, and what they
 
 import math
 
-import numpy as np
-
 from planner.base.arrays import Array
 from planner.base.compiled import compiled
-from planner.world.platforms import AxisLimits
 
 HALVINGS = 40  # of the span of peak rates: its rounding is 1e-12 of the rate limit
 BOUNDLESS = 1e12  # rad/s3: a jerk that takes no time
-
-
-def limit_table(limits: tuple[AxisLimits, ...]) -> Array:
-    """Rate, acceleration and jerk limit of each axis, shape (m, 3)."""
-    return np.array(
-        [
-            [axis.rate_max_rad_s, axis.acceleration_max_rad_s2, axis.jerk_max_rad_s3]
-            for axis in limits
-        ]
-    )
 
 
 @compiled
@@ -42,7 +29,7 @@ def slew_time_s(start_axes: Array, end_axes: Array, limits: Array, sign: float) 
 
 
 @compiled
-def slew_fits(
+def axes_fit(
     start_axes: Array, end_axes: Array, limits: Array, sign: float, available_s: float
 ) -> bool:
     """Whether `slew_time_s` is at most available_s, told as soon as it is certain."""
@@ -69,12 +56,12 @@ def _axis_time_s(
     delta_rad = end_state[0] - start_state[0] - sign * (moved0 + moved1)
     v0, v1 = min(max(v0, -v), v), min(max(v1, -v), v)
     # What lies behind is as far as what lies ahead, seen the other way round.
-    if delta_rad < 0.5 * (v0 + v1) * _change_s(v1 - v0, a, j):
+    if delta_rad < 0.5 * (v0 + v1) * change_s(v1 - v0, a, j):
         delta_rad, v0, v1 = -delta_rad, -v0, -v1
     ramps_s = sign * (ramp0_s + ramp1_s)
     if sign < 0.0 and not _is_plain(delta_rad, v0, v1, a, j):
         j = BOUNDLESS
-    return float(_by_peak_s(delta_rad, v0, v1, v, a, j, available_s - ramps_s) + ramps_s)
+    return float(by_peak_s(delta_rad, v0, v1, v, a, j, available_s - ramps_s) + ramps_s)
 
 
 @compiled
@@ -84,12 +71,18 @@ def _is_plain(delta_rad: float, v0: float, v1: float, a: float, j: float) -> boo
     So it is well beyond what is covered while either rate is brought to rest and back.
     """
     fastest = max(abs(v0), abs(v1))
-    return delta_rad >= 2.0 * fastest * _change_s(fastest, a, j)
+    return delta_rad >= 2.0 * fastest * change_s(fastest, a, j)
 
 
 @compiled
-def _by_peak_s(
-    delta_rad: float, v0: float, v1: float, v: float, a: float, j: float, available_s: float
+def by_peak_s(
+    delta_rad: float,
+    v0_rad_s: float,
+    v1_rad_s: float,
+    v_rad_s: float,
+    a_rad_s2: float,
+    j_rad_s3: float,
+    available_s: float,
 ) -> float:
     """From rate v0 over `delta_rad` by a peak rate, held if it is the limit v, to rate v1; s.
 
@@ -97,16 +90,17 @@ def _by_peak_s(
     peak ends once it is certain whether that is enough.
     Source: Biagiotti, Melchiorri 2008, "Trajectory Planning for Automatic Machines", 3.4.
     """
+    v0, v1, v, a, j = v0_rad_s, v1_rad_s, v_rad_s, a_rad_s2, j_rad_s3
     beyond = delta_rad - _way_rad(v, v0, v1, a, j)
     if beyond >= 0.0:
-        return _change_s(v - v0, a, j) + _change_s(v1 - v, a, j) + beyond / v
+        return change_s(v - v0, a, j) + change_s(v1 - v, a, j) + beyond / v
     low, high = max(v0, v1), v
-    high_s = _change_s(high - v0, a, j) + _change_s(v1 - high, a, j)
+    high_s = change_s(high - v0, a, j) + change_s(v1 - high, a, j)
     for _ in range(HALVINGS):
         if high_s <= available_s:
             break
         middle = 0.5 * (low + high)
-        middle_s = _change_s(middle - v0, a, j) + _change_s(v1 - middle, a, j)
+        middle_s = change_s(middle - v0, a, j) + change_s(v1 - middle, a, j)
         if _way_rad(middle, v0, v1, a, j) < delta_rad:
             if middle_s > available_s:
                 return middle_s
@@ -120,15 +114,15 @@ def _by_peak_s(
 def _way_rad(v_peak_rad_s: float, v0: float, v1: float, a: float, j: float) -> float:
     """What is covered from v0 by way of a peak rate to v1."""
     return 0.5 * (
-        (v0 + v_peak_rad_s) * _change_s(v_peak_rad_s - v0, a, j)
-        + (v_peak_rad_s + v1) * _change_s(v1 - v_peak_rad_s, a, j)
+        (v0 + v_peak_rad_s) * change_s(v_peak_rad_s - v0, a, j)
+        + (v_peak_rad_s + v1) * change_s(v1 - v_peak_rad_s, a, j)
     )
 
 
 @compiled
-def _change_s(rate_rad_s: float, a: float, j: float) -> float:
-    """Least time to change the rate, from and to no acceleration."""
-    change = abs(rate_rad_s)
+def change_s(rate_rad_s: float, acceleration_rad_s2: float, jerk_rad_s3: float) -> float:
+    """Least time to change the rate by so much, from and to no acceleration."""
+    change, a, j = abs(rate_rad_s), acceleration_rad_s2, jerk_rad_s3
     if change >= a * a / j:
         return change / a + a / j
     return 2.0 * math.sqrt(change / j)

@@ -1,0 +1,1 @@
+"""The ways and slews of each kind of platform, as campaigns ask for them."""

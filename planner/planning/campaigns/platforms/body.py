@@ -1,0 +1,245 @@
+"""A spacecraft that turns as a whole as a campaign asks of it: tracks by a roll rule, and rest."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from datetime import datetime
+
+import numpy as np
+
+from planner.base.arrays import Array, Indices, Mask
+from planner.base.commands import ROWS_PER_S
+from planner.base.compiled import compiled
+from planner.base.rotation import Rotation
+from planner.base.vectors import scaled
+from planner.motion.attitude.track import agility_limits, pointed_quaternions
+from planner.motion.pointing.line_of_sight import LineOfSight
+from planner.planning.campaigns.platforms.axis_slew_time import change_s
+from planner.planning.campaigns.platforms.body_slew_time import OPTIONS as BLEND
+from planner.planning.campaigns.platforms.body_slew_time import BodyEnvelope
+from planner.planning.campaigns.platforms.follower import Following, PassEnds
+from planner.planning.campaigns.platforms.slew_fits import SlewLimits
+from planner.planning.campaigns.request import CampaignRequest
+from planner.planning.opportunities.carrier import Carrier, carrier_over
+from planner.planning.opportunities.looks import CarrierTables, Places, look
+from planner.planning.opportunities.platforms.body import BodyLookout
+from planner.planning.opportunities.sights import Sight, visible_target
+from planner.planning.opportunities.tracking import NEAREST, Tracking, aside_at, session_holds
+from planner.planning.sessions.probability import lattice_points, mixture_points
+from planner.planning.sessions.uncertainty import OPTIONS as BUDGET
+from planner.planning.sessions.uncertainty import (
+    Bias,
+    ImageScene,
+    along_track,
+    constant_biases,
+    lasting_biases,
+)
+from planner.world.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
+from planner.world.frames.iers import RAD_PER_ARCSEC
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits import Ephemeris
+from planner.world.platforms import BodyPlatform
+from planner.world.platforms.body import PushbroomCamera
+from planner.world.scenario import BoundedLead, InitialState
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrackFollowingOptions:
+    """How a body's motion along its targets is told from attitudes."""
+
+    delta_s: float = 1.0  # rates and accelerations are differences over it, good to 3e-4 of them
+
+
+OPTIONS = TrackFollowingOptions()
+
+
+class BodyFollower:
+    """As `Follower` says; a way is a sense of the roll rule, rest is the idle attitude.
+
+    States are told in axes that stand still: those of ITRF, turned back by the Earth's rotation
+    since the campaign's start.
+    """
+
+    resting = "the body needs to leave its idle attitude and to come back to it"
+    unable = "the body can't follow it for {least_s:g} s within its rate, acceleration and jerk"
+
+    def __init__(self, request: CampaignRequest) -> None:
+        platform = request.platform
+        if not isinstance(platform, BodyPlatform):
+            raise TypeError(f"{platform.name} is no body")
+        self._request, self._platform = request, platform
+        self._lookout = BodyLookout(platform, None)
+        limits = agility_limits(platform)
+        lengths, least = np.array(limits.lengths), limits.by_order.min(axis=0)
+        self.slew_limits = SlewLimits(
+            axes=np.empty((0, 3)),
+            body=BodyEnvelope(
+                is_magnitude=limits.kind == "magnitude",
+                by_axis=np.ascontiguousarray(limits.by_order),
+                length_limits=lengths,
+                least_limits=least,
+                boresight_body=platform.boresight_body,
+            ),
+        )
+        # To rest, half a turn about any axis, and to the greatest rate again.
+        stop_s = change_s(float(lengths[0]), float(least[1]), float(least[2]))
+        self.longest_slew_s = BLEND.switching_s + 3.0 * stop_s + max(math.pi / least[0], stop_s)
+        self.settle_s = platform.agility.settle_s
+        self.rest_s = math.ceil((self.longest_slew_s + self.settle_s) * ROWS_PER_S) / ROWS_PER_S
+
+    def carrier(self, ephemeris: Ephemeris) -> Carrier:
+        return carrier_over(ephemeris, self._lookout, self._request.start, self._request.stop)
+
+    def ways(self, sight: Sight, which: Indices, t_s: Array) -> Iterator[Following]:
+        carrier = sight.carrier
+        tracking = self._lookout.tracking(carrier, sight.targets[0])
+        most_rad = math.radians(self._platform.off_nadir_max_deg)
+        is_free = np.full((len(t_s), 1), float(tracking.roll == NEAREST))
+        for sense in range(tracking.senses):
+            before, then, after = (
+                self._attitudes(tracking, sight, which, at_s, sense)
+                for at_s in (t_s - OPTIONS.delta_s, t_s, t_s + OPTIONS.delta_s)
+            )
+            turn_before, turn_after = (
+                self._turns_rad(tracking, then, other) for other in (before, after)
+            )
+            rate = (turn_after - turn_before) / (2.0 * OPTIONS.delta_s)
+            acceleration = (turn_after + turn_before) / OPTIONS.delta_s**2
+            yield Following(
+                states=np.concatenate([then.as_quat(), rate, acceleration, is_free], axis=1),
+                usable=_usable(tracking, carrier.tables, sight.places, which, t_s, sense, most_rad),
+                goes_on=np.ones(len(t_s) - 1, np.bool_),
+            )
+
+    def probability(self, sight: Sight, which: Indices, t_s: Array, ephemeris: Ephemeris) -> Array:
+        tracking = self._lookout.tracking(sight.carrier, sight.targets[0])
+        instants = Instants(sight.carrier.start_utc, t_s)
+        c_itrf = c_itrf_from_eci(instants)
+        before, then, after = (
+            sight.sighting(which, at_s).direction_itrf
+            for at_s in (t_s - OPTIONS.delta_s, t_s, t_s + OPTIONS.delta_s)
+        )
+        turning_rad_s = np.array([0.0, 0.0, OMEGA_EARTH_RAD_S])
+        rate_itrf = (after - before) / (2.0 * OPTIONS.delta_s) + np.cross(turning_rad_s, then)
+        los_eci, los_rate_eci = (
+            np.einsum("nji,nj->ni", c_itrf, part) for part in (then, rate_itrf)
+        )
+        seen = sight.sighting(which, t_s)
+        q_itrf_from_body = self._attitudes(tracking, sight, which, t_s, 0, stands_still=False)
+        q_eci_from_body = Rotation.from_matrix(c_itrf).inv() * q_itrf_from_body
+        los = LineOfSight(
+            instants=instants,
+            states=ephemeris.states(instants),
+            los_platform=los_eci,
+            los_rate_platform_per_s=los_rate_eci,
+            los_acceleration_platform_per_s2=np.full((len(t_s), 3), math.nan),
+            range_m=seen.range_m,
+            clearance_rad=seen.elevation_rad,
+        )
+        image = self._platform.q_payload_from_base(q_eci_from_body.as_quat()).as_matrix()[:, :2]
+        half_rad = self._platform.frame_half_rad
+        scene = ImageScene(los, visible_target(sight, which), image, half_rad, len(t_s))
+        return self._shares_inside(scene, lasting_biases(scene, ephemeris, (), BUDGET.clock_s))
+
+    def _shares_inside(self, scene: ImageScene, biases: Sequence[Bias]) -> Array:
+        """The probability in frame at each instant by itself, (n,); as of the plan's budget."""
+        knowledge = self._platform.knowledge
+        half_rad = np.array(self._platform.frame_half_rad)
+        half_rad -= BUDGET.random_margin_sigma * knowledge.jitter_arcsec * RAD_PER_ARCSEC
+        if isinstance(self._platform.camera, PushbroomCamera):
+            half_rad[0] = math.inf  # across its line only the time changes
+        if not (half_rad > 0.0).all():
+            return np.zeros(len(scene.instants))
+        own_rad = math.hypot(knowledge.sigma_arcsec, knowledge.control_sigma_arcsec)
+        own_rad *= RAD_PER_ARCSEC
+        lasting = constant_biases(biases)
+        turns = [np.tile(own_rad * side, (len(scene.instants), 1)) for side in np.eye(2)]
+        points = lattice_points(len(lasting) + 2, 0)[:, :: BUDGET.coarse]
+        points = mixture_points(points, len(points) - 1, along_track(biases))
+        offsets = np.stack([*turns, *lasting], axis=-1) / half_rad[:, None]
+        return np.asarray(np.mean(np.abs(offsets @ points).max(axis=1) <= 1.0, axis=1))
+
+    def pass_ends(self, start_utc: datetime, stop_utc: datetime) -> PassEnds:
+        """A slew onto the idle attitude takes no longer than the room that the pass has for it."""
+        slew = self._request.slew
+        most_s = slew.lead.max_duration_s if isinstance(slew.lead, BoundedLead) else None
+        lead = BoundedLead(max_duration_s=min(most_s or math.inf, self.rest_s))
+        return PassEnds(
+            attitude=None,
+            initial_state=InitialState(epoch=start_utc),
+            rest=(),
+            final_state="idle",
+            slew=replace(slew, lead=lead),
+        )
+
+    def _attitudes(
+        self,
+        tracking: Tracking,
+        sight: Sight,
+        which: Indices,
+        t_s: Array,
+        sense: int,
+        *,
+        stands_still: bool = True,
+    ) -> Rotation:
+        """n rotations from the body to the axes that stand still, or to ITRF.
+
+        Of a roll that is free the one nearest to the idle attitude stands for all.
+        """
+        directions = _directions(tracking, sight.carrier.tables, sight.places, which, t_s)
+        toward_body, aside_body, _ = np.array(tracking.body_from_triad)
+        sign = -1.0 if sense else 1.0
+        q_xyzw = pointed_quaternions(
+            directions[:, :3], sign * directions[:, 3:], toward_body, aside_body
+        )
+        q_itrf_from_body = Rotation.from_quat(q_xyzw)
+        if not stands_still:
+            return q_itrf_from_body
+        turned_rad = np.outer(OMEGA_EARTH_RAD_S * t_s, [0.0, 0.0, 1.0])
+        return Rotation.from_rotvec(turned_rad) * q_itrf_from_body
+
+    def _turns_rad(self, tracking: Tracking, then: Rotation, other: Rotation) -> Array:
+        """Rotation vectors in body axes from `then` to the other attitudes, (n, 3).
+
+        Of a roll that is free as the boresight goes, with no turn about it.
+        """
+        turn = then.inv() * other
+        if tracking.roll != NEAREST:
+            return np.asarray(turn.as_rotvec())
+        boresight_body = self._platform.boresight_body
+        across = np.cross(boresight_body, turn.apply(boresight_body))
+        sine = np.linalg.norm(across, axis=1, keepdims=True)
+        return np.asarray(across * (np.arcsin(np.minimum(sine, 1.0)) / np.maximum(sine, 1e-15)))
+
+
+@compiled
+def _directions(b: Tracking, c: CarrierTables, p: Places, which: Indices, t_s: Array) -> Array:
+    """The line of sight and what the roll rule turns the body towards, ITRF, (n, 6)."""
+    directions = np.empty((len(t_s), 6))
+    for row in range(len(t_s)):
+        n, at_s = which[row], t_s[row]
+        d, _, r_sat, v = look(c, p, n, at_s)
+        aside = aside_at(b, c, p, n, at_s, d, r_sat, v)
+        for k in range(3):
+            directions[row, k], directions[row, 3 + k] = d[k], aside[k]
+    return directions
+
+
+@compiled
+def _usable(
+    b: Tracking,
+    c: CarrierTables,
+    p: Places,
+    which: Indices,
+    t_s: Array,
+    sense: int,
+    off_nadir_rad: float,
+) -> Mask:
+    """Whether a session may be there by a sense of the rule, at each sample, (n,)."""
+    usable, sign = np.empty(len(t_s), np.bool_), 1.0 - 2.0 * sense
+    for row in range(len(t_s)):
+        n, at_s = which[row], t_s[row]
+        d, _, r_sat, v = look(c, p, n, at_s)
+        aside = scaled(sign, aside_at(b, c, p, n, at_s, d, r_sat, v))
+        usable[row] = session_holds(b, c, p, n, at_s, sign, aside, off_nadir_rad)
+    return usable

@@ -1,0 +1,70 @@
+"""The follower: everything that a campaign asks of a platform, whatever its kind."""
+
+from collections.abc import Iterator
+from datetime import datetime
+from typing import NamedTuple, Protocol
+
+from planner.base.arrays import Array, Indices, Mask
+from planner.planning.campaigns.platforms.slew_fits import SlewLimits
+from planner.planning.opportunities.carrier import Carrier
+from planner.planning.opportunities.sights import Sight
+from planner.world.attitude import Attitude
+from planner.world.orbits import Ephemeris
+from planner.world.scenario import FinalState, InitialState, Session, SlewOptions
+
+
+class Following(NamedTuple):
+    """One way to follow targets over n samples.
+
+    states: (n, s), as `slew_fits` takes them.  usable: (n,), within all limits.  goes_on: (n - 1,),
+    whether a sample follows from the one before.
+    """
+
+    states: Array
+    usable: Mask
+    goes_on: Mask
+
+
+class PassEnds(NamedTuple):
+    """How the plan of a pass begins and ends.
+
+    rest: the sessions after the last look.  attitude: of the carrier, if it stands on one.
+    """
+
+    attitude: Attitude | None
+    initial_state: InitialState
+    rest: tuple[Session, ...]
+    final_state: FinalState | None
+    slew: SlewOptions
+
+
+class Follower(Protocol):
+    """One platform in a campaign.
+
+    slew_limits: of its slews.  longest_slew_s: none between two targets needs longer.  rest_s: room
+    that a pass needs at either end, whole rows.  settle_s: on a target before a look.
+    resting, unable: reasons: that a pass leaves no time, that it can't follow for `least_s`.
+    """
+
+    slew_limits: SlewLimits
+    longest_slew_s: float
+    rest_s: float
+    settle_s: float
+    resting: str
+    unable: str
+
+    def carrier(self, ephemeris: Ephemeris) -> Carrier:
+        """The carrier over all of the campaign."""
+        ...
+
+    def ways(self, sight: Sight, which: Indices, t_s: Array) -> Iterator[Following]:
+        """Every way to follow targets `which` (n,) at t_s (n,)."""
+        ...
+
+    def probability(self, sight: Sight, which: Indices, t_s: Array, ephemeris: Ephemeris) -> Array:
+        """That each target is in the frame at that instant, (n,); 0 where it can't be pointed."""
+        ...
+
+    def pass_ends(self, start_utc: datetime, stop_utc: datetime) -> PassEnds:
+        """Of a pass, at rest from the start and again by the stop."""
+        ...
