@@ -15,6 +15,7 @@ ROOT = Path(__file__).parents[2]
 OWN = (
     "planner/motion",
     "planner/inflight/simulation",
+    "planner/inflight/telemetry/platforms",
     "planner/planning/sessions/platforms",
     "planner/verification/platforms",
     "planner/world/platforms",
@@ -24,7 +25,7 @@ WORD = re.compile(
     r"|TwoAxisPlatform|(outer|inner)_(axis|limits|name|rad|rate)\w*|q_platform_from_body\w*"
     r"|(los|seen|boresight|directions?|axis|axes|q_eci_from|q_itrf_from)_(rate_)?platform\w*)\b"
 )
-MOST = 151  # lower it when it has fallen; the aim is 0
+MOST = 121  # lower it when it has fallen; the aim is 0
 SLACK = 10  # so that work side by side needn't meet in this line
 
 
