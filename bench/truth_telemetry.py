@@ -16,6 +16,7 @@ from truth_rows import Row
 from app.requests.examples import LAS_VEGAS, PLAN_EXAMPLES
 from app.requests.plan import read_plan_request
 from planner.inflight.telemetry.compare import compare
+from planner.inflight.telemetry.platforms.registry import sensors_of
 from planner.inflight.telemetry.samples import Samples, read_csv
 from planner.output.export.csv import table_csv
 from planner.planning.sessions.pipeline import make_plan
@@ -78,8 +79,8 @@ def _flown(plan: FlightPlan) -> tuple[np.ndarray, list[np.ndarray]]:
 
 
 def _samples(plan: FlightPlan, tag_s: np.ndarray, angles_deg: list[np.ndarray]) -> Samples:
-    axes = plan.scenario.platform.axis_names
+    axes = plan.table.dof_names
     names = [f"{name}_deg" for name in axes]
     lines = [f"{t:.6f},{a:.9f},{b:.9f}" for t, a, b in zip(tag_s, *angles_deg, strict=True)]
     csv = "\n".join([",".join(["t_s", *names]), *lines]).encode()
-    return read_csv(csv, axes, None, plan.table.epoch_utc, None)
+    return read_csv(csv, sensors_of(plan).contract, None, plan.table.epoch_utc, None)

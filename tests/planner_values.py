@@ -5,6 +5,7 @@ import json
 from app.requests.opportunities import read_opportunity_request
 from app.requests.plan import read_plan_request
 from planner.inflight.telemetry.compare import compare as compare_samples
+from planner.inflight.telemetry.platforms.registry import sensors_of
 from planner.inflight.telemetry.samples import read_csv
 from planner.planning import opportunities
 from planner.planning.sessions.pipeline import make_plan
@@ -32,5 +33,5 @@ def find_opportunities(request):
 
 def compare(plan, csv, *, epoch=None, columns=None):
     """What flew beside a plan: telemetry as CSV; epoch: from which its t_s counts, the plan's."""
-    names = plan.scenario.platform.axis_names
-    return compare_samples(plan, read_csv(csv, names, epoch, plan.table.epoch_utc, columns))
+    contract = sensors_of(plan).contract
+    return compare_samples(plan, read_csv(csv, contract, epoch, plan.table.epoch_utc, columns))

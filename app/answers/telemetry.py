@@ -12,17 +12,12 @@ from planner.base.answer_members import Count, NotNegative, Signed
 from planner.base.arrays import Array
 from planner.world.attitude.corrections import AttitudeCorrection
 from planner.world.frames.time_scales import utc_text
-from planner.world.platforms import PlatformDefinition, definition_of
+from planner.world.platforms import BodyPlatform, PlatformDefinition
 
 if TYPE_CHECKING:
     from planner.inflight.telemetry.alignment import Estimate
     from planner.inflight.telemetry.compare import Comparison
-    from planner.inflight.telemetry.next_plan import Parameter, PlatformFound, PointingParts
-
-
-_LEAST = "one axis is on time; bias, gain, friction and lag of each are estimated beside it"
-_EQUALLY_LATE = "both axes are equally late; bias, gain and friction are estimated beside it"
-_IDEAL = "no friction, no lag and gains of one, none of which is seen; each bias is estimated"
+    from planner.inflight.telemetry.platforms import sensors
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,7 +73,8 @@ class PointingPartsOut:
 class ParameterOut:
     """A parameter of the platform, estimated from the telemetry.
 
-    name: the axis's name, a dot, and the field's in `platform`. E.g. `"beta.coulomb_deg_s2"`.
+    name: path of the field in `platform`; of a drive the axis's name, a dot, and the field's. E.g.
+    `"beta.coulomb_deg_s2"`.
     planned: value of the plan's platform, in the field's unit. E.g. `0.05`.
     found: value estimated from the telemetry. E.g. `0.1`.
     sigma: 1-sigma error; null where the found one is a bound, as of `rate_min_deg_s`, below which
@@ -101,9 +97,9 @@ class ComparisonResponse:
     samples: use of the rows: read, left out, compared.
     time_offset_s: by how much the telemetry's clock is ahead at `epoch`: a time tag is the plan's
     time, plus this, plus `clock_drift` times the seconds since `epoch`. Of the earlier axis: its
-    sigma holds that either may be late by what their difference leaves open.
+    sigma holds that any may be late by what their difference leaves open.
     clock_drift: by how much the telemetry's clock gains, a share of time.
-    common_offset_s: the same if both axes are equally late, as those of one make are; null where
+    common_offset_s: the same if all axes are equally late, as those of one make are; null where
     they clearly aren't, or where one axis alone gives the time. E.g. `null`.
     ideal_offset_s: the same if the axes do as they are told, but for a bias: sharper, as nothing
     else is estimated beside it; null where the samples show friction, a lag or a gain.
@@ -115,7 +111,7 @@ class ComparisonResponse:
     takes them: measured ones given and those found of images. Angles of the axes alone say nothing
     of the attitude: without either there are none.
     parameters: of the platform, those asked for by `identify` and the least smooth rate of an axis
-    that stuck and slipped above it.
+    that stuck and slipped above it; of a body how far and how long its attitude wanders.
     platform: as planned with, but for `parameters`, as `platform` of the next request takes it;
     null where none was found. E.g. `null`.
     warnings: cautions to read before relying on it. E.g.
@@ -138,20 +134,21 @@ class ComparisonResponse:
     pointing: list[PointingPartsOut]
     corrections: list[CorrectionOut]
     parameters: list[ParameterOut]
-    platform: PlatformDefinition | None
+    platform: PlatformDefinition | BodyPlatform | None
     warnings: list[str]
     provenance: ProvenanceOut
 
 
 def comparison_json(
     comparison: "Comparison",
-    pointing: "Sequence[PointingParts]",
-    found: "PlatformFound | None",
+    pointing: "Sequence[sensors.PointingParts]",
+    found: "sensors.PlatformFound | None",
     plan_id: str,
     provenance: ProvenanceOut,
 ) -> bytes:
     """The whole answer as UTF-8 JSON."""
     scenario, alignment = comparison.plan.scenario, comparison.alignment
+    assumes = comparison.sensors.assumes
     ideal_s, ideal_drift = comparison.ideal_clock or (None, None)
     return to_json(
         ComparisonResponse(
@@ -159,11 +156,11 @@ def comparison_json(
             name=scenario.name,
             epoch=utc_text(comparison.plan.table.epoch_utc, 1),
             samples=samples_of(comparison),
-            time_offset_s=_clock(alignment.offset_s, 9, _LEAST),
-            clock_drift=_clock(alignment.drift, 15, _LEAST),
-            common_offset_s=_clock_or_none(alignment.common_offset_s, 9, _EQUALLY_LATE),
-            ideal_offset_s=_clock_or_none(ideal_s, 9, _IDEAL),
-            ideal_drift=_clock_or_none(ideal_drift, 15, _IDEAL),
+            time_offset_s=_clock(alignment.offset_s, 9, assumes.earliest),
+            clock_drift=_clock(alignment.drift, 15, assumes.earliest),
+            common_offset_s=_clock_or_none(alignment.common_offset_s, 9, assumes.equally_late),
+            ideal_offset_s=_clock_or_none(ideal_s, 9, assumes.ideal),
+            ideal_drift=_clock_or_none(ideal_drift, 15, assumes.ideal),
             inseparable=[
                 InseparableOut(members=list(one.names), correlation=round(one.correlation, 4))
                 for one in comparison.inseparable
@@ -172,14 +169,14 @@ def comparison_json(
             pointing=[_pointing(parts) for parts in pointing],
             corrections=[_correction(parts.correction) for parts in pointing],
             parameters=[_parameter(one) for one in found.parameters] if found else [],
-            platform=definition_of(found.platform) if found else None,
+            platform=found.platform if found else None,
             warnings=list(comparison.notes),
             provenance=provenance,
         )
     )
 
 
-def _pointing(parts: "PointingParts") -> PointingPartsOut:
+def _pointing(parts: "sensors.PointingParts") -> PointingPartsOut:
     return PointingPartsOut(
         at=utc_text(parts.epoch_utc),
         session=parts.session,
@@ -191,7 +188,7 @@ def _pointing(parts: "PointingParts") -> PointingPartsOut:
     )
 
 
-def _parameter(one: "Parameter") -> ParameterOut:
+def _parameter(one: "sensors.Parameter") -> ParameterOut:
     return ParameterOut(
         name=one.name, planned=one.planned_value, found=one.found_value, sigma=one.sigma
     )

@@ -117,11 +117,17 @@ class AxisComparisonOut:
     mean_arcsec: of all errors.
     gain: measured over planned: of an encoder's scale, a gear or a unit; near -1 where the axis is
     measured the other way round, whose errors are those with the sign changed. Null where the axis
-    doesn't follow its plan.
-    bias: the measured value where the plan is at zero: of an encoder's zero, or a gyro's; null
-    without `gain`.
+    doesn't follow its plan, and of a body's attitude, which has none.
+    bias: the measured value where the plan is at zero: of an encoder's zero, a gyro's, or of a
+    tracker's mount; null where the axis doesn't follow its plan.
     bias_unit: of `bias`: of angles, or of rates where `basis` is rates.
-    lag_s: delay of the axis behind the other one; a delay of both can't be separated from the
+    rate_gain: gain of rates sent beside angles, as of a gyro; null without.
+    rate_bias_arcsec_s: the measured rate where the plan stands still; null likewise.
+    noise_arcsec: of the sensor of a body's attitude, 1 sigma, each row by itself; null of axes, of
+    rates alone and of too short samples.
+    wander_arcsec: how far a body's attitude wanders, 1 sigma; null where it is too slow to tell.
+    wander_half_life_s: time in which the wander forgets half of itself; null likewise.
+    lag_s: delay of the axis behind the earliest one; a delay of all can't be separated from the
     clock, and is in `time_offset_s`. Null for an axis that gives no time, as it doesn't follow its
     plan or hardly moves; `warnings` say which.
     lag_sigma_s: 1-sigma error of the axes' difference; null without `lag_s`.
@@ -143,6 +149,11 @@ class AxisComparisonOut:
     gain: EstimateOut | None
     bias: EstimateOut | None
     bias_unit: Literal["arcsec", "arcsec/s"]
+    rate_gain: EstimateOut | None
+    rate_bias_arcsec_s: EstimateOut | None
+    noise_arcsec: EstimateOut | None
+    wander_arcsec: EstimateOut | None
+    wander_half_life_s: EstimateOut | None
     lag_s: Signed | None
     lag_sigma_s: NotNegative | None
     phases: list[PhaseErrorsOut]
@@ -155,15 +166,21 @@ class AxisComparisonOut:
 
 def axis_of(comparison: "Comparison", axis: "AxisComparison") -> AxisComparisonOut:
     """Its angles in arcsec."""
+    rates, wander, searched_hz = axis.rates, axis.wander, axis.oscillations_searched_hz
     return AxisComparisonOut(
         basis=axis.followed.basis,
         samples=axis.error.samples,
         rms_arcsec=arcsec(axis.error.rms_rad),
         max_arcsec=arcsec(axis.error.max_rad),
         mean_arcsec=arcsec(axis.error.mean_rad),
-        gain=estimate(axis.gain, 9) if axis.gain else None,
-        bias=estimate(axis.bias, 6, _ARCSEC_PER_RAD) if axis.bias else None,
+        gain=_told(axis.gain, 9),
+        bias=_told(axis.bias, 6, _ARCSEC_PER_RAD),
         bias_unit="arcsec" if axis.followed.basis == "angles" else "arcsec/s",
+        rate_gain=_told(rates.gain if rates else None, 9),
+        rate_bias_arcsec_s=_told(rates.bias if rates else None, 6, _ARCSEC_PER_RAD),
+        noise_arcsec=_told(wander.noise_rad if wander else None, 4, _ARCSEC_PER_RAD),
+        wander_arcsec=_told(wander.sigma_rad if wander else None, 4, _ARCSEC_PER_RAD),
+        wander_half_life_s=_told(wander.half_life_s if wander else None, 4),
         lag_s=None if axis.lag_s is None else round(axis.lag_s.value, 9),
         lag_sigma_s=None if axis.lag_s is None else round(axis.lag_s.sigma, 9),
         phases=[_phase(comparison, phase) for phase in axis.phases],
@@ -175,7 +192,7 @@ def axis_of(comparison: "Comparison", axis: "AxisComparison") -> AxisComparisonO
             )
             for one in axis.oscillations[:_LIST_MAX]
         ],
-        oscillations_searched_hz=_rounded(axis.oscillations_searched_hz),
+        oscillations_searched_hz=searched_hz and [round(one, 6) for one in searched_hz],
         stick_slip=[
             StickSlipOut(
                 slips=one.slips,
@@ -199,8 +216,8 @@ def estimate(found: "Estimate", decimals: int, scale: float = 1.0) -> EstimateOu
     )
 
 
-def _rounded(band_hz: tuple[float, float] | None) -> list[float] | None:
-    return None if band_hz is None else [round(one, 6) for one in band_hz]
+def _told(found: "Estimate | None", decimals: int, scale: float = 1.0) -> EstimateOut | None:
+    return None if found is None else estimate(found, decimals, scale)
 
 
 def _phase(comparison: "Comparison", phase: "PhaseErrors") -> PhaseErrorsOut:

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from app.answers.members import fill
 from planner.base.answer_members import Count, NotNegative
-from planner.inflight.telemetry.samples import AngleUnit, Dropped, Kind
+from planner.inflight.telemetry.platforms.sensors import ToldKind
+from planner.inflight.telemetry.samples import ColumnUnit, Dropped
 from planner.world.frames.time_scales import shifted_utc, utc_text
 
 if TYPE_CHECKING:
@@ -29,15 +29,15 @@ class TelemetryColumnOut:
     """The reading of one column.
 
     name: as it was sent.
-    axis: the axis it belongs to.
-    kind: of its angle or of its rate.
+    axis: the axis it belongs to; of an attitude, the part of the quaternion that it holds.
+    kind: of its angle or its rate, or of a body's attitude.
     unit: in which it was read, as its name or `columns` says; of a rate, per second.
     """
 
     name: str
     axis: str
-    kind: Kind
-    unit: AngleUnit
+    kind: ToldKind
+    unit: ColumnUnit
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,7 +78,6 @@ def samples_of(comparison: "Comparison") -> SamplesOut:
     """Rows read, used and dropped, and the columns."""
     clean, alignment = comparison.samples, comparison.alignment
     first_s, last_s = alignment.t_s(clean.tag_s[[0, -1]]).tolist()
-    names = comparison.plan.scenario.two_axis.axis_names
     return SamplesOut(
         read=clean.read,
         used=len(clean.tag_s),
@@ -87,15 +86,7 @@ def samples_of(comparison: "Comparison") -> SamplesOut:
         wrapped=comparison.wrapped,
         step_s=round(comparison.step_s, 6),
         gaps=[StretchOut(**span(comparison, *gap_s)) for gap_s in comparison.gaps_s],
-        columns=[
-            fill(
-                TelemetryColumnOut,
-                column,
-                column.meaning,
-                axis=names[column.meaning.axis],
-            )
-            for column in comparison.columns
-        ],
+        columns=[TelemetryColumnOut(**column._asdict()) for column in comparison.columns],
         ignored_columns=list(comparison.ignored),
         **span(comparison, first_s, last_s),
     )

@@ -27,7 +27,7 @@ def compare(
     ],
     telemetry: Annotated[
         Path,
-        typer.Argument(help="Read CSV from this file: t_s or utc, NAME_deg or NAME_rate_deg_s."),
+        typer.Argument(help="Read CSV from this file: t_s or utc, NAME_deg, or a body's q_1 ..."),
     ],
     request: Annotated[
         Path | None, typer.Option(help="Read the request here, if PLAN_OR_REQUEST is an answer.")
@@ -199,11 +199,15 @@ def _milliseconds(size: float | str | None) -> str:
 
 
 def _what_it_did(name: str, axis: Members) -> Iterator[str]:
-    if (gain := axis["gain"]) and (bias := axis["bias"]):
-        yield (
-            f"{name} gain {gain['value']:.7f}, 1 sigma {gain['sigma']:.2g}; "
-            f"bias {bias['value']:+.3f} {axis['bias_unit']}, 1 sigma {bias['sigma']:.2g}"
-        )
+    if bias := axis["bias"]:
+        gain = axis["gain"]
+        told = f"gain {gain['value']:.7f}, 1 sigma {gain['sigma']:.2g}; " if gain else ""
+        yield f"{name} {told}bias {_told(bias, '+.3f', axis['bias_unit'])}"
+    if rate_bias := axis["rate_bias_arcsec_s"]:
+        yield f"{name} rates: bias {_told(rate_bias, '+.3f', 'arcsec/s')}"
+    if wander := axis["wander_arcsec"]:
+        forgets = _told(axis["wander_half_life_s"], ".1f", "s")
+        yield f"{name} wanders by {_told(wander, '.2f', 'arcsec')}; forgets half in {forgets}"
     for swing in axis["oscillations"]:
         yield (
             f"{name} oscillates {_span(swing)}: "
@@ -214,6 +218,10 @@ def _what_it_did(name: str, axis: Members) -> Iterator[str]:
             f"{name} sticks and slips {_span(stuck)}: {stuck['slips']} slips of up to "
             f"{stuck['slip_arcsec']:.2f} arcsec below {stuck['rate_arcsec_s']:.1f} arcsec/s"
         )
+
+
+def _told(estimate: Members, decimals: str, unit: str) -> str:
+    return f"{estimate['value']:{decimals}} {unit}, 1 sigma {estimate['sigma']:.2g}"
 
 
 def _span(stretch: Members) -> str:

@@ -23,14 +23,16 @@ _COLUMN_SCHEMA: dict[str, Any] = {
     "type": "array",
     "items": {"anyOf": [{"type": "number"}, {"type": "null"}]},
     "description": "A measured column, a number or null per time tag: NAME_deg and NAME_rate_deg_s "
-    "for each axis NAME of the platform; also in rad, mrad, arcmin, arcsec.",
+    "for each axis NAME of the platform, or a body's q_1 to q_4 and omega_body_deg_s_x, _y, _z; "
+    "angles also in rad, mrad, arcmin, arcsec.",
 }
 
 
 @spec
 class TelemetrySamples:
     """Time tags by the telemetry's own clock, and per axis NAME of the platform a column of angles
-    (`NAME_deg`), of rates (`NAME_rate_deg_s`) or both.
+    (`NAME_deg`), of rates (`NAME_rate_deg_s`) or both; of a body its attitude's quaternion (`q_1`
+    to `q_4`), its rates (`omega_body_deg_s_x`, `_y`, `_z`) or both.
 
     Rows may be in any order, doubled, damaged or missing; null is no value. What was done with
     them is told.
@@ -53,13 +55,13 @@ class ComparisonRequest:
 
     plan: id of the plan that was flown. E.g. `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
     columns: names of columns that the samples call otherwise, by what they hold: t_s, utc, unix_s,
-    or an axis's NAME_deg, NAME_rate_deg_s or the like in its own unit. E.g.
+    an axis's NAME_deg, NAME_rate_deg_s or the like in its own unit, or a body's q_1. E.g.
     `{"t_s": "Time", "alpha_arcsec": "AZ encoder"}`.
-    corrections: measured rotations of the carrier during the plan, each as a horizon estimate
-    answers its `correction`. E.g. `[{"epoch": "2015-02-27T17:37:00Z", "turn_body_deg":
+    corrections: measured rotations of the carrier of two axes during the plan, each as a horizon
+    estimate answers its `correction`. E.g. `[{"epoch": "2015-02-27T17:37:00Z", "turn_body_deg":
     [0.25, 0.05, 0.0], "covariance_deg2": [[4e-4, 0.0, 0.0], [0.0, 4e-4, 0.0],
     [0.0, 0.0, 32400.0]]}]`.
-    image_offsets: positions of the target in frames of the session. E.g.
+    image_offsets: positions of the target in frames of the session of two axes. E.g.
     `[{"epoch": "2015-02-27T17:37:00Z", "offset_deg": [0.12, -0.05], "sigma_deg": 0.001}]`.
     identify: parameters of the platform's drives to find, each `axis.field`, of plans up to 600 s;
     it takes 15 to 30 s of a processor. E.g. `["alpha.coulomb_deg_s2", "beta.coulomb_deg_s2"]`.

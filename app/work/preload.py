@@ -40,7 +40,6 @@ _LOADED = (
     "planner.spacecraft.opportunities",
     "planner.spacecraft.plan",
     "planner.inflight.telemetry.compare",
-    "planner.inflight.telemetry.next_plan",
     "planner.output.view.netcdf",
     "planner.output.view.view",
     "planner.spacecraft.view",

@@ -17,7 +17,6 @@ from planner.world.plan import FlightPlan
 
 if TYPE_CHECKING:
     from planner.inflight.telemetry.compare import Comparison
-    from planner.inflight.telemetry.next_plan import PointingParts
 
 FILES: dict[str, "Exporter[Comparison]"] = {
     "csv": Exporter("plan and flight, sample by sample", "text/csv", ".csv", write_comparison_csv),
@@ -60,33 +59,18 @@ def answer_json(
     comparison: "Comparison", request: ComparisonRequest, plan_id: str, provenance: ProvenanceOut
 ) -> bytes:
     """With what was measured beside the axes, and the platform found; raises Refusals."""
-    from planner.inflight.telemetry.next_plan import platform_found
-
-    pointing = _pointing(comparison, request)
-    found = platform_found(comparison, request.identify)
+    sensors = comparison.sensors
+    pointing = sensors.pointing(comparison, request.corrections, request.image_offsets)
+    found = sensors.found(comparison, request.identify)
     return comparison_json(comparison, pointing, found, plan_id, provenance)
 
 
-def _pointing(comparison: "Comparison", request: ComparisonRequest) -> list["PointingParts"]:
-    from planner.inflight.telemetry.next_plan import from_image, from_rotation
-
-    plan = comparison.plan
-    followed = [axis.followed for axis in comparison.axes]
-    pointing = [
-        from_rotation(plan, followed, one, f"corrections.{number}")
-        for number, one in enumerate(request.corrections)
-    ]
-    pointing += [
-        from_image(plan, followed, one, f"image_offsets.{number}")
-        for number, one in enumerate(request.image_offsets)
-    ]
-    return sorted(pointing, key=lambda parts: parts.epoch_utc)
-
-
 def _samples(plan: FlightPlan, sent: SentTelemetry) -> Samples:
-    names, plan_epoch_utc = plan.scenario.two_axis.axis_names, plan.table.epoch_utc
+    from planner.inflight.telemetry.platforms.registry import sensors_of
+
+    contract, plan_epoch_utc = sensors_of(plan).contract, plan.table.epoch_utc
     epoch_utc = sent.request.samples.epoch if sent.request.samples else None
     if isinstance(sent.samples, bytes):
-        return read_csv(sent.samples, names, epoch_utc, plan_epoch_utc, sent.request.columns)
+        return read_csv(sent.samples, contract, epoch_utc, plan_epoch_utc, sent.request.columns)
     values = sent.samples
-    return samples_of(values.t_s, values.utc, values.columns, names, epoch_utc or plan_epoch_utc)
+    return samples_of(values.t_s, values.utc, values.columns, contract, epoch_utc or plan_epoch_utc)

@@ -33,6 +33,16 @@ def axes_motion_at(angle_rad: Array, rate_rad_s: Array, t_s: Array) -> tuple[Arr
     return angle, (c1 + s * (2.0 * c2 + s * 3.0 * c3)) / h, (2.0 * c2 + s * 6.0 * c3) / h**2
 
 
+def smooth_motion_at(
+    angle_rad: Array, rate_rad_s: Array, acceleration_rad_s2: Array, t_s: Array
+) -> tuple[Array, Array, Array]:
+    """Angle, rate and acceleration of the quintic Hermite through rows (k, m), each (n, m)."""
+    cell, share = _place(len(angle_rad), t_s)
+    rows = MrpState(angle_rad, rate_rad_s, acceleration_rad_s2)
+    start, end = (MrpState(*(column[k] for column in rows)) for k in (cell, cell + 1))
+    return quintic(start, end, COMMAND_STEP_S, share)[:3]
+
+
 def accelerations_rad_s2(table: CommandTable, cell: Indices) -> Array:
     """At the start and the end of each cell between two rows, (k, 2, m).
 

@@ -15,6 +15,7 @@ ROOT = Path(__file__).parents[2]
 OWN = (
     "planner/motion",
     "planner/inflight/simulation",
+    "planner/inflight/telemetry/platforms",
     "planner/output/view/platforms",
     "planner/planning/campaigns/platforms",
     "planner/planning/sessions/platforms",

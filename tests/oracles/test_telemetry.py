@@ -15,8 +15,8 @@ from planner_values import compare
 
 from planner.base.errors import InvalidInput
 from planner.inflight.telemetry.following import PlannedMotion, follow, gap_starts, phases
-from planner.inflight.telemetry.next_plan import platform_found
 from planner.inflight.telemetry.oscillations import oscillations
+from planner.inflight.telemetry.platforms.two_axis import platform_found
 from planner.world.platforms import AxisDrive
 
 ARCSEC = np.radians(1.0 / 3600.0)
@@ -272,7 +272,8 @@ def test_the_friction_that_was_flown_is_found(tmp_path, columns, friction_deg_s2
     names = ["alpha.coulomb_deg_s2", "beta.coulomb_deg_s2"]
     found = platform_found(compare(plan, content), names)
     assert [one.name for one in found.parameters[:2]] == names
-    for one, drive_found in zip(found.parameters[:2], found.platform.drives, strict=True):
+    drives = [found.platform.outer.drive, found.platform.inner.drive]
+    for one, drive_found in zip(found.parameters[:2], drives, strict=True):
         assert one.planned_value == 0.05
         assert one.found_value == pytest.approx(friction_deg_s2, rel=0.1)
         assert drive_found.coulomb_deg_s2 == one.found_value
@@ -293,8 +294,8 @@ def test_the_least_smooth_rate_is_what_an_axis_stuck_at(tmp_path):
     assert least.name == "beta.rate_min_deg_s"
     assert least.planned_value == 0.0
     fastest_rad_s = max(one.rate_rad_s for one in axis(comparison, "beta").stick_slip)
-    assert found.platform.inner_limits.rate_min_rad_s > fastest_rad_s
-    assert found.platform.outer_limits.rate_min_rad_s == 0.0
+    assert np.radians(found.platform.inner.rate_min_deg_s) > fastest_rad_s
+    assert found.platform.outer.rate_min_deg_s == 0.0
 
 
 def test_telemetry_that_shows_nothing_of_the_platform_changes_nothing(tmp_path):

@@ -5,6 +5,7 @@ import json
 import httpx
 import pytest
 from browsing import PHONE, ROOT, made, show_one_instant, violations
+from other_body import Flown, body_request, written
 from playwright.sync_api import expect
 
 
@@ -123,3 +124,20 @@ def test_columns_of_other_names_are_mapped_by_hand(open_page, service, plan, tmp
         page.get_by_label(name, exact=True).select_option(meaning)
     compare.click()
     expect(page.get_by_test_id("comparison")).to_contain_text("0.3700")
+
+
+def test_a_bodys_telemetry_is_compared_with_its_plan(open_page, service, tmp_path):
+    plan = made(service, "/v1/plans", body_request(sessions=1))["id"]
+    table = httpx.get(f"{service.address}/v1/plans/{plan}/table", params={"format": "json"}).json()
+    file = tmp_path / "flight.csv"
+    file.write_bytes(written(table, Flown(wander_arcsec=20.0, half_life_s=2.0), 1, "wxyz"))
+    page = open_page(f"/telemetry?plan={plan}")
+    page.get_by_label("Telemetry, CSV").set_input_files(str(file))
+    expect(page.get_by_label("q_1", exact=True)).to_have_value("q_1")
+    page.get_by_role("button", name="Compare").click()
+    expect(page.get_by_test_id("comparison")).to_contain_text("0.37", timeout=60_000)
+    expect(page.get_by_role("img", name="z, planned and flown")).to_be_visible()
+    expect(page.get_by_text("The attitude wanders by").first).to_be_visible()
+    expect(page.get_by_text("Stick and slip")).to_have_count(0)
+    expect(page.get_by_text("knowledge.control_sigma_arcsec")).to_be_visible()
+    assert violations(page) == []

@@ -48,7 +48,8 @@ _CSV = {
     "type": "string",
     "format": "binary",
     "description": "CSV: a line that names the columns (t_s or utc, then NAME_deg and "
-    "NAME_rate_deg_s of the axes), a line per sample.",
+    "NAME_rate_deg_s of the axes, or a body's q_1 to q_4 and omega_body_deg_s_x, _y, _z), a line "
+    "per sample.",
 }
 _BODY = json_body_of(COMPARISON_READER, COMPARISON_EXAMPLES)
 _FORM = form_body_of(schema_of(COMPARISON_READER), {"samples": _CSV})

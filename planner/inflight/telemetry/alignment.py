@@ -4,8 +4,9 @@ Robust least squares (Huber 1981, sec. 7.8) of all columns together on the table
 A time tag is t + offset + drift t, t the seconds since the table's epoch.  What isn't time is not
 taken for it: a column's gain and bias (an encoder's scale and zero, a gyro's), and of angles what
 friction holds an axis back by, one way or the other, and what a drive lags by under acceleration.
-What both axes are late by is the clock's: no telemetry of the axes alone can tell it from a delay
-they share.  A drive may be late and never early: the clock's offset is that of the earlier axis.
+What all axes are late by is the clock's: no telemetry of the axes alone can tell it from a delay
+they share.  An axis may be late and never early: the clock's offset is that of the earliest axis.
+An attitude about a body's axis has neither gain nor friction.
 """
 
 import math
@@ -63,6 +64,15 @@ class AlignedColumn:
     tag_s: Array
     value: Array
 
+    @property
+    def has_gain(self) -> bool:
+        """Whether a sensor may measure it larger or smaller; an attitude's can't."""
+        return self.kind == "rate" or self.motion.has_drive
+
+    def gain_above_one(self, parameters: Array, columns: Indices) -> float:
+        """Of a fit's parameters, at this one's places; zero where none is estimated."""
+        return float(parameters[columns[3]]) if self.has_gain and len(columns) > 3 else 0.0
+
     def planned(self, t_s: Array) -> tuple[Array, Array]:
         """The value and its rate of change, (n,) each."""
         if self.kind == "angle":
@@ -77,9 +87,11 @@ class AlignedColumn:
             return constant[:, None]
         if self.kind == "rate":
             return np.stack([constant, self.motion.rate_rad_s(t_s)], axis=1)
+        late = -self.motion.acceleration_rad_s2(t_s)
+        if not self.has_gain:
+            return np.stack([constant, late], axis=1)
         rate_rad_s = self.motion.rate_rad_s(t_s)
         friction = -np.tanh(rate_rad_s / OPTIONS.creep_rad_s)
-        late = -self.motion.acceleration_rad_s2(t_s)
         return np.stack([constant, self.motion.angle_rad(t_s), friction, late], axis=1)
 
     def nuisance_sigma(self, is_ideal: bool) -> tuple[float, ...]:
@@ -88,6 +100,8 @@ class AlignedColumn:
         bias = OPTIONS.bias_sigma_rad if is_angle else OPTIONS.bias_sigma_rad_s
         if is_ideal:
             return (bias,)
+        if not self.has_gain:
+            return (bias, OPTIONS.late_sigma_s2)
         drive = (OPTIONS.friction_sigma_rad, OPTIONS.late_sigma_s2) if is_angle else ()
         return (bias, OPTIONS.gain_sigma, *drive)
 
@@ -111,11 +125,12 @@ class Estimate:
 
 @dataclass(frozen=True, kw_only=True)
 class ColumnScale:
-    """A column is its gain times the plan's value, plus its bias [rad, or rad/s]."""
+    """A column is its gain times the plan's value, plus its bias [rad, or rad/s].  gain: None of
+    what has none."""
 
     axis: int
     kind: Kind
-    gain: Estimate
+    gain: Estimate | None
     bias: Estimate
 
 
@@ -130,8 +145,8 @@ class Inseparable:
 @dataclass(frozen=True, kw_only=True)
 class Alignment:
     """offset_s, drift: of the telemetry's clock at the table's epoch.  common_offset_s: the same if
-    both axes are equally late; None where they clearly aren't, or one tells no time.
-    lags_s: by axis, how much later it moves than the earlier one of them, with the error of the
+    all axes are equally late; None where they clearly aren't, or only one tells the time.
+    lags_s: by axis, how much later it moves than the earliest of them, with the error of the
     difference; None where it tells no time.  scales: of the columns that tell the time.
     reference_offset_s, reference_drift_share: those that the axes' errors are taken with.
     """
@@ -175,7 +190,7 @@ class Fit:
         """By axis and kind what a gain is above one by, and a bias."""
         return {
             (channel.motion.axis, channel.kind): (
-                float(self.parameters[columns[3]]) if len(columns) > 3 else 0.0,
+                channel.gain_above_one(self.parameters, columns),
                 float(self.parameters[columns[2]]),
             )
             for channel, columns in zip(self.channels, self.places, strict=True)
@@ -185,12 +200,12 @@ class Fit:
         """Of each channel."""
         found = []
         for channel, columns in zip(self.channels, self.places, strict=True):
-            above = self.estimate(columns[3])
+            above = self.estimate(columns[3]) if channel.has_gain else None
             found.append(
                 ColumnScale(
                     axis=channel.motion.axis,
                     kind=channel.kind,
-                    gain=Estimate(1.0 + above.value, above.sigma),
+                    gain=Estimate(1.0 + above.value, above.sigma) if above else None,
                     bias=self.estimate(columns[2]),
                 )
             )
@@ -198,11 +213,11 @@ class Fit:
 
 
 def align(channels: Sequence[AlignedColumn], start_offset_s: float, axes: int) -> Alignment:
-    """Offset and drift that the channels share, and how much later one axis is.
+    """Offset and drift that the channels share, and how much later some axes are.
 
-    Where the axes clearly differ, the offset is that of the earlier one; else the one that suits
-    both, and its sigma holds that either may be the earlier by what is not known of their
-    difference: nothing is known of lags beforehand.  The drift suits the axes with an offset each.
+    Where axes clearly differ, the offset is that of the earliest one; else the one that suits
+    all, and its sigma holds that any may be the earliest by what is not known of their
+    differences: nothing is known of lags beforehand.  The drift suits the axes with an offset each.
     """
     shared = _fit(channels, start_offset_s)
     if _cost(channels, shared) > OPTIONS.poor:
@@ -210,24 +225,31 @@ def align(channels: Sequence[AlignedColumn], start_offset_s: float, axes: int) -
     told = sorted({channel.motion.axis for channel in channels})
     each = _fit(channels, float(shared.parameters[1]), told) if len(told) > 1 else shared
     own_s = [each.estimate(1 + place) for place in range(len(told))]
-    lag_s = _lag_s(each) if len(told) > 1 else None
+    best = min(range(len(told)), key=lambda place: own_s[place].sigma)
+    known = [
+        place
+        for place in range(len(told))
+        if place == best or _lag_s(each, place, best).sigma <= OPTIONS.lag_sigma_max_s
+    ]
     lags_s: list[Estimate | None] = [None] * axes
-    if lag_s is None or lag_s.sigma > OPTIONS.lag_sigma_max_s:
-        best = min(range(len(told)), key=lambda place: own_s[place].sigma)
+    if len(known) == 1:
         lags_s[told[best]] = Estimate(0.0, own_s[best].sigma)
         offset_s, reference, common_s = shared.estimate(1), shared, None
     else:
-        first = int(own_s[1].value < own_s[0].value)
-        lags_s[told[first]] = Estimate(0.0, lag_s.sigma)
-        lags_s[told[1 - first]] = lag_s
-        if lag_s.value > OPTIONS.late_sigma * lag_s.sigma:
+        first = min(known, key=lambda place: own_s[place].value)
+        lag_s = {place: _lag_s(each, place, first) for place in known if place != first}
+        lags_s[told[first]] = Estimate(0.0, min(one.sigma for one in lag_s.values()))
+        for place, one in lag_s.items():
+            lags_s[told[place]] = one
+        near = [p for p, one in lag_s.items() if one.value <= OPTIONS.late_sigma * one.sigma]
+        if len(near) < len(lag_s):
             offset_s, reference, common_s = own_s[first], each, None
         else:
-            common_s = shared.estimate(1)
-            offset_s, reference = (
-                Estimate(common_s.value, _earlier_sigma(each, common_s)),
-                shared,
-            )
+            common_s = offset_s = shared.estimate(1)
+            reference = shared
+        # Of many the earliest is less known than of any two.
+        sigmas_s = [_earlier_sigma(each, offset_s, first, place) for place in near]
+        offset_s = Estimate(offset_s.value, max([offset_s.sigma, *sigmas_s]))
     return Alignment(
         offset_s=offset_s,
         drift=each.estimate(0),
@@ -240,24 +262,27 @@ def align(channels: Sequence[AlignedColumn], start_offset_s: float, axes: int) -
     )
 
 
-def _lag_s(each: Fit) -> Estimate:
+def _lag_s(each: Fit, place: int, than: int) -> Estimate:
     """By how much the offsets of two axes differ."""
+    pair = sorted((1 + place, 1 + than))
     ends = np.array([1.0, -1.0])
-    variance_s2 = float(ends @ each.covariance_parameters[1:3, 1:3] @ ends)
-    return Estimate(abs(float(ends @ each.parameters[1:3])), math.sqrt(variance_s2))
+    variance_s2 = float(ends @ each.covariance_parameters[np.ix_(pair, pair)] @ ends)
+    apart_s = abs(float(each.parameters[1 + place] - each.parameters[1 + than]))
+    return Estimate(apart_s, math.sqrt(variance_s2))
 
 
-def _earlier_sigma(each: Fit, told: Estimate) -> float:
+def _earlier_sigma(each: Fit, told: Estimate, place: int, other: int) -> float:
     """Rms error of an offset that is told for the earlier of two axes, of which each is known as
     the fit has it.  Source: moments of the least of two normal variables, Clark 1961, eqs. 2-4."""
-    apart_s = OPTIONS.lag_room * _lag_s(each).sigma
-    first, second = each.parameters[1:3] - told.value
-    variance_s2 = OPTIONS.lag_room**2 * each.covariance_parameters
+    apart_s = OPTIONS.lag_room * _lag_s(each, place, other).sigma
+    pair = [1 + min(place, other), 1 + max(place, other)]
+    first, second = each.parameters[pair] - told.value
+    first_s2, second_s2 = OPTIONS.lag_room**2 * np.diag(each.covariance_parameters)[pair]
     later = (second - first) / apart_s
     is_first = float(ndtr(later))
     squares_s2 = (
-        (first**2 + variance_s2[1, 1]) * is_first
-        + (second**2 + variance_s2[2, 2]) * (1.0 - is_first)
+        (first**2 + first_s2) * is_first
+        + (second**2 + second_s2) * (1.0 - is_first)
         - (first + second) * apart_s * math.exp(-0.5 * later**2) / math.sqrt(2.0 * math.pi)
     )
     return max(math.sqrt(max(squares_s2, 0.0)), told.sigma)
@@ -274,19 +299,23 @@ def ideal_fit(alignment: Alignment) -> Fit | None:
     return _fit(fit.channels, alignment.offset_s.value, is_ideal=True)
 
 
-def inseparable(alignment: Alignment, axis_names: Sequence[str]) -> list[Inseparable]:
+def inseparable(alignment: Alignment, names: Sequence[str]) -> list[Inseparable]:
     """Of clock, lag, gains and biases those that the samples don't tell apart."""
     fit = alignment.fit
     told = {"clock_drift": {0: 1.0}, "time_offset_s": {1: 1.0}}
     if len(fit.axes_apart) > 1:
-        first = int(fit.parameters[2] < fit.parameters[1])
-        told["time_offset_s"] = {1 + first: 1.0}
-        late = axis_names[fit.axes_apart[1 - first]]
-        told[f"axes.{late}.lag_s"] = {2 - first: 1.0, 1 + first: -1.0}
+        first = 1 + int(np.argmin(fit.parameters[1 : 1 + len(fit.axes_apart)]))
+        told["time_offset_s"] = {first: 1.0}
+        for place, axis in enumerate(fit.axes_apart, start=1):
+            if place != first:
+                told[f"axes.{names[axis]}.lag_s"] = {place: 1.0, first: -1.0}
     for channel, columns in zip(fit.channels, fit.places, strict=True):
-        name = f"axes.{axis_names[channel.motion.axis]}"
-        if f"{name}.gain" not in told:  # an angle's, where there are rates besides
-            told[f"{name}.gain"], told[f"{name}.bias"] = {columns[3]: 1.0}, {columns[2]: 1.0}
+        name = f"axes.{names[channel.motion.axis]}"
+        if f"{name}.bias" in told:  # an angle's, where there are rates besides
+            continue
+        if channel.has_gain:
+            told[f"{name}.gain"] = {columns[3]: 1.0}
+        told[f"{name}.bias"] = {columns[2]: 1.0}
     parts = np.zeros((len(told), len(fit.parameters)))
     for row, weights in zip(parts, told.values(), strict=True):
         row[[*weights]] = [*weights.values()]
@@ -356,7 +385,7 @@ def _residual(channel: AlignedColumn, parameters: Array, columns: Indices) -> tu
     t_s = t_s[inside]
     planned, change = channel.planned(t_s)
     nuisance = channel.nuisance(t_s, is_ideal=len(columns) == 3)
-    gain = 1.0 if len(columns) == 3 else 1.0 + parameters[columns[3]]
+    gain = 1.0 + channel.gain_above_one(parameters, columns)
     slope = np.column_stack([-gain * change * t_s, -gain * change, nuisance])
     return channel.value[inside] - planned - nuisance @ parameters[columns[2:]], slope
 
@@ -388,7 +417,8 @@ def _covariance(
     scale_by_channel: Array,
     prior_weights: Array,
 ) -> Array:
-    """Of white errors, or of errors that go together within a block of time where that is more.
+    """Of white errors, or of errors that go together within a block of time where that is more; of
+    a body's attitude and rates of errors that wander in time, alike throughout.
 
     Source: Huber 1981, sec. 7.6; blocks as clusters: Liang and Zeger 1986, eq. 6.
     """
@@ -402,7 +432,10 @@ def _covariance(
         weight = _weight(residual, float(scale))
         normal[np.ix_(columns, columns)] += slope.T @ (weight[:, None] * slope)
         score = (weight * residual)[:, None] * slope
-        spread[np.ix_(columns, columns)] += score.T @ score
+        wandering = score.T @ score
+        if not channel.motion.has_drive:
+            wandering = slope.T @ _wandering(weight * residual, slope)
+        spread[np.ix_(columns, columns)] += wandering
         block = np.arange(len(residual)) * OPTIONS.blocks // len(residual)
         first = np.searchsorted(block, np.unique(block))
         scores[np.ix_(np.unique(block), columns)] += np.add.reduceat(score, first, axis=0)
@@ -414,6 +447,25 @@ def _covariance(
     )
     grown = np.sqrt(np.maximum(np.diag(white) / np.diag(clustered), 1.0))
     return np.asarray(clustered * np.outer(grown, grown))
+
+
+def _wandering(error: Array, slope_matrix: Array) -> Array:
+    """Covariance of the errors (n,) of evenly spaced rows, times their slopes, (n, k).
+
+    Source: initial positive sequence of covariances, Geyer 1992, sec. 3.3.
+    """
+    rows = len(error)
+    size = 2 * rows
+    power = np.abs(np.fft.rfft(error, size)) ** 2
+    covariance = np.fft.irfft(power, size)[:rows] / rows
+    pairs = covariance[: rows // 2 * 2].reshape(-1, 2).sum(axis=1)
+    ends = np.flatnonzero(pairs <= 0.0)
+    covariance[2 * int(ends[0]) if len(ends) else rows :] = 0.0
+    if not len(ends) or not ends[0]:
+        covariance[1:] = 0.0
+    around = np.concatenate([covariance, [0.0], covariance[:0:-1]])
+    spectra = np.fft.rfft(slope_matrix, size, axis=0) * np.fft.rfft(around)[:, None]
+    return np.asarray(np.fft.irfft(spectra, size, axis=0)[:rows])
 
 
 def _cost(channels: Sequence[AlignedColumn], fit: Fit) -> float:

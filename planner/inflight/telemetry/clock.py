@@ -142,7 +142,7 @@ def tell_clock(
 ) -> ToldClock:
     """Aligned, spikes found against that, and aligned again without them.
 
-    tag_s: (n,), increasing.  angle_rad, rate_rad_s: (n, 2), NaN where there is none.
+    tag_s: (n,), increasing.  angle_rad, rate_rad_s: (n, d), NaN where there is none.
     start_s: about what the offset is.
     """
     own_s = tag_s - start_s

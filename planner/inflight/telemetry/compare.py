@@ -15,6 +15,7 @@ from planner.inflight.telemetry.alignment import (
 )
 from planner.inflight.telemetry.alignment import (
     Alignment,
+    ColumnScale,
     Estimate,
     Fit,
     Inseparable,
@@ -39,6 +40,8 @@ from planner.inflight.telemetry.following import (
     row_noise,
 )
 from planner.inflight.telemetry.oscillations import Oscillation, oscillations, searched_hz
+from planner.inflight.telemetry.platforms.registry import sensors_of
+from planner.inflight.telemetry.platforms.sensors import Sensors, ToldColumn
 from planner.inflight.telemetry.samples import OPTIONS as SAMPLES
 from planner.inflight.telemetry.samples import (
     CleanSamples,
@@ -50,6 +53,7 @@ from planner.inflight.telemetry.samples import (
     order_rows,
 )
 from planner.inflight.telemetry.stick_slip import StickSlip, stick_slip
+from planner.inflight.telemetry.wander import Wander, wander_of
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.world.plan import FlightPlan
 
@@ -77,7 +81,8 @@ OPTIONS = ComparisonOptions()
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AxisComparison:
     """What one axis did.  gain, bias: as it was measured, of its angles or else its rates [rad, or
-    rad/s]; None where it doesn't follow its plan.  lag_s: see `Alignment.lags_s`.
+    rad/s]; None where it doesn't follow its plan, or has none.  rates: of rates beside angles, None
+    without.  lag_s: see `Alignment.lags_s`.  wander: None of an axis that a drive turns.
     oscillations_searched_hz: lowest and highest frequency; None where the samples are too few."""
 
     name: str
@@ -85,7 +90,9 @@ class AxisComparison:
     error: ErrorSize
     gain: Estimate | None
     bias: Estimate | None
+    rates: ColumnScale | None
     lag_s: Estimate | None
+    wander: Wander | None
     phases: tuple[PhaseErrors, ...]
     oscillations: tuple[Oscillation, ...]
     oscillations_searched_hz: tuple[float, float] | None
@@ -101,8 +108,9 @@ class Comparison:
     half a turn of the plan."""
 
     plan: FlightPlan
+    sensors: Sensors
     samples: CleanSamples
-    columns: tuple[TelemetryColumn, ...]
+    columns: tuple[ToldColumn, ...]
     ignored: tuple[str, ...]
     alignment: Alignment
     ideal_clock: tuple[Estimate, Estimate] | None
@@ -116,8 +124,8 @@ class Comparison:
 
 def compare(plan: FlightPlan, samples: Samples) -> Comparison:
     """Raises InvalidInput for telemetry that tells nothing of the plan."""
-    table, names = plan.table, plan.scenario.two_axis.axis_names
-    motions = [PlannedMotion(table, axis) for axis in range(len(names))]
+    table, names, sensors = plan.table, plan.table.dof_names, sensors_of(plan)
+    motions = sensors.motions
     valid = [replace(one, value=_valid(one.value, SAMPLES.value_max)) for one in samples.columns]
     columns = [column for column in valid if np.isfinite(column.value).any()]
     empty = [column.name for column in valid if column not in columns]
@@ -125,6 +133,8 @@ def compare(plan: FlightPlan, samples: Samples) -> Comparison:
         raise InvalidInput("no column holds a number", field="samples")
     tag_s = _valid(samples.t_s, SAMPLES.tag_max_s) + elapsed_s(samples.epoch_utc, table.epoch_utc)
     _require_some(tag_s, plan)
+    sent = sensors.read(columns, tag_s)
+    columns = list(sent.columns)
     columns, signs, start_s = turned_to_plan(columns, tag_s, motions)
     angle_rad, rate_rad_s, wrapped = _in_radians(columns, tag_s - start_s, motions)
     ordered = order_rows(tag_s, np.hstack([angle_rad, rate_rad_s]))
@@ -159,13 +169,14 @@ def compare(plan: FlightPlan, samples: Samples) -> Comparison:
         (column.meaning.axis, column.meaning.kind): sign
         for column, sign in zip(columns, signs, strict=True)
     }
-    axes, notes = _axes(plan, clean, alignment, ideal or alignment.fit, motions, turned)
+    axes, notes = _axes(plan, sensors, clean, alignment, ideal or alignment.fit, turned)
     own_s = t_s[kept]
     gaps_s = [(float(own_s[k - 1]), float(own_s[k])) for k in gap_starts(own_s)[1:]]
     return Comparison(
         plan=plan,
+        sensors=sensors,
         samples=clean,
-        columns=tuple(columns),
+        columns=sent.told,
         ignored=(*samples.ignored, *empty),
         alignment=alignment,
         ideal_clock=(ideal.estimate(1), ideal.estimate(0)) if ideal else None,
@@ -176,6 +187,7 @@ def compare(plan: FlightPlan, samples: Samples) -> Comparison:
         wrapped=wrapped,
         notes=(
             *(f"{name} holds no number" for name in empty),
+            *sent.notes,
             *_notes_on_signs(columns, signs),
             *notes_held,
             *ordered.notes,
@@ -227,7 +239,7 @@ def _require_enough(kept: int, dropped: Counter[Dropped], plan: FlightPlan) -> N
 def _in_radians(
     columns: Sequence[TelemetryColumn], t_s: Array, motions: Sequence[PlannedMotion]
 ) -> tuple[Array, Array, int]:
-    """Angles within half a turn of the plan's, rates, (n, 2) each; how many were brought there."""
+    """Angles within half a turn of the plan's, rates, (n, d) each; how many were brought there."""
     angle_rad = np.full((len(t_s), len(motions)), np.nan)
     rate_rad_s = np.full_like(angle_rad, np.nan)
     wrapped = 0
@@ -249,7 +261,7 @@ def _leave_out_unrelated(
     unrelated: Sequence[tuple[int, Kind]],
     names: Sequence[str],
 ) -> list[str]:
-    """Sets columns that don't follow to NaN, (n, 2), where the axis's other column does; notes."""
+    """Sets columns that don't follow to NaN, (n, d), where the axis's other column does; notes."""
     values: dict[Kind, Array] = {"angle": angle_rad, "rate": rate_rad_s}
     notes = []
     for axis, kind in unrelated:
@@ -265,19 +277,18 @@ def _leave_out_unrelated(
 
 def _axes(
     plan: FlightPlan,
+    sensors: Sensors,
     clean: CleanSamples,
     alignment: Alignment,
     fit: Fit,
-    motions: Sequence[PlannedMotion],
     turned: Mapping[tuple[int, Kind], int],
 ) -> tuple[list[AxisComparison], list[str]]:
-    platform = plan.scenario.two_axis
     t_s = alignment.t_s(clean.tag_s)
     scales = {(one.axis, one.kind): one for one in alignment.scales}
     axes: list[AxisComparison] = []
     notes: list[str] = []
-    for motion, name, limits, lag_s in zip(
-        motions, platform.axis_names, platform.axis_limits, alignment.lags_s, strict=True
+    for motion, name, bounds, lag_s in zip(
+        sensors.motions, plan.table.dof_names, sensors.bounds, alignment.lags_s, strict=True
     ):
         axis = motion.axis
         parts = [fit.parts().get((axis, kind), (0.0, 0.0)) for kind in get_args(Kind)]
@@ -286,29 +297,47 @@ def _axes(
         if followed is None:
             notes.append(f"there is no telemetry of {name}")
             continue
+        if not motion.has_drive and lag_s is not None and _is_late(lag_s):
+            # A servo's delay hides in friction and swings; a body's is all there is beside wander.
+            late_rad = lag_s.value * motion.rate_rad_s(followed.t_s)
+            followed = replace(followed, left_rad=followed.left_rad + late_rad)
+        wander = wander_of(followed) if not motion.has_drive else None
         kind: Kind = "angle" if followed.basis == "angles" else "rate"
         scale, sign = scales.get((axis, kind)), turned.get((axis, kind), 1)
         angle_rad = motion.angle_rad(followed.t_s) + followed.left_rad
         is_on_plan = follows(angle_rad, "angle", followed.t_s, motion) is not False
         # Off its plan it was brought near it by whole turns, which are no motion of its own.
-        exceeded, checked = limits_exceeded(followed, limits) if is_on_plan else ([], [])
+        exceeded, checked = limits_exceeded(followed, bounds) if is_on_plan else ([], [])
         axes.append(
             AxisComparison(
                 name=name,
                 followed=followed,
                 error=error_size(followed.error_rad),
-                gain=scale.gain.turned(sign) if scale else None,
+                gain=scale.gain.turned(sign) if scale and scale.gain else None,
                 bias=scale.bias.turned(sign) if scale else None,
+                rates=_turned(scales.get((axis, "rate")), turned) if kind == "angle" else None,
                 lag_s=lag_s,
+                wander=wander if is_on_plan else None,
                 phases=tuple(phases(followed, plan.segments)),
-                oscillations=tuple(oscillations(followed)),
+                oscillations=tuple(
+                    one for one in oscillations(followed) if not _is_chance(one, wander, followed)
+                ),
                 oscillations_searched_hz=searched_hz(followed),
-                stick_slip=tuple(stick_slip(followed)) if is_on_plan else (),
+                stick_slip=tuple(stick_slip(followed)) if is_on_plan and motion.has_drive else (),
                 limits_exceeded=tuple(exceeded),
                 limits_checked=tuple(checked),
             )
         )
     return axes, notes + _notes_on_errors(axes)
+
+
+def _turned(
+    scale: ColumnScale | None, turned: Mapping[tuple[int, Kind], int]
+) -> ColumnScale | None:
+    if scale is None or scale.gain is None:
+        return None
+    sign = turned.get((scale.axis, scale.kind), 1)
+    return replace(scale, gain=scale.gain.turned(sign), bias=scale.bias.turned(sign))
 
 
 def _notes_on_signs(columns: Sequence[TelemetryColumn], signs: Sequence[int]) -> list[str]:
@@ -328,27 +357,39 @@ def _notes_on_errors(axes: Sequence[AxisComparison]) -> list[str]:
     for axis in axes:
         lag_s = axis.lag_s
         if lag_s is None:
-            notes.append(_no_lag(axis))
+            notes.append(_no_lag(axis, "the other axis tells" if len(axes) < 3 else "others tell"))
             continue
-        is_late = lag_s.value > ALIGNMENT.late_sigma * lag_s.sigma
-        is_told = bool(jump or is_late or axis.oscillations or axis.stick_slip)
+        is_told = bool(jump or _is_late(lag_s) or axis.oscillations or axis.stick_slip)
         note = _outliers_left(axis) or _beyond_noise(axis, is_told)
         notes += [] if note is None else [note]
     return notes
 
 
-def _no_lag(axis: AxisComparison) -> str:
-    """Words on why no lag of the axis is told."""
+def _is_chance(swing: Oscillation, wander: Wander | None, followed: Followed) -> bool:
+    """Whether a wandering attitude may swing so."""
+    if wander is None:
+        return False
+    step_s = float(np.median(np.diff(followed.t_s)))
+    rows = (swing.stop_s - swing.start_s) / step_s
+    return wander.explains(swing.frequency_hz, swing.amplitude_rad, rows, step_s)
+
+
+def _is_late(lag_s: Estimate) -> bool:
+    return lag_s.value > ALIGNMENT.late_sigma * lag_s.sigma
+
+
+def _no_lag(axis: AxisComparison, others: str) -> str:
+    """Words on why no lag of the axis is told.  others: what tells the time instead."""
     size = error_size(axis.followed.left_rad)
     if size.rms_rad > OPTIONS.poor * _spread_rad(axis.followed):
         return (
             f"{axis.name} doesn't follow its plan, it is {math.degrees(size.rms_rad):.3g} deg rms "
-            "off: it has no lag_s, and the other axis tells the clock; is it the plan that was "
-            "flown, and the column of this axis?"
+            f"off: it has no lag_s, and {others} the clock; is it the plan that was flown, and the "
+            "column of this axis?"
         )
     return (
         f"{axis.name} has no lag_s: it is not known to a second, as the plan moves the axis too "
-        "little, or it follows too loosely; the other axis tells the clock"
+        f"little, or it follows too loosely; {others} the clock"
     )
 
 

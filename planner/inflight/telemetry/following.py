@@ -9,10 +9,9 @@ import numpy as np
 
 from planner.base.arrays import Array, Mask
 from planner.base.commands import ROWS_PER_S, CommandTable
-from planner.base.table_motion import axes_motion_at
+from planner.base.table_motion import axes_motion_at, smooth_motion_at
 from planner.world.frames.time_scales import elapsed_s
 from planner.world.plan import Segment, SegmentKind
-from planner.world.platforms import AxisLimits
 
 Basis = Literal["angles", "rates"]
 Limit = Literal["angle_min", "angle_max", "rate", "acceleration"]
@@ -56,11 +55,17 @@ OPTIONS = FollowingOptions()
 class PlannedMotion:
     """Angle, rate and acceleration of one axis of a table, at t_s seconds after its epoch.
 
-    Before the first row and after the last the axis is taken to rest where the table has it.
+    Before the first row and after the last the axis is taken to rest where the table has it.  A
+    table of accelerations, too, is of angles turned about a body's axes, which no drive moves.
     """
 
     table: CommandTable
     axis: int
+
+    @property
+    def has_drive(self) -> bool:
+        """Whether a motor turns it, with friction and an encoder."""
+        return self.table.acceleration_rad_s2 is None
 
     @property
     def stop_s(self) -> float:
@@ -84,9 +89,12 @@ class PlannedMotion:
 
     def _motion(self, t_s: Array) -> tuple[Array, Array, Array]:
         column = slice(self.axis, self.axis + 1)
-        angle, rate, acceleration = axes_motion_at(
-            self.table.position[:, column], self.table.rate_rad_s[:, column], t_s
-        )
+        rows = self.table.position[:, column], self.table.rate_rad_s[:, column]
+        if self.table.acceleration_rad_s2 is None:
+            angle, rate, acceleration = axes_motion_at(*rows, t_s)
+        else:
+            accelerations = self.table.acceleration_rad_s2[:, column]
+            angle, rate, acceleration = smooth_motion_at(*rows, accelerations, t_s)
         return angle[:, 0], rate[:, 0], acceleration[:, 0]
 
 
@@ -95,10 +103,11 @@ class Followed:
     """One axis beside its plan.
 
     t_s: (n,), by the plan's clock.  error_rad: measured less planned, (n,).  left_rad: the same
-    less what the axis's gain and bias make of it.  rate_rad_s: as measured, (n,), None without
-    rates.  rate_left_rad_s: less planned, gain and bias where the basis is rates, else None.
-    basis: whether the error is that of angles, or the integral of rates, whose constant and steady
-    drift stay unknown and are left out.  starts: rows that begin after a gap, the first among them.
+    less what the axis's gain and bias make of it, and a body's lag.  rate_rad_s: as measured, (n,),
+    None without rates.  rate_left_rad_s: less planned, gain and bias where the basis is rates, else
+    None.  basis: whether the error is that of angles, or the integral of rates, whose constant and
+    steady drift stay unknown and are left out.  starts: rows that begin after a gap, the first
+    among them.
     """
 
     motion: PlannedMotion
@@ -325,6 +334,15 @@ def sensor_step(value: Array) -> float:
 
 
 @dataclass(frozen=True, kw_only=True)
+class MotionBounds:
+    """What one axis is to keep within.  angle_rad: least and most; None: any."""
+
+    angle_rad: tuple[float, float] | None
+    rate_rad_s: float
+    acceleration_rad_s2: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class Exceeded:
     """value: the farthest, in the limit's own unit of radians; start_s, stop_s: after the table's
     epoch."""
@@ -336,7 +354,7 @@ class Exceeded:
     bound: float
 
 
-def limits_exceeded(followed: Followed, limits: AxisLimits) -> tuple[list[Exceeded], list[Limit]]:
+def limits_exceeded(followed: Followed, bounds: MotionBounds) -> tuple[list[Exceeded], list[Limit]]:
     """Stretches beyond, and the limits that the samples could tell of.
 
     A row or two far from those around are no motion, and are drawn over.
@@ -347,15 +365,15 @@ def limits_exceeded(followed: Followed, limits: AxisLimits) -> tuple[list[Exceed
     error_rad = _without_outliers(t_s, followed.error_rad)
     angle_rad = followed.motion.angle_rad(t_s) + error_rad
     step = sensor_step(followed.motion.angle_rad(t_s) + followed.error_rad)
-    if followed.basis == "angles":
+    if followed.basis == "angles" and bounds.angle_rad is not None:
         checked += ["angle_min", "angle_max"]
         margin = OPTIONS.limit_sigma * max(row_noise(angle_rad), 0.5 * step)
-        low, high = limits.angle_min_rad, limits.angle_max_rad
+        low, high = bounds.angle_rad
         found += _beyond("angle_min", t_s, -angle_rad, -low, margin, -1.0)
         found += _beyond("angle_max", t_s, angle_rad, high, margin, 1.0)
     motions: tuple[tuple[Limit, int, float, float], ...] = (
-        ("rate", 1, limits.rate_max_rad_s, OPTIONS.rate_span_s),
-        ("acceleration", 2, limits.acceleration_max_rad_s2, OPTIONS.acceleration_span_s),
+        ("rate", 1, bounds.rate_rad_s, OPTIONS.rate_span_s),
+        ("acceleration", 2, bounds.acceleration_rad_s2, OPTIONS.acceleration_span_s),
     )
     measured, orders = error_rad, 0
     if followed.rate_rad_s is not None:

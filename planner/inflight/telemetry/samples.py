@@ -25,6 +25,7 @@ from planner.world.frames.time_scales import (
 
 Kind = Literal["angle", "rate"]
 AngleUnit = Literal["deg", "rad", "mrad", "arcmin", "arcsec"]
+ColumnUnit = AngleUnit | Literal["1"]
 Dropped = Literal["no_time", "no_value", "repeated", "held", "outside_plan", "outlier"]
 Columns = Mapping[str, str]
 
@@ -80,11 +81,32 @@ class ImageOffset:
 
 @dataclass(frozen=True, kw_only=True)
 class ColumnMeaning:
-    """axis: its number.  unit: of an angle, or of a rate's angle per second."""
+    """axis: its number.  unit: of an angle, or of a rate's angle per second; 1 of the part of a
+    quaternion, whose number is the axis."""
 
     axis: int
     kind: Kind
-    unit: AngleUnit
+    unit: ColumnUnit
+
+
+@dataclass(frozen=True, kw_only=True)
+class ColumnContract:
+    """Columns that one platform's telemetry may hold.
+
+    meanings: by names in small letters.  wanted: the names, as a refusal proposes them.  least:
+    what there must be one of.  first: what is asked for of JSON that has none.  guesses: a
+    contract's name, and the word that a file's own name of it may hold.
+    """
+
+    meanings: Mapping[str, ColumnMeaning]
+    wanted: str
+    least: str
+    first: tuple[str, str]
+    guesses: tuple[tuple[str, str], ...]
+
+    def meaning_of(self, name: str) -> ColumnMeaning | None:
+        """In any case; None of a name that is not of the contract."""
+        return self.meanings.get(name.strip().lower())
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -97,8 +119,9 @@ class TelemetryColumn:
 
     @property
     def value_rad(self) -> Array:
-        """In radians, or radians per second."""
-        return self.value * RAD_BY_UNIT[self.meaning.unit]
+        """In radians, or radians per second; parts of a quaternion as they are."""
+        unit = self.meaning.unit
+        return self.value if unit == "1" else self.value * RAD_BY_UNIT[unit]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -120,7 +143,7 @@ class CleanSamples:
     """Rows that are used, in the order of their time tags, in radians.
 
     tag_s: (n,), the telemetry's clock less the table's epoch, strictly increasing.
-    angle_rad, rate_rad_s: (n, 2), NaN where an axis has none.  read: rows there were.
+    angle_rad, rate_rad_s: (n, d), NaN where an axis has none.  read: rows there were.
     dropped: rows by reason.  reordered: rows that came before an earlier one.
     """
 
@@ -132,21 +155,22 @@ class CleanSamples:
     reordered: int
 
 
-def meaning_of(name: str, axis_names: Sequence[str]) -> ColumnMeaning | None:
-    """Of `NAME_deg` or `NAME_rate_deg_s` in any case; None of any other name."""
-    plain = name.strip().lower()
-    for axis, axis_name in enumerate(axis_names):
-        for unit in RAD_BY_UNIT:
-            if plain == f"{axis_name.lower()}_{unit}":
-                return ColumnMeaning(axis=axis, kind="angle", unit=unit)
-            if plain == f"{axis_name.lower()}_rate_{unit}_s":
-                return ColumnMeaning(axis=axis, kind="rate", unit=unit)
-    return None
+def angle_meanings(template: str, axis: int, kind: Kind) -> dict[str, ColumnMeaning]:
+    """Of one axis, by names that the template makes with each unit."""
+    return {
+        template.format(unit).lower(): ColumnMeaning(axis=axis, kind=kind, unit=unit)
+        for unit in RAD_BY_UNIT
+    }
+
+
+def other_units() -> str:
+    """Words on the units that may stand for deg."""
+    return f"or in {', '.join(unit for unit in RAD_BY_UNIT if unit != 'deg')}"
 
 
 def read_csv(
     content: bytes,
-    axis_names: Sequence[str],
+    contract: ColumnContract,
     epoch_utc: datetime | None,
     plan_epoch_utc: datetime,
     columns: Columns | None = None,
@@ -162,7 +186,7 @@ def read_csv(
         names = [name.strip() for name in next(reader)]
         if len(names) > OPTIONS.columns_max:
             raise _refusal(f"has {len(names)} columns; up to {OPTIONS.columns_max} are read")
-        place_by_name = _recognised(names, axis_names, columns or {}, delimiter)
+        place_by_name = _recognised(names, contract, columns or {}, delimiter)
         cells = _cells(reader, [*place_by_name.values()], len(names))
     except csv.Error as error:
         raise _refusal(f"can't be read as CSV: {error}") from None
@@ -176,7 +200,7 @@ def read_csv(
         columns=tuple(
             TelemetryColumn(
                 name=names[place_by_name[name]],
-                meaning=_known(name, axis_names),
+                meaning=contract.meanings[name.strip().lower()],
                 value=_numbers(names[place_by_name[name]], texts[name]),
             )
             for name in rest
@@ -191,18 +215,18 @@ def samples_of(
     t_s: Array | None,
     utc: Sequence[str],
     value_by_name: Mapping[str, Array],
-    axis_names: Sequence[str],
+    contract: ColumnContract,
     since_utc: datetime,
 ) -> Samples:
     """Of JSON: columns by the contract's names, (n,) each; t_s: (n,), None where utc tells it."""
     columns: list[TelemetryColumn] = []
     seen: dict[tuple[int, Kind], str] = {}
     for name, value in value_by_name.items():
-        meaning = meaning_of(name, axis_names)
+        meaning = contract.meaning_of(name)
         if meaning is None:
             raise _fault(
                 name,
-                f"is of no axis of this platform; give t_s, {_wanted(axis_names)}, or name this "
+                f"is of no axis of this platform; give t_s, {contract.wanted}, or name this "
                 "column in `columns`",
             )
         if other := seen.get((meaning.axis, meaning.kind)):
@@ -210,7 +234,7 @@ def samples_of(
         seen[meaning.axis, meaning.kind] = name
         columns.append(TelemetryColumn(name=name, meaning=meaning, value=value))
     if not columns:
-        raise _fault(f"{axis_names[0]}_deg", "is required, or a column of another axis or of rates")
+        raise _fault(*contract.first)
     if t_s is None:
         t_s = utc_seconds(utc, since_utc)
     return Samples(epoch_utc=since_utc, t_s=t_s, columns=tuple(columns))
@@ -240,14 +264,14 @@ def _lines_of(content: bytes) -> tuple[list[str], str]:
 
 
 def _recognised(
-    names: Sequence[str], axis_names: Sequence[str], columns: Columns, delimiter: str
+    names: Sequence[str], contract: ColumnContract, columns: Columns, delimiter: str
 ) -> dict[str, int]:
     """Places of the columns that are read by the contract's names, the time's first."""
     named = {}
     for name, own in columns.items():
-        if name not in TIMES and meaning_of(name, axis_names) is None:
+        if name not in TIMES and contract.meaning_of(name) is None:
             raise InvalidInput(
-                f"{name[:60]!r} is no column that is read; name t_s, {_wanted(axis_names)}",
+                f"{name[:60]!r} is no column that is read; name t_s, {contract.wanted}",
                 field=f"columns.{name}"[:80],
             )
         if own not in names:
@@ -262,7 +286,7 @@ def _recognised(
         name = named.get(names[place], names[place].lower())
         if name in TIMES:
             found.setdefault(name, place)
-        elif meaning := meaning_of(name, axis_names):
+        elif meaning := contract.meaning_of(name):
             key = (meaning.axis, meaning.kind)
             if key not in of_axis:
                 of_axis[key] = names[place]
@@ -272,10 +296,10 @@ def _recognised(
                                "send one of them, or say which in `columns`")  # fmt: skip
     time = next((name for name in (*columns, *TIMES) if name in TIMES and name in found), None)
     if time is None or not of_axis:
-        lacks = "the time" if time is None else f"an angle or a rate of {' or '.join(axis_names)}"
-        sent = json.dumps(_proposed(names, axis_names), ensure_ascii=False)
+        lacks = "the time" if time is None else contract.least
+        sent = json.dumps(_proposed(names, contract), ensure_ascii=False)
         raise _refusal(
-            f"no column is named as one of {lacks}: name it t_s, {_wanted(axis_names)}. "
+            f"no column is named as one of {lacks}: name it t_s, {contract.wanted}. "
             f"{_read_as(names, delimiter)}. Where the file names them otherwise, send `columns` "
             f"with the request, such as {sent}, with each one's own unit"
         )
@@ -375,26 +399,15 @@ def utc_seconds(texts: Sequence[str], since_utc: datetime) -> Array:
     return t_s
 
 
-def _known(name: str, axis_names: Sequence[str]) -> ColumnMeaning:
-    meaning = meaning_of(name, axis_names)
-    assert meaning is not None
-    return meaning
-
-
-def _wanted(axis_names: Sequence[str]) -> str:
-    names = [f"{name}_{one}" for name in axis_names for one in ("deg", "rate_deg_s")]
-    return f"{', '.join(names)}, or in {', '.join(unit for unit in RAD_BY_UNIT if unit != 'deg')}"
-
-
 def _read_as(names: Sequence[str], delimiter: str) -> str:
     shown = ", ".join(repr(name[:40]) for name in names[:12])
     return f"its first line was read, parted by {delimiter!r}, as {shown}"
 
 
-def _proposed(names: Sequence[str], axis_names: Sequence[str]) -> dict[str, str]:
+def _proposed(names: Sequence[str], contract: ColumnContract) -> dict[str, str]:
     """A mapping such as is meant, of the file's own names, taken in their order at worst."""
     left, found = [name[:40] for name in names if name], {}
-    for name, word in (("t_s", "time"), *((f"{axis}_deg", axis.lower()) for axis in axis_names)):
+    for name, word in (("t_s", "time"), *contract.guesses):
         own = next((one for one in left if word in one.lower()), left[0] if left else "...")
         left = [one for one in left if one != own]
         found[name] = own
@@ -457,7 +470,7 @@ def leave_out_held(
 ) -> list[str]:
     """Sets values that only repeat the row before to NaN, and counts the rows left without any.
 
-    values: (n, 2) each, in order of t_s, (n,), which is about the plan's time.
+    values: (n, d) each, in order of t_s, (n,), which is about the plan's time.
     """
     notes = []
     any_held = np.zeros(len(t_s), dtype=bool)

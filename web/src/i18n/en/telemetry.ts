@@ -4,7 +4,7 @@ export const telemetry = {
   what: "Measured angles or rates beside a plan's table: the clock is set right first, then each axis's errors are told.",
   file: "Telemetry, CSV",
   fileHint:
-    "A line that names the columns (t_s or utc, then NAME_deg and NAME_rate_deg_s of the axes), then a line per sample. Or drop the file here.",
+    "A line that names the columns (t_s or utc, then NAME_deg and NAME_rate_deg_s of the axes; of a body q_1 to q_4 in any order and omega_body_deg_s_x, _y, _z), then a line per sample. Or drop the file here.",
   columns: "Columns of the file",
   columnsHint: "Each is read as its name says, or as it is chosen here, in its own unit.",
   notRead: "not read",
@@ -36,13 +36,21 @@ export const telemetry = {
     `${axis}: flown ${flown}°, planned ${planned}°, error ${error}″`,
   noSample: (axis: string) => `${axis}: no sample yet`,
   learnt: "For the next plan",
+  nothingLearntOfBody: "Nothing was learnt: these samples don't show how the attitude wanders.",
+  found: (value: string, sigma: string | null, planned: string) =>
+    `${value}${sigma === null ? "" : ` ± ${sigma}`}, planned with ${planned}`,
   nothingLearnt: "Nothing was learnt of attitude or drives: give the target's place in an image above.",
   exports: { csv: "Samples, CSV", json: "Comparison, JSON", svg: "Picture, SVG", png: "Picture, PNG" },
   bases: { angles: "of angles", rates: "of rates added up" },
   errors: (rms: string, max: string, basis: string) => `Error ${rms}″ rms, ${max}″ at most, ${basis}.`,
-  gain: (gain: string, sigma: string, bias: string, biasSigma: string, unit: string) =>
-    `Gain ${gain} ± ${sigma}, bias ${bias} ± ${biasSigma} ${unit}.`,
-  lag: (value: string, sigma: string) => `Its delay behind the other axis: ${value} ± ${sigma} s.`,
+  gain: (gain: string, sigma: string) => `Gain ${gain} ± ${sigma}.`,
+  bias: (bias: string, sigma: string, unit: string) => `Bias ${bias} ± ${sigma} ${unit}.`,
+  rates: "Its rates:",
+  noise: (value: string, sigma: string) => `The sensor's noise is ${value} ± ${sigma}″.`,
+  wander: (value: string, sigma: string, half: string, halfSigma: string) =>
+    `The attitude wanders by ${value} ± ${sigma}″ and forgets half of that in ${half} ± ${halfSigma} s.`,
+  noWander: "No wander of the attitude is seen.",
+  lag: (value: string, sigma: string) => `Its delay behind the earliest axis: ${value} ± ${sigma} s.`,
   noLag: "Its delay can’t be measured: it doesn’t follow its plan, or hardly moves.",
   phases: "Errors by phase",
   phase: "Phase",
@@ -68,7 +76,7 @@ export const telemetry = {
   reordered: (count: number) => `${counted(count, "row", "rows", "rows")} put in order of time`,
   wrapped: (count: number) => `${counted(count, "angle", "angles", "angles")} brought within half a turn of the plan`,
   gaps: (count: number) => counted(count, "gap", "gaps", "gaps"),
-  columnKinds: { angle: "angle", rate: "rate" },
+  columnKinds: { angle: "angle", rate: "rate", attitude: "attitude" },
   ignored: (names: string) => `Columns not read: ${names}`,
   corrections: "As attitude.corrections of a request",
 };

@@ -5,7 +5,7 @@ export const telemetry: Words["telemetry"] = {
   what: "Измеренные углы или скорости рядом с таблицей плана: сначала сверяются часы, затем называются ошибки каждой оси.",
   file: "Телеметрия, CSV",
   fileHint:
-    "Строка с именами столбцов (t_s или utc, затем ИМЯ_deg и ИМЯ_rate_deg_s осей), затем по строке на отсчёт. Файл можно перетащить сюда.",
+    "Строка с именами столбцов (t_s или utc, затем ИМЯ_deg и ИМЯ_rate_deg_s осей; у аппарата q_1–q_4 в любом порядке и omega_body_deg_s_x, _y, _z), затем по строке на отсчёт. Файл можно перетащить сюда.",
   columns: "Столбцы файла",
   columnsHint: "Каждый читается по своему имени или так, как выбрано здесь, в своих единицах.",
   notRead: "не читать",
@@ -38,13 +38,21 @@ export const telemetry: Words["telemetry"] = {
     `${axis}: в полёте ${flown}°, по плану ${planned}°, ошибка ${error}″`,
   noSample: (axis: string) => `${axis}: отсчёта ещё нет`,
   learnt: "Для следующего плана",
+  nothingLearntOfBody: "Ничего не узнано: по этим отсчётам не видно, как блуждает ориентация.",
+  found: (value: string, sigma: string | null, planned: string) =>
+    `${value}${sigma === null ? "" : ` ± ${sigma}`}, в плане было ${planned}`,
   nothingLearnt: "Об ориентации и приводах ничего не узнано: укажите выше место цели на снимке.",
   exports: { csv: "Отсчёты, CSV", json: "Сравнение, JSON", svg: "Рисунок, SVG", png: "Рисунок, PNG" },
   bases: { angles: "по углам", rates: "по сложенным скоростям" },
   errors: (rms: string, max: string, basis: string) => `Ошибка: СКО ${rms}″, не больше ${max}″, ${basis}.`,
-  gain: (gain: string, sigma: string, bias: string, biasSigma: string, unit: string) =>
-    `Масштаб ${gain} ± ${sigma}, смещение ${bias} ± ${biasSigma} ${unit}.`,
-  lag: (value: string, sigma: string) => `Запаздывание относительно другой оси: ${value} ± ${sigma} с.`,
+  gain: (gain: string, sigma: string) => `Масштаб ${gain} ± ${sigma}.`,
+  bias: (bias: string, sigma: string, unit: string) => `Смещение ${bias} ± ${sigma} ${unit}.`,
+  rates: "Скорости:",
+  noise: (value: string, sigma: string) => `Шум датчика ${value} ± ${sigma}″.`,
+  wander: (value: string, sigma: string, half: string, halfSigma: string) =>
+    `Ориентация блуждает на ${value} ± ${sigma}″ и наполовину забывает это за ${half} ± ${halfSigma} с.`,
+  noWander: "Блуждания ориентации не видно.",
+  lag: (value: string, sigma: string) => `Запаздывание относительно самой ранней оси: ${value} ± ${sigma} с.`,
   noLag: "Запаздывание не определить: ось не следует плану или почти не движется.",
   phases: "Ошибки по участкам",
   phase: "Участок",
@@ -70,7 +78,7 @@ export const telemetry: Words["telemetry"] = {
   reordered: (count: number) => `${counted(count, "строка", "строки", "строк")} переставлено по времени`,
   wrapped: (count: number) => `${counted(count, "угол", "угла", "углов")} приведено к полуобороту от плана`,
   gaps: (count: number) => counted(count, "пропуск", "пропуска", "пропусков"),
-  columnKinds: { angle: "угол", rate: "скорость" },
+  columnKinds: { angle: "угол", rate: "скорость", attitude: "ориентация" },
   ignored: (names: string) => `Не прочитаны столбцы: ${names}`,
   corrections: "Как attitude.corrections запроса",
 };

@@ -91,15 +91,13 @@ function Shown({ plan, Viewer }: { plan: Plan; Viewer: ComponentType<{ plan: Pla
           <Link to={`/flights?plan=${id}`} class="button">
             {text.plan.one.fly}
           </Link>
+          <Link to={`/telemetry?plan=${id}`} class="button">
+            {text.plan.one.telemetry}
+          </Link>
           {!isOfBody(plan) && (
-            <>
-              <Link to={`/telemetry?plan=${id}`} class="button">
-                {text.plan.one.telemetry}
-              </Link>
-              <Link to={`/horizon?plan=${id}`} class="button">
-                {text.plan.one.horizon}
-              </Link>
-            </>
+            <Link to={`/horizon?plan=${id}`} class="button">
+              {text.plan.one.horizon}
+            </Link>
           )}
           <button type="button" onClick={() => takeAway.current?.scrollIntoView({ block: "start" })}>
             {text.plan.one.take}

@@ -7,7 +7,7 @@ import type { Comparison } from "./compare";
 
 type AxisComparison = Comparison["axes"][string];
 
-export function Axis({ name, axis }: { name: string; axis: AxisComparison }) {
+export function Axis({ name, axis, hasDrive }: { name: string; axis: AxisComparison; hasDrive: boolean }) {
   const text = words.value.telemetry;
   return (
     <section class="panel" aria-labelledby={`axis-${name}`}>
@@ -17,16 +17,28 @@ export function Axis({ name, axis }: { name: string; axis: AxisComparison }) {
         {axis.lag_s === null || axis.lag_sigma_s === null
           ? text.noLag
           : text.lag(fixed(axis.lag_s, 4), fixed(axis.lag_sigma_s, 4))}{" "}
-        {axis.gain &&
-          axis.bias &&
-          text.gain(
-            fixed(axis.gain.value, 6),
-            fixed(axis.gain.sigma, 6),
-            fixed(axis.bias.value, 2),
-            fixed(axis.bias.sigma, 2),
-            axis.bias_unit,
-          )}
+        {axis.gain && text.gain(fixed(axis.gain.value, 6), fixed(axis.gain.sigma, 6))}{" "}
+        {axis.bias && text.bias(fixed(axis.bias.value, 2), fixed(axis.bias.sigma, 2), axis.bias_unit)}
       </p>
+      {axis.rate_gain && axis.rate_bias_arcsec_s && (
+        <p>
+          {text.rates} {text.gain(fixed(axis.rate_gain.value, 6), fixed(axis.rate_gain.sigma, 6))}{" "}
+          {text.bias(fixed(axis.rate_bias_arcsec_s.value, 3), fixed(axis.rate_bias_arcsec_s.sigma, 3), "arcsec/s")}
+        </p>
+      )}
+      {axis.noise_arcsec && (
+        <p>
+          {text.noise(fixed(axis.noise_arcsec.value, 2), fixed(axis.noise_arcsec.sigma, 2))}{" "}
+          {axis.wander_arcsec && axis.wander_half_life_s
+            ? text.wander(
+                fixed(axis.wander_arcsec.value, 2),
+                fixed(axis.wander_arcsec.sigma, 2),
+                fixed(axis.wander_half_life_s.value, 1),
+                fixed(axis.wander_half_life_s.sigma, 1),
+              )
+            : text.noWander}
+        </p>
+      )}
       <Stretches
         axis={name}
         title={text.phases}
@@ -50,15 +62,17 @@ export function Axis({ name, axis }: { name: string; axis: AxisComparison }) {
           values: [digits(one.frequency_hz), digits(one.amplitude_arcsec)],
         }))}
       />
-      <Stretches
-        axis={name}
-        title={text.stickSlip}
-        columns={[text.slips, text.stuck, text.slip]}
-        rows={axis.stick_slip.map((one) => ({
-          ...one,
-          values: [number(one.slips), `${number(100 * one.stuck_share)} %`, digits(one.slip_arcsec)],
-        }))}
-      />
+      {hasDrive && (
+        <Stretches
+          axis={name}
+          title={text.stickSlip}
+          columns={[text.slips, text.stuck, text.slip]}
+          rows={axis.stick_slip.map((one) => ({
+            ...one,
+            values: [number(one.slips), `${number(100 * one.stuck_share)} %`, digits(one.slip_arcsec)],
+          }))}
+        />
+      )}
       <Stretches
         axis={name}
         title={text.exceeded}

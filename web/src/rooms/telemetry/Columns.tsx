@@ -1,18 +1,17 @@
 /** Columns of the file, each with what it holds: by its name, or as it is chosen. */
 import { words } from "../../i18n";
 import { Field } from "../../parts/Field";
-import { meaningOf, meaningsFor } from "./columns";
+import { meaningOf } from "./columns";
 
 interface Props {
   names: readonly string[];
-  axes: readonly string[];
+  meanings: readonly string[];
   chosen: Record<string, string>;
   onChosen: (chosen: Record<string, string>) => void;
 }
 
-export function Columns({ names, axes, chosen, onChosen }: Props) {
+export function Columns({ names, meanings, chosen, onChosen }: Props) {
   const text = words.value.telemetry;
-  const meanings = meaningsFor(axes);
   return (
     <fieldset class="columns">
       <legend>{text.columns}</legend>

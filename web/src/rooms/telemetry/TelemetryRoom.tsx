@@ -4,7 +4,7 @@ import { useMemo, useState } from "preact/hooks";
 import { save } from "../../api/download";
 import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
-import { fixed, period } from "../../i18n/forms";
+import { digits, fixed, period } from "../../i18n/forms";
 import { DropZone } from "../../parts/DropZone";
 import { Identity } from "../../parts/Identity";
 import { useKept } from "../../parts/kept";
@@ -15,10 +15,10 @@ import { checksum } from "../../parts/paper";
 import type { RoomProps } from "../../room";
 import { place } from "../../router";
 import { fileNameOf, nameOf } from "../plan/identity";
-import type { Plan } from "../plan/plan";
+import { isOfBody, type Plan } from "../plan/plan";
 import { Axis } from "./Axis";
 import { Columns } from "./Columns";
-import { namesIn, renamed } from "./columns";
+import { meaningsFor, meaningsForBody, namesIn, renamed } from "./columns";
 import { type Compared, compare, type ImageOffset } from "./compare";
 import { Flight } from "./Flight";
 import { Offsets } from "./Offsets";
@@ -38,7 +38,11 @@ export default function TelemetryRoom(_: RoomProps) {
     file ? namesIn(file) : Promise.resolve([]),
   );
   const names = read.answer ?? [];
-  const axes = useMemo(() => Object.keys(kept.plan?.margins ?? {}), [kept.plan]);
+  const isBody = kept.plan !== null && isOfBody(kept.plan);
+  const meanings = useMemo(
+    () => (isBody ? meaningsForBody() : meaningsFor(Object.keys(kept.plan?.margins ?? {}))),
+    [kept.plan, isBody],
+  );
   const { answer: found, error, isAsking, ask } = useRequest<Compared>(null);
 
   const take = (given: File) => {
@@ -47,7 +51,8 @@ export default function TelemetryRoom(_: RoomProps) {
   };
   const submit = (event: Event) => {
     event.preventDefault();
-    if (file) void ask((until) => compare({ plan: id, columns: renamed(names, chosen), offsets }, file, until));
+    const seen = isBody ? [] : offsets;
+    if (file) void ask((until) => compare({ plan: id, columns: renamed(names, chosen), offsets: seen }, file, until));
   };
   return (
     <div class="room">
@@ -59,8 +64,8 @@ export default function TelemetryRoom(_: RoomProps) {
           <p class="small">{file ? file.name : text.telemetry.fileHint}</p>
           {!file && fileName && <p class="hint">{text.shell.fileAgain(fileName)}</p>}
         </DropZone>
-        {names.length > 0 && axes.length > 0 && <Columns names={names} axes={axes} chosen={chosen} onChosen={setChosen} />}
-        {kept.plan && <Offsets epoch={kept.plan.summary.start} offsets={offsets} onOffsets={setOffsets} />}
+        {names.length > 0 && kept.plan && <Columns names={names} meanings={meanings} chosen={chosen} onChosen={setChosen} />}
+        {kept.plan && !isBody && <Offsets epoch={kept.plan.summary.start} offsets={offsets} onOffsets={setOffsets} />}
         <button type="submit" class="primary" disabled={!id || !file || isAsking}>
           {text.telemetry.compare}
         </button>{" "}
@@ -75,7 +80,8 @@ export default function TelemetryRoom(_: RoomProps) {
 function Told({ found, plan }: { found: Compared; plan: Plan | null }) {
   const text = words.value.telemetry;
   const { comparison, flown } = found;
-  const { time_offset_s, clock_drift, ideal_offset_s, inseparable, samples, corrections, platform } = comparison;
+  const { time_offset_s, clock_drift, ideal_offset_s, inseparable, samples, corrections, parameters, platform } = comparison;
+  const isBody = plan !== null && isOfBody(plan);
   const drift_ppm = [1e6 * clock_drift.value, 1e6 * clock_drift.sigma].map((ppm) => fixed(ppm, 2));
   return (
     <>
@@ -105,7 +111,7 @@ function Told({ found, plan }: { found: Compared; plan: Plan | null }) {
       </section>
       <Flight comparison={comparison} flown={flown} />
       {Object.entries(comparison.axes).map(([name, axis]) => (
-        <Axis key={name} name={name} axis={axis} />
+        <Axis key={name} name={name} axis={axis} hasDrive={!isBody} />
       ))}
       <Samples samples={samples} />
       <section class="panel" aria-labelledby="learnt">
@@ -113,13 +119,21 @@ function Told({ found, plan }: { found: Compared; plan: Plan | null }) {
         {corrections.length > 0 || platform ? (
           <>
             <NextPlan plan={comparison.plan} learnt={{ corrections, platform }} />
-            <details>
-              <summary>{text.corrections}</summary>
-              <pre tabIndex={0}>{JSON.stringify(corrections, null, 2)}</pre>
-            </details>
+            {parameters.map((one) => (
+              <p key={one.name}>
+                <code>{one.name}</code>:{" "}
+                {text.found(digits(one.found), one.sigma === null ? null : digits(one.sigma), digits(one.planned))}
+              </p>
+            ))}
+            {corrections.length > 0 && (
+              <details>
+                <summary>{text.corrections}</summary>
+                <pre tabIndex={0}>{JSON.stringify(corrections, null, 2)}</pre>
+              </details>
+            )}
           </>
         ) : (
-          <p class="small">{text.nothingLearnt}</p>
+          <p class="small">{isBody ? text.nothingLearntOfBody : text.nothingLearnt}</p>
         )}
       </section>
       <Export found={found} stem={`${plan ? fileNameOf(plan) : comparison.plan}_telemetry`} />

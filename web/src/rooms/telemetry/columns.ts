@@ -22,6 +22,13 @@ export function meaningsFor(axes: readonly string[]): string[] {
   return [...TIMES, ...axes.flatMap(units)];
 }
 
+/** The same of a body: its attitude's quaternion, in any order, and its gyros' rates. */
+export function meaningsForBody(): string[] {
+  const parts = [1, 2, 3, 4].map((part) => `q_${part}`);
+  const rates = (axis: string) => UNITS.map((unit) => `omega_body_${unit}_s_${axis}`);
+  return [...TIMES, ...parts, ...["x", "y", "z"].flatMap(rates)];
+}
+
 /** What a column holds: as it was chosen, or as its name says; "" for none. */
 export function meaningOf(name: string, chosen: Readonly<Record<string, string>>, meanings: readonly string[]): string {
   return chosen[name] ?? meanings.find((one) => one.toLowerCase() === name.toLowerCase()) ?? "";

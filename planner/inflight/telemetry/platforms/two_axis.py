@@ -1,4 +1,4 @@
-"""The attitude error and platform parameters that a flight shows, for the next plan.
+"""Sensors of two axes, and the attitude error and drives that a flight shows, for the next plan.
 
 Angles and rates of the axes are told relative to the carrier: by themselves they say nothing of
 its attitude.  A measured rotation (of a horizon estimate) says where the target was besides; a
@@ -11,11 +11,13 @@ that the drives share looks like a clock that is ahead; here it is taken to be w
 own drives have, and the rest the clock's.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
-from typing import Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,14 +28,31 @@ from planner.inflight.simulation.candidates import IDENTIFIABLE
 from planner.inflight.simulation.flight import fly
 from planner.inflight.simulation.identification import identify
 from planner.inflight.telemetry.alignment import AlignedColumn, align
-from planner.inflight.telemetry.compare import Comparison
-from planner.inflight.telemetry.following import Followed, PlannedMotion
-from planner.inflight.telemetry.samples import ImageOffset
+from planner.inflight.telemetry.following import Followed, MotionBounds, PlannedMotion
+from planner.inflight.telemetry.platforms.sensors import (
+    ClockAssumptions,
+    Parameter,
+    PlatformFound,
+    PointingParts,
+    ReadColumns,
+    ToldColumn,
+)
+from planner.inflight.telemetry.samples import (
+    ColumnContract,
+    ColumnMeaning,
+    ImageOffset,
+    TelemetryColumn,
+    angle_meanings,
+    other_units,
+)
 from planner.motion.pointing.frame import frame_axes
 from planner.world.attitude.corrections import AttitudeCorrection
 from planner.world.frames.time_scales import Instants, elapsed_s, utc_text
 from planner.world.plan import FlightPlan
-from planner.world.platforms import AxisDrive, PlatformGeometry, TwoAxisPlatform
+from planner.world.platforms import AxisDrive, PlatformGeometry, TwoAxisPlatform, definition_of
+
+if TYPE_CHECKING:
+    from planner.inflight.telemetry.compare import Comparison
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,25 +70,75 @@ OPTIONS = NextPlanOptions()
 _LEAST_RATE = "rate_min_deg_s"
 
 
-@dataclass(frozen=True, kw_only=True)
-class PointingParts:
-    """How far the target was from the frame's centre and why, along the frame's two sides.
+class AxisSensors:
+    """Angles and rates of both axes; what they were sent as is what is compared."""
 
-    axes_rad: the boresight's error by the axes alone, None where there is no telemetry of both.
-    attitude_rad: by which the attitude moved the target, beyond what the plan reckoned with.
-    attitude_sigma_rad: of each.
-    target_rad: of the target in the frame: attitude less axes; None without axes.
-    correction: the attitude against its law without corrections, as a plan takes it.
-    """
+    assumes = ClockAssumptions(
+        earliest="one axis is on time; bias, gain, friction and lag of each are estimated beside "
+        "it",
+        equally_late="both axes are equally late; bias, gain and friction are estimated beside it",
+        ideal="no friction, no lag and gains of one, none of which is seen; each bias is estimated",
+    )
 
-    epoch_utc: datetime
-    session: int | None
-    measured: Literal["rotation", "image"]
-    axes_rad: tuple[float, float] | None
-    attitude_rad: tuple[float, float]
-    attitude_sigma_rad: tuple[float, float]
-    target_rad: tuple[float, float] | None
-    correction: AttitudeCorrection
+    def __init__(self, plan: FlightPlan) -> None:
+        self.plan = plan
+        names = plan.scenario.two_axis.axis_names
+        self.motions = tuple(PlannedMotion(plan.table, axis) for axis in range(len(names)))
+        meanings: dict[str, ColumnMeaning] = {}
+        for axis, name in enumerate(names):
+            meanings |= angle_meanings(f"{name}_{{}}", axis, "angle")
+            meanings |= angle_meanings(f"{name}_rate_{{}}_s", axis, "rate")
+        wanted = [f"{name}_{one}" for name in names for one in ("deg", "rate_deg_s")]
+        self.contract = ColumnContract(
+            meanings=meanings,
+            wanted=f"{', '.join(wanted)}, {other_units()}",
+            least=f"an angle or a rate of {' or '.join(names)}",
+            first=(f"{names[0]}_deg", "is required, or a column of another axis or of rates"),
+            guesses=tuple((f"{name}_deg", name.lower()) for name in names),
+        )
+
+    @property
+    def bounds(self) -> tuple[MotionBounds, ...]:
+        """Stops, and the largest rates and accelerations."""
+        return tuple(
+            MotionBounds(
+                angle_rad=(one.angle_min_rad, one.angle_max_rad),
+                rate_rad_s=one.rate_max_rad_s,
+                acceleration_rad_s2=one.acceleration_max_rad_s2,
+            )
+            for one in self.plan.scenario.two_axis.axis_limits
+        )
+
+    def read(self, columns: Sequence[TelemetryColumn], tag_s: Array) -> ReadColumns:
+        """As they are."""
+        names = self.plan.table.dof_names
+        told = [
+            ToldColumn(one.name, names[one.meaning.axis], one.meaning.kind, one.meaning.unit)
+            for one in columns
+        ]
+        return ReadColumns(columns, tuple(told))
+
+    def pointing(
+        self,
+        comparison: Comparison,
+        corrections: Sequence[AttitudeCorrection],
+        image_offsets: Sequence[ImageOffset],
+    ) -> list[PointingParts]:
+        """Of each."""
+        followed = [axis.followed for axis in comparison.axes]
+        pointing = [
+            from_rotation(self.plan, followed, one, f"corrections.{number}")
+            for number, one in enumerate(corrections)
+        ]
+        pointing += [
+            from_image(self.plan, followed, one, f"image_offsets.{number}")
+            for number, one in enumerate(image_offsets)
+        ]
+        return sorted(pointing, key=lambda parts: parts.epoch_utc)
+
+    def found(self, comparison: Comparison, names: Sequence[str]) -> PlatformFound | None:
+        """The drives' parameters, and the least rates of axes that stuck."""
+        return platform_found(comparison, names)
 
 
 def from_rotation(
@@ -223,25 +292,6 @@ def _two(value: Array) -> tuple[float, float]:
     return float(value[0]), float(value[1])
 
 
-@dataclass(frozen=True, kw_only=True)
-class Parameter:
-    """name: `axis.field`.  planned_value: what the platform has.  found_value, sigma: the estimate;
-    sigma None where it is a bound."""
-
-    name: str
-    planned_value: float
-    found_value: float
-    sigma: float | None
-
-
-@dataclass(frozen=True, kw_only=True)
-class PlatformFound:
-    """parameters: those found.  platform: as planned with, but for these."""
-
-    parameters: tuple[Parameter, ...]
-    platform: TwoAxisPlatform
-
-
 def platform_found(comparison: Comparison, names: Sequence[str]) -> PlatformFound | None:
     """With the drives' parameters of these names, `axis.field`; None where nothing was found.
 
@@ -260,7 +310,8 @@ def platform_found(comparison: Comparison, names: Sequence[str]) -> PlatformFoun
         axis = platform.axis_names.index(one.name.rpartition(".")[0])
         limits[axis] = replace(limits[axis], rate_min_rad_s=math.radians(one.found_value))
     return PlatformFound(
-        parameters=(*found, *least), platform=platform.with_limits((limits[0], limits[1]))
+        parameters=(*found, *least),
+        platform=definition_of(platform.with_limits((limits[0], limits[1]))),
     )
 
 

@@ -1,0 +1,1 @@
+"""Sensors of each kind of platform, as a comparison of telemetry asks them."""
