@@ -27,7 +27,7 @@ WORD = re.compile(
     r"|TwoAxisPlatform|(outer|inner)_(axis|limits|name|rad|rate)\w*|q_platform_from_body\w*"
     r"|(los|seen|boresight|directions?|axis|axes|q_eci_from|q_itrf_from)_(rate_)?platform\w*)\b"
 )
-MOST = 75  # lower it when it has fallen; the aim is 0
+MOST = 42  # lower it when it has fallen; the aim is 0
 SLACK = 10  # so that work side by side needn't meet in this line
 
 
