@@ -125,7 +125,7 @@ class AxisComparisonOut:
     rate_bias_arcsec_s: the measured rate where the plan stands still; null likewise.
     noise_arcsec: of the sensor of a body's attitude, 1 sigma, each row by itself; null of axes, of
     rates alone and of too short samples.
-    wander_arcsec: how far a body's attitude wanders, 1 sigma; null where it is too slow to tell.
+    wander_arcsec: of a body's attitude, 1 sigma, slow against rows; null where too slow to tell.
     wander_half_life_s: time in which the wander forgets half of itself; null likewise.
     lag_s: delay of the axis behind the earliest one; a delay of all can't be separated from the
     clock, and is in `time_offset_s`. Null for an axis that gives no time, as it doesn't follow its

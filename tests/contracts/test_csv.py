@@ -67,7 +67,8 @@ def table_csv(text):
 
 def windows_of(text):
     ids = [text] * len(FOUND.ids)
-    return rows_json(window_columns(FOUND.start_utc, ids, (text, "beta"), FOUND.windows))
+    axes = SimpleNamespace(axis_names=(text, "beta"), has_branches=True)
+    return rows_json(window_columns(FOUND.start_utc, ids, axes, FOUND.windows))
 
 
 def opportunities_csv(text):

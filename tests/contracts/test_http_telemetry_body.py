@@ -87,9 +87,10 @@ def test_the_command_tells_the_same(plan, content, tmp_path):
     answered.write_text(json.dumps(plan))
     request.write_text(json.dumps(REQUEST))
     telemetry = tmp_path / "telemetry.csv"
-    telemetry.write_bytes(content)
+    telemetry.write_bytes(content.replace(b"q_1,q_2,q_3,q_4", b"QW,QX,QY,QZ", 1))
     words = ["compare", str(answered), str(telemetry), "--request", str(request)]
-    result = CliRunner().invoke(main, words)
+    parts = [f"--column=q_{n}={own}" for n, own in enumerate(("QW", "QX", "QY", "QZ"), start=1)]
+    result = CliRunner().invoke(main, [*words, *parts])
     assert result.exit_code == 0, result.output
     assert "x wanders by" in result.output
     assert "x rates: bias" in result.output

@@ -40,6 +40,8 @@ ELSEWHERE = {
     "plan examples/las_vegas_2015.json --csv OUT.csv --plot OUT.png --json OUT.json": (
         "test_readme::test_command_line_example"
     ),
+    "compare request.json flight.csv --column q_1=QW --column q_2=QX --column q_3=QY "
+    "--column q_4=QZ": "test_http_telemetry_body::test_the_command_tells_the_same",
     # It depends on today's date and on elements that are the reader's to bring.
     "plan examples/my_city.json --next-pass": (
         "test_command_ways_out::test_the_next_pass_is_found_and_planned"
