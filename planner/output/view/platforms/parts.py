@@ -1,4 +1,4 @@
-"""Parts of a view that the kind of its platform decides: keyholes, baseline, zones to keep out of."""
+"""Parts of a view that the platform's kind decides: keyholes, baseline, zones to keep out of."""
 
 from typing import NamedTuple
 
