@@ -122,6 +122,30 @@ def test_conditions_stand_beside_the_time(open_page):
     assert asked["stop"] == "2015-03-01T12:00:00Z"
 
 
+def test_a_spacecraft_that_turns_as_a_whole_is_chosen_by_keyboard(open_page):
+    """Its attitude goes with the axes and comes back with them; it is written out in Russian."""
+    page = open_page("/campaigns", viewport=PHONE, color_scheme="dark", locale="ru-RU")
+    platform = page.get_by_label("Платформа", exact=True)
+    expect(platform.locator("option")).to_have_count(3)  # two by name, and written out
+    asked = page.get_by_label("Запрос в JSON", exact=True)
+    platform.focus()
+    page.keyboard.press("ArrowDown")
+    expect(platform).to_have_value("smallsat-120kg")
+    assert json.loads(asked.input_value()) == {
+        name: value for name, value in EXAMPLE.items() if name != "attitude"
+    } | {"platform": "smallsat-120kg"}
+    page.keyboard.press("ArrowDown")
+    page.keyboard.press("Tab")
+    page.keyboard.press("Enter")
+    page.get_by_label("Наибольшее отклонение от надира, °", exact=True).fill("45")
+    written = json.loads(asked.input_value())["platform"]
+    assert (written["kind"], written["off_nadir_max_deg"]) == ("body", 45)
+    assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
+    assert violations(page) == []
+    platform.select_option("iss-hrc")
+    assert json.loads(asked.input_value()) == EXAMPLE
+
+
 def test_names_that_may_mean_several_places_are_resolved_in_their_rows(open_page):
     page = open_page("/campaigns")
     for name in ("Springfield", "Newcastle"):

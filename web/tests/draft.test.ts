@@ -6,6 +6,7 @@ import "./page";
 const draft = await import("../src/rooms/planning/draft");
 const { best, sessionIn, windowNear, windowOf } = await import("../src/rooms/planning/windows");
 const platforms = await import("../src/rooms/planning/platforms");
+const registered = await import("../src/parts/platforms");
 type Window = Parameters<typeof sessionIn>[0];
 
 const at = (seconds: number) => new Date(Date.UTC(2015, 1, 27, 17) + 1000 * seconds).toISOString().replace(".000", "");
@@ -94,7 +95,7 @@ test("a long window gives its middle five minutes, beside another session what t
 test("between sessions there is time for the slew that the platform's axes make", () => {
   const axis = { rate_max_deg_s: 3, acceleration_max_deg_s2: 1, jerk_max_deg_s3: 1 };
   const outer = { ...axis, name: "alpha" };
-  platforms.platforms.value = [{ name: "iss-hrc", outer, inner: { ...axis, name: "beta" } } as never];
+  registered.platforms.value = [{ name: "iss-hrc", outer, inner: { ...axis, name: "beta" } } as never];
   draft.removeSession(0);
   draft.setTimes(at(100), at(110));
   draft.addSession();
@@ -103,7 +104,7 @@ test("between sessions there is time for the slew that the platform's axes make"
   // A quarter turn, since nobody has told where the axes are: 90/3 + 3 + 1 s at least.
   expect(left_s).toBeGreaterThan(34);
   expect(sessionIn(window(70, 130))).toBeNull();
-  platforms.platforms.value = null;
+  registered.platforms.value = null;
 });
 
 test("a slew takes as long as rate, acceleration and jerk want", () => {

@@ -76,7 +76,17 @@ test.each([
   "content: AEM line 3: the quaternion's length is 1.2, not 1",
   "the OEM says nothing between 2015-02-27T17:44:00.000Z and 2015-02-28T00:00:00.000Z; it covers " +
     "2015-02-27T17:28:00.000Z to 2015-02-27T17:44:00.000Z",
-])("refusals of detours, keyholes and messages in Russian: %s", (text) => {
+  "while it is in sight it stands farther off nadir than the 40 deg of smallsat-120kg",
+  "session 1: the target stands 41.2 deg off nadir at 2015-02-27T17:37:00.2Z, more than the 40 deg of smallsat-120kg; " +
+    "choose other times",
+  "session 2: the body needs about 41.2 s to turn by 60.12 deg, but 30.0 s are available, in which no slew fits (about the " +
+    "Euler axis it would take 1.8 of the acceleration limit); begin the session later or start the slew nearer to it",
+  "tracker 1: at 2015-02-27T17:37:00.2Z the body stands 3.2 deg nearer to the Sun than allowed, on its way or idling; " +
+    "choose another time, idle attitude or exclusion",
+  "session 1: star_trackers comes 2.1 deg too near to Sun, Moon and the Earth's limb at 2015-02-27T17:37:00.2Z; choose " +
+    "other times, or another roll",
+  "3 rows of the attitude are no unit quaternions and were left out",
+])("refusals of detours, keyholes, bodies and messages in Russian: %s", (text) => {
   const told = service.told(text);
   expect(told).not.toBe(text);
   expect(told).not.toMatch(/ (the|is|at|of|not) /);

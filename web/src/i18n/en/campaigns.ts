@@ -38,7 +38,7 @@ export const campaigns = {
   },
   weightsHint:
     "0 leaves a quality out, 1 counts it in proportion, 2 twice as hard. A look is worth its target's priority times the quality of its view.",
-  jsonHint: "As POST /v1/campaigns takes it; attitude, platform and further conditions are changed here.",
+  jsonHint: "As POST /v1/campaigns takes it; what has no field of its own is changed here.",
   send: "Choose the looks",
   map: "Map of the targets: arrows move it, plus and minus zoom",
   mapHint: "Drag to move, Ctrl and wheel to zoom",

@@ -1,5 +1,5 @@
-/** The request of a campaign: targets, days, and the weights of a view's qualities. */
-import { useMemo, useState } from "preact/hooks";
+/** The request of a campaign: targets, days, platform, and the weights of a view's qualities. */
+import { useMemo, useRef, useState } from "preact/hooks";
 
 import example from "../../../../examples/campaign_cities.json";
 import { Problem } from "../../api/problem";
@@ -11,9 +11,11 @@ import { DropZone } from "../../parts/DropZone";
 import { Field } from "../../parts/Field";
 import { useMaking } from "../../parts/making";
 import { OrbitField } from "../../parts/OrbitField";
+import { PlatformField, PlatformMembers } from "../../parts/PlatformField";
 import { ProblemNotice } from "../../parts/ProblemNotice";
+import type { AskedPlatform, Platform } from "../../parts/platforms";
 import { RequestText } from "../../parts/RequestText";
-import { type CampaignRequest, type CampaignTarget, faultsOf, fetchRequest, placesOf } from "./campaign";
+import { type CampaignRequest, type CampaignTarget, faultsOf, fetchRequest, isOfBody, placesOf, withPlatform } from "./campaign";
 import { idFor, TargetList } from "./TargetList";
 import { NoTargets, SESSION_S, targetsOf } from "./targets";
 import { Weights } from "./Weights";
@@ -34,6 +36,12 @@ export function AskCampaign() {
       if (!(caught instanceof NoTargets)) throw caught;
       setWrong(text.noTargets(file.name, caught.line, caught.missing));
     }
+  };
+  /** The request as it was when a body took the place of its two axes. */
+  const ofAxes = useRef<CampaignRequest | null>(null);
+  const takePlatform = (platform: AskedPlatform, found: Platform) => {
+    if (!isOfBody(request)) ofAxes.current = request;
+    setRequest(withPlatform(request, platform, found, ofAxes.current));
   };
   const targets = Array.isArray(request.targets) ? request.targets : [];
   // Of the targets as they were sent: one that is changed or removed takes its fault along.
@@ -72,11 +80,19 @@ export function AskCampaign() {
             <TargetList targets={targets} faults={faults} onTargets={(targets) => change({ targets })} onAdd={add} />
           </section>
           <section class="panel" aria-labelledby="campaign-when">
-            <Field label={text.name}>
-              {(control) => (
-                <input {...control} value={request.name ?? ""} onInput={(event) => change({ name: event.currentTarget.value })} />
-              )}
-            </Field>
+            <div class="pair">
+              <Field label={text.name}>
+                {(control) => (
+                  <input
+                    {...control}
+                    value={request.name ?? ""}
+                    onInput={(event) => change({ name: event.currentTarget.value })}
+                  />
+                )}
+              </Field>
+              <PlatformField asked={request.platform} onPlatform={takePlatform} />
+            </div>
+            <PlatformMembers asked={request.platform} onMembers={(platform) => change({ platform })} />
             <h2 id="campaign-when">{text.when}</h2>
             <WhenAndHow request={request} onChange={change} />
             <OrbitField orbit={request.orbit} onOrbit={(orbit) => change({ orbit })} />

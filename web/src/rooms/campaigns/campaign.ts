@@ -2,8 +2,9 @@
 import { get, type Schemas } from "../../api/client";
 import { Problem } from "../../api/problem";
 import type { LonLat } from "../../map/places";
+import { type AskedPlatform, findPlatform, type Platform, slewOfBody, usualOf } from "../../parts/platforms";
 
-export type CampaignRequest = Schemas["CampaignRequest"];
+export type CampaignRequest = Omit<Schemas["CampaignRequest"], "platform"> & { platform: AskedPlatform };
 export type CampaignTarget = Schemas["CampaignTarget"];
 export type Campaign = Schemas["CampaignResponse"];
 export type Choice = Schemas["CampaignChoiceOut"];
@@ -19,6 +20,33 @@ export function fetchCampaign(id: string, signal: AbortSignal): Promise<Campaign
 /** The request as it was sent. */
 export function fetchRequest(id: string, until: AbortSignal): Promise<CampaignRequest> {
   return get("/v1/campaigns/{id}/request", { id, signal: until }) as Promise<CampaignRequest>;
+}
+
+/** With another platform; ofAxes: the request as it was when a body took the place of its two axes. */
+export function withPlatform(
+  request: CampaignRequest,
+  platform: AskedPlatform,
+  found: Platform,
+  ofAxes: CampaignRequest | null,
+): CampaignRequest {
+  if (found.kind === "body") {
+    const { attitude: _, rest_angles_deg: __, slew, ...rest } = request;
+    return { ...rest, platform, ...slewOfBody(slew) };
+  }
+  if (!isOfBody(request)) return { ...request, platform };
+  const { attitude, rest_angles_deg, slew } = ofAxes ?? { attitude: usualOf(found) };
+  return {
+    ...request,
+    platform,
+    ...(attitude && { attitude }),
+    ...(rest_angles_deg && { rest_angles_deg }),
+    ...((slew || request.slew) && { slew: { ...slew, ...request.slew } }),
+  };
+}
+
+/** Whether a spacecraft is asked for that turns as a whole. */
+export function isOfBody({ platform }: CampaignRequest): boolean {
+  return findPlatform(platform)?.kind === "body";
 }
 
 /** chosen: in a plan, or to be; refused: chosen, but not planned; open: not decided yet. */

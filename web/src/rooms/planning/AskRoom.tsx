@@ -23,7 +23,7 @@ import * as draft from "./draft";
 import { OptionsPanel } from "./OptionsPanel";
 import { OrbitPanel } from "./OrbitPanel";
 import "./planning.css";
-import { axes, learnPlatforms, others, twoAxes } from "./platforms";
+import { axes, others, twoAxes } from "./platforms";
 import { RefusalNotice } from "./RefusalNotice";
 import { RequestPanel } from "./RequestPanel";
 import { failure, refused } from "./refusal";
@@ -74,12 +74,6 @@ export default function AskRoom(_: RoomProps) {
   useEffect(() => () => work.current.abort(), []);
   useEffect(() => void wantOutlines().catch(() => undefined), []); // a map without coasts is still one
   useEffect(() => keepSearching(), []);
-  useEffect(() => {
-    const until = new AbortController();
-    // Without them the form lacks the usual attitude and the axes' names; whatever else is wrong shows elsewhere.
-    void learnPlatforms(until.signal).catch(() => undefined);
-    return () => until.abort();
-  }, []);
   const isReloaded = useRef(wasReloaded);
   wasReloaded = false;
   const { query } = place.value;

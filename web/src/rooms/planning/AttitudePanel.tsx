@@ -10,10 +10,11 @@ import { NumberInput } from "../../parts/fields/Fields";
 import { FoldedFields } from "../../parts/fields/FoldedFields";
 import { faultTold, labelOf, valueLabel } from "../../parts/fields/labels";
 import { beginUnion, faultOf, type Members, schemaOf } from "../../parts/fields/shape";
+import type { Attitude, Body } from "../../parts/platforms";
 import { attitudeTold } from "../plan/identity";
 import * as draft from "./draft";
 import { readMessage } from "./message";
-import { type Body, body, isUnlikely, platform, takeUsual, usual } from "./platforms";
+import { body, isUnlikely, platform, takeUsual, usual } from "./platforms";
 
 const ANGLES = ["yaw_deg", "pitch_deg", "roll_deg"] as const;
 const SHAPE = FIELDS.PlanRequest?.attitude?.shape;
@@ -27,7 +28,7 @@ function setLaw(law: string): void {
   const shared = Object.fromEntries(SHARED.flatMap((name) => (name in before ? [[name, before[name]]] : [])));
   const begun = beginUnion(FIELDS, SHAPE, law);
   const message = "content" in begun ? { content: before.content ?? "" } : {};
-  draft.change({ attitude: { ...begun, ...message, ...shared } as unknown as draft.Attitude });
+  draft.change({ attitude: { ...begun, ...message, ...shared } as unknown as Attitude });
   if (law === "lvlh" && usual.peek()) takeUsual();
 }
 
@@ -35,7 +36,7 @@ function setLaw(law: string): void {
 export function takeAem(content: string): void {
   const now = draft.attitude.peek();
   if (!("content" in now)) setLaw("aem");
-  draft.change({ attitude: { ...draft.attitude.peek(), content } as draft.Attitude });
+  draft.change({ attitude: { ...draft.attitude.peek(), content } as Attitude });
 }
 
 export function AttitudePanel() {
@@ -122,7 +123,7 @@ function CarrierPanel() {
             value={attitude as unknown as Members}
             path="attitude"
             omit={OWN}
-            onValue={(next) => draft.change({ attitude: next as unknown as draft.Attitude })}
+            onValue={(next) => draft.change({ attitude: next as unknown as Attitude })}
           />
         )}
         {mean && !isUsual && !isUnlikely.value && (
@@ -146,8 +147,8 @@ function CarrierPanel() {
 /** Members that this panel has entries of its own for. */
 const OWN: readonly string[] = [...ANGLES, "content", "law"];
 
-function withAngle(attitude: draft.Attitude, name: string, value: unknown): draft.Attitude {
-  return { ...attitude, [name]: value ?? 0 } as draft.Attitude;
+function withAngle(attitude: Attitude, name: string, value: unknown): Attitude {
+  return { ...attitude, [name]: value ?? 0 } as Attitude;
 }
 
 function Message({ content }: { content: string }) {

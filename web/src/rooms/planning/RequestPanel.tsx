@@ -6,17 +6,15 @@ import { FIELDS } from "../../api/fields";
 import { words } from "../../i18n";
 import { DropZone } from "../../parts/DropZone";
 import { Field } from "../../parts/Field";
-import { Fields } from "../../parts/fields/Fields";
 import { pathTold } from "../../parts/fields/labels";
-import { type Members, unknownIn } from "../../parts/fields/shape";
+import { unknownIn } from "../../parts/fields/shape";
+import { PlatformField, PlatformMembers } from "../../parts/PlatformField";
+import { usualOf } from "../../parts/platforms";
 import { RequestText } from "../../parts/RequestText";
 import * as draft from "./draft";
 import { readMessage } from "./message";
-import { platform, platforms, usualOf } from "./platforms";
 import { failure } from "./refusal";
 import { deleteTemplate, saveTemplate, templates } from "./templates";
-
-const WRITTEN_OUT = "";
 
 export function RequestPanel() {
   const text = words.value.plan.request;
@@ -43,52 +41,18 @@ export function RequestPanel() {
               />
             )}
           </Field>
-          <Field label={text.platform} hint={text.platformHint}>
-            {(control) => (
-              <select
-                {...control}
-                value={typeof asked === "string" ? asked : WRITTEN_OUT}
-                onChange={(event) => takePlatform(event.currentTarget.value)}
-              >
-                {(platforms.value ?? []).map((one) => (
-                  <option key={one.name} value={one.name}>
-                    {one.name}
-                  </option>
-                ))}
-                <option value={WRITTEN_OUT}>{text.writtenOut}</option>
-              </select>
-            )}
-          </Field>
+          <PlatformField
+            asked={asked}
+            onPlatform={(next, found) => (found.kind === "body" ? draft.takeBody(next) : draft.takeAxes(next, usualOf(found)))}
+          />
         </div>
-        {typeof asked !== "string" && (
-          <details class="fields-group">
-            <summary>
-              <b>{text.platformOf(asked.name)}</b>
-            </summary>
-            <Fields
-              key={asked.kind}
-              schema={asked.kind === "body" ? "BodyPlatform" : "PlatformDefinition"}
-              value={asked as unknown as Members}
-              path="platform"
-              onValue={(next) => draft.change({ platform: next as unknown as draft.DraftRequest["platform"] })}
-            />
-          </details>
-        )}
+        <PlatformMembers asked={asked} onMembers={(platform) => draft.change({ platform })} />
         <FileEntry />
         <Templates />
       </details>
       <Carried />
     </section>
   );
-}
-
-/** Another registered one, or the one that is there in numbers, to be changed. */
-function takePlatform(name: string): void {
-  const found = name === WRITTEN_OUT ? platform.peek() : platforms.peek()?.find((one) => one.name === name);
-  if (!found) return;
-  const asked = name === WRITTEN_OUT ? { ...found } : name;
-  if (found.kind === "body") draft.takeBody(asked);
-  else draft.takeAxes(asked, usualOf(found));
 }
 
 /** Members that no field here shows, by their names. */

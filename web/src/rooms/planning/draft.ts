@@ -6,6 +6,7 @@ import type { Schemas } from "../../api/client";
 import { type Orbit, reachOf, searchStart } from "../../api/orbit";
 import { isMembers, type Members } from "../../parts/fields/shape";
 import { keep, readKept } from "../../parts/kept";
+import { type Attitude, slewOfBody } from "../../parts/platforms";
 import type { PlanRequest } from "../plan/plan";
 import { kindOf, type Target, textOf } from "./target";
 
@@ -19,7 +20,6 @@ export type DraftSession = Omit<Session, "target" | "start" | "stop"> & {
 };
 export type DraftRequest = Omit<PlanRequest, "sessions"> & { sessions: readonly DraftSession[] };
 export type Conflict = NonNullable<PlanRequest["on_conflict"]>;
-export type Attitude = NonNullable<PlanRequest["attitude"]>;
 export type Conditions = Schemas["OpportunityConditions"];
 
 const EXAMPLE = example as unknown as DraftRequest;
@@ -105,13 +105,12 @@ export function takeBody(next: PlanRequest["platform"]): void {
   if (before.attitude) ofAxes = before;
   const { attitude: _, initial_state, final_state: __, slew, ...rest } = before;
   const { epoch, after } = initial_state ?? {};
-  const { objective, lead } = slew ?? {};
   made.value = {
     ...rest,
     platform: next,
     sessions: before.sessions.map(({ keyhole: ___, ...one }) => one),
     ...((epoch || after) && { initial_state: { ...(epoch && { epoch }), ...(after && { after }) } }),
-    ...((objective || lead) && { slew: { ...(objective && { objective }), ...(lead && { lead }) } }),
+    ...slewOfBody(slew),
   } as DraftRequest;
 }
 

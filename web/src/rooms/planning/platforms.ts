@@ -1,33 +1,10 @@
-/** Registered platforms, and the one that the request names or writes out. */
-import { computed, signal } from "@preact/signals";
+/** The platform that the plan's request names or writes out. */
+import { computed } from "@preact/signals";
 
-import { get, type Schemas } from "../../api/client";
+import { type Attitude, type Body, findPlatform, type Platform, type TwoAxes, usualOf } from "../../parts/platforms";
 import * as draft from "./draft";
 
-export type TwoAxes = Schemas["PlatformDefinition"];
-export type Body = Schemas["BodyPlatform"];
-export type Platform = TwoAxes | Body;
-
-/** null until the service has told them. */
-export const platforms = signal<readonly Platform[] | null>(null);
-
-/** Asked once; where none are told, the form goes on without what they say. */
-export async function learnPlatforms(until: AbortSignal): Promise<void> {
-  if (platforms.peek()) return;
-  try {
-    platforms.value = (await get("/v1/platforms", { signal: until })).platforms;
-  } catch (error) {
-    if (until.aborted) return;
-    platforms.value = [];
-    throw error;
-  }
-}
-
-export const platform = computed<Platform | null>(() => {
-  const asked = draft.platform.value;
-  if (typeof asked !== "string") return asked;
-  return platforms.value?.find((one) => one.name === asked) ?? null;
-});
+export const platform = computed<Platform | null>(() => findPlatform(draft.platform.value));
 
 /** The spacecraft, where it turns as a whole. */
 export const body = computed<Body | null>(() => (platform.value?.kind === "body" ? platform.value : null));
@@ -65,12 +42,7 @@ export const others = computed<readonly string[]>(() => (body.value ? AXES_ONLY 
 export function takeUsual(): void {
   const attitude = draft.attitude.peek();
   const rest = attitude.law === "lvlh" ? attitude : {};
-  draft.change({ attitude: { ...rest, ...usualOf(twoAxes.peek()) } as draft.Attitude });
-}
-
-export function usualOf(one: TwoAxes | null): draft.Attitude {
-  const [yaw_deg = 0, pitch_deg = 0, roll_deg = 0] = one?.usual_yaw_pitch_roll_deg ?? [];
-  return { law: "lvlh", yaw_deg, pitch_deg, roll_deg };
+  draft.change({ attitude: { ...rest, ...usualOf(twoAxes.peek()) } as Attitude });
 }
 
 /** Whether the attitude is 0/0/0 although the carrier's usual mean is another. */

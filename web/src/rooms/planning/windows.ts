@@ -5,9 +5,10 @@ import { post, remove, type Schemas } from "../../api/client";
 import { EARTH_FIXED_MODES, SEARCHED_MODES } from "../../api/lists";
 import { isAbort } from "../../api/problem";
 import { rfc3339 } from "../../i18n/forms";
+import { platforms } from "../../parts/platforms";
 import { lightOf } from "../../windows/sight";
 import * as draft from "./draft";
-import { body, platforms, slewTime_s } from "./platforms";
+import { body, slewTime_s } from "./platforms";
 import { durationOf, middleOf, type Target } from "./target";
 
 /** With all that `include` below asks for. */

@@ -1,0 +1,42 @@
+/** A campaign's request, while its platform is changed. */
+import { afterEach, expect, test } from "vitest";
+
+import "./page";
+
+import example from "../../examples/campaign_cities.json";
+
+const { withPlatform } = await import("../src/rooms/campaigns/campaign");
+const { platforms } = await import("../src/parts/platforms");
+type Request = Parameters<typeof withPlatform>[0];
+type Found = Parameters<typeof withPlatform>[2];
+
+const usual = { usual_yaw_pitch_roll_deg: [-4, -2, 1] };
+const axes = { kind: "two_axis", name: "iss-hrc", ...usual } as unknown as Found;
+const body = { kind: "body", name: "smallsat-120kg" } as unknown as Found;
+
+afterEach(() => {
+  platforms.value = null;
+});
+
+test("what only two axes have is set aside for a body, and is there again for them", () => {
+  platforms.value = [axes, body];
+  const asked = {
+    ...example,
+    rest_angles_deg: { alpha: 5, beta: -3 },
+    slew: { objective: "minimum_time", keep_out: [{ body: "sun", half_angle_deg: 25 }] },
+  } as unknown as Request;
+  const { attitude: _, rest_angles_deg: __, ...rest } = asked;
+  const ofBody = withPlatform(asked, "smallsat-120kg", body, null);
+  expect(ofBody).toEqual({ ...rest, platform: "smallsat-120kg", slew: { objective: "minimum_time" } });
+  expect(withPlatform(ofBody, "iss-hrc", axes, asked)).toEqual(asked);
+  const { attitude, rest_angles_deg } = withPlatform(ofBody, "iss-hrc", axes, null);
+  expect([attitude, rest_angles_deg]).toEqual([{ law: "lvlh", yaw_deg: -4, pitch_deg: -2, roll_deg: 1 }, undefined]);
+});
+
+test("a platform that is written out keeps the rest of the request, of either kind", () => {
+  platforms.value = [axes, body];
+  const asked = { ...example, rest_angles_deg: { alpha: 5, beta: -3 } } as unknown as Request;
+  expect(withPlatform(asked, axes, axes, asked)).toEqual({ ...asked, platform: axes });
+  const ofBody = withPlatform(asked, body, body, null);
+  expect(withPlatform(ofBody, { ...body }, body, asked)).toEqual(ofBody);
+});
