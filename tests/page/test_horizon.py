@@ -66,7 +66,7 @@ def test_the_table_of_a_body_says_how_it_should_be_turned(open_page, service):
     expect(page.get_by_text("correction for the next plan")).to_have_count(0)
     assert violations(page) == []
     asked.fill(asked.input_value().replace("17:37:00", "17:40:00"))
-    expect(page.get_by_text("epoch lies outside the plan")).to_be_visible()
+    expect(page.get_by_text("lies outside the plan")).to_contain_text("17:36:50–17:39:00 UTC")
     expect(page.get_by_role("button", name="Take them from the plan")).to_be_disabled()
 
 

@@ -1,13 +1,12 @@
 /** Position and predicted attitude as a kept plan has them at the frames' epoch. */
 import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
-import { period } from "../../i18n/forms";
 import { Field } from "../../parts/Field";
 import { useKept } from "../../parts/kept";
 import { PlanField, type useKeptPlan } from "../../parts/PlanField";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { isOfBody } from "../plan/plan";
-import { filledFromPlan, type HorizonRequest, rowNearest } from "./estimate";
+import { filledFromPlan, type HorizonRequest, rowNearest, spanOf } from "./estimate";
 
 interface Props {
   /** Of the plan. */
@@ -56,12 +55,12 @@ export function FromPlan({ id, onId, kept, request, onRequest }: Props) {
         </button>
       </div>
       {plan && isOutside ? (
-        <p class="notice notice-warn">{text.outside(period(plan.summary.start, plan.summary.stop))}</p>
+        <p class="notice notice-warn">{text.outside(spanOf(plan.table))}</p>
       ) : (
         <p class="hint">{text.planHint}</p>
       )}
       <p role="status" class="small">
-        {isFilled && text.filled}
+        {isFilled && !isOutside && text.filled}
       </p>
       {error !== null && <ProblemNotice error={error} />}
     </form>

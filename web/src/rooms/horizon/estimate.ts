@@ -1,5 +1,6 @@
 /** The request to the estimator, and the parts of it that a plan can fill in. */
 import { get, post, postForAnswer, type Schemas } from "../../api/client";
+import { period } from "../../i18n/forms";
 import { isOfBody, type Plan } from "../plan/plan";
 
 export type HorizonRequest = Schemas["HorizonRequest"];
@@ -33,6 +34,15 @@ export function rowNearest({ epoch, step_s, t_s }: Plan["table"], at: string): n
   return row >= 0 && row < t_s.length ? row : null;
 }
 
+/** From a table's first row to its last. */
+export function spanOf(table: Plan["table"]): string {
+  return period(table.epoch, instantOf(table, table.t_s.length - 1));
+}
+
+function instantOf({ epoch, step_s }: Plan["table"], row: number): string {
+  return new Date(Date.parse(epoch) + row * step_s * 1000).toISOString();
+}
+
 /** How a body is turned in a row of its table, and how it turns, as a law that holds there. */
 function lawOfRow(table: Plan["table"], row: number): InertialLaw {
   const columns = table as unknown as Record<string, number[]>;
@@ -41,7 +51,7 @@ function lawOfRow(table: Plan["table"], row: number): InertialLaw {
   const rate = (axis: string) => part(`omega_body_deg_s_${axis}`);
   return {
     law: "inertial",
-    epoch: new Date(Date.parse(table.epoch) + row * table.step_s * 1000).toISOString(),
+    epoch: instantOf(table, row),
     q_body_from_eci_xyzw: [-turn("x"), -turn("y"), -turn("z"), turn("w")],
     omega_body_deg_s: [rate("x"), rate("y"), rate("z")],
   };
