@@ -54,17 +54,18 @@ def surroundings(
 
 
 def _views(
-    seen_from: tuple[Array, Rotation],
+    r_sat_eci_m: Array,
+    q_body_from_eci: Rotation,
     cameras: tuple[HorizonCamera, ...],
     moments: Sequence[datetime],
     body: Body,
     attitude_sigma_deg: float,
 ) -> list[ViewOut]:
-    """Moment by moment every camera's; seen_from: r_sat_eci_m (n, 3) and q_body_from_eci (n)."""
+    """Moment by moment every camera's, from (n, 3) positions with n attitudes."""
     from estimator.prediction import predict_horizon
 
     found = []
-    for moment, r_m, q in zip(moments, *seen_from, strict=True):
+    for moment, r_m, q in zip(moments, r_sat_eci_m, q_body_from_eci, strict=True):
         around = surroundings(moment, r_m, cameras, body)
         found += [
             view_out(predict_horizon(camera, around, q, attitude_sigma_deg), utc_text(moment))
@@ -77,7 +78,7 @@ def prediction_json(request: PredictionRequest, provenance: ProvenanceOut) -> by
     """The whole answer as UTF-8 JSON."""
     law, moments = request.attitude, request.instants
     r_m, q, warnings = attitudes_at(request.orbit, law.q_body_from_eci, moments)
-    found = _views((r_m, q), request.cameras, moments, request.body, request.attitude_sigma_deg)
+    found = _views(r_m, q, request.cameras, moments, request.body, request.attitude_sigma_deg)
     since_s = np.array([elapsed_s(moment, moments[0]) for moment in moments])
     warnings = (*warnings, *law.warnings_at(Instants(moments[0], since_s)))
     told = list(dict.fromkeys(warnings))
@@ -95,7 +96,7 @@ def horizon_checks(plan: FlightPlan, cameras: tuple[HorizonCamera, ...]) -> list
         for share in SEEN_AT
     ]
     r_m, q, _ = attitudes_at(scenario.orbit, plan.q_body_from_eci, moments)
-    seen = _views((r_m, q), cameras, moments, Body(), ATTITUDE_SIGMA_DEG)
+    seen = _views(r_m, q, cameras, moments, Body(), ATTITUDE_SIGMA_DEG)
     count = len(cameras)
     per_session = len(SEEN_AT) * count
     return [
