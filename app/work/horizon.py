@@ -111,7 +111,7 @@ def picture_json(request: PictureRequest) -> bytes:
 
 
 def _surroundings(request: PictureRequest) -> tuple[Surroundings, np.ndarray]:
-    [r_m], [q], _ = attitudes_at(request.orbit, request.attitude, [request.at])
+    [r_m], [q], _ = attitudes_at(request.orbit, request.attitude.q_body_from_eci, [request.at])
     around = surroundings(request.at, r_m, (request.camera,), Body())
     return around, q.as_matrix() @ around.c_itrf_from_eci.T
 

@@ -58,7 +58,9 @@ class HorizonSession:
     def requests(self, count: int) -> tuple[HorizonRequest, ...]:
         """The requests for the first `count` frames; raises OutsideCoverage."""
         moments = [shifted_utc(self.start, k * self.step_s) for k in range(count)]
-        r_sat_eci_m, q_body_from_eci, _ = attitudes_at(self.orbit, self.attitude, moments)
+        r_sat_eci_m, q_body_from_eci, _ = attitudes_at(
+            self.orbit, self.attitude.q_body_from_eci, moments
+        )
         requests = []
         for moment, r_m, q in zip(moments, r_sat_eci_m, q_body_from_eci.as_quat(), strict=True):
             around = surroundings(moment, r_m, self.cameras, self.body)

@@ -1,6 +1,6 @@
 """Predicted views of horizon cameras, and the sessions of a plan that they can check."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from datetime import datetime
 
 import numpy as np
@@ -15,16 +15,17 @@ from estimator.surroundings import Surroundings
 from planner.base.arrays import Array
 from planner.base.errors import InvalidInput
 from planner.base.rotation import Rotation
-from planner.world.attitude import AttitudeLaw
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc, tai_us, utc_text
-from planner.world.orbits import Orbit
-from planner.world.scenario import Scenario
+from planner.world.orbits import Orbit, OrbitStates
+from planner.world.plan import FlightPlan
 
 SEEN_AT = (0.0, 0.5, 1.0)  # shares of a session
 
 
 def attitudes_at(
-    orbit: Orbit, attitude: AttitudeLaw, moments: Sequence[datetime]
+    orbit: Orbit,
+    q_body_from_eci: Callable[[Instants, OrbitStates], Rotation],
+    moments: Sequence[datetime],
 ) -> tuple[Array, Rotation, tuple[str, ...]]:
     """r_sat_eci_m (n, 3) and q_body_from_eci (n) at any n moments, and the orbit's warnings.
 
@@ -35,9 +36,8 @@ def attitudes_at(
     instants = Instants(first, t_s)
     ephemeris = orbit.ephemeris(first, max(moments, key=tai_us))
     states = ephemeris.states(instants)
-    q_body_from_eci = attitude.q_body_from_eci(instants, states)
-    warnings = tuple(dict.fromkeys((*ephemeris.warnings, *attitude.warnings_at(instants))))
-    return states.r_sat_eci_m[place], q_body_from_eci[place], warnings
+    turned = q_body_from_eci(instants, states)
+    return states.r_sat_eci_m[place], turned[place], ephemeris.warnings
 
 
 def surroundings(
@@ -53,53 +53,50 @@ def surroundings(
     return Surroundings(moment, position, body)
 
 
-def views(
-    orbit: Orbit,
-    attitude: AttitudeLaw,
+def _views(
+    r_sat_eci_m: Array,
+    q_body_from_eci: Rotation,
     cameras: tuple[HorizonCamera, ...],
     moments: Sequence[datetime],
-    *,
     body: Body,
-    attitude_sigma_deg: float = ATTITUDE_SIGMA_DEG,
-) -> tuple[list[ViewOut], tuple[str, ...]]:
-    """Moment by moment every camera's view, and what to know of orbit and attitude."""
+    attitude_sigma_deg: float,
+) -> list[ViewOut]:
+    """Moment by moment every camera's, from (n, 3) positions with n attitudes."""
     from estimator.prediction import predict_horizon
 
-    r_sat_eci_m, q_body_from_eci, warnings = attitudes_at(orbit, attitude, moments)
     found = []
     for moment, r_m, q in zip(moments, r_sat_eci_m, q_body_from_eci, strict=True):
         around = surroundings(moment, r_m, cameras, body)
-        at = utc_text(moment)
         found += [
-            view_out(predict_horizon(camera, around, q, attitude_sigma_deg), at)
+            view_out(predict_horizon(camera, around, q, attitude_sigma_deg), utc_text(moment))
             for camera in cameras
         ]
-    return found, warnings
+    return found
 
 
 def prediction_json(request: PredictionRequest, provenance: ProvenanceOut) -> bytes:
     """The whole answer as UTF-8 JSON."""
-    found, warnings = views(
-        request.orbit,
-        request.attitude,
-        request.cameras,
-        request.instants,
-        body=request.body,
-        attitude_sigma_deg=request.attitude_sigma_deg,
-    )
-    return to_json(PredictionResponse(views=found, warnings=list(warnings), provenance=provenance))
+    law, moments = request.attitude, request.instants
+    r_m, q, warnings = attitudes_at(request.orbit, law.q_body_from_eci, moments)
+    found = _views(r_m, q, request.cameras, moments, request.body, request.attitude_sigma_deg)
+    since_s = np.array([elapsed_s(moment, moments[0]) for moment in moments])
+    warnings = (*warnings, *law.warnings_at(Instants(moments[0], since_s)))
+    told = list(dict.fromkeys(warnings))
+    return to_json(PredictionResponse(views=found, warnings=told, provenance=provenance))
 
 
-def horizon_checks(scenario: Scenario, cameras: tuple[HorizonCamera, ...]) -> list[HorizonCheckOut]:
+def horizon_checks(plan: FlightPlan, cameras: tuple[HorizonCamera, ...]) -> list[HorizonCheckOut]:
     """Session by session every camera's part; none without cameras."""
     if not cameras:
         return []
+    scenario = plan.scenario
     moments = [
         shifted_utc(session.start, share * elapsed_s(session.stop, session.start))
         for session in scenario.sessions
         for share in SEEN_AT
     ]
-    seen, _ = views(scenario.orbit, scenario.law, cameras, moments, body=Body())
+    r_m, q, _ = attitudes_at(scenario.orbit, plan.q_body_from_eci, moments)
+    seen = _views(r_m, q, cameras, moments, Body(), ATTITUDE_SIGMA_DEG)
     count = len(cameras)
     per_session = len(SEEN_AT) * count
     return [

@@ -39,7 +39,7 @@ def plan_and_pack(body: bytes, request: PlanRequest | None = None) -> Result:
     plan = make_plan(request, report)
     origin = provenance(now_utc, body)
     listing = listing_of_scenario(plan.scenario)
-    checks = horizon_checks(plan.scenario, request.horizon_cameras)
+    checks = horizon_checks(plan, request.horizon_cameras)
     document = zlib.compress(plan_document(plan, checks, origin))
     return Result(
         content=(document, pack(packed_plan(plan, plan.verification.findings))),

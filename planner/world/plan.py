@@ -5,7 +5,10 @@ from typing import Literal, get_args
 
 from planner.base.answer_members import Count, answer
 from planner.base.commands import CommandTable
-from planner.world.frames.time_scales import RowUtc
+from planner.base.rotation import Rotation
+from planner.base.table_motion import motion_at
+from planner.world.frames.time_scales import Instants, RowUtc
+from planner.world.orbits import OrbitStates
 from planner.world.scenario import Scenario
 
 SegmentKind = Literal["wait", "slew", "track", "brake"]
@@ -36,3 +39,8 @@ class FlightPlan:
     scenario: Scenario
     segments: tuple[Segment, ...]
     table: CommandTable
+
+    def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
+        """n attitudes of the carrier by its law, or of a body as it flies its table."""
+        flown = motion_at(self.table, instants.since_s(self.table.epoch_utc))
+        return self.scenario.q_body_from_eci(instants, states, flown.position)

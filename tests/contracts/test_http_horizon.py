@@ -6,9 +6,10 @@ import json
 import cv2
 import erfa
 import numpy as np
+import other_body
 import pytest
 from fastapi.testclient import TestClient
-from scipy.spatial.transform import Rotation
+from scipy.spatial.transform import Rotation, RotationSpline
 from upload_cases import ANSWERED, REFUSED
 
 from app.http.app import create_app
@@ -257,6 +258,30 @@ def test_a_plan_says_what_its_cameras_will_see(client):
         assert {view["camera"] for view in check["views"]} == {check["camera"]}
         moments = [view["at"][:19] + "Z" for view in check["views"]]
         assert moments == [session["start"], "2015-02-27T17:37:05Z", session["stop"]]
+
+
+def test_the_plan_of_a_body_says_what_its_cameras_will_see(client):
+    """As predicted with the attitude that SciPy's spline through the table's rows has."""
+    request = other_body.body_request(sessions=1)
+    plan = client.post("/v1/plans", json={**request, "horizon_cameras": [AHEAD, RIGHT]}).json()
+    table = plan["table"]
+    rows = Rotation.from_quat(np.transpose([table[f"q_eci_from_body_{part}"] for part in "xyzw"]))
+    q_eci_from_body = RotationSpline(table["t_s"], rows)
+    checks = plan["horizon_checks"]
+    assert [check["camera"] for check in checks] == ["ahead", "right"]
+    assert any(view["usable"] for check in checks for view in check["views"])
+    for k in range(3):
+        at = checks[0]["views"][k]["at"]
+        since = np.datetime64(at[:-1]) - np.datetime64(table["epoch"][:-1])
+        q_body_from_eci = q_eci_from_body(since / np.timedelta64(1, "s")).inv()
+        law = {"law": "inertial", "epoch": at, "q_body_from_eci_xyzw": [*q_body_from_eci.as_quat()]}
+        body = {"orbit": request["orbit"], "attitude": law, "cameras": [AHEAD, RIGHT]}
+        answer = client.post("/v1/horizon/predictions", json={**body, "instants": [at]})
+        for check, view in zip(checks, answer.json()["views"], strict=True):
+            seen = check["views"][k]
+            assert (seen["usable"], seen["arc_deg"]) == (view["usable"], view["arc_deg"])
+            # 1e-6 deg between two curves through rows of 13 decimals are 1e-5 pixels.
+            np.testing.assert_allclose(seen["limb_px"], view["limb_px"], atol=1e-3)
 
 
 @pytest.fixture(scope="module")

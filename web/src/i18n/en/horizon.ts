@@ -11,6 +11,7 @@ export const horizon = {
   jsonHint:
     "Epoch, position, cameras and, where the attitude is to be checked, the predicted one; as POST /v1/horizon/estimates takes it.",
   planHint: "Position and predicted attitude are taken from the plan at the request’s epoch.",
+  outside: (span: string) => `The request’s epoch lies outside the plan, whose table runs ${span}; give an epoch within it.`,
   sigma: "Sigma of its attitude, deg",
   fill: "Take them from the plan",
   filled: "Position and predicted attitude are the plan's.",

@@ -230,7 +230,6 @@ export const plan = {
     fly: "Fly it many times",
     telemetry: "Compare telemetry",
     horizon: "Check with horizon frames",
-    notForBody: "Horizon frames are for two axes only, so far.",
     take: "Export",
     cancelled: "Work on it was cancelled.",
     working: "Being made",

@@ -5,7 +5,8 @@ import { Field } from "../../parts/Field";
 import { useKept } from "../../parts/kept";
 import { PlanField, type useKeptPlan } from "../../parts/PlanField";
 import { ProblemNotice } from "../../parts/ProblemNotice";
-import { filledFromPlan, type HorizonRequest } from "./estimate";
+import { isOfBody } from "../plan/plan";
+import { filledFromPlan, type HorizonRequest, rowNearest, spanOf } from "./estimate";
 
 interface Props {
   /** Of the plan. */
@@ -22,11 +23,13 @@ export function FromPlan({ id, onId, kept, request, onRequest }: Props) {
   const text = words.value.horizon;
   const [sigma_deg, setSigma] = useKept("/horizon sigma", SIGMA_DEG);
   const { answer: isFilled, error, ask } = useRequest<true>(null);
+  const { plan } = kept;
+  const isOutside = plan !== null && request !== null && isOfBody(plan) && rowNearest(plan.table, request.epoch) === null;
   const fill = (event: Event) => {
     event.preventDefault();
-    if (!request) return;
+    if (!request || !plan) return;
     void ask(async () => {
-      onRequest(await filledFromPlan(id.trim(), request, sigma_deg));
+      onRequest(await filledFromPlan(plan, request, sigma_deg));
       return true;
     });
   };
@@ -47,13 +50,17 @@ export function FromPlan({ id, onId, kept, request, onRequest }: Props) {
             />
           )}
         </Field>
-        <button type="submit" disabled={!request || !id.trim() || !(sigma_deg > 0)}>
+        <button type="submit" disabled={!request || !plan || isOutside || !(sigma_deg > 0)}>
           {text.fill}
         </button>
       </div>
-      <p class="hint">{text.planHint}</p>
+      {plan && isOutside ? (
+        <p class="notice notice-warn">{text.outside(spanOf(plan.table))}</p>
+      ) : (
+        <p class="hint">{text.planHint}</p>
+      )}
       <p role="status" class="small">
-        {isFilled && text.filled}
+        {isFilled && !isOutside && text.filled}
       </p>
       {error !== null && <ProblemNotice error={error} />}
     </form>

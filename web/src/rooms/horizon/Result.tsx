@@ -6,7 +6,7 @@ import { Copied } from "../../parts/Copied";
 import { Identity } from "../../parts/Identity";
 import { NextPlan } from "../../parts/NextPlan";
 import { checksum } from "../../parts/paper";
-import type { Plan } from "../plan/plan";
+import { isOfBody, type Plan } from "../plan/plan";
 import { Ellipse } from "./Ellipse";
 import type { Estimate, HorizonRequest } from "./estimate";
 
@@ -19,6 +19,8 @@ interface Props {
 
 export function Result({ found, asked, plan }: Props) {
   const text = words.value.horizon;
+  // A body steers itself: its next plan takes none.
+  const correction = plan && isOfBody(plan) ? null : found.correction;
   const cameras = asked.cameras.map((camera) => camera.name).join(", ");
   return (
     <section class="panel" aria-labelledby="horizon-result">
@@ -76,8 +78,8 @@ export function Result({ found, asked, plan }: Props) {
           </figure>
         ))}
       </div>
-      {found.correction && plan && <NextPlan plan={plan.id} learnt={{ corrections: [found.correction] }} />}
-      {found.correction && <Copied name={text.correction} content={JSON.stringify(found.correction, null, 2)} />}
+      {correction && plan && <NextPlan plan={plan.id} learnt={{ corrections: [correction] }} />}
+      {correction && <Copied name={text.correction} content={JSON.stringify(correction, null, 2)} />}
     </section>
   );
 }

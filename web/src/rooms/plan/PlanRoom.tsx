@@ -21,7 +21,7 @@ import type { RoomProps } from "../../room";
 import { go } from "../../router";
 import { Figures } from "./Figures";
 import { identityOf, nameOf } from "./identity";
-import { fetchPlan, isOfBody, isPlan, type Plan, type PlanRequest } from "./plan";
+import { fetchPlan, isPlan, type Plan, type PlanRequest } from "./plan";
 import "../planning/planning.css";
 import "./plan.css";
 import { TakeAway } from "./TakeAway";
@@ -94,11 +94,9 @@ function Shown({ plan, Viewer }: { plan: Plan; Viewer: ComponentType<{ plan: Pla
           <Link to={`/telemetry?plan=${id}`} class="button">
             {text.plan.one.telemetry}
           </Link>
-          {!isOfBody(plan) && (
-            <Link to={`/horizon?plan=${id}`} class="button">
-              {text.plan.one.horizon}
-            </Link>
-          )}
+          <Link to={`/horizon?plan=${id}`} class="button">
+            {text.plan.one.horizon}
+          </Link>
           <button type="button" onClick={() => takeAway.current?.scrollIntoView({ block: "start" })}>
             {text.plan.one.take}
           </button>
@@ -110,7 +108,6 @@ function Shown({ plan, Viewer }: { plan: Plan; Viewer: ComponentType<{ plan: Pla
         proof={[id, checksum(plan.provenance.input_sha256)]}
         made={{ at: plan.provenance.planned_at, by: plan.requested_by }}
       />
-      {isOfBody(plan) && <p class="hint no-print">{text.plan.one.notForBody}</p>}
       <Verdict plan={plan} />
       {Viewer ? <Viewer plan={plan} /> : <p class="loading no-print">{text.shell.loading}</p>}
       <div class="one-below">
