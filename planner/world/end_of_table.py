@@ -11,8 +11,6 @@ from planner.base.rotation import Rotation
 from planner.world.frames.time_scales import shifted_utc
 from planner.world.scenario import OF_BODY
 
-_REST_DEG_S = 1e-10  # in a day it would turn an axis by 0.00001 deg
-
 
 def end_of_table(table: CommandTable) -> tuple[datetime, dict[str, Any], dict[str, Any]]:
     """When it ends, where the platform is then, and how it moves; empty where it rests.
@@ -42,7 +40,8 @@ def end_of_table(table: CommandTable) -> tuple[datetime, dict[str, Any], dict[st
         ]
     members = dict(zip(names, told, strict=True))
     position = {names[0]: members.pop(names[0])}
-    rests = np.abs(np.rad2deg(rate_rad_s)).max() <= _REST_DEG_S
+    # In a day such a rate would turn it by 0.00001 deg.
+    rests = np.abs(np.rad2deg(rate_rad_s)).max() <= 1e-10
     return end_utc, position, {} if rests else members
 
 
