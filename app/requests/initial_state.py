@@ -10,7 +10,7 @@ from planner.base.commands import COMMAND_STEP_S
 from planner.base.spec import spec
 from planner.world.frames.time_scales import shifted_utc, utc_text
 from planner.world.platforms import AngleDeg, AnyPlatform, TwoAxisPlatform
-from planner.world.scenario import InitialState, MotionDeg
+from planner.world.scenario import OF_BODY, BodyMotionDeg, InitialState, MotionDeg, Quaternion
 
 # Slews take at most ten times the least time that the limits allow: more makes them no smoother.
 _ENOUGH = 10.0
@@ -20,15 +20,19 @@ _STEP_US = round(COMMAND_STEP_S * 1e6)
 
 @spec
 class AskedInitialState:
-    """Angles and rates of the axes when the table begins; at rest at zero unless given.
+    """How the platform moves when the table begins; unless given, axes rest at zero.
 
-    One entry per axis of the platform, by the axis's name.
+    Of two axes one entry per axis, by the axis's name.
 
     epoch: row 0 of the table; UTC, put on the row before, a whole multiple of 0.2 s after its
     second. Unless given, early enough for the slew to the first session.
     angles_deg: of the axes; unless given all are zero, or where `after` leaves them.
     rates_deg_s: of the axes; none are zero.
     accelerations_deg_s2: of the axes; none are zero. E.g. `{"alpha": 0.0, "beta": 0.0}`.
+    q_body_from_eci_xyzw: of a body, carries GCRF axes onto the body's, scalar last; unless given,
+    the body begins on its idle attitude. E.g. `[0.0, 0.0, 0.0, 1.0]`.
+    omega_body_deg_s: of a body against GCRF, in body axes; unless given, it rests.
+    alpha_body_deg_s2: of a body, in body axes; none is zero.
     after: id of a plan that the service keeps, at whose end the table begins; the service fills in
     the rest. E.g. `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
     """
@@ -37,17 +41,21 @@ class AskedInitialState:
     angles_deg: Mapping[str, AngleDeg] | None = None
     rates_deg_s: Mapping[str, MotionDeg] = field(default_factory=dict)
     accelerations_deg_s2: Mapping[str, MotionDeg] = field(default_factory=dict)
+    q_body_from_eci_xyzw: Quaternion | None = None
+    omega_body_deg_s: BodyMotionDeg | None = None
+    alpha_body_deg_s2: BodyMotionDeg | None = None
     after: str | None = None
 
     def __post_init__(self) -> None:
-        if self.angles_deg is None and self.after is not None:
+        if self.after is not None and (self.angles_deg or self.q_body_from_eci_xyzw) is None:
             raise ValueError(
                 "after names a plan that only the service that keeps it knows: send it the "
-                "request (slewtrack plan --url), or give epoch and angles_deg instead"
+                "request (slewtrack plan --url), or give its epoch and motion instead"
             )
-        moves = any((*self.rates_deg_s.values(), *self.accelerations_deg_s2.values()))
-        if self.epoch is None and moves:
-            raise ValueError("epoch is required where the axes move at the start")
+        of_axes = (*self.rates_deg_s.values(), *self.accelerations_deg_s2.values())
+        of_body = (*(self.omega_body_deg_s or ()), *(self.alpha_body_deg_s2 or ()))
+        if self.epoch is None and any(of_axes + of_body):
+            raise ValueError("epoch is required where the platform moves at the start")
 
     def completed(self, platform: AnyPlatform, first_start_utc: datetime) -> InitialState:
         """With what wasn't given, for a first session that starts then."""
@@ -60,21 +68,23 @@ class AskedInitialState:
             epoch_utc = shifted_utc(first_start_utc, -lead_s).replace(microsecond=0)
         else:
             epoch_utc = _on_row(self.epoch)
-        return InitialState(
-            epoch=epoch_utc,
-            angles_deg=angles_deg,
-            rates_deg_s=self.rates_deg_s,
-            accelerations_deg_s2=self.accelerations_deg_s2,
-            assumed=self._assumed(epoch_utc, angles_deg),
-        )
+        assumed = self._assumed(epoch_utc, angles_deg)
+        filled = {"epoch": epoch_utc, "angles_deg": angles_deg, "assumed": assumed}
+        given = {name: value for name, value in vars(self).items() if name != "after"}
+        return InitialState(**given | filled)
 
     def _assumed(self, epoch_utc: datetime, angles_deg: Mapping[str, float]) -> tuple[Assumed, ...]:
         """In words, and as the request might have said it."""
         epoch = utc_text(epoch_utc, 1)
         angles = ", ".join(f"{axis} {angle:g}" for axis, angle in angles_deg.items())
         if self.after is not None:
-            detail = f"the end of plan {self.after}: {angles} deg, from {epoch} on"
+            where = f"{angles} deg" if angles_deg else "the body's attitude and rate"
+            detail = f"the end of plan {self.after}: {where}, from {epoch} on"
             given = {"epoch": epoch, "angles_deg": dict(angles_deg)}
+            if not angles_deg:
+                given = {"epoch": epoch} | {
+                    name: value for name in OF_BODY if (value := getattr(self, name)) is not None
+                }
             return (Assumed(field="initial_state.after", detail=detail, members=given),)
         found: list[tuple[str, str, object]] = []
         if self.epoch is None:

@@ -6,8 +6,6 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
 
-import numpy as np
-
 from app.answers.members import ProvenanceOut, provenance
 from app.answers.plan import (
     dry_run_json,
@@ -22,11 +20,12 @@ from app.store.packed import PackedColumns, pack, unpack
 from app.work.horizon_views import horizon_checks
 from app.work.progress import report
 from app.work.result import Result
-from planner.base.commands import COMMAND_STEP_S, Channel, CommandTable, axis_channels
+from planner.base.commands import Channel, CommandTable, axis_channels
 from planner.base.spec import as_kept
 from planner.output.export import EXPORTERS
 from planner.verification import Finding
-from planner.world.frames.time_scales import shifted_utc, utc_from_text, utc_text
+from planner.world.end_of_table import end_of_table
+from planner.world.frames.time_scales import utc_from_text, utc_text
 from planner.world.plan import FlightPlan, Segment, SegmentKind
 
 
@@ -61,26 +60,9 @@ def stored_table_json(table_columns: bytes) -> bytes:
     return table_json(_table(unpack(table_columns)))
 
 
-def end_of_table(table_columns: bytes) -> tuple[datetime, dict[str, dict[str, float]]]:
-    """When a stored table ends, and how the axes move then, as an initial state says it.
-
-    The acceleration is that of the cubic the platform flies between the last two rows.
-    """
-    table = _table(unpack(table_columns))
-    before_rad, angle_rad = table.position[-2:]
-    rate_before_rad_s, rate_rad_s = table.rate_rad_s[-2:]
-    acceleration_rad_s2 = (
-        6.0 * (before_rad - angle_rad) / COMMAND_STEP_S + 2.0 * rate_before_rad_s + 4.0 * rate_rad_s
-    ) / COMMAND_STEP_S
-    members = {
-        "angles_deg": angle_rad,
-        "rates_deg_s": rate_rad_s,
-        "accelerations_deg_s2": acceleration_rad_s2,
-    }
-    return shifted_utc(table.epoch_utc, float(table.t_s[-1])), {
-        member: dict(zip(table.dof_names, np.round(np.rad2deg(column), 12).tolist(), strict=True))
-        for member, column in members.items()
-    }
+def end_of_stored_table(table_columns: bytes) -> tuple[datetime, dict[str, Any], dict[str, Any]]:
+    """As `end_of_table` tells it."""
+    return end_of_table(_table(unpack(table_columns)))
 
 
 def stored_table_file(

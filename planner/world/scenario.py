@@ -11,10 +11,10 @@ from pydantic import Discriminator, Tag
 
 from planner.base.arrays import Array
 from planner.base.assumed import Assumed
-from planner.base.commands import COMMAND_STEP_S
+from planner.base.commands import COMMAND_STEP_S, Motion
 from planner.base.errors import NotForPlatform, figures
-from planner.base.rotation import Rotation
-from planner.base.spec import Within, spec
+from planner.base.rotation import Rotation, of_like_sign
+from planner.base.spec import UnitPart, Within, spec
 from planner.world.attitude import Attitude
 from planner.world.frames.time_scales import Instants, elapsed_s, utc_text
 from planner.world.orbits import Orbit, OrbitStates
@@ -40,18 +40,25 @@ AVOID_MODES_MAX = 16
 OnConflict = Literal["refuse", "shorten_later", "shorten_earlier", "least_loss"]
 Keyhole = Literal["refuse", "nearest"]
 MotionDeg = Annotated[float, Within(-1e3, 1e3)]  # no axis may have more rate or acceleration
+BodyMotionDeg = tuple[MotionDeg, MotionDeg, MotionDeg]
+Quaternion = tuple[UnitPart, UnitPart, UnitPart, UnitPart]
+OF_BODY = ("q_body_from_eci_xyzw", "omega_body_deg_s", "alpha_body_deg_s2")
 
 
 @spec
 class InitialState:
     """Where the platform is, and how it moves, when the table begins.
 
-    Of two axes one entry per axis, by the axis's name; a body begins on its idle attitude.
+    Of two axes one entry per axis, by the axis's name.
 
     epoch: row 0 of the table; UTC, a whole multiple of 0.2 s after its second.
     angles_deg: of the axes.
     rates_deg_s: of the axes; none are zero.
     accelerations_deg_s2: of the axes; none are zero. E.g. `{"alpha": 0.0, "beta": 0.0}`.
+    q_body_from_eci_xyzw: of a body, carries GCRF axes onto the body's, scalar last; unless given,
+    the body begins on its idle attitude. E.g. `[0.0, 0.0, 0.0, 1.0]`.
+    omega_body_deg_s: of a body against GCRF, in body axes; unless given, it rests.
+    alpha_body_deg_s2: of a body, in body axes; none is zero.
     assumed: what of it nobody gave.
     """
 
@@ -59,6 +66,9 @@ class InitialState:
     angles_deg: Mapping[str, AngleDeg] = field(default_factory=dict)
     rates_deg_s: Mapping[str, MotionDeg] = field(default_factory=dict)
     accelerations_deg_s2: Mapping[str, MotionDeg] = field(default_factory=dict)
+    q_body_from_eci_xyzw: Quaternion | None = None
+    omega_body_deg_s: BodyMotionDeg | None = None
+    alpha_body_deg_s2: BodyMotionDeg | None = None
     assumed: tuple[Assumed, ...] = ()
 
     def __post_init__(self) -> None:
@@ -69,6 +79,23 @@ class InitialState:
                 f"epoch must be a multiple of 0.2 s after the UTC second, as row 0 of the table; "
                 f"the last one before {utc_text(self.epoch, 6)} is {utc_text(before, 1)}"
             )
+
+    @property
+    def body_only(self) -> list[str]:
+        """What is given of what only a body has."""
+        return [name for name in OF_BODY if getattr(self, name) is not None]
+
+    @property
+    def body_motion(self) -> Motion | None:
+        """Of a body, one instant; None: that of its idle attitude."""
+        if self.q_body_from_eci_xyzw is None:
+            return None
+        q_eci_from_body = Rotation.from_quat([self.q_body_from_eci_xyzw]).inv()
+        rates_deg = (self.omega_body_deg_s or (0.0,) * 3, self.alpha_body_deg_s2 or (0.0,) * 3)
+        omega_rad_s, alpha_rad_s2 = np.deg2rad(rates_deg)
+        return Motion(
+            of_like_sign(q_eci_from_body.as_quat()), omega_rad_s[None], alpha_rad_s2[None]
+        )
 
 
 def says_roll(rule: RollRule, target: Target | VisibleTarget) -> bool:
@@ -312,6 +339,37 @@ class Scenario:
                         "or leave it out"
                     )
         refuse_axes_only(platform.name, given)
+        self._check_initial_body(platform)
+
+    def _check_initial_body(self, platform: BodyPlatform) -> None:
+        state, asked = self.initial_state, self.initial_state.body_only
+        if state.q_body_from_eci_xyzw is None:
+            if asked:
+                raise ValueError(
+                    f"initial_state.{asked[0]} must be given together with q_body_from_eci_xyzw: "
+                    "without it the body begins on its idle attitude"
+                )
+            return
+        norm = math.hypot(*state.q_body_from_eci_xyzw)
+        if not abs(norm - 1.0) <= 1e-6:
+            raise ValueError(
+                "initial_state.q_body_from_eci_xyzw must have unit length, not "
+                f"{norm:.9g}; divide it by its norm"
+            )
+        rate_max, acceleration_max, _ = np.rad2deg(platform.agility.by_order_rad)
+        for name, given, most in (
+            ("omega_body_deg_s", state.omega_body_deg_s, rate_max),
+            ("alpha_body_deg_s2", state.alpha_body_deg_s2, acceleration_max),
+        ):
+            size = np.abs(given or (0.0,) * 3)
+            if platform.agility.limits == "magnitude":
+                size = np.full(3, np.linalg.norm(size))
+            worst = int(np.argmax(size / most))
+            if size[worst] > most[worst] * (1.0 + 1e-9):
+                raise ValueError(
+                    f"initial_state.{name} reaches {figures(*(size[worst], most[worst]))}, beyond "
+                    f"the {most[worst]:.6g} that agility of {platform.name} allows"
+                )
 
     def _check_ids(self) -> None:
         seen: dict[str, int] = {}
@@ -333,6 +391,11 @@ class Scenario:
         return bool(self.slew.keep_out) or self.attitude is None
 
     def _check_initial_state(self) -> None:
+        if of_body := self.initial_state.body_only:
+            raise ValueError(
+                f"initial_state.{of_body[0]} must be left out for {self.platform.name}: only a "
+                "body has it; give angles_deg of the axes"
+            )
         names = self.two_axis.axis_names
         fields = ("angles_deg", "rates_deg_s", "accelerations_deg_s2")
         for what in fields:

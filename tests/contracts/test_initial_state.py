@@ -186,3 +186,56 @@ def test_the_same_key_gets_the_same_plan(client):
     key = {"Idempotency-Key": f"after {first['id']}"}
     once, again = (client.post("/v1/plans", json=document, headers=key) for _ in range(2))
     assert once.json()["id"] == again.json()["id"]
+
+
+def of_body(state, start, stop, **changes):
+    """Las Vegas with a spacecraft that turns as a whole."""
+    target = LAS_VEGAS["sessions"][0]["target"]
+    document = request(state, [(target, start, stop)], platform="smallsat-120kg", **changes)
+    del document["attitude"]
+    return document
+
+
+def test_a_body_goes_on_where_its_plan_ends(client):
+    first = ok(post(client, of_body({}, "2015-02-27T17:36:46Z", "2015-02-27T17:36:56Z")))
+    later = of_body({"after": first["id"]}, "2015-02-27T17:37:08Z", "2015-02-27T17:37:12Z")
+    second = ok(post(client, later))
+    assert second["table"]["epoch"] == "2015-02-27T17:36:56.0Z"
+    columns = [name for name in first["table"] if name.startswith(("q_", "omega_", "alpha_"))]
+    assert len(columns) == 10
+    ends, begins = ([plan["table"][name] for name in columns] for plan in (first, second))
+    sign = 1.0 if ends[3][-1] >= 0.0 else -1.0  # a table begins with w that isn't negative
+    for name, end, begin in zip(columns, ends, begins, strict=True):
+        turned = sign if name.startswith("q_") else 1.0
+        assert begin[0] == pytest.approx(turned * end[-1], abs=1e-9), name
+    said = assumed(second)["initial_state.after"]
+    assert said.keys() == {
+        "epoch", "q_body_from_eci_xyzw", "omega_body_deg_s", "alpha_body_deg_s2"
+    }  # fmt: skip
+    written_out = ok(post(client, later | {"initial_state": said}))
+    assert written_out["table"]["omega_body_deg_s_x"] == second["table"]["omega_body_deg_s_x"]
+
+
+def test_a_body_at_rest_waits_where_it_is_until_it_is_time(client):
+    still = {"law": "inertial", "q_body_from_eci_xyzw": [0.5, 0.5, 0.5, 0.5]}
+    platform = client.get("/v1/platforms").json()["platforms"]
+    [body] = [one for one in platform if one["name"] == "smallsat-120kg"]
+    resting = {"platform": body | {"idle": still, "off_nadir_max_deg": 60.0}, "final_state": "idle"}
+    first = of_body({}, "2015-02-27T17:36:46Z", "2015-02-27T17:36:56Z") | resting
+    after = {"after": ok(post(client, first))["id"]}
+    second = of_body(after, "2015-02-28T16:45:00Z", "2015-02-28T16:45:20Z") | resting
+    table = ok(post(client, second))["table"]
+    assert table["epoch"].startswith("2015-02-28T16:")
+    assert [table[f"q_eci_from_body_{part}"][0] for part in "xyzw"] == pytest.approx(
+        [-0.5, -0.5, -0.5, 0.5], abs=1e-9
+    )
+
+
+def test_two_axes_have_no_attitude_to_begin_with(client):
+    """Neither asked for nor as the end of a body's plan."""
+    first = ok(post(client, of_body({}, "2015-02-27T17:36:46Z", "2015-02-27T17:36:56Z")))
+    for state in ({"q_body_from_eci_xyzw": [0.0, 0.0, 0.0, 1.0]}, {"after": first["id"]}):
+        session = (DENVER, "2015-02-27T17:38:30Z", "2015-02-27T17:38:50Z")
+        problem = post(client, request(state, [session])).json()
+        assert (problem["status"], problem["field"]) == (422, "initial_state.q_body_from_eci_xyzw")
+        assert "only a body has it" in problem["detail"]

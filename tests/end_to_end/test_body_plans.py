@@ -345,3 +345,70 @@ def test_a_body_that_hardly_knows_its_attitude_hardly_keeps_the_target_in_the_fr
     assert budget.probability_in_frame < 0.05
     assert budget.helps_most == "attitude knowledge"
     assert any("better star trackers would help most" in one for one in plan.warnings)
+
+
+ASKED = {
+    "q_body_from_eci_xyzw": [-0.5, 0.5, 0.5, 0.5],
+    "omega_body_deg_s": [0.1, -0.2, 0.3],
+    "alpha_body_deg_s2": [0.05, 0.0, -0.02],
+}
+
+
+def from_state(state, **changes):
+    request = body_request(**changes)
+    request["initial_state"] |= state
+    return planned(request)
+
+
+def test_the_table_begins_with_the_motion_asked_for():
+    plan = from_state(ASKED)
+    assert plan.verification.findings == ()
+    turn = Rotation.from_quat(plan.table.position[0])
+    # A quaternion that cycles the axes: the body's x is along -y of GCRF, and so on.
+    np.testing.assert_allclose(turn.apply([1.0, 0.0, 0.0]), [0.0, -1.0, 0.0], atol=1e-12)
+    told = np.degrees([plan.table.rate_rad_s[0], plan.table.acceleration_rad_s2[0]])
+    asked = [ASKED["omega_body_deg_s"], ASKED["alpha_body_deg_s2"]]
+    np.testing.assert_allclose(told, asked, atol=1e-9)
+
+
+def test_a_body_that_turns_through_its_idle_attitude_is_brought_to_it_first():
+    """The attitude is that of idling, the motion isn't: it may not jump to rest."""
+    still = {"law": "inertial", "q_body_from_eci_xyzw": ASKED["q_body_from_eci_xyzw"]}
+    lead = {"lead": {"max_duration_s": 60.0}}
+    plan = from_state(ASKED, platform=SMALLSAT | {"idle": still}, slew=lead)
+    assert plan.verification.findings == ()
+    assert [one.kind for one in plan.segments[:4]] == ["brake", "wait", "slew", "track"]
+
+
+@pytest.mark.parametrize(
+    ("state", "field", "says"),
+    [
+        ({"omega_body_deg_s": [0.0, 0.0, 0.0]}, ".omega_body_deg_s", "on its idle attitude"),
+        (ASKED | {"q_body_from_eci_xyzw": [1.0, 1.0, 0.0, 0.0]}, ".q_body_from_eci_xyzw", "1.4142"),
+        (ASKED | {"omega_body_deg_s": [3.0, 0.5, 0.0]}, ".omega_body_deg_s", "3.041, beyond the 3"),
+        (ASKED | {"alpha_body_deg_s2": [0.0, 0.6, 0.0]}, ".alpha_body_deg_s2", "beyond the 0.5"),
+        (
+            {
+                "q_body_from_eci_xyzw": [0.0, 0.0, 0.0, 1.0],
+                "omega_body_deg_s": [2.95, 0.0, 0.0],
+                "alpha_body_deg_s2": [0.45, 0.0, 0.0],
+            },
+            "",
+            "can't be braked",
+        ),
+    ],
+)
+def test_an_initial_motion_that_cannot_be_flown_is_refused(state, field, says):
+    with pytest.raises((InvalidRequest, InfeasibleSlew), match=says) as refused:
+        from_state(state)
+    assert refused.value.field == f"initial_state{field}"
+
+
+def test_a_body_that_begins_inside_an_exclusion_is_told_so():
+    sun_eci = [0.648, 0.698, 0.303]  # on 10 May, by its declination of 17.6 deg
+    sunward = Rotation.from_quat(ASKED["q_body_from_eci_xyzw"]).apply(sun_eci).tolist()
+    tracker = {"name": "tracker", "away_from": "sun", "min_deg": 10.0, "when": "always"}
+    excluded = [tracker | {"direction_body": sunward}]
+    with pytest.raises(InfeasibleSlew) as refused:
+        from_state(ASKED, platform=SMALLSAT | {"exclusions": excluded})
+    assert refused.value.field == "initial_state.q_body_from_eci_xyzw"

@@ -270,6 +270,30 @@ def test_the_end_is_the_idle_attitude_where_asked(table):
     assert "initial_state" in limits_of(verify(turned, body_scenario()))
 
 
+def test_the_begin_is_the_motion_asked_for(table):
+    """SciPy's inverse of the first row; the table's own start is idle, and any motion of it."""
+    q_xyzw = tuple(Rotation.from_quat(table.position[0]).inv().as_quat().tolist())
+    told = np.degrees([table.rate_rad_s[0], table.acceleration_rad_s2[0]]).tolist()
+    asked = dataclasses.replace(
+        body_scenario().initial_state,
+        q_body_from_eci_xyzw=q_xyzw,
+        omega_body_deg_s=tuple(told[0]),
+        alpha_body_deg_s2=tuple(told[1]),
+    )
+
+    def judged(**changes):
+        begin = dataclasses.replace(asked, **changes)
+        scenario = dataclasses.replace(body_scenario(), initial_state=begin)
+        return limits_of(verify(table, scenario))
+
+    assert judged() == set()
+    turned = Rotation.from_quat(q_xyzw) * Rotation.from_rotvec([0.0, 2e-7, 0.0])
+    assert judged(q_body_from_eci_xyzw=tuple(turned.as_quat().tolist())) == {"initial_state"}
+    assert judged(omega_body_deg_s=None) == {"initial_state"}
+    faster = (told[1][0] + 1e-4, *told[1][1:])
+    assert judged(alpha_body_deg_s2=faster) == {"initial_state"}
+
+
 @pytest.fixture(scope="module")
 def skyfield_sun_eci():
     """Where the Sun stands in the carrier's sky at the epoch, unit vector: by Skyfield."""

@@ -10,12 +10,11 @@ from app.requests.plain_text import require_plain
 from app.requests.plan import read_plan_request
 from app.store import jobs, plans
 from app.store.database import Database
-from app.work.plan import end_of_table
+from app.work.plan import end_of_stored_table
 from planner.base.errors import InvalidInput
 from planner.world.frames.time_scales import elapsed_s, utc_text
 
 _FIELD = "initial_state.after"
-_REST_DEG_S = 1e-10  # in a day it would turn an axis by 0.00001 deg
 
 
 def may_go_on_after(body: bytes) -> bool:
@@ -26,14 +25,14 @@ def may_go_on_after(body: bytes) -> bool:
 def from_end_of_plan(database: Database, body: bytes) -> bytes:
     """The request with the state in which the plan it names ends; the same where it names none.
 
-    Axes that rest wait where they are until it is time for the first slew.  Raises InvalidInput
+    What rests waits where it is until it is time for the first slew.  Raises InvalidInput
     and Conflict where there is no such plan, or not yet.
     """
     document = json_document(body)
     state = document.get("initial_state") if isinstance(document, dict) else None
     if not isinstance(state, dict) or not isinstance(state.get("after"), str):
         return body
-    if "angles_deg" in state:  # as an earlier request was filled in
+    if state.keys() & {"angles_deg", "q_body_from_eci_xyzw"}:  # as an earlier request was filled in
         return body
     if others := sorted(state.keys() - {"after"}):
         raise InvalidInput(
@@ -44,15 +43,13 @@ def from_end_of_plan(database: Database, body: bytes) -> bytes:
         plan_id = require_plain(state["after"])
     except ValueError as fault:
         raise InvalidInput(str(fault), field=_FIELD) from None
-    end_utc, motion = end_of_table(_table_of(database, plan_id))
-    state["angles_deg"] = motion["angles_deg"]
-    if all(abs(rate) <= _REST_DEG_S for rate in motion["rates_deg_s"].values()):
+    end_utc, position, motion = end_of_stored_table(_table_of(database, plan_id))
+    state.update(position)
+    if not motion:
         filled = json.dumps(document).encode()
         if elapsed_s(read_plan_request(filled).initial_state.epoch, end_utc) >= 0.0:
             return filled
-    else:
-        state.update(motion)
-    state["epoch"] = utc_text(end_utc, 1)
+    state.update(motion, epoch=utc_text(end_utc, 1))
     return json.dumps(document).encode()
 
 
@@ -63,7 +60,7 @@ def _table_of(database: Database, plan_id: str) -> bytes:
         plan = plans.get(connection, job) if job is not None else None
     if job is None or job.kind != PLAN.name:
         raise InvalidInput(
-            f"there is no plan {plan_id!r}; GET /v1/plans lists them, or give epoch and angles_deg",
+            f"there is no plan {plan_id!r}; GET /v1/plans lists them, or give epoch and motion",
             field=_FIELD,
         )
     if plan is None or plan.state != "done":

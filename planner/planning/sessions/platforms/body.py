@@ -22,6 +22,7 @@ from planner.motion.attitude.problem import (
     BodySlewProblem,
     Objective,
     depths_rad,
+    require_ends,
     rows_of,
 )
 from planner.motion.attitude.slew import BodySlew, solve_attitude_slew
@@ -53,6 +54,8 @@ class BodyMoverOptions:
     recommended_times: float = 10.0  # the least time: as gentle as following a target, as of axes
     fewest_rows: int = 10  # of a slew: the OCP's spans begin and end on rows
     longest_s: float = 3600.0  # of the slew to the idle attitude in the end
+    # Onto the idle attitude, of what is recommended: a body that turns fast may need more.
+    most_times: int = 8
     inside_rad: float = 1e-6  # of an exclusion: 0.2 arcsec, more than the OCP leaves
 
 
@@ -102,7 +105,16 @@ class BodyMover:
         self._refused: dict[tuple[object, ...], InfeasibleSlew] = {}
 
     def initial(self, ephemeris: Ephemeris) -> Motion:
-        return self._idle(ephemeris, 0, 0)
+        state = self.scenario.initial_state.body_motion
+        if state is None:
+            return self._idle(ephemeris, 0, 0)
+        rest = np.zeros((1, 3))
+        try:
+            require_ends(self._problem(state, Motion(state.position, rest, rest), 1))
+        except InfeasibleSlew as refusal:
+            refusal.field = "initial_state"
+            raise
+        return state
 
     def ways(
         self, ephemeris: Ephemeris, number: int, session: Session, from_row: int, state: Motion
@@ -343,15 +355,21 @@ class BodyMover:
         return self._recommended_rows(state, there)
 
     def _wait(
-        self, ephemeris: Ephemeris, from_row: int, state: Motion, last_row: int, there: Motion
+        self,
+        ephemeris: Ephemeris,
+        from_row: int,
+        state: Motion,
+        last_row: int,
+        there: Motion,
+        times: int = 1,
     ) -> _Wait | None:
         """The slew onto the idle attitude, unless it is there, and the wait on it; None: none."""
         most_rows = self._most_rows(state, there)
         if most_rows is None or last_row - from_row <= most_rows:
             return None
         idle, idle_row, onto_idle = self._idle(ephemeris, from_row, from_row), from_row, None
-        if not np.array_equal(state.position, idle.position):
-            idle_row += self._recommended_rows(state, idle)
+        if not all(map(np.array_equal, vars(state).values(), vars(idle).values())):
+            idle_row += times * self._recommended_rows(state, idle)
             if idle_row >= last_row - OPTIONS.fewest_rows:
                 return None
             idle = self._idle(ephemeris, idle_row, idle_row)
@@ -359,7 +377,12 @@ class BodyMover:
         if slew_row <= idle_row:
             return None
         if idle_row > from_row:
-            onto_idle = self._solve(ephemeris, from_row, state, idle, idle_row, "smooth")
+            try:
+                onto_idle = self._solve(ephemeris, from_row, state, idle, idle_row, "smooth")
+            except InfeasibleSlew:
+                if times >= OPTIONS.most_times:
+                    raise
+                return self._wait(ephemeris, from_row, state, last_row, there, 2 * times)
         return _Wait(onto_idle, RowSpan(start=idle_row, stop=slew_row), ephemeris)
 
     def _solve(
@@ -416,12 +439,14 @@ class BodyMover:
             row = int(np.argmin(margin.margin_rad))
             inside_rad = -float(margin.margin_rad[row])
             if not margin.imaging_only and inside_rad > OPTIONS.inside_rad:
+                given = self.scenario.initial_state.body_only
+                begins = given and margin.margin_rad[0] < -OPTIONS.inside_rad
                 raise InfeasibleSlew(
                     f"{margin.name}: at {utc_text(instants.utc(row))} the body stands "
                     f"{math.degrees(inside_rad):.4g} deg nearer to {margin.title} than allowed, on "
-                    "its way or idling; choose another time, idle attitude or exclusion",
+                    "its way or idling; choose another time, attitude or exclusion",
                     limit="exclusion",
-                    field="platform.exclusions",
+                    field=f"initial_state.{given[0]}" if begins else "platform.exclusions",
                 )
 
     def _instants(self, first_row: int, last_row: int) -> Instants:

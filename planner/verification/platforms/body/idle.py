@@ -1,4 +1,4 @@
-"""The attitude between sessions, by the judge's own Sun and its own triads."""
+"""The attitude between sessions and at first, by the judge's own Sun and its own triads."""
 
 from datetime import datetime
 
@@ -27,15 +27,20 @@ def idle_motion(
     return axes, np.asarray(axes @ (0.5 * np.sum(cross(axes, velocity), axis=0)))
 
 
+def rotated_axes_eci(q_body_from_eci_xyzw: tuple[float, ...]) -> Array:
+    """Rows of the body's axes in ECI, (3, 3), by a quaternion of about unit length."""
+    x, y, z, w = np.asarray(q_body_from_eci_xyzw) / np.linalg.norm(q_body_from_eci_xyzw)
+    matrix = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.array(matrix)
+
+
 def _axes_eci(law: IdleLaw, instants: Instants, ephemeris: Ephemeris) -> Array:
     if isinstance(law, InertialIdle):
-        x, y, z, w = np.asarray(law.q_body_from_eci_xyzw) / np.linalg.norm(law.q_body_from_eci_xyzw)
-        matrix = [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-        return np.tile(matrix, (len(instants), 1, 1))
+        return np.tile(rotated_axes_eci(law.q_body_from_eci_xyzw), (len(instants), 1, 1))
     states = ephemeris.states(instants)
     if isinstance(law, NadirIdle):
         toward_eci, aside_eci = -states.r_sat_eci_m, states.v_sat_eci_m_s

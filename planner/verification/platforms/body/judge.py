@@ -11,7 +11,7 @@ from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, Channel, CommandTa
 from planner.verification.directions import apart_rad
 from planner.verification.earth_fixed import earth_fixed_sight
 from planner.verification.platforms.body.exclusions import exclusion_margins
-from planner.verification.platforms.body.idle import idle_motion
+from planner.verification.platforms.body.idle import idle_motion, rotated_axes_eci
 from planner.verification.platforms.body.limits import body_margins, sizes_limited
 from planner.verification.platforms.body.options import OPTIONS
 from planner.verification.platforms.body.quintic import FlownMotion, motion_between, turned
@@ -82,15 +82,22 @@ class BodyJudge:
         return None
 
     def row_findings(self) -> Iterator[Finding]:
-        """Whether attitude, rates and accelerations tell one motion, from and to the idle one."""
+        """Whether attitude, rates and accelerations tell one motion, between the ends asked for."""
         yield from self._incoherent()
         ends: list[tuple[Limit, str, int]] = [("initial_state", "row 0", 0)]
         if self._scenario.final_state is not None:
             ends.append(("final_state", "the last row", len(self._table.position) - 1))
+        begin = self._scenario.initial_state
         for limit, name, row in ends:
-            axes_eci, omega_body_rad_s = idle_motion(
-                self._platform.idle, self._table.epoch_utc, row / ROWS_PER_S, self._ephemeris
-            )
+            where = "the idle attitude"
+            if limit == "initial_state" and begin.q_body_from_eci_xyzw is not None:
+                where = "what is asked for"
+                axes_eci = rotated_axes_eci(begin.q_body_from_eci_xyzw)
+                omega_body_rad_s = np.radians(begin.omega_body_deg_s or np.zeros(3))
+            else:
+                axes_eci, omega_body_rad_s = idle_motion(
+                    self._platform.idle, self._table.epoch_utc, row / ROWS_PER_S, self._ephemeris
+                )
             q_xyzw = np.repeat(self._table.position[[row]], 3, axis=0)
             off_rad = float(apart_rad(turned(q_xyzw, np.eye(3)), axes_eci).max())
             rate_off_rad_s = float(np.linalg.norm(self._table.rate_rad_s[row] - omega_body_rad_s))
@@ -99,8 +106,18 @@ class BodyJudge:
                     limit,
                     row,
                     f"{name} is {math.degrees(off_rad):.3g} deg and "
-                    f"{math.degrees(rate_off_rad_s):.3g} deg/s from the idle attitude",
+                    f"{math.degrees(rate_off_rad_s):.3g} deg/s from {where}",
                 )
+        if begin.q_body_from_eci_xyzw is None:
+            return
+        asked_rad_s2 = np.radians(begin.alpha_body_deg_s2 or np.zeros(3))
+        off_rad_s2 = float(np.linalg.norm(self._row_alpha_rad_s2[0] - asked_rad_s2))
+        if off_rad_s2 > OPTIONS.end_rad_s2:
+            yield self._of_row(
+                "initial_state",
+                0,
+                f"row 0 is {math.degrees(off_rad_s2):.3g} deg/s2 from the acceleration asked for",
+            )
 
     def margins(self) -> tuple[LimitMargin, ...]:
         """Of rate, acceleration and jerk, by magnitude or by body axis."""

@@ -25,6 +25,7 @@ class Options:
     # A fifth of what pointing may err by: idle attitudes are found to a hundredth of it.
     end_rad: float = math.radians(0.02 / 3600.0)
     end_rad_s: float = math.radians(0.02 / 3600.0)
+    end_rad_s2: float = math.radians(0.02 / 3600.0)  # of an initial acceleration that is asked for
     off_nadir_rad: float = math.radians(0.1 / 3600.0)  # as for pointing
     roll_rad: float = 5e-5  # the end of a line of 8192 pixels then lies a fifth of a pixel off
     motion_difference_s: float = 0.05  # either way: a path's corners take 2 s or more

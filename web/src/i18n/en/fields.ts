@@ -42,6 +42,7 @@ export const fields = {
     q_body_from_eci_xyzw: "Body from ECI, quaternion x, y, z, w",
     q_camera_from_body_xyzw: "Camera from body, quaternion x, y, z, w",
     omega_body_deg_s: "Rate in body axes",
+    alpha_body_deg_s2: "Acceleration in body axes",
     usual_yaw_pitch_roll_deg: "Usual yaw, pitch, roll",
     corner_s: "Turn at a corner",
     grazing_altitude_km: "Grazing altitude",

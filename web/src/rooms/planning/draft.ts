@@ -104,14 +104,23 @@ export function takeBody(next: PlanRequest["platform"]): void {
   const before = made.peek();
   if (before.attitude) ofAxes = before;
   const { attitude: _, initial_state, final_state: __, slew, ...rest } = before;
-  const { epoch, after } = initial_state ?? {};
   made.value = {
     ...rest,
     platform: next,
     sessions: before.sessions.map(({ keyhole: ___, ...one }) => one),
-    ...((epoch || after) && { initial_state: { ...(epoch && { epoch }), ...(after && { after }) } }),
+    ...stateOf(before.attitude ? beginOf(initial_state) : initial_state),
     ...slewOfBody(slew),
   } as DraftRequest;
+}
+
+/** What either kind of platform has of it. */
+function beginOf(state: DraftRequest["initial_state"]): DraftRequest["initial_state"] {
+  const { epoch, after } = state ?? {};
+  return { ...(epoch && { epoch }), ...(after && { after }) };
+}
+
+function stateOf(initial_state: DraftRequest["initial_state"]): Pick<DraftRequest, "initial_state"> {
+  return initial_state && Object.keys(initial_state).length ? { initial_state } : {};
 }
 
 /** Two axes on a carrier, with what was asked of the ones before a body; mean: the attitude where none was. */
@@ -121,13 +130,13 @@ export function takeAxes(next: PlanRequest["platform"], mean: Attitude): void {
     change({ platform: next });
     return;
   }
-  const { final_state: _, ...rest } = now;
+  const { final_state: _, initial_state: __, ...rest } = now;
   const { attitude = mean, initial_state, final_state, slew, sessions: before = [] } = ofAxes ?? {};
   made.value = {
     ...rest,
     platform: next,
     attitude,
-    ...((initial_state || now.initial_state) && { initial_state: { ...initial_state, ...now.initial_state } }),
+    ...stateOf({ ...initial_state, ...beginOf(now.initial_state) }),
     ...((slew || now.slew) && { slew: { ...slew, ...now.slew } }),
     ...(final_state !== undefined && { final_state }),
     sessions: now.sessions.map((one, number) => {

@@ -33,7 +33,12 @@ const AXES_ONLY = [
   "Session.keyhole",
   "Session.target.test_motion",
 ];
-const BODY_ONLY = ["PlanRequest.final_state.idle"];
+const BODY_ONLY = [
+  "AskedInitialState.q_body_from_eci_xyzw",
+  "AskedInitialState.omega_body_deg_s",
+  "AskedInitialState.alpha_body_deg_s2",
+  "PlanRequest.final_state.idle",
+];
 
 /** Fields, and values of fields, that a platform of the other kind has. */
 export const others = computed<readonly string[]>(() => (body.value ? AXES_ONLY : BODY_ONLY));
