@@ -139,8 +139,8 @@ class WindowOut(PassWindow):
     branches: the pairs that keep within the stops through the window (none where the axes would
     have to change over); with `view`; a body has none.
     probability_in_frame: that the target stays inside the camera's frame over the whole session, as
-    a plan of it says; null where there is no session, of a body, and for the latest windows of a
-    page where these are more than 500; with `probability`. E.g. `0.68`.
+    a plan of it says; null where there is no session, and for the latest windows of a page where
+    these are more than 500, of a body that wanders quickly fewer; with `probability`. E.g. `0.68`.
     """
 
     branch: Branch = field(default_factory=not_included)

@@ -1,5 +1,6 @@
 """Sessions that a body's windows offer are planned; what isn't a body's is refused."""
 
+from dataclasses import replace
 from datetime import timedelta
 
 import numpy as np
@@ -9,6 +10,7 @@ from scenarios import LAS_VEGAS, TLE, at
 
 from planner.planning.opportunities import OpportunityRequest, OpportunityTarget, WindowSearch
 from planner.planning.opportunities.unseen import unseen_of
+from planner.planning.sessions import window_probability
 from planner.planning.sessions.pipeline import make_plan
 from planner.planning.sessions.window_probability import probabilities_in_frame
 from planner.world.attitude import LvlhAttitude
@@ -18,11 +20,14 @@ from planner.world.targets import GroundTarget, StarTarget
 
 BOSTON = GroundTarget(latitude_deg=42.36, longitude_deg=-71.06)
 RADIATOR, CAMERA = SMALLSAT["exclusions"][1], SMALLSAT["exclusions"][0]
+FRAME = {"type": "frame", "field_of_view_deg": [0.5, 0.3]}
 KEPT = [RADIATOR | {"when": "imaging"}, CAMERA | {"when": "imaging"}]
 ROLLS = {
     "nearest": {"exclusions": KEPT},
     "lines across the track": {"roll": {"rule": "lines_across_track"}, "exclusions": KEPT},
+    "a frame": {"camera": FRAME, "exclusions": KEPT},
 }
+NEARLY = 0.03  # three sigma of a thousand paths beside four times as many
 
 
 def request(platform, *targets, **fields):
@@ -43,11 +48,16 @@ def request(platform, *targets, **fields):
 
 @pytest.mark.parametrize("changes", ROLLS.values(), ids=ROLLS)
 def test_the_session_of_every_window_of_a_body_plans_as_it_stands(changes):
+    """And the probability told of it is the plan's."""
     asked = request(smallsat(**changes), LAS_VEGAS, BOSTON, StarTarget(name="Vega"))
-    edges = WindowSearch(asked).find()
-    sessions_s = edges.sessions_s(asked.start)[:3]
+    search = WindowSearch(asked)
+    told = search.tell(search.find())
+    sessions_s = told.sessions_s(asked.start)[:3]
+    probability = probabilities_in_frame(asked, told)[:3]
     assert len(sessions_s) == 3
-    for row, (start_s, stop_s) in zip(edges.target.tolist(), sessions_s.tolist(), strict=False):
+    for row, (start_s, stop_s), told_probability in zip(
+        told.target.tolist(), sessions_s.tolist(), probability.tolist(), strict=False
+    ):
         start, stop = (
             shifted_utc(asked.start, t_s) for t_s in (start_s, min(stop_s, start_s + 300.0))
         )
@@ -60,19 +70,33 @@ def test_the_session_of_every_window_of_a_body_plans_as_it_stands(changes):
             )
         )
         assert plan.verification.passed
+        [budget] = plan.budgets
+        assert told_probability == pytest.approx(budget.probability_in_frame, abs=NEARLY)
+
+
+def test_quick_wander_leaves_the_latest_windows_without_a_probability(monkeypatch):
+    """Its work is counted: of a body whose attitude forgets itself within a second."""
+    slow, quick = (
+        request(
+            smallsat(knowledge=SMALLSAT["knowledge"] | {"correlation_s": correlation_s}),
+            LAS_VEGAS,
+            BOSTON,
+            StarTarget(name="Vega"),
+        )
+        for correlation_s in (20.0, 1.0)
+    )
+    most = 3.5 * window_probability.OPTIONS.window
+    options = replace(window_probability.OPTIONS, most=most)
+    monkeypatch.setattr(window_probability, "OPTIONS", options)
+    search = WindowSearch(slow)
+    told = search.tell(search.find())
+    of_slow, of_quick = (np.isfinite(probabilities_in_frame(one, told)) for one in (slow, quick))
+    assert 1 <= of_quick.sum() < of_slow.sum()
 
 
 def test_an_attitude_is_no_bodys():
     with pytest.raises(ValueError, match="attitude must be left out for smallsat-120kg"):
         request(smallsat(), LAS_VEGAS, attitude=LvlhAttitude())
-
-
-def test_a_bodys_windows_have_no_probability_yet():
-    asked = request(smallsat(), LAS_VEGAS)
-    search = WindowSearch(asked)
-    told = search.tell(search.find())
-    assert len(told)
-    assert np.isnan(probabilities_in_frame(asked, told)).all()
 
 
 CLOSED = {

@@ -134,19 +134,7 @@ def attitude_tracks(
     left, and where the rule doesn't say how to lie.
     """
     session = _session_rows(sight.instants.t_s, session_start_s, session_stop_s)
-    if isinstance(roll, NearestRoll):
-        senses = [_nearest(platform, sight.los_eci, session.start, q_eci_from_body_before)]
-    else:
-        aside_eci, aside_body = _aside(platform, roll, sight)
-        signs = (1.0, -1.0) if platform.camera.both_ways else (1.0,)
-        if isinstance(roll, SunSide):
-            signs = (1.0,)
-        senses = [
-            pointed_quaternions(
-                sight.los_eci, sign * aside_eci, platform.boresight_body, aside_body
-            )
-            for sign in signs
-        ]
+    senses = rolled_quaternions(platform, roll, sight, session.start, q_eci_from_body_before)
     tracks: list[tuple[float, AttitudeTrack]] = []
     breaks: list[_Break] = []
     for number, position in enumerate(senses):
@@ -164,6 +152,28 @@ def attitude_tracks(
     if not tracks:
         raise max(breaks, key=lambda broken: broken.row).refusal
     return tuple(track for _, track in sorted(tracks, key=lambda one: round(one[0], 9)))
+
+
+def rolled_quaternions(
+    platform: BodyPlatform,
+    roll: RollRule,
+    sight: TargetSight,
+    first: int,
+    q_eci_from_body_before: Rotation,
+) -> list[Array]:
+    """By each sense of the rule, the camera on the target: q_eci_from_body_xyzw, (n, 4).
+
+    q_eci_from_body_before: what "nearest" is nearest to, at row `first`.
+    Raises TrackBreaksLimit where the rule doesn't say how to lie.
+    """
+    if isinstance(roll, NearestRoll):
+        return [_nearest(platform, sight.los_eci, first, q_eci_from_body_before)]
+    aside_eci, aside_body = _aside(platform, roll, sight)
+    is_one_way = isinstance(roll, SunSide) or not platform.camera.both_ways
+    return [
+        pointed_quaternions(sight.los_eci, sign * aside_eci, platform.boresight_body, aside_body)
+        for sign in ((1.0,) if is_one_way else (1.0, -1.0))
+    ]
 
 
 def pointed_quaternions(

@@ -15,6 +15,7 @@ import numpy as np
 from planner.base.arrays import Array, Indices, cross
 from planner.motion.pointing.line_of_sight import LineOfSight
 from planner.planning.sessions.budget import LIKELY, Contribution, PointingBudget
+from planner.planning.sessions.probability import lattice_points, mixture_points
 from planner.world.frames.earth_orientation import iers_data_end_utc
 from planner.world.frames.iers import RAD_PER_ARCSEC
 from planner.world.frames.time_scales import DAY_S, Instants, elapsed_s
@@ -59,6 +60,7 @@ class BudgetOptions:
     random_margin_sigma: float = 3.0
     off_target: float = 1e-3  # of the frame: more than a table's rows leave between them
     half_lives: float = 128.0  # of what wanders, in a session: quicker, it counts as so many
+    half_life: float = 110.0  # of `effort`, each, by all paths
     range_max_m: float = 1e8  # beyond, metres at the target say nothing
     probe_m: float = 10.0  # by which the orbit is probed: 2.5e-5 of the range at 400 km, so linear
     probe_s: float = 0.1  # by which the clock is probed: 50 m of the ground's turning, likewise
@@ -238,6 +240,35 @@ def covariances_rad2(biases: Sequence[Bias], random_rad: float) -> Array:
 def along_track(biases: Sequence[Bias]) -> NormalMixture:
     """How the only error that isn't Gauss's is distributed."""
     return next((bias.mixture for bias in biases if bias.mixture != GAUSS), GAUSS)
+
+
+def probabilities_each(
+    scene: ImageScene, biases: Sequence[Bias], own_rad: Sequence[Array], half_rad: Array
+) -> Array:
+    """That the target is in the frame at each instant by itself, (n,).
+
+    own_rad: further errors, of Gauss's distribution: where 1-sigma of each puts the target, (n, 2).
+    By every 16th point of the budget's, good to 0.01.
+    """
+    if not (half_rad > 0.0).all():
+        return np.zeros(len(scene.instants))
+    constant = [*own_rad, *constant_biases(biases)]
+    swings = [
+        part
+        for bias in biases
+        if bias.quarter_later_rad is not None
+        for part in (bias.offsets_rad, bias.quarter_later_rad)
+    ]
+    points = lattice_points(len(constant), len(swings) // 2)[:, :: OPTIONS.coarse]
+    points = mixture_points(points, len(constant) - 1, along_track(biases))
+    offsets = np.stack([*constant, *swings], axis=-1) / half_rad[:, None]
+    middle = scene.off_rad / half_rad
+    parts = []
+    for first in range(0, len(scene.instants), OPTIONS.batch):
+        batch = slice(first, first + OPTIONS.batch)
+        places = middle[batch, :, None] + offsets[batch] @ points
+        parts.append(np.mean(np.abs(places).max(axis=1) <= 1.0, axis=1))
+    return np.concatenate(parts)
 
 
 def lasting_biases(

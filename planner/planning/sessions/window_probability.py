@@ -9,6 +9,7 @@ from planner.base import effort
 from planner.base.arrays import Array
 from planner.base.effort import at_most
 from planner.planning.opportunities import OpportunityRequest, Windows
+from planner.planning.sessions.platforms.body_budget import body_probability_held
 from planner.planning.sessions.platforms.two_axis.budget import probability_held
 from planner.world.frames.time_scales import Instants
 
@@ -26,20 +27,21 @@ class WindowProbabilityOptions:
 OPTIONS = WindowProbabilityOptions()
 
 # That the target stays in the frame of each kind of platform.
-HELD: dict[str, Callable[..., float]] = {"two_axis": probability_held}
+HELD: dict[str, Callable[..., float]] = {
+    "two_axis": probability_held,
+    "body": body_probability_held,
+}
 
 
 def probabilities_in_frame(request: OpportunityRequest, windows: Windows) -> Array:
     """That the target stays in the camera's frame over the longest session of each window.
 
-    As the budget of a plan of that session has it, on the branch that the window reports; errors of
-    the table itself are none.  Shape (windows,).  NaN where there is no session, or no pair of
-    angles throughout; for the latest windows where there are more than 500; and of a body, whose
-    plan's budget tells it.
+    As the budget of a plan of that session has it, on the branch that the window reports, or by the
+    roll rule of a body; errors of the table itself are none.  Shape (windows,).  NaN where there is
+    no session, or no pair of angles throughout; and for the latest windows where there are more
+    than 500, or fewer of a body whose attitude wanders quickly.
     """
-    probability, held = np.full(len(windows), np.nan), HELD.get(request.platform.kind)
-    if held is None:
-        return probability
+    probability, held = np.full(len(windows), np.nan), HELD[request.platform.kind]
     ephemeris = request.orbit.ephemeris(request.start, request.stop)
     sessions_s = windows.sessions_s(request.start)
     with at_most(OPTIONS.most):

@@ -1,7 +1,7 @@
 """A spacecraft that turns as a whole as a campaign asks of it: tracks by a roll rule, and rest."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from datetime import datetime
 
@@ -25,21 +25,11 @@ from planner.planning.opportunities.looks import CarrierTables, Places, look
 from planner.planning.opportunities.platforms.body import BodyLookout
 from planner.planning.opportunities.sights import Sight, visible_target
 from planner.planning.opportunities.tracking import NEAREST, Tracking, aside_at, session_holds
-from planner.planning.sessions.probability import lattice_points, mixture_points
-from planner.planning.sessions.uncertainty import OPTIONS as BUDGET
-from planner.planning.sessions.uncertainty import (
-    Bias,
-    ImageScene,
-    along_track,
-    constant_biases,
-    lasting_biases,
-)
+from planner.planning.sessions.platforms.body_budget import body_probabilities_at
 from planner.world.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
-from planner.world.frames.iers import RAD_PER_ARCSEC
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import Ephemeris
 from planner.world.platforms import BodyPlatform
-from planner.world.platforms.body import PushbroomCamera
 from planner.world.scenario import BoundedLead, InitialState
 
 
@@ -136,28 +126,9 @@ class BodyFollower:
             range_m=seen.range_m,
             clearance_rad=seen.elevation_rad,
         )
-        image = self._platform.q_payload_from_base(q_eci_from_body.as_quat()).as_matrix()[:, :2]
-        half_rad = self._platform.frame_half_rad
-        scene = ImageScene(los, visible_target(sight, which), image, half_rad, len(t_s))
-        return self._shares_inside(scene, lasting_biases(scene, ephemeris, (), BUDGET.clock_s))
-
-    def _shares_inside(self, scene: ImageScene, biases: Sequence[Bias]) -> Array:
-        """The probability in frame at each instant by itself, (n,); as of the plan's budget."""
-        knowledge = self._platform.knowledge
-        half_rad = np.array(self._platform.frame_half_rad)
-        half_rad -= BUDGET.random_margin_sigma * knowledge.jitter_arcsec * RAD_PER_ARCSEC
-        if isinstance(self._platform.camera, PushbroomCamera):
-            half_rad[0] = math.inf  # across its line only the time changes
-        if not (half_rad > 0.0).all():
-            return np.zeros(len(scene.instants))
-        own_rad = math.hypot(knowledge.sigma_arcsec, knowledge.control_sigma_arcsec)
-        own_rad *= RAD_PER_ARCSEC
-        lasting = constant_biases(biases)
-        turns = [np.tile(own_rad * side, (len(scene.instants), 1)) for side in np.eye(2)]
-        points = lattice_points(len(lasting) + 2, 0)[:, :: BUDGET.coarse]
-        points = mixture_points(points, len(points) - 1, along_track(biases))
-        offsets = np.stack([*turns, *lasting], axis=-1) / half_rad[:, None]
-        return np.asarray(np.mean(np.abs(offsets @ points).max(axis=1) <= 1.0, axis=1))
+        return body_probabilities_at(
+            los, ephemeris, visible_target(sight, which), self._platform, q_eci_from_body.as_quat()
+        )
 
     def pass_ends(self, start_utc: datetime, stop_utc: datetime) -> PassEnds:
         """A slew onto the idle attitude takes no longer than the room that the pass has for it."""

@@ -1,15 +1,21 @@
 """The pointing budget of a body: orbit, Earth, clock, and what it knows and controls of itself."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
+from planner.base import effort
 from planner.base.arrays import Array
-from planner.motion.pointing.line_of_sight import LineOfSight
+from planner.base.rotation import Rotation
+from planner.motion.attitude.idle import idle_attitude
+from planner.motion.attitude.track import TargetSight, roll_rule, rolled_quaternions
+from planner.motion.pointing.line_of_sight import LineOfSight, line_of_sight
 from planner.planning.sessions.budget import PointingBudget
 from planner.planning.sessions.probability import probability_wandering
 from planner.planning.sessions.uncertainty import (
     OPTIONS,
+    Bias,
     Cause,
     ImageScene,
     along_track,
@@ -17,8 +23,11 @@ from planner.planning.sessions.uncertainty import (
     constant_biases,
     covariances_rad2,
     lasting_biases,
+    probabilities_each,
 )
+from planner.world.attitude import AttitudeLaw
 from planner.world.frames.iers import RAD_PER_ARCSEC
+from planner.world.frames.time_scales import Instants
 from planner.world.orbits import Ephemeris
 from planner.world.platforms.body import BodyPlatform, PushbroomCamera
 from planner.world.targets import VisibleTarget
@@ -45,38 +54,61 @@ def body_budget(
     edge.  A pushbroom's frame is its line: across it only the time changes at which a point is
     imaged.  Turns about the line of sight are left out: the target is in the frame's middle.
     """
-    # Rows of the matrices are the payload's axes in the base.
-    image = platform.q_payload_from_base(q_eci_from_body_xyzw).as_matrix()[:, :2]
-    scene = ImageScene(los, target, image, platform.frame_half_rad, OPTIONS.samples)
+    scene = _scene(los, target, platform, q_eci_from_body_xyzw, OPTIONS.samples)
     biases = lasting_biases(scene, ephemeris, (), OPTIONS.clock_s)
-    knowledge = platform.knowledge
-    wander_rad = {
-        KNOWLEDGE: knowledge.sigma_arcsec * RAD_PER_ARCSEC,
-        CONTROL: knowledge.control_sigma_arcsec * RAD_PER_ARCSEC,
-    }
-    jitter_rad = knowledge.jitter_arcsec * RAD_PER_ARCSEC
-    half_rad = np.array(platform.frame_half_rad) - OPTIONS.random_margin_sigma * jitter_rad
-    if isinstance(platform.camera, PushbroomCamera):
-        half_rad[0] = math.inf
-
-    lasts_s = float(scene.instants.t_s[-1] - scene.instants.t_s[0])
-    half_life_s = max(knowledge.correlation_s, lasts_s / OPTIONS.half_lives)
+    wander_rad = _wander_rad(platform)
 
     def stay(without: Cause | None, every: int) -> float:
         others = [bias for bias in biases if bias.cause != without]
         sigmas_rad = [sigma for cause, sigma in wander_rad.items() if cause != without]
-        return probability_wandering(
-            np.stack(constant_biases(others)),
-            half_rad,
-            scene.off_rad,
-            scene.instants.t_s,
-            math.hypot(*sigmas_rad),
-            half_life_s,
-            along_track(others),
-            every=every,
-        )
+        return _stay_probability(scene, others, math.hypot(*sigmas_rad), platform, every)
 
+    jitter_rad = platform.knowledge.jitter_arcsec * RAD_PER_ARCSEC
     return budget_of(scene, biases, wander_rad, {VIBRATION: jitter_rad}, stay, session=session)
+
+
+def body_probability_held(
+    platform: BodyPlatform,
+    attitude: AttitudeLaw | None,
+    ephemeris: Ephemeris,
+    target: VisibleTarget,
+    instants: Instants,
+    branch: int,
+    every: int,
+) -> float:
+    """That the target stays in the frame, held exactly by the platform's roll rule.
+
+    attitude, branch: a body has none; the frame's sides are alike by both senses of the rule.
+    "nearest" is nearest to the idle attitude at the first instant.  By one of `every` paths.
+    """
+    los = line_of_sight(instants, ephemeris, None, platform.q_base_from_carrier, target)
+    sight = TargetSight(
+        target=target, instants=instants, states=los.states, los_eci=los.los_platform
+    )
+    idle = Rotation.from_quat(idle_attitude(platform.idle, instants, los.states).position[0])
+    roll = roll_rule(platform, target, None)
+    q_eci_from_body_xyzw = rolled_quaternions(platform, roll, sight, 0, idle)[0]
+    scene = _scene(los, target, platform, q_eci_from_body_xyzw, OPTIONS.samples)
+    biases = lasting_biases(scene, ephemeris, (), OPTIONS.clock_s)
+    sigma_rad = math.hypot(*_wander_rad(platform).values())
+    lasts_s = float(instants.t_s[-1] - instants.t_s[0])
+    effort.count(OPTIONS.half_life * lasts_s / _half_life_s(platform, lasts_s) / every)
+    return _stay_probability(scene, biases, sigma_rad, platform, every)
+
+
+def body_probabilities_at(
+    los: LineOfSight,
+    ephemeris: Ephemeris,
+    target: VisibleTarget,
+    platform: BodyPlatform,
+    q_eci_from_body_xyzw: Array,
+) -> Array:
+    """That the target is in the frame at each instant by itself, (n,); as `body_budget`."""
+    scene = _scene(los, target, platform, q_eci_from_body_xyzw, len(los.instants))
+    biases = lasting_biases(scene, ephemeris, (), OPTIONS.clock_s)
+    sigma_rad = math.hypot(*_wander_rad(platform).values())
+    turns = [np.tile(sigma_rad * side, (len(los.instants), 1)) for side in np.eye(2)]
+    return probabilities_each(scene, biases, turns, _half_rad(platform))
 
 
 def body_covariance_rad2(
@@ -87,11 +119,60 @@ def body_covariance_rad2(
     q_eci_from_body_xyzw: Array,
 ) -> Array:
     """Covariances of the image place by the causes of `body_budget`, as there, (n, 2, 2)."""
-    image = platform.q_payload_from_base(q_eci_from_body_xyzw).as_matrix()[:, :2]
-    scene = ImageScene(los, target, image, platform.frame_half_rad, len(los.instants))
+    scene = _scene(los, target, platform, q_eci_from_body_xyzw, len(los.instants))
     biases = lasting_biases(scene, ephemeris, (), OPTIONS.clock_s)
     knowledge = platform.knowledge
     alike_arcsec = math.hypot(
         knowledge.sigma_arcsec, knowledge.control_sigma_arcsec, knowledge.jitter_arcsec
     )
     return covariances_rad2(biases, alike_arcsec * RAD_PER_ARCSEC)
+
+
+def _scene(
+    los: LineOfSight,
+    target: VisibleTarget,
+    platform: BodyPlatform,
+    q_eci_from_body_xyzw: Array,
+    samples: int,
+) -> ImageScene:
+    # Rows of the matrices are the payload's axes in the base.
+    image = platform.q_payload_from_base(q_eci_from_body_xyzw).as_matrix()[:, :2]
+    return ImageScene(los, target, image, platform.frame_half_rad, samples)
+
+
+def _wander_rad(platform: BodyPlatform) -> dict[Cause, float]:
+    knowledge = platform.knowledge
+    return {
+        KNOWLEDGE: knowledge.sigma_arcsec * RAD_PER_ARCSEC,
+        CONTROL: knowledge.control_sigma_arcsec * RAD_PER_ARCSEC,
+    }
+
+
+def _half_rad(platform: BodyPlatform) -> Array:
+    """Of the frame, without what vibration takes; (2,)."""
+    half_rad = np.array(platform.frame_half_rad)
+    half_rad -= OPTIONS.random_margin_sigma * platform.knowledge.jitter_arcsec * RAD_PER_ARCSEC
+    if isinstance(platform.camera, PushbroomCamera):
+        half_rad[0] = math.inf
+    return half_rad
+
+
+def _half_life_s(platform: BodyPlatform, lasts_s: float) -> float:
+    return max(platform.knowledge.correlation_s, lasts_s / OPTIONS.half_lives)
+
+
+def _stay_probability(
+    scene: ImageScene, biases: Sequence[Bias], sigma_rad: float, platform: BodyPlatform, every: int
+) -> float:
+    """sigma_rad: of what wanders."""
+    t_s = scene.instants.t_s
+    return probability_wandering(
+        np.stack(constant_biases(biases)),
+        _half_rad(platform),
+        scene.off_rad,
+        t_s,
+        sigma_rad,
+        _half_life_s(platform, float(t_s[-1] - t_s[0])),
+        along_track(biases),
+        every=every,
+    )

@@ -10,7 +10,7 @@ from planner.motion.pointing.angles import axis_angles
 from planner.motion.pointing.frame import frame_axes
 from planner.motion.pointing.line_of_sight import LineOfSight, line_of_sight
 from planner.planning.sessions.budget import PointingBudget
-from planner.planning.sessions.probability import lattice_points, mixture_points, probability_inside
+from planner.planning.sessions.probability import probability_inside
 from planner.planning.sessions.uncertainty import (
     OPTIONS,
     Bias,
@@ -21,6 +21,7 @@ from planner.planning.sessions.uncertainty import (
     constant_biases,
     covariances_rad2,
     lasting_biases,
+    probabilities_each,
 )
 from planner.world.attitude import AttitudeErrors, AttitudeLaw
 from planner.world.frames.iers import RAD_PER_ARCSEC
@@ -96,28 +97,9 @@ def probabilities_at(
     By every 16th point of the budget's, good to 0.01.
     """
     scene = PointingScene(los, attitude, target, platform, angle_rad, len(los.instants))
-    half_rad = _half_rad(platform)
-    if not (half_rad > 0.0).all():
-        return np.zeros(len(los.instants))
     errors = attitude.errors_each(scene.instants)
     biases = error_biases(scene, ephemeris, errors, clock_s)
-    constant = constant_biases(biases)
-    swings = [
-        part
-        for bias in biases
-        if bias.quarter_later_rad is not None
-        for part in (bias.offsets_rad, bias.quarter_later_rad)
-    ]
-    points = lattice_points(len(constant), len(swings) // 2)[:, :: OPTIONS.coarse]
-    points = mixture_points(points, len(constant) - 1, along_track(biases))
-    offsets = np.stack([*constant, *swings], axis=-1) / half_rad[:, None]
-    middle = scene.off_rad / half_rad
-    parts = []
-    for first in range(0, len(los.instants), OPTIONS.batch):
-        batch = slice(first, first + OPTIONS.batch)
-        places = middle[batch, :, None] + offsets[batch] @ points
-        parts.append(np.mean(np.abs(places).max(axis=1) <= 1.0, axis=1))
-    return np.concatenate(parts)
+    return probabilities_each(scene, biases, (), _half_rad(platform))
 
 
 def _half_rad(platform: TwoAxisPlatform) -> Array:
