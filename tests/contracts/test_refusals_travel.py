@@ -34,6 +34,7 @@ TOLD = {
     "field": "sessions.0.start",
     "axis": "alpha",
     "limit": "rate",
+    "needs_s": 41.5,
     "at_utc": LEAP_UTC,
     "earliest_feasible_start_utc": LEAP_UTC,
     "feasible_stop_utc": LEAP_UTC,

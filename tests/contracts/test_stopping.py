@@ -6,6 +6,7 @@ import signal
 import socket
 import threading
 from contextlib import closing
+from dataclasses import replace
 
 import httpx2 as httpx
 import pytest
@@ -90,13 +91,13 @@ def _spin(*_: object) -> None:
 
 def test_direct_answers_are_given_up(client, monkeypatch):
     begun = threading.Event()
-    real = search_routes.in_child
+    real = search_routes.where_solved
 
-    async def in_child(request, bounds, _work, *_given):
+    async def where_solved(request, task):
         begun.set()
-        return await real(request, bounds, _spin)
+        return await real(request, replace(task, work=_spin))
 
-    monkeypatch.setattr(search_routes, "in_child", in_child)
+    monkeypatch.setattr(search_routes, "where_solved", where_solved)
     example = OPPORTUNITY_EXAMPLES["cities"][1]
     answer = answered(client, lambda: client.post("/v1/opportunities", json=example), begun.is_set)
     assert answer.status_code == 503

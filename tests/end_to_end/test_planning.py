@@ -19,7 +19,7 @@ from planner.base.errors import InfeasibleSlew, NotVisible, Refusal
 from planner.planning.opportunities.request import OpportunityRequest, OpportunityTarget
 from planner.planning.opportunities.search import opportunities_however_many
 from planner.planning.sessions.pipeline import make_plan
-from planner.planning.sessions.platforms.two_axis import TwoAxisMover
+from planner.planning.sessions.platforms.two_axis.mover import TwoAxisMover
 from planner.world.attitude import LvlhAttitude
 from planner.world.platforms import ISS_HRC
 from planner.world.scenario import SlewOptions

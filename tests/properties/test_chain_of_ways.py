@@ -7,7 +7,7 @@ from plausible_requests import plausible_request
 
 from app.requests.plan import read_plan_request
 from planner.planning.sessions.pipeline import make_plan
-from planner.planning.sessions.platforms.two_axis import TwoAxisMover
+from planner.planning.sessions.platforms.two_axis.mover import TwoAxisMover
 
 
 @pytest.mark.parametrize("share", [1.0 - 1e-13, 1.0, 1.0 + 1e-13])
