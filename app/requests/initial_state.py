@@ -20,7 +20,7 @@ _STEP_US = round(COMMAND_STEP_S * 1e6)
 
 @spec
 class AskedInitialState:
-    """How the platform moves when the table begins; unless given, axes rest at zero.
+    """Motion of the platform when the table begins; unless given, axes rest at zero.
 
     Of two axes one entry per axis, by the axis's name.
 
@@ -31,8 +31,9 @@ class AskedInitialState:
     accelerations_deg_s2: of the axes; none are zero. E.g. `{"alpha": 0.0, "beta": 0.0}`.
     q_body_from_eci_xyzw: of a body, carries GCRF axes onto the body's, scalar last; unless given,
     the body begins on its idle attitude. E.g. `[0.0, 0.0, 0.0, 1.0]`.
-    omega_body_deg_s: of a body against GCRF, in body axes; unless given, it rests.
-    alpha_body_deg_s2: of a body, in body axes; none is zero.
+    omega_body_deg_s: of a body against GCRF, in body axes; unless given, it rests. E.g.
+    `[0.0, -0.06, 0.0]`.
+    alpha_body_deg_s2: of a body, in body axes; zero unless given. E.g. `[0.0, 0.0, 0.01]`.
     after: id of a plan that the service keeps, at whose end the table begins; the service fills in
     the rest. E.g. `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
     """

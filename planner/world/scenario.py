@@ -57,8 +57,9 @@ class InitialState:
     accelerations_deg_s2: of the axes; none are zero. E.g. `{"alpha": 0.0, "beta": 0.0}`.
     q_body_from_eci_xyzw: of a body, carries GCRF axes onto the body's, scalar last; unless given,
     the body begins on its idle attitude. E.g. `[0.0, 0.0, 0.0, 1.0]`.
-    omega_body_deg_s: of a body against GCRF, in body axes; unless given, it rests.
-    alpha_body_deg_s2: of a body, in body axes; none is zero.
+    omega_body_deg_s: of a body against GCRF, in body axes; unless given, it rests. E.g.
+    `[0.0, -0.06, 0.0]`.
+    alpha_body_deg_s2: of a body, in body axes; zero unless given. E.g. `[0.0, 0.0, 0.01]`.
     assumed: what of it nobody gave.
     """
 
