@@ -100,6 +100,10 @@ FRAGMENTS = [
         roll={"rule": "sun_side", "direction_body": [1.0, 0.0, 0.0]},
         idle={"law": "sun", "direction_body": [0.0, 0.0, -1.0], "north_body": [1.0, 0.0, 0.0]}),
     _body_of(idle={"law": "inertial", "q_body_from_eci_xyzw": [0.0, 0.0, 0.0, 1.0]}),
+    _body_of() | {"initial_state": {
+        "epoch": LAS_VEGAS["initial_state"]["epoch"],
+        "q_body_from_eci_xyzw": [0.0, 0.0, 0.0, 1.0], "omega_body_deg_s": [0.0, 0.1, 0.0],
+        "alpha_body_deg_s2": [0.0, 0.01, 0.0]}},
     _with(slew={"keep_out": _CONES, "avoid_modes": [{"frequency_hz": 0.2}]}),
     _with(initial_state=LAS_VEGAS["initial_state"] | {
         "accelerations_deg_s2": {"alpha": 0.0, "beta": 0.0}}),
