@@ -8,7 +8,9 @@ from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
+import other_body
 import pytest
+from other_body import PLATFORM as SMALLSAT
 from scipy.io import netcdf_file
 from scipy.spatial.transform import Rotation
 from skyfield.api import load, load_file
@@ -24,27 +26,11 @@ TIME_SCALE = load.timescale(builtin=True)
 EPHEMERIS = load_file(str(files("skyfield_data") / "data" / "de421.bsp"))
 MAPPED = ("swath", "target")
 THREE_CITIES = Path(__file__).parents[2] / "examples" / "three_sessions.json"
-SMALLSAT = {
-    "kind": "body",
-    "name": "smallsat",
-    "agility": {
-        "limits": "magnitude",
-        "rate_max_deg_s": 3.0,
-        "acceleration_max_deg_s2": 0.5,
-        "jerk_max_deg_s3": 0.3,
-        "settle_s": 4.0,
-    },
-    "off_nadir_max_deg": 60.0,
-    "camera": {"type": "frame", "field_of_view_deg": [2.0, 1.5]},
-}
 
 
 def body_request(**changes):
     """The example of three cities, with its platform exchanged."""
-    request = json.loads(THREE_CITIES.read_text())
-    del request["attitude"]
-    request["initial_state"] = {"epoch": request["initial_state"]["epoch"]}
-    return request | {"platform": SMALLSAT} | changes
+    return other_body.body_request(sessions=3) | changes
 
 
 def planned(request):
