@@ -22,6 +22,7 @@ from planner.planning.opportunities import (
     opportunities_however_many,
 )
 from planner.planning.opportunities.carrier import carrier_over
+from planner.planning.opportunities.looks import in_platform
 from planner.planning.opportunities.platforms.registry import lookout_of
 from planner.planning.opportunities.sights import sights_of
 from planner.world.attitude.inertial import InertialAttitude
@@ -196,7 +197,12 @@ def test_attitude_table_is_as_fine_as_the_attitude_needs(rate_deg_s):
     q_platform_from_eci = HRC.q_platform_from_body * attitude.q_body_from_eci(
         instants, ephemeris.states(instants)
     )
-    off_rad = carrier.in_platform(direction_itrf, t_s) - q_platform_from_eci.apply(direction_eci)
+    orbit = carrier.r_sat_itrf_m.at(t_s).tolist(), carrier.v_sat_itrf_m_s.at(t_s).tolist()
+    tabulated = [
+        in_platform(carrier.tables, (0.48, -0.6, 0.64), tuple(r_m), tuple(v_m_s), at_s)
+        for r_m, v_m_s, at_s in zip(*orbit, t_s.tolist(), strict=True)
+    ]
+    off_rad = np.array(tabulated) - q_platform_from_eci.apply(direction_eci)
     assert np.abs(off_rad).max() < 5e-7  # 0.1 arcsec
 
 

@@ -12,7 +12,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from planner.base.arrays import Array, cross
+from planner.base.arrays import Array
 from planner.base.interpolation import NODES, UniformTable
 from planner.base.rotation import Rotation
 from planner.planning.opportunities.looks import CarrierTables
@@ -20,7 +20,7 @@ from planner.planning.opportunities.sweep import OPTIONS as SWEEP
 from planner.planning.opportunities.sweep import LeapRows
 from planner.world.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
 from planner.world.frames.geodesy import MU_EARTH_M3_S2
-from planner.world.frames.local_orbital import c_lvlh_from_eci, q_lvlh_from_eci
+from planner.world.frames.local_orbital import q_lvlh_from_eci
 from planner.world.frames.solar_system import earth_bary_state
 from planner.world.frames.time_scales import Instants, elapsed_s
 from planner.world.orbits import Ephemeris, OrbitStates
@@ -124,16 +124,6 @@ class Carrier:
             for table in (self.r_sat_itrf_m, self.v_sat_itrf_m_s)
         )
         return OrbitStates(r_m, v_m_s)
-
-    def in_platform(self, vector_itrf: Array, t_s: Array) -> Array:
-        """Vectors (n, 3) turned into the platform frame at t_s (n,)."""
-        c_lvlh = c_lvlh_from_eci(self.r_sat_itrf_m.at(t_s), self.v_sat_itrf_m_s.at(t_s))
-        vector_lvlh = np.einsum("nij,nj->ni", c_lvlh, vector_itrf)
-        q = self.q_platform_from_lvlh_xyzw.at(t_s)
-        q /= np.linalg.norm(q, axis=1, keepdims=True)
-        axis, scalar = q[:, :3], q[:, 3:]
-        across = 2.0 * cross(axis, vector_lvlh)
-        return np.asarray(vector_lvlh + scalar * across + cross(axis, across))
 
 
 def carrier_over(
