@@ -473,8 +473,8 @@ class Scenario:
 
     def _not_for_platform(self) -> NotForPlatform:
         return NotForPlatform(
-            f"{self.platform.name} is a platform of kind {self.platform.kind}, for which there are "
-            "plans, their files, views and flights so far; ask for these, or plan for two axes",
+            f"{self.platform.name} is a platform of kind {self.platform.kind}, and this is for two "
+            "axes on a carrier only; leave it out, or plan for two axes",
             field="platform.kind",
         )
 
