@@ -41,7 +41,7 @@ from planner.inflight.telemetry.following import (
 )
 from planner.inflight.telemetry.oscillations import Oscillation, oscillations, searched_hz
 from planner.inflight.telemetry.platforms.registry import sensors_of
-from planner.inflight.telemetry.platforms.sensors import Sensors, ToldColumn
+from planner.inflight.telemetry.platforms.sensors import PlatformSensors, ToldColumn
 from planner.inflight.telemetry.samples import OPTIONS as SAMPLES
 from planner.inflight.telemetry.samples import (
     CleanSamples,
@@ -108,7 +108,7 @@ class Comparison:
     half a turn of the plan."""
 
     plan: FlightPlan
-    sensors: Sensors
+    sensors: PlatformSensors
     samples: CleanSamples
     columns: tuple[ToldColumn, ...]
     ignored: tuple[str, ...]
@@ -277,7 +277,7 @@ def _leave_out_unrelated(
 
 def _axes(
     plan: FlightPlan,
-    sensors: Sensors,
+    sensors: PlatformSensors,
     clean: CleanSamples,
     alignment: Alignment,
     fit: Fit,

@@ -10,7 +10,7 @@ from planner.base.compiled import compiled
 from planner.planning.campaigns.platforms.slew_fits import (
     NECESSARY,
     SUFFICIENT,
-    SlewLimits,
+    FollowerLimits,
     slew_fits,
 )
 from planner.planning.campaigns.ways import Ways
@@ -47,7 +47,7 @@ class Network(NamedTuple):
 
 
 def network_of(
-    ways: Ways, rows: Indices, least_steps: Indices, limits: SlewLimits, longest_s: float
+    ways: Ways, rows: Indices, least_steps: Indices, limits: FollowerLimits, longest_s: float
 ) -> Network:
     """rows: of one pass's ways.  least_steps: (targets,), the shortest look.
 
@@ -87,7 +87,7 @@ def network_of(
     return network
 
 
-def relax(network: Network, ways: Ways, least_steps: Indices, limits: SlewLimits) -> Network:
+def relax(network: Network, ways: Ways, least_steps: Indices, limits: FollowerLimits) -> Network:
     """The same, every arrival as early as no motion can beat: for a bound."""
     arrival = np.empty_like(network.arrival)
     usable_to = network.last - least_steps[network.target]
@@ -117,7 +117,7 @@ def _fill(
     network: Network,
     usable_to: Indices,
     step_s: float,
-    limits: SlewLimits,
+    limits: FollowerLimits,
     sign: float,
     arrival: NDArray[np.int32],
 ) -> None:
@@ -158,7 +158,7 @@ def _first_arrival(
     leave: int,
     latest: int,
     step_s: float,
-    limits: SlewLimits,
+    limits: FollowerLimits,
     sign: float,
 ) -> int:
     """Down from the latest arrival known, as long as the slew still fits."""

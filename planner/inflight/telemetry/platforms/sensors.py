@@ -88,7 +88,7 @@ class PlatformFound:
     platform: PlatformDefinition | BodyPlatform
 
 
-class Sensors(Protocol):
+class PlatformSensors(Protocol):
     """Knows what the columns of one platform's telemetry mean, and how that moves as planned."""
 
     contract: ColumnContract

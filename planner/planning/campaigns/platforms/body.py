@@ -18,7 +18,7 @@ from planner.planning.campaigns.platforms.axis_slew_time import change_s
 from planner.planning.campaigns.platforms.body_slew_time import OPTIONS as BLEND
 from planner.planning.campaigns.platforms.body_slew_time import BodyEnvelope
 from planner.planning.campaigns.platforms.follower import Following, PassEnds
-from planner.planning.campaigns.platforms.slew_fits import SlewLimits
+from planner.planning.campaigns.platforms.slew_fits import FollowerLimits
 from planner.planning.campaigns.request import CampaignRequest
 from planner.planning.opportunities.carrier import Carrier, carrier_over
 from planner.planning.opportunities.looks import CarrierTables, Places, look
@@ -61,7 +61,7 @@ class BodyFollower:
         self._lookout = BodyLookout(platform, None)
         limits = agility_limits(platform)
         lengths, least = np.array(limits.lengths), limits.by_order.min(axis=0)
-        self.slew_limits = SlewLimits(
+        self.slew_limits = FollowerLimits(
             axes=np.empty((0, 3)),
             body=BodyEnvelope(
                 is_magnitude=limits.kind == "magnitude",

@@ -5,7 +5,7 @@ from datetime import datetime
 from typing import NamedTuple, Protocol
 
 from planner.base.arrays import Array, Indices, Mask
-from planner.planning.campaigns.platforms.slew_fits import SlewLimits
+from planner.planning.campaigns.platforms.slew_fits import FollowerLimits
 from planner.planning.opportunities.carrier import Carrier
 from planner.planning.opportunities.sights import Sight
 from planner.world.attitude import Attitude
@@ -46,7 +46,7 @@ class Follower(Protocol):
     resting, unable: reasons: that a pass leaves no time, that it can't follow for `least_s`.
     """
 
-    slew_limits: SlewLimits
+    slew_limits: FollowerLimits
     longest_slew_s: float
     rest_s: float
     settle_s: float

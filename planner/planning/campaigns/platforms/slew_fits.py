@@ -13,7 +13,7 @@ SUFFICIENT, NECESSARY = 1.0, -1.0
 _NO_BODY = BodyEnvelope(False, np.empty((0, 3)), np.empty(0), np.empty(0), np.empty(0))
 
 
-class SlewLimits(NamedTuple):
+class FollowerLimits(NamedTuple):
     """axes: rate, acceleration and jerk limit of each axis, (m, 3); none of a body.
 
     States are of shape (3 m,), angles, rates, accelerations; of a body as of `body_fits`.
@@ -25,7 +25,7 @@ class SlewLimits(NamedTuple):
 
 @compiled
 def slew_fits(
-    start_state: Array, end_state: Array, limits: SlewLimits, sign: float, available_s: float
+    start_state: Array, end_state: Array, limits: FollowerLimits, sign: float, available_s: float
 ) -> bool:
     """sign: SUFFICIENT, it surely does; NECESSARY, nothing proves that it doesn't."""
     if len(limits.axes):

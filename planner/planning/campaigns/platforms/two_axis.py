@@ -13,7 +13,7 @@ from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.motion.pointing.angles import axis_angles, axis_motion, singular_margin_rad
 from planner.motion.pointing.line_of_sight import LineOfSight
 from planner.planning.campaigns.platforms.follower import Following, PassEnds
-from planner.planning.campaigns.platforms.slew_fits import SlewLimits
+from planner.planning.campaigns.platforms.slew_fits import FollowerLimits
 from planner.planning.campaigns.request import CampaignRequest
 from planner.planning.opportunities.carrier import Carrier, carrier_over
 from planner.planning.opportunities.platforms.registry import lookout_of
@@ -58,7 +58,7 @@ class TwoAxisFollower:
         limits = request.slew.axis_limits(request.platform)
         self._platform = request.platform.with_limits(limits)
         rates = [[a.rate_max_rad_s, a.acceleration_max_rad_s2, a.jerk_max_rad_s3] for a in limits]
-        self.slew_limits = SlewLimits(np.array(rates))
+        self.slew_limits = FollowerLimits(np.array(rates))
         # Stop to stop, both rates in the way.
         self.longest_slew_s = max(
             _longest_s(axis, axis.angle_max_rad - axis.angle_min_rad, 2) for axis in limits

@@ -29,7 +29,7 @@ from planner.world.attitude import AttitudeLaw
 from planner.world.frames.iers import RAD_PER_ARCSEC
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import Ephemeris
-from planner.world.platforms.body import BodyPlatform, PushbroomCamera
+from planner.world.platforms import BodyPlatform
 from planner.world.targets import VisibleTarget
 
 _FIELD = "the platform's knowledge."
@@ -54,8 +54,7 @@ def body_budget(
     edge.  A pushbroom's frame is its line: across it only the time changes at which a point is
     imaged.  Turns about the line of sight are left out: the target is in the frame's middle.
     """
-    scene = _scene(los, target, platform, q_eci_from_body_xyzw, OPTIONS.samples)
-    biases = lasting_biases(scene, ephemeris, (), OPTIONS.clock_s)
+    scene, biases = _scene(los, ephemeris, target, platform, q_eci_from_body_xyzw, OPTIONS.samples)
     wander_rad = _wander_rad(platform)
 
     def stay(without: Cause | None, every: int) -> float:
@@ -88,8 +87,7 @@ def body_probability_held(
     idle = Rotation.from_quat(idle_attitude(platform.idle, instants, los.states).position[0])
     roll = roll_rule(platform, target, None)
     q_eci_from_body_xyzw = rolled_quaternions(platform, roll, sight, 0, idle)[0]
-    scene = _scene(los, target, platform, q_eci_from_body_xyzw, OPTIONS.samples)
-    biases = lasting_biases(scene, ephemeris, (), OPTIONS.clock_s)
+    scene, biases = _scene(los, ephemeris, target, platform, q_eci_from_body_xyzw, OPTIONS.samples)
     sigma_rad = math.hypot(*_wander_rad(platform).values())
     lasts_s = float(instants.t_s[-1] - instants.t_s[0])
     effort.count(OPTIONS.half_life * lasts_s / _half_life_s(platform, lasts_s) / every)
@@ -104,8 +102,8 @@ def body_probabilities_at(
     q_eci_from_body_xyzw: Array,
 ) -> Array:
     """That the target is in the frame at each instant by itself, (n,); as `body_budget`."""
-    scene = _scene(los, target, platform, q_eci_from_body_xyzw, len(los.instants))
-    biases = lasting_biases(scene, ephemeris, (), OPTIONS.clock_s)
+    samples = len(los.instants)
+    scene, biases = _scene(los, ephemeris, target, platform, q_eci_from_body_xyzw, samples)
     sigma_rad = math.hypot(*_wander_rad(platform).values())
     turns = [np.tile(sigma_rad * side, (len(los.instants), 1)) for side in np.eye(2)]
     return probabilities_each(scene, biases, turns, _half_rad(platform))
@@ -119,8 +117,8 @@ def body_covariance_rad2(
     q_eci_from_body_xyzw: Array,
 ) -> Array:
     """Covariances of the image place by the causes of `body_budget`, as there, (n, 2, 2)."""
-    scene = _scene(los, target, platform, q_eci_from_body_xyzw, len(los.instants))
-    biases = lasting_biases(scene, ephemeris, (), OPTIONS.clock_s)
+    samples = len(los.instants)
+    _, biases = _scene(los, ephemeris, target, platform, q_eci_from_body_xyzw, samples)
     knowledge = platform.knowledge
     alike_arcsec = math.hypot(
         knowledge.sigma_arcsec, knowledge.control_sigma_arcsec, knowledge.jitter_arcsec
@@ -130,14 +128,17 @@ def body_covariance_rad2(
 
 def _scene(
     los: LineOfSight,
+    ephemeris: Ephemeris,
     target: VisibleTarget,
     platform: BodyPlatform,
     q_eci_from_body_xyzw: Array,
     samples: int,
-) -> ImageScene:
+) -> tuple[ImageScene, list[Bias]]:
+    """And what lasts over the session."""
     # Rows of the matrices are the payload's axes in the base.
     image = platform.q_payload_from_base(q_eci_from_body_xyzw).as_matrix()[:, :2]
-    return ImageScene(los, target, image, platform.frame_half_rad, samples)
+    scene = ImageScene(los, target, image, platform.frame_half_rad, samples)
+    return scene, lasting_biases(scene, ephemeris, (), OPTIONS.clock_s)
 
 
 def _wander_rad(platform: BodyPlatform) -> dict[Cause, float]:
@@ -150,11 +151,8 @@ def _wander_rad(platform: BodyPlatform) -> dict[Cause, float]:
 
 def _half_rad(platform: BodyPlatform) -> Array:
     """Of the frame, without what vibration takes; (2,)."""
-    half_rad = np.array(platform.frame_half_rad)
-    half_rad -= OPTIONS.random_margin_sigma * platform.knowledge.jitter_arcsec * RAD_PER_ARCSEC
-    if isinstance(platform.camera, PushbroomCamera):
-        half_rad[0] = math.inf
-    return half_rad
+    jitter_rad = platform.knowledge.jitter_arcsec * RAD_PER_ARCSEC
+    return np.array(platform.held_half_rad) - OPTIONS.random_margin_sigma * jitter_rad
 
 
 def _half_life_s(platform: BodyPlatform, lasts_s: float) -> float:
