@@ -1,20 +1,32 @@
-"""Cases of the spacecraft's benchmark: an orbit, and lines and areas along its track."""
+"""Cases of the spacecraft's paper: an orbit, lines and areas along its track, flights of them."""
 
 import math
 from datetime import UTC, datetime, timedelta
-from pathlib import Path
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from planner.base.mrp import BodyMotion
+from planner.spacecraft.flight.closed_loop import Log
+from planner.spacecraft.imaging.session import make_session
+from planner.spacecraft.plan import ImagingPlan
 from planner.spacecraft.requests import AreaRequest, GeoPolygon, ImagingPlanRequest
+from planner.spacecraft.slews.slew_choice import smooth_slew
+from planner.spacecraft.slews.slew_problem import AttitudeSlewProblem, EndState
+from planner.spacecraft.table import AttitudeTable, ImagingWindow
+from planner.spacecraft.vehicle.definition import AgileSpacecraft
 from planner.world.frames.earth_orientation import itrf_from_eci_state
 from planner.world.frames.geodesy import c_enu_from_itrf, geodetic_from_itrf, itrf_from_geodetic
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import StateVectorOrbit
+from planner.world.orbits.ephemeris import OrbitStates
 
-DATA = Path(__file__).parents[1] / "tests" / "data" / "spacecraft"
 EPOCH = datetime(2024, 6, 1, 10, 0, tzinfo=UTC)
+# The last is ours: so long after the paper's last, 1891 s, as its strips take before.
+PAPER_TURNS_S = (
+    600, 725, 756, 789, 821, 882, 914, 946, 979, 1040, 1071, 1104, 1136, 1197, 1229, 1261, 1294,
+    1355, 1386, 1419, 1451, 1512, 1544, 1576, 1609, 1670, 1701, 1734, 1766, 1827, 1859, 1891, 1923,
+)  # fmt: skip
 
 
 def sun_synchronous(altitude_km: float) -> StateVectorOrbit:
@@ -82,3 +94,45 @@ def session_request(
         requests=requests,
         **more,
     )
+
+
+def settle_table(
+    spacecraft: AgileSpacecraft, angle_deg: float, seconds: float
+) -> tuple[AttitudeTable, float]:
+    """Rest, a smooth slew in pitch at 10 s, rest until 60 s; and how long the slew takes, s."""
+    still = np.zeros(3)
+    axis = np.array([0.12, 0.05, 0.99])
+    goal = Rotation.from_rotvec(math.radians(angle_deg) * axis / np.linalg.norm(axis))
+    problem = AttitudeSlewProblem(
+        start=EndState.at_rest(Rotation.identity()),
+        end=EndState.at_rest(goal.inv()),
+        momentum_eci_n_m_s=still,
+        inertia_kg_m2=np.array(spacecraft.inertia_kg_m2),
+        limits=spacecraft.slew,
+    )
+    slew = smooth_slew(problem, seconds)
+    t_s = np.arange(301) / 5.0
+    q_body_from_eci, motion = slew.attitude_at(np.clip(t_s - 10.0, 0.0, slew.duration_s))
+    inside = ((t_s > 10.0) & (t_s < 10.0 + slew.duration_s))[:, None]
+    motion = BodyMotion(*(np.where(inside, m, 0.0) for m in motion))
+    gimbal = np.tile(spacecraft.array.gimbal_angles(still), (301, 1))
+    return AttitudeTable(
+        epoch_utc=EPOCH,
+        eci_from_body_xyzw=q_body_from_eci.inv().as_quat(),
+        omega_body_rad_s=motion.omega_body_rad_s,
+        alpha_body_rad_s2=motion.alpha_body_rad_s2,
+        gimbal_rad=gimbal,
+        gimbal_rate_rad_s=np.zeros((301, 4)),
+        windows=(ImagingWindow(request="slew", look=0, first_row=250, last_row=300),),
+    ), slew.duration_s
+
+
+def orbit_states(plan: ImagingPlan) -> OrbitStates:
+    """The orbit at the table's rows."""
+    session = make_session(plan.request)
+    return session.ephemeris.states(session.instants(plan.table.t_s))
+
+
+def itself(log: Log) -> Log:
+    """What is kept of a run: all of it."""
+    return log

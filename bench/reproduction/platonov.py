@@ -11,11 +11,22 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from imaging_cases import EPOCH, area, line, local_axes, positions, session_request, sun_synchronous
+from imaging_cases import (
+    EPOCH,
+    PAPER_TURNS_S,
+    area,
+    itself,
+    line,
+    local_axes,
+    orbit_states,
+    positions,
+    session_request,
+    settle_table,
+    sun_synchronous,
+)
 from matplotlib.figure import Figure
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
-from spacecraft_flight import PAPER_TURNS_S, itself, orbit_states, settle_table
 
 from app.requests.spacecraft import read_spacecraft_request
 from planner.base.arrays import Array
@@ -419,7 +430,7 @@ def turned(rate_deg_s: float, seconds: float, angle_deg: float = 20.0) -> Turned
     """A smooth turn in so many seconds up to a rate, followed by the product's law."""
     limits = SlewLimits(rate_axis_rad_s=math.radians(rate_deg_s), torque_n_m=15.0)
     spacecraft = dataclasses.replace(AGILE_CMG, slew=limits)
-    table, duration_s = settle_table(spacecraft, "ocp", angle_deg, seconds)
+    table, duration_s = settle_table(spacecraft, angle_deg, seconds)
     ephemeris = sun_synchronous(600.0).ephemeris(EPOCH, EPOCH + timedelta(seconds=60))
     states = ephemeris.states(Instants(EPOCH, table.t_s))
     settled = [

@@ -18,8 +18,10 @@ import numpy as np
 import pytest
 from live_service import live_service
 from relay import Relay
+from typer.testing import CliRunner
 
 import slewtrack
+from app.cli import main
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 LAS_VEGAS = json.loads((EXAMPLES / "las_vegas_2015.json").read_text())
@@ -38,6 +40,16 @@ def client(service):
 @pytest.fixture(scope="module")
 def plan(client):
     return client.plan(LAS_VEGAS)
+
+
+@pytest.fixture(scope="module")
+def guarded(tmp_path_factory):
+    """A service that asks for keys, and one of them, for 60 requests a minute."""
+    folder = tmp_path_factory.mktemp("guarded")
+    words = ["keys", "create", "hasty", "--rate-per-minute", "60"]
+    made = CliRunner().invoke(main, words, env={"SLEWTRACK_DATA_DIR": str(folder)})
+    with live_service(folder, SLEWTRACK_REQUIRE_KEYS="true") as service:
+        yield service, made.stdout.strip()
 
 
 def test_a_table_holds_the_numbers_that_were_answered(service, client, plan):
@@ -376,23 +388,20 @@ def test_the_spacecraft_is_asked_with_await(service):
     assert made.windows
 
 
-def test_a_key_is_sent_and_its_lack_told(tmp_path):
-    with (
-        live_service(tmp_path, SLEWTRACK_REQUIRE_KEYS="true") as service,
-        slewtrack.Client(service.address) as client,
-        slewtrack.Client(service.address, "st_wrong") as other,
-    ):
-        for one, said in ((client, "send an API key"), (other, "unknown or revoked")):
-            with pytest.raises(slewtrack.Refused, match=said) as refused:
-                one.plans()
-            assert refused.value.problem.status == 401
+def test_a_key_is_sent_and_its_lack_told(guarded):
+    service, _ = guarded
+    for key, said in ((None, "send an API key"), ("st_wrong", "unknown or revoked")):
+        with (
+            slewtrack.Client(service.address, key) as client,
+            pytest.raises(slewtrack.Refused, match=said) as refused,
+        ):
+            client.plans()
+        assert refused.value.problem.status == 401
 
 
-def test_a_rate_limit_is_waited_out(tmp_path):
-    with (
-        live_service(tmp_path, SLEWTRACK_RATE_PER_MINUTE="60") as service,
-        slewtrack.Client(service.address) as client,
-    ):
+def test_a_rate_limit_is_waited_out(guarded):
+    service, secret = guarded
+    with slewtrack.Client(service.address, secret) as client:
         began_s = time.monotonic()
         for _ in range(62):
             client.plans()

@@ -275,20 +275,18 @@ def test_a_damaged_database_is_told_as_damaged(form, tmp_path):
         page.close()
 
 
-def test_a_plan_asked_for_in_other_words_is_told(open_page, tmp_path):
+def test_a_plan_asked_for_in_other_words_is_told(open_page, hard):
     request = zlib.compress(json.dumps(LAS_VEGAS | {"colour": "blue"}).encode())
-    with live_service(tmp_path, SLEWTRACK_DATABASE_URL="") as service:
-        made = httpx.post(f"{service.address}/v1/plans", json=LAS_VEGAS, timeout=None)
-        with sqlite3.connect(tmp_path / FILE) as store:
-            store.execute("UPDATE jobs SET request = ?", (request,))
-        store.close()
-        page = open_page(f"/plans/{made.json()['id']}", at=service)
-        alert = page.get_by_role("alert")
-        expect(alert).to_contain_text("Its request is of another version")
-        expect(alert).to_contain_text("Its table is still there as JSON")
-        expect(alert.get_by_role("button", name="Try again")).to_have_count(0)
-        told_in_russian_too(page, "Запрос составлен для другой версии", "Таблица остаётся")
-        page.close()
+    made = httpx.post(f"{hard.service.address}/v1/plans", json=LAS_VEGAS, timeout=None).json()
+    with sqlite3.connect(hard.folder / FILE) as store:
+        store.execute("UPDATE jobs SET request = ? WHERE id = ?", (request, made["id"]))
+    store.close()
+    page = open_page(f"/plans/{made['id']}", at=hard.service)
+    alert = page.get_by_role("alert")
+    expect(alert).to_contain_text("Its request is of another version")
+    expect(alert).to_contain_text("Its table is still there as JSON")
+    expect(alert.get_by_role("button", name="Try again")).to_have_count(0)
+    told_in_russian_too(page, "Запрос составлен для другой версии", "Таблица остаётся")
 
 
 def test_work_is_followed_where_no_stream_has_a_place(form, tmp_path):
