@@ -127,7 +127,8 @@ class AxisComparisonOut:
     rates alone and of too short samples.
     wander_arcsec: of a body's attitude, 1 sigma, slow against rows; null where too slow to tell.
     wander_half_life_s: time in which the wander forgets half of itself; null likewise.
-    lag_s: delay of the axis behind the earliest one; a delay of all can't be separated from the
+    lag_s: delay of the axis behind the earliest one, where none is clearly earlier behind the best
+    known, so within its error it may be below zero; a delay of all can't be separated from the
     clock, and is in `time_offset_s`. Null for an axis that gives no time, as it doesn't follow its
     plan or hardly moves; `warnings` say which.
     lag_sigma_s: 1-sigma error of the axes' difference; null without `lag_s`.

@@ -18,6 +18,7 @@ import numpy as np
 from scipy.special import ndtr
 
 from planner.base.arrays import Array, Indices
+from planner.inflight.telemetry.error_spectrum import fit_spectrum, mean_power
 from planner.inflight.telemetry.following import PlannedMotion
 from planner.inflight.telemetry.samples import Kind
 
@@ -42,13 +43,16 @@ class AlignmentOptions:
     settled: float = 1e-8  # or until a round's step is this, in sigmas squared
     scale_min: float = 1e-10  # rad: JSON's ninth decimal of a degree is 2e-11
     blocks: int = 40  # of time: errors within one may go together, and the sigmas tell it
-    late_sigma: float = 4.0  # an axis is later than the other when it is by more
+    # An axis is later than the other when it is by more: 1 in 20,000 by chance, as sigmas of 40
+    # blocks are themselves known to a ninth (Student's t).
+    late_sigma: float = 4.6
     # Times what is not known of a lag: the mean square of the offset's error over its sigma is at
     # most 1.3 at any lag, in the mean of many noises; 1.9 without.
     lag_room: float = 1.25
     poor: float = 0.05  # mean error, as a share of the motion, with which no offset is tried, too
     lag_sigma_max_s: float = 1.0  # no drive is so late: an axis known worse tells nothing of it
     seen_sigma: float = 3.0  # friction, lag and gain that are less leave the ideal clock standing
+    taken_max: float = 0.9  # share of an error's power that a fit is taken to have taken, at most
     inseparable: float = 0.98  # correlation: either sigma is five times what the other known makes
 
 
@@ -118,6 +122,11 @@ class Estimate:
         """Whether it is clearly not zero."""
         return abs(self.value) > OPTIONS.seen_sigma * self.sigma
 
+    @property
+    def is_late(self) -> bool:
+        """Whether it is clearly above zero."""
+        return self.value > OPTIONS.late_sigma * self.sigma
+
     def turned(self, sign: int) -> "Estimate":
         """Of what is measured the other way round, where the sign is -1."""
         return Estimate(sign * self.value, self.sigma)
@@ -146,14 +155,16 @@ class Inseparable:
 class Alignment:
     """offset_s, drift: of the telemetry's clock at the table's epoch.  common_offset_s: the same if
     all axes are equally late; None where they clearly aren't, or only one tells the time.
-    lags_s: by axis, how much later it moves than the earliest of them, with the error of the
-    difference; None where it tells no time.  scales: of the columns that tell the time.
+    earliest: axis than which none is clearly earlier, the best known of these.  lags_s: by axis,
+    how much later it moves than that, with the error of the difference; None where it tells no
+    time.  scales: of the columns that tell the time.
     reference_offset_s, reference_drift_share: those that the axes' errors are taken with.
     """
 
     offset_s: Estimate
     drift: Estimate
     common_offset_s: Estimate | None
+    earliest: int
     lags_s: tuple[Estimate | None, ...]
     scales: tuple[ColumnScale, ...]
     fit: "Fit"
@@ -233,15 +244,23 @@ def align(channels: Sequence[AlignedColumn], start_offset_s: float, axes: int) -
     ]
     lags_s: list[Estimate | None] = [None] * axes
     if len(known) == 1:
+        first = best
         lags_s[told[best]] = Estimate(0.0, own_s[best].sigma)
         offset_s, reference, common_s = shared.estimate(1), shared, None
     else:
-        first = min(known, key=lambda place: own_s[place].value)
+        # None is clearly earlier than these; of them the lags are told behind the best known, as
+        # the earliest by chance may be one of which little is known.
+        earliest = [
+            place
+            for place in known
+            if not any(_lag_s(each, place, than).is_late for than in known if than != place)
+        ]
+        first = min(earliest, key=lambda place: own_s[place].sigma)
         lag_s = {place: _lag_s(each, place, first) for place in known if place != first}
         lags_s[told[first]] = Estimate(0.0, min(one.sigma for one in lag_s.values()))
         for place, one in lag_s.items():
             lags_s[told[place]] = one
-        near = [p for p, one in lag_s.items() if one.value <= OPTIONS.late_sigma * one.sigma]
+        near = [place for place in lag_s if place in earliest]
         if len(near) < len(lag_s):
             offset_s, reference, common_s = own_s[first], each, None
         else:
@@ -254,6 +273,7 @@ def align(channels: Sequence[AlignedColumn], start_offset_s: float, axes: int) -
         offset_s=offset_s,
         drift=each.estimate(0),
         common_offset_s=common_s,
+        earliest=told[first],
         lags_s=tuple(lags_s),
         scales=each.scales(),
         fit=each,
@@ -263,12 +283,12 @@ def align(channels: Sequence[AlignedColumn], start_offset_s: float, axes: int) -
 
 
 def _lag_s(each: Fit, place: int, than: int) -> Estimate:
-    """By how much the offsets of two axes differ."""
+    """By how much an axis is later than another."""
     pair = sorted((1 + place, 1 + than))
     ends = np.array([1.0, -1.0])
     variance_s2 = float(ends @ each.covariance_parameters[np.ix_(pair, pair)] @ ends)
-    apart_s = abs(float(each.parameters[1 + place] - each.parameters[1 + than]))
-    return Estimate(apart_s, math.sqrt(variance_s2))
+    later_s = float(each.parameters[1 + place] - each.parameters[1 + than])
+    return Estimate(later_s, math.sqrt(variance_s2))
 
 
 def _earlier_sigma(each: Fit, told: Estimate, place: int, other: int) -> float:
@@ -304,7 +324,7 @@ def inseparable(alignment: Alignment, names: Sequence[str]) -> list[Inseparable]
     fit = alignment.fit
     told = {"clock_drift": {0: 1.0}, "time_offset_s": {1: 1.0}}
     if len(fit.axes_apart) > 1:
-        first = 1 + int(np.argmin(fit.parameters[1 : 1 + len(fit.axes_apart)]))
+        first = 1 + fit.axes_apart.index(alignment.earliest)
         told["time_offset_s"] = {first: 1.0}
         for place, axis in enumerate(fit.axes_apart, start=1):
             if place != first:
@@ -423,24 +443,31 @@ def _covariance(
     Source: Huber 1981, sec. 7.6; blocks as clusters: Liang and Zeger 1986, eq. 6.
     """
     normal = np.diag(prior_weights)
-    scores = np.zeros((OPTIONS.blocks, len(parameters)))
-    spread = np.zeros_like(normal)
+    errors: list[tuple[Array, Array]] = []  # weighted, and by what they fall
     for channel, columns, scale in zip(channels, places, scale_by_channel, strict=True):
         residual, slope = _residual(channel, parameters, columns)
-        if not len(residual):
-            continue
         weight = _weight(residual, float(scale))
         normal[np.ix_(columns, columns)] += slope.T @ (weight[:, None] * slope)
-        score = (weight * residual)[:, None] * slope
-        wandering = score.T @ score
-        if not channel.motion.has_drive:
-            wandering = slope.T @ _wandering(weight * residual, slope)
-        spread[np.ix_(columns, columns)] += wandering
-        block = np.arange(len(residual)) * OPTIONS.blocks // len(residual)
-        first = np.searchsorted(block, np.unique(block))
-        scores[np.ix_(np.unique(block), columns)] += np.add.reduceat(score, first, axis=0)
+        errors.append((weight * residual, slope))
     unit = 1.0 / np.sqrt(np.diag(normal))
     inverse = np.linalg.inv(normal * np.outer(unit, unit)) * np.outer(unit, unit)
+    scores = np.zeros((OPTIONS.blocks, len(parameters)))
+    spread = np.zeros_like(normal)
+    for channel, columns, scale, (error, slope) in zip(
+        channels, places, scale_by_channel, errors, strict=True
+    ):
+        if not len(error):
+            continue
+        score = error[:, None] * slope
+        if channel.motion.has_drive:
+            spread[np.ix_(columns, columns)] += score.T @ score
+        else:
+            taken = inverse[np.ix_(columns, columns)] / float(scale) ** 2
+            step_s = float(np.median(np.diff(channel.tag_s)))
+            spread[np.ix_(columns, columns)] += slope.T @ _wandering(error, slope, taken, step_s)
+        block = np.arange(len(error)) * OPTIONS.blocks // len(error)
+        first = np.searchsorted(block, np.unique(block))
+        scores[np.ix_(np.unique(block), columns)] += np.add.reduceat(score, first, axis=0)
     together = scores.T @ scores * OPTIONS.blocks / (OPTIONS.blocks - 3.0)
     white, clustered = (
         inverse @ (np.diag(prior_weights) + middle) @ inverse for middle in (spread, together)
@@ -449,23 +476,19 @@ def _covariance(
     return np.asarray(clustered * np.outer(grown, grown))
 
 
-def _wandering(error: Array, slope_matrix: Array) -> Array:
-    """Covariance of the errors (n,) of evenly spaced rows, times their slopes, (n, k).
-
-    Source: initial positive sequence of covariances, Geyer 1992, sec. 3.3.
-    """
-    rows = len(error)
-    size = 2 * rows
-    power = np.abs(np.fft.rfft(error, size)) ** 2
-    covariance = np.fft.irfft(power, size)[:rows] / rows
-    pairs = covariance[: rows // 2 * 2].reshape(-1, 2).sum(axis=1)
-    ends = np.flatnonzero(pairs <= 0.0)
-    covariance[2 * int(ends[0]) if len(ends) else rows :] = 0.0
-    if not len(ends) or not ends[0]:
-        covariance[1:] = 0.0
+def _wandering(error: Array, slope: Array, taken: Array, step_s: float) -> Array:
+    """Covariance of the errors (n,) of evenly spaced rows, as their spectrum tells it, times their
+    slopes, (n, k).  taken: (k, k), what the fit has taken of them at each frequency is the slopes'
+    spectrum by it."""
+    power, stretches, rows = mean_power([error])
+    parts = np.fft.rfft(slope[: stretches * rows].reshape(stretches, rows, -1), axis=1)
+    parts = parts[:, 1 : (rows + 1) // 2]
+    share = np.einsum("bfi,ij,bfj->f", parts, taken, parts.conj()).real / (stretches * rows)
+    spectrum = fit_spectrum(power / np.maximum(1.0 - share, 1.0 - OPTIONS.taken_max), rows, step_s)
+    covariance = spectrum.covariance(len(error)) if spectrum else np.zeros(len(error))
     around = np.concatenate([covariance, [0.0], covariance[:0:-1]])
-    spectra = np.fft.rfft(slope_matrix, size, axis=0) * np.fft.rfft(around)[:, None]
-    return np.asarray(np.fft.irfft(spectra, size, axis=0)[:rows])
+    spectra = np.fft.rfft(slope, 2 * len(error), axis=0) * np.fft.rfft(around)[:, None]
+    return np.asarray(np.fft.irfft(spectra, 2 * len(error), axis=0)[: len(error)])
 
 
 def _cost(channels: Sequence[AlignedColumn], fit: Fit) -> float:

@@ -1,8 +1,4 @@
-"""Wander of an attitude about its plan, and the noise of its sensor from row to row.
-
-The error's spectrum is fitted by that of a wander that forgets half of itself in a time, and of
-white noise.  Source: debiased Whittle likelihood, Sykulski et al. 2019, eqs. 9, 10.
-"""
+"""Wander of an attitude about its plan, and the noise of its sensor from row to row."""
 
 import math
 from dataclasses import dataclass
@@ -11,6 +7,7 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.inflight.telemetry.alignment import Estimate
+from planner.inflight.telemetry.error_spectrum import fit_spectrum, mean_power
 from planner.inflight.telemetry.following import Followed
 
 
@@ -19,10 +16,7 @@ class WanderOptions:
     """How much of an error is looked at, and when it is told to wander."""
 
     rows_min: int = 128  # of a stretch without a gap: a spectrum of fewer tells no shape
-    rows_max: int = 8192  # of a spectrum: a longer stretch is cut, and its parts' are averaged
-    starts_s: tuple[float, ...] = (0.3, 3.0, 30.0)  # half-lives begun with
     half_lives_min: float = 8.0  # in a stretch: fewer and its size is a matter of chance
-    step_log: float = 1e-4  # of the slopes of the spectrum by its parameters' logarithms
     # Times what the spectrum tells: the fit of clock and biases takes some of a wander with it, and
     # squares of errors over the spectrum's sigmas come to 1.2 to 1.5 squared in 48 flights.
     room: float = 1.25
@@ -60,42 +54,16 @@ def wander_of(followed: Followed) -> Wander | None:
     runs = [run for run in followed.runs if run.stop - run.start >= OPTIONS.rows_min]
     if followed.basis != "angles" or not runs:
         return None
-    rows = min(max(run.stop - run.start for run in runs), OPTIONS.rows_max)
-    powers, step_s = [], 0.0
-    for run in runs:
-        t_s, left_rad = followed.t_s[run], followed.left_rad[run]
-        step_s = step_s or float(np.median(np.diff(t_s)))
-        for first in range(0, len(t_s) - rows + 1, rows):
-            # The fastest half is enough: at none is the mean, which the bias has taken.
-            transform = np.fft.rfft(left_rad[first : first + rows])[1 : (rows + 1) // 2]
-            powers.append(np.abs(transform) ** 2 / rows)
-    power = np.mean(powers, axis=0)
-    return _told(power, len(powers), rows, step_s)
+    step_s = float(np.median(np.diff(followed.t_s[runs[0]])))
+    power_rad2, blocks, rows = mean_power([followed.left_rad[run] for run in runs])
+    return _told(power_rad2, blocks, rows, step_s)
 
 
 def _told(power_rad2: Array, blocks: int, rows: int, step_s: float) -> Wander | None:
-    from scipy.optimize import minimize
-
-    size_rad2 = float(np.mean(power_rad2))
-    if not size_rad2 > 0.0:
+    found = fit_spectrum(power_rad2, rows, step_s)
+    if found is None:
         return None
-
-    def misfit(log_parameters: Array) -> float:
-        spectrum = _spectrum(log_parameters, rows, step_s)
-        return float(np.mean(np.log(spectrum / size_rad2) + power_rad2 / spectrum))
-
-    low, high = math.log(size_rad2 * 1e-8), math.log(size_rad2 * 1e4)
-    bounds = [(low, high), (math.log(0.2 * step_s), math.log(rows * step_s)), (low, high)]
-    found = min(
-        (
-            minimize(misfit, [math.log(size_rad2), math.log(start_s), math.log(size_rad2)],
-                     method="L-BFGS-B", bounds=bounds)
-            for start_s in OPTIONS.starts_s
-        ),
-        key=lambda one: float(one.fun),
-    )  # fmt: skip
-    log_parameters = np.asarray(found.x, dtype=np.float64)
-    variance_log2 = _variances(log_parameters, blocks, rows, step_s)
+    variance_log2 = found.variances_log2(blocks)
     wander_s, half_life, noise = (
         # The first and the last are of squares.
         Estimate(
@@ -103,11 +71,11 @@ def _told(power_rad2: Array, blocks: int, rows: int, step_s: float) -> Wander | 
             OPTIONS.room * math.exp(log * share) * share * math.sqrt(variance),
         )
         for log, share, variance in zip(
-            log_parameters.tolist(), (0.5, 1.0, 0.5), variance_log2.tolist(), strict=True
+            found.log_parameters.tolist(), (0.5, 1.0, 0.5), variance_log2.tolist(), strict=True
         )
     )
-    if len(power_rad2) * blocks * (1.0 - float(found.fun)) < OPTIONS.likelier:
-        white = math.sqrt(size_rad2)
+    if len(power_rad2) * blocks * found.likelier < OPTIONS.likelier:
+        white = math.sqrt(float(np.mean(power_rad2)))
         noise = Estimate(white, white / math.sqrt(2.0 * rows * blocks))
         return Wander(sigma_rad=None, half_life_s=None, noise_rad=noise)
     is_told = (
@@ -119,31 +87,3 @@ def _told(power_rad2: Array, blocks: int, rows: int, step_s: float) -> Wander | 
         half_life_s=half_life if is_told else None,
         noise_rad=noise,
     )
-
-
-def _variances(log_parameters: Array, blocks: int, rows: int, step_s: float) -> Array:
-    """Of the parameters' logarithms, by the information of the spectrum."""
-    step = OPTIONS.step_log
-    slopes = []
-    for turn in step * np.eye(len(log_parameters)):
-        ahead, behind = (
-            _spectrum(log_parameters + sign * turn, rows, step_s) for sign in (1.0, -1.0)
-        )
-        slopes.append(np.log(ahead / behind) / (2.0 * step))
-    information = blocks * np.array(slopes) @ np.transpose(slopes)
-    unit = np.sqrt(np.maximum(np.diag(information), 1e-12))
-    inverse = np.linalg.pinv(information / np.outer(unit, unit), rcond=1e-12)
-    return np.asarray(np.maximum(np.diag(inverse), 1.0) / unit**2)
-
-
-def _spectrum(log_parameters: Array, rows: int, step_s: float) -> Array:
-    """Expected power at the frequencies of so many rows, but for none and the highest.
-
-    log_parameters: of the wander's variance, its half-life, the noise's variance.
-    """
-    variance_rad2, half_life_s, noise_rad2 = np.exp(log_parameters)
-    late = np.arange(rows)
-    covariance = variance_rad2 * 0.5 ** (late * step_s / half_life_s) * (1.0 - late / rows)
-    covariance[0] += noise_rad2
-    both = 2.0 * np.real(np.fft.rfft(covariance, 2 * rows))[2 : 2 * ((rows + 1) // 2) : 2]
-    return np.asarray(both - covariance[0])
