@@ -42,7 +42,7 @@ def test_random_requests_on_a_real_pass(objective):
     """Targets within 300 km of Las Vegas, moving starts, any time of the pass."""
     rng = np.random.default_rng(20150227)
     verdicts, refused = [], 0
-    for _ in range(20):
+    for _ in range(40):
         target = GroundTarget(
             latitude_deg=36.1 + rng.uniform(-2.7, 2.7), longitude_deg=-115.2 + rng.uniform(-3, 3)
         )
@@ -60,8 +60,8 @@ def test_random_requests_on_a_real_pass(objective):
             if refusal.earliest_feasible_start_utc is not None:
                 verdicts.append(replanned(asked, refusal).verification.passed)
     assert all(verdicts)
-    assert len(verdicts) > 15
-    assert 2 < refused < 18
+    assert len(verdicts) > 30
+    assert 5 < refused < 35
 
 
 def test_a_refused_slew_names_the_very_first_row_that_works():

@@ -84,7 +84,7 @@ def draw_cases(seed, count):
         )
 
 
-def sampled(profile, step_s=5e-3):
+def sampled(profile, step_s=1e-3):
     """Angle, rate, acceleration, jerk on a fine grid, by numpy alone from the coefficients."""
     parts = [[], [], [], []]
     for k, c in enumerate(profile.coefficients):

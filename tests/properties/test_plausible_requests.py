@@ -10,7 +10,7 @@ from plan_oracle import ARCSEC, faults
 from plausible_requests import demanding_request, plausible_request, with_time_to_spare
 from plausible_trials import answer, as_advised, outcome
 
-COUNT = 30
+COUNT = 60
 SPARE_COUNT = 12
 LONG = 10  # every tenth may have six sessions, which take 2 s, the others one
 

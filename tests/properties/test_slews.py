@@ -20,7 +20,7 @@ ROUNDING = 2e-9  # of the limit: degrees to radians and back, and a sum of 100 t
 
 
 def assert_flown(profile, start, end):
-    """From one state to the other, and within the limits every 5 ms."""
+    """From one state to the other, and within the limits at every millisecond."""
     motion = sampled(profile)
     for values, (low, high) in zip(motion, LIMITS.bounds, strict=True):
         slack = ROUNDING * (high - low) / 2.0
