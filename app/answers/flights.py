@@ -5,14 +5,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any
 
-import numpy as np
 from pydantic import Field, SerializeAsAny
 
 from app.answers.job import JobResponse, job_members
 from app.answers.members import from_store, to_json
 from app.store.job import Job
 from app.store.packed import unzip
-from planner.base.answer_members import Count, NotNegative, Share, answer
+from planner.base.answer_members import Count, Member, Share, answer
 from planner.base.arrays import Array
 from planner.inflight.flights.contributors import Contributor
 from planner.inflight.flights.outcomes import NominalSession
@@ -20,10 +19,10 @@ from planner.inflight.flights.summary import Histogram, joined, summarise
 
 if TYPE_CHECKING:
     from planner.inflight.flights.outcomes import RunOutcomes
-    from planner.inflight.flights.proportion import Proportion
     from planner.inflight.flights.summary import PlanFlights, SessionFlights
 
-_DECIMALS = 6
+_End = Annotated[float, Member(least=0.0, greatest=1.0, decimals=6)]  # of an interval
+_Quantiles = Annotated[Array, Member("", 0.0, decimals=6)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,13 +50,13 @@ class SessionFlightsOut:
     label: str
     budget_probability_in_frame: Share
     probability_in_frame: Share | None
-    in_frame_interval: list[Share] | None
+    in_frame_interval: tuple[_End, ...] | None
     probability_sharp: Share | None
-    sharp_interval: list[Share] | None
+    sharp_interval: tuple[_End, ...] | None
     frames_held: Share | None
     frames_sharp: Share | None
-    smear_px: list[NotNegative] | None
-    miss_m: list[NotNegative] | None
+    smear_px: _Quantiles | None
+    miss_m: _Quantiles | None
     misses: Histogram | None
     contributors: list[Contributor]
     nominal: SerializeAsAny[NominalSession]  # as it was told and stored
@@ -90,9 +89,9 @@ class FlightsFound:
     flown: Count
     epoch: str | None
     probability_in_frame: Share | None
-    in_frame_interval: list[Share] | None
+    in_frame_interval: tuple[_End, ...] | None
     probability_sharp: Share | None
-    sharp_interval: list[Share] | None
+    sharp_interval: tuple[_End, ...] | None
     contributors: list[Contributor]
     sessions: list[SessionFlightsOut]
     warnings: list[str]
@@ -177,9 +176,9 @@ def _told_of(found: "PlanFlights | SessionFlights | None") -> dict[str, Any]:
         return {**dict.fromkeys(names), "contributors": []}
     return {
         "probability_in_frame": found.in_frame.value,
-        "in_frame_interval": _interval(found.in_frame),
+        "in_frame_interval": found.in_frame.interval(),
         "probability_sharp": found.sharp.value,
-        "sharp_interval": _interval(found.sharp),
+        "sharp_interval": found.sharp.interval(),
         "contributors": found.contributors,
     }
 
@@ -192,8 +191,8 @@ def _session_out(told: SessionHead, flown: "SessionFlights | None") -> SessionFl
         **_told_of(flown),
         frames_held=flown.held_share if flown else None,
         frames_sharp=flown.sharp_share if flown else None,
-        smear_px=_list_or_none(flown.smear_px if flown else None),
-        miss_m=_list_or_none(flown.miss_m if flown else None),
+        smear_px=flown.smear_px if flown else None,
+        miss_m=flown.miss_m if flown else None,
         misses=flown.miss_rad if flown else None,
         nominal=told.nominal,
     )
@@ -212,7 +211,7 @@ def _warnings(head: FlightsHead, found: "PlanFlights | None") -> list[str]:
         return warnings
     for told, flown in zip(head.sessions, found.sessions, strict=True):
         if flown.in_frame.differs_from(told.budget_probability_in_frame):
-            low, high = _interval(flown.in_frame)
+            low, high = flown.in_frame.interval()
             warnings.append(
                 f"session {told.session + 1}: the plan's budget tells a probability of "
                 f"{told.budget_probability_in_frame:.3f} that the target stays in the frame, the "
@@ -220,11 +219,3 @@ def _warnings(head: FlightsHead, found: "PlanFlights | None") -> list[str]:
                 "the budget is linear and knows no drives but their resolution: trust the flights"
             )
     return warnings
-
-
-def _interval(found: "Proportion") -> list[float]:
-    return [round(end, _DECIMALS) for end in found.interval()]
-
-
-def _list_or_none(numbers: Array | None) -> list[float] | None:
-    return None if numbers is None else np.round(numbers, _DECIMALS).tolist()
