@@ -366,14 +366,12 @@ def _compare(desk: Desk, work: LocalAsk) -> "tuple[SentTelemetry, Comparison]":
 
 
 def _names(kind: str, _: Desk, work: LocalAsk) -> bytes:
-    from app.answers.names import KnownPlaces, KnownStars, PlatformList
-    from planner.world.platforms import BODIES, PLATFORMS, definition_of
+    from app.answers.names import KnownPlaces, KnownStars, platform_list
     from planner.world.targets.autocomplete import places_beginning, stars_beginning
 
     query = work.ask.query
     if kind == "platforms":
-        axes = map(definition_of, PLATFORMS.values())
-        return to_json(PlatformList(platforms=[*axes, *BODIES.values()]))
+        return to_json(platform_list())
     begin, limit = query["begin"], int(query["limit"])
     if kind == "places":
         return to_json(KnownPlaces(places=places_beginning(begin, limit)))

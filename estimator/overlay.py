@@ -5,8 +5,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.camera import HorizonCamera
+from estimator.found import CameraReport
 from estimator.images import Pixels
-from estimator.pipeline import CameraReport, VerticalEstimate
+from estimator.pipeline import VerticalEstimate
 from planner.base.arrays import Array
 
 _MEASURED = (60, 255, 60)
@@ -22,7 +23,7 @@ def draw_overlay(
     longest_px: int = 1600,
 ) -> NDArray[np.uint8]:
     """The frame in 8-bit colour with the limb points used (green), the limb a plan expects
-    (orange; `HorizonPrediction.limb_px`) and the verdict, reduced to longest_px a side."""
+    (orange; `HorizonView.limb_px`) and the verdict, reduced to longest_px a side."""
     shrink = max(1.0, max(pixels.shape[:2]) / longest_px)
     size = [max(round(side / shrink), 1) for side in pixels.shape[1::-1]]
     small = cv2.resize(pixels, size, interpolation=cv2.INTER_AREA)

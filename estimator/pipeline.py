@@ -1,5 +1,6 @@
 """From images to the nadir, its uncertainty, and its agreement with the planned attitude."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -7,6 +8,7 @@ import numpy as np
 
 from estimator.check import AttitudeCheck, Verdict, across_axes, check_attitude
 from estimator.errors import InvalidCamera, Reason
+from estimator.found import CameraReport
 from estimator.images import Pixels, blue_is_sharp, prepare
 from estimator.limb.geometry import Limb
 from estimator.nadir.fit import Doubt, Fit
@@ -18,18 +20,6 @@ from estimator.surroundings import Surroundings
 from planner.base.arrays import Array
 from planner.world.frames.earth_orientation import earth_orientation_warnings
 from planner.world.frames.time_scales import Instants
-
-
-@dataclass(frozen=True)
-class CameraReport:
-    """One camera's part: whether it was used, why not, its arc and its rms residual."""
-
-    name: str
-    used: bool
-    reason: Reason | None
-    arc_deg: float
-    residual_px: float
-    limb_px: Array
 
 
 @dataclass(frozen=True)
@@ -108,8 +98,11 @@ def _answer(horizon: SearchResult, request: HorizonRequest, search: Search) -> V
             name=part.view.camera.name,
             used=horizon.reason is None and part.used,
             reason=part.agreement.reason,
+            explanation=part.agreement.reason and part.agreement.reason.value,
             arc_deg=float(np.rad2deg(part.agreement.arc_rad)),
-            residual_px=part.agreement.residual_px,
+            residual_px=None
+            if math.isnan(part.agreement.residual_px)
+            else part.agreement.residual_px,
             limb_px=part.points.xy_px[part.agreement.inlier],
         )
         for part in horizon.parts

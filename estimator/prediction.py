@@ -1,42 +1,21 @@
 """Predicted sight of a horizon camera under a planned attitude: a usable limb, or why not."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from estimator.camera import HorizonCamera
 from estimator.errors import Reason
+from estimator.found import HorizonView
 from estimator.limb.points import ideal_points
 from estimator.limb.projection import LimbProjection
 from estimator.nadir.fit import fit
 from estimator.nadir.prior import prior_of
 from estimator.search.plausibility import OPTIONS as PLAUSIBILITY_OPTIONS
 from estimator.surroundings import Surroundings
-from planner.base.arrays import Array
 from planner.base.rotation import Rotation
 
 _COLUMNS = 48
-
-
-@dataclass(frozen=True)
-class HorizonPrediction:
-    """One camera's view at one instant.
-
-    reason: None when the frame can be used.  arc_rad: limb in frame, as azimuth about nadir;
-    lit_arc_rad: what of it stands in daylight, away from the Sun.  sun_angle_rad: from the
-    boresight to the Sun; sun_in_frame says whether it shines in.  limb_px: (n, 2), in order
-    along the limb, of a daylight limb 17.5 km high (or the body's own).  sigma_rad: expected
-    rms error of geocentric nadir from this camera alone; None when unusable.
-    """
-
-    camera: str
-    reason: Reason | None
-    arc_rad: float
-    lit_arc_rad: float
-    sun_angle_rad: float
-    sun_in_frame: bool
-    limb_px: Array
-    sigma_rad: float | None
 
 
 def predict_horizon(
@@ -44,7 +23,7 @@ def predict_horizon(
     around: Surroundings,
     q_body_from_eci: Rotation,
     attitude_sigma_deg: float = 0.5,
-) -> HorizonPrediction:
+) -> HorizonView:
     """What a camera sees from `around` with the body at one attitude."""
     prior = prior_of(around, attitude_sigma_deg, blue=False)
     limb = around.limb
@@ -70,11 +49,16 @@ def predict_horizon(
         result = fit([points], limb, c_body_from_itrf, replace(prior, sun_itrf=None))
         sigma_rad = result.tilt_sigma_rad
     sun_cosine = c_body_from_itrf @ around.sun_itrf @ camera.boresight_body
-    return HorizonPrediction(
+    return HorizonView(
+        at_utc=around.epoch,
         camera=camera.name,
+        usable=reason is None,
         reason=reason,
+        explanation=reason and reason.value,
+        limb_in_frame=points.arc_rad > 0.0,
         arc_rad=points.arc_rad,
         lit_arc_rad=lit_arc_rad,
+        lit=lit_arc_rad > 0.0,
         sun_angle_rad=float(np.arccos(np.clip(sun_cosine, -1.0, 1.0))),
         sun_in_frame=around.is_sun_in_frame(camera, c_body_from_itrf),
         limb_px=points.xy_px,

@@ -1,31 +1,12 @@
 """The attitude over a session's frames, and its bias, if there is one."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from estimator.check import INCONSISTENT_BELOW, Verdict, chance_of
+from estimator.found import SeriesReport
 from estimator.pipeline import VerticalEstimate
-from planner.base.arrays import Array
-
-
-@dataclass(frozen=True)
-class SeriesReport:
-    """Measured minus predicted nadir over the frames that could be used.
-
-    used: how many those are; without any, the rest is NaN.  bias_rad (2,), along and across as
-    in `AttitudeCheck`, with covariance (2, 2): the limb's height errs alike in all frames of a
-    session, so the bias is no surer than one frame.  scatter_rad (2,): rms about the bias,
-    jitter and limb roughness.
-    """
-
-    verdict: Verdict
-    used: int
-    bias_rad: Array
-    covariance_rad2: Array
-    scatter_rad: Array
-    probability: float
 
 
 def summarise_series(estimates: Sequence[VerticalEstimate], sigma_rad: float) -> SeriesReport:
@@ -39,10 +20,10 @@ def summarise_series(estimates: Sequence[VerticalEstimate], sigma_rad: float) ->
         return SeriesReport(
             verdict=Verdict.NOT_OBSERVABLE,
             used=0,
-            bias_rad=np.full(2, np.nan),
-            covariance_rad2=np.full((2, 2), np.nan),
-            scatter_rad=np.full(2, np.nan),
-            probability=float("nan"),
+            bias_rad=None,
+            covariance_rad2=None,
+            scatter_rad=None,
+            probability=None,
         )
     off_rad = np.array([[check.along_rad, check.across_rad] for check, _ in used])
     covariances_rad2 = np.array([nadir.covariance_rad2 for _, nadir in used])

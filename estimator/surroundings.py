@@ -35,7 +35,7 @@ class Surroundings:
             r_m = C_GCRF_FROM_EME2000 @ r_m
         if position.frame != "ITRF":
             r_m = self.c_itrf_from_eci @ r_m
-        self.body = body
+        self.epoch, self.body = epoch, body
         self.limb = Limb(r_m, body.a_km * 1e3, body.b_km * 1e3)
         sun_m = self.c_itrf_from_eci @ r_sun_eci_m(instants)[0]
         self.sun_itrf: Array = sun_m / np.linalg.norm(sun_m)

@@ -2,21 +2,19 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from pydantic import SerializeAsAny
 
-from app.answers.job import JobResponse, job_out
-from app.answers.members import fill, from_store, to_json
+from app.answers.job import JobResponse, job_members
+from app.answers.members import from_store, to_json
 from app.answers.problem import Problem
 from app.ids import JobState
-from planner.base.answer_members import Count, NotNegative, Share
+from app.store.job import Job
+from planner.base.answer_members import Count, NotNegative, Share, answer
 from planner.base.assumed import Assumed
 from planner.planning.campaigns.chosen import ChosenLook, UnchosenTarget
 from planner.planning.opportunities.closing import Unseen
-
-if TYPE_CHECKING:  # children answer without a database
-    from app.store.jobs import Job
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,10 +44,10 @@ class CampaignChoiceOut:
     windows: Count
     looks: Count
     passes: Count
-    unseen: list[Unseen]
-    left_out: list[UnchosenTarget]
-    assumed: list[Assumed]
-    warnings: list[str]
+    unseen: tuple[Unseen, ...]
+    left_out: tuple[UnchosenTarget, ...]
+    assumed: tuple[Assumed, ...]
+    warnings: tuple[str, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,7 +109,7 @@ class PlannedOut:
     value: NotNegative
 
 
-@dataclass(frozen=True, kw_only=True)
+@answer
 class CampaignResponse(JobResponse):
     """A campaign as it stands.
 
@@ -139,22 +137,20 @@ class CampaignDryRun:
     targets: Count
 
 
-def campaign_json(job: "Job", choice: Mapping[str, Any] | None, parts: "Sequence[Job]") -> bytes:
+def campaign_json(job: Job, choice: Mapping[str, Any] | None, parts: Sequence[Job]) -> bytes:
     """A CampaignResponse as UTF-8 JSON; parts: all plans of its passes, the oldest first."""
     latest = {part.options["campaign"]["pass"]: part for part in parts}
     by_number = [latest[number] for number in sorted(latest)]
     return to_json(
-        fill(
-            CampaignResponse,
-            job_out(job),
-            choice=choice,
+        CampaignResponse(
+            **job_members(job) | {"choice": choice},
             planned=_planned_out(by_number),
             passes=[_pass_out(part) for part in by_number],
         )
     )
 
 
-def _pass_out(part: "Job") -> CampaignPassOut:
+def _pass_out(part: Job) -> CampaignPassOut:
     facts = part.options["campaign"]
     return CampaignPassOut(
         number=facts["pass"],
@@ -164,11 +160,11 @@ def _pass_out(part: "Job") -> CampaignPassOut:
         stop=facts["stop"],
         looks=facts["looks"],
         left_out=[from_store(LookLeftOut, look) for look in facts["left_out"]],
-        problem=job_out(part).problem,
+        problem=job_members(part)["problem"],
     )
 
 
-def _planned_out(parts: "Sequence[Job]") -> PlannedOut:
+def _planned_out(parts: Sequence[Job]) -> PlannedOut:
     states = [one.state for one in parts]
     made = [one.options["campaign"]["looks"] for one in parts if one.state == "done"]
     values = [look["value"] for looks in made for look in looks]

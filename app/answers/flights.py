@@ -5,25 +5,24 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any
 
-import numpy as np
 from pydantic import Field, SerializeAsAny
 
-from app.answers.job import JobResponse, job_out
-from app.answers.members import fill, from_store, to_json
+from app.answers.job import JobResponse, job_members
+from app.answers.members import from_store, to_json
+from app.store.job import Job
 from app.store.packed import unzip
-from planner.base.answer_members import Count, NotNegative, Share
+from planner.base.answer_members import Count, Member, Share, answer
 from planner.base.arrays import Array
 from planner.inflight.flights.contributors import Contributor
 from planner.inflight.flights.outcomes import NominalSession
 from planner.inflight.flights.summary import Histogram, joined, summarise
 
-if TYPE_CHECKING:  # children answer without a database
-    from app.store.jobs import Job
+if TYPE_CHECKING:
     from planner.inflight.flights.outcomes import RunOutcomes
-    from planner.inflight.flights.proportion import Proportion
     from planner.inflight.flights.summary import PlanFlights, SessionFlights
 
-_DECIMALS = 6
+_End = Annotated[float, Member(least=0.0, greatest=1.0, decimals=6)]  # of an interval
+_Quantiles = Annotated[Array, Member("", 0.0, decimals=6)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,13 +50,13 @@ class SessionFlightsOut:
     label: str
     budget_probability_in_frame: Share
     probability_in_frame: Share | None
-    in_frame_interval: list[Share] | None
+    in_frame_interval: tuple[_End, ...] | None
     probability_sharp: Share | None
-    sharp_interval: list[Share] | None
+    sharp_interval: tuple[_End, ...] | None
     frames_held: Share | None
     frames_sharp: Share | None
-    smear_px: list[NotNegative] | None
-    miss_m: list[NotNegative] | None
+    smear_px: _Quantiles | None
+    miss_m: _Quantiles | None
     misses: Histogram | None
     contributors: list[Contributor]
     nominal: SerializeAsAny[NominalSession]  # as it was told and stored
@@ -90,15 +89,15 @@ class FlightsFound:
     flown: Count
     epoch: str | None
     probability_in_frame: Share | None
-    in_frame_interval: list[Share] | None
+    in_frame_interval: tuple[_End, ...] | None
     probability_sharp: Share | None
-    sharp_interval: list[Share] | None
+    sharp_interval: tuple[_End, ...] | None
     contributors: list[Contributor]
     sessions: list[SessionFlightsOut]
     warnings: list[str]
 
 
-@dataclass(frozen=True, kw_only=True)
+@answer
 class FlightsResponse(FlightsFound, JobResponse):
     """Flights of a plan as they stand."""
 
@@ -139,18 +138,19 @@ def flights_found(
         _session_out(told, found.sessions[number] if found else None)
         for number, told in enumerate(head.sessions)
     ]
-    whole = _told_of(found)
-    return fill(
-        FlightsFound,
-        head,
+    return FlightsFound(
+        plan=head.plan,
+        runs=head.runs,
+        seed=head.seed,
         flown=found.in_frame.runs if found else 0,
-        **whole,
+        epoch=head.epoch,
+        **_told_of(found),
         sessions=sessions,
         warnings=_warnings(head, found),
     )
 
 
-def flights_json(job: "Job", document: bytes | None, parts: Sequence[Any]) -> bytes:
+def flights_json(job: Job, document: bytes | None, parts: Sequence[Any]) -> bytes:
     """A FlightsResponse as UTF-8 JSON; document: a FlightsHead, None before there is one."""
     if document is None:
         options = job.options
@@ -167,7 +167,7 @@ def flights_json(job: "Job", document: bytes | None, parts: Sequence[Any]) -> by
     else:
         head = from_store(FlightsHead, json.loads(unzip(document)))
         found = flights_found(head, parts)
-    return to_json(fill(FlightsResponse, found, job_out(job)))
+    return to_json(FlightsResponse(**job_members(job) | vars(found)))
 
 
 def _told_of(found: "PlanFlights | SessionFlights | None") -> dict[str, Any]:
@@ -176,26 +176,25 @@ def _told_of(found: "PlanFlights | SessionFlights | None") -> dict[str, Any]:
         return {**dict.fromkeys(names), "contributors": []}
     return {
         "probability_in_frame": found.in_frame.value,
-        "in_frame_interval": _interval(found.in_frame),
+        "in_frame_interval": found.in_frame.interval(),
         "probability_sharp": found.sharp.value,
-        "sharp_interval": _interval(found.sharp),
+        "sharp_interval": found.sharp.interval(),
         "contributors": found.contributors,
     }
 
 
 def _session_out(told: SessionHead, flown: "SessionFlights | None") -> SessionFlightsOut:
-    if flown is None:
-        names = ("frames_held", "frames_sharp", "smear_px", "miss_m", "misses")
-        return fill(SessionFlightsOut, told, **_told_of(None), **dict.fromkeys(names))
-    return fill(
-        SessionFlightsOut,
-        told,
+    return SessionFlightsOut(
+        session=told.session,
+        label=told.label,
+        budget_probability_in_frame=told.budget_probability_in_frame,
         **_told_of(flown),
-        frames_held=flown.held_share,
-        frames_sharp=flown.sharp_share,
-        smear_px=_list(flown.smear_px),
-        miss_m=_list_or_none(flown.miss_m),
-        misses=flown.miss_rad,
+        frames_held=flown.held_share if flown else None,
+        frames_sharp=flown.sharp_share if flown else None,
+        smear_px=flown.smear_px if flown else None,
+        miss_m=flown.miss_m if flown else None,
+        misses=flown.miss_rad if flown else None,
+        nominal=told.nominal,
     )
 
 
@@ -212,7 +211,7 @@ def _warnings(head: FlightsHead, found: "PlanFlights | None") -> list[str]:
         return warnings
     for told, flown in zip(head.sessions, found.sessions, strict=True):
         if flown.in_frame.differs_from(told.budget_probability_in_frame):
-            low, high = _interval(flown.in_frame)
+            low, high = flown.in_frame.interval()
             warnings.append(
                 f"session {told.session + 1}: the plan's budget tells a probability of "
                 f"{told.budget_probability_in_frame:.3f} that the target stays in the frame, the "
@@ -220,16 +219,3 @@ def _warnings(head: FlightsHead, found: "PlanFlights | None") -> list[str]:
                 "the budget is linear and knows no drives but their resolution: trust the flights"
             )
     return warnings
-
-
-def _interval(found: "Proportion") -> list[float]:
-    return [round(end, _DECIMALS) for end in found.interval()]
-
-
-def _list(numbers: Array) -> list[float]:
-    rounded: list[float] = np.round(numbers, _DECIMALS).tolist()
-    return rounded
-
-
-def _list_or_none(numbers: Array | None) -> list[float] | None:
-    return None if numbers is None else _list(numbers)

@@ -1,28 +1,27 @@
-"""The answers about the horizon: estimates, predictions and pictures."""
+"""The answers about the horizon: estimates, predictions, pictures and series."""
 
 import base64
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from itertools import zip_longest
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
-from app.answers.horizon_view import ViewOut
-from app.answers.members import BUILT_ON_FIRST_USE, DECIMALS, ProvenanceOut, degrees, fill
+from app.answers.members import BUILT_ON_FIRST_USE, ProvenanceOut
 from estimator.check import AttitudeCheck, Verdict
-from estimator.errors import Reason
-from planner.base.answer_members import DirectionPart, NotNegative, Signed, TurnDeg
+from estimator.found import CameraReport, CovarianceDeg2, HorizonView, ReasonWord, SeriesReport
+from planner.base.answer_members import Angle, AngleSize, Member, Signed, answer
 from planner.base.arrays import Array
-from planner.world.frames.time_scales import utc_text
+from planner.world.frames.time_scales import Utc, utc_text
 
 if TYPE_CHECKING:
-    from estimator.pipeline import CameraReport, Nadir, VerticalEstimate
-    from estimator.prediction import HorizonPrediction
+    from estimator.pipeline import Nadir, VerticalEstimate
 
-PIXEL_DECIMALS = 2
+Direction = Annotated[Array, Member("", -1.0, 1.0, decimals=9)]
+Directions = Annotated[Array, Member("", -1.0, 1.0, decimals=9, axes=2)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,30 +39,7 @@ class CorrectionOut:
     covariance_deg2: list[list[Signed]]
 
 
-@dataclass(frozen=True, kw_only=True)
-class CameraOut:
-    """One camera's part in the estimate.
-
-    name: the camera's, as the request gives it.
-    used: true when its frame was used.
-    reason: the reason for leaving it out, as a word; null when it was used. E.g. `"all_black"`.
-    explanation: the reason in full; null when it was used. E.g. `"the frame is black"`.
-    arc_deg: limb found, as azimuth about nadir.
-    residual_px: rms distance of the limb points from the fit; null without one.
-    overlay_png: the annotated frame as a PNG in base64, when `overlay` was asked for: limb points
-    used in green, the predicted limb in orange. E.g. `"iVBORw0KGgo="`.
-    """
-
-    name: str
-    used: bool
-    reason: str | None
-    explanation: str | None
-    arc_deg: TurnDeg
-    residual_px: NotNegative | None
-    overlay_png: str | None
-
-
-@dataclass(frozen=True, kw_only=True)
+@answer
 class EstimateResponse:
     """The local vertical in body axes.
 
@@ -76,13 +52,13 @@ class EstimateResponse:
     nadir_geodetic_body: normal to the ellipsoid, a unit vector; null when the verdict is
     `not_observable`.
     axes_body: two unit vectors across geocentric nadir, along which its errors are given.
-    covariance_deg2: of geocentric nadir on `axes_body`.
-    sigma_deg: rms of geocentric nadir's angle to the true one.
+    covariance_rad2: of geocentric nadir on `axes_body`.
+    sigma_rad: rms of geocentric nadir's angle to the true one.
     geodetic_axes_body: two unit vectors across geodetic nadir, along which its errors are given.
-    geodetic_covariance_deg2: of geodetic nadir on `geodetic_axes_body`.
-    geodetic_sigma_deg: rms of geodetic nadir's angle to the true one.
-    limb_height_km: height of the limb above the ellipsoid that was reckoned with.
-    limb_height_sigma_km: its 1-sigma.
+    geodetic_covariance_rad2: of geodetic nadir on `geodetic_axes_body`.
+    geodetic_sigma_rad: rms of geodetic nadir's angle to the true one.
+    limb_height_m: height of the limb above the ellipsoid that was reckoned with.
+    limb_height_sigma_m: its 1-sigma.
     check: the measured nadir against the predicted one; null without a prediction.
     correction: the same as `attitude.corrections` of a plan takes it; null without a prediction.
     cameras: each one's part, in the request's order.
@@ -93,22 +69,22 @@ class EstimateResponse:
     __pydantic_config__ = BUILT_ON_FIRST_USE
 
     verdict: Verdict
-    reason: str | None
+    reason: ReasonWord | None
     explanation: str | None
-    nadir_body: list[DirectionPart] | None
-    nadir_geodetic_body: list[DirectionPart] | None
-    axes_body: list[list[DirectionPart]] | None
-    covariance_deg2: list[list[Signed]] | None
-    sigma_deg: NotNegative | None
-    geodetic_axes_body: list[list[DirectionPart]] | None
-    geodetic_covariance_deg2: list[list[Signed]] | None
-    geodetic_sigma_deg: NotNegative | None
-    limb_height_km: Signed | None
-    limb_height_sigma_km: NotNegative | None
+    nadir_body: Direction | None
+    nadir_geodetic_body: Direction | None
+    axes_body: Directions | None
+    covariance_rad2: CovarianceDeg2 | None
+    sigma_rad: AngleSize | None
+    geodetic_axes_body: Directions | None
+    geodetic_covariance_rad2: CovarianceDeg2 | None
+    geodetic_sigma_rad: AngleSize | None
+    limb_height_m: Annotated[float, Member("km", decimals=3)] | None
+    limb_height_sigma_m: Annotated[float, Member("km", 0.0, decimals=3)] | None
     check: AttitudeCheck | None
     correction: CorrectionOut | None
-    cameras: list[CameraOut]
-    warnings: list[str]
+    cameras: tuple[CameraReport, ...]
+    warnings: tuple[str, ...]
     provenance: ProvenanceOut
 
 
@@ -121,29 +97,50 @@ class PredictionResponse:
     `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the farthest instant asked for"]`.
     """
 
-    views: list[ViewOut]
+    views: list[HorizonView]
     warnings: list[str]
     provenance: ProvenanceOut
 
 
-@dataclass(frozen=True, kw_only=True)
+@answer
 class PictureOut:
     """A rendered picture and its truth.
 
     image_png: the picture, a PNG in base64.
-    at: time of the exposure; UTC.
-    position_itrf_km: of the camera, as an estimate's request takes it.
+    at_utc: time of the exposure; UTC.
+    position_itrf_m: of the camera, as an estimate's request takes it.
     q_body_from_eci_xyzw: attitude, as an estimate's request takes it.
     nadir_body: geocentric, a unit vector.
     nadir_geodetic_body: normal to the ellipsoid, a unit vector.
     """
 
     image_png: str
-    at: str
-    position_itrf_km: list[Signed]
-    q_body_from_eci_xyzw: list[DirectionPart]
-    nadir_body: list[DirectionPart]
-    nadir_geodetic_body: list[DirectionPart]
+    at_utc: Utc
+    position_itrf_m: Annotated[Array, Member("km", decimals=9)]
+    q_body_from_eci_xyzw: Annotated[Array, Member("", -1.0, 1.0, decimals=12)]
+    nadir_body: Direction
+    nadir_geodetic_body: Direction
+
+
+@answer
+class FrameNadir:
+    """One frame; along and across as in an estimate's `check`, null where it has none."""
+
+    at_utc: Utc
+    verdict: Verdict
+    reason: ReasonWord | None
+    nadir_body: Direction | None
+    sigma_rad: AngleSize | None
+    along_rad: Angle | None
+    across_rad: Angle | None
+
+
+@answer
+class SeriesResponse(SeriesReport):
+    """The nadir over a session."""
+
+    frames: tuple[FrameNadir, ...]
+    provenance: ProvenanceOut
 
 
 def estimate_out(
@@ -155,89 +152,37 @@ def estimate_out(
     """epoch_utc: of the images.  overlays: PNG files, one per camera, or none at all."""
     geocentric, geodetic, check = estimate.geocentric, estimate.geodetic, estimate.check
     pictures: list[str | None] = [base64.b64encode(png).decode("ascii") for png in overlays]
-    return fill(
-        EstimateResponse,
-        estimate,
-        **_why(estimate.reason),
-        nadir_body=geocentric and numbers_of(geocentric.nadir_body),
-        nadir_geodetic_body=geodetic and numbers_of(geodetic.nadir_body),
+    return EstimateResponse(
+        verdict=estimate.verdict,
+        reason=estimate.reason,
+        explanation=estimate.reason and estimate.reason.value,
+        nadir_body=geocentric.nadir_body if geocentric else None,
+        nadir_geodetic_body=geodetic.nadir_body if geodetic else None,
         **_on_its_axes(geocentric),
         **_on_its_axes(geodetic, "geodetic_"),
-        limb_height_km=_kilometres(estimate.limb_height_m),
-        limb_height_sigma_km=_kilometres(estimate.limb_height_sigma_m),
-        correction=check
-        and CorrectionOut(
-            epoch=utc_text(epoch_utc),
-            turn_body_deg=numbers_of(np.rad2deg(check.turn_body_rad)),
-            covariance_deg2=covariance_deg2(check.turn_covariance_rad2),
-        ),
-        cameras=[
-            _camera(report, overlay_png)
+        limb_height_m=estimate.limb_height_m,
+        limb_height_sigma_m=estimate.limb_height_sigma_m,
+        check=check,
+        correction=None if check is None else _correction(check, epoch_utc),
+        cameras=tuple(
+            replace(report, overlay_png=overlay_png)
             for report, overlay_png in zip_longest(estimate.cameras, pictures)
-        ],
+        ),
+        warnings=estimate.warnings,
         provenance=provenance,
     )
 
 
-def view_out(view: "HorizonPrediction", at: str) -> ViewOut:
-    """In degrees."""
-    seen = view.limb_px[np.all(np.isfinite(view.limb_px), axis=1)]
-    return fill(
-        ViewOut,
-        view,
-        at=at,
-        usable=view.reason is None,
-        **_why(view.reason),
-        limb_in_frame=view.arc_rad > 0.0,
-        lit=view.lit_arc_rad > 0.0,
-        limb_px=rows_of(seen, PIXEL_DECIMALS),
-        decimals=DECIMALS,
-    )
-
-
-def _camera(report: "CameraReport", overlay_png: str | None) -> CameraOut:
-    return fill(
-        CameraOut,
-        report,
-        **_why(report.reason),
-        arc_deg=round(report.arc_deg, DECIMALS),
-        residual_px=None if math.isnan(report.residual_px) else round(report.residual_px, 4),
-        overlay_png=overlay_png,
+def _correction(check: AttitudeCheck, epoch_utc: datetime) -> CorrectionOut:
+    covariance_deg2 = check.turn_covariance_rad2 * math.degrees(1.0) ** 2
+    return CorrectionOut(
+        epoch=utc_text(epoch_utc),
+        turn_body_deg=(np.round(np.degrees(check.turn_body_rad), 9) + 0.0).tolist(),
+        covariance_deg2=(np.round(covariance_deg2, 12) + 0.0).tolist(),
     )
 
 
 def _on_its_axes(nadir: "Nadir | None", kind: str = "") -> dict[str, Any]:
     """The members that tell how sure a nadir of one kind is, null without it."""
-    return {
-        f"{kind}axes_body": nadir and rows_of(nadir.axes_body),
-        f"{kind}covariance_deg2": nadir and covariance_deg2(nadir.covariance_rad2),
-        f"{kind}sigma_deg": nadir and degrees(nadir.sigma_rad),
-    }
-
-
-def word(reason: Reason | None) -> str | None:
-    """As the answers name it."""
-    return None if reason is None else reason.name.lower()
-
-
-def _why(reason: Reason | None) -> dict[str, Any]:
-    return {"reason": word(reason), "explanation": None if reason is None else reason.value}
-
-
-def _kilometres(height_m: float | None) -> float | None:
-    return None if height_m is None else round(height_m / 1e3, 3)
-
-
-def covariance_deg2(covariance_rad2: Array) -> list[list[float]]:
-    """Of two angles, in square degrees."""
-    return rows_of(covariance_rad2 * math.degrees(1.0) ** 2, 12)
-
-
-def numbers_of(numbers: Array, decimals: int = DECIMALS) -> list[float]:
-    """A vector as plain numbers."""
-    return [round(float(number), decimals) + 0.0 for number in numbers]
-
-
-def rows_of(numbers: Array, decimals: int = DECIMALS) -> list[list[float]]:
-    """The rows of a matrix as plain numbers."""
-    return [numbers_of(row, decimals) for row in numbers]
+    names = ("axes_body", "covariance_rad2", "sigma_rad")
+    return {f"{kind}{name}": getattr(nadir, name, None) for name in names}

@@ -2,8 +2,7 @@
 
 import hashlib
 import json
-import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from datetime import datetime
 from functools import cache
 from typing import Annotated, Any, TypeVar, cast
@@ -21,35 +20,6 @@ DECIMALS = 9  # 1e-9 deg is 4 microarcsec, 1/25,000 of what a table promises
 # which takes a tenth of a second, when it is only the API's document that tells of them.
 BUILT_ON_FIRST_USE = ConfigDict(defer_build=True)
 Answer = TypeVar("Answer")
-
-
-def fill(
-    kind: type[Answer], *values: object, decimals: int | None = None, **members: object
-) -> Answer:
-    """A dataclass of an answer; the members that aren't given are those of our values.
-
-    Each is what the first of the values that knows it has under the same name, a tuple as a
-    list; `x_deg` is its `x_rad` in degrees, rounded to so many decimals, and `x` its `x_utc`
-    as text.
-    """
-    for field in fields(kind):  # type: ignore[arg-type]
-        if field.name not in members:
-            members[field.name] = _member(field.name, values, decimals)
-    return kind(**members)
-
-
-def _member(name: str, values: tuple[object, ...], decimals: int | None) -> object:
-    in_rad = name.replace("_deg", "_rad")
-    for value in values:
-        if hasattr(value, name):
-            member = getattr(value, name)
-            return list(member) if isinstance(member, tuple) else member
-        if hasattr(value, in_rad):
-            angle_rad = getattr(value, in_rad)
-            return None if angle_rad is None else degrees(angle_rad, decimals)
-        if hasattr(value, f"{name}_utc"):
-            return utc_or_none(getattr(value, f"{name}_utc"))
-    raise AttributeError(f"none of the values has what {name} is filled with")
 
 
 def to_json(answer: object) -> bytes:
@@ -73,12 +43,6 @@ def from_store(kind: type[Answer], members: object) -> Answer:
 @cache
 def _adapter(kind: type) -> TypeAdapter[object]:
     return TypeAdapter(kind)
-
-
-def degrees(angle_rad: float, decimals: int | None = DECIMALS) -> float:
-    """Rounded, if to any decimals."""
-    angle_deg = math.degrees(angle_rad)
-    return angle_deg if decimals is None else round(angle_deg, decimals)
 
 
 def degrees_of(angles_rad: Array) -> Any:  # noqa: ANN401 (lists as deep as the array has axes)

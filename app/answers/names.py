@@ -2,7 +2,13 @@
 
 from dataclasses import dataclass
 
-from planner.world.platforms import BodyPlatform, PlatformDefinition
+from planner.world.platforms import (
+    BODIES,
+    PLATFORMS,
+    BodyPlatform,
+    PlatformDefinition,
+    definition_of,
+)
 from planner.world.targets.autocomplete import KnownPlace, KnownStar
 
 
@@ -14,6 +20,11 @@ class PlatformList:
     """
 
     platforms: list[PlatformDefinition | BodyPlatform]
+
+
+def platform_list() -> PlatformList:
+    """All there are."""
+    return PlatformList(platforms=[*map(definition_of, PLATFORMS.values()), *BODIES.values()])
 
 
 @dataclass(frozen=True, kw_only=True)

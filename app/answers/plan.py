@@ -6,8 +6,8 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict
 
-from app.answers.horizon_view import HorizonCheckOut
 from app.answers.members import PlanHead, ProvenanceOut, to_json
+from estimator.found import HorizonCheck
 from planner.base.answer_members import Count, NotNegative
 from planner.base.assumed import Assumed
 from planner.base.commands import COMMAND_STEP_S, CommandTable
@@ -116,7 +116,7 @@ class PlanDocument:
     uncertainty: list[PointingBudget]
     verification: VerificationReport
     comparison: list[SlewComparison]
-    horizon_checks: list[HorizonCheckOut]
+    horizon_checks: list[HorizonCheck]
     solver: SolverOut
     warnings: list[str]
     assumed: list[Assumed]
@@ -201,9 +201,7 @@ def table_json(table: CommandTable) -> bytes:
     return to_json(table_out(table))
 
 
-def plan_document(
-    plan: Plan, checks: Sequence[HorizonCheckOut], provenance: ProvenanceOut
-) -> bytes:
+def plan_document(plan: Plan, checks: Sequence[HorizonCheck], provenance: ProvenanceOut) -> bytes:
     """A PlanDocument as UTF-8 JSON."""
     report = plan.verification
     margins: dict[str, dict[str, LimitMargin]] = {}

@@ -1,90 +1,24 @@
 """The answer to a comparison of telemetry: arcsec, seconds and UTC by the plan's clock."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Annotated
 
 from app.answers.horizon import CorrectionOut
-from app.answers.members import BUILT_ON_FIRST_USE, ProvenanceOut, fill, to_json
-from app.answers.telemetry_axes import AxisComparisonOut, EstimateOut, arcsec, axis_of, estimate
-from app.answers.telemetry_samples import SamplesOut, samples_of
-from planner.base.answer_members import Count, NotNegative, Signed
-from planner.base.arrays import Array
+from app.answers.members import BUILT_ON_FIRST_USE, ProvenanceOut, to_json
+from planner.base.answer_members import Member
+from planner.inflight.telemetry.estimates import ClockEstimate, Estimate, Inseparable
+from planner.inflight.telemetry.findings import AxisComparison, SamplesUse
+from planner.inflight.telemetry.platforms.sensors import Parameter, PointingParts
 from planner.world.attitude.corrections import AttitudeCorrection
 from planner.world.frames.time_scales import utc_text
 from planner.world.platforms import BodyPlatform, PlatformDefinition
 
 if TYPE_CHECKING:
-    from planner.inflight.telemetry.alignment import Estimate
     from planner.inflight.telemetry.compare import Comparison
-    from planner.inflight.telemetry.platforms import sensors
+    from planner.inflight.telemetry.platforms.sensors import PlatformFound
 
-
-@dataclass(frozen=True, kw_only=True)
-class ClockEstimateOut(EstimateOut):
-    """An estimate of the clock, in the unit that the name of its member says.
-
-    assumes: the condition on the axes under which it holds.
-    """
-
-    assumes: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class InseparableOut:
-    """Two estimates that the samples hardly tell apart: one's error is made up for by the other's.
-
-    members: both, as they stand in this answer. E.g. `["clock_drift", "axes.alpha.gain"]`.
-    correlation: of their errors, from -1 to 1. E.g. `-0.994`.
-    """
-
-    members: list[str]
-    correlation: Signed
-
-
-@dataclass(frozen=True, kw_only=True)
-class PointingPartsOut:
-    """Distance of the target from the frame's centre at an instant, and its causes: along the
-    frame's first side and its second.
-
-    at: time of the measurement; UTC. E.g. `"2015-02-27T17:37:00.000Z"`.
-    session: number of the session then, from 0; null outside of sessions. E.g. `0`.
-    measured: source of the measured attitude: a rotation as of the horizon, or the target in an
-    image. E.g. `"image"`.
-    axes_arcsec: error of the boresight by the axes; null without angles of both. E.g.
-    `[2.5, -1.0]`.
-    attitude_arcsec: of the target by the attitude, beyond what the plan reckoned with. E.g.
-    `[432.0, -180.0]`.
-    attitude_sigma_arcsec: 1-sigma of each. E.g. `[3.6, 3.6]`.
-    target_arcsec: of the target from the frame's centre: attitude less axes; null without axes.
-    E.g. `[429.5, -179.0]`.
-    """
-
-    at: str
-    session: Count | None
-    measured: Literal["rotation", "image"]
-    axes_arcsec: list[Signed] | None
-    attitude_arcsec: list[Signed]
-    attitude_sigma_arcsec: list[NotNegative]
-    target_arcsec: list[Signed] | None
-
-
-@dataclass(frozen=True, kw_only=True)
-class ParameterOut:
-    """A parameter of the platform, estimated from the telemetry.
-
-    name: path of the field in `platform`; of a drive the axis's name, a dot, and the field's. E.g.
-    `"beta.coulomb_deg_s2"`.
-    planned: value of the plan's platform, in the field's unit. E.g. `0.05`.
-    found: value estimated from the telemetry. E.g. `0.1`.
-    sigma: 1-sigma error; null where the found one is a bound, as of `rate_min_deg_s`, below which
-    the axis was seen to stick and slip. E.g. `0.001`.
-    """
-
-    name: str
-    planned: Signed
-    found: Signed
-    sigma: NotNegative | None
+Offset = Annotated[ClockEstimate, Member(decimals=9)]
+Drift = Annotated[ClockEstimate, Member(decimals=15)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -123,75 +57,58 @@ class ComparisonResponse:
     plan: str
     name: str
     epoch: str
-    samples: SamplesOut
-    time_offset_s: ClockEstimateOut
-    clock_drift: ClockEstimateOut
-    common_offset_s: ClockEstimateOut | None
-    ideal_offset_s: ClockEstimateOut | None
-    ideal_drift: ClockEstimateOut | None
-    inseparable: list[InseparableOut]
-    axes: dict[str, AxisComparisonOut]
-    pointing: list[PointingPartsOut]
+    samples: SamplesUse
+    time_offset_s: Offset
+    clock_drift: Drift
+    common_offset_s: Offset | None
+    ideal_offset_s: Offset | None
+    ideal_drift: Drift | None
+    inseparable: tuple[Inseparable, ...]
+    axes: dict[str, AxisComparison]
+    pointing: list[PointingParts]
     corrections: list[CorrectionOut]
-    parameters: list[ParameterOut]
+    parameters: tuple[Parameter, ...]
     platform: PlatformDefinition | BodyPlatform | None
-    warnings: list[str]
+    warnings: tuple[str, ...]
     provenance: ProvenanceOut
 
 
 def comparison_json(
     comparison: "Comparison",
-    pointing: "Sequence[sensors.PointingParts]",
-    found: "sensors.PlatformFound | None",
+    pointing: list[PointingParts],
+    found: "PlatformFound | None",
     plan_id: str,
     provenance: ProvenanceOut,
 ) -> bytes:
     """The whole answer as UTF-8 JSON."""
-    scenario, alignment = comparison.plan.scenario, comparison.alignment
-    assumes = comparison.sensors.assumes
+    alignment, assumes = comparison.alignment, comparison.sensors.assumes
+    common_s = alignment.common_offset_s
     ideal_s, ideal_drift = comparison.ideal_clock or (None, None)
     return to_json(
         ComparisonResponse(
             plan=plan_id,
-            name=scenario.name,
+            name=comparison.plan.scenario.name,
             epoch=utc_text(comparison.plan.table.epoch_utc, 1),
-            samples=samples_of(comparison),
-            time_offset_s=_clock(alignment.offset_s, 9, assumes.earliest),
-            clock_drift=_clock(alignment.drift, 15, assumes.earliest),
-            common_offset_s=_clock_or_none(alignment.common_offset_s, 9, assumes.equally_late),
-            ideal_offset_s=_clock_or_none(ideal_s, 9, assumes.ideal),
-            ideal_drift=_clock_or_none(ideal_drift, 15, assumes.ideal),
-            inseparable=[
-                InseparableOut(members=list(one.names), correlation=round(one.correlation, 4))
-                for one in comparison.inseparable
-            ],
-            axes={axis.name: axis_of(comparison, axis) for axis in comparison.axes},
-            pointing=[_pointing(parts) for parts in pointing],
+            samples=comparison.samples,
+            time_offset_s=_clock(alignment.offset_s, assumes.earliest),
+            clock_drift=_clock(alignment.drift, assumes.earliest),
+            common_offset_s=_clock(common_s, assumes.equally_late) if common_s else None,
+            ideal_offset_s=_clock(ideal_s, assumes.ideal) if ideal_s else None,
+            ideal_drift=_clock(ideal_drift, assumes.ideal) if ideal_drift else None,
+            inseparable=comparison.inseparable,
+            axes={axis.name: axis for axis in comparison.axes},
+            pointing=pointing,
             corrections=[_correction(parts.correction) for parts in pointing],
-            parameters=[_parameter(one) for one in found.parameters] if found else [],
+            parameters=found.parameters if found else (),
             platform=found.platform if found else None,
-            warnings=list(comparison.notes),
+            warnings=comparison.notes,
             provenance=provenance,
         )
     )
 
 
-def _pointing(parts: "sensors.PointingParts") -> PointingPartsOut:
-    return PointingPartsOut(
-        at=utc_text(parts.epoch_utc),
-        session=parts.session,
-        measured=parts.measured,
-        axes_arcsec=_arcsecs(parts.axes_rad),
-        attitude_arcsec=[arcsec(one) for one in parts.attitude_rad],
-        attitude_sigma_arcsec=[arcsec(one) for one in parts.attitude_sigma_rad],
-        target_arcsec=_arcsecs(parts.target_rad),
-    )
-
-
-def _parameter(one: "sensors.Parameter") -> ParameterOut:
-    return ParameterOut(
-        name=one.name, planned=one.planned_value, found=one.found_value, sigma=one.sigma
-    )
+def _clock(found: Estimate, assumes: str) -> ClockEstimate:
+    return ClockEstimate(value=found.value, sigma=found.sigma, assumes=assumes)
 
 
 def _correction(correction: AttitudeCorrection) -> CorrectionOut:
@@ -200,17 +117,3 @@ def _correction(correction: AttitudeCorrection) -> CorrectionOut:
         turn_body_deg=list(correction.turn_body_deg),
         covariance_deg2=[list(row) for row in correction.covariance_deg2],
     )
-
-
-def _clock(found: "Estimate", decimals: int, assumes: str) -> ClockEstimateOut:
-    return fill(ClockEstimateOut, estimate(found, decimals), assumes=assumes)
-
-
-def _clock_or_none(
-    found: "Estimate | None", decimals: int, assumes: str
-) -> ClockEstimateOut | None:
-    return None if found is None else _clock(found, decimals, assumes)
-
-
-def _arcsecs(angle_rad: Sequence[float] | Array | None) -> list[float] | None:
-    return None if angle_rad is None else [arcsec(float(one)) for one in angle_rad]

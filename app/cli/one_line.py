@@ -71,7 +71,7 @@ def _ways_out(problem: "Problem", words: Sequence[str]) -> Iterator[str]:
     for offer in problem.relaxations:
         yield f"with on_conflict {offer.on_conflict}, {_loss(offer)}"
     if words[1:2] == ["plan"]:
-        for number, change in enumerate(_changes(problem)):
+        for number, change in enumerate(problem.ways_out):
             sets = [f"--set={field}={value}" for field, value in change.items()]
             kept = _without(words, change)
             yield f"{'or:  ' if number else 'try: '}{shlex.join([*kept, *sets])}"
@@ -96,17 +96,6 @@ def _loss(offer: "Relaxation") -> str:
     }
     told = " and ".join(text for text, lost_s in losses.items() if lost_s > 0.0)
     return f"session {offer.session + 1} {told or 'loses nothing'}"
-
-
-def _changes(problem: "Problem") -> Iterator[dict[str, str]]:
-    """Fields and what to set them to; each was tried by planning the request with it."""
-    session = (problem.field or "").rpartition(".")[0]
-    start = problem.earliest_feasible_start
-    if start is not None and session.startswith("sessions.") and not problem.costs_sessions:
-        stop = problem.feasible_stop
-        yield {f"{session}.start": start, **({f"{session}.stop": stop} if stop else {})}
-    for name in dict.fromkeys(offer.on_conflict for offer in problem.relaxations):
-        yield {"on_conflict": name}
 
 
 def _with_field(refusal: Refusal) -> str:

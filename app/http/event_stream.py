@@ -17,7 +17,7 @@ from app.http.blocking import read
 from app.jobs.kinds import JOB_KINDS
 from app.store import events, jobs
 from app.store.events import Event
-from app.store.jobs import Job
+from app.store.job import Job
 from app.store.unavailable import StoreDamaged, StoreUnavailable
 from planner.world.frames.time_scales import utc_text
 

@@ -27,7 +27,8 @@ from app.log.logs import log
 from app.settings import Settings
 from app.store import audit, events, jobs
 from app.store.database import Database
-from app.store.jobs import Claim, Job, NewJob
+from app.store.job import Job
+from app.store.jobs import Claim, NewJob
 from app.store.unavailable import StoreUnavailable
 from app.work.progress import Progress
 from app.work.result import Result

@@ -1,23 +1,22 @@
 """The audit log: actions, times and keys."""
 
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Annotated
 
-from pydantic import Field
 from sqlalchemy import Connection, insert, select
 
 from app.store.database import Database
 from app.store.models import AuditRow
-from planner.world.frames.time_scales import utc_text
+from planner.base.answer_members import Member, answer
+from planner.world.frames.time_scales import Utc
 
 
-@dataclass(frozen=True, kw_only=True)
+@answer
 class AuditEntry:
     """One deed.
 
     id: greater than those before.
-    at: time of the action; UTC.
+    at_utc: time of the action; UTC.
     key_id: id of the API key it was done with; null without one. E.g.
     `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
     action: the action, such as `plan.accept`.
@@ -25,8 +24,8 @@ class AuditEntry:
     detail: more about it, if there is.
     """
 
-    id: Annotated[int, Field(ge=1)]
-    at: str
+    id: Annotated[int, Member(least=1)]
+    at_utc: Utc
     key_id: str | None
     action: str
     subject: str
@@ -34,10 +33,7 @@ class AuditEntry:
 
 
 _NEW = insert(AuditRow)
-_ENTRIES = select(
-    AuditRow.at_utc.label("at"),
-    *(getattr(AuditRow, name) for name in AuditEntry.__dataclass_fields__ if name != "at"),
-)
+_ENTRIES = select(*(getattr(AuditRow, name) for name in AuditEntry.__dataclass_fields__))
 
 
 def record(
@@ -52,5 +48,4 @@ def entries(database: Database, limit: int, before: int) -> list[AuditEntry]:
     """The latest first, of those older than the one with the id `before`."""
     query = _ENTRIES.where(AuditRow.id < before).order_by(AuditRow.id.desc()).limit(limit)
     with database.reading() as connection:
-        rows = connection.execute(query).mappings()
-        return [AuditEntry(**dict(row) | {"at": utc_text(row["at"])}) for row in rows]
+        return [AuditEntry(**row) for row in connection.execute(query).mappings()]

@@ -6,7 +6,7 @@ the work goes on, and asked for again when the result is stored: whoever lost it
 
 import secrets
 import zlib
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from typing import Any
@@ -32,6 +32,7 @@ from sqlalchemy.orm import aliased
 from app.ids import OPEN_STATES, JobState
 from app.store import events
 from app.store.columns import database_now_s
+from app.store.job import Job
 from app.store.list_filter import EVERY_ROW, ListFilter
 from app.store.listing import Listing
 from app.store.models import JobRow, KeyRow
@@ -56,48 +57,6 @@ class NewJob:
     revises: str | None = None
     rank: int = 0
     listing: Listing = field(default_factory=Listing)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Job:
-    """A job as it stands, without its request.
-
-    requested_by: name of the key.  cancel_requested: of itself, or of the job it is a part of.
-    platform, start_utc, stop_utc, targets (the first of target_count), probability_in_frame:
-    `app.store.listing`.  revises, series, revision: `JobRow`.
-    """
-
-    id: str
-    kind: str
-    state: JobState
-    name: str
-    request_sha256: str
-    options: Mapping[str, Any]
-    key_id: str | None
-    requested_by: str | None
-    parent_id: str | None
-    plan_id: str | None
-    attempts: int
-    deadline_s: float
-    created_utc: datetime
-    started_utc: datetime | None
-    finished_utc: datetime | None
-    cancel_requested: bool
-    problem: Mapping[str, Any] | None
-    platform: str | None
-    start_utc: datetime | None
-    stop_utc: datetime | None
-    targets: Sequence[str] | None
-    target_count: int | None
-    probability_in_frame: float | None
-    revises: str | None
-    series: str | None
-    revision: int | None
-
-    @property
-    def is_open(self) -> bool:
-        """Whether there is still something to wait for."""
-        return self.state in OPEN_STATES
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -264,10 +223,7 @@ def _claimable(kinds: Collection[str]) -> tuple[tuple[ColumnElement[bool], ...],
 
 
 def _claim_row(connection: Connection, row: Row[*tuple[Any, ...]], lease_s: float) -> Claim:
-    token = secrets.token_hex(16)
-    members = dict(row._mapping)
-    request = unzip(members.pop("request"))
-    job = Job(**members)
+    token, job, request = secrets.token_hex(16), _job(row), unzip(row._mapping["request"])
     connection.execute(
         update(JobRow)
         .where(JobRow.id == job.id)
@@ -428,4 +384,6 @@ def _one(connection: Connection, query: Select[*tuple[Any, ...]], **parameters: 
 
 
 def _job(row: Row[*tuple[Any, ...]]) -> Job:
-    return Job(**row._mapping)
+    members = {name: row._mapping[name] for name in Job.__dataclass_fields__}
+    targets, count = members["targets"] or [], members["target_count"] or 0
+    return Job(**members | {"targets": targets, "target_count": count})

@@ -9,7 +9,7 @@ from typing import Any
 from sqlalchemy import Connection
 
 from app.store import results
-from app.store.jobs import Job
+from app.store.job import Job
 from app.store.packed import unzip
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from app.answers.campaign import CampaignChoiceOut
-from app.answers.members import fill, to_json, to_members
+from app.answers.members import to_json, to_members
 from app.requests.campaign import read_campaign_request
 from app.requests.plan import write_plan_request
 from app.store.listing import Listing
@@ -42,12 +42,18 @@ def choose(body: bytes, request: CampaignRequest | None = None) -> Result:
 
 
 def _choice(request: CampaignRequest, campaign: "Campaign") -> CampaignChoiceOut:
-    return fill(
-        CampaignChoiceOut,
-        campaign,
+    return CampaignChoiceOut(
+        value=campaign.value,
+        bound=campaign.bound,
+        gap_share=campaign.gap_share,
+        greedy_value=campaign.greedy_value,
+        windows=campaign.windows,
         looks=sum(len(flight.looks) for flight in campaign.passes),
         passes=len(campaign.passes),
-        assumed=list(request.opportunities().assumed),
+        unseen=campaign.unseen,
+        left_out=campaign.left_out,
+        assumed=request.opportunities().assumed,
+        warnings=campaign.warnings,
     )
 
 

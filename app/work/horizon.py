@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from app.answers.horizon import PictureOut, estimate_out, numbers_of
+from app.answers.horizon import PictureOut, estimate_out
 from app.answers.members import ProvenanceOut, to_json
 from app.requests.horizon import PictureRequest
 from app.work.horizon_views import attitudes_at, surroundings
@@ -19,7 +19,6 @@ from estimator.errors import InvalidCamera
 from estimator.request import Body, HorizonRequest
 from estimator.surroundings import Surroundings
 from planner.base.rotation import Rotation
-from planner.world.frames.time_scales import utc_text
 
 if TYPE_CHECKING:
     from estimator.images import Pixels
@@ -101,11 +100,11 @@ def picture_json(request: PictureRequest) -> bytes:
     q = Rotation.from_matrix(c_body_from_itrf @ around.c_itrf_from_eci)
     answer = PictureOut(
         image_png=base64.b64encode(picture(request)).decode("ascii"),
-        at=utc_text(request.at),
-        position_itrf_km=numbers_of(around.limb.r_itrf_m / 1e3),
-        q_body_from_eci_xyzw=numbers_of(q.as_quat(), 12),
-        nadir_body=numbers_of(c_body_from_itrf @ around.limb.nadir_itrf),
-        nadir_geodetic_body=numbers_of(c_body_from_itrf @ around.limb.nadir_geodetic_itrf),
+        at_utc=request.at,
+        position_itrf_m=around.limb.r_itrf_m,
+        q_body_from_eci_xyzw=q.as_quat(),
+        nadir_body=c_body_from_itrf @ around.limb.nadir_itrf,
+        nadir_geodetic_body=c_body_from_itrf @ around.limb.nadir_geodetic_itrf,
     )
     return to_json(answer)
 

@@ -7,15 +7,13 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Annotated
 
-import numpy as np
-
-from app.answers.horizon import covariance_deg2, numbers_of, word
-from app.answers.members import ProvenanceOut, degrees, to_json
+from app.answers.horizon import FrameNadir, SeriesResponse
+from app.answers.members import ProvenanceOut, to_json
 from app.requests.horizon import ATTITUDE_SIGMA_DEG
 from app.requests.json_reader import JsonReader
 from app.work.horizon_views import attitudes_at, surroundings
 from estimator.camera import HorizonCamera
-from estimator.check import Verdict
+from estimator.found import SeriesReport
 from estimator.images import Pixels
 from estimator.pipeline import VerticalEstimate, estimate_vertical
 from estimator.request import (
@@ -25,12 +23,12 @@ from estimator.request import (
     PredictedAttitude,
     require_cameras,
 )
-from estimator.series import SeriesReport, summarise_series
+from estimator.series import summarise_series
 from planner.base.errors import InvalidInput
 from planner.base.spec import Within, spec
 from planner.world.attitude import Attitude
 from planner.world.attitude.lvlh import LvlhAttitude
-from planner.world.frames.time_scales import shifted_utc, utc_text
+from planner.world.frames.time_scales import shifted_utc
 from planner.world.orbits import Orbit
 
 FRAMES_MAX = 10_000
@@ -88,38 +86,6 @@ class HorizonFrames:
     def __post_init__(self) -> None:
         if not 1 <= len(self.frames) <= FRAMES_MAX:
             raise ValueError(f"frames must hold 1 to {FRAMES_MAX} of them, not {len(self.frames)}")
-
-
-@dataclass(frozen=True, kw_only=True)
-class FrameOut:
-    """One frame; along_deg and across_deg as in an estimate's `check`, null where it has none."""
-
-    at: str
-    verdict: Verdict
-    reason: str | None
-    nadir_body: list[float] | None
-    sigma_deg: float | None
-    along_deg: float | None
-    across_deg: float | None
-
-
-@dataclass(frozen=True, kw_only=True)
-class SeriesResponse:
-    """The nadir over a session.
-
-    bias_deg: measured minus predicted along and across, with its covariance_deg2: the limb's
-    height errs alike in all frames, so it is no surer than one frame.  scatter_deg: rms about
-    the bias.  probability: that errors of the stated sizes make so large a bias.
-    """
-
-    verdict: Verdict
-    used: int
-    bias_deg: list[float] | None
-    covariance_deg2: list[list[float]] | None
-    scatter_deg: list[float] | None
-    probability: float | None
-    frames: list[FrameOut]
-    provenance: ProvenanceOut
 
 
 _SESSION = JsonReader(HorizonSession)
@@ -187,33 +153,24 @@ def measure_series(
 
 def series_json(series: Series, provenance: ProvenanceOut) -> bytes:
     """The whole answer as UTF-8 JSON."""
-    report, observed = series.report, series.report.used > 0
+    frames = zip(series.requests, series.estimates, strict=True)
     return to_json(
         SeriesResponse(
-            verdict=report.verdict,
-            used=report.used,
-            bias_deg=numbers_of(np.degrees(report.bias_rad)) if observed else None,
-            covariance_deg2=(covariance_deg2(report.covariance_rad2) if observed else None),
-            scatter_deg=numbers_of(np.degrees(report.scatter_rad)) if observed else None,
-            probability=report.probability if observed else None,
-            frames=[
-                frame_out(request, estimate)
-                for request, estimate in zip(series.requests, series.estimates, strict=True)
-            ],
+            **vars(series.report),
+            frames=tuple(_frame(request, estimate) for request, estimate in frames),
             provenance=provenance,
         )
     )
 
 
-def frame_out(request: HorizonRequest, estimate: VerticalEstimate) -> FrameOut:
-    """One line of the series."""
+def _frame(request: HorizonRequest, estimate: VerticalEstimate) -> FrameNadir:
     nadir, check = estimate.geocentric, estimate.check
-    return FrameOut(
-        at=utc_text(request.epoch),
+    return FrameNadir(
+        at_utc=request.epoch,
         verdict=estimate.verdict,
-        reason=word(estimate.reason),
-        nadir_body=None if nadir is None else numbers_of(nadir.nadir_body),
-        sigma_deg=None if nadir is None else degrees(nadir.sigma_rad),
-        along_deg=None if check is None else degrees(check.along_rad),
-        across_deg=None if check is None else degrees(check.across_rad),
+        reason=estimate.reason,
+        nadir_body=nadir.nadir_body if nadir else None,
+        sigma_rad=nadir.sigma_rad if nadir else None,
+        along_rad=check.along_rad if check else None,
+        across_rad=check.across_rad if check else None,
     )

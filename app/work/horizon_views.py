@@ -5,11 +5,11 @@ from datetime import datetime
 
 import numpy as np
 
-from app.answers.horizon import PredictionResponse, view_out
-from app.answers.horizon_view import HorizonCheckOut, ViewOut
-from app.answers.members import ProvenanceOut, fill, to_json
+from app.answers.horizon import PredictionResponse
+from app.answers.members import ProvenanceOut, to_json
 from app.requests.horizon import ATTITUDE_SIGMA_DEG, PredictionRequest
 from estimator.camera import HorizonCamera
+from estimator.found import HorizonCheck, HorizonView
 from estimator.request import Body, HorizonRequest, Position
 from estimator.surroundings import Surroundings
 from planner.base.arrays import Array
@@ -60,17 +60,14 @@ def _views(
     moments: Sequence[datetime],
     body: Body,
     attitude_sigma_deg: float,
-) -> list[ViewOut]:
+) -> list[HorizonView]:
     """Moment by moment every camera's, from (n, 3) positions with n attitudes."""
     from estimator.prediction import predict_horizon
 
     found = []
     for moment, r_m, q in zip(moments, r_sat_eci_m, q_body_from_eci, strict=True):
         around = surroundings(moment, r_m, cameras, body)
-        found += [
-            view_out(predict_horizon(camera, around, q, attitude_sigma_deg), utc_text(moment))
-            for camera in cameras
-        ]
+        found += [predict_horizon(camera, around, q, attitude_sigma_deg) for camera in cameras]
     return found
 
 
@@ -85,7 +82,7 @@ def prediction_json(request: PredictionRequest, provenance: ProvenanceOut) -> by
     return to_json(PredictionResponse(views=found, warnings=told, provenance=provenance))
 
 
-def horizon_checks(plan: FlightPlan, cameras: tuple[HorizonCamera, ...]) -> list[HorizonCheckOut]:
+def horizon_checks(plan: FlightPlan, cameras: tuple[HorizonCamera, ...]) -> list[HorizonCheck]:
     """Session by session every camera's part; none without cameras."""
     if not cameras:
         return []
@@ -106,6 +103,13 @@ def horizon_checks(plan: FlightPlan, cameras: tuple[HorizonCamera, ...]) -> list
     ]
 
 
-def _check(session: int, seen: list[ViewOut]) -> HorizonCheckOut:
+def _check(session: int, seen: list[HorizonView]) -> HorizonCheck:
     worst = next((view for view in seen if not view.usable), seen[0])
-    return fill(HorizonCheckOut, worst, session=session, views=seen)
+    return HorizonCheck(
+        session=session,
+        camera=worst.camera,
+        usable=worst.usable,
+        reason=worst.reason,
+        explanation=worst.explanation,
+        views=tuple(seen),
+    )

@@ -20,7 +20,7 @@ from app.store.packed import PackedColumns, pack, unpack
 from app.work.horizon_views import horizon_checks
 from app.work.progress import report
 from app.work.result import Result
-from planner.base.commands import Channel, CommandTable, axis_channels
+from planner.base.commands import Channel, CommandTable
 from planner.base.spec import as_kept
 from planner.output.export import EXPORTERS
 from planner.verification import Finding
@@ -134,13 +134,9 @@ def packed_plan(plan: FlightPlan, findings: Iterable[Finding] = ()) -> PackedCol
 
 
 def _table(packed: PackedColumns) -> CommandTable:
-    facts, columns = packed.facts, dict(packed.columns)
-    if "angle_rad" in columns:  # as packed before tables had channels
-        columns["position"] = columns.pop("angle_rad")
-        channels = axis_channels(tuple(facts["axes"]))
-    else:
-        channels = tuple(Channel(*channel) for channel in facts["channels"])
-    return CommandTable(epoch_utc=utc_from_text(facts["epoch"]), channels=channels, **columns)
+    epoch_utc = utc_from_text(packed.facts["epoch"])
+    channels = tuple(Channel(*channel) for channel in packed.facts["channels"])
+    return CommandTable(epoch_utc=epoch_utc, channels=channels, **packed.columns)
 
 
 def _finding(at: str | None, **members: Any) -> Finding:  # noqa: ANN401 (as stored)

@@ -10,16 +10,17 @@ member's name ends:
     number: Count                    number, as it is; 0 or more in the schema
     t_s: Internal[float]               not at all
 
-A property is a member, too, after the fields, if its type is one of these (`Text` and `Signed`
-are for that).  Every number needs one, for its range; other types are written as pydantic writes
-them, classes under `@answer` by this rule again.  An array is an `Annotated[Array, Member(...)]`,
-written as lists.
+A property is a member, too, after the fields of its class, if its type is one of these (`Text` and
+`Signed` are for that).  Every number needs one, for its range; other types are written as pydantic
+writes them, classes under `@answer` by this rule again, one that is a number with its error
+(`scaled`) in the member's unit.  An array is an `Annotated[Array, Member(...)]`, written as lists.
 
 The service imports these classes at its start: their modules load no solver.  Only `app` imports
 pydantic, which asks types for their `__get_pydantic_core_schema__`.
 """
 
 import dataclasses
+import inspect
 import math
 import re
 from collections.abc import Callable, Iterator
@@ -89,6 +90,9 @@ class Member:
             for _ in range(self.axes):
                 lists = {"type": "list", "items_schema": lists}
             return written(self._lists, lists)
+        if hasattr(source, "scaled"):
+            factor = _UNITS[self.unit][2]
+            return written(lambda found: found.scaled(factor, self.decimals), handler(source))
         return handler(source)
 
     def _schema(self, kind: str) -> Schema:
@@ -166,11 +170,11 @@ def member_names(kind: type) -> dict[str, str]:
     """A class's members in answers by the names of its fields; none where it isn't an `@answer`."""
     if not (dataclasses.is_dataclass(kind) and hasattr(kind, "__get_pydantic_core_schema__")):
         return {}
-    return {name: _mark(hint).name(name) for name, hint in _members(kind)}
+    return {name: _mark(hint).name(name) for name, hint in _members(kind).items()}
 
 
 def _core_schema(cls: type, source: object, handler: Any) -> Schema:  # noqa: ANN401 (pydantic's)
-    members, names = dict(_members(cls)), member_names(cls)
+    members, names = _members(cls), member_names(cls)
     return {
         "type": "dataclass",
         "cls": cls,
@@ -193,17 +197,23 @@ def _core_schema(cls: type, source: object, handler: Any) -> Schema:  # noqa: AN
     }
 
 
-def _members(kind: type) -> Iterator[tuple[str, Any]]:
+def _members(kind: type) -> dict[str, Any]:
     hints = get_type_hints(kind, include_extras=True)
-    for field in dataclasses.fields(kind):
-        if _INTERNAL not in getattr(hints[field.name], "__metadata__", ()):
-            yield field.name, hints[field.name]
+    names = [
+        field.name
+        for field in dataclasses.fields(kind)
+        if _INTERNAL not in getattr(hints[field.name], "__metadata__", ())
+    ]
+    members: dict[str, Any] = {}
     for owner in reversed(kind.__mro__):
+        declared = inspect.get_annotations(owner)
+        members |= {name: hints[name] for name in names if name in declared}
         for name, one in vars(owner).items():
             if isinstance(one, property):
                 hint = get_type_hints(one.fget, include_extras=True)["return"]
                 if any(_marks(hint)):
-                    yield name, hint
+                    members[name] = hint
+    return members
 
 
 def _mark(hint: object) -> Member:

@@ -23,6 +23,7 @@ from planner.base.answer_members import (
     member_names,
 )
 from planner.base.arrays import Array, Mask
+from planner.inflight.telemetry.estimates import Estimate
 from planner.world.frames.time_scales import RowUtc, Utc
 
 
@@ -54,6 +55,20 @@ class Sight:
         return 1.0
 
 
+@answer
+class Beginning:
+    start_m: Internal[float]
+
+    @property
+    def begin_m(self) -> Km:
+        return self.start_m
+
+
+@answer
+class Measured(Beginning):
+    bias_rad: Annotated[Estimate, Member("arcsec", decimals=3)] | None
+
+
 @dataclass
 class Answer:
     sights: dict[str, list[Sight]]
@@ -80,6 +95,14 @@ def test_a_value_is_told_by_the_types_of_its_fields():
         '"row_at":"2015-02-27T17:36:10.2Z","number":0,"part":0.0,"azimuth_deg":[null,0.0,0.0],'
         '"edges_deg":[[180.0,0.0]],"whole_deg":[45.0],"holds":[true,false],"away_deg":28.647889757,'
         '"unit":"deg"}]},"level":-1.0}'
+    )
+
+
+def test_a_number_is_told_with_its_error_in_the_unit_of_its_member():
+    """After the members of its base, properties among them."""
+    bias_rad = Estimate(value=-math.radians(1.0 / 3600.0), sigma=math.radians(0.5 / 3600.0))
+    assert to_json(Measured(start_m=2e3, bias_rad=bias_rad)).decode() == (
+        '{"begin_km":2.0,"bias_arcsec":{"value":-1.0,"sigma":0.5}}'
     )
 
 

@@ -84,9 +84,9 @@ def test_a_clock_that_is_far_off_or_behind_is_found(tmp_path):
 def test_errors_are_the_noise_that_was_put_in(tmp_path):
     found = compared(telemetry(tmp_path, clock=Clock(0.37, 0.0), noise_arcsec=2.0))
     for one in found.axes:
-        assert one.error.rms_rad == pytest.approx(2.0 * ARCSEC, rel=0.05)
-        by_phase = {phase.kind: phase.error for phase in one.phases}
-        assert by_phase["slew"].samples + by_phase["track"].samples == one.error.samples
+        assert one.rms_rad == pytest.approx(2.0 * ARCSEC, rel=0.05)
+        by_phase = {phase.kind: phase for phase in one.phases}
+        assert by_phase["slew"].samples + by_phase["track"].samples == one.samples
         assert one.oscillations == one.stick_slip == one.limits_exceeded == ()
 
 
@@ -122,7 +122,7 @@ def test_an_axis_later_than_the_other_is_told_and_not_taken_for_the_clock(tmp_pa
     rows = [line.split(",") for line in content]
     late = [[row[0], before[1], row[2], before[3], row[4]] for before, row in pairwise(rows[1:])]
     found = compared("\n".join([content[0], *map(",".join, late)]).encode())
-    lags_s = {one.name: one.lag_s for one in found.axes}
+    lags_s = {one.name: one.lag for one in found.axes}
     assert lags_s["alpha"].value == pytest.approx(0.05, abs=0.005)
     assert lags_s["beta"].value == 0.0
     assert found.alignment.offset_s.value == pytest.approx(0.37, abs=0.005)
@@ -135,16 +135,16 @@ def test_sigmas_of_a_lag_are_honest_over_many_flights(late_s):
     told = []
     for seed in range(12):
         found = compared(noisy(seed, 5.0, late_s))
-        lag_s = found.axes[int(np.argmax(late_s))].lag_s
+        lag = found.axes[int(np.argmax(late_s))].lag
         offset, drift = found.alignment.offset_s, found.alignment.drift
         told.append(
             [
-                (lag_s.value - 0.2) / lag_s.sigma,
+                (lag.value - 0.2) / lag.sigma,
                 (offset.value - 0.37) / offset.sigma,
                 drift.value / drift.sigma,
             ]
         )
-        assert min(one.lag_s.value for one in found.axes) == 0.0
+        assert min(one.lag.value for one in found.axes) == 0.0
     sums = np.sum(np.square(told), axis=0)
     assert (sums > 2.2).all()
     assert (sums < 33.0).all()
@@ -274,9 +274,9 @@ def test_the_friction_that_was_flown_is_found(tmp_path, columns, friction_deg_s2
     assert [one.name for one in found.parameters[:2]] == names
     drives = [found.platform.outer.drive, found.platform.inner.drive]
     for one, drive_found in zip(found.parameters[:2], drives, strict=True):
-        assert one.planned_value == 0.05
-        assert one.found_value == pytest.approx(friction_deg_s2, rel=0.1)
-        assert drive_found.coulomb_deg_s2 == one.found_value
+        assert one.planned == 0.05
+        assert one.found == pytest.approx(friction_deg_s2, rel=0.1)
+        assert drive_found.coulomb_deg_s2 == one.found
 
 
 def test_the_least_smooth_rate_is_what_an_axis_stuck_at(tmp_path):
@@ -292,7 +292,7 @@ def test_the_least_smooth_rate_is_what_an_axis_stuck_at(tmp_path):
     found = platform_found(comparison, ())
     [least] = found.parameters
     assert least.name == "beta.rate_min_deg_s"
-    assert least.planned_value == 0.0
+    assert least.planned == 0.0
     fastest_rad_s = max(one.rate_rad_s for one in axis(comparison, "beta").stick_slip)
     assert np.radians(found.platform.inner.rate_min_deg_s) > fastest_rad_s
     assert found.platform.outer.rate_min_deg_s == 0.0
@@ -369,7 +369,7 @@ def test_rows_where_phases_meet_are_counted_whichever_way_they_are_rounded():
     for near in NEAR:
         t_s = plan.table.t_s * near
         followed = follow(motion, t_s, motion.angle_rad(t_s), np.full(len(t_s), np.nan))
-        seen.append([phase.error.samples for phase in phases(followed, plan.segments)])
+        seen.append([phase.samples for phase in phases(followed, plan.segments)])
     assert seen[0] == seen[1] == seen[2]
     assert sum(seen[0]) == len(plan.table.t_s)
 
@@ -415,7 +415,7 @@ def test_a_gain_is_told_and_taken_for_no_lag(alpha, beta):
     found = compared(csv_of(t_s, *scaled))
     for one, off in zip(found.axes, (alpha, beta), strict=True):
         assert abs(one.gain.value - 1.0 - off) < SIGMAS * one.gain.sigma < 6e-5
-        assert abs(one.lag_s.value) < SIGMAS * one.lag_s.sigma < 0.01
+        assert abs(one.lag.value) < SIGMAS * one.lag.sigma < 0.01
     for estimate in (found.alignment.offset_s, found.alignment.common_offset_s):
         assert abs(estimate.value - 0.37) < SIGMAS * estimate.sigma
     assert abs(found.alignment.drift.value) < SIGMAS * found.alignment.drift.sigma < 5e-6
@@ -449,7 +449,7 @@ def test_an_axis_measured_the_other_way_round_is_a_gain_of_minus_one(turned, wra
     for one, sign in zip(found.axes, turned, strict=True):
         assert abs(one.gain.value - sign) < SIGMAS * one.gain.sigma
         assert one.lag_s is not None
-        assert one.error.rms_rad == pytest.approx(2.0 * ARCSEC, rel=0.06)
+        assert one.rms_rad == pytest.approx(2.0 * ARCSEC, rel=0.06)
         assert one.limits_exceeded == ()
         assert len(one.limits_checked) == 4
     assert found.alignment.offset_s.value == pytest.approx(0.37, abs=0.005)

@@ -68,11 +68,11 @@ def test_an_axis_off_its_plan_has_no_lag_and_leaves_its_neighbour_alone(name, nu
     assert off.lag_s is None
     [note] = [note for note in found.notes if "has no lag_s" in note]
     assert note.startswith(off.name)
-    assert on.lag_s.value == 0.0
+    assert on.lag.value == 0.0
     offset_s = found.alignment.offset_s
     assert abs(offset_s.value - OFFSET_S) < min(0.005, SIGMAS * offset_s.sigma)
     assert abs(found.alignment.drift.value) < SIGMAS * found.alignment.drift.sigma
-    assert on.error.rms_rad == pytest.approx(2.0 * ARCSEC, rel=0.06)
+    assert on.rms_rad == pytest.approx(2.0 * ARCSEC, rel=0.06)
 
 
 def test_gradians_named_degrees_are_a_gain():

@@ -17,9 +17,10 @@ from PIL import Image
 from estimator.camera import HorizonCamera
 from estimator.check import Verdict
 from estimator.errors import InvalidImage
+from estimator.found import CameraReport
 from estimator.images import decode_image, prepare
 from estimator.overlay import draw_overlay
-from estimator.pipeline import CameraReport, VerticalEstimate
+from estimator.pipeline import VerticalEstimate
 
 PICTURE = np.random.default_rng(0).integers(0, 255, (48, 64, 3), dtype=np.uint8)
 
@@ -60,7 +61,15 @@ def test_a_large_frame_is_annotated_at_reduced_size():
     """In full size 20.7 megapixels would take more memory than a measurement has."""
     camera = camera_of(5568, 3712, 5000.0)
     limb_px = np.array([[2784.0, 1856.0]])
-    report = CameraReport("c", True, None, 30.0, 0.2, limb_px)
+    report = CameraReport(
+        name="c",
+        used=True,
+        reason=None,
+        explanation=None,
+        arc_deg=30.0,
+        residual_px=0.2,
+        limb_px=limb_px,
+    )
     estimate = VerticalEstimate(verdict=Verdict.NOT_OBSERVABLE, cameras=(report,))
     picture = draw_overlay(np.zeros((3712, 5568), dtype=np.uint8), camera, report, estimate)
     assert picture.shape == (1067, 1600, 3)

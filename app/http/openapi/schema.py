@@ -15,15 +15,8 @@ from app.http.negotiation import EVENT_STREAM, JSON, MULTIPART
 from app.http.openapi.examples import show_examples
 from app.http.openapi.fields import Schema, describe
 from app.http.problems import PROBLEM_JSON
-from app.requests.campaign import CAMPAIGN_READER
 from app.requests.examples import Examples
-from app.requests.flights import FLIGHTS_READER
-from app.requests.horizon import ESTIMATE_READER, PICTURE_READER, PREDICTION_READER
 from app.requests.json_reader import JsonReader
-from app.requests.opportunities import OPPORTUNITY_READER, ORBIT_TRACK_READER
-from app.requests.plan import PLAN_READER
-from app.requests.spacecraft import IMAGING_OPPORTUNITY_READER, SPACECRAFT_READER
-from app.requests.telemetry import COMPARISON_READER
 
 _DATA = Path(__file__).parent / "data"
 DESCRIPTION = (_DATA / "description.md").read_text().rstrip()
@@ -36,23 +29,13 @@ _OF_ACCESS = {"401", "403", "421", "429"}
 REF = "#/components/schemas/{model}"
 
 KEY_SCHEME = "key"
-_READERS: tuple[JsonReader[Any], ...] = (
-    PLAN_READER,
-    CAMPAIGN_READER,
-    FLIGHTS_READER,
-    OPPORTUNITY_READER,
-    ORBIT_TRACK_READER,
-    SPACECRAFT_READER,
-    IMAGING_OPPORTUNITY_READER,
-    COMPARISON_READER,
-    ESTIMATE_READER,
-    PREDICTION_READER,
-    PICTURE_READER,
-)
+# By the name of their class, each as soon as a route tells of it.
+_readers: dict[str, JsonReader[Any]] = {}
 
 
 def schema_of(reader: JsonReader[Any]) -> Schema:
-    """What a request is, as bodies refer to it."""
+    """What a request is, as bodies refer to it; the document will say what it is."""
+    _readers[reader.kind.__name__] = reader
     return {"$ref": REF.format(model=reader.kind.__name__)}
 
 
@@ -84,13 +67,16 @@ def complete(document: Schema, answers: Iterable[object]) -> Schema:
     answers: the classes of what the operations answer.
     """
     schemas = document.setdefault("components", {}).setdefault("schemas", {})
-    described = {reader.kind.__name__: reader.json_schema(REF) for reader in _READERS}
+    described = {name: reader.json_schema(REF) for name, reader in _readers.items()}
     for kind in (Problem, FeatureCollection):
         described[kind.__name__] = TypeAdapter(kind).json_schema(ref_template=REF)
     for name, schema in described.items():
         schemas |= schema.pop("$defs", {})
         schemas[name] = schema
-    describe(schemas, (*(reader.kind for reader in _READERS), Problem, FeatureCollection, *answers))
+    describe(
+        schemas,
+        (*(reader.kind for reader in _readers.values()), Problem, FeatureCollection, *answers),
+    )
     document["components"]["responses"] = {code: _refusal(code) for code in _REFUSALS}
     for path, operations in document["paths"].items():
         for method, operation in operations.items():

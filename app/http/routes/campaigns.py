@@ -34,7 +34,7 @@ from app.requests.examples import CAMPAIGN_EXAMPLES
 from app.requests.listings import listing_of_search
 from app.store import jobs, plans
 from app.store.database import Database
-from app.store.jobs import Job
+from app.store.job import Job
 from app.work.campaign_files import SUFFIXES, MadePass, campaign_file
 
 RESOURCE = JobResource(

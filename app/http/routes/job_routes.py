@@ -35,7 +35,8 @@ from app.jobs.kinds import JOB_KINDS
 from app.jobs.refusals import Conflict, KeyReused
 from app.store import audit, jobs
 from app.store.database import Database
-from app.store.jobs import Job, NewJob
+from app.store.job import Job
+from app.store.jobs import NewJob
 from app.versions import VERSION
 
 CANCEL_WAIT_S = 5.0

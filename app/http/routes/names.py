@@ -5,10 +5,9 @@ from typing import Annotated
 from fastapi import APIRouter, Query
 from pydantic import Field
 
-from app.answers.names import KnownPlaces, KnownStars, PlatformList
+from app.answers.names import KnownPlaces, KnownStars, PlatformList, platform_list
 from app.http.negotiation import ONLY_JSON
 from app.http.query import Parameters
-from planner.world.platforms import BODIES, PLATFORMS, definition_of
 from planner.world.targets.autocomplete import places_beginning, stars_beginning
 
 router = APIRouter(tags=["platforms"], dependencies=ONLY_JSON)
@@ -30,7 +29,7 @@ class NamesQuery(Parameters):
 @router.get("/v1/platforms", summary="List platforms")
 async def get_platforms() -> PlatformList:
     """Two axes on a carrier, or a body; copy one into a request's `platform` to change it."""
-    return PlatformList(platforms=[*map(definition_of, PLATFORMS.values()), *BODIES.values()])
+    return platform_list()
 
 
 @router.get("/v1/places", summary="List places by the beginning of their names")

@@ -13,7 +13,7 @@ from fastapi import APIRouter, Depends, Request, Response
 from sqlalchemy import Connection
 
 from app.answers.job import JobResponse, job_json
-from app.answers.members import PlanHead, fill, whole_answer
+from app.answers.members import PlanHead, whole_answer
 from app.answers.plan import TableAlone
 from app.http.blocking import EXPORT_BOUNDS, answer_in_child, in_child, read
 from app.http.negotiation import (
@@ -59,7 +59,7 @@ from app.jobs.kinds import JOB_KINDS
 from app.jobs.refusals import Conflict
 from app.store import jobs, plans
 from app.store.database import Database
-from app.store.jobs import Job
+from app.store.job import Job
 from app.store.plans import StoredPlan
 from app.work.view import AskedView
 from planner.base.errors import InvalidInput, Refusal
@@ -339,7 +339,8 @@ async def _whole_json(request: Request, resource: PlanResource, plan: StoredPlan
         table = await in_child(request, EXPORT_BOUNDS, resource.table_json, plan.table_columns)
     else:
         table = await anyio.to_thread.run_sync(resource.table_json, plan.table_columns)
-    return whole_answer(fill(PlanHead, plan), plan.document, table)
+    head = PlanHead(**{name: getattr(plan, name) for name in PlanHead.__dataclass_fields__})
+    return whole_answer(head, plan.document, table)
 
 
 async def _table_answer(

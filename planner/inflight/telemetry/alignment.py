@@ -19,6 +19,7 @@ from scipy.special import ndtr
 
 from planner.base.arrays import Array, Indices
 from planner.inflight.telemetry.error_spectrum import fit_spectrum, mean_power
+from planner.inflight.telemetry.estimates import Estimate, Inseparable
 from planner.inflight.telemetry.following import PlannedMotion
 from planner.inflight.telemetry.samples import Kind
 
@@ -110,28 +111,6 @@ class AlignedColumn:
         return (bias, OPTIONS.gain_sigma, *drive)
 
 
-@dataclass(frozen=True)
-class Estimate:
-    """With its 1-sigma error."""
-
-    value: float
-    sigma: float
-
-    @property
-    def is_seen(self) -> bool:
-        """Whether it is clearly not zero."""
-        return abs(self.value) > OPTIONS.seen_sigma * self.sigma
-
-    @property
-    def is_late(self) -> bool:
-        """Whether it is clearly above zero."""
-        return self.value > OPTIONS.late_sigma * self.sigma
-
-    def turned(self, sign: int) -> "Estimate":
-        """Of what is measured the other way round, where the sign is -1."""
-        return Estimate(sign * self.value, self.sigma)
-
-
 @dataclass(frozen=True, kw_only=True)
 class ColumnScale:
     """A column is its gain times the plan's value, plus its bias [rad, or rad/s].  gain: None of
@@ -141,14 +120,6 @@ class ColumnScale:
     kind: Kind
     gain: Estimate | None
     bias: Estimate
-
-
-@dataclass(frozen=True, kw_only=True)
-class Inseparable:
-    """Two estimates that the samples hardly tell apart, by their names in the answer."""
-
-    names: tuple[str, str]
-    correlation: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -195,7 +166,7 @@ class Fit:
     def estimate(self, place: int) -> Estimate:
         """Of a parameter by itself."""
         sigma = math.sqrt(self.covariance_parameters[place, place])
-        return Estimate(float(self.parameters[place]), sigma)
+        return Estimate(value=float(self.parameters[place]), sigma=sigma)
 
     def parts(self) -> dict[tuple[int, Kind], tuple[float, float]]:
         """By axis and kind what a gain is above one by, and a bias."""
@@ -216,7 +187,7 @@ class Fit:
                 ColumnScale(
                     axis=channel.motion.axis,
                     kind=channel.kind,
-                    gain=Estimate(1.0 + above.value, above.sigma) if above else None,
+                    gain=replace(above, value=1.0 + above.value) if above else None,
                     bias=self.estimate(columns[2]),
                 )
             )
@@ -245,7 +216,7 @@ def align(channels: Sequence[AlignedColumn], start_offset_s: float, axes: int) -
     lags_s: list[Estimate | None] = [None] * axes
     if len(known) == 1:
         first = best
-        lags_s[told[best]] = Estimate(0.0, own_s[best].sigma)
+        lags_s[told[best]] = Estimate(value=0.0, sigma=own_s[best].sigma)
         offset_s, reference, common_s = shared.estimate(1), shared, None
     else:
         # None is clearly earlier than these; of them the lags are told behind the best known, as
@@ -253,11 +224,11 @@ def align(channels: Sequence[AlignedColumn], start_offset_s: float, axes: int) -
         earliest = [
             place
             for place in known
-            if not any(_lag_s(each, place, than).is_late for than in known if than != place)
+            if not any(is_late(_lag_s(each, place, than)) for than in known if than != place)
         ]
         first = min(earliest, key=lambda place: own_s[place].sigma)
         lag_s = {place: _lag_s(each, place, first) for place in known if place != first}
-        lags_s[told[first]] = Estimate(0.0, min(one.sigma for one in lag_s.values()))
+        lags_s[told[first]] = Estimate(value=0.0, sigma=min(one.sigma for one in lag_s.values()))
         for place, one in lag_s.items():
             lags_s[told[place]] = one
         near = [place for place in lag_s if place in earliest]
@@ -268,7 +239,7 @@ def align(channels: Sequence[AlignedColumn], start_offset_s: float, axes: int) -
             reference = shared
         # Of many the earliest is less known than of any two.
         sigmas_s = [_earlier_sigma(each, offset_s, first, place) for place in near]
-        offset_s = Estimate(offset_s.value, max([offset_s.sigma, *sigmas_s]))
+        offset_s = replace(offset_s, sigma=max([offset_s.sigma, *sigmas_s]))
     return Alignment(
         offset_s=offset_s,
         drift=each.estimate(0),
@@ -288,7 +259,7 @@ def _lag_s(each: Fit, place: int, than: int) -> Estimate:
     ends = np.array([1.0, -1.0])
     variance_s2 = float(ends @ each.covariance_parameters[np.ix_(pair, pair)] @ ends)
     later_s = float(each.parameters[1 + place] - each.parameters[1 + than])
-    return Estimate(later_s, math.sqrt(variance_s2))
+    return Estimate(value=later_s, sigma=math.sqrt(variance_s2))
 
 
 def _earlier_sigma(each: Fit, told: Estimate, place: int, other: int) -> float:
@@ -308,13 +279,18 @@ def _earlier_sigma(each: Fit, told: Estimate, place: int, other: int) -> float:
     return max(math.sqrt(max(squares_s2, 0.0)), told.sigma)
 
 
+def is_late(lag_s: Estimate) -> bool:
+    """Whether an axis is clearly later."""
+    return lag_s.value > OPTIONS.late_sigma * lag_s.sigma
+
+
 def ideal_fit(alignment: Alignment) -> Fit | None:
     """The clock if the axes do as they are told, which is sharper: no friction, lag or gain, but
     for a bias.  None where the samples show any of these."""
     fit = alignment.fit
     shown = [fit.estimate(place) for columns in fit.places for place in columns[3:]]
     lags_s = [lag_s for lag_s in alignment.lags_s if lag_s is not None]
-    if any(one.is_seen for one in (*shown, *lags_s)):
+    if any(abs(one.value) > OPTIONS.seen_sigma * one.sigma for one in (*shown, *lags_s)):
         return None
     return _fit(fit.channels, alignment.offset_s.value, is_ideal=True)
 

@@ -11,26 +11,21 @@ import numpy as np
 from planner.base.arrays import Array, Mask
 from planner.base.errors import InvalidInput
 from planner.inflight.telemetry.alignment import (
-    OPTIONS as ALIGNMENT,
-)
-from planner.inflight.telemetry.alignment import (
     Alignment,
     ColumnScale,
-    Estimate,
     Fit,
-    Inseparable,
     ideal_fit,
     inseparable,
+    is_late,
 )
 from planner.inflight.telemetry.clock import OPTIONS as CLOCK
 from planner.inflight.telemetry.clock import follows, require_followed, tell_clock, turned_to_plan
+from planner.inflight.telemetry.estimates import Estimate, Inseparable
+from planner.inflight.telemetry.findings import AxisComparison, SamplesUse
 from planner.inflight.telemetry.following import (
-    ErrorSize,
-    Exceeded,
     Followed,
-    Limit,
-    PhaseErrors,
     PlannedMotion,
+    Stretch,
     error_size,
     follow,
     gap_starts,
@@ -41,7 +36,7 @@ from planner.inflight.telemetry.following import (
 )
 from planner.inflight.telemetry.oscillations import Oscillation, oscillations, searched_hz
 from planner.inflight.telemetry.platforms.registry import sensors_of
-from planner.inflight.telemetry.platforms.sensors import PlatformSensors, ToldColumn
+from planner.inflight.telemetry.platforms.sensors import PlatformSensors
 from planner.inflight.telemetry.samples import OPTIONS as SAMPLES
 from planner.inflight.telemetry.samples import (
     CleanSamples,
@@ -52,7 +47,7 @@ from planner.inflight.telemetry.samples import (
     leave_out_held,
     order_rows,
 )
-from planner.inflight.telemetry.stick_slip import StickSlip, stick_slip
+from planner.inflight.telemetry.stick_slip import stick_slip
 from planner.inflight.telemetry.wander import Wander, wander_of
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.world.plan import FlightPlan
@@ -66,6 +61,7 @@ class ComparisonOptions:
     """When what is left of an error is told, and as what."""
 
     gaps_max: int = 200  # told
+    stretches_max: int = 1000  # told, of each kind
     worth_telling_rad: float = math.radians(60.0 / 3600.0)  # rms of an error: 60 arcsec
     times_noise: float = 10.0  # rms over the noise: less is noise that isn't white
     poor: float = 0.3  # of the motion: errors so large mean another plan, or columns mistaken
@@ -79,46 +75,17 @@ OPTIONS = ComparisonOptions()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class AxisComparison:
-    """What one axis did.  gain, bias: as it was measured, of its angles or else its rates [rad, or
-    rad/s]; None where it doesn't follow its plan, or has none.  rates: of rates beside angles, None
-    without.  lag_s: see `Alignment.lags_s`.  wander: None of an axis that a drive turns.
-    oscillations_searched_hz: lowest and highest frequency; None where the samples are too few."""
-
-    name: str
-    followed: Followed
-    error: ErrorSize
-    gain: Estimate | None
-    bias: Estimate | None
-    rates: ColumnScale | None
-    lag_s: Estimate | None
-    wander: Wander | None
-    phases: tuple[PhaseErrors, ...]
-    oscillations: tuple[Oscillation, ...]
-    oscillations_searched_hz: tuple[float, float] | None
-    stick_slip: tuple[StickSlip, ...]
-    limits_exceeded: tuple[Exceeded, ...]
-    limits_checked: tuple[Limit, ...]
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
 class Comparison:
-    """ideal_clock: offset and drift if the axes do as they are told, see `ideal_fit`.
-    gaps_s: (start, stop) after the table's epoch, of all axes.  wrapped: angles brought within
-    half a turn of the plan."""
+    """ideal_clock: offset and drift if the axes do as they are told, see `ideal_fit`."""
 
     plan: FlightPlan
     sensors: PlatformSensors
-    samples: CleanSamples
-    columns: tuple[ToldColumn, ...]
-    ignored: tuple[str, ...]
+    clean: CleanSamples
+    samples: SamplesUse
     alignment: Alignment
     ideal_clock: tuple[Estimate, Estimate] | None
     inseparable: tuple[Inseparable, ...]
     axes: tuple[AxisComparison, ...]
-    step_s: float
-    gaps_s: tuple[tuple[float, float], ...]
-    wrapped: int
     notes: tuple[str, ...]
 
 
@@ -161,9 +128,6 @@ def compare(plan: FlightPlan, samples: Samples) -> Comparison:
         tag_s=tag_s[row][kept],
         angle_rad=angle_rad[row][kept],
         rate_rad_s=rate_rad_s[row][kept],
-        read=len(samples.t_s),
-        dropped={reason: count for reason, count in sorted(dropped.items()) if count},
-        reordered=ordered.reordered,
     )
     turned: dict[tuple[int, Kind], int] = {
         (column.meaning.axis, column.meaning.kind): sign
@@ -171,20 +135,32 @@ def compare(plan: FlightPlan, samples: Samples) -> Comparison:
     }
     axes, notes = _axes(plan, sensors, clean, alignment, ideal or alignment.fit, turned)
     own_s = t_s[kept]
-    gaps_s = [(float(own_s[k - 1]), float(own_s[k])) for k in gap_starts(own_s)[1:]]
+    gaps = [
+        Stretch(epoch_utc=table.epoch_utc, start_s=float(own_s[k - 1]), stop_s=float(own_s[k]))
+        for k in gap_starts(own_s)[1 : 1 + OPTIONS.gaps_max]
+    ]
+    used = SamplesUse(
+        read=len(samples.t_s),
+        used=len(own_s),
+        dropped={reason: count for reason, count in sorted(dropped.items()) if count},
+        reordered=ordered.reordered,
+        wrapped=wrapped,
+        start_utc=shifted_utc(table.epoch_utc, float(own_s[0])),
+        stop_utc=shifted_utc(table.epoch_utc, float(own_s[-1])),
+        step_s=float(np.median(np.diff(own_s))),
+        gaps=tuple(gaps),
+        columns=sent.told,
+        ignored_columns=(*samples.ignored, *empty),
+    )
     return Comparison(
         plan=plan,
         sensors=sensors,
-        samples=clean,
-        columns=sent.told,
-        ignored=(*samples.ignored, *empty),
+        clean=clean,
+        samples=used,
         alignment=alignment,
         ideal_clock=(ideal.estimate(1), ideal.estimate(0)) if ideal else None,
         inseparable=tuple(inseparable(alignment, names)),
         axes=tuple(axes),
-        step_s=float(np.median(np.diff(own_s))),
-        gaps_s=tuple(gaps_s[: OPTIONS.gaps_max]),
-        wrapped=wrapped,
         notes=(
             *(f"{name} holds no number" for name in empty),
             *sent.notes,
@@ -287,7 +263,7 @@ def _axes(
     scales = {(one.axis, one.kind): one for one in alignment.scales}
     axes: list[AxisComparison] = []
     notes: list[str] = []
-    for motion, name, bounds, lag_s in zip(
+    for motion, name, bounds, lag in zip(
         sensors.motions, plan.table.dof_names, sensors.bounds, alignment.lags_s, strict=True
     ):
         axis = motion.axis
@@ -297,34 +273,43 @@ def _axes(
         if followed is None:
             notes.append(f"there is no telemetry of {name}")
             continue
-        if not motion.has_drive and lag_s is not None and _is_late(lag_s):
+        if not motion.has_drive and lag is not None and is_late(lag):
             # A servo's delay hides in friction and swings; a body's is all there is beside wander.
-            late_rad = lag_s.value * motion.rate_rad_s(followed.t_s)
+            late_rad = lag.value * motion.rate_rad_s(followed.t_s)
             followed = replace(followed, left_rad=followed.left_rad + late_rad)
         wander = wander_of(followed) if not motion.has_drive else None
         kind: Kind = "angle" if followed.basis == "angles" else "rate"
         scale, sign = scales.get((axis, kind)), turned.get((axis, kind), 1)
         angle_rad = motion.angle_rad(followed.t_s) + followed.left_rad
         is_on_plan = follows(angle_rad, "angle", followed.t_s, motion) is not False
+        rates = _turned(scales.get((axis, "rate")), turned) if kind == "angle" else None
+        told = wander if is_on_plan else None
+        swings = [one for one in oscillations(followed) if not _is_chance(one, wander, followed)]
+        sticks = stick_slip(followed) if is_on_plan and motion.has_drive else []
         # Off its plan it was brought near it by whole turns, which are no motion of its own.
         exceeded, checked = limits_exceeded(followed, bounds) if is_on_plan else ([], [])
         axes.append(
             AxisComparison(
                 name=name,
                 followed=followed,
-                error=error_size(followed.error_rad),
+                lag=lag,
+                basis=followed.basis,
+                **vars(error_size(followed.error_rad)),
                 gain=scale.gain.turned(sign) if scale and scale.gain else None,
                 bias=scale.bias.turned(sign) if scale else None,
-                rates=_turned(scales.get((axis, "rate")), turned) if kind == "angle" else None,
-                lag_s=lag_s,
-                wander=wander if is_on_plan else None,
+                bias_unit="arcsec" if kind == "angle" else "arcsec/s",
+                rate_gain=rates.gain if rates else None,
+                rate_bias_rad_s=rates.bias if rates else None,
+                noise_rad=told.noise_rad if told else None,
+                wander_rad=told.sigma_rad if told else None,
+                wander_half_life_s=told.half_life_s if told else None,
+                lag_s=lag.value if lag else None,
+                lag_sigma_s=lag.sigma if lag else None,
                 phases=tuple(phases(followed, plan.segments)),
-                oscillations=tuple(
-                    one for one in oscillations(followed) if not _is_chance(one, wander, followed)
-                ),
+                oscillations=tuple(swings[: OPTIONS.stretches_max]),
                 oscillations_searched_hz=searched_hz(followed),
-                stick_slip=tuple(stick_slip(followed)) if is_on_plan and motion.has_drive else (),
-                limits_exceeded=tuple(exceeded),
+                stick_slip=tuple(sticks[: OPTIONS.stretches_max]),
+                limits_exceeded=tuple(exceeded[: OPTIONS.stretches_max]),
                 limits_checked=tuple(checked),
             )
         )
@@ -351,15 +336,14 @@ def _notes_on_signs(columns: Sequence[TelemetryColumn], signs: Sequence[int]) ->
 
 def _notes_on_errors(axes: Sequence[AxisComparison]) -> list[str]:
     """Axes off their plan, and errors beyond noise that nothing else in the answer explains."""
-    on_time = [axis.followed for axis in axes if axis.lag_s is not None]
+    on_time = [axis.followed for axis in axes if axis.lag is not None]
     jump = clock_jump(on_time) if on_time else None
     notes = [] if jump is None else [jump]
     for axis in axes:
-        lag_s = axis.lag_s
-        if lag_s is None:
+        if axis.lag is None:
             notes.append(_no_lag(axis, "the other axis tells" if len(axes) < 3 else "others tell"))
             continue
-        is_told = bool(jump or _is_late(lag_s) or axis.oscillations or axis.stick_slip)
+        is_told = bool(jump or is_late(axis.lag) or axis.oscillations or axis.stick_slip)
         note = _outliers_left(axis) or _beyond_noise(axis, is_told)
         notes += [] if note is None else [note]
     return notes
@@ -372,10 +356,6 @@ def _is_chance(swing: Oscillation, wander: Wander | None, followed: Followed) ->
     step_s = float(np.median(np.diff(followed.t_s)))
     rows = (swing.stop_s - swing.start_s) / step_s
     return wander.explains(swing.frequency_hz, swing.amplitude_rad, rows, step_s)
-
-
-def _is_late(lag_s: Estimate) -> bool:
-    return lag_s.value > ALIGNMENT.late_sigma * lag_s.sigma
 
 
 def _no_lag(axis: AxisComparison, others: str) -> str:

@@ -29,7 +29,8 @@ from planner.world.frames.time_scales import elapsed_s
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from planner.inflight.telemetry.compare import AxisComparison, Comparison
+    from planner.inflight.telemetry.compare import Comparison
+    from planner.inflight.telemetry.findings import AxisComparison
 
 _ARCSEC_PER_RAD = math.degrees(1.0) * 3600.0
 _SWING_COLOUR, _STICK_COLOUR = "#7b5aa6", "#b3282d"
@@ -54,7 +55,7 @@ def draw_comparison(comparison: Comparison, image_format: str, created_utc: date
     plan = comparison.plan
     table = plan.table
     title = plan.scenario.name or "Plan"
-    t_s = comparison.alignment.t_s(comparison.samples.tag_s)
+    t_s = comparison.alignment.t_s(comparison.clean.tag_s)
     figure, panels = panels_over_time(
         ["angle, deg", *(f"{shown_text(axis.name, 18)} error, arcsec" for axis in comparison.axes)],
         f"{shown_text(title, TITLE_MAX)}: plan and flight",
@@ -118,7 +119,7 @@ def _draw_error(panel: Axes, axis: AxisComparison, colour: str) -> None:
         for one in spans:
             at = low + (height - 0.08) * (high - low)
             panel.plot([one.start_s, one.stop_s], [at, at], color=mark, **_MARK)
-    text = f"rms {axis.error.rms_rad * _ARCSEC_PER_RAD:.3g} arcsec"
+    text = f"rms {axis.rms_rad * _ARCSEC_PER_RAD:.3g} arcsec"
     if axis.oscillations:
         largest = max(axis.oscillations, key=lambda one: one.amplitude_rad)
         text += (

@@ -3,18 +3,24 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from datetime import datetime
+from typing import Annotated, Literal
 
 import numpy as np
 
+from planner.base.answer_members import Count, Internal, Member, answer
 from planner.base.arrays import Array, Mask
 from planner.base.commands import ROWS_PER_S, CommandTable
 from planner.base.table_motion import axes_motion_at, smooth_motion_at
-from planner.world.frames.time_scales import elapsed_s
+from planner.world.frames.time_scales import Utc, elapsed_s, shifted_utc
 from planner.world.plan import Segment, SegmentKind
 
 Basis = Literal["angles", "rates"]
 Limit = Literal["angle_min", "angle_max", "rate", "acceleration"]
+LimitUnit = Literal["deg", "deg/s", "deg/s2"]
+SizeArcsec = Annotated[float, Member("arcsec", 0.0, decimals=4)]
+SignedArcsec = Annotated[float, Member("arcsec", decimals=4)]
+LimitDeg = Annotated[float, Member("deg", decimals=6)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,15 +142,52 @@ class ErrorSize:
     mean_rad: float
 
 
-@dataclass(frozen=True, kw_only=True)
+@answer
 class PhaseErrors:
-    """Errors during one segment of the table, in seconds after its epoch."""
+    """Measured less planned during one segment of the table.
+
+    kind: kind of the segment.
+    session: number of the session it belongs to, from 0; null on the way to the final state.
+    start_utc: of the segment; UTC.
+    stop_utc: of the segment; UTC.
+    samples: there are of it.
+    rms_rad: null without samples.
+    max_rad: the largest, either way; null without samples.
+    mean_rad: null without samples.
+    """
 
     kind: SegmentKind
-    session: int | None
-    start_s: float
-    stop_s: float
-    error: ErrorSize
+    session: Count | None
+    start_utc: Utc
+    stop_utc: Utc
+    samples: Count
+    rms_rad: SizeArcsec | None
+    max_rad: SizeArcsec | None
+    mean_rad: SignedArcsec | None
+
+
+@answer
+class Stretch:
+    """Of time, by the plan's clock.
+
+    start_utc: start of the stretch; UTC. E.g. `"2015-02-27T17:36:20.000Z"`.
+    stop_utc: end of the stretch; UTC. E.g. `"2015-02-27T17:36:24.000Z"`.
+    start_s, stop_s: after epoch_utc, the table's.
+    """
+
+    epoch_utc: Internal[datetime]
+    start_s: Internal[float]
+    stop_s: Internal[float]
+
+    @property
+    def start_utc(self) -> Utc:
+        """Its beginning."""
+        return shifted_utc(self.epoch_utc, self.start_s)
+
+    @property
+    def stop_utc(self) -> Utc:
+        """Its end."""
+        return shifted_utc(self.epoch_utc, self.stop_s)
 
 
 def spikes(error: Array, least: float) -> Mask:
@@ -283,14 +326,14 @@ def phases(followed: Followed, segments: Sequence[Segment]) -> list[PhaseErrors]
         # A row where two meet is the later one's, though the clock that was found be a little off.
         edge_s = OPTIONS.edge_s
         ends_s = [start_s - edge_s, stop_s + (edge_s if segment is segments[-1] else -edge_s)]
-        rows = slice(*np.searchsorted(followed.t_s, ends_s))
+        size = vars(error_size(followed.error_rad[slice(*np.searchsorted(followed.t_s, ends_s))]))
         found.append(
             PhaseErrors(
                 kind=segment.kind,
                 session=segment.session,
-                start_s=start_s,
-                stop_s=stop_s,
-                error=error_size(followed.error_rad[rows]),
+                start_utc=segment.start_utc,
+                stop_utc=segment.stop_utc,
+                **size if size["samples"] else {**dict.fromkeys(size), "samples": 0},
             )
         )
     return found
@@ -342,16 +385,25 @@ class MotionBounds:
     acceleration_rad_s2: float
 
 
-@dataclass(frozen=True, kw_only=True)
-class Exceeded:
-    """value: the farthest, in the limit's own unit of radians; start_s, stop_s: after the table's
-    epoch."""
+@answer
+class Exceeded(Stretch):
+    """A stretch in which the measured motion went beyond a limit, by more than its noise.
+
+    limit: the limit that was exceeded. E.g. `"rate"`.
+    value: the farthest, in `unit`. E.g. `3.2`.
+    bound: the limit, in `unit`. E.g. `3.0`.
+    unit: of both. E.g. `"deg/s"`.
+    """
 
     limit: Limit
-    start_s: float
-    stop_s: float
-    value: float
-    bound: float
+    value: LimitDeg
+    bound: LimitDeg
+
+    @property
+    def unit(self) -> Annotated[LimitUnit, Member()]:
+        """As it is written; value and bound are in radians."""
+        units: dict[Limit, LimitUnit] = {"rate": "deg/s", "acceleration": "deg/s2"}
+        return units.get(self.limit, "deg")
 
 
 def limits_exceeded(followed: Followed, bounds: MotionBounds) -> tuple[list[Exceeded], list[Limit]]:
@@ -361,7 +413,7 @@ def limits_exceeded(followed: Followed, bounds: MotionBounds) -> tuple[list[Exce
     """
     found: list[Exceeded] = []
     checked: list[Limit] = []
-    t_s = followed.t_s
+    t_s, epoch_utc = followed.t_s, followed.motion.table.epoch_utc
     error_rad = _without_outliers(t_s, followed.error_rad)
     angle_rad = followed.motion.angle_rad(t_s) + error_rad
     step = sensor_step(followed.motion.angle_rad(t_s) + followed.error_rad)
@@ -369,8 +421,8 @@ def limits_exceeded(followed: Followed, bounds: MotionBounds) -> tuple[list[Exce
         checked += ["angle_min", "angle_max"]
         margin = OPTIONS.limit_sigma * max(row_noise(angle_rad), 0.5 * step)
         low, high = bounds.angle_rad
-        found += _beyond("angle_min", t_s, -angle_rad, -low, margin, -1.0)
-        found += _beyond("angle_max", t_s, angle_rad, high, margin, 1.0)
+        found += _beyond("angle_min", epoch_utc, t_s, -angle_rad, -low, margin, -1.0)
+        found += _beyond("angle_max", epoch_utc, t_s, angle_rad, high, margin, 1.0)
     motions: tuple[tuple[Limit, int, float, float], ...] = (
         ("rate", 1, bounds.rate_rad_s, OPTIONS.rate_span_s),
         ("acceleration", 2, bounds.acceleration_rad_s2, OPTIONS.acceleration_span_s),
@@ -389,8 +441,8 @@ def limits_exceeded(followed: Followed, bounds: MotionBounds) -> tuple[list[Exce
                 motion = followed.motion
                 planned = (motion.rate_rad_s, motion.acceleration_rad_s2)[order - 1](t_s[run])
                 margin = OPTIONS.limit_sigma * noise
-                found += _beyond(limit, t_s[run], planned + off, bound, margin, 1.0)
-                found += _beyond(limit, t_s[run], -planned - off, bound, margin, -1.0)
+                found += _beyond(limit, epoch_utc, t_s[run], planned + off, bound, margin, 1.0)
+                found += _beyond(limit, epoch_utc, t_s[run], -planned - off, bound, margin, -1.0)
         if told:
             checked.append(limit)
     return sorted(found, key=lambda one: one.start_s), checked
@@ -435,7 +487,13 @@ def _slope(
 
 
 def _beyond(
-    limit: Limit, t_s: Array, value: Array, bound: float, margin: float, sign: float
+    limit: Limit,
+    epoch_utc: datetime,
+    t_s: Array,
+    value: Array,
+    bound: float,
+    margin: float,
+    sign: float,
 ) -> list[Exceeded]:
     beyond = np.flatnonzero(value > bound + margin)
     found = []
@@ -446,6 +504,7 @@ def _beyond(
         found.append(
             Exceeded(
                 limit=limit,
+                epoch_utc=epoch_utc,
                 start_s=float(t_s[first]),
                 stop_s=float(t_s[last - 1]),
                 value=sign * float(value[first:last].max()),

@@ -8,11 +8,14 @@ frequencies that a window can tell.
 
 import math
 from dataclasses import dataclass, replace
+from datetime import datetime
+from typing import Annotated
 
 import numpy as np
 
+from planner.base.answer_members import Member, answer
 from planner.base.arrays import Array
-from planner.inflight.telemetry.following import Followed, sensor_step
+from planner.inflight.telemetry.following import Followed, SizeArcsec, Stretch, sensor_step
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,14 +40,16 @@ class OscillationOptions:
 OPTIONS = OscillationOptions()
 
 
-@dataclass(frozen=True, kw_only=True)
-class Oscillation:
-    """start_s, stop_s: after the table's epoch.  amplitude_rad: of a sinusoid, rms over them."""
+@answer
+class Oscillation(Stretch):
+    """A stretch in which the axis swings about its plan.
 
-    start_s: float
-    stop_s: float
-    frequency_hz: float
-    amplitude_rad: float
+    frequency_hz: of the sinusoid that fits best. E.g. `0.8`.
+    amplitude_rad: of the sinusoid. E.g. `12.5`.
+    """
+
+    frequency_hz: Annotated[float, Member(least=0.0, decimals=6)]
+    amplitude_rad: SizeArcsec
 
 
 @dataclass(frozen=True)
@@ -57,16 +62,16 @@ class _Line:
 def oscillations(followed: Followed) -> list[Oscillation]:
     """In order of time."""
     found: list[Oscillation] = []
-    step_rad = 0.0
+    step_rad, epoch_utc = 0.0, followed.motion.table.epoch_utc
     if followed.basis == "angles":
         step_rad = sensor_step(followed.motion.angle_rad(followed.t_s) + followed.error_rad)
     for run in _long_enough(followed):
         if followed.rate_left_rad_s is None:
-            found += _in_run(followed.t_s[run], followed.left_rad[run])
+            found += _in_run(epoch_utc, followed.t_s[run], followed.left_rad[run])
         else:  # whose noise is white, while that of their integral wanders
             found += [
                 replace(one, amplitude_rad=one.amplitude_rad / (2.0 * math.pi * one.frequency_hz))
-                for one in _in_run(followed.t_s[run], followed.rate_left_rad_s[run])
+                for one in _in_run(epoch_utc, followed.t_s[run], followed.rate_left_rad_s[run])
             ]
     # A steady motion beats with the steps of an encoder, at 0.32 of them.
     return [one for one in found if one.amplitude_rad > 0.5 * step_rad]
@@ -103,7 +108,7 @@ def _band_hz(size: int, step_s: float) -> tuple[float, float]:
     return OPTIONS.cycles_min / (size * step_s), 1.0 / (OPTIONS.rows_per_cycle_min * step_s)
 
 
-def _in_run(t_s: Array, error_rad: Array) -> list[Oscillation]:
+def _in_run(epoch_utc: datetime, t_s: Array, error_rad: Array) -> list[Oscillation]:
     """Of errors of any unit: the amplitude is in theirs."""
     step_s = _step_s(t_s)
     even_s = t_s[0] + step_s * np.arange(len(t_s))
@@ -119,7 +124,7 @@ def _in_run(t_s: Array, error_rad: Array) -> list[Oscillation]:
             if found_hz is not None:
                 start_s = float(even_s[first])
                 lines.append(_Line(start_s, start_s + step_s * size, found_hz))
-    found = (_oscillation(even_s, even_rad, line, step_s) for line in _joined(lines))
+    found = (_oscillation(epoch_utc, even_s, even_rad, line, step_s) for line in _joined(lines))
     return [one for one in found if one is not None]
 
 
@@ -198,7 +203,9 @@ def _is_same(line: _Line, earlier: _Line) -> bool:
     return is_alike and line.start_s <= earlier.stop_s
 
 
-def _oscillation(even_s: Array, even_rad: Array, line: _Line, step_s: float) -> Oscillation | None:
+def _oscillation(
+    epoch_utc: datetime, even_s: Array, even_rad: Array, line: _Line, step_s: float
+) -> Oscillation | None:
     """Where in its windows it is, and its sinusoid there; None where little is left of it."""
     rows = slice(*np.searchsorted(even_s, [line.start_s, line.stop_s]))
     t_s, error_rad = even_s[rows], even_rad[rows]
@@ -210,6 +217,7 @@ def _oscillation(even_s: Array, even_rad: Array, line: _Line, step_s: float) -> 
     trend = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, len(t_s)), 3)
     left = error_rad - trend @ np.linalg.lstsq(trend, error_rad, rcond=None)[0]
     return Oscillation(
+        epoch_utc=epoch_utc,
         start_s=float(t_s[0]),
         stop_s=float(t_s[-1]),
         frequency_hz=_refined_hz(left, step_s, line.frequency_hz, 1.0 / (t_s[-1] - t_s[0])),

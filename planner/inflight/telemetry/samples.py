@@ -143,16 +143,12 @@ class CleanSamples:
     """Rows that are used, in the order of their time tags, in radians.
 
     tag_s: (n,), the telemetry's clock less the table's epoch, strictly increasing.
-    angle_rad, rate_rad_s: (n, d), NaN where an axis has none.  read: rows there were.
-    dropped: rows by reason.  reordered: rows that came before an earlier one.
+    angle_rad, rate_rad_s: (n, d), NaN where an axis has none.
     """
 
     tag_s: Array
     angle_rad: Array
     rate_rad_s: Array
-    read: int
-    dropped: Mapping[Dropped, int]
-    reordered: int
 
 
 def angle_meanings(template: str, axis: int, kind: Kind) -> dict[str, ColumnMeaning]:

@@ -9,12 +9,21 @@ partitioning, Jackson et al. 2005, sec. 2.
 
 import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from datetime import datetime
+from typing import Annotated
 
 import numpy as np
 
+from planner.base.answer_members import Count, Member, answer
 from planner.base.arrays import Array, Mask
-from planner.inflight.telemetry.following import Followed, row_noise, sensor_step
+from planner.inflight.telemetry.following import (
+    Followed,
+    SizeArcsec,
+    Stretch,
+    row_noise,
+    sensor_step,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -126,23 +135,27 @@ def _squares_of_parts(value: Array) -> Array:
     return np.where(rows > 0, np.maximum(own, 0.0), np.inf)
 
 
-@dataclass(frozen=True, kw_only=True)
-class StickSlip:
-    """start_s, stop_s: after the table's epoch.  slips: how often it let go.  stuck_share: of the
-    time.  slip_rad: largest way caught up at once.  rate_rad_s: largest command in it."""
+@answer
+class StickSlip(Stretch):
+    """A stretch in which the axis stands while its command moves, and catches up in slips.
 
-    start_s: float
-    stop_s: float
-    slips: int
-    stuck_share: float
-    slip_rad: float
-    rate_rad_s: float
+    slips: number of slips. E.g. `4`.
+    stuck_share: of the time that it stood. E.g. `0.6`.
+    slip_rad: the farthest slip. E.g. `10.5`.
+    rate_rad_s: largest rate commanded meanwhile [arcsec/s]. E.g. `18.2`.
+    """
+
+    slips: Count
+    stuck_share: Annotated[float, Member(least=0.0, greatest=1.0, decimals=3)]
+    slip_rad: SizeArcsec
+    rate_rad_s: SizeArcsec
 
 
 @dataclass(frozen=True, eq=False)
 class _Rows:
     """Averaged rows of a stretch, (n,) each; the command grows.  variance_rad2: of the noise."""
 
+    epoch_utc: datetime
     t_s: Array
     error_rad: Array
     command_rad: Array
@@ -150,9 +163,8 @@ class _Rows:
 
     def cut(self, first: int, last: int) -> "_Rows":
         rows = slice(first, last)
-        return _Rows(
-            self.t_s[rows], self.error_rad[rows], self.command_rad[rows], self.variance_rad2
-        )
+        t_s, error_rad, command_rad = self.t_s[rows], self.error_rad[rows], self.command_rad[rows]
+        return replace(self, t_s=t_s, error_rad=error_rad, command_rad=command_rad)
 
 
 def stick_slip(followed: Followed) -> list[StickSlip]:
@@ -181,6 +193,7 @@ def _in_stretch(
     followed: Followed, rows: slice, noise_rad: float, quantum_rad: float
 ) -> list[StickSlip]:
     t_s, error_rad = followed.t_s[rows], followed.left_rad[rows]
+    epoch_utc = followed.motion.table.epoch_utc
     command_rad = followed.motion.angle_rad(t_s)
     if command_rad[-1] < command_rad[0]:
         command_rad, error_rad = -command_rad, -error_rad
@@ -200,7 +213,7 @@ def _in_stretch(
                     for one in (t_s, error_rad, command_rad)
                 ]
                 variance_rad2 = noise_rad**2 / each + quantum_rad**2 / 12.0 + OPTIONS.exact_rad**2
-                window = _Rows(averages[0], averages[1], averages[2], variance_rad2)
+                window = _Rows(epoch_utc, averages[0], averages[1], averages[2], variance_rad2)
                 one = _in_window(window, quantum_rad)
                 found += [one] if one else []
             first += max(OPTIONS.window // 2 * each, 1)
@@ -227,7 +240,7 @@ def _in_window(rows: _Rows, quantum_rad: float) -> StickSlip | None:
     first, last = stands[0].first, stands[-1].last
     if last < len(rows.t_s):  # the slip that ends it
         last += 1
-    stretch = _Rows(rows.t_s, rows.error_rad, rows.command_rad, variance_rad2).cut(first, last)
+    stretch = replace(rows, variance_rad2=variance_rad2).cut(first, last)
     return _told(stretch, quantum_rad)
 
 
@@ -255,6 +268,7 @@ def _told(rows: _Rows, quantum_rad: float) -> StickSlip | None:
     if len(slips) < OPTIONS.slips_min or share < OPTIONS.share_min or np.median(slips) <= least_rad:
         return None
     return StickSlip(
+        epoch_utc=rows.epoch_utc,
         start_s=float(rows.t_s[0]),
         stop_s=float(rows.t_s[-1]),
         slips=len(slips),
@@ -270,7 +284,7 @@ def _is_clear(rows: _Rows, cost: float) -> bool:
     if follows - cost < OPTIONS.clearly:
         return False
     # Errors that come and go by chance, and swings, look alike to a command turned round.
-    turned = _Rows(rows.t_s, rows.error_rad, -rows.command_rad, rows.variance_rad2)
+    turned = replace(rows, command_rad=-rows.command_rad)
     least = cost + follows - _stairs(turned, rows.variance_rad2, may_stand=True).cost
     if follows - least < OPTIONS.clearly:
         return False
@@ -289,12 +303,11 @@ def _apart(found: list[StickSlip]) -> list[StickSlip]:
         longer = max(before, one, key=lambda one: one.slips)
         # As often outside of the longer as in it.
         grown = (stop_s - start_s) / max(longer.stop_s - longer.start_s, 1e-9)
-        apart[-1] = StickSlip(
+        apart[-1] = replace(
+            longer,
             start_s=start_s,
             stop_s=stop_s,
             slips=round(longer.slips * grown),
-            stuck_share=longer.stuck_share,
-            slip_rad=longer.slip_rad,
             rate_rad_s=max(before.rate_rad_s, one.rate_rad_s),
         )
     return apart

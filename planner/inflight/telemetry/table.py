@@ -12,7 +12,8 @@ from planner.base.csv_cells import comment_lines, csv_lines
 from planner.output.export.description import DECIMALS, notes
 
 if TYPE_CHECKING:
-    from planner.inflight.telemetry.compare import AxisComparison, Comparison
+    from planner.inflight.telemetry.compare import Comparison
+    from planner.inflight.telemetry.findings import AxisComparison
 
 _NAMES = ("axis", "t_s", "planned_deg", "flown_deg", "error_arcsec")
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner.base.arrays import Array
-from planner.inflight.telemetry.alignment import Estimate
 from planner.inflight.telemetry.error_spectrum import fit_spectrum, mean_power
+from planner.inflight.telemetry.estimates import Estimate
 from planner.inflight.telemetry.following import Followed
 
 
@@ -67,8 +67,8 @@ def _told(power_rad2: Array, blocks: int, rows: int, step_s: float) -> Wander | 
     wander_s, half_life, noise = (
         # The first and the last are of squares.
         Estimate(
-            math.exp(log * share),
-            OPTIONS.room * math.exp(log * share) * share * math.sqrt(variance),
+            value=math.exp(log * share),
+            sigma=OPTIONS.room * math.exp(log * share) * share * math.sqrt(variance),
         )
         for log, share, variance in zip(
             found.log_parameters.tolist(), (0.5, 1.0, 0.5), variance_log2.tolist(), strict=True
@@ -76,7 +76,7 @@ def _told(power_rad2: Array, blocks: int, rows: int, step_s: float) -> Wander | 
     )
     if len(power_rad2) * blocks * found.likelier < OPTIONS.likelier:
         white = math.sqrt(float(np.mean(power_rad2)))
-        noise = Estimate(white, white / math.sqrt(2.0 * rows * blocks))
+        noise = Estimate(value=white, sigma=white / math.sqrt(2.0 * rows * blocks))
         return Wander(sigma_rad=None, half_life_s=None, noise_rad=noise)
     is_told = (
         math.sqrt(float(variance_log2[:2].max())) < OPTIONS.spread_log_max

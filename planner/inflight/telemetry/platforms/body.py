@@ -22,6 +22,7 @@ from planner.base.rotation import Rotation
 from planner.base.table_motion import body_motion_at
 from planner.inflight.telemetry.clock import OPTIONS as CLOCK
 from planner.inflight.telemetry.clock import offsets_s
+from planner.inflight.telemetry.estimates import Estimate
 from planner.inflight.telemetry.following import MotionBounds, PlannedMotion
 from planner.inflight.telemetry.platforms.sensors import (
     ClockAssumptions,
@@ -45,7 +46,6 @@ from planner.world.plan import FlightPlan
 from planner.world.platforms import BodyPlatform
 
 if TYPE_CHECKING:
-    from planner.inflight.telemetry.alignment import Estimate
     from planner.inflight.telemetry.compare import Comparison
 
 
@@ -137,7 +137,10 @@ class BodySensors:
         """Rates as they are; a quaternion as three angles, with the order that suits it best."""
         rates = [one for one in columns if one.meaning.unit != "1"]
         parts = {one.meaning.axis: one for one in columns if one.meaning.unit == "1"}
-        told = [ToldColumn(r.name, "xyz"[r.meaning.axis], "rate", r.meaning.unit) for r in rates]
+        told = [
+            ToldColumn(name=r.name, axis="xyz"[r.meaning.axis], kind="rate", unit=r.meaning.unit)
+            for r in rates
+        ]
         if not parts:
             return ReadColumns(columns, tuple(told))
         if len(parts) < len(_PARTS):
@@ -154,7 +157,9 @@ class BodySensors:
         order, offset_s = self._best_order(sent, tag_s)
         kind: ToldKind = "attitude"
         names = dict(zip(range(4), order.parts, strict=True))
-        told += [ToldColumn(parts[k].name, names[k], kind, "1") for k in range(4)]
+        told += [
+            ToldColumn(name=parts[k].name, axis=names[k], kind=kind, unit="1") for k in range(4)
+        ]
         angles = [
             TelemetryColumn(
                 name=f"attitude about {letter}",
@@ -254,27 +259,28 @@ class BodySensors:
                 field="identify",
             )
         knowledge = self.platform.knowledge
-        wanders = [axis.wander for axis in comparison.axes if axis.wander is not None]
-        sigma_rad = _mean([one.sigma_rad for one in wanders if one.sigma_rad])
-        half_life_s = _mean([one.half_life_s for one in wanders if one.half_life_s])
+        sigma_rad = _mean([one.wander_rad for one in comparison.axes if one.wander_rad])
+        half_life_s = _mean(
+            [one.wander_half_life_s for one in comparison.axes if one.wander_half_life_s]
+        )
         if sigma_rad is None or half_life_s is None:
             return None
         control = Parameter(
             name="knowledge.control_sigma_arcsec",
-            planned_value=knowledge.control_sigma_arcsec,
-            found_value=sigma_rad.value * _ARCSEC_PER_RAD,
+            planned=knowledge.control_sigma_arcsec,
+            found=sigma_rad.value * _ARCSEC_PER_RAD,
             sigma=sigma_rad.sigma * _ARCSEC_PER_RAD,
         )
         forgets = Parameter(
             name="knowledge.correlation_s",
-            planned_value=knowledge.correlation_s,
-            found_value=half_life_s.value,
+            planned=knowledge.correlation_s,
+            found=half_life_s.value,
             sigma=half_life_s.sigma,
         )
         learnt = replace(
             knowledge,
-            control_sigma_arcsec=control.found_value,
-            correlation_s=forgets.found_value,
+            control_sigma_arcsec=control.found,
+            correlation_s=forgets.found,
         )
         return PlatformFound(
             parameters=(control, forgets), platform=replace(self.platform, knowledge=learnt)
@@ -327,13 +333,11 @@ def _late(
 def _mean(found: Sequence[Estimate]) -> Estimate | None:
     """Of estimates of the same, each by its share of error, as that grows with the value; None of
     none."""
-    from planner.inflight.telemetry.alignment import Estimate
-
     if not found:
         return None
     weights = np.array([(one.value / one.sigma) ** 2 for one in found])
     value = math.exp(float(weights @ np.log([one.value for one in found]) / weights.sum()))
-    return Estimate(value, value * float(weights.sum() ** -0.5))
+    return Estimate(value=value, sigma=value * float(weights.sum() ** -0.5))
 
 
 def _evenly(rows: Indices, most: int) -> Indices:

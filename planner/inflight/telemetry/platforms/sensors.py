@@ -2,11 +2,16 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import datetime
 from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol
 
+from planner.base.answer_members import Count, Internal, NotNegative, Signed, answer
 from planner.base.arrays import Array
-from planner.inflight.telemetry.following import MotionBounds, PlannedMotion
+from planner.inflight.telemetry.following import (
+    MotionBounds,
+    PlannedMotion,
+    SignedArcsec,
+    SizeArcsec,
+)
 from planner.inflight.telemetry.samples import (
     ColumnContract,
     ColumnUnit,
@@ -15,6 +20,7 @@ from planner.inflight.telemetry.samples import (
     TelemetryColumn,
 )
 from planner.world.attitude.corrections import AttitudeCorrection
+from planner.world.frames.time_scales import Utc
 from planner.world.platforms import BodyPlatform, PlatformDefinition
 
 if TYPE_CHECKING:
@@ -23,8 +29,15 @@ if TYPE_CHECKING:
 ToldKind = Kind | Literal["attitude"]
 
 
-class ToldColumn(NamedTuple):
-    """The reading of a column.  axis: whose motion it measures, or which part of the attitude."""
+@answer
+class ToldColumn:
+    """The reading of one column.
+
+    name: as it was sent.
+    axis: the axis it belongs to; of an attitude, the part of the quaternion that it holds.
+    kind: of its angle or its rate, or of a body's attitude.
+    unit: in which it was read, as its name or `columns` says; of a rate, per second.
+    """
 
     name: str
     axis: str
@@ -48,36 +61,51 @@ class ClockAssumptions(NamedTuple):
     ideal: str
 
 
-@dataclass(frozen=True, kw_only=True)
+@answer
 class PointingParts:
-    """How far the target was from the frame's centre and why, along the frame's two sides.
+    """Distance of the target from the frame's centre at an instant, and its causes: along the
+    frame's first side and its second.
 
-    axes_rad: the boresight's error by the axes alone, None where there is no telemetry of both.
-    attitude_rad: by which the attitude moved the target, beyond what the plan reckoned with.
-    attitude_sigma_rad: of each.
-    target_rad: of the target in the frame: attitude less axes; None without axes.
+    at_utc: time of the measurement; UTC. E.g. `"2015-02-27T17:37:00.000Z"`.
+    session: number of the session then, from 0; null outside of sessions. E.g. `0`.
+    measured: source of the measured attitude: a rotation as of the horizon, or the target in an
+    image. E.g. `"image"`.
+    axes_rad: error of the boresight by the axes; null without angles of both. E.g.
+    `[2.5, -1.0]`.
+    attitude_rad: of the target by the attitude, beyond what the plan reckoned with. E.g.
+    `[432.0, -180.0]`.
+    attitude_sigma_rad: 1-sigma of each. E.g. `[3.6, 3.6]`.
+    target_rad: of the target from the frame's centre: attitude less axes; null without axes.
+    E.g. `[429.5, -179.0]`.
     correction: the attitude against its law without corrections, as a plan takes it.
     """
 
-    epoch_utc: datetime
-    session: int | None
+    at_utc: Utc
+    session: Count | None
     measured: Literal["rotation", "image"]
-    axes_rad: tuple[float, float] | None
-    attitude_rad: tuple[float, float]
-    attitude_sigma_rad: tuple[float, float]
-    target_rad: tuple[float, float] | None
-    correction: AttitudeCorrection
+    axes_rad: tuple[SignedArcsec, ...] | None
+    attitude_rad: tuple[SignedArcsec, ...]
+    attitude_sigma_rad: tuple[SizeArcsec, ...]
+    target_rad: tuple[SignedArcsec, ...] | None
+    correction: Internal[AttitudeCorrection]
 
 
-@dataclass(frozen=True, kw_only=True)
+@answer
 class Parameter:
-    """name: `axis.field`, or the field's path.  planned_value: what the platform has.  found_value,
-    sigma: the estimate; sigma None where it is a bound."""
+    """A parameter of the platform, estimated from the telemetry.
+
+    name: path of the field in `platform`; of a drive the axis's name, a dot, and the field's. E.g.
+    `"beta.coulomb_deg_s2"`.
+    planned: value of the plan's platform, in the field's unit. E.g. `0.05`.
+    found: value estimated from the telemetry. E.g. `0.1`.
+    sigma: 1-sigma error; null where the found one is a bound, as of `rate_min_deg_s`, below which
+    the axis was seen to stick and slip. E.g. `0.001`.
+    """
 
     name: str
-    planned_value: float
-    found_value: float
-    sigma: float | None
+    planned: Signed
+    found: Signed
+    sigma: NotNegative | None
 
 
 @dataclass(frozen=True, kw_only=True)

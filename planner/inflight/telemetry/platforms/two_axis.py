@@ -113,8 +113,9 @@ class AxisSensors:
         """As they are."""
         names = self.plan.table.dof_names
         told = [
-            ToldColumn(one.name, names[one.meaning.axis], one.meaning.kind, one.meaning.unit)
+            ToldColumn(name=one.name, axis=names[read.axis], kind=read.kind, unit=read.unit)
             for one in columns
+            for read in [one.meaning]
         ]
         return ReadColumns(columns, tuple(told))
 
@@ -134,7 +135,7 @@ class AxisSensors:
             from_image(self.plan, followed, one, f"image_offsets.{number}")
             for number, one in enumerate(image_offsets)
         ]
-        return sorted(pointing, key=lambda parts: parts.epoch_utc)
+        return sorted(pointing, key=lambda parts: parts.at_utc)
 
     def found(self, comparison: Comparison, names: Sequence[str]) -> PlatformFound | None:
         """The drives' parameters, and the least rates of axes that stuck."""
@@ -162,7 +163,7 @@ def from_rotation(
     covariance_rad2 = np.deg2rad(np.deg2rad(measured.covariance_deg2))
     sigma = np.sqrt(np.einsum("ij,jk,ik->i", by_turn, covariance_rad2, by_turn))
     return PointingParts(
-        epoch_utc=measured.epoch,
+        at_utc=measured.epoch,
         session=_session_at(plan, t_s),
         measured="rotation",
         axes_rad=_pair(axes),
@@ -212,7 +213,7 @@ def from_image(
     x, y, z = np.rad2deg(total.as_rotvec()).tolist()
     rows = [tuple(row) for row in covariance.tolist()]
     return PointingParts(
-        epoch_utc=found.epoch,
+        at_utc=found.epoch,
         session=session,
         measured="image",
         axes_rad=_pair(axes),
@@ -308,7 +309,7 @@ def platform_found(comparison: Comparison, names: Sequence[str]) -> PlatformFoun
     limits = list(platform.axis_limits)
     for one in least:
         axis = platform.axis_names.index(one.name.rpartition(".")[0])
-        limits[axis] = replace(limits[axis], rate_min_rad_s=math.radians(one.found_value))
+        limits[axis] = replace(limits[axis], rate_min_rad_s=math.radians(one.found))
     return PlatformFound(
         parameters=(*found, *least),
         platform=definition_of(platform.with_limits((limits[0], limits[1]))),
@@ -326,8 +327,8 @@ def _least_rates(comparison: Comparison) -> list[Parameter]:
             found.append(
                 Parameter(
                     name=f"{axis.name}.{_LEAST_RATE}",
-                    planned_value=math.degrees(limits.rate_min_rad_s),
-                    found_value=math.degrees(OPTIONS.room * fastest_rad_s),
+                    planned=math.degrees(limits.rate_min_rad_s),
+                    found=math.degrees(OPTIONS.room * fastest_rad_s),
                     sigma=None,
                 )
             )
@@ -339,7 +340,7 @@ def _drives(
 ) -> tuple[tuple[Parameter, ...], tuple[AxisDrive, AxisDrive]]:
     plan, platform = comparison.plan, comparison.plan.scenario.two_axis
     _require_identifiable(names, platform, plan.table.t_s[-1])
-    clean = comparison.samples
+    clean = comparison.clean
     t_s = comparison.alignment.t_s(clean.tag_s) + _own_delay_s(comparison)
     inside = (t_s >= 0.0) & (t_s <= plan.table.t_s[-1])
     rows = np.flatnonzero(inside)[:: -(-int(inside.sum()) // OPTIONS.samples_max)]
@@ -355,8 +356,8 @@ def _drives(
     parameters = tuple(
         Parameter(
             name=name,
-            planned_value=_value(platform, name),
-            found_value=float(value),
+            planned=_value(platform, name),
+            found=float(value),
             sigma=float(error),
         )
         for name, value, error in zip(found.names, found.parameters, sigma, strict=True)

@@ -1,0 +1,141 @@
+"""Cameras' parts, views and a session's bias, as answers hold them."""
+
+from typing import Annotated
+
+import numpy as np
+
+from estimator.check import Verdict
+from estimator.errors import Reason
+from planner.base.answer_members import (
+    AngleSize,
+    Count,
+    HalfTurn,
+    Internal,
+    Member,
+    Schema,
+    Share,
+    answer,
+    written,
+)
+from planner.base.arrays import Array
+from planner.world.frames.time_scales import Utc
+
+
+class ToldWord(Member):
+    """A reason, told by its name as a word."""
+
+    def __get_pydantic_core_schema__(self, source: object, handler: object) -> Schema:
+        return written(lambda reason: reason.name.lower(), {"type": "str"})
+
+
+ReasonWord = Annotated[Reason, ToldWord()]
+Turn = Annotated[float, Member("deg", 0.0, 360.0, decimals=9)]
+AnglesBoth = Annotated[Array, Member("deg", decimals=9)]
+CovarianceDeg2 = Annotated[Array, Member("deg2", decimals=12, axes=2)]
+
+
+@answer
+class CameraReport:
+    """One camera's part in the estimate.
+
+    name: the camera's, as the request gives it.
+    used: true when its frame was used.
+    reason: the reason for leaving it out, as a word; null when it was used. E.g. `"all_black"`.
+    explanation: the reason in full; null when it was used. E.g. `"the frame is black"`.
+    arc_deg: limb found, as azimuth about nadir.
+    residual_px: rms distance of the limb points from the fit; null without one.
+    limb_px: those points, (n, 2).
+    overlay_png: the annotated frame as a PNG in base64, when `overlay` was asked for: limb points
+    used in green, the predicted limb in orange. E.g. `"iVBORw0KGgo="`.
+    """
+
+    name: str
+    used: bool
+    reason: ReasonWord | None
+    explanation: str | None
+    arc_deg: Annotated[float, Member("", 0.0, 360.0, decimals=9)]
+    residual_px: Annotated[float, Member("", 0.0, decimals=4)] | None
+    limb_px: Internal[Array]
+    overlay_png: str | None = None
+
+
+@answer
+class HorizonView:
+    """The view of one camera at one instant.
+
+    at_utc: the instant; UTC.
+    camera: the camera's name.
+    usable: true when an estimate from its frame will be of use.
+    reason: the reason why not, as a word; null when it is usable.
+    explanation: the reason in full; null when it is usable.
+    limb_in_frame: true when any of the limb is in the frame.
+    arc_rad: limb in frame, as azimuth about nadir.
+    lit_arc_rad: the part of that arc that is in daylight and away from the Sun.
+    lit: true when any of the arc is in daylight and away from the Sun.
+    sun_angle_rad: of the Sun from the boresight.
+    sun_in_frame: true when the Sun's disk is in the frame.
+    sigma_rad: expected 1-sigma of geocentric nadir by this camera alone; null when it is not
+    usable.
+    limb_px: (n, 2), of a daylight limb 17.5 km high (or the body's own), NaN where out of frame.
+    line_px: the limb's line, [x, y]: x right, y down, pixel centres at whole numbers.
+    """
+
+    at_utc: Utc
+    camera: str
+    usable: bool
+    reason: ReasonWord | None
+    explanation: str | None
+    limb_in_frame: bool
+    arc_rad: Turn
+    lit_arc_rad: Turn
+    lit: bool
+    sun_angle_rad: HalfTurn
+    sun_in_frame: bool
+    sigma_rad: AngleSize | None
+    limb_px: Internal[Array]
+
+    @property
+    def line_px(self) -> Annotated[Array, Member(decimals=2, axes=2, called="limb_px")]:
+        """Those points of it that are known."""
+        return self.limb_px[np.all(np.isfinite(self.limb_px), axis=1)]
+
+
+@answer
+class HorizonCheck:
+    """One camera's use in one session, seen at its start, middle and stop.
+
+    session: its number, from 0. E.g. `0`.
+    camera: the camera's name. E.g. `"ahead"`.
+    usable: true when its frames will be of use at all three. E.g. `true`.
+    reason: of the first that is not usable, as a word; null when all are. E.g. `"low_sun"`.
+    explanation: the reason in full; null when all are usable. E.g.
+    `"the Sun is too low at the craft"`.
+    views: at the three instants.
+    """
+
+    session: Count
+    camera: str
+    usable: bool
+    reason: ReasonWord | None
+    explanation: str | None
+    views: tuple[HorizonView, ...]
+
+
+@answer
+class SeriesReport:
+    """Measured minus predicted nadir over the frames that could be used; null without any.
+
+    used: how many those are.
+    bias_rad: (2,), along and across as in `AttitudeCheck`.
+    covariance_rad2: of the bias, (2, 2): the limb's height errs alike in all frames of a session,
+    so the bias is no surer than one frame.
+    scatter_rad: (2,), rms about the bias, jitter and limb roughness.
+    probability: that errors of the stated sizes make so large a bias.
+    """
+
+    verdict: Verdict
+    used: Count
+    bias_rad: AnglesBoth | None
+    covariance_rad2: CovarianceDeg2 | None
+    scatter_rad: AnglesBoth | None
+    probability: Share | None
