@@ -142,7 +142,7 @@ def exclusion_margins(
             direction_eci = q_eci_from_body.apply(unit_vector(tracker.boresight_body))
             aparts_rad = [
                 surroundings.margin_rad(direction_eci, celestial, least_deg)
-                for celestial, least_deg in tracker.angles_deg
+                for celestial, least_deg in tracker.least_deg
             ]
             each.append(np.min(aparts_rad, axis=0))
         of_last_needed = np.sort(each, axis=0)[-trackers.needed]

@@ -142,7 +142,7 @@ def probability_held(
     By one of `every` draws.  NaN where no pair of angles points there at one of the instants.
     """
     los = line_of_sight(instants, ephemeris, attitude, platform.q_platform_from_body, target)
-    angle_rad = axis_angles(platform, los.los_platform).angle_rad[branch]
+    angle_rad = axis_angles(platform, los.los_base).angle_rad[branch]
     if not np.isfinite(angle_rad).all():
         return np.nan
     scene = PointingScene(los, attitude, target, platform, angle_rad, OPTIONS.samples)
