@@ -11,7 +11,6 @@ from planner.base.spec import spec
 from planner.world.frames.time_scales import shifted_utc, utc_text
 from planner.world.platforms import AngleDeg, AnyPlatform
 from planner.world.rules.registry import POSITIONS, rules_of
-from planner.world.rules.rules import Travel
 from planner.world.scenario import BodyMotionDeg, InitialState, MotionDeg, Quaternion
 
 # Slews take at most ten times the least time that the limits allow: more makes them no smoother.
@@ -68,7 +67,7 @@ class AskedInitialState:
         state = given | rest
         after = state.pop("after", None)
         if self.epoch is None:
-            lead_s = _lead_s(rules.farthest(state))
+            lead_s = _lead_s(platform, state.get(rules.state_members[0], {}))
             epoch_utc = shifted_utc(first_start_utc, -lead_s).replace(microsecond=0)
         else:
             epoch_utc = _on_row(self.epoch)
@@ -100,14 +99,20 @@ def _on_row(moment_utc: datetime) -> datetime:
     return moment_utc.replace(microsecond=moment_utc.microsecond // _STEP_US * _STEP_US)
 
 
-def _lead_s(farthest: list[Travel]) -> float:
-    """Time for a gentle slew as far as there is, by each degree of freedom as of `Rules`.
+def _lead_s(platform: AnyPlatform, position_deg: Mapping[str, float]) -> float:
+    """Time for a gentle slew from rest to the stop farthest from a position, by name.
+
+    By half a turn where there is no stop.
 
     Source: the profile that reaches every limit (Biagiotti, Melchiorri 2008, 3.4), which bounds
     the least time.
     """
-    least_s = max(
-        travel / rate + rate / acceleration + acceleration / jerk
-        for travel, rate, acceleration, jerk in farthest
-    )
+    least_s = 0.0
+    for name, (stops, *orders) in zip(platform.dof_names, platform.motion_bounds(), strict=True):
+        travel_rad = math.pi
+        if stops is not None:
+            position_rad = math.radians(position_deg.get(name, 0.0))
+            travel_rad = max(stops[1] - position_rad, position_rad - stops[0])
+        rate, acceleration, jerk = (most for _, most in orders)
+        least_s = max(least_s, travel_rad / rate + rate / acceleration + acceleration / jerk)
     return math.ceil(max(least_s, min(_ENOUGH * least_s, _LEAD_MAX_S)))

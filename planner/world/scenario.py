@@ -26,8 +26,9 @@ from planner.world.platforms import (
 )
 from planner.world.platforms.body import RollRule
 from planner.world.rules.body import BodyRules
+from planner.world.rules.keep_out import KeepOut
 from planner.world.rules.registry import rules_of
-from planner.world.targets import KeepOut, Target
+from planner.world.targets import Target
 
 KEEP_OUT_MAX = 8  # each makes the detour's problem larger
 AVOID_MODES_MAX = 16

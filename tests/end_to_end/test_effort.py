@@ -25,9 +25,9 @@ from planner.planning.sessions.pipeline import make_plan
 from planner.planning.sessions.sequence import SessionRefused, sequence_sessions
 from planner.world.frames.time_scales import elapsed_s
 from planner.world.platforms import AxisLimits, StructuralMode
+from planner.world.rules.keep_out import KeepOut
 from planner.world.scenario import SlewOptions
 from planner.world.targets import GroundTarget
-from planner.world.targets.keep_out import KeepOut
 
 CASES = Path(__file__).parents[1] / "data" / "cases"
 QUICK = SlewOptions(objective="minimum_time")

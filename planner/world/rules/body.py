@@ -10,7 +10,6 @@ from planner.base.errors import figures
 from planner.world.attitude import Attitude
 from planner.world.platforms import AnyPlatform
 from planner.world.platforms.body import AzimuthRoll, BodyPlatform, LinesAcrossMotion, RollRule
-from planner.world.rules.rules import State, Travel
 from planner.world.targets import BenchMotionTarget, EarthFixedTarget, Target, VisibleTarget
 
 if TYPE_CHECKING:
@@ -111,22 +110,14 @@ class BodyRules:
                 )
 
     def require_rest(
-        self,
-        rest_angles_deg: Mapping[str, float] | None,
-        attitude: Attitude | None,
-        slew: "SlewOptions",
+        self, rest_deg: Mapping[str, float] | None, attitude: Attitude | None, slew: "SlewOptions"
     ) -> None:
-        given = {"rest_angles_deg": rest_angles_deg is not None}
+        given = {"rest_angles_deg": rest_deg is not None}
         refuse_axes_only(self.platform.name, given | asked_of_axes(attitude, slew))
 
-    def at_rest(self) -> State:
+    def at_rest(self) -> Mapping[str, Any]:
         return {}
 
-    def told(self, state: State) -> tuple[str, dict[str, Any]]:
+    def told(self, state: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
         given = {name: state[name] for name in self.state_members if name in state}
         return "the body's attitude and rate", given
-
-    def farthest(self, state: State) -> list[Travel]:
-        """Half a turn about any axis."""
-        by_axis: list[list[float]] = self.platform.agility.by_order_rad.T.tolist()
-        return [Travel(math.pi, *by_order) for by_order in by_axis]

@@ -10,7 +10,6 @@ from planner.base.arrays import Array
 from planner.base.errors import figures
 from planner.world.attitude import Attitude
 from planner.world.platforms import AnyPlatform, AxisLimits, FinalAngles, TwoAxisPlatform
-from planner.world.rules.rules import State, Travel
 
 if TYPE_CHECKING:
     from planner.world.scenario import Scenario, SlewOptions
@@ -130,13 +129,10 @@ class TwoAxisRules:
             )
 
     def require_rest(
-        self,
-        rest_angles_deg: Mapping[str, float] | None,
-        attitude: Attitude | None,
-        slew: "SlewOptions",
+        self, rest_deg: Mapping[str, float] | None, attitude: Attitude | None, slew: "SlewOptions"
     ) -> None:
         names = self.platform.axis_names
-        rest_deg = dict.fromkeys(names, 0.0) if rest_angles_deg is None else rest_angles_deg
+        rest_deg = dict.fromkeys(names, 0.0) if rest_deg is None else rest_deg
         self._require_names("rest_angles_deg", rest_deg)
         for name, limits in zip(names, self.platform.axis_limits, strict=True):
             low_deg = math.degrees(limits.angle_min_rad)
@@ -147,20 +143,10 @@ class TwoAxisRules:
                     f"not {rest_deg[name]:g}"
                 )
 
-    def at_rest(self) -> State:
+    def at_rest(self) -> Mapping[str, Any]:
         return {"angles_deg": dict.fromkeys(self.platform.axis_names, 0.0)}
 
-    def told(self, state: State) -> tuple[str, dict[str, Any]]:
+    def told(self, state: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
         angles_deg = dict(state["angles_deg"])
         angles = ", ".join(f"{axis} {angle:g}" for axis, angle in angles_deg.items())
         return f"{angles} deg", {"angles_deg": angles_deg}
-
-    def farthest(self, state: State) -> list[Travel]:
-        """To the stop farthest from each axis's angle."""
-        ways = []
-        for axis, limits in zip(self.platform.axis_names, self.platform.axis_limits, strict=True):
-            angle_rad = math.radians(state["angles_deg"].get(axis, 0.0))
-            travel_rad = max(limits.angle_max_rad - angle_rad, angle_rad - limits.angle_min_rad)
-            most = limits.rate_max_rad_s, limits.acceleration_max_rad_s2, limits.jerk_max_rad_s3
-            ways.append(Travel(travel_rad, *most))
-        return ways

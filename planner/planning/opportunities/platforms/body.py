@@ -43,7 +43,7 @@ from planner.world.platforms.body import (
     unit_vector,
 )
 from planner.world.targets import VisibleTarget
-from planner.world.targets.keep_out import HIDDEN_RAD
+from planner.world.targets.body import HIDDEN_RAD
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -18,10 +18,12 @@ from planner.verification.platforms.two_axis.carrier import (
     eci_from_platform,
 )
 from planner.verification.platforms.two_axis.hermite import AxisHermite
+from planner.verification.platforms.two_axis.keep_out import keep_out_margins
 from planner.verification.platforms.two_axis.limits import axis_margins, slow_stretches
 from planner.verification.report import (
     ExclusionMargin,
     Finding,
+    KeepOutMargin,
     LimitMargin,
     MaskMargin,
     SlowStretch,
@@ -145,6 +147,10 @@ class TwoAxisJudge:
                 self._table.epoch_utc,
             )
         )
+
+    def keep_out(self) -> tuple[KeepOutMargin, ...]:
+        """Of the slews' cones."""
+        return keep_out_margins(self._table, self._scenario, self)
 
     def masks(self) -> tuple[MaskMargin, ...]:
         """To the platform's masks."""
