@@ -243,7 +243,7 @@ def test_sessions_with_no_time_between_are_refused_at_once(place, gap_s, slew):
         plan.table.position[round(elapsed_s(when, EPOCH) * ROWS_PER_S)]
         for when in (asked.sessions[0].stop, moved.start)
     )
-    rates = [limits.rate_max_rad_s for limits in asked.axis_limits]
+    rates = [limits.rate_max_rad_s for limits in asked.platform.axis_limits]
     assert elapsed_s(moved.start, asked.sessions[0].stop) >= np.max(np.abs(met - left) / rates)
 
 
