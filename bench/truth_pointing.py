@@ -125,11 +125,11 @@ def _session(
     q_platform = ISS_HRC.q_platform_from_body
     los = line_of_sight(instants, ephemeris, law, q_platform, target)
     truth = pair.true.ephemeris(pair.start_utc, stop_utc)
-    true_sight = line_of_sight(instants, truth, law, q_platform, target).los_platform
-    along = np.cross(ISS_HRC.axes_platform[0], los.los_platform)
+    true_sight = line_of_sight(instants, truth, law, q_platform, target).los_base
+    along = np.cross(ISS_HRC.axes_platform[0], los.los_base)
     along /= np.linalg.norm(along, axis=1, keepdims=True)
-    sides = np.stack([along, np.cross(los.los_platform, along)], axis=1)
-    angle_rad = axis_angles(ISS_HRC, los.los_platform).angle_rad[0]
+    sides = np.stack([along, np.cross(los.los_base, along)], axis=1)
+    angle_rad = axis_angles(ISS_HRC, los.los_base).angle_rad[0]
     found = []
     for size in SIZES:
         half_rad = tuple(size * np.array(ISS_HRC.frame_half_rad))

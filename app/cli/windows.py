@@ -1,7 +1,6 @@
 """`slewtrack windows`: times at which targets can be seen, found here or by a running service."""
 
-from collections.abc import Iterator, Sequence
-from functools import partial
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -22,7 +21,8 @@ _EDGES = (
     *("target", "rise", "set", "duration_s", "opened_by", "closed_by", "highest_deg"),
     "probability_in_frame",
 )
-_BY_AXIS = {"angles_deg": "_deg", "rates_deg_s": "_rate_deg_s"}
+_ANGLES = "angles_deg"  # by the names of two axes, or along and across a body's track
+_BY_NAME = {_ANGLES: "_deg", "rates_deg_s": "_rate_deg_s"}
 
 
 def windows(
@@ -63,7 +63,7 @@ def print_windows(console: Console, found: Members) -> None:
         ("<set", lambda window: window["set"][11:-5]), ("elev", "closest.elevation_deg", ".1f"),
         ("km", "closest.range_km", _kilometres), ("m/px", "closest.ground_sample_across_m", ".2f"),
         ("Sun", "closest.sun_elevation_deg", ".0f"),
-        *((axis, partial(_angle_deg, axis), ".1f") for axis in _axes(windows)),
+        *((one, _angle_of(one), ".1f") for one in _angle_names(windows)),
         ("in frame", lambda window: window.get("probability_in_frame"), ".2f"), keys=2,
     )  # fmt: skip
     parts.print_more(console, len(windows))
@@ -71,12 +71,12 @@ def print_windows(console: Console, found: Members) -> None:
     parts.print_warnings(console, found["warnings"])
 
 
-def _axes(windows: Sequence[Members]) -> Sequence[str]:
-    return [*windows[0]["closest"]["angles_deg"]] if windows else ()
+def _angle_names(windows: Sequence[Members]) -> Sequence[str]:
+    return [*windows[0]["closest"][_ANGLES]] if windows else ()
 
 
-def _angle_deg(axis: str, window: Members) -> object:
-    return window["closest"]["angles_deg"][axis]
+def _angle_of(name: str) -> Callable[[Members], object]:
+    return lambda window: window["closest"][_ANGLES][name]
 
 
 def _kilometres(range_km: float | None) -> str:
@@ -93,13 +93,13 @@ def _csv_rows(windows: Sequence[Members]) -> Iterator[list[object]]:
 
     from app.answers.opportunities import SightingOut
 
-    view = [field.name for field in fields(SightingOut) if field.name not in _BY_AXIS]
-    by_axis = [f"{axis}{unit}" for unit in _BY_AXIS.values() for axis in _axes(windows)]
-    yield [*_EDGES, *(f"closest_{name}" for name in (*view, *by_axis))]
+    view = [field.name for field in fields(SightingOut) if field.name not in _BY_NAME]
+    by_name = [f"{one}{unit}" for unit in _BY_NAME.values() for one in _angle_names(windows)]
+    yield [*_EDGES, *(f"closest_{name}" for name in (*view, *by_name))]
     for window in windows:
         seen = window["closest"]
         yield [
             *(window.get(name) for name in _EDGES),
             *(seen[name] for name in view),
-            *(seen[kind][axis] for kind in _BY_AXIS for axis in seen[kind]),
+            *(seen[kind][one] for kind in _BY_NAME for one in seen[kind]),
         ]

@@ -9,8 +9,9 @@ from planner.base.assumed import Assumed
 from planner.base.commands import COMMAND_STEP_S
 from planner.base.spec import spec
 from planner.world.frames.time_scales import shifted_utc, utc_text
-from planner.world.platforms import AngleDeg, AnyPlatform, TwoAxisPlatform
-from planner.world.scenario import OF_BODY, BodyMotionDeg, InitialState, MotionDeg, Quaternion
+from planner.world.platforms import AngleDeg, AnyPlatform
+from planner.world.rules.registry import POSITIONS, rules_of
+from planner.world.scenario import BodyMotionDeg, InitialState, MotionDeg, Quaternion
 
 # Slews take at most ten times the least time that the limits allow: more makes them no smoother.
 _ENOUGH = 10.0
@@ -48,7 +49,7 @@ class AskedInitialState:
     after: str | None = None
 
     def __post_init__(self) -> None:
-        if self.after is not None and (self.angles_deg or self.q_body_from_eci_xyzw) is None:
+        if self.after is not None and not any(getattr(self, name) for name in POSITIONS):
             raise ValueError(
                 "after names a plan that only the service that keeps it knows: send it the "
                 "request (slewtrack plan --url), or give its epoch and motion instead"
@@ -60,33 +61,17 @@ class AskedInitialState:
 
     def completed(self, platform: AnyPlatform, first_start_utc: datetime) -> InitialState:
         """With what wasn't given, for a first session that starts then."""
-        angles_deg = self.angles_deg
-        if angles_deg is None:
-            is_axes = isinstance(platform, TwoAxisPlatform)
-            angles_deg = dict.fromkeys(platform.dof_names if is_axes else (), 0.0)
+        rules = rules_of(platform)
+        given = {name: value for name, value in vars(self).items() if value is not None}
+        rest = {name: value for name, value in rules.at_rest().items() if name not in given}
+        state = given | rest
+        after = state.pop("after", None)
         if self.epoch is None:
-            lead_s = _lead_s(platform, angles_deg)
+            lead_s = _lead_s(platform, state.get(rules.state_members[0], {}))
             epoch_utc = shifted_utc(first_start_utc, -lead_s).replace(microsecond=0)
         else:
             epoch_utc = _on_row(self.epoch)
-        assumed = self._assumed(epoch_utc, angles_deg)
-        filled = {"epoch": epoch_utc, "angles_deg": angles_deg, "assumed": assumed}
-        given = {name: value for name, value in vars(self).items() if name != "after"}
-        return InitialState(**given | filled)
-
-    def _assumed(self, epoch_utc: datetime, angles_deg: Mapping[str, float]) -> tuple[Assumed, ...]:
-        """In words, and as the request might have said it."""
         epoch = utc_text(epoch_utc, 1)
-        angles = ", ".join(f"{axis} {angle:g}" for axis, angle in angles_deg.items())
-        if self.after is not None:
-            where = f"{angles} deg" if angles_deg else "the body's attitude and rate"
-            detail = f"the end of plan {self.after}: {where}, from {epoch} on"
-            given = {"epoch": epoch, "angles_deg": dict(angles_deg)}
-            if not angles_deg:
-                given = {"epoch": epoch} | {
-                    name: value for name in OF_BODY if (value := getattr(self, name)) is not None
-                }
-            return (Assumed(field="initial_state.after", detail=detail, members=given),)
         found: list[tuple[str, str, object]] = []
         if self.epoch is None:
             detail = f"{epoch}, early enough for the slew to the first session"
@@ -94,12 +79,19 @@ class AskedInitialState:
         elif epoch_utc != self.epoch:
             detail = f"{epoch}, the last row not after {utc_text(self.epoch, 6)}"
             found.append(("epoch", detail, epoch))
-        if self.angles_deg is None and angles_deg:
-            found.append(("angles_deg", f"at rest at {angles} deg", dict(angles_deg)))
-        return tuple(
+        if rest:
+            where, members = rules.told(rest)
+            found += [(name, f"at rest at {where}", value) for name, value in members.items()]
+        assumed = tuple(
             Assumed(field=f"initial_state.{name}", detail=detail, members={name: value})
             for name, detail, value in found
         )
+        if after is not None:
+            where, members = rules.told(state)
+            detail = f"the end of plan {after}: {where}, from {epoch} on"
+            members = {"epoch": epoch} | members
+            assumed = (Assumed(field="initial_state.after", detail=detail, members=members),)
+        return InitialState(**state | {"epoch": epoch_utc, "assumed": assumed})
 
 
 def _on_row(moment_utc: datetime) -> datetime:
@@ -107,25 +99,20 @@ def _on_row(moment_utc: datetime) -> datetime:
     return moment_utc.replace(microsecond=moment_utc.microsecond // _STEP_US * _STEP_US)
 
 
-def _lead_s(platform: AnyPlatform, angles_deg: Mapping[str, float]) -> float:
-    """Time for a gentle slew from rest at these angles to the stop farthest from them.
+def _lead_s(platform: AnyPlatform, position_deg: Mapping[str, float]) -> float:
+    """Time for a gentle slew from rest to the stop farthest from a position, by name.
 
-    Of a body by half a turn about any axis.
+    By half a turn where there is no stop.
 
     Source: the profile that reaches every limit (Biagiotti, Melchiorri 2008, 3.4), which bounds
     the least time.
     """
-    if isinstance(platform, TwoAxisPlatform):
-        motions = []
-        for axis, limits in zip(platform.axis_names, platform.axis_limits, strict=True):
-            angle_rad = math.radians(angles_deg.get(axis, 0.0))
-            travel_rad = max(limits.angle_max_rad - angle_rad, angle_rad - limits.angle_min_rad)
-            most = limits.rate_max_rad_s, limits.acceleration_max_rad_s2, limits.jerk_max_rad_s3
-            motions.append((travel_rad, *most))
-    else:
-        motions = [(math.pi, *order) for order in platform.agility.by_order_rad.T.tolist()]
-    least_s = max(
-        travel / rate + rate / acceleration + acceleration / jerk
-        for travel, rate, acceleration, jerk in motions
-    )
+    least_s = 0.0
+    for name, (stops, *orders) in zip(platform.dof_names, platform.motion_bounds(), strict=True):
+        travel_rad = math.pi
+        if stops is not None:
+            position_rad = math.radians(position_deg.get(name, 0.0))
+            travel_rad = max(stops[1] - position_rad, position_rad - stops[0])
+        rate, acceleration, jerk = (most for _, most in orders)
+        least_s = max(least_s, travel_rad / rate + rate / acceleration + acceleration / jerk)
     return math.ceil(max(least_s, min(_ENOUGH * least_s, _LEAD_MAX_S)))

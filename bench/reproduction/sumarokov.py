@@ -279,7 +279,7 @@ def quaternion_line_of_sight() -> tuple[NDArray, NDArray, NDArray]:
     chain = d.inv() * a.inv() * g.inv()
     platform = chain.apply(v_m)
     range_m = np.linalg.norm(platform, axis=1)
-    return platform / range_m[:, None], seen.los_platform, range_m
+    return platform / range_m[:, None], seen.los_base, range_m
 
 
 def angles_numbers() -> Numbers:

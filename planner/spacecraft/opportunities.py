@@ -30,7 +30,7 @@ from planner.world.attitude.lvlh import LvlhAttitude
 from planner.world.frames.earth_orientation import earth_orientation_warnings
 from planner.world.frames.geodesy import WGS84_A_M, geodetic_from_itrf, itrf_from_geodetic
 from planner.world.frames.time_scales import Instants, elapsed_s
-from planner.world.platforms import AxisLimits, TwoAxisPlatform
+from planner.world.platforms import along_and_across
 from planner.world.targets import GroundTarget
 
 # Windows this far apart are of two passes: a low orbit lasts an hour and a half.
@@ -124,7 +124,7 @@ def _position_search(
         for p in positions_of(one)
     ]
     asked = OpportunityRequest(
-        platform=_camera_as_axes(camera),
+        platform=along_and_across(camera.along_max_deg),
         orbit=request.orbit,
         attitude=LvlhAttitude(),
         targets=tuple(
@@ -137,31 +137,6 @@ def _position_search(
         pixel_arcsec=math.degrees(camera.pixel_rad) * 3600.0,
     )
     return asked, np.array([number for number, _ in places])
-
-
-def _camera_as_axes(camera: PushbroomCamera) -> TwoAxisPlatform:
-    """LVLH axes: the outer angle is that along the track, the inner one is free."""
-
-    def axis_limits(angle_max_deg: float) -> AxisLimits:
-        angle_max_rad = math.radians(angle_max_deg)
-        return AxisLimits(
-            angle_min_rad=-angle_max_rad,
-            angle_max_rad=angle_max_rad,
-            rate_max_rad_s=1.0,
-            acceleration_max_rad_s2=1.0,
-            jerk_max_rad_s3=1.0,
-        )
-
-    return TwoAxisPlatform(
-        name="camera",
-        outer_name="along",
-        outer_axis_platform=(0.0, 1.0, 0.0),
-        outer_limits=axis_limits(camera.along_max_deg),
-        inner_name="across",
-        inner_axis_platform=(-1.0, 0.0, 0.0),
-        inner_limits=axis_limits(90.0),
-        zero_direction_platform=(0.0, 0.0, 1.0),
-    )
 
 
 def _spans_of_positions(

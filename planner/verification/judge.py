@@ -7,8 +7,7 @@ import numpy as np
 
 from planner.base.commands import ROWS_PER_S, CommandTable
 from planner.verification.field_masks import mask_findings
-from planner.verification.keep_out import keep_out_findings, keep_out_margins
-from planner.verification.limits import exclusion_findings, limit_findings
+from planner.verification.limits import exclusion_findings, keep_out_findings, limit_findings
 from planner.verification.platforms.judge import Judge, JudgedSession
 from planner.verification.platforms.registry import judge_of
 from planner.verification.pointing import pointing_session
@@ -53,8 +52,7 @@ def verify(table: CommandTable, scenario: Scenario) -> VerificationReport:
             passed=False, findings=(fault,), sessions=(), limits=(), taken_as_given=given
         )
     margins = judge.margins()
-    keep_out = keep_out_margins(table, scenario, judge)
-    masks, exclusions = judge.masks(), judge.exclusions()
+    keep_out, masks, exclusions = judge.keep_out(), judge.masks(), judge.exclusions()
     findings: list[Finding] = [
         *structure_findings(table, scenario, judge),
         *limit_findings(margins),

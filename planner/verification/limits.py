@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 
 from planner.verification.field_masks import TOLERANCE_RAD
-from planner.verification.report import ExclusionMargin, Finding, LimitMargin
+from planner.verification.report import ExclusionMargin, Finding, KeepOutMargin, LimitMargin
 
 # A solver works to 1e-8 and a drive resolves 1e-4 of its range: neither is worth a rejection.
 RELATIVE_TOLERANCE = 1e-6
@@ -39,5 +39,22 @@ def exclusion_findings(margins: tuple[ExclusionMargin, ...]) -> Iterator[Finding
                 detail=(
                     f'"{margin.name}" is entered by {-math.degrees(margin.margin_rad):.3f} deg, '
                     f"{margin.t_s:.2f} s after the table's epoch"
+                ),
+            )
+
+
+def keep_out_findings(margins: tuple[KeepOutMargin, ...]) -> Iterator[Finding]:
+    """One error for each cone that is entered."""
+    for margin in margins:
+        away_rad = margin.away_min_rad
+        if away_rad is not None and away_rad < margin.half_angle_rad - TOLERANCE_RAD:
+            yield Finding(
+                limit="keep_out",
+                t_s=margin.t_s,
+                at_utc=margin.at_utc,
+                detail=(
+                    f"the boresight comes {math.degrees(away_rad):.3f} deg near {margin.about}, "
+                    f"less than {math.degrees(margin.half_angle_rad):.3f} deg, {margin.t_s:.2f} s "
+                    "after the table's epoch"
                 ),
             )

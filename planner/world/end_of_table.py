@@ -9,7 +9,8 @@ from planner.base.arrays import Array
 from planner.base.commands import COMMAND_STEP_S, CommandTable
 from planner.base.rotation import Rotation
 from planner.world.frames.time_scales import shifted_utc
-from planner.world.scenario import OF_BODY
+from planner.world.rules.body import BodyRules
+from planner.world.rules.two_axis import TwoAxisRules
 
 
 def end_of_table(table: CommandTable) -> tuple[datetime, dict[str, Any], dict[str, Any]]:
@@ -25,13 +26,13 @@ def end_of_table(table: CommandTable) -> tuple[datetime, dict[str, Any], dict[st
             + 2.0 * table.rate_rad_s[-2]
             + 4.0 * rate_rad_s
         ) / COMMAND_STEP_S
-        names = ("angles_deg", "rates_deg_s", "accelerations_deg_s2")
+        names = TwoAxisRules.state_members
         told: list[Any] = [
             dict(zip(table.dof_names, _degrees(column), strict=True))
             for column in (angle_rad, rate_rad_s, acceleration_rad_s2)
         ]
     else:
-        names = OF_BODY
+        names = BodyRules.state_members
         q_body_from_eci = Rotation.from_quat(table.position[-1]).inv()
         told = [
             np.round(q_body_from_eci.as_quat(), 13).tolist(),

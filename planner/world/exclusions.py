@@ -13,9 +13,8 @@ from planner.world.frames.geodesy import WGS84_A_M, geodetic_from_itrf, itrf_fro
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import OrbitStates
 from planner.world.platforms.body import BodyPlatform, Celestial, unit_vector
-from planner.world.targets.body import BodyTarget
+from planner.world.targets.body import HIDDEN_RAD, BodyTarget
 from planner.world.targets.earth_limb import limb_clearance_rad
-from planner.world.targets.keep_out import HIDDEN_RAD
 
 # IAU 2015 resolution B3; IAU Working Group on Cartographic Coordinates 2015
 RADIUS_M = {"sun": 695_700e3, "moon": 1_737.4e3}
@@ -142,7 +141,7 @@ def exclusion_margins(
             direction_eci = q_eci_from_body.apply(unit_vector(tracker.boresight_body))
             aparts_rad = [
                 surroundings.margin_rad(direction_eci, celestial, least_deg)
-                for celestial, least_deg in tracker.angles_deg
+                for celestial, least_deg in tracker.least_deg
             ]
             each.append(np.min(aparts_rad, axis=0))
         of_last_needed = np.sort(each, axis=0)[-trackers.needed]

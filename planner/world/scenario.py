@@ -1,6 +1,5 @@
 """The scenario: one value with everything the planner and its judge need."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import field
 from datetime import datetime
@@ -21,19 +20,15 @@ from planner.world.orbits import Orbit, OrbitStates
 from planner.world.platforms import (
     AngleDeg,
     AnyPlatform,
-    AxisLimits,
+    FinalAngles,
     JerkDegS3,
     StructuralMode,
-    TwoAxisPlatform,
 )
-from planner.world.platforms.body import AzimuthRoll, BodyPlatform, LinesAcrossMotion, RollRule
-from planner.world.targets import (
-    BenchMotionTarget,
-    EarthFixedTarget,
-    KeepOut,
-    Target,
-    VisibleTarget,
-)
+from planner.world.platforms.body import RollRule
+from planner.world.rules.body import BodyRules
+from planner.world.rules.keep_out import KeepOut
+from planner.world.rules.registry import rules_of
+from planner.world.targets import Target
 
 KEEP_OUT_MAX = 8  # each makes the detour's problem larger
 AVOID_MODES_MAX = 16
@@ -42,7 +37,6 @@ Keyhole = Literal["refuse", "nearest"]
 MotionDeg = Annotated[float, Within(-1e3, 1e3)]  # no axis may have more rate or acceleration
 BodyMotionDeg = tuple[MotionDeg, MotionDeg, MotionDeg]
 Quaternion = tuple[UnitPart, UnitPart, UnitPart, UnitPart]
-OF_BODY = ("q_body_from_eci_xyzw", "omega_body_deg_s", "alpha_body_deg_s2")
 
 
 @spec
@@ -84,7 +78,7 @@ class InitialState:
     @property
     def body_only(self) -> list[str]:
         """What is given of what only a body has."""
-        return [name for name in OF_BODY if getattr(self, name) is not None]
+        return [name for name in BodyRules.state_members if getattr(self, name) is not None]
 
     @property
     def body_motion(self) -> Motion | None:
@@ -97,15 +91,6 @@ class InitialState:
         return Motion(
             of_like_sign(q_eci_from_body.as_quat()), omega_rad_s[None], alpha_rad_s2[None]
         )
-
-
-def says_roll(rule: RollRule, target: Target | VisibleTarget) -> bool:
-    """Whether a rule says how the camera lies on a target: no lines across a motion that it doesn't
-    have, no azimuth in the sky."""
-    is_on_earth = isinstance(target, EarthFixedTarget)
-    if isinstance(rule, LinesAcrossMotion):
-        return is_on_earth and not target.rests_on_earth
-    return is_on_earth or not isinstance(rule, AzimuthRoll)
 
 
 @spec
@@ -176,22 +161,6 @@ Lead = Annotated[
 ]
 
 
-@spec
-class FinalAngles:
-    """Angles at which the axes are to rest.
-
-    angles_deg: of each axis, by its name. E.g. `{"alpha": 0.0, "beta": 0.0}`.
-    park: name of a park position of the platform. E.g. `"zero"`.
-    """
-
-    angles_deg: Mapping[str, AngleDeg] | None = None
-    park: str | None = None
-
-    def __post_init__(self) -> None:
-        if (self.angles_deg is None) == (self.park is None):
-            raise ValueError('give either angles_deg or park; for rest anywhere, "rest" instead')
-
-
 FinalState = Annotated[
     Annotated[Literal["rest", "idle"], Tag("word")] | Annotated[FinalAngles, Tag("object")],
     Discriminator(_word_or_object),
@@ -238,31 +207,6 @@ class SlewOptions:
         """Whether slews keep every limit and both ends, or only say what they break."""
         return self.method == "ocp"
 
-    def axis_limits(self, platform: TwoAxisPlatform) -> tuple[AxisLimits, ...]:
-        """The platform's limits with the jerk limit asked for, in the order of its axes."""
-        return platform.limits_with_jerk(self.jerk_max_deg_s3)
-
-
-def asked_of_axes(attitude: Attitude | None, slew: SlewOptions) -> dict[str, bool]:
-    """Whether a request gives what only two axes on a carrier have, by field."""
-    return {
-        "attitude": attitude is not None,
-        "slew.method": slew.method != "ocp",
-        "slew.jerk_max_deg_s3": slew.jerk_max_deg_s3 is not None,
-        "slew.keep_out": bool(slew.keep_out),
-        "slew.avoid_modes": bool(slew.avoid_modes),
-    }
-
-
-def refuse_axes_only(platform: str, is_given: Mapping[str, bool]) -> None:
-    """Raises ValueError for the first field that is given though this platform is a body."""
-    for name, is_there in is_given.items():
-        if is_there:
-            raise ValueError(
-                f"{name} must be left out for {platform}: only two axes on a carrier have it, and "
-                "a body steers itself"
-            )
-
 
 @spec
 class Scenario:
@@ -301,76 +245,7 @@ class Scenario:
                 )
             earliest_utc, what = session.stop, f"sessions.{number}.stop"
         self._check_ids()
-        if isinstance(self.platform, BodyPlatform):
-            self._check_body(self.platform)
-            return
-        for number, session in enumerate(self.sessions):
-            if session.roll is not None:
-                raise ValueError(
-                    f"sessions.{number}.roll must be left out for {self.platform.name}: only a "
-                    "body can lie any way about the line of sight"
-                )
-        if self.attitude is None:
-            raise ValueError(f"attitude is required: {self.platform.name} stands on a carrier")
-        self._check_initial_state()
-        if self.final_state == "idle":
-            raise ValueError('final_state must be "rest" or angles: two axes have no idle attitude')
-        if isinstance(self.final_state, FinalAngles):
-            self._check_final_state(self.final_state)
-
-    def _check_body(self, platform: BodyPlatform) -> None:
-        """What only two axes on a carrier have is refused."""
-        state = self.initial_state
-        given = asked_of_axes(self.attitude, self.slew) | {
-            "initial_state.angles_deg": bool(state.angles_deg),
-            "initial_state.rates_deg_s": bool(state.rates_deg_s),
-            "initial_state.accelerations_deg_s2": bool(state.accelerations_deg_s2),
-            "final_state": self.final_state not in (None, "idle"),
-        }
-        for number, session in enumerate(self.sessions):
-            given[f"sessions.{number}.keyhole"] = session.keyhole != "refuse"
-            mode = session.target.mode
-            given[f"sessions.{number}.target.mode"] = mode == BenchMotionTarget.mode
-            if session.roll is not None:
-                platform.require_roll(f"sessions.{number}.roll", session.roll)
-                if not says_roll(session.roll, session.target):
-                    raise ValueError(
-                        f"sessions.{number}.roll must not be {session.roll.rule}, which says "
-                        f"nothing of {session.target.label}: give another rule, such as nearest, "
-                        "or leave it out"
-                    )
-        refuse_axes_only(platform.name, given)
-        self._check_initial_body(platform)
-
-    def _check_initial_body(self, platform: BodyPlatform) -> None:
-        state, asked = self.initial_state, self.initial_state.body_only
-        if state.q_body_from_eci_xyzw is None:
-            if asked:
-                raise ValueError(
-                    f"initial_state.{asked[0]} must be given together with q_body_from_eci_xyzw: "
-                    "without it the body begins on its idle attitude"
-                )
-            return
-        norm = math.hypot(*state.q_body_from_eci_xyzw)
-        if not abs(norm - 1.0) <= 1e-6:
-            raise ValueError(
-                "initial_state.q_body_from_eci_xyzw must have unit length, not "
-                f"{norm:.9g}; divide it by its norm"
-            )
-        rate_max, acceleration_max, _ = np.rad2deg(platform.agility.by_order_rad)
-        for name, given, most in (
-            ("omega_body_deg_s", state.omega_body_deg_s, rate_max),
-            ("alpha_body_deg_s2", state.alpha_body_deg_s2, acceleration_max),
-        ):
-            size = np.abs(given or (0.0,) * 3)
-            if platform.agility.limits == "magnitude":
-                size = np.full(3, np.linalg.norm(size))
-            worst = int(np.argmax(size / most))
-            if size[worst] > most[worst] * (1.0 + 1e-9):
-                raise ValueError(
-                    f"initial_state.{name} reaches {figures(*(size[worst], most[worst]))}, beyond "
-                    f"the {most[worst]:.6g} that agility of {platform.name} allows"
-                )
+        rules_of(self.platform).require(self)
 
     def _check_ids(self) -> None:
         seen: dict[str, int] = {}
@@ -391,57 +266,6 @@ class Scenario:
         """Whether the orbit must be known from row 0 on, not over the sessions alone."""
         return bool(self.slew.keep_out) or self.attitude is None
 
-    def _check_initial_state(self) -> None:
-        if of_body := self.initial_state.body_only:
-            raise ValueError(
-                f"initial_state.{of_body[0]} must be left out for {self.platform.name}: only a "
-                "body has it; give angles_deg of the axes"
-            )
-        names = self.two_axis.axis_names
-        fields = ("angles_deg", "rates_deg_s", "accelerations_deg_s2")
-        for what in fields:
-            given = getattr(self.initial_state, what)
-            at_rest = what != "angles_deg" and not given
-            if not at_rest and set(given) != set(names):
-                raise ValueError(
-                    f"initial_state.{what} must name the axes {', '.join(names)} of "
-                    f"{self.platform.name}, not {', '.join(given) or 'none'}"
-                )
-        for axis, limits in zip(names, self.two_axis.axis_limits, strict=True):
-            motion_rad = self.initial_motion(axis)
-            for what, value, (low, high) in zip(fields, motion_rad, limits.bounds, strict=False):
-                if not low <= value <= high:
-                    raise ValueError(
-                        f"initial_state.{what}.{axis} is "
-                        f"{figures(*np.rad2deg([value, low, high]).tolist())}, outside its limits "
-                        f"{math.degrees(low):.6g}..{math.degrees(high):.6g}"
-                    )
-
-    def _check_final_state(self, final: FinalAngles) -> None:
-        if final.park is not None:
-            known = [position.name for position in self.two_axis.park_positions]
-            if final.park not in known:
-                raise ValueError(
-                    f"final_state.park must be a position of {self.platform.name} "
-                    f"({', '.join(known) or 'it has none'}), not {final.park!r}; or give angles_deg"
-                )
-            return
-        names, angles_deg = self.two_axis.axis_names, final.angles_deg or {}
-        if set(angles_deg) != set(names):
-            raise ValueError(
-                f"final_state.angles_deg must name the axes {', '.join(names)} of "
-                f"{self.platform.name}, not {', '.join(angles_deg) or 'none'}"
-            )
-        for axis, limits in zip(names, self.two_axis.axis_limits, strict=True):
-            low_deg = math.degrees(limits.angle_min_rad)
-            high_deg = math.degrees(limits.angle_max_rad)
-            if not limits.angle_min_rad <= math.radians(angles_deg[axis]) <= limits.angle_max_rad:
-                raise ValueError(
-                    f"final_state.angles_deg.{axis} is "
-                    f"{figures(angles_deg[axis], low_deg, high_deg)}, outside its limits "
-                    f"{low_deg:.6g}..{high_deg:.6g}"
-                )
-
     @property
     def assumed(self) -> tuple[Assumed, ...]:
         """What was looked up, or taken where nothing was given."""
@@ -452,17 +276,10 @@ class Scenario:
         return (*self.initial_state.assumed, *filter(None, looked_up))
 
     @property
-    def two_axis(self) -> TwoAxisPlatform:
-        """The platform, for what knows two axes only; raises NotForPlatform."""
-        if not isinstance(self.platform, TwoAxisPlatform):
-            raise self._not_for_platform()
-        return self.platform
-
-    @property
     def law(self) -> Attitude:
         """The attitude of the carrier that two axes stand on; raises NotForPlatform."""
         if self.attitude is None:
-            raise self._not_for_platform()
+            raise self.not_for_platform()
         return self.attitude
 
     def q_body_from_eci(self, instants: Instants, states: OrbitStates, position: Array) -> Rotation:
@@ -471,39 +288,10 @@ class Scenario:
             return Rotation.from_quat(position).inv()
         return self.attitude.q_body_from_eci(instants, states)
 
-    def _not_for_platform(self) -> NotForPlatform:
+    def not_for_platform(self) -> NotForPlatform:
+        """Of what only two axes on a carrier have."""
         return NotForPlatform(
             f"{self.platform.name} is a platform of kind {self.platform.kind}, and this is for two "
             "axes on a carrier only; leave it out, or plan for two axes",
             field="platform.kind",
-        )
-
-    @property
-    def final_angle_rad(self) -> tuple[float, ...] | None:
-        """Where the axes are to rest in the end, in their order; None: anywhere, or unasked."""
-        final = self.final_state
-        if not isinstance(final, FinalAngles):
-            return None
-        if final.angles_deg is not None:
-            return tuple(math.radians(final.angles_deg[axis]) for axis in self.two_axis.axis_names)
-        return next(
-            position.angle_rad
-            for position in self.two_axis.park_positions
-            if position.name == final.park
-        )
-
-    @property
-    def axis_limits(self) -> tuple[AxisLimits, ...]:
-        """The platform's limits with the jerk limit asked for, in the order of its axes."""
-        return self.slew.axis_limits(self.two_axis)
-
-    def initial_motion(self, axis: str) -> Array:
-        """Angle, rate and acceleration of one axis at the epoch, rad, rad/s, rad/s2."""
-        state = self.initial_state
-        return np.deg2rad(
-            [
-                state.angles_deg[axis],
-                state.rates_deg_s.get(axis, 0.0),
-                state.accelerations_deg_s2.get(axis, 0.0),
-            ]
         )

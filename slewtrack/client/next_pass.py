@@ -63,17 +63,15 @@ def first_window(found: Opportunities) -> Window:
 def moved_to(window: Window, request: Members) -> dict[str, Any]:
     """The request with its session in the window.
 
-    The axes rest until `LEAD` before it, where the request has them, or at zero; or the plan it
-    goes on from says where they are.
+    The platform rests until `LEAD` before it where the request has it, or where it does unless
+    told; or the plan it goes on from says where it is.
     """
     times = window.session or {}
     moved: dict[str, Any] = {**request, "sessions": [{**request["sessions"][0], **times}]}
     asked = request.get("initial_state", {})
     if isinstance(asked, dict) and "after" not in asked:
-        still = dict.fromkeys(window.closest["angles_deg"], 0.0)
-        rest = {"angles_deg": still, "rates_deg_s": still} if "attitude" in request else {}
         epoch = _text(datetime.fromisoformat(times["start"]) - LEAD)
-        moved["initial_state"] = {**rest, **asked, "epoch": epoch}
+        moved["initial_state"] = {**asked, "epoch": epoch}
     return moved
 
 

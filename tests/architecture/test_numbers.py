@@ -20,7 +20,7 @@ MOST = {
     "output": 37,
     "planning": 32,
     "spacecraft": 44,
-    "verification": 61,
+    "verification": 60,
     "world": 121,
 }
 

@@ -67,8 +67,8 @@ def table_csv(text):
 
 def windows_of(text):
     ids = [text] * len(FOUND.ids)
-    axes = SimpleNamespace(axis_names=(text, "beta"), has_branches=True)
-    return rows_json(window_columns(FOUND.start_utc, ids, axes, FOUND.windows))
+    told = SimpleNamespace(angle_names=(text, "beta"), has_branches=True)
+    return rows_json(window_columns(FOUND.start_utc, ids, told, FOUND.windows))
 
 
 def opportunities_csv(text):

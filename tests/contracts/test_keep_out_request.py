@@ -2,8 +2,8 @@
 
 import pytest
 
+from planner.world.rules.keep_out import KeepOut
 from planner.world.scenario import SlewOptions
-from planner.world.targets import KeepOut
 
 
 @pytest.mark.parametrize(

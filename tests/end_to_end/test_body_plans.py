@@ -21,6 +21,7 @@ from planner.output.export import EXPORTERS
 from planner.output.view import VIEW_EXPORTERS, view_plan
 from planner.planning.sessions.pipeline import make_plan
 from planner.world.frames.time_scales import Instants, elapsed_s
+from planner.world.rules.two_axis import axes_of
 
 TIME_SCALE = load.timescale(builtin=True)
 EPHEMERIS = load_file(str(files("skyfield_data") / "data" / "de421.bsp"))
@@ -132,7 +133,7 @@ def test_two_axes_need_a_carriers_attitude():
 
 def test_what_is_made_for_axes_alone_says_so(plan):
     with pytest.raises(NotForPlatform, match="kind body"):
-        _ = plan.scenario.two_axis
+        _ = axes_of(plan.scenario)
 
 
 def test_maps_show_a_footprint_over_each_city(plan):

@@ -25,9 +25,9 @@ from planner.planning.sessions.pipeline import make_plan
 from planner.planning.sessions.sequence import SessionRefused, sequence_sessions
 from planner.world.frames.time_scales import elapsed_s
 from planner.world.platforms import AxisLimits, StructuralMode
+from planner.world.rules.keep_out import KeepOut
 from planner.world.scenario import SlewOptions
 from planner.world.targets import GroundTarget
-from planner.world.targets.keep_out import KeepOut
 
 CASES = Path(__file__).parents[1] / "data" / "cases"
 QUICK = SlewOptions(objective="minimum_time")
@@ -243,7 +243,7 @@ def test_sessions_with_no_time_between_are_refused_at_once(place, gap_s, slew):
         plan.table.position[round(elapsed_s(when, EPOCH) * ROWS_PER_S)]
         for when in (asked.sessions[0].stop, moved.start)
     )
-    rates = [limits.rate_max_rad_s for limits in asked.axis_limits]
+    rates = [limits.rate_max_rad_s for limits in asked.platform.axis_limits]
     assert elapsed_s(moved.start, asked.sessions[0].stop) >= np.max(np.abs(met - left) / rates)
 
 

@@ -17,8 +17,9 @@ from planner.motion.pointing.angles import axis_angles
 from planner.planning.sessions.pipeline import make_plan
 from planner.verification import verify
 from planner.world.platforms import ISS_HRC, FieldMask
+from planner.world.rules.keep_out import KeepOut
 from planner.world.scenario import FinalAngles, SlewOptions
-from planner.world.targets import BodyTarget, KeepOut
+from planner.world.targets import BodyTarget
 
 
 def around(middle, half_width_deg, **fields):

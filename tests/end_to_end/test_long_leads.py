@@ -21,8 +21,9 @@ from planner.planning.sessions.platforms.two_axis.slew_timing import (
 from planner.verification import verify
 from planner.world.frames.time_scales import elapsed_s
 from planner.world.platforms import ISS_HRC, AxisLimits, StructuralMode
+from planner.world.rules.keep_out import KeepOut
 from planner.world.scenario import BoundedLead, FinalAngles, SlewOptions
-from planner.world.targets import BenchMotionTarget, KeepOut
+from planner.world.targets import BenchMotionTarget
 from planner.world.targets.axis_signals import ConstantRate
 
 LIMITS = ISS_HRC.axis_limits

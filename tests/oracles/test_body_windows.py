@@ -179,7 +179,7 @@ def exclusion_margin(platform, sky, c_eci_from_body):
     trackers = platform.star_trackers
     if trackers is not None:
         each = [
-            np.min([apart(one.boresight_body, *angle) for angle in one.angles_deg], axis=0)
+            np.min([apart(one.boresight_body, *angle) for angle in one.least_deg], axis=0)
             for one in trackers.each
         ]
         kept.append(np.sort(each, axis=0)[-trackers.needed])

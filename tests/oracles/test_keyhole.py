@@ -34,7 +34,7 @@ def target_at(scenario):
     ephemeris = scenario.orbit.ephemeris(EPOCH, EPOCH + timedelta(seconds=800.0))
     rows = session_rows(scenario.sessions[0], EPOCH)
     los = los_on_rows(scenario, ephemeris, scenario.sessions[0].target, rows)
-    return CubicHermiteSpline(los.instants.t_s, los.los_platform, los.los_rate_platform_per_s)
+    return CubicHermiteSpline(los.instants.t_s, los.los_base, los.los_rate_base_per_s)
 
 
 def flown_error(plan):

@@ -101,9 +101,9 @@ def margins(request, wanted, t_s):
             )
             away = between(direction_eci, body_eci) - math.radians(keep_out_deg)
             found.append(np.maximum(away, -math.radians(1.5) - above_limb))
-    found.append(reach(request.platform, los.los_platform))
+    found.append(reach(request.platform, los.los_base))
     found += [  # the exact edge, and no more than its sign
-        np.where(inside(mask_corners(mask), los.los_platform), -1.0, 1.0)
+        np.where(inside(mask_corners(mask), los.los_base), -1.0, 1.0)
         for mask in request.platform.masks
     ]
     return np.array(found)
@@ -285,7 +285,7 @@ def test_samples_are_the_planners_own():
                 wanted.target,
             )
             branch = windows.branch[row]
-            angles = axis_angles(HRC, los.los_platform).angle_rad[branch]
+            angles = axis_angles(HRC, los.los_base).angle_rad[branch]
             exact_rad_s = (angles[4] - angles[2]) / 0.4
             seen = windows.through
             # interpolation of orbit and attitude: 0.2 arcsec at the most

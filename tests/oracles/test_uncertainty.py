@@ -51,7 +51,7 @@ def budget(orbit=TLE, attitude=INERTIAL, clock_s=BUDGET_OPTIONS.clock_s, platfor
 
 def budget_of(los, ephemeris, attitude, platform=ISS_HRC, clock_s=BUDGET_OPTIONS.clock_s):
     """With the axes exactly on the target."""
-    angle_rad = axis_angles(platform, los.los_platform).angle_rad[0]
+    angle_rad = axis_angles(platform, los.los_base).angle_rad[0]
     return pointing_budget(
         los, ephemeris, attitude, LAS_VEGAS, platform, angle_rad, session=0, clock_s=clock_s
     )
@@ -247,7 +247,7 @@ def test_an_orbit_error_is_seen_across_the_line_of_sight():
 def test_a_late_clock_costs_the_lines_own_motion():
     """clock_s times the rate at which the line of sight turns, spread over two axes."""
     _, causes, los = budget(clock_s=0.1)
-    rate_rad_s = np.linalg.norm(los.los_rate_platform_per_s, axis=1)
+    rate_rad_s = np.linalg.norm(los.los_rate_base_per_s, axis=1)
     most_arcsec = np.rad2deg(rate_rad_s.max()) * 3600.0 * 0.1 / math.sqrt(2.0)
     assert 0.7 * most_arcsec <= causes["clock"].sigma_arcsec <= 1.001 * most_arcsec
 
@@ -320,7 +320,7 @@ def test_the_target_stays_in_the_frame_as_often_as_told(size):
 
     rng = np.random.default_rng(1)
     session_s = INSTANTS.t_s[::25]
-    sight = los.los_platform[::25]
+    sight = los.los_base[::25]
     outer = np.array(ISS_HRC.axes_platform[0])
     along = np.cross(outer, sight)
     along /= np.linalg.norm(along, axis=1, keepdims=True)
@@ -346,7 +346,7 @@ def test_a_frame_that_turns_in_seconds_is_looked_at_while_it_turns():
     beside = Rotation.from_rotvec(math.radians(1.5) * inner).apply(outer)
     turn, _ = Rotation.align_vectors(
         [beside, inner],
-        [level.los_platform[middle], level.los_rate_platform_per_s[middle]],
+        [level.los_base[middle], level.los_rate_base_per_s[middle]],
         weights=[np.inf, 1.0],
     )
     yaw_deg, pitch_deg, roll_deg = turn.inv().as_euler("ZYX", degrees=True)
@@ -355,7 +355,7 @@ def test_a_frame_that_turns_in_seconds_is_looked_at_while_it_turns():
     law = LvlhAttitude(yaw_deg=yaw_deg, pitch_deg=pitch_deg, roll_deg=roll_deg, uncertainty=known)
     found, _, los = budget(fresh_state(), law, 0.0)
 
-    sight = los.los_platform
+    sight = los.los_base
     along = np.cross(outer, sight)
     assert np.linalg.norm(along, axis=1).min() == pytest.approx(math.radians(1.5), rel=0.1)
     along /= np.linalg.norm(along, axis=1, keepdims=True)

@@ -139,7 +139,7 @@ def test_the_rate_between_rows_is_judged():
         acceleration_rad_s2=np.array([[alpha, 0, 0], [-alpha, 0, 0]]),
     )
     assert rows[1] == h
-    (rate,) = [m for m in BodyJudge(table, BODY, body_scenario()).margins() if m.kind == "rate"]
+    (rate,) = [m for m in BodyJudge(table, body_scenario()).margins() if m.kind == "rate"]
     assert rate.extreme == pytest.approx(peak + alpha * h / 4.0, rel=1e-6)
     assert rate.t_s == pytest.approx(0.1)
 
@@ -213,10 +213,10 @@ def test_cells_left_out_hold_no_extreme(table, column, monkeypatch):
         spoiled = with_rows(table, rows, **{column: off})
         for agility in (AGILITY, BY_AXIS):
             body = dataclasses.replace(BODY, agility=agility)
-            told = BodyJudge(spoiled, body, body_scenario(body)).margins()
+            told = BodyJudge(spoiled, body_scenario(body)).margins()
             with monkeypatch.context() as patched:
                 patched.setattr(body_judge, "OPTIONS", every)
-                whole = BodyJudge(spoiled, body, body_scenario(body)).margins()
+                whole = BodyJudge(spoiled, body_scenario(body)).margins()
             assert [one.extreme for one in told] == [one.extreme for one in whole]
 
 
@@ -264,7 +264,7 @@ def test_the_end_is_the_idle_attitude_where_asked(table):
     report = verify(table, body_scenario(final_state="idle"))
     assert limits_of(report) == {"final_state"}
     idle = body_table(last_s=4.0)  # before it leaves the idle attitude
-    judge = BodyJudge(idle, BODY, body_scenario(final_state="idle"))
+    judge = BodyJudge(idle, body_scenario(final_state="idle"))
     assert list(judge.row_findings()) == []
     turned = with_rows(table, 0, rate_rad_s=[0.0, 3e-7, 0.0])
     assert "initial_state" in limits_of(verify(turned, body_scenario()))
@@ -336,10 +336,10 @@ def test_cells_passed_by_hold_no_nearest_exclusion(table, monkeypatch):
         for n in range(4)
     )
     body = dataclasses.replace(BODY, exclusions=excluded)
-    told = BodyJudge(table, body, body_scenario(body)).exclusions()
+    told = BodyJudge(table, body_scenario(body)).exclusions()
     every = dataclasses.replace(body_exclusions.OPTIONS, stride=len(table.t_s))
     monkeypatch.setattr(body_exclusions, "OPTIONS", every)
-    whole = BodyJudge(table, body, body_scenario(body)).exclusions()
+    whole = BodyJudge(table, body_scenario(body)).exclusions()
     for one, other in zip(told, whole, strict=True):
         assert one.margin_rad == pytest.approx(other.margin_rad, abs=1e-12), one.name
 

@@ -42,7 +42,7 @@ MOTIONS = {
 
 def fly(motion, duration_s=100.0, **changes):
     target = BenchMotionTarget(axes={"alpha": motion, "beta": STILL} | changes)
-    target.require_flyable(HRC.axis_names, HRC.axis_limits, START, duration_s)
+    target.require_flyable(HRC.dof_names, HRC.motion_bounds(), START, duration_s)
 
 
 @pytest.mark.parametrize("name", MOTIONS)
@@ -174,10 +174,10 @@ def test_a_session_amid_a_motion_is_judged_by_its_own_stretch():
         amplitude_deg=5.0, start_frequency_hz=0.001, stop_frequency_hz=0.2, sweep_s=200.0
     )
     target = BenchMotionTarget(axes={"alpha": chirp_deg, "beta": STILL}, start=START)
-    target.require_flyable(HRC.axis_names, HRC.axis_limits, START, 10.0)
+    target.require_flyable(HRC.dof_names, HRC.motion_bounds(), START, 10.0)
     late = START + timedelta(seconds=180.0)
     with pytest.raises(TrackBreaksLimit) as refused:
-        target.require_flyable(HRC.axis_names, HRC.axis_limits, late, 10.0)
+        target.require_flyable(HRC.dof_names, HRC.motion_bounds(), late, 10.0)
     assert late <= refused.value.at_utc <= late + timedelta(seconds=10.0)
 
 

@@ -33,9 +33,9 @@ def great_circle(t_s, normal, start, rate_rad_s):
     return LineOfSight(
         instants=Instants(EPOCH, t_s),
         states=OrbitStates(np.full_like(los, np.nan), np.full_like(los, np.nan)),
-        los_platform=los,
-        los_rate_platform_per_s=rate,
-        los_acceleration_platform_per_s2=acceleration,
+        los_base=los,
+        los_rate_base_per_s=rate,
+        los_acceleration_base_per_s2=acceleration,
         range_m=np.full(len(t_s), 5e5),
         clearance_rad=np.full(len(t_s), 1.0),
     )
@@ -59,7 +59,7 @@ def test_track_points_at_and_between_rows():
     for track in track_candidates(ISS_HRC, los, 0.0, 50.0, REST):
         t_s = np.linspace(0.0, 50.0, 997)
         angle, rate, acceleration = track.motion(t_s)
-        truth = great_circle(t_s, [0.1, -1.0, 0.2], [-0.3, 0.1, 0.9], 0.012).los_platform
+        truth = great_circle(t_s, [0.1, -1.0, 0.2], [-0.3, 0.1, 0.9], 0.012).los_base
         off = np.linalg.norm(scipy_boresight(angle) - truth, axis=1)
         error_arcsec = np.degrees(off) * 3600
         assert error_arcsec.max() < 1e-6  # quintic Hermite at 0.2 s: six orders below 0.1 arcsec
@@ -78,7 +78,7 @@ def test_nearer_branch_comes_first():
     los = great_circle(rows(0, 40), [0.0, -1.0, 0.0], [-0.2, 0.3, 1.0], 0.01)
     platform = roomy(200.0)
     ways = track_candidates(platform, los, 0.0, 40.0, REST)
-    for branch_rad in axis_angles(platform, los.los_platform[:1]).angle_rad[:, 0]:
+    for branch_rad in axis_angles(platform, los.los_base[:1]).angle_rad[:, 0]:
         whole_turns = np.array([way.axis_states[0][0] - branch_rad for way in ways]) / (
             2.0 * math.pi
         )
@@ -114,7 +114,7 @@ def test_whole_turns_that_fit_are_all_candidates():
     assert len(starts) == len(ways) > 2
     for way in ways:
         pointed = scipy_boresight(way.axis_states[0])
-        np.testing.assert_allclose(pointed, los.los_platform, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(pointed, los.los_base, rtol=0, atol=1e-12)
 
 
 def test_keyhole_pass_breaks_the_rate_limit_and_says_when():

@@ -31,7 +31,7 @@ def test_apparent_direction_and_rate(case):
                 height_m=target["height_m"],
             ),
         )
-        off = los.los_platform[5] - epoch["los_lvlh_apparent"]
+        off = los.los_base[5] - epoch["los_lvlh_apparent"]
         assert np.linalg.norm(off) < 0.1 * ARCSEC_RAD  # the file's own tolerance
         assert abs(los.range_m[5] - epoch["range_km"] * 1e3) < 0.1
         assert np.rad2deg(los.clearance_rad[5]) == pytest.approx(
@@ -39,9 +39,9 @@ def test_apparent_direction_and_rate(case):
         )
         golden_rate = np.array(epoch["los_rate_lvlh_per_s"])
         # the file's central difference errs by the third derivative over 24
-        third = np.ptp(los.los_acceleration_platform_per_s2, axis=0).max()
+        third = np.ptp(los.los_acceleration_base_per_s2, axis=0).max()
         allowed = ABERRATION_RATE_SHARE * np.linalg.norm(golden_rate) + third / 24.0 + 1e-9
-        assert np.linalg.norm(los.los_rate_platform_per_s[5] - golden_rate) < 2.0 * allowed
+        assert np.linalg.norm(los.los_rate_base_per_s[5] - golden_rate) < 2.0 * allowed
 
 
 def test_derivatives_are_those_of_the_direction():
@@ -64,14 +64,14 @@ def test_derivatives_are_those_of_the_direction():
     t_s = np.arange(0, 301) / 5.0
     los = sight(t_s)
     for axis in range(3):
-        fit = np.polynomial.Chebyshev.fit(t_s, los.los_platform[:, axis], 40)
+        fit = np.polynomial.Chebyshev.fit(t_s, los.los_base[:, axis], 40)
         # (0.2 s / 54 s)^5 of an acceleration of 3e-4 /s2, and rounding 1e-15 / 0.2^2
         np.testing.assert_allclose(
-            los.los_rate_platform_per_s[:, axis], fit.deriv(1)(t_s), rtol=0, atol=1e-11
+            los.los_rate_base_per_s[:, axis], fit.deriv(1)(t_s), rtol=0, atol=1e-11
         )
         inner = slice(10, -10)  # a polynomial's own second derivative is poor at its ends
         np.testing.assert_allclose(
-            los.los_acceleration_platform_per_s2[inner, axis],
+            los.los_acceleration_base_per_s2[inner, axis],
             fit.deriv(2)(t_s)[inner],
             rtol=0,
             atol=1e-10,

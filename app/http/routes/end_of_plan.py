@@ -13,6 +13,7 @@ from app.store.database import Database
 from app.work.plan import end_of_stored_table
 from planner.base.errors import InvalidInput
 from planner.world.frames.time_scales import elapsed_s, utc_text
+from planner.world.rules.registry import POSITIONS
 
 _FIELD = "initial_state.after"
 
@@ -32,7 +33,7 @@ def from_end_of_plan(database: Database, body: bytes) -> bytes:
     state = document.get("initial_state") if isinstance(document, dict) else None
     if not isinstance(state, dict) or not isinstance(state.get("after"), str):
         return body
-    if state.keys() & {"angles_deg", "q_body_from_eci_xyzw"}:  # as an earlier request was filled in
+    if state.keys() & {*POSITIONS}:  # as an earlier request was filled in
         return body
     if others := sorted(state.keys() - {"after"}):
         raise InvalidInput(

@@ -35,7 +35,7 @@ from planner.world.platforms.body import (
     SunSide,
     unit_vector,
 )
-from planner.world.scenario import says_roll
+from planner.world.rules.body import says_roll
 from planner.world.targets import BodyTarget, EarthFixedTarget, VisibleTarget
 
 

@@ -92,9 +92,9 @@ class ExactFollowing:
         self.first_row = round(float(t_s[0]) * ROWS_PER_S)
         self.last_row = round(float(t_s[-1]) * ROWS_PER_S)
         # A short session's line of sight is sampled more finely than its rows.
-        self._direction = CubicHermiteSpline(t_s, los.los_platform, los.los_rate_platform_per_s)
+        self._direction = CubicHermiteSpline(t_s, los.los_base, los.los_rate_base_per_s)
         self._rate = CubicHermiteSpline(
-            t_s, los.los_rate_platform_per_s, los.los_acceleration_platform_per_s2
+            t_s, los.los_rate_base_per_s, los.los_acceleration_base_per_s2
         )
         rows_s = np.arange(self.first_row, self.last_row + 1) / ROWS_PER_S
         directions = self.directions(rows_s)

@@ -15,6 +15,7 @@ from planner.motion.pointing.angles import boresight_platform
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import Ephemeris
 from planner.world.platforms import FieldMask, TwoAxisPlatform
+from planner.world.rules.two_axis import axes_of
 from planner.world.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -183,7 +184,7 @@ def keep_out_view(
     if not scenario.keeps_out:
         return None
     cones = _moving_cones(scenario, ephemeris, start_s, stop_s) if scenario.slew.keep_out else ()
-    return KeepOutView(platform=scenario.two_axis, cones=cones, masks=scenario.platform.masks)
+    return KeepOutView(platform=axes_of(scenario), cones=cones, masks=scenario.platform.masks)
 
 
 def _moving_cones(
@@ -193,7 +194,7 @@ def _moving_cones(
     t_s = np.linspace(start_s, stop_s, count)
     instants = Instants(scenario.initial_state.epoch, t_s)
     states = ephemeris.states(instants)
-    q_platform_from_eci = scenario.two_axis.q_platform_from_body * (
+    q_platform_from_eci = axes_of(scenario).q_platform_from_body * (
         scenario.law.q_body_from_eci(instants, states)
     )
     cones = []

@@ -20,16 +20,16 @@ STENCIL = 7
 class LineOfSight:
     """The apparent direction of one target over n uniformly spaced instants.
 
-    los_platform: unit vectors, shape (n, 3); los_rate_platform_per_s and
-    los_acceleration_platform_per_s2 their first and second derivatives in the platform frame.
+    los_base: unit vectors, shape (n, 3); los_rate_base_per_s and
+    los_acceleration_base_per_s2 their first and second derivatives in the frame of the base.
     range_m, clearance_rad: shape (n,), as in `ApparentDirection`.  states: of the orbit.
     """
 
     instants: Instants
     states: OrbitStates
-    los_platform: Array
-    los_rate_platform_per_s: Array
-    los_acceleration_platform_per_s2: Array
+    los_base: Array
+    los_rate_base_per_s: Array
+    los_acceleration_base_per_s2: Array
     range_m: Array
     clearance_rad: Array
 
@@ -43,9 +43,9 @@ class LineOfSight:
         return LineOfSight(
             instants=Instants(self.instants.epoch_utc, self.instants.t_s[rows]),
             states=states,
-            los_platform=self.los_platform[rows],
-            los_rate_platform_per_s=self.los_rate_platform_per_s[rows],
-            los_acceleration_platform_per_s2=self.los_acceleration_platform_per_s2[rows],
+            los_base=self.los_base[rows],
+            los_rate_base_per_s=self.los_rate_base_per_s[rows],
+            los_acceleration_base_per_s2=self.los_acceleration_base_per_s2[rows],
             range_m=self.range_m[rows],
             clearance_rad=self.clearance_rad[rows],
         )
@@ -55,12 +55,12 @@ def line_of_sight(
     instants: Instants,
     ephemeris: Ephemeris,
     attitude: AttitudeLaw | None,
-    q_platform_from_body: Rotation,
+    q_base_from_body: Rotation,
     target: VisibleTarget,
 ) -> LineOfSight:
-    """Apparent line of sight in the platform frame.
+    """Apparent line of sight in the frame of the platform's base.
 
-    attitude: of the body, None where the platform's frame stands in GCRF.
+    attitude: of the body, None where the base is GCRF.
     instants: at least 7, uniformly spaced.  The derivatives are 7-point differences of the
     apparent direction itself, so that angles, rates and accelerations belong together for
     every orbit source; their error is (step / 54 s)^5 of the value on a 400 km pass.
@@ -68,26 +68,26 @@ def line_of_sight(
     """
     states = ephemeris.states(instants)
     seen = target.apparent(instants, states)
-    q_platform_from_eci = q_platform_from_body
+    q_base_from_eci = q_base_from_body
     if attitude is not None:
-        q_platform_from_eci = q_platform_from_eci * attitude.q_body_from_eci(instants, states)
-    los_platform = q_platform_from_eci.apply(seen.direction_eci)
+        q_base_from_eci = q_base_from_eci * attitude.q_body_from_eci(instants, states)
+    los_base = q_base_from_eci.apply(seen.direction_eci)
     step_s = (instants.t_s[-1] - instants.t_s[0]) / (len(instants.t_s) - 1)
     return LineOfSight(
         instants=instants,
         states=states,
-        los_platform=los_platform,
-        los_rate_platform_per_s=_differentiate_samples(los_platform, step_s, 1),
-        los_acceleration_platform_per_s2=_differentiate_samples(los_platform, step_s, 2),
+        los_base=los_base,
+        los_rate_base_per_s=_differentiate_samples(los_base, step_s, 1),
+        los_acceleration_base_per_s2=_differentiate_samples(los_base, step_s, 2),
         range_m=seen.range_m,
         clearance_rad=seen.clearance_rad,
     )
 
 
-def _differentiate_samples(los_platform: Array, step_s: float, order: int) -> Array:
+def _differentiate_samples(los_base: Array, step_s: float, order: int) -> Array:
     """Differences on the seven nearest samples, one-sided towards the ends, (n, 3)."""
-    first, weights = difference_stencils(len(los_platform), order)
-    nodes = los_platform[first[:, None] + np.arange(STENCIL)]
+    first, weights = difference_stencils(len(los_base), order)
+    nodes = los_base[first[:, None] + np.arange(STENCIL)]
     return np.asarray(np.einsum("nk,nkj->nj", weights, nodes) / step_s**order)
 
 

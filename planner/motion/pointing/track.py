@@ -78,13 +78,13 @@ def track_candidates(
     """
     t_s = los.instants.t_s
     first, last = _session_rows(t_s, session_start_s, session_stop_s)
-    angles, reachable = axis_angles(platform, los.los_platform)
+    angles, reachable = axis_angles(platform, los.los_base)
     if not reachable[first:last].all():
         raise _refuse_unreachable(platform, los, reachable[first:last], first)
 
     branches: list[_Branch] = []
     for branch_rad in angles:
-        margin = singular_margin_rad(platform, branch_rad, los.los_platform)
+        margin = singular_margin_rad(platform, branch_rad, los.los_base)
         usable = reachable & (margin > SINGULAR_RAD)  # NaN margins where unreachable
         if not usable[first:last].all():
             raise _refuse_singular(platform, los, int(first + np.argmin(margin[first:last])))
@@ -109,17 +109,17 @@ def held_cells(platform: TwoAxisPlatform, los: LineOfSight) -> Iterator[tuple[Ar
     Cells (n - 1,) over which the motion keeps stops and limits.
     """
     step_s = float(los.instants.t_s[1] - los.instants.t_s[0])
-    angles, reachable = axis_angles(platform, los.los_platform)
+    angles, reachable = axis_angles(platform, los.los_base)
     for branch_rad in angles:
-        margin = singular_margin_rad(platform, branch_rad, los.los_platform)
+        margin = singular_margin_rad(platform, branch_rad, los.los_base)
         usable = reachable & (margin > SINGULAR_RAD)
         unwrapped = np.unwrap(np.where(usable[:, None], branch_rad, 0.0), axis=0)
         rate, acceleration = axis_motion(
             platform,
             unwrapped,
-            los.los_platform,
-            los.los_rate_platform_per_s,
-            los.los_acceleration_platform_per_s2,
+            los.los_base,
+            los.los_rate_base_per_s,
+            los.los_acceleration_base_per_s2,
         )
         for angle_rad in _turns_to_stops(unwrapped, platform.axis_limits):
             ranges = cubic_and_row_range(step_s, angle_rad, rate, acceleration)
@@ -153,9 +153,9 @@ def _tracks_in_limits(
         rate, acceleration = axis_motion(
             platform,
             unwrapped,
-            los.los_platform[here],
-            los.los_rate_platform_per_s[here],
-            los.los_acceleration_platform_per_s2[here],
+            los.los_base[here],
+            los.los_rate_base_per_s[here],
+            los.los_acceleration_base_per_s2[here],
         )
         for angle_rad in _whole_turns(unwrapped, session, platform.axis_limits):
             axis_states = np.stack([angle_rad, rate, acceleration])

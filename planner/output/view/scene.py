@@ -16,7 +16,7 @@ from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import OrbitStates
 from planner.world.plan import FlightPlan
-from planner.world.targets import KeepOut
+from planner.world.rules.keep_out import KeepOut
 from planner.world.targets.apparent import aberrate
 
 Body = Literal["sun", "moon"]

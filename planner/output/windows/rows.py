@@ -27,15 +27,17 @@ SIGHTING = (
     "angles_deg",
     "rates_deg_s",
 )
+# Told by the name of each angle, of shape (..., 2), rad or rad/s.
+BY_NAME = {"angles_deg": "angle_rad", "rates_deg_s": "rate_rad_s"}
 # Of each row an object by names, a number, numbers, or its JSON text.
 Column = Mapping[str, Any] | Array | list[str]
 
 
-class AxesTold(Protocol):
+class AnglesTold(Protocol):
     """The angles that windows tell."""
 
     @property
-    def axis_names(self) -> tuple[str, str]: ...
+    def angle_names(self) -> tuple[str, str]: ...
     @property
     def has_branches(self) -> bool: ...
 
@@ -43,22 +45,22 @@ class AxesTold(Protocol):
 def window_columns(
     start_utc: datetime,
     ids: Sequence[str],
-    axes: AxesTold,
+    told: AnglesTold,
     windows: WindowEdges,
     probability: Array | None = None,
 ) -> dict[str, Column]:
     """All that is told of windows as far as it is known, by name; probability: of each session."""
-    columns = pass_columns(start_utc, ids, axes.axis_names, windows)
-    if isinstance(windows, Windows) and axes.has_branches:
+    columns = pass_columns(start_utc, ids, told.angle_names, windows)
+    if isinstance(windows, Windows) and told.has_branches:
         usable = [np.flatnonzero(one).tolist() for one in windows.branches]
         columns |= {"branch": texts_of(windows.branch.tolist()), "branches": texts_of(usable)}
     return columns if probability is None else columns | {"probability_in_frame": probability}
 
 
 def pass_columns(
-    start_utc: datetime, ids: Sequence[str], axis_names: tuple[str, str], windows: WindowEdges
+    start_utc: datetime, ids: Sequence[str], angle_names: tuple[str, str], windows: WindowEdges
 ) -> dict[str, Column]:
-    """The same without what axes have to do with."""
+    """The same without what hangs on ways to point."""
     session_s = windows.sessions_s(start_utc)
     fits = np.flatnonzero(~np.isnan(session_s[:, 0]))
     times = {
@@ -80,8 +82,8 @@ def pass_columns(
     columns |= {
         "highest_at": times_of(start_utc, windows.highest_s),
         "highest_deg": np.degrees(windows.highest_rad),
-        "closest": _sighting(start_utc, axis_names, windows.closest),
-        "through": _sighting(start_utc, axis_names, windows.through),
+        "closest": _sighting(start_utc, angle_names, windows.closest),
+        "through": _sighting(start_utc, angle_names, windows.through),
         "place": spread(on_earth, count, _places(windows.sky, on_earth)),
         "sky": spread(
             on_earth,
@@ -95,24 +97,22 @@ def pass_columns(
     return columns
 
 
-def _sighting(start_utc: datetime, axis_names: tuple[str, str], seen: Sightings) -> Column:
+def _sighting(start_utc: datetime, angle_names: tuple[str, str], seen: Sightings) -> Column:
     columns: dict[str, Column] = {
         "at": times_of(start_utc, seen.t_s),
         "range_km": seen.range_m / 1e3,
         "ground_sample_across_m": seen.ground_sample_across_m,
         "ground_sample_along_m": seen.ground_sample_along_m,
-        "angles_deg": _by_axis(axis_names, seen.angle_rad),
-        "rates_deg_s": _by_axis(axis_names, seen.rate_rad_s),
     }
+    for one, told in BY_NAME.items():
+        motion_rad = getattr(seen, told)
+        columns[one] = {
+            name: np.degrees(motion_rad[..., angle]) for angle, name in enumerate(angle_names)
+        }
     for one in SIGHTING:
         if one not in columns:
             columns[one] = np.degrees(getattr(seen, one.replace("_deg", "_rad")))
     return {one: columns[one] for one in SIGHTING}
-
-
-def _by_axis(axis_names: tuple[str, str], motion_rad: Array) -> Column:
-    """motion_rad: shape (..., 2), rad or rad/s."""
-    return {name: np.degrees(motion_rad[..., axis]) for axis, name in enumerate(axis_names)}
 
 
 def rows_json(columns: Column) -> list[str]:

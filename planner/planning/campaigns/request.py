@@ -19,8 +19,9 @@ from planner.planning.opportunities.request import BOUNDS as OPPORTUNITY_BOUNDS
 from planner.world.attitude import Attitude
 from planner.world.frames.time_scales import DAY_S, elapsed_s
 from planner.world.orbits import Orbit
-from planner.world.platforms import PIXELS_ARCSEC, AngleDeg, AnyPlatform, TwoAxisPlatform
-from planner.world.scenario import SlewOptions, asked_of_axes, refuse_axes_only
+from planner.world.platforms import PIXELS_ARCSEC, AngleDeg, AnyPlatform
+from planner.world.rules.registry import rules_of
+from planner.world.scenario import SlewOptions
 from planner.world.targets import WindowTarget
 
 
@@ -150,30 +151,10 @@ class CampaignRequest:
                 "slew.method must be ocp: the choice of sessions relies on slews that keep the "
                 "limits"
             )
-        self._require_rest()
+        rules = rules_of(self.platform)
+        rules.require_rest(self.rest_angles_deg, self.attitude, self.slew)
         self._require_bounds()
         self.opportunities()
-
-    def _require_rest(self) -> None:
-        platform = self.platform
-        if not isinstance(platform, TwoAxisPlatform):
-            given = {"rest_angles_deg": self.rest_angles_deg is not None}
-            refuse_axes_only(platform.name, given | asked_of_axes(self.attitude, self.slew))
-            return
-        names = platform.axis_names
-        if set(self.rest_deg) != set(names):
-            raise ValueError(
-                f"rest_angles_deg must name the axes {', '.join(names)} of {platform.name}, "
-                f"not {', '.join(self.rest_deg) or 'none'}"
-            )
-        for name, limits in zip(names, platform.axis_limits, strict=True):
-            low_deg = math.degrees(limits.angle_min_rad)
-            high_deg = math.degrees(limits.angle_max_rad)
-            if not low_deg <= self.rest_deg[name] <= high_deg:
-                raise ValueError(
-                    f"rest_angles_deg.{name} must lie within its stops {low_deg:g}..{high_deg:g}, "
-                    f"not {self.rest_deg[name]:g}"
-                )
 
     def _require_bounds(self) -> None:
         days = self.span_s / DAY_S

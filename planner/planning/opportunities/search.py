@@ -150,7 +150,7 @@ def opportunities_however_many(request: OpportunityRequest) -> Opportunities:
         start_utc=request.start,
         stop_utc=request.stop,
         ids=request.ids,
-        axis_names=lookout.axis_names,
+        angle_names=lookout.angle_names,
         has_branches=lookout.has_branches,
         assumed=request.assumed,
         warnings=search.warnings,

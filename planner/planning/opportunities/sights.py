@@ -35,14 +35,14 @@ OPTIONS = TrackOptions()
 class Sighting:
     """What the carrier sees of n targets.
 
-    direction_itrf, los_platform: unit vectors from the carrier, light time and aberration included,
+    direction_itrf, los_base: unit vectors from the carrier, light time and aberration included,
     (n, 3).  range_m: (n,).  elevation_rad: of the carrier in the target's sky; for a target in
     space its height above the limb raised by the grazing altitude, (n,).  sun_elevation_rad: of
     the Sun's centre in the target's sky, without refraction; NaN in space, (n,).
     """
 
     direction_itrf: Array
-    los_platform: Array
+    los_base: Array
     range_m: Array
     elevation_rad: Array
     sun_elevation_rad: Array

@@ -152,14 +152,14 @@ class Opportunities:
     """Windows in order of the request's targets, each target's in order of time.
 
     ids: one per target.
-    axis_names: of the angles told.  has_branches: whether two pairs of them point at a target.
+    angle_names: of the angles told.  has_branches: whether two pairs of them point at a target.
     assumed: places of those given by name.
     """
 
     start_utc: datetime
     stop_utc: datetime
     ids: tuple[str, ...]
-    axis_names: tuple[str, str]
+    angle_names: tuple[str, str]
     has_branches: bool
     warnings: tuple[str, ...]
     assumed: tuple[Assumed, ...]

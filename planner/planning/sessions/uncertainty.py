@@ -162,7 +162,7 @@ class ImageScene:
         samples: int,
     ) -> None:
         self.rows = spread_rows(image, min(len(image), samples))
-        off_rad = np.einsum("nij,nj->ni", image, los.los_platform)
+        off_rad = np.einsum("nij,nj->ni", image, los.los_base)
         shares = np.abs(off_rad / frame_half_rad).max(axis=1)
         if shares.max() > OPTIONS.off_target:
             self.rows = farthest_rows(shares, self.rows)
@@ -171,8 +171,8 @@ class ImageScene:
         self.states = OrbitStates(
             los.states.r_sat_eci_m[self.rows], los.states.v_sat_eci_m_s[self.rows]
         )
-        self.los_base = los.los_platform[self.rows]
-        self.los_rate_base_per_s = los.los_rate_platform_per_s[self.rows]
+        self.los_base = los.los_base[self.rows]
+        self.los_rate_base_per_s = los.los_rate_base_per_s[self.rows]
         self.range_m = los.range_m[self.rows]
         self._target = target
 

@@ -7,6 +7,7 @@ from planner.base.arrays import Array, Indices, Mask
 from planner.verification.report import (
     ExclusionMargin,
     Finding,
+    KeepOutMargin,
     LimitMargin,
     MaskMargin,
     SessionReport,
@@ -43,6 +44,9 @@ class Judge(Protocol):
 
     def margins(self) -> tuple[LimitMargin, ...]:
         """To every limit of the motion, anywhere between the first and the last row."""
+
+    def keep_out(self) -> tuple[KeepOutMargin, ...]:
+        """To the cones that a request names.  Raises OutsideCoverage."""
 
     def masks(self) -> tuple[MaskMargin, ...]:
         """To what stands in the platform's view."""

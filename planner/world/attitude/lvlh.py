@@ -22,7 +22,6 @@ from planner.world.attitude.errors import (
 from planner.world.frames.local_orbital import q_lvlh_from_eci
 from planner.world.frames.time_scales import Instants, elapsed_s, require_known, utc_text
 from planner.world.orbits import OrbitStates
-from planner.world.platforms.two_axis import TwoAxisPlatform
 
 # Rms of the sinusoid at the orbital rate in which the ISS swings about its mean in torque
 # equilibrium on 2018-10-12, about body x, y, z (bench/attitude_figures.py of commit 54f03d3).
@@ -149,14 +148,15 @@ def _wander_rms_body_rad(since_s: Array) -> Array:
     return np.asarray(SETTLING.rms_body_rad * share)
 
 
-def level_warnings(attitude: object, platform: TwoAxisPlatform) -> tuple[str, ...]:
-    """That 0/0/0 is not how the platform's carrier flies, where its usual attitude is known."""
-    usual_deg = platform.usual_yaw_pitch_roll_deg
+def level_warnings(
+    attitude: object, platform: str, usual_deg: tuple[float, float, float] | None
+) -> tuple[str, ...]:
+    """That 0/0/0 is not how a platform's carrier flies, where its usual attitude is known."""
     if usual_deg is None or not (isinstance(attitude, LvlhAttitude) and attitude.is_level):
         return ()
     off_deg = math.degrees(Rotation.from_euler("ZYX", usual_deg, degrees=True).magnitude())
     return (
-        f"the carrier of {platform.name} usually flies at yaw/pitch/roll "
+        f"the carrier of {platform} usually flies at yaw/pitch/roll "
         f"{'/'.join(f'{angle:g}' for angle in usual_deg)} deg, {off_deg:.1f} deg from the 0/0/0 of "
         "attitude (7 km on the ground for each, from 400 km): state its mean attitude in yaw_deg, "
         "pitch_deg and roll_deg",

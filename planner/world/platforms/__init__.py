@@ -7,6 +7,7 @@ from planner.world.platforms.choice import BODIES, PLATFORMS, AnyPlatform, Platf
 from planner.world.platforms.definition import (
     AngleDeg,
     AxisDefinition,
+    FinalAngles,
     JerkDegS3,
     PlatformDefinition,
     definition_of,
@@ -20,6 +21,7 @@ from planner.world.platforms.two_axis import (
     ParkPosition,
     StructuralMode,
     TwoAxisPlatform,
+    along_and_across,
 )
 
 __all__ = [
@@ -38,6 +40,7 @@ __all__ = [
     "Camera",
     "CarrierMode",
     "FieldMask",
+    "FinalAngles",
     "JerkDegS3",
     "MotionBounds",
     "ParkPosition",
@@ -47,5 +50,6 @@ __all__ = [
     "Shutter",
     "StructuralMode",
     "TwoAxisPlatform",
+    "along_and_across",
     "definition_of",
 ]

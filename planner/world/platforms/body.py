@@ -347,7 +347,7 @@ class StarTracker:
         _require_long("boresight_body", self.boresight_body)
 
     @property
-    def angles_deg(self) -> tuple[tuple[Celestial, float], ...]:
+    def least_deg(self) -> tuple[tuple[Celestial, float], ...]:
         """What it keeps from, and by how much."""
         return (("sun", self.sun_deg), ("moon", self.moon_deg), ("limb", self.limb_deg))
 

@@ -196,6 +196,22 @@ class PlatformDefinition:
         )
 
 
+@spec
+class FinalAngles:
+    """Angles at which the axes are to rest.
+
+    angles_deg: of each axis, by its name. E.g. `{"alpha": 0.0, "beta": 0.0}`.
+    park: name of a park position of the platform. E.g. `"zero"`.
+    """
+
+    angles_deg: Mapping[str, AngleDeg] | None = None
+    park: str | None = None
+
+    def __post_init__(self) -> None:
+        if (self.angles_deg is None) == (self.park is None):
+            raise ValueError('give either angles_deg or park; for rest anywhere, "rest" instead')
+
+
 def definition_of(platform: TwoAxisPlatform) -> PlatformDefinition:
     """The platform in degrees, as a request writes it out."""
     frame_deg = [_degrees(2.0 * half_rad) for half_rad in platform.frame_half_rad]

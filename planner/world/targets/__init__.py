@@ -11,7 +11,6 @@ from planner.world.targets.earth_fixed import EarthFixedTarget
 from planner.world.targets.ground import GroundTarget
 from planner.world.targets.ground_moving import MovingGroundTarget
 from planner.world.targets.ground_path import GroundPathTarget
-from planner.world.targets.keep_out import KeepOut
 from planner.world.targets.place import PlaceTarget
 from planner.world.targets.session_target import SessionTarget
 from planner.world.targets.sky import SkyTarget
@@ -42,7 +41,6 @@ __all__ = [
     "EarthFixedTarget",
     "GroundPathTarget",
     "GroundTarget",
-    "KeepOut",
     "MovingGroundTarget",
     "PlaceTarget",
     "PrescribedMotion",

@@ -14,7 +14,7 @@ from planner.base.commands import COMMAND_STEP_S
 from planner.base.errors import InvalidInput, TrackBreaksLimit, figures
 from planner.base.spec import spec
 from planner.world.frames.time_scales import Instants, elapsed_s, utc_text
-from planner.world.platforms import AxisLimits
+from planner.world.platforms import MotionBounds
 from planner.world.targets.axis_signals import Chirp, ConstantRate, Multisine, Sine, Step, Triangle
 from planner.world.targets.session_target import TimedTarget
 
@@ -70,21 +70,21 @@ class BenchMotionTarget(TimedTarget):
         """None: lists tell of what is looked at."""
         return ""
 
-    def axis_motion(self, axis_names: tuple[str, ...], t_s: Array) -> PrescribedMotion:
+    def axis_motion(self, dof_names: tuple[str, ...], t_s: Array) -> PrescribedMotion:
         """Analytic derivatives; raises InvalidInput unless `axes` are the platform's."""
-        if set(self.axes) != set(axis_names):
+        if set(self.axes) != set(dof_names):
             raise InvalidInput(
-                f"axes must give a motion for each of {', '.join(axis_names)}, not for "
+                f"axes must give a motion for each of {', '.join(dof_names)}, not for "
                 f"{', '.join(self.axes)}; constant_rate with rate_deg_s 0 keeps an axis still",
                 field="axes",
             )
-        motion_rad = np.deg2rad([self.axes[name].motion_deg(t_s) for name in axis_names])
+        motion_rad = np.deg2rad([self.axes[name].motion_deg(t_s) for name in dof_names])
         return PrescribedMotion(*motion_rad.transpose(1, 2, 0))
 
     def require_flyable(
         self,
-        axis_names: tuple[str, ...],
-        axis_limits: tuple[AxisLimits, ...],
+        dof_names: tuple[str, ...],
+        bounds: tuple[MotionBounds, ...],
         start_utc: datetime,
         duration_s: float,
     ) -> None:
@@ -109,22 +109,21 @@ class BenchMotionTarget(TimedTarget):
         zero_utc = self.start or start_utc
         t_s = np.arange(count, dtype=np.float64) * (COMMAND_STEP_S / row)
         instants = Instants(zero_utc, t_s + elapsed_s(start_utc, zero_utc))
-        motion = self.axis_motion(axis_names, instants.t_s)
-        for axis, (name, limits) in enumerate(zip(axis_names, axis_limits, strict=True)):
+        motion = self.axis_motion(dof_names, instants.t_s)
+        for axis, (name, each) in enumerate(zip(dof_names, bounds, strict=True)):
             axis_states = [part[:, axis] for part in motion]
-            _require_within(name, limits, instants, axis_states)
+            _require_within(name, each, instants, axis_states)
             _require_on_grid(name, row, instants, axis_states)
 
 
 def _require_within(
-    axis: str, limits: AxisLimits, instants: Instants, axis_states: Sequence[Array]
+    axis: str, bounds: MotionBounds, instants: Instants, axis_states: Sequence[Array]
 ) -> None:
     """axis_states: angle, rate and acceleration of one axis (rad, s) at even instants, (n,)."""
     jerk_rad_s3 = np.diff(axis_states[2]) / (instants.t_s[1] - instants.t_s[0])
     parts = (*axis_states, jerk_rad_s3)
-    for (limit, unit), values, (low, high) in zip(
-        _UNITS.items(), parts, limits.bounds, strict=True
-    ):
+    for (limit, unit), values, bound in zip(_UNITS.items(), parts, bounds, strict=True):
+        low, high = bound or (-math.inf, math.inf)
         excess = np.maximum(values - high, low - values)
         worst = int(np.argmax(excess))
         if excess[worst] > 0.0:

@@ -1,5 +1,6 @@
 """The Sun, the Moon or a planet as a target."""
 
+import math
 from typing import Literal
 
 import numpy as np
@@ -12,6 +13,7 @@ from planner.world.targets.apparent import SPEED_OF_LIGHT_M_S
 from planner.world.targets.refraction import Refraction
 from planner.world.targets.sky import GRAZING_ALTITUDE_KM, GrazingAltitudeKm, SkyTarget
 
+HIDDEN_RAD = math.radians(1.5)  # below the limb: refraction lifts by 1.1 deg, half a disk is 0.3
 LIGHT_TIME_PASSES = 4  # each shrinks the error by v/c = 1e-4, Mercury's 1.6e-4 being the worst
 
 

@@ -22,6 +22,7 @@ from planner.world.platforms.drive import (
     FRICTION_MAX_DEG_S2,
     VISCOUS_MAX_PER_S,
 )
+from planner.world.rules.two_axis import axes_of
 from planner.world.scenario import Scenario
 
 DRIVE = "drive"
@@ -48,7 +49,7 @@ class TwoAxisFlyer:
     def q_base_from_eci(
         self, instants: Instants, states: OrbitStates, turned_body_rad: Array | None = None
     ) -> Rotation:
-        q_base_from_body = self.scenario.two_axis.q_platform_from_body
+        q_base_from_body = axes_of(self.scenario).q_platform_from_body
         if turned_body_rad is not None:
             q_base_from_body = q_base_from_body * Rotation.from_rotvec(-turned_body_rad)
         return q_base_from_body * self.scenario.law.q_body_from_eci(instants, states)
@@ -63,7 +64,7 @@ class TwoAxisFlyer:
 
         The noise is another in each session, friction and cables are the same in all.
         """
-        platform = self.scenario.two_axis
+        platform = axes_of(self.scenario)
         if seeds is None:
             return fly(table, platform, seed=session)
         random = np.random.default_rng(seeds[DRIVE])

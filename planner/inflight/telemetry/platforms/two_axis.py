@@ -50,6 +50,7 @@ from planner.world.attitude.corrections import AttitudeCorrection
 from planner.world.frames.time_scales import Instants, elapsed_s, utc_text
 from planner.world.plan import FlightPlan
 from planner.world.platforms import AxisDrive, PlatformGeometry, TwoAxisPlatform, definition_of
+from planner.world.rules.two_axis import axes_of
 
 if TYPE_CHECKING:
     from planner.inflight.telemetry.compare import Comparison
@@ -82,7 +83,7 @@ class AxisSensors:
 
     def __init__(self, plan: FlightPlan) -> None:
         self.plan = plan
-        names = plan.scenario.two_axis.axis_names
+        names = axes_of(plan.scenario).axis_names
         self.motions = tuple(PlannedMotion(plan.table, axis) for axis in range(len(names)))
         meanings: dict[str, ColumnMeaning] = {}
         for axis, name in enumerate(names):
@@ -106,7 +107,7 @@ class AxisSensors:
                 rate_rad_s=one.rate_max_rad_s,
                 acceleration_rad_s2=one.acceleration_max_rad_s2,
             )
-            for one in self.plan.scenario.two_axis.axis_limits
+            for one in axes_of(self.plan.scenario).axis_limits
         )
 
     def read(self, columns: Sequence[TelemetryColumn], tag_s: Array) -> ReadColumns:
@@ -147,7 +148,7 @@ def from_rotation(
 ) -> PointingParts:
     """Of a horizon estimate of the same session, its turn against the law without corrections."""
     t_s = _time_within(plan, measured.epoch, field)
-    platform = plan.scenario.two_axis
+    platform = axes_of(plan.scenario)
     planned_rad, off_rad = _angles(plan, followed, t_s)
     sides, boresight = _frame(platform, planned_rad)
     axes = _axes_part(platform, planned_rad, off_rad, sides)
@@ -186,7 +187,7 @@ def from_image(
             "nothing; give frames of a session",
             field=f"{field}.epoch",
         )
-    platform = plan.scenario.two_axis
+    platform = axes_of(plan.scenario)
     planned_rad, off_rad = _angles(plan, followed, t_s)
     sides, boresight = _frame(platform, planned_rad)
     axes = _axes_part(platform, planned_rad, off_rad, sides)
@@ -252,7 +253,7 @@ def _angles(
     plan: FlightPlan, followed: Sequence[Followed], t_s: float
 ) -> tuple[Array, Array | None]:
     """Planned angles and what the axes were off them, (1, 2) each; None without both."""
-    count = len(plan.scenario.two_axis.axis_names)
+    count = len(axes_of(plan.scenario).axis_names)
     planned_rad = np.array(
         [[PlannedMotion(plan.table, axis).angle_rad(np.array([t_s]))[0] for axis in range(count)]]
     )
@@ -298,7 +299,7 @@ def platform_found(comparison: Comparison, names: Sequence[str]) -> PlatformFoun
 
     Raises InvalidInput for names and plans that can't be identified.
     """
-    platform = comparison.plan.scenario.two_axis
+    platform = axes_of(comparison.plan.scenario)
     found: tuple[Parameter, ...] = ()
     if names:
         found, drives = _drives(comparison, names)
@@ -321,7 +322,7 @@ def _least_rates(comparison: Comparison) -> list[Parameter]:
     found = []
     for axis in comparison.axes:
         motion = axis.followed.motion
-        limits = comparison.plan.scenario.two_axis.axis_limits[motion.axis]
+        limits = axes_of(comparison.plan.scenario).axis_limits[motion.axis]
         fastest_rad_s = max((one.rate_rad_s for one in axis.stick_slip), default=0.0)
         if limits.rate_min_rad_s < fastest_rad_s < limits.rate_max_rad_s / OPTIONS.room:
             found.append(
@@ -338,7 +339,7 @@ def _least_rates(comparison: Comparison) -> list[Parameter]:
 def _drives(
     comparison: Comparison, names: Sequence[str]
 ) -> tuple[tuple[Parameter, ...], tuple[AxisDrive, AxisDrive]]:
-    plan, platform = comparison.plan, comparison.plan.scenario.two_axis
+    plan, platform = comparison.plan, axes_of(comparison.plan.scenario)
     _require_identifiable(names, platform, plan.table.t_s[-1])
     clean = comparison.clean
     t_s = comparison.alignment.t_s(clean.tag_s) + _own_delay_s(comparison)
@@ -386,7 +387,7 @@ def _require_identifiable(names: Sequence[str], platform: TwoAxisPlatform, table
 
 def _own_delay_s(comparison: Comparison) -> float:
     """By how much the platform's drives are late by themselves, as telemetry would show it."""
-    table, platform = comparison.plan.table, comparison.plan.scenario.two_axis
+    table, platform = comparison.plan.table, axes_of(comparison.plan.scenario)
     flown = fly(table, platform)
     told = {one.followed.motion.axis for one in comparison.axes}
     channels = [

@@ -22,6 +22,7 @@ from planner.output.view.scene import PlanScene
 from planner.world.frames.time_scales import elapsed_s
 from planner.world.plan import FlightPlan
 from planner.world.platforms import FieldMask, TwoAxisPlatform
+from planner.world.rules.two_axis import axes_of
 
 OUTLINES_MAX = 31  # instants; a page draws the one next to its cursor
 _STEP_RAD = math.radians(2.0)  # a great circle bends on the axes
@@ -30,7 +31,7 @@ _STEP_RAD = math.radians(2.0)  # a great circle bends on the axes
 def two_axis_parts(scene: PlanScene, row: Indices, every: int) -> KindParts:
     """The spline at every so many rows."""
     return KindParts(
-        keyholes_rad=keyholes_rad(scene.plan.scenario.two_axis),
+        keyholes_rad=keyholes_rad(axes_of(scene.plan.scenario)),
         baseline=tuple(_baseline_slews(scene.plan, every)),
         keep_out=tuple(_cone_traces(scene)),
         masks=tuple(_mask_traces(scene.plan, row)),
@@ -39,7 +40,7 @@ def two_axis_parts(scene: PlanScene, row: Indices, every: int) -> KindParts:
 
 def _cone_traces(scene: PlanScene) -> Iterator[ConeTrace]:
     """Of each cone of the scenario."""
-    platform = scene.plan.scenario.two_axis
+    platform = axes_of(scene.plan.scenario)
     count = len(scene.rows.instants)
     outlined = np.unique(np.linspace(0, count - 1, min(count, OUTLINES_MAX)).round().astype(int))
     boresight = boresight_platform(platform, scene.plan.table.position[scene.rows.row])
@@ -83,7 +84,7 @@ def _outlines_rad(platform: TwoAxisPlatform, axis: Array, half_angle_rad: float)
 
 def _mask_traces(plan: FlightPlan, row: Indices) -> Iterator[MaskTrace]:
     """Of each mask, at these rows of the table."""
-    platform = plan.scenario.two_axis
+    platform = axes_of(plan.scenario)
     boresight = boresight_platform(platform, plan.table.position[row])
     for number, mask in enumerate(platform.masks):
         outline_platform = _outline_platform(mask)

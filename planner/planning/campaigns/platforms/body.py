@@ -120,9 +120,9 @@ class BodyFollower:
         los = LineOfSight(
             instants=instants,
             states=ephemeris.states(instants),
-            los_platform=los_eci,
-            los_rate_platform_per_s=los_rate_eci,
-            los_acceleration_platform_per_s2=np.full((len(t_s), 3), math.nan),
+            los_base=los_eci,
+            los_rate_base_per_s=los_rate_eci,
+            los_acceleration_base_per_s2=np.full((len(t_s), 3), math.nan),
             range_m=seen.range_m,
             clearance_rad=seen.elevation_rad,
         )

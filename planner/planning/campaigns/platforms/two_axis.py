@@ -55,7 +55,7 @@ class TwoAxisFollower:
         if not isinstance(request.platform, TwoAxisPlatform):
             raise TypeError(f"{request.platform.name} has no two axes")
         self._request = request
-        limits = request.slew.axis_limits(request.platform)
+        limits = request.platform.limits_with_jerk(request.slew.jerk_max_deg_s3)
         self._platform = request.platform.with_limits(limits)
         rates = [[a.rate_max_rad_s, a.acceleration_max_rad_s2, a.jerk_max_rad_s3] for a in limits]
         self.slew_limits = FollowerLimits(np.array(rates))
@@ -104,9 +104,9 @@ class TwoAxisFollower:
         line_of_sight = LineOfSight(
             instants=instants,
             states=ephemeris.states(instants),
-            los_platform=los[rows],
-            los_rate_platform_per_s=(after - before)[rows] / (2.0 * OPTIONS.delta_s),
-            los_acceleration_platform_per_s2=np.full((len(rows), 3), math.nan),
+            los_base=los[rows],
+            los_rate_base_per_s=(after - before)[rows] / (2.0 * OPTIONS.delta_s),
+            los_acceleration_base_per_s2=np.full((len(rows), 3), math.nan),
             range_m=seen.range_m,
             clearance_rad=seen.elevation_rad,
         )
@@ -138,7 +138,7 @@ class TwoAxisFollower:
     def _los(self, sight: Sight, which: Indices, t_s: Array) -> tuple[Array, Array, Array]:
         """Where targets are seen in the platform's frame before, then and after, (n, 3) each."""
         before, los, after = (
-            sight.sighting(which, at_s).los_platform
+            sight.sighting(which, at_s).los_base
             for at_s in (t_s - OPTIONS.delta_s, t_s, t_s + OPTIONS.delta_s)
         )
         return before, los, after

@@ -43,7 +43,7 @@ from planner.world.platforms.body import (
     unit_vector,
 )
 from planner.world.targets import VisibleTarget
-from planner.world.targets.keep_out import HIDDEN_RAD
+from planner.world.targets.body import HIDDEN_RAD
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,7 +75,7 @@ ALONG_ACROSS = Reach(
 class BodyLookout:
     """As `Lookout` says; the base is the local orbital frame."""
 
-    axis_names = ("along_track", "across_track")
+    angle_names = ("along_track", "across_track")
     has_branches = False
     rests_in_orbit = True
     reach = ALONG_ACROSS
@@ -177,7 +177,7 @@ class BodyLookout:
         ]
         for tracker in trackers.each if trackers is not None else ():
             direction_body = unit_vector(tracker.boresight_body)
-            kept += [(direction_body, *angle) for angle in tracker.angles_deg]
+            kept += [(direction_body, *angle) for angle in tracker.least_deg]
         rows = [
             (*(body_from_triad @ direction_body), CELESTIAL.index(celestial), math.radians(deg))
             for direction_body, celestial, deg in kept

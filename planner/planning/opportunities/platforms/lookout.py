@@ -24,7 +24,7 @@ class Lookout(Base, Protocol):
     reach: Reach
 
     @property
-    def axis_names(self) -> tuple[str, str]:
+    def angle_names(self) -> tuple[str, str]:
         """Of the angles that windows tell."""
         ...
 

@@ -29,7 +29,7 @@ class TwoAxisLookout:
             raise TypeError(f"{platform.name} has no two axes")
         self.platform, self.attitude = platform, attitude or LvlhAttitude()
         self.reach = reach_of(platform)
-        self.axis_names = platform.axis_names
+        self.angle_names = platform.axis_names
         self.causes: tuple[Cause, ...] = ("reach", "mask") if platform.masks else ("reach",)
 
     @property
@@ -42,7 +42,9 @@ class TwoAxisLookout:
 
     def warnings_at(self, instants: Instants) -> tuple[str, ...]:
         return (
-            *level_warnings(self.attitude, self.platform),
+            *level_warnings(
+                self.attitude, self.platform.name, self.platform.usual_yaw_pitch_roll_deg
+            ),
             *self.attitude.warnings_at(instants),
         )
 

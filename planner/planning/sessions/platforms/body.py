@@ -128,7 +128,7 @@ class BodyMover:
         los = los_on_rows(scenario, ephemeris, target, wide)
         require_visible(los, rows, target, number)
         sight = TargetSight(
-            target=target, instants=los.instants, states=los.states, los_eci=los.los_platform
+            target=target, instants=los.instants, states=los.states, los_eci=los.los_base
         )
         try:
             tracks = attitude_tracks(

@@ -81,9 +81,7 @@ def body_probability_held(
     "nearest" is nearest to the idle attitude at the first instant.  By one of `every` paths.
     """
     los = line_of_sight(instants, ephemeris, None, platform.q_base_from_carrier, target)
-    sight = TargetSight(
-        target=target, instants=instants, states=los.states, los_eci=los.los_platform
-    )
+    sight = TargetSight(target=target, instants=instants, states=los.states, los_eci=los.los_base)
     idle = Rotation.from_quat(idle_attitude(platform.idle, instants, los.states).position[0])
     roll = roll_rule(platform, target, None)
     q_eci_from_body_xyzw = rolled_quaternions(platform, roll, sight, 0, idle)[0]

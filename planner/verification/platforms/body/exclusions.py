@@ -58,7 +58,7 @@ def _rules(judge: Judge, platform: BodyPlatform) -> Iterator[tuple[str, bool, Ma
                     np.min(
                         [
                             around.away_rad(direction_eci, celestial) - math.radians(least_deg)
-                            for celestial, least_deg in tracker.angles_deg
+                            for celestial, least_deg in tracker.least_deg
                         ],
                         axis=0,
                     )

@@ -20,6 +20,7 @@ from planner.verification.platforms.judge import FlownInstants, JudgedSession
 from planner.verification.report import (
     ExclusionMargin,
     Finding,
+    KeepOutMargin,
     Limit,
     LimitMargin,
     MaskMargin,
@@ -38,8 +39,10 @@ from planner.world.targets import BenchMotionTarget, EarthFixedTarget, SkyTarget
 class BodyJudge:
     """Of a spacecraft that turns as a whole."""
 
-    def __init__(self, table: CommandTable, platform: BodyPlatform, scenario: Scenario) -> None:
-        self._table, self._platform, self._scenario = table, platform, scenario
+    def __init__(self, table: CommandTable, scenario: Scenario) -> None:
+        if not isinstance(scenario.platform, BodyPlatform):
+            raise TypeError(f"{scenario.platform.name} is no body")
+        self._table, self._platform, self._scenario = table, scenario.platform, scenario
 
     def fault(self) -> Finding | None:
         """Of the columns their names, shapes and numbers; of the quaternions length and sign."""
@@ -127,6 +130,10 @@ class BodyJudge:
                 self._platform.agility, flown, t_s, self._row_alpha_rad_s2, self._table.epoch_utc
             )
         )
+
+    def keep_out(self) -> tuple[KeepOutMargin, ...]:
+        """None: a body has exclusions."""
+        return ()
 
     def masks(self) -> tuple[MaskMargin, ...]:
         """None: the structure turns with the camera."""

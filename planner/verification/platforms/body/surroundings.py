@@ -15,7 +15,7 @@ from planner.world.frames.time_scales import Instants
 from planner.world.orbits import OrbitStates
 from planner.world.platforms.body import Celestial
 from planner.world.targets import BodyTarget
-from planner.world.targets.keep_out import HIDDEN_RAD
+from planner.world.targets.body import HIDDEN_RAD
 
 RADIUS_M = {"sun": OPTIONS.sun_radius_m, "moon": OPTIONS.moon_radius_m}
 SEMI_AXES_M = WGS84_A_M * np.array([1.0, 1.0, 1.0 / WGS84_A_OVER_B])

@@ -18,10 +18,12 @@ from planner.verification.platforms.two_axis.carrier import (
     eci_from_platform,
 )
 from planner.verification.platforms.two_axis.hermite import AxisHermite
+from planner.verification.platforms.two_axis.keep_out import keep_out_margins
 from planner.verification.platforms.two_axis.limits import axis_margins, slow_stretches
 from planner.verification.report import (
     ExclusionMargin,
     Finding,
+    KeepOutMargin,
     LimitMargin,
     MaskMargin,
     SlowStretch,
@@ -31,6 +33,7 @@ from planner.verification.session import table_session
 from planner.world.frames.time_scales import shifted_utc
 from planner.world.orbits import OrbitStates
 from planner.world.platforms import AxisLimits
+from planner.world.rules.two_axis import axes_of, final_angle_rad, initial_motion, limits_of
 from planner.world.scenario import Scenario
 from planner.world.targets import BenchMotionTarget
 
@@ -45,14 +48,14 @@ class TwoAxisJudge:
     """Of axes on a carrier whose attitude the scenario gives."""
 
     def __init__(self, table: CommandTable, scenario: Scenario) -> None:
-        self._table, self._scenario, self._platform = table, scenario, scenario.two_axis
+        self._table, self._scenario, self._platform = table, scenario, axes_of(scenario)
 
     @cached_property
     def _axes(self) -> tuple[tuple[str, AxisHermite, AxisLimits], ...]:
         columns = zip(self._table.position.T, self._table.rate_rad_s.T, strict=True)
         hermites = (AxisHermite(angle_rad, rate_rad_s) for angle_rad, rate_rad_s in columns)
         return tuple(
-            zip(self._platform.axis_names, hermites, self._scenario.axis_limits, strict=True)
+            zip(self._platform.axis_names, hermites, limits_of(self._scenario), strict=True)
         )
 
     def fault(self) -> Finding | None:
@@ -90,8 +93,8 @@ class TwoAxisJudge:
 
     def _initial_state_findings(self) -> Iterator[Finding]:
         table, scenario = self._table, self._scenario
-        for column, axis in enumerate(scenario.two_axis.axis_names):
-            angle_rad, rate_rad_s, _ = scenario.initial_motion(axis)
+        for column, axis in enumerate(axes_of(scenario).axis_names):
+            angle_rad, rate_rad_s, _ = initial_motion(scenario, axis)
             angle_off_rad = float(table.position[0, column] - angle_rad)
             rate_off_rad_s = float(table.rate_rad_s[0, column] - rate_rad_s)
             if (
@@ -113,8 +116,8 @@ class TwoAxisJudge:
         """Whether every axis ends at rest, and where it was asked to."""
         table, scenario = self._table, self._scenario
         end_s = (len(table.position) - 1) / ROWS_PER_S
-        for column, axis in enumerate(scenario.two_axis.axis_names):
-            asked_rad = scenario.final_angle_rad
+        for column, axis in enumerate(axes_of(scenario).axis_names):
+            asked_rad = final_angle_rad(scenario)
             off_rad = (
                 0.0 if asked_rad is None else float(table.position[-1, column]) - asked_rad[column]
             )
@@ -140,10 +143,14 @@ class TwoAxisJudge:
                 axis,
                 hermite,
                 limits,
-                float(self._scenario.initial_motion(axis)[2]),
+                float(initial_motion(self._scenario, axis)[2]),
                 self._table.epoch_utc,
             )
         )
+
+    def keep_out(self) -> tuple[KeepOutMargin, ...]:
+        """Of the slews' cones."""
+        return keep_out_margins(self._table, self._scenario, self)
 
     def masks(self) -> tuple[MaskMargin, ...]:
         """To the platform's masks."""

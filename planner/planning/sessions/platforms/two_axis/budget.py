@@ -55,8 +55,7 @@ def pointing_budget(
     alignment and the camera's own distortion, which are calibrated, and refraction.
     """
     scene = PointingScene(los, attitude, target, platform, angle_rad, OPTIONS.samples)
-    errors = attitude.errors(scene.instants)
-    biases = error_biases(scene, ephemeris, errors, clock_s)
+    biases = error_biases(scene, ephemeris, attitude.errors(scene.instants), clock_s)
 
     def stay(without: Cause | None, every: int) -> float:
         others = [bias for bias in biases if bias.cause != without]
@@ -89,16 +88,13 @@ def probabilities_at(
     target: VisibleTarget,
     platform: TwoAxisPlatform,
     angle_rad: Array,
-    *,
-    clock_s: float = OPTIONS.clock_s,
 ) -> Array:
     """That the target is in the frame at each instant by itself, (n,); as `pointing_budget`.
 
     By every 16th point of the budget's, good to 0.01.
     """
     scene = PointingScene(los, attitude, target, platform, angle_rad, len(los.instants))
-    errors = attitude.errors_each(scene.instants)
-    biases = error_biases(scene, ephemeris, errors, clock_s)
+    biases = error_biases(scene, ephemeris, attitude.errors_each(scene.instants))
     return probabilities_each(scene, biases, (), _half_rad(platform))
 
 
@@ -113,8 +109,6 @@ def error_covariance_rad2(
     target: VisibleTarget,
     platform: TwoAxisPlatform,
     angle_rad: Array,
-    *,
-    clock_s: float = OPTIONS.clock_s,
 ) -> Array:
     """Covariances of the image place by the causes of `pointing_budget`, shape (n, 2, 2).
 
@@ -123,8 +117,7 @@ def error_covariance_rad2(
     `los`.  Its mean per axis is the square of the budget's `sigma_arcsec`.
     """
     scene = PointingScene(los, attitude, target, platform, angle_rad, len(los.instants))
-    errors = attitude.errors(scene.instants)
-    biases = error_biases(scene, ephemeris, errors, clock_s)
+    biases = error_biases(scene, ephemeris, attitude.errors(scene.instants))
     return covariances_rad2(biases, DRIVE_RAD)
 
 
@@ -142,12 +135,11 @@ def probability_held(
     By one of `every` draws.  NaN where no pair of angles points there at one of the instants.
     """
     los = line_of_sight(instants, ephemeris, attitude, platform.q_platform_from_body, target)
-    angle_rad = axis_angles(platform, los.los_platform).angle_rad[branch]
+    angle_rad = axis_angles(platform, los.los_base).angle_rad[branch]
     if not np.isfinite(angle_rad).all():
         return np.nan
     scene = PointingScene(los, attitude, target, platform, angle_rad, OPTIONS.samples)
-    errors = attitude.errors(scene.instants)
-    biases = error_biases(scene, ephemeris, errors, OPTIONS.clock_s)
+    biases = error_biases(scene, ephemeris, attitude.errors(scene.instants))
     return stay_probability(biases, scene, platform, every)
 
 
@@ -181,7 +173,7 @@ def error_biases(
     scene: PointingScene,
     ephemeris: Ephemeris,
     errors: AttitudeErrors,
-    clock_s: float,
+    clock_s: float = OPTIONS.clock_s,
 ) -> list[Bias]:
     """What lasts over a session of two axes, whose carrier's attitude has these errors."""
     return lasting_biases(scene, ephemeris, _attitude_offsets(scene, errors), clock_s)

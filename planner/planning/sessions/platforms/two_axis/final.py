@@ -26,6 +26,7 @@ from planner.planning.sessions.platforms.two_axis.slew_timing import (
 )
 from planner.world.frames.time_scales import shifted_utc
 from planner.world.orbits import Ephemeris
+from planner.world.rules.two_axis import axes_of, final_angle_rad, limits_of
 from planner.world.scenario import BoundedLead, Scenario
 
 
@@ -54,15 +55,15 @@ def with_final_slew(scenario: Scenario, ephemeris: Ephemeris, joins: list[Join])
         return joins
     last = joins[-1]
     state = track_states(last.track, last.stop_row / ROWS_PER_S)
-    asked = scenario.final_angle_rad
+    asked = final_angle_rad(scenario)
     longest_s = _longest_s(scenario)
     if asked is None:
         rest, least_s = None, 0.0
-        wanted_s = brake_enough_s(state, scenario.axis_limits, scenario.slew)
+        wanted_s = brake_enough_s(state, limits_of(scenario), scenario.slew)
         wanted_s *= OPTIONS.quickly if scenario.slew.objective == "minimum_time" else 1.0
     else:
         rest = tuple(AxisState(angle_rad=angle_rad) for angle_rad in asked)
-        least_s = least_slew_s(state, rest, scenario.axis_limits)
+        least_s = least_slew_s(state, rest, limits_of(scenario))
         wanted_s = _wanted_s(scenario, state, rest)
     if _is_at_rest(state, rest or state):
         return joins
@@ -71,7 +72,7 @@ def with_final_slew(scenario: Scenario, ephemeris: Ephemeris, joins: list[Join])
     for times in OPTIONS.cones_times:
         rows = math.ceil(min(times * wanted_s, longest_s) * ROWS_PER_S - 1e-6)
         rows = max(rows, SLEW_TIMING_OPTIONS.fewest_rows)
-        there = rest or at_rest_after(state, scenario.axis_limits, rows / ROWS_PER_S)
+        there = rest or at_rest_after(state, limits_of(scenario), rows / ROWS_PER_S)
         branch = _rest_branch(scenario, ephemeris, there, last.stop_row, rows)
         try:
             final = slew_onto(scenario, branch, last.stop_row, state)
@@ -102,12 +103,12 @@ def _is_at_rest(state: States, there: States) -> bool:
 
 def _wanted_s(scenario: Scenario, state: States, rest: States) -> float:
     """The paper's spline knows a time of its own for the objective "minimum_time"."""
-    limits, slew = scenario.axis_limits, scenario.slew
+    limits, slew = limits_of(scenario), scenario.slew
     if slew.keeps_limits or slew.objective == "smooth":
         return recommended_duration_s(state, rest, limits, slew.avoid_modes)
     return paper_duration_s(
         SlewProblem(
-            axis_names=scenario.two_axis.axis_names,
+            axis_names=axes_of(scenario).axis_names,
             limits=limits,
             start=state,
             end=rest,
@@ -145,7 +146,7 @@ def _rest_branch(
     return TrackBranch(
         session=scenario.sessions[-1],
         track=AxisTrack(
-            axis_names=scenario.two_axis.axis_names,
+            axis_names=axes_of(scenario).axis_names,
             t_s=t_s,
             axis_states=np.stack([angle_rad, np.zeros((2, 2)), np.zeros((2, 2))]),
         ),

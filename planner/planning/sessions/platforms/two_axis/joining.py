@@ -15,6 +15,7 @@ from planner.planning.sessions.platforms.two_axis.slew_timing import (
     may_slew_within_lead,
     slew_within_lead,
 )
+from planner.world.rules.two_axis import axes_of, limits_of
 from planner.world.scenario import Scenario
 
 
@@ -84,7 +85,7 @@ def may_slew_between(
         return False
     if not scenario.slew.keeps_limits:
         return True
-    return may_slew_within_lead(state, there, scenario.axis_limits, scenario.slew, rows)
+    return may_slew_within_lead(state, there, limits_of(scenario), scenario.slew, rows)
 
 
 def first_row_in_reach(
@@ -105,7 +106,7 @@ def _approach_of(
     scenario: Scenario, branch: TrackBranch, from_row: int, state: tuple[AxisState, ...]
 ) -> Approach:
     return Approach(
-        track=branch.track, limits=scenario.axis_limits, start=state, start_s=from_row / ROWS_PER_S
+        track=branch.track, limits=limits_of(scenario), start=state, start_s=from_row / ROWS_PER_S
     )
 
 
@@ -126,7 +127,7 @@ def _slew(
     """To the first row of the session."""
     problem = SlewProblem(
         axis_names=branch.track.axis_names,
-        limits=scenario.axis_limits,
+        limits=limits_of(scenario),
         start=state,
         end=track_states(branch.track, branch.rows.start / ROWS_PER_S),
         duration_s=(branch.rows.start - from_row) / ROWS_PER_S,
@@ -147,7 +148,7 @@ def _slew(
 def _require_within_limits(scenario: Scenario, state: tuple[AxisState, ...], does: str) -> None:
     """A track keeps its limits on its own rows; between rows that are finer it may not."""
     for name, axis, limits in zip(
-        scenario.two_axis.axis_names, state, scenario.axis_limits, strict=True
+        axes_of(scenario).axis_names, state, limits_of(scenario), strict=True
     ):
         limit = broken_limit(axis, limits)
         if limit is not None:

@@ -37,6 +37,7 @@ from planner.planning.sessions.track_branches import los_on_rows, session_rows
 from planner.world.attitude.lvlh import level_warnings
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import Ephemeris
+from planner.world.rules.two_axis import axes_of, initial_motion, limits_of
 from planner.world.scenario import Scenario, Session
 from planner.world.targets import BenchMotionTarget, VisibleTarget
 
@@ -52,13 +53,13 @@ class TwoAxisMover:
 
     def initial(self, ephemeris: Ephemeris) -> States:
         scenario = self.scenario
-        names = scenario.two_axis.axis_names
-        motions = (scenario.initial_motion(axis).tolist() for axis in names)
+        names = axes_of(scenario).axis_names
+        motions = (initial_motion(scenario, axis).tolist() for axis in names)
         state = tuple(
             AxisState(angle_rad=q, rate_rad_s=v, acceleration_rad_s2=a) for q, v, a in motions
         )
         if scenario.slew.keeps_limits:
-            require_brakable(names, state, scenario.axis_limits)
+            require_brakable(names, state, limits_of(scenario))
         self._require_outside(ephemeris, state)
         return state
 
@@ -75,7 +76,7 @@ class TwoAxisMover:
         return joining.may_slew_between(self.scenario, state, there, rows)
 
     def least_s(self, state: States, there: States) -> float:
-        return least_slew_s(state, there, self.scenario.axis_limits)
+        return least_slew_s(state, there, limits_of(self.scenario))
 
     def first_row_in_reach(
         self, branch: TrackBranch, from_row: int, state: States, last_row: int
@@ -102,7 +103,7 @@ class TwoAxisMover:
     def held(self, ephemeris: Ephemeris, los: LineOfSight) -> Iterator[Mask]:
         scenario, t_s = self.scenario, los.instants.t_s
         view = keep_out_view(scenario, ephemeris, float(t_s[0]), float(t_s[-1]))
-        platform = scenario.two_axis.with_limits(scenario.axis_limits)
+        platform = axes_of(scenario).with_limits(limits_of(scenario))
         for angle_rad, held in held_cells(platform, los):
             if view is not None:
                 effort.charge(TRACK_BRANCH_OPTIONS.cone_row * len(t_s) * len(view.regions))
@@ -183,7 +184,7 @@ class TwoAxisMover:
             ephemeris,
             scenario.law,
             session.target,
-            scenario.two_axis,
+            axes_of(scenario),
             motion_at(table, los.instants.t_s).position,
             session=number,
         )
@@ -200,14 +201,14 @@ class TwoAxisMover:
             ephemeris,
             self.scenario.law,
             target,
-            self.scenario.two_axis,
+            axes_of(self.scenario),
             np.stack(angle_rad, axis=1),
         )
 
     def warnings_along(self, table: CommandTable) -> tuple[str, ...]:
-        attitude = self.scenario.law
+        attitude, platform = self.scenario.law, axes_of(self.scenario)
         return (
-            *level_warnings(attitude, self.scenario.two_axis),
+            *level_warnings(attitude, platform.name, platform.usual_yaw_pitch_roll_deg),
             *attitude.warnings_at(Instants(table.epoch_utc, table.t_s)),
         )
 

@@ -23,6 +23,7 @@ from planner.planning.sessions.track_branches import (
 )
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.world.orbits import Ephemeris
+from planner.world.rules.two_axis import axes_of, limits_of
 from planner.world.scenario import Scenario, Session
 from planner.world.targets import BenchMotionTarget, VisibleTarget
 
@@ -51,7 +52,7 @@ def track_branches(
     else:
         los = _line_of_sight(scenario, ephemeris, session.target, rows, from_row)
         require_visible(los, rows, session.target, number)
-        platform = scenario.two_axis.with_limits(scenario.axis_limits)
+        platform = axes_of(scenario).with_limits(limits_of(scenario))
         start_s, stop_s = rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S
         try:
             tracks = track_candidates(platform, los, start_s, stop_s, start_angle_rad)
@@ -83,9 +84,10 @@ def _prescribed_track(
     epoch_utc = scenario.initial_state.epoch
     t_s = np.arange(rows.start, rows.stop + 1) / ROWS_PER_S
     start_utc = shifted_utc(epoch_utc, t_s[0])
-    names = scenario.two_axis.axis_names
+    names = axes_of(scenario).axis_names
     try:
-        target.require_flyable(names, scenario.axis_limits, start_utc, float(t_s[-1] - t_s[0]))
+        bounds = scenario.platform.motion_bounds(scenario.slew.jerk_max_deg_s3)
+        target.require_flyable(names, bounds, start_utc, float(t_s[-1] - t_s[0]))
         motion = target.axis_motion(names, t_s - elapsed_s(target.start or start_utc, epoch_utc))
     except Refusal as refusal:
         refusal.field = f"sessions.{number}.target.{refusal.field}"

@@ -1,4 +1,4 @@
-"""The directions the boresight must keep away from."""
+"""The cones that the boresight of two axes must keep out of."""
 
 import math
 from typing import Annotated
@@ -13,10 +13,9 @@ from planner.world.frames.local_orbital import q_lvlh_from_eci
 from planner.world.frames.solar_system import BODIES
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import OrbitStates
-from planner.world.targets.body import BodyTarget
+from planner.world.targets.body import HIDDEN_RAD, BodyTarget
 
 Vector3 = tuple[VectorPart, VectorPart, VectorPart]
-HIDDEN_RAD = math.radians(1.5)  # below the limb: refraction lifts by 1.1 deg, half a disk is 0.3
 WAYS_TO_SAY = "body, ra_deg and dec_deg, direction_lvlh or direction_platform"
 
 

@@ -1,7 +1,6 @@
 """The check that the boresight enters no keep-out cone, on rows or between them."""
 
 import math
-from collections.abc import Iterator
 
 import erfa
 import numpy as np
@@ -10,15 +9,15 @@ from planner.base.arrays import Array, Indices, Mask
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.verification.directions import apart_rad, eci_from_lvlh
 from planner.verification.platforms.judge import FlownInstants, Judge
-from planner.verification.report import Finding, KeepOutMargin
+from planner.verification.report import KeepOutMargin
 from planner.verification.sky import sky_sight
 from planner.world.frames.time_scales import Instants, shifted_utc
 from planner.world.orbits import Ephemeris, OrbitStates
+from planner.world.rules.keep_out import KeepOut
 from planner.world.scenario import Scenario
-from planner.world.targets import BodyTarget, KeepOut
-from planner.world.targets.keep_out import HIDDEN_RAD
+from planner.world.targets import BodyTarget
+from planner.world.targets.body import HIDDEN_RAD
 
-TOLERANCE_RAD = math.radians(0.1 / 3600.0)  # as for pointing
 FINER = 20  # instants per cell, 10 ms apart, where a cone is near
 ROWS_AT_ONCE = 20_000
 
@@ -62,23 +61,6 @@ def keep_out_margins(
             )
         )
     return tuple(margins)
-
-
-def keep_out_findings(margins: tuple[KeepOutMargin, ...]) -> Iterator[Finding]:
-    """One error for each cone that is entered."""
-    for margin in margins:
-        away_rad = margin.away_min_rad
-        if away_rad is not None and away_rad < margin.half_angle_rad - TOLERANCE_RAD:
-            yield Finding(
-                limit="keep_out",
-                t_s=margin.t_s,
-                at_utc=margin.at_utc,
-                detail=(
-                    f"the boresight comes {math.degrees(away_rad):.3f} deg near {margin.about}, "
-                    f"less than {math.degrees(margin.half_angle_rad):.3f} deg, {margin.t_s:.2f} s "
-                    "after the table's epoch"
-                ),
-            )
 
 
 def _away_rad(

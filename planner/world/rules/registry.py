@@ -1,0 +1,47 @@
+"""The rules of each kind: what a request may ask of a platform, and where its motion may begin."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+
+from planner.world.attitude import Attitude
+from planner.world.platforms import AnyPlatform
+from planner.world.rules.body import BodyRules
+from planner.world.rules.two_axis import TwoAxisRules
+
+if TYPE_CHECKING:  # which asks them as it is made
+    from planner.world.scenario import Scenario, SlewOptions
+
+
+class Rules(Protocol):
+    """Of one platform.
+
+    state_members: of an initial state: position, rate and acceleration.
+    """
+
+    state_members: ClassVar[tuple[str, str, str]]
+
+    def __init__(self, platform: AnyPlatform) -> None: ...
+
+    def require(self, scenario: "Scenario") -> None:
+        """Raises ValueError for what the platform can't be asked for, by field."""
+
+    def require_rest(
+        self, rest_deg: Mapping[str, float] | None, attitude: Attitude | None, slew: "SlewOptions"
+    ) -> None:
+        """The same of a campaign, which begins and ends at rest."""
+
+    def at_rest(self) -> Mapping[str, Any]:
+        """Where it begins unless told; empty where it rests on a motion of its own."""
+
+    def told(self, state: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
+        """Where it begins, in words and as a request might say it."""
+
+
+RULES: dict[str, type[Rules]] = {"two_axis": TwoAxisRules, "body": BodyRules}
+# Members of an initial state that say where a platform is, whatever its kind.
+POSITIONS = tuple(rules.state_members[0] for rules in RULES.values())
+
+
+def rules_of(platform: AnyPlatform) -> Rules:
+    """Of a platform."""
+    return RULES[platform.kind](platform)
