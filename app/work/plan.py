@@ -85,8 +85,9 @@ def stored_plan(request: bytes, packed: PackedColumns) -> FlightPlan:
     times = zip(scenario.sessions, packed.facts["sessions"], strict=True)
     with as_kept():
         sessions = tuple(
-            replace(session, start=utc_from_text(start), stop=utc_from_text(stop))
-            for session, (start, stop) in times
+            replace(session, start=start, stop=stop, target=session.target.starting(begun))
+            for session, at in times
+            for start, stop, begun in [map(utc_from_text, (*at, at[0])[:3])]
         )
         scenario = replace(scenario, sessions=sessions)
     return FlightPlan(
@@ -114,7 +115,10 @@ def packed_plan(plan: FlightPlan, findings: Iterable[Finding] = ()) -> PackedCol
         facts={
             "epoch": _exact(table.epoch_utc),
             "channels": table.channels,
-            "sessions": [[_exact(s.start), _exact(s.stop)] for s in plan.scenario.sessions],
+            "sessions": [
+                [_exact(s.start), _exact(s.stop), _exact(getattr(s.target, "start", s.start))]
+                for s in plan.scenario.sessions
+            ],
             "segments": [
                 [s.kind, s.session, _exact(s.start_utc), _exact(s.stop_utc)] for s in plan.segments
             ],
