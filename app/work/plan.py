@@ -36,10 +36,9 @@ def plan_and_pack(body: bytes, request: PlanRequest | None = None) -> Result:
     now_utc = datetime.now(UTC)
     request = request or read_plan_request(body)
     plan = make_plan(request, report)
-    origin = provenance(now_utc, body)
     listing = listing_of_scenario(plan.scenario)
     checks = horizon_checks(plan, request.horizon_cameras)
-    document = zlib.compress(plan_document(plan, checks, origin))
+    document = zlib.compress(plan_document(plan, checks, provenance(now_utc, body)))
     return Result(
         content=(document, pack(packed_plan(plan, plan.verification.findings))),
         state=verdict_state(plan),
@@ -90,11 +89,8 @@ def stored_plan(request: bytes, packed: PackedColumns) -> FlightPlan:
             for start, stop, begun in [map(utc_from_text, (*at, at[0])[:3])]
         )
         scenario = replace(scenario, sessions=sessions)
-    return FlightPlan(
-        scenario=scenario,
-        segments=tuple(segment_of(*facts) for facts in packed.facts["segments"]),
-        table=_table(packed),
-    )
+    segments = tuple(segment_of(*facts) for facts in packed.facts["segments"])
+    return FlightPlan(scenario=scenario, segments=segments, table=_table(packed))
 
 
 def segment_of(kind: SegmentKind, session: int | None, start: str, stop: str) -> Segment:
@@ -116,7 +112,7 @@ def packed_plan(plan: FlightPlan, findings: Iterable[Finding] = ()) -> PackedCol
             "epoch": _exact(table.epoch_utc),
             "channels": table.channels,
             "sessions": [
-                [_exact(s.start), _exact(s.stop), _exact(getattr(s.target, "start", s.start))]
+                [_exact(at) for at in (s.start, s.stop, getattr(s.target, "start", s.start))]
                 for s in plan.scenario.sessions
             ],
             "segments": [

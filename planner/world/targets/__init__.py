@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 else:
     # What a request may name: imaging modes become paths.
     AskedTarget = Annotated[
-        Union[(*TARGETS.values(), *IMAGING_MODES)],
+        Union[(*TARGETS.values(), *IMAGING_MODES.values())],
         Field(discriminator="mode"),
     ]
     # Those that can be seen at times of their own.
@@ -43,6 +43,7 @@ else:
     WindowTarget = Annotated[Union[_WITH_WINDOWS], Field(discriminator="mode")]  # noqa: UP007 (of a tuple)
 
 __all__ = [
+    "IMAGING_MODES",
     "TARGETS",
     "AskedTarget",
     "BenchMotionTarget",

@@ -112,7 +112,8 @@ def _legs_cross(a: Position, b: Position, c: Position, d: Position) -> bool:
 class GeoMultiLineString:
     """Several GeoJSON lines, each as a LineString.
 
-    coordinates: lines, each a list of positions [longitude, latitude] [deg]
+    coordinates: lines, each a list of positions [longitude, latitude]. E.g.
+        `[[[-12.4, 20.5], [-12.5, 21.0]], [[-12.3, 21.6], [-12.4, 22.0]]]`. [deg]
     """
 
     type: Literal["MultiLineString"] = "MultiLineString"
@@ -198,7 +199,8 @@ def _is_inside(point: Position, ring: list[Position]) -> bool:
 class GeoMultiPolygon:
     """Several GeoJSON polygons, each as a Polygon; what two of them share is one ground.
 
-    coordinates: polygons, each a list of closed rings of positions [longitude, latitude] [deg]
+    coordinates: polygons, each a list of closed rings of positions [longitude, latitude]. E.g.
+        `[[[[-19.8, 44.0], [-19.9, 44.4], [-19.6, 44.4], [-19.8, 44.0]]]]`. [deg]
     """
 
     type: Literal["MultiPolygon"] = "MultiPolygon"

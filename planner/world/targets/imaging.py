@@ -390,4 +390,6 @@ class TriStereoMode(StereoMode):
     mode: Literal["tri_stereo"] = "tri_stereo"  # type: ignore[assignment]  # it is another one
 
 
-IMAGING_MODES = (StripMode, CorridorMode, AreaMode, StereoMode, TriStereoMode)
+IMAGING_MODES: dict[str, type[ImagingMode]] = {
+    mode.mode: mode for mode in (StripMode, CorridorMode, AreaMode, StereoMode, TriStereoMode)
+}
