@@ -44,13 +44,17 @@ def with_starts_that_fit(scenario: Scenario) -> Scenario:
     sessions: list[Session] = []
     for number, session in enumerate(scenario.sessions):
         fitted = session
-        if session.fits_by is not None:
-            fitted = _fitted(scenario, mover, ephemeris, number, from_row, state)
-        sessions.append(fitted)
-        if any(later.fits_by for later in scenario.sessions[number + 1 :]):
-            branch = mover.ways(ephemeris, number, fitted, from_row, state)[0]
-            from_row = branch.rows.stop
-            state = mover.state_at(branch, from_row)
+        try:
+            if session.fits_by is not None:
+                fitted = _fitted(scenario, mover, ephemeris, number, from_row, state)
+            sessions.append(fitted)
+            if any(later.fits_by for later in scenario.sessions[number + 1 :]):
+                branch = mover.ways(ephemeris, number, fitted, from_row, state)[0]
+                from_row = branch.rows.stop
+                state = mover.state_at(branch, from_row)
+        except Refusal as refusal:
+            refusal.field = refusal.field or f"sessions.{number}.start"
+            raise
     return replace(scenario, sessions=tuple(sessions))
 
 

@@ -49,8 +49,7 @@ def _make_plan(scenario: Scenario, tell: Reporter) -> Plan:
         yield
         wall_s[name] = time.perf_counter() - began_s
 
-    with time_stage("starts"):
-        scenario, work = _fitted(scenario)
+    scenario, work = _fitted(scenario)
     mover = mover_of(scenario)
     with time_stage("orbit"):
         ephemeris = ephemeris_over(
@@ -93,11 +92,11 @@ def _make_plan(scenario: Scenario, tell: Reporter) -> Plan:
     )
 
 
-def _fitted(scenario: Scenario) -> tuple[Scenario, float]:
+def _fitted(scenario: Scenario) -> tuple[Scenario, int]:
     """With the starts of sessions that begin as soon as they can, and the work that took."""
     with at_most(effort.PLAN // 2) as search:
         fitted = with_starts_that_fit(scenario)
-        return fitted, search.done_rows
+        return fitted, round(search.done_rows)
     raise SearchEnded(
         "the starts of sessions that begin as soon as they can take more work to find than one "
         "request may make; ask for fewer at a time, or give them starts of their own",
@@ -105,9 +104,7 @@ def _fitted(scenario: Scenario) -> tuple[Scenario, float]:
     )
 
 
-def _find_joins(
-    scenario: Scenario, ephemeris: Ephemeris, most: float, tell: Reporter
-) -> list[Join]:
+def _find_joins(scenario: Scenario, ephemeris: Ephemeris, most: int, tell: Reporter) -> list[Join]:
     """Found by no more work than that, what its table takes set aside."""
     last_row = session_rows(scenario.sessions[-1], scenario.initial_state.epoch).stop
     with at_most(most - table_work(scenario, last_row)):
