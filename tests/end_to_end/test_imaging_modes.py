@@ -267,6 +267,7 @@ def changed(**members):
             "target.swath_m",
             "can't be seen between start and stop",
         ),
+        (changed(refraction="standard"), "target", "is modelled from 5 deg elevation up"),
         (AREA | {"stop": "2024-06-01T18:00:00Z"}, "stop", "7200 s after start"),
         (
             json.loads(EXAMPLE)["sessions"][1] | {"stop": "2024-06-01T10:03:20Z"},

@@ -144,21 +144,25 @@ class ImagingMode(SessionTarget):
     def _scans(self, window: ScanWindow) -> tuple[Scan, ...]: ...
 
     def _path(self, start: Position, end: Position) -> GroundPathTarget:
-        return GroundPathTarget(
-            points=tuple(
-                PathPoint(
-                    # GeoJSON may go on to 360 deg and beyond the antimeridian.
-                    latitude_deg=float(latitude_deg),
-                    longitude_deg=math.remainder(longitude_deg, 360.0),
-                    height_m=self.height_m,
-                )
-                for longitude_deg, latitude_deg in (start[:2], end[:2])
-            ),
-            line=self.line,
-            speed_m_s=self.speed_m_s,
-            min_elevation_deg=self.min_elevation_deg,
-            refraction=self.refraction,
+        # GeoJSON may go on to 360 deg and beyond the antimeridian.
+        points = tuple(
+            PathPoint(
+                latitude_deg=float(latitude_deg),
+                longitude_deg=math.remainder(longitude_deg, 360.0),
+                height_m=self.height_m,
+            )
+            for longitude_deg, latitude_deg in (start[:2], end[:2])
         )
+        try:
+            return GroundPathTarget(
+                points=points,
+                line=self.line,
+                speed_m_s=self.speed_m_s,
+                min_elevation_deg=self.min_elevation_deg,
+                refraction=self.refraction,
+            )
+        except ValueError as error:
+            raise ValueError(f"target: {error}") from None
 
     def _in_sense(
         self, ends: tuple[Position, Position], window: ScanWindow
