@@ -52,7 +52,7 @@ class PlanRequest(Scenario):
 
 def _require_span(request: PlanRequest) -> PlanRequest:
     """Of a request as it is read: a start that is tried may lie beyond it."""
-    span_s = elapsed_s(request.sessions[-1].stop, request.initial_state.epoch)
+    span_s = elapsed_s(request.last_utc, request.initial_state.epoch)
     if span_s > SPAN_MAX_S and not is_kept():
         raise ValueError(
             f"sessions must end within {SPAN_MAX_S:.0f} s of initial_state.epoch, "

@@ -4,7 +4,7 @@ import json
 from typing import Any
 
 from app.requests.json_reader import JsonReader
-from planner.spacecraft.geojson import requests_from_features
+from planner.spacecraft.features import requests_from_features
 from planner.spacecraft.opportunity_request import ImagingOpportunityRequest
 from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.vehicle.definition import SPACECRAFT

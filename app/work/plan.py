@@ -36,10 +36,9 @@ def plan_and_pack(body: bytes, request: PlanRequest | None = None) -> Result:
     now_utc = datetime.now(UTC)
     request = request or read_plan_request(body)
     plan = make_plan(request, report)
-    origin = provenance(now_utc, body)
     listing = listing_of_scenario(plan.scenario)
     checks = horizon_checks(plan, request.horizon_cameras)
-    document = zlib.compress(plan_document(plan, checks, origin))
+    document = zlib.compress(plan_document(plan, checks, provenance(now_utc, body)))
     return Result(
         content=(document, pack(packed_plan(plan, plan.verification.findings))),
         state=verdict_state(plan),
@@ -85,15 +84,13 @@ def stored_plan(request: bytes, packed: PackedColumns) -> FlightPlan:
     times = zip(scenario.sessions, packed.facts["sessions"], strict=True)
     with as_kept():
         sessions = tuple(
-            replace(session, start=utc_from_text(start), stop=utc_from_text(stop))
-            for session, (start, stop) in times
+            replace(session, start=start, stop=stop, target=session.target.starting(begun))
+            for session, at in times
+            for start, stop, begun in [map(utc_from_text, (*at, at[0])[:3])]
         )
         scenario = replace(scenario, sessions=sessions)
-    return FlightPlan(
-        scenario=scenario,
-        segments=tuple(segment_of(*facts) for facts in packed.facts["segments"]),
-        table=_table(packed),
-    )
+    segments = tuple(segment_of(*facts) for facts in packed.facts["segments"])
+    return FlightPlan(scenario=scenario, segments=segments, table=_table(packed))
 
 
 def segment_of(kind: SegmentKind, session: int | None, start: str, stop: str) -> Segment:
@@ -114,7 +111,10 @@ def packed_plan(plan: FlightPlan, findings: Iterable[Finding] = ()) -> PackedCol
         facts={
             "epoch": _exact(table.epoch_utc),
             "channels": table.channels,
-            "sessions": [[_exact(s.start), _exact(s.stop)] for s in plan.scenario.sessions],
+            "sessions": [
+                [_exact(at) for at in (s.start, s.stop, getattr(s.target, "start", s.start))]
+                for s in plan.scenario.sessions
+            ],
             "segments": [
                 [s.kind, s.session, _exact(s.start_utc), _exact(s.stop_utc)] for s in plan.segments
             ],

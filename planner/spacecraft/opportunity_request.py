@@ -13,11 +13,11 @@ from planner.planning.opportunities.request import (
 from planner.planning.opportunities.request import (
     OpportunityConditions,
 )
-from planner.spacecraft.geojson import Position
 from planner.spacecraft.requests import AreaRequest, Request, SpacecraftSettings
 from planner.spacecraft.vehicle.definition import SPACECRAFT, AgileSpacecraft
 from planner.world.frames.time_scales import DAY_S, elapsed_s, utc_text
 from planner.world.orbits import Orbit
+from planner.world.targets.geojson import Position
 
 REQUESTS_MAX = 1000
 

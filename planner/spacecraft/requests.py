@@ -10,7 +10,6 @@ from pydantic import Field
 from planner.base.commands import COMMAND_STEP_S
 from planner.base.errors import figures
 from planner.base.spec import UnitPart, Within, spec
-from planner.spacecraft.geojson import GeoLineString, GeoPolygon
 from planner.spacecraft.vehicle.cmg_array import Positive
 from planner.spacecraft.vehicle.definition import (
     OFF_NADIR_DEG,
@@ -22,6 +21,7 @@ from planner.spacecraft.vehicle.definition import (
 )
 from planner.world.frames.time_scales import elapsed_s, utc_text
 from planner.world.orbits import Orbit
+from planner.world.targets.geojson import GeoLineString, GeoPolygon
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -115,6 +115,12 @@ class AreaRequest(ImagingRequest):
     mode: Literal["area"] = "area"
     geometry: GeoPolygon
     azimuth_deg: Annotated[float, Within(-360.0, 360.0)] | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        rings = len(self.geometry.coordinates)
+        if rings != 1:
+            raise ValueError(f"geometry: a polygon has one ring and no holes, not {rings}")
 
 
 @spec

@@ -45,7 +45,7 @@ class EarthFixedSight:
 def earth_fixed_sight(
     target: EarthFixedTarget, instants: Instants, states: OrbitStates
 ) -> EarthFixedSight:
-    """Light leaves the target at t - range/c and meets the carrier at t.
+    """Light leaves the target at t - range/c and meets the carrier at t, unless it's geometric.
 
     Through the standard atmosphere where the target asks for it, its layers about the mean
     radius (the ellipsoid's own curvature changes 0.035 arcsec at 5 deg elevation, 0.001 at
@@ -71,8 +71,11 @@ def earth_fixed_sight(
     if target.refraction == "standard":
         incoming_eci = _lift(incoming_eci, up_eci, instants.t_s, elevation_rad, range_m, height_m)
     r_sat_itrf_m = r_now_itrf_m + earth.itrf_from_eci(to_sat_m)
+    apparent_eci = aberrate(incoming_eci, states.v_sat_eci_m_s)
+    if target.is_geometric:
+        apparent_eci = -to_sat_m / range_m[:, None]
     return EarthFixedSight(
-        apparent_eci=aberrate(incoming_eci, states.v_sat_eci_m_s),
+        apparent_eci=apparent_eci,
         up_eci=up_eci,
         range_m=range_m,
         elevation_rad=elevation_rad,

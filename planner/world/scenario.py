@@ -1,9 +1,9 @@
 """The scenario: one value with everything the planner and its judge need."""
 
-from collections.abc import Mapping
-from dataclasses import field
+from collections.abc import Iterator, Mapping
+from dataclasses import field, replace
 from datetime import datetime
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from pydantic import Discriminator, Tag
@@ -15,7 +15,7 @@ from planner.base.errors import NotForPlatform, figures
 from planner.base.rotation import Rotation, of_like_sign
 from planner.base.spec import UnitPart, Within, spec
 from planner.world.attitude import Attitude
-from planner.world.frames.time_scales import Instants, elapsed_s, utc_text
+from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 from planner.world.orbits import Orbit, OrbitStates
 from planner.world.platforms import (
     AngleDeg,
@@ -24,11 +24,11 @@ from planner.world.platforms import (
     JerkDegS3,
     StructuralMode,
 )
-from planner.world.platforms.body import RollRule
+from planner.world.platforms.body import BodyPlatform, LinesAcrossMotion, RollRule
 from planner.world.rules.body import BodyRules
 from planner.world.rules.keep_out import KeepOut
 from planner.world.rules.registry import rules_of
-from planner.world.targets import Target
+from planner.world.targets import AskedTarget, ImagingMode, ScanWindow, Target
 
 KEEP_OUT_MAX = 8  # each makes the detour's problem larger
 AVOID_MODES_MAX = 16
@@ -99,29 +99,45 @@ class Session:
 
     id: your name for it, different from the other sessions'; the plan repeats it. E.g. `"LV-7"`.
     name: name of the session, repeated in the plan and in lists. E.g. `"Las Vegas, east"`.
-    target: the target that is tracked.
+    target: the target that is tracked. An imaging mode becomes one or more sessions with paths: the
+    first begins at start, the others as soon as the slews let them, and all are over by stop.
     start: from when on the target is held; UTC.
     stop: until when it is held; UTC.
     keyhole: treatment of spans where following the target exactly would break a limit, as it does
     near the outer axis: refuse, or follow as near as the limits allow, in the frame.
     roll: of a body, the rule by which its camera lies about the line of sight; the platform's
-    unless given.
+    unless given, in imaging modes lines_across_motion.
+    fits_by: of a session that begins as soon after start as the slew to it lets it, and lasts as
+    long: by when it is over; UTC. E.g. `"2024-06-01T10:03:00Z"`.
+    of: id of the imaging mode's session that it was made from; of an imaging mode left out.
+    E.g. `"area"`.
     """
 
     id: str | None = None
     name: str | None = None
-    target: Target
+    if TYPE_CHECKING:
+        target: Target
+    else:
+        target: AskedTarget
     start: datetime
     stop: datetime
     keyhole: Keyhole = "refuse"
     roll: RollRule | None = None
+    fits_by: datetime | None = None
+    of: str | None = None
 
     def __post_init__(self) -> None:
-        for text in ("id", "name"):
+        for text in ("id", "name", "of"):
             if getattr(self, text) == "":
                 raise ValueError(f"{text} must not be empty; leave it out for none")
-        # Bound now, so that a session cut short later keeps the target's timetable.
-        object.__setattr__(self, "target", self.target.starting(self.start))
+        if self.fits_by is None:
+            # Bound now, so that a session cut short later keeps the target's timetable.
+            object.__setattr__(self, "target", self.target.starting(self.start))
+        elif elapsed_s(self.fits_by, self.stop) < 0.0:
+            raise ValueError(
+                f"fits_by ({utc_text(self.fits_by)}) must not come before stop "
+                f"({utc_text(self.stop)}): the session can only begin later"
+            )
         duration_s = elapsed_s(self.stop, self.start)
         if duration_s <= 0.0:
             raise ValueError(
@@ -236,6 +252,8 @@ class Scenario:
     def __post_init__(self) -> None:
         if not self.sessions:
             raise ValueError("sessions must hold at least one session")
+        if any(isinstance(session.target, ImagingMode) for session in self.sessions):
+            object.__setattr__(self, "sessions", tuple(self._plain_sessions()))
         earliest_utc, what = self.initial_state.epoch, "initial_state.epoch"
         for number, session in enumerate(self.sessions):
             if elapsed_s(session.start, earliest_utc) < 0.0:
@@ -247,6 +265,52 @@ class Scenario:
         self._check_ids()
         rules_of(self.platform).require(self)
 
+    def _plain_sessions(self) -> Iterator[Session]:
+        """Each imaging mode's as sessions with paths, in the order of its scans."""
+        for number, session in enumerate(self.sessions):
+            if not isinstance(session.target, ImagingMode):
+                yield session
+                continue
+            for given in ("of", "fits_by"):
+                if getattr(session, given) is not None:
+                    raise ValueError(
+                        f"sessions.{number}.{given} must be left out of an imaging mode, whose "
+                        "stop says by when its sessions are over"
+                    )
+            yield from self._scanning_sessions(number, session, session.target)
+
+    def _scanning_sessions(
+        self, number: int, session: Session, mode: ImagingMode
+    ) -> Iterator[Session]:
+        window = ScanWindow(
+            orbit=self.orbit,
+            scanning=self.platform.scanning,
+            start_utc=session.start,
+            stop_utc=session.stop,
+        )
+        try:
+            scans = mode.scans(window)
+        except ValueError as error:
+            raise ValueError(f"sessions.{number}.{error}") from None
+        is_body = isinstance(self.platform, BodyPlatform)
+        of = session.id or session.name or f"{mode.mode}-{number + 1}"
+        stop_utc = session.start
+        for part, scan in enumerate(scans, start=1):
+            start_utc = scan.start_utc or stop_utc
+            stop_utc = shifted_utc(start_utc, scan.duration_s)
+            is_alone = len(scans) == 1
+            yield replace(
+                session,
+                id=session.id if is_alone or not session.id else f"{session.id}-{part}",
+                name=f"{of} {part}/{len(scans)}" if not is_alone else session.name,
+                target=scan.target,
+                start=start_utc,
+                stop=stop_utc,
+                roll=session.roll or (LinesAcrossMotion() if is_body else None),
+                fits_by=None if scan.start_utc else session.stop,
+                of=of,
+            )
+
     def _check_ids(self) -> None:
         seen: dict[str, int] = {}
         for number, session in enumerate(self.sessions):
@@ -255,6 +319,11 @@ class Scenario:
                     f"sessions.{number}.id {session.id!r} is that of session "
                     f"{seen[session.id] + 1} already; ids must differ"
                 )
+
+    @property
+    def last_utc(self) -> datetime:
+        """By when the last session is over at the latest."""
+        return self.sessions[-1].fits_by or self.sessions[-1].stop
 
     @property
     def keeps_out(self) -> bool:

@@ -23,13 +23,13 @@ from planner.output.export import EXPORTERS
 from planner.world.attitude import ATTITUDES
 from planner.world.orbits import ORBITS
 from planner.world.platforms import BODIES, PLATFORMS
-from planner.world.targets import TARGETS
+from planner.world.targets import IMAGING_MODES, TARGETS
 
 WITH_WINDOWS = {name: mode for name, mode in TARGETS.items() if mode.has_windows}
 REGISTRIES = [
     ("PlanRequest", "orbit", "source", ORBITS),
     ("PlanRequest", "attitude", "law", ATTITUDES),
-    ("Session", "target", "mode", TARGETS),
+    ("Session", "target", "mode", TARGETS | IMAGING_MODES),
     ("OpportunityRequest", "orbit", "source", ORBITS),
     ("OpportunityRequest", "attitude", "law", ATTITUDES),
     ("OpportunityTarget", "target", "mode", WITH_WINDOWS),

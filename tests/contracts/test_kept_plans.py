@@ -18,7 +18,7 @@ from app.work.view import DRAWN_SESSION
 from planner.base.errors import InvalidMessage, InvalidRequest
 from planner.output.export import EXPORTERS
 from planner.output.view import VIEW_EXPORTERS
-from planner.spacecraft import geojson
+from planner.spacecraft import features as feature_reader
 from planner.spacecraft.export import IMAGING_EXPORTERS
 
 OWN_PLATFORM = PLAN_EXAMPLES["platform"][1]
@@ -123,7 +123,7 @@ def test_features_beyond_todays_bounds(monkeypatch):
     body = json.dumps(FOUR_MODES | {"requests": features}).encode()
     with pytest.raises(InvalidRequest, match="64 positions"):
         read_spacecraft_request(body)
-    monkeypatch.setattr(geojson, "CHARACTERS_MAX", 100)
+    monkeypatch.setattr(feature_reader, "CHARACTERS_MAX", 100)
     with pytest.raises(InvalidMessage, match="characters"):
         read_spacecraft_request(body)
     [one] = read_kept_spacecraft_request(body).requests

@@ -11,7 +11,7 @@ from app.requests.examples import SPACECRAFT_EXAMPLES
 from app.requests.json_reader import VALUES_MAX
 from app.requests.spacecraft import read_spacecraft_request
 from planner.base.errors import InvalidMessage, InvalidRequest
-from planner.spacecraft.geojson import requests_from_features
+from planner.spacecraft.features import requests_from_features
 from planner.spacecraft.requests import ImagingPlanRequest, Request
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

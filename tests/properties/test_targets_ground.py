@@ -208,3 +208,48 @@ def test_refraction_lifts_the_line_of_sight_away_from_nadir():
     np.testing.assert_allclose(across_m, expected, rtol=0.02)
     up = states.r_sat_eci_m / np.linalg.norm(states.r_sat_eci_m, axis=1, keepdims=True)
     assert np.all(np.sum((lifted.direction_eci - bare.direction_eci) * up, axis=1) > 0.0)
+
+
+def plane_path(**changes):
+    points = (
+        PathPoint(latitude_deg=43.9, longitude_deg=-19.9, height_m=300.0),
+        PathPoint(latitude_deg=44.5, longitude_deg=-19.1, height_m=300.0),
+    )
+    members = {"points": points, "speed_m_s": 5000.0, "start": EPOCH, "line": "plane"} | changes
+    return GroundPathTarget(**members)
+
+
+def test_a_line_in_a_plane_keeps_to_it_and_to_its_height():
+    path = plane_path()
+    t_s = np.linspace(-5.0, path.duration_s + 5.0, 50)
+    r_itrf_m = path.r_target_itrf_m(Instants(EPOCH, t_s))
+    at_ends = path.r_target_itrf_m(Instants(EPOCH, np.array([0.0, path.duration_s])))
+    ends = [
+        itrf_from_geodetic(*np.deg2rad([p.latitude_deg, p.longitude_deg]), 300.0)
+        for p in path.points
+    ]
+    np.testing.assert_allclose(at_ends, ends, rtol=0, atol=1e-6)
+    feet = [
+        itrf_from_geodetic(*np.deg2rad([p.latitude_deg, p.longitude_deg]), 0.0) for p in path.points
+    ]
+    normal = np.cross(*feet)
+    # A height stands on the ellipsoid, 3 mrad at most off the radius: 1 m across at 300 m.
+    assert np.max(np.abs(r_itrf_m @ normal / np.linalg.norm(normal))) < 1.1
+    np.testing.assert_allclose(geodetic_from_itrf(r_itrf_m)[2], 300.0, atol=1e-3)
+    speed_m_s = np.linalg.norm(np.diff(r_itrf_m, axis=0), axis=1) / np.diff(t_s)
+    np.testing.assert_allclose(speed_m_s, 5000.0, rtol=3e-4)
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        (
+            {"points": (*plane_path().points, PathPoint(latitude_deg=45, longitude_deg=-18))},
+            "not 3",
+        ),
+        ({"refraction": "standard", "min_elevation_deg": 10.0}, "refraction 'standard'"),
+    ],
+)
+def test_a_line_in_a_plane_is_refused_where_it_is_not_known(changes, told):
+    with pytest.raises(ValueError, match=told):
+        plane_path(**changes)

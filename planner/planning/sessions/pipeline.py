@@ -7,9 +7,10 @@ from contextlib import contextmanager
 from planner.base import effort
 from planner.base.commands import ROWS_PER_S
 from planner.base.effort import at_most
-from planner.base.errors import SearchEnded, VerificationFailed
+from planner.base.errors import Refusal, SearchEnded, VerificationFailed
 from planner.base.reporting import Reporter, tell_nobody
 from planner.planning.sessions.assembly import sessions_after_conflicts, table_work
+from planner.planning.sessions.fitting import tell_by_asked, with_starts_that_fit
 from planner.planning.sessions.nearest_start import plan_sessions
 from planner.planning.sessions.plan import Plan
 from planner.planning.sessions.platforms.mover import Join
@@ -30,8 +31,15 @@ def make_plan(scenario: Scenario, tell: Reporter = tell_nobody) -> Plan:
     Raises a `Refusal` when a session can't be flown; it says which limit, when, and, where
     there is one, the nearest session start that can.
     """
+    try:
+        return _make_plan(scenario, tell)
+    except Refusal as refusal:
+        tell_by_asked(refusal, scenario.sessions)
+        raise
+
+
+def _make_plan(scenario: Scenario, tell: Reporter) -> Plan:
     epoch_utc = scenario.initial_state.epoch
-    mover = mover_of(scenario)
     wall_s: dict[str, float] = {}
 
     @contextmanager
@@ -41,12 +49,14 @@ def make_plan(scenario: Scenario, tell: Reporter = tell_nobody) -> Plan:
         yield
         wall_s[name] = time.perf_counter() - began_s
 
+    scenario, work = _fitted(scenario)
+    mover = mover_of(scenario)
     with time_stage("orbit"):
         ephemeris = ephemeris_over(
             scenario, [session_rows(session, epoch_utc) for session in scenario.sessions]
         )
     with time_stage("slews and tracks"):
-        joins = _find_joins(scenario, ephemeris, tell)
+        joins = _find_joins(scenario, ephemeris, effort.PLAN - work, tell)
         onto_tracks = joins[: len(scenario.sessions)]
     with time_stage("comparison"):
         slews = tuple(mover.run(number, join) for number, join in _pair_joins(scenario, joins))
@@ -82,10 +92,22 @@ def make_plan(scenario: Scenario, tell: Reporter = tell_nobody) -> Plan:
     )
 
 
-def _find_joins(scenario: Scenario, ephemeris: Ephemeris, tell: Reporter) -> list[Join]:
-    """Found by no more work than one request may make, what its table takes set aside."""
+def _fitted(scenario: Scenario) -> tuple[Scenario, int]:
+    """With the starts of sessions that begin as soon as they can, and the work that took."""
+    with at_most(effort.PLAN // 2) as search:
+        fitted = with_starts_that_fit(scenario)
+        return fitted, round(search.done_rows)
+    raise SearchEnded(
+        "the starts of sessions that begin as soon as they can take more work to find than one "
+        "request may make; ask for fewer at a time, or give them starts of their own",
+        field="sessions",
+    )
+
+
+def _find_joins(scenario: Scenario, ephemeris: Ephemeris, most: int, tell: Reporter) -> list[Join]:
+    """Found by no more work than that, what its table takes set aside."""
     last_row = session_rows(scenario.sessions[-1], scenario.initial_state.epoch).stop
-    with at_most(effort.PLAN - table_work(scenario, last_row)):
+    with at_most(most - table_work(scenario, last_row)):
         joins = mover_of(scenario).with_final_slew(
             ephemeris, plan_sessions(scenario, ephemeris, tell)
         )

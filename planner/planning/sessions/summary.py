@@ -18,6 +18,7 @@ class SessionSummary:
     session: its number, from 0.
     id: as the request gives it; null for none. E.g. `"LV-7"`.
     name: as the request gives it; null for none. E.g. `"Las Vegas, east"`.
+    of: id of the imaging mode's session that it was made from; null for none. E.g. `"area"`.
     mode: of the target. E.g. `"ground"`.
     target: the target in a few words. E.g. `"near Las Vegas (36.1147, -115.1728)"`.
     start_utc: its first row; UTC.
@@ -34,6 +35,7 @@ class SessionSummary:
     session: Count
     id: str | None
     name: str | None
+    of: str | None
     mode: str
     target: str
     start_utc: Utc
@@ -90,6 +92,7 @@ def _summarise_session(plan: Plan, number: int) -> SessionSummary:
         session=number,
         id=session.id,
         name=session.name,
+        of=session.of,
         mode=session.target.mode,
         target=session.target.label,
         start_utc=session.start,

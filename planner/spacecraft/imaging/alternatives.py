@@ -13,7 +13,6 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.errors import InfeasibleSlew, InvalidInput, OutsideCoverage, Refusal, Unreachable
-from planner.spacecraft.geojson import GeoLineString, GeoPolygon, Position
 from planner.spacecraft.imaging.candidates import (
     OPTIONS as CANDIDATE_OPTIONS,
 )
@@ -35,6 +34,7 @@ from planner.spacecraft.table import TICK_S
 from planner.world.frames.earth_orientation import itrf_from_eci_state
 from planner.world.frames.geodesy import WGS84_A_M, c_enu_from_itrf, geodetic_from_itrf
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
+from planner.world.targets.geojson import GeoLineString, GeoPolygon, Position
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -275,7 +275,7 @@ def _closest_approach(request: Request, session: ImagingSession) -> tuple[float,
     """
     middle_itrf_m = middle_of(request, session)
     grid_s = np.arange(0.0, session.duration_s, 1.0)
-    along_rad, _ = session.look_angles(middle_itrf_m, grid_s)
+    along_rad, _ = session.passing.look_angles(middle_itrf_m, grid_s)
     abeam = int(np.argmin(np.abs(along_rad)))
     if abs(along_rad[abeam]) > CANDIDATE_OPTIONS.passing_rad:
         return None

@@ -139,7 +139,7 @@ def _stereo_starts_s(
     behind; or gap_s apart."""
     grid_s = np.arange(0.0, session.duration_s, TICK_S)
     effort.charge(OPTIONS.point_at_tick * len(grid_s))
-    along_rad, _ = session.look_angles(_point_itrf_m(arc, 0.5), grid_s)
+    along_rad, _ = session.passing.look_angles(_point_itrf_m(arc, 0.5), grid_s)
 
     def start_s(angle_deg: float, earlier_s: float = 0.0) -> float:
         middle_s = float(grid_s[np.argmin(np.abs(along_rad - math.radians(angle_deg)))])
@@ -289,7 +289,7 @@ def _in_reach(
     in_reach, tilt_rad = np.ones(len(t_s), dtype=bool), np.zeros(len(t_s))
     for share in (0.0, 0.5, 1.0):
         point_itrf_m = _point_itrf_m(arc, share)
-        along_rad, across_rad = session.look_angles(point_itrf_m, t_s + share * scan_s)
+        along_rad, across_rad = session.passing.look_angles(point_itrf_m, t_s + share * scan_s)
         in_reach &= np.abs(along_rad) <= math.radians(camera.along_max_deg)
         in_reach &= np.abs(across_rad) <= math.radians(camera.across_max_deg)
         tilt_rad = np.maximum(tilt_rad, np.abs(along_rad))
@@ -343,7 +343,7 @@ def _unreachable_text(request: Request, number: int, session: ImagingSession) ->
     camera = session.spacecraft.camera
     middle_itrf_m = middle_of(request, session)
     grid_s = np.arange(0.0, session.duration_s, 1.0)
-    along_rad, across_rad = session.look_angles(middle_itrf_m, grid_s)
+    along_rad, across_rad = session.passing.look_angles(middle_itrf_m, grid_s)
     abeam = int(np.argmin(np.abs(along_rad)))
     at_utc = shifted_utc(session.epoch_utc, float(grid_s[abeam]))
     where = (

@@ -7,7 +7,7 @@ azimuth follow by themselves.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from datetime import datetime
 
 import numpy as np
@@ -18,10 +18,10 @@ from planner.base.mrp import BodyMotion, MrpMotion, body_motion
 from planner.base.rotation import Rotation
 from planner.spacecraft.table import TICK_S
 from planner.world.frames.earth_orientation import c_itrf_from_eci
-from planner.world.frames.geodesy import WGS84_A_M, WGS84_F, up_itrf
 from planner.world.frames.local_orbital import q_lvlh_from_eci
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import Ephemeris
+from planner.world.targets.plane_arc import PlaneArc
 
 DEGREE = 28  # of the Chebyshev fit: attitudes of a 200 s span to 1e-12 rad
 # In orbital orientation: X along flight, Y up, Z = X x Y, in LVLH axes (X forward, Y against the
@@ -30,17 +30,13 @@ _Q_BODY_FROM_LVLH = Rotation.from_matrix([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.
 
 
 @dataclass(frozen=True, kw_only=True)
-class GroundArc:
-    """The arc from P0 to P1 along the ellipsoid's section through its centre (geodetic, rad, m).
+class GroundArc(PlaneArc):
+    """An arc over the ground, scanned from `start_s` on.
 
     start_s: seconds since the session's epoch when P0 is under the slit.  backwards: the
     detector runs in its other sense (X against the motion).
-    The speed over ground is even to 0.03 % (500 km) and better for shorter arcs.
     """
 
-    latitude_rad: tuple[float, float]
-    longitude_rad: tuple[float, float]
-    height_m: float
     start_s: float
     duration_s: float
     backwards: bool = False
@@ -49,45 +45,6 @@ class GroundArc:
     def ticks(self) -> int:
         """Whole ticks that cover its scan."""
         return math.ceil(self.duration_s / TICK_S - 1e-6)
-
-    def turned_round(self) -> "GroundArc":
-        """The arc from P1 to P0."""
-        return replace(
-            self, latitude_rad=self.latitude_rad[::-1], longitude_rad=self.longitude_rad[::-1]
-        )
-
-    def length_m(self) -> float:
-        """Along the ground from P0 to P1."""
-        r, _ = self.point_itrf(np.linspace(0.0, 1.0, 65))
-        return float(np.sum(np.linalg.norm(np.diff(r, axis=0), axis=1)))
-
-    def point_itrf(self, share: Array) -> tuple[Array, Array]:
-        """Position (m) and its derivative by the share of the arc, ITRF, (n, 3) each.
-
-        Shares outside 0..1 continue the arc: where a slew joins and leaves it.
-        """
-        flat = np.array([1.0, 1.0, 1.0 / (1.0 - WGS84_F) ** 2]) / WGS84_A_M**2
-        up = up_itrf(np.array(self.latitude_rad), np.array(self.longitude_rad))
-        ends = up / flat
-        ends /= np.linalg.norm(ends, axis=1, keepdims=True)
-        angle = 2.0 * np.arcsin(0.5 * np.linalg.norm(ends[1] - ends[0]))
-        u = np.asarray(share)[:, None]
-        d = (np.sin((1.0 - u) * angle) * ends[0] + np.sin(u * angle) * ends[1]) / np.sin(angle)
-        d1 = (
-            angle
-            * (np.cos(u * angle) * ends[1] - np.cos((1.0 - u) * angle) * ends[0])
-            / np.sin(angle)
-        )
-        q = np.sum(flat * d * d, axis=1, keepdims=True)
-        q1 = np.sum(flat * d * d1, axis=1, keepdims=True)
-        normal = flat * d
-        length = np.linalg.norm(normal, axis=1, keepdims=True)
-        normal, normal1 = normal / length, flat * d1 / length
-        normal1 = normal1 - normal * np.sum(normal * normal1, axis=1, keepdims=True)
-        return (
-            d / np.sqrt(q) + self.height_m * normal,
-            d1 / np.sqrt(q) - d * q1 / q**1.5 + self.height_m * normal1,
-        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,15 +17,13 @@ from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.slews.slew_time import SlewTime, slew_time
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
-from planner.world.frames.earth_orientation import c_itrf_from_eci, itrf_from_eci_state
 from planner.world.frames.geodesy import WGS84_A_M
-from planner.world.frames.local_orbital import q_lvlh_from_eci
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 from planner.world.orbits import Ephemeris
+from planner.world.targets.passing import Passing
 
 HEIGHT_MAX_M = 2000e3  # a low orbit: from higher the camera's angles and the slews mean little
 HEIGHT_STEP_S = 30.0
-TRACK_STEP_S = 5.0  # how closely the path over the ground is looked at
 START_SPAN_S = (-1.0, 30.0)  # of the profile that the rate at row 0 is taken from
 _ORBIT_MARGIN = timedelta(seconds=200)  # scans are continued backwards, slews forwards
 
@@ -62,35 +60,12 @@ class ImagingSession:
         """The attitude that scans an arc (None: orbital orientation), from start_s to stop_s."""
         return fitted_profile(arc, self.ephemeris, self.epoch_utc, (start_s, stop_s))
 
-    def look_angles(self, r_target_itrf_m: Array, t_s: Array) -> tuple[Array, Array]:
-        """Angles of the direction to a point (3,) along and across the track, rad, (n,) each.
-
-        along: positive ahead; across: positive to the right of flight, both from geocentric
-        nadir in LVLH (atan2 of the component and the downward one); behind the horizon: pi.
-        """
-        instants = self.instants(t_s)
-        states = self.ephemeris.states(instants)
-        c_itrf = c_itrf_from_eci(instants)
-        target_itrf_m = np.broadcast_to(r_target_itrf_m, (len(t_s), 3))
-        r_target_eci_m = np.einsum("nji,nj->ni", c_itrf, target_itrf_m)
-        q_lvlh = q_lvlh_from_eci(states.r_sat_eci_m, states.v_sat_eci_m_s)
-        x, y, z = q_lvlh.apply(r_target_eci_m - states.r_sat_eci_m).T
-        r_sat_itrf_m = np.einsum("nij,nj->ni", c_itrf, states.r_sat_eci_m)
-        hidden = np.sum((r_sat_itrf_m - r_target_itrf_m) * r_target_itrf_m, axis=1) < 0.0
-        return np.where(hidden, np.pi, np.arctan2(x, z)), np.where(hidden, np.pi, np.arctan2(y, z))
-
     @cached_property
-    def _track_itrf(self) -> tuple[Array, Array]:
-        """The satellite's position, m, and velocity, m/s, (n, 3) each."""
-        instants = self.instants(np.arange(0.0, self.duration_s + 1.0, TRACK_STEP_S))
-        states = self.ephemeris.states(instants)
-        return itrf_from_eci_state(states.r_sat_eci_m, states.v_sat_eci_m_s, instants)
-
-    def velocity_passing(self, r_itrf_m: Array) -> Array:
-        """The satellite's velocity in ITRF, m/s, (3,), where it is nearest to a point."""
-        r_track_itrf_m, v_track_itrf_m_s = self._track_itrf
-        nearest = np.argmin(np.linalg.norm(r_track_itrf_m - r_itrf_m, axis=1))
-        return np.asarray(v_track_itrf_m_s[nearest])
+    def passing(self) -> Passing:
+        """Where points on the ground are seen."""
+        return Passing(
+            ephemeris=self.ephemeris, start_utc=self.epoch_utc, duration_s=self.duration_s
+        )
 
 
 def make_session(request: ImagingPlanRequest) -> ImagingSession:

@@ -14,7 +14,7 @@ from planner.base.rotation import Rotation
 from planner.base.spec import LENGTH_MIN, UnitPart, VectorPart, Within, spec
 from planner.world.platforms.camera import PIXELS_ARCSEC, Camera
 from planner.world.platforms.field_mask import FieldMask
-from planner.world.platforms.geometry import Described, MotionBounds, vector_text
+from planner.world.platforms.geometry import Described, MotionBounds, Scanning, vector_text
 
 Direction = tuple[VectorPart, VectorPart, VectorPart]
 Matrix3 = tuple[
@@ -502,6 +502,11 @@ class BodyPlatform:
     def held_half_rad(self) -> tuple[float, float]:
         """How far from the middle a target is still imaged, along +X and +Y of the payload."""
         return self.camera.held_half_rad
+
+    @property
+    def scanning(self) -> Scanning:
+        """With the lines, or the frame's first side, across the motion."""
+        return Scanning(self.camera.frame_half_rad[1], self.camera.both_ways, self.agility.settle_s)
 
     @property
     def boresight_body(self) -> Array:

@@ -23,6 +23,18 @@ class Described(NamedTuple):
     interpolation: str
 
 
+class Scanning(NamedTuple):
+    """What a platform's camera images along a line.
+
+    half_width_rad: half of its view across the line.  both_ways: whether the image may move
+    through it either way.  settle_s: time between a slew and a scan.
+    """
+
+    half_width_rad: float
+    both_ways: bool
+    settle_s: float
+
+
 def vector_text(unit: Iterable[float]) -> str:
     """Its parts to 12 digits."""
     return "[" + ", ".join(f"{value + 0.0:.12g}" for value in unit) + "]"
@@ -49,6 +61,8 @@ class PlatformGeometry(Protocol):
     def held_half_rad(self) -> tuple[float, float]: ...
     @property
     def camera(self) -> Shutter: ...
+    @property
+    def scanning(self) -> Scanning: ...
     @property
     def masks(self) -> tuple[FieldMask, ...]: ...
     @property

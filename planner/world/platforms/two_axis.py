@@ -15,7 +15,7 @@ from planner.world.platforms.camera import HRC_CAMERA, Camera
 from planner.world.platforms.carrier_mode import UNIT_TOLERANCE, CarrierMode
 from planner.world.platforms.drive import AxisDrive
 from planner.world.platforms.field_mask import FieldMask
-from planner.world.platforms.geometry import Bounds, Described, MotionBounds, vector_text
+from planner.world.platforms.geometry import Bounds, Described, MotionBounds, Scanning, vector_text
 
 UnitVector = tuple[UnitPart, UnitPart, UnitPart]
 # 5.36 x 3.56 km from 350 km (Sumarokov 2016).
@@ -135,6 +135,11 @@ class TwoAxisPlatform:
     def held_half_rad(self) -> tuple[float, float]:
         """The frame holds what is inside it."""
         return self.frame_half_rad
+
+    @property
+    def scanning(self) -> Scanning:
+        """However the frame lies along the line, by its shorter side."""
+        return Scanning(min(self.frame_half_rad), both_ways=True, settle_s=0.0)
 
     @property
     def axis_names(self) -> tuple[str, str]:

@@ -11,6 +11,7 @@ from planner.world.targets.earth_fixed import EarthFixedTarget
 from planner.world.targets.ground import GroundTarget
 from planner.world.targets.ground_moving import MovingGroundTarget
 from planner.world.targets.ground_path import GroundPathTarget
+from planner.world.targets.imaging import IMAGING_MODES, ImagingMode, ScanWindow
 from planner.world.targets.place import PlaceTarget
 from planner.world.targets.session_target import SessionTarget
 from planner.world.targets.sky import SkyTarget
@@ -29,21 +30,31 @@ Target = Annotated[
 TARGETS = {mode.mode: mode for mode in get_args(get_args(Target)[0])}
 if TYPE_CHECKING:
     WindowTarget = Target
+    AskedTarget = Target
 else:
+    # What a request may name: imaging modes become paths.
+    AskedTarget = Annotated[
+        Union[(*TARGETS.values(), *IMAGING_MODES.values())],
+        Field(discriminator="mode"),
+    ]
     # Those that can be seen at times of their own.
     _WITH_WINDOWS = tuple(mode for mode in TARGETS.values() if mode.has_windows)
     WindowTarget = Annotated[Union[_WITH_WINDOWS], Field(discriminator="mode")]  # noqa: UP007 (of a tuple)
 
 __all__ = [
+    "IMAGING_MODES",
     "TARGETS",
+    "AskedTarget",
     "BenchMotionTarget",
     "BodyTarget",
     "EarthFixedTarget",
     "GroundPathTarget",
     "GroundTarget",
+    "ImagingMode",
     "MovingGroundTarget",
     "PlaceTarget",
     "PrescribedMotion",
+    "ScanWindow",
     "SessionTarget",
     "SkyTarget",
     "StarTarget",

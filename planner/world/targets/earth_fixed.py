@@ -35,6 +35,11 @@ class EarthFixedTarget(VisibleTarget):
     min_elevation_deg: float
     refraction: Refraction
 
+    @property
+    def is_geometric(self) -> bool:
+        """Whether it is looked at where it is, without light time and aberration."""
+        return False
+
     def __post_init__(self) -> None:
         if self.refraction == "standard" and self.min_elevation_deg < LOWEST_ELEVATION_DEG:
             raise ValueError(
@@ -67,6 +72,13 @@ class EarthFixedTarget(VisibleTarget):
         if self.refraction == "standard":
             raised = raised_m(math.pi / 2.0 - elevation_rad, range_m, height_m)
             raised_eci_m = raised[:, None] * up_eci
+        clearance_rad = elevation_rad - math.radians(self.min_elevation_deg)
+        if self.is_geometric:
+            return ApparentDirection(
+                direction_eci=los_eci_m / range_m[:, None],
+                range_m=range_m,
+                clearance_rad=clearance_rad,
+            )
         omega_earth_eci_rad_s = OMEGA_EARTH_RAD_S * c[:, 2, :]
         for _ in range(LIGHT_TIME_PASSES):
             light_time_s = np.linalg.norm(los_eci_m, axis=1) / SPEED_OF_LIGHT_M_S
@@ -80,7 +92,7 @@ class EarthFixedTarget(VisibleTarget):
         return ApparentDirection(
             direction_eci=aberrate(direction_eci, states.v_sat_eci_m_s),
             range_m=range_m,
-            clearance_rad=elevation_rad - math.radians(self.min_elevation_deg),
+            clearance_rad=clearance_rad,
         )
 
     def hidden_because(self, clearance_rad: float) -> str:

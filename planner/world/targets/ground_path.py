@@ -16,11 +16,13 @@ from planner.world.frames.geodesic import geodesic_between, geodesic_end
 from planner.world.frames.geodesy import HeightM, LatitudeDeg, LongitudeDeg, itrf_from_geodetic
 from planner.world.frames.time_scales import Instants, elapsed_s, utc_text
 from planner.world.targets.earth_fixed import EarthFixedTarget, ElevationDeg, place_text
+from planner.world.targets.plane_arc import PlaneArc
 from planner.world.targets.refraction import Refraction
 from planner.world.targets.session_target import TimedTarget
 from planner.world.targets.smooth_step import ramp
 
 POINTS_MAX = 1000
+PathLine = Literal["geodesic", "plane"]
 # A corner that keeps within 1 deg/s2 then bends by less than 0.1 arcsec between 0.2 s rows:
 # the cubic's error 0.2^4/384 * 52.5 dv/T^3 at dv = T/2.19 * 1 deg/s2.
 CORNER_MIN_S = 2.0
@@ -62,10 +64,13 @@ class GroundPathTarget(TimedTarget, EarthFixedTarget):
     continuous jerk, the timetable stays: halfway the speed has dropped to cos(turn/2) of itself and
     the point passes 0.14 corner_s speed sin(turn/2) inside the corner (70 m at right angles, 4 s
     and 180 m/s); the acceleration peaks at 4.4 speed sin(turn/2)/corner_s.
+    line: of two points of one height, "plane" is the section by the plane through both and the
+    Earth's centre, looked at without light time and aberration (16 m along the flight).
     """
 
     mode: Literal["ground_path"] = "ground_path"
     points: tuple[PathPoint, ...]
+    line: PathLine = "geodesic"
     speed_m_s: Annotated[float, Within(1e-3, 10e3)]
     start: datetime | None = None
     corner_s: Annotated[float, Within(CORNER_MIN_S, 600.0)] = 4.0
@@ -76,6 +81,8 @@ class GroundPathTarget(TimedTarget, EarthFixedTarget):
         if not 2 <= len(self.points) <= POINTS_MAX:
             raise ValueError(f"points must hold 2 to {POINTS_MAX} points, not {len(self.points)}")
         super().__post_init__()
+        if self.line == "plane":
+            self._require_plane()
         for leg, lasts_s in enumerate(np.diff(self._legs.passing_s)):
             if len(self.points) > 2 and lasts_s < self.corner_s:
                 raise ValueError(
@@ -84,6 +91,25 @@ class GroundPathTarget(TimedTarget, EarthFixedTarget):
                     "corner; "
                     "lower corner_s or the speed, or leave out a point"
                 )
+
+    def _require_plane(self) -> None:
+        heights_m = {point.height_m for point in self.points}
+        if len(self.points) != 2 or len(heights_m) != 1:
+            raise ValueError(
+                f"line plane takes two points of one height, not {len(self.points)} with heights "
+                f"{', '.join(f'{height_m:g}' for height_m in sorted(heights_m))} m: give each leg "
+                "a session of its own, or the line geodesic"
+            )
+        if self.refraction != "none":
+            raise ValueError(
+                f"refraction {self.refraction!r} is not modelled for the line plane, which is "
+                "looked at as if light were without delay: leave it out, or give the line geodesic"
+            )
+
+    @property
+    def is_geometric(self) -> bool:
+        """Of the line plane."""
+        return self.line == "plane"
 
     @property
     def label(self) -> str:
@@ -97,6 +123,8 @@ class GroundPathTarget(TimedTarget, EarthFixedTarget):
     @property
     def duration_s(self) -> float:
         """Seconds from the first point to the last."""
+        if self._plane_arc is not None:
+            return self._plane_arc.length_m() / self.speed_m_s
         return float(self._legs.passing_s[-1])
 
     def require_known(self, name: str, start_utc: datetime, stop_utc: datetime) -> None:
@@ -115,8 +143,10 @@ class GroundPathTarget(TimedTarget, EarthFixedTarget):
                 "the path doesn't say when it starts; give its start, or plan it in a session",
                 field="start",
             )
-        legs = self._legs
         t_s = instants.since_s(self.start)
+        if self._plane_arc is not None:
+            return self._plane_arc.point_itrf(t_s / self.duration_s)[0]
+        legs = self._legs
         halfway_s = (legs.passing_s[1:] + legs.passing_s[:-1]) / 2.0
         nearest = np.searchsorted(halfway_s, t_s)
         r_itrf_m = np.empty((len(t_s), 3))
@@ -127,6 +157,17 @@ class GroundPathTarget(TimedTarget, EarthFixedTarget):
             offset_m = legs.arriving_m_s[node] * since_s + turn_m_s * ramp(since_s, self.corner_s)
             r_itrf_m[here] = _itrf_near(self.points[node], offset_m)
         return r_itrf_m
+
+    @cached_property
+    def _plane_arc(self) -> PlaneArc | None:
+        if self.line != "plane":
+            return None
+        a, b = self.points
+        return PlaneArc(
+            latitude_rad=(math.radians(a.latitude_deg), math.radians(b.latitude_deg)),
+            longitude_rad=(math.radians(a.longitude_deg), math.radians(b.longitude_deg)),
+            height_m=a.height_m,
+        )
 
     @cached_property
     def _legs(self) -> _Legs:

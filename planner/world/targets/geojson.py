@@ -1,20 +1,28 @@
-"""The GeoJSON that is read: lines and polygons, and requests as a FeatureCollection."""
+"""The GeoJSON that is read: lines and polygons on the ground."""
 
-import json
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import combinations, pairwise
 from typing import Annotated, Literal
 
-from planner.base.errors import InvalidMessage
-from planner.base.spec import Within, is_kept, spec
+from planner.base.spec import Within, spec
 
 # Longitude, latitude and, if given, height in metres: no use is made of it.
 Position = tuple[Annotated[float, Within(-1000.0, 100e3)], ...]
-CHARACTERS_MAX = 1_000_000
-LEG_MAX_KM = 2000.0
-AREA_MIN_KM2 = 1.0
-EARTH_RADIUS_KM = 6371.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class GeoJsonBounds:
+    """What a geometry may be."""
+
+    leg_most_km: float = 2000.0  # the shorter way round is plain, the plane's line near a geodesic
+    area_least_km2: float = 1.0  # less is a line
+    parts_most: int = 16  # rings of a polygon, polygons or lines together: checked pair by pair
+    earth_radius_km: float = 6371.0  # of the sphere that these are measured on
+
+
+BOUNDS = GeoJsonBounds()
 
 
 def _check_positions(positions: tuple[Position, ...]) -> None:
@@ -51,10 +59,10 @@ class GeoLineString:
             apart_km = _apart_km(a, b)
             if apart_km < 1.0:
                 raise ValueError(f"positions {number} and {number + 1} are less than 1 km apart")
-            if apart_km > LEG_MAX_KM:
+            if apart_km > BOUNDS.leg_most_km:
                 raise ValueError(
                     f"positions {number} and {number + 1} are {apart_km:.0f} km apart; a leg has "
-                    f"at most {LEG_MAX_KM:.0f} km: put positions between"
+                    f"at most {BOUNDS.leg_most_km:.0f} km: put positions between"
                 )
         last = len(self.coordinates) - 1
         for i, j in _crossing_legs(_unwrap_longitudes(self.coordinates)):
@@ -70,7 +78,7 @@ def _apart_km(a: Position, b: Position) -> float:
     east = math.radians(b[0] - a[0])
     cosines = math.cos(math.radians(a[1])) * math.cos(math.radians(b[1]))
     half = math.sin(north / 2.0) ** 2 + cosines * math.sin(east / 2.0) ** 2
-    return 2.0 * EARTH_RADIUS_KM * math.asin(math.sqrt(min(half, 1.0)))
+    return 2.0 * BOUNDS.earth_radius_km * math.asin(math.sqrt(min(half, 1.0)))
 
 
 def _unwrap_longitudes(line: tuple[Position, ...]) -> list[Position]:
@@ -101,26 +109,57 @@ def _legs_cross(a: Position, b: Position, c: Position, d: Position) -> bool:
 
 
 @spec
+class GeoMultiLineString:
+    """Several GeoJSON lines, each as a LineString.
+
+    coordinates: lines, each a list of positions [longitude, latitude]. E.g.
+        `[[[-12.4, 20.5], [-12.5, 21.0]], [[-12.3, 21.6], [-12.4, 22.0]]]`. [deg]
+    """
+
+    type: Literal["MultiLineString"] = "MultiLineString"
+    coordinates: tuple[tuple[Position, ...], ...]
+
+    def __post_init__(self) -> None:
+        if not 1 <= len(self.coordinates) <= BOUNDS.parts_most:
+            raise ValueError(f"it has 1 to {BOUNDS.parts_most} lines, not {len(self.coordinates)}")
+        for line in self.coordinates:
+            GeoLineString(coordinates=line)
+
+
+@spec
 class GeoPolygon:
-    """A GeoJSON polygon without holes, in either winding; its sides lie in planes like a line's.
+    """A GeoJSON polygon, in either winding; its sides lie in planes like a line's.
 
     A side goes the shorter way round: from 179.8 to -179.8 over 0.4 deg.
 
-    coordinates: one closed ring of positions [longitude, latitude], WGS84, east and north positive
-        [deg]
+    coordinates: closed rings of positions [longitude, latitude], WGS84, east and north positive:
+        the outline, then any holes [deg]
     """
 
     type: Literal["Polygon"] = "Polygon"
     coordinates: tuple[tuple[Position, ...], ...]
 
     def __post_init__(self) -> None:
-        if len(self.coordinates) != 1:
-            raise ValueError(f"a polygon has one ring and no holes, not {len(self.coordinates)}")
-        ring = self.coordinates[0]
-        if not 4 <= len(ring) <= 64 or ring[0] != ring[-1]:
-            raise ValueError("a ring has 4 to 64 positions and ends where it begins")
-        _check_positions(ring)
-        self._require_area(_unwrap_longitudes(ring))
+        if not 1 <= len(self.coordinates) <= BOUNDS.parts_most:
+            raise ValueError(
+                f"a polygon has an outline and up to {BOUNDS.parts_most - 1} holes, not "
+                f"{len(self.coordinates)} rings"
+            )
+        rings = []
+        for ring in self.coordinates:
+            if not 4 <= len(ring) <= 64 or ring[0] != ring[-1]:
+                raise ValueError("a ring has 4 to 64 positions and ends where it begins")
+            _check_positions(ring)
+            rings.append(_unwrap_longitudes((self.coordinates[0][0], *ring))[1:])
+            self._require_area(rings[-1])
+        for number, hole in enumerate(rings[1:], start=1):
+            if not all(_is_inside(position, rings[0]) for position in hole):
+                raise ValueError(f"ring {number} is no hole: it reaches out of the outline, ring 0")
+            for other, before in enumerate(rings[:number]):
+                if any(_legs_cross(*a, *b) for a in pairwise(hole) for b in pairwise(before)):
+                    raise ValueError(f"ring {number} meets ring {other}; join them, or part them")
+                if other and (_is_inside(hole[0], before) or _is_inside(before[0], hole)):
+                    raise ValueError(f"ring {number} and ring {other} are holes in one another")
 
     def _require_area(self, ring: list[Position]) -> None:
         for i, (a, b) in enumerate(pairwise(ring)):
@@ -136,40 +175,41 @@ class GeoPolygon:
                 )
         cosine = math.cos(math.radians(sum(p[1] for p in ring) / len(ring)))
         twice_deg2 = sum(a[0] * b[1] - b[0] * a[1] for a, b in pairwise(ring))
-        area_km2 = abs(twice_deg2) / 2.0 * cosine * math.radians(EARTH_RADIUS_KM) ** 2
-        if area_km2 < AREA_MIN_KM2:
+        area_km2 = abs(twice_deg2) / 2.0 * cosine * math.radians(BOUNDS.earth_radius_km) ** 2
+        if area_km2 < BOUNDS.area_least_km2:
             raise ValueError(
-                f"the ring encloses {area_km2:.3g} km2; an area has at least {AREA_MIN_KM2:g} km2: "
-                "image a line as a strip"
+                f"the ring encloses {area_km2:.3g} km2; an area has at least "
+                f"{BOUNDS.area_least_km2:g} km2: image a line as a strip"
             )
 
 
-def requests_from_features(text: str) -> list[dict[str, object]]:
-    """Fields of each request of a FeatureCollection, in the features' order.
-
-    A Feature's properties are a request's other fields (mode, name, priority, ...); what comes
-    out is plain data for the request's schema to check.  Raises InvalidMessage.
-    """
-    if len(text) > CHARACTERS_MAX and not is_kept():
-        raise InvalidMessage(
-            f"the GeoJSON has {len(text)} characters; the most is {CHARACTERS_MAX}"
+def _is_inside(point: Position, ring: list[Position]) -> bool:
+    """Whether a ray to the east crosses the ring an odd number of times."""
+    return bool(
+        sum(
+            (a[1] > point[1]) != (b[1] > point[1])
+            and point[0] < a[0] + (point[1] - a[1]) * (b[0] - a[0]) / (b[1] - a[1])
+            for a, b in pairwise(ring)
         )
-    try:
-        collection = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise InvalidMessage(f"this is no JSON: {error}") from None
-    features = collection.get("features") if isinstance(collection, dict) else None
-    if not isinstance(features, list) or not features:
-        raise InvalidMessage("a FeatureCollection with at least one feature is needed")
-    return [_feature_fields(number, feature) for number, feature in enumerate(features)]
-
-
-def _feature_fields(number: int, feature: object) -> dict[str, object]:
-    if isinstance(feature, dict):
-        properties, geometry = feature.get("properties"), feature.get("geometry")
-        if isinstance(properties, dict) and isinstance(geometry, dict):
-            return {**properties, "geometry": geometry}
-    raise InvalidMessage(
-        f"features.{number} needs `properties` with mode and name, and a `geometry`",
-        field=f"features.{number}",
+        % 2
     )
+
+
+@spec
+class GeoMultiPolygon:
+    """Several GeoJSON polygons, each as a Polygon; what two of them share is one ground.
+
+    coordinates: polygons, each a list of closed rings of positions [longitude, latitude]. E.g.
+        `[[[[-19.8, 44.0], [-19.9, 44.4], [-19.6, 44.4], [-19.8, 44.0]]]]`. [deg]
+    """
+
+    type: Literal["MultiPolygon"] = "MultiPolygon"
+    coordinates: tuple[tuple[tuple[Position, ...], ...], ...]
+
+    def __post_init__(self) -> None:
+        if not 1 <= len(self.coordinates) <= BOUNDS.parts_most:
+            raise ValueError(
+                f"it has 1 to {BOUNDS.parts_most} polygons, not {len(self.coordinates)}"
+            )
+        for polygon in self.coordinates:
+            GeoPolygon(coordinates=polygon)
