@@ -123,7 +123,7 @@ def _lead_s(platform: AnyPlatform, angles_deg: Mapping[str, float]) -> float:
             most = limits.rate_max_rad_s, limits.acceleration_max_rad_s2, limits.jerk_max_rad_s3
             motions.append((travel_rad, *most))
     else:
-        motions = [(math.pi, *order) for order in platform.agility.by_order_rad.T.tolist()]
+        motions = [(math.pi, *order) for order in platform.envelope.by_order_rad.T.tolist()]
     least_s = max(
         travel / rate + rate / acceleration + acceleration / jerk
         for travel, rate, acceleration, jerk in motions

@@ -2,10 +2,11 @@
 
 import copy
 import json
+import math
 
 import numpy as np
 import pytest
-from agile_bodies import SMALLSAT, smallsat
+from agile_bodies import GYRO_SAT, SMALLSAT, smallsat
 from pydantic import TypeAdapter
 
 from app.requests.json_reader import JsonReader
@@ -32,9 +33,9 @@ def test_limits_may_be_given_by_axis():
     )
 
 
-def changed(path, value):
+def changed(path, value, satellite=SMALLSAT):
     """The satellite with one member, at a dotted path, replaced."""
-    document = copy.deepcopy(SMALLSAT)
+    document = copy.deepcopy(satellite)
     *parents, last = [int(part) if part.isdecimal() else part for part in path.split(".")]
     node = document
     for key in parents:
@@ -97,11 +98,48 @@ def changed(path, value):
     ],
 )
 def test_a_body_written_wrongly_is_refused_by_field_value_and_way_out(path, value, field, says):
+    require_refused(changed(path, value), field, says)
+
+
+def require_refused(document, field, says):
     with pytest.raises(InvalidRequest) as refused:
-        JsonReader(BodyPlatform).read(json.dumps(changed(path, value)).encode())
+        JsonReader(BodyPlatform).read(json.dumps(document).encode())
     [error] = refused.value.errors[:1]
     assert error.field == field
     assert says in str(error)
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "field", "says"),
+    [
+        ("agility", SMALLSAT["agility"], "agility", "must be left out with gyros"),
+        ("gyros", None, "agility", "is required, or gyros"),
+        ("inertia_kg_m2", None, "inertia_kg_m2", "is required with gyros"),
+        ("torque_max_n_m", 0.03, "torque_max_n_m", "give gyros.turns.torque_max_n_m"),
+        ("gyros.array.type", "pyramid", "gyros.array.type", "'scissored_pairs'"),
+        ("gyros.array.rotor_n_m_s", 0.0, "gyros.array.rotor_n_m_s", "1e-06..1e+06"),
+        ("gyros.turns.torque_max_n_m", 0.3, "gyros.turns.torque_max_n_m", "0.261799 or less"),
+        ("gyros.turns.momentum_max_n_m_s", 0.6, "gyros.turns.momentum_max_n_m_s", "0.5 or less"),
+        ("gyros.turns.rate_max_deg_s", 2.0, "gyros.turns.rate_max_deg_s", "takes 0.454 N m s"),
+        ("gyros.turns.torque_max_n_m", 0.001, "gyros.turns.rate_max_deg_s", "no torque is left"),
+        ("gyros.start_n_m_s", [0.0, 0.3, 0.0], "gyros.turns.rate_max_deg_s", "unload the gyros"),
+        ("gyros.turns.wheels", 4, "gyros.turns.wheels", "not a field"),
+    ],
+)
+def test_gyros_written_wrongly_are_refused_by_field_value_and_way_out(path, value, field, says):
+    require_refused(changed(path, value, GYRO_SAT), field, says)
+
+
+def test_gyros_allow_what_they_can_always_give():
+    """By the triangle inequality, from the numbers as they are written."""
+    body = JsonReader(BodyPlatform).read(json.dumps(GYRO_SAT).encode())
+    rate, acceleration, jerk = body.envelope.by_order_rad[:, 0]
+    inertia = np.linalg.norm(np.array(GYRO_SAT["inertia_kg_m2"]), 2)
+    held = 0.5 - inertia * rate
+    assert rate == pytest.approx(math.radians(1.2))
+    assert inertia * acceleration + rate * held == pytest.approx(0.1)
+    assert inertia * jerk + (acceleration + rate**2) * held == pytest.approx(0.2)
+    assert body.envelope.settle_s == 4.0
 
 
 def test_axes_of_the_camera_stand_as_the_line_and_the_boresight_say():

@@ -124,7 +124,7 @@ class BodyJudge:
         t_s, flown = self._fine
         return tuple(
             body_margins(
-                self._platform.agility, flown, t_s, self._row_alpha_rad_s2, self._table.epoch_utc
+                self._platform.envelope, flown, t_s, self._row_alpha_rad_s2, self._table.epoch_utc
             )
         )
 
@@ -185,7 +185,7 @@ class BodyJudge:
     def _unsettled(self, number: int, session: Session) -> Iterator[Finding]:
         """Where, before a session, the camera doesn't stand yet on the target in sight."""
         first = 2 * session_rows(session, self._table.epoch_utc)[0]
-        points = np.arange(first - 2 * int(self._platform.agility.settle_s * ROWS_PER_S), first)
+        points = np.arange(first - 2 * int(self._platform.envelope.settle_s * ROWS_PER_S), first)
         points = points[points >= 0]
         if not points.size:
             return
@@ -206,7 +206,7 @@ class BodyJudge:
             off_rad[sky.clearance_rad < 0.0] = 0.0
         if off_rad.max() > OPTIONS.off_nadir_rad:
             told = (
-                f"stands {{:.3g}} deg off the target in the {self._platform.agility.settle_s:g} s"
+                f"stands {{:.3g}} deg off the target in the {self._platform.envelope.settle_s:g} s"
             )
             yield self._finding_at_most(
                 "pointing", off_rad, at, number, f"{told} in which it settles"
@@ -266,7 +266,7 @@ class BodyJudge:
         strays_rad_s = h * (acceleration + strays_rad_s2)
         looked = np.zeros(len(rate), dtype=bool)
         for rows, strays in ((table.rate_rad_s, strays_rad_s), (alpha_rad_s2, strays_rad_s2)):
-            sizes = np.abs(sizes_limited(self._platform.agility, rows))
+            sizes = np.abs(sizes_limited(self._platform.envelope, rows))
             looked |= np.any(_greater_ends(sizes) + strays >= sizes.max(axis=0), axis=1)
         cell = np.repeat(np.flatnonzero(looked), OPTIONS.points_per_cell - 1)
         shares = np.arange(1, OPTIONS.points_per_cell) / OPTIONS.points_per_cell
@@ -287,7 +287,7 @@ class BodyJudge:
     def _incoherent(self) -> Iterator[Finding]:
         """Where rows of a cell tell more than one motion within the jerk limit can differ by."""
         h = COMMAND_STEP_S
-        jerk_rad_s3 = float(np.linalg.norm(self._platform.agility.by_order_rad[2]))
+        jerk_rad_s3 = float(np.linalg.norm(self._platform.envelope.by_order_rad[2]))
         turn_off_rad, rate_off_rad_s = self._disagreements
         for what, unit, missed, allowed in (
             (
