@@ -15,7 +15,7 @@ from planner.base.spec import LENGTH_MIN, UnitPart, VectorPart, Within, spec
 from planner.world.platforms.camera import PIXELS_ARCSEC, Camera
 from planner.world.platforms.field_mask import FieldMask
 from planner.world.platforms.geometry import Described, MotionBounds, vector_text
-from planner.world.platforms.gyros import GyroSet
+from planner.world.platforms.gyros import GyroEnvelope, GyroSet
 
 Direction = tuple[VectorPart, VectorPart, VectorPart]
 Matrix3 = tuple[
@@ -79,6 +79,7 @@ class AxisAgility:
 
 
 Agility = Annotated[MagnitudeAgility | AxisAgility, Field(discriminator="limits")]
+Envelope = MagnitudeAgility | AxisAgility | GyroEnvelope
 
 
 @spec
@@ -488,18 +489,12 @@ class BodyPlatform:
         _ = self.envelope  # refuses gyros that can't give any
 
     @cached_property
-    def envelope(self) -> Agility:
+    def envelope(self) -> Envelope:
         """The motion that it can do: `agility`, or what gyros can always give."""
         if self.agility is not None:
             return self.agility
         assert self.gyros is not None  # else it was refused
-        rate, acceleration, jerk = self.gyros.least_envelope(np.array(self.inertia_kg_m2))
-        return MagnitudeAgility(
-            rate_max_deg_s=math.degrees(rate),
-            acceleration_max_deg_s2=math.degrees(acceleration),
-            jerk_max_deg_s3=math.degrees(jerk),
-            settle_s=self.gyros.turns.settle_s,
-        )
+        return self.gyros.envelope(np.array(self.inertia_kg_m2))
 
     def _require_torque(self, inertia_kg_m2: Array) -> None:
         """J alpha + omega x J omega at most: the second by half the spread of the moments."""

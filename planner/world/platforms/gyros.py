@@ -1,7 +1,8 @@
 """The gyros of a platform of kind body: their array, and the turns that they are asked for."""
 
 import math
-from typing import Annotated, Literal
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
@@ -57,6 +58,19 @@ class GyroTurns:
     settle_s: Annotated[float, Within(0.0, 600.0)] = 0.0
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class GyroEnvelope:
+    """The motion that gyros can always give: rates by body axis, the others within ellipsoids.
+
+    by_order_rad: a row each of the largest rate about body x, y, z, and of the semi-axes along them
+    of the ellipsoids that hold acceleration and jerk, rad and s, (3, 3).
+    """
+
+    limits: ClassVar[Literal["gyros"]] = "gyros"
+    by_order_rad: Array
+    settle_s: float
+
+
 @spec
 class GyroSet:
     """Control moment gyros that turn a body.
@@ -83,34 +97,38 @@ class GyroSet:
                     f"direction, not {asked:g}"
                 )
 
-    def least_envelope(self, inertia_kg_m2: Array) -> tuple[float, float, float]:
-        """Rate, acceleration and jerk about any axis that they can always give, rad and s.
+    def envelope(self, inertia_kg_m2: Array) -> GyroEnvelope:
+        """What they can always give, whatever total momentum H the body and they hold together.
 
-        Whatever total momentum H the body and they hold together: up to what leaves the gyros
-        within `momentum_max_n_m_s` at the largest rate.  The torque is J alpha + omega x H, its
-        derivative J jerk + alpha x H - omega x (omega x H), of which the parts with H are taken at
-        their largest.  inertia_kg_m2: (3, 3).
+        H is at most what leaves the gyros within `momentum_max_n_m_s` at the largest rates about
+        all three axes.  The torque is J alpha + omega x H, its derivative J jerk + alpha x H -
+        omega x (omega x H), of which the parts with H are taken at their largest.  |J x| is at most
+        |D x|, where D^2 is diagonal with the sums of the sizes in the rows of J^2: of principal
+        axes it is J.  inertia_kg_m2: (3, 3).
         """
-        turns, most_kg_m2 = self.turns, float(np.linalg.eigvalsh(inertia_kg_m2)[-1])
+        turns, d_kg_m2 = self.turns, np.sqrt(np.abs(inertia_kg_m2 @ inertia_kg_m2).sum(axis=1))
         rate_rad_s = math.radians(turns.rate_max_deg_s)
-        total_n_m_s = turns.momentum_max_n_m_s - most_kg_m2 * rate_rad_s
+        turned_n_m_s = rate_rad_s * float(np.linalg.norm(d_kg_m2))
+        total_n_m_s = turns.momentum_max_n_m_s - turned_n_m_s
         left_n_m_s = total_n_m_s - math.hypot(*self.start_n_m_s)
         if left_n_m_s < 0.0:
             raise ValueError(
-                f"gyros.turns.rate_max_deg_s {turns.rate_max_deg_s:g} takes "
-                f"{most_kg_m2 * rate_rad_s:.4g} N m s, {-left_n_m_s:.4g} more than "
+                f"gyros.turns.rate_max_deg_s {turns.rate_max_deg_s:g} about all axes takes "
+                f"{turned_n_m_s:.4g} N m s, {-left_n_m_s:.4g} more than "
                 "gyros.turns.momentum_max_n_m_s leaves beside gyros.start_n_m_s: "
                 "lower the rate, or unload the gyros first"
             )
-        torque_n_m = turns.torque_max_n_m - rate_rad_s * total_n_m_s
-        acceleration_rad_s2 = torque_n_m / most_kg_m2
-        jerk_n_m_s = (
-            turns.torque_rate_max_n_m_s - (acceleration_rad_s2 + rate_rad_s**2) * total_n_m_s
+        fastest_rad_s = math.sqrt(3.0) * rate_rad_s
+        torque_n_m = turns.torque_max_n_m - fastest_rad_s * total_n_m_s
+        fastest_rad_s2 = torque_n_m / float(d_kg_m2.min())
+        torque_rate_n_m_s = (
+            turns.torque_rate_max_n_m_s - (fastest_rad_s2 + fastest_rad_s**2) * total_n_m_s
         )
-        if not min(torque_n_m, jerk_n_m_s) > 0.0:
+        if not min(torque_n_m, torque_rate_n_m_s) > 0.0:
             raise ValueError(
                 f"gyros.turns.rate_max_deg_s {turns.rate_max_deg_s:g} turns the momentum held so "
                 "fast that no torque is left for a turn: lower it, or gyros.turns."
                 "momentum_max_n_m_s, or raise gyros.turns.torque_max_n_m and torque_rate_max_n_m_s"
             )
-        return rate_rad_s, acceleration_rad_s2, jerk_n_m_s / most_kg_m2
+        by_order = [np.full(3, rate_rad_s), torque_n_m / d_kg_m2, torque_rate_n_m_s / d_kg_m2]
+        return GyroEnvelope(by_order_rad=np.stack(by_order), settle_s=turns.settle_s)

@@ -59,8 +59,8 @@ class BodyFollower:
             raise TypeError(f"{platform.name} is no body")
         self._request, self._platform = request, platform
         self._lookout = BodyLookout(platform, None)
-        limits = agility_limits(platform)
-        lengths, least = np.array(limits.lengths), limits.by_order.min(axis=0)
+        limits = agility_limits(platform).inscribed
+        lengths, least = np.array(agility_limits(platform).lengths), limits.by_order.min(axis=0)
         self.slew_limits = FollowerLimits(
             axes=np.empty((0, 3)),
             body=BodyEnvelope(

@@ -114,7 +114,7 @@ class BodyLookout:
         if isinstance(roll, SunSide):
             aside_body = unit_vector(roll.direction_body)
         body_from_triad = _triad(platform.boresight_body, aside_body)
-        limits, trackers = agility_limits(platform), platform.star_trackers
+        limits, trackers = agility_limits(platform).inscribed, platform.star_trackers
         number = ROLLS.index(roll.rule)
         is_one_way = isinstance(roll, SunSide) or number == NEAREST
         tracking = NO_BODY._replace(
