@@ -45,6 +45,13 @@ def test_three_cities_are_imaged_by_the_platform_s_name(plan):
     assert plan.scenario.platform.name == "agile-cmg"
 
 
+def test_a_gentle_plan_asks_little_of_the_gyros():
+    plan = planned()
+    assert plan.verification.passed
+    _, torque = gyro_motion(plan)
+    assert np.linalg.norm(torque, axis=1).max() < 3.0
+
+
 def gyro_motion(plan):
     """Every 5 ms: what the gyros hold and the torque they give, in body axes, (n, 3) each."""
     told = {channel.name: value for channel, value in plan.table.columns}

@@ -1,6 +1,5 @@
 """Torque and momentum that a body's table asks of its gyros, anywhere between its rows."""
 
-import math
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
@@ -75,7 +74,8 @@ def gyro_findings(
     looked = np.flatnonzero(np.any(ends + changes[:, None] >= np.array(most)[:, None], axis=0))
     shares = np.arange(OPTIONS.finest + 1) / OPTIONS.finest
     extremes = [_Extreme(), _Extreme()]
-    for some in np.array_split(looked, math.ceil(len(looked) * len(shares) / OPTIONS.rows_at_once)):
+    at_once = OPTIONS.rows_at_once // len(shares)
+    for some in (looked[k : k + at_once] for k in range(0, len(looked), at_once)):
         cell, share = np.repeat(some, len(shares)), np.tile(shares, len(some))
         t_s = (cell + share) / ROWS_PER_S
         extremes = [
