@@ -25,10 +25,11 @@ class _Extreme(NamedTuple):
     size: float = -1.0
     t_s: float = 0.0
 
-    def or_of(self, vector: Array, t_s: Array) -> "_Extreme":
-        size = np.linalg.norm(vector, axis=1)
-        worst = int(np.argmax(size))
-        return max(self, _Extreme(float(size[worst]), float(t_s[worst])))
+
+def _greater(extreme: _Extreme, size: Array, t_s: Array) -> _Extreme:
+    """The extreme, or that of n sizes where one is greater."""
+    worst = int(np.argmax(size))
+    return max(extreme, _Extreme(float(size[worst]), float(t_s[worst])))
 
 
 def gyro_findings(
@@ -79,7 +80,7 @@ def gyro_findings(
         cell, share = np.repeat(some, len(shares)), np.tile(shares, len(some))
         t_s = (cell + share) / ROWS_PER_S
         extremes = [
-            extreme.or_of(vector, t_s)
+            _greater(extreme, np.linalg.norm(vector, axis=1), t_s)
             for extreme, vector in zip(extremes, asked(cell, share), strict=True)
         ]
     for limit, extreme, size, unit in zip(LIMITS, extremes, most, ("N m", "N m s"), strict=True):
