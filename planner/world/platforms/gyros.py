@@ -20,7 +20,7 @@ class ScissoredPairs:
 
     type: scissored_pairs, the one array there is. Together they hold h (s3 + s4, s1 + s2,
     c1 + c2 + c3 + c4), of the sines and cosines of their gimbal angles.
-    rotor_n_m_s: momentum h of each rotor. E.g. `60.0`.
+    rotor_n_m_s: momentum h of each rotor. [N m s] E.g. `60.0`.
     gimbal_rate_max_deg_s: largest rate of each gimbal. E.g. `57.3`.
     """
 
@@ -46,7 +46,7 @@ class GyroTurns:
     times the largest gimbal rate, which the array has in every direction. E.g. `15.0`.
     torque_rate_max_n_m_s: length of the torque's largest derivative. E.g. `40.0`.
     momentum_max_n_m_s: length of the largest momentum in the gyros; at most that of one rotor,
-    well away from where the array is singular. E.g. `60.0`.
+    well away from where the array is singular. [N m s] E.g. `60.0`.
     settle_s: time on the target's track between a slew and the session, for the structure to
     calm down.
     """
@@ -77,7 +77,7 @@ class GyroSet:
 
     array: the gyros and the way they lie in the body.
     turns: the most that a planned turn asks of them.
-    start_n_m_s: momentum that they hold at the plan's beginning, in body axes. E.g.
+    start_n_m_s: momentum that they hold at the plan's beginning, in body axes. [N m s] E.g.
     `[0.0, 0.0, 0.0]`.
     """
 
