@@ -74,6 +74,22 @@ SMALLSAT = {
     ],
 }
 
+GYROS = {
+    "array": {"type": "scissored_pairs", "rotor_n_m_s": 0.5, "gimbal_rate_max_deg_s": 60.0},
+    "turns": {
+        "rate_max_deg_s": 1.2,
+        "torque_max_n_m": 0.1,
+        "torque_rate_max_n_m_s": 0.2,
+        "momentum_max_n_m_s": 0.5,
+        "settle_s": 4.0,
+    },
+    "start_n_m_s": [0.05, 0.0, 0.0],
+}
+GYRO_SAT = {
+    key: value for key, value in SMALLSAT.items() if key not in ("agility", "torque_max_n_m")
+}
+GYRO_SAT |= {"name": "gyrosat-120kg", "gyros": GYROS}
+
 
 def smallsat(**changes):
     """The satellite with members of it changed; None takes one away."""

@@ -54,7 +54,6 @@ from planner.spacecraft.slews.eigenaxis import eigenaxis_slew
 from planner.spacecraft.slews.slew_choice import quickest_slew
 from planner.spacecraft.slews.slew_problem import AttitudeSlewProblem, EndState
 from planner.spacecraft.table import TICK_S, AttitudeTable
-from planner.spacecraft.vehicle.cmg_array import CmgArray
 from planner.spacecraft.vehicle.definition import (
     AGILE_CMG,
     AgileSpacecraft,
@@ -65,6 +64,7 @@ from planner.spacecraft.vehicle.onboard import PAPER, TABLE, Estimate, estimate_
 from planner.spacecraft.vehicle.steering import steer
 from planner.world.frames.time_scales import Instants, utc_text
 from planner.world.orbits import StateVectorOrbit
+from planner.world.platforms.cmg_array import CmgArray
 from reproduction.report import Numbers
 
 # The sessions of Platonov, Sumarokov 2019, Figs. 3 to 9: requests, plans and dispersed flights.

@@ -10,7 +10,6 @@ from pydantic import Field
 from planner.base.commands import COMMAND_STEP_S
 from planner.base.errors import figures
 from planner.base.spec import UnitPart, Within, spec
-from planner.spacecraft.vehicle.cmg_array import Positive
 from planner.spacecraft.vehicle.definition import (
     OFF_NADIR_DEG,
     SETTLE_S,
@@ -21,6 +20,7 @@ from planner.spacecraft.vehicle.definition import (
 )
 from planner.world.frames.time_scales import elapsed_s, utc_text
 from planner.world.orbits import Orbit
+from planner.world.platforms.cmg_array import Positive
 from planner.world.targets.geojson import GeoLineString, GeoPolygon
 
 if TYPE_CHECKING:

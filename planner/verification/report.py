@@ -36,6 +36,8 @@ Limit = Literal[
     "off_nadir",
     "roll",
     "coverage",
+    "torque",
+    "momentum",
 ]
 Given = Literal["orbit", "attitude", "target", "motion"]
 _UNITS: dict[Limit, str] = {

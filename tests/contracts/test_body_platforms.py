@@ -5,7 +5,7 @@ import json
 
 import numpy as np
 import pytest
-from agile_bodies import SMALLSAT, smallsat
+from agile_bodies import GYRO_SAT, SMALLSAT, smallsat
 from pydantic import TypeAdapter
 
 from app.requests.json_reader import JsonReader
@@ -32,9 +32,9 @@ def test_limits_may_be_given_by_axis():
     )
 
 
-def changed(path, value):
+def changed(path, value, satellite=SMALLSAT):
     """The satellite with one member, at a dotted path, replaced."""
-    document = copy.deepcopy(SMALLSAT)
+    document = copy.deepcopy(satellite)
     *parents, last = [int(part) if part.isdecimal() else part for part in path.split(".")]
     node = document
     for key in parents:
@@ -97,11 +97,59 @@ def changed(path, value):
     ],
 )
 def test_a_body_written_wrongly_is_refused_by_field_value_and_way_out(path, value, field, says):
+    require_refused(changed(path, value), field, says)
+
+
+def require_refused(document, field, says):
     with pytest.raises(InvalidRequest) as refused:
-        JsonReader(BodyPlatform).read(json.dumps(changed(path, value)).encode())
+        JsonReader(BodyPlatform).read(json.dumps(document).encode())
     [error] = refused.value.errors[:1]
     assert error.field == field
     assert says in str(error)
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "field", "says"),
+    [
+        ("agility", SMALLSAT["agility"], "agility", "must be left out with gyros"),
+        ("gyros", None, "agility", "is required, or gyros"),
+        ("inertia_kg_m2", None, "inertia_kg_m2", "is required with gyros"),
+        ("torque_max_n_m", 0.03, "torque_max_n_m", "give gyros.turns.torque_max_n_m"),
+        ("gyros.array.type", "pyramid", "gyros.array.type", "'scissored_pairs'"),
+        ("gyros.array.rotor_n_m_s", 0.0, "gyros.array.rotor_n_m_s", "1e-06..1e+06"),
+        ("gyros.turns.torque_max_n_m", 0.3, "gyros.turns.torque_max_n_m", "0.261799 or less"),
+        ("gyros.turns.momentum_max_n_m_s", 0.6, "gyros.turns.momentum_max_n_m_s", "0.5 or less"),
+        ("gyros.turns.rate_max_deg_s", 2.0, "gyros.turns.rate_max_deg_s", "takes 0.6767 N m s"),
+        ("gyros.turns.torque_max_n_m", 0.001, "gyros.turns.rate_max_deg_s", "no torque is left"),
+        ("gyros.start_n_m_s", [0.0, 0.3, 0.0], "gyros.turns.rate_max_deg_s", "unload the gyros"),
+        ("gyros.turns.wheels", 4, "gyros.turns.wheels", "not a field"),
+    ],
+)
+def test_gyros_written_wrongly_are_refused_by_field_value_and_way_out(path, value, field, says):
+    require_refused(changed(path, value, GYRO_SAT), field, says)
+
+
+def test_gyros_allow_what_they_can_always_give():
+    """Random motions within the limits, and any total momentum that may be held: by hand."""
+    body = JsonReader(BodyPlatform).read(json.dumps(GYRO_SAT).encode())
+    inertia, limits = np.array(GYRO_SAT["inertia_kg_m2"]), body.envelope.by_order_rad
+    chance = np.random.default_rng(0)
+    rate = limits[0] * chance.choice([-1.0, 1.0], (20_000, 3))
+    acceleration, jerk = (semi_axes * unit_vectors(chance, 20_000) for semi_axes in limits[1:])
+    most = 0.5 - np.linalg.norm(np.abs(rate) @ np.abs(inertia), axis=1).max()
+    held = most * unit_vectors(chance, 20_000)
+    torque = acceleration @ inertia + np.cross(rate, held)
+    change = jerk @ inertia + np.cross(acceleration, held) - np.cross(rate, np.cross(rate, held))
+    for asked, given in ((torque, 0.1), (change, 0.2), (held - rate @ inertia, 0.5)):
+        size = np.linalg.norm(asked, axis=1)
+        assert size.max() <= given
+        assert size.max() > 0.9 * given  # and not much less
+    assert body.envelope.settle_s == 4.0
+
+
+def unit_vectors(chance, count):
+    vectors = chance.normal(size=(count, 3))
+    return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
 
 
 def test_axes_of_the_camera_stand_as_the_line_and_the_boresight_say():

@@ -14,7 +14,7 @@ from functools import cache
 from typing import Any
 
 import pytest
-from agile_bodies import SMALLSAT
+from agile_bodies import GYRO_SAT, SMALLSAT
 
 from app.requests.campaign import CAMPAIGN_READER, read_campaign_request
 from app.requests.examples import (
@@ -99,6 +99,7 @@ FRAGMENTS = [
     _body_of(
         roll={"rule": "sun_side", "direction_body": [1.0, 0.0, 0.0]},
         idle={"law": "sun", "direction_body": [0.0, 0.0, -1.0], "north_body": [1.0, 0.0, 0.0]}),
+    _body_of() | {"platform": GYRO_SAT},
     _body_of(idle={"law": "inertial", "q_body_from_eci_xyzw": [0.0, 0.0, 0.0, 1.0]}),
     _body_of() | {"initial_state": {
         "epoch": LAS_VEGAS["initial_state"]["epoch"],

@@ -191,8 +191,8 @@ def rate_margin(platform, before, after, step_s, nearest):
     turn = Rotation.from_matrix(np.swapaxes(before, 1, 2) @ after).as_rotvec() / step_s
     if nearest:
         turn -= (turn @ platform.boresight_body)[:, None] * platform.boresight_body
-    shares = turn / platform.agility.by_order_rad[0]
-    if platform.agility.limits == "axis":
+    shares = turn / platform.envelope.by_order_rad[0]
+    if platform.envelope.limits == "axis":
         return 1.0 - np.max(np.abs(shares), axis=1)
     return 1.0 - np.linalg.norm(shares, axis=1)
 

@@ -10,9 +10,9 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation
 
 from planner.spacecraft.flight.simulation import plant
-from planner.spacecraft.vehicle.cmg_array import CmgArray
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
 from planner.spacecraft.vehicle.dynamics import _derivative, array_momentum, body_rate
+from planner.world.platforms.cmg_array import CmgArray
 
 GOLDEN = json.loads(
     (Path(__file__).parents[1] / "data" / "spacecraft" / "basilisk_turn.json").read_text()

@@ -9,7 +9,7 @@ import pytest
 from judged_bodies import AGILITY, BODY, ORBIT, body_scenario, body_table, unit, with_rows
 from judged_tables import ARCSEC_RAD, EPOCH_UTC, LAS_VEGAS, apparent_eci
 from scipy.interpolate import BPoly
-from scipy.spatial.transform import Rotation
+from scipy.spatial.transform import Rotation, RotationSpline
 from skyfield.api import load, load_file
 from skyfield.framelib import ICRS
 
@@ -31,7 +31,9 @@ from planner.world.platforms.body import (
     StarTrackers,
     SunSide,
 )
+from planner.world.platforms.gyros import GyroSet, GyroTurns, ScissoredPairs
 
+INERTIA_KG_M2 = ((11.0, 0.1, 0.0), (0.1, 13.0, 0.0), (0.0, 0.0, 9.0))
 BY_AXIS = AxisAgility(
     rate_max_deg_s=(2.0, 2.0, 2.0),
     acceleration_max_deg_s2=(0.15, 0.15, 0.15),
@@ -399,3 +401,43 @@ def test_what_is_hidden_counts_for_nothing():
     )
     assert np.isinf(Surroundings(instants, behind).away_rad(sun, "sun")).all()
     assert Surroundings(instants, behind).away_rad(-sun, "limb")[0] > 1.0
+
+
+def with_gyros(torque_max_n_m=0.2, momentum_max_n_m_s=1.5, start_n_m_s=(0.0, 0.0, 0.0)):
+    """The body of the tables, turned by gyros that are asked for so much at most."""
+    turns = GyroTurns(
+        rate_max_deg_s=0.01,  # so that no rate takes torque or momentum from the other limits
+        torque_max_n_m=torque_max_n_m,
+        torque_rate_max_n_m_s=1.0,
+        momentum_max_n_m_s=momentum_max_n_m_s,
+    )
+    array = ScissoredPairs(rotor_n_m_s=2.0, gimbal_rate_max_deg_s=60.0)
+    gyros = GyroSet(array=array, turns=turns, start_n_m_s=start_n_m_s)
+    return with_body(agility=None, gyros=gyros, inertia_kg_m2=INERTIA_KG_M2)
+
+
+def gyros_asked(table, start_n_m_s):
+    """Largest torque and momentum, by SciPy's spline of the rows' attitudes: gravity's part is
+    below 1e-5 N m for such a body."""
+    spline = RotationSpline(table.t_s, Rotation.from_quat(table.position))
+    t_s = np.arange(round(table.t_s[-1] * 200.0) + 1) / 200.0
+    q_eci_from_body, omega, alpha = spline(t_s), spline(t_s, 1), spline(t_s, 2)
+    inertia = np.array(INERTIA_KG_M2)
+    begun = q_eci_from_body[0].apply(inertia @ omega[0] + start_n_m_s)
+    total = q_eci_from_body.inv().apply(begun)
+    torque = alpha @ inertia + np.cross(omega, total)
+    return [np.linalg.norm(part, axis=1).max() for part in (torque, total - omega @ inertia)]
+
+
+@pytest.mark.parametrize("start_n_m_s", [(0.0, 0.0, 0.0), (0.4, -0.3, 0.6)])
+def test_what_gyros_are_asked_for_is_judged_by_their_momentum(table, start_n_m_s):
+    torque, momentum = gyros_asked(table, start_n_m_s)
+    ample = {"torque_max_n_m": 0.2, "momentum_max_n_m_s": 1.5, "start_n_m_s": start_n_m_s}
+    assert not limits_of(verify(table, with_gyros(**ample))) & {"torque", "momentum"}
+    for limit, name, most in (
+        ("torque", "torque_max_n_m", torque),
+        ("momentum", "momentum_max_n_m_s", momentum),
+    ):
+        for share, broken in ((1.01, set()), (0.99, {limit})):  # gravity and splines: below 1 %
+            report = verify(table, with_gyros(**ample | {name: share * most}))
+            assert limits_of(report) & {"torque", "momentum"} == broken

@@ -22,7 +22,7 @@ def draw_limits(rng, kind):
     acceleration = math.exp(rng.uniform(math.log(0.05), math.log(1.5)))
     jerk = acceleration / math.exp(rng.uniform(math.log(0.4), math.log(4.0)))
     by_axis = np.deg2rad(np.tile([rate, acceleration, jerk], (3, 1)))
-    if kind == "axis":
+    if kind != "magnitude":
         by_axis = by_axis * rng.uniform(0.4, 1.0, (3, 1))
     return AgilityLimits(
         kind=kind,

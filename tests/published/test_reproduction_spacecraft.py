@@ -15,7 +15,7 @@ from reproduction.platonov import (
     text,
 )
 
-from planner.spacecraft.vehicle.cmg_array import CmgArray
+from planner.world.platforms.cmg_array import CmgArray
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

@@ -162,7 +162,7 @@ def body_solver(spans: int, phases: int, kind: LimitKind, cones: int) -> Bounded
     least, most = (
         np.tile(bounds, (spans, 1)) for bounds in (span.least_numbers, span.most_numbers)
     )
-    given_start = slice(10, 16 if kind == "axis" else 12)
+    given_start = slice(10, 10 + {"magnitude": 2, "gyros": 4, "axis": 6}[kind])
     for side, follows in ((0, given_start), (-1, slice(size - cones, size))):  # from the ends
         least[side, follows], most[side, follows] = -np.inf, np.inf
     zero = np.zeros(met.numel())
@@ -248,7 +248,8 @@ def _span_functions(kind: LimitKind, cones: int) -> _SpanFunctions:
     def keep(order: int, *points: ca.SX) -> None:
         for point in points:
             x = point / most[:, order]
-            inside.append(ca.dot(x, x) if kind == "magnitude" else x)
+            is_round = kind == "magnitude" or (kind == "gyros" and order > 0)
+            inside.append(ca.dot(x, x) if is_round else x)
 
     h = T * share
     span = _Span(h, omega, alpha, jerk[:3], jerk[3:])
@@ -281,7 +282,7 @@ def _span_functions(kind: LimitKind, cones: int) -> _SpanFunctions:
     lam = ca.SX.sym("lam", rows.numel())
     least = np.full(rows.numel(), -np.inf)
     least[:10] = 0.0
-    if kind == "axis":
+    if kind != "magnitude":  # squares aren't below either
         least[10 : 10 + limited] = -1.0
     return _SpanFunctions(
         rows=ca.Function("rows", [x, p], [rows]),

@@ -14,7 +14,7 @@ from planner.base.mrp import BodyMotion, MrpState, body_motion, mrp_state, quint
 from planner.base.rotation import Rotation
 
 Objective = Literal["smooth", "minimum_time"]
-LimitKind = Literal["magnitude", "axis"]
+LimitKind = Literal["magnitude", "axis", "gyros"]
 ORDERS = ("rate", "acceleration", "jerk")
 UNIT_TEXTS = ("deg/s", "deg/s2", "deg/s3")
 
@@ -23,7 +23,8 @@ UNIT_TEXTS = ("deg/s", "deg/s2", "deg/s3")
 class AgilityLimits:
     """Limits of body rate, acceleration and jerk, at every instant.
 
-    kind: "magnitude", of the vectors' lengths, or "axis", of each component in body axes.
+    kind: "magnitude", of the vectors' lengths; "axis", of each component in body axes; or "gyros",
+    of the rate's components and of ellipsoids around the others, whose semi-axes are given.
     rate_rad_s, acceleration_rad_s2, jerk_rad_s3: (3,), by body axis; of lengths three times one.
     """
 
@@ -52,26 +53,40 @@ class AgilityLimits:
     @cached_property
     def lengths(self) -> tuple[float, float, float]:
         """No vector within the limits is longer: rate, acceleration, jerk."""
-        if self.kind == "magnitude":
-            rate, acceleration, jerk = self.by_order[0]
-        else:
-            rate, acceleration, jerk = np.linalg.norm(self.by_order, axis=0)
-        return float(rate), float(acceleration), float(jerk)
+        longest = (np.max if is_round else np.linalg.norm for is_round in self.round_orders)
+        rate, acceleration, jerk = (
+            float(of(column)) for of, column in zip(longest, self.by_order.T, strict=True)
+        )
+        return rate, acceleration, jerk
+
+    @property
+    def round_orders(self) -> tuple[bool, bool, bool]:
+        """Whether the limit of rate, acceleration, jerk is a ball or an ellipsoid; else a box."""
+        return self.kind == "magnitude", self.kind != "axis", self.kind != "axis"
+
+    @property
+    def inscribed(self) -> "AgilityLimits":
+        """The same but of gyros, where it is the balls inside: what knows no ellipsoids uses it."""
+        if self.kind != "gyros":
+            return self
+        rate, acceleration, jerk = self.by_order.min(axis=0).tolist()
+        return AgilityLimits.of_magnitudes(rate, acceleration, jerk)
 
     def about(self, axis_body: Array) -> tuple[float, float, float]:
         """Limits of a turn about one axis, a unit vector (3,): rate, acceleration, jerk."""
         if self.kind == "magnitude":
             return self.lengths
-        component = np.maximum(np.abs(axis_body), 1e-12)
-        rate, acceleration, jerk = np.min(self.by_order / component[:, None], axis=0)
+        shares = np.maximum(np.abs(axis_body), 1e-12)[:, None] / self.by_order
+        rate, acceleration, jerk = 1.0 / np.where(
+            self.round_orders, np.linalg.norm(shares, axis=0), shares.max(axis=0)
+        )
         return float(rate), float(acceleration), float(jerk)
 
     def shares(self, body: BodyMotion) -> Array:
         """Of rows (n, 3), the shares used of rate, acceleration and jerk, (n, 3); 1: all of it."""
         used = np.stack(body, axis=-1) / self.by_order
-        if self.kind == "magnitude":
-            return np.asarray(np.linalg.norm(used, axis=1))
-        return np.asarray(np.max(np.abs(used), axis=1))
+        sizes = np.linalg.norm(used, axis=1), np.max(np.abs(used), axis=1)
+        return np.asarray(np.where(self.round_orders, *sizes))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -98,9 +98,9 @@ class _Break(NamedTuple):
 
 def agility_limits(platform: BodyPlatform) -> AgilityLimits:
     """The platform's limits in radians."""
-    rate, acceleration, jerk = platform.agility.by_order_rad
+    rate, acceleration, jerk = platform.envelope.by_order_rad
     return AgilityLimits(
-        kind=platform.agility.limits,
+        kind=platform.envelope.limits,
         rate_rad_s=rate,
         acceleration_rad_s2=acceleration,
         jerk_rad_s3=jerk,

@@ -15,12 +15,12 @@ import numpy as np
 from planner.base.arrays import Array
 from planner.spacecraft.flight.closed_loop import Log, Noise, fly
 from planner.spacecraft.table import TICK_S, AttitudeTable
-from planner.spacecraft.vehicle.cmg_array import CmgArray
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
 from planner.spacecraft.vehicle.dynamics import Plant, Ripple, servo_step
 from planner.spacecraft.vehicle.onboard import TABLE, Computer, Reference
 from planner.world.frames.geodesy import MU_EARTH_M3_S2
 from planner.world.orbits.ephemeris import OrbitStates
+from planner.world.platforms.cmg_array import CmgArray
 
 STEP_S = 0.005
 Kept = TypeVar("Kept")

@@ -11,7 +11,7 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.spec import Within, spec
-from planner.spacecraft.vehicle.cmg_array import CmgArray, Positive
+from planner.world.platforms.cmg_array import CmgArray, Positive
 
 SlewObjective = Literal["smooth", "minimum_time"]
 Vector3 = tuple[float, float, float]

@@ -18,7 +18,7 @@ from scipy.linalg import expm
 
 from planner.base.arrays import Array
 from planner.base.compiled import compiled
-from planner.spacecraft.vehicle.cmg_array import Gyros
+from planner.world.platforms.cmg_array import Gyros
 
 G, ETA = 4, 7  # where G and eta begin in a state: q_eci_from_body_xyzw, G (N m s), eta, p
 

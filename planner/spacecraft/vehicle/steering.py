@@ -15,8 +15,8 @@ from planner.base.arrays import Array
 from planner.base.compiled import compiled
 from planner.base.rotation import Rotation
 from planner.spacecraft.table import TICK_S
-from planner.spacecraft.vehicle.cmg_array import CmgArray, Gyros
 from planner.world.frames.geodesy import MU_EARTH_M3_S2
+from planner.world.platforms.cmg_array import CmgArray, Gyros
 
 SINGULARITY_GUARD = 0.02  # of det(D D^T): below it the inverse is damped
 

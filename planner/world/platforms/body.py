@@ -15,6 +15,7 @@ from planner.base.spec import LENGTH_MIN, UnitPart, VectorPart, Within, spec
 from planner.world.platforms.camera import PIXELS_ARCSEC, Camera
 from planner.world.platforms.field_mask import FieldMask
 from planner.world.platforms.geometry import Described, MotionBounds, Scanning, vector_text
+from planner.world.platforms.gyros import GyroEnvelope, GyroSet
 
 Direction = tuple[VectorPart, VectorPart, VectorPart]
 Matrix3 = tuple[
@@ -78,6 +79,7 @@ class AxisAgility:
 
 
 Agility = Annotated[MagnitudeAgility | AxisAgility, Field(discriminator="limits")]
+Envelope = MagnitudeAgility | AxisAgility | GyroEnvelope
 
 
 @spec
@@ -402,11 +404,13 @@ class Exclusion:
 
 @spec
 class BodyPlatform:
-    """A spacecraft that turns as a whole, within an envelope of agility.
+    """A spacecraft that turns as a whole, within an envelope of agility or by its gyros.
 
     kind: body, a spacecraft that turns as a whole.
     name: name of the platform in plans. E.g. `"smallsat-120kg"`.
-    agility: the motion that it can do, by magnitude or by body axis.
+    agility: the motion that it can do, by magnitude or by body axis; or gyros in its place.
+    gyros: control moment gyros that turn it, with the inertia. Its motion keeps within what they
+    can always give.
     off_nadir_max_deg: largest angle between boresight and geocentric nadir while a target on the
     Earth is imaged; targets in the sky know no such limit.
     roll: rule by which the camera lies about the line of sight. lines_across_motion gives way to
@@ -427,7 +431,8 @@ class BodyPlatform:
 
     kind: Literal["body"] = "body"
     name: str
-    agility: Agility
+    agility: Agility | None = None
+    gyros: GyroSet | None = None
     off_nadir_max_deg: Annotated[float, Within(0.1, 90.0)] = 45.0
     roll: RollRule = NearestRoll()
     idle: IdleLaw = field(default_factory=NadirIdle)
@@ -440,8 +445,13 @@ class BodyPlatform:
 
     def __post_init__(self) -> None:
         _require_name(self.name)
+        if self.agility is None and self.gyros is None:
+            raise ValueError("agility is required, or gyros in its place")
         if self.inertia_kg_m2 is not None:
             _require_physical(np.array(self.inertia_kg_m2))
+        if self.gyros is not None:
+            self._require_gyros()
+        elif self.inertia_kg_m2 is not None:
             self._require_torque(np.array(self.inertia_kg_m2))
         elif self.torque_max_n_m is not None:
             raise ValueError(
@@ -465,10 +475,31 @@ class BodyPlatform:
                 boresight_body,
             )
 
+    def _require_gyros(self) -> None:
+        if self.agility is not None:
+            raise ValueError(
+                "agility must be left out with gyros: their torque says what it can do"
+            )
+        if self.inertia_kg_m2 is None:
+            raise ValueError("inertia_kg_m2 is required with gyros: they turn it")
+        if self.torque_max_n_m is not None:
+            raise ValueError(
+                "torque_max_n_m must be left out with gyros: give gyros.turns.torque_max_n_m"
+            )
+        _ = self.envelope  # refuses gyros that can't give any
+
+    @cached_property
+    def envelope(self) -> Envelope:
+        """The motion that it can do: `agility`, or what gyros can always give."""
+        if self.agility is not None:
+            return self.agility
+        assert self.gyros is not None  # else it was refused
+        return self.gyros.envelope(np.array(self.inertia_kg_m2))
+
     def _require_torque(self, inertia_kg_m2: Array) -> None:
         """J alpha + omega x J omega at most: the second by half the spread of the moments."""
-        rate, acceleration, _ = self.agility.by_order_rad
-        if self.agility.limits == "magnitude":
+        rate, acceleration, _ = self.envelope.by_order_rad
+        if self.envelope.limits == "magnitude":
             rate, acceleration = rate[:1], acceleration[:1]
         least, _, most = np.linalg.eigvalsh(inertia_kg_m2)
         needed_n_m = most * math.hypot(*acceleration) + 0.5 * (most - least) * (rate @ rate)
@@ -515,7 +546,7 @@ class BodyPlatform:
 
     def motion_bounds(self, jerk_max_deg_s3: float | None = None) -> tuple[MotionBounds, ...]:
         """About each body axis; no request gives a body another jerk."""
-        by_axis = self.agility.by_order_rad.T.tolist()
+        by_axis = self.envelope.by_order_rad.T.tolist()
         return tuple((None, (-v, v), (-a, a), (-j, j)) for v, a, j in by_axis)
 
     def described(self) -> Described:

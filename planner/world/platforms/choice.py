@@ -7,6 +7,7 @@ from pydantic import Discriminator, Field, GetPydanticSchema, Tag
 from pydantic_core import core_schema
 
 from planner.base.spec import About
+from planner.world.platforms.agile_cmg import AGILE_CMG
 from planner.world.platforms.body import BodyPlatform
 from planner.world.platforms.definition import PlatformDefinition
 from planner.world.platforms.iss_hrc import ISS_HRC
@@ -14,7 +15,7 @@ from planner.world.platforms.smallsat_120kg import SMALLSAT_120KG
 from planner.world.platforms.two_axis import TwoAxisPlatform
 
 PLATFORMS = {platform.name: platform for platform in (ISS_HRC,)}
-BODIES = {platform.name: platform for platform in (SMALLSAT_120KG,)}
+BODIES = {platform.name: platform for platform in (SMALLSAT_120KG, AGILE_CMG)}
 
 
 def _name_or_kind(value: object) -> str:

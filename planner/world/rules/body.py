@@ -94,13 +94,13 @@ class BodyRules:
                 "initial_state.q_body_from_eci_xyzw must have unit length, not "
                 f"{norm:.9g}; divide it by its norm"
             )
-        rate_max, acceleration_max, _ = np.rad2deg(platform.agility.by_order_rad)
+        rate_max, acceleration_max, _ = np.rad2deg(platform.envelope.by_order_rad)
         for name, given, most in (
             ("omega_body_deg_s", state.omega_body_deg_s, rate_max),
             ("alpha_body_deg_s2", state.alpha_body_deg_s2, acceleration_max),
         ):
             size = np.abs(given or (0.0,) * 3)
-            if platform.agility.limits == "magnitude":
+            if platform.envelope.limits == "magnitude":
                 size = np.full(3, np.linalg.norm(size))
             worst = int(np.argmax(size / most))
             if size[worst] > most[worst] * (1.0 + 1e-9):

@@ -127,7 +127,7 @@ class BodySensors:
     @property
     def bounds(self) -> tuple[MotionBounds, ...]:
         """Of agility; one of a vector's length is asked of each axis by itself."""
-        rate, acceleration, _ = self.platform.agility.by_order_rad.tolist()
+        rate, acceleration, _ = self.platform.envelope.by_order_rad.tolist()
         return tuple(
             MotionBounds(angle_rad=None, rate_rad_s=most, acceleration_rad_s2=faster)
             for most, faster in zip(rate, acceleration, strict=True)

@@ -59,8 +59,8 @@ class BodyFollower:
             raise TypeError(f"{platform.name} is no body")
         self._request, self._platform = request, platform
         self._lookout = BodyLookout(platform, None)
-        limits = agility_limits(platform)
-        lengths, least = np.array(limits.lengths), limits.by_order.min(axis=0)
+        limits = agility_limits(platform).inscribed
+        lengths, least = np.array(agility_limits(platform).lengths), limits.by_order.min(axis=0)
         self.slew_limits = FollowerLimits(
             axes=np.empty((0, 3)),
             body=BodyEnvelope(
@@ -74,7 +74,7 @@ class BodyFollower:
         # To rest, half a turn about any axis, and to the greatest rate again.
         stop_s = change_s(float(lengths[0]), float(least[1]), float(least[2]))
         self.longest_slew_s = BLEND.switching_s + 3.0 * stop_s + max(math.pi / least[0], stop_s)
-        self.settle_s = platform.agility.settle_s
+        self.settle_s = platform.envelope.settle_s
         self.rest_s = math.ceil((self.longest_slew_s + self.settle_s) * ROWS_PER_S) / ROWS_PER_S
 
     def carrier(self, ephemeris: Ephemeris) -> Carrier:

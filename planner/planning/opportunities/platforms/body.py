@@ -114,7 +114,7 @@ class BodyLookout:
         if isinstance(roll, SunSide):
             aside_body = unit_vector(roll.direction_body)
         body_from_triad = _triad(platform.boresight_body, aside_body)
-        limits, trackers = agility_limits(platform), platform.star_trackers
+        limits, trackers = agility_limits(platform).inscribed, platform.star_trackers
         number = ROLLS.index(roll.rule)
         is_one_way = isinstance(roll, SunSide) or number == NEAREST
         tracking = NO_BODY._replace(
@@ -124,7 +124,7 @@ class BodyLookout:
             kept_parameters=self._kept(body_from_triad),
             limits=_rows(limits.by_order.T),
             is_by_axis=limits.kind == "axis",
-            settle_s=platform.agility.settle_s,
+            settle_s=platform.envelope.settle_s,
             disks_m=(RADIUS_M["sun"], RADIUS_M["moon"]),
             hidden_rad=HIDDEN_RAD,
         )
@@ -148,6 +148,7 @@ class BodyLookout:
             agility=MagnitudeAgility(
                 rate_max_deg_s=1e3, acceleration_max_deg_s2=1e3, jerk_max_deg_s3=1e3
             ),
+            gyros=None,
             torque_max_n_m=None,
             exclusions=(),
             star_trackers=None,

@@ -122,7 +122,7 @@ class BodyMover:
         scenario, target = self.scenario, session.target
         assert isinstance(target, VisibleTarget)  # a scenario refuses the others
         rows = session_rows(session, scenario.initial_state.epoch)
-        settled = math.ceil(self.platform.agility.settle_s * ROWS_PER_S - 1e-6)
+        settled = math.ceil(self.platform.envelope.settle_s * ROWS_PER_S - 1e-6)
         first_row = early_row(scenario, rows.start - settled, from_row)
         wide = RowSpan(start=first_row, stop=max(rows.stop, first_row + STENCIL - 1))
         los = los_on_rows(scenario, ephemeris, target, wide)

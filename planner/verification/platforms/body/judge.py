@@ -11,6 +11,7 @@ from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, Channel, CommandTa
 from planner.verification.directions import apart_rad
 from planner.verification.earth_fixed import earth_fixed_sight
 from planner.verification.platforms.body.exclusions import exclusion_margins
+from planner.verification.platforms.body.gyros import gyro_findings
 from planner.verification.platforms.body.idle import idle_motion, rotated_axes_eci
 from planner.verification.platforms.body.limits import body_margins, sizes_limited
 from planner.verification.platforms.body.options import OPTIONS
@@ -85,8 +86,14 @@ class BodyJudge:
         return None
 
     def row_findings(self) -> Iterator[Finding]:
-        """Whether attitude, rates and accelerations tell one motion, between the ends asked for."""
+        """Whether attitude, rates and accelerations tell one motion, between the ends asked for,
+        that the gyros, where there are some, can turn."""
         yield from self._incoherent()
+        if self._platform.gyros is not None:
+            inertia_kg_m2 = np.array(self._platform.inertia_kg_m2)
+            yield from gyro_findings(
+                self._table, self._between, self._platform.gyros, inertia_kg_m2, self._ephemeris
+            )
         ends: list[tuple[Limit, str, int]] = [("initial_state", "row 0", 0)]
         if self._scenario.final_state is not None:
             ends.append(("final_state", "the last row", len(self._table.position) - 1))
@@ -127,7 +134,7 @@ class BodyJudge:
         t_s, flown = self._fine
         return tuple(
             body_margins(
-                self._platform.agility, flown, t_s, self._row_alpha_rad_s2, self._table.epoch_utc
+                self._platform.envelope, flown, t_s, self._row_alpha_rad_s2, self._table.epoch_utc
             )
         )
 
@@ -192,7 +199,7 @@ class BodyJudge:
     def _unsettled(self, number: int, session: Session) -> Iterator[Finding]:
         """Where, before a session, the camera doesn't stand yet on the target in sight."""
         first = 2 * session_rows(session, self._table.epoch_utc)[0]
-        points = np.arange(first - 2 * int(self._platform.agility.settle_s * ROWS_PER_S), first)
+        points = np.arange(first - 2 * int(self._platform.envelope.settle_s * ROWS_PER_S), first)
         points = points[points >= 0]
         if not points.size:
             return
@@ -213,7 +220,7 @@ class BodyJudge:
             off_rad[sky.clearance_rad < 0.0] = 0.0
         if off_rad.max() > OPTIONS.off_nadir_rad:
             told = (
-                f"stands {{:.3g}} deg off the target in the {self._platform.agility.settle_s:g} s"
+                f"stands {{:.3g}} deg off the target in the {self._platform.envelope.settle_s:g} s"
             )
             yield self._finding_at_most(
                 "pointing", off_rad, at, number, f"{told} in which it settles"
@@ -273,7 +280,7 @@ class BodyJudge:
         strays_rad_s = h * (acceleration + strays_rad_s2)
         looked = np.zeros(len(rate), dtype=bool)
         for rows, strays in ((table.rate_rad_s, strays_rad_s), (alpha_rad_s2, strays_rad_s2)):
-            sizes = np.abs(sizes_limited(self._platform.agility, rows))
+            sizes = np.abs(sizes_limited(self._platform.envelope, rows))
             looked |= np.any(_greater_ends(sizes) + strays >= sizes.max(axis=0), axis=1)
         cell = np.repeat(np.flatnonzero(looked), OPTIONS.points_per_cell - 1)
         shares = np.arange(1, OPTIONS.points_per_cell) / OPTIONS.points_per_cell
@@ -294,7 +301,7 @@ class BodyJudge:
     def _incoherent(self) -> Iterator[Finding]:
         """Where rows of a cell tell more than one motion within the jerk limit can differ by."""
         h = COMMAND_STEP_S
-        jerk_rad_s3 = float(np.linalg.norm(self._platform.agility.by_order_rad[2]))
+        jerk_rad_s3 = float(np.linalg.norm(self._platform.envelope.by_order_rad[2]))
         turn_off_rad, rate_off_rad_s = self._disagreements
         for what, unit, missed, allowed in (
             (

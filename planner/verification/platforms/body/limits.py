@@ -12,13 +12,13 @@ from planner.verification.platforms.body.options import OPTIONS
 from planner.verification.platforms.body.quintic import FlownMotion
 from planner.verification.report import Limit, LimitMargin
 from planner.world.frames.time_scales import shifted_utc
-from planner.world.platforms.body import Agility, MagnitudeAgility
+from planner.world.platforms.body import Envelope, MagnitudeAgility
 
 WHOLE_BODY = "body"  # stands for the axis where a limit is of a vector's length
 
 
 def body_margins(
-    agility: Agility, flown: FlownMotion, t_s: Array, row_alpha_rad_s2: Array, epoch_utc: datetime
+    agility: Envelope, flown: FlownMotion, t_s: Array, row_alpha_rad_s2: Array, epoch_utc: datetime
 ) -> Iterator[LimitMargin]:
     """Rate and acceleration of n instants, jerk as the mean over each cell.
 
@@ -59,7 +59,7 @@ def body_margins(
             )
 
 
-def sizes_limited(agility: Agility, value: Array) -> Array:
+def sizes_limited(agility: Envelope, value: Array) -> Array:
     """What of vectors (n, 3) has a limit: their lengths, (n, 1), or components, (n, 3)."""
     if isinstance(agility, MagnitudeAgility):
         return np.asarray(np.linalg.norm(value, axis=1, keepdims=True))

@@ -36,6 +36,10 @@ class Options:
     rounding_rad: float = 1e-9  # of attitudes of 13 decimals and rates of 9, over a cell
     idle_difference_s: float = 0.2  # a low orbit's rates err by (0.2 / 880)^2 / 6 of themselves
     finer: int = 20  # instants per cell, 10 ms apart, where an exclusion is near
+    finest: int = (
+        40  # instants per cell, 5 ms apart, where the gyros may be asked for all they have
+    )
+    changes_most: float = 1.5  # times the greatest derivative: the quintic's rings
     # Rows from one look to the next where an exclusion is far: the Sun isn't up for less than 2 s.
     stride: int = 10
     # Angles to limb and glint change with the orbit, too: below 0.2 deg/s from 200 km.

@@ -107,6 +107,8 @@ export const fields = {
     "m^2": "m²",
     "kg m^2": "kg m²",
     "N m": "N m",
+    "N m/s": "N m/s",
+    "N m s": "N m s",
     "1/s^2": "1/s²",
     arcsec: "″",
     "arcsec/s": "″/s",

@@ -214,6 +214,8 @@ export const plan = {
       off_nadir: "angle off nadir",
       exclusion: "exclusion",
       roll: "roll",
+      torque: "torque",
+      momentum: "momentum",
     },
     wholeBody: "body",
     starTrackers: "star trackers",

@@ -230,6 +230,8 @@ export const plan: Words["plan"] = {
       off_nadir: "угол от надира",
       exclusion: "запретный угол",
       roll: "крен",
+      torque: "момент гиродинов",
+      momentum: "кинетический момент гиродинов",
     },
     wholeBody: "корпус",
     starTrackers: "звёздные датчики",

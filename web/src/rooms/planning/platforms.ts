@@ -61,13 +61,25 @@ const UNKNOWN_TURN_DEG = 90;
 const IN_MOTION = 1.25; // the axes follow targets before and after
 const SPARE_S = 4;
 
+/** The least of a body's largest rates, accelerations and jerks about an axis: of agility, or of its gyros' torque. */
+function bodyLimits_deg({ agility, gyros, inertia_kg_m2 }: Body): number[] {
+  if (agility) {
+    const { rate_max_deg_s: rate, acceleration_max_deg_s2: acceleration, jerk_max_deg_s3: jerk } = agility;
+    return [rate, acceleration, jerk].map((most) => Math.min(...[most].flat()));
+  }
+  if (!gyros) return [];
+  const { rate_max_deg_s: rate, torque_max_n_m: torque, torque_rate_max_n_m_s: torqueRate } = gyros.turns;
+  const inertia = Math.max(...(inertia_kg_m2 ?? [[1]]).flat());
+  return [rate, ...[torque, torqueRate].map((most) => ((most / inertia) * 180) / Math.PI)];
+}
+
 /** Time to leave for a slew between two sessions, by the axes' angles at its ends, or a body's agility; degrees, seconds. */
 export function slewTime_s(from: Readonly<Record<string, number>> | null, to: Readonly<Record<string, number>> | null): number {
   const [one, whole] = [twoAxes.peek(), body.peek()];
   if (whole) {
-    const { rate_max_deg_s: rate, acceleration_max_deg_s2: acceleration, jerk_max_deg_s3: jerk, settle_s } = whole.agility;
-    const [slowest = 1, least = 1, gentlest = 1] = [rate, acceleration, jerk].map((most) => Math.min(...[most].flat()));
-    return IN_MOTION * restToRest_s(UNKNOWN_TURN_DEG, slowest, least, gentlest) + (settle_s ?? 0) + SPARE_S;
+    const [slowest = 1, least = 1, gentlest = 1] = bodyLimits_deg(whole);
+    const settle_s = (whole.agility ?? whole.gyros?.turns)?.settle_s ?? 0;
+    return IN_MOTION * restToRest_s(UNKNOWN_TURN_DEG, slowest, least, gentlest) + settle_s + SPARE_S;
   }
   if (!one) return 0;
   const times = [one.outer, one.inner].map((axis) => {

@@ -1,0 +1,99 @@
+"""Plans of a body that gyros turn: torque, momentum and gimbal rates by an integration of our own.
+
+Nothing of the planner's geometry is used: the rows are read as they are told, SciPy's spline of
+rotations goes through them, gravity's torque is integrated from the start, and the gimbals of four
+gyros at +-60 and +-120 degrees are turned by the least rates that change their momentum so.
+"""
+
+import json
+import math
+from datetime import timedelta
+
+import numpy as np
+import other_body
+import pytest
+from scipy.integrate import cumulative_trapezoid
+from scipy.spatial.transform import Rotation, RotationSpline
+
+from app.requests.plan import read_plan_request
+from planner.planning.sessions.pipeline import make_plan
+from planner.world.frames.time_scales import Instants
+
+INERTIA_KG_M2 = np.array([800.0, 500.0, 800.0])
+ROTOR_N_M_S, STEP_S = 60.0, 0.005
+MU_M3_S2 = 3.986004418e14
+TIMES = (("10:35:40", "10:37:00"), ("10:41:28", "10:42:20"), ("10:44:08", "10:44:50"))
+
+
+def planned(**changes):
+    """The three cities of the example while they stand within 45 deg of nadir."""
+    request = other_body.body_request(sessions=3)
+    for one, (start, stop) in zip(request["sessions"], TIMES, strict=True):
+        one["start"], one["stop"] = f"2015-05-10T{start}Z", f"2015-05-10T{stop}Z"
+    request |= {"platform": "agile-cmg", "final_state": "idle"} | changes
+    return make_plan(read_plan_request(json.dumps(request).encode()))
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return planned(slew={"objective": "minimum_time"})
+
+
+def test_three_cities_are_imaged_by_the_platform_s_name(plan):
+    assert plan.verification.passed
+    assert [one.session for one in plan.segments if one.kind == "track"] == [0, 1, 2]
+    assert plan.scenario.platform.name == "agile-cmg"
+
+
+def test_a_gentle_plan_asks_little_of_the_gyros():
+    plan = planned()
+    assert plan.verification.passed
+    _, torque = gyro_motion(plan)
+    assert np.linalg.norm(torque, axis=1).max() < 3.0
+
+
+def gyro_motion(plan):
+    """Every 5 ms: what the gyros hold and the torque they give, in body axes, (n, 3) each."""
+    told = {channel.name: value for channel, value in plan.table.columns}
+    q = np.transpose([told[f"q_eci_from_body_{part}"] for part in "xyzw"])
+    spline = RotationSpline(plan.table.t_s, Rotation.from_quat(q))
+    t_s = np.arange(round(plan.table.t_s[-1] / STEP_S) + 1) * STEP_S
+    q_eci_from_body, omega, alpha = spline(t_s), spline(t_s, 1), spline(t_s, 2)
+    stop = plan.table.epoch_utc + timedelta(seconds=float(plan.table.t_s[-1]) + 1.0)
+    orbit = plan.scenario.orbit.ephemeris(plan.table.epoch_utc, stop)
+    r_eci_m = orbit.states(Instants(plan.table.epoch_utc, plan.table.t_s)).r_sat_eci_m
+    r_eci_m = np.stack([np.interp(t_s, plan.table.t_s, part) for part in r_eci_m.T], axis=1)
+    r_m = np.linalg.norm(r_eci_m, axis=1, keepdims=True)
+    up = q_eci_from_body.inv().apply(r_eci_m / r_m)
+    gravity_n_m = 3.0 * MU_M3_S2 / r_m**3 * np.cross(up, INERTIA_KG_M2 * up)
+    impulse = cumulative_trapezoid(q_eci_from_body.apply(gravity_n_m), dx=STEP_S, axis=0, initial=0)
+    begun = q_eci_from_body[0].apply(INERTIA_KG_M2 * omega[0])
+    total = q_eci_from_body.inv().apply(begun + impulse)
+    torque = INERTIA_KG_M2 * alpha + np.cross(omega, total) - gravity_n_m
+    return total - INERTIA_KG_M2 * omega, torque
+
+
+def test_gyros_give_torque_and_hold_momentum_within_their_limits(plan):
+    held, torque = gyro_motion(plan)
+    size = np.linalg.norm(torque, axis=1)
+    assert size.max() <= 15.0
+    assert size.max() > 13.0  # the time is least: what is always there, 14, is used
+    assert np.linalg.norm(held, axis=1).max() <= 60.0
+
+
+def test_gimbals_turn_within_their_rate(plan):
+    """H = h [s3 + s4, s1 + s2, c1 + c2 + c3 + c4]: Platonov, Sumarokov 2019, eq. 1."""
+    held, torque = gyro_motion(plan)
+    angle = np.radians([60.0, -60.0, 120.0, -120.0])
+    most = 0.0
+    for wanted, change in zip(held[1:], -torque[1:], strict=True):
+        c, s = np.cos(angle), np.sin(angle)
+        d = np.array([[0.0, 0.0, c[2], c[3]], [c[0], c[1], 0.0, 0.0], -s])
+        have = ROTOR_N_M_S * np.array([s[2] + s[3], s[0] + s[1], c.sum()])
+        # What a step of Euler's leaves is made good over 0.1 s.
+        need = change + (wanted - have) / 0.1
+        rate = d.T @ np.linalg.solve(d @ d.T, need / ROTOR_N_M_S)
+        most = max(most, float(np.abs(rate).max()))
+        angle = angle + STEP_S * rate
+    assert np.linalg.norm(have - wanted) < 0.1
+    assert 1.0 < math.degrees(most) < 57.3
