@@ -73,6 +73,7 @@ $(KERNELS): export PYTHONDONTWRITEBYTECODE :=
 $(KERNELS): .venv/installed $(shell find planner/base planner/planning planner/motion/pointing planner/world/frames planner/world/platforms planner/world/targets planner/inflight/simulation planner/motion/slew planner/spacecraft -name '*.py')
 	$(BIN)/slewtrack campaign examples/campaign_cities.json >/dev/null
 	$(BIN)/slewtrack campaign examples/campaign_smallsat.json >/dev/null
+	$(BIN)/slewtrack windows examples/opportunities_sky.json >/dev/null
 	$(BIN)/slewtrack spacecraft examples/spacecraft_four_modes.json >/dev/null
 	$(BIN)/slewtrack fly examples/las_vegas_2015.json --runs 2 >/dev/null
 	touch $@
