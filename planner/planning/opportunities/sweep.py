@@ -480,23 +480,24 @@ def _is_plain(g: Reach, t_s: Array, pairs_rad: Array) -> bool:
 
 
 @nested
-def found_of(rows: Array, looks: int) -> Found:
-    """rows: target, start, stop, what opened and closed it, whether it is plain; (n, 6) or more."""
-    cause = rows[:, 3:5].astype(np.intp)
-    return Found(rows[:, 0].astype(np.intp), rows[:, 1:3].copy(), cause, rows[:, 5] > 0.0, looks)
+def found_of(row_parameters: Array, looks: int) -> Found:
+    """row_parameters: target, start, stop, what opened and closed, whether plain, (n, 6) or more."""
+    r = row_parameters
+    cause = r[:, 3:5].astype(np.intp)
+    return Found(r[:, 0].astype(np.intp), r[:, 1:3].copy(), cause, r[:, 5] > 0.0, looks)
 
 
 @nested
-def _narrowed(s: WindowScene, kind: int, n: int, spans: Array) -> tuple[Array, int]:
-    """Where a condition holds, too, and looks; spans: (k, 5), rows of `found_of` but target."""
+def _narrowed(s: WindowScene, kind: int, n: int, span_parameters: Array) -> tuple[Array, int]:
+    """Where a condition holds, too, and looks; rows (k, 5) are as of `found_of`, but target."""
     step_s, turn_rad = s.c.step_s, OPTIONS.turn_rad
     if kind == SUN:
         step_s, turn_rad = OPTIONS.sun_step_s, math.inf
     if kind == MASK:
         turn_rad = OPTIONS.mask_turn_rad
         step_s = min(step_s, OPTIONS.mask_turn_rad / s.c.turn_rad_s)
-    left, count, looks = np.empty((2 * len(spans) + 8, 5)), 0, 0
-    for span in spans:
+    left, count, looks = np.empty((2 * len(span_parameters) + 8, 5)), 0, 0
+    for span in span_parameters:
         t_s = nodes_over(s.c, s.p, n, span[0], span[1], step_s, turn_rad)
         if kind == MASK:
             t_s = _nodes_beside_masks(s, n, t_s)

@@ -1,4 +1,4 @@
-"""How deep a direction lies in a polygon on the sphere, compiled.
+"""Depth of directions in a polygon on the sphere, compiled.
 
 side_parameters: rows of 13, a side each: the corner it begins with, its normal, the planes through
 both its ends, and whether that corner is reflex; as `SphericalPolygon.side_parameters`.

@@ -43,7 +43,7 @@ def line_height_m(direction_itrf: Array, r_sat_itrf_m: Array) -> Array:
     return line_heights(*_rows(direction_itrf, r_sat_itrf_m))
 
 
-def _rows(one: Array, other: Array) -> tuple[Array, Array]:
+def _rows(direction_itrf: Array, r_sat_itrf_m: Array) -> tuple[Array, Array]:
     """Of one shape (n, 3), as compiled code takes them."""
-    one, other = np.broadcast_arrays(one, other)
-    return np.array(one, np.float64, order="C"), np.array(other, np.float64, order="C")
+    direction, r_sat_m = np.broadcast_arrays(direction_itrf, r_sat_itrf_m)
+    return np.array(direction, np.float64, order="C"), np.array(r_sat_m, np.float64, order="C")
