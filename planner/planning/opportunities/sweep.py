@@ -481,7 +481,7 @@ def _is_plain(g: Reach, t_s: Array, pairs_rad: Array) -> bool:
 
 @nested
 def found_of(row_parameters: Array, looks: int) -> Found:
-    """row_parameters: target, start, stop, what opened and closed, whether plain, (n, 6) or more."""
+    """row_parameters: target, start, stop, what opened and closed, whether plain, (n, 6) and up."""
     r = row_parameters
     cause = r[:, 3:5].astype(np.intp)
     return Found(r[:, 0].astype(np.intp), r[:, 1:3].copy(), cause, r[:, 5] > 0.0, looks)
@@ -521,7 +521,7 @@ def _narrowed(s: WindowScene, kind: int, n: int, span_parameters: Array) -> tupl
 
 @nested
 def _of_target(s: WindowScene, rows: LeapRows, n: int) -> tuple[Array, int]:
-    """Where all conditions hold, as `_narrowed` has it."""
+    """Where all conditions hold, as `_narrowed` returns."""
     if s.p.step_s == 0.0:
         span_s, looks = _spans_by_elevation(s.c, rows, s.p.resting_parameters, n)
     else:
