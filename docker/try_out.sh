@@ -8,6 +8,8 @@ slewtrack fly examples/las_vegas_2015.json --runs 8 --plot /tmp/flights.png
 slewtrack compare examples/las_vegas_2015.json examples/las_vegas_telemetry.csv --plot /tmp/telemetry.svg
 slewtrack windows examples/opportunities_sky.json
 slewtrack campaign examples/campaign_cities.json
+slewtrack windows examples/opportunities_smallsat.json
+slewtrack campaign examples/campaign_smallsat.json
 slewtrack horizon examples/horizon_estimate.json examples/horizon_ahead.png examples/horizon_right.png
 slewtrack spacecraft examples/spacecraft_four_modes.json
 

@@ -19,6 +19,7 @@ _ROOMS = (
     "planning/opportunities",
     "motion/pointing/reach.py",
     "base/vectors.py",
+    "world/platforms/polygon_kernel.py",
     "world/targets/limb_kernel.py",
 )
 _CONSTANTS = (
@@ -50,6 +51,11 @@ def compiled(function: F) -> F:
 
     Divisions follow IEEE 754 (Python's check of each divisor costs a sixth of a flight's time).
     """
+    return _to_machine_code(function, cache=True)
+
+
+def nested(function: F) -> F:
+    """The same for what only compiled code calls: its callers' files hold it, so it has none."""
     return _to_machine_code(function)
 
 
@@ -66,5 +72,5 @@ def inlined(function: F) -> F:
 
 def _to_machine_code(function: F, **options: bool) -> F:
     njit = cast(Any, numba.njit)  # whose types don't list all of its options
-    made = njit(cache=True, nogil=True, error_model="numpy", **options)(function)
+    made = njit(nogil=True, error_model="numpy", **options)(function)
     return cast(F, made)

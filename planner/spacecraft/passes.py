@@ -1,6 +1,5 @@
 """Passes of the imaging spacecraft as rows of JSON."""
 
-from dataclasses import asdict
 from datetime import datetime
 
 import numpy as np
@@ -26,7 +25,7 @@ def imaging_columns(
     return pass_columns(request.start, request.ids, ("along", "across"), told) | {
         "session": _sessions(request.start, passes),
         "mode": texts_of([one.mode for one in asked]),
-        "geometry": texts_of([asdict(one.geometry) for one in asked]),
+        "geometry": texts_of([one.geometry for one in asked]),
         "whole": spread(is_whole, len(passes), whole),
     }
 

@@ -9,6 +9,7 @@ from jsonschema_rs import Draft202012Validator
 from openapi_spec_validator import OpenAPIV31SpecValidator
 
 from app.requests.examples import (
+    CAMPAIGN_EXAMPLES,
     ESTIMATE_EXAMPLE,
     FOUR_MODES,
     IMAGING_OPPORTUNITY_EXAMPLES,
@@ -226,6 +227,8 @@ def test_worked_examples_have_windows(client, document, name):
 EXAMPLE_FILES = {
     "las_vegas_2015": LAS_VEGAS,
     "spacecraft_four_modes": FOUR_MODES,
+    "opportunities_smallsat": OPPORTUNITY_EXAMPLES["smallsat"][1],
+    "campaign_smallsat": CAMPAIGN_EXAMPLES["smallsat"][1],
     "spacecraft_opportunities": IMAGING_OPPORTUNITY_EXAMPLES["four modes"][1],
     "horizon_estimate": ESTIMATE_EXAMPLE,
     "horizon_prediction": PREDICTION_EXAMPLES["pass"][1],

@@ -21,7 +21,7 @@ def test_every_target_has_a_window(path):
     request = read(path)
     windows = find_opportunities(request).windows
     assert set(windows.target.tolist()) == set(range(len(request.targets)))
-    assert np.all(windows.branches.any(axis=1))
+    assert request.platform.kind == "body" or np.all(windows.branches.any(axis=1))
 
 
 def test_las_vegas_is_in_sight_when_it_was_photographed():

@@ -20,6 +20,7 @@ from planner.planning.opportunities import (
     OpportunityTarget,
     find_opportunities,
 )
+from planner.verification.sky import limb_clearance_rad
 from planner.world.attitude.inertial import InertialAttitude
 from planner.world.attitude.lvlh import LvlhAttitude
 from planner.world.frames.earth_orientation import c_itrf_from_eci
@@ -28,7 +29,6 @@ from planner.world.orbits import OemOrbit, TleOrbit
 from planner.world.platforms import PLATFORMS, FieldMask, PlatformDefinition
 from planner.world.platforms.definition import AxisDefinition
 from planner.world.targets import BodyTarget, GroundTarget, MovingGroundTarget, StarTarget
-from planner.world.targets.earth_limb import limb_clearance_rad
 
 HRC = PLATFORMS["iss-hrc"]
 SPINNING = InertialAttitude(

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 from planner.base import effort
 from planner.base.errors import OutsideCoverage, SearchEnded
 from planner.base.interpolation import UniformTable
-from planner.motion.pointing.angles import axis_angles, singular_margin_rad
-from planner.motion.pointing.reach import axes_at, off_masks, reach_of
+from planner.motion.pointing.reach import off_masks, reach_of
 from planner.planning.opportunities import (
     OpportunityConditions,
     OpportunityRequest,
@@ -25,6 +24,7 @@ from planner.planning.opportunities.carrier import carrier_over
 from planner.planning.opportunities.looks import in_platform
 from planner.planning.opportunities.platforms.registry import lookout_of
 from planner.planning.opportunities.sights import sights_of
+from planner.verification.field_masks import Region
 from planner.world.attitude.inertial import InertialAttitude
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc
@@ -288,20 +288,13 @@ MASKED = replace(
 
 
 @given(st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=3))
-def test_compiled_angles_and_masks_are_the_platforms(components):
-    """Twice told, for speed: the same numbers but for rounding, which grows where an arcsine or
-    a branch ends."""
+def test_the_nearest_of_all_masks_counts_with_its_margin(components):
+    """By the judge, who shares no code; rounding grows where an arcsine ends."""
     length = math.hypot(*components)
     assume(length > 0.1)
     los = np.array(components) / length
-    reach, los_of = reach_of(MASKED), tuple(los.tolist())
-    own_rad = axis_angles(MASKED, los[None]).angle_rad[:, 0]
-    assume(not singular_margin_rad(MASKED, own_rad[:1], los[None])[0] < 1e-3)
-    pairs_rad = np.array(axes_at(reach, los_of))
-    off_rad = np.remainder(pairs_rad - own_rad + math.pi, 2.0 * math.pi) - math.pi  # pi is -pi
-    np.testing.assert_allclose(off_rad, 0.0, rtol=0, atol=1e-9)
-    depth_rad = max(mask.depth_rad(los[None])[0] for mask in MASKED.masks)
-    assert off_masks(reach, los_of) == pytest.approx(-depth_rad, abs=1e-7)
+    off_rad = [Region(mask).away_rad(los[None])[0] - mask.margin_rad for mask in MASKED.masks]
+    assert off_masks(reach_of(MASKED), tuple(los.tolist())) == pytest.approx(min(off_rad), abs=1e-7)
 
 
 @pytest.mark.parametrize(

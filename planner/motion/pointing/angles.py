@@ -30,25 +30,11 @@ def axis_angles(platform: TwoAxisPlatform, los_platform: Array) -> BranchAngles:
     Source: Paden-Kahan subproblem 2 (Murray, Li, Sastry 1994, sec. 3.3), which for
     perpendicular axes intersects the cones of Sumarokov 2016, p. 88.
     """
-    outer, inner = platform.axes_platform
-    zero = _zero_direction(platform)
-    normal = cross(outer, inner)
-    k = outer @ inner
-    square_sine = normal @ normal
-    along_outer = los_platform @ outer
-    along_inner = inner @ zero
-    a = (along_outer - k * along_inner) / square_sine
-    b = (along_inner - k * along_outer) / square_sine
-    g_squared = (1.0 - a**2 - b**2 - 2.0 * a * b * k) / square_sine
-    reachable = g_squared >= 0.0
-    g = np.sqrt(np.where(reachable, g_squared, np.nan))
-    in_plane = a[:, None] * outer + b[:, None] * inner
-    angle_rad = np.empty((2, len(los_platform), 2))
-    for branch, sign in enumerate((1.0, -1.0)):
-        turned_by_inner = in_plane + sign * g[:, None] * normal
-        angle_rad[branch, :, 0] = _angle_about(outer, turned_by_inner, los_platform)
-        angle_rad[branch, :, 1] = _angle_about(inner, zero[None, :], turned_by_inner)
-    return BranchAngles(angle_rad, reachable)
+    # Numba takes 0.2 s to import, which only work should pay.
+    from planner.motion.pointing.reach import axes_each, reach_of
+
+    angle_rad = axes_each(reach_of(platform), np.array(los_platform, np.float64, order="C"))
+    return BranchAngles(angle_rad, ~np.isnan(angle_rad[0, :, 0]))
 
 
 def within_stops(platform: TwoAxisPlatform, angle_rad: Array) -> Array:
@@ -160,14 +146,6 @@ def _boresight_parts(platform: TwoAxisPlatform) -> Array:
 def _zero_direction(platform: TwoAxisPlatform) -> Array:
     zero = np.array(platform.zero_direction_platform)
     return np.asarray(zero / np.linalg.norm(zero))
-
-
-def _angle_about(axis: Array, start_directions: Array, end_directions: Array) -> Array:
-    """Signed angle about `axis` (3,) from start to end, both (n, 3) or (1, 3)."""
-    start, end = start_directions, end_directions
-    sine = cross(start, end) @ axis
-    cosine = np.sum(start * end, axis=1) - (start @ axis) * (end @ axis)
-    return np.asarray(np.arctan2(sine, cosine))
 
 
 def _rotate_about(axis: Array, angle_rad: Array, directions: Array) -> Array:

@@ -1,13 +1,14 @@
-"""A platform's angles, stops and masks, compiled: `angles` and `FieldMask` for one direction."""
+"""A platform's angles, stops and masks, compiled, for one direction at a time."""
 
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.commands import ROWS_PER_S
-from planner.base.compiled import inlined, lean
+from planner.base.compiled import compiled, inlined, lean
 from planner.base.vectors import (
     Vector,
     cross,
@@ -19,6 +20,7 @@ from planner.base.vectors import (
     wrapped,
 )
 from planner.world.platforms import TwoAxisPlatform
+from planner.world.platforms.polygon_kernel import nearest_side
 
 Pair = tuple[float, float]
 
@@ -28,8 +30,7 @@ class Reach(NamedTuple):
 
     outer, inner, zero: unit vectors.  normal: outer x inner; square_sine, cosine, along_cosine:
     what else of them never changes.  limits: by axis rate, acceleration and jerk.
-    side_parameters: of all masks (m, 15): corner, normal, the planes through both ends, whether
-    the corner is reflex, the mask's margin and its number, in order.
+    side_parameters: of all masks (m, 15): those of their polygons, margin and number, in order.
     """
 
     outer: Vector
@@ -45,6 +46,7 @@ class Reach(NamedTuple):
     side_parameters: Array
 
 
+@lru_cache(maxsize=8)
 def reach_of(platform: TwoAxisPlatform) -> Reach:
     """The platform as compiled code takes it."""
     outer, inner = platform.axes_platform
@@ -53,18 +55,8 @@ def reach_of(platform: TwoAxisPlatform) -> Reach:
     normal = np.cross(outer, inner)
     sides = []
     for number, mask in enumerate(platform.masks):
-        corner, side = mask.polygon.corner_directions, mask.polygon.normals
-        count = len(corner)
-        columns = (
-            corner,
-            side,
-            np.cross(side, corner),
-            np.cross(np.roll(corner, -1, axis=0), side),
-            mask.polygon.is_reflex[:, None],
-            np.full((count, 1), mask.margin_rad),
-            np.full((count, 1), number),
-        )
-        sides.append(np.concatenate(columns, axis=1, dtype=np.float64))
+        side = mask.polygon.side_parameters
+        sides.append(np.hstack([side, np.tile([mask.margin_rad, number], (len(side), 1))]))
     low, high = (
         tuple(float(getattr(axis, name)) for axis in platform.axis_limits)
         for name in ("angle_min_rad", "angle_max_rad")
@@ -102,7 +94,7 @@ def _about(axis: Vector, start: Vector, end: Vector) -> float:
 
 @lean
 def axes_at(g: Reach, los: Vector) -> tuple[Pair, Pair]:
-    """As `planner.motion.pointing.angles.axis_angles`: both pairs, NaN where unreachable."""
+    """Both pairs of angles, as `planner.motion.pointing.angles.axis_angles` tells them."""
     along = dot(los, g.outer)
     a = (along - g.cosine * g.along_cosine) / g.square_sine
     b = (g.along_cosine - g.cosine * along) / g.square_sine
@@ -113,6 +105,17 @@ def axes_at(g: Reach, los: Vector) -> tuple[Pair, Pair]:
         (_about(g.outer, one, los), _about(g.inner, g.zero, one)),
         (_about(g.outer, two, los), _about(g.inner, g.zero, two)),
     )
+
+
+@compiled
+def axes_each(g: Reach, los_platform: Array) -> Array:
+    """The same for directions (n, 3): by branch, direction and axis, (2, n, 2)."""
+    angle_rad = np.empty((2, len(los_platform), 2))
+    for k in range(len(los_platform)):
+        one, two = axes_at(g, vector_of(los_platform, k, 0))
+        for axis in range(2):
+            angle_rad[0, k, axis], angle_rad[1, k, axis] = one[axis], two[axis]
+    return angle_rad
 
 
 @inlined
@@ -138,28 +141,14 @@ def turned(axis: Vector, angle_rad: float, v: Vector) -> Vector:
 
 @lean
 def off_masks(g: Reach, los: Vector) -> float:
-    """How far off the nearest mask's margin; as `FieldMask.depth_rad`, negative."""
+    """How far off the nearest mask's margin."""
     sides, nearest, first = g.side_parameters, math.inf, 0
     while first < len(sides):
-        last = first
-        away, is_inside, cosine, corner = math.inf, False, -2.0, first
+        last = first + 1
         while last < len(sides) and sides[last, 14] == sides[first, 14]:
-            sine = dot(los, vector_of(sides, last, 3))
-            after_first = dot(los, vector_of(sides, last, 6)) >= 0.0
-            if after_first and dot(los, vector_of(sides, last, 9)) >= 0.0:
-                apart = math.asin(min(abs(sine), 1.0))
-                if apart < away:
-                    away, is_inside = apart, sine > 0.0
-            along = dot(los, vector_of(sides, last, 0))
-            if along > cosine:
-                cosine, corner = along, last
             last += 1
-        chord = norm(plus(los, -1.0, vector_of(sides, corner, 0)))
-        apart = 2.0 * math.asin(min(0.5 * chord, 1.0))
-        if apart < away:
-            away, is_inside = apart, sides[corner, 12] > 0.0
-        off = -away if is_inside and away < 0.5 * math.pi else away
-        nearest = min(nearest, off - sides[first, 13])
+        depth = nearest_side(sides, first, last, los)[0]
+        nearest = min(nearest, -depth - sides[first, 13])
         first = last
     return nearest
 

@@ -1,7 +1,7 @@
 """Windows as rows of JSON, made column by column: degrees, UTC text, plain numbers."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from datetime import datetime
 from typing import Any, Protocol
 
@@ -29,6 +29,7 @@ SIGHTING = (
 )
 # Told by the name of each angle, of shape (..., 2), rad or rad/s.
 BY_NAME = {"angles_deg": "angle_rad", "rates_deg_s": "rate_rad_s"}
+_USABLE: Sequence[tuple[int, ...]] = ((), (0,), (1,), (0, 1))
 # Of each row an object by names, a number, numbers, or its JSON text.
 Column = Mapping[str, Any] | Array | list[str]
 
@@ -52,7 +53,7 @@ def window_columns(
     """All that is told of windows as far as it is known, by name; probability: of each session."""
     columns = pass_columns(start_utc, ids, told.angle_names, windows)
     if isinstance(windows, Windows) and told.has_branches:
-        usable = [np.flatnonzero(one).tolist() for one in windows.branches]
+        usable = [_USABLE[number] for number in (windows.branches @ [1, 2]).tolist()]
         columns |= {"branch": texts_of(windows.branch.tolist()), "branches": texts_of(usable)}
     return columns if probability is None else columns | {"probability_in_frame": probability}
 
@@ -152,12 +153,13 @@ def times_of(start_utc: datetime, t_s: Array, decimals: int = 3) -> list[str]:
     return joined(texts, t_s.shape)
 
 
-def texts_of(values: list[Any]) -> list[str]:
-    """The JSON of each."""
+def texts_of(values: Sequence[Hashable]) -> list[str]:
+    """The JSON of each; beside numbers, what comes again is made once."""
     if values and isinstance(values[0], float):
         numbers = pydantic_core.to_json(values, inf_nan_mode="null")
         return numbers[1:-1].decode().split(",")
-    return [json.dumps(value, ensure_ascii=False, separators=(",", ":")) for value in values]
+    known = {one: pydantic_core.to_json(one).decode() for one in set(values)}
+    return [known[one] for one in values]
 
 
 def _sky(sky: TargetSky, rows: Indices) -> dict[str, dict[str, Any]]:
@@ -169,7 +171,7 @@ def _sky(sky: TargetSky, rows: Indices) -> dict[str, dict[str, Any]]:
             "elevation_deg": np.degrees(sky.elevation_rad[rows, n]),
             "sun_azimuth_deg": _turns_deg(sky.sun_azimuth_rad[rows, n]),
             "sun_elevation_deg": np.degrees(sky.sun_elevation_rad[rows, n]),
-            "local_solar_time": [f'"{_clock(one)}"' for one in sky.solar_time_s[rows, n].tolist()],
+            "local_solar_time": _clocks(sky.solar_time_s[rows, n]),
         }
         for n, event in enumerate(EVENTS)
     }
@@ -189,7 +191,7 @@ def _turns_deg(angle_rad: Array) -> Array:
     return _rounded(np.degrees(angle_rad)) % 360.0
 
 
-def _clock(since_midnight_s: float) -> str:
-    """To the second, which is 15 arcsec of the Sun."""
-    whole_s = round(since_midnight_s) % 86400
-    return f"{whole_s // 3600:02d}:{whole_s // 60 % 60:02d}:{whole_s % 60:02d}"
+def _clocks(since_midnight_s: Array) -> list[str]:
+    """As JSON texts, to the second, which is 15 arcsec of the Sun."""
+    shown = np.datetime_as_string(np.rint(since_midnight_s).astype("M8[s]"))
+    return [f'"{text[11:]}"' for text in shown.tolist()]

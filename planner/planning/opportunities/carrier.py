@@ -65,14 +65,11 @@ class Carrier:
     r_sun_itrf_m, r_moon_itrf_m: from the geocentre, light time and annual aberration included.
     q_platform_from_lvlh_xyzw: to be normalised.  platform_turn_max_rad_s: how fast the platform
     turns in ITRF at most.
-    node_s: rows of the orbit.  turn_max_rad_s: greatest rate of the geocentric direction.
     The rows smooth a manoeuvre over: by 0.2 m, or 0.03 ms of the motion, in an ISS reboost.
     """
 
     start_utc: datetime
     span_s: float
-    node_s: Array
-    turn_max_rad_s: float
     r_sat_itrf_m: UniformTable
     v_sat_itrf_m_s: UniformTable
     r_sun_itrf_m: UniformTable
@@ -146,19 +143,16 @@ def carrier_over(
         rows = _rows(ephemeris, start_utc, span_s, 2 * (NODES - 1))
     q_platform_from_lvlh_xyzw, turn_rad_s = _attitude_table(rows, ephemeris, base)
     passing_m2_s = np.linalg.norm(np.cross(r_sat_itrf_m, v_sat_itrf_m_s), axis=1)
-    turn_max_rad_s = float(np.max(passing_m2_s / np.sum(r_sat_itrf_m**2, axis=1)))
-    turn_max_rad_s += OMEGA_EARTH_RAD_S
+    turn_rad_s += OMEGA_EARTH_RAD_S + np.max(passing_m2_s / np.sum(r_sat_itrf_m**2, axis=1))
     return Carrier(
         start_utc=start_utc,
         span_s=span_s,
-        node_s=np.linspace(0.0, span_s, len(r_sat_itrf_m)),
-        turn_max_rad_s=turn_max_rad_s,
         r_sat_itrf_m=UniformTable(step_s, r_sat_itrf_m),
         v_sat_itrf_m_s=UniformTable(step_s, v_sat_itrf_m_s),
         r_sun_itrf_m=_body_table("sun", start_utc, span_s),
         r_moon_itrf_m=_body_table("moon", start_utc, span_s),
         q_platform_from_lvlh_xyzw=q_platform_from_lvlh_xyzw,
-        platform_turn_max_rad_s=turn_max_rad_s + turn_rad_s,
+        platform_turn_max_rad_s=float(turn_rad_s),
     )
 
 

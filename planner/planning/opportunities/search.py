@@ -39,7 +39,7 @@ from planner.world.targets import EarthFixedTarget, Target
 class WindowSearchOptions:
     """How many targets are searched together, and the work it takes, in rows of `effort`."""
 
-    targets_at_once: int = 500
+    targets_at_once: int = 5000
     look_rows: float = 0.05  # to look once whether a target can be seen
     window_rows: float = 0.5  # to find a window's extremes
     sample_rows: float = 0.15  # to tell of an instant

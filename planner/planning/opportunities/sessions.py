@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from planner.base.arrays import Array
-from planner.base.compiled import compiled
+from planner.base.compiled import compiled, nested
 from planner.base.vectors import TURN_RAD, wrapped
 from planner.motion.pointing.reach import Reach, axes_at
 from planner.planning.opportunities.looks import platform_los
@@ -38,7 +38,7 @@ class SessionOptions(NamedTuple):
 OPTIONS = SessionOptions()
 
 
-@compiled
+@nested
 def _with_keyholes(s: WindowScene, n: int, t_s: Array) -> Array:
     """The nodes, and when between them the line of sight comes nearest to the plane of the axes.
 
@@ -64,7 +64,7 @@ def _with_keyholes(s: WindowScene, n: int, t_s: Array) -> Array:
     return nodes[:more].copy()
 
 
-@compiled
+@nested
 def _is_on_turns(g: Reach, low_rad: Array, high_rad: Array) -> bool:
     """Whether some number of whole turns holds an axis's angles from low_rad to high_rad, (2,)
     each."""
@@ -75,7 +75,7 @@ def _is_on_turns(g: Reach, low_rad: Array, high_rad: Array) -> bool:
     return True
 
 
-@compiled
+@nested
 def _unwound(
     s: WindowScene, n: int, branch: int, nodes_s: Array, a: float, b: float
 ) -> tuple[float, float]:
@@ -104,7 +104,7 @@ def _unwound(
     return t_s[best_a], t_s[best_b]
 
 
-@compiled
+@nested
 def _off_mask(s: WindowScene, n: int, edge_s: float, sign: float) -> float:
     """When a mask at an edge is far enough off to brake before it, or NaN; sign: 1 at a start."""
     count = int(OPTIONS.mask_edge_s / OPTIONS.mask_step_s)
@@ -117,7 +117,7 @@ def _off_mask(s: WindowScene, n: int, edge_s: float, sign: float) -> float:
     return float(found[0, 0] if sign > 0.0 else found[-1, 1])
 
 
-@compiled
+@nested
 def _longest(s: WindowScene, n: int, a: float, b: float) -> tuple[float, float, int]:
     """The longest stretch that either pair of angles holds from a to b, or NaN; and looks."""
     is_wide = s.g.high[0] - s.g.low[0] > TURN_RAD or s.g.high[1] - s.g.low[1] > TURN_RAD

@@ -153,7 +153,7 @@ def _places(resting_parameters: Array, step_s: float, track_coefficients: Array)
 
 def _track(carrier: Carrier, of: Callable[[Instants], Array], error: float) -> UniformTable:
     """Rows as fine as needed: every other row must predict the rest."""
-    cells = 2 * math.ceil(len(carrier.node_s) / 2)
+    cells = 2 * math.ceil((len(carrier.r_sat_itrf_m.powers) + 1) / 2)
     while True:
         t_s = np.linspace(0.0, carrier.span_s, cells + 1)
         rows = of(Instants(carrier.start_utc, t_s))
@@ -170,9 +170,7 @@ def _up_itrf(r_itrf_m: Array) -> Array:
 
 def visible_target(sight: Sight, which: Indices) -> VisibleTarget:
     """Targets `which` (n,) as one target, a place per instant."""
-    if not sight.on_earth:
-        return sight.targets[0]
-    if sight.places.step_s == 0.0:
+    if sight.on_earth and sight.places.step_s == 0.0:
         return _Places(sight.places.resting_parameters[which, :3])
     return sight.targets[0]
 

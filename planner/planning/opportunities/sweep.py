@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from planner.base.arrays import Array, Indices, Mask
-from planner.base.compiled import compiled, inlined, lean
+from planner.base.compiled import compiled, inlined, lean, nested
 from planner.base.vectors import (
     TURN_RAD,
     Vector,
@@ -181,7 +181,7 @@ def _edges_in_cell(
     return count, looks
 
 
-@compiled
+@nested
 def _spans_by_elevation(
     c: CarrierTables, rows: LeapRows, resting_parameters: Array, n: int
 ) -> tuple[Array, int]:
@@ -289,7 +289,7 @@ def turning_of(
     return root_of(s, kind, n, (low_s, low), (high_s, rate), OPTIONS.turning_s, OPTIONS.rate_s)
 
 
-@compiled
+@nested
 def nodes_over(
     c: CarrierTables,
     p: Places,
@@ -322,7 +322,7 @@ def nodes_over(
     return t_s
 
 
-@compiled
+@nested
 def _nodes_beside_masks(s: WindowScene, n: int, t_s: Array) -> Array:
     """The nodes, and more between those where a mask may be passed in a moment.
 
@@ -382,7 +382,7 @@ def _hidden_turn(
     return (at_s if sign * value > 0.0 else math.nan), value
 
 
-@compiled
+@nested
 def stretches(s: WindowScene, kind: int, n: int, t_s: Array, pairs_rad: Array) -> Array:
     """Where a margin holds on nodes, (k, 2).  pairs_rad: takes the angles there, of the reach.
 
@@ -394,12 +394,8 @@ def stretches(s: WindowScene, kind: int, n: int, t_s: Array, pairs_rad: Array) -
     for k in range(count):
         if kind == REACH:
             one, two = axes_at(s.g, sight_at(s.c, s.p, n, t_s[k]))
-            pairs_rad[k, 0], pairs_rad[k, 1], pairs_rad[k, 2], pairs_rad[k, 3] = (
-                one[0],
-                one[1],
-                two[0],
-                two[1],
-            )
+            for axis in range(2):
+                pairs_rad[k, axis], pairs_rad[k, 2 + axis] = one[axis], two[axis]
             f[k] = max(off_stops(s.g, one), off_stops(s.g, two))
         else:
             f[k] = margin(s, kind, n, t_s[k], 0.0)
@@ -483,29 +479,26 @@ def _is_plain(g: Reach, t_s: Array, pairs_rad: Array) -> bool:
     return False
 
 
-class _Narrowed(NamedTuple):
-    """Spans of one target, (k, 2), what opened and closed each, whether it is plain; and looks."""
+@nested
+def found_of(row_parameters: Array, looks: int) -> Found:
+    """row_parameters: target, start, stop, what opened and closed, whether plain, (n, 6) and up."""
+    r = row_parameters
+    cause = r[:, 3:5].astype(np.intp)
+    return Found(r[:, 0].astype(np.intp), r[:, 1:3].copy(), cause, r[:, 5] > 0.0, looks)
 
-    span_s: Array
-    cause: Indices
-    is_plain: Mask
-    looks: int
 
-
-@compiled
-def _narrowed(s: WindowScene, kind: int, n: int, spans: _Narrowed) -> _Narrowed:
-    """Where a condition holds, too."""
+@nested
+def _narrowed(s: WindowScene, kind: int, n: int, span_parameters: Array) -> tuple[Array, int]:
+    """Where a condition holds, too, and looks; rows (k, 5) are as of `found_of`, but target."""
     step_s, turn_rad = s.c.step_s, OPTIONS.turn_rad
     if kind == SUN:
         step_s, turn_rad = OPTIONS.sun_step_s, math.inf
     if kind == MASK:
         turn_rad = OPTIONS.mask_turn_rad
         step_s = min(step_s, OPTIONS.mask_turn_rad / s.c.turn_rad_s)
-    size, count, looks = 2 * len(spans.span_s) + 8, 0, spans.looks
-    left, by, plain = np.empty((size, 2)), np.empty((size, 2), np.intp), np.empty(size, np.bool_)
-    for k in range(len(spans.span_s)):
-        a, b = spans.span_s[k, 0], spans.span_s[k, 1]
-        t_s = nodes_over(s.c, s.p, n, a, b, step_s, turn_rad)
+    left, count, looks = np.empty((2 * len(span_parameters) + 8, 5)), 0, 0
+    for span in span_parameters:
+        t_s = nodes_over(s.c, s.p, n, span[0], span[1], step_s, turn_rad)
         if kind == MASK:
             t_s = _nodes_beside_masks(s, n, t_s)
         pairs_rad = np.empty((len(t_s) if kind == REACH else 0, 4))
@@ -514,71 +507,51 @@ def _narrowed(s: WindowScene, kind: int, n: int, spans: _Narrowed) -> _Narrowed:
         for m in range(len(found)):
             if count == len(left):
                 left = np.concatenate((left, np.empty_like(left)))
-                by = np.concatenate((by, np.empty_like(by)))
-                plain = np.concatenate((plain, np.empty_like(plain)))
-            begins, ends = found[m, 0], found[m, 1]
-            left[count, 0], left[count, 1] = begins, ends
-            by[count, 0] = spans.cause[k, 0] if begins == a else kind
-            by[count, 1] = spans.cause[k, 1] if ends == b else kind
-            plain[count] = begins == a and ends == b
-            if plain[count]:
-                plain[count] = (
-                    _is_plain(s.g, t_s, pairs_rad) if kind == REACH else spans.is_plain[k]
-                )
+            row, is_whole = left[count], True
+            for end in range(2):
+                row[end], row[2 + end] = found[m, end], span[2 + end]
+                if found[m, end] != span[end]:
+                    row[2 + end], is_whole = kind, False
+            row[4] = span[4] if is_whole else 0.0
+            if is_whole and kind == REACH and _is_plain(s.g, t_s, pairs_rad):
+                row[4] = 1.0
             count += 1
-    return _Narrowed(left[:count].copy(), by[:count].copy(), plain[:count].copy(), looks)
+    return left[:count].copy(), looks
 
 
-@compiled
-def _of_target(
-    s: WindowScene,
-    rows: LeapRows,
-    n: int,
-) -> _Narrowed:
-    """Where all conditions hold."""
+@nested
+def _of_target(s: WindowScene, rows: LeapRows, n: int) -> tuple[Array, int]:
+    """Where all conditions hold, as `_narrowed` returns."""
     if s.p.step_s == 0.0:
         span_s, looks = _spans_by_elevation(s.c, rows, s.p.resting_parameters, n)
     else:
         t_s = np.linspace(0.0, s.c.span_s, len(s.c.orbit) + 1)
         span_s, looks = stretches(s, ELEVATION, n, t_s, np.empty((0, 4))), len(t_s)
-    cause = np.full(span_s.shape, ELEVATION, np.intp)
-    if len(span_s) and span_s[0, 0] <= 0.0:
-        cause[0, 0] = INTERVAL
-    if len(span_s) and span_s[-1, 1] >= s.c.span_s:
-        cause[-1, 1] = INTERVAL
-    spans = _Narrowed(span_s, cause, np.zeros(len(span_s), np.bool_), looks)
+    spans = np.zeros((len(span_s), 5))
+    spans[:, :2], spans[:, 2:4] = span_s, ELEVATION
+    if len(spans) and spans[0, 0] <= 0.0:
+        spans[0, 2] = INTERVAL
+    if len(spans) and spans[-1, 1] >= s.c.span_s:
+        spans[-1, 3] = INTERVAL
     for kind in s.q.kinds:
-        spans = _narrowed(s, kind, n, spans)
-    return spans
+        spans, more = _narrowed(s, kind, n, spans)
+        looks += more
+    return spans, looks
 
 
 @compiled
-def sweep(
-    s: WindowScene,
-    rows: LeapRows,
-    shortest_s: float,
-    looks_limit: float,
-) -> Found:
+def sweep(s: WindowScene, rows: LeapRows, shortest_s: float, looks_limit: float) -> Found:
     """All windows, in order of target and time, until a bound of looks is reached."""
-    size = 64
-    target, plain = np.empty(size, np.intp), np.empty(size, np.bool_)
-    edge_s, cause = np.empty((size, 2)), np.empty((size, 2), np.intp)
-    total, looks = 0, 0
+    found, count, looks = np.empty((64, 6)), 0, 0
     for n in range(len(s.p.resting_parameters)):
         if looks > looks_limit:
             break
-        spans = _of_target(s, rows, n)
-        looks += spans.looks
-        for k in range(len(spans.span_s)):
-            if spans.span_s[k, 1] - spans.span_s[k, 0] >= shortest_s:
-                if total == len(target):
-                    target = np.concatenate((target, np.empty_like(target)))
-                    plain = np.concatenate((plain, np.empty_like(plain)))
-                    edge_s = np.concatenate((edge_s, np.empty_like(edge_s)))
-                    cause = np.concatenate((cause, np.empty_like(cause)))
-                target[total], plain[total] = n, spans.is_plain[k]
-                for end in range(2):
-                    edge_s[total, end] = spans.span_s[k, end]
-                    cause[total, end] = spans.cause[k, end]
-                total += 1
-    return Found(target[:total], edge_s[:total], cause[:total], plain[:total], looks)
+        spans, more = _of_target(s, rows, n)
+        looks += more
+        for span in spans:
+            if span[1] - span[0] >= shortest_s:
+                if count == len(found):
+                    found = np.concatenate((found, np.empty_like(found)))
+                found[count, 0], found[count, 1:] = n, span
+                count += 1
+    return found_of(found[:count], looks)

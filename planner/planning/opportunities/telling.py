@@ -123,12 +123,8 @@ def tell(s: WindowScene, target: Indices, edge_s: Array, samples: int) -> Told:
             los = in_platform(s.c, d, r_sat, v, t_s)
             sight[k, 0], sight[k, 1], sight[k, 2] = los
             one, two = axes_at(s.g, los)
-            both[0, k, 0], both[0, k, 1], both[1, k, 0], both[1, k, 1] = (
-                one[0],
-                one[1],
-                two[0],
-                two[1],
-            )
+            both[0, k, 0], both[0, k, 1] = one
+            both[1, k, 0], both[1, k, 1] = two
         least = math.inf
         for m in range(2):
             inner, usable[w, m] = 0.0, True

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from planner.base.arrays import Array
-from planner.base.compiled import compiled, inlined, lean
+from planner.base.compiled import compiled, inlined, lean, nested
 from planner.base.vectors import (
     Powers,
     Vector,
@@ -25,7 +25,7 @@ from planner.base.vectors import (
 from planner.planning.opportunities.looks import CarrierTables, Places, look, to_body, up_at
 from planner.planning.opportunities.margins import EXCLUSION, RATE, WindowScene
 from planner.planning.opportunities.sweep import OPTIONS as SWEEP
-from planner.planning.opportunities.sweep import Found
+from planner.planning.opportunities.sweep import Found, found_of
 from planner.world.frames.earth_orientation import OMEGA_EARTH_RAD_S
 from planner.world.targets.limb_kernel import above_limb
 
@@ -338,7 +338,7 @@ def _edge_between(
     return in_s, RATE if _ways_margins(b, c, p, n, out_s)[1] > 0.0 else EXCLUSION
 
 
-@compiled
+@nested
 def _spans_of(
     b: Tracking, c: CarrierTables, p: Places, n: int, rise_s: float, set_s: float
 ) -> Array:
@@ -389,36 +389,23 @@ def follow(
     limits: the shortest window, s, and of looks.  Gaps and windows of less than a second may be
     missed.
     """
-    rows, looks = [np.empty((0, 7))], 0
+    rows, looks = [np.empty((0, 8))], 0
     for w in range(len(found.target)):
         if looks > limits[1]:
             break
         n, rise_s, set_s = found.target[w], found.edge_s[w, 0], found.edge_s[w, 1]
         spans = _spans_of(b, s.c, s.p, n, rise_s, set_s)
-        each = np.empty((len(spans), 7))
-        for k in range(len(spans)):
-            span_s = spans[k, 0], spans[k, 1]
-            each[k, 0], each[k, 1], each[k, 2] = n, span_s[0], span_s[1]
-            each[k, 3], each[k, 4] = spans[k, 2], spans[k, 3]
+        each = np.zeros((len(spans), 8))
+        each[:, 0], each[:, 1:5] = n, spans
+        for one in each:
             for end in range(2):
-                if each[k, 3 + end] < 0.0:
-                    each[k, 3 + end] = found.cause[w, end]
-            each[k, 5], each[k, 6] = _session_in(b, s.c, s.p, n, span_s, off_nadir_rad)
+                if one[3 + end] < 0.0:
+                    one[3 + end] = found.cause[w, end]
+            one[6], one[7] = _session_in(b, s.c, s.p, n, (one[1], one[2]), off_nadir_rad)
         rows.append(each[spans[:, 1] - spans[:, 0] >= limits[0]])
         looks += 20 * math.ceil((set_s - rise_s) / OPTIONS.step_s)
-    told = np.empty((sum([len(each) for each in rows]), 7))
-    count = 0
+    told, count = np.empty((sum([len(each) for each in rows]), 8)), 0
     for each in rows:
         told[count : count + len(each)] = each
         count += len(each)
-    return (
-        Found(
-            told[:, 0].astype(np.intp),
-            told[:, 1:3].copy(),
-            told[:, 3:5].astype(np.intp),
-            np.zeros(count, np.bool_),
-            looks,
-        ),
-        told[:, 5:].copy(),
-        looks,
-    )
+    return found_of(told, looks), told[:, 6:].copy(), looks

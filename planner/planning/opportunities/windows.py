@@ -170,7 +170,9 @@ Edges = TypeVar("Edges", bound=WindowEdges)
 
 
 def in_order(parts: Sequence[Edges]) -> Edges:
-    """All of the parts' windows, by target and time."""
+    """All of the parts' windows, by target and time, as each part is."""
+    if len(parts) == 1:
+        return parts[0]
     order = np.lexsort(
         (
             np.concatenate([part.rise_s for part in parts]),

@@ -28,20 +28,11 @@ MU_EARTH_M3_S2 = 3.986004418e14  # IERS Conventions 2010, table 1.1
 def itrf_from_geodetic(
     latitude_rad: ArrayLike, longitude_rad: ArrayLike, height_m: ArrayLike
 ) -> Array:
-    """ITRF position, shape (..., 3) of the inputs' common shape; height above the ellipsoid."""
-    latitude, longitude, height = np.broadcast_arrays(latitude_rad, longitude_rad, height_m)
-    sin_latitude = np.sin(latitude)
-    e2 = WGS84_F * (2.0 - WGS84_F)
-    normal_m = WGS84_A_M / np.sqrt(1.0 - e2 * sin_latitude**2)
-    equatorial_m = (normal_m + height) * np.cos(latitude)
-    return np.stack(
-        [
-            equatorial_m * np.cos(longitude),
-            equatorial_m * np.sin(longitude),
-            (normal_m * (1.0 - e2) + height) * sin_latitude,
-        ],
-        axis=-1,
-    )
+    """ITRF position, shape (..., 3) of the inputs' common shape; height above the ellipsoid.
+
+    Source: SOFA's gd2gce, by ERFA.
+    """
+    return np.asarray(erfa.gd2gce(WGS84_A_M, WGS84_F, longitude_rad, latitude_rad, height_m))
 
 
 def geodetic_from_itrf(r_itrf_m: Array) -> tuple[Array, Array, Array]:

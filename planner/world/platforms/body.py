@@ -537,7 +537,9 @@ class BodyPlatform:
     @property
     def scanning(self) -> Scanning:
         """With the lines, or the frame's first side, across the motion."""
-        return Scanning(self.camera.frame_half_rad[1], self.camera.both_ways, self.agility.settle_s)
+        return Scanning(
+            self.camera.frame_half_rad[1], self.camera.both_ways, self.envelope.settle_s
+        )
 
     @property
     def boresight_body(self) -> Array:

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 
 import numpy as np
@@ -17,7 +18,6 @@ class PolygonOptions:
     reach_max_rad: float = math.radians(85.0)
     width_min_rad: float = math.radians(0.01)  # from a corner to any side that it is no end of
     straight: float = 1e-9  # sine of the turn at a corner that is none
-    directions_at_once: int = 20_000  # tested against all sides: some megabytes
 
 
 OPTIONS = PolygonOptions()
@@ -57,11 +57,7 @@ class SphericalPolygon:
 
         Exact but for rounding.
         """
-        depth = np.empty(len(directions))
-        for first in range(0, len(directions), OPTIONS.directions_at_once):
-            part = slice(first, first + OPTIONS.directions_at_once)
-            depth[part] = self._nearest_side(directions[part])[0]
-        return depth
+        return self._nearest_side(directions)[0]
 
     def nearest_boundary(self, directions: Array) -> NearestBoundary:
         """The boundary nearest to unit vectors (n, 3)."""
@@ -76,23 +72,19 @@ class SphericalPolygon:
         outward = np.where(is_corner[:, None], along, -normal)
         return NearestBoundary(depth, at, unit(outward))
 
-    def _nearest_side(self, directions: Array) -> tuple[Array, Indices, Mask]:
-        """Depth, and the nearest side or, where the third says so, the corner it begins with.
+    @cached_property
+    def side_parameters(self) -> Array:
+        """As compiled code takes them, (m, 13)."""
+        corner, following = self.corner_directions, np.roll(self.corner_directions, -1, axis=0)
+        planes = cross(self.normals, corner), cross(following, self.normals)
+        columns = (corner, self.normals, *planes, self.is_reflex[:, None])
+        return np.concatenate(columns, axis=1, dtype=np.float64)
 
-        A direction whose nearest point is a corner lies inside where the corner is reflex; none
-        inside is a quarter turn away.
-        """
-        rows = np.arange(len(directions))
-        sine, from_side = _from_sides(self.corner_directions, self.normals, directions)
-        side = np.argmin(from_side, axis=1)
-        corner = np.argmax(directions @ self.corner_directions.T, axis=1)
-        from_corner = _apart_rad(directions, self.corner_directions[corner])
-        is_corner = from_corner < from_side[rows, side]
-        away = np.where(is_corner, from_corner, from_side[rows, side])
-        is_inside = np.where(is_corner, self.is_reflex[corner], sine[rows, side] > 0.0)
-        is_inside &= away < math.pi / 2.0
-        depth = np.where(is_inside, away, -away)
-        return depth, np.where(is_corner, corner, side), is_corner
+    def _nearest_side(self, directions: Array) -> tuple[Array, Indices, Mask]:
+        # Numba takes 0.2 s to import, which only work should pay.
+        from planner.world.platforms.polygon_kernel import nearest_sides
+
+        return nearest_sides(self.side_parameters, np.array(directions, np.float64, order="C"))
 
 
 def spherical_polygon(corner_directions: Array) -> SphericalPolygon:

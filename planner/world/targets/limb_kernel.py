@@ -1,4 +1,4 @@
-"""The Earth's limb and the refraction there, compiled: `earth_limb` for one direction at a time.
+"""The Earth's limb and the refraction there, compiled, for one direction at a time.
 
 Directions are unit vectors in ITRF axes; spline_coefficients: as of `refraction.bending_spline`.
 """
@@ -8,16 +8,30 @@ import math
 import numpy as np
 
 from planner.base.arrays import Array
-from planner.base.compiled import lean
-from planner.base.vectors import Vector, angle_between, cross, dot, norm, plus, scaled, unit
+from planner.base.compiled import compiled, lean
+from planner.base.vectors import (
+    Vector,
+    angle_between,
+    cross,
+    dot,
+    norm,
+    plus,
+    scaled,
+    unit,
+    vector_of,
+)
 from planner.world.frames.geodesy import WGS84_A_M, WGS84_B_M, WGS84_F
-from planner.world.targets.earth_limb import REFRACTION_PASSES
 from planner.world.targets.standard_atmosphere import TOP_M
+
+REFRACTION_PASSES = 12  # Newton from the dark side; 5 suffice 10 km above the ground
 
 
 @lean
 def above_limb(d: Vector, r_sat: Vector, grazing_m: float) -> float:
-    """As `planner.world.targets.earth_limb.limb_clearance_rad`."""
+    """As `earth_limb.limb_clearance_rad` says; a carrier below the altitude sees nothing.
+
+    Scaled by its axes the ellipsoid is a unit sphere; lines and tangents stay such.
+    """
     a, b = WGS84_A_M + grazing_m, WGS84_B_M + grazing_m
     start = r_sat[0] / a, r_sat[1] / a, r_sat[2] / b
     distance = norm(start)
@@ -40,7 +54,7 @@ def _unit_across(v: Vector, axis: Vector) -> Vector:
 
 @lean
 def refracted(spline_coefficients: Array, d: Vector, r_sat: Vector) -> Vector:
-    """As `planner.world.targets.earth_limb.refract`."""
+    """As `earth_limb.refract` says."""
     height_m = _line_height_m(d, r_sat)
     if not height_m < TOP_M:
         return d
@@ -50,6 +64,7 @@ def refracted(spline_coefficients: Array, d: Vector, r_sat: Vector) -> Vector:
     seen_rad, seen = true_rad, d
     for _ in range(REFRACTION_PASSES):
         to_limb_m = abs(dot(seen, r_sat))
+        # Lines that meet the ground are hidden whatever the air does; its law ends there.
         bending_rad, slope = _bending(spline_coefficients, max(height_m, 0.0))
         seen_rad -= (seen_rad - true_rad - bending_rad) / (1.0 - slope * bending_rad * to_limb_m)
         seen = plus(scaled(math.cos(seen_rad), down), math.sin(seen_rad), aside)
@@ -74,7 +89,7 @@ def _bending(spline_coefficients: Array, height_m: float) -> tuple[float, float]
 
 @lean
 def _line_height_m(d: Vector, r_sat: Vector) -> float:
-    """Least height above the ellipsoid along a line of sight; infinite where it only climbs."""
+    """As `earth_limb.line_height_m` says."""
     a, b = WGS84_A_M, WGS84_B_M
     line = d[0] / a, d[1] / a, d[2] / b
     start = r_sat[0] / a, r_sat[1] / a, r_sat[2] / b
@@ -90,3 +105,33 @@ def _line_height_m(d: Vector, r_sat: Vector) -> float:
         latitude = math.atan2(z + e2 * normal_m * sine, across)
     sine = math.sin(latitude)
     return across * math.cos(latitude) + z * sine - a * math.sqrt(1.0 - e2 * sine * sine)
+
+
+@compiled
+def clearances(direction_itrf: Array, r_sat_itrf_m: Array, grazing_m: float) -> Array:
+    """`above_limb` of directions (n, 3) from carriers (n, 3)."""
+    found_rad = np.empty(len(direction_itrf))
+    for k in range(len(found_rad)):
+        d, r_sat = vector_of(direction_itrf, k, 0), vector_of(r_sat_itrf_m, k, 0)
+        found_rad[k] = above_limb(d, r_sat, grazing_m)
+    return found_rad
+
+
+@compiled
+def refracted_each(spline_coefficients: Array, direction_itrf: Array, r_sat_itrf_m: Array) -> Array:
+    """`refracted` of the same, (n, 3)."""
+    seen = np.empty_like(direction_itrf)
+    for k in range(len(seen)):
+        d, r_sat = vector_of(direction_itrf, k, 0), vector_of(r_sat_itrf_m, k, 0)
+        seen[k, 0], seen[k, 1], seen[k, 2] = refracted(spline_coefficients, d, r_sat)
+    return seen
+
+
+@compiled
+def line_heights(direction_itrf: Array, r_sat_itrf_m: Array) -> Array:
+    """Of the same, m, (n,)."""
+    height_m = np.empty(len(direction_itrf))
+    for k in range(len(height_m)):
+        d, r_sat = vector_of(direction_itrf, k, 0), vector_of(r_sat_itrf_m, k, 0)
+        height_m[k] = _line_height_m(d, r_sat)
+    return height_m

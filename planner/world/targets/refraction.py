@@ -83,13 +83,6 @@ def bending_rad(line_height_m: ArrayLike) -> Array:
     return np.asarray(np.exp(log_bending(inside) + log_bending(high, 1) * (height - inside)))
 
 
-def bending_slope_m(line_height_m: ArrayLike) -> Array:
-    """Derivative of `bending_rad`, rad per metre, negative."""
-    log_bending = _log_bending_of_height()
-    inside = np.clip(line_height_m, log_bending.x[0], log_bending.x[-1])
-    return np.asarray(log_bending(inside, 1) * bending_rad(line_height_m))
-
-
 def bending_spline() -> Array:
     """Nodes of height and, highest power first, the logarithm's coefficients after each, (5, k)."""
     spline = _log_bending_of_height()
