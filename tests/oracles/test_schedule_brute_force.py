@@ -180,6 +180,7 @@ def random_pass(seed):
         arrival_offset=np.cumsum(steps * counts) - steps * counts,
         arrival=np.concatenate(arrival).astype(np.int32),
         reach=reach,
+        begins=np.ones(int(steps.sum()), bool),
     )
     value = random.uniform(1.0, 2.0, (5, 1)) * [0.6, 1.0]
     return network, Worth(np.tile([2, 4], (5, 1)), value, random.uniform(0.0, 0.3, 5))
@@ -232,8 +233,8 @@ def test_a_choice_with_little_search_is_bounded_too(monkeypatch):
     well = choose_campaign(request)
     hasty = ChoiceOptions(steps_max=2, mixtures_max=0, sweeps_max=1)
 
-    def choose_hastily(networks, looking, tell):
-        return choice.choose(networks, looking, tell, hasty)
+    def choose_hastily(networks, looking, tell, first_unheld):
+        return choice.choose(networks, looking, tell, first_unheld, hasty)
 
     monkeypatch.setattr(campaigns, "choose", choose_hastily)
     found = choose_campaign(request)

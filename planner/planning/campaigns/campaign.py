@@ -1,5 +1,6 @@
 """From targets over days to the sessions of every pass: the whole choice on one screen."""
 
+import functools
 import itertools
 import math
 import os
@@ -12,12 +13,13 @@ import numpy as np
 from planner.base.arrays import Array, Indices
 from planner.base.commands import COMMAND_STEP_S
 from planner.base.reporting import Reporter, tell_nobody
-from planner.planning.campaigns.choice import CampaignChoice, Looking, bound_at, choose
+from planner.planning.campaigns.choice import CampaignChoice, FirstUnheld, Looking, bound_at, choose
 from planner.planning.campaigns.chosen import ChosenLook, UnchosenTarget
 from planner.planning.campaigns.displaced import Displaced, displaced_by
 from planner.planning.campaigns.network import Network, network_of, relax
 from planner.planning.campaigns.passes import PASS_MAX_S, SESSIONS_MAX, Looks, in_passes
-from planner.planning.campaigns.platforms.follower import Follower
+from planner.planning.campaigns.path import Look
+from planner.planning.campaigns.platforms.follower import FollowedLook, Follower
 from planner.planning.campaigns.platforms.registry import follower_of
 from planner.planning.campaigns.request import BOUNDS as CAMPAIGN_BOUNDS
 from planner.planning.campaigns.request import CampaignRequest
@@ -90,7 +92,8 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> C
     shortest = looking.length_steps[:, 0]
     ways = ways_to_follow(looks, targets, shortest, carrier, viewing, request.step_s, grid_s)
     networks = _build_networks(ways, shortest, follower, tell)
-    choice = choose(networks, looking, tell)
+    first_unheld = _first_unheld_by(request, ways, follower, carrier, grid_s)
+    choice = choose(networks, looking, tell, first_unheld)
     tell("bound", 0, 1)
     # At slew times that nothing can beat.
     limits = follower.slew_limits
@@ -195,6 +198,26 @@ def _looking_of(request: CampaignRequest, settle_s: float) -> Looking:
         look_limit=np.array([float(wanted.looks) for wanted in request.targets]),
         settle_steps=settle_steps,
     )
+
+
+def _first_unheld_by(
+    request: CampaignRequest, ways: Ways, follower: Follower, carrier: Carrier, grid_s: float
+) -> FirstUnheld:
+    @functools.cache
+    def first_unheld(looks: tuple[Look, ...]) -> tuple[int, int] | None:
+        followed = []
+        for look in looks:
+            start_s = grid_s + look.first_step * request.step_s
+            length_s = request.targets[look.target].lengths_s[look.length]
+            step = look.first_step + math.ceil(length_s / request.step_s - 1e-9)
+            row = ways.offset[look.way] + step - ways.first_step[look.way]
+            followed.append(
+                FollowedLook(look.target, start_s, start_s + length_s, ways.states[row])
+            )
+        found = follower.first_unheld(carrier, followed)
+        return found and (found[0], math.floor((found[1] - grid_s) / request.step_s + 1e-9))
+
+    return first_unheld
 
 
 def _build_networks(

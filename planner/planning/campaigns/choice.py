@@ -1,6 +1,6 @@
 """Chooses observations, passes and order, and bounds how far from the best they can be."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,13 +9,16 @@ from scipy.sparse import csr_array
 
 from planner.base.arrays import Array, Indices
 from planner.base.reporting import Reporter
-from planner.planning.campaigns.network import Network
-from planner.planning.campaigns.path import Look, Worth, best_path, path_bound
+from planner.planning.campaigns.network import Network, without_look
+from planner.planning.campaigns.path import Look, Path, Worth, best_path, path_bound
 
 # Sequences proposed for the passes, put together by linear and integer programmes (HiGHS).
 
 Proposal = tuple[int, tuple[Look, ...]]
 """A pass by its number, and observations it could have, in order of time."""
+
+FirstUnheld = Callable[[tuple[Look, ...]], tuple[int, int] | None]
+"""The first look that those before it don't let be held, and the last step at which it is not."""
 
 TOGETHER_S = 5.0  # most time for an integer programme; it is one of a part of the passes
 TOGETHER_GAP = 1e-4  # of its value, at which it may end sooner
@@ -163,6 +166,7 @@ def choose(
     networks: Sequence[Network],
     looking: Looking,
     tell: Reporter,
+    first_unheld: FirstUnheld,
     options: ChoiceOptions = OPTIONS,
 ) -> CampaignChoice:
     """Price observations that more passes want than may have; one network per pass.
@@ -173,7 +177,7 @@ def choose(
     Source: Fisher 1981, "The Lagrangian relaxation method", Management Science 27; Barnhart et
     al. 1998, "Branch-and-price", Operations Research 46(3) (column generation, diving).
     """
-    search = _Search(networks, looking, options)
+    search = _Search(networks, looking, first_unheld, options)
     greedy = search.fill_passes([()] * len(networks), np.zeros(len(looking.look_limit)))
     search.refill_passes(greedy)
     search.step_prices(tell)
@@ -181,11 +185,17 @@ def choose(
     if mixture is not None:
         search.make_whole(mixture, tell)
         search.choose_parts_anew(tell)
+    if search.was_barred:  # the bound's networks are not: its prices are found without
+        priced = _Search(networks, looking, lambda looks: None, options)
+        priced.step_prices(tell)
+        priced.mix_prices(tell)
+    else:
+        priced = search
     return CampaignChoice(
         passes=tuple(search.best),
         value=search.value,
         greedy_value=worth_of(greedy),
-        price=search.price,
+        price=priced.price,
     )
 
 
@@ -196,9 +206,14 @@ class _Search:
     """
 
     def __init__(
-        self, networks: Sequence[Network], looking: Looking, options: ChoiceOptions
+        self,
+        networks: Sequence[Network],
+        looking: Looking,
+        first_unheld: FirstUnheld,
+        options: ChoiceOptions,
     ) -> None:
-        self._networks = networks
+        self._networks = list(networks)
+        self._first_unheld = first_unheld
         self._looking = looking
         self._options = options
         self.best: Passes = [()] * len(networks)
@@ -207,6 +222,7 @@ class _Search:
         self.price: Array = looking.look_value.max(axis=1)
         self._bound = float(looking.look_limit @ self.price)
         self._proposed: dict[Proposal, None] = {}
+        self.was_barred = False
 
     def step_prices(self, tell: Reporter) -> None:
         """Towards the prices at which the bound is least; improves the choice on the way."""
@@ -316,8 +332,30 @@ class _Search:
     def _wanted_proposals(self, part: Indices, price: Array, left_limit: Array) -> list[Proposal]:
         """What passes would take at these prices of the observations that are left."""
         worth = self._looking.less_prices(np.where(left_limit > 0.0, price, np.inf))
-        paths = [(number, best_path(self._networks[number], worth)) for number in part.tolist()]
+        paths = [(number, self._held_path(number, worth)) for number in part.tolist()]
         return [(number, path.looks) for number, path in paths if path.looks]
+
+    def _held_path(self, number: int, worth: Worth) -> Path:
+        """Of a pass; a look that those before it don't let be held is taken after them no more."""
+        while True:
+            network = self._networks[number]
+            path = best_path(network, worth)
+            unheld = self._first_unheld(path.looks)
+            if unheld is None:
+                return path
+            self.was_barred = True
+            place, last_step = unheld
+            look = path.looks[place]
+            way, *before = (
+                int(np.searchsorted(network.way, one.way))
+                for one in reversed(path.looks[max(place - 1, 0) : place + 1])
+            )
+            cell = int(network.offset[way] - network.first[way]) - network.first_step
+            begin = cell + look.first_step - self._looking.settle_steps
+            end = max(cell + last_step, begin)
+            self._networks[number] = without_look(
+                network, before[0] if before else None, way, begin, end
+            )
 
     def _own_proposals(self) -> list[Proposal]:
         return [(number, looks) for number, looks in enumerate(self.best) if looks]
@@ -328,7 +366,7 @@ class _Search:
     def _answer_prices(self, price: Array) -> tuple[float, Passes]:
         """What the passes would take at these prices, and what the Lagrangian then is."""
         worth = self._looking.less_prices(price)
-        paths = [best_path(one, worth) for one in self._networks]
+        paths = [self._held_path(number, worth) for number in range(len(self._networks))]
         passes = [path.looks for path in paths]
         lagrangian = float(self._looking.look_limit @ price) + sum(path.value for path in paths)
         for number, looks in enumerate(passes):
@@ -344,10 +382,10 @@ class _Search:
         looking = self._looking
         passes = list(start)
         left = looking.look_limit - looking.looks_of(passes)
-        for number, network in enumerate(self._networks):
+        for number in range(len(self._networks)):
             left += looking.looks_of([passes[number]])
             charged = np.where(left > 0.0, price, np.inf)
-            path = best_path(network, looking.less_prices(charged))
+            path = self._held_path(number, looking.less_prices(charged))
             own = sum(look.value - price[look.target] for look in passes[number])
             if path.value > own + self._options.worthless:
                 passes[number] = path.looks
