@@ -4,8 +4,9 @@ import functools
 import itertools
 import math
 import os
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 
 import numpy as np
@@ -93,15 +94,18 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> C
     ways = ways_to_follow(looks, targets, shortest, carrier, viewing, request.step_s, grid_s)
     networks = _build_networks(ways, shortest, follower, tell)
     first_unheld = _first_unheld_by(request, ways, follower, carrier, grid_s)
-    choice = choose(networks, looking, tell, first_unheld)
+    seen = set(np.unique(ways.target).tolist())
+    unseen = [row for row in range(len(request.targets)) if row not in seen]
+    # A group that lacks a target is worth nothing.
+    hopeful = ~np.isin(looking.group, looking.group[unseen]) | (looking.group < 0)
+    hopeful_looking = replace(looking, look_value=looking.look_value * hopeful[:, None])
+    choice = choose(networks, hopeful_looking, tell, first_unheld)
     tell("bound", 0, 1)
     # At slew times that nothing can beat.
     limits = follower.slew_limits
     with _thread_count() as threads:
         optimistic = list(threads.map(lambda one: relax(one, ways, shortest, limits), networks))
-    bound = bound_at(optimistic, looking, choice.price)
-    seen = set(np.unique(ways.target).tolist())
-    unseen = [row for row in range(len(request.targets)) if row not in seen]
+    bound = bound_at(optimistic, hopeful_looking, choice.price)
     looked_at = {look.target for one in choice.passes for look in one}
     left_out = displaced_by(
         networks,
@@ -125,7 +129,7 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> C
                 if (found.windows.target == row).any()
             },
         ),
-        left_out=tuple(_left_out(request, one, grid_s) for one in left_out),
+        left_out=tuple(_left_out(request, one, grid_s, unseen) for one in left_out),
         warnings=found.warnings,
     )
 
@@ -186,6 +190,10 @@ def _looks_in_passes(request: CampaignRequest, windows: Windows, rest_s: float) 
 
 def _looking_of(request: CampaignRequest, settle_s: float) -> Looking:
     settle_steps = math.ceil(settle_s / request.step_s - 1e-9)
+    names = [wanted.group for wanted in request.targets]
+    number = {
+        name: n for n, name in enumerate(dict.fromkeys(name for name in names if name is not None))
+    }
     length_steps = np.zeros((len(request.targets), CAMPAIGN_BOUNDS.lengths), np.intp)
     look_value = np.zeros((len(request.targets), CAMPAIGN_BOUNDS.lengths))
     for row, wanted in enumerate(request.targets):
@@ -196,6 +204,7 @@ def _looking_of(request: CampaignRequest, settle_s: float) -> Looking:
         length_steps=length_steps,
         look_value=look_value,
         look_limit=np.array([float(wanted.looks) for wanted in request.targets]),
+        group=np.array([-1 if name is None else number[name] for name in names], np.intp),
         settle_steps=settle_steps,
     )
 
@@ -263,11 +272,19 @@ def _closed_later(
     return "motion", (follower.unable.format(least_s=least_s))
 
 
-def _left_out(request: CampaignRequest, one: Displaced, grid_s: float) -> UnchosenTarget:
+def _left_out(
+    request: CampaignRequest, one: Displaced, grid_s: float, unseen: Sequence[int]
+) -> UnchosenTarget:
     start_utc = shifted_utc(request.start, grid_s + one.first_step * request.step_s)
     ids = tuple(request.targets[look.target].id for look in one.by)
     displaced_value = sum((look.value for look in one.by), 0.0)
-    if ids:
+    group = request.targets[one.target].group
+    lacks = [request.targets[row].id for row in unseen if request.targets[row].group == group]
+    if group is not None and lacks:
+        why = f"but its group {group} lacks {', '.join(lacks)}"
+    elif group is not None:
+        why = f"but no sequence with all of its group {group} was found that is worth more"
+    elif ids:
         why = f"and what it displaces, {', '.join(ids)}, is worth {displaced_value:.4g}"
     elif one.value <= 0.0:
         why = "and no other view of it is worth more, as `view` weighs them"
