@@ -1,18 +1,21 @@
 """A campaign of a body: every pass is planned, verified, and idle at both ends."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from agile_bodies import smallsat
 from scipy.spatial.transform import Rotation
 from test_body_plans import SMALLSAT
 
 from app.requests.campaign import CAMPAIGN_READER
 from app.requests.plan import read_plan_request
 from app.work import campaign as campaign_work
-from planner.base.errors import InvalidRequest
+from planner.base.errors import InvalidRequest, NotVisible
 from planner.planning.campaigns import choose_campaign, scenario_of
+from planner.planning.campaigns.platforms.body import BodyFollower
 from planner.planning.sessions.pipeline import make_plan
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc
 
@@ -63,6 +66,46 @@ def test_passes_are_planned_from_idle_to_idle_without_a_look_lost(chosen):
         boresight_eci = Rotation.from_quat(table.position[[0, -1]]).apply([0.0, 0.0, 1.0])
         down = np.einsum("ni,ni->n", boresight_eci, -r_sat_eci_m)
         np.testing.assert_allclose(down, np.linalg.norm(r_sat_eci_m, axis=1), rtol=1e-9)
+
+
+def test_star_trackers_are_known_at_the_roll_that_looks_before_leave(monkeypatch):
+    """Of 15 passes two would be refused by the trackers: the Sun's idle attitude lies far off."""
+    fast = {"limits": "magnitude", "rate_max_deg_s": 4.0, "settle_s": 2.0}
+    fast |= {"acceleration_max_deg_s2": 1.0, "jerk_max_deg_s3": 1.0}
+    changes = {"torque_max_n_m": None, "inertia_kg_m2": None, "exclusions": None}
+    idle = {"law": "sun", "direction_body": [-1.0, 0.0, 0.0]}
+    body = smallsat(agility=fast, roll={"rule": "nearest"}, idle=idle, **changes)
+    listed = json.loads((Path(__file__).parents[1] / "data" / "oco3_targets.json").read_text())
+    places = np.random.default_rng(20150227).permutation(np.array(listed["targets"], object))[:40]
+    request = body_campaign(
+        targets=[
+            {
+                "id": str(number),
+                "target": {"mode": "ground", "latitude_deg": row[2], "longitude_deg": row[3]},
+                "session_s": 40.0,
+                "min_session_s": 20.0,
+            }
+            for number, row in enumerate(places)
+        ],
+        start="2015-02-27T00:00:00Z",
+        stop="2015-02-27T12:00:00Z",
+        conditions={"min_elevation_deg": 30.0},
+    )
+    request = replace(request, platform=body)
+    known = choose_campaign(request)
+    for number, flight in enumerate(known.passes):
+        plan = make_plan(scenario_of(request, flight, number))
+        assert plan.verification.passed
+        assert len(plan.scenario.sessions) == len(flight.looks)
+    with monkeypatch.context() as unknown:
+        unknown.setattr(BodyFollower, "first_unheld", lambda *given: None)
+        blind = choose_campaign(request)
+    assert known.value < blind.value <= known.bound
+    # Of the passes that differ, those of the blind choice can't be planned as they are.
+    differ = [pair for pair in enumerate(blind.passes) if pair[1] not in known.passes]
+    scenarios = [scenario_of(request, flight, number) for number, flight in differ]
+    with pytest.raises(NotVisible, match="star_trackers"):
+        list(map(make_plan, scenarios))
 
 
 @pytest.mark.parametrize(

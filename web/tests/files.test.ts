@@ -25,6 +25,8 @@ test("wishes are read, and places by their names", () => {
   const text = 'id,place,priority,session_s,looks\n"Oslo, twice","Oslo, NO",3,20,2';
   const target = { mode: "place", name: "Oslo, NO" };
   expect(targetsOf(text)).toEqual([{ id: "Oslo, twice", priority: 3, session_s: 20, looks: 2, target }]);
+  const [paired] = targetsOf("id,latitude_deg,longitude_deg,group\nOslo,59.9,10.7,fjord\n");
+  expect(paired?.group).toBe("fjord");
 });
 
 test.each([

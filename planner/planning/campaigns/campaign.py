@@ -1,10 +1,12 @@
 """From targets over days to the sessions of every pass: the whole choice on one screen."""
 
+import functools
 import itertools
 import math
 import os
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 
 import numpy as np
@@ -12,12 +14,13 @@ import numpy as np
 from planner.base.arrays import Array, Indices
 from planner.base.commands import COMMAND_STEP_S
 from planner.base.reporting import Reporter, tell_nobody
-from planner.planning.campaigns.choice import CampaignChoice, Looking, bound_at, choose
+from planner.planning.campaigns.choice import CampaignChoice, FirstUnheld, Looking, bound_at, choose
 from planner.planning.campaigns.chosen import ChosenLook, UnchosenTarget
 from planner.planning.campaigns.displaced import Displaced, displaced_by
 from planner.planning.campaigns.network import Network, network_of, relax
 from planner.planning.campaigns.passes import PASS_MAX_S, SESSIONS_MAX, Looks, in_passes
-from planner.planning.campaigns.platforms.follower import Follower
+from planner.planning.campaigns.path import Look
+from planner.planning.campaigns.platforms.follower import FollowedLook, Follower
 from planner.planning.campaigns.platforms.registry import follower_of
 from planner.planning.campaigns.request import BOUNDS as CAMPAIGN_BOUNDS
 from planner.planning.campaigns.request import CampaignRequest
@@ -90,15 +93,19 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> C
     shortest = looking.length_steps[:, 0]
     ways = ways_to_follow(looks, targets, shortest, carrier, viewing, request.step_s, grid_s)
     networks = _build_networks(ways, shortest, follower, tell)
-    choice = choose(networks, looking, tell)
+    first_unheld = _first_unheld_by(request, ways, follower, carrier, grid_s)
+    seen = set(np.unique(ways.target).tolist())
+    unseen = [row for row in range(len(request.targets)) if row not in seen]
+    # A group that lacks a target is worth nothing.
+    hopeful = ~np.isin(looking.group, looking.group[unseen]) | (looking.group < 0)
+    hopeful_looking = replace(looking, look_value=looking.look_value * hopeful[:, None])
+    choice = choose(networks, hopeful_looking, tell, first_unheld)
     tell("bound", 0, 1)
     # At slew times that nothing can beat.
     limits = follower.slew_limits
     with _thread_count() as threads:
         optimistic = list(threads.map(lambda one: relax(one, ways, shortest, limits), networks))
-    bound = bound_at(optimistic, looking, choice.price)
-    seen = set(np.unique(ways.target).tolist())
-    unseen = [row for row in range(len(request.targets)) if row not in seen]
+    bound = bound_at(optimistic, hopeful_looking, choice.price)
     looked_at = {look.target for one in choice.passes for look in one}
     left_out = displaced_by(
         networks,
@@ -122,7 +129,7 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> C
                 if (found.windows.target == row).any()
             },
         ),
-        left_out=tuple(_left_out(request, one, grid_s) for one in left_out),
+        left_out=tuple(_left_out(request, one, grid_s, unseen) for one in left_out),
         warnings=found.warnings,
     )
 
@@ -183,6 +190,10 @@ def _looks_in_passes(request: CampaignRequest, windows: Windows, rest_s: float) 
 
 def _looking_of(request: CampaignRequest, settle_s: float) -> Looking:
     settle_steps = math.ceil(settle_s / request.step_s - 1e-9)
+    names = [wanted.group for wanted in request.targets]
+    number = {
+        name: n for n, name in enumerate(dict.fromkeys(name for name in names if name is not None))
+    }
     length_steps = np.zeros((len(request.targets), CAMPAIGN_BOUNDS.lengths), np.intp)
     look_value = np.zeros((len(request.targets), CAMPAIGN_BOUNDS.lengths))
     for row, wanted in enumerate(request.targets):
@@ -193,8 +204,29 @@ def _looking_of(request: CampaignRequest, settle_s: float) -> Looking:
         length_steps=length_steps,
         look_value=look_value,
         look_limit=np.array([float(wanted.looks) for wanted in request.targets]),
+        group=np.array([-1 if name is None else number[name] for name in names], np.intp),
         settle_steps=settle_steps,
     )
+
+
+def _first_unheld_by(
+    request: CampaignRequest, ways: Ways, follower: Follower, carrier: Carrier, grid_s: float
+) -> FirstUnheld:
+    @functools.cache
+    def first_unheld(looks: tuple[Look, ...]) -> tuple[int, int] | None:
+        followed = []
+        for look in looks:
+            start_s = grid_s + look.first_step * request.step_s
+            length_s = request.targets[look.target].lengths_s[look.length]
+            step = look.first_step + math.ceil(length_s / request.step_s - 1e-9)
+            row = ways.offset[look.way] + step - ways.first_step[look.way]
+            followed.append(
+                FollowedLook(look.target, start_s, start_s + length_s, ways.states[row])
+            )
+        found = follower.first_unheld(carrier, followed)
+        return found and (found[0], math.floor((found[1] - grid_s) / request.step_s + 1e-9))
+
+    return first_unheld
 
 
 def _build_networks(
@@ -240,11 +272,19 @@ def _closed_later(
     return "motion", (follower.unable.format(least_s=least_s))
 
 
-def _left_out(request: CampaignRequest, one: Displaced, grid_s: float) -> UnchosenTarget:
+def _left_out(
+    request: CampaignRequest, one: Displaced, grid_s: float, unseen: Sequence[int]
+) -> UnchosenTarget:
     start_utc = shifted_utc(request.start, grid_s + one.first_step * request.step_s)
     ids = tuple(request.targets[look.target].id for look in one.by)
     displaced_value = sum((look.value for look in one.by), 0.0)
-    if ids:
+    group = request.targets[one.target].group
+    lacks = [request.targets[row].id for row in unseen if request.targets[row].group == group]
+    if group is not None and lacks:
+        why = f"but its group {group} lacks {', '.join(lacks)}"
+    elif group is not None:
+        why = f"but no sequence with all of its group {group} was found that is worth more"
+    elif ids:
         why = f"and what it displaces, {', '.join(ids)}, is worth {displaced_value:.4g}"
     elif one.value <= 0.0:
         why = "and no other view of it is worth more, as `view` weighs them"

@@ -1,7 +1,8 @@
 """Chooses observations, passes and order, and bounds how far from the best they can be."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.optimize import Bounds, LinearConstraint, linprog, milp
@@ -9,13 +10,16 @@ from scipy.sparse import csr_array
 
 from planner.base.arrays import Array, Indices
 from planner.base.reporting import Reporter
-from planner.planning.campaigns.network import Network
-from planner.planning.campaigns.path import Look, Worth, best_path, path_bound
+from planner.planning.campaigns.network import Network, without_look
+from planner.planning.campaigns.path import Look, Path, Worth, best_path, path_bound
 
 # Sequences proposed for the passes, put together by linear and integer programmes (HiGHS).
 
 Proposal = tuple[int, tuple[Look, ...]]
 """A pass by its number, and observations it could have, in order of time."""
+
+FirstUnheld = Callable[[tuple[Look, ...]], tuple[int, int] | None]
+"""The first look that those before it don't let be held, and the last step at which it is not."""
 
 TOGETHER_S = 5.0  # most time for an integer programme; it is one of a part of the passes
 TOGETHER_GAP = 1e-4  # of its value, at which it may end sooner
@@ -32,49 +36,6 @@ class Mixture:
     value: float
     price: Array
     share: Array
-
-
-def best_mixture(proposals: Sequence[Proposal], passes: int, look_limit: Array) -> Mixture | None:
-    """Mix at most one share of each pass, no target observed too often, (targets,)."""
-    found = linprog(  # type: ignore[call-overload]  # its stubs know no sparse arrays
-        -_proposal_worths(proposals),
-        A_ub=_use_matrix(proposals, passes, look_limit),
-        b_ub=np.concatenate([np.ones(passes), look_limit]),
-        method="highs",
-    )
-    if found.status != 0:
-        return None
-    return Mixture(value=-found.fun, price=-found.ineqlin.marginals[passes:], share=found.x)
-
-
-def best_together(proposals: Sequence[Proposal], passes: int, look_limit: Array) -> list[Proposal]:
-    """Choose whole proposals, as far as found in time."""
-    found = milp(
-        -_proposal_worths(proposals),
-        integrality=np.ones(len(proposals), np.intp),
-        bounds=Bounds(0.0, 1.0),
-        constraints=LinearConstraint(
-            _use_matrix(proposals, passes, look_limit),
-            ub=np.concatenate([np.ones(passes), look_limit]),
-        ),
-        options={"time_limit": TOGETHER_S, "mip_rel_gap": TOGETHER_GAP},
-    )
-    if found.x is None:
-        return []
-    return [one for one, share in zip(proposals, found.x, strict=True) if share > 0.5]
-
-
-def _proposal_worths(proposals: Sequence[Proposal]) -> Array:
-    return np.array([sum(look.value for look in looks) for _, looks in proposals])
-
-
-def _use_matrix(proposals: Sequence[Proposal], passes: int, look_limit: Array) -> csr_array:
-    """Rows of passes and targets, a column per proposal."""
-    rows = [[number, *(passes + look.target for look in looks)] for number, looks in proposals]
-    column = np.repeat(np.arange(len(rows)), [len(row) for row in rows])
-    row = np.concatenate(rows).astype(np.intp)
-    shape = (passes + len(look_limit), len(proposals))
-    return csr_array((np.ones(len(row)), (row, column)), shape=shape)
 
 
 Passes = list[tuple[Look, ...]]
@@ -108,6 +69,8 @@ class ChoiceOptions:
     pass_labels_max: int = 100_000
     # of all passes together, shared out evenly where they are many
     bound_labels_max: int = 16_000_000
+    # to place a group anew: each fills all passes anew
+    group_tries: int = 60
     worthless: float = 1e-9  # of rounding
     seed: int = 2015  # the same choice each time
 
@@ -136,13 +99,30 @@ class Looking:
 
     length_steps, look_value: (targets, lengths), steps on the grid until it has ended and what
     it is worth at the best view; 0 for lengths there are not.  look_limit: (targets,).
+    group: number of each target's group, whose members are all looked at or none; -1 of none.
     settle_steps: of length_steps, before the look itself begins.
     """
 
     length_steps: Indices
     look_value: Array
     look_limit: Array
+    group: Indices
     settle_steps: int
+
+    @property
+    def groups(self) -> int:
+        """How many there are."""
+        return int(self.group.max(initial=-1)) + 1
+
+    def members(self, group: int) -> Indices:
+        """Its targets."""
+        return np.flatnonzero(self.group == group)
+
+    def allowed(self, price: Array) -> Array:
+        """How many looks at each target pay most at these prices, (targets,): a group's members
+        one each, or none.  Prices of members may be negative."""
+        together = np.bincount(self.group + 1, price, self.groups + 1) > 0.0
+        return np.where(self.group < 0, self.look_limit, together[self.group + 1])
 
     def less_prices(self, price: Array) -> Worth:
         """The worth less a price for each observation, (targets,)."""
@@ -154,6 +134,76 @@ class Looking:
         return np.bincount(target, minlength=len(self.look_limit)).astype(np.float64)
 
 
+def best_mixture(
+    proposals: Sequence[Proposal], passes: int, looking: Looking, left_limit: Array
+) -> Mixture | None:
+    """Mix at most one share of each pass, no target observed too often, groups evenly.
+
+    left_limit: looks at each target that are left beside those fixed, (targets,).
+    """
+    matrix, low, high = _rows_of(proposals, passes, looking, left_limit)
+    is_even = low == high
+    even: dict[str, Any] = {"A_eq": matrix[is_even], "b_eq": high[is_even]} if is_even.any() else {}
+    found: Any = linprog(
+        -_column_worths(proposals, looking),
+        A_ub=matrix[~is_even],
+        b_ub=high[~is_even],
+        **even,
+        bounds=(0.0, 1.0 if even else None),
+        method="highs",
+    )
+    if found.status != 0:
+        return None
+    price = np.empty(len(high))
+    price[~is_even] = -found.ineqlin.marginals
+    price[is_even] = -found.eqlin.marginals
+    return Mixture(value=-found.fun, price=price[passes:], share=found.x[: len(proposals)])
+
+
+def best_together(
+    proposals: Sequence[Proposal], passes: int, looking: Looking, left_limit: Array
+) -> list[Proposal]:
+    """Choose whole proposals, as far as found in time.  left_limit: as of `best_mixture`."""
+    matrix, low, high = _rows_of(proposals, passes, looking, left_limit)
+    worths = _column_worths(proposals, looking)
+    found = milp(
+        -worths,
+        integrality=np.ones(len(worths), np.intp),
+        bounds=Bounds(0.0, 1.0),
+        constraints=LinearConstraint(matrix, low, high),
+        options={"time_limit": TOGETHER_S, "mip_rel_gap": TOGETHER_GAP},
+    )
+    if found.x is None:
+        return []
+    shares = found.x[: len(proposals)]
+    return [one for one, share in zip(proposals, shares, strict=True) if share > 0.5]
+
+
+def _column_worths(proposals: Sequence[Proposal], looking: Looking) -> Array:
+    """Of proposals, and none of groups."""
+    worths = [sum(look.value for look in looks) for _, looks in proposals]
+    return np.array([*worths, *np.zeros(looking.groups)])
+
+
+def _rows_of(
+    proposals: Sequence[Proposal], passes: int, looking: Looking, left_limit: Array
+) -> tuple[csr_array, Array, Array]:
+    """Rows of passes and targets with their least and greatest sums, a column for each proposal
+    and each group: as often as its group a member is looked at."""
+    rows = [[number, *(passes + look.target for look in looks)] for number, looks in proposals]
+    members = np.flatnonzero(looking.group >= 0)
+    column = np.repeat(np.arange(len(rows)), [len(row) for row in rows])
+    column = np.concatenate([column, len(rows) + looking.group[members]])
+    row = np.concatenate([*rows, passes + members]).astype(np.intp)
+    entries = np.ones(len(row))
+    entries[len(row) - len(members) :] = -1.0
+    shape = (passes + len(left_limit), len(proposals) + looking.groups)
+    high = np.concatenate([np.ones(passes), left_limit])
+    low = np.full(len(high), -np.inf)
+    low[passes + members] = high[passes + members] = (left_limit - looking.look_limit)[members]
+    return csr_array((entries, (row, column)), shape=shape), low, high
+
+
 def worth_of(passes: Iterable[Sequence[Look]]) -> float:
     """The worth of all observations together."""
     return sum(one.value for looks in passes for one in looks)
@@ -163,6 +213,7 @@ def choose(
     networks: Sequence[Network],
     looking: Looking,
     tell: Reporter,
+    first_unheld: FirstUnheld,
     options: ChoiceOptions = OPTIONS,
 ) -> CampaignChoice:
     """Price observations that more passes want than may have; one network per pass.
@@ -173,19 +224,27 @@ def choose(
     Source: Fisher 1981, "The Lagrangian relaxation method", Management Science 27; Barnhart et
     al. 1998, "Branch-and-price", Operations Research 46(3) (column generation, diving).
     """
-    search = _Search(networks, looking, options)
+    search = _Search(networks, looking, first_unheld, options)
     greedy = search.fill_passes([()] * len(networks), np.zeros(len(looking.look_limit)))
     search.refill_passes(greedy)
+    search.take_groups()
     search.step_prices(tell)
     mixture = search.mix_prices(tell)
     if mixture is not None:
         search.make_whole(mixture, tell)
         search.choose_parts_anew(tell)
+    search.take_groups()
+    if search.was_barred:  # the bound's networks are not: its prices are found without
+        priced = _Search(networks, looking, lambda looks: None, options)
+        priced.step_prices(tell)
+        priced.mix_prices(tell)
+    else:
+        priced = search
     return CampaignChoice(
         passes=tuple(search.best),
         value=search.value,
         greedy_value=worth_of(greedy),
-        price=search.price,
+        price=priced.price,
     )
 
 
@@ -196,9 +255,14 @@ class _Search:
     """
 
     def __init__(
-        self, networks: Sequence[Network], looking: Looking, options: ChoiceOptions
+        self,
+        networks: Sequence[Network],
+        looking: Looking,
+        first_unheld: FirstUnheld,
+        options: ChoiceOptions,
     ) -> None:
-        self._networks = networks
+        self._networks = list(networks)
+        self._first_unheld = first_unheld
         self._looking = looking
         self._options = options
         self.best: Passes = [()] * len(networks)
@@ -206,7 +270,9 @@ class _Search:
         # At these nothing gains: all observations at their best.
         self.price: Array = looking.look_value.max(axis=1)
         self._bound = float(looking.look_limit @ self.price)
+        self._kept = 1.0 + self._bound  # a look of so much more is given up for nothing
         self._proposed: dict[Proposal, None] = {}
+        self.was_barred = False
 
     def step_prices(self, tell: Reporter) -> None:
         """Towards the prices at which the bound is least; improves the choice on the way."""
@@ -217,13 +283,15 @@ class _Search:
             bound, passes = self._answer_prices(price)
             if done % self._options.fill_every == 0:
                 self.refill_passes(self.fill_passes([()] * len(self._networks), price))
-            wanted = looking.looks_of(passes) - looking.look_limit
-            wanted[(wanted < 0.0) & (price <= 0.0)] = 0.0
+            wanted = looking.looks_of(passes) - looking.allowed(price)
+            is_single = looking.group < 0
+            wanted[(wanted < 0.0) & (price <= 0.0) & is_single] = 0.0
             square = float(wanted @ wanted)
             if square == 0.0 or self._is_near():
                 return
             step = self._options.step_shrinks**done * (bound - self.value) / square
-            price = np.maximum(price + step * wanted, 0.0)
+            price = price + step * wanted
+            price[is_single] = np.maximum(price[is_single], 0.0)
 
     def mix_prices(self, tell: Reporter) -> tuple[Mixture, list[Proposal]] | None:
         """The rest of the way by mixtures of the latest proposals; the last one, None if near."""
@@ -236,7 +304,8 @@ class _Search:
                 return None
             tell("mixing", done, self._options.mixtures_max)
             proposals = list(dict.fromkeys([*list(self._proposed)[-most:], *self._own_proposals()]))
-            mixture = best_mixture(proposals, len(self._networks), self._looking.look_limit)
+            limit = self._looking.look_limit
+            mixture = best_mixture(proposals, len(self._networks), self._looking, limit)
             if mixture is None:
                 break
             found = mixture, proposals
@@ -272,7 +341,7 @@ class _Search:
                 if is_open[number] and all(left[look.target] > 0.0 for look in looks)
             ]  # fmt: skip
             proposals = list(dict.fromkeys(proposals))
-            mixed_anew = proposals and best_mixture(proposals, len(passes), left)
+            mixed_anew = proposals and best_mixture(proposals, len(passes), self._looking, left)
             if not mixed_anew:
                 break
             mixture = mixed_anew
@@ -304,20 +373,44 @@ class _Search:
         for _ in range(self._options.part_mixtures):
             known = len(proposals)
             proposals.update(dict.fromkeys(self._wanted_proposals(part, price, left)))
-            mixture = best_mixture(list(proposals), len(passes), left) if proposals else None
-            if mixture is None or len(proposals) == known:
+            if len(proposals) == known:
+                break
+            mixture = best_mixture(list(proposals), len(passes), self._looking, left)
+            if mixture is None:
                 break
             price = 0.3 * price + 0.7 * mixture.price
         if proposals:
-            for number, looks in best_together(list(proposals), len(passes), left):
+            for number, looks in best_together(list(proposals), len(passes), self._looking, left):
                 passes[number] = looks
         return passes
 
     def _wanted_proposals(self, part: Indices, price: Array, left_limit: Array) -> list[Proposal]:
         """What passes would take at these prices of the observations that are left."""
         worth = self._looking.less_prices(np.where(left_limit > 0.0, price, np.inf))
-        paths = [(number, best_path(self._networks[number], worth)) for number in part.tolist()]
+        paths = [(number, self._held_path(number, worth)) for number in part.tolist()]
         return [(number, path.looks) for number, path in paths if path.looks]
+
+    def _held_path(self, number: int, worth: Worth) -> Path:
+        """Of a pass; a look that those before it don't let be held is taken after them no more."""
+        while True:
+            network = self._networks[number]
+            path = best_path(network, worth)
+            unheld = self._first_unheld(path.looks)
+            if unheld is None:
+                return path
+            self.was_barred = True
+            place, last_step = unheld
+            look = path.looks[place]
+            way, *before = (
+                int(np.searchsorted(network.way, one.way))
+                for one in reversed(path.looks[max(place - 1, 0) : place + 1])
+            )
+            cell = int(network.offset[way] - network.first[way]) - network.first_step
+            begin = cell + look.first_step - self._looking.settle_steps
+            end = max(cell + last_step, begin)
+            self._networks[number] = without_look(
+                network, before[0] if before else None, way, begin, end
+            )
 
     def _own_proposals(self) -> list[Proposal]:
         return [(number, looks) for number, looks in enumerate(self.best) if looks]
@@ -328,9 +421,10 @@ class _Search:
     def _answer_prices(self, price: Array) -> tuple[float, Passes]:
         """What the passes would take at these prices, and what the Lagrangian then is."""
         worth = self._looking.less_prices(price)
-        paths = [best_path(one, worth) for one in self._networks]
+        paths = [self._held_path(number, worth) for number in range(len(self._networks))]
         passes = [path.looks for path in paths]
-        lagrangian = float(self._looking.look_limit @ price) + sum(path.value for path in paths)
+        lagrangian = float(self._looking.allowed(price) @ price)
+        lagrangian += sum(path.value for path in paths)
         for number, looks in enumerate(passes):
             self._proposed.pop((number, looks), None)  # the latest come last
             if looks:
@@ -340,23 +434,56 @@ class _Search:
         return lagrangian, passes
 
     def fill_passes(self, start: Passes, price: Array) -> Passes:
-        """Pass after pass is given its best path at the prices for what the others leave."""
+        """Pass after pass is given its best path at the prices for what the others leave.
+
+        Members of groups stay where they are.
+        """
         looking = self._looking
         passes = list(start)
         left = looking.look_limit - looking.looks_of(passes)
-        for number, network in enumerate(self._networks):
+        for number in range(len(self._networks)):
             left += looking.looks_of([passes[number]])
-            charged = np.where(left > 0.0, price, np.inf)
-            path = best_path(network, looking.less_prices(charged))
-            own = sum(look.value - price[look.target] for look in passes[number])
+            charged = self._charged(passes[number], np.where(left > 0.0, price, np.inf))
+            path = self._held_path(number, looking.less_prices(charged))
+            own = sum(look.value - charged[look.target] for look in passes[number])
             if path.value > own + self._options.worthless:
                 passes[number] = path.looks
             left -= looking.looks_of([passes[number]])
         return passes
 
+    def _charged(self, looks: Sequence[Look], price: Array) -> Array:
+        """Prices at which members of groups are kept if they are among the looks, or else left."""
+        is_member = self._looking.group >= 0
+        price = np.where(is_member, np.inf, price)
+        price[[one.target for one in looks if is_member[one.target]]] = -self._kept
+        return price
+
+    def _whole_groups(self, passes: Passes) -> Passes:
+        """Without looks at groups of which others lack."""
+        looking = self._looking
+        while True:
+            count = looking.looks_of(passes)
+            lacking = [n for n in range(looking.groups) if len(set(count[looking.members(n)])) > 1]
+            if not lacking:
+                return passes
+            passes = self._without(passes, np.flatnonzero(np.isin(looking.group, lacking)))
+
+    def _without(self, passes: Passes, targets: Indices) -> Passes:
+        """The same looks but those at some targets."""
+        passes, gone = list(passes), set(targets.tolist())
+        for number, looks in enumerate(passes):
+            rest = [one.target for one in looks if one.target not in gone]
+            if len(rest) < len(looks):
+                price = np.full(len(self.price), np.inf)
+                price[rest] = -self._kept
+                passes[number] = self._held_path(number, self._looking.less_prices(price)).looks
+        return passes
+
     def refill_passes(self, passes: Passes) -> None:
         """Refill without prices until nothing is gained; the best choice is kept."""
         free = np.zeros(len(self._looking.look_limit))
+        if self._looking.groups:
+            passes = self._whole_groups(passes)
         value = worth_of(passes)
         for _ in range(self._options.sweeps_max):
             better = self.fill_passes(passes, free)
@@ -367,6 +494,37 @@ class _Search:
         if value > self.value:
             self.best, self.value = passes, value
 
+    def take_groups(self) -> None:
+        """Groups, the most worth first, take the place of other looks, or other places."""
+        looking, tries = self._looking, self._options.group_tries
+        best = np.bincount(looking.group + 1, looking.look_value.max(axis=1), looking.groups + 1)
+        for group in np.argsort(-best[1:], kind="stable").tolist():
+            members = looking.members(group)
+            for first, network in enumerate(self._networks):
+                if tries > 0 and np.isin(network.target, members).any():
+                    tries -= 1
+                    self.refill_passes(self._with_group(members, first))
+
+    def _with_group(self, members: Indices, first: int) -> Passes:
+        """The best choice with a group's members in the first passes from one on with them."""
+        looking, passes = self._looking, self._without(self.best, members)
+        missing = set(members.tolist())
+        left = looking.look_limit - looking.looks_of(passes)
+        for number in [*range(first, len(passes)), *range(first)]:
+            own = looking.looks_of([passes[number]])
+            price = self._charged(passes[number], np.where(left + own > 0.0, 0.0, np.inf))
+            kept = set(np.flatnonzero(price < 0.0).tolist())
+            price[list(missing)] = -self._kept
+            if missing.isdisjoint(self._networks[number].target.tolist()):
+                continue
+            path = self._held_path(number, looking.less_prices(price))
+            seen = {one.target for one in path.looks}
+            if kept <= seen and not missing.isdisjoint(seen):
+                passes[number] = path.looks
+                left += own - looking.looks_of([path.looks])
+                missing -= seen
+        return passes
+
 
 def bound_at(
     networks: Sequence[Network],
@@ -374,12 +532,12 @@ def bound_at(
     price: Array,
     options: ChoiceOptions = OPTIONS,
 ) -> float:
-    """No choice of paths is worth more, whatever the prices >= 0, (targets,).
+    """No choice of paths is worth more, whatever the prices, (targets,), >= 0 but of groups.
 
-    Lagrangian relaxation of "no more looks than look_limit".
+    Lagrangian relaxation of "no more looks than look_limit", and "as many as its group's".
     """
     labels_max = min(options.pass_labels_max, options.bound_labels_max // max(len(networks), 1))
     worth = looking.less_prices(price)
-    return float(looking.look_limit @ price) + sum(
+    return float(looking.allowed(price) @ price) + sum(
         path_bound(one, worth, labels_max) for one in networks
     )

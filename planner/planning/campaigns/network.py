@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.base.arrays import Array, Indices
+from planner.base.arrays import Array, Indices, Mask
 from planner.base.compiled import compiled
 from planner.planning.campaigns.platforms.slew_fits import (
     NECESSARY,
@@ -28,6 +28,7 @@ class Network(NamedTuple):
     first step at which that one's way can be followed then, by its place among all; NEVER.
     arrival_offset: of a way's first step in it.
     reach: after so many steps any way can be reached from anywhere, without an edge.
+    begins: whether a look may begin at each step of every way.
     """
 
     first_step: int
@@ -44,6 +45,7 @@ class Network(NamedTuple):
     arrival_offset: Indices
     arrival: NDArray[np.int32]
     reach: int
+    begins: Mask
 
 
 def network_of(
@@ -82,6 +84,7 @@ def network_of(
         arrival_offset=np.cumsum(counts) - counts,
         arrival=np.empty(int(counts.sum()), np.int32),
         reach=reach,
+        begins=np.ones(int(ways.steps[rows].sum()), np.bool_),
     )
     _fill(_states(ways, rows), network, usable_to, ways.step_s, limits, SUFFICIENT, network.arrival)
     return network
@@ -94,6 +97,28 @@ def relax(network: Network, ways: Ways, least_steps: Indices, limits: FollowerLi
     states = _states(ways, network.way)
     _fill(states, network, usable_to, ways.step_s, limits, NECESSARY, arrival)
     return network._replace(arrival=arrival)
+
+
+def without_look(network: Network, before: int | None, way: int, begin: int, end: int) -> Network:
+    """The same with no look on a way that begins from cell `begin` to `end` after another way.
+
+    before: that way, None of the first look.  Where no edge leads from there, after none.
+    """
+    if before is not None:
+        edges = slice(network.edge_from[before], network.edge_from[before + 1])
+        leads_there = network.edge_to[edges] == way
+        rows = int(network.last[before] - network.first[before]) + 1
+        first = network.arrival_offset[before]
+        arrival = network.arrival.copy()
+        arrivals = arrival[first : first + rows * len(leads_there)].reshape(rows, -1)
+        is_early = (arrivals != NEVER) & (arrivals <= end) & leads_there
+        if is_early.any():
+            last = network.offset[way] + network.last[way] - network.first[way]
+            arrivals[is_early] = NEVER if end >= last else end + 1
+            return network._replace(arrival=arrival)
+    begins = network.begins.copy()
+    begins[begin : end + 1] = False
+    return network._replace(begins=begins)
 
 
 def _quality_sum(ways: Ways, rows: Indices, offset: Indices) -> Array:

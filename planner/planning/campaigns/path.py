@@ -136,7 +136,7 @@ def _sweep(network: Network, worth: Worth, memory: Memory) -> tuple[float, Indic
             for length in range(lengths):
                 takes = worth.steps[target, length]
                 value = look_worth(network, worth, cell, target, length) - worth.price[target]
-                if takes <= steps and value > 0.0:
+                if takes <= steps and value > 0.0 and network.begins[cell - takes]:
                     look = Visit(cell * lengths + length, target, WHOLE, value, step)
                     is_seen |= visit(labels, (cell - takes,), done, memory, look)
             if is_seen:

@@ -78,6 +78,7 @@ class CampaignTarget:
     session_s: duration of a look.
     min_session_s: least duration of a look; `session_s` unless given.
     looks: no more than so many, and one in a pass.
+    group: targets of the same group are all looked at once, or none of them. E.g. `"stereo 7"`.
     """
 
     id: str
@@ -86,9 +87,15 @@ class CampaignTarget:
     session_s: Annotated[float, Within(1.0, BOUNDS.session_max_s)]
     min_session_s: Annotated[float, Within(1.0, BOUNDS.session_max_s)] | None = None
     looks: Annotated[int, Within(1, 1000)] = 1
+    group: str | None = None
 
     def __post_init__(self) -> None:
         OpportunityTarget(id=self.id, target=self.target)
+        if self.group is not None and self.looks > 1:
+            raise ValueError(
+                f"looks must be 1, not {self.looks}, of a target with a group, which is looked at "
+                "once"
+            )
         require_within(self, ("min_session_s", 1.0, self.session_s))
 
     @property

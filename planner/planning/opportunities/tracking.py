@@ -409,3 +409,33 @@ def follow(
         told[count : count + len(each)] = each
         count += len(each)
     return found_of(told, looks), told[:, 6:].copy(), looks
+
+
+@compiled
+def carried_session(
+    b: Tracking,
+    c: CarrierTables,
+    p: Places,
+    n: int,
+    span_s: tuple[float, float],
+    before_s: float,
+    before: tuple[Vector, Vector],
+    off_nadir_rad: float,
+) -> tuple[float, tuple[Vector, Vector]]:
+    """When a session of rule "nearest" is last not held, or NaN; boresight and +X at its end, ITRF.
+
+    before: boresight and +X of the camera at before_s, from which it slews there.
+    """
+    cells = max(math.ceil((span_s[1] - span_s[0]) / OPTIONS.step_s), 1)
+    boresight, aside, unheld_s = before[0], before[1], math.nan
+    for k in range(cells + 1):
+        share = k / cells
+        t_s = (1.0 - share) * span_s[0] + share * span_s[1]
+        d = _seen(c, p, n, t_s)[0]
+        later_s = t_s - before_s
+        aside = _carried_over(aside, boresight, _carried_round(d, later_s))
+        aside = _carried_round(aside, -later_s)
+        if not session_holds(b, c, p, n, t_s, 1.0, aside, off_nadir_rad):
+            unheld_s = t_s
+        before_s, boresight = t_s, d
+    return unheld_s, (boresight, aside)

@@ -1,7 +1,7 @@
 """A spacecraft that turns as a whole as a campaign asks of it: tracks by a roll rule, and rest."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 
@@ -11,20 +11,26 @@ from planner.base.arrays import Array, Indices, Mask
 from planner.base.commands import ROWS_PER_S
 from planner.base.compiled import compiled
 from planner.base.rotation import Rotation
-from planner.base.vectors import scaled
+from planner.base.vectors import Vector, scaled, unit, vector_at
 from planner.motion.attitude.track import agility_limits, pointed_quaternions
 from planner.motion.pointing.line_of_sight import LineOfSight
 from planner.planning.campaigns.platforms.axis_slew_time import change_s
 from planner.planning.campaigns.platforms.body_slew_time import OPTIONS as BLEND
 from planner.planning.campaigns.platforms.body_slew_time import BodyEnvelope
-from planner.planning.campaigns.platforms.follower import Following, PassEnds
+from planner.planning.campaigns.platforms.follower import FollowedLook, Following, PassEnds
 from planner.planning.campaigns.platforms.slew_fits import FollowerLimits
 from planner.planning.campaigns.request import CampaignRequest
 from planner.planning.opportunities.carrier import Carrier, carrier_over
 from planner.planning.opportunities.looks import CarrierTables, Places, look
 from planner.planning.opportunities.platforms.body import BodyLookout
-from planner.planning.opportunities.sights import Sight, visible_target
-from planner.planning.opportunities.tracking import NEAREST, Tracking, aside_at, session_holds
+from planner.planning.opportunities.sights import Sight, in_sights, visible_target
+from planner.planning.opportunities.tracking import (
+    NEAREST,
+    Tracking,
+    aside_at,
+    carried_session,
+    session_holds,
+)
 from planner.planning.sessions.platforms.body_budget import body_probabilities_at
 from planner.world.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
 from planner.world.frames.time_scales import Instants
@@ -76,6 +82,7 @@ class BodyFollower:
         self.longest_slew_s = BLEND.switching_s + 3.0 * stop_s + max(math.pi / least[0], stop_s)
         self.settle_s = platform.envelope.settle_s
         self.rest_s = math.ceil((self.longest_slew_s + self.settle_s) * ROWS_PER_S) / ROWS_PER_S
+        self._alone: dict[int, tuple[Tracking, Sight]] = {}
 
     def carrier(self, ephemeris: Ephemeris) -> Carrier:
         return carrier_over(ephemeris, self._lookout, self._request.start, self._request.stop)
@@ -100,6 +107,33 @@ class BodyFollower:
                 usable=_usable(tracking, carrier.tables, sight.places, which, t_s, sense, most_rad),
                 goes_on=np.ones(len(t_s) - 1, np.bool_),
             )
+
+    def first_unheld(
+        self, carrier: Carrier, looks: Sequence[FollowedLook]
+    ) -> tuple[int, float] | None:
+        """Of those whose roll is the nearest to the attitude before: a pass begins on idle."""
+        before_s = looks[0].start_s - self.rest_s if looks else 0.0
+        before: tuple[Vector, Vector] | None = None
+        for place, one in enumerate(looks):
+            tracking, sight = self._seen_alone(carrier, one.row)
+            if tracking.roll == NEAREST:
+                idle = tracking.idle, tracking.idle_step_s, before_s
+                unheld_s, before = carried_session(
+                    tracking,
+                    carrier.tables,
+                    sight.places,
+                    0,
+                    (one.start_s - self.settle_s, one.stop_s),
+                    before_s,
+                    before or (unit(vector_at(*idle, 0)), vector_at(*idle, 3)),
+                    math.radians(self._platform.off_nadir_max_deg),
+                )
+                if not math.isnan(unheld_s):
+                    return place, unheld_s
+            else:
+                before = self._lying(one)
+            before_s = one.stop_s
+        return None
 
     def probability(self, sight: Sight, which: Indices, t_s: Array, ephemeris: Ephemeris) -> Array:
         tracking = self._lookout.tracking(sight.carrier, sight.targets[0])
@@ -142,6 +176,20 @@ class BodyFollower:
             final_state="idle",
             slew=replace(slew, lead=lead),
         )
+
+    def _seen_alone(self, carrier: Carrier, row: int) -> tuple[Tracking, Sight]:
+        if row not in self._alone:
+            target = self._request.targets[row].target
+            [(_, sight, _)] = in_sights(np.zeros(1, np.intp), [target], carrier)
+            self._alone[row] = self._lookout.tracking(carrier, sight.targets[0]), sight
+        return self._alone[row]
+
+    def _lying(self, look: FollowedLook) -> tuple[Vector, Vector]:
+        """Boresight and +X of the camera at a look's end, ITRF."""
+        back_rad = [0.0, 0.0, -OMEGA_EARTH_RAD_S * look.stop_s]
+        turn = Rotation.from_rotvec(back_rad) * Rotation.from_quat(look.stop_state[:4])
+        boresight, aside = turn.apply(self._platform.camera.c_payload_from_body[[2, 0]]).tolist()
+        return tuple(boresight), tuple(aside)
 
     def _attitudes(
         self,

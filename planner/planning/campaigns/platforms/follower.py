@@ -1,6 +1,6 @@
 """The follower: everything that a campaign asks of a platform, whatever its kind."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from datetime import datetime
 from typing import NamedTuple, Protocol
 
@@ -23,6 +23,18 @@ class Following(NamedTuple):
     states: Array
     usable: Mask
     goes_on: Mask
+
+
+class FollowedLook(NamedTuple):
+    """A look of a pass: row of the request's targets, from when to when on the carrier's clock.
+
+    stop_state: of `Following.states`, at its end.
+    """
+
+    row: int
+    start_s: float
+    stop_s: float
+    stop_state: Array
 
 
 class PassEnds(NamedTuple):
@@ -59,6 +71,13 @@ class Follower(Protocol):
 
     def ways(self, sight: Sight, which: Indices, t_s: Array) -> Iterator[Following]:
         """Every way to follow targets `which` (n,) at t_s (n,)."""
+        ...
+
+    def first_unheld(
+        self, carrier: Carrier, looks: Sequence[FollowedLook]
+    ) -> tuple[int, float] | None:
+        """The first look of a pass that can't be held after those before it: its place, and the
+        last instant at which it is not."""
         ...
 
     def probability(self, sight: Sight, which: Indices, t_s: Array, ephemeris: Ephemeris) -> Array:

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 
@@ -12,7 +12,7 @@ from planner.base.arrays import Array, Indices, Mask
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.motion.pointing.angles import axis_angles, axis_motion, singular_margin_rad
 from planner.motion.pointing.line_of_sight import LineOfSight
-from planner.planning.campaigns.platforms.follower import Following, PassEnds
+from planner.planning.campaigns.platforms.follower import FollowedLook, Following, PassEnds
 from planner.planning.campaigns.platforms.slew_fits import FollowerLimits
 from planner.planning.campaigns.request import CampaignRequest
 from planner.planning.opportunities.carrier import Carrier, carrier_over
@@ -91,6 +91,12 @@ class TwoAxisFollower:
                     # Without a turn over.
                     goes_on=np.all(np.abs(np.diff(turned_rad, axis=0)) < math.pi, axis=1),
                 )
+
+    def first_unheld(
+        self, carrier: Carrier, looks: Sequence[FollowedLook]
+    ) -> tuple[int, float] | None:
+        """None: a branch is followed alike, whatever came before."""
+        return None
 
     def probability(self, sight: Sight, which: Indices, t_s: Array, ephemeris: Ephemeris) -> Array:
         before, los, after = self._los(sight, which, t_s)

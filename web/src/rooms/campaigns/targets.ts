@@ -81,14 +81,15 @@ function ofRow(given: Record<string, unknown>, line: number): CampaignTarget {
   const [latitude_deg, longitude_deg] = [numberOf("latitude_deg"), numberOf("longitude_deg")];
   const name = String(row.id ?? "").trim();
   const place = String(row.place ?? "").trim();
+  const group = String(row.group ?? "").trim();
+  const asked = { session_s: SESSION_S, ...wishes(numberOf), ...(group && { group }) };
   if (latitude_deg === undefined || longitude_deg === undefined) {
     if (!place) throw new NoTargets(line, latitude_deg === undefined ? "latitude_deg" : "longitude_deg");
-    return { id: name || place, session_s: SESSION_S, ...wishes(numberOf), target: { mode: "place", name: place } };
+    return { id: name || place, ...asked, target: { mode: "place", name: place } };
   }
   return {
     id: name || `${latitude_deg} ${longitude_deg}`,
-    session_s: SESSION_S,
-    ...wishes(numberOf),
+    ...asked,
     target: { mode: "ground", latitude_deg, longitude_deg, height_m: numberOf("height_m") ?? 0 },
   };
 }
