@@ -155,13 +155,13 @@ class _Span:
     """Where another start is sought.
 
     known: rows at which the orbit is known.  seen: runs of them in which the target can be
-    seen, their ends good to the coarse step.  work_kept: of `effort`, that is to be left.
+    seen, their ends good to the coarse step.  kept_work_rows: of `effort`, that is to be left.
     """
 
     ephemeris: Ephemeris
     known: RowSpan
     seen: list[RowSpan]
-    work_kept: float = 0.0
+    kept_work_rows: float = 0.0
 
 
 def plan_sessions(
@@ -221,8 +221,8 @@ def _start_advice(refused: RefusedSession, tell: Reporter) -> Advice:
     span = _known_span(refused)
     if isinstance(span, Refusal):
         return Advice(f"no other start was tried: {span.detail.partition(';')[0]}")
-    most = mover_of(refused.scenario).start_search.work
-    span = replace(span, work_kept=max(effort.remaining() - most, 0.0))
+    most = mover_of(refused.scenario).start_search.work_rows
+    span = replace(span, kept_work_rows=max(effort.remaining() - most, 0.0))
     useful = _at_useful_elevation(refused)
     known: Costs = {}
     slewed: Slewed = {}
@@ -258,7 +258,7 @@ def _seek_start(refused: RefusedSession, span: _Span, known: Costs, slewed: Slew
         seen=span.seen,
         stop_utc=lambda _: session.stop,
         slewed=slewed,
-        work_kept=span.work_kept,
+        kept_work_rows=span.kept_work_rows,
     )
     moved = replace(shortened, stop_utc=lambda row: shifted_utc(refused.utc(row), length_s))
     held = _longest_hold(refused, span)
@@ -403,7 +403,7 @@ def _nearest_feasible(trials: Trials, row: int, wanted_row: int) -> Session | No
 def _search_of(trials: Trials) -> Effort:
     """The bound of one direction of moving a session."""
     left = effort.remaining()
-    return at_most(min(OPTIONS.search, OPTIONS.search_share * left, left - trials.work_kept))
+    return at_most(min(OPTIONS.search, OPTIONS.search_share * left, left - trials.kept_work_rows))
 
 
 def _longest_hold(refused: RefusedSession, span: _Span) -> RowSpan | None:

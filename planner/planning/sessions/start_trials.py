@@ -78,7 +78,7 @@ class Trials:
     seen: runs of rows in which its target can be seen, none other are tried.  stop_utc: the
     stop that goes with a start row.  held: rows over which the target is known to be held, none
     other are tried; None where that isn't known.  slewed: what was tried before.
-    work_kept: of `effort`, that is to be left.
+    kept_work_rows: of `effort`, that is to be left.
     """
 
     refused: RefusedSession
@@ -87,7 +87,7 @@ class Trials:
     stop_utc: Callable[[int], datetime]
     held: RowSpan | None = None
     slewed: Slewed = field(default_factory=dict)
-    work_kept: float = 0.0
+    kept_work_rows: float = 0.0
     _latest: dict[tuple[datetime, datetime, bool], tuple[TrackBranch, ...]] = field(
         default_factory=dict
     )

@@ -106,7 +106,9 @@ class BodyMover:
     """As `Mover` says; a state is the `Motion` of one instant, the base is GCRF."""
 
     # Its least time is found, not known in closed form, and a slew that isn't found is dear.
-    start_search: ClassVar = StartSearch(slews=9, growth=2, failures=2, work=300_000, is_quick=True)
+    start_search: ClassVar = StartSearch(
+        slews=9, growth=2, failures=2, work_rows=300_000, is_quick=True
+    )
 
     def __init__(self, scenario: Scenario) -> None:
         platform = scenario.platform

@@ -81,7 +81,7 @@ class StartSearch:
 
     slews: solved, from the first row on that closed forms leave open.  growth: of the rows from
     one to the next.  failures: candidates that closed forms leave open, until the search ends with
-    none found.  work: of `effort`, for all ways of moving it.  is_quick: whether the whole
+    none found.  work_rows: of `effort`, for all ways of moving it.  is_quick: whether the whole
     request is tried with smooth slews, which are taken where no quicker ones are found, and
     without a judge.
     """
@@ -89,7 +89,7 @@ class StartSearch:
     slews: int
     growth: int
     failures: int
-    work: float
+    work_rows: float
     is_quick: bool
 
 

@@ -51,7 +51,7 @@ class TwoAxisMover:
 
     # The solver needs a row or two more than closed forms say.
     start_search: ClassVar = StartSearch(
-        slews=3, growth=1, failures=1, work=math.inf, is_quick=False
+        slews=3, growth=1, failures=1, work_rows=math.inf, is_quick=False
     )
 
     scenario: Scenario
