@@ -175,7 +175,8 @@ def print_plans(seed: int, count: int) -> int:
         if cpu_s[-1] > LIMIT_S:
             print(f"seed {number}: {kind} after {cpu_s[-1]:.1f} s of a processor")
     told = ", ".join(f"{many} {kind}" for kind, many in kinds.most_common())
-    print(f"{count} plans: {told}; median {np.median(cpu_s):.2f} s, most {max(cpu_s):.2f}")
+    if count:
+        print(f"{count} plans: {told}; median {np.median(cpu_s):.2f} s, most {max(cpu_s):.2f}")
     return kinds["failed"]
 
 
@@ -190,9 +191,12 @@ if __name__ == "__main__":
     results = [
         print_family(family, np.random.default_rng(asked.seed), asked.slews, asked.beside)
         for family in FAMILIES
+        if asked.slews
     ]
-    print_cones(np.random.default_rng(asked.seed), asked.cones)
-    unsolved, longest = sum(failed for failed, _ in results), max(ratio for _, ratio in results)
+    if asked.cones:
+        print_cones(np.random.default_rng(asked.seed), asked.cones)
+    unsolved = sum(failed for failed, _ in results)
+    longest = max((ratio for _, ratio in results), default=1.0)
     failed_plans = print_plans(asked.seed, asked.plans)
     if unsolved or longest > LONGER or failed_plans:
         sys.exit(

@@ -10,7 +10,7 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.commands import ROWS_PER_S, Motion
-from planner.base.errors import InfeasibleSlew
+from planner.base.errors import InfeasibleSlew, figures
 from planner.base.mrp import BodyMotion
 from planner.base.solvers import SolverRun
 from planner.motion.attitude.around import around_cones, centres_eci
@@ -49,6 +49,9 @@ class BodySlewOptions:
     later_rows: int = 8  # tried after the least time: a row's span can't switch inside
     patience_rows: int = 18_000  # an hour: to tell what a slew without enough time takes
     proven: float = 1e-3  # of the cost, beyond its bound: the best there is
+    best_share: float = 0.98  # of a least time from one start, the least that there may be
+    # times what a turn between rests takes: with more time, its motions at the ends decide
+    hasty: float = 2.0
 
 
 OPTIONS = BodySlewOptions()
@@ -93,6 +96,13 @@ class _Found(NamedTuple):
     run: SolverRun
 
 
+class _Tried(NamedTuple):
+    """What was found in the time given, and the least time without cones, if it was sought."""
+
+    found: _Found | None
+    least_s: float | None = None
+
+
 def solve_attitude_slew(problem: BodySlewProblem) -> BodySlew:
     """The slew asked for.
 
@@ -106,11 +116,12 @@ def solve_attitude_slew(problem: BodySlewProblem) -> BodySlew:
         raise _too_short(problem, is_proof=True)
     eigenaxis, _, keeps = quickest_eigenaxis(problem)
     if problem.objective == "smooth" or len(problem.goal.position) == 1:
-        quickest_s, found = None, _smoothest(problem.arriving_at(problem.last_arrival_row))
+        quickest_s, tried = None, _smoothest(problem.arriving_at(problem.last_arrival_row))
     else:
-        quickest_s, found = _quickest(problem, least, eigenaxis)
+        quickest_s, tried = _quickest(problem, least, eigenaxis)
+    found = tried.found
     if found is None:
-        raise _refusal(problem)
+        raise _refusal(problem, tried.least_s)
     row = len(found.motion.position) - 1
     bound = least_cost_rad2_s5(problem, row)
     cost = found.spans.cost_rad2_s5
@@ -135,7 +146,7 @@ def solve_attitude_slew(problem: BodySlewProblem) -> BodySlew:
 
 def _quickest(
     problem: BodySlewProblem, least: int, eigenaxis: EigenaxisSlew
-) -> tuple[float | None, _Found | None]:
+) -> tuple[float | None, _Tried]:
     """The least time found from two starts, and the slew on rows that comes next to it."""
     best: SpanMotion | None = None
     smoothest_at = cache(lambda row: _smoothest(problem.arriving_at(row)))
@@ -146,7 +157,7 @@ def _quickest(
         guess_s = eigenaxis.duration_s if best is None else best.duration_s
         for factor in OPTIONS.eased:
             row = min(math.ceil(factor * guess_s * ROWS_PER_S), problem.last_arrival_row)
-            eased = smoothest_at(max(row, problem.first_arrival_row))
+            eased = smoothest_at(max(row, problem.first_arrival_row)).found
             if eased is None:
                 continue
             again = _least_time(problem, least, eased.spans.on_spans(_even_widths_s(eased)))
@@ -159,7 +170,7 @@ def _quickest(
             break
         found = _on_rows(problem.arriving_at(row), best)
         if found is not None:
-            return best.duration_s, found
+            return best.duration_s, _Tried(found)
         row += 1 + later
     quickest_s = None if best is None else best.duration_s
     return quickest_s, smoothest_at(problem.last_arrival_row)
@@ -189,23 +200,50 @@ def _least_time(problem: BodySlewProblem, least: int, begin: SpanMotion) -> Span
     return found.motion if found.run.is_promising else None
 
 
-def _smoothest(problem: BodySlewProblem) -> _Found | None:
-    """The least squared jerk found, in the time given, of all starts; None: none was found."""
-    widths_s = _row_widths_s(np.linspace(0.0, 1.0, _span_count(problem) + 1), problem)
+def _smoothest(problem: BodySlewProblem) -> _Tried:
+    """The least squared jerk found, in the time given, of all starts.
+
+    Where the first of them fails in little time, the least time is sought, which may tell that
+    there is none.
+    """
+    shares = np.linspace(0.0, 1.0, _span_count(problem) + 1)
     best: _Found | None = None
-    for begin in _starts(problem, widths_s):
+    tried: _Tried | None = None
+    for begin in _starts(problem, _row_widths_s(shares, problem)):
         found = _solve_on_rows(problem, begin)
         if found is not None and (
             best is None or found.spans.cost_rad2_s5 < best.spans.cost_rad2_s5
         ):
             best = found
-    if best is None and not problem.cones:
-        # Next to the least time the jerk must switch where it does there.
-        patient = problem.with_patience(problem.first_arrival_row)
-        eigenaxis, _, _ = quickest_eigenaxis(patient)
-        quickest = _least_time(patient, 1, _in_phases(eigenaxis))
-        best = None if quickest is None else _on_rows(problem, quickest)
-    return best
+        if best is None and tried is None and _is_hasty(problem):
+            tried = _next_to_least_time(problem)
+            if tried.found or problem.available_s < OPTIONS.best_share * (tried.least_s or 0.0):
+                return tried
+    if best is None and tried is None:
+        # An end that moves nearly as fast as it may is left or met by a jerk that changes soon.
+        ends_finely = (1.0 - np.cos(np.pi * shares)) / 2.0
+        best = _solve_on_rows(problem, next(_starts(problem, _row_widths_s(ends_finely, problem))))
+    return _Tried(best, tried.least_s if tried else None)
+
+
+def _is_hasty(problem: BodySlewProblem) -> bool:
+    """Whether the time given may be too short, rather than its ends too near to the limits."""
+    resting_s = eigenaxis_slew(problem.at_rest(), problem.first_arrival_row).duration_s
+    return problem.available_s < OPTIONS.hasty * resting_s
+
+
+def _next_to_least_time(problem: BodySlewProblem) -> _Tried:
+    """The least time in which its goal is reached as it is at its row, cones aside.
+
+    And, without cones, a slew whose jerk switches where it does there, as it must next to it.
+    """
+    patient = problem.without_cones().with_patience(OPTIONS.patience_rows)
+    least = _least_time(patient, 1, _in_phases(quickest_eigenaxis(patient)[0]))
+    if least is None:
+        return _Tried(None)
+    is_near = OPTIONS.best_share * least.duration_s <= problem.available_s
+    found = _on_rows(problem, least) if is_near and not problem.cones else None
+    return _Tried(found, least.duration_s)
 
 
 def _starts(problem: BodySlewProblem, widths_s: Array) -> Iterator[SpanMotion]:
@@ -280,11 +318,11 @@ def _row_widths_s(end_shares: Array, problem: BodySlewProblem) -> Array:
     return np.diff(ends) / ROWS_PER_S
 
 
-def _refusal(problem: BodySlewProblem) -> InfeasibleSlew:
-    """Of a slew that wasn't found."""
+def _refusal(problem: BodySlewProblem, least_s: float | None) -> InfeasibleSlew:
+    """Of a slew that wasn't found; least_s: the least time found without cones, if any was."""
     if problem.cones:
         free = problem.without_cones()
-        if _smoothest(free.arriving_at(free.last_arrival_row)) is not None:
+        if _smoothest(free.arriving_at(free.last_arrival_row)).found is not None:
             names = ", ".join(cone.name for cone in problem.cones)
             return InfeasibleSlew(
                 f"no slew of {problem.available_s:.1f} s was found that stays out of what is to be "
@@ -292,10 +330,25 @@ def _refusal(problem: BodySlewProblem) -> InfeasibleSlew:
                 "another time or attitude",
                 limit="exclusion",
             )
-    return _too_short(problem, is_proof=False)
+    last = problem.arriving_at(problem.last_arrival_row)
+    if least_s is None and not _is_hasty(last):
+        none = np.zeros((1, 3))
+        ends = (last.start, last.goal)
+        used = [
+            float(last.limits.shares(BodyMotion(end.rate_rad_s, none, none))[0, 0]) for end in ends
+        ]
+        return InfeasibleSlew(
+            f"no slew of {last.available_s:.1f} s was found: at its start the body turns at "
+            f"{figures(used[0], 1.0)} of its rate limit, at its end at {figures(used[1], 1.0)}; "
+            "begin and end it at other times, or slower",
+            limit="rate",
+        )
+    return _too_short(problem, least_s, is_proof=False)
 
 
-def _too_short(problem: BodySlewProblem, *, is_proof: bool) -> InfeasibleSlew:
+def _too_short(
+    problem: BodySlewProblem, least_s: float | None = None, *, is_proof: bool
+) -> InfeasibleSlew:
     """Of a slew with too little time: with the time it takes about, the goal as it is at last."""
     last = problem.arriving_at(problem.last_arrival_row)
     angle_deg = math.degrees(float(last.angles_rad[0]))
@@ -303,9 +356,10 @@ def _too_short(problem: BodySlewProblem, *, is_proof: bool) -> InfeasibleSlew:
     there = eigenaxis_slew(last, last.first_arrival_row, duration_s=last.available_s)
     used = over_limits(last, there)
     order = int(np.argmax(used ** (1.0 / np.arange(1, 4))))
-    needs_rows = math.ceil(patient.duration_s * ROWS_PER_S - 1e-6)
+    found_s = least_s or (patient.duration_s if keeps else None)
+    needs_rows = math.ceil((found_s or 0.0) * ROWS_PER_S - 1e-6)
     needs_s = max(needs_rows, last.first_arrival_row + 1) / ROWS_PER_S
-    needed = f"about {needs_s:.1f} s" if keeps else f"more than {last.available_s:.1f} s"
+    needed = f"about {needs_s:.1f} s" if found_s else f"more than {last.available_s:.1f} s"
     shown = "no slew fits" if is_proof else "no slew was found"
     refusal = InfeasibleSlew(
         f"the body needs {needed} to turn by {angle_deg:.4g} deg, but {last.available_s:.1f} s are "
@@ -313,5 +367,5 @@ def _too_short(problem: BodySlewProblem, *, is_proof: bool) -> InfeasibleSlew:
         f"{ORDERS[order]} limit); begin the session later or start the slew nearer to it",
         limit="duration",
     )
-    refusal.needs_s = needs_s if keeps else OPTIONS.later * last.available_s
+    refusal.needs_s = needs_s if found_s else OPTIONS.later * last.available_s
     return refusal

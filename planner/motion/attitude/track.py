@@ -46,6 +46,7 @@ class AttitudeTrackOptions:
     shares: tuple[float, ...] = (0.0, 0.5, 1.0)  # of the time between two rows; it turns evenly
     tolerance: float = 1e-9  # of a limit: rounding of degrees to radians
     between_rows_rad: float = 1e-5  # a boresight's path bends less between rows, up to 2 deg/s
+    leaving_s: float = 1.0  # the jerk of a slew changes within so much of its ends
     still_m_s: float = 1e-4  # a path goes 10 times as fast; rounding of places is 1e-8 m/s
 
 
@@ -152,6 +153,28 @@ def attitude_tracks(
     if not tracks:
         raise max(breaks, key=lambda broken: broken.row).refusal
     return tuple(track for _, track in sorted(tracks, key=lambda one: round(one[0], 9)))
+
+
+def held_cells(
+    platform: BodyPlatform, roll: RollRule, sight: TargetSight, q_eci_from_body_before: Rotation
+) -> Iterator[Mask]:
+    """By each sense of the rule, between which rows a session may hold it, (n - 1,).
+
+    All is kept while the body settles, too, and limits of agility for a second longer, in which a
+    slew may leave it.
+    """
+    settled = math.ceil(platform.envelope.settle_s / sight.step_s - 1e-6)
+    leaving = math.ceil(OPTIONS.leaving_s / sight.step_s)
+    for position in rolled_quaternions(platform, roll, sight, 0, q_eci_from_body_before):
+        held = np.ones(len(position) - 1, dtype=bool)
+        for check in _checks(platform, sight, attitude_motion(position, sight.step_s)):
+            kept = check.margin_share >= 0.0
+            if check.is_between_rows:
+                kept = np.convolve(~kept, np.ones(leaving))[leaving - 1 :] < 0.5
+            else:
+                kept = kept[1:] & kept[:-1]
+            held &= np.convolve(~kept, np.ones(settled + 1))[: len(kept)] < 0.5
+        yield held
 
 
 def rolled_quaternions(
@@ -300,24 +323,29 @@ def _held_rows(
     held = np.ones(len(sight.instants), dtype=bool)
     breaks: list[_Break] = []
     for check in _checks(platform, sight, motion):
-        broken = np.flatnonzero(check.margin_share[session] < 0.0)
+        margin_share = check.margin_share
+        if check.is_between_rows:
+            margin_share = -_on_rows(-margin_share)
+        broken = np.flatnonzero(margin_share[session] < 0.0)
         if broken.size:
             row = session.start + int(broken[0])
             breaks.append(_Break(check.refuse(row), row))
         if not check.imaging_only:
-            held &= check.margin_share >= 0.0
+            held &= margin_share >= 0.0
     return held, min(breaks, key=lambda broken: broken.row, default=None)
 
 
 class _Check(NamedTuple):
     """One thing to keep: its margin on rows (n,), negative where broken, and what is said then.
 
-    imaging_only: kept in the session alone.
+    imaging_only: kept in the session alone.  is_between_rows: its margin is that of the time
+    between two rows, (n - 1,).
     """
 
     margin_share: Array
     imaging_only: bool
     refuse: Callable[[int], Refusal]
+    is_between_rows: bool = False
 
 
 def _checks(platform: BodyPlatform, sight: TargetSight, motion: Motion) -> Iterator[_Check]:
@@ -335,9 +363,9 @@ def _checks(platform: BodyPlatform, sight: TargetSight, motion: Motion) -> Itera
     _, body = between_rows(motion, np.array(OPTIONS.shares))
     used_shares = np.max([limits.shares(flown) for flown in _by_share(body)], axis=0)
     for order in range(len(ORDERS)):
-        used_share = _on_rows(used_shares[:, order])
-        refuse = partial(_refuse_limit, sight, platform, limits, order, used_share)
-        yield _Check(1.0 + OPTIONS.tolerance - used_share, False, refuse)
+        used_share = used_shares[:, order]
+        refuse = partial(_refuse_limit, sight, platform, limits, order, _on_rows(used_share))
+        yield _Check(1.0 + OPTIONS.tolerance - used_share, False, refuse, is_between_rows=True)
 
 
 def _by_share(body: BodyMotion) -> Iterator[BodyMotion]:

@@ -2,20 +2,21 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from datetime import datetime
 from itertools import islice
 
 import numpy as np
 
 from planner.base import effort
 from planner.base.commands import ROWS_PER_S
-from planner.base.effort import WorkLimitReached, at_most
+from planner.base.effort import Effort, WorkLimitReached, at_most
 from planner.base.errors import InfeasibleSlew, Refusal
 from planner.base.reporting import Reporter, tell_nobody
 from planner.planning.sessions.assembly import sessions_after_conflicts, table_work
 from planner.planning.sessions.platforms.mover import Join, RowSpan
 from planner.planning.sessions.platforms.registry import mover_of
 from planner.planning.sessions.sequence import RefusedSession, SessionRefused, sequence_sessions
-from planner.planning.sessions.start_trials import Trials, longest_hold
+from planner.planning.sessions.start_trials import Slewed, Trials, longest_hold
 from planner.planning.sessions.track_branches import ephemeris_over, session_rows
 from planner.verification import verify
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
@@ -28,6 +29,10 @@ from planner.world.targets import BenchMotionTarget, EarthFixedTarget
 SHARE = 0.8  # of the work that is left, for planning the whole request once more
 
 
+# By start and stop of a session: those without which it is planned, None where it isn't.
+Costs = dict[tuple[datetime, datetime], tuple[int, ...] | None]
+
+
 class Others:
     """The other sessions of a refused one's request, asked about it moved.
 
@@ -35,16 +40,20 @@ class Others:
     start of which it wasn't found out.
     """
 
-    def __init__(self, refused: RefusedSession) -> None:
-        self._refused = refused
+    def __init__(self, refused: RefusedSession, known: Costs) -> None:
+        """known: what other searches for it found out, and this one will."""
+        self._refused, self._known = refused, known
         self.dearer: tuple[Session, tuple[int, ...]] | None = None
+        self._unheld: set[int] = set()
         self.undecided = ""
 
     def stay_as_asked(self, moved: Session) -> bool:
         """Whether the whole request, with that session moved, was planned and judged good."""
-        costs = None
+        times = moved.start, moved.stop
+        costs = self._known.get(times)
         with at_most(SHARE * effort.remaining()) as search:
-            costs = self._costs_at(moved)
+            if times not in self._known:
+                costs = self._known[times] = self._costs_at(moved)
         if search.is_exhausted:
             self.undecided = (
                 f"at {utc_text(moved.start, 1)} this session by itself can be, but whether the "
@@ -56,7 +65,8 @@ class Others:
 
     def always_cost(self, moved: Session) -> bool:
         """Whether some other session is lost wherever that one begins, if it ends when it does."""
-        return bool(self._hopeless_beside(moved))
+        costs = self._known.get((moved.start, moved.stop))
+        return bool(self._hopeless_beside(moved) or (costs and self._unheld.issuperset(costs)))
 
     def _hopeless_beside(self, moved: Session) -> tuple[int, ...]:
         """Later sessions that are asked too soon after the one before them."""
@@ -83,6 +93,8 @@ class Others:
                 lost = kept[failed.session.number]
                 if lost == number:
                     return None
+                if not isinstance(failed.refusal, InfeasibleSlew):
+                    self._unheld.add(lost)  # its own target is at fault
                 kept.remove(lost)
                 continue
             except Refusal:
@@ -93,15 +105,22 @@ class Others:
 
 def _is_planned(scenario: Scenario) -> bool:
     """Whether the pipeline plans it; raises SessionRefused and refusals of the whole."""
+    is_quick = mover_of(scenario).start_search.is_quick
+    if is_quick:
+        scenario = replace(scenario, slew=replace(scenario.slew, objective="smooth"))
     epoch_utc = scenario.initial_state.epoch
     rows = [session_rows(session, epoch_utc) for session in scenario.sessions]
     ephemeris = ephemeris_over(scenario, rows)
     joins = sequence_sessions(scenario, ephemeris, prove=False)
     mover = mover_of(scenario)
     whole = mover.with_final_slew(ephemeris, joins)
-    if not scenario.slew.keeps_limits:
+    if not scenario.slew.keeps_limits or (is_quick and not scenario.platform.always_excluded):
         return True
     effort.charge(table_work(scenario, whole[-1].stop_row))
+    if is_quick:
+        effort.charge(0.0)  # a table of a day would take more than is left
+        mover.table(epoch_utc, whole)
+        return True
     final, _ = sessions_after_conflicts(scenario, joins)
     return verify(mover.table(epoch_utc, whole), final).passed
 
@@ -117,7 +136,6 @@ class NearestStartOptions:
     refusals: int = 4  # starts that would cost other sessions, before such a one is named
     # a carrier lower than that is three times as far off, or more
     useful_elevation_deg: float = 10.0
-    rows_later: int = 3  # the solver needs a row or two more than closed forms say
 
 
 OPTIONS = NearestStartOptions()
@@ -137,12 +155,13 @@ class _Span:
     """Where another start is sought.
 
     known: rows at which the orbit is known.  seen: runs of them in which the target can be
-    seen, their ends good to the coarse step.
+    seen, their ends good to the coarse step.  kept_work_rows: of `effort`, that is to be left.
     """
 
     ephemeris: Ephemeris
     known: RowSpan
     seen: list[RowSpan]
+    kept_work_rows: float = 0.0
 
 
 def plan_sessions(
@@ -202,14 +221,18 @@ def _start_advice(refused: RefusedSession, tell: Reporter) -> Advice:
     span = _known_span(refused)
     if isinstance(span, Refusal):
         return Advice(f"no other start was tried: {span.detail.partition(';')[0]}")
+    most = mover_of(refused.scenario).start_search.work_rows
+    span = replace(span, kept_work_rows=max(effort.remaining() - most, 0.0))
     useful = _at_useful_elevation(refused)
+    known: Costs = {}
+    slewed: Slewed = {}
     if useful is not None:
         seen = _visible_rows(useful, span.ephemeris, span.known)
-        advice = _seek_start(useful, replace(span, seen=seen))
+        advice = _seek_start(useful, replace(span, seen=seen), known, slewed)
         if advice.session is not None:
             return advice
         tell("alternatives", 2, 3)
-    return _seek_start(refused, span)
+    return _seek_start(refused, span, known, slewed)
 
 
 def _at_useful_elevation(refused: RefusedSession) -> RefusedSession | None:
@@ -224,16 +247,18 @@ def _at_useful_elevation(refused: RefusedSession) -> RefusedSession | None:
     return replace(refused, scenario=replace(refused.scenario, sessions=tuple(sessions)))
 
 
-def _seek_start(refused: RefusedSession, span: _Span) -> Advice:
+def _seek_start(refused: RefusedSession, span: _Span, known: Costs, slewed: Slewed) -> Advice:
     """The session as it can be flown, and the way out in words."""
     session, wanted_row = refused.session, refused.wanted.start
     length_s = elapsed_s(session.stop, session.start)
-    others = Others(refused)
+    others = Others(refused, known)
     shortened = Trials(
         refused=refused,
         ephemeris=span.ephemeris,
         seen=span.seen,
         stop_utc=lambda _: session.stop,
+        slewed=slewed,
+        kept_work_rows=span.kept_work_rows,
     )
     moved = replace(shortened, stop_utc=lambda row: shifted_utc(refused.utc(row), length_s))
     held = _longest_hold(refused, span)
@@ -318,9 +343,9 @@ def _search_rows(
     can be flown, None if not found, and how far from the wanted row all were gone through; None:
     as far as there are any, negative: not one.
     """
-    reach_rows, refusals = -1, 0
+    reach_rows, refusals, failures = -1, 0, 0
     candidates = list(islice(rows, OPTIONS.attempts))
-    with at_most(min(OPTIONS.search, OPTIONS.search_share * effort.remaining())):
+    with _search_of(trials):
         for row in candidates:
             may = trials.ends_may(row) and trials.may_succeed(row)
             session = _nearest_feasible(trials, row, wanted_row) if may else None
@@ -328,8 +353,9 @@ def _search_rows(
             if session is not None and others.stay_as_asked(session):
                 return session, reach_rows
             refusals += may
+            failures += may and session is None
             most = 1 if session and others.always_cost(session) else OPTIONS.refusals
-            if may and (session is None or refusals >= most):
+            if may and (failures >= trials.mover.start_search.failures or refusals >= most):
                 return None, reach_rows
         return None, reach_rows if len(candidates) == OPTIONS.attempts else None
     return None, reach_rows
@@ -354,11 +380,30 @@ def _nearest_feasible(trials: Trials, row: int, wanted_row: int) -> Session | No
     if found is not None:
         return found
     surer = nearest_row(lambda middle: trials.ends_may(middle) and trials.may_succeed(middle))
-    for nearby in range(surer, surer + away * OPTIONS.rows_later, away):
-        found = trials.feasible_session(nearby) if nearby != first else None
+    search, good, bad, step = trials.mover.start_search, surer, surer - away, 1
+    for _ in range(search.slews):
+        found = trials.feasible_session(good) if good != first else None
         if found is not None:
-            return found
-    return None
+            break
+        if away < 0 and trials.needed_row > good:
+            return None  # with less time there is none either
+        bad, good = good, good + away * step
+        good = max(good, trials.needed_row) if away > 0 else good
+        step *= search.growth
+    while found is not None and abs(good - bad) > 1:
+        middle = (good + bad) // 2
+        nearer = trials.feasible_session(middle)
+        if nearer is not None:
+            found, good = nearer, middle
+        else:
+            bad = min(max(middle, trials.needed_row - 1), good - 1) if away > 0 else middle
+    return found
+
+
+def _search_of(trials: Trials) -> Effort:
+    """The bound of one direction of moving a session."""
+    left = effort.remaining()
+    return at_most(min(OPTIONS.search, OPTIONS.search_share * left, left - trials.kept_work_rows))
 
 
 def _longest_hold(refused: RefusedSession, span: _Span) -> RowSpan | None:

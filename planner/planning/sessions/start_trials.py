@@ -10,8 +10,8 @@ import numpy as np
 
 from planner.base import effort
 from planner.base.arrays import Mask
-from planner.base.commands import COMMAND_STEP_S
-from planner.base.errors import Refusal
+from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
+from planner.base.errors import InfeasibleSlew, Refusal
 from planner.motion.pointing.line_of_sight import STENCIL
 from planner.planning.sessions.platforms.mover import Mover, RowSpan, TrackBranch
 from planner.planning.sessions.platforms.registry import mover_of
@@ -47,7 +47,7 @@ def longest_hold(refused: RefusedSession, ephemeris: Ephemeris) -> RowSpan | Non
     effort.charge(TRACK_BRANCH_OPTIONS.hold + TRACK_BRANCH_OPTIONS.hold_row * count)
     try:
         los = los_on_rows(scenario, ephemeris, target, rows, count)
-        ways = tuple(mover_of(scenario).held(ephemeris, los))
+        ways = tuple(mover_of(scenario).held(ephemeris, refused.session, los, refused.state))
     except Refusal:  # nothing is known of the orbit or attitude then
         return None
     seen = (los.clearance_rad[1:] >= 0.0) & (los.clearance_rad[:-1] >= 0.0)
@@ -67,13 +67,18 @@ def _longest_run(held: Mask) -> RowSpan:
     return RowSpan(start=start, stop=stop)
 
 
+# By start and stop of a session: whether its slew is found, and starts at which it about is.
+Slewed = dict[tuple[datetime, datetime], tuple[bool, tuple[int, ...]]]
+
+
 @dataclass(frozen=True, kw_only=True)
 class Trials:
     """The refused session from a start row on; every method may end by WorkLimitReached.
 
     seen: runs of rows in which its target can be seen, none other are tried.  stop_utc: the
     stop that goes with a start row.  held: rows over which the target is known to be held, none
-    other are tried; None where that isn't known.
+    other are tried; None where that isn't known.  slewed: what was tried before.
+    kept_work_rows: of `effort`, that is to be left.
     """
 
     refused: RefusedSession
@@ -81,12 +86,15 @@ class Trials:
     seen: list[RowSpan]
     stop_utc: Callable[[int], datetime]
     held: RowSpan | None = None
+    slewed: Slewed = field(default_factory=dict)
+    kept_work_rows: float = 0.0
     _latest: dict[tuple[datetime, datetime, bool], tuple[TrackBranch, ...]] = field(
         default_factory=dict
     )
+    _needed_rows: list[int] = field(default_factory=list)
 
     @cached_property
-    def _mover(self) -> Mover:
+    def mover(self) -> Mover:
         return mover_of(self.refused.scenario)
 
     @property
@@ -149,8 +157,19 @@ class Trials:
         moved = self.moved_session(start_row)
         if moved is None:
             return None
-        branches = self._branches_at(moved, early=True)
-        return moved if any(self._is_slewed(branch) for branch in branches) else None
+        times = moved.start, moved.stop
+        self._needed_rows.clear()
+        if times not in self.slewed:
+            branches = self._branches_at(moved, early=True)
+            is_slewed = any(self._is_slewed(branch) for branch in branches)
+            self.slewed[times] = is_slewed, tuple(self._needed_rows)
+        is_slewed, self._needed_rows[:] = self.slewed[times]
+        return moved if is_slewed else None
+
+    @property
+    def needed_row(self) -> int:
+        """A start at which the session tried last is about feasible; -1 where that isn't known."""
+        return min(self._needed_rows, default=-1)
 
     def _branches_at(self, session: Session, *, early: bool = False) -> tuple[TrackBranch, ...]:
         """None where the session can't be held, or nothing is known of orbit or attitude then.
@@ -169,20 +188,18 @@ class Trials:
         rows = session_rows(session, refused.epoch_utc)
         from_row = refused.from_row if early else rows.start
         try:
-            return self._mover.ways(
-                self.ephemeris, refused.number, session, from_row, refused.state
-            )
+            return self.mover.ways(self.ephemeris, refused.number, session, from_row, refused.state)
         except Refusal:
             return ()
 
     def _may_be_slewed(self, branch: TrackBranch) -> bool:
         """Whether closed forms leave open that a slew succeeds; microseconds, cones aside."""
         state, from_row, join_row = self.refused.state, self.refused.from_row, branch.rows.start
-        there = self._mover.state_at(branch, join_row)
-        if self._mover.may_slew(state, there, join_row - from_row):
+        there = self.mover.state_at(branch, join_row)
+        if self.mover.may_slew(state, there, join_row - from_row):
             return True
         # The durations a slew can take have gaps: an earlier row may be within reach.
-        return self._mover.first_row_in_reach(branch, from_row, state, join_row) is not None
+        return self.mover.first_row_in_reach(branch, from_row, state, join_row) is not None
 
     def _is_slewed(self, branch: TrackBranch) -> bool:
         """A track that can be joined where its session begins needs no search for an earlier row.
@@ -199,9 +216,12 @@ class Trials:
         if not self._may_be_slewed(branch):
             return False
         try:
-            self._mover.slew_onto(
+            self.mover.slew_onto(
                 branch, refused.from_row, refused.state, thorough=False, early=early
             )
-        except Refusal:
+        except Refusal as refusal:
+            if isinstance(refusal, InfeasibleSlew) and refusal.needs_s is not None:
+                needed_row = refused.from_row + math.ceil(refusal.needs_s * ROWS_PER_S - 1e-6)
+                self._needed_rows.append(needed_row + branch.settle_rows)
             return False
         return True

@@ -5,10 +5,11 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from datetime import datetime
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
+from planner.base import effort
 from planner.base.arrays import Array, Mask
 from planner.base.commands import ROWS_PER_S, CommandTable, Motion
 from planner.base.errors import InfeasibleSlew, Refusal
@@ -26,12 +27,18 @@ from planner.motion.attitude.problem import (
     rows_of,
 )
 from planner.motion.attitude.slew import BodySlew, solve_attitude_slew
-from planner.motion.attitude.track import TargetSight, agility_limits, attitude_tracks, roll_rule
+from planner.motion.attitude.track import (
+    TargetSight,
+    agility_limits,
+    attitude_tracks,
+    held_cells,
+    roll_rule,
+)
 from planner.motion.pointing.line_of_sight import STENCIL, LineOfSight
 from planner.planning.sessions.budget import PointingBudget
 from planner.planning.sessions.plan import SlewRun, unproven_share
 from planner.planning.sessions.platforms.body_budget import body_budget, body_covariance_rad2
-from planner.planning.sessions.platforms.mover import Join, RowSpan, TrackBranch
+from planner.planning.sessions.platforms.mover import Join, RowSpan, StartSearch, TrackBranch
 from planner.planning.sessions.track_branches import (
     early_row,
     los_on_rows,
@@ -56,6 +63,8 @@ class BodyMoverOptions:
     longest_s: float = 3600.0  # of the slew to the idle attitude in the end
     # Onto the idle attitude, of what is recommended: a body that turns fast may need more.
     most_times: int = 8
+    track: int = 200  # of `effort`: to find how it lies on a target
+    track_row: float = 1.0  # of `effort`: on a row, and again for each exclusion
     inside_rad: float = 1e-6  # of an exclusion: 0.2 arcsec, more than the OCP leaves
 
 
@@ -96,6 +105,11 @@ class _Wait(NamedTuple):
 class BodyMover:
     """As `Mover` says; a state is the `Motion` of one instant, the base is GCRF."""
 
+    # Its least time is found, not known in closed form, and a slew that isn't found is dear.
+    start_search: ClassVar = StartSearch(
+        slews=9, growth=2, failures=2, work_rows=300_000, is_quick=True
+    )
+
     def __init__(self, scenario: Scenario) -> None:
         platform = scenario.platform
         if not isinstance(platform, BodyPlatform):
@@ -127,9 +141,9 @@ class BodyMover:
         wide = RowSpan(start=first_row, stop=max(rows.stop, first_row + STENCIL - 1))
         los = los_on_rows(scenario, ephemeris, target, wide)
         require_visible(los, rows, target, number)
-        sight = TargetSight(
-            target=target, instants=los.instants, states=los.states, los_eci=los.los_base
-        )
+        sight = _sight(target, los)
+        kept = 1 + len(self.platform.exclusions)
+        effort.charge(OPTIONS.track + OPTIONS.track_row * kept * len(los.instants))
         try:
             tracks = attitude_tracks(
                 self.platform,
@@ -190,13 +204,14 @@ class BodyMover:
     ) -> Join:
         """Exclusions are part of the programme: there is no detour to better or to prove.
 
+        thorough: else it joins where the session begins, even if `early`.
         What was refused once isn't solved again.
         """
         last_row = branch.rows.start
         if last_row <= from_row:
             raise InfeasibleSlew("no time is left for a slew before the session", limit="duration")
         began_s = time.perf_counter()
-        if early and self.scenario.slew.objective == "minimum_time":
+        if early and thorough and self.scenario.slew.objective == "minimum_time":
             goal, first_row = self._early_goal(branch, from_row, last_row)
         else:
             goal, first_row = branch.track.rows_at(last_row, last_row), last_row
@@ -250,9 +265,15 @@ class BodyMover:
         final = self.slew_onto(branch, last.stop_row, state)
         return [*joins, Join(**(vars(final) | {"stop_row": final.join_row}))]
 
-    def held(self, ephemeris: Ephemeris, los: LineOfSight) -> Iterator[Mask]:
-        """Not told: another start is then sought row by row."""
-        return iter(())
+    def held(
+        self, ephemeris: Ephemeris, session: Session, los: LineOfSight, state: Motion
+    ) -> Iterator[Mask]:
+        """By each sense of the session's roll rule; where it has been settled, too."""
+        assert isinstance(session.target, VisibleTarget)  # a scenario refuses the others
+        roll = roll_rule(self.platform, session.target, session.roll)
+        sight = _sight(session.target, los)
+        q_eci_from_body_before = Rotation.from_quat(state.position[0])
+        return held_cells(self.platform, roll, sight, q_eci_from_body_before)
 
     def table(self, epoch_utc: datetime, joins: list[Join]) -> CommandTable:
         parts: list[Motion] = []
@@ -459,3 +480,10 @@ class BodyMover:
         instants = self._instants(first_row, max(last_row, first_row + STENCIL - 1))
         idle = idle_attitude(self.platform.idle, instants, ephemeris.states(instants))
         return rows_of(idle, slice(last_row - first_row + 1))
+
+
+def _sight(target: VisibleTarget, los: LineOfSight) -> TargetSight:
+    """The base is GCRF."""
+    return TargetSight(
+        target=target, instants=los.instants, states=los.states, los_eci=los.los_base
+    )

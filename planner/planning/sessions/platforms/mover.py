@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 from planner.base.arrays import Array, Mask
 from planner.base.commands import CommandTable
@@ -75,8 +75,28 @@ class Join:
     search_truncated: bool = False
 
 
+@dataclass(frozen=True, kw_only=True)
+class StartSearch:
+    """How hard another start is sought for a refused session.
+
+    slews: solved, from the first row on that closed forms leave open.  growth: of the rows from
+    one to the next.  failures: candidates that closed forms leave open, until the search ends with
+    none found.  work_rows: of `effort`, for all ways of moving it.  is_quick: whether the whole
+    request is tried with smooth slews, which are taken where no quicker ones are found, and
+    without a judge.
+    """
+
+    slews: int
+    growth: int
+    failures: int
+    work_rows: float
+    is_quick: bool
+
+
 class Mover(Protocol):
     """The motion of one scenario's platform."""
+
+    start_search: ClassVar[StartSearch]
 
     def initial(self, ephemeris: Ephemeris) -> State:
         """How it moves at row 0; raises InfeasibleSlew where no table can begin so."""
@@ -133,8 +153,13 @@ class Mover(Protocol):
         """The joins, and a slew to the final state where one is asked for and not reached."""
         ...
 
-    def held(self, ephemeris: Ephemeris, los: LineOfSight) -> Iterator[Mask]:
-        """Of every way to point at a target, between which of its rows it is held, (n - 1,)."""
+    def held(
+        self, ephemeris: Ephemeris, session: Session, los: LineOfSight, state: State
+    ) -> Iterator[Mask]:
+        """Of every way to point at a target, between which of its rows it is held, (n - 1,).
+
+        state: where the platform comes from.
+        """
         ...
 
     def table(self, epoch_utc: datetime, joins: list[Join]) -> CommandTable:

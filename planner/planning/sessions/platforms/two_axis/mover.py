@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import datetime
+from typing import ClassVar
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from planner.motion.pointing.track import held_cells
 from planner.motion.slew import AxisState, require_brakable
 from planner.planning.sessions.budget import PointingBudget
 from planner.planning.sessions.plan import SlewRun, unproven_share
-from planner.planning.sessions.platforms.mover import Join, TrackBranch
+from planner.planning.sessions.platforms.mover import Join, StartSearch, TrackBranch
 from planner.planning.sessions.platforms.two_axis import joining
 from planner.planning.sessions.platforms.two_axis.budget import (
     error_covariance_rad2,
@@ -48,6 +49,11 @@ AWAY_ROWS = ROWS_PER_S  # from a cone or mask, out of which no slew comes at onc
 @dataclass(frozen=True)
 class TwoAxisMover:
     """As `Mover` says; a state is that of each axis, its base turns by an attitude law."""
+
+    # The solver needs a row or two more than closed forms say.
+    start_search: ClassVar = StartSearch(
+        slews=3, growth=1, failures=1, work_rows=math.inf, is_quick=False
+    )
 
     scenario: Scenario
 
@@ -100,7 +106,9 @@ class TwoAxisMover:
     def with_final_slew(self, ephemeris: Ephemeris, joins: list[Join]) -> list[Join]:
         return with_final_slew(self.scenario, ephemeris, joins)
 
-    def held(self, ephemeris: Ephemeris, los: LineOfSight) -> Iterator[Mask]:
+    def held(
+        self, ephemeris: Ephemeris, session: Session, los: LineOfSight, state: States
+    ) -> Iterator[Mask]:
         scenario, t_s = self.scenario, los.instants.t_s
         view = keep_out_view(scenario, ephemeris, float(t_s[0]), float(t_s[-1]))
         platform = axes_of(scenario).with_limits(limits_of(scenario))
