@@ -452,18 +452,20 @@ def _covariance(
     return np.asarray(clustered * np.outer(grown, grown))
 
 
-def _wandering(error: Array, slope: Array, taken: Array, step_s: float) -> Array:
+def _wandering(error: Array, slope_matrix: Array, taken_matrix: Array, step_s: float) -> Array:
     """Covariance of the errors (n,) of evenly spaced rows, as their spectrum tells it, times their
-    slopes, (n, k).  taken: (k, k), what the fit has taken of them at each frequency is the slopes'
-    spectrum by it."""
-    power, stretches, rows = mean_power([error])
-    parts = np.fft.rfft(slope[: stretches * rows].reshape(stretches, rows, -1), axis=1)
+    slopes, (n, k).  taken_matrix: (k, k), by which the slopes' spectrum tells what share of the
+    errors' the fit has taken at each frequency."""
+    power_level, stretches, rows = mean_power([error])
+    parts = np.fft.rfft(slope_matrix[: stretches * rows].reshape(stretches, rows, -1), axis=1)
     parts = parts[:, 1 : (rows + 1) // 2]
-    share = np.einsum("bfi,ij,bfj->f", parts, taken, parts.conj()).real / (stretches * rows)
-    spectrum = fit_spectrum(power / np.maximum(1.0 - share, 1.0 - OPTIONS.taken_max), rows, step_s)
+    share = np.einsum("bfi,ij,bfj->f", parts, taken_matrix, parts.conj()).real / (stretches * rows)
+    spectrum = fit_spectrum(
+        power_level / np.maximum(1.0 - share, 1.0 - OPTIONS.taken_max), rows, step_s
+    )
     covariance = spectrum.covariance(len(error)) if spectrum else np.zeros(len(error))
     around = np.concatenate([covariance, [0.0], covariance[:0:-1]])
-    spectra = np.fft.rfft(slope, 2 * len(error), axis=0) * np.fft.rfft(around)[:, None]
+    spectra = np.fft.rfft(slope_matrix, 2 * len(error), axis=0) * np.fft.rfft(around)[:, None]
     return np.asarray(np.fft.irfft(spectra, 2 * len(error), axis=0)[: len(error)])
 
 

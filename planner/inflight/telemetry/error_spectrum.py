@@ -28,12 +28,12 @@ OPTIONS = SpectrumOptions()
 @dataclass(frozen=True, eq=False)
 class ErrorSpectrum:
     """log_parameters: logarithms of the wander's variance, its half-life [s] and the noise's
-    variance.  likelier: by how much in the mean of the frequencies, in logarithm, than noise alone.
+    variance.  likelier_margin: by how much in the mean of the frequencies, in logarithm, than noise alone.
     rows, step_s: of the stretch that it was found in.
     """
 
     log_parameters: Array
-    likelier: float
+    likelier_margin: float
     rows: int
     step_s: float
 
@@ -57,29 +57,29 @@ class ErrorSpectrum:
         return np.asarray(np.maximum(np.diag(inverse), 1.0) / unit**2)
 
 
-def mean_power(stretches: Sequence[Array]) -> tuple[Array, int, int]:
+def mean_power(error_stretches: Sequence[Array]) -> tuple[Array, int, int]:
     """Of errors in evenly spaced rows, at all frequencies but none and the highest; of how many
     stretches of how many rows, equally long parts of those that there are."""
-    rows = min(max(map(len, stretches)), OPTIONS.rows_max)
+    rows = min(max(map(len, error_stretches)), OPTIONS.rows_max)
     powers = [
         np.abs(np.fft.rfft(error[first : first + rows])[1 : (rows + 1) // 2]) ** 2 / rows
-        for error in stretches
+        for error in error_stretches
         for first in range(0, len(error) - rows + 1, rows)
     ]
     return np.asarray(np.mean(powers, axis=0)), len(powers), rows
 
 
-def fit_spectrum(power: Array, rows: int, step_s: float) -> ErrorSpectrum | None:
+def fit_spectrum(power_level: Array, rows: int, step_s: float) -> ErrorSpectrum | None:
     """The likeliest to the power of so many rows; None where there is no error at all."""
     from scipy.optimize import minimize
 
-    size = float(np.mean(power)) if len(power) else 0.0
+    size = float(np.mean(power_level)) if len(power_level) else 0.0
     if not size > 0.0:
         return None
 
     def misfit(log_parameters: Array) -> float:
         spectrum = _spectrum(log_parameters, rows, step_s)
-        return float(np.mean(np.log(spectrum / size) + power / spectrum))
+        return float(np.mean(np.log(spectrum / size) + power_level / spectrum))
 
     low, high = math.log(size * 1e-8), math.log(size * 1e4)
     bounds = [(low, high), (math.log(0.2 * step_s), math.log(rows * step_s)), (low, high)]

@@ -74,7 +74,7 @@ def _told(power_rad2: Array, blocks: int, rows: int, step_s: float) -> Wander | 
             found.log_parameters.tolist(), (0.5, 1.0, 0.5), variance_log2.tolist(), strict=True
         )
     )
-    if len(power_rad2) * blocks * found.likelier < OPTIONS.likelier:
+    if len(power_rad2) * blocks * found.likelier_margin < OPTIONS.likelier:
         white = math.sqrt(float(np.mean(power_rad2)))
         noise = Estimate(value=white, sigma=white / math.sqrt(2.0 * rows * blocks))
         return Wander(sigma_rad=None, half_life_s=None, noise_rad=noise)
