@@ -28,8 +28,8 @@ OPTIONS = SpectrumOptions()
 @dataclass(frozen=True, eq=False)
 class ErrorSpectrum:
     """log_parameters: logarithms of the wander's variance, its half-life [s] and the noise's
-    variance.  likelier_margin: by how much in the mean of the frequencies, in logarithm, than noise alone.
-    rows, step_s: of the stretch that it was found in.
+    variance.  likelier_margin: by how much than noise alone, in logarithm, in the mean of the
+    frequencies.  rows, step_s: of the stretch that it was found in.
     """
 
     log_parameters: Array
