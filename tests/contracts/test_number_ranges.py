@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -86,7 +87,29 @@ def _body_of(**changes: object) -> Document:
     return plan | {"initial_state": start, "platform": SMALLSAT | changes}
 
 
+IMAGING_MODES = json.loads(
+    (Path(__file__).parents[2] / "examples" / "imaging_modes.json").read_text()
+)
+_LINE = [[-12.390357, 20.486982], [-12.506716, 21.017679]]
+_AHEAD = IMAGING_MODES["sessions"][1]["target"]["geometry"]["coordinates"]
+_RING = [[-19.83, 44.05], [-19.95, 44.42], [-19.72, 44.45], [-19.60, 44.08], [-19.83, 44.05]]
+_SCANNED = {"height_m": 0.0, "speed_m_s": 5500.0, "min_elevation_deg": 0.0}
+
+
+def _imaged(number: int, kind: str, coordinates: object, **target: object) -> Document:
+    """A session of the example of imaging modes, its target another one."""
+    session = IMAGING_MODES["sessions"][number]
+    geometry = {"type": kind, "coordinates": coordinates}
+    asked = session | {"target": target | _SCANNED | {"geometry": geometry}}
+    return IMAGING_MODES | {"sessions": [asked]}
+
+
 FRAGMENTS = [
+    _imaged(0, "LineString", _LINE, mode="strip"),
+    _imaged(0, "MultiLineString", [_LINE], mode="corridor"),
+    _imaged(1, "LineString", _AHEAD, mode="stereo", look_angle_deg=22.0, gap_s=60.0),
+    _imaged(1, "LineString", _AHEAD, mode="tri_stereo", look_angle_deg=22.0, gap_s=30.0),
+    _imaged(2, "MultiPolygon", [[_RING]], mode="area", azimuth_deg=0.0, overlap=0.1, swath_m=9e3),
     _body_of(),
     _body_of(
         agility={"limits": "axis", "rate_max_deg_s": [1.0, 1.0, 1.0], "settle_s": 0.0,

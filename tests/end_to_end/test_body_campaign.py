@@ -100,7 +100,8 @@ def test_star_trackers_are_known_at_the_roll_that_looks_before_leave(monkeypatch
     with monkeypatch.context() as unknown:
         unknown.setattr(BodyFollower, "first_unheld", lambda *given: None)
         blind = choose_campaign(request)
-    assert known.value < blind.value <= known.bound
+    # Sums of worths in another order differ in their last digits.
+    assert known.value < blind.value <= known.bound * (1.0 + 1e-12)
     # Of the passes that differ, those of the blind choice can't be planned as they are.
     differ = [pair for pair in enumerate(blind.passes) if pair[1] not in known.passes]
     scenarios = [scenario_of(request, flight, number) for number, flight in differ]

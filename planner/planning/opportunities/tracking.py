@@ -397,11 +397,12 @@ def follow(
         spans = _spans_of(b, s.c, s.p, n, rise_s, set_s)
         each = np.zeros((len(spans), 8))
         each[:, 0], each[:, 1:5] = n, spans
-        for one in each:
+        for k in range(len(spans)):
             for end in range(2):
-                if one[3 + end] < 0.0:
-                    one[3 + end] = found.cause[w, end]
-            one[6], one[7] = _session_in(b, s.c, s.p, n, (one[1], one[2]), off_nadir_rad)
+                if each[k, 3 + end] < 0.0:
+                    each[k, 3 + end] = found.cause[w, end]
+            span_s = spans[k, 0], spans[k, 1]
+            each[k, 6], each[k, 7] = _session_in(b, s.c, s.p, n, span_s, off_nadir_rad)
         rows.append(each[spans[:, 1] - spans[:, 0] >= limits[0]])
         looks += 20 * math.ceil((set_s - rise_s) / OPTIONS.step_s)
     told, count = np.empty((sum([len(each) for each in rows]), 8)), 0
