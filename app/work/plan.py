@@ -24,7 +24,6 @@ from planner.base.commands import Channel, CommandTable
 from planner.base.spec import as_kept
 from planner.output.export import EXPORTERS
 from planner.verification import Finding
-from planner.world.end_of_table import end_of_table
 from planner.world.frames.time_scales import utc_from_text, utc_text
 from planner.world.plan import FlightPlan, Segment, SegmentKind
 
@@ -57,11 +56,6 @@ def try_plan(request: PlanRequest, provenance: ProvenanceOut) -> bytes:
 def stored_table_json(table_columns: bytes) -> bytes:
     """The table as the answer holds it."""
     return table_json(_table(unpack(table_columns)))
-
-
-def end_of_stored_table(table_columns: bytes) -> tuple[datetime, dict[str, Any], dict[str, Any]]:
-    """As `end_of_table` tells it."""
-    return end_of_table(_table(unpack(table_columns)))
 
 
 def stored_table_file(

@@ -8,9 +8,11 @@ import numpy as np
 from planner.base.arrays import Array
 from planner.base.commands import COMMAND_STEP_S, CommandTable
 from planner.base.rotation import Rotation
-from planner.world.frames.time_scales import shifted_utc
+from planner.world.frames.time_scales import elapsed_s, shifted_utc
+from planner.world.platforms import BodyPlatform
 from planner.world.rules.body import BodyRules
 from planner.world.rules.two_axis import TwoAxisRules
+from planner.world.scenario import Scenario
 
 
 def end_of_table(table: CommandTable) -> tuple[datetime, dict[str, Any], dict[str, Any]]:
@@ -44,6 +46,19 @@ def end_of_table(table: CommandTable) -> tuple[datetime, dict[str, Any], dict[st
     # In a day such a rate would turn it by 0.00001 deg.
     rests = np.abs(np.rad2deg(rate_rad_s)).max() <= 1e-10
     return end_utc, position, {} if rests else members
+
+
+def waits_from(before: Scenario, end_utc: datetime, later: Scenario) -> bool:
+    """Whether `later` begins when the plan of `before` has ended, with what waits meanwhile.
+
+    later: beginning on its idle attitude, which then must be the law that the earlier plan ended
+    on, or with a position that rests.
+    """
+    ended, platform, start = before.platform, later.platform, later.initial_state
+    is_over = elapsed_s(start.epoch, end_utc) >= 0.0
+    if isinstance(ended, BodyPlatform) and start.q_body_from_eci_xyzw is None:
+        return is_over and isinstance(platform, BodyPlatform) and ended.idle == platform.idle
+    return is_over
 
 
 def _degrees(column_rad: Array) -> list[float]:

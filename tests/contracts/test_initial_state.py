@@ -188,6 +188,9 @@ def test_the_same_key_gets_the_same_plan(client):
     assert once.json()["id"] == again.json()["id"]
 
 
+IDLE_END = {"final_state": "idle"}
+
+
 def of_body(state, start, stop, **changes):
     """Las Vegas with a spacecraft that turns as a whole."""
     target = LAS_VEGAS["sessions"][0]["target"]
@@ -220,7 +223,7 @@ def test_a_body_at_rest_waits_where_it_is_until_it_is_time(client):
     still = {"law": "inertial", "q_body_from_eci_xyzw": [0.5, 0.5, 0.5, 0.5]}
     platform = client.get("/v1/platforms").json()["platforms"]
     [body] = [one for one in platform if one["name"] == "smallsat-120kg"]
-    resting = {"platform": body | {"idle": still, "off_nadir_max_deg": 60.0}, "final_state": "idle"}
+    resting = {"platform": body | {"idle": still, "off_nadir_max_deg": 60.0}} | IDLE_END
     first = of_body({}, "2015-02-27T17:36:46Z", "2015-02-27T17:36:56Z") | resting
     after = {"after": ok(post(client, first))["id"]}
     second = of_body(after, "2015-02-28T16:45:00Z", "2015-02-28T16:45:20Z") | resting
@@ -231,11 +234,34 @@ def test_a_body_at_rest_waits_where_it_is_until_it_is_time(client):
     )
 
 
+def test_a_body_on_its_idle_attitude_keeps_to_it_until_it_is_time(client):
+    """Looking down it turns once an orbit and never rests; a day from there is no table."""
+    platforms = client.get("/v1/platforms").json()["platforms"]
+    [body] = [one for one in platforms if one["name"] == "smallsat-120kg"]
+    body |= {"star_trackers": None, "exclusions": []}
+    idle = {"platform": body | {"idle": {"law": "nadir"}}} | IDLE_END
+    first = of_body({}, "2015-02-27T17:36:46Z", "2015-02-27T17:36:56Z") | idle
+    after = {"after": ok(post(client, first))["id"]}
+    times = {"start": "2015-02-28T18:21:20Z", "stop": "2015-02-28T18:21:30Z"}
+    idle["sessions"] = [{"target": {"mode": "star", "name": "Vega"}, **times}]
+    later = first | idle | {"initial_state": after}
+    second, unnamed = ok(post(client, later)), ok(post(client, first | idle))
+    assert second["table"] == unnamed["table"]
+    assert second["table"]["epoch"].startswith("2015-02-28T1")
+    assert assumed(second) == assumed(unnamed)
+    # Another law doesn't lead on from where the body was left: that is told, as before.
+    other = {"platform": body | {"idle": {"law": "nadir", "forward_body": [0.0, 1.0, 0.0]}}}
+    problem = post(client, later | other).json()
+    assert problem["status"] == 422
+    assert "must end within 86400 s of initial_state.epoch" in problem["detail"]
+
+
 def test_two_axes_have_no_attitude_to_begin_with(client):
     """Neither asked for nor as the end of a body's plan."""
-    first = ok(post(client, of_body({}, "2015-02-27T17:36:46Z", "2015-02-27T17:36:56Z")))
-    for state in ({"q_body_from_eci_xyzw": [0.0, 0.0, 0.0, 1.0]}, {"after": first["id"]}):
-        session = (DENVER, "2015-02-27T17:38:30Z", "2015-02-27T17:38:50Z")
+    times = ("2015-02-27T17:36:46Z", "2015-02-27T17:36:56Z")
+    ends = [ok(post(client, of_body({}, *times, **end)))["id"] for end in ({}, IDLE_END)]
+    for state in ({"q_body_from_eci_xyzw": [0.0, 0.0, 0.0, 1.0]}, *({"after": id} for id in ends)):
+        session = (DENVER, "2015-02-27T20:38:30Z", "2015-02-27T20:38:50Z")
         problem = post(client, request(state, [session])).json()
         assert (problem["status"], problem["field"]) == (422, "initial_state.q_body_from_eci_xyzw")
         assert "only a body has it" in problem["detail"]

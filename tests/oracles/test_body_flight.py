@@ -11,8 +11,9 @@ from scipy.linalg import expm, solve_continuous_lyapunov
 from scipy.spatial.transform import Rotation
 
 sys.path.append(str(Path(__file__).parents[1] / "end_to_end"))
+import agile_bodies
 from agile_bodies import smallsat
-from test_body_plans import SMALLSAT, body_request, planned
+from test_body_plans import PATH, SMALLSAT, body_request, planned
 
 from planner.inflight.flights.frames import EXPOSURE_POINTS, frames_of
 from planner.inflight.flights.nominal import nominal_session
@@ -20,6 +21,8 @@ from planner.inflight.flights.runs import fly_runs
 from planner.inflight.flights.scene import session_scenes
 from planner.inflight.flights.summary import summarise
 from planner.inflight.simulation.platforms.registry import flyer_of
+from planner.world.frames.earth_orientation import c_itrf_from_eci
+from planner.world.frames.time_scales import Instants
 
 ARCSEC = math.radians(1.0 / 3600.0)
 CAUSES = ("attitude knowledge", "attitude control", "vibration")
@@ -203,3 +206,42 @@ def test_a_pushbroom_is_flown_line_by_line():
     told = made.budgets[0].probability_in_frame
     assert 0.05 < told < 0.95
     assert not flown.in_frame.differs_from(told)
+
+
+def test_lines_of_a_slow_scan_last_as_long_as_the_ground_takes_to_cross_them():
+    """A place on the turning Earth, seen before and after by the attitudes of the table's rows.
+
+    It stands where the path is at a row; the exposure in between is that of its row.
+    """
+    times = {"start": "2015-05-10T10:41:08Z", "stop": "2015-05-10T10:41:38Z"}
+    path = {"target": PATH, "roll": {"rule": "lines_across_motion"}, **times}
+    platform = SMALLSAT | {"camera": agile_bodies.SMALLSAT["camera"]}
+    [scene] = session_scenes(planned(body_request(platform=platform, sessions=[path])))
+    camera, table = scene.scenario.platform.camera, scene.table
+    shortest_s = camera.tdi_lines / camera.line_rate_max_hz
+    lasts_s = scene.at_s[:, -1] - scene.at_s[:, 0]
+    assert lasts_s.min() > 5.0 * shortest_s
+    assert scene.at_s[-1, -1] <= scene.from_s + table.t_s[-1] + 1e-6
+    mount = Rotation.from_matrix(camera.c_payload_from_body)
+    for frame in (20, 150, 280):  # two seconds in, and so on: on a row
+        middle_s = scene.at_s[frame, 0]
+        row = round((middle_s - scene.from_s) / 0.2)
+        at_s = middle_s + np.array([0.0, -0.2, 0.2])
+        instants = Instants(scene.instants.epoch_utc, at_s)
+        place_itrf_m = scene.target.r_target_itrf_m(instants)[0]
+        place_eci_m = c_itrf_from_eci(instants)[0].T @ place_itrf_m
+        turned = Rotation.from_rotvec(np.outer(at_s - middle_s, [0.0, 0.0, 7.292115e-5]))
+        seen_eci_m = turned.apply(place_eci_m) - scene.ephemeris.states(instants).r_sat_eci_m
+        q_eci_from_body = Rotation.from_quat(table.position[[row, row - 1, row + 1]])
+        x, _, z = (mount * q_eci_from_body.inv()).apply(seen_eci_m).T
+        crossed_px = abs(x[2] / z[2] - x[1] / z[1]) / (camera.pixel_arcsec * ARCSEC)
+        crossing_s = camera.tdi_lines * 0.4 / crossed_px
+        # The angle's curvature over 0.4 s, and aberration, which changes by some arcseconds.
+        assert lasts_s[frame] == pytest.approx(crossing_s, rel=5e-3)
+
+
+def test_a_line_is_never_shorter_than_at_the_largest_rate():
+    """200 pixels a second, 20,000 of the 12,000 there may be, and a stare, in which none move."""
+    camera = smallsat().camera
+    image_rad_s = np.array([200.0, 20e3, 0.0]) * 0.275 * ARCSEC
+    assert camera.exposures_s(image_rad_s) == pytest.approx([64 / 200, 64 / 12e3, 64 / 12e3])

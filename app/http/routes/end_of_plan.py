@@ -1,6 +1,7 @@
 """A request that continues where a kept plan ends: `initial_state.after`."""
 
 import json
+from typing import Any
 
 from app.ids import is_id
 from app.jobs.kinds import PLAN
@@ -10,9 +11,12 @@ from app.requests.plain_text import require_plain
 from app.requests.plan import read_plan_request
 from app.store import jobs, plans
 from app.store.database import Database
-from app.work.plan import end_of_stored_table
+from app.store.packed import unpack
+from app.work.plan import stored_plan
 from planner.base.errors import InvalidInput
-from planner.world.frames.time_scales import elapsed_s, utc_text
+from planner.world.end_of_table import end_of_table, waits_from
+from planner.world.frames.time_scales import utc_text
+from planner.world.plan import FlightPlan
 from planner.world.rules.registry import POSITIONS
 
 _FIELD = "initial_state.after"
@@ -26,10 +30,10 @@ def may_go_on_after(body: bytes) -> bool:
 def from_end_of_plan(database: Database, body: bytes) -> bytes:
     """The request with the state in which the plan it names ends; the same where it names none.
 
-    What rests waits where it is until it is time for the first slew.  Raises InvalidInput
-    and Conflict where there is no such plan, or not yet.
+    What rests, or keeps its idle attitude, waits so until it is time for the first slew.
+    Raises InvalidInput and Conflict where there is no such plan, or not yet.
     """
-    document = json_document(body)
+    document: Any = json_document(body)
     state = document.get("initial_state") if isinstance(document, dict) else None
     if not isinstance(state, dict) or not isinstance(state.get("after"), str):
         return body
@@ -44,28 +48,30 @@ def from_end_of_plan(database: Database, body: bytes) -> bytes:
         plan_id = require_plain(state["after"])
     except ValueError as fault:
         raise InvalidInput(str(fault), field=_FIELD) from None
-    end_utc, position, motion = end_of_stored_table(_table_of(database, plan_id))
+    before = _plan_of(database, plan_id)
+    end_utc, position, motion = end_of_table(before.table)
     state.update(position)
-    if not motion:
-        filled = json.dumps(document).encode()
-        if elapsed_s(read_plan_request(filled).initial_state.epoch, end_utc) >= 0.0:
+    for waits, begins in ((before.scenario.final_state == "idle", {}), (not motion, state)):
+        filled = json.dumps(document | {"initial_state": begins}).encode()
+        if waits and waits_from(before.scenario, end_utc, read_plan_request(filled)):
             return filled
     state.update(motion, epoch=utc_text(end_utc, 1))
     return json.dumps(document).encode()
 
 
-def _table_of(database: Database, plan_id: str) -> bytes:
-    """Of a plan that may be flown."""
+def _plan_of(database: Database, plan_id: str) -> FlightPlan:
+    """One that may be flown; raises KeptUnreadable."""
     with database.reading() as connection:
         job = jobs.get(connection, plan_id) if is_id(plan_id) else None
         plan = plans.get(connection, job) if job is not None else None
+        request = jobs.request_of(connection, plan_id) if plan is not None else None
     if job is None or job.kind != PLAN.name:
         raise InvalidInput(
             f"there is no plan {plan_id!r}; GET /v1/plans lists them, or give epoch and motion",
             field=_FIELD,
         )
-    if plan is None or plan.state != "done":
+    if plan is None or request is None or plan.state != "done":
         raise Conflict(
             f"there is no end of the plan to go on from: its state is {job.state}", field=_FIELD
         )
-    return plan.table_columns
+    return stored_plan(request, unpack(plan.table_columns))

@@ -1,7 +1,7 @@
 """Frames that hold the target, and their sharpness."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -57,16 +57,26 @@ class Frames:
         return self.holds & (self.smear_px < 1.0)
 
 
-def exposures_s(camera: Shutter, start_s: float, stop_s: float) -> Array:
+def exposures_s(
+    camera: Shutter,
+    start_s: float,
+    stop_s: float,
+    image_rad_s: Callable[[Array], Array] = np.zeros_like,
+) -> Array:
     """Instants of each exposure from `start_s` to `stop_s`, (n, EXPOSURE_POINTS).
 
     The first frame begins with the session; one that would end after it isn't taken, unless no
     other is: a session shorter than an exposure has one frame as long as itself.
+    image_rad_s: at instants (n,), how fast the image moves across the camera's lines.
     """
-    exposure_s = min(camera.exposure_s, stop_s - start_s)
-    count = math.floor((stop_s - start_s - exposure_s) * camera.frames_per_s + 1e-9) + 1
+    session_s = stop_s - start_s
+    shortest_s = min(camera.exposure_s, session_s)
+    count = math.floor((session_s - shortest_s) * camera.frames_per_s + 1e-9) + 1
     begins_s = start_s + np.arange(count) / camera.frames_per_s
-    return np.asarray(begins_s[:, None] + np.linspace(0.0, exposure_s, EXPOSURE_POINTS))
+    lasts_s = np.minimum(camera.exposures_s(image_rad_s(begins_s)), session_s)
+    is_over = begins_s + lasts_s <= stop_s + 2e-9 / camera.frames_per_s
+    begins_s, lasts_s = begins_s[is_over], lasts_s[is_over]
+    return np.asarray(begins_s[:, None] + np.linspace(0.0, lasts_s, EXPOSURE_POINTS, axis=1))
 
 
 def frames_of(

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +11,7 @@ from planner.base.arrays import Array, cross
 from planner.base.commands import ROWS_PER_S, CommandTable
 from planner.base.errors import InvalidInput
 from planner.base.interpolation import NODES, UniformTable
+from planner.base.table_motion import motion_at
 from planner.inflight.flights.draws import Draw
 from planner.inflight.flights.frames import exposures_s
 from planner.inflight.simulation.platforms.flyer import Flyer
@@ -18,12 +20,13 @@ from planner.planning.sessions.platforms.mover import RowSpan
 from planner.planning.sessions.track_branches import session_rows
 from planner.planning.sessions.uncertainty import OPTIONS as BUDGET_OPTIONS
 from planner.planning.sessions.uncertainty import ut1_sigma_s
+from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.time_scales import Instants, shifted_utc
 from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.orbits.accuracy import NormalMixture
 from planner.world.plan import FlightPlan
 from planner.world.scenario import Scenario
-from planner.world.targets import VisibleTarget
+from planner.world.targets import GroundPathTarget, VisibleTarget
 
 # Errors of a plan's sessions: the causes of its pointing budget and their sizes.
 
@@ -229,7 +232,10 @@ def session_scenes(plan: FlightPlan) -> list[SessionScene]:
             table=_rows_from(table, first_row[which], rows.stop),
             from_s=first_row[which] / ROWS_PER_S,
             at_s=exposures_s(
-                scenario.platform.camera, rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S
+                scenario.platform.camera,
+                rows.start / ROWS_PER_S,
+                rows.stop / ROWS_PER_S,
+                partial(_image_rad_s, scenario, flyer, table, ephemerides[which], target),
             ),
             instants=instants[which],
             ephemeris=ephemerides[which],
@@ -238,6 +244,33 @@ def session_scenes(plan: FlightPlan) -> list[SessionScene]:
         )
         for which, (number, _, target, rows) in enumerate(seen)
     ]
+
+
+def _image_rad_s(
+    scenario: Scenario,
+    flyer: Flyer,
+    table: CommandTable,
+    ephemeris: Ephemeris,
+    target: VisibleTarget,
+    t_s: Array,
+) -> Array:
+    """Rate of the ground's image along the payload's +X at n instants of the table, (n,).
+
+    Of a path, which runs over the ground; 0 of all else, which the camera holds in one place.
+    """
+    if not isinstance(target, GroundPathTarget):
+        return np.zeros_like(t_s)
+    instants = Instants(table.epoch_utc, t_s)
+    states = ephemeris.states(instants)
+    before_m, after_m = (
+        target.r_target_itrf_m(Instants(table.epoch_utc, t_s + off_s)) for off_s in (-0.05, 0.05)
+    )
+    v_itrf_m_s = (after_m - before_m) / 0.1
+    v_eci_m_s = np.einsum("nji,nj->ni", c_itrf_from_eci(instants), v_itrf_m_s)
+    v_base_m_s = flyer.q_base_from_eci(instants, states).apply(v_eci_m_s)
+    q_payload_from_base = scenario.platform.q_payload_from_base(motion_at(table, t_s).position)
+    along_m_s = q_payload_from_base.apply(v_base_m_s)[:, 0]
+    return np.abs(along_m_s) / target.apparent(instants, states).range_m
 
 
 def _nodes(table: CommandTable, rows: RowSpan) -> Instants:

@@ -182,6 +182,15 @@ class PushbroomCamera:
         """Time in which a point crosses the lines that are added up, at the largest line rate."""
         return self.tdi_lines / self.line_rate_max_hz
 
+    def exposures_s(self, image_rad_s: Array) -> Array:
+        """The same at line rates that follow the image, a line for each pixel it moves; (n,).
+
+        image_rad_s: the image's rate across the line; where it is 0 the largest line rate is
+        taken, as it is where the image moves faster than that.
+        """
+        line_rate_hz = np.minimum(image_rad_s / self.pixel_rad, self.line_rate_max_hz)
+        return self.tdi_lines / np.where(line_rate_hz > 0.0, line_rate_hz, self.line_rate_max_hz)
+
     @property
     def frames_per_s(self) -> float:
         """So many lines of a second are looked at, as errors change slowly beside them."""

@@ -3,6 +3,9 @@
 import math
 from typing import Annotated, Protocol
 
+import numpy as np
+
+from planner.base.arrays import Array
 from planner.base.spec import Within, spec
 
 HRC_PIXEL_ARCSEC = math.degrees(1.15 / 350e3) * 3600.0  # 1.15 m from 350 km: Sumarokov 2016
@@ -18,6 +21,9 @@ class Shutter(Protocol):
     def exposure_s(self) -> float: ...
     @property
     def frames_per_s(self) -> float: ...
+    def exposures_s(self, image_rad_s: Array) -> Array:
+        """Of n frames, where the image moves so fast across the camera's lines; 0: it stands."""
+        ...
 
 
 @spec
@@ -46,6 +52,10 @@ class Camera:
     def pixel_rad(self) -> float:
         """Angle a pixel sees, in the middle of the frame."""
         return math.radians(self.pixel_arcsec / 3600.0)
+
+    def exposures_s(self, image_rad_s: Array) -> Array:
+        """The same, however fast the image moves."""
+        return np.full(len(image_rad_s), self.exposure_s)
 
 
 HRC_CAMERA = Camera()
