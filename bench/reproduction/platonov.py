@@ -61,10 +61,10 @@ from planner.spacecraft.vehicle.definition import (
     SlewLimits,
 )
 from planner.spacecraft.vehicle.onboard import PAPER, TABLE, Estimate, estimate_rate, memory_at
-from planner.spacecraft.vehicle.steering import steer
 from planner.world.frames.time_scales import Instants, utc_text
 from planner.world.orbits import StateVectorOrbit
 from planner.world.platforms.cmg_array import CmgArray
+from planner.world.platforms.steering import steer
 from reproduction.report import Numbers
 
 # The sessions of Platonov, Sumarokov 2019, Figs. 3 to 9: requests, plans and dispersed flights.

@@ -20,6 +20,7 @@ _ROOMS = (
     "motion/pointing/reach.py",
     "base/vectors.py",
     "world/platforms/polygon_kernel.py",
+    "world/platforms/steering.py",
     "world/targets/limb_kernel.py",
 )
 _CONSTANTS = (

@@ -33,8 +33,8 @@ from planner.spacecraft.imaging.session import ImagingSession, make_session
 from planner.spacecraft.imaging.timeline import PlannedSlew, Timeline
 from planner.spacecraft.requests import ImagingPlanRequest, LeftOut
 from planner.spacecraft.table import AttitudeTable, camera_on
-from planner.spacecraft.vehicle.steering import gimbal_rows, total_momentum_eci
 from planner.spacecraft.verification import SpacecraftVerification, verify_table
+from planner.world.platforms.steering import gimbal_rows, total_momentum_eci
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -205,7 +205,7 @@ def make_table(session: ImagingSession, timeline: Timeline) -> AttitudeTable:
         timeline.q_body_from_eci,
         q_eci_from_body[0].apply(inertia_kg_m2 * omega_body_rad_s[0] + gyros_body_n_m_s),
         states.r_sat_eci_m,
-        inertia_kg_m2,
+        np.diag(inertia_kg_m2),
     )
     gimbal_rad, gimbal_rate_rad_s = gimbal_rows(
         spacecraft.array,

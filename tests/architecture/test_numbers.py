@@ -19,7 +19,7 @@ MOST = {
     "motion": 68,
     "output": 37,
     "planning": 32,
-    "spacecraft": 39,
+    "spacecraft": 38,
     "verification": 60,
     "world": 121,
 }

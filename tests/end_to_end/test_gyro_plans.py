@@ -5,6 +5,7 @@ rotations goes through them, gravity's torque is integrated from the start, and 
 gyros at +-60 and +-120 degrees are turned by the least rates that change their momentum so.
 """
 
+import dataclasses
 import json
 import math
 from datetime import timedelta
@@ -16,8 +17,10 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.spatial.transform import Rotation, RotationSpline
 
 from app.requests.plan import read_plan_request
+from planner.base.errors import InfeasibleSlew
 from planner.planning.sessions.pipeline import make_plan
 from planner.world.frames.time_scales import Instants
+from planner.world.platforms.agile_cmg import AGILE_CMG
 
 INERTIA_KG_M2 = np.array([800.0, 500.0, 800.0])
 ROTOR_N_M_S, STEP_S = 60.0, 0.005
@@ -45,15 +48,54 @@ def test_three_cities_are_imaged_by_the_platform_s_name(plan):
     assert plan.scenario.platform.name == "agile-cmg"
 
 
-def test_a_gentle_plan_asks_little_of_the_gyros():
-    plan = planned()
-    assert plan.verification.passed
-    _, torque = gyro_motion(plan)
+@pytest.fixture(scope="module")
+def gentle():
+    return planned()
+
+
+def test_a_gentle_plan_asks_little_of_the_gyros(gentle):
+    assert gentle.verification.passed
+    _, torque = gyro_motion(gentle)
     assert np.linalg.norm(torque, axis=1).max() < 3.0
+
+
+def test_momentum_that_gravity_adds_has_room_or_is_refused(gentle):
+    """A start on the edge: the same motion, begun with a little less and a little more than what
+    leaves 60 N m s for the gyros at the largest rate about all three axes."""
+    q_eci_from_body, total, _, _ = body_motion(gentle)
+    total_eci = q_eci_from_body.apply(total)
+    added = total_eci[-1] - total_eci[0]
+    assert np.linalg.norm(added) > 0.01
+    along = added / np.linalg.norm(added)
+    most = 60.0 - math.radians(1.58) * np.linalg.norm(INERTIA_KG_M2)
+
+    def begun_with(size):
+        start = q_eci_from_body[0].inv().apply(size * along)
+        gyros = dataclasses.replace(AGILE_CMG.gyros, start_n_m_s=tuple(start.tolist()))
+        platform = dataclasses.replace(AGILE_CMG, gyros=gyros)
+        return make_plan(dataclasses.replace(gentle.scenario, platform=platform))
+
+    across = np.linalg.norm(np.cross(total_eci, along), axis=1)
+    edge = float((np.sqrt(most**2 - across**2) - total_eci @ along).min())
+    assert edge < most
+    assert begun_with(edge - 1e-3).verification.passed
+    with pytest.raises(InfeasibleSlew, match="unload the gyros first") as refused:
+        begun_with(edge + 1e-3)
+    assert (refused.value.field, refused.value.limit) == (
+        "platform.gyros.start_n_m_s",
+        "momentum",
+    )
 
 
 def gyro_motion(plan):
     """Every 5 ms: what the gyros hold and the torque they give, in body axes, (n, 3) each."""
+    _, total, omega, torque = body_motion(plan)
+    return total - INERTIA_KG_M2 * omega, torque
+
+
+def body_motion(plan):
+    """Every 5 ms: the attitude, and in body axes what body and gyros hold together, the rate and
+    the gyros' torque, (n, 3) each."""
     told = {channel.name: value for channel, value in plan.table.columns}
     q = np.transpose([told[f"q_eci_from_body_{part}"] for part in "xyzw"])
     spline = RotationSpline(plan.table.t_s, Rotation.from_quat(q))
@@ -67,10 +109,11 @@ def gyro_motion(plan):
     up = q_eci_from_body.inv().apply(r_eci_m / r_m)
     gravity_n_m = 3.0 * MU_M3_S2 / r_m**3 * np.cross(up, INERTIA_KG_M2 * up)
     impulse = cumulative_trapezoid(q_eci_from_body.apply(gravity_n_m), dx=STEP_S, axis=0, initial=0)
-    begun = q_eci_from_body[0].apply(INERTIA_KG_M2 * omega[0])
+    rate_deg_s = [told[f"omega_body_deg_s_{part}"][0] for part in "xyz"]  # a spline's ends are free
+    begun = q_eci_from_body[0].apply(INERTIA_KG_M2 * np.radians(rate_deg_s))
     total = q_eci_from_body.inv().apply(begun + impulse)
     torque = INERTIA_KG_M2 * alpha + np.cross(omega, total) - gravity_n_m
-    return total - INERTIA_KG_M2 * omega, torque
+    return q_eci_from_body, total, omega, torque
 
 
 def test_gyros_give_torque_and_hold_momentum_within_their_limits(plan):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from planner.spacecraft.vehicle.definition import AgileSpacecraft, SlewLimits
-from planner.spacecraft.vehicle.steering import rotor_momentum, steer
 from planner.world.platforms.cmg_array import CmgArray
+from planner.world.platforms.steering import rotor_momentum, steer
 
 ARRAY = CmgArray()
 H = 60.0

@@ -15,8 +15,8 @@ from planner.base.arrays import Array
 from planner.base.compiled import compiled
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.vehicle.dynamics import ServoStep, rotate, unrotate
-from planner.spacecraft.vehicle.steering import rotor_momentum, steer
 from planner.world.platforms.cmg_array import Gyros
+from planner.world.platforms.steering import rotor_momentum, steer
 
 TABLE = 0
 PAPER = 1

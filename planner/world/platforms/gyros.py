@@ -8,6 +8,7 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.spec import VectorPart, Within, spec
+from planner.world.frames.geodesy import MU_EARTH_M3_S2, WGS84_A_M
 from planner.world.platforms.cmg_array import CmgArray
 
 _Momentum = Annotated[float, Within(1e-6, 1e6)]
@@ -64,11 +65,13 @@ class GyroEnvelope:
 
     by_order_rad: a row each of the largest rate about body x, y, z, and of the semi-axes along them
     of the ellipsoids that hold acceleration and jerk, rad and s, (3, 3).
+    total_n_m_s: the most that body and gyros may hold together, for that to be so.
     """
 
     limits: ClassVar[Literal["gyros"]] = "gyros"
     by_order_rad: Array
     settle_s: float
+    total_n_m_s: float
 
 
 @spec
@@ -101,8 +104,9 @@ class GyroSet:
         """What they can always give, whatever total momentum H the body and they hold together.
 
         H is at most what leaves the gyros within `momentum_max_n_m_s` at the largest rates about
-        all three axes.  The torque is J alpha + omega x H, its derivative J jerk + alpha x H -
-        omega x (omega x H), of which the parts with H are taken at their largest.  |J x| is at most
+        all three axes.  The torque is J alpha + omega x H less gravity's, its derivative J jerk +
+        alpha x H - omega x (omega x H), of which the parts with H are taken at their largest, and
+        gravity's torque at what it reaches on the ground.  |J x| is at most
         |D x|, where D^2 is diagonal with the sums of the sizes in the rows of J^2: of principal
         axes it is J.  inertia_kg_m2: (3, 3).
         """
@@ -119,7 +123,9 @@ class GyroSet:
                 "lower the rate, or unload the gyros first"
             )
         fastest_rad_s = math.sqrt(3.0) * rate_rad_s
-        torque_n_m = turns.torque_max_n_m - fastest_rad_s * total_n_m_s
+        least_kg_m2, _, most_kg_m2 = np.linalg.eigvalsh(inertia_kg_m2)
+        gravity_n_m = 1.5 * MU_EARTH_M3_S2 / WGS84_A_M**3 * (most_kg_m2 - least_kg_m2)
+        torque_n_m = turns.torque_max_n_m - fastest_rad_s * total_n_m_s - gravity_n_m
         fastest_rad_s2 = torque_n_m / float(d_kg_m2.min())
         torque_rate_n_m_s = (
             turns.torque_rate_max_n_m_s - (fastest_rad_s2 + fastest_rad_s**2) * total_n_m_s
@@ -131,4 +137,6 @@ class GyroSet:
                 "momentum_max_n_m_s, or raise gyros.turns.torque_max_n_m and torque_rate_max_n_m_s"
             )
         by_order = [np.full(3, rate_rad_s), torque_n_m / d_kg_m2, torque_rate_n_m_s / d_kg_m2]
-        return GyroEnvelope(by_order_rad=np.stack(by_order), settle_s=turns.settle_s)
+        return GyroEnvelope(
+            by_order_rad=np.stack(by_order), settle_s=turns.settle_s, total_n_m_s=total_n_m_s
+        )

@@ -12,7 +12,7 @@ import numpy as np
 from planner.base import effort
 from planner.base.arrays import Array, Mask
 from planner.base.commands import ROWS_PER_S, CommandTable, Motion
-from planner.base.errors import InfeasibleSlew, Refusal
+from planner.base.errors import InfeasibleSlew, Refusal, figures
 from planner.base.rotation import Rotation, of_like_sign
 from planner.base.solvers import merged
 from planner.base.table_motion import motion_at
@@ -50,6 +50,7 @@ from planner.world.exclusions import Surroundings, exclusion_margins
 from planner.world.frames.time_scales import Instants, shifted_utc, utc_text
 from planner.world.orbits import Ephemeris
 from planner.world.platforms.body import BodyPlatform
+from planner.world.platforms.steering import total_momentum_eci
 from planner.world.scenario import BoundedLead, Scenario, Session
 from planner.world.targets import VisibleTarget
 
@@ -287,12 +288,14 @@ class BodyMover:
         # A row that two share is the later one's.
         parts = [*(rows_of(part, slice(-1)) for part in parts[:-1]), parts[-1]]
         position = np.concatenate([part.position for part in parts])
+        rate_rad_s = np.concatenate([part.rate_rad_s for part in parts])
         self._require_clear(epoch_utc, position)
+        self._require_momentum(epoch_utc, position, rate_rad_s[0])
         return CommandTable(
             epoch_utc=epoch_utc,
             channels=self.platform.channels,
             position=of_like_sign(position),
-            rate_rad_s=np.concatenate([part.rate_rad_s for part in parts]),
+            rate_rad_s=rate_rad_s,
             acceleration_rad_s2=np.concatenate([part.acceleration_rad_s2 for part in parts]),
         )
 
@@ -469,6 +472,43 @@ class BodyMover:
                     limit="exclusion",
                     field=f"initial_state.{given[0]}" if begins else "platform.exclusions",
                 )
+
+    def _require_momentum(
+        self, epoch_utc: datetime, q_eci_from_body_xyzw: Array, begun_rad_s: Array
+    ) -> None:
+        """Raises InfeasibleSlew where gravity gives body and gyros more momentum to hold than the
+        envelope counts on."""
+        gyros = self.platform.gyros
+        if gyros is None:
+            return
+        inertia_kg_m2 = np.array(self.platform.inertia_kg_m2)
+        instants = self._instants(0, len(q_eci_from_body_xyzw) - 1)
+        ephemeris = self.scenario.orbit.ephemeris(epoch_utc, instants.utc(-1))
+        q_body_from_eci = Rotation.from_quat(q_eci_from_body_xyzw).inv()
+        begun_body_n_m_s = inertia_kg_m2 @ begun_rad_s + gyros.start_n_m_s
+        size_n_m_s = np.linalg.norm(
+            total_momentum_eci(
+                q_body_from_eci,
+                q_body_from_eci[0].inv().apply(begun_body_n_m_s),
+                ephemeris.states(instants).r_sat_eci_m,
+                inertia_kg_m2,
+            ),
+            axis=1,
+        )
+        most_n_m_s = gyros.envelope(inertia_kg_m2).total_n_m_s
+        worst = int(np.argmax(size_n_m_s))
+        if size_n_m_s[worst] > most_n_m_s:
+            at_utc = instants.utc(worst)
+            size = figures(float(size_n_m_s[worst]), most_n_m_s)
+            raise InfeasibleSlew(
+                f"gyros: at {utc_text(at_utc)} body and gyros hold {size} N m s together, by what "
+                "they begin with and gravity's torque since, more than the "
+                f"{most_n_m_s:.4g} that gyros.turns leaves beside turns at the largest rates; "
+                "unload the gyros first, plan less at a time, or lower gyros.turns.rate_max_deg_s",
+                limit="momentum",
+                at_utc=at_utc,
+                field="platform.gyros.start_n_m_s",
+            )
 
     def _instants(self, first_row: int, last_row: int) -> Instants:
         """Of the table's rows from one to another, both included."""

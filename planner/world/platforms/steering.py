@@ -12,13 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.base.arrays import Array
+from planner.base.commands import COMMAND_STEP_S
 from planner.base.compiled import compiled
 from planner.base.rotation import Rotation
-from planner.spacecraft.table import TICK_S
 from planner.world.frames.geodesy import MU_EARTH_M3_S2
 from planner.world.platforms.cmg_array import CmgArray, Gyros
-
-SINGULARITY_GUARD = 0.02  # of det(D D^T): below it the inverse is damped
 
 
 @compiled
@@ -69,9 +67,9 @@ def steer(
             d_turned[k, i] = -c * rotor[i, k] - s * torque[i, k]
     a = d @ d.T
     psi = np.linalg.det(a)
-    damping = 0.0
-    if psi < SINGULARITY_GUARD:
-        damping = 0.01 * (1.0 - psi / SINGULARITY_GUARD) + 1e-9
+    damping, guard = 0.0, 0.02  # below the guard the inverse is damped
+    if psi < guard:
+        damping = 0.01 * (1.0 - psi / guard) + 1e-9
     for k in range(3):
         a[k, k] += damping
     inverse = np.linalg.inv(a)
@@ -96,15 +94,16 @@ def total_momentum_eci(
 ) -> Array:
     """Total angular momentum at rows 0.2 s apart, (n, 3), grown by the gravity gradient.
 
-    inertia_kg_m2: (3,).  Leaves out aerodynamic, solar and magnetic torque (1e-4 N m).
+    start_eci_n_m_s: at row 0, (3,).  inertia_kg_m2: (3, 3).  Leaves out the torques of air, light
+    and magnetic field (1e-4 N m).
     """
     radius_m = np.linalg.norm(r_sat_eci_m, axis=1, keepdims=True)
     nadir_body = q_body_from_eci.apply(-r_sat_eci_m / radius_m)
     torque_body_n_m = (
-        3.0 * MU_EARTH_M3_S2 / radius_m**3 * np.cross(nadir_body, inertia_kg_m2 * nadir_body)
+        3.0 * MU_EARTH_M3_S2 / radius_m**3 * np.cross(nadir_body, nadir_body @ inertia_kg_m2)
     )
     torque_eci_n_m = q_body_from_eci.inv().apply(torque_body_n_m)
-    steps_n_m_s = 0.5 * TICK_S * (torque_eci_n_m[1:] + torque_eci_n_m[:-1])
+    steps_n_m_s = 0.5 * COMMAND_STEP_S * (torque_eci_n_m[1:] + torque_eci_n_m[:-1])
     return np.asarray(start_eci_n_m_s + np.vstack([np.zeros(3), np.cumsum(steps_n_m_s, axis=0)]))
 
 
@@ -137,11 +136,11 @@ def _propagate(
         if k == n - 1:
             break
         rotor_momentum(gyros, now_rad, held_n_m_s)
-        torque_n_m = (h_body_n_m_s[k + 1] - held_n_m_s) / TICK_S
+        torque_n_m = (h_body_n_m_s[k + 1] - held_n_m_s) / COMMAND_STEP_S
         middle_rad, gain_rad_s = now_rad.copy(), 0.0 if imaging[k] else null_gain_rad_s
         for _ in range(4):
             steer(gyros, middle_rad, torque_n_m, gain_rad_s, rate_rad_s)
-            middle_rad = now_rad + 0.5 * TICK_S * rate_rad_s
-        now_rad += TICK_S * rate_rad_s
+            middle_rad = now_rad + 0.5 * COMMAND_STEP_S * rate_rad_s
+        now_rad += COMMAND_STEP_S * rate_rad_s
         rows_rad_s[k] = rate_rad_s
     return rows_rad, rows_rad_s
