@@ -344,6 +344,7 @@ def _search_rows(
     as far as there are any, negative: not one.
     """
     reach_rows, refusals, failures = -1, 0, 0
+    found: Session | None = None
     candidates = list(islice(rows, OPTIONS.attempts))
     with _search_of(trials):
         for row in candidates:
@@ -351,14 +352,17 @@ def _search_rows(
             session = _nearest_feasible(trials, row, wanted_row) if may else None
             reach_rows = abs(row - wanted_row)
             if session is not None and others.stay_as_asked(session):
-                return session, reach_rows
+                found = session
+                nearer = _row_nearer(trials, session, wanted_row)
+                is_kept = nearer is not None and others.stay_as_asked(nearer)
+                return nearer if is_kept else session, reach_rows
             refusals += may
             failures += may and session is None
             most = 1 if session and others.always_cost(session) else OPTIONS.refusals
             if may and (failures >= trials.mover.start_search.failures or refusals >= most):
                 return None, reach_rows
         return None, reach_rows if len(candidates) == OPTIONS.attempts else None
-    return None, reach_rows
+    return found, reach_rows
 
 
 def _nearest_feasible(trials: Trials, row: int, wanted_row: int) -> Session | None:
@@ -398,6 +402,14 @@ def _nearest_feasible(trials: Trials, row: int, wanted_row: int) -> Session | No
         else:
             bad = min(max(middle, trials.needed_row - 1), good - 1) if away > 0 else middle
     return found
+
+
+def _row_nearer(trials: Trials, session: Session, wanted_row: int) -> Session | None:
+    """Where a least time that was found, good to about a row, passed over the row before."""
+    row = session_rows(session, trials.refused.epoch_utc).start
+    if row == wanted_row or not trials.mover.start_search.is_quick:
+        return None
+    return trials.feasible_session(row - 1 if row > wanted_row else row + 1)
 
 
 def _search_of(trials: Trials) -> Effort:

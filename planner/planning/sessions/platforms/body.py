@@ -216,7 +216,8 @@ class BodyMover:
             goal, first_row = self._early_goal(branch, from_row, last_row)
         else:
             goal, first_row = branch.track.rows_at(last_row, last_row), last_row
-        asked = (branch.track, first_row, last_row, from_row, state.position.tobytes())
+        way = (branch.track, last_row, from_row, state.position.tobytes())
+        asked = (first_row, *way)
         if asked in self._refused:
             raise self._refused[asked]
         slew_row, there = from_row, rows_of(goal, slice(-1, None))
@@ -229,6 +230,8 @@ class BodyMover:
             slew = self._solve(branch.ephemeris, slew_row, state, goal, first_row)
         except InfeasibleSlew as refusal:
             self._refused[asked] = refusal
+            if refusal.limit != "exclusion":  # which may depend on the other rows of the goal
+                self._refused[last_row, *way] = refusal  # tried in the end, too
             raise
         return Join(
             slew=BodySlewParts(slew=slew, wait=wait, wall_s=time.perf_counter() - began_s),
