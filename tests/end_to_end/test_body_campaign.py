@@ -18,6 +18,7 @@ from planner.planning.campaigns import choose_campaign, scenario_of
 from planner.planning.campaigns.platforms.body import BodyFollower
 from planner.planning.sessions.pipeline import make_plan
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc
+from planner.world.platforms.body import AzimuthRoll
 
 CITIES = json.loads((Path(__file__).parents[2] / "examples" / "campaign_cities.json").read_text())
 OF_AXES = ("attitude", "rest_angles_deg")
@@ -107,6 +108,20 @@ def test_star_trackers_are_known_at_the_roll_that_looks_before_leave(monkeypatch
     scenarios = [scenario_of(request, flight, number) for number, flight in differ]
     with pytest.raises(NotVisible, match="star_trackers"):
         list(map(make_plan, scenarios))
+
+
+def test_looks_are_planned_by_a_roll_of_their_own(chosen):
+    """The judge derives it anew."""
+    roll = AzimuthRoll(azimuth_deg=70.0)
+    targets = tuple(replace(one, roll=roll) for one in chosen[0].targets)
+    request = replace(chosen[0], targets=targets)
+    campaign = choose_campaign(request)
+    assert len(campaign.passes) > 0
+    for number, flight in enumerate(campaign.passes):
+        plan = make_plan(scenario_of(request, flight, number))
+        assert plan.verification.passed
+        assert [one.id for one in plan.scenario.sessions] == [one.target for one in flight.looks]
+        assert {one.roll for one in plan.scenario.sessions} == {roll}
 
 
 @pytest.mark.parametrize(

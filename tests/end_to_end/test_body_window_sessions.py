@@ -15,6 +15,8 @@ from planner.planning.sessions.pipeline import make_plan
 from planner.planning.sessions.window_probability import probabilities_in_frame
 from planner.world.attitude import LvlhAttitude
 from planner.world.frames.time_scales import shifted_utc
+from planner.world.platforms import ISS_HRC
+from planner.world.platforms.body import AzimuthRoll, LinesAcrossTrack, NearestRoll, SunSide
 from planner.world.scenario import InitialState, Scenario, Session
 from planner.world.targets import GroundTarget, StarTarget
 
@@ -26,7 +28,13 @@ ROLLS = {
     "nearest": {"exclusions": KEPT},
     "lines across the track": {"roll": {"rule": "lines_across_track"}, "exclusions": KEPT},
     "a frame": {"camera": FRAME, "exclusions": KEPT},
+    "each target by a rule of its own": {"exclusions": KEPT},
 }
+OWN_ROLLS = (
+    AzimuthRoll(azimuth_deg=110.0),
+    LinesAcrossTrack(),
+    SunSide(direction_body=(-1.0, 0.0, 0.0)),
+)
 NEARLY = 0.03  # three sigma of a thousand paths beside four times as many
 
 
@@ -46,10 +54,13 @@ def request(platform, *targets, **fields):
     )
 
 
-@pytest.mark.parametrize("changes", ROLLS.values(), ids=ROLLS)
-def test_the_session_of_every_window_of_a_body_plans_as_it_stands(changes):
+@pytest.mark.parametrize("case", ROLLS)
+def test_the_session_of_every_window_of_a_body_plans_as_it_stands(case):
     """And the probability told of it is the plan's."""
-    asked = request(smallsat(**changes), LAS_VEGAS, BOSTON, StarTarget(name="Vega"))
+    asked = request(smallsat(**ROLLS[case]), LAS_VEGAS, BOSTON, StarTarget(name="Vega"))
+    if "of its own" in case:
+        own = (replace(one, roll=roll) for one, roll in zip(asked.targets, OWN_ROLLS, strict=True))
+        asked = replace(asked, targets=tuple(own))
     search = WindowSearch(asked)
     told = search.tell(search.find())
     sessions_s = told.sessions_s(asked.start)[:3]
@@ -61,12 +72,13 @@ def test_the_session_of_every_window_of_a_body_plans_as_it_stands(changes):
         start, stop = (
             shifted_utc(asked.start, t_s) for t_s in (start_s, min(stop_s, start_s + 300.0))
         )
+        wanted = asked.targets[row]
         plan = make_plan(
             Scenario(
                 platform=asked.platform,
                 orbit=asked.orbit,
                 initial_state=InitialState(epoch=start - timedelta(seconds=150.0)),
-                sessions=(Session(target=asked.targets[row].target, start=start, stop=stop),),
+                sessions=(Session(target=wanted.target, start=start, stop=stop, roll=wanted.roll),),
             )
         )
         assert plan.verification.passed
@@ -97,6 +109,21 @@ def test_quick_wander_leaves_the_latest_windows_without_a_probability(monkeypatc
 def test_an_attitude_is_no_bodys():
     with pytest.raises(ValueError, match="attitude must be left out for smallsat-120kg"):
         request(smallsat(), LAS_VEGAS, attitude=LvlhAttitude())
+
+
+@pytest.mark.parametrize(
+    ("platform", "roll", "words"),
+    [
+        (smallsat(), AzimuthRoll(azimuth_deg=1.0), "targets.1.roll must not be azimuth, which"),
+        (smallsat(), SunSide(direction_body=(0.0, 0.0, 1.0)), "targets.1.roll.direction_body"),
+        (ISS_HRC, NearestRoll(), "targets.1.roll must be left out for iss-hrc: only a body"),
+    ],
+    ids=["says nothing of a star", "along the boresight", "two axes"],
+)
+def test_a_roll_that_a_target_cannot_have_is_refused(platform, roll, words):
+    vega = OpportunityTarget(id="Vega", target=StarTarget(name="Vega"), roll=roll)
+    with pytest.raises(ValueError, match=words):
+        request(platform, targets=(OpportunityTarget(id="it", target=BOSTON), vega))
 
 
 CLOSED = {

@@ -319,7 +319,7 @@ def test_compiled_looks_are_the_targets_own(target):
     stop = START + timedelta(hours=6)
     ephemeris = ISS.ephemeris(START, stop)
     carrier = carrier_over(ephemeris, lookout_of(HRC, None), START, stop)
-    ((_, sight),) = sights_of(carrier, [target], np.zeros(1), 1)
+    ((_, sight),) = sights_of(carrier, [OpportunityTarget(id="it", target=target)], np.zeros(1), 1)
     t_s = np.random.default_rng(3).uniform(600.0, 21000.0, 300)
     seen = sight.sighting(np.zeros(300, np.intp), t_s)
     instants = Instants(START, t_s)

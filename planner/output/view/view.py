@@ -75,7 +75,7 @@ def _windows(
             platform=scenario.platform,
             orbit=scenario.orbit,
             attitude=scenario.attitude,
-            targets=(OpportunityTarget(id=name, target=session.target),),
+            targets=(OpportunityTarget(id=name, target=session.target, roll=session.roll),),
             start=span[0],
             stop=span[1],
             samples=SAMPLES,

@@ -88,10 +88,11 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> C
     ephemeris = request.orbit.ephemeris(request.start, request.stop)
     carrier = follower.carrier(ephemeris)
     viewing = Viewing(weights=request.view, ephemeris=ephemeris, follower=follower)
-    targets = [wanted.target for wanted in request.targets]
     looking = _looking_of(request, follower.settle_s)
     shortest = looking.length_steps[:, 0]
-    ways = ways_to_follow(looks, targets, shortest, carrier, viewing, request.step_s, grid_s)
+    ways = ways_to_follow(
+        looks, request.targets, shortest, carrier, viewing, request.step_s, grid_s
+    )
     networks = _build_networks(ways, shortest, follower, tell)
     first_unheld = _first_unheld_by(request, ways, follower, carrier, grid_s)
     seen = set(np.unique(ways.target).tolist())
@@ -153,6 +154,7 @@ def scenario_of(request: CampaignRequest, flight: ChosenPass, number: int) -> Sc
                     target=request.targets[look.row].target,
                     start=look.start_utc,
                     stop=look.stop_utc,
+                    roll=request.targets[look.row].roll,
                 )
                 for look in flight.looks
             ),
@@ -313,10 +315,9 @@ def _in_utc(
     start_s = np.array([grid_s + look.first_step * request.step_s for look in chosen])
     length_s = np.array([request.targets[look.target].lengths_s[look.length] for look in chosen])
     target = np.array([look.target for look in chosen], np.intp)
-    targets = [wanted.target for wanted in request.targets]
     rest_s = viewing.follower.rest_s
     pixel_rad = request.opportunities().pixel_rad
-    views = viewing.seen(carrier, targets, target, start_s + 0.5 * length_s, pixel_rad)
+    views = viewing.seen(carrier, request.targets, target, start_s + 0.5 * length_s, pixel_rad)
     pending = iter(
         ChosenLook(
             row=look.target,

@@ -19,7 +19,7 @@ from planner.planning.opportunities.request import BOUNDS as OPPORTUNITY_BOUNDS
 from planner.world.attitude import Attitude
 from planner.world.frames.time_scales import DAY_S, elapsed_s
 from planner.world.orbits import Orbit
-from planner.world.platforms import PIXELS_ARCSEC, AngleDeg, AnyPlatform
+from planner.world.platforms import PIXELS_ARCSEC, AngleDeg, AnyPlatform, RollRule
 from planner.world.rules.registry import rules_of
 from planner.world.scenario import SlewOptions
 from planner.world.targets import WindowTarget
@@ -78,6 +78,8 @@ class CampaignTarget:
     session_s: duration of a look.
     min_session_s: least duration of a look; `session_s` unless given.
     looks: no more than so many, and one in a pass.
+    roll: of a body, the rule by which its camera lies on the target, as a session's; the platform's
+    unless given. E.g. `{"rule": "azimuth", "azimuth_deg": 15.0}`.
     group: targets of the same group are all looked at once, or none of them. E.g. `"stereo 7"`.
     """
 
@@ -87,6 +89,7 @@ class CampaignTarget:
     session_s: Annotated[float, Within(1.0, BOUNDS.session_max_s)]
     min_session_s: Annotated[float, Within(1.0, BOUNDS.session_max_s)] | None = None
     looks: Annotated[int, Within(1, 1000)] = 1
+    roll: RollRule | None = None
     group: str | None = None
 
     def __post_init__(self) -> None:
@@ -183,7 +186,9 @@ class CampaignRequest:
             attitude=self.attitude,
             platform=self.platform,
             targets=tuple(
-                OpportunityTarget(id=wanted.id, target=wanted.target, priority=wanted.priority)
+                OpportunityTarget(
+                    id=wanted.id, target=wanted.target, priority=wanted.priority, roll=wanted.roll
+                )
                 for wanted in self.targets
             ),
             start=self.start,

@@ -10,10 +10,9 @@ from planner.base.arrays import Array, Indices, angle_rad
 from planner.planning.campaigns.platforms.follower import Follower
 from planner.planning.campaigns.request import ViewWeights
 from planner.planning.opportunities.carrier import Carrier
-from planner.planning.opportunities.sights import Sight, in_sights
+from planner.planning.opportunities.sights import Sight, Wanted, in_sights
 from planner.world.frames.geodesy import geodetic_from_itrf
 from planner.world.orbits import Ephemeris
-from planner.world.targets import Target
 
 PROBABILITY_EVERY = 10  # samples; it changes by less than 0.02 in 20 s of a 400 km pass
 
@@ -82,7 +81,7 @@ class Viewing:
     def seen(
         self,
         carrier: Carrier,
-        targets: Sequence[Target],
+        targets: Sequence[Wanted],
         target: Indices,
         t_s: Array,
         pixel_rad: float,

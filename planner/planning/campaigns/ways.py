@@ -10,8 +10,7 @@ from planner.planning.campaigns.passes import Looks
 from planner.planning.campaigns.platforms.follower import Following
 from planner.planning.campaigns.view import Viewing
 from planner.planning.opportunities.carrier import Carrier
-from planner.planning.opportunities.sights import Sight, in_sights
-from planner.world.targets import Target
+from planner.planning.opportunities.sights import Sight, Wanted, in_sights
 
 BATCH = 100_000  # samples treated at a time: some 100 MB
 
@@ -42,7 +41,7 @@ states and the quality."""
 
 def ways_to_follow(
     looks: Looks,
-    targets: Sequence[Target],
+    targets: Sequence[Wanted],
     least_steps: Indices,
     carrier: Carrier,
     viewing: Viewing,
@@ -64,7 +63,7 @@ def ways_to_follow(
 
 
 def _sight_batches(
-    looks: Looks, targets: Sequence[Target], carrier: Carrier, steps: Indices
+    looks: Looks, targets: Sequence[Wanted], carrier: Carrier, steps: Indices
 ) -> Iterator[tuple[Indices, Sight, Indices]]:
     """Rows of `looks` (observations) seen alike, how, and the number of each one's target in it."""
     for rows, sight, which in in_sights(looks.target, targets, carrier):

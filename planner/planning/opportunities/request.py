@@ -13,7 +13,8 @@ from planner.world.attitude import Attitude
 from planner.world.attitude.lvlh import LvlhAttitude
 from planner.world.frames.time_scales import DAY_S, elapsed_s, utc_text
 from planner.world.orbits import Orbit
-from planner.world.platforms import PIXELS_ARCSEC, AnyPlatform
+from planner.world.platforms import PIXELS_ARCSEC, AnyPlatform, RollRule
+from planner.world.rules.registry import rules_of
 from planner.world.targets import WindowTarget
 
 
@@ -41,11 +42,14 @@ class OpportunityTarget:
     id: your name for it, different from the others'; windows repeat it.
     target: the target.
     priority: weight of the target beside the others.
+    roll: of a body, the rule by which its camera lies on the target, as a session's; the platform's
+    unless given. E.g. `{"rule": "azimuth", "azimuth_deg": 15.0}`.
     """
 
     id: str
     target: WindowTarget
     priority: Annotated[float, Within(-1e6, 1e6)] = 1.0
+    roll: RollRule | None = None
 
     def __post_init__(self) -> None:
         if not self.id:
@@ -135,6 +139,7 @@ class OpportunityRequest:
         if not self.targets:
             raise ValueError("targets must hold at least one target")
         seen: set[str] = set()
+        rules = rules_of(self.platform)
         for number, wanted in enumerate(self.targets):
             if wanted.id in seen:
                 raise ValueError(
@@ -142,6 +147,7 @@ class OpportunityRequest:
                 )
             seen.add(wanted.id)
             wanted.target.require_known(f"targets.{number}.target", self.start, self.stop)
+            rules.require_roll(f"targets.{number}.roll", wanted.roll, wanted.target)
         self._require_bounds()
 
     @property

@@ -98,7 +98,7 @@ class WindowSearch:
 
     def tell(self, edges: WindowEdges) -> Windows:
         """What is told of windows that were found, at least one; raises SearchEnded."""
-        targets = [wanted.target for wanted in self._request.targets]
+        targets = self._request.targets
         parts = []
         with at_most(effort.PLAN):
             for rows, sight, which in in_sights(edges.target, targets, self.carrier):
@@ -184,12 +184,13 @@ def found_spans(
 
     across_rad: of a line of sight from the plane of its track at most; sessions are then left out.
     """
-    targets = [wanted.target for wanted in request.targets]
     lookout = lookout_of(request.platform, request.attitude)
     conditions = lookout.conditions(request.conditions)
     asked_rad = math.radians(request.conditions.min_elevation_deg)
-    least_rad = np.array([max(_own_least_rad(target), asked_rad) for target in targets])
-    for numbers, sight in sights_of(carrier, targets, least_rad, OPTIONS.targets_at_once):
+    least_rad = np.array(
+        [max(_own_least_rad(wanted.target), asked_rad) for wanted in request.targets]
+    )
+    for numbers, sight in sights_of(carrier, request.targets, least_rad, OPTIONS.targets_at_once):
         asked = asked_of(conditions, lookout.causes, not sight.on_earth, across_rad)
         scene = WindowScene(carrier.tables, lookout.reach, asked, sight.places)
         shortest_s = max(request.conditions.min_duration_s, SWEEP.shortest_s)

@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from planner.planning.opportunities.telling import look_each, places_each
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.geodesy import geodetic_from_itrf, up_itrf
 from planner.world.frames.time_scales import Instants
+from planner.world.platforms import RollRule
 from planner.world.targets import EarthFixedTarget, SkyTarget, Target, VisibleTarget
 from planner.world.targets.refraction import bending_spline
 
@@ -29,6 +31,19 @@ class TrackOptions:
 
 
 OPTIONS = TrackOptions()
+
+
+class Wanted(Protocol):
+    """A target of a request.
+
+    roll: the rule by which a body lies on it, if not by the platform's.
+    """
+
+    @property
+    def target(self) -> Target: ...
+
+    @property
+    def roll(self) -> RollRule | None: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,11 +65,15 @@ class Sighting:
 
 @dataclass(frozen=True, eq=False)
 class Sight:
-    """Targets that are looked at alike, numbered by `which` (n,), at t_s (n,) of the carrier."""
+    """Targets that are looked at alike, numbered by `which` (n,), at t_s (n,) of the carrier.
+
+    roll: as of `Wanted`.
+    """
 
     carrier: Carrier
     targets: Sequence[EarthFixedTarget | SkyTarget]
     places: Places
+    roll: RollRule | None = None
 
     @property
     def on_earth(self) -> bool:
@@ -71,23 +90,29 @@ class Sight:
 
 
 def sights_of(
-    carrier: Carrier, targets: Sequence[Target], least_rad: Array, most: int
+    carrier: Carrier, targets: Sequence[Wanted], least_rad: Array, most: int
 ) -> Iterator[tuple[Indices, Sight]]:
     """All targets: rows of those seen alike, at most so many, and how.
 
     least_rad: (targets,), elevation or height above the limb.
     """
-    at_rest = [row for row, target in enumerate(targets) if _rests(target)]
-    for first in range(0, len(at_rest), most):
-        rows = np.array(at_rest[first : first + most])
-        yield rows, resting_sight(carrier, [targets[row] for row in rows], least_rad[rows])
-    for row, target in enumerate(targets):
-        if not _rests(target):
-            yield np.array([row]), _lone_sight(carrier, target, float(least_rad[row]))
+    at_rest: dict[RollRule | None, list[int]] = {}
+    for row, wanted in enumerate(targets):
+        if _rests(wanted.target):
+            at_rest.setdefault(wanted.roll, []).append(row)
+    for roll, alike in at_rest.items():
+        for first in range(0, len(alike), most):
+            rows = np.array(alike[first : first + most])
+            sight = resting_sight(carrier, [targets[row].target for row in rows], least_rad[rows])
+            yield rows, replace(sight, roll=roll)
+    for row, wanted in enumerate(targets):
+        if not _rests(wanted.target):
+            sight = _lone_sight(carrier, wanted.target, float(least_rad[row]))
+            yield np.array([row]), replace(sight, roll=wanted.roll)
 
 
 def in_sights(
-    target: Indices, targets: Sequence[Target], carrier: Carrier
+    target: Indices, targets: Sequence[Wanted], carrier: Carrier
 ) -> Iterator[tuple[Indices, Sight, Indices]]:
     """Group rows of one target each, (n,): those seen alike, how, and each one's number in it.
 

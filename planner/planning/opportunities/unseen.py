@@ -72,10 +72,9 @@ def unseen_because(
 
 def _highest(request: OpportunityRequest, carrier: Carrier, target: Indices) -> tuple[Array, Array]:
     """The greatest elevation of each target and when, (n,) each."""
-    targets = [wanted.target for wanted in request.targets]
     best_rad, best_s = np.empty(len(target)), np.empty(len(target))
     reach = lookout_of(request.platform, request.attitude).reach
-    for rows, sight, which in in_sights(target, targets, carrier):
+    for rows, sight, which in in_sights(target, request.targets, carrier):
         best_s[rows], best_rad[rows] = highest(sight, reach, which).T
     return best_rad, best_s
 

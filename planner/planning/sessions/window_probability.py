@@ -47,6 +47,7 @@ def probabilities_in_frame(request: OpportunityRequest, windows: Windows) -> Arr
     with at_most(OPTIONS.most):
         for window in np.argsort(windows.rise_s, kind="stable"):
             if not np.isnan(sessions_s[window, 0]):
+                wanted = request.targets[windows.target[window]]
                 effort.charge(OPTIONS.window)
                 start_s, stop_s = sessions_s[window]
                 t_s = np.linspace(start_s, stop_s, OPTIONS.instants)
@@ -54,7 +55,8 @@ def probabilities_in_frame(request: OpportunityRequest, windows: Windows) -> Arr
                     request.platform,
                     request.law,
                     ephemeris,
-                    request.targets[windows.target[window]].target,
+                    wanted.target,
+                    wanted.roll,
                     Instants(request.start, t_s),
                     int(windows.branch[window]),
                     OPTIONS.every,

@@ -1,6 +1,6 @@
 """The platforms known by name."""
 
-from planner.world.platforms.body import BodyPlatform
+from planner.world.platforms.body import BodyPlatform, RollRule
 from planner.world.platforms.camera import PIXELS_ARCSEC, Camera, Shutter
 from planner.world.platforms.carrier_mode import CarrierMode
 from planner.world.platforms.choice import BODIES, PLATFORMS, AnyPlatform, Platform
@@ -47,6 +47,7 @@ __all__ = [
     "Platform",
     "PlatformDefinition",
     "PlatformGeometry",
+    "RollRule",
     "Shutter",
     "StructuralMode",
     "TwoAxisPlatform",

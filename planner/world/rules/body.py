@@ -68,16 +68,19 @@ class BodyRules:
             given[f"sessions.{number}.keyhole"] = session.keyhole != "refuse"
             mode = session.target.mode
             given[f"sessions.{number}.target.mode"] = mode == BenchMotionTarget.mode
-            if session.roll is not None:
-                self.platform.require_roll(f"sessions.{number}.roll", session.roll)
-                if not says_roll(session.roll, session.target):
-                    raise ValueError(
-                        f"sessions.{number}.roll must not be {session.roll.rule}, which says "
-                        f"nothing of {session.target.label}: give another rule, such as nearest, "
-                        "or leave it out"
-                    )
+            self.require_roll(f"sessions.{number}.roll", session.roll, session.target)
         refuse_axes_only(self.platform.name, given)
         self._require_initial(state)
+
+    def require_roll(self, name: str, roll: RollRule | None, target: Target) -> None:
+        if roll is None:
+            return
+        self.platform.require_roll(name, roll)
+        if not says_roll(roll, target):
+            raise ValueError(
+                f"{name} must not be {roll.rule}, which says nothing of {target.label}: give "
+                "another rule, such as nearest, or leave it out"
+            )
 
     def _require_initial(self, state: "InitialState") -> None:
         asked, platform = state.body_only, self.platform

@@ -4,9 +4,10 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 from planner.world.attitude import Attitude
-from planner.world.platforms import AnyPlatform
+from planner.world.platforms import AnyPlatform, RollRule
 from planner.world.rules.body import BodyRules
 from planner.world.rules.two_axis import TwoAxisRules
+from planner.world.targets import Target
 
 if TYPE_CHECKING:  # which asks them as it is made
     from planner.world.scenario import Scenario, SlewOptions
@@ -24,6 +25,9 @@ class Rules(Protocol):
 
     def require(self, scenario: "Scenario") -> None:
         """Raises ValueError for what the platform can't be asked for, by field."""
+
+    def require_roll(self, name: str, roll: RollRule | None, target: Target) -> None:
+        """Raises ValueError, which names the field, for a roll that it can't lie by on a target."""
 
     def require_rest(
         self, rest_deg: Mapping[str, float] | None, attitude: Attitude | None, slew: "SlewOptions"

@@ -9,7 +9,8 @@ import numpy as np
 from planner.base.arrays import Array
 from planner.base.errors import figures
 from planner.world.attitude import Attitude
-from planner.world.platforms import AnyPlatform, AxisLimits, FinalAngles, TwoAxisPlatform
+from planner.world.platforms import AnyPlatform, AxisLimits, FinalAngles, RollRule, TwoAxisPlatform
+from planner.world.targets import Target
 
 if TYPE_CHECKING:
     from planner.world.scenario import Scenario, SlewOptions
@@ -63,11 +64,7 @@ class TwoAxisRules:
 
     def require(self, scenario: "Scenario") -> None:
         for number, session in enumerate(scenario.sessions):
-            if session.roll is not None:
-                raise ValueError(
-                    f"sessions.{number}.roll must be left out for {self.platform.name}: only a "
-                    "body can lie any way about the line of sight"
-                )
+            self.require_roll(f"sessions.{number}.roll", session.roll, session.target)
         if scenario.attitude is None:
             raise ValueError(f"attitude is required: {self.platform.name} stands on a carrier")
         self._require_initial(scenario)
@@ -75,6 +72,13 @@ class TwoAxisRules:
             raise ValueError('final_state must be "rest" or angles: two axes have no idle attitude')
         if isinstance(scenario.final_state, FinalAngles):
             self._require_final(scenario.final_state)
+
+    def require_roll(self, name: str, roll: RollRule | None, target: Target) -> None:
+        if roll is not None:
+            raise ValueError(
+                f"{name} must be left out for {self.platform.name}: only a body can lie any way "
+                "about the line of sight"
+            )
 
     def _require_initial(self, scenario: "Scenario") -> None:
         state = scenario.initial_state

@@ -89,7 +89,7 @@ class BodyFollower:
 
     def ways(self, sight: Sight, which: Indices, t_s: Array) -> Iterator[Following]:
         carrier = sight.carrier
-        tracking = self._lookout.tracking(carrier, sight.targets[0])
+        tracking = self._lookout.tracking(sight)
         most_rad = math.radians(self._platform.off_nadir_max_deg)
         is_free = np.full((len(t_s), 1), float(tracking.roll == NEAREST))
         for sense in range(tracking.senses):
@@ -136,7 +136,7 @@ class BodyFollower:
         return None
 
     def probability(self, sight: Sight, which: Indices, t_s: Array, ephemeris: Ephemeris) -> Array:
-        tracking = self._lookout.tracking(sight.carrier, sight.targets[0])
+        tracking = self._lookout.tracking(sight)
         instants = Instants(sight.carrier.start_utc, t_s)
         c_itrf = c_itrf_from_eci(instants)
         before, then, after = (
@@ -179,9 +179,8 @@ class BodyFollower:
 
     def _seen_alone(self, carrier: Carrier, row: int) -> tuple[Tracking, Sight]:
         if row not in self._alone:
-            target = self._request.targets[row].target
-            [(_, sight, _)] = in_sights(np.zeros(1, np.intp), [target], carrier)
-            self._alone[row] = self._lookout.tracking(carrier, sight.targets[0]), sight
+            [(_, sight, _)] = in_sights(np.array([row]), self._request.targets, carrier)
+            self._alone[row] = self._lookout.tracking(sight), sight
         return self._alone[row]
 
     def _lying(self, look: FollowedLook) -> tuple[Vector, Vector]:

@@ -42,7 +42,6 @@ from planner.world.platforms.body import (
     SunSide,
     unit_vector,
 )
-from planner.world.targets import VisibleTarget
 from planner.world.targets.body import HIDDEN_RAD
 
 
@@ -103,13 +102,14 @@ class BodyLookout:
     def hold(
         self, sight: Sight, scene: WindowScene, found: Found, shortest_s: float, looks_limit: float
     ) -> tuple[Found, Array, int]:
-        tracking = self.tracking(sight.carrier, sight.targets[0])
+        tracking = self.tracking(sight)
         most_rad = math.radians(self.platform.off_nadir_max_deg)
         return follow(tracking, scene, found, most_rad, (shortest_s, looks_limit))
 
-    def tracking(self, carrier: Carrier, target: VisibleTarget) -> Tracking:
-        """How it lies on a target, and on those that are seen alike."""
-        platform, roll = self.platform, roll_rule(self.platform, target, None)
+    def tracking(self, sight: Sight) -> Tracking:
+        """How it lies on targets that are seen alike."""
+        platform, carrier = self.platform, sight.carrier
+        roll = roll_rule(platform, sight.targets[0], sight.roll)
         aside_body = platform.camera.c_payload_from_body[0]
         if isinstance(roll, SunSide):
             aside_body = unit_vector(roll.direction_body)

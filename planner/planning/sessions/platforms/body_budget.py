@@ -30,6 +30,7 @@ from planner.world.frames.iers import RAD_PER_ARCSEC
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import Ephemeris
 from planner.world.platforms import BodyPlatform
+from planner.world.platforms.body import RollRule
 from planner.world.targets import VisibleTarget
 
 _FIELD = "the platform's knowledge."
@@ -71,11 +72,12 @@ def body_probability_held(
     attitude: AttitudeLaw | None,
     ephemeris: Ephemeris,
     target: VisibleTarget,
+    roll: RollRule | None,
     instants: Instants,
     branch: int,
     every: int,
 ) -> float:
-    """That the target stays in the frame, held exactly by the platform's roll rule.
+    """That the target stays in the frame, held exactly by a roll rule, the platform's unless given.
 
     attitude, branch: a body has none; the frame's sides are alike by both senses of the rule.
     "nearest" is nearest to the idle attitude at the first instant.  By one of `every` paths.
@@ -83,8 +85,8 @@ def body_probability_held(
     los = line_of_sight(instants, ephemeris, None, platform.q_base_from_carrier, target)
     sight = TargetSight(target=target, instants=instants, states=los.states, los_eci=los.los_base)
     idle = Rotation.from_quat(idle_attitude(platform.idle, instants, los.states).position[0])
-    roll = roll_rule(platform, target, None)
-    q_eci_from_body_xyzw = rolled_quaternions(platform, roll, sight, 0, idle)[0]
+    rule = roll_rule(platform, target, roll)
+    q_eci_from_body_xyzw = rolled_quaternions(platform, rule, sight, 0, idle)[0]
     scene, biases = _scene(los, ephemeris, target, platform, q_eci_from_body_xyzw, OPTIONS.samples)
     sigma_rad = math.hypot(*_wander_rad(platform).values())
     lasts_s = float(instants.t_s[-1] - instants.t_s[0])

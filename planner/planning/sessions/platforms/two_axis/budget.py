@@ -27,7 +27,7 @@ from planner.world.attitude import AttitudeErrors, AttitudeLaw
 from planner.world.frames.iers import RAD_PER_ARCSEC
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import Ephemeris, OrbitStates
-from planner.world.platforms import TwoAxisPlatform
+from planner.world.platforms import RollRule, TwoAxisPlatform
 from planner.world.targets import VisibleTarget
 
 DRIVE_RAD = 5.0 * RAD_PER_ARCSEC / math.sqrt(12.0)  # 1-sigma of an axis by its encoder's step
@@ -126,13 +126,15 @@ def probability_held(
     attitude: AttitudeLaw,
     ephemeris: Ephemeris,
     target: VisibleTarget,
+    roll: RollRule | None,
     instants: Instants,
     branch: int,
     every: int,
 ) -> float:
     """That the target stays in the frame, held exactly on a branch of `axis_angles`.
 
-    By one of `every` draws.  NaN where no pair of angles points there at one of the instants.
+    roll: axes have none.  By one of `every` draws.  NaN where no pair of angles points there at
+    one of the instants.
     """
     los = line_of_sight(instants, ephemeris, attitude, platform.q_platform_from_body, target)
     angle_rad = axis_angles(platform, los.los_base).angle_rad[branch]
