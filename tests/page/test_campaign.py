@@ -203,7 +203,7 @@ def test_work_is_cancelled_where_it_is_shown_and_asked_for_again(open_page, serv
     many = [(lat, lon) for lat in range(-50, 51, 5) for lon in range(-180, 180, 12)]
     long = EXAMPLE | {
         "name": "Long work, looked at",
-        "stop": "2015-03-04T12:00:00Z",
+        "stop": "2015-03-10T00:00:00Z",
         "targets": [
             {
                 "id": f"{lat} {lon}",

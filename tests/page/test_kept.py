@@ -71,7 +71,7 @@ def test_work_shows_its_progress_and_can_be_cancelled(open_page, service):
         }
         for latitude, longitude in places
     ]
-    campaign["name"] = "Long work to cancel"
+    campaign |= {"name": "Long work to cancel", "stop": "2015-03-10T00:00:00Z"}
     sent = httpx.post(
         f"{service.address}/v1/campaigns", json=campaign, headers={"Prefer": "respond-async"}
     )
