@@ -39,7 +39,10 @@ class ErrorSpectrum:
 
     def covariance(self, rows: int) -> Array:
         """Of two rows so many steps apart, (rows,), in the error's unit squared."""
-        return _covariance(self.log_parameters, rows, self.step_s)
+        variance, half_life_s, noise = np.exp(self.log_parameters)
+        covariance = variance * 0.5 ** (np.arange(rows) * self.step_s / half_life_s)
+        covariance[0] += noise
+        return np.asarray(covariance)
 
     def variances_log2(self, blocks: int) -> Array:
         """Of the parameters' logarithms, (3,), by the information of so many stretches' spectra."""
@@ -95,15 +98,14 @@ def fit_spectrum(power_level: Array, rows: int, step_s: float) -> ErrorSpectrum 
     return ErrorSpectrum(log_parameters, 1.0 - float(found.fun), rows, step_s)
 
 
-def _covariance(log_parameters: Array, rows: int, step_s: float) -> Array:
-    variance, half_life_s, noise = np.exp(log_parameters)
-    covariance = variance * 0.5 ** (np.arange(rows) * step_s / half_life_s)
-    covariance[0] += noise
-    return np.asarray(covariance)
-
-
 def _spectrum(log_parameters: Array, rows: int, step_s: float) -> Array:
-    """Expected power at the frequencies of `mean_power`."""
-    covariance = _covariance(log_parameters, rows, step_s) * (1.0 - np.arange(rows) / rows)
-    both = 2.0 * np.real(np.fft.rfft(covariance, 2 * rows))[2 : 2 * ((rows + 1) // 2) : 2]
-    return np.asarray(both - covariance[0])
+    """Expected power at the frequencies of `mean_power`.
+
+    Of so many rows a covariance counts less the farther apart they are: the sum of a geometric
+    series, and of one that grows with its terms.
+    """
+    variance, half_life_s, noise = np.exp(log_parameters)
+    kept = 0.5 ** (step_s / half_life_s)
+    z = kept * np.exp(-2j * np.pi / rows * np.arange(1, (rows + 1) // 2))
+    later = 1.0 / (1.0 - z) - z * (1.0 - kept**rows) / (rows * (1.0 - z) ** 2)
+    return np.asarray(variance * (2.0 * later.real - 1.0) + noise)
