@@ -24,7 +24,7 @@ from planner.world.platforms import (
     JerkDegS3,
     StructuralMode,
 )
-from planner.world.platforms.body import BodyPlatform, LinesAcrossMotion, RollRule
+from planner.world.platforms.body import RollRule
 from planner.world.rules.body import BodyRules
 from planner.world.rules.keep_out import KeepOut
 from planner.world.rules.registry import rules_of
@@ -292,7 +292,6 @@ class Scenario:
             scans = mode.scans(window)
         except ValueError as error:
             raise ValueError(f"sessions.{number}.{error}") from None
-        is_body = isinstance(self.platform, BodyPlatform)
         of = session.id or session.name or f"{mode.mode}-{number + 1}"
         stop_utc = session.start
         for part, scan in enumerate(scans, start=1):
@@ -306,7 +305,7 @@ class Scenario:
                 target=scan.target,
                 start=start_utc,
                 stop=stop_utc,
-                roll=session.roll or (LinesAcrossMotion() if is_body else None),
+                roll=session.roll or rules_of(self.platform).scan_roll,
                 fits_by=None if scan.start_utc else session.stop,
                 of=of,
             )

@@ -50,6 +50,7 @@ class BodyRules:
     """As `Rules` says."""
 
     state_members: ClassVar = ("q_body_from_eci_xyzw", "omega_body_deg_s", "alpha_body_deg_s2")
+    scan_roll: ClassVar[RollRule | None] = LinesAcrossMotion()
 
     def __init__(self, platform: AnyPlatform) -> None:
         if not isinstance(platform, BodyPlatform):

@@ -16,10 +16,12 @@ if TYPE_CHECKING:  # which asks them as it is made
 class Rules(Protocol):
     """Of one platform.
 
-    state_members: of an initial state: position, rate and acceleration.
+    state_members: of an initial state: position, rate and acceleration.  scan_roll: rule by which
+    it lies on the lines of an imaging mode, unless a session says otherwise.
     """
 
     state_members: ClassVar[tuple[str, str, str]]
+    scan_roll: ClassVar[RollRule | None]
 
     def __init__(self, platform: AnyPlatform) -> None: ...
 

@@ -56,6 +56,7 @@ class TwoAxisRules:
     """As `Rules` says."""
 
     state_members: ClassVar = ("angles_deg", "rates_deg_s", "accelerations_deg_s2")
+    scan_roll: ClassVar[RollRule | None] = None
 
     def __init__(self, platform: AnyPlatform) -> None:
         if not isinstance(platform, TwoAxisPlatform):
