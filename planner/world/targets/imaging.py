@@ -11,11 +11,10 @@ from typing import Annotated, ClassVar, Literal, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from planner.base.arrays import Array
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.base.errors import figures
 from planner.base.spec import Within, spec
-from planner.world.frames.geodesy import HeightM, itrf_from_geodetic
+from planner.world.frames.geodesy import HeightM
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.world.orbits import Orbit
 from planner.world.platforms.geometry import Scanning
@@ -31,7 +30,7 @@ from planner.world.targets.ground_path import GroundPathTarget, PathLine, PathPo
 from planner.world.targets.passing import Passing
 from planner.world.targets.refraction import Refraction
 from planner.world.targets.session_target import SessionTarget
-from planner.world.targets.strips import middle_itrf_m, strip_pattern, strip_pieces
+from planner.world.targets.strips import middle_itrf_m, places_itrf_m, strip_pattern, strip_pieces
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,7 +47,7 @@ class ImagingOptions:
 OPTIONS = ImagingOptions()
 
 
-class Scan(NamedTuple):
+class ScannedLine(NamedTuple):
     """A line that is scanned; start_utc: None for as soon as the one before lets it."""
 
     target: GroundPathTarget
@@ -104,7 +103,7 @@ class ImagingMode(SessionTarget):
     min_elevation_deg: ElevationDeg = 0.0
     refraction: Refraction = "none"
 
-    def scans(self, window: ScanWindow) -> tuple[Scan, ...]:
+    def scans(self, window: ScanWindow) -> tuple[ScannedLine, ...]:
         """Its scans in order; raises ValueError with the field at fault, OutsideCoverage."""
         if window.duration_s > OPTIONS.window_most_s:
             raise ValueError(
@@ -141,7 +140,7 @@ class ImagingMode(SessionTarget):
         return found
 
     @abstractmethod
-    def _scans(self, window: ScanWindow) -> tuple[Scan, ...]: ...
+    def _scans(self, window: ScanWindow) -> tuple[ScannedLine, ...]: ...
 
     def _path(self, start: Position, end: Position) -> GroundPathTarget:
         # GeoJSON may go on to 360 deg and beyond the antimeridian.
@@ -168,14 +167,9 @@ class ImagingMode(SessionTarget):
         self, ends: tuple[Position, Position], window: ScanWindow
     ) -> tuple[Position, Position]:
         """The ends in the sense of the flight."""
-        (start_itrf_m, end_itrf_m) = (_itrf_m(end, self.height_m) for end in ends)
+        start_itrf_m, end_itrf_m = places_itrf_m(ends, self.height_m)
         v_itrf_m_s = window.passing.velocity_passing(start_itrf_m)
         return ends if (end_itrf_m - start_itrf_m) @ v_itrf_m_s >= 0.0 else ends[::-1]
-
-
-def _itrf_m(position: Position, height_m: float) -> Array:
-    longitude_rad, latitude_rad = np.deg2rad(position[:2])
-    return itrf_from_geodetic(latitude_rad, longitude_rad, height_m)
 
 
 @spec
@@ -210,8 +204,8 @@ class StripMode(_LineMode):
     def label(self) -> str:
         return "strip"
 
-    def _scans(self, window: ScanWindow) -> tuple[Scan, ...]:
-        return (Scan(self._path(*self._ends(window)), window.start_utc),)
+    def _scans(self, window: ScanWindow) -> tuple[ScannedLine, ...]:
+        return (ScannedLine(self._path(*self._ends(window)), window.start_utc),)
 
 
 @spec
@@ -224,7 +218,7 @@ class CorridorMode(ImagingMode):
     mode: Literal["corridor"] = "corridor"
     geometry: Annotated[GeoLineString | GeoMultiLineString, Field(discriminator="type")]
 
-    def _scans(self, window: ScanWindow) -> tuple[Scan, ...]:
+    def _scans(self, window: ScanWindow) -> tuple[ScannedLine, ...]:
         lines = (
             (self.geometry.coordinates,)
             if isinstance(self.geometry, GeoLineString)
@@ -234,9 +228,11 @@ class CorridorMode(ImagingMode):
         return _one_after_another([self._path(*leg) for leg in legs], window)
 
 
-def _one_after_another(paths: list[GroundPathTarget], window: ScanWindow) -> tuple[Scan, ...]:
+def _one_after_another(
+    paths: list[GroundPathTarget], window: ScanWindow
+) -> tuple[ScannedLine, ...]:
     return tuple(
-        Scan(path, None if number else window.start_utc) for number, path in enumerate(paths)
+        ScannedLine(path, None if number else window.start_utc) for number, path in enumerate(paths)
     )
 
 
@@ -260,7 +256,7 @@ class AreaMode(ImagingMode):
     overlap: Annotated[float, Within(0.0, 0.9)] = 0.05
     swath_m: Annotated[float, Within(1.0, 1e6)] | None = None
 
-    def _scans(self, window: ScanWindow) -> tuple[Scan, ...]:
+    def _scans(self, window: ScanWindow) -> tuple[ScannedLine, ...]:
         polygons = (
             (self.geometry.coordinates,)
             if isinstance(self.geometry, GeoPolygon)
@@ -301,7 +297,7 @@ class AreaMode(ImagingMode):
         return _one_after_another(paths, window)
 
     def _require_size(self, outlines: tuple[tuple[Position, ...], ...]) -> None:
-        corners_itrf_m = np.array([_itrf_m(place, 0.0) for ring in outlines for place in ring])
+        corners_itrf_m = np.concatenate([places_itrf_m(ring, 0.0) for ring in outlines])
         apart_m = corners_itrf_m - middle_itrf_m(outlines, 0.0)
         across_km = 2.0 * float(np.linalg.norm(apart_m, axis=1).max()) / 1e3
         if across_km > OPTIONS.region_most_km:
@@ -345,23 +341,25 @@ class StereoMode(_LineMode):
                 "when the looks are: leave one out"
             )
 
-    def _scans(self, window: ScanWindow) -> tuple[Scan, ...]:
+    def _scans(self, window: ScanWindow) -> tuple[ScannedLine, ...]:
         path = self._path(*self._ends(window))
         if self.gap_s is not None:
             starts_s = [self.gap_s * number for number in range(len(self.looks))]
         else:
             starts_s = self._look_starts_s(path, window)
         return tuple(
-            Scan(path, shifted_utc(window.start_utc, round(start_s * ROWS_PER_S) / ROWS_PER_S))
+            ScannedLine(
+                path, shifted_utc(window.start_utc, round(start_s * ROWS_PER_S) / ROWS_PER_S)
+            )
             for start_s in starts_s
         )
 
     def _look_starts_s(self, path: GroundPathTarget, window: ScanWindow) -> list[float]:
         """Where the strip's middle stands at the angles from nadir, half a scan before."""
-        first, last = (_itrf_m((p.longitude_deg, p.latitude_deg), p.height_m) for p in path.points)
-        middle_itrf_m = 0.5 * (first + last)
+        ends = [(point.longitude_deg, point.latitude_deg) for point in path.points]
+        r_middle_itrf_m = places_itrf_m(ends, self.height_m).mean(axis=0)
         t_s = np.arange(0.0, window.duration_s, COMMAND_STEP_S)
-        along_rad, _ = window.passing.look_angles(middle_itrf_m, t_s)
+        along_rad, _ = window.passing.look_angles(r_middle_itrf_m, t_s)
         most_deg = OPTIONS.look_angle_deg if self.look_angle_deg is None else self.look_angle_deg
         starts_s = []
         for share in self.looks:

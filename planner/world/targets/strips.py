@@ -1,7 +1,7 @@
 """Parallel strips over a region of the ground, and where they cross it."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -70,13 +70,19 @@ class StripPattern:
 
     def corners(self, ring: tuple[Position, ...], height_m: float) -> Array:
         """Along and across of a closed ring's positions, m, (n, 2)."""
-        enu_m = (_corners_itrf_m(ring, height_m) - self.r_middle_itrf_m) @ self.c_enu_from_itrf.T
+        enu_m = (places_itrf_m(ring, height_m) - self.r_middle_itrf_m) @ self.c_enu_from_itrf.T
         return np.stack([enu_m @ self.along_enu, enu_m @ self.across_enu], axis=1)
+
+
+def places_itrf_m(positions: Sequence[Position], height_m: float) -> Array:
+    """Positions on the ground, (n, 3)."""
+    longitude_rad, latitude_rad = np.deg2rad([position[:2] for position in positions]).T
+    return itrf_from_geodetic(latitude_rad, longitude_rad, height_m)
 
 
 def middle_itrf_m(outlines: tuple[tuple[Position, ...], ...], height_m: float) -> Array:
     """The middle of the outlines' corners, on the ground, (3,)."""
-    corners_itrf_m = np.concatenate([_corners_itrf_m(ring[:-1], height_m) for ring in outlines])
+    corners_itrf_m = np.concatenate([places_itrf_m(ring[:-1], height_m) for ring in outlines])
     latitude_rad, longitude_rad, _ = geodetic_from_itrf(corners_itrf_m.mean(axis=0))
     return itrf_from_geodetic(latitude_rad, longitude_rad, height_m)
 
@@ -97,7 +103,7 @@ def strip_pattern(
     r_middle_itrf_m = middle_itrf_m(outlines, height_m)
     c_enu = c_enu_from_itrf(*geodetic_from_itrf(r_middle_itrf_m)[:2])
     rings_enu_m = [
-        (_corners_itrf_m(ring[:-1], height_m) - r_middle_itrf_m) @ c_enu.T for ring in outlines
+        (places_itrf_m(ring[:-1], height_m) - r_middle_itrf_m) @ c_enu.T for ring in outlines
     ]
     if azimuth_deg is None:
         east, north, _ = c_enu @ velocity_passing(r_middle_itrf_m)
@@ -183,11 +189,6 @@ def _spans_in_band(
         aside_m = np.sort(begin[crosses, 1] + share * step[crosses, 1]).reshape(-1, 2)
         if np.any((aside_m[:, 0] < high_m) & (aside_m[:, 1] > low_m)):
             yield first_m, last_m
-
-
-def _corners_itrf_m(ring: tuple[Position, ...], height_m: float) -> Array:
-    longitude_rad, latitude_rad = np.deg2rad([position[:2] for position in ring]).T
-    return itrf_from_geodetic(latitude_rad, longitude_rad, height_m)
 
 
 def _side_azimuth_rad(rings_enu_m: list[Array], track_rad: float) -> float:
