@@ -40,7 +40,7 @@ class BodyEnvelope(NamedTuple):
     boresight_body: Array
 
 
-class SlewTimeOptions(NamedTuple):
+class BodySlewTimeOptions(NamedTuple):
     """How closely a blend is looked at."""
 
     looks: int = 15  # two or so in each phase of the profile
@@ -53,7 +53,7 @@ class SlewTimeOptions(NamedTuple):
     switching_s: float = 2.0 * COMMAND_STEP_S  # beyond the least time: jerk changes on rows only
 
 
-OPTIONS = SlewTimeOptions()
+OPTIONS = BodySlewTimeOptions()
 
 
 class _Ends(NamedTuple):
