@@ -24,6 +24,7 @@ geometric, over the plane of the WGS84 ellipsoid, without refraction or light ti
 """
 
 import argparse
+import hashlib
 import json
 import os
 import resource
@@ -129,40 +130,55 @@ def _answer(body: bytes, asked: WindowsAsked) -> bytes:
 
 
 def _many_carriers(request: OpportunityRequest, count: int) -> None:
-    """One task each: by one worker, two, two of which one is killed, and two threads."""
+    """One task each: by one worker, two, two of which one is killed, and two threads.
+
+    Of what a task finds its number of windows and a digest of its edges are kept: edges are written
+    by carrier, never held.
+    """
     orbits = [*_orbits(request.orbit, count)]
-    alone = _edges_s(request, orbits[0])  # compiled
+    alone = _summed(_edges_s(request, orbits[0]))  # compiled
+    _tell_memory("before")
     for name, workers, is_killed in (
         ("one worker", 1, False),
         ("two workers", 2, False),
         ("two workers, one killed", 2, True),
     ):
         with (
-            LocalCluster(workers, threads_per_worker=1, dashboard_address=None) as cluster,
-            Client(cluster) as client,
+            LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as local,
+            Client(local) as client,
         ):
             client.run(_edges_s, request, orbits[0])  # loaded
             shared = client.scatter(request, broadcast=True)
             began, found, before_s = time.perf_counter(), {}, client.run(time.process_time)
             pids = [*client.run(os.getpid).values()]
-            futures = {
+            rows = {
                 client.submit(_edges_s, shared, orbit, pure=False): row
                 for row, orbit in enumerate(orbits)
             }
-            for future in as_completed(futures):
-                found[futures[future]] = future.result()
+            for future in as_completed([*rows]):
+                found[rows.pop(future)] = _summed(future.result())
+                del future  # its worker need not hold the edges any longer
                 if is_killed and len(found) == count // 2:
                     os.kill(pids[0], signal.SIGKILL)
             took_s, after_s = time.perf_counter() - began, client.run(time.process_time)
             busiest_s = max(worked_s - before_s.get(one, 0.0) for one, worked_s in after_s.items())
         _tell(f"{name}, busiest {busiest_s:.1f} s", took_s, [found[row] for row in range(count)])
-        assert np.array_equal(found[0], alone)
+        assert found[0] == alone
     with ThreadPoolExecutor(2) as threads:
         began = time.perf_counter()
-        found_here = [*threads.map(partial(_edges_s, request), orbits)]
+        found_here = [*threads.map(lambda orbit: _summed(_edges_s(request, orbit)), orbits)]
     _tell("two threads", time.perf_counter() - began, found_here)
+    assert found_here == [found[row] for row in range(count)]
+    _tell_memory("at most")
+
+
+def _summed(edges_s: NDArray[np.float64]) -> tuple[int, str]:
+    return len(edges_s), hashlib.sha256(edges_s.tobytes()).hexdigest()
+
+
+def _tell_memory(when: str) -> None:
     held = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-    print(f"  memory of this process at most {held:.0f} MiB")
+    print(f"  memory of this process {when} {held:.0f} MiB")
 
 
 def _orbits(orbit: Orbit, count: int) -> Iterator[TleOrbit]:
@@ -180,8 +196,8 @@ def _edges_s(request: OpportunityRequest, orbit: TleOrbit) -> NDArray[np.float64
     return np.stack([found.target, found.rise_s, found.set_s], axis=1)
 
 
-def _tell(name: str, took_s: float, found: list[NDArray[np.float64]]) -> None:
-    windows = sum(map(len, found))
+def _tell(name: str, took_s: float, found: list[tuple[int, str]]) -> None:
+    windows = sum(count for count, _ in found)
     print(f"  {name:41s} {took_s:8.2f} s: {windows} windows, {took_s / windows * 1e6:.1f} us each")
 
 
