@@ -28,14 +28,16 @@ class UniformTable:
         """node_value: shape (n, k), n >= 6, rows at 0, step_s, 2 step_s, ..."""
         self.step_s = step_s
         cells = len(node_value) - 1
-        first = np.clip(np.arange(cells) - NODES // 2 + 1, 0, len(node_value) - NODES)
-        place = np.arange(cells) - first
         self.powers = np.empty((cells, NODES, node_value.shape[1]))
-        for at in np.unique(place).tolist():  # all but two cells at either end at once
-            here = np.flatnonzero(place == at)
-            nodes = node_value[first[here] + np.arange(NODES)[:, None]]
-            powers = _vandermonde_inverses()[at] @ nodes.reshape(NODES, -1)
-            self.powers[here] = np.moveaxis(powers.reshape(nodes.shape), 0, 1)
+        middle = NODES // 2 - 1
+        for place in range(NODES - 1):  # of a cell among its nodes
+            begin = place if place <= middle else cells - (NODES - 1) + place
+            end = cells - middle if place == middle else begin + 1
+            around = np.stack(
+                [node_value[begin - place + k : end - place + k] for k in range(NODES)]
+            )
+            powers = _vandermonde_inverses()[place] @ around.reshape(NODES, -1)
+            self.powers[begin:end] = powers.reshape(around.shape).transpose(1, 0, 2)
 
     def at(self, t_s: Array) -> Array:
         """Shape (m, k) at t_s (m,)."""

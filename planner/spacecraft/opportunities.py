@@ -105,7 +105,7 @@ class ImagingSearch:
 
 
 def _require_low(carrier: Carrier) -> None:
-    height_m = float(np.linalg.norm(carrier.r_sat_itrf_m.at(np.zeros(1))[0])) - WGS84_A_M
+    height_m = float(np.linalg.norm(carrier.orbit.at(np.zeros(1))[0, :3])) - WGS84_A_M
     if height_m > HEIGHT_MAX_M:
         raise InvalidInput(
             f"the orbit is {height_m / 1e3:.0f} km high at the start; this spacecraft images from "

@@ -107,13 +107,13 @@ class Viewing:
 def view_of(sight: Sight, which: Indices, t_s: Array) -> ViewOverTime:
     """Targets `which` (n,) at t_s (n,)."""
     seen = sight.sighting(which, t_s)
-    plumb_m = np.full(len(t_s), math.nan)
+    plumb_m, r_sat_itrf_m = np.full(len(t_s), math.nan), sight.carrier.orbit.at(t_s)[:, :3]
     if sight.on_earth:
-        plumb_m = geodetic_from_itrf(sight.carrier.r_sat_itrf_m.at(t_s))[2]
+        plumb_m = geodetic_from_itrf(r_sat_itrf_m)[2]
         plumb_m = plumb_m - geodetic_from_itrf(sight.r_target_itrf_m(which, t_s))[2]
     return ViewOverTime(
         elevation_rad=seen.elevation_rad,
-        off_nadir_rad=angle_rad(seen.direction_itrf, -sight.carrier.r_sat_itrf_m.at(t_s)),
+        off_nadir_rad=angle_rad(seen.direction_itrf, -r_sat_itrf_m),
         plumb_m=plumb_m,
         stretch_ratio=seen.range_m / (plumb_m * np.maximum(np.sin(seen.elevation_rad), 1e-6)),
         sun_elevation_rad=seen.sun_elevation_rad,

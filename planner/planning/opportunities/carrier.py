@@ -61,8 +61,9 @@ class Base(Protocol):
 class Carrier:
     """Tables over `span_s` seconds from `start_utc`, which all t_s count from.
 
-    r_sat_itrf_m: position; v_sat_itrf_m_s: inertial velocity in ITRF axes.
-    r_sun_itrf_m, r_moon_itrf_m: from the geocentre, light time and annual aberration included.
+    orbit: position, m, and inertial velocity, m/s, in ITRF axes, 6 columns.
+    bodies: the Sun and the Moon from the geocentre, m, light time and annual aberration included,
+    ITRF axes, 6 columns.
     q_platform_from_lvlh_xyzw: to be normalised.  platform_turn_max_rad_s: how fast the platform
     turns in ITRF at most.
     The rows smooth a manoeuvre over: by 0.2 m, or 0.03 ms of the motion, in an ISS reboost.
@@ -70,32 +71,29 @@ class Carrier:
 
     start_utc: datetime
     span_s: float
-    r_sat_itrf_m: UniformTable
-    v_sat_itrf_m_s: UniformTable
-    r_sun_itrf_m: UniformTable
-    r_moon_itrf_m: UniformTable
+    orbit: UniformTable
+    bodies: UniformTable
     q_platform_from_lvlh_xyzw: UniformTable
     platform_turn_max_rad_s: float
 
     @cached_property
     def tables(self) -> CarrierTables:
         """The same for compiled code."""
-        orbit = self.r_sat_itrf_m.powers
-        step_s = self.r_sat_itrf_m.step_s
-        r_m, v_m_s = orbit[:, 0], orbit[:, 1] / step_s
+        orbit, step_s = self.orbit.powers, self.orbit.step_s
+        r_m, v_m_s = orbit[:, 0, :3], orbit[:, 1, :3] / step_s
         r2, rv, v2 = (
             np.einsum("ni,ni->n", a, b) for a, b in ((r_m, r_m), (r_m, v_m_s), (v_m_s, v_m_s))
         )
-        acceleration_m_s2 = 2.0 / step_s**2 * float(np.linalg.norm(orbit[:, 2], axis=1).max())
+        acceleration_m_s2 = 2.0 / step_s**2 * float(np.linalg.norm(orbit[:, 2, :3], axis=1).max())
         passing_rad_s = math.sqrt(float(np.max(v2 / r2 - (rv / r2) ** 2)))
         return CarrierTables(
             span_s=self.span_s,
             step_s=step_s,
-            orbit=np.concatenate([orbit, self.v_sat_itrf_m_s.powers], axis=2),
-            body_step_s=self.r_sun_itrf_m.step_s,
-            bodies=np.concatenate([self.r_sun_itrf_m.powers, self.r_moon_itrf_m.powers], axis=2),
+            orbit=orbit,
+            body_step_s=self.bodies.step_s,
+            bodies=self.bodies.powers,
             attitude_step_s=self.q_platform_from_lvlh_xyzw.step_s,
-            attitude=np.ascontiguousarray(self.q_platform_from_lvlh_xyzw.powers),
+            attitude=self.q_platform_from_lvlh_xyzw.powers,
             turn_rad_s=self.platform_turn_max_rad_s,
             farthest_m=OPTIONS.between_rows * math.sqrt(float(r2.max())),
             speed_m_s=OPTIONS.between_rows * math.sqrt(float(v2.max())),
@@ -106,20 +104,23 @@ class Carrier:
     @cached_property
     def rows(self) -> LeapRows:
         """What tells how many rows of the orbit can be leapt over."""
-        r_m = self.r_sat_itrf_m.powers[:, 0]
+        powers, last_s = self.orbit.powers, np.array([self.span_s])
+        r_m = np.concatenate([powers[:, 0, :3], self.orbit.at(last_s)[:, :3]])
+        v_m_s = np.concatenate(
+            [powers[:, 1, :3] / self.orbit.step_s, self.orbit.rate_at(last_s)[:, :3]]
+        )
         cosine = np.minimum((np.arange(2 * SWEEP.leaps + 2) + 1.0) / SWEEP.leaps - 1.0, 1.0)
         per_row_rad = self.tables.passing_rad_s * self.tables.step_s
+        nearness = 1.0 / np.linalg.norm(r_m, axis=1, keepdims=True)
         return LeapRows(
-            r_m / np.linalg.norm(r_m, axis=1, keepdims=True), np.arccos(cosine) / per_row_rad
+            np.concatenate([r_m, v_m_s, nearness], axis=1), np.arccos(cosine) / per_row_rad
         )
 
     def states(self, instants: Instants) -> OrbitStates:
         """Of the tables, at instants that count from the same start."""
         c_itrf = c_itrf_from_eci(instants)
-        r_m, v_m_s = (
-            np.einsum("nji,nj->ni", c_itrf, table.at(instants.t_s))
-            for table in (self.r_sat_itrf_m, self.v_sat_itrf_m_s)
-        )
+        columns = self.orbit.at(instants.t_s).reshape(-1, 2, 3)
+        r_m, v_m_s = np.einsum("nji,nmj->mni", c_itrf, columns)
         return OrbitStates(r_m, v_m_s)
 
 
@@ -147,10 +148,8 @@ def carrier_over(
     return Carrier(
         start_utc=start_utc,
         span_s=span_s,
-        r_sat_itrf_m=UniformTable(step_s, r_sat_itrf_m),
-        v_sat_itrf_m_s=UniformTable(step_s, v_sat_itrf_m_s),
-        r_sun_itrf_m=_body_table("sun", start_utc, span_s),
-        r_moon_itrf_m=_body_table("moon", start_utc, span_s),
+        orbit=UniformTable(step_s, np.concatenate([r_sat_itrf_m, v_sat_itrf_m_s], axis=1)),
+        bodies=_bodies_table(start_utc, span_s),
         q_platform_from_lvlh_xyzw=q_platform_from_lvlh_xyzw,
         platform_turn_max_rad_s=float(turn_rad_s),
     )
@@ -200,14 +199,18 @@ def _perigee_rate_rad_s(states: OrbitStates) -> float:
     return float(np.linalg.norm(h_m2_s) / perigee_m**2)
 
 
-def _body_table(body: str, start_utc: datetime, span_s: float) -> UniformTable:
-    """Where it is seen from the geocentre, ITRF axes."""
+def _bodies_table(start_utc: datetime, span_s: float) -> UniformTable:
+    """As `Carrier.bodies`."""
     motion, turned = (
         _evenly(start_utc, span_s, step_s)
         for step_s in (OPTIONS.body_eci_step_s, OPTIONS.body_step_s)
     )
-    r_eci_m = _table_of(motion, apparent_geocentric_m(body, motion)).at(turned.t_s)
-    return _table_of(turned, _to_itrf(c_itrf_from_eci(turned), r_eci_m))
+    r_eci_m = np.concatenate(
+        [apparent_geocentric_m(body, motion) for body in ("sun", "moon")], axis=1
+    )
+    r_eci_m = _table_of(motion, r_eci_m).at(turned.t_s).reshape(-1, 2, 3)
+    r_itrf_m = np.einsum("nij,nmj->nmi", c_itrf_from_eci(turned), r_eci_m)
+    return _table_of(turned, r_itrf_m.reshape(-1, 6))
 
 
 def _evenly(start_utc: datetime, span_s: float, step_s: float) -> Instants:

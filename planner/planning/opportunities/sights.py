@@ -178,7 +178,7 @@ def _places(resting_parameters: Array, step_s: float, track_coefficients: Array)
 
 def _track(carrier: Carrier, of: Callable[[Instants], Array], error: float) -> UniformTable:
     """Rows as fine as needed: every other row must predict the rest."""
-    cells = 2 * math.ceil((len(carrier.r_sat_itrf_m.powers) + 1) / 2)
+    cells = 2 * math.ceil((len(carrier.orbit.powers) + 1) / 2)
     while True:
         t_s = np.linspace(0.0, carrier.span_s, cells + 1)
         rows = of(Instants(carrier.start_utc, t_s))

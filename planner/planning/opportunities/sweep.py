@@ -76,12 +76,17 @@ OPTIONS = SweepOptions()
 class LeapRows(NamedTuple):
     """What tells how many of the orbit's rows can be leapt over.
 
-    sat_directions: unit vectors from the geocentre, (m, 3).  leaps_rows: in which the carrier
-    passes an angle, by the cosine of that from -1 on, bin by bin.
+    sat_states: on its rows, (m, 7): position, m, its rate in ITRF, m/s, and 1 / the distance from
+    the geocentre.  leaps_rows: in which the carrier passes an angle, by the cosine of that from -1
+    on, bin by bin.
     """
 
-    sat_directions: Array
+    sat_states: Array
     leaps_rows: Array
+
+
+Cone = tuple[Vector, Vector, float]
+"""A place's position and vertical, and the sine of its least elevation."""
 
 
 class Found(NamedTuple):
@@ -96,11 +101,9 @@ class Found(NamedTuple):
 
 
 @inlined
-def _above(
-    c: CarrierTables, r: Vector, up: Vector, sine: float, t_s: float
-) -> tuple[float, float, float]:
+def _above_cone(r_sat: Vector, v: Vector, place: Cone) -> Vector:
     """Height above the cone of least elevation, m along the vertical, its rate, and the range."""
-    r_sat, v = motion_at(c.orbit, c.step_s, t_s)
+    r, up, sine = place
     apart = plus(r_sat, -1.0, r)
     range_m = norm(apart)
     return (
@@ -110,21 +113,41 @@ def _above(
     )
 
 
+@inlined
+def _above(c: CarrierTables, place: Cone, t_s: float) -> Vector:
+    r_sat, v = motion_at(c.orbit, c.step_s, t_s)
+    return _above_cone(r_sat, v, place)
+
+
+@inlined
+def _above_at_row(rows: LeapRows, place: Cone, row: int) -> Vector:
+    """The same where the orbit has a row, which needs no polynomial."""
+    states = rows.sat_states
+    return _above_cone(vector_of(states, row, 0), vector_of(states, row, 3), place)
+
+
 @lean
 def _edge_by_elevation(
-    c: CarrierTables,
-    r: Vector,
-    up: Vector,
-    sine: float,
-    a: float,
-    value_a: float,
-    b: float,
-    value_b: float,
-) -> float:
-    """Newton's, kept in its bracket."""
-    t = a - value_a * (b - a) / (value_b - value_a)
-    for _ in range(60):
-        f, rate, _range = _above(c, r, up, sine, t)
+    c: CarrierTables, place: Cone, bend_m_s2: float, begin: Vector, end: Vector
+) -> tuple[float, int]:
+    """When the height is nought between states of time, height and rate; and looks.
+
+    By Hermite's cubic, then Newton's steps in the bracket, until one is known to leave less than
+    half of `edge_s`.
+    """
+    (a, value_a, rate_a), (b, value_b, rate_b) = begin, end
+    h, change = b - a, value_b - value_a
+    bent = 3.0 * change - (2.0 * rate_a + rate_b) * h
+    twisted = (rate_a + rate_b) * h - 2.0 * change
+    u = -value_a / change
+    for _ in range(3):
+        value = value_a + u * (rate_a * h + u * (bent + u * twisted))
+        u -= value / (rate_a * h + u * (2.0 * bent + 3.0 * u * twisted))
+    t = a + u * h if 0.0 < u < 1.0 else a - value_a / change * h
+    looks = 0
+    while looks < 60:
+        looks += 1
+        f, rate, _range = _above(c, place, t)
         if (f > 0.0) == (value_b > 0.0):
             b = t
         else:
@@ -132,21 +155,15 @@ def _edge_by_elevation(
         new = t - f / rate
         if not a < new < b:
             new = 0.5 * (a + b)
-        if abs(new - t) < OPTIONS.edge_s:
-            return new
-        t = new
-    return t
+        off, t = new - t, new
+        if bend_m_s2 * off * off < OPTIONS.edge_s * abs(rate) or abs(off) < OPTIONS.edge_s:
+            break
+    return t, looks
 
 
 @lean
 def _edges_in_cell(
-    c: CarrierTables,
-    r: Vector,
-    up: Vector,
-    sine: float,
-    bend_m_s2: float,
-    todo_states: Array,
-    edges_s: Array,
+    c: CarrierTables, place: Cone, bend_m_s2: float, todo_states: Array, edges_s: Array
 ) -> tuple[int, int]:
     """Where the elevation is the least one between two instants, in order, into edges_s; how many,
     and how many looks that took.
@@ -169,12 +186,13 @@ def _edges_in_cell(
             middle = 0.5 * (t1 + t2)
             looks += 1
             todo_states[deep, 0] = middle
-            todo_states[deep, 1], todo_states[deep, 2], _range = _above(c, r, up, sine, middle)
+            todo_states[deep, 1], todo_states[deep, 2], _range = _above(c, place, middle)
             deep += 1
             continue
         if not same and count < len(edges_s):
-            looks += 5
-            edges_s[count] = _edge_by_elevation(c, r, up, sine, t1, f1, t2, f2)
+            begin, end = (t1, f1, g1), (t2, f2, g2)
+            edges_s[count], looked = _edge_by_elevation(c, place, bend_m_s2, begin, end)
+            looks += looked
             count += 1
         t1, f1, g1 = t2, f2, g2
         deep -= 1
@@ -198,26 +216,30 @@ def _spans_by_elevation(
     offset = central / (c.step_s * c.passing_rad_s)
     edges_s, todo_states, found_s = np.empty(16), np.empty((64, 3)), np.empty(64)
     count, looks, cell, known = 0, 0, 0, False
-    f1, g1, far1 = _above(c, r, up, sine, 0.0)
+    place = r, up, sine
+    f1, g1, far1 = _above_at_row(rows, place, 0)
     if f1 > 0.0:
         edges_s[0], count = 0.0, 1
     while cell < len(c.orbit):
-        along = dot(vector_of(rows.sat_directions, cell, 0), toward)
+        along = dot(vector_of(rows.sat_states, cell, 0), toward) * rows.sat_states[cell, 6]
         leap = int(rows.leaps_rows[int((along + 1.0) * OPTIONS.leaps)] - offset)
         if leap > 0:
             cell += leap
             known = False
             continue
         if not known:
-            f1, g1, far1 = _above(c, r, up, sine, cell * c.step_s)
+            f1, g1, far1 = _above_at_row(rows, place, cell)
         end_s = min((cell + 1) * c.step_s, c.span_s)
-        f2, g2, far2 = _above(c, r, up, sine, end_s)
+        f2, g2, far2 = _above_at_row(rows, place, cell + 1)
         nearest = max(min(far1, far2) - 0.5 * c.speed_m_s * c.step_s, OPTIONS.nearest_m)
         bend_m_s2 = (1.0 + sine) * c.acceleration_m_s2 + sine * c.speed_m_s**2 / nearest
-        todo_states[0, 0], todo_states[0, 1], todo_states[0, 2] = end_s, f2, g2
-        todo_states[1, 0], todo_states[1, 1], todo_states[1, 2] = cell * c.step_s, f1, g1
-        more, looked = _edges_in_cell(c, r, up, sine, bend_m_s2, todo_states, found_s)
-        looks += 1 + looked
+        looks, more = looks + 1, 0
+        bent_m = 0.125 * bend_m_s2 * c.step_s**2
+        if (f1 > 0.0) != (f2 > 0.0) or min(abs(f1), abs(f2)) <= bent_m:
+            todo_states[0, 0], todo_states[0, 1], todo_states[0, 2] = end_s, f2, g2
+            todo_states[1, 0], todo_states[1, 1], todo_states[1, 2] = cell * c.step_s, f1, g1
+            more, looked = _edges_in_cell(c, place, bend_m_s2, todo_states, found_s)
+            looks += looked
         if count + more >= len(edges_s):
             edges_s = np.concatenate((edges_s, np.empty(len(edges_s) + more)))
         edges_s[count : count + more] = found_s[:more]

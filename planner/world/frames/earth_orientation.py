@@ -143,6 +143,7 @@ def _gmst_rad(instants: Instants, parameters: Array) -> Array:
     return np.asarray(erfa.gmst82(jd1, jd2 + parameters[:, 3] / DAY_S))
 
 
+@lru_cache(maxsize=2)  # an orbit's states and what they are turned by ask for the same instants
 def _interpolate_nodes(instants: Instants) -> Array:
     """Columns X, Y, s (rad), UT1 - TAI (s), xp, yp, s' (rad), d(UT1 - TAI)/dt, shape (n, 8)."""
     jd1, jd2 = instants.tai_jd()
