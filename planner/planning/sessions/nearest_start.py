@@ -379,7 +379,9 @@ def _nearest_feasible(trials: Trials, row: int, wanted_row: int) -> Session | No
                 bad = middle
         return good
 
-    first, found = nearest_row(trials.ends_may), None
+    # A roll nearest to the attitude before hangs on the whole of a session, not on its ends alone.
+    is_quick = trials.mover.start_search.is_quick
+    first, found = nearest_row(trials.may_succeed if is_quick else trials.ends_may), None
     with at_most(OPTIONS.slews_share * effort.remaining()):
         found = trials.feasible_session(first)
         if found is None:
