@@ -12,6 +12,7 @@ speak of angles and limits, and none of the callers between has a use for it.  O
 nothing is bounded.
 """
 
+import math
 from contextvars import ContextVar, Token
 from dataclasses import dataclass, field
 
@@ -31,12 +32,14 @@ class Effort:
     """What is done, and how much may be, in rows' worth of work.
 
     outer: the bound around it, which counts the same work.  is_exhausted: work was left undone.
+    finishes: whether it may go on beyond all of them.
     """
 
     bound: float
     outer: "Effort | None" = None
     done_rows: float = 0.0
     is_exhausted: bool = False
+    finishes: bool = False
     _made: set[object] = field(default_factory=set)
     _token: Token["Effort | None"] = field(init=False, repr=False)
 
@@ -57,6 +60,8 @@ class Effort:
 
     def require(self) -> None:
         """Raises WorkLimitReached, of the outermost bound that is reached."""
+        if self.finishes:
+            return
         if self.outer is not None:
             self.outer.require()
         if self.done_rows >= self.bound:
@@ -89,6 +94,12 @@ def at_most(bound: float) -> Effort:
     return Effort(bound)
 
 
+def finish() -> Effort:
+    """Work in a `with` is counted, and goes on though a bound is reached: what hands over the best
+    found, in little time."""
+    return Effort(math.inf, finishes=True)
+
+
 def charge(rows: float) -> None:
     """Called by what is about to do, or to go on with, so much work.
 
@@ -117,4 +128,4 @@ def count_once(made: object, rows: float) -> None:
 def remaining() -> float:
     """What may still be done; infinite where nothing is bounded."""
     effort = _NOW.get()
-    return float("inf") if effort is None else effort.remaining
+    return math.inf if effort is None else effort.remaining

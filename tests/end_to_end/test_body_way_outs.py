@@ -7,7 +7,7 @@ import pytest
 
 from app.requests.plan import read_plan_request
 from planner.base.commands import COMMAND_STEP_S
-from planner.base.errors import Refusal
+from planner.base.errors import InfeasibleSlew, Refusal
 from planner.planning.sessions.pipeline import make_plan
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_from_text, utc_text
 
@@ -62,3 +62,24 @@ def test_a_way_out_is_flown_and_no_nearer_start_is(changes, objective):
             with pytest.raises(Refusal):
                 planned(request, nearer_utc, told_stop_utc)
     assert refused >= 1
+
+
+@pytest.mark.parametrize(
+    ("after_s", "objective"), [(2.6, "smooth"), (5.0, "minimum_time"), (6.2, "smooth")]
+)
+def test_a_session_too_soon_to_settle_for_is_told_so(after_s, objective):
+    agility = other_body.PLATFORM["agility"] | {"settle_s": 5.0}
+    request = request_of({"agility": agility}, 0) | {"slew": {"objective": objective}}
+    asked = request["sessions"][0]
+    start_utc, stop_utc = (utc_from_text(asked[side]) for side in ("start", "stop"))
+    epoch = {"epoch": utc_text(shifted_utc(start_utc, -after_s), 1)}
+    request |= {"initial_state": request["initial_state"] | epoch}
+    with pytest.raises(InfeasibleSlew) as refused:
+        planned(request, start_utc, stop_utc)
+    refusal = refused.value
+    assert refusal.field == "sessions.0.start"
+    assert refusal.limit == "duration"
+    assert ("settle" in refusal.detail) == (after_s <= 5.0)
+    told_start_utc, told_stop_utc = refusal.earliest_feasible_start_utc, refusal.feasible_stop_utc
+    assert elapsed_s(told_start_utc, start_utc) > 5.0 - after_s
+    assert planned(request, told_start_utc, told_stop_utc).verification.passed

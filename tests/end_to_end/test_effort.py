@@ -22,6 +22,7 @@ from planner.motion.slew.ocp import Begin, Rows, SpanProgramme, Vibration, solve
 from planner.planning.sessions import nearest_start
 from planner.planning.sessions.assembly import table_work
 from planner.planning.sessions.pipeline import make_plan
+from planner.planning.sessions.platforms.registry import mover_of
 from planner.planning.sessions.sequence import SessionRefused, sequence_sessions
 from planner.world.frames.time_scales import elapsed_s
 from planner.world.platforms import AxisLimits, StructuralMode
@@ -231,7 +232,7 @@ def test_sessions_with_no_time_between_are_refused_at_once(place, gap_s, slew):
     )
     ephemeris = asked.orbit.ephemeris(at(0.0), at(300.0))
     with at_most(np.inf) as work, pytest.raises(SessionRefused):
-        sequence_sessions(asked, ephemeris, prove=False)
+        sequence_sessions(asked, ephemeris, mover_of(asked), prove=False)
     assert work.done_rows < 0.05 * effort.PLAN
     refusal, work_rows = counted(asked)
     assert work_rows < 0.25 * effort.PLAN
@@ -250,7 +251,7 @@ def test_sessions_with_no_time_between_are_refused_at_once(place, gap_s, slew):
 def test_a_session_that_others_press_on_both_sides_is_not_sought_again_and_again(monkeypatch):
     """Wherever the second begins, the third begins when it ends: no start of it can be free."""
     tries = []
-    monkeypatch.setattr(nearest_start, "_is_planned", lambda asked: tries.append(asked) or True)
+    monkeypatch.setattr(nearest_start, "_is_planned", lambda asked, _: tries.append(asked) or True)
     asked = scenario(
         *(
             session(place, *span)

@@ -52,6 +52,8 @@ class BodySlewOptions:
     best_share: float = 0.98  # of a least time from one start, the least that there may be
     # times what a turn between rests takes: with more time, its motions at the ends decide
     hasty: float = 2.0
+    # of the rate limit, at an end: with more, no least time was found, at a second's cost
+    fast_end: float = 0.98
 
 
 OPTIONS = BodySlewOptions()
@@ -215,7 +217,8 @@ def _smoothest(problem: BodySlewProblem) -> _Tried:
             best is None or found.spans.cost_rad2_s5 < best.spans.cost_rad2_s5
         ):
             best = found
-        if best is None and tried is None and _is_hasty(problem):
+        is_open = best is None and tried is None and max(_end_rates(problem)) < OPTIONS.fast_end
+        if is_open and _is_hasty(problem):
             tried = _next_to_least_time(problem)
             if tried.found or problem.available_s < OPTIONS.best_share * (tried.least_s or 0.0):
                 return tried
@@ -230,6 +233,15 @@ def _is_hasty(problem: BodySlewProblem) -> bool:
     """Whether the time given may be too short, rather than its ends too near to the limits."""
     resting_s = eigenaxis_slew(problem.at_rest(), problem.first_arrival_row).duration_s
     return problem.available_s < OPTIONS.hasty * resting_s
+
+
+def _end_rates(problem: BodySlewProblem) -> list[float]:
+    """Shares of the rate limit with which a slew to one row begins and ends."""
+    none = np.zeros((1, 3))
+    return [
+        float(problem.limits.shares(BodyMotion(end.rate_rad_s, none, none))[0, 0])
+        for end in (problem.start, problem.goal)
+    ]
 
 
 def _next_to_least_time(problem: BodySlewProblem) -> _Tried:
@@ -332,11 +344,7 @@ def _refusal(problem: BodySlewProblem, least_s: float | None) -> InfeasibleSlew:
             )
     last = problem.arriving_at(problem.last_arrival_row)
     if least_s is None and not _is_hasty(last):
-        none = np.zeros((1, 3))
-        ends = (last.start, last.goal)
-        used = [
-            float(last.limits.shares(BodyMotion(end.rate_rad_s, none, none))[0, 0]) for end in ends
-        ]
+        used = _end_rates(last)
         return InfeasibleSlew(
             f"no slew of {last.available_s:.1f} s was found: at its start the body turns at "
             f"{figures(used[0], 1.0)} of its rate limit, at its end at {figures(used[1], 1.0)}; "

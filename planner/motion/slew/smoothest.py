@@ -16,6 +16,7 @@ import numpy as np
 
 from planner.base import effort
 from planner.base.arrays import Array, Indices, Mask
+from planner.base.effort import WorkLimitReached
 from planner.base.solvers import SolverRun, has_piqp
 from planner.motion.slew.closed_forms import least_jerk_profile
 from planner.motion.slew.feasibility import verdict
@@ -151,7 +152,8 @@ def find_smoothest(
     calm = axis.calm_modes(best) if best is not None and slew.avoid_modes else None
     found = calm or best
     if found and not found.is_ipopts and may_fly is not None and may_fly(found.profile):
-        found = axis.solve_to_fly(found)
+        with effort.finish():
+            found = axis.solve_to_fly(found)
         iterations += found.iterations if found is not None else 0
     if found is None:
         return _with_braked_ends(slew, rows, may_fly)
@@ -175,6 +177,7 @@ def _place_knots(
 ) -> tuple[_Motion | None, float, int]:
     """The best motion on knots that are added to until the gap is closed, its bound, iterations.
 
+    Once one is found, the end of the work that may be done is no more than the end of bettering it.
     Where the quintic keeps the limits it is where to begin, and its cost the bound: a few spans
     come as near to it as is wanted.
     """
@@ -183,7 +186,12 @@ def _place_knots(
     flat_rows = axis.rows_astray(begun)
     knots = axis.first_knots(begun, flat_rows)
     for _ in range(ROUNDS):
-        motion = axis.solve_on(knots, flat_rows, begun, starts)
+        try:
+            motion = axis.solve_on(knots, flat_rows, begun, starts)
+        except WorkLimitReached:
+            if best is None:
+                raise
+            break
         if motion is None:
             break
         begun, iterations = motion.profile, iterations + motion.iterations
@@ -361,7 +369,7 @@ class _Axis:
     def calm_modes(self, motion: _Motion) -> _Motion | None:
         """What leaves the modes calmest, with weights shifted towards those that ring too much.
 
-        None where no motion is found.
+        None where no motion is found; the best so far where the work that may be done ends.
         Source: Lawson 1961, the least greatest residual by least squares weighed anew.
         """
         slew, rows = self.slew, self.rows
@@ -374,7 +382,12 @@ class _Axis:
         single = knots[:-1][~self.can_cut(knots)]
         flat_rows = np.union1d(motion.grid.flat_rows, np.rint(single * (rows or 1)).astype(np.intp))
         for _ in range(WEIGHINGS):
-            found = self.solve_on(knots, flat_rows, begun, _quick_options(), weights)
+            try:
+                found = self.solve_on(knots, flat_rows, begun, _quick_options(), weights)
+            except WorkLimitReached:
+                if best is None:
+                    raise
+                break
             if found is None:
                 break
             begun = found.profile

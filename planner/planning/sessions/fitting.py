@@ -70,7 +70,7 @@ def _fitted(
     session = scenario.sessions[number]
     assert session.fits_by is not None
     epoch_utc = scenario.initial_state.epoch
-    row = max(session_rows(session, epoch_utc).start, from_row)
+    row = max(session_rows(session, epoch_utc).start, from_row + mover.settle_rows)
     for _ in range(OPTIONS.tries):
         moved = _moved(scenario, number, row)
         branches = mover.ways(ephemeris, number, moved, from_row, state)

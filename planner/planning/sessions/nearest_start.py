@@ -1,6 +1,7 @@
 """The nearest start at which a refused session can be flown."""
 
-from collections.abc import Callable, Iterable
+import math
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from datetime import datetime
 from itertools import islice
@@ -13,7 +14,7 @@ from planner.base.effort import Effort, WorkLimitReached, at_most
 from planner.base.errors import InfeasibleSlew, Refusal
 from planner.base.reporting import Reporter, tell_nobody
 from planner.planning.sessions.assembly import sessions_after_conflicts, table_work
-from planner.planning.sessions.platforms.mover import Join, RowSpan
+from planner.planning.sessions.platforms.mover import Join, Mover, RowSpan
 from planner.planning.sessions.platforms.registry import mover_of
 from planner.planning.sessions.sequence import RefusedSession, SessionRefused, sequence_sessions
 from planner.planning.sessions.start_trials import Slewed, Trials, longest_hold
@@ -88,7 +89,9 @@ class Others:
         while True:
             sessions = [moved if one == number else scenario.sessions[one] for one in kept]
             try:
-                planned = _is_planned(replace(scenario, sessions=tuple(sessions)))
+                planned = _is_planned(
+                    replace(scenario, sessions=tuple(sessions)), self._refused.mover
+                )
             except SessionRefused as failed:
                 lost = kept[failed.session.number]
                 if lost == number:
@@ -103,16 +106,16 @@ class Others:
             return tuple(sorted({*range(count)} - {*kept})) if planned else None
 
 
-def _is_planned(scenario: Scenario) -> bool:
+def _is_planned(scenario: Scenario, mover: Mover) -> bool:
     """Whether the pipeline plans it; raises SessionRefused and refusals of the whole."""
-    is_quick = mover_of(scenario).start_search.is_quick
+    is_quick = mover.start_search.is_quick
     if is_quick:
         scenario = replace(scenario, slew=replace(scenario.slew, objective="smooth"))
     epoch_utc = scenario.initial_state.epoch
     rows = [session_rows(session, epoch_utc) for session in scenario.sessions]
     ephemeris = ephemeris_over(scenario, rows)
-    joins = sequence_sessions(scenario, ephemeris, prove=False)
-    mover = mover_of(scenario)
+    mover = mover.planning(scenario)
+    joins = sequence_sessions(scenario, ephemeris, mover, prove=False)
     whole = mover.with_final_slew(ephemeris, joins)
     if not scenario.slew.keeps_limits or (is_quick and not scenario.platform.always_excluded):
         return True
@@ -133,6 +136,7 @@ class NearestStartOptions:
     attempts: int = 60  # rows gone through either way of moving a session
     search: int = 500_000  # of `effort`: five seconds for either direction of moving a session
     search_share: float = 0.6  # and of what work is left
+    slews_share: float = 0.85  # of that, for slews to a session moved; then the whole is planned
     refusals: int = 4  # starts that would cost other sessions, before such a one is named
     # a carrier lower than that is three times as far off, or more
     useful_elevation_deg: float = 10.0
@@ -173,7 +177,7 @@ def plan_sessions(
     start that can be flown; the last with what each session would have to give up.
     """
     try:
-        return sequence_sessions(scenario, ephemeris)
+        return sequence_sessions(scenario, ephemeris, mover_of(scenario))
     except SessionRefused as failed:
         raise _advise_start(failed, tell) from None
 
@@ -221,7 +225,7 @@ def _start_advice(refused: RefusedSession, tell: Reporter) -> Advice:
     span = _known_span(refused)
     if isinstance(span, Refusal):
         return Advice(f"no other start was tried: {span.detail.partition(';')[0]}")
-    most = mover_of(refused.scenario).start_search.work_rows
+    most = refused.mover.start_search.work_rows
     span = replace(span, kept_work_rows=max(effort.remaining() - most, 0.0))
     useful = _at_useful_elevation(refused)
     known: Costs = {}
@@ -344,7 +348,6 @@ def _search_rows(
     as far as there are any, negative: not one.
     """
     reach_rows, refusals, failures = -1, 0, 0
-    found: Session | None = None
     candidates = list(islice(rows, OPTIONS.attempts))
     with _search_of(trials):
         for row in candidates:
@@ -352,17 +355,14 @@ def _search_rows(
             session = _nearest_feasible(trials, row, wanted_row) if may else None
             reach_rows = abs(row - wanted_row)
             if session is not None and others.stay_as_asked(session):
-                found = session
-                nearer = _row_nearer(trials, session, wanted_row)
-                is_kept = nearer is not None and others.stay_as_asked(nearer)
-                return nearer if is_kept else session, reach_rows
+                return session, reach_rows
             refusals += may
             failures += may and session is None
             most = 1 if session and others.always_cost(session) else OPTIONS.refusals
             if may and (failures >= trials.mover.start_search.failures or refusals >= most):
                 return None, reach_rows
         return None, reach_rows if len(candidates) == OPTIONS.attempts else None
-    return found, reach_rows
+    return None, reach_rows
 
 
 def _nearest_feasible(trials: Trials, row: int, wanted_row: int) -> Session | None:
@@ -379,37 +379,78 @@ def _nearest_feasible(trials: Trials, row: int, wanted_row: int) -> Session | No
                 bad = middle
         return good
 
-    first = nearest_row(trials.ends_may)
-    found = trials.feasible_session(first)
-    if found is not None:
-        return found
-    surer = nearest_row(lambda middle: trials.ends_may(middle) and trials.may_succeed(middle))
-    search, good, bad, step = trials.mover.start_search, surer, surer - away, 1
-    for _ in range(search.slews):
-        found = trials.feasible_session(good) if good != first else None
-        if found is not None:
-            break
-        if away < 0 and trials.needed_row > good:
-            return None  # with less time there is none either
-        bad, good = good, good + away * step
-        good = max(good, trials.needed_row) if away > 0 else good
-        step *= search.growth
-    while found is not None and abs(good - bad) > 1:
-        middle = (good + bad) // 2
-        nearer = trials.feasible_session(middle)
-        if nearer is not None:
-            found, good = nearer, middle
-        else:
-            bad = min(max(middle, trials.needed_row - 1), good - 1) if away > 0 else middle
+    # A roll nearest to the attitude before hangs on the whole of a session, not on its ends alone.
+    is_quick = trials.mover.start_search.is_quick
+    first, found = nearest_row(trials.may_succeed if is_quick else trials.ends_may), None
+    with at_most(OPTIONS.slews_share * effort.remaining()):
+        found = trials.feasible_session(first)
+        if found is None:
+            surer = nearest_row(lambda at: trials.ends_may(at) and trials.may_succeed(at))
+            for nearer in _ever_nearer(trials, surer, away, first):
+                found = nearer
+        for nearer in _row_by_row(trials, found, wanted_row):
+            found = nearer
     return found
 
 
-def _row_nearer(trials: Trials, session: Session, wanted_row: int) -> Session | None:
-    """Where a least time that was found, good to about a row, passed over the row before."""
-    row = session_rows(session, trials.refused.epoch_utc).start
-    if row == wanted_row or not trials.mover.start_search.is_quick:
-        return None
-    return trials.feasible_session(row - 1 if row > wanted_row else row + 1)
+def _ever_nearer(trials: Trials, row: int, away: int, failed: int) -> Iterator[Session]:
+    """A session that is slewed to, from a row on that closed forms leave open, and nearer ones."""
+    search, good, bad, step = trials.mover.start_search, row, row - away, 1
+    needed: dict[int, int] = {}
+    for _ in range(search.slews):
+        found = trials.feasible_session(good) if good != failed else None
+        if found is not None:
+            break
+        if away < 0 and trials.needed_row > good:
+            return  # with less time there is none either
+        needed[good] = trials.needed_row
+        bad, good = good, good + away * step
+        good = max(good, trials.needed_row) if away > 0 else good
+        step *= search.growth
+    else:
+        return
+    yield found
+    while abs(good - bad) > 1:
+        middle = _row_to_try(needed, good, bad) if search.is_quick else (good + bad) // 2
+        nearer = trials.feasible_session(middle)
+        if nearer is not None:
+            good = middle
+            yield nearer
+            continue
+        needed[middle] = trials.needed_row
+        bad = middle
+        if away > 0 and not search.is_quick:
+            bad = min(max(middle, trials.needed_row - 1), good - 1)
+
+
+def _row_by_row(trials: Trials, found: Session | None, wanted_row: int) -> Iterator[Session]:
+    """Sessions that are nearer than the one found, where closed forms can't tell of a slew: what
+    they, or least times that were found, leave out may be possible."""
+    row = wanted_row
+    if found is not None and trials.mover.start_search.is_quick:
+        row = session_rows(found, trials.refused.epoch_utc).start
+    while row != wanted_row:
+        row += 1 if row < wanted_row else -1
+        nearer = trials.feasible_session(row)
+        if nearer is None:
+            return
+        yield nearer
+
+
+def _row_to_try(needed: dict[int, int], good: int, bad: int) -> int:
+    """Between a row that fails and one that does: where what two that failed need meets the row.
+
+    A goal that moves needs less or more time at another row, about in proportion; where it isn't
+    known of two rows, the one between.  needed: by row, the row that it would have needed, -1
+    where that isn't known.
+    """
+    told = [(row, needs) for row, needs in needed.items() if needs >= 0][-2:]
+    if len(told) < 2 or good < bad:
+        return (good + bad) // 2
+    (row_1, needs_1), (row_2, needs_2) = told
+    slope = (needs_2 - needs_1) / (row_2 - row_1)
+    meets = math.ceil((needs_2 - slope * row_2) / (1.0 - slope)) if slope < 1.0 else bad
+    return min(max(meets, bad + 1), good - 1)
 
 
 def _search_of(trials: Trials) -> Effort:

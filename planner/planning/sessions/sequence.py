@@ -24,7 +24,6 @@ from planner.planning.sessions.chain import (
     Steps,
 )
 from planner.planning.sessions.platforms.mover import Join, Mover, RowSpan, State, TrackBranch
-from planner.planning.sessions.platforms.registry import mover_of
 from planner.planning.sessions.track_branches import session_rows
 from planner.world.frames.time_scales import shifted_utc
 from planner.world.orbits import Ephemeris
@@ -48,11 +47,13 @@ OPTIONS = SequenceOptions()
 class RefusedSession:
     """A session that can't be flown as asked.
 
-    number: its index.  state: of the platform at from_row, from which its slew begins.
+    number: its index.  mover: of the scenario, which knows what was tried.  state: of the platform
+    at from_row, from which its slew begins.
     hopeless: sessions that no slew reaches in time from the one before, as both are asked.
     """
 
     scenario: Scenario
+    mover: Mover
     number: int
     from_row: int
     state: State
@@ -88,6 +89,8 @@ class SessionRefused(Exception):
         """What sessions would lose under each `on_conflict` by which all of them can be flown."""
         found: list[Relaxation] = []
         if self._chain is not None:
+            if self.session.mover.start_search.is_quick:
+                self._chain.accept_first()  # to join a track early loses nothing more or less
             with at_most(OPTIONS.offers_share * effort.remaining()):
                 for mode in CONFLICTS:
                     instead = self._chain.solve(mode)
@@ -96,7 +99,7 @@ class SessionRefused(Exception):
 
 
 def sequence_sessions(
-    scenario: Scenario, ephemeris: Ephemeris, *, prove: bool = True
+    scenario: Scenario, ephemeris: Ephemeris, mover: Mover, *, prove: bool = True
 ) -> list[Join]:
     """A slew and a track for every session, in order.
 
@@ -107,7 +110,6 @@ def sequence_sessions(
     prove: whether to show, where a slew has no detour around cones, that there is none.
     Raises SessionRefused; InfeasibleSlew where it is the initial state's fault; SearchEnded.
     """
-    mover = mover_of(scenario)
     state = mover.initial(ephemeris)
     chain = Chain(scenario, mover, state, _branches_by_session(scenario, ephemeris, mover, state))
     found = None
@@ -138,9 +140,9 @@ def _branches_by_session(
     for number, session in enumerate(scenario.sessions):
         try:
             branches = mover.ways(ephemeris, number, session, from_row, state)
-        except (NotVisible, Unreachable, TrackBreaksLimit) as refusal:
+        except (NotVisible, Unreachable, TrackBreaksLimit, InfeasibleSlew) as refusal:
             refused = RefusedSession(
-                scenario=scenario, number=number, from_row=from_row, state=state
+                scenario=scenario, mover=mover, number=number, from_row=from_row, state=state
             )
             raise SessionRefused(refused, refusal) from None
         sessions.append(branches)
@@ -167,6 +169,7 @@ def _find_conflict(chain: Chain, *, prove: bool) -> SessionRefused:
     refusal = refusal or _refusal(chain, number, slew_start, prove=False)
     refused = RefusedSession(
         scenario=scenario,
+        mover=chain.mover,
         number=number,
         from_row=slew_start.last_row,
         state=state,

@@ -4,7 +4,6 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from datetime import datetime
-from functools import cached_property
 
 import numpy as np
 
@@ -14,7 +13,6 @@ from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.base.errors import InfeasibleSlew, Refusal
 from planner.motion.pointing.line_of_sight import STENCIL
 from planner.planning.sessions.platforms.mover import Mover, RowSpan, TrackBranch
-from planner.planning.sessions.platforms.registry import mover_of
 from planner.planning.sessions.sequence import RefusedSession
 from planner.planning.sessions.track_branches import OPTIONS as TRACK_BRANCH_OPTIONS
 from planner.planning.sessions.track_branches import (
@@ -47,7 +45,7 @@ def longest_hold(refused: RefusedSession, ephemeris: Ephemeris) -> RowSpan | Non
     effort.charge(TRACK_BRANCH_OPTIONS.hold + TRACK_BRANCH_OPTIONS.hold_row * count)
     try:
         los = los_on_rows(scenario, ephemeris, target, rows, count)
-        ways = tuple(mover_of(scenario).held(ephemeris, refused.session, los, refused.state))
+        ways = tuple(refused.mover.held(ephemeris, refused.session, los, refused.state))
     except Refusal:  # nothing is known of the orbit or attitude then
         return None
     seen = (los.clearance_rad[1:] >= 0.0) & (los.clearance_rad[:-1] >= 0.0)
@@ -93,9 +91,9 @@ class Trials:
     )
     _needed_rows: list[int] = field(default_factory=list)
 
-    @cached_property
+    @property
     def mover(self) -> Mover:
-        return mover_of(self.refused.scenario)
+        return self.refused.mover
 
     @property
     def _joins_early(self) -> bool:

@@ -103,12 +103,19 @@ class _Wait(NamedTuple):
     ephemeris: Ephemeris
 
 
+class _Solved(NamedTuple):
+    """A slew, and the wait before it, if any."""
+
+    slew: BodySlew
+    wait: _Wait | None
+
+
 class BodyMover:
     """As `Mover` says; a state is the `Motion` of one instant, the base is GCRF."""
 
     # Its least time is found, not known in closed form, and a slew that isn't found is dear.
     start_search: ClassVar = StartSearch(
-        slews=9, growth=2, failures=2, work_rows=300_000, is_quick=True
+        slews=9, growth=2, failures=2, work_rows=200_000, is_quick=True
     )
 
     def __init__(self, scenario: Scenario) -> None:
@@ -117,7 +124,13 @@ class BodyMover:
             raise TypeError(f"{platform.name} is no body")
         self.scenario, self.platform = scenario, platform
         self.limits = agility_limits(platform)
-        self._refused: dict[tuple[object, ...], InfeasibleSlew] = {}
+        self.settle_rows = math.ceil(platform.envelope.settle_s * ROWS_PER_S - 1e-6)
+        self._known: dict[tuple[object, ...], _Solved | InfeasibleSlew] = {}
+
+    def planning(self, scenario: Scenario) -> "BodyMover":
+        mover = BodyMover(scenario)
+        mover._known = self._known
+        return mover
 
     def initial(self, ephemeris: Ephemeris) -> Motion:
         state = self.scenario.initial_state.body_motion
@@ -137,7 +150,15 @@ class BodyMover:
         scenario, target = self.scenario, session.target
         assert isinstance(target, VisibleTarget)  # a scenario refuses the others
         rows = session_rows(session, scenario.initial_state.epoch)
-        settled = math.ceil(self.platform.envelope.settle_s * ROWS_PER_S - 1e-6)
+        settled = self.settle_rows
+        if rows.start < settled:
+            raise InfeasibleSlew(
+                f"session {number + 1} begins {rows.start / ROWS_PER_S:g} s after the epoch, "
+                "before which nothing is planned, and the body has to be on its target "
+                f"{self.platform.envelope.settle_s:g} s earlier to settle (agility.settle_s); "
+                "begin it later, or put the epoch earlier",
+                limit="duration",
+            )
         first_row = early_row(scenario, rows.start - settled, from_row)
         wide = RowSpan(start=first_row, stop=max(rows.stop, first_row + STENCIL - 1))
         los = los_on_rows(scenario, ephemeris, target, wide)
@@ -184,7 +205,7 @@ class BodyMover:
     def first_row_in_reach(
         self, branch: TrackBranch, from_row: int, state: Motion, last_row: int
     ) -> int | None:
-        if self.scenario.slew.objective != "minimum_time":
+        if self.scenario.slew.objective != "minimum_time" or last_row <= from_row:
             return None
         goal, first_row = self._early_goal(branch, from_row, last_row)
         problem = BodySlewProblem(
@@ -206,33 +227,39 @@ class BodyMover:
         """Exclusions are part of the programme: there is no detour to better or to prove.
 
         thorough: else it joins where the session begins, even if `early`.
-        What was refused once isn't solved again.
+        What was solved or refused once isn't solved again.
         """
         last_row = branch.rows.start
         if last_row <= from_row:
-            raise InfeasibleSlew("no time is left for a slew before the session", limit="duration")
+            settling = (
+                f", in which the body has to settle for {self.platform.envelope.settle_s:g} s"
+                if branch.settle_rows
+                else ""
+            )
+            raise InfeasibleSlew(
+                f"no time is left for a slew before the session{settling}", limit="duration"
+            )
         began_s = time.perf_counter()
         if early and thorough and self.scenario.slew.objective == "minimum_time":
             goal, first_row = self._early_goal(branch, from_row, last_row)
         else:
             goal, first_row = branch.track.rows_at(last_row, last_row), last_row
-        way = (branch.track, last_row, from_row, state.position.tobytes())
+        there = rows_of(goal, slice(-1, None))
+        ends = (state.position, state.rate_rad_s, there.position, there.rate_rad_s)
+        way = (last_row, from_row, *(end.tobytes() for end in ends))
         asked = (first_row, *way)
-        if asked in self._refused:
-            raise self._refused[asked]
-        slew_row, there = from_row, rows_of(goal, slice(-1, None))
-        try:
-            wait = self._wait(branch.ephemeris, from_row, state, last_row, there)
-            if wait is not None:
-                slew_row = wait.rows.stop
-                state = self._idle(branch.ephemeris, slew_row, slew_row)
-                goal, first_row = there, last_row
-            slew = self._solve(branch.ephemeris, slew_row, state, goal, first_row)
-        except InfeasibleSlew as refusal:
-            self._refused[asked] = refusal
-            if refusal.limit != "exclusion":  # which may depend on the other rows of the goal
-                self._refused[last_row, *way] = refusal  # tried in the end, too
-            raise
+        if asked not in self._known:
+            try:
+                self._known[asked] = self._solve_to(branch, from_row, state, goal, first_row)
+            except InfeasibleSlew as refusal:
+                self._known[asked] = refusal
+                if refusal.limit != "exclusion":  # which may depend on the other rows of the goal
+                    self._known[last_row, *way] = refusal  # tried in the end, too
+        known = self._known[asked]
+        if isinstance(known, InfeasibleSlew):
+            raise known
+        slew, wait = known
+        slew_row = from_row if wait is None else wait.rows.stop
         return Join(
             slew=BodySlewParts(slew=slew, wait=wait, wall_s=time.perf_counter() - began_s),
             track=branch.track,
@@ -242,6 +269,18 @@ class BodyMover:
             settle_rows=branch.settle_rows,
             brake_rows=0 if wait is None else wait.rows.start - from_row,
         )
+
+    def _solve_to(
+        self, branch: TrackBranch, from_row: int, state: Motion, goal: Motion, first_row: int
+    ) -> _Solved:
+        """Onto a goal that ends where the session begins, its rows from first_row on."""
+        slew_row, there = from_row, rows_of(goal, slice(-1, None))
+        wait = self._wait(branch.ephemeris, from_row, state, branch.rows.start, there)
+        if wait is not None:
+            slew_row = wait.rows.stop
+            state = self._idle(branch.ephemeris, slew_row, slew_row)
+            goal, first_row = there, branch.rows.start
+        return _Solved(self._solve(branch.ephemeris, slew_row, state, goal, first_row), wait)
 
     def with_final_slew(self, ephemeris: Ephemeris, joins: list[Join]) -> list[Join]:
         if self.scenario.final_state is None:

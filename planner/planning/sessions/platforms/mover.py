@@ -11,7 +11,7 @@ from planner.motion.pointing.line_of_sight import LineOfSight
 from planner.planning.sessions.budget import PointingBudget
 from planner.planning.sessions.plan import SlewRun
 from planner.world.orbits import Ephemeris
-from planner.world.scenario import Session
+from planner.world.scenario import Scenario, Session
 
 State = Any  # how a platform moves at one instant: only its own mover looks into it
 
@@ -94,9 +94,20 @@ class StartSearch:
 
 
 class Mover(Protocol):
-    """The motion of one scenario's platform."""
+    """The motion of one scenario's platform.
+
+    settle_rows: on a target, before its session can begin.
+    """
 
     start_search: ClassVar[StartSearch]
+
+    @property
+    def settle_rows(self) -> int: ...
+
+    def planning(self, scenario: Scenario) -> "Mover":
+        """Of a scenario with other sessions, or another objective: it knows the slews that this one
+        has solved or refused."""
+        ...
 
     def initial(self, ephemeris: Ephemeris) -> State:
         """How it moves at row 0; raises InfeasibleSlew where no table can begin so."""
@@ -109,7 +120,7 @@ class Mover(Protocol):
 
         number: the session's index, for refusals.  session: that session, or the same with other
         times.  from_row: the target is of no use before.  state: where the platform comes from.
-        Raises NotVisible, Unreachable, TrackBreaksLimit.
+        Raises NotVisible, Unreachable, TrackBreaksLimit; InfeasibleSlew where it begins too soon.
         """
         ...
 

@@ -55,7 +55,12 @@ class TwoAxisMover:
         slews=3, growth=1, failures=1, work_rows=math.inf, is_quick=False
     )
 
+    settle_rows: ClassVar = 0
+
     scenario: Scenario
+
+    def planning(self, scenario: Scenario) -> "TwoAxisMover":
+        return TwoAxisMover(scenario)
 
     def initial(self, ephemeris: Ephemeris) -> States:
         scenario = self.scenario
