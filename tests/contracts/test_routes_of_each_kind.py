@@ -9,6 +9,7 @@ from pathlib import Path
 import other_body
 import pytest
 from other_body import EXAMPLE, Flown, written
+from waiting import eventually
 
 from app.requests.examples import ESTIMATE_EXAMPLE
 from planner.output.export import EXPORTERS
@@ -65,6 +66,15 @@ class Asked:
     def plan_with(self, **changes):
         return self.post("/v1/plans?dry_run=true", json=asked(self.kind, **changes))
 
+    def campaign_planned(self):
+        answer = self.post("/v1/campaigns", json=looks(self.kind))
+        where = f"/v1/campaigns/{answer.json()['id']}"
+        done = eventually(
+            lambda: (now := self.get(where)).json()["state"] not in ("queued", "running") and now
+        )
+        assert [one["state"] for one in done.json()["passes"]] == ["done"], done.text
+        return answer
+
     def compared(self, **members):
         columns = self.get(f"/v1/plans/{self.plan}/table?format=json").json()
         if self.kind == "two_axis":
@@ -95,7 +105,7 @@ ROUTES = {
         f"/v1/plans/{at.plan}/flights", json={"runs": 2}
     ),
     "`POST /v1/opportunities`": lambda at: at.post("/v1/opportunities", json=search(at.kind)),
-    "`POST /v1/campaigns`": lambda at: at.post("/v1/campaigns?dry_run=true", json=looks(at.kind)),
+    "`POST /v1/campaigns`": lambda at: at.campaign_planned(),
     "`POST /v1/telemetry/comparisons`": lambda at: at.compared(),
     "`identify`": lambda at: at.compared(identify=["alpha.coulomb_deg_s2"]),
     "`corrections`": lambda at: at.compared(
