@@ -18,7 +18,7 @@ MOST = {
     "inflight": 39,
     "motion": 68,
     "output": 37,
-    "planning": 32,
+    "planning": 30,
     "spacecraft": 38,
     "verification": 60,
     "world": 121,

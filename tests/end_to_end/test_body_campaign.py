@@ -124,6 +124,43 @@ def test_looks_are_planned_by_a_roll_of_their_own(chosen):
         assert {one.roll for one in plan.scenario.sessions} == {roll}
 
 
+@pytest.mark.parametrize("kind", ["body", "two_axis"])
+def test_looks_of_hours_are_chosen_and_planned(kind):
+    """Stars near the pole of the ISS's orbit are never behind the Earth, and ten hours have room
+    for a pass of 4.5 h with either."""
+    asked = dict(CITIES, start="2015-02-27T00:00:00Z", stop="2015-02-27T10:00:00Z")
+    if kind == "body":
+        asked = {name: value for name, value in asked.items() if name not in OF_AXES}
+        asked["platform"] = SMALLSAT | {"off_nadir_max_deg": 90.0}
+    asked["conditions"] = {}
+    asked["targets"] = [
+        {"id": f"{ra_deg:g}", "session_s": 16_200.0, "target": {
+            "mode": "star", "ra_deg": ra_deg, "dec_deg": dec_deg}}
+        for ra_deg, dec_deg in ((174.5, 35.2), (187.4, 39.3))
+    ]  # fmt: skip
+    request = CAMPAIGN_READER.read(json.dumps(asked).encode())
+    campaign = choose_campaign(request)
+    assert campaign.passes
+    assert {one.closed_by for one in campaign.unseen} <= {"motion"}  # an axis at its stop
+    assert campaign.value == pytest.approx(2.0 - len(campaign.unseen))
+    for number, flight in enumerate(campaign.passes):
+        plan = make_plan(scenario_of(request, flight, number))
+        assert plan.verification.passed
+        assert plan.table.t_s[-1] <= 21_600.0
+        look = flight.looks[0]
+        assert plan.scenario.sessions[0].id == look.target
+        assert elapsed_s(look.stop_utc, look.start_utc) == pytest.approx(16_200.0)
+
+
+def test_longer_looks_count_more_among_what_a_campaign_may_ask():
+    star = {"mode": "star", "ra_deg": 178.0, "dec_deg": 37.0}
+    targets = [{"id": f"{n}", "session_s": 18_000.0, "target": star} for n in range(3)]
+    days = {"start": "2015-02-27T00:00:00Z", "stop": "2015-03-01T12:00:00Z"}
+    with pytest.raises(InvalidRequest, match="finer and longer count more"):
+        body_campaign(targets=targets, **days)
+    assert len(body_campaign(targets=targets[:2], **days).targets) == 2
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [

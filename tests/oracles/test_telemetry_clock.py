@@ -15,7 +15,7 @@ from planner_values import compare
 
 from app.requests.examples import LAS_VEGAS
 from app.requests.plan import read_plan_request
-from planner.inflight.telemetry.alignment import AlignedColumn, align
+from planner.inflight.telemetry.alignment import AlignedColumn, Fit, align
 from planner.inflight.telemetry.following import PlannedMotion
 from planner.output.export.csv import table_csv
 from planner.planning.sessions.pipeline import make_plan
@@ -162,3 +162,14 @@ def test_a_pass_of_several_targets_tells_the_drift_to_a_millionth(tmp_path):
         assert drift.sigma == pytest.approx(bound, rel=0.3)  # of 40 blocks' scatter: 11 %
         told.append((drift.value - 5e-6) / bound)
     assert 0.06 < np.sum(np.square(told)) < 20.0  # chi-square of 4 in 999 of 1000
+
+
+def test_a_difference_is_no_better_known_than_the_errors_spectra_or_their_blocks_tell():
+    """By few blocks two offsets may seem to err together, by which their difference seems known."""
+    by_spectra = np.diag([1e-12, 4e-6, 4e-6])
+    by_blocks = np.array([[1e-12, 0.0, 0.0], [0.0, 5e-6, 4.5e-6], [0.0, 4.5e-6, 5e-6]])
+    fit = Fit((), (0, 1), np.array([0.0, 0.37, 0.42]), (by_spectra, by_blocks), ())
+    lag_s = fit.estimate(2, less=1)
+    assert abs(lag_s.value - 0.05) < 1e-12
+    assert abs(lag_s.sigma**2 / 8e-6 - 1.0) < 1e-9  # of spectra; the blocks have 1e-6
+    assert abs(fit.estimate(1).sigma ** 2 / 5e-6 - 1.0) < 1e-9  # of blocks

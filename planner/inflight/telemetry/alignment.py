@@ -154,19 +154,27 @@ class Alignment:
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """parameters: drift, the offsets, then each channel's own.  covariance_parameters: of them.
-    places: by channel."""
+    """parameters: drift, the offsets, then each channel's own.  covariances_parameters: of them,
+    by the errors' spectra and by their blocks.  places: by channel."""
 
     channels: tuple[AlignedColumn, ...]
     axes_apart: tuple[int, ...]
     parameters: Array
-    covariance_parameters: Array
+    covariances_parameters: tuple[Array, Array]
     places: tuple[Indices, ...]
 
-    def estimate(self, place: int) -> Estimate:
-        """Of a parameter by itself."""
-        sigma = math.sqrt(self.covariance_parameters[place, place])
-        return Estimate(value=float(self.parameters[place]), sigma=sigma)
+    def estimate(self, place: int, less: int | None = None) -> Estimate:
+        """Of a parameter by itself, or less another one.
+
+        The larger of both variances: of a difference, too, as the correlations of few blocks
+        scatter and make it small by chance.
+        """
+        weights = np.zeros(len(self.parameters))
+        weights[place] = 1.0
+        if less is not None:
+            weights[less] = -1.0
+        variance = max(float(weights @ one @ weights) for one in self.covariances_parameters)
+        return Estimate(value=float(weights @ self.parameters), sigma=math.sqrt(variance))
 
     def parts(self) -> dict[tuple[int, Kind], tuple[float, float]]:
         """By axis and kind what a gain is above one by, and a bias."""
@@ -255,11 +263,7 @@ def align(channels: Sequence[AlignedColumn], start_offset_s: float, axes: int) -
 
 def _lag_s(each: Fit, place: int, than: int) -> Estimate:
     """By how much an axis is later than another."""
-    pair = sorted((1 + place, 1 + than))
-    ends = np.array([1.0, -1.0])
-    variance_s2 = float(ends @ each.covariance_parameters[np.ix_(pair, pair)] @ ends)
-    later_s = float(each.parameters[1 + place] - each.parameters[1 + than])
-    return Estimate(value=later_s, sigma=math.sqrt(variance_s2))
+    return each.estimate(1 + place, less=1 + than)
 
 
 def _earlier_sigma(each: Fit, told: Estimate, place: int, other: int) -> float:
@@ -268,7 +272,8 @@ def _earlier_sigma(each: Fit, told: Estimate, place: int, other: int) -> float:
     apart_s = OPTIONS.lag_room * _lag_s(each, place, other).sigma
     pair = [1 + min(place, other), 1 + max(place, other)]
     first, second = each.parameters[pair] - told.value
-    first_s2, second_s2 = OPTIONS.lag_room**2 * np.diag(each.covariance_parameters)[pair]
+    sigmas_s = np.array([each.estimate(one).sigma for one in pair])
+    first_s2, second_s2 = (OPTIONS.lag_room * sigmas_s) ** 2
     later = (second - first) / apart_s
     is_first = float(ndtr(later))
     squares_s2 = (
@@ -315,7 +320,7 @@ def inseparable(alignment: Alignment, names: Sequence[str]) -> list[Inseparable]
     parts = np.zeros((len(told), len(fit.parameters)))
     for row, weights in zip(parts, told.values(), strict=True):
         row[[*weights]] = [*weights.values()]
-    covariance = parts @ fit.covariance_parameters @ parts.T
+    covariance = parts @ fit.covariances_parameters[1] @ parts.T
     sigma = np.sqrt(np.diag(covariance))
     correlation = covariance / np.outer(sigma, sigma)
     return [
@@ -357,8 +362,8 @@ def _fit(
         parameters = parameters + step
         if step @ normal @ step < OPTIONS.settled:
             break
-    covariance = _covariance(channels, places, parameters, scale_by_channel, prior_weights)
-    return Fit(tuple(channels), tuple(axes_apart), parameters, covariance, tuple(places))
+    covariances = _covariances(channels, places, parameters, scale_by_channel, prior_weights)
+    return Fit(tuple(channels), tuple(axes_apart), parameters, covariances, tuple(places))
 
 
 def _places(
@@ -406,15 +411,15 @@ def _solve(normal: Array, right_parameters: Array) -> Array:
     )
 
 
-def _covariance(
+def _covariances(
     channels: Sequence[AlignedColumn],
     places: Sequence[Indices],
     parameters: Array,
     scale_by_channel: Array,
     prior_weights: Array,
-) -> Array:
-    """Of white errors, or of errors that go together within a block of time where that is more; of
-    a body's attitude and rates of errors that wander in time, alike throughout.
+) -> tuple[Array, Array]:
+    """Of white errors, or of a body's attitude and rates of errors that wander in time, alike
+    throughout; and of errors that go together within a block of time.
 
     Source: Huber 1981, sec. 7.6; blocks as clusters: Liang and Zeger 1986, eq. 6.
     """
@@ -445,11 +450,8 @@ def _covariance(
         first = np.searchsorted(block, np.unique(block))
         scores[np.ix_(np.unique(block), columns)] += np.add.reduceat(score, first, axis=0)
     together = scores.T @ scores * OPTIONS.blocks / (OPTIONS.blocks - 3.0)
-    white, clustered = (
-        inverse @ (np.diag(prior_weights) + middle) @ inverse for middle in (spread, together)
-    )
-    grown = np.sqrt(np.maximum(np.diag(white) / np.diag(clustered), 1.0))
-    return np.asarray(clustered * np.outer(grown, grown))
+    prior = np.diag(prior_weights)
+    return inverse @ (prior + spread) @ inverse, inverse @ (prior + together) @ inverse
 
 
 def _wandering(error: Array, slope_matrix: Array, taken_matrix: Array, step_s: float) -> Array:

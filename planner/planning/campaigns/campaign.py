@@ -18,7 +18,7 @@ from planner.planning.campaigns.choice import CampaignChoice, FirstUnheld, Looki
 from planner.planning.campaigns.chosen import ChosenLook, UnchosenTarget
 from planner.planning.campaigns.displaced import Displaced, displaced_by
 from planner.planning.campaigns.network import Network, network_of, relax
-from planner.planning.campaigns.passes import PASS_MAX_S, SESSIONS_MAX, Looks, in_passes
+from planner.planning.campaigns.passes import SESSIONS_MAX, Looks, in_passes, longest_pass_s
 from planner.planning.campaigns.path import Look
 from planner.planning.campaigns.platforms.follower import FollowedLook, Follower
 from planner.planning.campaigns.platforms.registry import follower_of
@@ -83,7 +83,7 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> C
     follower = follower_of(request)
     grid_s = _first_row_s(request)
     found = opportunities_however_many(request.opportunities())
-    looks = _looks_in_passes(request, found.windows, follower.rest_s)
+    looks = _looks_in_passes(request, found.windows, follower)
     tell("ways", 0, 1)
     ephemeris = request.orbit.ephemeris(request.start, request.stop)
     carrier = follower.carrier(ephemeris)
@@ -176,17 +176,22 @@ def _least_s(request: CampaignRequest) -> Array:
     return np.array([wanted.lengths_s[0] for wanted in request.targets])
 
 
-def _looks_in_passes(request: CampaignRequest, windows: Windows, rest_s: float) -> Looks:
-    least_s = _least_s(request)
-    # Every observation is followed by one step of slewing at least.
+def _looks_in_passes(request: CampaignRequest, windows: Windows, follower: Follower) -> Looks:
+    least_s, rest_s = _least_s(request), follower.rest_s
+    sessions_max = SESSIONS_MAX - 2
+    # Every observation is followed by one step of slewing at least, and each target has but one.
     shortest_s = float(least_s.min()) + request.step_s
+    crowded_s = sessions_max * shortest_s if len(least_s) > sessions_max else math.inf
+    # Its settling ends, and it begins, on the grid.
+    whole_s = request.longest_s + follower.settle_s + 3.0 * request.step_s
     return in_passes(
         windows.target,
         np.maximum(windows.rise_s, rest_s + COMMAND_STEP_S),
         np.minimum(windows.set_s, request.span_s - rest_s - COMMAND_STEP_S),
         least_s[windows.target],
         rest_s,
-        min(PASS_MAX_S, (SESSIONS_MAX - 2) * shortest_s),
+        min(longest_pass_s(whole_s, rest_s), crowded_s),
+        whole_s,
     )
 
 

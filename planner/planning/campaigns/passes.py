@@ -6,9 +6,19 @@ import numpy as np
 
 from planner.base.arrays import Array, Indices
 
-PASS_MAX_S = 3600.0
 SESSIONS_MAX = 200  # of one plan
-CUT_STEP_S = 10.0  # how finely the place of a cut is chosen
+
+
+@dataclass(frozen=True, kw_only=True)
+class PassOptions:
+    """Lengths of passes, and how finely the place of a cut between two is chosen."""
+
+    usual_s: float = 3600.0  # longer ones make the choice slower and find no more
+    table_max_s: float = 21_600.0  # a longer one's plan takes more work than one request may make
+    cut_step_s: float = 10.0
+
+
+OPTIONS = PassOptions()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -25,13 +35,26 @@ class Looks:
     pass_number: Indices
 
 
+def longest_pass_s(whole_s: float, rest_s: float) -> float:
+    """From the first window to the last, so that a cut leaves room for a look of whole_s on either
+    side, as far as a table with the way from rest and back allows."""
+    return min(max(OPTIONS.usual_s, 2.0 * (whole_s + rest_s)), OPTIONS.table_max_s - 2.0 * rest_s)
+
+
 def in_passes(
-    target: Indices, from_s: Array, to_s: Array, least_s: Array, rest_s: float, pass_max_s: float
+    target: Indices,
+    from_s: Array,
+    to_s: Array,
+    least_s: Array,
+    rest_s: float,
+    most_s: float,
+    whole_s: float,
 ) -> Looks:
     """Windows put into passes with room between them to come to rest and leave again.
 
     least_s: (n,), shorter windows are of no use.  rest_s: the room a pass needs at either end.
-    A pass longer than pass_max_s is cut where the least time is lost.
+    A pass longer than most_s is cut where the least time is lost, and whole_s, the longest look,
+    has room before it.
     """
     order = np.argsort(from_s, kind="stable")
     left = np.stack([target[order], from_s[order], to_s[order], least_s[order]], axis=1)
@@ -42,8 +65,8 @@ def in_passes(
         gaps = np.flatnonzero(left[1:, 1] - latest_s[:-1] >= 2.0 * rest_s)
         count = int(gaps[0]) + 1 if gaps.size else len(left)
         one, left = left[:count], left[count:]
-        if latest_s[count - 1] - one[0, 1] > pass_max_s:
-            one, later = _cut_rest(one, rest_s, pass_max_s)
+        if latest_s[count - 1] - one[0, 1] > most_s:
+            one, later = _cut_rest(one, rest_s, most_s, whole_s)
             left = np.concatenate([later, left])
         if len(one):
             found.append(one)
@@ -57,10 +80,13 @@ def in_passes(
     )
 
 
-def _cut_rest(window_rows: Array, rest_s: float, pass_max_s: float) -> tuple[Array, Array]:
+def _cut_rest(
+    window_rows: Array, rest_s: float, most_s: float, whole_s: float
+) -> tuple[Array, Array]:
     """What lies before and after a rest within the pass, in order of time."""
     first_s = window_rows[0, 1]
-    middles_s = np.arange(first_s + 0.5 * pass_max_s, first_s + pass_max_s, CUT_STEP_S)
+    soonest_s = min(max(0.5 * most_s, whole_s + rest_s), most_s - OPTIONS.cut_step_s)
+    middles_s = np.arange(first_s + soonest_s, first_s + most_s, OPTIONS.cut_step_s)
     lost_s = [
         np.maximum(
             np.minimum(window_rows[:, 2], middle_s + rest_s)

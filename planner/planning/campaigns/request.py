@@ -32,10 +32,13 @@ class CampaignBounds:
     # grids on which observations begin: from two rows of the table on
     steps_s: tuple[float, float] = (0.4, 30.0)
     lengths: int = 3  # lengths of a look that are tried, evenly from the least to the wanted one
-    session_max_s: float = 1200.0  # longer than a pass of any low orbit
+    # a table's 21,600 s less ten minutes for the way from rest and back
+    session_max_s: float = 21_000.0
     target_days_max: float = 7000.0  # 1,000 places for 7 days: a minute's choice
     step_s: float = 2.0  # finer steps count more
     moving_counts: int = 100  # what is not fixed to the Earth is looked at one by one
+    # longer looks make passes longer, in which more targets compete, and count more
+    session_s: float = 1800.0
 
 
 BOUNDS = CampaignBounds()
@@ -171,10 +174,13 @@ class CampaignRequest:
         counted = sum(
             1 if wanted.target.rests_on_earth else BOUNDS.moving_counts for wanted in self.targets
         )
-        if counted * days * max(BOUNDS.step_s / self.step_s, 1.0) > BOUNDS.target_days_max:
+        finer = max(BOUNDS.step_s / self.step_s, 1.0)
+        longer = max(self.longest_s / BOUNDS.session_s, 1.0)
+        if counted * days * finer * longer > BOUNDS.target_days_max:
             raise ValueError(
                 f"targets times days must not exceed {BOUNDS.target_days_max:.0f} at a step_s of "
-                f"{BOUNDS.step_s:g} s (finer counts more, a target that is no point of the ground "
+                f"{BOUNDS.step_s:g} s and sessions to {BOUNDS.session_s:g} s (finer and longer "
+                "count more, a target that is no point of the ground "
                 f"{BOUNDS.moving_counts} times), which these {len(self.targets)} over {days:.1f} "
                 "days do; ask for fewer at a time"
             )
@@ -204,6 +210,11 @@ class CampaignRequest:
         if self.rest_angles_deg is None:
             return dict.fromkeys(self.platform.dof_names, 0.0)
         return self.rest_angles_deg
+
+    @property
+    def longest_s(self) -> float:
+        """Of the looks that are wanted."""
+        return max((wanted.session_s for wanted in self.targets), default=0.0)
 
     @property
     def span_s(self) -> float:
