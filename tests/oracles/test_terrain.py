@@ -12,10 +12,14 @@ from geographiclib.geodesic import Geodesic
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from app.cli.changes import with_settings
 from app.requests.campaign import read_campaign_request
 from app.requests.examples import PLAN_EXAMPLES, message
 from app.requests.opportunities import read_opportunity_request
 from app.requests.plan import read_plan_request
+from app.store.packed import pack, unpack
+from app.work.campaign import choose
+from app.work.plan import packed_plan, stored_plan
 from planner.base.errors import InvalidMessage, InvalidRequest, VerificationFailed
 from planner.planning.opportunities import find_opportunities
 from planner.planning.sessions.pipeline import make_plan
@@ -32,7 +36,7 @@ WHOLE = sorted({path.name for path in FILES.glob("*.tif")} - {"utm.tif", "int16_
 ASC = message("terrain.asc")
 OVER_TERRAIN = PLAN_EXAMPLES["terrain"][1]
 START = utc_from_text("2015-02-27T17:36:20Z")
-LATITUDE = {"latitude_deg": 36.12, "longitude_deg": -115.17}
+PLACE = {"latitude_deg": 36.12, "longitude_deg": -115.17}
 
 
 def known_m(latitude_deg, longitude_deg):
@@ -226,11 +230,15 @@ def test_a_line_with_its_heights_written_out_is_the_same_line():
     assert len(told.members["points"]) == len(written.points) == 19
 
 
+def over_point():
+    document = copy.deepcopy(OVER_TERRAIN)
+    document["sessions"][0]["target"] = {"mode": "ground", **PLACE}
+    return document
+
+
 @pytest.fixture(scope="module")
 def point_plan():
-    document = copy.deepcopy(OVER_TERRAIN)
-    document["sessions"][0]["target"] = {"mode": "ground", **LATITUDE}
-    return make_plan(read_plan_request(json.dumps(document).encode()))
+    return make_plan(read_plan_request(json.dumps(over_point()).encode()))
 
 
 def test_the_judge_finds_a_point_on_other_ground(point_plan):
@@ -262,7 +270,7 @@ def test_windows_and_campaigns_are_those_of_the_height_written_out():
     asked = {
         "platform": "iss-hrc",
         "orbit": orbit,
-        "targets": [{"id": "LV", "target": {"mode": "ground", **LATITUDE}}],
+        "targets": [{"id": "LV", "target": {"mode": "ground", **PLACE}}],
         "start": "2015-02-27T12:00:00Z",
         "stop": "2015-02-28T12:00:00Z",
     }
@@ -296,3 +304,35 @@ def test_a_line_of_the_plane_is_refused_over_terrain():
     target["points"][0]["height_m"] = 600.0
     with pytest.raises(InvalidRequest, match=r"points\.1\.height_m is left out"):
         read_plan_request(json.dumps(document).encode())
+
+
+def test_a_file_is_set_by_its_name_on_the_command_line(tmp_path):
+    text = with_settings(b"{}", [f"terrain.content=@{FILES / 'point.tif'}"])
+    assert base64.b64decode(json.loads(text)["terrain"]["content"]).startswith(b"II*\0")
+    (tmp_path / "dem.asc").write_text(ASC)
+    text = with_settings(b"{}", [f"terrain.content=@{tmp_path / 'dem.asc'}"])
+    assert json.loads(text)["terrain"]["content"] == ASC
+
+
+def test_a_kept_plan_stands_on_the_same_ground(point_plan):
+    body = json.dumps(over_point()).encode()
+    kept = stored_plan(body, unpack(pack(packed_plan(point_plan))))
+    assert kept.scenario.sessions == point_plan.scenario.sessions
+
+
+def test_a_pass_of_a_campaign_has_the_heights_and_not_the_grid():
+    body = json.dumps(
+        {
+            "platform": "iss-hrc",
+            "orbit": OVER_TERRAIN["orbit"],
+            "terrain": OVER_TERRAIN["terrain"],
+            "targets": [{"id": "LV", "target": {"mode": "ground", **PLACE}, "session_s": 20.0}],
+            "start": "2015-02-27T17:00:00Z",
+            "stop": "2015-02-27T18:30:00Z",
+        }
+    ).encode()
+    [part] = choose(body).parts
+    request = read_plan_request(part.request)
+    assert request.terrain is None
+    expected_m = read_campaign_request(body).targets[0].target.ground_height_m
+    assert request.sessions[0].target.ground_height_m == expected_m
