@@ -1,8 +1,10 @@
 """A request changed on the command line: single fields, or its session moved to the next pass."""
 
+import base64
 import json
 from collections.abc import Sequence
 from datetime import UTC, datetime
+from pathlib import Path
 from typing import Any
 
 from app.answers.problem import problem_of as members_of
@@ -17,7 +19,7 @@ from slewtrack.client.problems import Refused, problem_of
 
 
 def with_settings(body: bytes, settings: Sequence[str] | None) -> bytes:
-    """The request with each FIELD=VALUE set; FIELD as refusals name it, VALUE as JSON or text."""
+    """The request with each FIELD=VALUE set; FIELD as refusals name it, VALUE JSON, text, @FILE."""
     if not settings:
         return body
     document = _object(body)
@@ -42,6 +44,9 @@ def _object(body: bytes) -> dict[str, Any]:
 
 
 def _value(text: str) -> object:
+    if text.startswith("@"):
+        content = Path(text[1:]).read_bytes()
+        return content.decode() if content.isascii() else base64.b64encode(content).decode()
     try:
         return json.loads(text)
     except ValueError:

@@ -28,7 +28,8 @@ def plan(
             "--set",
             metavar="FIELD=VALUE",
             help="Change a field of the request first, by its name in refusals: "
-            "sessions.0.start=2015-02-27T17:36:20Z (may be repeated).",
+            "sessions.0.start=2015-02-27T17:36:20Z, or a file's content, terrain.content=@dem.tif "
+            "(may be repeated).",
         ),
     ] = None,
     next_pass: Annotated[

@@ -66,6 +66,8 @@ def _part(
     carried = _CARRIED_OVER if scenario.slew == request.slew else _CARRIED_OVER[:-1]
     words = {name: document[name] for name in carried if name in document}
     target_words = [document["targets"][look.row]["target"] for look in flight.looks]
+    if any("terrain" in told for told in (document, *target_words)):
+        target_words = []  # the heights are written out: no pass holds the grid
     looks = [to_members(look) for look in flight.looks]
     return Part(
         request=write_plan_request(scenario, words, target_words),

@@ -11,12 +11,12 @@ from planner.base.arrays import Array
 from planner.verification.air import lift_to_ground_rad
 from planner.verification.earth import earth_orientation
 from planner.verification.light import SPEED_OF_LIGHT_M_S, aberrate
+from planner.verification.terrain import WGS84, terrain_height_m
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import OrbitStates
 from planner.world.targets import EarthFixedTarget, GroundTarget, PlaceTarget
 from planner.world.targets.gazetteer import Place
 
-WGS84 = 1  # ERFA's number for the ellipsoid
 WGS84_A_M = 6378137.0
 WGS84_A_OVER_B = 1.0 / (1.0 - 1.0 / 298.257223563)
 
@@ -104,9 +104,16 @@ def _r_target_itrf_m(target: EarthFixedTarget, instants: Instants) -> Array:
     point = target.place if isinstance(target, PlaceTarget) else target
     if isinstance(point, GroundTarget | Place):
         longitude_rad, latitude_rad = np.deg2rad([point.longitude_deg, point.latitude_deg])
-        r_itrf_m = erfa.gd2gc(WGS84, longitude_rad, latitude_rad, point.height_m)
+        r_itrf_m = erfa.gd2gc(WGS84, longitude_rad, latitude_rad, _height_m(point))
         return np.broadcast_to(r_itrf_m, (len(instants.t_s), 3))
     return target.r_target_itrf_m(instants)
+
+
+def _height_m(point: GroundTarget | Place) -> float:
+    if isinstance(point, GroundTarget) and point.terrain is not None:
+        place_deg = np.array([point.latitude_deg]), np.array([point.longitude_deg])
+        return float(terrain_height_m(point.terrain, *place_deg)[0])
+    return point.height_m or 0.0
 
 
 def vertical(r_itrf_m: Array) -> tuple[Array, Array]:

@@ -12,9 +12,10 @@ from planner.verification.earth_fixed import EarthFixedSight, earth_fixed_sight
 from planner.verification.report import Finding, OffTarget, SessionReport
 from planner.verification.session import TableSession
 from planner.verification.sky import LIMB_MODEL_SHARE, SkySight, sky_sight
+from planner.verification.terrain import terrain_findings
 from planner.world.frames.time_scales import utc_text
 from planner.world.orbits import Ephemeris
-from planner.world.targets import EarthFixedTarget, SkyTarget
+from planner.world.targets import EarthFixedTarget, GroundPathTarget, SkyTarget
 
 EXACT_RAD = math.radians(0.1 / 3600.0)  # a seventh of a pixel of the HRC
 ELEVATION_TOLERANCE_RAD = 1e-7  # a carrier, or a limb, 0.1 m lower at 1000 km
@@ -144,6 +145,8 @@ def _ground_findings(
             int(np.argmax(sight.hidden)),
             "the Earth stands between the carrier and the target",
         )
+    if isinstance(target, GroundPathTarget):
+        yield from terrain_findings(flight.number, target)
 
 
 def _sky_findings(flight: TableSession, sky: SkySight, target: SkyTarget) -> Iterator[Finding]:

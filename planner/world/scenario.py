@@ -29,6 +29,8 @@ from planner.world.rules.body import BodyRules
 from planner.world.rules.keep_out import KeepOut
 from planner.world.rules.registry import rules_of
 from planner.world.targets import AskedTarget, ImagingMode, ScanWindow, Target
+from planner.world.targets.session_target import all_standing_on
+from planner.world.targets.terrain import Terrain
 
 KEEP_OUT_MAX = 8  # each makes the detour's problem larger
 AVOID_MODES_MAX = 16
@@ -235,6 +237,7 @@ class Scenario:
     on_conflict: treatment of a slew that doesn't fit between two sessions: refuse, begin the later
     one late, end the earlier one early, or whatever of both loses the least time.
     attitude: attitude of the carrier that two axes stand on; a body steers itself and has none.
+    terrain: heights of the ground under targets that say none themselves.
     final_state: angles at which the axes are brought to rest when the last session is over, or
     "idle" for a body's idle attitude; unless given, the table ends with that session, in motion.
     """
@@ -247,11 +250,14 @@ class Scenario:
     sessions: tuple[Session, ...]
     slew: SlewOptions = SlewOptions()
     on_conflict: OnConflict = "refuse"
+    terrain: Terrain | None = None
     final_state: FinalState | None = None
 
     def __post_init__(self) -> None:
         if not self.sessions:
             raise ValueError("sessions must hold at least one session")
+        standing = all_standing_on(self.terrain, self.sessions, "sessions")
+        object.__setattr__(self, "sessions", standing)
         if any(isinstance(session.target, ImagingMode) for session in self.sessions):
             object.__setattr__(self, "sessions", tuple(self._plain_sessions()))
         earliest_utc, what = self.initial_state.epoch, "initial_state.epoch"

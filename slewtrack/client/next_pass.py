@@ -24,7 +24,7 @@ def search_of(request: Members, start: datetime | str | None) -> dict[str, Any]:
     is_bounded = told.get("mode") not in ("ground", "place") or "min_elevation_deg" in told
     first = _moment(start) + LEAD
     return {
-        **{name: request[name] for name in ("platform", "orbit", "attitude") if name in request},
+        **{k: request[k] for k in ("platform", "orbit", "attitude", "terrain") if k in request},
         "targets": [{"id": "next", "target": target}],
         "start": _text(first),
         "stop": _text(first + SEARCH),

@@ -54,7 +54,7 @@ def r_target_eci_m(target, t_s):
     tt, ut1, pole_rad = erfa_times(t_s)
     c_itrf_from_eci = erfa.c2t06a(*tt, *ut1, pole_rad[:, 0], pole_rad[:, 1])
     r_itrf_m = erfa.gd2gc(
-        1, np.deg2rad(target.longitude_deg), np.deg2rad(target.latitude_deg), target.height_m
+        1, np.deg2rad(target.longitude_deg), np.deg2rad(target.latitude_deg), target.ground_height_m
     )
     return np.einsum("nji,j->ni", c_itrf_from_eci, r_itrf_m)
 

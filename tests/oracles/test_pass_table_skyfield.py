@@ -36,7 +36,7 @@ def test_rise_culmination_and_set(skyfield):
     compared = 0
     for number, wanted in enumerate(PLACES):
         place = wgs84.latlon(
-            wanted.target.latitude_deg, wanted.target.longitude_deg, wanted.target.height_m
+            wanted.target.latitude_deg, wanted.target.longitude_deg, wanted.target.ground_height_m
         )
         mine = windows.select(windows.target == number)
         instants = at(timescale, mine.sky.t_s.ravel())
@@ -80,7 +80,7 @@ def test_where_the_target_is():
         )
         off = off_deg(sky.longitude_rad, wanted.target.longitude_deg)
         np.testing.assert_allclose(off, 0, atol=1e-9)
-        np.testing.assert_allclose(sky.height_m, wanted.target.height_m, atol=1e-6)
+        np.testing.assert_allclose(sky.height_m, wanted.target.ground_height_m, atol=1e-6)
     sky = windows.select(windows.target == len(PLACES)).sky
     # Eastward on the equator's side of 10 deg north: 109.6 km a degree there.
     east_deg = sky.t_s * 10.0 / 109_640.0

@@ -19,7 +19,9 @@ def test_planner_and_judge_see_it_at_90_deg():
     """At 2,000 turns of the Earth, at a quarter of which the sine rounds to more than 1."""
     target = GroundTarget(latitude_deg=36.1147, longitude_deg=-115.1728, height_m=610.0)
     place_rad = np.deg2rad([target.latitude_deg, target.longitude_deg])
-    r_sat_itrf_m = itrf_from_geodetic(*place_rad, target.height_m) + HEIGHT_M * up_itrf(*place_rad)
+    r_sat_itrf_m = itrf_from_geodetic(*place_rad, target.ground_height_m) + HEIGHT_M * up_itrf(
+        *place_rad
+    )
     instants = Instants(datetime(2015, 2, 27, tzinfo=UTC), np.arange(0.0, 40_000.0, 20.0))
     r_sat_eci_m = np.einsum("nji,j->ni", c_itrf_from_eci(instants), r_sat_itrf_m)
     states = OrbitStates(r_sat_eci_m, np.ones_like(r_sat_eci_m))

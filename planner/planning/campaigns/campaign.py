@@ -151,7 +151,7 @@ def scenario_of(request: CampaignRequest, flight: ChosenPass, number: int) -> Sc
             *(
                 Session(
                     id=look.target,
-                    target=request.targets[look.row].target,
+                    target=request.targets[look.row].target.with_heights(),
                     start=look.start_utc,
                     stop=look.stop_utc,
                     roll=request.targets[look.row].roll,

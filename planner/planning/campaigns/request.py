@@ -23,6 +23,8 @@ from planner.world.platforms import PIXELS_ARCSEC, AngleDeg, AnyPlatform, RollRu
 from planner.world.rules.registry import rules_of
 from planner.world.scenario import SlewOptions
 from planner.world.targets import WindowTarget
+from planner.world.targets.session_target import all_standing_on
+from planner.world.targets.terrain import Terrain
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -130,6 +132,8 @@ class CampaignRequest:
     rest_angles_deg: angles at which two axes rest before, between and after passes, by axis; 0
     unless given. A body rests on its idle attitude. E.g. `{"alpha": 0.0, "beta": 0.0}`.
     targets: the targets to choose from.
+    terrain: heights of the ground under targets that say none themselves; the requests of the
+    passes have the heights instead of it.
     start: start of the campaign; UTC, rounded up to a command row.
     stop: end of the campaign; UTC.
     view: weights of the view's qualities in the worth of a look.
@@ -146,6 +150,7 @@ class CampaignRequest:
     targets: Annotated[tuple[CampaignTarget, ...], Field(max_length=OPPORTUNITY_BOUNDS.targets_max)]
     start: datetime
     stop: datetime
+    terrain: Terrain | None = None
     conditions: OpportunityConditions = OpportunityConditions()
     view: ViewWeights = ViewWeights()
     pixel_arcsec: Annotated[float, Within(*PIXELS_ARCSEC)] | None = None
@@ -164,6 +169,8 @@ class CampaignRequest:
                 "slew.method must be ocp: the choice of sessions relies on slews that keep the "
                 "limits"
             )
+        standing = all_standing_on(self.terrain, self.targets, "targets")
+        object.__setattr__(self, "targets", standing)
         rules = rules_of(self.platform)
         rules.require_rest(self.rest_angles_deg, self.attitude, self.slew)
         self._require_bounds()

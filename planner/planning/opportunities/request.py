@@ -16,6 +16,8 @@ from planner.world.orbits import Orbit
 from planner.world.platforms import PIXELS_ARCSEC, AnyPlatform, RollRule
 from planner.world.rules.registry import rules_of
 from planner.world.targets import WindowTarget
+from planner.world.targets.session_target import all_standing_on
+from planner.world.targets.terrain import Terrain
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,6 +109,7 @@ class OpportunityRequest:
     attitude: attitude of the carrier that two axes stand on, its local orbital frame unless given;
     a body steers itself and has none.
     targets: the targets to search for.
+    terrain: heights of the ground under targets that say none themselves.
     start: start of the search; UTC.
     stop: end of the search; UTC.
     samples: instants per window, its edges included, at which angles and the rest are given.
@@ -121,6 +124,7 @@ class OpportunityRequest:
     targets: Annotated[tuple[OpportunityTarget, ...], Field(max_length=BOUNDS.targets_max)]
     start: datetime
     stop: datetime
+    terrain: Terrain | None = None
     conditions: OpportunityConditions = OpportunityConditions()
     samples: Annotated[int, Within(*BOUNDS.samples)] = 5
     pixel_arcsec: Annotated[float, Within(*PIXELS_ARCSEC)] | None = None
@@ -138,6 +142,8 @@ class OpportunityRequest:
             )
         if not self.targets:
             raise ValueError("targets must hold at least one target")
+        standing = all_standing_on(self.terrain, self.targets, "targets")
+        object.__setattr__(self, "targets", standing)
         seen: set[str] = set()
         rules = rules_of(self.platform)
         for number, wanted in enumerate(self.targets):

@@ -2,11 +2,12 @@
 
 import math
 from abc import abstractmethod
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from datetime import datetime
 from functools import cached_property
 from itertools import pairwise
-from typing import Annotated, ClassVar, Literal, NamedTuple
+from typing import Annotated, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import Field
@@ -26,11 +27,16 @@ from planner.world.targets.geojson import (
     GeoPolygon,
     Position,
 )
-from planner.world.targets.ground_path import GroundPathTarget, PathLine, PathPoint
+from planner.world.targets.ground_path import (
+    GroundPathTarget,
+    PathLine,
+    PathPoint,
+)
 from planner.world.targets.passing import Passing
 from planner.world.targets.refraction import Refraction
 from planner.world.targets.session_target import SessionTarget
 from planner.world.targets.strips import middle_itrf_m, places_itrf_m, strip_pattern, strip_pieces
+from planner.world.targets.terrain import Terrain, require_one_height
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,7 +95,9 @@ class ImagingMode(SessionTarget):
     """What every imaging mode has.
 
     speed_m_s: of the scanned line over the ground.
-    height_m: of the ground above the ellipsoid.
+    height_m: of the ground above the ellipsoid; unless given, the terrain's, 0 without one. E.g.
+    `620.0`.
+    terrain: heights of the ground, which the lines then follow; unless given, the request's.
     line: shape of each line between its ends, as of a ground_path.
     min_elevation_deg: the carrier must stand at least this high in the sky of what is scanned.
     refraction: "standard" aims where the standard atmosphere makes the ground appear.
@@ -98,10 +106,29 @@ class ImagingMode(SessionTarget):
     has_windows: ClassVar[bool] = False
 
     speed_m_s: Annotated[float, Within(1.0, 10e3)] = 60e3 / 11.0
-    height_m: HeightM = 0.0
+    height_m: HeightM | None = None
+    terrain: Terrain | None = None
     line: PathLine = "geodesic"
     min_elevation_deg: ElevationDeg = 0.0
     refraction: Refraction = "none"
+
+    def __post_init__(self) -> None:
+        require_one_height(self.height_m, self.terrain)
+
+    def standing_on(self, terrain: Terrain) -> Self:
+        """Unless it says its height."""
+        is_told = self.height_m is not None or self.terrain is not None
+        return self if is_told else replace(self, terrain=terrain)
+
+    def _level_m(self, positions: Iterable[Position]) -> float:
+        """One height of the ground, for the layout of lines: the terrain's mean at positions."""
+        if self.terrain is None:
+            return self.height_m or 0.0
+        longitude_deg, latitude_deg = np.array([position[:2] for position in positions]).T
+        try:
+            return float(self.terrain.heights_m(latitude_deg, longitude_deg).mean())
+        except ValueError as error:
+            raise ValueError(f"target: {error}") from None
 
     def scans(self, window: ScanWindow) -> tuple[ScannedLine, ...]:
         """Its scans in order; raises ValueError with the field at fault, OutsideCoverage."""
@@ -155,6 +182,7 @@ class ImagingMode(SessionTarget):
         try:
             return GroundPathTarget(
                 points=points,
+                terrain=self.terrain,
                 line=self.line,
                 speed_m_s=self.speed_m_s,
                 min_elevation_deg=self.min_elevation_deg,
@@ -167,7 +195,7 @@ class ImagingMode(SessionTarget):
         self, ends: tuple[Position, Position], window: ScanWindow
     ) -> tuple[Position, Position]:
         """The ends in the sense of the flight."""
-        start_itrf_m, end_itrf_m = places_itrf_m(ends, self.height_m)
+        start_itrf_m, end_itrf_m = places_itrf_m(ends, self._level_m(ends))
         v_itrf_m_s = window.passing.velocity_passing(start_itrf_m)
         return ends if (end_itrf_m - start_itrf_m) @ v_itrf_m_s >= 0.0 else ends[::-1]
 
@@ -183,6 +211,7 @@ class _LineMode(ImagingMode):
     geometry: GeoLineString
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if len(self.geometry.coordinates) != 2:
             raise ValueError(
                 f"geometry must have two positions in this mode, not "
@@ -264,10 +293,11 @@ class AreaMode(ImagingMode):
         )
         outlines = tuple(polygon[0] for polygon in polygons)
         self._require_size(outlines)
-        swath_m = self._swath_m(outlines, window)
+        level_m = self._level_m(position for ring in outlines for position in ring)
+        swath_m = self._swath_m(outlines, level_m, window)
         pattern = strip_pattern(
             outlines,
-            self.height_m,
+            level_m,
             self.azimuth_deg,
             lambda r_itrf_m: window.passing.velocity_passing(r_itrf_m),
             swath_m,
@@ -282,7 +312,7 @@ class AreaMode(ImagingMode):
         strips = strip_pieces(
             pattern,
             polygons,
-            self.height_m,
+            level_m,
             swath_m,
             gap_m=self.speed_m_s * max(window.scanning.settle_s, COMMAND_STEP_S),
             least_m=self.speed_m_s * OPTIONS.scan_least_s,
@@ -306,10 +336,12 @@ class AreaMode(ImagingMode):
                 f"more than {OPTIONS.region_most_km:g}: split it"
             )
 
-    def _swath_m(self, outlines: tuple[tuple[Position, ...], ...], window: ScanWindow) -> float:
+    def _swath_m(
+        self, outlines: tuple[tuple[Position, ...], ...], level_m: float, window: ScanWindow
+    ) -> float:
         if self.swath_m is not None:
             return self.swath_m
-        range_m = window.passing.range_passing_m(middle_itrf_m(outlines, self.height_m))
+        range_m = window.passing.range_passing_m(middle_itrf_m(outlines, level_m))
         if range_m is None:
             raise ValueError(
                 "target.swath_m is required: the region's middle can't be seen between start and "
@@ -357,7 +389,7 @@ class StereoMode(_LineMode):
     def _look_starts_s(self, path: GroundPathTarget, window: ScanWindow) -> list[float]:
         """Where the strip's middle stands at the angles from nadir, half a scan before."""
         ends = [(point.longitude_deg, point.latitude_deg) for point in path.points]
-        r_middle_itrf_m = places_itrf_m(ends, self.height_m).mean(axis=0)
+        r_middle_itrf_m = places_itrf_m(ends, self._level_m(ends)).mean(axis=0)
         t_s = np.arange(0.0, window.duration_s, COMMAND_STEP_S)
         along_rad, _ = window.passing.look_angles(r_middle_itrf_m, t_s)
         most_deg = OPTIONS.look_angle_deg if self.look_angle_deg is None else self.look_angle_deg

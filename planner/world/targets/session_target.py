@@ -2,9 +2,12 @@
 
 from dataclasses import replace
 from datetime import datetime
-from typing import ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
 from planner.base.assumed import Assumed
+
+if TYPE_CHECKING:
+    from planner.world.targets.terrain import Terrain
 
 
 class SessionTarget:
@@ -31,6 +34,17 @@ class SessionTarget:
         """The target as it was asked for before a session that starts then bound it."""
         return self
 
+    def standing_on(self, terrain: "Terrain") -> Self:
+        """The target on the ground as the request has it, where it says no height itself.
+
+        Raises ValueError where the terrain has none.
+        """
+        return self
+
+    def with_heights(self) -> Self:
+        """The target on terrain as one without, its heights written out."""
+        return self
+
     def require_known(self, name: str, start_utc: datetime, stop_utc: datetime) -> None:
         """Raise ValueError unless it is known over all that time; `name` is its field."""
 
@@ -55,3 +69,20 @@ class TimedTarget(SessionTarget):
 
     def _with_start(self, start_utc: datetime | None) -> Self:
         return replace(self, start=start_utc)  # type: ignore[type-var]  # each mode is a dataclass
+
+
+T = TypeVar("T")
+
+
+def all_standing_on(terrain: "Terrain | None", wanted: tuple[T, ...], field: str) -> tuple[T, ...]:
+    """What has a `target` each, these on the terrain; raises ValueError with the field at fault."""
+
+    def standing(number: int, one: Any) -> T:  # noqa: ANN401 (a session, a campaign's target)
+        try:
+            target = one.target.standing_on(terrain)
+        except ValueError as error:
+            raise ValueError(f"{field}.{number}.target: {error}") from None
+        stood: T = one if target is one.target else replace(one, target=target)
+        return stood
+
+    return wanted if terrain is None else tuple(standing(*each) for each in enumerate(wanted))

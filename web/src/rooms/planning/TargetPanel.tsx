@@ -102,7 +102,8 @@ function asMotion(begun: Members): Members {
   return { ...begun, axes: Object.fromEntries(axes.peek().map((axis) => [axis, begin(FIELDS, of)])) };
 }
 
-export function takeMoving(point: Point): void {
+export function takeMoving({ height_m, ...place }: Point): void {
+  const point = height_m ? { ...place, height_m } : place; // which no terrain tells of what moves
   const now = draft.target.peek();
   if (now?.mode === "ground_moving") draft.refineTarget({ ...now, ...point }, { isMoved: true });
   else {
