@@ -19,7 +19,7 @@ GbitS = Annotated[float, Within(0.0, 1e3)]
 class Panel:
     """A flat array of solar cells, fixed to the body or, of two axes, to their carrier.
 
-    normal_body: where it faces, in body axes; of two axes in those of their carrier. E.g.
+    normal_body: direction that it faces, in body axes; of two axes in those of their carrier. E.g.
     `[0.0, 0.0, -1.0]`.
     power_w: charge with the Sun square to it; by the cosine of the angle otherwise.
     """
@@ -47,7 +47,7 @@ class Battery:
     Sunlight: the Sun's centre stands above the limb of the ellipsoid, without air. Neglects
     losses, the Sun's distance, and shadows that parts cast on panels.
 
-    capacity_wh: what it holds when full; more charge is lost. E.g. `180.0`.
+    capacity_wh: charge when full; more is lost. E.g. `180.0`.
     start_wh: charge at row 0. E.g. `160.0`.
     least_wh: charge that it must keep. E.g. `110.0`.
     idle_w: drawn at all times. E.g. `38.0`.
@@ -102,8 +102,8 @@ class Station:
 class Memory:
     """Filled in sessions, emptied over stations, one at a time and wherever the platform points.
 
-    capacity_gbit: what it holds. E.g. `512.0`.
-    start_gbit: what it holds at row 0. E.g. `40.0`.
+    capacity_gbit: most that it holds. E.g. `512.0`.
+    start_gbit: data in it at row 0. E.g. `40.0`.
     imaging_gbit_s: written during sessions. E.g. `1.6`.
     downlink_gbit_s: sent while any station takes data, also during sessions. E.g. `0.4`.
     stations: up to 16 of them.
@@ -131,7 +131,7 @@ class Memory:
 
 @spec
 class Resources:
-    """What runs out: a plan is refused that takes more than there is.
+    """Stores that may run out: a plan is refused that takes more than there is.
 
     battery: energy, in Wh.
     memory: images waiting to be sent, in Gbit.

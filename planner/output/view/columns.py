@@ -300,8 +300,8 @@ class ResourceTrace:
     name: of the resource.
     unit: of limit, capacity and level.
     limit: the least charge of a battery, the capacity of a memory. [see `unit`]
-    capacity: what it holds at most. [see `unit`]
-    level: what it holds. [see `unit`]
+    capacity: the most that it holds. [see `unit`]
+    level: charge of a battery, data in a memory. [see `unit`]
     """
 
     name: Literal["battery", "memory"]
