@@ -16,7 +16,7 @@ from planner.motion.comparison import SlewComparison
 from planner.planning.sessions.budget import PointingBudget
 from planner.planning.sessions.plan import Plan, SlewRun
 from planner.planning.sessions.summary import PlanSummary, summarise
-from planner.verification import Finding, LimitMargin, SessionReport, VerificationReport
+from planner.verification import Finding, LimitMargin, Reserve, SessionReport, VerificationReport
 from planner.verification.report import ExclusionMargin, KeepOutMargin, MaskMargin, SlowStretch
 from planner.world.frames.time_scales import utc_text
 from planner.world.plan import Segment
@@ -91,6 +91,7 @@ class PlanDocument:
     keep_out: the least angle between the boresight and each cone of the request.
     masks: the least angle between the boresight and each mask of the platform.
     exclusions: the least that a body keeps of each of its exclusions, and its star trackers.
+    resources: the least that battery and memory keep from their limits, where the request has them.
     pointing: pointing errors of each session.
     slow_stretches: outside of the sessions, so on slews; those of a session are in `pointing`.
     uncertainty: of every session that looks at a target.
@@ -111,6 +112,7 @@ class PlanDocument:
     keep_out: tuple[KeepOutMargin, ...]
     masks: tuple[MaskMargin, ...]
     exclusions: tuple[ExclusionMargin, ...]
+    resources: tuple[Reserve, ...]
     pointing: tuple[SessionReport, ...]
     slow_stretches: tuple[SlowStretch, ...]
     uncertainty: list[PointingBudget]
@@ -191,14 +193,17 @@ def require_verified(findings: Iterable[Finding]) -> None:
             )
 
 
-def verdict_state(plan: Plan) -> Literal["done", "failed"]:
-    """Whether the judge passed it."""
-    return "done" if plan.verification.passed else "failed"
-
-
 def table_json(table: CommandTable) -> bytes:
-    """The table as the answer holds it."""
-    return to_json(table_out(table))
+    """A TableOut as UTF-8 JSON, as the table's channels tell it."""
+    # Constructed without validation: 2,000 floats that numpy has just made.
+    return to_json(
+        TableOut.model_construct(
+            epoch=utc_text(table.epoch_utc, 1),
+            step_s=COMMAND_STEP_S,
+            t_s=table.t_s.tolist(),
+            **{one.name: value.tolist() for one, value in table.columns},
+        )
+    )
 
 
 def plan_document(plan: Plan, checks: Sequence[HorizonCheck], provenance: ProvenanceOut) -> bytes:
@@ -217,6 +222,7 @@ def plan_document(plan: Plan, checks: Sequence[HorizonCheck], provenance: Proven
             keep_out=report.keep_out,
             masks=report.masks,
             exclusions=report.exclusions,
+            resources=report.resources,
             pointing=report.sessions,
             slow_stretches=report.slow_stretches,
             uncertainty=[budget for budget in plan.budgets if budget is not None],
@@ -235,15 +241,4 @@ def plan_document(plan: Plan, checks: Sequence[HorizonCheck], provenance: Proven
             assumed=list(plan.scenario.assumed),
             provenance=provenance,
         )
-    )
-
-
-def table_out(table: CommandTable) -> TableOut:
-    """The table as its channels tell it."""
-    # Constructed without validation: 2,000 floats that numpy has just made.
-    return TableOut.model_construct(
-        epoch=utc_text(table.epoch_utc, 1),
-        step_s=COMMAND_STEP_S,
-        t_s=table.t_s.tolist(),
-        **{one.name: value.tolist() for one, value in table.columns},
     )

@@ -40,11 +40,14 @@ def print_plan(console: Console, plan: Members, request: bytes | Members) -> Non
     )  # fmt: skip
     print_rows(
         console, "least margins",
-        (
-            {"axis": axis, "name": name, **margin}
-            for axis, margins in plan["margins"].items()
-            for name, margin in margins.items()
-        ),
+        [
+            *(
+                {"axis": axis, "name": name, **margin}
+                for axis, margins in plan["margins"].items()
+                for name, margin in margins.items()
+            ),
+            *({"axis": "-", **reserve} for reserve in plan["resources"]),
+        ],
         ("<axis", "axis"), ("<limit of", "name"), ("limit", "limit", ".6g"),
         ("closest", "extreme", ".6g"), ("margin", "margin", ".6g"), ("<unit", "unit"), _AT,
         red=lambda margin: margin["margin"] < 0.0,

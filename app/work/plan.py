@@ -7,13 +7,7 @@ from datetime import UTC, datetime
 from typing import Any
 
 from app.answers.members import ProvenanceOut, provenance
-from app.answers.plan import (
-    dry_run_json,
-    plan_document,
-    require_verified,
-    table_json,
-    verdict_state,
-)
+from app.answers.plan import dry_run_json, plan_document, require_verified, table_json
 from app.requests.listings import listing_of_scenario
 from app.requests.plan import PlanRequest, read_kept_plan_request, read_plan_request
 from app.store.packed import PackedColumns, pack, unpack
@@ -40,7 +34,7 @@ def plan_and_pack(body: bytes, request: PlanRequest | None = None) -> Result:
     document = zlib.compress(plan_document(plan, checks, provenance(now_utc, body)))
     return Result(
         content=(document, pack(packed_plan(plan, plan.verification.findings))),
-        state=verdict_state(plan),
+        state="done" if plan.verification.passed else "failed",
         listing=replace(listing, probability_in_frame=plan.probability_in_frame),
         iterations=sum(run.iterations for run in plan.slews),
     )

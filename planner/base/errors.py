@@ -192,6 +192,13 @@ class InfeasibleSlew(Refusal):
     needs_s: float | None = None
 
 
+class ResourceRunsOut(Refusal):
+    """A battery or memory passes its limit; earliest_feasible_start_utc: where it doesn't."""
+
+    slug = "resource-runs-out"
+    title = "A battery or memory runs out"
+
+
 class SearchEnded(Refusal):
     """Neither what was asked for nor a proof that there is none, by the work that may be done."""
 

@@ -6,6 +6,7 @@ from planner.base.on_first_use import on_first_use
 from planner.verification.report import (
     Finding,
     LimitMargin,
+    Reserve,
     SessionReport,
     VerificationReport,
 )
@@ -18,6 +19,7 @@ else:
 __all__ = [
     "Finding",
     "LimitMargin",
+    "Reserve",
     "SessionReport",
     "VerificationReport",
     "verify",

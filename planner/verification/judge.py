@@ -18,6 +18,12 @@ from planner.verification.report import (
     SlowStretch,
     VerificationReport,
 )
+from planner.verification.resources import (
+    Waits,
+    resource_findings,
+    resource_margins,
+    wait_findings,
+)
 from planner.verification.session import table_session
 from planner.verification.structure import covers, session_rows, structure_findings, unflyable
 from planner.world.frames.time_scales import shifted_utc
@@ -37,8 +43,10 @@ from planner.world.targets import (
 DERIVED_TARGETS = (GroundTarget, PlaceTarget, StarTarget, BodyTarget)
 
 
-def verify(table: CommandTable, scenario: Scenario) -> VerificationReport:
+def verify(table: CommandTable, scenario: Scenario, waits: Waits = ()) -> VerificationReport:
     """Judge a table without the planner's geometry or solver.
+
+    waits: when the platform is said to idle, for resources; the judge looks whether it does.
 
     Never refuses: what is wrong becomes a finding.  OutsideCoverage passes through when the
     orbit isn't known over the sessions.  What the judge doesn't derive again is named in
@@ -53,12 +61,15 @@ def verify(table: CommandTable, scenario: Scenario) -> VerificationReport:
         )
     margins = judge.margins()
     keep_out, masks, exclusions = judge.keep_out(), judge.masks(), judge.exclusions()
+    resources = resource_margins(table, scenario, judge, waits)
     findings: list[Finding] = [
         *structure_findings(table, scenario, judge),
         *limit_findings(margins),
         *keep_out_findings(keep_out),
         *mask_findings(masks),
         *exclusion_findings(exclusions),
+        *resource_findings(resources, scenario),
+        *(wait_findings(table, judge, waits) if resources else ()),
     ]
     reports: list[SessionReport] = []
     rows_by_session = {
@@ -83,6 +94,7 @@ def verify(table: CommandTable, scenario: Scenario) -> VerificationReport:
         keep_out=keep_out,
         masks=masks,
         exclusions=exclusions,
+        resources=resources,
         slow_stretches=tuple(_slow_outside_sessions(table, scenario, judge)),
     )
 

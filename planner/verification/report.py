@@ -12,6 +12,7 @@ from planner.base.answer_members import (
     Internal,
     Km,
     NotNegative,
+    Signed,
     Text,
     answer,
 )
@@ -38,6 +39,8 @@ Limit = Literal[
     "coverage",
     "torque",
     "momentum",
+    "battery",
+    "memory",
 ]
 Given = Literal["orbit", "attitude", "target", "motion"]
 _UNITS: dict[Limit, str] = {
@@ -173,6 +176,27 @@ class ExclusionMargin:
 
 
 @answer
+class Reserve:
+    """The least that a battery or memory keeps from its limit.
+
+    name: of the resource.
+    unit: of limit, extreme and margin.
+    limit: the least charge of a battery, the capacity of a memory. [see `unit`]
+    extreme: the nearest that it comes. [see `unit`]
+    margin: distance from the limit; negative when it is passed. [see `unit`]
+    at_utc: time of it; UTC. E.g. `"2026-06-01T10:44:20.000Z"`.
+    """
+
+    name: Literal["battery", "memory"]
+    unit: str
+    limit: NotNegative
+    extreme: Signed
+    margin: Signed
+    t_s: Internal[float]
+    at_utc: Utc
+
+
+@answer
 class SlowStretch:
     """An axis commanded below its least smooth drive rate, where friction may shake it.
 
@@ -288,4 +312,5 @@ class VerificationReport:
     keep_out: Internal[tuple[KeepOutMargin, ...]] = ()
     masks: Internal[tuple[MaskMargin, ...]] = ()
     exclusions: Internal[tuple[ExclusionMargin, ...]] = ()
+    resources: Internal[tuple[Reserve, ...]] = ()
     slow_stretches: Internal[tuple[SlowStretch, ...]] = ()  # outside of sessions, by axis, by time

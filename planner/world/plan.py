@@ -1,6 +1,7 @@
 """A plan: the scenario flown, its segments, and the command table."""
 
 from dataclasses import dataclass
+from datetime import datetime
 from typing import Literal, get_args
 
 from planner.base.answer_members import Count, answer
@@ -39,6 +40,11 @@ class FlightPlan:
     scenario: Scenario
     segments: tuple[Segment, ...]
     table: CommandTable
+
+    @property
+    def waits(self) -> tuple[tuple[datetime, datetime], ...]:
+        """When the platform idles; UTC."""
+        return tuple((one.start_utc, one.stop_utc) for one in self.segments if one.kind == "wait")
 
     def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
         """n attitudes of the carrier by its law, or of a body as it flies its table."""

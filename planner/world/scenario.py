@@ -25,6 +25,7 @@ from planner.world.platforms import (
     StructuralMode,
 )
 from planner.world.platforms.body import RollRule
+from planner.world.resources import Resources
 from planner.world.rules.body import BodyRules
 from planner.world.rules.keep_out import KeepOut
 from planner.world.rules.registry import rules_of
@@ -240,6 +241,7 @@ class Scenario:
     terrain: heights of the ground under targets that say none themselves.
     final_state: angles at which the axes are brought to rest when the last session is over, or
     "idle" for a body's idle attitude; unless given, the table ends with that session, in motion.
+    resources: battery and memory, from row 0 to the table's end.
     """
 
     name: str = ""
@@ -252,6 +254,7 @@ class Scenario:
     on_conflict: OnConflict = "refuse"
     terrain: Terrain | None = None
     final_state: FinalState | None = None
+    resources: Resources | None = None
 
     def __post_init__(self) -> None:
         if not self.sessions:
@@ -338,7 +341,7 @@ class Scenario:
     @property
     def needs_orbit_throughout(self) -> bool:
         """Whether the orbit must be known from row 0 on, not over the sessions alone."""
-        return bool(self.slew.keep_out) or self.attitude is None
+        return bool(self.slew.keep_out or self.resources) or self.attitude is None
 
     @property
     def assumed(self) -> tuple[Assumed, ...]:

@@ -11,14 +11,14 @@ FILES = sorted(
 UNIT = re.compile(
     r"_(m|km|m2|mm|um|nm|s|us|ms|days?|orbits|seconds|jyear|mjd|jd|rad2?|deg2?|arcsec2?|mas|hz|px2?|kg"
     r"|n_m|n_m_s|pa|k|e|bytes|kg_m2|kg_m3|m3_s2|mas_yr|rad_yr|m_s2?|km_s|rad_s[23]?|arcsec_s|arcmin_s|deg_s[23]?|(deg|rad)2_s5"
-    r"|per_s[23]?|ticks|rows)$"
+    r"|per_s[23]?|ticks|rows|w|wh|gbit|gbit_s)$"
 )
 # What has no unit, by the word a name holds.
 PURE = re.compile(
     r"(^|_)(probability|share|ratio|damping|coefficient|weight|gain|score|priority|price|cost|factor|scale"
     r"|value|extreme|margin|limit|bound|sigma|cover|depth|density|sign|step|gamma|exposure|blur"
     r"|correlation|ozone|airglow|moonlight|quality|glare|land|up|default|bstar|eccentricity|error|integral|spread"
-    r"|objective|level|size|inclusive|threshold|least|greatest|exponent|cosine|sine|contrast"
+    r"|objective|level|capacity|size|inclusive|threshold|least|greatest|exponent|cosine|sine|contrast"
     r"|transmittance|index|tau)(_|$)"
 )
 

@@ -104,7 +104,17 @@ def _imaged(number: int, kind: str, coordinates: object, **target: object) -> Do
     return IMAGING_MODES | {"sessions": [asked]}
 
 
+_BATTERY = {"capacity_wh": 180.0, "start_wh": 160.0, "least_wh": 110.0, "idle_w": 38.0,
+            "slew_w": 20.0, "imaging_w": 75.0}  # fmt: skip
+_STATION = {"id": "svalbard", "height_m": 450.0, "min_elevation_deg": 5.0} | _PLACE
+_RESOURCES = {
+    "battery": _BATTERY | {"panels": [{"normal_body": [0.0, 0.0, -1.0], "power_w": 150.0}]},
+    "memory": {"capacity_gbit": 512.0, "start_gbit": 40.0, "imaging_gbit_s": 1.6,
+               "downlink_gbit_s": 0.4, "stations": [_STATION]},
+}  # fmt: skip
 FRAGMENTS = [
+    _with(resources=_RESOURCES),
+    _with(resources={"battery": _BATTERY | {"sunlight_w": 80.0}}),
     _imaged(0, "LineString", _LINE, mode="strip"),
     _imaged(0, "MultiLineString", [_LINE], mode="corridor"),
     _imaged(1, "LineString", _AHEAD, mode="stereo", look_angle_deg=22.0, gap_s=60.0),

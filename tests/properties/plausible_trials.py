@@ -13,7 +13,7 @@ from typing import Any
 from plan_oracle import faults
 
 from app.answers.members import new_head, provenance, whole_answer
-from app.answers.plan import plan_document, table_json, verdict_state
+from app.answers.plan import plan_document, table_json
 from app.answers.problem import problem_of
 from app.requests.plan import read_plan_request
 from planner.base import effort
@@ -85,7 +85,8 @@ def answer(request: Fields) -> Fields:
 def _answer_of(plan: Plan) -> bytes:
     """Whole, under a new id."""
     document = plan_document(plan, (), provenance(datetime.now(UTC)))
-    return whole_answer(new_head(verdict_state(plan)), document, table_json(plan.table))
+    state = "done" if plan.verification.passed else "failed"
+    return whole_answer(new_head(state), document, table_json(plan.table))
 
 
 def as_advised(request: Fields, problem: Fields) -> Fields:

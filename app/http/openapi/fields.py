@@ -36,6 +36,8 @@ _UNITS = {
     "deg_s2": "deg/s^2",
     "deg_s3": "deg/s^3",
     "e": "electrons",
+    "gbit": "Gbit",
+    "gbit_s": "Gbit/s",
     "hz": "Hz",
     "jyear": "Julian year",
     "kg": "kg",
@@ -53,6 +55,8 @@ _UNITS = {
     "per_s2": "1/s^2",
     "px": "pixels",
     "s": "s",
+    "w": "W",
+    "wh": "Wh",
 }
 _TORQUE_RATE = re.compile(r"torque_rate_\w*n_m_s$")  # N m/s, where momentum is in N m s
 _UNIT_SAID = re.compile(r"\s*\[([^\[\]]+)\]\.?$")

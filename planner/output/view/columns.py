@@ -1,6 +1,6 @@
 """The columns of a view, as answers tell them; each array has an entry a row, NaN where none is."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from planner.base.answer_members import (
     Angle,
@@ -294,6 +294,24 @@ class ExclusionTrace:
 
 
 @answer
+class ResourceTrace:
+    """The level of a battery or memory.
+
+    name: of the resource.
+    unit: of limit, capacity and level.
+    limit: the least charge of a battery, the capacity of a memory. [see `unit`]
+    capacity: the most that it holds. [see `unit`]
+    level: charge of a battery, data in a memory. [see `unit`]
+    """
+
+    name: Literal["battery", "memory"]
+    unit: str
+    limit: NotNegative
+    capacity: NotNegative
+    level: Annotated[Array, Member(decimals=6)]
+
+
+@answer
 class AxisBounds:
     """Limits of one axis, or of a body about one of its own, where magnitudes bound the whole.
 
@@ -331,6 +349,7 @@ class PlanView:
     keep_out: of each cone of the request.
     masks: of each of the platform's.
     exclusions: of each of a body's, then of its star trackers.
+    resources: of battery and memory, where the request has them.
     sky: null where every target is on the Earth.
     baseline: of each slew; empty where the plan is the baseline itself, or a body's.
     """
@@ -357,5 +376,6 @@ class PlanView:
     keep_out: tuple[ConeTrace, ...]
     masks: tuple[MaskTrace, ...]
     exclusions: tuple[ExclusionTrace, ...]
+    resources: tuple[ResourceTrace, ...]
     sky: SkyTrack | None
     baseline: tuple[BaselineSlew, ...]

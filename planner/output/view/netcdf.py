@@ -94,6 +94,7 @@ def write_view_netcdf(view: PlanView, created_utc: datetime) -> bytes:
         _cones(file, view)
         _masks(file, view)
         _exclusions(file, view)
+        _resources(file, view)
         _sky(file, view)
         _baseline(file, view, names)
         _windows(file, view)
@@ -185,6 +186,15 @@ def _exclusions(file: netcdf_file, view: PlanView) -> None:
     describe(file, exclusion_names=names)
     margins = np.stack([one.margin_rad for one in view.exclusions])
     _write(file, "exclusion_margin_rad", margins, ("exclusion", "time"))
+
+
+def _resources(file: netcdf_file, view: PlanView) -> None:
+    for one in view.resources:
+        unit = {"Wh": "watt hour", "Gbit": "1e9 bit"}[one.unit]
+        variable = file.createVariable(f"{one.name}_{one.unit.lower()}", "d", ("time",))
+        variable[:] = one.level
+        words = f"what the {one.name} holds of {one.capacity:g}; its limit is {one.limit:g}"
+        describe(variable, units=unit, long_name=words)
 
 
 def _sky(file: netcdf_file, view: PlanView) -> None:

@@ -14,7 +14,13 @@ from planner.base.arrays import Array, Indices
 from planner.base.commands import ROWS_PER_S
 from planner.base.errors import OutsideCoverage
 from planner.output.view.carrier import body_track, boresight_trace, carrier_track, footprint_trace
-from planner.output.view.columns import AxisBounds, PlanView, PointingTrace, TargetTrack
+from planner.output.view.columns import (
+    AxisBounds,
+    PlanView,
+    PointingTrace,
+    ResourceTrace,
+    TargetTrack,
+)
 from planner.output.view.motion import motion_at_rows
 from planner.output.view.platforms.registry import parts_of
 from planner.output.view.rows import view_rows
@@ -27,6 +33,7 @@ from planner.planning.opportunities import (
     OpportunityTarget,
     find_opportunities,
 )
+from planner.planning.resources import resource_curves
 from planner.planning.sessions.platforms.registry import mover_of
 from planner.planning.sessions.track_branches import los_on_rows, session_rows
 from planner.world.frames.time_scales import elapsed_s, shifted_utc
@@ -188,6 +195,16 @@ def view_plan(plan: FlightPlan, step_s: float | None, pixel_arcsec: float) -> Pl
         ),
         masks=kind.masks,
         exclusions=tuple(_from_first(one, unknown) for one in kind.exclusions),
+        resources=tuple(
+            ResourceTrace(
+                name=curve.name,
+                unit=curve.unit,
+                limit=curve.limit,
+                capacity=curve.capacity,
+                level=np.interp(plan.table.t_s[row], curve.t_s, curve.level),
+            )
+            for curve in resource_curves(plan)
+        ),
         sky=sky_track(scene, unknown),
     )
 

@@ -1,10 +1,12 @@
-"""The work that a table takes, and the sessions that are left in it."""
+"""The work that a table takes, and the sessions and segments that are left in it."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from planner.base.commands import ROWS_PER_S
 from planner.planning.sessions.platforms.mover import Join
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, tai_us
+from planner.world.plan import Segment, SegmentKind
 from planner.world.scenario import Scenario
 
 
@@ -17,6 +19,7 @@ class AssemblyPrices:
     mask_row: float = 0.03  # for each mask
     corner_row: float = 0.012  # and for each of its corners
     exclusion_row: float = 0.8  # for each exclusion of a body that always counts
+    resource_row: float = 0.6  # where resources are planned and judged
     session: int = 1_500  # for its budget, comparison and report
 
 
@@ -30,6 +33,7 @@ def table_work(scenario: Scenario, rows: int) -> float:
     a_row = OPTIONS.row + OPTIONS.cone_row * len(scenario.slew.keep_out)
     a_row += OPTIONS.mask_row * len(masks) + OPTIONS.corner_row * corners
     a_row += OPTIONS.exclusion_row * len(scenario.platform.always_excluded)
+    a_row += OPTIONS.resource_row * (scenario.resources is not None)
     return a_row * rows + OPTIONS.session * len(scenario.sessions)
 
 
@@ -57,3 +61,35 @@ def sessions_after_conflicts(scenario: Scenario, joins: list[Join]) -> tuple[Sce
                 f"sessions fits ({scenario.on_conflict})"
             )
     return replace(scenario, sessions=tuple(sessions)) if losses else scenario, losses
+
+
+def pair_joins(scenario: Scenario, joins: list[Join]) -> Iterator[tuple[int | None, Join]]:
+    """Each with the session whose track it leads to; None for the final state's."""
+    count = len(scenario.sessions)
+    return ((number if number < count else None, join) for number, join in enumerate(joins))
+
+
+def segments_of(scenario: Scenario, joins: list[Join]) -> tuple[Segment, ...]:
+    """What the table does from row to row, in order of time."""
+    epoch_utc = scenario.initial_state.epoch
+    kinds: tuple[SegmentKind, ...] = ("brake", "wait", "slew", "track")
+    segments = []
+    from_row = 0
+    for number, join in pair_joins(scenario, joins):
+        ends = [
+            shifted_utc(epoch_utc, row / ROWS_PER_S)
+            for row in (
+                from_row,
+                from_row + join.brake_rows,
+                join.slew_row,
+                join.join_row,
+                join.stop_row,
+            )
+        ]
+        segments += [
+            Segment(kind=kind, session=number, start_utc=start_utc, stop_utc=stop_utc)
+            for kind, start_utc, stop_utc in zip(kinds, ends, ends[1:], strict=False)
+            if elapsed_s(stop_utc, start_utc) > 0.0
+        ]
+        from_row = join.stop_row
+    return tuple(segments)

@@ -5,22 +5,27 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from planner.base import effort
-from planner.base.commands import ROWS_PER_S
 from planner.base.effort import at_most
 from planner.base.errors import Refusal, SearchEnded, VerificationFailed
 from planner.base.reporting import Reporter, tell_nobody
-from planner.planning.sessions.assembly import sessions_after_conflicts, table_work
+from planner.planning.sessions.assembly import (
+    pair_joins,
+    segments_of,
+    sessions_after_conflicts,
+    table_work,
+)
 from planner.planning.sessions.fitting import tell_by_asked, with_starts_that_fit
 from planner.planning.sessions.nearest_start import plan_sessions
 from planner.planning.sessions.plan import Plan
 from planner.planning.sessions.platforms.mover import Join
 from planner.planning.sessions.platforms.registry import mover_of
+from planner.planning.sessions.running_out import require_resources
 from planner.planning.sessions.track_branches import ephemeris_over, session_rows
 from planner.verification import VerificationReport, verify
 from planner.world.frames.earth_orientation import earth_orientation_warnings
-from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc
+from planner.world.frames.time_scales import Instants
 from planner.world.orbits import Ephemeris
-from planner.world.plan import Segment, SegmentKind
+from planner.world.plan import FlightPlan
 from planner.world.scenario import Scenario
 
 
@@ -59,9 +64,12 @@ def _make_plan(scenario: Scenario, tell: Reporter) -> Plan:
         joins = _find_joins(scenario, ephemeris, effort.PLAN - work, tell)
         onto_tracks = joins[: len(scenario.sessions)]
     with time_stage("comparison"):
-        slews = tuple(mover.run(number, join) for number, join in _pair_joins(scenario, joins))
+        slews = tuple(mover.run(number, join) for number, join in pair_joins(scenario, joins))
     final, losses = sessions_after_conflicts(scenario, onto_tracks)
-    table = mover.table(epoch_utc, joins)
+    table, segments = mover.table(epoch_utc, joins), segments_of(scenario, joins)
+    flight = FlightPlan(scenario=final, segments=segments, table=table)
+    with time_stage("resources"):
+        require_resources(flight)
     with time_stage("pointing budget"):
         budgets = tuple(
             mover_of(final).budget(ephemeris, table, number, join.track.los)
@@ -69,12 +77,12 @@ def _make_plan(scenario: Scenario, tell: Reporter) -> Plan:
         )
     misses = [budget.warning() for budget in budgets if budget]
     with time_stage("verification"):
-        report = verify(table, final)
+        report = verify(table, final, flight.waits)
     if scenario.slew.keeps_limits and not report.passed:
         raise _rejection_of(report)
     return Plan(
         scenario=final,
-        segments=_segments_of(scenario, joins),
+        segments=segments,
         table=table,
         verification=report,
         slews=slews,
@@ -130,37 +138,6 @@ def _cut_short(joins: list[Join]) -> tuple[str, ...]:
         f"the slew to {sessions} is the best that was found by the work one request may make, "
         "perhaps not the quickest or the smoothest that there is",
     )
-
-
-def _pair_joins(scenario: Scenario, joins: list[Join]) -> Iterator[tuple[int | None, Join]]:
-    """Each with the session whose track it leads to; None for the final state's."""
-    count = len(scenario.sessions)
-    return ((number if number < count else None, join) for number, join in enumerate(joins))
-
-
-def _segments_of(scenario: Scenario, joins: list[Join]) -> tuple[Segment, ...]:
-    epoch_utc = scenario.initial_state.epoch
-    kinds: tuple[SegmentKind, ...] = ("brake", "wait", "slew", "track")
-    segments = []
-    from_row = 0
-    for number, join in _pair_joins(scenario, joins):
-        ends = [
-            shifted_utc(epoch_utc, row / ROWS_PER_S)
-            for row in (
-                from_row,
-                from_row + join.brake_rows,
-                join.slew_row,
-                join.join_row,
-                join.stop_row,
-            )
-        ]
-        segments += [
-            Segment(kind=kind, session=number, start_utc=start_utc, stop_utc=stop_utc)
-            for kind, start_utc, stop_utc in zip(kinds, ends, ends[1:], strict=False)
-            if elapsed_s(stop_utc, start_utc) > 0.0
-        ]
-        from_row = join.stop_row
-    return tuple(segments)
 
 
 def _rejection_of(report: VerificationReport) -> VerificationFailed:

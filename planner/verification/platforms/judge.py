@@ -66,6 +66,9 @@ class Judge(Protocol):
     def direction_eci(self, direction: Array, at: FlownInstants, states: OrbitStates) -> Array:
         """What is fixed to the structure that its `direction_...` name, (3,), as vectors (n, 3)."""
 
+    def is_idle_at(self, rows: Indices) -> Mask:
+        """At which rows it stands still, or a body keeps its idle attitude, (k,)."""
+
     def turn_most_rad(self) -> Array:
         """By how much the boresight may turn in space within a step of each row, shape (n,)."""
 

@@ -36,6 +36,16 @@ export function exclusionTold(name: string): string {
   return name === "star_trackers" ? words.value.plan.one.starTrackers : name;
 }
 
+export function resourceTold(name: "battery" | "memory"): string {
+  return words.value.plan.one.resources[name];
+}
+
+/** Of a resource: "Wh" or "Gbit". */
+export function resourceUnit(unit: string): string {
+  const { resourceUnits } = words.value.plan.one;
+  return resourceUnits[unit as keyof typeof resourceUnits] ?? unit;
+}
+
 /** An axis by its name; a spacecraft that turns as a whole is "body". */
 export function axisTold(axis: string): string {
   return axis === "body" ? words.value.plan.one.wholeBody : axis;

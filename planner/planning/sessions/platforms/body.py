@@ -48,7 +48,7 @@ from planner.planning.sessions.track_branches import (
 )
 from planner.world.exclusions import Surroundings, exclusion_margins
 from planner.world.frames.time_scales import Instants, shifted_utc, utc_text
-from planner.world.orbits import Ephemeris
+from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.platforms.body import BodyPlatform
 from planner.world.platforms.steering import total_momentum_eci
 from planner.world.scenario import BoundedLead, Scenario, Session
@@ -393,6 +393,9 @@ class BodyMover:
         assert isinstance(target, VisibleTarget)  # a scenario refuses the others
         position = motion_at(table, los.instants.t_s).position
         return body_covariance_rad2(los, ephemeris, target, self.platform, position)
+
+    def idle_position(self, instants: Instants, states: OrbitStates) -> Array:
+        return idle_attitude(self.platform.idle, instants, states).position
 
     def warnings_along(self, table: CommandTable) -> tuple[str, ...]:
         """None: it steers itself."""

@@ -10,7 +10,8 @@ from planner.base.commands import CommandTable
 from planner.motion.pointing.line_of_sight import LineOfSight
 from planner.planning.sessions.budget import PointingBudget
 from planner.planning.sessions.plan import SlewRun
-from planner.world.orbits import Ephemeris
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.scenario import Scenario, Session
 
 State = Any  # how a platform moves at one instant: only its own mover looks into it
@@ -198,6 +199,10 @@ class Mover(Protocol):
 
         (n, 2, 2), in the order of the frame's sides.
         """
+        ...
+
+    def idle_position(self, instants: Instants, states: OrbitStates) -> Array:
+        """Of a body on its idle attitude, of axes at zero, at 7 or more even instants, (n, c)."""
         ...
 
     def warnings_along(self, table: CommandTable) -> tuple[str, ...]:

@@ -21,7 +21,7 @@ def idle_motion(
     Rates are central differences of the axes.
     """
     around_s = t_s + OPTIONS.idle_difference_s * np.array([-1.0, 0.0, 1.0])
-    sooner, axes, later = _axes_eci(law, Instants(epoch_utc, around_s), ephemeris)
+    sooner, axes, later = idle_axes_eci(law, Instants(epoch_utc, around_s), ephemeris)
     # An axis moves by w x axis: so w is the sum of axis x its velocity, halved.
     velocity = (later - sooner) / (2.0 * OPTIONS.idle_difference_s)
     return axes, np.asarray(axes @ (0.5 * np.sum(cross(axes, velocity), axis=0)))
@@ -38,7 +38,8 @@ def rotated_axes_eci(q_body_from_eci_xyzw: tuple[float, ...]) -> Array:
     return np.array(matrix)
 
 
-def _axes_eci(law: IdleLaw, instants: Instants, ephemeris: Ephemeris) -> Array:
+def idle_axes_eci(law: IdleLaw, instants: Instants, ephemeris: Ephemeris) -> Array:
+    """Rows of the body's axes in ECI at n instants, (n, 3, 3)."""
     if isinstance(law, InertialIdle):
         return np.tile(rotated_axes_eci(law.q_body_from_eci_xyzw), (len(instants), 1, 1))
     states = ephemeris.states(instants)

@@ -12,7 +12,7 @@ from planner.verification.directions import apart_rad
 from planner.verification.earth_fixed import earth_fixed_sight
 from planner.verification.platforms.body.exclusions import exclusion_margins
 from planner.verification.platforms.body.gyros import gyro_findings
-from planner.verification.platforms.body.idle import idle_motion, rotated_axes_eci
+from planner.verification.platforms.body.idle import idle_axes_eci, idle_motion, rotated_axes_eci
 from planner.verification.platforms.body.limits import body_margins, sizes_limited
 from planner.verification.platforms.body.options import OPTIONS
 from planner.verification.platforms.body.quintic import FlownMotion, motion_between, turned
@@ -169,6 +169,15 @@ class BodyJudge:
         """Of a direction in body axes, as a unit vector."""
         unit = direction / math.hypot(*direction)
         return turned(self._motion(at).q_eci_from_body_xyzw, unit)
+
+    def is_idle_at(self, rows: Indices) -> Mask:
+        """Where each body axis lies as in the idle attitude."""
+        instants = Instants(self._table.epoch_utc, rows / ROWS_PER_S)
+        idle_eci = idle_axes_eci(self._platform.idle, instants, self._ephemeris)
+        axes = np.tile(np.eye(3), (len(rows), 1))
+        flown_eci = turned(np.repeat(self._table.position[rows], 3, axis=0), axes)
+        off_rad = apart_rad(flown_eci, idle_eci.reshape(-1, 3))
+        return np.asarray(off_rad.reshape(-1, 3).max(axis=1) <= OPTIONS.end_rad)
 
     def turn_most_rad(self) -> Array:
         """By the greatest rate and acceleration of the cell that begins with each row."""

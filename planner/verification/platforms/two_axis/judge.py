@@ -184,6 +184,12 @@ class TwoAxisJudge:
         """Of a direction in the platform's frame."""
         return self._eci_from_platform(np.tile(direction, (len(at.cell), 1)), at, states)
 
+    def is_idle_at(self, rows: Indices) -> Mask:
+        """Where all axes stand."""
+        return np.asarray(
+            np.abs(self._table.rate_rad_s[rows]).max(axis=1) <= END_RATE_TOLERANCE_RAD_S
+        )
+
     def turn_most_rad(self) -> Array:
         """The axes' and the carrier's together."""
         rate_rad_s = np.abs(self._table.rate_rad_s).sum(axis=1)

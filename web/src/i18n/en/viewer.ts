@@ -61,6 +61,7 @@ export const viewer = {
     alongTrack: "ahead along the track",
     acrossTrack: "to the right of it",
     exclusions: "Exclusions kept by",
+    resources: { battery: "Battery", memory: "Memory" },
     sun: "from the Sun",
     error: "error",
     most: (error: string) => `largest error ${error}″`,

@@ -63,6 +63,7 @@ export const viewer: Words["viewer"] = {
     alongTrack: "вперёд вдоль трассы",
     acrossTrack: "вправо от трассы",
     exclusions: "Запас запретных углов",
+    resources: { battery: "Аккумулятор", memory: "Память" },
     sun: "от Солнца",
     error: "ошибка",
     most: (error: string) => `наибольшая ошибка ${error}″`,

@@ -1,7 +1,7 @@
 /** The figures behind the verdict: sessions, margins, the pointing budget, warnings. */
 import { words } from "../../i18n";
 import { arcsecTold, digits, marginTold, number, percent, period, rowClock } from "../../i18n/forms";
-import { axisTold, exclusionTold, limitTold, targetTold } from "../../i18n/labels";
+import { axisTold, exclusionTold, limitTold, resourceTold, resourceUnit, targetTold } from "../../i18n/labels";
 import type { Plan } from "./plan";
 import { isAtLimit, shareOf } from "./verdict";
 
@@ -134,6 +134,19 @@ function Margins({ plan }: { plan: Plan }) {
               <td class="number">–</td>
               <td class="number">{margin_deg === null ? text.neverCounts : `${number(margin_deg)}°`}</td>
               <td class="number">{at === null ? "–" : rowClock(at)}</td>
+            </tr>
+          ))}
+          {plan.resources.map(({ name, unit, limit, extreme, margin, at }) => (
+            <tr key={`resource ${name}`}>
+              <td>{resourceTold(name)}</td>
+              <td>
+                {digits(limit)} {resourceUnit(unit)}
+              </td>
+              <td class="number">{digits(extreme)}</td>
+              <td class="number">
+                {digits(margin)} {resourceUnit(unit)}
+              </td>
+              <td class="number">{rowClock(at)}</td>
             </tr>
           ))}
         </tbody>

@@ -1,6 +1,6 @@
 import { words } from "../../i18n";
-import { marginTold, number, percent, rowClock } from "../../i18n/forms";
-import { axisTold, exclusionTold, limitTold } from "../../i18n/labels";
+import { digits, marginTold, number, percent, rowClock } from "../../i18n/forms";
+import { axisTold, exclusionTold, limitTold, resourceTold, resourceUnit } from "../../i18n/labels";
 import type { Plan } from "./plan";
 import { gradeOf, isAtLimit, type LeastMargin, leastExclusion, leastMargin } from "./verdict";
 
@@ -19,6 +19,9 @@ export function Verdict({ plan }: { plan: Plan }) {
         ? text.atLimit(nameOf(least), `${rowClock(least.at)} UTC`)
         : text.least(nameOf(least), marginTold(least.share), `${rowClock(least.at)} UTC`)),
     kept && text.exclusion(exclusionTold(kept.name), number(kept.margin_deg), `${rowClock(kept.at)} UTC`),
+    ...plan.resources.map(({ name, margin, unit, at }) =>
+      text.reserve(resourceTold(name), `${digits(margin)} ${resourceUnit(unit)}`, `${rowClock(at)} UTC`),
+    ),
     plan.summary.probability_in_frame !== null && text.inFrame(percent(plan.summary.probability_in_frame)),
     Number.isFinite(sample) && text.sample(number(sample, 2)),
     Number.isFinite(highest) && text.elevation(number(highest, 0)),

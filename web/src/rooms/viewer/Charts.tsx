@@ -5,7 +5,7 @@ import { RangeButtons, useTimeRange } from "../../charts/range";
 import { type Line, type Shade, TimeChart } from "../../charts/TimeChart";
 import { words } from "../../i18n";
 import { arcsecTold, digits, marginTold } from "../../i18n/forms";
-import { axisTold, exclusionTold, targetTold } from "../../i18n/labels";
+import { axisTold, exclusionTold, resourceUnit, targetTold } from "../../i18n/labels";
 import type { Stretch } from "../../time/TimeBar";
 import type { Plan } from "../plan/plan";
 import { isAtLimit, shareOf } from "../plan/verdict";
@@ -96,6 +96,9 @@ export function Charts({ view, plan, stretches, chosen, onWhole }: Props) {
       ))}
       <Pointing view={view} plan={plan} common={common} />
       <Exclusions view={view} common={common} withLimits={withLimits} />
+      {view.resources.map((one) => (
+        <Resource key={one.name} one={one} common={common} withLimits={withLimits} />
+      ))}
       {orders !== ORDERS && <FromNadir view={view} common={common} />}
       <Sight view={view} common={common} />
     </section>
@@ -156,6 +159,30 @@ function Exclusions({ view, common, withLimits }: { view: View; common: Common; 
         label={text.told(text.exclusions, "°")}
         lines={lines}
         limits={EXCLUDED}
+        withLimits={withLimits}
+        height={HEIGHT}
+      />
+    </div>
+  );
+}
+
+/** What a battery or memory holds, with its limit. */
+function Resource({ one, common, withLimits }: { one: View["resources"][number]; common: Common; withLimits: boolean }) {
+  const text = words.value.viewer.charts;
+  const title = text.resources[one.name];
+  const unit = resourceUnit(one.unit);
+  const lines = useMemo<Line[]>(() => [{ label: title, values: one.level, colour: "series-1" }], [one, title]);
+  const limits = useMemo(() => [one.limit], [one]);
+  return (
+    <div class="look-strip">
+      <h3>
+        {title}, {unit}
+      </h3>
+      <TimeChart
+        {...common}
+        label={text.told(title, unit)}
+        lines={lines}
+        limits={limits}
         withLimits={withLimits}
         height={HEIGHT}
       />

@@ -37,7 +37,7 @@ from planner.planning.sessions.track_branches import (
 from planner.planning.sessions.track_branches import los_on_rows, session_rows
 from planner.world.attitude.lvlh import level_warnings
 from planner.world.frames.time_scales import Instants
-from planner.world.orbits import Ephemeris
+from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.rules.two_axis import axes_of, initial_motion, limits_of
 from planner.world.scenario import Scenario, Session
 from planner.world.targets import BenchMotionTarget, VisibleTarget
@@ -217,6 +217,9 @@ class TwoAxisMover:
             axes_of(self.scenario),
             np.stack(angle_rad, axis=1),
         )
+
+    def idle_position(self, instants: Instants, states: OrbitStates) -> Array:
+        return np.zeros((len(instants), 2))
 
     def warnings_along(self, table: CommandTable) -> tuple[str, ...]:
         attitude, platform = self.scenario.law, axes_of(self.scenario)

@@ -1,0 +1,284 @@
+"""Battery and memory along a plan's table: linear between rows, eclipse edges and contacts."""
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from datetime import datetime
+from functools import cached_property, partial
+from itertools import pairwise
+from typing import Literal
+
+import numpy as np
+
+from planner.base.arrays import Array, Mask
+from planner.base.rotation import Rotation
+from planner.world.frames.earth_orientation import c_itrf_from_eci
+from planner.world.frames.geodesy import itrf_from_geodetic, up_itrf
+from planner.world.frames.solar_system import r_sun_eci_m
+from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc
+from planner.world.orbits import Ephemeris, OrbitStates
+from planner.world.plan import FlightPlan
+from planner.world.resources import Battery, Memory, Resources, Station
+from planner.world.scenario import Scenario
+from planner.world.targets.earth_limb import limb_clearance_rad
+
+Span = tuple[float, float]  # s after the epoch
+
+
+@dataclass(frozen=True, kw_only=True)
+class EdgeOptions:
+    """How edges of light and of contacts are found."""
+
+    step_s: float = 10.0  # low orbits pass a station in minutes; extremes in between are sought
+    finer: int = 64  # per pass
+    passes: int = 3  # 10 s to 20 us, and then along the chord
+
+
+OPTIONS = EdgeOptions()
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ResourceCurve:
+    """The level of one resource, linear between its instants.
+
+    name: "battery" or "memory".  unit: of what follows.  limit: that may not be passed, downwards
+    by a battery, upwards by a memory.  t_s: since the table's epoch, (m,).  level: (m,).
+    """
+
+    name: Literal["battery", "memory"]
+    unit: str
+    capacity: float
+    limit: float
+    t_s: Array
+    level: Array
+
+    @property
+    def room(self) -> Array:
+        """How far it is from its limit, negative beyond, (m,)."""
+        away = self.level - self.limit
+        return away if self.name == "battery" else -away
+
+    @property
+    def first_beyond_s(self) -> float | None:
+        """When it first passes its limit by more than a billionth of its capacity."""
+        beyond = np.flatnonzero(self.room < -1e-9 * self.capacity)
+        if not beyond.size:
+            return None
+        k = max(int(beyond[0]), 1)
+        before, after = self.room[k - 1], self.room[k]
+        share = min(max(before / (before - after), 0.0), 1.0) if before != after else 0.0
+        return float(self.t_s[k - 1] + share * (self.t_s[k] - self.t_s[k - 1]))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Uses:
+    """When what draws on resources happens, in s after the epoch.
+
+    imaging: of each session.  idle: waits, over which only the idle power is drawn.
+    """
+
+    imaging: tuple[Span, ...]
+    idle: tuple[Span, ...]
+
+
+def uses_of(plan: FlightPlan) -> Uses:
+    """As the plan's sessions and segments say."""
+    epoch_utc, sessions = plan.table.epoch_utc, plan.scenario.sessions
+
+    def spans(ends_utc: Iterable[tuple[datetime, datetime]]) -> tuple[Span, ...]:
+        return tuple(
+            (elapsed_s(start, epoch_utc), elapsed_s(stop, epoch_utc)) for start, stop in ends_utc
+        )
+
+    return Uses(imaging=spans((one.start, one.stop) for one in sessions), idle=spans(plan.waits))
+
+
+class Surroundings:
+    """Sunlight and contacts of a scenario from row 0 to last_s, whatever the platform does."""
+
+    def __init__(self, scenario: Scenario, last_s: float) -> None:
+        """Raises OutsideCoverage where the orbit isn't known for so long."""
+        self.scenario, self.last_s = scenario, last_s
+        self.epoch_utc = scenario.initial_state.epoch
+        self.ephemeris: Ephemeris = scenario.orbit.ephemeris(
+            self.epoch_utc, shifted_utc(self.epoch_utc, last_s)
+        )
+        assert scenario.resources is not None  # who asks has some
+        self.resources: Resources = scenario.resources
+
+    def at(self, t_s: Array) -> tuple[Instants, OrbitStates]:
+        instants = Instants(self.epoch_utc, t_s)
+        return instants, self.ephemeris.states(instants)
+
+    @cached_property
+    def lit(self) -> tuple[Span, ...]:
+        """When the Sun's centre stands above the ellipsoid's limb."""
+
+        def above_rad(t_s: Array) -> Array:
+            instants, states = self.at(t_s)
+            c = c_itrf_from_eci(instants)
+            sun = np.einsum("nij,nj->ni", c, sun_eci(instants, states))
+            return limb_clearance_rad(sun, np.einsum("nij,nj->ni", c, states.r_sat_eci_m), 0.0)
+
+        return tuple(spans_above(above_rad, self.last_s))
+
+    @cached_property
+    def contacts(self) -> tuple[tuple[str, Span], ...]:
+        """Name of the station, and when it takes data."""
+        memory = self.resources.memory
+        stations = memory.stations if memory is not None else ()
+        return tuple(
+            (station.id, span)
+            for station in stations
+            for span in spans_above(partial(self._above_rad, station), self.last_s)
+        )
+
+    def _above_rad(self, station: Station, t_s: Array) -> Array:
+        """The elevation less the least, geometric, (n,)."""
+        instants, states = self.at(t_s)
+        r_itrf_m = np.einsum("nij,nj->ni", c_itrf_from_eci(instants), states.r_sat_eci_m)
+        place = math.radians(station.latitude_deg), math.radians(station.longitude_deg)
+        to_sat_m = r_itrf_m - itrf_from_geodetic(*place, station.height_m)
+        sine = to_sat_m @ up_itrf(*place) / np.linalg.norm(to_sat_m, axis=1)
+        least_rad = math.radians(station.min_elevation_deg)
+        return np.asarray(np.arcsin(np.clip(sine, -1.0, 1.0)) - least_rad)
+
+    def charge_w(self, t_s: Array, q_body_from_eci: Rotation) -> Array:
+        """What panels would give in sunlight at n instants, (n,)."""
+        battery = self.resources.battery
+        if battery is None or battery.sunlight_w is not None:
+            return np.full(len(t_s), 0.0 if battery is None else battery.sunlight_w)
+        sun_body = q_body_from_eci.apply(sun_eci(*self.at(t_s)))
+        powers_w = [
+            panel.power_w * np.maximum(sun_body @ panel.normal, 0.0) for panel in battery.panels
+        ]
+        return np.asarray(np.sum(powers_w, axis=0)) if powers_w else np.zeros(len(t_s))
+
+    def curves(self, t_s: Array, charge_w: Array, uses: Uses) -> tuple[ResourceCurve, ...]:
+        """t_s: from row 0, (n,).  charge_w: in sunlight then, (n,), taken as linear between."""
+        contacts = tuple(span for _, span in self.contacts)
+        edges = [
+            end for spans in (self.lit, contacts, uses.imaging) for one in spans for end in one
+        ]
+        inside = [edge for edge in edges if t_s[0] < edge < t_s[-1]]
+        grid_s = np.unique(np.concatenate([t_s, inside]))
+        imaging, idle = _within(grid_s, uses.imaging), _within(grid_s, uses.idle)
+        step_s, found = np.diff(grid_s), []
+        if (battery := self.resources.battery) is not None:
+            at_w = np.interp(grid_s, t_s, charge_w)
+            mean_w = np.where(_within(grid_s, self.lit), 0.5 * (at_w[1:] + at_w[:-1]), 0.0)
+            moving_w = np.where(imaging | idle, 0.0, battery.slew_w)
+            drawn_w = battery.idle_w + moving_w + np.where(imaging, battery.imaging_w, 0.0)
+            found.append(_battery_curve(battery, grid_s, (mean_w - drawn_w) * step_s / 3600.0))
+        if (memory := self.resources.memory) is not None:
+            sent = np.where(_within(grid_s, contacts), memory.downlink_gbit_s, 0.0)
+            written = np.where(imaging, memory.imaging_gbit_s, 0.0)
+            found.append(_memory_curve(memory, grid_s, (written - sent) * step_s))
+        return tuple(found)
+
+
+def resource_curves(plan: FlightPlan) -> tuple[ResourceCurve, ...]:
+    """Of each resource of the request, over the whole table.
+
+    Between rows the charge of panels is taken as linear: of a turn of 1.5 deg/s it errs by 3e-8 of
+    what they give in a row.
+    """
+    if plan.scenario.resources is None:
+        return ()
+    around, charge_w = charge_along(plan)
+    return around.curves(plan.table.t_s, charge_w, uses_of(plan))
+
+
+def charge_along(plan: FlightPlan) -> tuple[Surroundings, Array]:
+    """What surrounds a plan that has resources, and what panels would give on its rows, (n,)."""
+    scenario, t_s = plan.scenario, plan.table.t_s
+    around = Surroundings(scenario, float(t_s[-1]))
+    q_body_from_eci = scenario.q_body_from_eci(*around.at(t_s), plan.table.position)
+    return around, around.charge_w(t_s, q_body_from_eci)
+
+
+def sun_eci(instants: Instants, states: OrbitStates) -> Array:
+    """Geometric directions of the Sun from the spacecraft, unit vectors (n, 3)."""
+    to_sun_m = r_sun_eci_m(instants) - states.r_sat_eci_m
+    return np.asarray(to_sun_m / np.linalg.norm(to_sun_m, axis=1, keepdims=True))
+
+
+def _battery_curve(battery: Battery, t_s: Array, steps_wh: Array) -> ResourceCurve:
+    """Charge beyond the capacity is lost where it comes: all that was lost so far is the most by
+    which the sum without losses ever stood above the capacity."""
+    whole = battery.start_wh + np.append(0.0, np.cumsum(steps_wh))
+    lost = np.maximum.accumulate(np.maximum(whole - battery.capacity_wh, 0.0))
+    return ResourceCurve(
+        name="battery",
+        unit="Wh",
+        capacity=battery.capacity_wh,
+        limit=battery.least_wh,
+        t_s=t_s,
+        level=whole - lost,
+    )
+
+
+def _memory_curve(memory: Memory, t_s: Array, steps_gbit: Array) -> ResourceCurve:
+    """Nothing is sent of what isn't there, by the same rule."""
+    whole = memory.start_gbit + np.append(0.0, np.cumsum(steps_gbit))
+    unsent = np.maximum.accumulate(np.maximum(-whole, 0.0))
+    return ResourceCurve(
+        name="memory",
+        unit="Gbit",
+        capacity=memory.capacity_gbit,
+        limit=memory.capacity_gbit,
+        t_s=t_s,
+        level=whole + unsent,
+    )
+
+
+def _within(grid_s: Array, spans: tuple[Span, ...]) -> Mask:
+    """Which intervals of the grid lie in any of the spans, whose ends are on it, (m - 1,)."""
+    middle_s = 0.5 * (grid_s[1:] + grid_s[:-1])
+    found = np.zeros(len(middle_s), dtype=bool)
+    for start_s, stop_s in spans:
+        found |= (middle_s > start_s) & (middle_s < stop_s)
+    return found
+
+
+def spans_above(value: Callable[[Array], Array], last_s: float) -> Iterator[Span]:
+    """Spans of 0 to last_s in which a smooth function isn't negative, their ends to a microsecond.
+
+    Where it may come to zero and back between two samples, its extreme is sought first.
+    """
+    t_s = np.linspace(0.0, last_s, max(math.ceil(last_s / OPTIONS.step_s), 2) + 1)
+    at = value(t_s)
+    sign = np.where(at >= 0.0, -1.0, 1.0)[1:-1]
+    rises = sign * np.diff(at)[:-1], sign * np.diff(at)[1:]
+    may_cross = np.abs(at[1:-1]) <= np.maximum(np.abs(rises[0]), np.abs(rises[1]))
+    turns = np.flatnonzero((rises[0] >= 0.0) & (rises[1] <= 0.0) & may_cross) + 1
+    extremes = [_extreme_s(value, t_s[k - 1], t_s[k + 1], float(sign[k - 1])) for k in turns]
+    if extremes:
+        t_s = np.unique(np.concatenate([t_s, extremes]))
+        at = value(t_s)
+    is_above = at >= 0.0
+    edges = [
+        _crossing_s(value, t_s[k], t_s[k + 1])
+        for k in np.flatnonzero(is_above[1:] != is_above[:-1])
+    ]
+    ends = [*([0.0] if is_above[0] else []), *edges, *([last_s] if is_above[-1] else [])]
+    yield from (
+        (start, stop) for number, (start, stop) in enumerate(pairwise(ends)) if number % 2 == 0
+    )
+
+
+def _extreme_s(value: Callable[[Array], Array], low_s: float, high_s: float, sign: float) -> float:
+    for _ in range(OPTIONS.passes):
+        t_s = np.linspace(low_s, high_s, OPTIONS.finer + 1)
+        k = int(np.clip(np.argmax(sign * value(t_s)), 1, OPTIONS.finer - 1))
+        low_s, high_s = float(t_s[k - 1]), float(t_s[k + 1])
+    return 0.5 * (low_s + high_s)
+
+
+def _crossing_s(value: Callable[[Array], Array], low_s: float, high_s: float) -> float:
+    for _ in range(OPTIONS.passes):
+        t_s = np.linspace(low_s, high_s, OPTIONS.finer + 1)
+        at = value(t_s)
+        k = int(np.flatnonzero((at[1:] >= 0.0) != (at[:-1] >= 0.0))[0])
+        low_s, high_s = float(t_s[k]), float(t_s[k + 1])
+    return low_s + (high_s - low_s) * float(at[k] / (at[k] - at[k + 1]))

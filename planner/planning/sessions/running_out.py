@@ -1,0 +1,311 @@
+"""Plans that take more than there is: which resource, when, and the nearest plan that works."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from datetime import datetime
+from typing import NamedTuple
+
+import numpy as np
+
+from planner.base import effort
+from planner.base.arrays import Array
+from planner.base.commands import ROWS_PER_S
+from planner.base.effort import at_most
+from planner.base.errors import Refusal, ResourceRunsOut, figures
+from planner.planning.resources import (
+    ResourceCurve,
+    Surroundings,
+    Uses,
+    charge_along,
+    resource_curves,
+    uses_of,
+)
+from planner.planning.sessions.assembly import segments_of, sessions_after_conflicts, table_work
+from planner.planning.sessions.platforms.registry import mover_of
+from planner.planning.sessions.sequence import SessionRefused, sequence_sessions
+from planner.planning.sessions.track_branches import ephemeris_over, session_rows
+from planner.verification import verify
+from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
+from planner.world.plan import FlightPlan
+from planner.world.scenario import Scenario, Session
+from planner.world.targets import BenchMotionTarget
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunningOutOptions:
+    """How hard a plan that works is sought."""
+
+    step_s: float = 10.0  # between starts tried, and between instants of the level foretold
+    tries: int = 5  # plans of each way out: what is foretold errs by the attitude on slews
+    share: float = 0.8  # of the work that is left
+    spare: float = 1e-3  # of the capacity, beyond what the last try lacked
+    farthest_s: float = 21_600.0  # a battery is full after an orbit, a station passed in some
+
+
+OPTIONS = RunningOutOptions()
+
+
+def require_resources(plan: FlightPlan) -> None:
+    """Raises ResourceRunsOut, with the nearest plan that works, where a limit is passed."""
+    curves = [curve for curve in resource_curves(plan) if curve.first_beyond_s is not None]
+    if not curves:
+        return
+    curve = min(curves, key=lambda one: one.first_beyond_s or 0.0)
+    at_utc = shifted_utc(plan.table.epoch_utc, curve.first_beyond_s or 0.0)
+    short = figures(-float(curve.room.min()))
+    detail = (
+        f"the {curve.name} passes its limit of {curve.limit:g} {curve.unit} at "
+        f"{utc_text(at_utc, 1)}, in the end by {short} {curve.unit}"
+    )
+    if _runs_out_idle(plan, curve.name):
+        raise ResourceRunsOut(
+            f"{detail}, and would without any session; begin with more, or take less while idle",
+            field=f"resources.{curve.name}",
+            limit=curve.name,
+            at_utc=at_utc,
+        )
+    sessions = plan.scenario.sessions
+    number = max(n for n, one in enumerate(sessions) if n == 0 or one.start <= at_utc)
+    advice = _Advice("", None, ())
+    with at_most(OPTIONS.share * effort.remaining()):
+        advice = _advice(plan, number, curve, at_utc)
+    raise ResourceRunsOut(
+        f"session {number + 1}: {detail}; {advice.words or _NO_WAY}",
+        field=f"sessions.{number}.start",
+        limit=curve.name,
+        at_utc=at_utc,
+        earliest_feasible_start_utc=advice.session.start if advice.session else None,
+        feasible_stop_utc=advice.session.stop if advice.session else None,
+        costs_sessions=advice.costs,
+    )
+
+
+class _Advice(NamedTuple):
+    """words: the ways out.  session: the nearer of them.  costs: sessions to leave out for it."""
+
+    words: str
+    session: Session | None
+    costs: tuple[int, ...]
+
+
+_NO_WAY = (
+    "neither a later start nor a shorter session was found with which there is enough; leave the "
+    "session or one before it out, or begin with more"
+)
+
+
+def _runs_out_idle(plan: FlightPlan, name: str) -> bool:
+    """Whether it would with the plan's attitude, but nothing else of the plan."""
+    t_s = plan.table.t_s
+    around, charge_w = charge_along(plan)
+    nothing = Uses(imaging=(), idle=((0.0, float(t_s[-1])),))
+    return any(
+        one.first_beyond_s is not None
+        for one in around.curves(t_s, charge_w, nothing)
+        if one.name == name
+    )
+
+
+def _advice(plan: FlightPlan, number: int, curve: ResourceCurve, at_utc: datetime) -> _Advice:
+    """With all other sessions, else with those before only."""
+    asked, after = (
+        plan.scenario.sessions[number],
+        tuple(range(number + 1, len(plan.scenario.sessions))),
+    )
+    for costs in dict.fromkeys(((), after)):
+        search = _Search(plan, number, costs)
+        shorter, later = search.shorter(), search.later()
+        ways = []
+        if later is not None:
+            contact = search.contact_before(later, at_utc) if curve.name == "memory" else ""
+            start, stop = utc_text(later.start, 1), utc_text(later.stop, 1)
+            ways.append(f"earliest feasible start {start}{contact}, with the stop moved to {stop}")
+        if shorter is not None:
+            stop = utc_text(shorter.stop, 1)
+            ways.append(f"from the start asked for it can be flown until {stop}")
+        if not ways:
+            continue
+        left_out = f", with session {number + 2} and any after it left out" if costs else ""
+        half_s = 0.5 * elapsed_s(asked.stop, asked.start)
+        keeps_half = shorter is not None and elapsed_s(shorter.stop, asked.start) >= half_s
+        nearer = shorter if keeps_half or later is None else later
+        return _Advice(", or ".join(ways) + left_out, nearer, costs)
+    return _Advice("", None, ())
+
+
+class _Search:
+    """For another start or stop of one session, each tried by planning all sessions with it."""
+
+    def __init__(self, plan: FlightPlan, number: int, without: tuple[int, ...]) -> None:
+        """without: sessions that are left out, the last ones."""
+        sessions = plan.scenario.sessions[: len(plan.scenario.sessions) - len(without)]
+        uses = uses_of(plan)
+        self.plan, self.number = plan, number
+        self.scenario = replace(plan.scenario, sessions=sessions)
+        self.session = sessions[number]
+        self.uses = replace(uses, imaging=uses.imaging[: len(sessions)])
+        self.epoch_utc, self.leaves_out = plan.table.epoch_utc, bool(without)
+
+    def shorter(self) -> Session | None:
+        """With the same start and the latest stop that was found."""
+        start_s, stop_s = self.uses.imaging[self.number]
+        around, charge_w = charge_along(self.plan)
+        is_last = self.number + 1 == len(self.scenario.sessions)
+        ends = is_last and (self.scenario.final_state is None or self.leaves_out)
+
+        def lack(until_s: float) -> float:
+            """Of the capacity, by the plan's own attitude, waiting after the session."""
+            imaging = list(self.uses.imaging)
+            imaging[self.number] = start_s, until_s
+            uses = replace(self.uses, imaging=tuple(imaging))
+            curves = around.curves(self.plan.table.t_s, charge_w, uses)
+            last_s = until_s if ends else math.inf
+            return max(_lack(curve, last_s) for curve in curves)
+
+        spare = 0.0
+        for _ in range(OPTIONS.tries):
+            low_row, high_row = math.ceil(start_s * ROWS_PER_S), math.floor(stop_s * ROWS_PER_S)
+            if lack(low_row / ROWS_PER_S) > -spare:
+                return None
+            while high_row - low_row > 1:
+                middle = (low_row + high_row) // 2
+                if lack(middle / ROWS_PER_S) > -spare:
+                    high_row = middle
+                else:
+                    low_row = middle
+            found, lacked = self._try(start_s, low_row / ROWS_PER_S)
+            if found is not None:
+                return found
+            spare += max(lacked, 0.0) + OPTIONS.spare
+        return None
+
+    def later(self) -> Session | None:
+        """As long as asked, with the earliest later start that was found."""
+        start_s, stop_s = self.uses.imaging[self.number]
+        long_s = stop_s - start_s
+        around = self._farther()
+        if around is None:
+            return None
+        t_s = np.linspace(0.0, around.last_s, math.ceil(around.last_s / OPTIONS.step_s) + 1)
+        instants, states = around.at(t_s)
+        idle = mover_of(self.scenario).idle_position(instants, states)
+        q_body_from_eci = self.scenario.q_body_from_eci(instants, states, idle)
+        charge_w = around.charge_w(t_s, q_body_from_eci)
+        next_s = [one[0] for one in self.uses.imaging[self.number + 1 :]]
+        until_s = next_s[0] if next_s else around.last_s
+        lacked_now = max(_lack(curve, stop_s) for curve in resource_curves(self.plan))
+        spare = lacked_now - self._foretold(around, t_s, charge_w, start_s, long_s)
+        tries = 0
+        for moved_s in self._starts(around, long_s, until_s):
+            if self._foretold(around, t_s, charge_w, moved_s, long_s) > -spare:
+                continue
+            found, lacked = self._try(moved_s, moved_s + long_s)
+            if found is not None:
+                return found
+            tries += 1
+            if tries >= OPTIONS.tries:
+                return None
+            spare += max(lacked, 0.0) + OPTIONS.spare
+        return None
+
+    def contact_before(self, moved: Session, since_utc: datetime) -> str:
+        """In words, the last contact that begins between an instant and that start, if any does."""
+        start_s = elapsed_s(moved.start, self.epoch_utc)
+        contacts = [
+            (span[0], name)
+            for name, span in Surroundings(self.scenario, start_s).contacts
+            if span[1] > elapsed_s(since_utc, self.epoch_utc)
+        ]
+        return f", after the contact with {max(contacts)[1]}" if contacts else ""
+
+    def _farther(self) -> Surroundings | None:
+        """As far beyond the session as the orbit is known; None: not at all."""
+        stop_s = self.uses.imaging[self.number][1]
+        horizon_s = min(self.scenario.orbit.search_horizon_s, OPTIONS.farthest_s)
+        for beyond_s in (horizon_s, horizon_s / 16.0):
+            try:
+                return Surroundings(self.scenario, max(stop_s, self.uses.imaging[-1][1]) + beyond_s)
+            except Refusal:
+                continue
+        return None
+
+    def _starts(self, around: Surroundings, long_s: float, until_s: float) -> Iterator[float]:
+        """Later starts, on rows, from which the target stays in sight."""
+        start_s = self.uses.imaging[self.number][0]
+        row = math.ceil(start_s * ROWS_PER_S) + np.arange(
+            1, max(int((until_s - long_s - start_s) / OPTIONS.step_s), 0) + 1
+        ) * round(OPTIONS.step_s * ROWS_PER_S)
+        starts_s = row / ROWS_PER_S
+        starts_s = starts_s[starts_s + long_s <= until_s]
+        target = self.session.target
+        if starts_s.size and not isinstance(target, BenchMotionTarget):
+            target = target.unbound(self.session.start)
+            is_seen = [
+                target.apparent(*around.at(at_s)).clearance_rad >= 0.0
+                for at_s in (starts_s, starts_s + long_s)
+            ]
+            starts_s = starts_s[is_seen[0] & is_seen[1]]
+        yield from starts_s.tolist()
+
+    def _foretold(
+        self, around: Surroundings, t_s: Array, charge_w: Array, start_s: float, long_s: float
+    ) -> float:
+        """What lacks, in shares of the capacity, with the session moved there, idle between."""
+        imaging, idle = list(self.uses.imaging), list(self.uses.idle)
+        before_s = imaging[self.number - 1][1] if self.number else 0.0
+        slewed_s = imaging[self.number][0] - max(
+            (stop for _, stop in idle if stop <= imaging[self.number][0]), default=before_s
+        )
+        imaging[self.number] = start_s, start_s + long_s
+        idle = [one for one in idle if not before_s <= one[0] < start_s]
+        if (waits_until_s := start_s - max(slewed_s, 0.0)) > before_s:
+            idle.append((before_s, waits_until_s))
+        is_last = self.number + 1 == len(imaging)
+        last_s = imaging[-1][1] if is_last else min(float(self.plan.table.t_s[-1]), around.last_s)
+        curves = around.curves(t_s, charge_w, Uses(imaging=tuple(imaging), idle=tuple(idle)))
+        return max(_lack(curve, last_s) for curve in curves)
+
+    def _try(self, start_s: float, stop_s: float) -> tuple[Session | None, float]:
+        """The session so moved, if all sessions are planned and judged good with it; else what
+        lacked, in shares of the capacity."""
+        start_utc, stop_utc = self.session.start, self._utc(stop_s)
+        if start_s != self.uses.imaging[self.number][0]:
+            start_utc = self._utc(start_s)
+        try:
+            target = self.session.target
+            if start_utc != self.session.start:
+                target = target.unbound(self.session.start)
+            moved = replace(self.session, target=target, start=start_utc, stop=stop_utc)
+            sessions = list(self.scenario.sessions)
+            sessions[self.number] = moved
+            plan = _flown(replace(self.scenario, sessions=tuple(sessions)))
+        except (SessionRefused, Refusal, ValueError):
+            return None, 0.0
+        lacked = max(_lack(curve) for curve in resource_curves(plan))
+        if lacked > 0.0 or not verify(plan.table, plan.scenario, plan.waits).passed:
+            return None, lacked
+        return moved, lacked
+
+    def _utc(self, t_s: float) -> datetime:
+        return shifted_utc(self.epoch_utc, round(t_s * ROWS_PER_S) / ROWS_PER_S)
+
+
+def _lack(curve: ResourceCurve, last_s: float = math.inf) -> float:
+    """By how much it passes its limit up to an instant, in shares of its capacity."""
+    room = curve.room[curve.t_s <= last_s]
+    return -float(room.min()) / curve.capacity
+
+
+def _flown(scenario: Scenario) -> FlightPlan:
+    """As the pipeline plans it; raises SessionRefused and refusals."""
+    epoch_utc = scenario.initial_state.epoch
+    rows = [session_rows(session, epoch_utc) for session in scenario.sessions]
+    effort.charge(table_work(scenario, rows[-1].stop))
+    ephemeris = ephemeris_over(scenario, rows)
+    joins, mover = sequence_sessions(scenario, ephemeris, prove=False), mover_of(scenario)
+    whole = mover.with_final_slew(ephemeris, joins)
+    final, _ = sessions_after_conflicts(scenario, joins)
+    return FlightPlan(
+        scenario=final, segments=segments_of(scenario, whole), table=mover.table(epoch_utc, whole)
+    )

@@ -1,0 +1,236 @@
+"""Battery and memory by the judge: its own Sun, shadow, stations and attitude between rows."""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from datetime import datetime
+from functools import partial
+
+import erfa
+import numpy as np
+
+from planner.base.arrays import Array, Mask
+from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
+from planner.verification.clock import elapsed_us, tt_s
+from planner.verification.earth import earth_orientation
+from planner.verification.earth_fixed import WGS84, vertical
+from planner.verification.platforms.judge import FlownInstants, Judge
+from planner.verification.report import Finding, Reserve
+from planner.verification.sky import EARTH, SUN, limb_clearance_rad, r_body_bary_m, tdb_s
+from planner.world.frames.time_scales import Instants, shifted_utc
+from planner.world.orbits import Ephemeris, OrbitStates
+from planner.world.resources import Station
+from planner.world.scenario import Scenario
+
+Times = Callable[[Array], Array]  # of a condition at instants, (n,): how far it is fulfilled
+Waits = tuple[tuple[datetime, datetime], ...]  # as the plan tells them; UTC
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """How densely the judge looks, and what it lets pass."""
+
+    look_s: float = 1.0  # less than light or a contact lasts that isn't grazing
+    halvings: int = 30  # of that: to a nanosecond
+    wait_rows: int = 50  # between looks at whether the platform waits: no slew is so short
+    rows_at_once: int = 20_000
+    tolerance: float = 1e-6  # of the capacity
+
+
+OPTIONS = Options()
+
+
+def resource_margins(
+    table: CommandTable, scenario: Scenario, judge: Judge, waits: Waits
+) -> tuple[Reserve, ...]:
+    """The least that each resource keeps from its limit.  waits: when the platform idles."""
+    return tuple(
+        _margin(name, unit, limit, sign * (level - limit), table, t_s)
+        for name, unit, limit, sign, t_s, level in resource_levels(table, scenario, judge, waits)
+    )
+
+
+def wait_findings(table: CommandTable, judge: Judge, waits: Waits) -> Iterator[Finding]:
+    """Where the plan says that the platform waits, and it does not."""
+    for wait in waits:
+        first, last = (
+            round(elapsed_us(end_utc, table.epoch_utc) / 1e6 * ROWS_PER_S) for end_utc in wait
+        )
+        rows = np.unique(np.append(np.arange(first, last, OPTIONS.wait_rows), last))
+        moving = rows[~judge.is_idle_at(rows)]
+        if moving.size:
+            t_s = float(moving[0]) / ROWS_PER_S
+            yield Finding(
+                limit="battery",
+                t_s=t_s,
+                at_utc=shifted_utc(table.epoch_utc, t_s),
+                detail=f"the platform doesn't wait in row {moving[0]}, as its segment says",
+            )
+
+
+def resource_findings(margins: tuple[Reserve, ...], scenario: Scenario) -> Iterator[Finding]:
+    """One error for each resource that runs out."""
+    resources = scenario.resources
+    for margin in margins:
+        assert resources is not None  # else it had no margins
+        capacity = (
+            resources.battery.capacity_wh
+            if margin.name == "battery" and resources.battery
+            else resources.memory.capacity_gbit
+            if resources.memory
+            else 0.0
+        )
+        if margin.margin < -OPTIONS.tolerance * capacity:
+            yield Finding(
+                limit=margin.name,
+                t_s=margin.t_s,
+                at_utc=margin.at_utc,
+                detail=(
+                    f"the {margin.name} holds {margin.extreme:.6g} {margin.unit}, "
+                    f"{-margin.margin:.3g} {margin.unit} past its limit of {margin.limit:.6g} "
+                    f"{margin.unit}, {margin.t_s:.1f} s after the table's epoch"
+                ),
+            )
+
+
+def resource_levels(
+    table: CommandTable, scenario: Scenario, judge: Judge, waits: Waits
+) -> Iterator[tuple[str, str, float, float, Array, Array]]:
+    """Of each resource name, unit, limit, sign, instants (m,) and levels (m,) on them.
+
+    sign: 1.0 where the level may not be below the limit, else -1.0.
+    """
+    resources, epoch_utc = scenario.resources, table.epoch_utc
+    if resources is None:
+        return
+    last_s = float(table.t_s[-1])
+    ephemeris = scenario.orbit.ephemeris(epoch_utc, shifted_utc(epoch_utc, last_s))
+    imaging, idle = (
+        [tuple(elapsed_us(end, epoch_utc) / 1e6 for end in span) for span in spans]
+        for spans in ([(one.start, one.stop) for one in scenario.sessions], waits)
+    )
+    memory, battery = resources.memory, resources.battery
+    contacts = [
+        _above(partial(_elevation_rad, station, epoch_utc, ephemeris), last_s)
+        for station in (memory.stations if memory else ())
+    ]
+    lit = _above(partial(_sun_above_limb_rad, epoch_utc, ephemeris), last_s)
+    cuts = np.concatenate([*contacts, lit, *map(np.array, imaging)])
+    cuts = cuts[(cuts > 0.0) & (cuts < last_s)]
+    t_s = np.unique(np.append(table.t_s, cuts))
+    middle_s, long_s = 0.5 * (t_s[1:] + t_s[:-1]), np.diff(t_s)
+    images = np.any([_between(middle_s, *span) for span in imaging], axis=0)
+    if battery is not None:
+        idles = np.any([_between(middle_s, *one) for one in [(0.0, 0.0), *idle]], axis=0)
+        charge_w = np.zeros(len(middle_s))
+        sunny = np.flatnonzero(np.searchsorted(lit, middle_s) % 2 == 1)
+        for part in np.array_split(sunny, len(sunny) // OPTIONS.rows_at_once + 1):
+            if part.size:
+                charge_w[part] = _charge_w(table, scenario, judge, ephemeris, middle_s[part])
+        net_w = charge_w - battery.idle_w - battery.imaging_w * images
+        net_w -= battery.slew_w * ~(images | idles)
+        level, levels = battery.start_wh, [battery.start_wh]
+        for step_wh in (net_w * long_s / 3600.0).tolist():
+            level = min(level + step_wh, battery.capacity_wh)
+            levels.append(level)
+        yield "battery", "Wh", battery.least_wh, 1.0, t_s, np.array(levels)
+    if memory is not None:
+        heard = np.zeros(len(middle_s), dtype=bool)
+        for ends in contacts:
+            heard |= np.searchsorted(ends, middle_s) % 2 == 1
+        rate = memory.imaging_gbit_s * images - memory.downlink_gbit_s * heard
+        level, levels = memory.start_gbit, [memory.start_gbit]
+        for step_gbit in (rate * long_s).tolist():
+            level = max(level + step_gbit, 0.0)
+            levels.append(level)
+        yield "memory", "Gbit", memory.capacity_gbit, -1.0, t_s, np.array(levels)
+
+
+def _margin(
+    name: str, unit: str, limit: float, margin_by_instant: Array, table: CommandTable, t_s: Array
+) -> Reserve:
+    worst = int(np.argmin(margin_by_instant))
+    margin, at_s = float(margin_by_instant[worst]), float(t_s[worst])
+    return Reserve(
+        name="battery" if name == "battery" else "memory",
+        unit=unit,
+        limit=limit,
+        extreme=limit + margin if name == "battery" else limit - margin,
+        margin=margin,
+        t_s=at_s,
+        at_utc=shifted_utc(table.epoch_utc, at_s),
+    )
+
+
+def _between(at_s: Array, start_s: float, stop_s: float) -> Mask:
+    return (at_s > start_s) & (at_s < stop_s)
+
+
+def _above(value: Times, last_s: float) -> Array:
+    """When it rises above zero and falls below, in turns, from a rise on; by halving."""
+    grid_s = np.linspace(0.0, last_s, max(math.ceil(last_s / OPTIONS.look_s), 3) + 1)
+    is_above = value(grid_s) >= 0.0
+    first = np.flatnonzero(is_above[1:] != is_above[:-1])
+    low_s, high_s, rises = grid_s[first], grid_s[first + 1], ~is_above[first]
+    for _ in range(OPTIONS.halvings if first.size else 0):
+        middle_s = 0.5 * (low_s + high_s)
+        # The ends keep the Earth's orientation apart from a single instant.
+        is_before = (value(np.concatenate([[0.0], middle_s, [last_s]]))[1:-1] >= 0.0) != rises
+        low_s, high_s = np.where(is_before, middle_s, low_s), np.where(is_before, high_s, middle_s)
+    return np.append([-1.0] if is_above[0] else [], high_s)
+
+
+def _sun_eci_m(instants: Instants, states: OrbitStates) -> Array:
+    """From the spacecraft, geometric, (n, 3)."""
+    at_s = tdb_s(tt_s(instants.epoch_utc, instants.t_s))
+    return r_body_bary_m(SUN, at_s) - r_body_bary_m(EARTH, at_s) - states.r_sat_eci_m
+
+
+def _sun_above_limb_rad(epoch_utc: datetime, ephemeris: Ephemeris, t_s: Array) -> Array:
+    instants = Instants(epoch_utc, t_s)
+    states = ephemeris.states(instants)
+    to_sun_m = _sun_eci_m(instants, states)
+    earth = earth_orientation(instants.epoch_utc, t_s)
+    sight_itrf = earth.itrf_from_eci(to_sun_m / np.linalg.norm(to_sun_m, axis=1, keepdims=True))
+    return limb_clearance_rad(sight_itrf, earth.itrf_from_eci(states.r_sat_eci_m), 0.0)
+
+
+def _elevation_rad(
+    station: Station, epoch_utc: datetime, ephemeris: Ephemeris, t_s: Array
+) -> Array:
+    """Above the least elevation that it takes data from, (n,)."""
+    instants = Instants(epoch_utc, t_s)
+    r_sat_itrf_m = earth_orientation(instants.epoch_utc, t_s).itrf_from_eci(
+        ephemeris.states(instants).r_sat_eci_m
+    )
+    longitude_rad, latitude_rad = np.deg2rad([station.longitude_deg, station.latitude_deg])
+    r_m = erfa.gd2gc(WGS84, longitude_rad, latitude_rad, station.height_m)
+    to_sat_m = r_sat_itrf_m - r_m
+    up = vertical(r_m[None])[0][0]
+    across_m = np.linalg.norm(np.cross(to_sat_m, up), axis=1)
+    above_rad = np.arctan2(to_sat_m @ up, across_m) - math.radians(station.min_elevation_deg)
+    return np.asarray(above_rad)
+
+
+def _charge_w(
+    table: CommandTable, scenario: Scenario, judge: Judge, ephemeris: Ephemeris, t_s: Array
+) -> Array:
+    """Of the panels at instants in sunlight, (n,)."""
+    assert scenario.resources is not None
+    battery = scenario.resources.battery
+    assert battery is not None  # who asks has one
+    if battery.sunlight_w is not None:
+        return np.full(len(t_s), battery.sunlight_w)
+    instants = Instants(table.epoch_utc, t_s)
+    states = ephemeris.states(instants)
+    cell = np.minimum((t_s * ROWS_PER_S).astype(np.intp), len(table.t_s) - 2)
+    at = FlownInstants(cell, t_s - cell * COMMAND_STEP_S, instants)
+    to_sun_m = _sun_eci_m(instants, states)
+    distance_m = np.linalg.norm(to_sun_m, axis=1)
+    total_w = np.zeros(len(t_s))
+    for panel in battery.panels:
+        normal = np.asarray(panel.normal_body) / np.linalg.norm(panel.normal_body)
+        on_base = scenario.platform.q_base_from_carrier.apply(normal)
+        towards = np.sum(judge.direction_eci(on_base, at, states) * to_sun_m, axis=1) / distance_m
+        total_w += panel.power_w * np.clip(towards, 0.0, None)
+    return total_w

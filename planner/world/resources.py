@@ -1,0 +1,145 @@
+"""Battery and memory of a platform: what fills them, what draws on them, and their limits."""
+
+import math
+from typing import Annotated
+
+import numpy as np
+
+from planner.base.arrays import Array
+from planner.base.spec import LENGTH_MIN, VectorPart, Within, spec
+from planner.world.frames.geodesy import HeightM, LatitudeDeg, LongitudeDeg
+
+PowerW = Annotated[float, Within(0.0, 1e6)]
+EnergyWh = Annotated[float, Within(0.0, 1e6)]
+Gbit = Annotated[float, Within(0.0, 1e6)]
+GbitS = Annotated[float, Within(0.0, 1e3)]
+
+
+@spec
+class Panel:
+    """A flat array of solar cells, fixed to the body or, of two axes, to their carrier.
+
+    normal_body: direction that it faces, in body axes; of two axes in those of their carrier. E.g.
+    `[0.0, 0.0, -1.0]`.
+    power_w: charge with the Sun square to it; by the cosine of the angle otherwise.
+    """
+
+    normal_body: tuple[VectorPart, VectorPart, VectorPart]
+    power_w: PowerW
+
+    def __post_init__(self) -> None:
+        if not math.hypot(*self.normal_body) >= LENGTH_MIN:
+            raise ValueError(
+                f"normal_body must be at least {LENGTH_MIN:g} long, not "
+                f"{math.hypot(*self.normal_body):g}"
+            )
+
+    @property
+    def normal(self) -> Array:
+        """As a unit vector, (3,)."""
+        return np.asarray(self.normal_body) / math.hypot(*self.normal_body)
+
+
+@spec
+class Battery:
+    """Charged in sunlight up to its capacity, drawn on by the platform, never below its least.
+
+    Sunlight: the Sun's centre stands above the limb of the ellipsoid, without air. Neglects
+    losses, the Sun's distance, and shadows that parts cast on panels.
+
+    capacity_wh: charge when full; more is lost. E.g. `180.0`.
+    start_wh: charge at row 0. E.g. `160.0`.
+    least_wh: charge that it must keep. E.g. `110.0`.
+    idle_w: drawn at all times. E.g. `38.0`.
+    slew_w: drawn on top while the platform moves, or waits on a target, between sessions.
+    imaging_w: drawn on top during sessions.
+    panels: up to 16 arrays that charge it, by the angle of the Sun.
+    sunlight_w: in place of panels, charge in sunlight whatever the attitude. E.g. `120.0`.
+    """
+
+    capacity_wh: Annotated[float, Within(1e-3, 1e6)]
+    start_wh: EnergyWh
+    least_wh: EnergyWh = 0.0
+    idle_w: PowerW
+    slew_w: PowerW = 0.0
+    imaging_w: PowerW = 0.0
+    panels: tuple[Panel, ...] = ()
+    sunlight_w: PowerW | None = None
+
+    def __post_init__(self) -> None:
+        if not self.least_wh <= self.capacity_wh:
+            raise ValueError(
+                f"least_wh must be capacity_wh, {self.capacity_wh:g}, or less, not "
+                f"{self.least_wh:g}"
+            )
+        if not self.least_wh <= self.start_wh <= self.capacity_wh:
+            raise ValueError(
+                f"start_wh must lie between least_wh and capacity_wh, {self.least_wh:g} to "
+                f"{self.capacity_wh:g}, not {self.start_wh:g}"
+            )
+        if len(self.panels) > 16:
+            raise ValueError(f"panels must hold at most 16 panels, not {len(self.panels)}")
+        if self.panels and self.sunlight_w is not None:
+            raise ValueError("sunlight_w must be left out with panels: they say what charges it")
+
+
+@spec
+class Station:
+    """A place on the ground that takes data while the platform stands high enough in its sky.
+
+    id: its name, unlike the others'. E.g. `"svalbard"`.
+    min_elevation_deg: elevation from which on it takes data, geometric, without refraction.
+    """
+
+    id: str
+    latitude_deg: LatitudeDeg
+    longitude_deg: LongitudeDeg
+    height_m: HeightM = 0.0
+    min_elevation_deg: Annotated[float, Within(0.0, 90.0)] = 5.0
+
+
+@spec
+class Memory:
+    """Filled in sessions, emptied over stations, one at a time and wherever the platform points.
+
+    capacity_gbit: most that it holds. E.g. `512.0`.
+    start_gbit: data in it at row 0. E.g. `40.0`.
+    imaging_gbit_s: written during sessions. E.g. `1.6`.
+    downlink_gbit_s: sent while any station takes data, also during sessions. E.g. `0.4`.
+    stations: up to 16 of them.
+    """
+
+    capacity_gbit: Annotated[float, Within(1e-3, 1e6)]
+    start_gbit: Gbit = 0.0
+    imaging_gbit_s: GbitS
+    downlink_gbit_s: GbitS = 0.0
+    stations: tuple[Station, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.start_gbit > self.capacity_gbit:
+            raise ValueError(
+                f"start_gbit must be capacity_gbit, {self.capacity_gbit:g}, or less, not "
+                f"{self.start_gbit:g}"
+            )
+        if len(self.stations) > 16:
+            raise ValueError(f"stations must hold at most 16 stations, not {len(self.stations)}")
+        names = [station.id for station in self.stations]
+        for number, name in enumerate(names):
+            if not name or name in names[:number]:
+                raise ValueError(f"stations.{number}.id must be a name of its own, not {name!r}")
+
+
+@spec
+class Resources:
+    """Stores that may run out: a plan is refused that takes more than there is.
+
+    battery: energy, in Wh.
+    memory: images waiting to be sent, in Gbit.
+    """
+
+    battery: Battery | None = None
+    memory: Memory | None = None
+
+    def __post_init__(self) -> None:
+        if self.battery is None and self.memory is None:
+            raise ValueError("battery or memory is required: or leave resources out")

@@ -1,0 +1,151 @@
+"""Battery and memory: the judge's own integration, a third one, and ways out of what runs out."""
+
+import copy
+from importlib.resources import files
+
+import numpy as np
+import pytest
+from random_resources import asked, plans, refusals
+from skyfield.api import load, load_file, wgs84
+
+from planner.planning.resources import resource_curves, spans_above
+from planner.planning.sessions.pipeline import make_plan
+from planner.verification import verify
+from planner.verification.platforms.registry import judge_of
+from planner.verification.resources import resource_levels
+from planner.world.frames.time_scales import Instants, elapsed_s, utc_text
+
+TIME_SCALE = load.timescale(builtin=True)
+EPHEMERIS = load_file(str(files("skyfield_data") / "data" / "de421.bsp"))
+OF_CAPACITY = 1e-6
+WGS84_M = np.array([6378137.0, 6378137.0, 6356752.3142])
+
+
+@pytest.fixture(scope="module")
+def planned():
+    return [plan for _, plan in plans(seed=7, count=10)]
+
+
+def test_the_judge_finds_the_same_levels_by_itself(planned):
+    for plan in planned:
+        judge = judge_of(plan.table, plan.scenario)
+        judged = resource_levels(plan.table, plan.scenario, judge, plan.waits)
+        for curve, (name, _, _, _, t_s, level) in zip(resource_curves(plan), judged, strict=True):
+            ours, theirs = (
+                np.interp(plan.table.t_s, *one) for one in ((curve.t_s, curve.level), (t_s, level))
+            )
+            assert curve.name == name
+            np.testing.assert_allclose(ours, theirs, rtol=0.0, atol=OF_CAPACITY * curve.capacity)
+
+
+def test_a_third_integration_finds_the_same_levels_within_a_second_of_each_edge(planned):
+    for plan in planned:
+        for curve, (level, step) in zip(
+            resource_curves(plan), levels_by_seconds(plan), strict=True
+        ):
+            ours = np.interp(np.arange(len(level)), curve.t_s, curve.level)
+            edges = 40  # of light, contacts, sessions and waits within three hours, at most
+            np.testing.assert_allclose(level, ours, rtol=0.0, atol=edges * step)
+
+
+def levels_by_seconds(plan):
+    """Of each resource, summed from second to second; and the most that one second adds."""
+    table, resources = plan.table, plan.scenario.resources
+    count = (len(table.t_s) - 1) // 5 + 1
+    t_s = np.arange(count, dtype=float)
+    instants = Instants(table.epoch_utc, t_s)
+    times = TIME_SCALE.from_datetimes([instants.utc(second) for second in range(count)])
+    states = plan.scenario.orbit.ephemeris(instants.utc(0), instants.utc(-1)).states(instants)
+    r_m = states.r_sat_eci_m
+    to_sun_m = (EPHEMERIS["sun"] - EPHEMERIS["earth"]).at(times).position.m.T - r_m
+    # In axes turned with the pole only, in which the Earth is an ellipsoid of revolution.
+    polar = np.moveaxis(times.M, -1, 0)
+    here, sun = (np.einsum("nij,nj->ni", polar, one) / WGS84_M for one in (r_m, to_sun_m))
+    nearest = np.clip(-np.sum(here * sun, axis=1) / np.sum(sun * sun, axis=1), 0.0, None)
+    lit = np.linalg.norm(here + nearest[:, None] * sun, axis=1) > 1.0
+    imaging, waiting = (
+        np.any(
+            [
+                (t_s >= elapsed_s(a, table.epoch_utc)) & (t_s < elapsed_s(b, table.epoch_utc))
+                for a, b in spans
+            ]
+            or [t_s < 0],
+            axis=0,
+        )
+        for spans in ([(one.start, one.stop) for one in plan.scenario.sessions], plan.waits)
+    )
+    battery, memory = resources.battery, resources.memory
+    charge_w = np.full(count, battery.sunlight_w or 0.0)
+    q_body = plan.scenario.q_body_from_eci(instants, states, table.position[::5])
+    sun_body = q_body.apply(to_sun_m / np.linalg.norm(to_sun_m, axis=1, keepdims=True))
+    for panel in battery.panels:
+        normal = np.asarray(panel.normal_body) / np.linalg.norm(panel.normal_body)
+        charge_w += panel.power_w * np.maximum(sun_body @ normal, 0.0)
+    drawn_w = battery.idle_w + battery.imaging_w * imaging + battery.slew_w * ~(imaging | waiting)
+    steps_wh = (charge_w * lit - drawn_w) / 3600.0
+    most_wh = (charge_w.max() + battery.imaging_w + battery.slew_w) / 3600.0
+    yield summed(battery.start_wh, steps_wh, -np.inf, battery.capacity_wh), most_wh
+    heard = np.zeros(count, dtype=bool)
+    for station in memory.stations:
+        place, above = (
+            wgs84.latlon(station.latitude_deg, station.longitude_deg, height_m)
+            .at(times)
+            .position.m.T
+            for height_m in (station.height_m, station.height_m + 1000.0)
+        )
+        up, away = (above - place) / 1000.0, r_m - place
+        sine = np.sum(up * away, axis=1) / np.linalg.norm(away, axis=1)
+        heard |= np.degrees(np.arcsin(sine)) >= station.min_elevation_deg
+    steps_gbit = memory.imaging_gbit_s * imaging - memory.downlink_gbit_s * heard
+    most_gbit = memory.imaging_gbit_s + memory.downlink_gbit_s
+    yield summed(memory.start_gbit, steps_gbit, 0.0, np.inf), most_gbit
+
+
+def summed(level, steps, least, most):
+    levels = [level]
+    for step in steps[:-1].tolist():
+        levels.append(min(max(levels[-1] + step, least), most))
+    return np.array(levels)
+
+
+def test_what_a_refusal_offers_is_planned_as_told():
+    for request, refusal in refusals(seed=3, count=5):
+        assert refusal.limit in ("battery", "memory")
+        assert refusal.earliest_feasible_start_utc is not None, refusal.detail
+        number = int(refusal.field.split(".")[1])
+        instead = copy.deepcopy(request)
+        instead["sessions"][number] |= {
+            "start": utc_text(refusal.earliest_feasible_start_utc, 6),
+            "stop": utc_text(refusal.feasible_stop_utc, 6),
+        }
+        kept = enumerate(instead["sessions"])
+        instead["sessions"] = [one for n, one in kept if n not in refusal.costs_sessions]
+        assert make_plan(asked(instead)).verification.passed
+
+
+def test_the_judge_rejects_what_runs_out_and_waits_that_are_none(planned):
+    plan = next(one for one in planned if one.waits)
+    slews = tuple((one.start_utc, one.stop_utc) for one in plan.segments if one.kind == "slew")
+    judged = verify(plan.table, plan.scenario, slews)
+    assert [one.limit for one in judged.findings if one.severity == "error"] == ["battery"] * len(
+        slews
+    )
+    assert "doesn't wait" in judged.findings[0].detail
+    battery = plan.scenario.resources.battery
+    object.__setattr__(battery, "least_wh", battery.capacity_wh)
+    (finding,) = verify(plan.table, plan.scenario, plan.waits).findings
+    assert (finding.limit, finding.severity) == ("battery", "error")
+
+
+def test_spans_begin_and_end_where_the_function_is_zero():
+    def bumps(t_s):  # one wide, one that only just comes up between two samples, one just not
+        return np.maximum.reduce([
+            1.0 - ((t_s - 100.0) / 33.3) ** 2,
+            1e-3 - ((t_s - 305.0) / 20.0) ** 2,
+            -1e-3 - ((t_s - 505.0) / 20.0) ** 2,
+        ])  # fmt: skip
+
+    found = list(spans_above(bumps, 1000.0))
+    half_s = 20.0 * np.sqrt(1e-3)
+    expected = [(66.7, 133.3), (305.0 - half_s, 305.0 + half_s)]
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-6)

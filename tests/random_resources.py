@@ -1,0 +1,136 @@
+"""Random requests with a battery and a memory, for both kinds of platform."""
+
+import json
+
+import numpy as np
+import pytest
+
+from app.requests.examples import LAS_VEGAS
+from app.requests.plan import read_plan_request
+from planner.base.errors import Refusal, ResourceRunsOut
+from planner.planning.resources import resource_curves
+from planner.planning.sessions.pipeline import make_plan
+from planner.world.frames.time_scales import elapsed_s
+
+EPOCH = np.datetime64("2015-02-27T12:00:00", "ms")
+NORMALS = ([0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.2, 0.0])
+IDLES = (
+    {"law": "sun", "direction_body": [0.0, 0.0, -1.0]},
+    {"law": "nadir", "direction_body": [0.0, 0.0, 1.0], "forward_body": [1.0, 0.0, 0.0]},
+    {"law": "inertial", "q_body_from_eci_xyzw": [0.5, 0.5, 0.5, 0.5]},
+)
+PLATFORM = {
+    "kind": "body",
+    "name": "smallsat",
+    "agility": {"limits": "magnitude", "rate_max_deg_s": 1.5, "acceleration_max_deg_s2": 0.12,
+                "jerk_max_deg_s3": 0.06, "settle_s": 4.0},
+    "camera": {"type": "frame", "boresight_body": [0.0, 0.0, 1.0], "side_body": [1.0, 0.0, 0.0],
+               "field_of_view_deg": [1.0, 1.0]},
+}  # fmt: skip
+
+
+def utc(seconds):
+    return f"{EPOCH + np.timedelta64(round(float(seconds) * 1000), 'ms')}Z"
+
+
+def random_request(rng):
+    """One or two sessions within an orbit or two."""
+    is_body = bool(rng.integers(2))
+    start_s = float(rng.uniform(300.0, 5000.0))
+    sessions = []
+    for _ in range(int(rng.integers(1, 3))):
+        stop_s = start_s + float(rng.uniform(40.0, 300.0))
+        target = {"mode": "star", "ra_deg": float(rng.uniform(0.0, 360.0)),
+                  "dec_deg": float(rng.uniform(-80.0, 80.0))}  # fmt: skip
+        if not is_body:
+            rates = rng.uniform(-0.02, 0.02, 2).tolist()
+            axes = {
+                a: {"kind": "constant_rate", "rate_deg_s": r}
+                for a, r in zip(("alpha", "beta"), rates, strict=True)
+            }
+            target = {"mode": "test_motion", "axes": axes}
+        sessions.append({"target": target, "start": utc(start_s), "stop": utc(stop_s)})
+        start_s = stop_s + float(rng.uniform(300.0, 1500.0))
+    capacity_wh, imaging_w = float(rng.uniform(50.0, 300.0)), float(rng.uniform(100.0, 400.0))
+    battery = {"capacity_wh": capacity_wh, "start_wh": float(rng.uniform(0.6, 1.0)) * capacity_wh,
+               "idle_w": float(rng.uniform(5.0, 30.0)), "slew_w": float(rng.uniform(0.0, 60.0)),
+               "imaging_w": imaging_w}  # fmt: skip
+    if rng.integers(4):
+        battery["panels"] = [
+            {"normal_body": n, "power_w": float(rng.uniform(20.0, 120.0))}
+            for n in NORMALS[: rng.integers(1, 4)]
+        ]
+    else:
+        battery["sunlight_w"] = float(rng.uniform(20.0, 120.0))
+    stations = [
+        {
+            "id": f"station {number}",
+            "latitude_deg": float(rng.uniform(-60.0, 60.0)),
+            "longitude_deg": float(rng.uniform(-180.0, 180.0)),
+        }
+        for number in range(rng.integers(1, 5))
+    ]
+    memory = {
+        "capacity_gbit": 500.0,
+        "start_gbit": float(rng.uniform(0.0, 100.0)),
+        "imaging_gbit_s": float(rng.uniform(0.2, 0.6)),
+        "downlink_gbit_s": 0.5,
+        "stations": stations,
+    }
+    request = {
+        "platform": PLATFORM | {"idle": IDLES[rng.integers(3)]} if is_body else "iss-hrc",
+        "orbit": LAS_VEGAS["orbit"],
+        "initial_state": {"epoch": utc(0.0)},
+        "sessions": sessions,
+        "resources": {"battery": battery, "memory": memory},
+    }
+    if rng.integers(2):
+        request["final_state"] = "idle" if is_body else "rest"
+    if not is_body:
+        request["attitude"] = LAS_VEGAS["attitude"]
+        request["initial_state"]["angles_deg"] = {"alpha": 0.0, "beta": 0.0}
+    return request
+
+
+def asked(request):
+    return read_plan_request(json.dumps(request).encode())
+
+
+def plans(seed, count):
+    """So many requests that are planned, with their plans."""
+    rng = np.random.default_rng(seed)
+    while count:
+        request = random_request(rng)
+        try:
+            made = make_plan(asked(request))
+        except Refusal:  # a star behind the Earth, too little time, or nothing left
+            continue
+        count -= 1
+        yield request, made
+
+
+def refusals(seed, count):
+    """Requests that run out of what one session uses, and their refusals.
+
+    The limit lies between the levels before that session and at its worst.
+    """
+    rng = np.random.default_rng(seed)
+    for request, plan in plans(seed, 10 * count):
+        curve = resource_curves(plan)[int(rng.integers(2))]
+        start_s = elapsed_s(plan.scenario.sessions[-1].start, plan.table.epoch_utc)
+        worst = float(curve.room.min())
+        before = float(curve.room[curve.t_s <= start_s].min())
+        if before - worst < 1e-3 * curve.capacity:
+            continue
+        level = float(rng.uniform(0.1, 0.6)) * (before - worst) + worst
+        resources = request["resources"]
+        if curve.name == "battery":
+            resources["battery"]["least_wh"] = level
+        else:
+            resources["memory"]["capacity_gbit"] -= level
+        with pytest.raises(ResourceRunsOut) as refused:
+            make_plan(asked(request))
+        yield request, refused.value
+        count -= 1
+        if not count:
+            return
