@@ -6,13 +6,15 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from planner.base.mrp import BodyMotion
+from planner.base.commands import Motion
+from planner.motion.attitude.problem import BodySlewProblem
+from planner.motion.attitude.slew import solve_attitude_slew
+from planner.motion.attitude.track import agility_limits
+from planner.spacecraft.body import body_of
 from planner.spacecraft.flight.closed_loop import Log
 from planner.spacecraft.imaging.session import make_session
 from planner.spacecraft.plan import ImagingPlan
 from planner.spacecraft.requests import AreaRequest, GeoPolygon, ImagingPlanRequest
-from planner.spacecraft.slews.slew_choice import smooth_slew
-from planner.spacecraft.slews.slew_problem import AttitudeSlewProblem, EndState
 from planner.spacecraft.table import AttitudeTable, ImagingWindow
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
 from planner.world.frames.earth_orientation import itrf_from_eci_state
@@ -103,24 +105,30 @@ def settle_table(
     still = np.zeros(3)
     axis = np.array([0.12, 0.05, 0.99])
     goal = Rotation.from_rotvec(math.radians(angle_deg) * axis / np.linalg.norm(axis))
-    problem = AttitudeSlewProblem(
-        start=EndState.at_rest(Rotation.identity()),
-        end=EndState.at_rest(goal.inv()),
-        momentum_eci_n_m_s=still,
-        inertia_kg_m2=np.array(spacecraft.inertia_kg_m2),
-        limits=spacecraft.slew,
+    rows = round(5.0 * seconds)
+    rest = (np.zeros((1, 3)), np.zeros((1, 3)))
+    slew = solve_attitude_slew(
+        BodySlewProblem(
+            start=Motion(Rotation.identity().as_quat()[None], *rest),
+            goal=Motion(goal.as_quat()[None], *rest),
+            first_arrival_row=rows,
+            limits=agility_limits(body_of(spacecraft)),
+        )
     )
-    slew = smooth_slew(problem, seconds)
-    t_s = np.arange(301) / 5.0
-    q_body_from_eci, motion = slew.attitude_at(np.clip(t_s - 10.0, 0.0, slew.duration_s))
-    inside = ((t_s > 10.0) & (t_s < 10.0 + slew.duration_s))[:, None]
-    motion = BodyMotion(*(np.where(inside, m, 0.0) for m in motion))
+    before, after = np.zeros((50, 3)), np.zeros((250 - rows, 3))
+    position = np.vstack(
+        [
+            np.tile(Rotation.identity().as_quat(), (50, 1)),
+            slew.motion.position,
+            np.tile(goal.as_quat(), (250 - rows, 1)),
+        ]
+    )
     gimbal = np.tile(spacecraft.array.gimbal_angles(still), (301, 1))
     return AttitudeTable(
         epoch_utc=EPOCH,
-        eci_from_body_xyzw=q_body_from_eci.inv().as_quat(),
-        omega_body_rad_s=motion.omega_body_rad_s,
-        alpha_body_rad_s2=motion.alpha_body_rad_s2,
+        eci_from_body_xyzw=position,
+        omega_body_rad_s=np.vstack([before, slew.motion.rate_rad_s, after]),
+        alpha_body_rad_s2=np.vstack([before, slew.motion.acceleration_rad_s2, after]),
         gimbal_rad=gimbal,
         gimbal_rate_rad_s=np.zeros((301, 4)),
         windows=(ImagingWindow(request="slew", look=0, first_row=250, last_row=300),),

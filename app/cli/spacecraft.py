@@ -65,7 +65,7 @@ def print_session(console: Console, plan: Members, momentum_sphere_n_m_s: float)
     print_rows(
         console, "slews", plan["slews"],
         ("<start", "start", _time), ("deg", "angle_deg", ".1f"), ("seconds", "duration_s", ".1f"),
-        ("eigenaxis", "eigenaxis_s", ".1f"), ("<by", _made_by),
+        ("eigenaxis", "eigenaxis_s", ".1f"), ("<by", "method"),
         ("Nm/s", "torque_rate_peak_n_m_s", ".1f"),
         ("eigenaxis", "eigenaxis_torque_rate_peak_n_m_s", ".1f"),
     )  # fmt: skip
@@ -88,10 +88,3 @@ def print_session(console: Console, plan: Members, momentum_sphere_n_m_s: float)
 def _time(utc: str) -> str:
     """Of the day."""
     return utc[11:-1]
-
-
-def _made_by(slew: Members) -> str:
-    method, time_from = slew["method"], slew["time_from"]
-    return (
-        method if time_from in (None, method) else f"{method}, in the quickest {time_from}'s time"
-    )

@@ -30,6 +30,10 @@ from scipy.spatial.transform import Rotation
 
 from app.requests.spacecraft import read_spacecraft_request
 from planner.base.arrays import Array
+from planner.base.rotation import of_like_sign
+from planner.motion.attitude.eigenaxis import quickest_angle
+from planner.motion.attitude.track import agility_limits, attitude_motion
+from planner.spacecraft.body import body_of
 from planner.spacecraft.flight.closed_loop import Log
 from planner.spacecraft.flight.simulation import (
     Dispersion,
@@ -41,7 +45,12 @@ from planner.spacecraft.flight.simulation import (
 from planner.spacecraft.flight.stabilisation import rate_errors, settled_after_s
 from planner.spacecraft.imaging.candidates import candidates
 from planner.spacecraft.imaging.choice_with_slews import options_of
-from planner.spacecraft.imaging.session import make_session
+from planner.spacecraft.imaging.ground_arc import (
+    GroundArc,
+    orbital_q_body_from_eci,
+    scan_q_body_from_eci,
+)
+from planner.spacecraft.imaging.session import ImagingSession, make_session
 from planner.spacecraft.imaging.timeline import scans_of
 from planner.spacecraft.plan import ImagingPlan, plan_imaging
 from planner.spacecraft.requests import (
@@ -50,9 +59,6 @@ from planner.spacecraft.requests import (
     ImagingPlanRequest,
     StripRequest,
 )
-from planner.spacecraft.slews.eigenaxis import eigenaxis_slew
-from planner.spacecraft.slews.slew_choice import quickest_slew
-from planner.spacecraft.slews.slew_problem import AttitudeSlewProblem, EndState
 from planner.spacecraft.table import TICK_S, AttitudeTable
 from planner.spacecraft.vehicle.definition import (
     AGILE_CMG,
@@ -254,6 +260,15 @@ def nominal(spacecraft: AgileSpacecraft) -> Dispersion:
     )
 
 
+def attitudes(session: ImagingSession, arc: GroundArc | None, t_s: Array) -> Rotation:
+    """`q_body_from_eci` that scan an arc, or of orbital orientation."""
+    instants = session.instants(t_s)
+    if arc is None:
+        return orbital_q_body_from_eci(session.ephemeris, instants)
+    share = (t_s - arc.start_s) / arc.duration_s
+    return scan_q_body_from_eci(arc, share, session.ephemeris, instants)
+
+
 @lru_cache(maxsize=2)
 def goal_table(name: str) -> tuple[AttitudeTable, tuple[int, ...]]:
     """A table of goals that jumps at the paper's moments, and the rows of the jumps."""
@@ -274,9 +289,9 @@ def goal_table(name: str) -> tuple[AttitudeTable, tuple[int, ...]]:
     for start, stop, number in stretches:
         arc = None if number is None else scans[number].arc
         t_s = plan.table.t_s[start:stop]
-        turned, motion = session.profile(arc, t_s[0] - 1.0, t_s[-1] + 1.0).attitude_at(t_s)
-        q[start:stop] = turned.inv().as_quat()
-        omega[start:stop], alpha[start:stop] = motion.omega_body_rad_s, motion.alpha_body_rad_s2
+        motion = attitude_motion(of_like_sign(attitudes(session, arc, t_s).inv().as_quat()), 0.2)
+        q[start:stop] = motion.position
+        omega[start:stop], alpha[start:stop] = motion.rate_rad_s, motion.acceleration_rad_s2
     table = dataclasses.replace(
         plan.table, eci_from_body_xyzw=q, omega_body_rad_s=omega, alpha_body_rad_s2=alpha
     )
@@ -393,29 +408,20 @@ def needed(gimbal_rad: Array, tick_s: float) -> Needed:
     )
 
 
-def _pitch_turn(angle_deg: float, limits: SlewLimits) -> AttitudeSlewProblem:
-    return AttitudeSlewProblem(
-        start=EndState.at_rest(Rotation.identity()),
-        end=EndState.at_rest(Rotation.from_euler("z", angle_deg, degrees=True)),
-        momentum_eci_n_m_s=np.zeros(3),
-        inertia_kg_m2=np.array(AGILE_CMG.inertia_kg_m2),
-        limits=limits,
-    )
-
-
 def spin_up_s(rate_deg_s: float, torque_n_m: float) -> float:
-    """Until a turn about the Euler axis has its full rate, its torque rising by 40 N m/s."""
-    limits = SlewLimits(rate_axis_rad_s=math.radians(rate_deg_s), torque_n_m=torque_n_m)
-    turn = eigenaxis_slew(_pitch_turn(60.0, limits))
-    t_s = np.linspace(0.0, turn.duration_s, 4001)
-    _, motion = turn.attitude_at(t_s)
-    speed = np.linalg.norm(motion.omega_body_rad_s, axis=1)
+    """Until a turn in pitch has its full rate, its torque rising by 40 N m/s."""
+    inertia_kg_m2 = AGILE_CMG.inertia_kg_m2[2]
+    limits = (math.radians(rate_deg_s), torque_n_m / inertia_kg_m2, 40.0 / inertia_kg_m2)
+    turn = quickest_angle(math.radians(60.0), *limits)
+    t_s = np.linspace(0.0, turn.x[-1], 4001)
+    speed = turn(t_s, 1)
     return float(t_s[np.argmax(speed >= 0.999 * speed.max())])
 
 
 def quickest_s(angle_deg: float) -> float:
     """Least time of a turn in pitch from rest to rest within the product's limits."""
-    return float(quickest_slew(_pitch_turn(angle_deg, AGILE_CMG.slew)).duration_s)
+    limits = agility_limits(body_of(AGILE_CMG)).about(np.array([0.0, 0.0, 1.0]))
+    return float(quickest_angle(math.radians(angle_deg), *limits).x[-1])
 
 
 class Turned(NamedTuple):
@@ -489,8 +495,7 @@ def angles_between_strips_deg(height_km: float, scan_s: float) -> list[float]:
     for strip, start_s in zip(candidates(request, 0, session)[0].arcs, starts_s, strict=True):
         arc = dataclasses.replace(strip, start_s=start_s)
         t_s = np.array([start_s, start_s + arc.duration_s])
-        turned, _ = session.profile(arc, start_s - 1.0, t_s[1] + 1.0).attitude_at(t_s)
-        ends.append(turned)
+        ends.append(attitudes(session, arc, t_s))
     # Both ends lie in inertial axes: what the Earth and the orbit turn meanwhile is in it.
     return [
         float(np.rad2deg((after[0] * before[1].inv()).magnitude()))

@@ -7,7 +7,6 @@ from functools import partial
 import numpy as np
 
 from planner.base import effort
-from planner.base.commands import ROWS_PER_S
 from planner.base.effort import WorkLimitReached, at_most
 from planner.base.errors import (
     InfeasibleSlew,
@@ -18,6 +17,7 @@ from planner.base.errors import (
     VerificationFailed,
 )
 from planner.base.reporting import Reporter, tell_nobody
+from planner.base.rotation import Rotation
 from planner.spacecraft.export import SessionTable
 from planner.spacecraft.flight.report import StabilisationReport
 from planner.spacecraft.flight.simulation import fly_many
@@ -34,6 +34,7 @@ from planner.spacecraft.imaging.timeline import PlannedSlew, Timeline
 from planner.spacecraft.requests import ImagingPlanRequest, LeftOut
 from planner.spacecraft.table import AttitudeTable, camera_on
 from planner.spacecraft.verification import SpacecraftVerification, verify_table
+from planner.verification import verify
 from planner.world.platforms.steering import gimbal_rows, total_momentum_eci
 
 
@@ -126,6 +127,9 @@ def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, gentler: bool = T
     tell("gimbals", 0, 1)
     table = make_table(session, timeline)
     tell("verification", 0, 1)
+    judged = verify(timeline.table, timeline.scenario)
+    if not judged.passed:
+        raise VerificationFailed("; ".join(finding.detail for finding in judged.findings))
     verification = verify_table(table, request)
     if not verification.passed:
         raise VerificationFailed("; ".join(verification.findings))
@@ -194,30 +198,32 @@ def _refuse_momentum(request: ImagingPlanRequest) -> None:
 
 def make_table(session: ImagingSession, timeline: Timeline) -> AttitudeTable:
     """Rows of a timeline with the gimbal angles and rates that fly it."""
-    spacecraft = session.spacecraft
+    spacecraft, flown = session.spacecraft, timeline.table
+    assert flown.acceleration_rad_s2 is not None  # a body's table has it
     inertia_kg_m2 = np.array(spacecraft.inertia_kg_m2)
-    omega_body_rad_s = timeline.motion.omega_body_rad_s
+    omega_body_rad_s = flown.rate_rad_s
     rows = len(omega_body_rad_s)
-    states = session.ephemeris.states(session.instants(np.arange(rows) / ROWS_PER_S))
-    q_eci_from_body = timeline.q_body_from_eci.inv()
+    states = session.ephemeris.states(session.instants(flown.t_s))
+    q_eci_from_body = Rotation.from_quat(flown.position)
+    q_body_from_eci = q_eci_from_body.inv()
     gyros_body_n_m_s = np.array(session.request.settings.momentum_n_m_s)
     total_eci_n_m_s = total_momentum_eci(
-        timeline.q_body_from_eci,
+        q_body_from_eci,
         q_eci_from_body[0].apply(inertia_kg_m2 * omega_body_rad_s[0] + gyros_body_n_m_s),
         states.r_sat_eci_m,
         np.diag(inertia_kg_m2),
     )
     gimbal_rad, gimbal_rate_rad_s = gimbal_rows(
         spacecraft.array,
-        timeline.q_body_from_eci.apply(total_eci_n_m_s) - inertia_kg_m2 * omega_body_rad_s,
+        q_body_from_eci.apply(total_eci_n_m_s) - inertia_kg_m2 * omega_body_rad_s,
         camera_on(timeline.windows, rows),
         spacecraft.gains.null_gain_rad_s,
     )
     return AttitudeTable(
         epoch_utc=session.epoch_utc,
-        eci_from_body_xyzw=q_eci_from_body.as_quat(),
+        eci_from_body_xyzw=flown.position,
         omega_body_rad_s=omega_body_rad_s,
-        alpha_body_rad_s2=timeline.motion.alpha_body_rad_s2,
+        alpha_body_rad_s2=flown.acceleration_rad_s2,
         gimbal_rad=gimbal_rad,
         gimbal_rate_rad_s=gimbal_rate_rad_s,
         windows=timeline.windows,

@@ -227,8 +227,8 @@ class ImagingPlanRequest:
     """A session of the imaging spacecraft.
 
     Row 0 of the table is at `start`, in orbital orientation, or at rest in the inertial attitude
-    `initial_q_body_from_eci_xyzw`, which is left for orbital orientation at once; the session ends
-    by `stop`, in orbital orientation.
+    `initial_q_body_from_eci_xyzw`, which is left at once; the session ends by `stop`, in orbital
+    orientation.
 
     name: your name for it, repeated in the plan and its files.
     spacecraft: by its registered name.

@@ -20,15 +20,13 @@ class AttitudeSlewReport:
     onto: number of the window it leads to, null for orbital orientation.
     angle_rad: between the attitudes at its ends.
     duration_s: of the slew.
-    eigenaxis_s: of the quickest slew found about the Euler axis with the same torque and torque
-    rate.
+    eigenaxis_s: of the quickest slew found about the Euler axis within the same limits.
     bang_coast_bang_s: of the paper's about the Euler axis, with any torque rate.
-    torque_rate_peak_n_m_s: largest torque rate of the slew.
+    torque_rate_peak_n_m_s: largest torque rate of the slew, without what turns the momentum held.
     eigenaxis_torque_rate_peak_n_m_s: largest torque rate of the slew about the Euler axis.
     method: method of the solution.
-    time_from: the method of the quickest slew found, whose time a `minimum_time` slew was given:
-    `ocp`, or `eigenaxis` where no shorter one was found; null for slews that take the time there
-    is.
+    time_from: the method that found the time of a `minimum_time` slew, `ocp`; null for slews that
+    take the time there is.
     status: status in which the solver ended.
     solve_s: time it took to solve.
     """
@@ -43,7 +41,7 @@ class AttitudeSlewReport:
     torque_rate_peak_n_m_s: NotNegative
     eigenaxis_torque_rate_peak_n_m_s: NotNegative
     method: str
-    time_from: Literal["ocp", "eigenaxis"] | None
+    time_from: Literal["ocp"] | None
     status: str
     solve_s: NotNegative
 

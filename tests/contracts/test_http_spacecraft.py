@@ -32,7 +32,8 @@ def test_all_that_is_asked_is_imaged(plan):
 
 
 def test_slews_stand_beside_their_baselines(plan):
-    assert [slew["onto"] for slew in plan["slews"]] == [0, 1, 2, 3, 4, 5, 6, 7, None]
+    onto = [slew["onto"] for slew in plan["slews"]]
+    assert onto == [0, None, 1, 2, 3, 4, 5, 6, 7, None]  # it waits in orbital orientation
     for slew in plan["slews"]:
         assert slew["bang_coast_bang_s"] <= slew["eigenaxis_s"]
         assert slew["time_from"] is None  # all the time there is
@@ -89,7 +90,7 @@ def test_the_worked_geojson_is_planned(files):
 
 def test_a_slew_in_least_time_says_what_found_it(client):
     answer = client.post(PLANS, json={**STRIP, "simulation_runs": 0}).json()
-    assert {slew["time_from"] for slew in answer["slews"]} <= {"ocp", "eigenaxis"}
+    assert {slew["time_from"] for slew in answer["slews"]} <= {"ocp"}
 
 
 def test_csv_is_the_table(files):

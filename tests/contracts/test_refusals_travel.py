@@ -24,7 +24,6 @@ from app.jobs.worker_process import run_in_worker
 from app.requests.examples import OPPORTUNITY_EXAMPLES
 from planner.base.errors import FieldError, InvalidRequest, Refusal, Relaxation
 from planner.spacecraft.imaging.choice_with_slews import LooksTooClose
-from planner.spacecraft.slews.slew_choice import GyrosTooFull, SlewNeedsTime
 from slewtrack.client import problems
 
 BOUNDS = Bounds(deadline_s=120.0, memory_mib=200)
@@ -50,8 +49,6 @@ MADE_FROM = {
         FieldError(field="name", detail="is too long", value=True),
     ),
     RefusedThere: (problems.problem_of({"status": 503, "detail": "is busy", "field": "name"}),),
-    SlewNeedsTime: (0.5, 30.0, 12.5),
-    GyrosTooFull: (200.0, 150.0),
     LooksTooClose: (1, 20.0, 15.0, 12.5),
 }
 

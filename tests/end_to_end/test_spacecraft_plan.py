@@ -58,7 +58,7 @@ def test_a_session_flies_as_many_runs_as_it_may_and_says_so(monkeypatch):
     strip = session(four_modes()[:1], 300.0, simulation_runs=100)
     monkeypatch.setattr(effort, "PLAN", 100_000)
     plan = plan_imaging(strip)
-    assert 1 <= plan.stabilisation.runs < 20
+    assert 1 <= plan.stabilisation.runs < 50
     assert f"{plan.stabilisation.runs} of the 100 dispersed runs were flown" in plan.warnings[-1]
 
 
@@ -94,10 +94,13 @@ def test_limits_hold_between_rows(plan):
 
 
 def test_every_turn_stands_beside_its_baselines(plan):
-    assert len(plan.slews) == 9
+    onto = [slew.window for slew in plan.slews]
+    assert onto == [0, None, 1, 2, 3, 4, 5, 6, 7, None]  # it waits in orbital orientation
     for slew in plan.slews:
-        assert slew.comparison.duration_s >= 0.95 * slew.comparison.eigenaxis_s
-        assert slew.comparison.method in ("ocp", "eigenaxis")
+        compared = slew.comparison
+        assert compared.duration_s >= 0.95 * compared.eigenaxis_s
+        assert compared.bang_coast_bang_s < compared.eigenaxis_s
+        assert compared.torque_rate_peak_n_m_s < compared.eigenaxis_torque_rate_peak_n_m_s
 
 
 def tampered(plan, **changes):
@@ -303,11 +306,11 @@ def test_no_time_to_turn_is_refused_with_the_session_it_takes():
     assert abs((start - strip.start).total_seconds()) <= 1.0  # nearest on a grid of 2 s
 
 
-def test_momentum_that_scanning_would_push_beyond_the_sphere_is_refused():
-    """59 N m s along the pitch axis and 800 kg m^2 turned back at 0.09 deg/s are over 60."""
+def test_momentum_that_leaves_no_room_to_turn_is_refused():
+    """59 of 60 N m s leave 1 for 800 kg m^2: 0.07 deg/s, what orbital orientation takes."""
     settings = SpacecraftSettings(momentum_n_m_s=(0.0, 0.0, 59.0))
     strip = StripRequest(name="strip", geometry=line(100.0))
-    with pytest.raises(InfeasibleSlew, match=r"hold 6\d\.\d+ N m s.*works: 54 N m s"):
+    with pytest.raises(InfeasibleSlew, match=r"store 59\.0 N m s.*works: 45 N m s"):
         plan_imaging(session([strip], 240.0, settings=settings))
 
 

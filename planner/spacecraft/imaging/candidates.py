@@ -13,16 +13,18 @@ from numpy.typing import NDArray
 from planner.base import effort
 from planner.base.arrays import Array
 from planner.base.errors import InfeasibleSlew, Unreachable, figures
+from planner.base.mrp import BodyMotion
+from planner.motion.attitude.track import agility_limits
 from planner.spacecraft.imaging.ground_arc import GroundArc, scan_q_body_from_eci
 from planner.spacecraft.imaging.request_arcs import least_time_s, scan_orders
 from planner.spacecraft.imaging.session import ImagingSession
+from planner.spacecraft.imaging.slew_time import MovingEnds
 from planner.spacecraft.requests import (
     LOOK_ANGLE_DEG,
     ImagingRequest,
     Request,
     StereoRequest,
 )
-from planner.spacecraft.slews.slew_time import MovingEnds
 from planner.spacecraft.table import TICK_S
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 
@@ -57,7 +59,7 @@ class Candidate:
     request: its number in the session.  part: 0 for a whole request, 1 and 2 for the two looks
     of a stereo pair (which may have others between).  entry, exit: attitude and rate at the
     first arc's start and the last one's end, n = 1.  tilt_rad: largest angle along the track.
-    used_shares: largest of the limits of axis rate, rate, torque and momentum while it is scanned.
+    used_shares: largest of the limits of rate and acceleration while it is scanned.
     """
 
     request: int
@@ -66,7 +68,7 @@ class Candidate:
     entry: MovingEnds
     exit: MovingEnds
     tilt_rad: float
-    used_shares: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    used_shares: tuple[float, float] = (0.0, 0.0)
 
     @property
     def start_s(self) -> float:
@@ -170,7 +172,7 @@ def _from_starts(
     first_s, last_s = _window_s(request, session)
     t_s, tilt_rad = starts_s, np.zeros(len(starts_s))
     begins_s = np.empty((0, len(starts_s)))  # of each arc so far, for each start still open
-    used = np.zeros((4, len(starts_s)))
+    used = np.zeros((2, len(starts_s)))
     exits: MovingEnds | None = None
     for arc in arcs:
         effort.charge(OPTIONS.arc_at_start * len(t_s))
@@ -186,9 +188,9 @@ def _from_starts(
         tilt_rad = np.maximum(tilt_rad[kept], along_rad[in_reach])
         used = np.maximum(used[:, kept], _used_shares(arc, t_s[kept], scan_s, session))
         t_s = t_s[kept] + scan_s
-        exits = _scan_states(arc, scan_s / arc.duration_s, t_s, session)
+        exits = session.ends(arc, scan_s / arc.duration_s, t_s)
     assert exits is not None
-    entries = _scan_states(arcs[0], 0.0, begins_s[0], session)
+    entries = session.ends(arcs[0], 0.0, begins_s[0])
     return [
         Candidate(
             request=number,
@@ -200,7 +202,7 @@ def _from_starts(
             entry=entries[k : k + 1],
             exit=exits[k : k + 1],
             tilt_rad=float(tilt_rad[k]),
-            used_shares=tuple(used[:, k].tolist()),
+            used_shares=(float(used[0, k]), float(used[1, k])),
         )
         for k in range(len(t_s))
     ]
@@ -222,36 +224,19 @@ def _after_slew_s(exits: MovingEnds, t_s: Array, arc: GroundArc, session: Imagin
     """Starts of the next arc, by slews that leave the scans before at t_s."""
     starts_s = t_s + OPTIONS.slew_guess_s
     for _ in range(OPTIONS.slew_rounds):
-        entries = _scan_states(arc, 0.0, np.clip(starts_s, 0.0, session.duration_s), session)
+        entries = session.ends(arc, 0.0, np.clip(starts_s, 0.0, session.duration_s))
         starts_s = t_s + session.slew_time.ticks(exits, entries) * TICK_S
     return np.asarray(starts_s)
 
 
-def _scan_states(arc: GroundArc, share: float, t_s: Array, session: ImagingSession) -> MovingEnds:
-    """Attitudes with the arc's point at `share` under the slit, and the scan's rate there (by
-    differences over a tick: 1e-6 rad/s)."""
-    now, later = (
-        scan_q_body_from_eci(
-            arc,
-            np.full(len(t_s), share + after_s / arc.duration_s),
-            session.ephemeris,
-            session.instants(t_s + after_s),
-        )
-        for after_s in (0.0, TICK_S)
-    )
-    return MovingEnds(
-        q_body_from_eci_xyzw=now.as_quat(), rate_eci_rad_s=(later.inv() * now).as_rotvec() / TICK_S
-    )
-
-
 def _used_shares(arc: GroundArc, begins_s: Array, scan_s: float, session: ImagingSession) -> Array:
-    """Shares of the limits of axis rate, rate, torque and momentum, (4, n), most used from when
-    each scan's profile is joined until it is left; by differences over a tick."""
-    slew = session.spacecraft.slew
-    span_s = slew.settle_s + scan_s + TICK_S
+    """Shares of the limits of rate and acceleration, (2, n), most used from when each scan is
+    settled onto until it is left; by differences over a tick."""
+    limits, settle_s = agility_limits(session.platform), session.spacecraft.slew.settle_s
+    span_s = settle_s + scan_s + TICK_S
     count = math.ceil(span_s / OPTIONS.load_step_s) + 1
     effort.charge(OPTIONS.load * count * len(begins_s))
-    after_s = np.tile(np.linspace(-slew.settle_s, scan_s + TICK_S, count), len(begins_s))
+    after_s = np.tile(np.linspace(-settle_s, scan_s + TICK_S, count), len(begins_s))
     t_s = np.repeat(begins_s, count) + after_s
     before, now, later = (
         scan_q_body_from_eci(
@@ -268,17 +253,9 @@ def _used_shares(arc: GroundArc, begins_s: Array, scan_s: float, session: Imagin
     ]
     omega_body_rad_s = 0.5 * (rates_body_rad_s[0] + rates_body_rad_s[1])
     alpha_body_rad_s2 = (rates_body_rad_s[1] - rates_body_rad_s[0]) / TICK_S
-    inertia_kg_m2 = np.array(session.spacecraft.inertia_kg_m2)
-    total_n_m_s = now.apply(session.momentum_eci_n_m_s)
-    torque_n_m = inertia_kg_m2 * alpha_body_rad_s2 + np.cross(omega_body_rad_s, total_n_m_s)
-    used = (
-        np.max(np.abs(omega_body_rad_s), axis=1) / slew.rate_axis_rad_s,
-        np.linalg.norm(omega_body_rad_s, axis=1) / slew.rate_rad_s,
-        np.linalg.norm(torque_n_m, axis=1) / slew.torque_n_m,
-        np.linalg.norm(total_n_m_s - inertia_kg_m2 * omega_body_rad_s, axis=1)
-        / slew.momentum_sphere_n_m_s,
-    )
-    return np.asarray(np.max(np.reshape(used, (4, len(begins_s), count)), axis=2))
+    still = np.zeros_like(omega_body_rad_s)
+    used = limits.shares(BodyMotion(omega_body_rad_s, alpha_body_rad_s2, still))[:, :2]
+    return np.asarray(np.max(used.T.reshape(2, len(begins_s), count), axis=2))
 
 
 def _in_reach(
@@ -315,20 +292,21 @@ def _overload_text(
     request: Request, number: int, found: list[Candidate], session: ImagingSession
 ) -> InfeasibleSlew:
     """What the scan that comes nearest to the limits asks for, of the look that none can scan."""
-    slew = session.spacecraft.slew
     nearest = (
         min((one.used_shares for one in found if one.part == part), key=max)
         for part in {one.part for one in found}
     )
     used = max(nearest, key=max)
     worst = used.index(max(used))
+    gyros = session.platform.gyros
+    assert gyros is not None  # as of every body of this front
     limit, most, text = (
-        ("rate", math.degrees(slew.rate_axis_rad_s), "turn the body at {} deg/s about an axis"),
-        ("rate", math.degrees(slew.rate_rad_s), "turn the body at {} deg/s"),
-        ("torque", slew.torque_n_m, "take {} N m of the gyros"),
-        ("momentum", slew.momentum_sphere_n_m_s, "have the gyros hold {} N m s"),
+        ("rate", gyros.turns.rate_max_deg_s, "turn the body at {} deg/s about an axis"),
+        ("torque", gyros.turns.torque_max_n_m, "take {} N m of the gyros"),
     )[worst]
-    less = "unload momentum first" if limit == "momentum" else "ask for another scan_speed_m_s"
+    less = "ask for another scan_speed_m_s"
+    if any(gyros.start_n_m_s):
+        less = f"unload momentum first, {less}"
     told = text.format(figures(used[worst] * most, OPTIONS.used_max * most))
     return InfeasibleSlew(
         f"scanning {request.name!r} would {told} at least, more than {OPTIONS.used_max:.0%} of the "

@@ -11,10 +11,11 @@ from planner.base.effort import WorkLimitReached, at_most
 from planner.base.errors import InfeasibleSlew, Refusal, Unreachable
 from planner.base.rotation import Rotation
 from planner.planning.label_search import COMPLETES, OPENS
+from planner.planning.sessions.platforms.mover import Join
 from planner.spacecraft.imaging.candidates import Candidate, candidates
 from planner.spacecraft.imaging.choose import Choice, choose
-from planner.spacecraft.imaging.ground_arc import ChebyshevProfile
 from planner.spacecraft.imaging.session import ImagingSession
+from planner.spacecraft.imaging.slew_time import MovingEnds
 from planner.spacecraft.imaging.timeline import (
     OPTIONS as TIMELINE_OPTIONS,
 )
@@ -27,9 +28,6 @@ from planner.spacecraft.imaging.timeline import (
     scans_of,
 )
 from planner.spacecraft.requests import LeftOut
-from planner.spacecraft.slews.slew_choice import SlewNeedsTime
-from planner.spacecraft.slews.slew_problem import AttitudeSlew, EndState
-from planner.spacecraft.slews.slew_time import MovingEnds
 from planner.spacecraft.table import TICK_S
 
 
@@ -77,10 +75,9 @@ def options_of(session: ImagingSession) -> tuple[list[Candidate], tuple[LeftOut,
     options: list[Candidate] = []
     left_out: list[LeftOut] = []
     refusal: Refusal | None = None
-    rest = _rest_profile(session)
     for number, request in enumerate(session.request.requests):
         try:
-            options += _options_of_one(number, session, rest)
+            options += _options_of_one(number, session)
         except (Unreachable, InfeasibleSlew) as why:
             refusal = refusal or why
             left_out.append(LeftOut(name=request.name, reason=why.detail))
@@ -89,38 +86,27 @@ def options_of(session: ImagingSession) -> tuple[list[Candidate], tuple[LeftOut,
     return options, tuple(left_out)
 
 
-def _rest_profile(session: ImagingSession) -> ChebyshevProfile:
-    margin_s = TIMELINE_OPTIONS.profile_margin_s
-    return session.profile(None, -margin_s, session.duration_s + margin_s)
-
-
-def _options_of_one(
-    number: int, session: ImagingSession, rest: ChebyshevProfile
-) -> list[Candidate]:
+def _options_of_one(number: int, session: ImagingSession) -> list[Candidate]:
     effort.charge(OPTIONS.request)
     found = candidates(session.request.requests[number], number, session)
-    return _within_session(found, number, session, rest)
+    return _within_session(found, number, session)
 
 
 def _within_session(
-    options: list[Candidate], number: int, session: ImagingSession, rest: ChebyshevProfile
+    options: list[Candidate], number: int, session: ImagingSession
 ) -> list[Candidate]:
     count = len(options)
     starts_s = np.array([option.start_s for option in options])
     stops_s = np.array([option.stop_s for option in options])
-    q_body_from_eci, motion = rest.attitude_at(
-        np.append(np.maximum(starts_s - TIMELINE_OPTIONS.rest_before_s, 0.0), stops_s)
-    )
-    ends = MovingEnds(
-        q_body_from_eci_xyzw=q_body_from_eci.as_quat(),
-        rate_eci_rad_s=q_body_from_eci.inv().apply(motion.omega_body_rad_s),
-    )
+    leaving_s = np.maximum(starts_s - TIMELINE_OPTIONS.rest_before_s, 0.0)
+    ends = session.ends(None, 0.0, np.append(leaving_s, stops_s))
     entries = MovingEnds.concatenate([option.entry for option in options])
     exits = MovingEnds.concatenate([option.exit for option in options])
     there_s = session.slew_time.ticks(ends[:count], entries) * TICK_S
     initial_xyzw = session.request.initial_q_body_from_eci_xyzw
     if initial_xyzw is not None:
-        initial = MovingEnds.of(EndState.at_rest(Rotation.from_quat(initial_xyzw)))
+        at_rest = Rotation.from_quat([initial_xyzw])
+        initial = MovingEnds.between(at_rest, at_rest)
         there_s += session.slew_time.ticks(initial, ends[:count]) * TICK_S
     back_s = session.slew_time.ticks(exits, ends[count:]) * TICK_S
     fits = (there_s <= starts_s) & (stops_s + back_s <= session.duration_s)
@@ -235,7 +221,7 @@ class _Search:
     def __init__(self, session: ImagingSession, options: Sequence[Candidate]) -> None:
         self.session = session
         self.options = list(options)
-        self.outcomes: Outcomes = {}
+        self.outcomes = Outcomes()
         self.extra_ticks: dict[tuple[int, int], int] = {}
         self.barred: dict[int, str] = {}
         self.longer: dict[int, tuple[int, float]] = {}
@@ -318,12 +304,10 @@ class _Search:
         """The part of the choice tried last whose scans have slews onto them."""
         tried = self.tried or self.choice(())
         scans = scans_of(self.options, tried.chosen)
-        onto = {(slot.before, slot.after): slew for slot, slew in self.outcomes.items()
-                if slot.window is not None}  # fmt: skip
         missing = {
             scan.request
             for before, scan in zip((None, *scans), scans, strict=False)
-            if not isinstance(onto.get((before, scan)), AttitudeSlew)
+            if not isinstance(self.outcomes.slews.get((before, scan)), Join)
         }
         chosen = tuple(k for k in tried.chosen if self.options[k].request not in missing)
         requests = tuple(self.options[k].request for k in chosen)
@@ -337,9 +321,12 @@ class _Search:
         within: dict[int, Misfit] = {}
         for misfit in misfits:
             before, after = misfit.before, misfit.after
-            if before is not None and before == after:
+            if misfit.is_unheld:
+                assert after is not None  # which can't be scanned
+                self.barred.setdefault(after, misfit.why.detail)
+            elif before is not None and before == after:
                 number = self.options[before].request
-                if number not in within or misfit.why.missing_s > within[number].why.missing_s:
+                if number not in within or misfit.missing_s > within[number].missing_s:
                     within[number] = misfit
             elif before is None or after is None:
                 self._bar_near_end(misfit)
@@ -347,11 +334,11 @@ class _Search:
                 pair = (before, after)
                 self.extra_ticks[pair] = max(misfit.ticks, self.extra_ticks.get(pair, 0))
         for number, misfit in within.items():
-            self._make_longer(number, misfit.why)
+            self._make_longer(number, misfit)
 
     def _bar_near_end(self, misfit: Misfit) -> None:
         """Those of the same look that have no more time, or less than half of the time missing."""
-        more_s = 0.5 * misfit.why.missing_s
+        more_s = 0.5 * misfit.missing_s
         culprit = self.options[next(k for k in (misfit.after, misfit.before) if k is not None)]
         for k, option in enumerate(self.options):
             if (option.request, option.part) == (culprit.request, culprit.part) and (
@@ -361,17 +348,17 @@ class _Search:
             ):
                 self.barred.setdefault(k, misfit.why.detail)
 
-    def _make_longer(self, number: int, why: SlewNeedsTime) -> None:
+    def _make_longer(self, number: int, misfit: Misfit) -> None:
         """Other candidates of a request, whose own slews have more time."""
         own = [k for k, option in enumerate(self.options) if option.request == number]
         times, longer_s = self.longer.get(number, (0, 0.0))
-        longer_s += why.missing_s + OPTIONS.longer_more_s
+        longer_s += misfit.missing_s + OPTIONS.longer_more_s
         self.longer[number] = (times + 1, longer_s)
-        reason = why.detail
-        if times < OPTIONS.longer_times and why.missing_s <= OPTIONS.hopeless_s:
+        reason = misfit.why.detail
+        if times < OPTIONS.longer_times and misfit.missing_s <= OPTIONS.hopeless_s:
             longer = replace(self.session, slew_time=self.session.slew_time.plus(longer_s))
             try:
-                self.options += _options_of_one(number, longer, _rest_profile(self.session))
+                self.options += _options_of_one(number, longer)
             except (Unreachable, InfeasibleSlew) as refusal:
                 reason = refusal.detail
         self.barred |= {k: self.barred.get(k, reason) for k in own}

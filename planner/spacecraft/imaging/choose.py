@@ -31,7 +31,7 @@ from planner.planning.label_search import (
     visit,
 )
 from planner.spacecraft.imaging.candidates import Candidate
-from planner.spacecraft.slews.slew_time import MovingEnds, SlewTime
+from planner.spacecraft.imaging.slew_time import MovingEnds, SlewTime
 from planner.spacecraft.table import TICK_S
 
 PAIR = 0.06  # of `effort`

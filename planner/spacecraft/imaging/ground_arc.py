@@ -8,13 +8,10 @@ azimuth follow by themselves.
 
 import math
 from dataclasses import dataclass
-from datetime import datetime
 
 import numpy as np
-from numpy.polynomial import chebyshev
 
 from planner.base.arrays import Array
-from planner.base.mrp import BodyMotion, MrpMotion, body_motion
 from planner.base.rotation import Rotation
 from planner.spacecraft.table import TICK_S
 from planner.world.frames.earth_orientation import c_itrf_from_eci
@@ -23,7 +20,6 @@ from planner.world.frames.time_scales import Instants
 from planner.world.orbits import Ephemeris
 from planner.world.targets.plane_arc import PlaneArc
 
-DEGREE = 28  # of the Chebyshev fit: attitudes of a 200 s span to 1e-12 rad
 # In orbital orientation: X along flight, Y up, Z = X x Y, in LVLH axes (X forward, Y against the
 # orbit normal, Z nadir).
 _Q_BODY_FROM_LVLH = Rotation.from_matrix([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
@@ -45,35 +41,6 @@ class GroundArc(PlaneArc):
     def ticks(self) -> int:
         """Whole ticks that cover its scan."""
         return math.ceil(self.duration_s / TICK_S - 1e-6)
-
-
-@dataclass(frozen=True, eq=False)
-class ChebyshevProfile:
-    """An attitude for every instant from start_s to stop_s.
-
-    coefficients: of the series of sigma, the rotation of the body's axes since `middle`.
-    """
-
-    q_eci_from_middle: Rotation
-    start_s: float
-    stop_s: float
-    coefficients: Array
-
-    def attitude_at(self, t_s: Array) -> tuple[Rotation, BodyMotion]:
-        """q_body_from_eci and body rates, the series' own derivatives, at instants (m,)."""
-        half_s = 0.5 * (self.stop_s - self.start_s)
-        x = (np.asarray(t_s) - self.start_s) / half_s - 1.0
-        motion = MrpMotion(
-            *(
-                np.asarray(
-                    chebyshev.chebval(x, chebyshev.chebder(self.coefficients, d)).T / half_s**d,
-                    dtype=np.float64,
-                )
-                for d in range(4)
-            )
-        )
-        q_eci_from_body = self.q_eci_from_middle * Rotation.from_mrp(motion.mrp)
-        return q_eci_from_body.inv(), body_motion(motion)
 
 
 def scan_q_body_from_eci(
@@ -103,25 +70,3 @@ def orbital_q_body_from_eci(ephemeris: Ephemeris, instants: Instants) -> Rotatio
     """Attitudes with X along flight and Y up, no tilt."""
     states = ephemeris.states(instants)
     return _Q_BODY_FROM_LVLH * q_lvlh_from_eci(states.r_sat_eci_m, states.v_sat_eci_m_s)
-
-
-def fitted_profile(
-    arc: GroundArc | None, ephemeris: Ephemeris, epoch_utc: datetime, span_s: tuple[float, float]
-) -> ChebyshevProfile:
-    """The attitude of an arc (None: orbital orientation) over a span, made differentiable."""
-    start_s, stop_s = span_s
-    x = np.cos(np.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1))
-    t_s = start_s + (x + 1.0) * 0.5 * (stop_s - start_s)
-    instants = Instants(epoch_utc, t_s)
-    if arc is None:
-        q_body_from_eci = orbital_q_body_from_eci(ephemeris, instants)
-    else:
-        share = (t_s - arc.start_s) / arc.duration_s
-        q_body_from_eci = scan_q_body_from_eci(arc, share, ephemeris, instants)
-    q_eci_from_body = q_body_from_eci.inv()
-    q_eci_from_middle = q_eci_from_body[DEGREE // 2]
-    sigma = np.asarray((q_eci_from_middle.inv() * q_eci_from_body).as_mrp())
-    basis = chebyshev.chebvander(x, DEGREE)
-    scale = np.full(DEGREE + 1, 2.0 / (DEGREE + 1))
-    scale[0] /= 2.0
-    return ChebyshevProfile(q_eci_from_middle, start_s, stop_s, scale[:, None] * (basis.T @ sigma))

@@ -1,7 +1,6 @@
 """The session that all requests share: orbit, clock, spacecraft, and where a point is seen."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from functools import cached_property
@@ -10,39 +9,39 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.errors import InvalidInput
-from planner.base.mrp import BodyMotion
-from planner.base.rotation import Rotation
-from planner.spacecraft.imaging.ground_arc import ChebyshevProfile, GroundArc, fitted_profile
+from planner.spacecraft.body import body_of
+from planner.spacecraft.imaging.ground_arc import (
+    GroundArc,
+    orbital_q_body_from_eci,
+    scan_q_body_from_eci,
+)
+from planner.spacecraft.imaging.slew_time import MovingEnds, SlewTime, slew_time
 from planner.spacecraft.requests import ImagingPlanRequest
-from planner.spacecraft.slews.slew_time import SlewTime, slew_time
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
 from planner.world.frames.geodesy import WGS84_A_M
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 from planner.world.orbits import Ephemeris
+from planner.world.platforms import BodyPlatform
 from planner.world.targets.passing import Passing
 
 HEIGHT_MAX_M = 2000e3  # a low orbit: from higher the camera's angles and the slews mean little
 HEIGHT_STEP_S = 30.0
-START_SPAN_S = (-1.0, 30.0)  # of the profile that the rate at row 0 is taken from
-_ORBIT_MARGIN = timedelta(seconds=200)  # scans are continued backwards, slews forwards
-
-# q_body_from_eci and body rates at instants (m,): what a stretch of a timeline follows.
-AttitudeAt = Callable[[Array], tuple[Rotation, BodyMotion]]
+_ORBIT_MARGIN = timedelta(seconds=200)  # scans are continued beyond the session
 
 
 @dataclass(frozen=True, kw_only=True)
 class ImagingSession:
     """Times are seconds since the session's start; duration_s: a whole number of ticks.
 
-    momentum_eci_n_m_s: of body and gyros at the start, (3,).
+    platform: the spacecraft as the pipeline of a body turns it.
     """
 
     request: ImagingPlanRequest
     ephemeris: Ephemeris
     duration_s: float
     spacecraft: AgileSpacecraft
-    momentum_eci_n_m_s: Array
+    platform: BodyPlatform
     slew_time: SlewTime
 
     @property
@@ -56,9 +55,21 @@ class ImagingSession:
     def instants(self, t_s: Array) -> Instants:
         return Instants(self.epoch_utc, t_s)
 
-    def profile(self, arc: GroundArc | None, start_s: float, stop_s: float) -> ChebyshevProfile:
-        """The attitude that scans an arc (None: orbital orientation), from start_s to stop_s."""
-        return fitted_profile(arc, self.ephemeris, self.epoch_utc, (start_s, stop_s))
+    def ends(self, arc: GroundArc | None, share: float, t_s: Array) -> MovingEnds:
+        """n attitudes with the arc's point at `share` under the slit (None: in orbital
+        orientation), and how they turn."""
+        now, later = (
+            orbital_q_body_from_eci(self.ephemeris, self.instants(t_s + after_s))
+            if arc is None
+            else scan_q_body_from_eci(
+                arc,
+                np.full(len(t_s), share + after_s / arc.duration_s),
+                self.ephemeris,
+                self.instants(t_s + after_s),
+            )
+            for after_s in (0.0, TICK_S)
+        )
+        return MovingEnds.between(now, later)
 
     @cached_property
     def passing(self) -> Passing:
@@ -69,38 +80,22 @@ class ImagingSession:
 
 
 def make_session(request: ImagingPlanRequest) -> ImagingSession:
-    """The orbit and the spacecraft of a request, made ready.  Raises InvalidInput."""
-    spacecraft = request.definition()
+    """The orbit and the spacecraft of a request, made ready.
+
+    Raises InvalidInput, and InfeasibleSlew where the gyros are too full to turn.
+    """
     ephemeris = request.orbit.ephemeris(request.start - _ORBIT_MARGIN, request.stop + _ORBIT_MARGIN)
     _refuse_height(request, ephemeris)
-    q_body_from_eci, motion = initial_profile(request, ephemeris)(np.zeros(1))
-    gyros_body_n_m_s = np.array(request.settings.momentum_n_m_s)
-    momentum_eci_n_m_s = (
-        q_body_from_eci[0]
-        .inv()
-        .apply(np.array(spacecraft.inertia_kg_m2) * motion.omega_body_rad_s[0] + gyros_body_n_m_s)
-    )
+    spacecraft = request.definition()
+    platform = body_of(spacecraft, request.settings.momentum_n_m_s)
     return ImagingSession(
         request=request,
         ephemeris=ephemeris,
         duration_s=int(elapsed_s(request.stop, request.start) / TICK_S + 1e-6) * TICK_S,
         spacecraft=spacecraft,
-        momentum_eci_n_m_s=momentum_eci_n_m_s,
-        slew_time=slew_time(spacecraft, momentum_eci_n_m_s),
+        platform=platform,
+        slew_time=slew_time(platform),
     )
-
-
-def initial_profile(request: ImagingPlanRequest, ephemeris: Ephemeris) -> AttitudeAt:
-    """What the spacecraft follows at row 0: orbital orientation, or rest in another attitude."""
-    q_body_from_eci_xyzw = request.initial_q_body_from_eci_xyzw
-    if q_body_from_eci_xyzw is None:
-        return fitted_profile(None, ephemeris, request.start, START_SPAN_S).attitude_at
-
-    def at_rest(t_s: Array) -> tuple[Rotation, BodyMotion]:
-        still = BodyMotion(*np.zeros((3, len(t_s), 3)))
-        return Rotation.from_quat([q_body_from_eci_xyzw] * len(t_s)), still
-
-    return at_rest
 
 
 def _refuse_height(request: ImagingPlanRequest, ephemeris: Ephemeris) -> None:

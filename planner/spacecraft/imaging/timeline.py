@@ -1,41 +1,41 @@
-"""Makes one attitude for every instant of the chosen candidates: rest, slews, scans.
+"""The chosen scans as sessions of a body, joined by its slews into one table.
 
-Orbital orientation until the first slew must begin and after the last one; between scans a
-slew onto the next one's profile, which is then followed until the camera starts.
+Orbital orientation is the body's idle attitude: it begins there unless told otherwise, waits
+there while there is time, and ends there.
 """
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
-from planner.base.commands import ROWS_PER_S
-from planner.base.mrp import BodyMotion
-from planner.base.rotation import Rotation
+from planner.base.commands import ROWS_PER_S, CommandTable, Motion
+from planner.base.errors import InfeasibleSlew, NotVisible, Refusal, TrackBreaksLimit, Unreachable
+from planner.motion.attitude.problem import rows_of
+from planner.planning.sessions.platforms.mover import Join, TrackBranch
+from planner.planning.sessions.platforms.registry import mover_of
+from planner.spacecraft.imaging.baselines import AttitudeSlewComparison, compare
 from planner.spacecraft.imaging.candidates import Candidate
-from planner.spacecraft.imaging.ground_arc import GroundArc
-from planner.spacecraft.imaging.session import AttitudeAt, ImagingSession, initial_profile
-from planner.spacecraft.slews.slew_choice import (
-    AttitudeSlewComparison,
-    SlewNeedsTime,
-    compare,
-    slew_onto,
-)
-from planner.spacecraft.slews.slew_problem import AttitudeSlew, AttitudeSlewProblem, EndState
-from planner.spacecraft.slews.slew_time import MovingEnds
+from planner.spacecraft.imaging.ground_arc import GroundArc, scan_q_body_from_eci
+from planner.spacecraft.imaging.session import ImagingSession
 from planner.spacecraft.table import TICK_S, ImagingWindow
+from planner.world.frames.time_scales import shifted_utc
+from planner.world.scenario import BoundedLead, InitialState, Scenario, Session, SlewOptions
+from planner.world.targets.ground_path import GroundPathTarget, PathPoint
 
 
 @dataclass(frozen=True, kw_only=True)
 class TimelineOptions:
-    """How scans, turns and rests follow each other."""
+    """How scans, slews and waits follow each other."""
 
     more_ticks_min: int = 3  # asked for between two scans whose slew doesn't fit
-    # a slew onto a scan leaves orbital orientation about so long before
-    rest_before_s: float = 20.0
-    rest_after_s: float = 150.0  # longer pauses are spent in orbital orientation
-    profile_margin_s: float = 1.0  # around the rows it is used for
+    # turned by a slew of the longest time at the largest rate: from looking ahead to the side
+    longest_rad: float = math.radians(63.0)
+    never_s: float = 40.0  # told as missing where no slew was found, however long
+    rest_before_s: float = 20.0  # a slew onto a scan leaves the idle attitude about so long before
+    back_least_s: float = 2.0  # to turn back: the least bound of a slew's time that there is
 
 
 OPTIONS = TimelineOptions()
@@ -68,23 +68,28 @@ class PlannedSlew:
 
 @dataclass(frozen=True, kw_only=True)
 class Timeline:
-    """Attitudes and motion of all rows, n and (n, 3), with what they are made of."""
+    """The table of a scenario whose sessions are the windows, in order."""
 
-    q_body_from_eci: Rotation
-    motion: BodyMotion
+    scenario: Scenario
+    table: CommandTable
     slews: tuple[PlannedSlew, ...]
     windows: tuple[ImagingWindow, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Misfit:
-    """A slew with too little time: between which candidates (None: the session's ends), and
-    how many ticks apart they should be."""
+    """A slew with too little time: between which candidates (None: the session's ends), how many
+    ticks apart they should be, and about how much time is missing.
+
+    is_unheld: the second can't be scanned at all, whatever is before it.
+    """
 
     before: int | None
     after: int | None
     ticks: int
-    why: SlewNeedsTime
+    missing_s: float
+    why: InfeasibleSlew
+    is_unheld: bool = False
 
 
 class SlewsDoNotFit(Exception):
@@ -96,23 +101,19 @@ class SlewsDoNotFit(Exception):
 
 
 @dataclass(frozen=True, kw_only=True)
-class SlewSlot:
-    """The room for a slew: from first_row to last_row, between two scans (None: the session's
-    ends).
+class Outcomes:
+    """What was found of scans, and of the slews between them (None: the session's ends).
 
-    window: as of a `PlannedSlew`.  late: it leaves as late as it can to arrive at last_row, else
-    at first_row, arriving when done.
+    A refusal stands with the time that is missing, in which a slew was found.
     """
 
-    before: Scan | None
-    after: Scan | None
-    first_row: int
-    last_row: int
-    window: int | None = None
-    late: bool = False
+    ways: dict[Scan, TrackBranch | Refusal] = field(default_factory=dict)
+    slews: dict[tuple[Scan | None, Scan | None], "Join | _NeedsTime"] = field(default_factory=dict)
 
 
-Outcomes = dict[SlewSlot, AttitudeSlew | SlewNeedsTime]
+class _NeedsTime(NamedTuple):
+    why: InfeasibleSlew
+    missing_s: float
 
 
 def scans_of(candidates: Sequence[Candidate], chosen: Sequence[int]) -> tuple[Scan, ...]:
@@ -131,199 +132,225 @@ def scans_of(candidates: Sequence[Candidate], chosen: Sequence[int]) -> tuple[Sc
     return tuple(sorted(scans, key=lambda scan: scan.first_row))
 
 
+def scenario_of(session: ImagingSession, scans: tuple[Scan, ...]) -> Scenario:
+    """Each scan a session of the body, on the same clock."""
+    request = session.request
+    most_s = OPTIONS.longest_rad / float(session.platform.envelope.by_order_rad[0].min())
+    return Scenario(
+        name=request.name,
+        platform=session.platform,
+        orbit=request.orbit,
+        initial_state=InitialState(
+            epoch=request.start, q_body_from_eci_xyzw=request.initial_q_body_from_eci_xyzw
+        ),
+        sessions=tuple(_session_of(session, scan) for scan in scans),
+        slew=SlewOptions(
+            objective=request.objective, lead=BoundedLead(max_duration_s=round(most_s, 1))
+        ),
+        final_state="idle",
+    )
+
+
+def _session_of(session: ImagingSession, scan: Scan) -> Session:
+    arc = scan.arc
+    points = tuple(
+        PathPoint(
+            latitude_deg=math.degrees(latitude_rad),
+            longitude_deg=math.remainder(math.degrees(longitude_rad), 360.0),
+            height_m=arc.height_m,
+        )
+        for latitude_rad, longitude_rad in zip(arc.latitude_rad, arc.longitude_rad, strict=True)
+    )
+    return Session(
+        name=session.request.requests[scan.request].name,
+        target=GroundPathTarget(
+            points=points, line="plane", speed_m_s=arc.length_m() / arc.duration_s
+        ),
+        start=shifted_utc(session.epoch_utc, scan.first_row / ROWS_PER_S),
+        stop=shifted_utc(session.epoch_utc, scan.last_row / ROWS_PER_S),
+    )
+
+
 def build_timeline(
     session: ImagingSession, scans: tuple[Scan, ...], outcomes: Outcomes | None = None
 ) -> Timeline:
-    """Scan in order, from orbital orientation or the request's initial attitude, which is left
-    at once.
+    """Scan in order, from orbital orientation or the request's initial attitude.
 
-    outcomes: of slews tried in earlier attempts at the same session, kept by the caller.
+    outcomes: of earlier attempts at the same session, kept by the caller.
     Raises SlewsDoNotFit with every pair that needs more time.
     """
-    builder = _Builder(session, {} if outcomes is None else outcomes)
-    builder.leave_initial_attitude(scans[0] if scans else None)
-    before: Scan | None = None
+    builder = _Builder(session, scans, Outcomes() if outcomes is None else outcomes)
     for number, scan in enumerate(scans):
-        builder.slew_onto_scan(before, scan, number)
-        builder.follow(scan.last_row + 1)
-        before = scan
-    if before is not None:
-        now, last = builder.row, session.last_row
-        slot = SlewSlot(before=before, after=None, first_row=now, last_row=last)
-        builder.slew(builder.span(None, now, last), slot)
-    builder.follow(session.last_row)
+        builder.scan(number, scan)
+    builder.come_back(scans[-1])
     if builder.misfits:
         raise SlewsDoNotFit(builder.misfits)
-    return _assemble_timeline(builder, scans)
+    return builder.timeline()
 
 
 class _Builder:
-    """Collects stretches in order; `row` is the last one decided, `profile` is followed there."""
+    """Joins so far; `before` is left at `row`, moving as `state` says."""
 
-    def __init__(self, session: ImagingSession, outcomes: Outcomes) -> None:
-        self.session = session
-        self.outcomes = outcomes
-        self.stretches: list[tuple[int, AttitudeAt]] = []
-        self.slews: list[tuple[SlewSlot, int, AttitudeSlewProblem, AttitudeSlew]] = []
+    def __init__(
+        self, session: ImagingSession, scans: tuple[Scan, ...], outcomes: Outcomes
+    ) -> None:
+        self.session, self.scans, self.outcomes = session, scans, outcomes
+        self.scenario = scenario_of(session, scans)
+        self.mover = mover_of(self.scenario)
+        self.before: Scan | None = None
+        self.row, self.state = 0, self.mover.initial(session.ephemeris)
+        self.joins: list[Join] = []
         self.misfits: list[Misfit] = []
-        self.row = 0
-        self.profile = initial_profile(session.request, session.ephemeris)
 
-    def span(self, arc: GroundArc | None, first_row: int, last_row: int) -> AttitudeAt:
-        """The profile of an arc (None: orbital orientation) over some rows."""
-        start_s, stop_s = first_row * TICK_S, last_row * TICK_S
-        profile = self.session.profile(
-            arc, start_s - OPTIONS.profile_margin_s, stop_s + OPTIONS.profile_margin_s
-        )
-        return profile.attitude_at
-
-    def follow(self, until_row: int) -> None:
-        self.stretches.append((until_row, self.profile))
-        self.row = until_row
-
-    def leave_initial_attitude(self, first: Scan | None) -> None:
-        """Slew to orbital orientation, if not in it: in half the time to the first scan, or as much
-        more as the slew onto that leaves."""
-        last = self.session.last_row
-        orbital = self.span(None, 0, last)
-        if self.session.request.initial_q_body_from_eci_xyzw is None:
-            self.profile = orbital
+    def scan(self, number: int, scan: Scan) -> None:
+        """A slew onto it, and its track.  What doesn't fit is noted and taken for done."""
+        way = self._way(number, scan)
+        if isinstance(way, Refusal):
+            self._note(scan, _NeedsTime(InfeasibleSlew(way.detail, limit=way.limit), 0.0), True)
             return
-        until = last
-        if first is not None:
-            until = max(first.first_row // 2, first.first_row - self.ticks_onto(first, orbital))
-        self.slew(orbital, SlewSlot(before=None, after=first, first_row=0, last_row=until))
-
-    def ticks_onto(self, scan: Scan, orbital: AttitudeAt) -> int:
-        """Estimate of the slew onto a scan from orbital orientation."""
-        profile = self.span(scan.arc, scan.first_row, scan.last_row)
-        leaving = max(scan.first_row - round(OPTIONS.rest_before_s / TICK_S), 0)
-        [ticks] = self.session.slew_time.ticks(
-            MovingEnds.of(_end_state(orbital, leaving)),
-            MovingEnds.of(_end_state(profile, scan.first_row)),
-        )
-        return int(ticks)
-
-    def slew_onto_scan(self, before: Scan | None, scan: Scan, window: int) -> None:
-        """By way of orbital orientation after a long pause."""
-        settle_rows = math.ceil(self.session.spacecraft.slew.settle_s / TICK_S - 1e-6)
-        arrive_row = scan.first_row - settle_rows
-        pause_s = 0.0 if before is None else (scan.first_row - before.last_row) * TICK_S
-        if pause_s > OPTIONS.rest_after_s:
-            halfway = self.row + (arrive_row - self.row) // 2
-            self.slew(
-                self.span(None, self.row, scan.first_row),
-                SlewSlot(before=before, after=scan, first_row=self.row, last_row=halfway),
-            )
-        # A scan's profile is continued backwards only so far: beyond, it leaves the ground.
-        begin_row = max(self.row, scan.first_row - round(OPTIONS.rest_after_s / TICK_S))
-        slot = SlewSlot(
-            before=before,
-            after=scan,
-            first_row=self.row,
-            last_row=arrive_row,
-            window=window,
-            late=before is None or pause_s > OPTIONS.rest_after_s,
-        )
-        self.slew(self.span(scan.arc, begin_row, scan.last_row + 1), slot)
-
-    def slew(self, goal: AttitudeAt, slot: SlewSlot) -> None:
-        """Slew onto the goal.  Outcomes are kept for the next attempt at the timeline; a slew
-        that doesn't fit is noted and taken for done."""
-        if slot not in self.outcomes:
-            self.outcomes[slot] = self.try_slew(goal, slot)
-        slew = self.outcomes[slot]
-        if isinstance(slew, SlewNeedsTime):
-            self.misfits.append(self.misfit(slot, slew))
-            self.row = slot.last_row
+        join = self._slew(scan, way, (way.rows.start - self.row) / ROWS_PER_S)
+        if isinstance(join, Join):
+            self.joins.append(join)
         else:
-            rows = round(slew.duration_s / TICK_S)
-            if slot.late:
-                self.follow(slot.last_row - rows)
-            problem = self.problem(goal, self.row, self.row + rows)
-            self.slews.append((slot, self.row, problem, slew))
-            self.profile = _slew_profile(slew, self.row * TICK_S)
-            self.follow(self.row + rows)
-        self.profile = goal
+            self._note(scan, join)
+        self.before, self.row = scan, way.rows.stop
+        self.state = self.mover.state_at(way, way.rows.stop)
 
-    def try_slew(self, goal: AttitudeAt, slot: SlewSlot) -> AttitudeSlew | SlewNeedsTime:
-        def problem_at(duration_s: float) -> AttitudeSlewProblem:
-            rows = round(duration_s / TICK_S)
-            start_row = slot.last_row - rows if slot.late else slot.first_row
-            return self.problem(goal, start_row, start_row + rows)
+    def come_back(self, last: Scan) -> None:
+        """To orbital orientation, by the session's end."""
+        if not self.joins or self.before is not last:
+            return
+        slots, key = self.outcomes.slews, (last, None)
+        if key not in slots:
+            slots[key] = self._back()
+        join = slots[key]
+        if isinstance(join, Join):
+            self.joins.append(join)
+        else:
+            self._note(None, join)
 
-        available_s = (slot.last_row - slot.first_row) * TICK_S
+    def _back(self) -> Join | _NeedsTime:
+        left_s = (self.session.last_row - self.row) / ROWS_PER_S
+        slew = self.scenario.slew
+        assert isinstance(slew.lead, BoundedLead)  # as scenario_of gives it
+        assert slew.lead.max_duration_s is not None
+        most_s = min(left_s, slew.lead.max_duration_s)
+        if most_s < OPTIONS.back_least_s:
+            why = InfeasibleSlew("no time is left to turn back before the session's end")
+            return _NeedsTime(why, OPTIONS.back_least_s - left_s)
+        lead = BoundedLead(max_duration_s=round(most_s, 1))
+        hasty = mover_of(replace(self.scenario, slew=replace(slew, lead=lead)))
         try:
-            return slew_onto(problem_at, available_s, self.session.request.objective)
-        except SlewNeedsTime as why:
-            return why
+            final = hasty.with_final_slew(self.session.ephemeris, self.joins[-1:])[-1]
+        except InfeasibleSlew as why:
+            return _needs_time(why, left_s, 0.0)
+        return replace(final, stop_row=self.session.last_row)
 
-    def problem(self, goal: AttitudeAt, start_row: int, end_row: int) -> AttitudeSlewProblem:
-        spacecraft = self.session.spacecraft
-        return AttitudeSlewProblem(
-            start=_end_state(self.profile, start_row),
-            end=_end_state(goal, end_row),
-            momentum_eci_n_m_s=self.session.momentum_eci_n_m_s,
-            inertia_kg_m2=np.array(spacecraft.inertia_kg_m2),
-            limits=spacecraft.slew,
-        )
-
-    def misfit(self, slot: SlewSlot, why: SlewNeedsTime) -> Misfit:
-        start_row = 0 if slot.before is None else slot.before.last_row
-        stop_row = self.session.last_row if slot.after is None else slot.after.first_row
-        missing_ticks = math.ceil(why.missing_s / TICK_S - 1e-6)
-        return Misfit(
-            before=None if slot.before is None else slot.before.candidate,
-            after=None if slot.after is None else slot.after.candidate,
-            ticks=stop_row - start_row + max(missing_ticks, OPTIONS.more_ticks_min),
-            why=why,
-        )
-
-
-def _slew_profile(slew: AttitudeSlew, start_s: float) -> AttitudeAt:
-    return lambda t_s: slew.attitude_at(t_s - start_s)
-
-
-def _end_state(profile: AttitudeAt, row: int) -> EndState:
-    q_body_from_eci, motion = profile(np.array([row * TICK_S]))
-    return EndState(
-        q_body_from_eci=q_body_from_eci[0],
-        omega_body_rad_s=motion.omega_body_rad_s[0],
-        alpha_body_rad_s2=motion.alpha_body_rad_s2[0],
-    )
-
-
-def _assemble_timeline(builder: _Builder, scans: tuple[Scan, ...]) -> Timeline:
-    session = builder.session
-    attitudes, motions, row = [], [], 0
-    for until_row, stretch in builder.stretches:
-        rows = np.arange(row, until_row + (until_row == session.last_row))
-        if len(rows):
-            q_body_from_eci, motion = stretch(rows / ROWS_PER_S)
-            attitudes.append(q_body_from_eci)
-            motions.append(motion)
-            row = int(rows[-1]) + 1
-    numbers = [scan.request for scan in scans]
-    windows = tuple(
-        ImagingWindow(
-            request=session.request.requests[scan.request].name,
-            look=numbers[:k].count(scan.request),
-            first_row=scan.first_row,
-            last_row=scan.last_row,
-        )
-        for k, scan in enumerate(scans)
-    )
-    return Timeline(
-        q_body_from_eci=Rotation.concatenate(attitudes),
-        motion=BodyMotion(*(np.concatenate(column) for column in zip(*motions, strict=True))),
-        slews=tuple(
-            PlannedSlew(
-                first_row=first_row,
-                last_row=first_row + round(slew.duration_s / TICK_S),
-                window=slot.window,
-                comparison=compare(problem, slew),
+    def _way(self, number: int, scan: Scan) -> TrackBranch | Refusal:
+        """The scan's track, of two senses the one that its arc says."""
+        if scan not in self.outcomes.ways:
+            at_s = np.array([scan.first_row / ROWS_PER_S])
+            q_body_from_eci = scan_q_body_from_eci(
+                scan.arc, np.zeros(1), self.session.ephemeris, self.session.instants(at_s)
             )
-            for slot, first_row, problem, slew in builder.slews
-        ),
-        windows=windows,
-    )
+            still = np.zeros((1, 3))
+            there = Motion(np.asarray(q_body_from_eci.inv().as_quat()), still, still)
+            try:
+                [self.outcomes.ways[scan], *_] = self.mover.ways(
+                    self.session.ephemeris, number, self.scenario.sessions[number], self.row, there
+                )
+            except (NotVisible, Unreachable, TrackBreaksLimit) as why:
+                self.outcomes.ways[scan] = why
+        return self.outcomes.ways[scan]
+
+    def _slew(self, scan: Scan, way: TrackBranch, available_s: float) -> Join | _NeedsTime:
+        key = (self.before, scan)
+        if key not in self.outcomes.slews:
+            try:
+                join = self.mover.slew_onto(way, self.row, self.state)
+                if join.slew.wait and self.scenario.slew.objective == "minimum_time":
+                    join = self._hastened(way, join)
+                self.outcomes.slews[key] = join
+            except InfeasibleSlew as why:
+                there = self.mover.state_at(way, way.rows.start)
+                least_s = self.mover.least_s(self.state, there)
+                self.outcomes.slews[key] = _needs_time(why, available_s, least_s)
+        return self.outcomes.slews[key]
+
+    def _hastened(self, way: TrackBranch, join: Join) -> Join:
+        """Out of its wait in the least time, too, from when on the scan's line is followed."""
+        idle = rows_of(join.slew.slew.motion, slice(1))
+        quick = self.mover.slew_onto(way, join.slew_row, idle)
+        return replace(join, slew=replace(join.slew, slew=quick.slew.slew), join_row=quick.join_row)
+
+    def _note(self, after: Scan | None, found: _NeedsTime, is_unheld: bool = False) -> None:
+        before = self.before
+        start_row = 0 if before is None else before.last_row
+        stop_row = self.session.last_row if after is None else after.first_row
+        missing_ticks = math.ceil(found.missing_s / TICK_S - 1e-6)
+        self.misfits.append(
+            Misfit(
+                before=None if before is None else before.candidate,
+                after=None if after is None else after.candidate,
+                ticks=stop_row - start_row + max(missing_ticks, OPTIONS.more_ticks_min),
+                missing_s=found.missing_s,
+                why=found.why,
+                is_unheld=is_unheld,
+            )
+        )
+
+    def timeline(self) -> Timeline:
+        """All of it."""
+        session, scans = self.session, self.scans
+        table = self.mover.table(session.epoch_utc, self.joins)
+        numbers = [scan.request for scan in scans]
+        return Timeline(
+            scenario=self.scenario,
+            table=table,
+            slews=tuple(self._planned_slews(table)),
+            windows=tuple(
+                ImagingWindow(
+                    request=session.request.requests[scan.request].name,
+                    look=numbers[:k].count(scan.request),
+                    first_row=scan.first_row,
+                    last_row=scan.last_row,
+                )
+                for k, scan in enumerate(scans)
+            ),
+        )
+
+    def _planned_slews(self, table: CommandTable) -> Iterator[PlannedSlew]:
+        row = 0
+        for number, join in enumerate(self.joins):
+            window = number if number < len(self.scans) else None
+            run = self.mover.run(window, join)
+            slews = [(join.slew_row, join.join_row, window, run.wall_s)]
+            if join.brake_rows:
+                slews.insert(0, (row, row + join.brake_rows, None, 0.0))
+            for first_row, last_row, onto, solve_s in slews:
+                comparison = compare(
+                    table_rows(table, first_row, last_row),
+                    self.session.platform,
+                    self.scenario.slew.objective,
+                    run.status,
+                    solve_s,
+                )
+                yield PlannedSlew(
+                    first_row=first_row, last_row=last_row, window=onto, comparison=comparison
+                )
+            row = join.stop_row
+
+
+def table_rows(table: CommandTable, first_row: int, last_row: int) -> Motion:
+    """Of a body, both included."""
+    rows = slice(first_row, last_row + 1)
+    assert table.acceleration_rad_s2 is not None  # a body's table has it
+    return Motion(table.position[rows], table.rate_rad_s[rows], table.acceleration_rad_s2[rows])
+
+
+def _needs_time(why: InfeasibleSlew, available_s: float, least_s: float) -> _NeedsTime:
+    """How much time is missing about; of what isn't a matter of time, a lot."""
+    needs_s = max(why.needs_s or 0.0, least_s)
+    if why.limit != "duration" or not available_s < needs_s < math.inf:
+        return _NeedsTime(why, OPTIONS.never_s)
+    return _NeedsTime(why, min(needs_s - available_s, OPTIONS.never_s))

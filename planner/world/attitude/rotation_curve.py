@@ -19,6 +19,8 @@ from planner.world.frames.iers import RAD_PER_ARCSEC
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline, PPoly
 
+    Curve: TypeAlias = BSpline | PPoly
+
 
 @dataclass(frozen=True, kw_only=True)
 class RotationCurveOptions:
@@ -43,8 +45,6 @@ OPTIONS = RotationCurveOptions()
 _STENCILS = ((-2, -1, 1, 2), (-4, -3, -2, -1), (1, 2, 3, 4))
 REACH = 2  # rows at either end whose place between neighbours can't be judged
 
-Curve: TypeAlias = "BSpline | PPoly"
-
 
 @dataclass(frozen=True, eq=False)
 class RotationCurve:
@@ -54,7 +54,7 @@ class RotationCurve:
     knot_spacing_s: 0 when interpolated.
     """
 
-    quaternion: Curve
+    quaternion: "Curve"
     residual_rms_rad: float
     residual_max_rad: float
     knot_spacing_s: float
@@ -129,7 +129,7 @@ def _held_out_rad(t_s: Array, q: Array, q_dot_s: Array | None, spacing_s: float)
     return _distance_rad(curve(t_s[held_out]), q[held_out])
 
 
-def _fit_spline(t_s: Array, q: Array, q_dot_s: Array | None, spacing_s: float) -> Curve:
+def _fit_spline(t_s: Array, q: Array, q_dot_s: Array | None, spacing_s: float) -> "Curve":
     # SciPy's interpolators take 0.2 s to import, which only a message should pay.
     from scipy.interpolate import make_interp_spline, make_lsq_spline
 

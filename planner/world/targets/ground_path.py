@@ -100,7 +100,7 @@ class GroundPathTarget(TimedTarget, EarthFixedTarget):
     points: tuple[PathPoint, ...]
     terrain: Terrain | None = None
     line: PathLine = "geodesic"
-    speed_m_s: Annotated[float, Within(1e-3, 10e3)]
+    speed_m_s: Annotated[float, Within(1e-3, 12e3)]
     start: datetime | None = None
     corner_s: Annotated[float, Within(CORNER_MIN_S, 600.0)] = 4.0
     min_elevation_deg: ElevationDeg = 0.0

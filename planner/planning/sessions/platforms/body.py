@@ -438,7 +438,7 @@ class BodyMover:
             return None
         idle, idle_row, onto_idle = self._idle(ephemeris, from_row, from_row), from_row, None
         if not all(map(np.array_equal, vars(state).values(), vars(idle).values())):
-            idle_row += times * self._recommended_rows(state, idle)
+            idle_row += times * min(self._recommended_rows(state, idle), most_rows)
             if idle_row >= last_row - OPTIONS.fewest_rows:
                 return None
             idle = self._idle(ephemeris, idle_row, idle_row)

@@ -1,8 +1,8 @@
 """Estimates of a slew's duration, good enough to choose by.
 
 Least time about the hardest axis for the angle, from rest to rest; what ends that move with
-the slew save and ends that move against it cost; an allowance for ends that move aside, the
-guard tick after imaging and the settling time before it.
+the slew save and ends that move against it cost; an allowance for ends that move aside and the
+settling time before imaging.
 """
 
 import math
@@ -14,19 +14,18 @@ from numpy.typing import NDArray
 
 from planner.base.arrays import Array
 from planner.base.rotation import Rotation
-from planner.spacecraft.slews.eigenaxis import eigenaxis_slew
-from planner.spacecraft.slews.slew_problem import AttitudeSlewProblem, EndState
+from planner.motion.attitude.eigenaxis import quickest_angle
+from planner.motion.attitude.track import agility_limits
 from planner.spacecraft.table import TICK_S
-from planner.spacecraft.vehicle.definition import AgileSpacecraft
+from planner.world.platforms import BodyPlatform
 
 
 @dataclass(frozen=True, kw_only=True)
 class SlewTimeOptions:
     """What an estimate adds to the eigenaxis slew from rest to rest."""
 
-    smooth: float = 1.03  # what a spline without corners in its torque rate takes
+    smooth: float = 1.03  # what a slew whose jerk switches on rows takes
     allowance_s: float = 0.8  # for rates of 0.4 deg/s aside at 1 deg/s^2, both ends
-    least_rad_s: float = 1e-4  # of a slew whose gyros are full: an hour for 20 deg
 
 
 OPTIONS = SlewTimeOptions()
@@ -43,12 +42,11 @@ class MovingEnds:
     rate_eci_rad_s: Array
 
     @classmethod
-    def of(cls, end: EndState) -> "MovingEnds":
-        """One, n = 1."""
-        rate_eci_rad_s = end.q_body_from_eci.inv().apply(end.omega_body_rad_s)
+    def between(cls, now: Rotation, later: Rotation) -> "MovingEnds":
+        """n attitudes and the same a tick later, by differences: 1e-6 rad/s."""
         return cls(
-            q_body_from_eci_xyzw=end.q_body_from_eci.as_quat()[None],
-            rate_eci_rad_s=rate_eci_rad_s[None],
+            q_body_from_eci_xyzw=now.as_quat(),
+            rate_eci_rad_s=(later.inv() * now).as_rotvec() / TICK_S,
         )
 
     @classmethod
@@ -70,17 +68,13 @@ class SlewTime:
     """Seconds between two imaging intervals.
 
     seconds: from rest to rest about one axis through angles_rad, (m,) each, everything else
-    included.  rate, acceleration, inertia: about that axis.  momentum_eci_n_m_s: of body and gyros,
-    (3,), which keeps the gyros within their sphere at a lower rate only.
+    included.  rate, acceleration: about that axis.
     """
 
     angles_rad: Array
     seconds: Array
     rate_rad_s: float
     acceleration_rad_s2: float
-    inertia_kg_m2: float
-    momentum_eci_n_m_s: Array
-    sphere_n_m_s: float
 
     def plus(self, more_s: float) -> "SlewTime":
         """Add so much time to every slew."""
@@ -89,12 +83,9 @@ class SlewTime:
     @property
     def widest_ticks(self) -> int:
         """The most any slew takes: half a revolution with both ends against it at full rate."""
-        half_rad, worst_eci = np.array([np.pi]), -self.momentum_eci_n_m_s[None]
-        worst_eci /= max(float(np.linalg.norm(worst_eci)), 1e-12)
-        peak_rad_s = self._peak_rad_s(worst_eci, half_rad)
-        longest_s = float(self.seconds[-1]) + self._slower_s(peak_rad_s, half_rad)
+        peak_rad_s = self._peak_rad_s(np.array([np.pi]))
         against_s = 2.0 * self._gained_s(np.array([-np.inf]), peak_rad_s)
-        return math.ceil(float((longest_s + against_s)[0]) / TICK_S)
+        return math.ceil(float(self.seconds[-1] + against_s[0]) / TICK_S)
 
     def ticks(self, begin: MovingEnds, end: MovingEnds) -> NDArray[np.int64]:
         """Whole 0.2 s ticks from each of n ends to its counterpart (or all from one)."""
@@ -111,33 +102,17 @@ class SlewTime:
         size = np.linalg.norm(sine, axis=-1)
         axis_eci = sine * (np.where(cosine < 0.0, -1.0, 1.0) / np.maximum(size, 1e-12))[:, None]
         angle_rad = 2.0 * np.arctan2(size, np.abs(cosine))
-        peak_rad_s = self._peak_rad_s(axis_eci, angle_rad)
+        peak_rad_s = self._peak_rad_s(angle_rad)
         seconds = np.interp(angle_rad, self.angles_rad, self.seconds)
-        seconds += self._slower_s(peak_rad_s, angle_rad)
         for moving in (begin, end):
             along_rad_s = np.sum(axis_eci * moving.rate_eci_rad_s, axis=-1)
             seconds += self._gained_s(along_rad_s, peak_rad_s)
         return np.asarray(np.ceil(seconds / TICK_S - 1e-6), dtype=np.int64)
 
-    def _free_peak_rad_s(self, angle_rad: Array) -> Array:
-        """The time of a trapezoid from rest to rest, whatever the gyros hold."""
+    def _peak_rad_s(self, angle_rad: Array) -> Array:
+        """Of a trapezoid from rest to rest."""
         root = np.sqrt(self.acceleration_rad_s2 * np.maximum(angle_rad, 1e-6))
         return np.asarray(np.minimum(self.rate_rad_s, root))
-
-    def _peak_rad_s(self, axis_eci: Array, angle_rad: Array) -> Array:
-        """The same with |H - J w axis| in the sphere, as if J were the same about every axis."""
-        h_n_m_s = axis_eci @ self.momentum_eci_n_m_s
-        room = self.sphere_n_m_s**2 - np.sum(self.momentum_eci_n_m_s**2)
-        most_rad_s = (h_n_m_s + np.sqrt(np.maximum(h_n_m_s**2 + room, 0.0))) / self.inertia_kg_m2
-        return np.minimum(
-            self._free_peak_rad_s(angle_rad), np.maximum(most_rad_s, OPTIONS.least_rad_s)
-        )
-
-    def _slower_s(self, peak_rad_s: Array, angle_rad: Array) -> Array:
-        """What a lower peak adds to a trapezoid of angle/peak + peak/a seconds."""
-        free = self._free_peak_rad_s(angle_rad)
-        longer_s = angle_rad / peak_rad_s - angle_rad / free
-        return np.asarray(longer_s + (peak_rad_s - free) / self.acceleration_rad_s2)
 
     def _gained_s(self, along_rad_s: Array, peak_rad_s: Array) -> Array:
         """What an end's rate along the slew adds to a trapezoid: -w/a + w^2/(2 a peak)."""
@@ -145,28 +120,17 @@ class SlewTime:
         return np.asarray((w * w / (2.0 * peak_rad_s) - w) / self.acceleration_rad_s2)
 
 
-def slew_time(spacecraft: AgileSpacecraft, momentum_eci_n_m_s: Array) -> SlewTime:
-    """The table for a spacecraft's limits, and what body and gyros hold, (3,)."""
+def slew_time(platform: BodyPlatform) -> SlewTime:
+    """The table for a body's limits."""
     angles_rad = np.deg2rad(ANGLES_DEG)
-    axis_body = np.eye(3)[int(np.argmax(spacecraft.inertia_kg_m2))]
-    problems = [
-        AttitudeSlewProblem(
-            start=EndState.at_rest(Rotation.identity()),
-            end=EndState.at_rest(Rotation.from_rotvec(-angle_rad * axis_body)),
-            momentum_eci_n_m_s=np.zeros(3),
-            inertia_kg_m2=np.array(spacecraft.inertia_kg_m2),
-            limits=spacecraft.slew,
-        )
-        for angle_rad in angles_rad
-    ]
-    durations_s = np.array([eigenaxis_slew(problem).duration_s for problem in problems])
-    extra_s = OPTIONS.allowance_s + TICK_S + spacecraft.slew.settle_s
+    rate, acceleration, jerk = agility_limits(platform).by_order.min(axis=0).tolist()
+    durations_s = np.array(
+        [quickest_angle(angle, rate, acceleration, jerk).x[-1] for angle in angles_rad.tolist()]
+    )
+    extra_s = OPTIONS.allowance_s + platform.envelope.settle_s
     return SlewTime(
         angles_rad=angles_rad,
         seconds=OPTIONS.smooth * durations_s + extra_s,
-        rate_rad_s=min(spacecraft.slew.rate_axis_rad_s, spacecraft.slew.rate_rad_s),
-        acceleration_rad_s2=spacecraft.slew.torque_n_m / max(spacecraft.inertia_kg_m2),
-        inertia_kg_m2=max(spacecraft.inertia_kg_m2),
-        momentum_eci_n_m_s=momentum_eci_n_m_s,
-        sphere_n_m_s=spacecraft.slew.momentum_sphere_n_m_s,
+        rate_rad_s=rate,
+        acceleration_rad_s2=acceleration,
     )

@@ -1,1 +1,0 @@
-"""Slews from one moving attitude to another within the spacecraft's limits."""
