@@ -13,10 +13,11 @@ from planner.base.arrays import Array, Mask
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.verification.clock import elapsed_us, tt_s
 from planner.verification.earth import earth_orientation
-from planner.verification.earth_fixed import WGS84, vertical
+from planner.verification.earth_fixed import vertical
 from planner.verification.platforms.judge import FlownInstants, Judge
 from planner.verification.report import Finding, Reserve
 from planner.verification.sky import EARTH, SUN, limb_clearance_rad, r_body_bary_m, tdb_s
+from planner.verification.terrain import WGS84
 from planner.world.frames.time_scales import Instants, shifted_utc
 from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.resources import Station

@@ -303,7 +303,8 @@ def _flown(scenario: Scenario) -> FlightPlan:
     rows = [session_rows(session, epoch_utc) for session in scenario.sessions]
     effort.charge(table_work(scenario, rows[-1].stop))
     ephemeris = ephemeris_over(scenario, rows)
-    joins, mover = sequence_sessions(scenario, ephemeris, prove=False), mover_of(scenario)
+    mover = mover_of(scenario)
+    joins = sequence_sessions(scenario, ephemeris, mover, prove=False)
     whole = mover.with_final_slew(ephemeris, joins)
     final, _ = sessions_after_conflicts(scenario, joins)
     return FlightPlan(
