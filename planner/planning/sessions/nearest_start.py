@@ -136,7 +136,7 @@ class NearestStartOptions:
     attempts: int = 60  # rows gone through either way of moving a session
     search: int = 500_000  # of `effort`: five seconds for either direction of moving a session
     search_share: float = 0.6  # and of what work is left
-    slews_share: float = 0.85  # of that, for slews to a session moved; then the whole is planned
+    slews_share: float = 0.75  # of that, for slews to a session moved; then the whole is planned
     refusals: int = 4  # starts that would cost other sessions, before such a one is named
     # a carrier lower than that is three times as far off, or more
     useful_elevation_deg: float = 10.0
@@ -348,11 +348,13 @@ def _search_rows(
     as far as there are any, negative: not one.
     """
     reach_rows, refusals, failures = -1, 0, 0
+    tried: set[int] = {wanted_row}
     candidates = list(islice(rows, OPTIONS.attempts))
     with _search_of(trials):
         for row in candidates:
             may = trials.ends_may(row) and trials.may_succeed(row)
-            session = _nearest_feasible(trials, row, wanted_row) if may else None
+            session = _nearest_feasible(trials, row, wanted_row, tried) if may else None
+            tried |= {row} if may else set()
             reach_rows = abs(row - wanted_row)
             if session is not None and others.stay_as_asked(session):
                 return session, reach_rows
@@ -365,8 +367,11 @@ def _search_rows(
     return None, reach_rows
 
 
-def _nearest_feasible(trials: Trials, row: int, wanted_row: int) -> Session | None:
-    """Step from a row that may succeed back to its failed neighbour; then solved, row by row."""
+def _nearest_feasible(trials: Trials, row: int, wanted_row: int, tried: set[int]) -> Session | None:
+    """Step from a row that may succeed back to its failed neighbour; then solved, row by row.
+
+    tried: the wanted row, and those from which this was done.
+    """
     away = 1 if row >= wanted_row else -1
 
     def nearest_row(may: Callable[[int], bool]) -> int:
@@ -388,7 +393,7 @@ def _nearest_feasible(trials: Trials, row: int, wanted_row: int) -> Session | No
             surer = nearest_row(lambda at: trials.ends_may(at) and trials.may_succeed(at))
             for nearer in _ever_nearer(trials, surer, away, first):
                 found = nearer
-        for nearer in _row_by_row(trials, found, wanted_row):
+        for nearer in _row_by_row(trials, found, away, tried):
             found = nearer
     return found
 
@@ -423,15 +428,17 @@ def _ever_nearer(trials: Trials, row: int, away: int, failed: int) -> Iterator[S
             bad = min(max(middle, trials.needed_row - 1), good - 1)
 
 
-def _row_by_row(trials: Trials, found: Session | None, wanted_row: int) -> Iterator[Session]:
+def _row_by_row(
+    trials: Trials, found: Session | None, away: int, tried: set[int]
+) -> Iterator[Session]:
     """Sessions that are nearer than the one found, where closed forms can't tell of a slew: what
     they, or least times that were found, leave out may be possible."""
-    row = wanted_row
-    if found is not None and trials.mover.start_search.is_quick:
-        row = session_rows(found, trials.refused.epoch_utc).start
-    while row != wanted_row:
-        row += 1 if row < wanted_row else -1
-        nearer = trials.feasible_session(row)
+    if found is None or not trials.mover.start_search.is_quick:
+        return
+    row = session_rows(found, trials.refused.epoch_utc).start
+    while row not in tried:
+        row -= away
+        nearer = trials.feasible_session(row) if row not in tried else None
         if nearer is None:
             return
         yield nearer

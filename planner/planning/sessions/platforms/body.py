@@ -115,7 +115,7 @@ class BodyMover:
 
     # Its least time is found, not known in closed form, and a slew that isn't found is dear.
     start_search: ClassVar = StartSearch(
-        slews=9, growth=2, failures=2, work_rows=200_000, is_quick=True
+        slews=9, growth=2, failures=2, work_rows=240_000, is_quick=True
     )
 
     def __init__(self, scenario: Scenario) -> None:
