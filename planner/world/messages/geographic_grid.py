@@ -233,6 +233,8 @@ def _pixels(content: bytes, rows: int, columns: int) -> Array:
     # Half a second to load, which only a grid should pay.
     import cv2
 
+    # Each tag that OpenCV doesn't know would be told on stderr, and those that say where are such.
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     try:
         pixels = cv2.imdecode(np.frombuffer(content, dtype=np.uint8), cv2.IMREAD_UNCHANGED)
     except cv2.error:
