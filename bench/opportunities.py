@@ -7,14 +7,15 @@ the axes, sunlight, Sun and Moon at five samples; the whole request of a first p
 JSON; of all windows; and windows and sessions of a body, smallsat-120kg, by its exclusions, its
 rate and its roll rule, which no peer asks for: fewer windows, looked at second by second.
 
-    OMP_NUM_THREADS=1 python bench/opportunities.py [--targets 20 300 1000] [--days 7]
+    python bench/opportunities.py [--targets 20 300 1000] [--days 7]
 
 `--carriers 100 --targets 10000 --days 1` instead finds the windows of so many carriers, each a
 task with all targets, by one and two workers of dask.distributed and by two threads; one of the
 workers is killed in the middle, and nothing may be lost.  Beside the time each took stands the
 busiest worker's of the processor, which is what it would take on a machine with nothing else to do.
 
-Times are of the processor (all threads), which other work on the machine changes least; the
+Times are of the processor (all threads, so that those of linear algebra must not wait beside each
+other: tables of the carrier would count twice), which other work on the machine changes least; the
 best of three for ours.  Earth orientation is the same finals2000A in all three.
 
 Why edges differ: find_events bisects to half a second; ours lie within 0.1 ms of where
@@ -23,10 +24,13 @@ brahe's carrier runs 75 m, 10 ms, ahead of the other two's.  All mean the same e
 geometric, over the plane of the WGS84 ellipsoid, without refraction or light time.
 """
 
+import os
+
+os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
+
 import argparse
 import hashlib
 import json
-import os
 import resource
 import signal
 import time
