@@ -17,7 +17,6 @@ from planner.base.errors import (
     VerificationFailed,
 )
 from planner.base.reporting import Reporter, tell_nobody
-from planner.base.rotation import Rotation
 from planner.spacecraft.export import SessionTable
 from planner.spacecraft.flight.report import StabilisationReport
 from planner.spacecraft.flight.simulation import fly_many
@@ -32,10 +31,9 @@ from planner.spacecraft.imaging.choose import Choice
 from planner.spacecraft.imaging.session import ImagingSession, make_session
 from planner.spacecraft.imaging.timeline import PlannedSlew, Timeline
 from planner.spacecraft.requests import ImagingPlanRequest, LeftOut
-from planner.spacecraft.table import AttitudeTable, camera_on
+from planner.spacecraft.table import AttitudeTable
 from planner.spacecraft.verification import SpacecraftVerification, verify_table
 from planner.verification import verify
-from planner.world.platforms.steering import gimbal_rows, total_momentum_eci
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,7 +123,7 @@ def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, gentler: bool = T
         raise _search_ended(request)
     timeline, warnings = chosen.timeline, chosen.warnings
     tell("gimbals", 0, 1)
-    table = make_table(session, timeline)
+    table = make_table(timeline)
     tell("verification", 0, 1)
     judged = verify(timeline.table, timeline.scenario)
     if not judged.passed:
@@ -196,33 +194,16 @@ def _refuse_momentum(request: ImagingPlanRequest) -> None:
         )
 
 
-def make_table(session: ImagingSession, timeline: Timeline) -> AttitudeTable:
-    """Rows of a timeline with the gimbal angles and rates that fly it."""
-    spacecraft, flown = session.spacecraft, timeline.table
-    assert flown.acceleration_rad_s2 is not None  # a body's table has it
-    inertia_kg_m2 = np.array(spacecraft.inertia_kg_m2)
-    omega_body_rad_s = flown.rate_rad_s
-    rows = len(omega_body_rad_s)
-    states = session.ephemeris.states(session.instants(flown.t_s))
-    q_eci_from_body = Rotation.from_quat(flown.position)
-    q_body_from_eci = q_eci_from_body.inv()
-    gyros_body_n_m_s = np.array(session.request.settings.momentum_n_m_s)
-    total_eci_n_m_s = total_momentum_eci(
-        q_body_from_eci,
-        q_eci_from_body[0].apply(inertia_kg_m2 * omega_body_rad_s[0] + gyros_body_n_m_s),
-        states.r_sat_eci_m,
-        np.diag(inertia_kg_m2),
-    )
-    gimbal_rad, gimbal_rate_rad_s = gimbal_rows(
-        spacecraft.array,
-        q_body_from_eci.apply(total_eci_n_m_s) - inertia_kg_m2 * omega_body_rad_s,
-        camera_on(timeline.windows, rows),
-        spacecraft.gains.null_gain_rad_s,
-    )
+def make_table(timeline: Timeline) -> AttitudeTable:
+    """Rows of a timeline as the closed loop flies them."""
+    flown = timeline.table
+    assert flown.acceleration_rad_s2 is not None  # a body's table has it,
+    assert flown.extra_rad is not None  # and of gyros their gimbals
+    gimbal_rad, gimbal_rate_rad_s = np.hsplit(flown.extra_rad, 2)
     return AttitudeTable(
-        epoch_utc=session.epoch_utc,
+        epoch_utc=flown.epoch_utc,
         eci_from_body_xyzw=flown.position,
-        omega_body_rad_s=omega_body_rad_s,
+        omega_body_rad_s=flown.rate_rad_s,
         alpha_body_rad_s2=flown.acceleration_rad_s2,
         gimbal_rad=gimbal_rad,
         gimbal_rate_rad_s=gimbal_rate_rad_s,

@@ -1,6 +1,6 @@
-"""The judge of a table: whether it does what was asked, within the spacecraft's limits.
+"""The judge of a session: whether its table images what was asked; limits are the body's judge's.
 
-It sees the table and the request: no candidate, no profile, no solver.  Ground points come
+It sees the table and the request: no candidate, no slew, no solver.  Ground points come
 from its own intersection of the optical axis with the ellipsoid.
 """
 
@@ -38,14 +38,8 @@ class Tolerances:
     # of the swath: strips of full width side by side on a round Earth
     coverage: float = 1e-3
     drift_rad: float = 1e-4  # over 32 TDI lines: 0.003 pixel
-    kinematic_rad: float = 5e-6  # 1 arcsec: torque rate steps of 40 N m/s inside a row
-    # between what is stored and what torques have added up to
-    momentum_n_m_s: float = 0.02
-    limit: float = 2e-3  # relative: planned on rows, the quintic swings between them
     # the last part of a tick may scan past the arc's end and its limit
     angle_deg: float = 0.2
-    unit: float = 1e-9  # of a quaternion's length: rounding
-    gimbal_rad: float = 1e-9  # of an angle: rounding, summed over a session
 
 
 TOLERANCES = Tolerances()
@@ -91,7 +85,6 @@ class TableExtremes:
     """Extremes of a table, between rows too."""
 
     rate_max_deg_s: Annotated[Array, Member(least=0.0)]
-    rate_magnitude_deg_s: Internal[float]
     torque_max_n_m: NotNegative
     momentum_max_n_m_s: NotNegative
     gimbal_rate_max_deg_s: NotNegative
@@ -132,8 +125,6 @@ def verify_table(table: AttitudeTable, request: ImagingPlanRequest) -> Spacecraf
     extremes = _table_extremes(session)
     windows = tuple(_verified_window(session, window) for window in table.windows)
     findings = (
-        *_structure_findings(table),
-        *_limit_findings(extremes, session.spacecraft),
         *(finding for window in windows for finding in _ground_findings(window, session)),
         *_coverage_findings(session),
     )
@@ -173,7 +164,6 @@ def _table_extremes(session: _Session) -> TableExtremes:
     )
     return TableExtremes(
         rate_max_deg_s=np.rad2deg(np.max(np.abs(omega_body_rad_s), axis=0)),
-        rate_magnitude_deg_s=float(np.rad2deg(np.max(np.linalg.norm(omega_body_rad_s, axis=1)))),
         torque_max_n_m=float(np.max(np.linalg.norm(torque_n_m, axis=1))),
         momentum_max_n_m_s=float(np.max(np.linalg.norm(stored_n_m_s, axis=1))),
         gimbal_rate_max_deg_s=float(np.rad2deg(np.max(np.abs(table.gimbal_rate_rad_s)))),
@@ -200,54 +190,6 @@ def _needed_momentum_n_m_s(session: _Session, inertia_kg_m2: Array) -> Array:
     start_eci_n_m_s = q_eci_from_body[0].apply(momentum_body_n_m_s[0] + gyros_body_n_m_s)
     total_eci_n_m_s = start_eci_n_m_s + np.vstack([np.zeros(3), impulse_n_m_s])
     return np.asarray(q_body_from_eci.apply(total_eci_n_m_s) - momentum_body_n_m_s)
-
-
-def _structure_findings(table: AttitudeTable) -> Iterator[str]:
-    q_eci_from_body_xyzw = table.eci_from_body_xyzw
-    columns = (column for column in vars(table).values() if isinstance(column, np.ndarray))
-    if not all(np.isfinite(column).all() for column in columns):
-        yield "a value is not a finite number"
-    if np.max(np.abs(np.linalg.norm(q_eci_from_body_xyzw, axis=1) - 1.0)) > TOLERANCES.unit:
-        yield "a quaternion is not of unit length"
-    miss_rad = _kinematic_miss_rad(table)
-    if miss_rad > TOLERANCES.kinematic_rad:
-        yield f"attitude and rate disagree by {np.rad2deg(miss_rad) * 3600:.3f} arcsec over one row"
-    next_rad = table.gimbal_rad[:-1] + TICK_S * table.gimbal_rate_rad_s[:-1]
-    if np.max(np.abs(next_rad - table.gimbal_rad[1:])) > TOLERANCES.gimbal_rad:
-        yield "gimbal angles and rates disagree"
-    ends = [0, *(window.last_row for window in table.windows)]
-    if any(
-        window.first_row < end or window.last_row <= window.first_row
-        for window, end in zip(table.windows, ends, strict=False)
-    ):
-        yield "imaging intervals overlap or run backwards"
-
-
-def _kinematic_miss_rad(table: AttitudeTable) -> float:
-    """Largest difference of the rotation over a row and that which its ends' rates give."""
-    q_body_from_eci = table.q_body_from_eci
-    turn_rad = (q_body_from_eci[:-1] * q_body_from_eci[1:].inv()).as_rotvec()
-    omega, alpha = table.omega_body_rad_s, table.alpha_body_rad_s2
-    mean_rad_s = 0.5 * (omega[1:] + omega[:-1]) + TICK_S / 12.0 * (alpha[:-1] - alpha[1:])
-    # The rotation vector of a short step: the mean rate plus half the rates' coning.
-    expected_rad = TICK_S * mean_rad_s + TICK_S**2 / 12.0 * np.cross(omega[:-1], omega[1:])
-    return float(np.max(np.linalg.norm(turn_rad - expected_rad, axis=1)))
-
-
-def _limit_findings(extremes: TableExtremes, spacecraft: AgileSpacecraft) -> Iterator[str]:
-    slew, array = spacecraft.slew, spacecraft.array
-    axis_deg_s, all_deg_s = float(np.max(extremes.rate_max_deg_s)), extremes.rate_magnitude_deg_s
-    mismatch_n_m_s = extremes.momentum_mismatch_n_m_s
-    for what, value, limit in (
-        ("body rate, deg/s", axis_deg_s, math.degrees(slew.rate_axis_rad_s)),
-        ("body rate's magnitude, deg/s", all_deg_s, math.degrees(slew.rate_rad_s)),
-        ("control torque, N m", extremes.torque_max_n_m, slew.torque_n_m),
-        ("gyro momentum, N m s", extremes.momentum_max_n_m_s, slew.momentum_sphere_n_m_s),
-        ("gimbal rate, deg/s", extremes.gimbal_rate_max_deg_s, math.degrees(array.rate_max_rad_s)),
-        ("momentum mismatch, N m s", mismatch_n_m_s, TOLERANCES.momentum_n_m_s),
-    ):
-        if value > limit * (1.0 + TOLERANCES.limit):
-            yield f"{what}: {value:.4g} exceeds {limit:.4g}"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
