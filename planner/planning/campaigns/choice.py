@@ -526,19 +526,17 @@ class _Search:
             self.best, self.value = passes, value
 
     def fill_exactly(self) -> None:
-        """Each pass with scans, of a choice that isn't near the bound, is filled by the best path,
-        not one that a better label at a place may have hidden: with its groups, or with one more,
-        less or another."""
+        """Each pass with scans is filled by the best path, not one that a better label at a place
+        may have hidden: with its groups, or with one more, less or another."""
         tries = self._options.group_tries
         for number, network in enumerate(self._networks):
-            is_better = bool(network.scanned.any()) and not self._is_near()
+            is_better = bool(network.scanned.any())
             while is_better and tries > 0:
                 is_better = False
                 for out in self._exchanges(number):
-                    if tries <= 0 or self._is_near():
-                        break
-                    tries -= 1
-                    is_better |= self._fill_exactly(number, out)
+                    if tries > 0:
+                        tries -= 1
+                        is_better |= self._fill_exactly(number, out)
 
     def _exchanges(self, number: int) -> Iterator[tuple[int, ...]]:
         """Groups that may be put into a pass or taken out of it: none, one, or one for another."""
