@@ -643,6 +643,7 @@ def bound_at(
     """
     labels_max = min(options.pass_labels_max, options.bound_labels_max // max(len(networks), 1))
     worth = looking.less_prices(price)
-    return float(looking.allowed(price) @ price) + sum(
+    priced = float(looking.allowed(price) @ price) + sum(
         path_bound(one, worth, labels_max) for one in networks
     )
+    return min(priced, float(looking.look_limit @ looking.look_value.max(axis=1, initial=0.0)))

@@ -14,7 +14,8 @@ class ChosenLook:
 
     target: id of the target, as the request gives it.
     part: of an imaging mode, number of the scan from 1; `of` of the plan's session says the target.
-    parts: number of scans that the mode is done by in this pass.
+    E.g. `2`.
+    parts: number of scans that the mode is done by in this pass. E.g. `3`.
     start_utc: from when; UTC.
     stop_utc: until when; UTC.
     value: worth of the look.
