@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from app.answers.campaign import CampaignChoiceOut
 from app.answers.members import to_json, to_members
 from app.requests.campaign import read_campaign_request
+from app.requests.json_writer import json_fields
 from app.requests.plan import write_plan_request
 from app.store.listing import Listing
 from app.work.progress import report
@@ -65,7 +66,10 @@ def _part(
     scenario = scenario_of(request, flight, number)
     carried = _CARRIED_OVER if scenario.slew == request.slew else _CARRIED_OVER[:-1]
     words = {name: document[name] for name in carried if name in document}
-    target_words = [document["targets"][look.row]["target"] for look in flight.looks]
+    target_words = [
+        document["targets"][look.row]["target"] if look.path is None else json_fields(look.path)
+        for look in flight.looks
+    ]
     if any("terrain" in told for told in (document, *target_words)):
         target_words = []  # the heights are written out: no pass holds the grid
     looks = [to_members(look) for look in flight.looks]
@@ -108,22 +112,26 @@ def plan_pass(part: Part) -> tuple[Part, Result | Refusal]:
 
 
 def without_refused(part: Part, field: str | None, detail: str) -> Part | None:
-    """The pass without the look that can't be flown, or else the one of least worth.
+    """The pass without the look that can't be flown, or else the one of least worth; of an imaging
+    mode without any of its scans.
 
     None when no look would be left.  field: the refusal's.
     """
-    looks = list(part.facts["looks"])
-    if len(looks) < 2:
-        return None
+    looks = part.facts["looks"]
     row = int(named[1]) if (named := _SESSION.match(field or "")) else len(looks)
     if row >= len(looks):
         row = min(range(len(looks)), key=lambda number: looks[number]["value"])
+    refused = looks[row]["target"]
+    kept = [look for look in looks if look["target"] != refused]
+    if not kept:
+        return None
     request = json.loads(part.request)
-    del request["sessions"][row]
-    left_out = {"target": looks.pop(row)["target"], "because": detail}
+    sessions = request["sessions"]
+    request["sessions"] = [s for s in sessions if (s.get("of") or s.get("id")) != refused]
+    left_out = {"target": refused, "because": detail}
     return replace(
         part,
         request=json.dumps(request).encode(),
-        listing=_listing(part.listing.platform, looks),
-        facts={**part.facts, "looks": looks, "left_out": [*part.facts["left_out"], left_out]},
+        listing=_listing(part.listing.platform, kept),
+        facts={**part.facts, "looks": kept, "left_out": [*part.facts["left_out"], left_out]},
     )

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
+from app.requests.plan import read_plan_request
 from app.work.plan import stored_table_file
 from planner.base.answer_members import member_names
 from planner.base.csv_cells import csv_lines
@@ -14,7 +15,6 @@ from planner.output.export.geojson import geojson_of
 from planner.output.export.kml import kml_of
 from planner.output.export.map_features import MapFeature, PlanMap
 from planner.output.export.plan_map import target_features
-from planner.planning.campaigns import CampaignRequest
 from planner.planning.campaigns.chosen import ChosenLook
 from planner.world.frames.time_scales import utc_from_text
 
@@ -59,7 +59,7 @@ def campaign_file(media_type: str, body: bytes, passes: Sequence[MadePass]) -> b
         return _archive(passes)
     request = read_campaign_request(body)
     notes = ("looks at targets in the sky have no place on a map",)
-    features = tuple(_map_features(request, passes))
+    features = tuple(_map_features(passes))
     return _MAPS[media_type](PlanMap(name=request.name, notes=notes, features=features))
 
 
@@ -74,15 +74,15 @@ def looks_csv(looks: Iterable[tuple[int, Mapping[str, Any]]]) -> str:
     return csv_lines([["pass", *names], *rows])
 
 
-def _map_features(request: CampaignRequest, passes: Sequence[MadePass]) -> Iterator[MapFeature]:
-    target_by_id = {wanted.id: wanted.target for wanted in request.targets}
+def _map_features(passes: Sequence[MadePass]) -> Iterator[MapFeature]:
     for one in passes:
-        for look in one.looks:
+        sessions = read_plan_request(one.request).sessions
+        for look, session in zip(one.looks, sessions, strict=False):  # then a rest
             members = dict(look)
             label, *times = (members.pop(name) for name in ("target", "start", "stop"))
             start_utc, stop_utc = map(utc_from_text, times)
             facts = {"pass": one.number, "plan": one.plan, **members}
-            yield from target_features(target_by_id[label], (start_utc, stop_utc), label, facts)
+            yield from target_features(session.target, (start_utc, stop_utc), label, facts)
 
 
 def _archive(passes: Sequence[MadePass]) -> bytes:

@@ -34,7 +34,7 @@ REGISTRIES = [
     ("OpportunityRequest", "orbit", "source", ORBITS),
     ("OpportunityRequest", "attitude", "law", ATTITUDES),
     ("OpportunityTarget", "target", "mode", WITH_WINDOWS),
-    ("CampaignTarget", "target", "mode", WITH_WINDOWS),
+    ("CampaignTarget", "target", "mode", WITH_WINDOWS | IMAGING_MODES),
 ]
 REGISTERED = {(schema, field): registry for schema, field, _, registry in REGISTRIES}
 VERBS = {"Cancel", "Check", "Choose", "Compare", "Delete", "Estimate", "Fly", "Get", "List"}

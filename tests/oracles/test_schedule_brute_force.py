@@ -238,6 +238,7 @@ def random_pass(seed):
         arrival=np.concatenate(arrival).astype(np.int32),
         reach=reach,
         begins=np.ones(int(steps.sum()), bool),
+        scanned=np.zeros(10, bool),
     )
     value = random.uniform(1.0, 2.0, (5, 1)) * [0.6, 1.0]
     return network, Worth(np.tile([2, 4], (5, 1)), value, random.uniform(0.0, 0.3, 5))

@@ -4,16 +4,18 @@ import functools
 import itertools
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from datetime import datetime
+from typing import NamedTuple
 
 import numpy as np
 
 from planner.base.arrays import Array, Indices
 from planner.base.commands import COMMAND_STEP_S
 from planner.base.reporting import Reporter, tell_nobody
+from planner.planning.campaigns.candidates import Candidate, candidates_of, scan_roll
 from planner.planning.campaigns.choice import CampaignChoice, FirstUnheld, Looking, bound_at, choose
 from planner.planning.campaigns.chosen import ChosenLook, UnchosenTarget
 from planner.planning.campaigns.displaced import Displaced, displaced_by
@@ -25,13 +27,15 @@ from planner.planning.campaigns.platforms.registry import follower_of
 from planner.planning.campaigns.request import BOUNDS as CAMPAIGN_BOUNDS
 from planner.planning.campaigns.request import CampaignRequest
 from planner.planning.campaigns.view import Viewing
-from planner.planning.campaigns.ways import Ways, ways_to_follow
+from planner.planning.campaigns.ways import ScannedLook, Ways, ways_to_follow
 from planner.planning.opportunities import Windows, opportunities_however_many
 from planner.planning.opportunities.carrier import Carrier
 from planner.planning.opportunities.closing import Closing, Unseen
+from planner.planning.opportunities.scans import Scans, scans_by_pass
 from planner.planning.opportunities.unseen import unseen_because
 from planner.world.frames.time_scales import shifted_utc, utc_text
 from planner.world.scenario import Scenario, Session
+from planner.world.targets import GroundPathTarget, ImagingMode
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,21 +86,34 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> C
     tell("opportunities", 0, 1)
     follower = follower_of(request)
     grid_s = _first_row_s(request)
-    found = opportunities_however_many(request.opportunities())
-    looks = _looks_in_passes(request, found.windows, follower)
-    tell("ways", 0, 1)
     ephemeris = request.orbit.ephemeris(request.start, request.stop)
     carrier = follower.carrier(ephemeris)
+    found = opportunities_however_many(request.opportunities())
+    scans = scans_by_pass(request, request.modes, carrier, request.step_s)
+    candidates = candidates_of(request, scans.found)
+    windows = _windows_of(candidates, found.windows, follower.settle_s)
+    looks = _looks_in_passes(request, candidates, windows, follower)
+    tell("ways", 0, 1)
     viewing = Viewing(weights=request.view, ephemeris=ephemeris, follower=follower)
-    looking = _looking_of(request, follower.settle_s)
+    looking = _looking_of(request, candidates, follower.settle_s)
     shortest = looking.length_steps[:, 0]
+    scanned = {
+        number: ScannedLook(
+            path_at=_path_at(one),
+            roll=scan_roll(request, one.wanted),
+            settle_steps=looking.settle_steps,
+            scan_steps=int(shortest[number]) - looking.settle_steps,
+        )
+        for number, one in enumerate(candidates)
+        if one.scans
+    }
     ways = ways_to_follow(
-        looks, request.targets, shortest, carrier, viewing, request.step_s, grid_s
+        looks, candidates, scanned, shortest, carrier, viewing, request.step_s, grid_s
     )
     networks = _build_networks(ways, shortest, follower, tell)
-    first_unheld = _first_unheld_by(request, ways, follower, carrier, grid_s)
+    first_unheld = _first_unheld_by(request, candidates, ways, follower, carrier, grid_s)
     seen = set(np.unique(ways.target).tolist())
-    unseen = [row for row in range(len(request.targets)) if row not in seen]
+    unseen = [number for number in range(len(candidates)) if number not in seen]
     # A group that lacks a target is worth nothing.
     hopeful = ~np.isin(looking.group, looking.group[unseen]) | (looking.group < 0)
     hopeful_looking = replace(looking, look_value=looking.look_value * hopeful[:, None])
@@ -107,30 +124,38 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> C
     with _thread_count() as threads:
         optimistic = list(threads.map(lambda one: relax(one, ways, shortest, limits), networks))
     bound = bound_at(optimistic, hopeful_looking, choice.price)
-    looked_at = {look.target for one in choice.passes for look in one}
+    looked_at = {candidates[look.target].row for one in choice.passes for look in one}
     left_out = displaced_by(
         networks,
         choice.passes,
-        looking.less_prices(np.zeros(len(request.targets))),
-        np.array(sorted(seen - looked_at), np.intp),
+        looking.less_prices(np.zeros(len(candidates))),
+        np.array(
+            sorted(number for number in seen if candidates[number].row not in looked_at), np.intp
+        ),
+    )
+    told = _left_out(request, candidates, left_out, grid_s, unseen)
+    hidden = sorted(
+        {one.row for one in candidates}.union(scans.because).difference(
+            looked_at, (one.row for one in told)
+        )
     )
     return Campaign(
-        passes=_in_utc(request, choice, grid_s, carrier, viewing),
+        passes=_in_utc(request, candidates, choice, grid_s, carrier, viewing),
         value=choice.value,
         bound=max(bound, choice.value),
         greedy_value=choice.greedy_value,
-        windows=len(found.windows),
+        windows=len(windows.target),
         unseen=unseen_because(
             request.opportunities(),
             carrier,
-            unseen,
+            hidden,
             {
-                row: _closed_later(request, row, found.windows, looks, follower)
-                for row in unseen
-                if (found.windows.target == row).any()
+                row: _closed_later(request, candidates, row, windows, looks, scans, follower)
+                for row in hidden
+                if row in request.modes or (found.windows.target == row).any()
             },
         ),
-        left_out=tuple(_left_out(request, one, grid_s, unseen) for one in left_out),
+        left_out=told,
         warnings=found.warnings,
     )
 
@@ -138,7 +163,8 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> C
 def scenario_of(request: CampaignRequest, flight: ChosenPass, number: int) -> Scenario:
     """The pass as it is to be planned: from rest over all observations to rest.
 
-    What a slew lacks, its neighbours give: slew times were estimated without stops.
+    What a slew lacks, its neighbours give where none of them scans: slew times were estimated
+    without stops.
     """
     ends = follower_of(request).pass_ends(flight.start_utc, flight.stop_utc)
     return Scenario(
@@ -148,21 +174,40 @@ def scenario_of(request: CampaignRequest, flight: ChosenPass, number: int) -> Sc
         platform=request.platform,
         initial_state=ends.initial_state,
         sessions=(
-            *(
-                Session(
-                    id=look.target,
-                    target=request.targets[look.row].target.with_heights(),
-                    start=look.start_utc,
-                    stop=look.stop_utc,
-                    roll=request.targets[look.row].roll,
-                )
-                for look in flight.looks
-            ),
+            *(_session_of(request, look) for look in flight.looks),
             *ends.rest,
         ),
         slew=ends.slew,
-        on_conflict="least_loss",
+        # What a slew took from a scan would be missing from its line.
+        on_conflict="refuse" if any(look.path for look in flight.looks) else "least_loss",
         final_state=ends.final_state,
+    )
+
+
+def _path_at(one: Candidate) -> Callable[[float], GroundPathTarget]:
+    return lambda begin_s: one.scan_at(begin_s).path
+
+
+def _session_of(request: CampaignRequest, look: ChosenLook) -> Session:
+    wanted = request.targets[look.row]
+    if look.path is None:
+        assert not isinstance(wanted.target, ImagingMode)
+        return Session(
+            id=look.target,
+            target=wanted.target.with_heights(),
+            start=look.start_utc,
+            stop=look.stop_utc,
+            roll=wanted.roll,
+        )
+    is_alone = look.parts == 1
+    return Session(
+        id=look.target if is_alone else f"{look.target}-{look.part}",
+        name=None if is_alone else f"{look.target} {look.part}/{look.parts}",
+        target=look.path.with_heights(),
+        start=look.start_utc,
+        stop=look.stop_utc,
+        roll=scan_roll(request, wanted),
+        of=look.target,
     )
 
 
@@ -172,18 +217,40 @@ def _first_row_s(request: CampaignRequest) -> float:
     return (-request.start.microsecond % row_us) / 1e6
 
 
-def _least_s(request: CampaignRequest) -> Array:
-    return np.array([wanted.lengths_s[0] for wanted in request.targets])
+class _Windows(NamedTuple):
+    """When candidates can be looked at, (n,) each."""
+
+    target: Indices
+    rise_s: Array
+    set_s: Array
 
 
-def _looks_in_passes(request: CampaignRequest, windows: Windows, follower: Follower) -> Looks:
-    least_s, rest_s = _least_s(request), follower.rest_s
+def _windows_of(candidates: Sequence[Candidate], found: Windows, settle_s: float) -> _Windows:
+    """Of targets as found, of scans from the first begin, and settling before it, to the last
+    one's end."""
+    parts = []
+    for number, one in enumerate(candidates):
+        own = found.target == one.row
+        spans_s = np.stack([found.rise_s[own], found.set_s[own]], axis=1)
+        if one.scans:
+            begins_s = np.concatenate([scan.begins_s for scan in one.scans])
+            spans_s = begins_s + np.array([-settle_s, one.lengths_s[0]])
+        parts.append(np.insert(spans_s, 0, number, axis=1))
+    columns = np.concatenate(parts).T if parts else np.empty((3, 0))
+    return _Windows(columns[0].astype(np.intp), columns[1], columns[2])
+
+
+def _looks_in_passes(
+    request: CampaignRequest, candidates: Sequence[Candidate], windows: _Windows, follower: Follower
+) -> Looks:
+    least_s, rest_s = np.array([one.lengths_s[0] for one in candidates]), follower.rest_s
     sessions_max = SESSIONS_MAX - 2
-    # Every observation is followed by one step of slewing at least, and each target has but one.
-    shortest_s = float(least_s.min()) + request.step_s
+    # Every observation is followed by one step of slewing at least, and each candidate has but one.
+    shortest_s = float(least_s.min(initial=math.inf)) + request.step_s
     crowded_s = sessions_max * shortest_s if len(least_s) > sessions_max else math.inf
     # Its settling ends, and it begins, on the grid.
-    whole_s = request.longest_s + follower.settle_s + 3.0 * request.step_s
+    longest_s = max((one.lengths_s[-1] for one in candidates), default=0.0)
+    whole_s = longest_s + follower.settle_s + 3.0 * request.step_s
     return in_passes(
         windows.target,
         np.maximum(windows.rise_s, rest_s + COMMAND_STEP_S),
@@ -195,41 +262,61 @@ def _looks_in_passes(request: CampaignRequest, windows: Windows, follower: Follo
     )
 
 
-def _looking_of(request: CampaignRequest, settle_s: float) -> Looking:
+def _looking_of(
+    request: CampaignRequest, candidates: Sequence[Candidate], settle_s: float
+) -> Looking:
     settle_steps = math.ceil(settle_s / request.step_s - 1e-9)
-    names = [wanted.group for wanted in request.targets]
-    number = {
-        name: n for n, name in enumerate(dict.fromkeys(name for name in names if name is not None))
-    }
-    length_steps = np.zeros((len(request.targets), CAMPAIGN_BOUNDS.lengths), np.intp)
-    look_value = np.zeros((len(request.targets), CAMPAIGN_BOUNDS.lengths))
-    for row, wanted in enumerate(request.targets):
-        for place, length_s in enumerate(wanted.lengths_s):
-            length_steps[row, place] = settle_steps + math.ceil(length_s / request.step_s - 1e-9)
-            look_value[row, place] = wanted.worth_value(length_s)
+    # A group by its name, the scans of a mode in one pass by that, and what each is a way to do.
+    names: dict[object, int] = {}
+    things: dict[object, int] = {}
+    group, way_to, way_limit = np.full(len(candidates), -1, np.intp), [], []
+    length_steps = np.zeros((len(candidates), CAMPAIGN_BOUNDS.lengths), np.intp)
+    look_value = np.zeros((len(candidates), CAMPAIGN_BOUNDS.lengths))
+    for number, one in enumerate(candidates):
+        for place, length_s in enumerate(one.lengths_s):
+            length_steps[number, place] = settle_steps + math.ceil(length_s / request.step_s - 1e-9)
+            look_value[number, place] = one.worth_value(length_s)
+        name = one.scans[0].pass_number if one.is_part else one.wanted.group
+        if name is None:
+            continue
+        if name not in names:
+            names[name] = len(names)
+            thing = one.row if one.is_part else one.wanted.group
+            if thing not in things:
+                things[thing] = len(things)
+                way_limit.append(float(one.wanted.looks))
+            way_to.append(things[thing])
+        group[number] = names[name]
     return Looking(
         length_steps=length_steps,
         look_value=look_value,
-        look_limit=np.array([float(wanted.looks) for wanted in request.targets]),
-        group=np.array([-1 if name is None else number[name] for name in names], np.intp),
+        look_limit=np.array([float(one.looks) for one in candidates]),
+        group=group,
+        way_to=np.array(way_to, np.intp),
+        way_limit=np.array(way_limit),
         settle_steps=settle_steps,
     )
 
 
 def _first_unheld_by(
-    request: CampaignRequest, ways: Ways, follower: Follower, carrier: Carrier, grid_s: float
+    request: CampaignRequest,
+    candidates: Sequence[Candidate],
+    ways: Ways,
+    follower: Follower,
+    carrier: Carrier,
+    grid_s: float,
 ) -> FirstUnheld:
     @functools.cache
     def first_unheld(looks: tuple[Look, ...]) -> tuple[int, int] | None:
         followed = []
         for look in looks:
+            one = candidates[look.target]
             start_s = grid_s + look.first_step * request.step_s
-            length_s = request.targets[look.target].lengths_s[look.length]
+            length_s = one.lengths_s[look.length]
             step = look.first_step + math.ceil(length_s / request.step_s - 1e-9)
-            row = ways.offset[look.way] + step - ways.first_step[look.way]
-            followed.append(
-                FollowedLook(look.target, start_s, start_s + length_s, ways.states[row])
-            )
+            at = ways.offset[look.way] + step - ways.first_step[look.way]
+            row = None if one.scans else one.row
+            followed.append(FollowedLook(row, start_s, start_s + length_s, ways.states[at]))
         found = follower.first_unheld(carrier, followed)
         return found and (found[0], math.floor((found[1] - grid_s) / request.step_s + 1e-9))
 
@@ -260,19 +347,41 @@ def _thread_count() -> ThreadPoolExecutor:
 
 
 def _closed_later(
-    request: CampaignRequest, row: int, windows: Windows, looks: Looks, follower: Follower
+    request: CampaignRequest,
+    candidates: Sequence[Candidate],
+    row: int,
+    windows: _Windows,
+    looks: Looks,
+    scans: Scans,
+    follower: Follower,
 ) -> tuple[Closing, str]:
-    """Why no observation of a target with windows that hold all conditions."""
-    own = windows.select(windows.target == row)
-    least_s = request.targets[row].lengths_s[0]
-    longest_s = float((own.set_s - own.rise_s).max())
-    several = f"the longest of its {len(own)} windows" if len(own) > 1 else "its only window"
+    """Why no observation of a target with windows that hold all conditions, or of a mode."""
+    if row in scans.because:
+        return "duration", scans.because[row]
+    numbers = [number for number, one in enumerate(candidates) if one.row == row]
+    if row in request.modes:
+        own_scans = [scan for number in numbers for scan in candidates[number].scans]
+        lacking = [scan for scan in own_scans if not len(scan.begins_s)]
+        if lacking:
+            return "duration", (
+                f"scan {lacking[0].part} of {lacking[0].parts} can't be within the conditions from "
+                "its begin to its end"
+            )
+        return "motion", (
+            "one of its scans can't be followed within what the platform can do, or has no time "
+            f"{follower.resting}"
+        )
+    own = windows.target == numbers[0]
+    least_s = candidates[numbers[0]].lengths_s[0]
+    longest_s = float((windows.set_s - windows.rise_s)[own].max())
+    count = np.count_nonzero(own)
+    several = f"the longest of its {count} windows" if count > 1 else "its only window"
     if longest_s < least_s:
         return (
             "duration",
             f"{several} lasts {longest_s:.1f} s, less than the {least_s:g} s of a look",
         )
-    if not (looks.target == row).any():
+    if not (looks.target == numbers[0]).any():
         return "rest", (
             f"no {least_s:g} s of its windows are left beside the time {follower.resting}"
         )
@@ -280,17 +389,51 @@ def _closed_later(
 
 
 def _left_out(
-    request: CampaignRequest, one: Displaced, grid_s: float, unseen: Sequence[int]
+    request: CampaignRequest,
+    candidates: Sequence[Candidate],
+    left_out: Sequence[Displaced],
+    grid_s: float,
+    unseen: Sequence[int],
+) -> tuple[UnchosenTarget, ...]:
+    """Of each target, by the scan of it that comes first."""
+    told: dict[int, UnchosenTarget] = {}
+    lacking = {
+        one.scans[0].pass_number for one in (candidates[number] for number in unseen) if one.is_part
+    }
+    for one in left_out:
+        candidate = candidates[one.target]
+        if candidate.is_part and candidate.scans[0].pass_number in lacking:
+            continue
+        if candidate.row not in told:
+            told[candidate.row] = _unchosen(request, candidates, one, grid_s, unseen)
+    return tuple(told[row] for row in sorted(told))
+
+
+def _unchosen(
+    request: CampaignRequest,
+    candidates: Sequence[Candidate],
+    one: Displaced,
+    grid_s: float,
+    unseen: Sequence[int],
 ) -> UnchosenTarget:
+    candidate = candidates[one.target]
     start_utc = shifted_utc(request.start, grid_s + one.first_step * request.step_s)
-    ids = tuple(request.targets[look.target].id for look in one.by)
+    ids = tuple(dict.fromkeys(candidates[look.target].wanted.id for look in one.by))
     displaced_value = sum((look.value for look in one.by), 0.0)
-    group = request.targets[one.target].group
-    lacks = [request.targets[row].id for row in unseen if request.targets[row].group == group]
+    group = candidate.wanted.group
+    lacks = [
+        candidates[number].wanted.id
+        for number in unseen
+        if group is not None and candidates[number].wanted.group == group
+    ]
+    what = "a look"
     if group is not None and lacks:
         why = f"but its group {group} lacks {', '.join(lacks)}"
     elif group is not None:
         why = f"but no sequence with all of its group {group} was found that is worth more"
+    elif candidate.is_part:
+        what = f"its scan {candidate.scans[0].part} of {candidate.scans[0].parts}"
+        why = "but no sequence with all of its scans was found that is worth more"
     elif ids:
         why = f"and what it displaces, {', '.join(ids)}, is worth {displaced_value:.4g}"
     elif one.value <= 0.0:
@@ -298,11 +441,11 @@ def _left_out(
     else:
         why = "but no sequence with it was found that is worth more"
     return UnchosenTarget(
-        row=one.target,
-        target=request.targets[one.target].id,
-        because=f"a look from {utc_text(start_utc, 1)} would be worth {one.value:.4g}, {why}",
+        row=candidate.row,
+        target=candidate.wanted.id,
+        because=f"{what} from {utc_text(start_utc, 1)} would be worth {one.value:.4g}, {why}",
         start_utc=start_utc,
-        stop_utc=shifted_utc(start_utc, request.targets[one.target].lengths_s[one.length]),
+        stop_utc=shifted_utc(start_utc, candidate.lengths_s[one.length]),
         value=one.value,
         displaced_by=ids,
         displaced_value=displaced_value,
@@ -311,6 +454,7 @@ def _left_out(
 
 def _in_utc(
     request: CampaignRequest,
+    candidates: Sequence[Candidate],
     choice: CampaignChoice,
     grid_s: float,
     carrier: Carrier,
@@ -318,25 +462,36 @@ def _in_utc(
 ) -> tuple[ChosenPass, ...]:
     chosen = [look for looks in choice.passes for look in looks]
     start_s = np.array([grid_s + look.first_step * request.step_s for look in chosen])
-    length_s = np.array([request.targets[look.target].lengths_s[look.length] for look in chosen])
+    length_s = np.array([candidates[look.target].lengths_s[look.length] for look in chosen])
     target = np.array([look.target for look in chosen], np.intp)
     rest_s = viewing.follower.rest_s
     pixel_rad = request.opportunities().pixel_rad
-    views = viewing.seen(carrier, request.targets, target, start_s + 0.5 * length_s, pixel_rad)
+    views = viewing.seen(carrier, candidates, target, start_s + 0.5 * length_s, pixel_rad)
     pending = iter(
-        ChosenLook(
-            row=look.target,
-            target=request.targets[look.target].id,
-            start_utc=shifted_utc(request.start, begin_s),
-            stop_utc=shifted_utc(shifted_utc(request.start, begin_s), lasts_s),
-            value=look.value,
-            # Where it is 1, the quotient may round up.
-            quality=min(look.value / request.targets[look.target].worth_value(lasts_s), 1.0),
-            **vars(seen),
-        )
-        for look, begin_s, lasts_s, seen in zip(
-            chosen, start_s.tolist(), length_s.tolist(), views, strict=True
-        )
+        [
+            ChosenLook(
+                row=one.row,
+                path=None if scan is None else scan.path,
+                target=one.wanted.id,
+                part=None if scan is None else scan.part,
+                parts=None if scan is None else scan.parts,
+                start_utc=shifted_utc(request.start, begin_s),
+                stop_utc=shifted_utc(shifted_utc(request.start, begin_s), lasts_s),
+                value=look.value,
+                # Where it is 1, the quotient may round up.
+                quality=min(look.value / one.worth_value(lasts_s), 1.0),
+                **vars(seen),
+            )
+            for one, look, begin_s, lasts_s, seen in zip(
+                [candidates[look.target] for look in chosen],
+                chosen,
+                start_s.tolist(),
+                length_s.tolist(),
+                views,
+                strict=True,
+            )
+            for scan in [one.scan_at(begin_s) if one.scans else None]
+        ]
     )
     flown = [tuple(itertools.islice(pending, len(looks))) for looks in choice.passes]
     return tuple(

@@ -1,6 +1,6 @@
 """Chooses observations, passes and order, and bounds how far from the best they can be."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,10 +8,10 @@ import numpy as np
 from scipy.optimize import Bounds, LinearConstraint, linprog, milp
 from scipy.sparse import csr_array
 
-from planner.base.arrays import Array, Indices
+from planner.base.arrays import Array, Indices, Mask
 from planner.base.reporting import Reporter
 from planner.planning.campaigns.network import Network, without_look
-from planner.planning.campaigns.path import Look, Path, Worth, best_path, path_bound
+from planner.planning.campaigns.path import Look, Path, Worth, best_path, exact_path, path_bound
 
 # Sequences proposed for the passes, put together by linear and integer programmes (HiGHS).
 
@@ -69,6 +69,7 @@ class ChoiceOptions:
     pass_labels_max: int = 100_000
     # of all passes together, shared out evenly where they are many
     bound_labels_max: int = 16_000_000
+    exact_labels_max: int = 200_000  # to fill a pass once by its best path: a part of a second
     # to place a group anew: each fills all passes anew
     group_tries: int = 60
     worthless: float = 1e-9  # of rounding
@@ -100,13 +101,16 @@ class Looking:
     length_steps, look_value: (targets, lengths), steps on the grid until it has ended and what
     it is worth at the best view; 0 for lengths there are not.  look_limit: (targets,).
     group: number of each target's group, whose members are all looked at or none; -1 of none.
-    settle_steps: of length_steps, before the look itself begins.
+    way_to: (groups,), number of what a group is one way to do.  way_limit: how many of its ways are
+    taken at most.  settle_steps: of length_steps, before the look itself begins.
     """
 
     length_steps: Indices
     look_value: Array
     look_limit: Array
     group: Indices
+    way_to: Indices
+    way_limit: Array
     settle_steps: int
 
     @property
@@ -120,9 +124,21 @@ class Looking:
 
     def allowed(self, price: Array) -> Array:
         """How many looks at each target pay most at these prices, (targets,): a group's members
-        one each, or none.  Prices of members may be negative."""
-        together = np.bincount(self.group + 1, price, self.groups + 1) > 0.0
-        return np.where(self.group < 0, self.look_limit, together[self.group + 1])
+        one each, or none, and of the ways to do one thing the best.  Prices of members may be
+        negative."""
+        together = np.asarray(np.bincount(self.group + 1, price, self.groups + 1)[1:], np.float64)
+        taken = self.best_ways(together)
+        return np.where(self.group < 0, self.look_limit, np.append(taken, 0.0)[self.group])
+
+    def best_ways(self, value: Array) -> Mask:
+        """Groups worth something, (groups,), as many of the best as are taken of ways to do one
+        thing."""
+        order = np.lexsort((-value, self.way_to))
+        things = self.way_to[order]
+        place = np.arange(len(order)) - np.searchsorted(things, things)
+        taken = np.zeros(len(order), np.bool_)
+        taken[order] = (place < self.way_limit[things]) & (value[order] > 0.0)
+        return taken
 
     def less_prices(self, price: Array) -> Worth:
         """The worth less a price for each observation, (targets,)."""
@@ -157,7 +173,8 @@ def best_mixture(
     price = np.empty(len(high))
     price[~is_even] = -found.ineqlin.marginals
     price[is_even] = -found.eqlin.marginals
-    return Mixture(value=-found.fun, price=price[passes:], share=found.x[: len(proposals)])
+    targets = slice(passes, passes + len(left_limit))
+    return Mixture(value=-found.fun, price=price[targets], share=found.x[: len(proposals)])
 
 
 def best_together(
@@ -188,8 +205,8 @@ def _column_worths(proposals: Sequence[Proposal], looking: Looking) -> Array:
 def _rows_of(
     proposals: Sequence[Proposal], passes: int, looking: Looking, left_limit: Array
 ) -> tuple[csr_array, Array, Array]:
-    """Rows of passes and targets with their least and greatest sums, a column for each proposal
-    and each group: as often as its group a member is looked at."""
+    """Rows of passes, targets and what groups are ways to do, with their least and greatest sums, a
+    column for each proposal and each group: as often as its group a member is looked at."""
     rows = [[number, *(passes + look.target for look in looks)] for number, looks in proposals]
     members = np.flatnonzero(looking.group >= 0)
     column = np.repeat(np.arange(len(rows)), [len(row) for row in rows])
@@ -197,8 +214,12 @@ def _rows_of(
     row = np.concatenate([*rows, passes + members]).astype(np.intp)
     entries = np.ones(len(row))
     entries[len(row) - len(members) :] = -1.0
-    shape = (passes + len(left_limit), len(proposals) + looking.groups)
-    high = np.concatenate([np.ones(passes), left_limit])
+    things = passes + len(left_limit)
+    column = np.concatenate([column, len(rows) + np.arange(looking.groups)])
+    row = np.concatenate([row, things + looking.way_to])
+    entries = np.concatenate([entries, np.ones(looking.groups)])
+    shape = (things + len(looking.way_limit), len(proposals) + looking.groups)
+    high = np.concatenate([np.ones(passes), left_limit, looking.way_limit])
     low = np.full(len(high), -np.inf)
     low[passes + members] = high[passes + members] = (left_limit - looking.look_limit)[members]
     return csr_array((entries, (row, column)), shape=shape), low, high
@@ -234,6 +255,7 @@ def choose(
         search.make_whole(mixture, tell)
         search.choose_parts_anew(tell)
     search.take_groups()
+    search.fill_exactly()
     if search.was_barred:  # the bound's networks are not: its prices are found without
         priced = _Search(networks, looking, lambda looks: None, options)
         priced.step_prices(tell)
@@ -459,12 +481,21 @@ class _Search:
         return price
 
     def _whole_groups(self, passes: Passes) -> Passes:
-        """Without looks at groups of which others lack."""
+        """Without looks at groups of which others lack, or that are one way too many."""
         looking = self._looking
         while True:
             count = looking.looks_of(passes)
-            lacking = [n for n in range(looking.groups) if len(set(count[looking.members(n)])) > 1]
-            if not lacking:
+            least = np.full(looking.groups, np.inf)
+            members = looking.group >= 0
+            np.minimum.at(least, looking.group[members], count[members])
+            worths = np.zeros_like(self.price)
+            for look in (one for looks in passes for one in looks):
+                worths[look.target] += look.value
+            worth = np.bincount(looking.group + 1, worths, looking.groups + 1)[1:]
+            whole = looking.best_ways(np.where(least > 0.0, worth, 0.0))
+            begun = np.bincount(looking.group + 1, count, looking.groups + 1)[1:] > 0.0
+            lacking = np.flatnonzero(begun & ~whole)
+            if not len(lacking):
                 return passes
             passes = self._without(passes, np.flatnonzero(np.isin(looking.group, lacking)))
 
@@ -494,6 +525,71 @@ class _Search:
         if value > self.value:
             self.best, self.value = passes, value
 
+    def fill_exactly(self) -> None:
+        """Each pass with scans is filled by the best path, not one that a better label at a place
+        may have hidden: with its groups, or with one more, less or another."""
+        tries = self._options.group_tries
+        for number, network in enumerate(self._networks):
+            is_better = bool(network.scanned.any())
+            while is_better and tries > 0:
+                is_better = False
+                for out in self._exchanges(number):
+                    if tries > 0:
+                        tries -= 1
+                        is_better |= self._fill_exactly(number, out)
+
+    def _exchanges(self, number: int) -> Iterator[tuple[int, ...]]:
+        """Groups that may be put into a pass or taken out of it: none, one, or one for another."""
+        looking = self._looking
+        here = np.bincount(
+            looking.group + 1, looking.looks_of([self.best[number]]), looking.groups + 1
+        )
+        count = np.bincount(looking.group + 1, looking.looks_of(self.best), looking.groups + 1)
+        there = np.isin(np.arange(len(looking.group)), self._networks[number].target)
+        lacking = np.bincount(looking.group + 1, ~there, looking.groups + 1)
+        inside = [g for g in range(looking.groups) if 0.0 < here[g + 1] == count[g + 1]]
+        outside = [g for g in range(looking.groups) if not count[g + 1] and not lacking[g + 1]]
+        yield ()
+        for one in (*inside, *outside):
+            yield (one,)
+        for one in inside:
+            for other in outside:
+                yield one, other
+
+    def _fill_exactly(self, number: int, exchanged: tuple[int, ...]) -> bool:
+        """Whether the choice got better by the pass's best path with these groups put in or out."""
+        looking, looks = self._looking, self.best[number]
+        wanted = looking.looks_of([looks])
+        for group in exchanged:
+            members = looking.members(group)
+            wanted[members] = 1.0 - wanted[members]
+        others = looking.looks_of(self.best) - looking.looks_of([looks])
+        taken = np.zeros(looking.groups)
+        is_member = looking.group >= 0
+        np.maximum.at(taken, looking.group[is_member], (others + wanted)[is_member])
+        if (np.bincount(looking.way_to, taken) > looking.way_limit).any():
+            return False
+        price = np.where(looking.look_limit > others, 0.0, np.inf)
+        kept = is_member & (wanted > 0.0)
+        price = np.where(is_member, np.where(kept, -self._kept, np.inf), price)
+        path = exact_path(
+            self._networks[number],
+            looking.less_prices(price),
+            self._options.exact_labels_max,
+            np.flatnonzero(kept).tolist(),
+        )
+        if path is None or self._first_unheld(path.looks) is not None:
+            return False
+        seen = {one.target for one in path.looks}
+        value = self.value + worth_of([path.looks]) - worth_of([looks])
+        if value <= self.value + self._options.worthless:
+            return False
+        if not set(np.flatnonzero(kept).tolist()) <= seen:
+            return False
+        self.best = [*self.best[:number], path.looks, *self.best[number + 1 :]]
+        self.value = value
+        return True
+
     def take_groups(self) -> None:
         """Groups, the most worth first, take the place of other looks, or other places."""
         looking, tries = self._looking, self._options.group_tries
@@ -506,8 +602,17 @@ class _Search:
                     self.refill_passes(self._with_group(members, first))
 
     def _with_group(self, members: Indices, first: int) -> Passes:
-        """The best choice with a group's members in the first passes from one on with them."""
-        looking, passes = self._looking, self._without(self.best, members)
+        """The best choice with a group's members in the first passes from one on with them, in the
+        place of any other way to do the same."""
+        looking = self._looking
+        same = looking.way_to == looking.way_to[looking.group[members[0]]]
+        instead = np.isin(looking.group, np.flatnonzero(same))
+        taken = looking.looks_of(self.best)[instead & (looking.group != looking.group[members[0]])]
+        is_full = (
+            looking.way_limit[looking.way_to[looking.group[members[0]]]] <= (taken > 0.0).any()
+        )
+        out = np.flatnonzero(instead) if is_full else members
+        passes = self._without(self.best, out)
         missing = set(members.tolist())
         left = looking.look_limit - looking.looks_of(passes)
         for number in [*range(first, len(passes)), *range(first)]:
@@ -538,6 +643,7 @@ def bound_at(
     """
     labels_max = min(options.pass_labels_max, options.bound_labels_max // max(len(networks), 1))
     worth = looking.less_prices(price)
-    return float(looking.allowed(price) @ price) + sum(
+    priced = float(looking.allowed(price) @ price) + sum(
         path_bound(one, worth, labels_max) for one in networks
     )
+    return min(priced, float(looking.look_limit @ looking.look_value.max(axis=1, initial=0.0)))

@@ -2,9 +2,10 @@
 
 from typing import Annotated
 
-from planner.base.answer_members import Internal, Member, NotNegative, Share, answer
+from planner.base.answer_members import Count, Internal, Member, NotNegative, Share, answer
 from planner.planning.opportunities.closing import Height
 from planner.world.frames.time_scales import Utc
+from planner.world.targets import GroundPathTarget
 
 
 @answer
@@ -12,6 +13,9 @@ class ChosenLook:
     """A look at a target as it was chosen; its plan states what a slew took from it.
 
     target: id of the target, as the request gives it.
+    part: of an imaging mode, number of the scan from 1; `of` of the plan's session says the target.
+    E.g. `2`.
+    parts: number of scans that the mode is done by in this pass. E.g. `3`.
     start_utc: from when; UTC.
     stop_utc: until when; UTC.
     value: worth of the look.
@@ -26,7 +30,10 @@ class ChosenLook:
     """
 
     row: Internal[int]  # of the request's targets
+    path: Internal[GroundPathTarget | None]  # that is scanned
     target: str
+    part: Count | None
+    parts: Count | None
     start_utc: Utc
     stop_utc: Utc
     value: NotNegative

@@ -29,6 +29,7 @@ class Network(NamedTuple):
     arrival_offset: of a way's first step in it.
     reach: after so many steps any way can be reached from anywhere, without an edge.
     begins: whether a look may begin at each step of every way.
+    scanned: whether a way is a scan's: who has scanned leaves it at once.
     """
 
     first_step: int
@@ -46,6 +47,7 @@ class Network(NamedTuple):
     arrival: NDArray[np.int32]
     reach: int
     begins: Mask
+    scanned: Mask
 
 
 def network_of(
@@ -85,17 +87,16 @@ def network_of(
         arrival=np.empty(int(counts.sum()), np.int32),
         reach=reach,
         begins=np.ones(int(ways.steps[rows].sum()), np.bool_),
+        scanned=np.ascontiguousarray(ways.scanned[rows]),
     )
-    _fill(_states(ways, rows), network, usable_to, ways.step_s, limits, SUFFICIENT, network.arrival)
+    _fill_arrivals(ways, network, least_steps, limits, SUFFICIENT, network.arrival)
     return network
 
 
 def relax(network: Network, ways: Ways, least_steps: Indices, limits: FollowerLimits) -> Network:
     """The same, every arrival as early as no motion can beat: for a bound."""
     arrival = np.empty_like(network.arrival)
-    usable_to = network.last - least_steps[network.target]
-    states = _states(ways, network.way)
-    _fill(states, network, usable_to, ways.step_s, limits, NECESSARY, arrival)
+    _fill_arrivals(ways, network, least_steps, limits, NECESSARY, arrival)
     return network._replace(arrival=arrival)
 
 
@@ -131,15 +132,27 @@ def _quality_sum(ways: Ways, rows: Indices, offset: Indices) -> Array:
     return np.asarray(total - np.repeat(total[offset], ways.steps[rows]))
 
 
-def _states(ways: Ways, rows: Indices) -> Array:
-    begin = int(ways.offset[rows[0]])
-    return ways.states[begin : int(ways.offset[rows[-1]] + ways.steps[rows[-1]])]
+def _fill_arrivals(
+    ways: Ways,
+    network: Network,
+    least_steps: Indices,
+    limits: FollowerLimits,
+    sign: float,
+    arrival: NDArray[np.int32],
+) -> None:
+    rows = network.way
+    part = slice(int(ways.offset[rows[0]]), int(ways.offset[rows[-1]] + ways.steps[rows[-1]]))
+    states = ways.states[part], ways.begin_states[part]
+    least = np.where(network.scanned, least_steps[network.target], 0)
+    usable_to = network.last - least_steps[network.target]
+    _fill(states, network, least, usable_to, ways.step_s, limits, sign, arrival)
 
 
 @compiled
 def _fill(
-    states: Array,
+    states: tuple[Array, Array],
     network: Network,
+    least: Indices,
     usable_to: Indices,
     step_s: float,
     limits: FollowerLimits,
@@ -148,8 +161,10 @@ def _fill(
 ) -> None:
     """Arrivals of every edge, from the last departure to the first.
 
-    Who leaves earlier arrives no later: the way can be followed until the later departure.
-    The network's own arrivals are those to begin with, where sign is NECESSARY.
+    Who leaves earlier arrives no later: the way can be followed until the later departure, unless
+    it is a scan's.  The network's own arrivals are those to begin with, where sign is NECESSARY.
+    states: in which looks end, and in which they begin.  least: (w,), steps of a way before anybody
+    leaves it.
     """
     first, last, offset, known = network.first, network.last, network.offset, network.arrival
     for source in range(len(first)):
@@ -160,6 +175,11 @@ def _fill(
             for leave in range(last[source], first[source] - 1, -1):
                 steps = leave - first[source]
                 place = network.arrival_offset[source] + steps * (end - begin) + edge - begin
+                if steps < least[source]:
+                    arrival[place] = NEVER
+                    continue
+                if network.scanned[source]:
+                    latest = NEVER
                 if sign < 0.0 and known[place] != NEVER:
                     known_step = known[place] - offset[to] + first[to]
                     latest = known_step if latest == NEVER else min(latest, known_step)
@@ -167,8 +187,9 @@ def _fill(
                     latest = first[to]
                 else:
                     latest = _first_arrival(
-                        states[offset[source] + steps], states, offset[to], first[to],
-                        usable_to[to], leave, latest, step_s, limits, sign,
+                        states[0][offset[source] + steps], states[1], offset[to], first[to],
+                        min(usable_to[to], leave + network.reach), leave, latest, step_s, limits,
+                        sign, network.scanned[to],
                     )  # fmt: skip
                 arrival[place] = NEVER if latest == NEVER else offset[to] + latest - first[to]
 
@@ -185,9 +206,18 @@ def _first_arrival(
     step_s: float,
     limits: FollowerLimits,
     sign: float,
+    is_scan: bool,
 ) -> int:
-    """Down from the latest arrival known, as long as the slew still fits."""
+    """Down from the latest arrival known, as long as the slew still fits; onto a scan, which isn't
+    followed from one begin to the next, up to where nothing proves that it doesn't."""
     found = latest
+    if is_scan and sign < 0.0:
+        for at in range(max(first, leave + 1), (usable_to if latest == NEVER else latest - 1) + 1):
+            if slew_fits(
+                state, states[offset + at - first], limits, sign, (at - leave) * step_s + 1e-9
+            ):
+                return at
+        return latest
     step = usable_to if latest == NEVER else latest - 1
     while step >= first and step > leave:
         there = states[offset + step - first]

@@ -1,5 +1,6 @@
 """The looks of one pass, one after another, that are worth most together."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -13,6 +14,7 @@ from planner.planning.label_search import (
     ALL_ITEMS,
     ROUNDING,
     WHOLE,
+    Labels,
     Memory,
     Repeats,
     Round,
@@ -65,9 +67,28 @@ class Worth(NamedTuple):
 def best_path(network: Network, worth: Worth) -> Path:
     """A path that looks at no target twice, though a better one may be missed."""
     memory = forgetful(len(worth.price), network.stop_step, once=True)
-    value, visits, _ = _sweep(network, worth, memory)
+    return _path_of(network, worth, Round(*_sweep(network, worth, memory)))
+
+
+def exact_path(network: Network, worth: Worth, labels_max: int, kept: Sequence[int]) -> Path | None:
+    """The path worth most that looks at no target twice; None where it takes more labels.
+
+    kept: targets whose price makes them wanted at every turn.
+    """
+    *_, found = rounds(
+        lambda memory: Round(*_sweep(network, worth, memory)),
+        _repeats(network, worth, kept),
+        labels_max,
+    )
+    if not found.is_complete:
+        return None
+    targets = found.visits[:, 1]
+    return _path_of(network, worth, found) if len(np.unique(targets)) == len(targets) else None
+
+
+def _path_of(network: Network, worth: Worth, found: Round) -> Path:
     looks = []
-    for number, target in visits.tolist():
+    for number, target in found.visits.tolist():
         cell, length = divmod(number, worth.value.shape[1])
         way = int(np.searchsorted(network.offset, cell, side="right")) - 1
         takes = int(worth.steps[target, length])
@@ -81,7 +102,7 @@ def best_path(network: Network, worth: Worth) -> Path:
                 value=look_worth(network, worth, cell, target, length),
             )
         )
-    return Path(value=value, looks=tuple(looks))
+    return Path(value=found.value, looks=tuple(looks))
 
 
 def path_bound(network: Network, worth: Worth, labels_max: int) -> float:
@@ -89,9 +110,7 @@ def path_bound(network: Network, worth: Worth, labels_max: int) -> float:
 
     Tightened until a path of that value is known, or more than labels_max labels were made.
     """
-    leap_ticks = 2 * int((network.last - network.first).max()) + network.reach
-    things = len(worth.price)
-    repeats = Repeats(things, network.target, network.first, network.last, leap_ticks, pairs=())
+    repeats = _repeats(network, worth, ())
     known = best_path(network, worth).value
     least = np.inf
     for found in rounds(lambda memory: Round(*_sweep(network, worth, memory)), repeats, labels_max):
@@ -99,6 +118,12 @@ def path_bound(network: Network, worth: Worth, labels_max: int) -> float:
         if least <= known + ROUNDING * abs(known):
             break
     return least
+
+
+def _repeats(network: Network, worth: Worth, kept: Sequence[int]) -> Repeats:
+    leap_ticks = 2 * int((network.last - network.first).max()) + network.reach
+    things = len(worth.price)
+    return Repeats(things, network.target, network.first, network.last, leap_ticks, pairs=kept)
 
 
 @compiled
@@ -110,9 +135,25 @@ def look_worth(network: Network, worth: Worth, cell: int, target: int, length: i
 
 
 @compiled
+def _look_until(
+    labels: Labels, network: Network, worth: Worth, memory: Memory, cell: int, way: int, step: int
+) -> bool:
+    """Looks of any length that end at a cell; whether there are any."""
+    lengths, target, is_seen = worth.value.shape[1], network.target[way], False
+    for length in range(lengths):
+        takes = worth.steps[target, length]
+        value = look_worth(network, worth, cell, target, length) - worth.price[target]
+        fits = 0 < takes <= step - network.first[way]
+        if fits and value > 0.0 and network.begins[cell - takes]:
+            look = Visit(cell * lengths + length, target, WHOLE, value, step)
+            is_seen |= visit(labels, (cell - takes,), cell + network.size, memory, look)
+    return is_seen
+
+
+@compiled
 def _sweep(network: Network, worth: Worth, memory: Memory) -> tuple[float, Indices, int]:
     """Places: on a way, by cell, first ready to look, then after a look; at rest, by step."""
-    size, end, lengths = network.size, network.stop_step, worth.value.shape[1]
+    size, end = network.size, network.stop_step
     rest = 2 * size
     labels = no_labels(rest + end, rest, memory)
     for step in range(end):
@@ -125,20 +166,15 @@ def _sweep(network: Network, worth: Worth, memory: Memory) -> tuple[float, Indic
                 break
             if step > network.last[way]:
                 continue
-            cell, target = network.offset[way] + steps, network.target[way]
+            cell = network.offset[way] + steps
             done = cell + size
             if steps == 0:
                 follow(labels, rest + max(step - network.reach, 0), (cell,), mask, False)
             else:
                 follow(labels, cell - 1, (cell,), mask, False)
-                follow(labels, done - 1, (done,), mask, False)
-            is_seen = False
-            for length in range(lengths):
-                takes = worth.steps[target, length]
-                value = look_worth(network, worth, cell, target, length) - worth.price[target]
-                if takes <= steps and value > 0.0 and network.begins[cell - takes]:
-                    look = Visit(cell * lengths + length, target, WHOLE, value, step)
-                    is_seen |= visit(labels, (cell - takes,), done, memory, look)
+                if not network.scanned[way]:
+                    follow(labels, done - 1, (done,), mask, False)
+            is_seen = _look_until(labels, network, worth, memory, cell, way, step)
             if is_seen:
                 follow(labels, done, (rest + step,), ALL_ITEMS, True)
                 edges = network.edge_from[way + 1] - network.edge_from[way]

@@ -22,7 +22,7 @@ from planner.world.orbits import Orbit
 from planner.world.platforms import PIXELS_ARCSEC, AngleDeg, AnyPlatform, RollRule
 from planner.world.rules.registry import rules_of
 from planner.world.scenario import SlewOptions
-from planner.world.targets import WindowTarget
+from planner.world.targets import ChosenTarget, ImagingMode
 from planner.world.targets.session_target import all_standing_on
 from planner.world.targets.terrain import Terrain
 
@@ -41,6 +41,7 @@ class CampaignBounds:
     moving_counts: int = 100  # what is not fixed to the Earth is looked at one by one
     # longer looks make passes longer, in which more targets compete, and count more
     session_s: float = 1800.0
+    mode_counts: int = 20  # an imaging mode becomes several scans in each pass
 
 
 BOUNDS = CampaignBounds()
@@ -78,9 +79,10 @@ class CampaignTarget:
     `priority`, times the quality of its view.
 
     id: your name for it, different from the others'.
-    target: the target.
-    priority: worth of one whole look at the best view.
-    session_s: duration of a look.
+    target: the target. An imaging mode becomes scans in every pass, of which all are done in one
+    pass, or none, in any order; looks of a stereo lie evenly about its middle.
+    priority: worth of one whole look at the best view, of an imaging mode of all its scans.
+    session_s: duration of a look; left out for an imaging mode, whose speed says it. E.g. `12.0`.
     min_session_s: least duration of a look; `session_s` unless given.
     looks: no more than so many, and one in a pass.
     roll: of a body, the rule by which its camera lies on the target, as a session's; the platform's
@@ -89,16 +91,21 @@ class CampaignTarget:
     """
 
     id: str
-    target: WindowTarget
+    target: ChosenTarget
     priority: Annotated[float, Within(1e-3, 1e6)] = 1.0
-    session_s: Annotated[float, Within(1.0, BOUNDS.session_max_s)]
+    session_s: Annotated[float, Within(1.0, BOUNDS.session_max_s)] | None = None
     min_session_s: Annotated[float, Within(1.0, BOUNDS.session_max_s)] | None = None
     looks: Annotated[int, Within(1, 1000)] = 1
     roll: RollRule | None = None
     group: str | None = None
 
     def __post_init__(self) -> None:
+        if isinstance(self.target, ImagingMode):
+            self._require_mode(self.target)
+            return
         OpportunityTarget(id=self.id, target=self.target)
+        if self.session_s is None:
+            raise ValueError("session_s is required: it says how long a look lasts")
         if self.group is not None and self.looks > 1:
             raise ValueError(
                 f"looks must be 1, not {self.looks}, of a target with a group, which is looked at "
@@ -106,9 +113,26 @@ class CampaignTarget:
             )
         require_within(self, ("min_session_s", 1.0, self.session_s))
 
+    def _require_mode(self, mode: ImagingMode) -> None:
+        if not self.id:
+            raise ValueError("id must not be empty: looks are reported by it")
+        for name, why in (
+            ("session_s", "whose speed_m_s says how long its scans last"),
+            ("min_session_s", "whose scans are done from end to end"),
+            ("group", "whose scans are a group of their own"),
+        ):
+            if getattr(self, name) is not None:
+                raise ValueError(f"{name} must be left out for {mode.label}, {why}")
+        if self.roll is not None and self.roll.rule == "nearest":
+            raise ValueError(
+                f"roll.rule must not be nearest for {mode.label}: a campaign doesn't know the "
+                "attitude before a scan; give another rule, or leave roll out"
+            )
+
     @property
     def lengths_s(self) -> tuple[float, ...]:
-        """The lengths an observation may have, ascending, whole command steps."""
+        """The lengths an observation may have, ascending, whole command steps; of no mode."""
+        assert self.session_s is not None
         least_s = self.session_s if self.min_session_s is None else self.min_session_s
         wanted = [
             least_s + share / (BOUNDS.lengths - 1) * (self.session_s - least_s)
@@ -119,6 +143,7 @@ class CampaignTarget:
 
     def worth_value(self, length_s: float) -> float:
         """The worth of an observation that lasts so long at the best view."""
+        assert self.session_s is not None
         return self.priority * min(length_s / self.session_s, 1.0)
 
 
@@ -175,11 +200,18 @@ class CampaignRequest:
         rules.require_rest(self.rest_angles_deg, self.attitude, self.slew)
         self._require_bounds()
         self.opportunities()
+        for row, mode in self.modes.items():
+            rules.require_roll(f"targets.{row}.roll", self.targets[row].roll, mode.first_path)
 
     def _require_bounds(self) -> None:
         days = self.span_s / DAY_S
         counted = sum(
-            1 if wanted.target.rests_on_earth else BOUNDS.moving_counts for wanted in self.targets
+            1
+            if wanted.target.rests_on_earth
+            else BOUNDS.mode_counts
+            if isinstance(wanted.target, ImagingMode)
+            else BOUNDS.moving_counts
+            for wanted in self.targets
         )
         finer = max(BOUNDS.step_s / self.step_s, 1.0)
         longer = max(self.longest_s / BOUNDS.session_s, 1.0)
@@ -188,20 +220,21 @@ class CampaignRequest:
                 f"targets times days must not exceed {BOUNDS.target_days_max:.0f} at a step_s of "
                 f"{BOUNDS.step_s:g} s and sessions to {BOUNDS.session_s:g} s (finer and longer "
                 "count more, a target that is no point of the ground "
-                f"{BOUNDS.moving_counts} times), which these {len(self.targets)} over {days:.1f} "
+                f"{BOUNDS.moving_counts} times, an imaging mode {BOUNDS.mode_counts}), which these "
+                f"{len(self.targets)} over {days:.1f} "
                 "days do; ask for fewer at a time"
             )
 
     def opportunities(self) -> OpportunityRequest:
-        """When each target can be seen at all."""
+        """When each target can be seen at all, an imaging mode's middle in its place."""
         return OpportunityRequest(
             orbit=self.orbit,
             attitude=self.attitude,
             platform=self.platform,
             targets=tuple(
-                OpportunityTarget(
-                    id=wanted.id, target=wanted.target, priority=wanted.priority, roll=wanted.roll
-                )
+                OpportunityTarget(id=wanted.id, target=wanted.target.middle)
+                if isinstance(wanted.target, ImagingMode)
+                else OpportunityTarget(id=wanted.id, target=wanted.target, roll=wanted.roll)
                 for wanted in self.targets
             ),
             start=self.start,
@@ -212,6 +245,15 @@ class CampaignRequest:
         )
 
     @property
+    def modes(self) -> Mapping[int, ImagingMode]:
+        """Targets that are imaging modes, by row."""
+        return {
+            row: wanted.target
+            for row, wanted in enumerate(self.targets)
+            if isinstance(wanted.target, ImagingMode)
+        }
+
+    @property
     def rest_deg(self) -> Mapping[str, float]:
         """Where each axis rests, by its name."""
         if self.rest_angles_deg is None:
@@ -220,8 +262,8 @@ class CampaignRequest:
 
     @property
     def longest_s(self) -> float:
-        """Of the looks that are wanted."""
-        return max((wanted.session_s for wanted in self.targets), default=0.0)
+        """Of the looks that are wanted; scans last as long as their lines."""
+        return max((wanted.session_s or 0.0 for wanted in self.targets), default=0.0)
 
     @property
     def span_s(self) -> float:

@@ -56,11 +56,13 @@ class CarrierTables(NamedTuple):
 
 
 class Places(NamedTuple):
-    """Targets that are looked at alike: any number at rest on the Earth, or one that isn't.
+    """Targets that are looked at alike: any number at rest on the Earth, or one that isn't, of any
+    number of begins.
 
     resting_parameters: (n, 7), position, vertical, and least elevation or height above the limb.
     step_s: of the track, 0 for those at rest.  track: position and vertical on the Earth;
-    direction, before the carrier's aberration, and 1 / range in space.
+    direction, before the carrier's aberration, and 1 / range in space.  begins_s: when that does,
+    by number.
     grazing_m: altitude by which the limb is raised.  bending_coefficients: (5, k), nodes of height
     and coefficients of the logarithm of the air's bending; none where refraction isn't asked for.
     """
@@ -71,6 +73,7 @@ class Places(NamedTuple):
     track: Powers
     grazing_m: float
     bending_coefficients: Array
+    begins_s: Array
 
 
 @inlined
@@ -78,7 +81,7 @@ def place_at(p: Places, n: int, t_s: float) -> Vector:
     """Position of a target on the Earth."""
     if p.step_s == 0.0:
         return vector_of(p.resting_parameters, n, 0)
-    return vector_at(p.track, p.step_s, t_s, 0)
+    return vector_at(p.track, p.step_s, t_s - p.begins_s[n], 0)
 
 
 @inlined
@@ -86,7 +89,7 @@ def up_at(p: Places, n: int, t_s: float) -> Vector:
     """The ellipsoid's normal at it."""
     if p.step_s == 0.0:
         return vector_of(p.resting_parameters, n, 3)
-    return vector_at(p.track, p.step_s, t_s, 3)
+    return vector_at(p.track, p.step_s, t_s - p.begins_s[n], 3)
 
 
 @inlined

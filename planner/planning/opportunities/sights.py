@@ -8,15 +8,21 @@ from typing import Protocol
 import numpy as np
 
 from planner.base.arrays import Array, Indices
-from planner.base.interpolation import UniformTable
+from planner.base.interpolation import NODES, UniformTable
 from planner.planning.opportunities.carrier import Carrier
 from planner.planning.opportunities.looks import Places
 from planner.planning.opportunities.telling import look_each, places_each
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.geodesy import geodetic_from_itrf, up_itrf
-from planner.world.frames.time_scales import Instants
+from planner.world.frames.time_scales import Instants, shifted_utc
 from planner.world.platforms import RollRule
-from planner.world.targets import EarthFixedTarget, SkyTarget, Target, VisibleTarget
+from planner.world.targets import (
+    EarthFixedTarget,
+    GroundPathTarget,
+    SkyTarget,
+    Target,
+    VisibleTarget,
+)
 from planner.world.targets.refraction import bending_spline
 
 
@@ -28,6 +34,7 @@ class TrackOptions:
     place_error_m: float = 0.1
     direction_error_rad: float = 1e-8
     step_min_s: float = 1.0
+    scan_step_s: float = 2.0  # of a line, which goes straight on
 
 
 OPTIONS = TrackOptions()
@@ -165,6 +172,27 @@ def _lone_sight(carrier: Carrier, target: Target, least_rad: float) -> Sight:
     return Sight(carrier, [target], places)
 
 
+def scan_sight(
+    carrier: Carrier,
+    path: GroundPathTarget,
+    roll: RollRule | None,
+    begins_s: Array,
+    around_s: float,
+) -> Sight:
+    """A line as it is scanned, numbered by when that begins (n,); it goes straight on for around_s
+    before and after."""
+    path = path.starting(shifted_utc(carrier.start_utc, around_s))
+    span_s = path.duration_s + 2.0 * around_s
+    cells = max(math.ceil(span_s / OPTIONS.scan_step_s), NODES + 1)
+    r_itrf_m = path.r_target_itrf_m(
+        Instants(carrier.start_utc, np.linspace(0.0, span_s, cells + 1))
+    )
+    track = UniformTable(span_s / cells, np.concatenate([r_itrf_m, _up_itrf(r_itrf_m)], axis=1))
+    resting = np.concatenate([np.zeros(6), [math.radians(path.min_elevation_deg)]])[None]
+    places = _places(resting, track.step_s, track.powers)._replace(begins_s=begins_s - around_s)
+    return Sight(carrier, [path], places, roll)
+
+
 def _places(resting_parameters: Array, step_s: float, track_coefficients: Array) -> Places:
     return Places(
         resting_parameters=np.ascontiguousarray(resting_parameters),
@@ -173,6 +201,7 @@ def _places(resting_parameters: Array, step_s: float, track_coefficients: Array)
         track=np.ascontiguousarray(track_coefficients),
         grazing_m=0.0,
         bending_coefficients=np.empty((5, 0)),
+        begins_s=np.zeros(1),
     )
 
 

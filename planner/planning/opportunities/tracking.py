@@ -130,7 +130,7 @@ def aside_at(
     if b.roll == ACROSS_TRACK:
         return motion_at(c.orbit, c.step_s, t_s)[1]
     if b.roll == ACROSS_MOTION:
-        return motion_at(p.track, p.step_s, t_s)[1]
+        return motion_at(p.track, p.step_s, t_s - p.begins_s[n])[1]
     if b.roll == SUN_SIDE:
         return _to_body(c, SUN, r_sat, v, t_s)
     if b.roll == AZIMUTH:

@@ -31,6 +31,7 @@ TARGETS = {mode.mode: mode for mode in get_args(get_args(Target)[0])}
 if TYPE_CHECKING:
     WindowTarget = Target
     AskedTarget = Target
+    ChosenTarget = Target | ImagingMode
 else:
     # What a request may name: imaging modes become paths.
     AskedTarget = Annotated[
@@ -40,6 +41,10 @@ else:
     # Those that can be seen at times of their own.
     _WITH_WINDOWS = tuple(mode for mode in TARGETS.values() if mode.has_windows)
     WindowTarget = Annotated[Union[_WITH_WINDOWS], Field(discriminator="mode")]  # noqa: UP007 (of a tuple)
+    # What a campaign chooses among.
+    ChosenTarget = Annotated[
+        Union[(*_WITH_WINDOWS, *IMAGING_MODES.values())], Field(discriminator="mode")
+    ]
 
 __all__ = [
     "IMAGING_MODES",
@@ -47,6 +52,7 @@ __all__ = [
     "AskedTarget",
     "BenchMotionTarget",
     "BodyTarget",
+    "ChosenTarget",
     "EarthFixedTarget",
     "GroundPathTarget",
     "GroundTarget",

@@ -12,10 +12,11 @@ from typing import Annotated, ClassVar, Literal, NamedTuple, Self
 import numpy as np
 from pydantic import Field
 
+from planner.base.arrays import Array
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.base.errors import figures
 from planner.base.spec import Within, spec
-from planner.world.frames.geodesy import HeightM
+from planner.world.frames.geodesy import HeightM, geodetic_from_itrf
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.world.orbits import Orbit
 from planner.world.platforms.geometry import Scanning
@@ -27,11 +28,8 @@ from planner.world.targets.geojson import (
     GeoPolygon,
     Position,
 )
-from planner.world.targets.ground_path import (
-    GroundPathTarget,
-    PathLine,
-    PathPoint,
-)
+from planner.world.targets.ground import GroundTarget
+from planner.world.targets.ground_path import GroundPathTarget, PathLine, PathPoint
 from planner.world.targets.passing import Passing
 from planner.world.targets.refraction import Refraction
 from planner.world.targets.session_target import SessionTarget
@@ -48,16 +46,22 @@ class ImagingOptions:
     region_most_km: float = 500.0  # across: in a plane that touches the ground there
     scan_least_s: float = 1.0  # of a strip's piece, however little of the region it holds
     look_angle_deg: float = 24.0  # of stereo looks, unless they say otherwise
+    off_look_angle_deg: float = 1.0  # of a look: two seconds of a low orbit
 
 
 OPTIONS = ImagingOptions()
 
 
 class ScannedLine(NamedTuple):
-    """A line that is scanned; start_utc: None for as soon as the one before lets it."""
+    """A line that is scanned.
+
+    start_utc: None for as soon as the one before lets it.  slack_s: by so much a campaign may begin
+    it sooner or later, where it has a start.
+    """
 
     target: GroundPathTarget
     start_utc: datetime | None
+    slack_s: float = 0.0
 
     @property
     def duration_s(self) -> float:
@@ -166,6 +170,35 @@ class ImagingMode(SessionTarget):
             )
         return found
 
+    @property
+    @abstractmethod
+    def lines(self) -> tuple[tuple[Position, ...], ...]:
+        """Its lines, or outlines of what is to be covered."""
+
+    @property
+    def middle(self) -> GroundTarget:
+        """Of all its positions, as a place."""
+        places = list({place[:2] for line in self.lines for place in line})
+        level_m = self._level_m(places)
+        latitude_rad, longitude_rad, _ = geodetic_from_itrf(
+            places_itrf_m(places, level_m).mean(axis=0)
+        )
+        return GroundTarget(
+            latitude_deg=math.degrees(latitude_rad),
+            longitude_deg=math.degrees(longitude_rad),
+            height_m=level_m,
+            min_elevation_deg=self.min_elevation_deg,
+        )
+
+    @property
+    def first_path(self) -> GroundPathTarget:
+        """Of its first line."""
+        return self._path(*self.lines[0][:2])
+
+    def in_pass(self, window: ScanWindow) -> ScanWindow:
+        """The window of its scans in a pass during which it can be seen."""
+        return window
+
     @abstractmethod
     def _scans(self, window: ScanWindow) -> tuple[ScannedLine, ...]: ...
 
@@ -218,6 +251,10 @@ class _LineMode(ImagingMode):
                 f"{len(self.geometry.coordinates)}: a corridor has more"
             )
 
+    @property
+    def lines(self) -> tuple[tuple[Position, ...], ...]:
+        return (self.geometry.coordinates,)
+
     def _ends(self, window: ScanWindow) -> tuple[Position, Position]:
         first, last = self.geometry.coordinates
         return (first, last) if window.scanning.both_ways else self._in_sense((first, last), window)
@@ -247,13 +284,14 @@ class CorridorMode(ImagingMode):
     mode: Literal["corridor"] = "corridor"
     geometry: Annotated[GeoLineString | GeoMultiLineString, Field(discriminator="type")]
 
+    @property
+    def lines(self) -> tuple[tuple[Position, ...], ...]:
+        if isinstance(self.geometry, GeoLineString):
+            return (self.geometry.coordinates,)
+        return self.geometry.coordinates
+
     def _scans(self, window: ScanWindow) -> tuple[ScannedLine, ...]:
-        lines = (
-            (self.geometry.coordinates,)
-            if isinstance(self.geometry, GeoLineString)
-            else self.geometry.coordinates
-        )
-        legs = [leg for line in lines for leg in pairwise(line)]
+        legs = [leg for line in self.lines for leg in pairwise(line)]
         return _one_after_another([self._path(*leg) for leg in legs], window)
 
 
@@ -285,13 +323,18 @@ class AreaMode(ImagingMode):
     overlap: Annotated[float, Within(0.0, 0.9)] = 0.05
     swath_m: Annotated[float, Within(1.0, 1e6)] | None = None
 
+    @property
+    def _polygons(self) -> tuple[tuple[tuple[Position, ...], ...], ...]:
+        if isinstance(self.geometry, GeoPolygon):
+            return (self.geometry.coordinates,)
+        return self.geometry.coordinates
+
+    @property
+    def lines(self) -> tuple[tuple[Position, ...], ...]:
+        return tuple(polygon[0] for polygon in self._polygons)
+
     def _scans(self, window: ScanWindow) -> tuple[ScannedLine, ...]:
-        polygons = (
-            (self.geometry.coordinates,)
-            if isinstance(self.geometry, GeoPolygon)
-            else self.geometry.coordinates
-        )
-        outlines = tuple(polygon[0] for polygon in polygons)
+        polygons, outlines = self._polygons, self.lines
         self._require_size(outlines)
         level_m = self._level_m(position for ring in outlines for position in ring)
         swath_m = self._swath_m(outlines, level_m, window)
@@ -376,30 +419,54 @@ class StereoMode(_LineMode):
     def _scans(self, window: ScanWindow) -> tuple[ScannedLine, ...]:
         path = self._path(*self._ends(window))
         if self.gap_s is not None:
-            starts_s = [self.gap_s * number for number in range(len(self.looks))]
+            starts_s = [(self.gap_s * number, 0.0) for number in range(len(self.looks))]
         else:
             starts_s = self._look_starts_s(path, window)
         return tuple(
             ScannedLine(
-                path, shifted_utc(window.start_utc, round(start_s * ROWS_PER_S) / ROWS_PER_S)
+                path,
+                shifted_utc(window.start_utc, round(start_s * ROWS_PER_S) / ROWS_PER_S),
+                slack_s,
             )
-            for start_s in starts_s
+            for start_s, slack_s in starts_s
         )
 
-    def _look_starts_s(self, path: GroundPathTarget, window: ScanWindow) -> list[float]:
-        """Where the strip's middle stands at the angles from nadir, half a scan before."""
-        ends = [(point.longitude_deg, point.latitude_deg) for point in path.points]
+    def in_pass(self, window: ScanWindow) -> ScanWindow:
+        """With a gap the looks lie evenly about the instant at which the middle is abeam."""
+        if self.gap_s is None:
+            return window
+        path = self._path(*self._ends(window))
+        t_s, along_rad = self._along_rad(window)
+        lasts_s = self.gap_s * (len(self.looks) - 1) + path.duration_s
+        begins_s = float(t_s[np.argmin(np.abs(along_rad))]) - 0.5 * lasts_s
+        return replace(
+            window,
+            start_utc=shifted_utc(window.start_utc, round(begins_s * ROWS_PER_S) / ROWS_PER_S),
+            stop_utc=shifted_utc(window.start_utc, max(begins_s + lasts_s + 1.0, 1.0)),
+        )
+
+    def _along_rad(self, window: ScanWindow) -> tuple[Array, Array]:
+        """How far ahead the strip's middle stands over the window, and when, (n,) each."""
+        ends = self.geometry.coordinates
         r_middle_itrf_m = places_itrf_m(ends, self._level_m(ends)).mean(axis=0)
         t_s = np.arange(0.0, window.duration_s, COMMAND_STEP_S)
-        along_rad, _ = window.passing.look_angles(r_middle_itrf_m, t_s)
+        return t_s, window.passing.look_angles(r_middle_itrf_m, t_s)[0]
+
+    def _look_starts_s(
+        self, path: GroundPathTarget, window: ScanWindow
+    ) -> list[tuple[float, float]]:
+        """When the strip's middle stands at the angles from nadir, half a scan before, and how long
+        it stands near them, to either side."""
+        t_s, along_rad = self._along_rad(window)
+        near_rad = math.radians(OPTIONS.off_look_angle_deg)
         most_deg = OPTIONS.look_angle_deg if self.look_angle_deg is None else self.look_angle_deg
-        starts_s = []
+        starts_s: list[tuple[float, float]] = []
         for share in self.looks:
             angle_rad = math.radians(share * most_deg)
             off_rad = np.abs(along_rad - angle_rad)
             nearest = int(np.argmin(off_rad))
             start_s = float(t_s[nearest]) - 0.5 * path.duration_s
-            if off_rad[nearest] > math.radians(1.0) or start_s < 0.0:
+            if off_rad[nearest] > near_rad or start_s < 0.0:
                 seen = along_rad[np.abs(along_rad) < math.pi / 2.0]
                 told = (
                     f"{math.degrees(seen.max()):.1f} to {math.degrees(seen.min()):.1f} deg"
@@ -411,7 +478,8 @@ class StereoMode(_LineMode):
                     f"ahead with half a scan before it between start and stop, where it stands "
                     f"{told} ahead: give times around its pass"
                 )
-            starts_s.append(start_s)
+            near_rows = np.count_nonzero(off_rad < near_rad) - 1
+            starts_s.append((start_s, 0.5 * COMMAND_STEP_S * float(near_rows)))
         return starts_s
 
 

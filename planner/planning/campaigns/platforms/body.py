@@ -23,6 +23,7 @@ from planner.planning.campaigns.request import CampaignRequest
 from planner.planning.opportunities.carrier import Carrier, carrier_over
 from planner.planning.opportunities.looks import CarrierTables, Places, look
 from planner.planning.opportunities.platforms.body import BodyLookout
+from planner.planning.opportunities.request import OpportunityTarget
 from planner.planning.opportunities.sights import Sight, in_sights, visible_target
 from planner.planning.opportunities.tracking import (
     NEAREST,
@@ -37,6 +38,7 @@ from planner.world.frames.time_scales import Instants
 from planner.world.orbits import Ephemeris
 from planner.world.platforms import BodyPlatform
 from planner.world.scenario import BoundedLead, InitialState
+from planner.world.targets import ImagingMode
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,8 +117,9 @@ class BodyFollower:
         before_s = looks[0].start_s - self.rest_s if looks else 0.0
         before: tuple[Vector, Vector] | None = None
         for place, one in enumerate(looks):
-            tracking, sight = self._seen_alone(carrier, one.row)
-            if tracking.roll == NEAREST:
+            seen = None if one.row is None else self._seen_alone(carrier, one.row)
+            if seen is not None and seen[0].roll == NEAREST:
+                tracking, sight = seen
                 idle = tracking.idle, tracking.idle_step_s, before_s
                 unheld_s, before = carried_session(
                     tracking,
@@ -179,7 +182,10 @@ class BodyFollower:
 
     def _seen_alone(self, carrier: Carrier, row: int) -> tuple[Tracking, Sight]:
         if row not in self._alone:
-            [(_, sight, _)] = in_sights(np.array([row]), self._request.targets, carrier)
+            wanted = self._request.targets[row]
+            assert not isinstance(wanted.target, ImagingMode)
+            seen_as = OpportunityTarget(id=wanted.id, target=wanted.target, roll=wanted.roll)
+            [(_, sight, _)] = in_sights(np.zeros(1, np.intp), [seen_as], carrier)
             self._alone[row] = self._lookout.tracking(sight), sight
         return self._alone[row]
 

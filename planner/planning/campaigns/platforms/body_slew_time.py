@@ -312,7 +312,7 @@ def _keeps(sigma: Vector, d1: Vector, d2: Vector, d3: Vector, envelope: BodyEnve
     jerk = plus(plus(scaled(f2, turn), 2.0 * f1, turn1), f, turn2)
     for order, flown in enumerate((omega, alpha, jerk)):
         if envelope.is_magnitude:
-            if norm(flown) > OPTIONS.within_share * envelope.length_limits[order]:
+            if norm(flown) > OPTIONS.within_share * envelope.least_limits[order]:
                 return False
         else:
             for k in range(3):

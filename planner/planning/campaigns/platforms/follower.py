@@ -26,12 +26,13 @@ class Following(NamedTuple):
 
 
 class FollowedLook(NamedTuple):
-    """A look of a pass: row of the request's targets, from when to when on the carrier's clock.
+    """A look of a pass, from when to when on the carrier's clock.
 
+    row: of the request's targets; None of a scan, which lies on its line whatever came before.
     stop_state: of `Following.states`, at its end.
     """
 
-    row: int
+    row: int | None
     start_s: float
     stop_s: float
     stop_state: Array

@@ -1,0 +1,88 @@
+"""Candidates of a campaign: targets, and the scans of imaging modes in every pass."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from planner.planning.campaigns.request import CampaignRequest, CampaignTarget
+from planner.planning.opportunities.scans import Scan
+from planner.world.platforms import RollRule
+from planner.world.rules.registry import rules_of
+from planner.world.targets import ImagingMode, Target
+
+
+@dataclass(frozen=True, kw_only=True)
+class Candidate:
+    """A target, or a scan of an imaging mode, which stands for the middle of its line where it is
+    looked up as a place.
+
+    row: of the request's targets.  wanted: that one.  scans: none of a target; of a mode that is
+    one scan in every pass all of them, else the one.
+    """
+
+    row: int
+    wanted: CampaignTarget
+    scans: tuple[Scan, ...] = ()
+
+    @cached_property
+    def target(self) -> Target:
+        """As a place."""
+        if self.scans:
+            return self.scans[0].middle
+        assert not isinstance(self.wanted.target, ImagingMode)
+        return self.wanted.target
+
+    @property
+    def roll(self) -> RollRule | None:
+        """On it as a place."""
+        return None if self.scans else self.wanted.roll
+
+    @property
+    def lengths_s(self) -> tuple[float, ...]:
+        """The lengths a look may have, ascending, whole command steps."""
+        if self.scans:
+            return (self.scans[0].duration_s,)
+        return self.wanted.lengths_s
+
+    @property
+    def is_part(self) -> bool:
+        """Whether it is worth nothing alone."""
+        return any(scan.parts > 1 for scan in self.scans)
+
+    @property
+    def looks(self) -> int:
+        return 1 if self.is_part else self.wanted.looks
+
+    def worth_value(self, length_s: float) -> float:
+        """The worth of a look that lasts so long at the best view; a scan's share of its mode's."""
+        if self.scans:
+            return self.wanted.priority * self.scans[0].share
+        return self.wanted.worth_value(length_s)
+
+    def scan_at(self, begin_s: float) -> Scan:
+        """That which begins then."""
+        return min(self.scans, key=lambda scan: scan.apart_s(begin_s))
+
+
+def candidates_of(request: CampaignRequest, scans: Sequence[Scan]) -> tuple[Candidate, ...]:
+    """Targets that are no modes, in order, then scans."""
+    found = [
+        Candidate(row=row, wanted=wanted)
+        for row, wanted in enumerate(request.targets)
+        if not isinstance(wanted.target, ImagingMode)
+    ]
+    by_row: dict[int, list[Scan]] = {}
+    for scan in scans:
+        by_row.setdefault(scan.row, []).append(scan)
+    for row, own in by_row.items():
+        is_single = all(scan.parts == 1 for scan in own)
+        found += [
+            Candidate(row=row, wanted=request.targets[row], scans=together)
+            for together in ([tuple(own)] if is_single else [(scan,) for scan in own])
+        ]
+    return tuple(found)
+
+
+def scan_roll(request: CampaignRequest, wanted: CampaignTarget) -> RollRule | None:
+    """How a platform lies on the lines of a mode."""
+    return wanted.roll or rules_of(request.platform).scan_roll
