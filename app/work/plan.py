@@ -99,7 +99,7 @@ def packed_plan(plan: FlightPlan, findings: Iterable[Finding] = ()) -> PackedCol
     return PackedColumns(
         columns={
             name: column
-            for name in ("position", "rate_rad_s", "acceleration_rad_s2")
+            for name in ("position", "rate_rad_s", "acceleration_rad_s2", "extra_rad")
             if (column := getattr(table, name)) is not None
         },
         facts={

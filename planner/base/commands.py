@@ -24,7 +24,7 @@ class Channel(NamedTuple):
 
     name: str
     dof: str
-    of: Literal["position", "rate", "acceleration"]
+    of: Literal["position", "rate", "acceleration", "extra"]
     unit: str
     decimals: int = 9  # 1e-9 deg is 4 microarcsec, 1/25,000 of what the table promises
 
@@ -55,6 +55,13 @@ BODY_CHANNELS = (
     *(Channel(f"omega_body_deg_s_{part}", part, "rate", "degree s-1") for part in "xyz"),
     *(Channel(f"alpha_body_deg_s2_{part}", part, "acceleration", "degree s-2") for part in "xyz"),
 )
+GIMBAL_CHANNELS = (
+    *(Channel(f"gimbal_deg_{number}", str(number), "extra", "degree") for number in range(1, 5)),
+    *(
+        Channel(f"gimbal_rate_deg_s_{number}", str(number), "extra", "degree s-1")
+        for number in range(1, 5)
+    ),
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +86,8 @@ class CommandTable:
     position, rate_rad_s, acceleration_rad_s2: as in `Motion`, row k at epoch_utc + 0.2 k s (SI
     seconds).  Between rows axes, whose table has no acceleration, fly the cubic Hermite of the
     two rows, and a body the quintic in Rodrigues parameters that meets both.
+    extra_rad: what other channels tell, (n, k): of gyros the gimbals' angles and the rates, rad/s,
+    that they hold until the next row.
     """
 
     epoch_utc: datetime
@@ -86,6 +95,7 @@ class CommandTable:
     position: Array
     rate_rad_s: Array
     acceleration_rad_s2: Array | None = None
+    extra_rad: Array | None = None
 
     @property
     def dof_names(self) -> tuple[str, ...]:
@@ -99,6 +109,7 @@ class CommandTable:
             "position": self.position,
             "rate": self.rate_rad_s,
             "acceleration": self.acceleration_rad_s2,
+            "extra": self.extra_rad,
         }
         columns = {of: iter(array.T) for of, array in arrays.items() if array is not None}
         return tuple((one, one.told(next(columns[one.of]))) for one in self.channels)
@@ -113,7 +124,7 @@ def table_of(
     epoch_utc: datetime, channels: tuple[Channel, ...], columns: Mapping[str, ArrayLike]
 ) -> CommandTable:
     """The table whose columns are told by the channels' names; raises KeyError, ValueError."""
-    read: dict[str, list[Array]] = {"position": [], "rate": [], "acceleration": []}
+    read: dict[str, list[Array]] = {"position": [], "rate": [], "acceleration": [], "extra": []}
     for channel in channels:
         read[channel.of].append(channel.read(columns[channel.name]))
     return CommandTable(
@@ -124,4 +135,5 @@ def table_of(
         acceleration_rad_s2=(
             np.stack(read["acceleration"], axis=1) if read["acceleration"] else None
         ),
+        extra_rad=np.stack(read["extra"], axis=1) if read["extra"] else None,
     )

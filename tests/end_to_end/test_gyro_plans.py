@@ -6,6 +6,7 @@ gyros at +-60 and +-120 degrees are turned by the least rates that change their 
 """
 
 import dataclasses
+import io
 import json
 import math
 from datetime import timedelta
@@ -14,11 +15,15 @@ import numpy as np
 import other_body
 import pytest
 from scipy.integrate import cumulative_trapezoid
+from scipy.io import netcdf_file
 from scipy.spatial.transform import Rotation, RotationSpline
 
 from app.requests.plan import read_plan_request
 from planner.base.errors import InfeasibleSlew
+from planner.output.export.csv import table_csv
+from planner.output.export.netcdf import write_netcdf
 from planner.planning.sessions.pipeline import make_plan
+from planner.planning.sessions.platforms import body
 from planner.world.frames.time_scales import Instants
 from planner.world.platforms.agile_cmg import AGILE_CMG
 
@@ -122,6 +127,42 @@ def test_gyros_give_torque_and_hold_momentum_within_their_limits(plan):
     assert size.max() <= 15.0
     assert size.max() > 13.0  # the time is least: what is always there, 14, is used
     assert np.linalg.norm(held, axis=1).max() <= 60.0
+
+
+@pytest.mark.parametrize("name", ["gentle", "plan"])
+def test_the_table_tells_gimbals_that_hold_what_the_gyros_must(name, request):
+    """By the table's text as it is downloaded; rates are held until the next row."""
+    flown = request.getfixturevalue(name)
+    text = "".join(table_csv(flown.table))
+    told = np.genfromtxt(io.StringIO(text), delimiter=",", names=True, dtype=None, encoding=None)
+    angle, rate = (
+        np.radians([told[f"gimbal_{kind}_{number}"] for number in (1, 2, 3, 4)])
+        for kind in ("deg", "rate_deg_s")
+    )
+    assert angle[:, 1:] == pytest.approx(angle[:, :-1] + 0.2 * rate[:, :-1], abs=1e-10)
+    assert 0.0 < np.degrees(np.abs(rate).max()) < 57.3
+    s, c = np.sin(angle), np.cos(angle)
+    held = ROTOR_N_M_S * np.stack([s[2] + s[3], s[0] + s[1], c.sum(axis=0)], axis=1)
+    wanted, _ = gyro_motion(flown)
+    inner = slice(5, -5)  # the spline's ends are free
+    assert np.abs(held - wanted[:: round(0.2 / STEP_S)])[inner].max() < 0.03
+
+
+def test_gimbals_that_fall_behind_the_turn_are_refused(gentle, monkeypatch):
+    """By motion without torque that takes all the rate they have."""
+    monkeypatch.setattr(body, "OPTIONS", dataclasses.replace(body.OPTIONS, null_gain_rad_s=100.0))
+    with pytest.raises(InfeasibleSlew, match=r"none faster than 57.3 deg/s, are .* behind") as told:
+        make_plan(gentle.scenario)
+    assert (told.value.limit, told.value.field) == ("torque", "platform.gyros.turns.torque_max_n_m")
+
+
+def test_netcdf_tells_the_gimbals_in_words(gentle):
+    with netcdf_file(io.BytesIO(write_netcdf(gentle, gentle.table.epoch_utc)), mmap=False) as file:
+        angle, rate = (file.variables[f"gimbal_{kind}_3"] for kind in ("deg", "rate_deg_s"))
+        assert (angle.units, angle.long_name) == (b"degree", b"angle of gimbal 3")
+        assert rate.long_name == b"rate, held until the next row, of gimbal 3"
+        assert angle[:] == pytest.approx(np.degrees(gentle.table.extra_rad[:, 2]), abs=1e-9)
+        assert rate[:] == pytest.approx(np.degrees(gentle.table.extra_rad[:, 6]), abs=1e-9)
 
 
 def test_gimbals_turn_within_their_rate(plan):

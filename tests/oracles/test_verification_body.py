@@ -429,9 +429,72 @@ def gyros_asked(table, start_n_m_s):
     return [np.linalg.norm(part, axis=1).max() for part in (torque, total - omega @ inertia)]
 
 
+def with_gimbals(table, start_n_m_s=(0.0, 0.0, 0.0)):
+    """The table with gimbals turned by the least rates that change their momentum as the rows ask,
+    of rotors of 2 N m s: H = h [s3 + s4, s1 + s2, c1 + c2 + c3 + c4]."""
+    q, inertia = Rotation.from_quat(table.position), np.array(INERTIA_KG_M2)
+    total = q[0].apply(inertia @ table.rate_rad_s[0] + start_n_m_s)
+    wanted = (q.inv().apply(total) - table.rate_rad_s @ inertia) / 2.0
+
+    def held(a):
+        return np.array([*(np.sin(a[i]) + np.sin(a[i + 1]) for i in (2, 0)), np.cos(a).sum()])
+
+    def least(a, change):
+        c, s = np.cos(a), np.sin(a)
+        return np.linalg.pinv([[0.0, 0.0, c[2], c[3]], [c[0], c[1], 0.0, 0.0], -s]) @ change
+
+    angle = np.radians([60.0, -60.0, 120.0, -120.0])
+    for _ in range(30):
+        angle = angle + least(angle, wanted[0] - held(angle))
+    rows = []
+    for there in [*wanted[1:], wanted[-1]]:
+        turn = np.zeros(4)
+        for _ in range(4):
+            turn = turn + least(angle + turn, there - held(angle + turn))
+        rows.append([*angle, *(turn / COMMAND_STEP_S)])
+        angle = angle + turn
+    channels = with_gyros().platform.channels
+    return dataclasses.replace(table, channels=channels, extra_rad=np.array(rows))
+
+
+@pytest.mark.parametrize(
+    ("column", "off", "limits"),
+    [
+        (0, 0.0, []),
+        (0, 1e-6, ["table"]),
+        (0, 0.01, ["table", "momentum"]),
+        (5, 2e-8, ["table"]),
+        (6, 1.1, ["table", "rate"]),
+        (7, np.nan, ["table"]),
+    ],
+)
+def test_gimbals_that_are_not_the_motions_are_found(table, column, off, limits):
+    turned = with_gimbals(table)
+    turned.extra_rad[100, column] += off
+    findings = verify(turned, with_gyros()).findings
+    assert [one.limit for one in findings if "gimbal" in one.detail] == limits
+
+
+def test_gimbals_are_columns_of_the_table_of_gyros(table):
+    (finding,) = verify(
+        dataclasses.replace(with_gimbals(table), extra_rad=None), with_gyros()
+    ).findings
+    assert finding.limit == "table"
+    assert limits_of(verify(table, with_gyros())) == {"table"}
+
+
+def test_gimbals_near_a_singularity_give_no_torque(table):
+    """All four along z: no rate changes the momentum along it."""
+    turned = with_gimbals(table)
+    turned.extra_rad[:] = [1e-4, -1e-4, np.pi + 1e-4, np.pi - 1e-4, 0.0, 0.0, 0.0, 0.0]
+    findings = verify(turned, with_gyros()).findings
+    assert any("the torque takes a gimbal to" in one.detail for one in findings)
+
+
 @pytest.mark.parametrize("start_n_m_s", [(0.0, 0.0, 0.0), (0.4, -0.3, 0.6)])
 def test_what_gyros_are_asked_for_is_judged_by_their_momentum(table, start_n_m_s):
     torque, momentum = gyros_asked(table, start_n_m_s)
+    table = with_gimbals(table, start_n_m_s)
     ample = {"torque_max_n_m": 0.2, "momentum_max_n_m_s": 1.5, "start_n_m_s": start_n_m_s}
     assert not limits_of(verify(table, with_gyros(**ample))) & {"torque", "momentum"}
     for limit, name, most in (

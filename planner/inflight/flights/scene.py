@@ -288,4 +288,5 @@ def _rows_from(table: CommandTable, first: int, last: int) -> CommandTable:
         acceleration_rad_s2=None
         if table.acceleration_rad_s2 is None
         else table.acceleration_rad_s2[first : last + 1],
+        extra_rad=None if table.extra_rad is None else table.extra_rad[first : last + 1],
     )

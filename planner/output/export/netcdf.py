@@ -178,6 +178,9 @@ def _identifier(channel: Channel, plan: FlightPlan) -> str:
 def _meaning(channel: Channel) -> str:
     if channel.unit == "1":
         return f"attitude, part {channel.dof} of the quaternion"
+    if channel.of == "extra":
+        motion = "rate, held until the next row," if "rate" in channel.name else "angle"
+        return f"{motion} of gimbal {channel.dof}"
     motion = "angle" if channel.of == "position" else channel.of
     return f"{motion} of axis {one_line(channel.dof)}"
 

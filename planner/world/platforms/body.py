@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from planner.base.arrays import Array
-from planner.base.commands import BODY_CHANNELS, Channel
+from planner.base.commands import BODY_CHANNELS, GIMBAL_CHANNELS, Channel
 from planner.base.rotation import Rotation
 from planner.base.spec import LENGTH_MIN, UnitPart, VectorPart, Within, spec
 from planner.world.platforms.camera import PIXELS_ARCSEC, Camera
@@ -530,8 +530,8 @@ class BodyPlatform:
 
     @property
     def channels(self) -> tuple[Channel, ...]:
-        """Attitude, rates and accelerations."""
-        return BODY_CHANNELS
+        """Attitude, rates and accelerations, and of gyros their gimbals' angles and rates."""
+        return BODY_CHANNELS if self.gyros is None else (*BODY_CHANNELS, *GIMBAL_CHANNELS)
 
     @property
     def frame_half_rad(self) -> tuple[float, float]:
@@ -570,7 +570,8 @@ class BodyPlatform:
             f"payload axes in body axes: {mount}",
             "payload: +Z boresight, +X along the frame's first side or across the line of pixels",
             "between rows the body flies the quintic in modified Rodrigues parameters that meets "
-            "attitude, rate and acceleration of both",
+            "attitude, rate and acceleration of both"
+            + ("; gimbal rates are held until the next row" if self.gyros else ""),
         )
 
     @cached_property

@@ -50,7 +50,7 @@ from planner.world.exclusions import Surroundings, exclusion_margins
 from planner.world.frames.time_scales import Instants, shifted_utc, utc_text
 from planner.world.orbits import Ephemeris
 from planner.world.platforms.body import BodyPlatform
-from planner.world.platforms.steering import total_momentum_eci
+from planner.world.platforms.steering import gimbal_rows, total_momentum_eci
 from planner.world.scenario import BoundedLead, Scenario, Session
 from planner.world.targets import VisibleTarget
 
@@ -66,6 +66,8 @@ class BodyMoverOptions:
     most_times: int = 8
     track: int = 200  # of `effort`: to find how it lies on a target
     track_row: float = 1.0  # of `effort`: on a row, and again for each exclusion
+    null_gain_rad_s: float = 0.02  # of the steering law, as docs/spacecraft.md takes it
+    missed: float = 1e-3  # of a rotor's momentum: rates that are held over a row leave less
     inside_rad: float = 1e-6  # of an exclusion: 0.2 arcsec, more than the OCP leaves
 
 
@@ -293,13 +295,16 @@ class BodyMover:
         position = np.concatenate([part.position for part in parts])
         rate_rad_s = np.concatenate([part.rate_rad_s for part in parts])
         self._require_clear(epoch_utc, position)
-        self._require_momentum(epoch_utc, position, rate_rad_s[0])
+        imaging = np.zeros(len(position) - 1, dtype=bool)
+        for join in joins:
+            imaging[join.join_row : join.stop_row] = True
         return CommandTable(
             epoch_utc=epoch_utc,
             channels=self.platform.channels,
             position=of_like_sign(position),
             rate_rad_s=rate_rad_s,
             acceleration_rad_s2=np.concatenate([part.acceleration_rad_s2 for part in parts]),
+            extra_rad=self._gimbals(epoch_utc, position, rate_rad_s, imaging),
         )
 
     def run(self, number: int | None, join: Join) -> SlewRun:
@@ -476,28 +481,28 @@ class BodyMover:
                     field=f"initial_state.{given[0]}" if begins else "platform.exclusions",
                 )
 
-    def _require_momentum(
-        self, epoch_utc: datetime, q_eci_from_body_xyzw: Array, begun_rad_s: Array
-    ) -> None:
-        """Raises InfeasibleSlew where gravity gives body and gyros more momentum to hold than the
-        envelope counts on."""
+    def _gimbals(
+        self, epoch_utc: datetime, q_eci_from_body_xyzw: Array, rate_rad_s: Array, imaging: Mask
+    ) -> Array | None:
+        """Angles and rates of the gyros' gimbals, (n, 8); None: there are no gyros.
+
+        Raises InfeasibleSlew where gravity gives body and gyros more momentum to hold than the
+        envelope counts on, or the gimbals can't follow it."""
         gyros = self.platform.gyros
         if gyros is None:
-            return
+            return None
         inertia_kg_m2 = np.array(self.platform.inertia_kg_m2)
         instants = self._instants(0, len(q_eci_from_body_xyzw) - 1)
         ephemeris = self.scenario.orbit.ephemeris(epoch_utc, instants.utc(-1))
         q_body_from_eci = Rotation.from_quat(q_eci_from_body_xyzw).inv()
-        begun_body_n_m_s = inertia_kg_m2 @ begun_rad_s + gyros.start_n_m_s
-        size_n_m_s = np.linalg.norm(
-            total_momentum_eci(
-                q_body_from_eci,
-                q_body_from_eci[0].inv().apply(begun_body_n_m_s),
-                ephemeris.states(instants).r_sat_eci_m,
-                inertia_kg_m2,
-            ),
-            axis=1,
+        begun_body_n_m_s = inertia_kg_m2 @ rate_rad_s[0] + gyros.start_n_m_s
+        total_eci_n_m_s = total_momentum_eci(
+            q_body_from_eci,
+            q_body_from_eci[0].inv().apply(begun_body_n_m_s),
+            ephemeris.states(instants).r_sat_eci_m,
+            inertia_kg_m2,
         )
+        size_n_m_s = np.linalg.norm(total_eci_n_m_s, axis=1)
         most_n_m_s = gyros.envelope(inertia_kg_m2).total_n_m_s
         worst = int(np.argmax(size_n_m_s))
         if size_n_m_s[worst] > most_n_m_s:
@@ -512,6 +517,23 @@ class BodyMover:
                 at_utc=at_utc,
                 field="platform.gyros.start_n_m_s",
             )
+        array = gyros.array.cmg_array
+        held_n_m_s = q_body_from_eci.apply(total_eci_n_m_s) - rate_rad_s @ inertia_kg_m2
+        told = gimbal_rows(array, held_n_m_s, imaging, OPTIONS.null_gain_rad_s)
+        missed_n_m_s = np.linalg.norm(array.momentum(told[0]) - held_n_m_s, axis=1)
+        worst = int(np.argmax(missed_n_m_s))
+        if missed_n_m_s[worst] > OPTIONS.missed * array.momentum_n_m_s:
+            at_utc = instants.utc(worst)
+            raise InfeasibleSlew(
+                f"gyros: at {utc_text(at_utc)} the gimbals, none faster than "
+                f"{gyros.array.gimbal_rate_max_deg_s:g} deg/s, are {missed_n_m_s[worst]:.3g} N m s "
+                "behind what turns the body; lower gyros.turns.torque_max_n_m or "
+                "momentum_max_n_m_s",
+                limit="torque",
+                at_utc=at_utc,
+                field="platform.gyros.turns.torque_max_n_m",
+            )
+        return np.hstack(told)
 
     def _instants(self, first_row: int, last_row: int) -> Instants:
         """Of the table's rows from one to another, both included."""

@@ -64,6 +64,7 @@ def gyro_findings(
         given = flown.alpha_body_rad_s2 @ inertia_kg_m2 + cross(omega, total) - gravity
         return given, total - omega @ inertia_kg_m2
 
+    yield from _gimbal_findings(table, gyros, asked)
     cells, turns = np.arange(len(table.position) - 1), gyros.turns
     most = turns.torque_max_n_m, turns.momentum_max_n_m_s
     # Within a cell neither changes by more, unless the jerk or the torque is too large itself.
@@ -90,6 +91,64 @@ def gyro_findings(
                 t_s=extreme.t_s,
                 at_utc=shifted_utc(table.epoch_utc, extreme.t_s),
                 detail=f"the gyros' {limit} reaches {extreme.size:.6g} {unit}, more than {size:g}",
+            )
+
+
+def _gimbal_findings(
+    table: CommandTable, gyros: GyroSet, asked: Callable[[Indices, Array], tuple[Array, Array]]
+) -> Iterator[Finding]:
+    """Where the gimbals' rates aren't those of their angles, the angles don't hold the momentum
+    asked, or a gimbal is faster than its drive, as told or by the least rates that give the torque
+    from where the gimbals stand: near a singularity none do."""
+    assert table.extra_rad is not None  # else its columns are none of the platform's
+    angle_rad, rate_rad_s = np.hsplit(table.extra_rad, 2)
+    last = len(angle_rad) - 1
+    cell = np.minimum(np.arange(last + 1), last - 1)
+    torque_n_m, momentum_n_m_s = asked(cell, np.arange(last + 1.0) - cell)
+    rotor_n_m_s, most_deg_s = gyros.array.rotor_n_m_s, gyros.array.gimbal_rate_max_deg_s
+    c, s = np.cos(angle_rad), np.sin(angle_rad)
+    zero = np.zeros_like(s[:, :2])
+    # Platonov, Sumarokov 2019, eq. 1: of h [s3 + s4, s1 + s2, c1 + c2 + c3 + c4].
+    held = np.stack([s[:, 2:].sum(axis=1), s[:, :2].sum(axis=1), c.sum(axis=1)], axis=1)
+    slopes = np.stack([np.hstack([zero, c[:, 2:]]), np.hstack([c[:, :2], zero]), -s], axis=1)
+    needed_rad_s = (np.linalg.pinv(slopes) @ (-torque_n_m / rotor_n_m_s)[:, :, None])[:, :, 0]
+    jumps_rad = np.abs(angle_rad[1:] - angle_rad[:-1] - COMMAND_STEP_S * rate_rad_s[:-1])
+    off_n_m_s = np.linalg.norm(rotor_n_m_s * held - momentum_n_m_s, axis=1)
+    checks: tuple[tuple[Limit, Array, float, str], ...] = (
+        (
+            "table",
+            jumps_rad.max(axis=1),
+            OPTIONS.gimbal_rad,
+            "a gimbal's rate misses by {:.3g} rad",
+        ),
+        (
+            "momentum",
+            off_n_m_s,
+            OPTIONS.gimbals_miss * rotor_n_m_s,
+            "the gimbals hold {:.3g} N m s other than the body's motion asks",
+        ),
+        (
+            "rate",
+            np.degrees(np.abs(rate_rad_s).max(axis=1)),
+            most_deg_s,
+            "a gimbal turns at {:.6g} deg/s",
+        ),
+        (
+            "rate",
+            np.degrees(np.abs(needed_rad_s).max(axis=1)),
+            most_deg_s,
+            "the torque takes a gimbal to {:.6g} deg/s",
+        ),
+    )
+    for limit, size, most, told in checks:
+        row = int(np.argmax(size))
+        if size[row] > most * (1.0 + RELATIVE_TOLERANCE):
+            t_s = row / ROWS_PER_S
+            yield Finding(
+                limit=limit,
+                t_s=t_s,
+                at_utc=shifted_utc(table.epoch_utc, t_s),
+                detail=f"{told.format(size[row])}, more than {most:.6g}",
             )
 
 

@@ -62,7 +62,13 @@ class BodyJudge:
             )
         if count < OPTIONS.rows_min:
             return table_fault(f"a table needs at least {OPTIONS.rows_min} rows, not {count}")
-        numbers = np.hstack([table.position, table.rate_rad_s, table.acceleration_rad_s2])
+        extra_rad = np.zeros((count, 0)) if table.extra_rad is None else table.extra_rad
+        told = sum(channel.of == "extra" for channel in expected)
+        if extra_rad.shape != (count, told):
+            return table_fault(f"an array of shape {extra_rad.shape} doesn't tell {told} columns")
+        numbers = np.hstack(
+            [table.position, table.rate_rad_s, table.acceleration_rad_s2, extra_rad]
+        )
         finite = np.isfinite(numbers)
         if not finite.all():
             row, column = (int(index) for index in np.argwhere(~finite)[0])

@@ -39,6 +39,8 @@ class Options:
     finest: int = (
         40  # instants per cell, 5 ms apart, where the gyros may be asked for all they have
     )
+    gimbal_rad: float = 1e-9  # of angles and rates of 9 decimals of a degree, over a row
+    gimbals_miss: float = 2e-3  # of a rotor's momentum: rates are held over a row
     changes_most: float = 1.5  # times the greatest derivative: the quintic's rings
     # Rows from one look to the next where an exclusion is far: the Sun isn't up for less than 2 s.
     stride: int = 10
