@@ -7,7 +7,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from planner.base.mrp import BodyMotion
-from planner.spacecraft.flight.closed_loop import Log
+from planner.inflight.simulation.gyros.closed_loop import Log
 from planner.spacecraft.imaging.session import make_session
 from planner.spacecraft.plan import ImagingPlan
 from planner.spacecraft.requests import AreaRequest, GeoPolygon, ImagingPlanRequest

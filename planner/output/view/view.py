@@ -188,6 +188,7 @@ def view_plan(plan: FlightPlan, step_s: float | None, pixel_arcsec: float) -> Pl
         ),
         masks=kind.masks,
         exclusions=tuple(_from_first(one, unknown) for one in kind.exclusions),
+        gyros=kind.gyros,
         sky=sky_track(scene, unknown),
     )
 
