@@ -7,11 +7,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from planner.base.commands import Motion
+from planner.inflight.simulation.gyros.closed_loop import Log
 from planner.motion.attitude.problem import BodySlewProblem
 from planner.motion.attitude.slew import solve_attitude_slew
 from planner.motion.attitude.track import agility_limits
 from planner.spacecraft.body import body_of
-from planner.spacecraft.flight.closed_loop import Log
 from planner.spacecraft.imaging.session import make_session
 from planner.spacecraft.plan import ImagingPlan
 from planner.spacecraft.requests import AreaRequest, GeoPolygon, ImagingPlanRequest

@@ -16,6 +16,7 @@ from planner.base.arrays import Array
 from planner.inflight.flights.contributors import Contributor
 from planner.inflight.flights.outcomes import NominalSession
 from planner.inflight.flights.summary import Histogram, joined, summarise
+from planner.inflight.simulation.gyros.report import GyroSteadiness
 
 if TYPE_CHECKING:
     from planner.inflight.flights.outcomes import RunOutcomes
@@ -43,6 +44,7 @@ class SessionFlightsOut:
     5, 50 and 95 % of the runs it is less; null for a target in the sky. [m]
     misses: the same as an angle, as a histogram.
     contributors: causes of the errors, the largest first.
+    gyros: of a body with gyros, their steadiness in the worst of the runs; null without.
     nominal: the session flown as planned.
     """
 
@@ -59,6 +61,7 @@ class SessionFlightsOut:
     miss_m: _Quantiles | None
     misses: Histogram | None
     contributors: list[Contributor]
+    gyros: GyroSteadiness | None
     nominal: SerializeAsAny[NominalSession]  # as it was told and stored
 
 
@@ -153,11 +156,10 @@ def flights_found(
 def flights_json(job: Job, document: bytes | None, parts: Sequence[Any]) -> bytes:
     """A FlightsResponse as UTF-8 JSON; document: a FlightsHead, None before there is one."""
     if document is None:
-        options = job.options
         found = FlightsFound(
             plan=job.plan_id or "",
-            runs=options["runs"],
-            seed=options["seed"],
+            runs=job.options["runs"],
+            seed=job.options["seed"],
             flown=0,
             epoch=None,
             **_told_of(None),
@@ -184,6 +186,7 @@ def _told_of(found: "PlanFlights | SessionFlights | None") -> dict[str, Any]:
 
 
 def _session_out(told: SessionHead, flown: "SessionFlights | None") -> SessionFlightsOut:
+    shown: dict[str, Any] = {it: getattr(flown, it, None) for it in ("smear_px", "miss_m", "gyros")}
     return SessionFlightsOut(
         session=told.session,
         label=told.label,
@@ -191,9 +194,8 @@ def _session_out(told: SessionHead, flown: "SessionFlights | None") -> SessionFl
         **_told_of(flown),
         frames_held=flown.held_share if flown else None,
         frames_sharp=flown.sharp_share if flown else None,
-        smear_px=flown.smear_px if flown else None,
-        miss_m=flown.miss_m if flown else None,
         misses=flown.miss_rad if flown else None,
+        **shown,
         nominal=told.nominal,
     )
 

@@ -85,7 +85,6 @@ def flights_head(
     asked, table = read_flights_request(what.asked), plan.table
     sessions = []
     for scene in scenes:
-        session = plan.scenario.sessions[scene.number]
         budget = mover_of(plan.scenario).budget(scene.ephemeris, table, scene.number)
         assert budget is not None  # of a target that can be seen
         nominal = nominal_session(scene, asked.moving_object)
@@ -93,7 +92,7 @@ def flights_head(
         sessions.append(
             SessionHead(
                 session=scene.number,
-                label=session.label,
+                label=plan.scenario.sessions[scene.number].label,
                 budget_probability_in_frame=budget.probability_in_frame,
                 nominal=to_members(nominal),
                 saturated_s=dict(zip(names, nominal.saturated_s.tolist(), strict=True)),
@@ -175,8 +174,7 @@ def _plan(what: PlanToFly) -> FlightPlan:
 def _runs_by_part(scenes: Sequence["SessionScene"], runs: int) -> list[int]:
     """Of even numbers but for the last; raises InvalidInput."""
     flown_s = sum(float(scene.table.t_s[-1]) for scene in scenes)
-    most = int(FLOWN_MAX_S / flown_s)
-    if runs > most:
+    if runs > (most := int(FLOWN_MAX_S / flown_s)):
         raise InvalidInput(
             f"{runs} runs of {flown_s:.0f} s each are {runs * flown_s:.3g} s of flight, and "
             f"{FLOWN_MAX_S:.0e} s may be asked for at a time: ask for {most} runs at most",

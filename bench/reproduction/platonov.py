@@ -31,18 +31,26 @@ from scipy.spatial.transform import Rotation
 from app.requests.spacecraft import read_spacecraft_request
 from planner.base.arrays import Array
 from planner.base.rotation import of_like_sign
+from planner.inflight.simulation.gyros.closed_loop import Log
+from planner.inflight.simulation.gyros.dispersed import (
+    Dispersion,
+    as_designed,
+    computer,
+    draw_dispersion,
+    fly_table,
+)
+from planner.inflight.simulation.gyros.onboard import (
+    PAPER,
+    TABLE,
+    Estimate,
+    estimate_rate,
+    memory_at,
+)
+from planner.inflight.simulation.gyros.steadiness import rate_errors, settled_after_s
 from planner.motion.attitude.eigenaxis import quickest_angle
 from planner.motion.attitude.track import agility_limits, attitude_motion
 from planner.spacecraft.body import body_of
-from planner.spacecraft.flight.closed_loop import Log
-from planner.spacecraft.flight.simulation import (
-    Dispersion,
-    computer,
-    draw_dispersion,
-    fly_many,
-    fly_table,
-)
-from planner.spacecraft.flight.stabilisation import rate_errors, settled_after_s
+from planner.spacecraft.flight.simulation import fly_many
 from planner.spacecraft.imaging.candidates import candidates
 from planner.spacecraft.imaging.choice_with_slews import options_of
 from planner.spacecraft.imaging.ground_arc import (
@@ -63,13 +71,12 @@ from planner.spacecraft.table import TICK_S, AttitudeTable
 from planner.spacecraft.vehicle.definition import (
     AGILE_CMG,
     AgileSpacecraft,
-    ControlGains,
     SlewLimits,
 )
-from planner.spacecraft.vehicle.onboard import PAPER, TABLE, Estimate, estimate_rate, memory_at
 from planner.world.frames.time_scales import Instants, utc_text
 from planner.world.orbits import StateVectorOrbit
 from planner.world.platforms.cmg_array import CmgArray
+from planner.world.platforms.gyro_craft import ControlGains
 from planner.world.platforms.steering import steer
 from reproduction.report import Numbers
 
@@ -242,22 +249,7 @@ def spacecraft_of(name: str) -> AgileSpacecraft:
 
 def nominal(spacecraft: AgileSpacecraft) -> Dispersion:
     """The spacecraft as designed, sensors and gimbals without errors."""
-    zero, one = np.zeros(3), np.ones(len(spacecraft.modes))
-    ripple = draw_dispersion(spacecraft, 0).ripple
-    return Dispersion(
-        frequency_factor=one,
-        coupling_factor=one,
-        damping_factor=one,
-        inertia_factor=np.ones(3),
-        gimbal_scale=np.ones(4),
-        gimbal_offset_rad_s=np.zeros(4),
-        gimbal_jitter_rad_s=0.0,
-        ripple=ripple._replace(torque_n_m=np.zeros(4)),
-        gyro_bias_rad_s=zero,
-        gyro_scale=zero,
-        noise=False,
-        seed=0,
-    )
+    return dataclasses.replace(as_designed(spacecraft.craft, 0), noise=False)
 
 
 def attitudes(session: ImagingSession, arc: GroundArc | None, t_s: Array) -> Rotation:
@@ -303,7 +295,10 @@ def fly(name: str, dispersion: Dispersion) -> Log:
     table, given = goal_table(name)
     spacecraft = spacecraft_of(name)
     states = orbit_states(planned(name))
-    return fly_table(spacecraft, table, states, dispersion, law=PAPER, commanded=given)
+    imaging = table.imaging()
+    return fly_table(
+        spacecraft.craft, table.commands, imaging, states, dispersion, law=PAPER, commanded=given
+    )
 
 
 @lru_cache(maxsize=4)
@@ -439,9 +434,12 @@ def turned(rate_deg_s: float, seconds: float, angle_deg: float = 20.0) -> Turned
     table, duration_s = settle_table(spacecraft, angle_deg, seconds)
     ephemeris = sun_synchronous(600.0).ephemeris(EPOCH, EPOCH + timedelta(seconds=60))
     states = ephemeris.states(Instants(EPOCH, table.t_s))
+    craft = spacecraft.craft
     settled = [
         settled_after_s(
-            fly_table(spacecraft, table, states, draw_dispersion(spacecraft, seed)), 50, 300
+            fly_table(craft, table.commands, table.imaging(), states, draw_dispersion(craft, seed)),
+            50,
+            300,
         )
         for seed in SETTLE_SEEDS
     ]
@@ -450,7 +448,7 @@ def turned(rate_deg_s: float, seconds: float, angle_deg: float = 20.0) -> Turned
 
 def gyro_reach_deg_s() -> float:
     """Rate about one body axis up to which the four channels still give the rate."""
-    onboard = computer(AGILE_CMG, TABLE, noise=False)
+    onboard = computer(AGILE_CMG.craft, TABLE, noise=False)
     memory = memory_at(onboard, np.zeros(3), np.zeros((4, 3)))
     estimate = Estimate(np.array([0.0, 0.0, 0.0, 1.0]), np.empty(3), np.zeros(4))
 

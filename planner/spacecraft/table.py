@@ -11,7 +11,13 @@ from numpy.typing import NDArray
 
 from planner.base.answer_members import Count
 from planner.base.arrays import Array
-from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
+from planner.base.commands import (
+    BODY_CHANNELS,
+    COMMAND_STEP_S,
+    GIMBAL_CHANNELS,
+    ROWS_PER_S,
+    CommandTable,
+)
 from planner.base.mrp import BodyMotion
 from planner.base.rotation import Rotation
 from planner.base.table_motion import body_motion_at
@@ -67,6 +73,18 @@ class AttitudeTable:
             self.eci_from_body_xyzw, self.omega_body_rad_s, self.alpha_body_rad_s2, t_s
         )
         return q_eci_from_body.inv(), motion
+
+    @property
+    def commands(self) -> CommandTable:
+        """The same as the table of a body with gyros."""
+        return CommandTable(
+            epoch_utc=self.epoch_utc,
+            channels=(*BODY_CHANNELS, *GIMBAL_CHANNELS),
+            position=self.eci_from_body_xyzw,
+            rate_rad_s=self.omega_body_rad_s,
+            acceleration_rad_s2=self.alpha_body_rad_s2,
+            extra_rad=np.hstack([self.gimbal_rad, self.gimbal_rate_rad_s]),
+        )
 
     def imaging(self) -> NDArray[np.bool_]:
         """Whether the camera runs from row k to k + 1, shape (n - 1,)."""

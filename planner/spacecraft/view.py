@@ -28,9 +28,9 @@ from planner.spacecraft.export.map import asked_rad
 from planner.spacecraft.export.session_table import SessionTable
 from planner.spacecraft.requests import Request
 from planner.spacecraft.table import TICK_S, ImagingWindow
-from planner.spacecraft.vehicle.definition import RATE_ERROR_MAX_RAD_S
 from planner.world.frames.geodesy import geodetic_from_itrf, up_itrf
 from planner.world.frames.time_scales import RowUtc, Utc, shifted_utc
+from planner.world.platforms.gyro_craft import RATE_ERROR_MAX_RAD_S
 
 _Places = Annotated[Array, Member("deg", -90.0, 90.0, decimals=6)]
 _PlacesEast = Annotated[Array, Member("deg", -180.0, 180.0, decimals=6)]

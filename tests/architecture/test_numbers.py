@@ -15,13 +15,13 @@ ROOT = Path(__file__).parents[2]
 MOST = {
     "base": 7,
     "estimator": 49,
-    "inflight": 39,
+    "inflight": 47,
     "motion": 68,
     "output": 37,
     "planning": 30,
-    "spacecraft": 33,
+    "spacecraft": 23,
     "verification": 60,
-    "world": 121,
+    "world": 122,
 }
 
 

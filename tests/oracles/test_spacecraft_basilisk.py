@@ -9,9 +9,9 @@ from nominal_spacecraft import nominal
 from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation
 
-from planner.spacecraft.flight.simulation import plant
+from planner.inflight.simulation.gyros.dispersed import plant
+from planner.inflight.simulation.gyros.dynamics import _derivative, array_momentum, body_rate
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
-from planner.spacecraft.vehicle.dynamics import _derivative, array_momentum, body_rate
 from planner.world.platforms.cmg_array import CmgArray
 
 GOLDEN = json.loads(
@@ -33,7 +33,7 @@ def flown_by_us():
         modes=(),
         array=CmgArray(gimbal_inertia_kg_m2=GOLDEN["gimbal_axis_inertia_kg_m2"]),
     )
-    body = plant(spacecraft, nominal(spacecraft), float("inf"), 0.01)
+    body = plant(spacecraft.craft, nominal(spacecraft), float("inf"), 0.01)
     t_s = np.arange(len(ROWS)) * STEP_S
     gimbals = CubicHermiteSpline(t_s, ROWS[:, :4], ROWS[:, 4:8])
 

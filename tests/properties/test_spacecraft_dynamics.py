@@ -9,9 +9,8 @@ from scipy.integrate import solve_ivp
 from scipy.signal import lti, step
 from scipy.spatial.transform import Rotation
 
-from planner.spacecraft.flight.simulation import plant
-from planner.spacecraft.vehicle.definition import AGILE_CMG
-from planner.spacecraft.vehicle.dynamics import (
+from planner.inflight.simulation.gyros.dispersed import plant
+from planner.inflight.simulation.gyros.dynamics import (
     ETA,
     G,
     advance,
@@ -21,6 +20,7 @@ from planner.spacecraft.vehicle.dynamics import (
     body_rate,
     servo_step,
 )
+from planner.spacecraft.vehicle.definition import AGILE_CMG
 
 M = len(AGILE_CMG.modes)
 
@@ -29,7 +29,7 @@ UPRIGHT = np.array([0.0, 0.0, 0.0, 1.0])
 
 
 def flown(step_s, seconds, command):
-    real = plant(AGILE_CMG, nominal(AGILE_CMG), float("inf"), step_s)
+    real = plant(AGILE_CMG.craft, nominal(AGILE_CMG), float("inf"), step_s)
     gimbal_rad = AGILE_CMG.array.gimbal_angles(np.array([2.0, -1.0, 3.0]))
     body = body_at(real, UPRIGHT, np.array([0.004, -0.002, 0.01]), gimbal_rad)
     for k in range(round(seconds / step_s)):
@@ -104,10 +104,10 @@ def test_servo_is_the_papers_transfer_function():
 
 
 def test_gravity_gradient_turns_like_its_formula():
-    real = plant(AGILE_CMG, nominal(AGILE_CMG), 7.0e6, 0.01)
+    real = plant(AGILE_CMG.craft, nominal(AGILE_CMG), 7.0e6, 0.01)
     assert real.gravity_per_s2 == pytest.approx(3 * 3.986004418e14 / 7.0e6**3)
     rigid = dataclasses.replace(AGILE_CMG, modes=())
-    real = plant(rigid, nominal(rigid), 7.0e6, 0.01)
+    real = plant(rigid.craft, nominal(rigid), 7.0e6, 0.01)
     body = body_at(real, UPRIGHT, np.zeros(3), AGILE_CMG.array.gimbal_angles(np.zeros(3)))
     nadir = np.array([0.6, 0.64, 0.48])
     advance(real, body, np.zeros(4), nadir, 0.0)

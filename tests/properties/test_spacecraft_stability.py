@@ -12,7 +12,7 @@ import pytest
 from scipy.linalg import block_diag, expm
 from scipy.signal import butter, tf2ss
 
-from planner.spacecraft.flight.simulation import draw_dispersion
+from planner.inflight.simulation.gyros.dispersed import draw_dispersion
 from planner.spacecraft.vehicle.definition import AGILE_CMG
 
 CYCLE_S = 0.2  # Platonov, Sumarokov 2019
@@ -43,7 +43,7 @@ def growth(spacecraft, dispersion):
 
 def body_cycle(spacecraft, inertia, dispersion):
     """A cycle of [attitude, modes, their rates, servo and its rate], and what torque adds to it."""
-    coupling = spacecraft.couplings_sqrt_kg_m() * dispersion.coupling_factor[:, None]
+    coupling = spacecraft.craft.couplings_sqrt_kg_m * dispersion.coupling_factor[:, None]
     modes = spacecraft.modes
     omega = 2.0 * np.pi * np.array([m.frequency_hz for m in modes]) * dispersion.frequency_factor
     damping = np.array([m.damping for m in modes]) * dispersion.damping_factor
@@ -72,7 +72,7 @@ def body_cycle(spacecraft, inertia, dispersion):
 def extreme(random):
     """A corner of what `draw_dispersion` may give: strong modes, hardly damped, at any frequency
     but most of them at an end."""
-    drawn = draw_dispersion(AGILE_CMG, 0)
+    drawn = draw_dispersion(AGILE_CMG.craft, 0)
     m = len(AGILE_CMG.modes)
     frequency = random.uniform(SLOWEST, FASTEST, m)
     frequency[random.random(m) < 0.6] = SLOWEST
@@ -97,5 +97,5 @@ def test_the_linear_loop_finds_the_runs_that_diverged(seed):
     """Of 400 flown with the cut-off at 1.5 Hz, those in which the error grew to the end."""
     gains = dataclasses.replace(AGILE_CMG.gains, cutoff_hz=1.5)
     loose = dataclasses.replace(AGILE_CMG, gains=gains)
-    assert growth(loose, draw_dispersion(AGILE_CMG, seed)) > 1.0
-    assert growth(AGILE_CMG, draw_dispersion(AGILE_CMG, seed)) < 1.0
+    assert growth(loose, draw_dispersion(AGILE_CMG.craft, seed)) > 1.0
+    assert growth(AGILE_CMG, draw_dispersion(AGILE_CMG.craft, seed)) < 1.0

@@ -118,6 +118,7 @@ def test_indices_are_those_of_ishigamis_function():
             ("holds", "sharp", "holds_share", "sharp_share", "miss_rad", "miss_m", "smear_px"),
             np.zeros(0),
         ),
+        gyro_numbers=np.zeros((0, 0)),
         variance_px2=variance,
         total_px2=total,
         first_px2=first,

@@ -11,6 +11,7 @@ from planner.inflight.flights.outcomes import NominalSession
 from planner.inflight.flights.request import MovingObject
 from planner.inflight.flights.runs import fly_nominal
 from planner.inflight.flights.scene import SessionScene
+from planner.inflight.simulation.gyros.report import worst_of
 from planner.motion.pointing.frame import places_in_frame
 from planner.planning.opportunities.ground_sample import sample_along_m
 from planner.planning.sessions.uncertainty import OPTIONS as BUDGET_OPTIONS
@@ -111,7 +112,7 @@ SHOWN_MAX = 300  # frames: what a picture has room for
 
 def nominal_session(scene: SessionScene, moving_object: MovingObject | None) -> NominalSession:
     """Without errors of orbit, attitude and clock; drives and vibration do what theirs do."""
-    frames, range_m, position, saturated_s = fly_nominal(scene)
+    frames, range_m, position, saturated_s, rate_error_rad_s, gyro_numbers = fly_nominal(scene)
     lost = frames.error_rad > FARTHEST_RAD
     position[lost] = scene.commanded(frames.begins_s[lost])
     view = ground_view(scene, frames.begins_s, position)
@@ -143,5 +144,7 @@ def nominal_session(scene: SessionScene, moving_object: MovingObject | None) -> 
         ]
         if moving_object and moves
         else None,
+        rate_error_rad_s=columns(rate_error_rad_s),
+        gyros=worst_of(gyro_numbers[None]),
         saturated_s=saturated_s,
     )

@@ -6,6 +6,7 @@ from typing import Annotated
 
 from planner.base.answer_members import Count, Internal, Member, NotNegative, answer
 from planner.base.arrays import Array, Mask
+from planner.inflight.simulation.gyros.report import GyroSteadiness
 
 _NotNegatives = Annotated[Array, Member("", 0.0, decimals=6)]
 
@@ -18,7 +19,7 @@ class RunOutcomes:
     holds, sharp: whether all frames hold the target, and whether all are sharp, too.
     holds_share, sharp_share: of the frames.  miss_rad: the largest angle between boresight and
     target; miss_m: that on the ground, across the line of sight, infinite for a target in the sky.
-    smear_px: median of the frames.
+    smear_px: median of the frames.  gyro_numbers: of gyros' steadiness, (r, k), k = 0 without.
     variance_px2: (p, 2), of the target's places in the image and of the smear, as two independent
     runs show them.  total_px2, first_px2: (p, 2, causes), half the square by which exchanging a
     cause moves a run away from itself, and leaves it away from the other.
@@ -32,6 +33,7 @@ class RunOutcomes:
     miss_rad: Array
     miss_m: Array
     smear_px: Array
+    gyro_numbers: Array
     variance_px2: Array
     total_px2: Array
     first_px2: Array
@@ -67,6 +69,9 @@ class NominalSession:
     the next; null without. E.g. `208.33`.
     moving_object_px: the same in the image, by the view of each frame shown; null without. E.g.
     `[181.2]`.
+    rate_error_rad_s: of a body with gyros as each frame begins, in body axes; null without. E.g.
+    `[[0.0001, -0.0002, 0.0001]]`.
+    gyros: steadiness of this flight of a body with gyros; null without.
     """
 
     frames: Count
@@ -84,4 +89,6 @@ class NominalSession:
     ground_sample_along_m: Annotated[Array, Member("", 0.0, decimals=6, gaps=True)] | None
     moving_object_ground_m: NotNegative | None
     moving_object_px: _NotNegatives | None
+    rate_error_rad_s: Annotated[Array, Member("deg", decimals=9, axes=2)] | None
+    gyros: GyroSteadiness | None
     saturated_s: Internal[Array]  # (d,), how long each drive gives all it has

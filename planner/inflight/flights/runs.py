@@ -53,13 +53,16 @@ class NominalFlight(NamedTuple):
     """A session as planned.
 
     range_m, position: (n,) and (n, c), as frames begin.  saturated_s: (d,), how long each drive
-    gives all it has, in the session and the `LEAD_S` before it.
+    gives all it has, in the session and before it.  rate_error_rad_s, gyro_numbers: of
+    gyros' control, (n, 3), None without, and (k,).
     """
 
     frames: Frames
     range_m: Array
     position: Array
     saturated_s: Array
+    rate_error_rad_s: Array | None
+    gyro_numbers: Array
 
 
 def fly_nominal(scene: SessionScene) -> NominalFlight:
@@ -73,6 +76,8 @@ def fly_nominal(scene: SessionScene) -> NominalFlight:
         seen.ranges_m(begins_s),
         motion.at(begins_s - scene.from_s)[0],
         motion.saturated_s,
+        motion.rate_errors_rad_s(begins_s - scene.from_s),
+        scene.steadiness(motion),
     )
 
 
@@ -87,6 +92,7 @@ class _Judged:
     miss_rad: float
     miss_m: float
     smear_px: float
+    gyro_numbers: Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -115,7 +121,7 @@ def _fly_pair(scene: SessionScene, draws: Sequence[Draw]) -> tuple[list[_Judged]
     seen = scene.seen([*draws, *exchanged])
     own, swapped = seen[: len(draws)], iter(seen[len(draws) :])
     judged = [
-        _judged(_frames(scene, flown(draw), view, scene.at_s), view)
+        _judged(_frames(scene, flown(draw), view, scene.at_s), view, scene.steadiness(flown(draw)))
         for draw, view in zip(draws, own, strict=True)
     ]
     if len(draws) < 2:
@@ -163,7 +169,7 @@ def _frames(scene: SessionScene, motion: FlownTable, seen: SeenTarget, at_s: Arr
     return blocks[0] if len(blocks) == 1 else Frames.joined(blocks)
 
 
-def _judged(frames: Frames, seen: SeenTarget) -> _Judged:
+def _judged(frames: Frames, seen: SeenTarget, gyro_numbers: Array) -> _Judged:
     range_m = seen.ranges_m(frames.begins_s)
     miss_m = np.where(range_m < BUDGET_OPTIONS.range_max_m, frames.error_rad * range_m, np.inf)
     return _Judged(
@@ -174,6 +180,7 @@ def _judged(frames: Frames, seen: SeenTarget) -> _Judged:
         miss_rad=float(frames.error_rad.max()),
         miss_m=float(miss_m.max()),
         smear_px=float(np.median(frames.smear_px)),
+        gyro_numbers=gyro_numbers,
     )
 
 

@@ -14,7 +14,7 @@ from planner.base.interpolation import NODES, UniformTable
 from planner.base.table_motion import motion_at
 from planner.inflight.flights.draws import Draw
 from planner.inflight.flights.frames import exposures_s
-from planner.inflight.simulation.platforms.flyer import Flyer
+from planner.inflight.simulation.platforms.flyer import FlownTable, Flyer
 from planner.inflight.simulation.platforms.registry import flyer_of
 from planner.planning.sessions.platforms.mover import RowSpan
 from planner.planning.sessions.track_branches import session_rows
@@ -122,7 +122,6 @@ def _between(t_s: Array, few_s: Array, modes_rad: Array) -> Array:
 
 
 NODE_S = 1.0  # between directions that are found: interpolated to 3e-5 arcsec on a 400 km pass
-LEAD_S = 10.0  # flown before a session, for the drives to be at work when it begins
 
 
 class SeenTarget(NamedTuple):
@@ -151,8 +150,8 @@ class SessionScene:
     """One session whose target can be seen.
 
     number: among the plan's sessions.  flyer: of the scenario's platform.  table: the session's
-    rows and those of `LEAD_S` before it, whose first is `from_s` after the epoch of the plan's
-    table, from which all times here are counted.
+    rows and those of the flyer's `lead_s` before it, whose first is `from_s` after the epoch of the
+    plan's table, from which all times here are counted.
     at_s: (n, p), instants of each exposure, by the platform's clock.
     instants: of the nodes, uniformly spaced, by UTC.  states: of the orbit then.
     errors: how large they may be, at the nodes.
@@ -179,6 +178,11 @@ class SessionScene:
         """The table's position then, (k, c): linear between rows."""
         rows_s = self.from_s + self.table.t_s
         return np.stack([np.interp(at_s, rows_s, column) for column in self.table.position.T], 1)
+
+    def steadiness(self, motion: FlownTable) -> Array:
+        """Of gyros in the session, as `worst_of` reads them, (k,)."""
+        start_s, stop_s = (float(t_s) - self.from_s for t_s in self.instants.t_s[[0, -1]])
+        return motion.steadiness(start_s, stop_s)
 
     def seen(self, draws: Sequence[Draw]) -> list[SeenTarget]:
         """Where the target stands under each of them, all at once: few cost what many do."""
@@ -219,7 +223,7 @@ def session_scenes(plan: FlightPlan) -> list[SessionScene]:
             field="sessions",
         )
     instants = [_nodes(table, rows) for *_, rows in seen]
-    first_row = [max(rows.start - round(LEAD_S * ROWS_PER_S), 0) for *_, rows in seen]
+    first_row = [max(rows.start - round(flyer.lead_s * ROWS_PER_S), 0) for *_, rows in seen]
     ephemerides = [scenario.orbit.ephemeris(at.utc(0), at.utc(-1)) for at in instants]
     states = [ephemeris.states(at) for ephemeris, at in zip(ephemerides, instants, strict=True)]
     errors = session_errors(ephemerides, flyer, instants, states)

@@ -11,6 +11,7 @@ from planner.base.arrays import Array, Indices, Mask
 from planner.inflight.flights.contributors import Contributor, contributors
 from planner.inflight.flights.outcomes import RunOutcomes
 from planner.inflight.flights.proportion import Proportion
+from planner.inflight.simulation.gyros.report import GyroSteadiness, worst_of
 
 BINS = 24
 QUANTILES = (0.05, 0.5, 0.95)
@@ -39,7 +40,7 @@ class SessionFlights:
     held_share, sharp_share: of the frames, mean over the runs.  smear_px: median of a run's
     frames, at `QUANTILES` of the runs.  miss_rad: the largest angle between boresight and target
     in a run.  miss_m: the same on the ground at `QUANTILES`, across the line of sight; None for a
-    target in the sky.
+    target in the sky.  gyros: their steadiness in the worst of all runs; None without.
     """
 
     in_frame: Proportion
@@ -49,6 +50,7 @@ class SessionFlights:
     smear_px: Array
     miss_rad: Histogram
     miss_m: Array | None
+    gyros: GyroSteadiness | None
     contributors: list[Contributor]
 
 
@@ -90,6 +92,7 @@ def summarise(sessions: Sequence[RunOutcomes]) -> PlanFlights:
                 miss_m=np.quantile(runs.miss_m, QUANTILES)
                 if np.isfinite(runs.miss_m).all()
                 else None,
+                gyros=worst_of(runs.gyro_numbers),
                 contributors=contributors([runs]),
             )
             for runs in sessions

@@ -42,6 +42,13 @@ class FlownMotion:
         """How long each drive gives all it has, (2,)."""
         return np.asarray(np.diff(self.t_s) @ self.is_saturated[:-1])
 
+    def rate_errors_rad_s(self, t_s: Array) -> None:
+        """None: no gyros turn it."""
+
+    def steadiness(self, start_s: float, stop_s: float) -> Array:
+        """Nothing, (0,): no gyros turn it."""
+        return np.zeros(0)
+
     def at(self, t_s: Array) -> tuple[Array, Array]:
         """True angles, (n, 2), and the structure's turn, (n, 3), at n instants.
 

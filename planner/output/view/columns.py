@@ -312,6 +312,24 @@ class ResourceTrace:
 
 
 @answer
+class GyroTrace:
+    """The gyros of a body, as its table has them.
+
+    gimbal_rad: angles of the four gimbals. E.g. `[[60.1, -60.0, 119.9, -120.0]]`.
+    gimbal_rate_rad_s: their rates until the table's next row. E.g. `[[0.1, 0.0, -0.2, 0.1]]`.
+    momentum_n_m_s: of the rotors, in body axes. E.g. `[[0.1, -0.2, 11.4]]`.
+    gimbal_rate_max_rad_s: of each gimbal. E.g. `57.3`.
+    momentum_max_n_m_s: length of the momentum that turns may take the gyros to. E.g. `60.0`.
+    """
+
+    gimbal_rad: Annotated[Array, Member("deg", decimals=9, axes=2)]
+    gimbal_rate_rad_s: Annotated[Array, Member("deg", decimals=9, axes=2)]
+    momentum_n_m_s: Annotated[Array, Member(decimals=6, axes=2)]
+    gimbal_rate_max_rad_s: AngleSize
+    momentum_max_n_m_s: NotNegative
+
+
+@answer
 class AxisBounds:
     """Limits of one axis, or of a body about one of its own, where magnitudes bound the whole.
 
@@ -350,6 +368,7 @@ class PlanView:
     masks: of each of the platform's.
     exclusions: of each of a body's, then of its star trackers.
     resources: of battery and memory, where the request has them.
+    gyros: of a body that they turn; null of others.
     sky: null where every target is on the Earth.
     baseline: of each slew; empty where the plan is the baseline itself, or a body's.
     """
@@ -377,5 +396,6 @@ class PlanView:
     masks: tuple[MaskTrace, ...]
     exclusions: tuple[ExclusionTrace, ...]
     resources: tuple[ResourceTrace, ...]
+    gyros: GyroTrace | None
     sky: SkyTrack | None
     baseline: tuple[BaselineSlew, ...]

@@ -205,6 +205,7 @@ def view_plan(plan: FlightPlan, step_s: float | None, pixel_arcsec: float) -> Pl
             )
             for curve in resource_curves(plan)
         ),
+        gyros=kind.gyros,
         sky=sky_track(scene, unknown),
     )
 

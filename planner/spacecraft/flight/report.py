@@ -14,7 +14,7 @@ from planner.base.answer_members import (
     answer,
 )
 from planner.base.arrays import Array
-from planner.spacecraft.vehicle.definition import RATE_ERROR_MAX_RAD_S
+from planner.world.platforms.gyro_craft import RATE_ERROR_MAX_RAD_S
 
 
 @answer

@@ -5,12 +5,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from planner.base.arrays import Array
-from planner.spacecraft.flight.closed_loop import Log
+from planner.inflight.simulation.gyros.closed_loop import Log
+from planner.inflight.simulation.gyros.steadiness import rate_errors, settled_after_s
 from planner.spacecraft.flight.report import StabilisationReport, WindowSteadiness
 from planner.spacecraft.table import TICK_S
-from planner.spacecraft.vehicle.definition import RATE_ERROR_MAX_RAD_S, AgileSpacecraft
+from planner.spacecraft.vehicle.definition import AgileSpacecraft
 from planner.spacecraft.verification import SpacecraftVerification, VerifiedWindow
+from planner.world.platforms.gyro_craft import RATE_ERROR_MAX_RAD_S
 
 ACROSS_AXES = [0, 2]  # of the body, across the optical axis
 WORST_IF_GREAT = ("pointing_error_rad", "settled_s", "smear_px", "gimbal_rate_max_rad_s")
@@ -71,19 +72,6 @@ def _worst_interval(same: Sequence[WindowSteadiness]) -> WindowSteadiness:
         **{name: max(getattr(one, name) for one in same) for name in WORST_IF_GREAT},
         **{name: min(getattr(one, name) for one in same) for name in WORST_IF_SMALL},
     )
-
-
-def rate_errors(log: Log, first_row: int, last_row: int) -> Array:
-    """Rate error at every simulation step between two rows, (m, 3), rad/s."""
-    return log.rate_error_rad_s[first_row:last_row].reshape(-1, 3)
-
-
-def settled_after_s(log: Log, first_row: int, last_row: int) -> float:
-    """Seconds from first_row until the rate error stays within 0.001 deg/s up to last_row."""
-    errors_rad_s = rate_errors(log, first_row, last_row)
-    over = np.flatnonzero(np.any(np.abs(errors_rad_s) > RATE_ERROR_MAX_RAD_S, axis=1))
-    steps_per_tick = log.rate_error_rad_s.shape[1]
-    return float((over[-1] + 1) * TICK_S / steps_per_tick) if len(over) else 0.0
 
 
 def _window_steadiness(

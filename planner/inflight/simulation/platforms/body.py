@@ -1,24 +1,28 @@
-"""The flight of a spacecraft that turns as a whole: its envelope, with errors of its pointing."""
+"""The flight of a spacecraft that turns as a whole: its envelope, or its gyros' control loop."""
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from planner.base.arrays import Array
-from planner.base.commands import CommandTable
+from planner.base.arrays import Array, Mask
+from planner.base.commands import ROWS_PER_S, CommandTable
 from planner.base.rotation import Rotation
 from planner.base.table_motion import motion_at
+from planner.inflight.simulation.gyros.dispersed import as_designed, draw_dispersion, fly_table
+from planner.inflight.simulation.gyros.steadiness import errors_over_time, steadiness_figures
 from planner.inflight.simulation.platforms.flyer import CLOCK, EARTH, ORBIT
 from planner.planning.sessions.platforms.body_budget import CONTROL, KNOWLEDGE, VIBRATION
 from planner.planning.sessions.probability import decay_rate_per_s
+from planner.planning.sessions.track_branches import session_rows
 from planner.world.attitude import AttitudeErrors
 from planner.world.frames.iers import RAD_PER_ARCSEC
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import OrbitStates
 from planner.world.platforms.body import BodyPlatform
+from planner.world.platforms.gyro_craft import GyroCraft, Sensors
 from planner.world.scenario import Scenario
 
 
@@ -50,17 +54,38 @@ class Tones(NamedTuple):
         return np.stack(by_axis, axis=1)
 
 
+class FlownGyros(NamedTuple):
+    """A closed-loop run; columns of m instants of the table's clock.
+
+    figures: of the steadiness between two times of it.
+    """
+
+    t_s: Array
+    error_body_rad: Array
+    rate_error_rad_s: Array
+    figures: Callable[[float, float], Array]
+
+
 class FlownBody(NamedTuple):
     """A table flown with errors; from_s: of its first row on the errors' clock."""
 
     table: CommandTable
     from_s: float
     errors: tuple[Tones, ...]
+    gyros: FlownGyros | None = None
 
     @property
     def saturated_s(self) -> Array:
         """Never: the table keeps within what agility allows."""
         return np.zeros(3)
+
+    def rate_errors_rad_s(self, t_s: Array) -> Array | None:
+        """Of gyros' control at n instants, linear between 5 ms, (n, 3); None without gyros."""
+        return None if self.gyros is None else _at(t_s, self.gyros.t_s, self.gyros.rate_error_rad_s)
+
+    def steadiness(self, start_s: float, stop_s: float) -> Array:
+        """While the camera images, as `worst_of` reads them; (0,) without gyros."""
+        return np.zeros(0) if self.gyros is None else self.gyros.figures(start_s, stop_s)
 
     def at(self, t_s: Array) -> tuple[Array, Array]:
         """Attitude as commanded, (n, 4), and the turn from it in GCRF axes, (n, 3)."""
@@ -68,7 +93,14 @@ class FlownBody(NamedTuple):
         turned_body_rad = sum(
             (tones.at(self.from_s + t_s) for tones in self.errors), np.zeros((len(t_s), 3))
         )
+        if self.gyros is not None:
+            turned_body_rad += _at(t_s, self.gyros.t_s, self.gyros.error_body_rad)
         return position, np.asarray(Rotation.from_quat(position).apply(turned_body_rad))
+
+
+def _at(t_s: Array, known_s: Array, numbers: Array) -> Array:
+    """Linear between known instants, (n, 3)."""
+    return np.stack([np.interp(t_s, known_s, column) for column in numbers.T], axis=1)
 
 
 class BodyFlyer:
@@ -83,7 +115,13 @@ class BodyFlyer:
         platform = scenario.platform
         if not isinstance(platform, BodyPlatform):
             raise TypeError(f"{platform.name} is no body")
-        self.platform = platform
+        self.scenario, self.platform = scenario, platform
+        self._prepared: dict[float, tuple[Mask, OrbitStates]] = {}
+
+    @property
+    def lead_s(self) -> float:
+        """Of gyros, in which what a slew leaves of the structure's slowest mode fades to 2 %."""
+        return 10.0 if self.platform.gyros is None else 60.0
 
     def q_base_from_eci(
         self, instants: Instants, states: OrbitStates, turned_body_rad: Array | None = None
@@ -109,12 +147,50 @@ class BodyFlyer:
         tones of all frequencies from one cycle of an exposure on.  Each is a sum of tones of
         random frequency, drawn from its spectrum.
         Source: Shinozuka 1971, Simulation of multivariate and multidimensional random processes.
+        Of gyros the control's error is that of their loop, a spacecraft drawn by its seed, or the
+        one designed; what its sensors measure wrongly is in it, beside the knowledge's error.
         """
         errors = []
         for cause in self.flown_causes if seeds is not None else (VIBRATION.cause,):
+            if cause == CONTROL.cause and self.platform.gyros is not None:
+                continue
             random = np.random.default_rng(session if seeds is None else seeds[cause])
             errors.append(self._draw(cause, random))
-        return FlownBody(table, from_s, tuple(errors))
+        flown = None
+        if self.platform.gyros is not None:
+            flown = self._fly_gyros(table, from_s, session, seeds)
+        return FlownBody(table, from_s, tuple(errors), flown)
+
+    def _fly_gyros(
+        self, table: CommandTable, from_s: float, session: int, seeds: Mapping[str, int] | None
+    ) -> FlownGyros:
+        craft = gyro_craft(self.platform)
+        if seeds is None:
+            drawn = as_designed(craft, session)
+        else:
+            drawn = draw_dispersion(craft, seeds[CONTROL.cause])
+        if from_s not in self._prepared:
+            self._prepared[from_s] = self._imaging(table), self._states(table)
+        log = fly_table(craft, table, *self._prepared[from_s], drawn)
+
+        def figures(start_s: float, stop_s: float) -> Array:
+            first_row, last_row = round(start_s * ROWS_PER_S), round(stop_s * ROWS_PER_S)
+            return steadiness_figures(log, craft.array, table.rate_rad_s, first_row, last_row)
+
+        return FlownGyros(*errors_over_time(log), figures)
+
+    def _imaging(self, table: CommandTable) -> Mask:
+        """Whether the camera runs from row k to k + 1, (n - 1,)."""
+        on = np.zeros(len(table.position) - 1, dtype=bool)
+        for session in self.scenario.sessions:
+            rows = session_rows(session, table.epoch_utc)
+            on[max(rows.start, 0) : max(rows.stop, 0)] = True
+        return on
+
+    def _states(self, table: CommandTable) -> OrbitStates:
+        instants = Instants(table.epoch_utc, table.t_s)
+        ephemeris = self.scenario.orbit.ephemeris(instants.utc(0), instants.utc(-1))
+        return ephemeris.states(instants)
 
     def _draw(self, cause: str, random: np.random.Generator) -> Tones:
         knowledge, shape = self.platform.knowledge, (3, OPTIONS.tones)
@@ -136,3 +212,23 @@ class BodyFlyer:
             rate_rad_s=rate_rad_s,
             phase_rad=random.uniform(0.0, 2.0 * math.pi, shape),
         )
+
+
+def gyro_craft(platform: BodyPlatform) -> GyroCraft:
+    """The body with the paper's structure, sensors and gains, by share of its own inertia.
+
+    Its rate gyros read a little more than turns may ask, the paper's 1.6 deg/s at least.
+    """
+    gyros = platform.gyros
+    assert gyros is not None
+    assert platform.inertia_kg_m2 is not None  # with gyros
+    rate_rad_s = math.radians(gyros.turns.rate_max_deg_s)
+    inertia_kg_m2 = np.array(platform.inertia_kg_m2)
+    sensors = Sensors()
+    return GyroCraft(
+        inertia_kg_m2=inertia_kg_m2,
+        array=gyros.array.cmg_array,
+        sensors=replace(sensors, gyro_range_rad_s=max(sensors.gyro_range_rad_s, 1.01 * rate_rad_s)),
+        turn_acceleration_rad_s2=gyros.turns.torque_max_n_m / float(np.diag(inertia_kg_m2).max()),
+        turn_rate_rad_s=rate_rad_s,
+    )

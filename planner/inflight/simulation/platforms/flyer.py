@@ -22,6 +22,14 @@ class FlownTable(Protocol):
         """For how long each degree of freedom is given all that moves it, (d,)."""
         ...
 
+    def rate_errors_rad_s(self, t_s: Array) -> Array | None:
+        """Of gyros' control at n instants, in body axes, (n, 3); None without gyros."""
+        ...
+
+    def steadiness(self, start_s: float, stop_s: float) -> Array:
+        """While the camera images, (k,), as `worst_of` reads them; (0,) without gyros."""
+        ...
+
     def at(self, t_s: Array) -> tuple[Array, Array]:
         """True position, (n, c), and how the camera has turned beside it, (n, 3).
 
@@ -35,11 +43,15 @@ class Flyer(Protocol):
     """The flight of one scenario's platform.
 
     causes: of errors that differ from flight to flight.  flown_causes: those of them that lie in
-    the flight itself; each is given a seed.
+    the flight itself; each is given a seed.  lead_s: flown before a session, for all that moves to
+    be at work when it begins.
     """
 
     causes: ClassVar[tuple[str, ...]]
     flown_causes: ClassVar[tuple[str, ...]]
+
+    @property
+    def lead_s(self) -> float: ...
 
     def q_base_from_eci(
         self, instants: Instants, states: OrbitStates, turned_body_rad: Array | None = None

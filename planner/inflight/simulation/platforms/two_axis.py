@@ -44,6 +44,7 @@ class TwoAxisFlyer:
 
     causes: ClassVar[tuple[str, ...]] = (ORBIT, ATTITUDE, EARTH, CLOCK, DRIVE)
     flown_causes: ClassVar[tuple[str, ...]] = (DRIVE,)
+    lead_s: ClassVar[float] = 10.0
     scenario: Scenario
 
     def q_base_from_eci(

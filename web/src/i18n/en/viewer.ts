@@ -79,6 +79,17 @@ export const viewer = {
       `least margin ${margin} (${axis}, limit ${limit} ${unit})`,
     told: (what: string, unit: string) => `${what} in ${unit} over time; values at the cursor are in the table`,
   },
+  gyros: {
+    sphere: "Momentum of the gyros",
+    sphereLabel: "Momentum of the gyros in its sphere: arrows turn it",
+    sphereHint: "Body axes. The gyros can take the sphere's momentum in every direction. Drag or use arrows to turn it.",
+    on: "while a session is held",
+    off: "in between",
+    gimbals: "Gimbal angles",
+    gimbalRates: "Gimbal rates",
+    momentum: "Momentum",
+    most: (most: string, limit: string) => `at most ${most}, limit ${limit}`,
+  },
   axisSpace: {
     title: "Axes",
     whole: "To the stops",

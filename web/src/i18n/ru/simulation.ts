@@ -44,6 +44,12 @@ export const simulation: Words["simulation"] = {
   beyond: (count: number) => `Дальше: ${counted(count, "прогон", "прогона", "прогонов")}.`,
   error: "Ошибка кадров",
   smearOfFrames: "Смаз кадров",
+  rateError: "Ошибка скорости при съёмке",
+  steady: "Управление гиродинами",
+  steadyOf: (share: string, worst: string) =>
+    `в пределах 0,001°/с в ${share} прогонов, ошибка угловой скорости не более ${worst}°/с`,
+  gimbals: "Рамки, кинетический момент, момент сил",
+  gimbalsOf: (rate: string, momentum: string, torque: string) => `не более ${rate}°/с, ${momentum} Н·м·с, ${torque} Н·м`,
   atMost: (value: string) => `не больше ${value}`,
   seriesOf: (name: string, most: string) => `${name}, не больше ${most}`,
   overTime: "По времени плана",

@@ -19,6 +19,8 @@ import { framesOf, type Planned, plannedAt, positive, stretchesOf } from "./fram
 const HEIGHT = 150;
 const TIMES_HEIGHT = 26;
 const SHARP_PX = [1];
+const BODY = ["X", "Y", "Z"];
+const STEADY_DEG_S = [-0.001, 0.001];
 
 export function OverTime({ flights, epoch }: { flights: Flights; epoch: string }) {
   const text = words.value.simulation;
@@ -58,6 +60,15 @@ export function OverTime({ flights, epoch }: { flights: Flights; epoch: string }
     () => [{ label: text.smearOfFrames, values: frames.smear_px, colour: "series-1", width: 1.8 }],
     [frames, text],
   );
+  const rates = useMemo<Line[]>(
+    () =>
+      BODY.map((label, axis) => ({
+        label,
+        values: frames.rate_error_deg_s.map((error) => error?.[axis] ?? null),
+        colour: `series-${axis + 1}`,
+      })),
+    [frames],
+  );
   const common = { epoch_ms: Date.parse(epoch), t_s: frames.t_s, shades, range };
   const worst_arcsec = `${mostOf(frames.error_arcsec)}″`;
   const worst_px = `${mostOf(frames.smear_px)} px`;
@@ -82,6 +93,19 @@ export function OverTime({ flights, epoch }: { flights: Flights; epoch: string }
           height={HEIGHT + TIMES_HEIGHT}
         />
       </Strip>
+      {frames.rate_error_deg_s.some(Boolean) && (
+        <Strip name={text.rateError} unit="°/s" keys={BODY} fact={text.atMost(worstRate(flights))}>
+          <TimeChart
+            {...common}
+            label={text.seriesOf(text.rateError, worstRate(flights))}
+            lines={rates}
+            limits={STEADY_DEG_S}
+            withLimits
+            hasTimes
+            height={HEIGHT + TIMES_HEIGHT}
+          />
+        </Strip>
+      )}
       <Now frames={frames} planned={planned} />
       <TimeBar
         epoch_ms={Date.parse(epoch)}
@@ -93,6 +117,10 @@ export function OverTime({ flights, epoch }: { flights: Flights; epoch: string }
       <p class="hint">{text.overTimeHint}</p>
     </section>
   );
+}
+
+function worstRate({ sessions }: Flights): string {
+  return `${digits(Math.max(...sessions.flatMap(({ nominal }) => nominal.gyros?.rate_error_deg_s ?? [])), 2)}°/s`;
 }
 
 function mostOf(values: readonly (number | null)[]): string {

@@ -36,6 +36,20 @@ export function Session({ session }: { session: SessionFlights }) {
             <dd>{text.fifths(...three(session.miss_m))} m</dd>
           </>
         )}
+        {session.gyros && (
+          <>
+            <dt>{text.steady}</dt>
+            <dd>{text.steadyOf(percent(session.gyros.steady, 0), digits(Math.max(...session.gyros.rate_error_deg_s), 2))}</dd>
+            <dt>{text.gimbals}</dt>
+            <dd>
+              {text.gimbalsOf(
+                digits(session.gyros.gimbal_rate_max_deg_s),
+                digits(session.gyros.momentum_max_n_m_s),
+                digits(session.gyros.torque_max_n_m),
+              )}
+            </dd>
+          </>
+        )}
         <dt>{text.nominal}</dt>
         <dd>
           {text.frames(nominal.frames, nominal.held, nominal.sharp)}; {text.turn(number(nominal.turn_deg, 3))}

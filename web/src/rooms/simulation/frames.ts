@@ -22,14 +22,16 @@ export function framesOf(sessions: Sessions) {
   const error_arcsec: (number | null)[] = [];
   const smear_px: (number | null)[] = [];
   const holds: (boolean | null)[] = [];
+  const rate_error_deg_s: (readonly number[] | null)[] = [];
   for (const { nominal } of sessions) {
     t_s.push(...nominal.t_s, (nominal.t_s.at(-1) ?? 0) + GAP_S);
     number.push(...nominal.t_s.map((_, k) => k + 1), null);
     error_arcsec.push(...nominal.error_arcsec, null);
     smear_px.push(...nominal.smear_px, null);
     holds.push(...nominal.holds, null);
+    rate_error_deg_s.push(...(nominal.rate_error_deg_s ?? nominal.t_s.map(() => null)), null);
   }
-  return { t_s, number, error_arcsec, smear_px, holds, nothing: t_s.map(() => null) as Values };
+  return { t_s, number, error_arcsec, smear_px, holds, rate_error_deg_s, nothing: t_s.map(() => null) as Values };
 }
 
 /** By the rows of the view: a session may begin between two of them. */

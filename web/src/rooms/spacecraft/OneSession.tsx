@@ -1,7 +1,8 @@
 /** One session: whether it may be flown, what it images, how steady and how near to its limits. */
-import { useMemo, useRef, useState } from "preact/hooks";
+import { useCallback, useMemo, useRef, useState } from "preact/hooks";
 
 import { useJob, useRequest } from "../../api/request";
+import { MomentumSphere } from "../../charts/MomentumSphere";
 import { words } from "../../i18n";
 import { digits, number, percent, period } from "../../i18n/forms";
 import { nameOf } from "../../i18n/labels";
@@ -13,7 +14,6 @@ import { ProblemNotice } from "../../parts/ProblemNotice";
 import { checksum } from "../../parts/paper";
 import { cursor_s } from "../../time/cursor";
 import { type Stretch, TimeBar } from "../../time/TimeBar";
-import { MomentumSphere } from "./MomentumSphere";
 import { SessionCharts } from "./SessionCharts";
 import { SessionFiles } from "./SessionFiles";
 import { SessionMap } from "./SessionMap";
@@ -100,6 +100,7 @@ function Seen({ session, view }: { session: Session; view: SessionView }) {
   const [chosen, setChosen] = useState<Stretch | null>(null);
   const stretches = useMemo(() => stretchesOf(session, text), [session, text]);
   const stop_s = view.t_s[view.t_s.length - 1] ?? 0;
+  const isOn = useCallback((row: number) => view.window[row] !== null, [view]);
   const looks = stretches.filter((one) => one.kind === "track");
   const closer = looks.findIndex((one) => one.start_s === chosen?.start_s);
   return (
@@ -107,7 +108,12 @@ function Seen({ session, view }: { session: Session; view: SessionView }) {
       <div class="seen-beside">
         <div>
           <SessionMap view={view} closer={closer < 0 ? null : closer} />
-          <MomentumSphere view={view} />
+          <MomentumSphere
+            momentum_n_m_s={view.momentum_n_m_s}
+            most_n_m_s={view.limits.momentum_sphere_n_m_s}
+            step_s={view.step_s}
+            isOn={isOn}
+          />
         </div>
         <SessionCharts session={session} view={view} chosen={chosen} onWhole={() => setChosen(null)} />
       </div>

@@ -9,6 +9,7 @@ import { axisTold, exclusionTold, resourceUnit, targetTold } from "../../i18n/la
 import type { Stretch } from "../../time/TimeBar";
 import type { Plan } from "../plan/plan";
 import { isAtLimit, shareOf } from "../plan/verdict";
+import { GyroCharts } from "./Gyros";
 import { hasAngles, hasPlaces, lastOf, marginsKept, onRows, type View } from "./view";
 
 const HEIGHT = 118;
@@ -94,6 +95,7 @@ export function Charts({ view, plan, stretches, chosen, onWhole }: Props) {
           />
         </div>
       ))}
+      {view.gyros && <GyroCharts gyros={view.gyros} common={common} withLimits={withLimits} />}
       <Pointing view={view} plan={plan} common={common} />
       <Exclusions view={view} common={common} withLimits={withLimits} />
       {view.resources.map((one) => (

@@ -9,6 +9,7 @@ import { type Stretch, TimeBar } from "../../time/TimeBar";
 import type { Plan } from "../plan/plan";
 import { AxisSpace } from "./AxisSpace";
 import { Charts } from "./Charts";
+import { Sphere } from "./Gyros";
 import { HorizonViews } from "./HorizonViews";
 import { ImageFrame } from "./ImageFrame";
 import "./viewer.css";
@@ -46,6 +47,7 @@ function Opened({ view, plan }: { view: View; plan: Plan }) {
           <div class="look-left">
             <ImageFrame view={view} plan={plan} />
             {hasAngles(view) && <AxisSpace view={view} stretches={stretches} />}
+            {view.gyros && <Sphere view={view} gyros={view.gyros} />}
             <Scene view={view} />
             <Readout view={view} />
           </div>

@@ -1,10 +1,9 @@
 /** The gyros' momentum in the sphere they can take in every direction; turned by hand or keys. */
 import { useMemo, useRef, useState } from "preact/hooks";
 
-import { words } from "../../i18n";
-import { number } from "../../i18n/forms";
-import { cursor_s } from "../../time/cursor";
-import type { SessionView } from "./session";
+import { words } from "../i18n";
+import { number } from "../i18n/forms";
+import { cursor_s } from "../time/cursor";
 
 type Vector = readonly number[];
 
@@ -17,16 +16,28 @@ const AXES: { name: string; of: Vector }[] = [
   { name: "Z", of: [0, 0, 1] },
 ];
 
-export function MomentumSphere({ view }: { view: SessionView }) {
-  const text = words.value.spacecraft;
+interface Props {
+  /** Of the gyros in body axes, by rows. */
+  momentum_n_m_s: readonly Vector[];
+  /** What they may take in every direction. */
+  most_n_m_s: number;
+  step_s: number;
+  /** Whether the camera is on from a row on. */
+  isOn: (row: number) => boolean;
+}
+
+export function MomentumSphere({ momentum_n_m_s, most_n_m_s, step_s, isOn }: Props) {
+  const text = words.value.viewer.gyros;
   const [turn, setTurn] = useState({ east_deg: 35, up_deg: 22 });
   const held = useRef<{ x: number; y: number } | null>(null);
-  const radius_n_m_s = view.limits.momentum_sphere_n_m_s;
   const seen = useMemo(() => turned(turn.east_deg, turn.up_deg), [turn]);
-  const { off, on } = useMemo(() => pathsOf(view, (h) => spot(h, radius_n_m_s, seen)), [view, seen]);
-  const row = Math.min(Math.round(cursor_s.value / (view.step_s || 1)), view.t_s.length - 1);
-  const now = view.momentum_n_m_s[row] ?? [0, 0, 0];
-  const [x, y] = spot(now, radius_n_m_s, seen);
+  const { off, on } = useMemo(
+    () => pathsOf(momentum_n_m_s, isOn, (h) => spot(h, most_n_m_s, seen)),
+    [momentum_n_m_s, isOn, seen],
+  );
+  const row = Math.min(Math.round(cursor_s.value / (step_s || 1)), momentum_n_m_s.length - 1);
+  const now = momentum_n_m_s[row] ?? [0, 0, 0];
+  const [x, y] = spot(now, most_n_m_s, seen);
   const key = (event: KeyboardEvent) => {
     const moves: Record<string, [number, number]> = {
       ArrowLeft: [-1, 0],
@@ -41,7 +52,7 @@ export function MomentumSphere({ view }: { view: SessionView }) {
     setTurn(({ east_deg, up_deg }) => ({ east_deg: east_deg + STEP_DEG * by[0], up_deg: tilt(up_deg + STEP_DEG * by[1]) }));
   };
   return (
-    <section class="panel sphere" aria-labelledby="session-momentum">
+    <section class="panel sphere" aria-labelledby="gyros-momentum">
       <svg
         viewBox={`${-SIZE / 2} ${-SIZE / 2} ${SIZE} ${SIZE}`}
         role="application"
@@ -86,14 +97,14 @@ export function MomentumSphere({ view }: { view: SessionView }) {
         <circle class="sphere-end" cx={x} cy={y} r={4.5} />
       </svg>
       <div>
-        <h2 id="session-momentum">{text.sphere}</h2>
+        <h2 id="gyros-momentum">{text.sphere}</h2>
         <p class="sphere-figure">
-          <b>{number(Math.hypot(...now))}</b> / {number(radius_n_m_s, 0)} N·m·s
+          <b>{number(Math.hypot(...now))}</b> / {number(most_n_m_s, 0)} N·m·s
         </p>
         <p class="mono">{now.map((part, k) => `${AXES[k]?.name} ${number(Number(part.toFixed(1)) + 0)}`).join("  ")}</p>
-        <ul class="map-legend">
-          <li class="key-line key-sphere-on">{text.legend.on}</li>
-          <li class="key-line key-sphere-off">{text.legend.off}</li>
+        <ul class="sphere-legend">
+          <li class="key-line key-sphere-on">{text.on}</li>
+          <li class="key-line key-sphere-off">{text.off}</li>
         </ul>
         <p class="hint">{text.sphereHint}</p>
       </div>
@@ -130,14 +141,18 @@ function ringAcross(axis: Vector, seen: [Vector, Vector]): string {
 }
 
 /** The momentum's way, in the imaging intervals and between them. */
-function pathsOf(view: SessionView, draw: (h: Vector) => [number, number]): { off: string; on: string } {
+function pathsOf(
+  momentum: readonly Vector[],
+  isOn: (row: number) => boolean,
+  draw: (h: Vector) => [number, number],
+): { off: string; on: string } {
   const paths = { off: "", on: "" };
   let before = "";
-  for (const [row, h] of view.momentum_n_m_s.entries()) {
+  for (const [row, h] of momentum.entries()) {
     const point = draw(h)
       .map((one) => one.toFixed(1))
       .join();
-    if (before) paths[view.window[row] === null ? "off" : "on"] += `M${before}L${point}`;
+    if (before) paths[isOn(row) ? "on" : "off"] += `M${before}L${point}`;
     before = point;
   }
   return paths;

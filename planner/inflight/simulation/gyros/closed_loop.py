@@ -9,10 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from planner.base.arrays import Array
+from planner.base.commands import COMMAND_STEP_S
 from planner.base.compiled import compiled
-from planner.spacecraft.table import TICK_S
-from planner.spacecraft.vehicle.dynamics import ETA, G, MovingBody, Plant, advance, body_at
-from planner.spacecraft.vehicle.onboard import (
+from planner.inflight.simulation.gyros.dynamics import ETA, G, MovingBody, Plant, advance, body_at
+from planner.inflight.simulation.gyros.onboard import (
     Computer,
     Estimate,
     Reference,
@@ -78,7 +78,7 @@ def _interpolate_rate(
     omega, alpha = reference.omega_body_rad_s, reference.alpha_body_rad_s2
     for i in range(3):
         a, b = omega[tick, i], omega[tick + 1, i]
-        da, db = TICK_S * alpha[tick, i], TICK_S * alpha[tick + 1, i]
+        da, db = COMMAND_STEP_S * alpha[tick, i], COMMAND_STEP_S * alpha[tick + 1, i]
         c2, c3 = 3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db
         omega_body_rad_s[i] = a + share * (da + share * (c2 + share * c3))
 
@@ -124,7 +124,7 @@ def fly(
     gimbal_rad: (4,), start angles.  nadir_eci: (n + 1, 3).  The attitude knowledge error obeys
     e' = (rate believed - rate true), corrected by star trackers between imaging intervals.
     """
-    n, steps = len(reference.imaging), round(TICK_S / plant.step_s)
+    n, steps = len(reference.imaging), round(COMMAND_STEP_S / plant.step_s)
     body = body_at(
         plant, reference.q_eci_from_body_xyzw[0], reference.omega_body_rad_s[0], gimbal_rad
     )
@@ -149,7 +149,7 @@ def fly(
         memory.wanted_rad_s[1] = memory.wanted_rad_s[0]
         memory.command_rad_s[1] = memory.command_rad_s[0]
         decide(computer, memory, estimate, reference, tick)
-        memory.turn_s[0] += TICK_S
+        memory.turn_s[0] += COMMAND_STEP_S
         send(computer, memory, estimate.gimbal_rad)
         command_rad_s = memory.command_rad_s[computer.delay_ticks]
         executed_rad_s = command_rad_s * plant.rate_scale + noise.gimbal_rate_rad_s[tick]
@@ -165,9 +165,9 @@ def fly(
             log.rate_error_rad_s[tick], turned_rad,
         )  # fmt: skip
         if gyro_read:
-            drift_rad = noise.gyro_bias_rad_s * TICK_S + noise.gyro_scale * turned_rad
+            drift_rad = noise.gyro_bias_rad_s * COMMAND_STEP_S + noise.gyro_scale * turned_rad
         else:
-            drift_rad = estimate.omega_body_rad_s * TICK_S - turned_rad
+            drift_rad = estimate.omega_body_rad_s * COMMAND_STEP_S - turned_rad
         knowledge_error_rad += drift_rad
         if tick % noise.tracker_ticks == 0 and not reference.imaging[tick]:
             fixed_rad = knowledge_error_rad + noise.tracker_rad[tick]

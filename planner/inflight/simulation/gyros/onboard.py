@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.base.arrays import Array
+from planner.base.commands import COMMAND_STEP_S
 from planner.base.compiled import compiled
-from planner.spacecraft.table import TICK_S
-from planner.spacecraft.vehicle.dynamics import ServoStep, rotate, unrotate
+from planner.inflight.simulation.gyros.dynamics import ServoStep, rotate, unrotate
 from planner.world.platforms.cmg_array import Gyros
 from planner.world.platforms.steering import rotor_momentum, steer
 
@@ -28,7 +28,7 @@ MOMENTUM_GAIN = 0.02  # per tick; 10 s, long against the modes, short against an
 class Computer(NamedTuple):
     """What the on-board computer believes and how it is tuned."""
 
-    inertia_kg_m2: Array  # (3,)
+    inertia_kg_m2: Array  # (3, 3)
     gyros: Gyros
     rate_step_rad_s: float
     k1_per_s: float
@@ -73,7 +73,7 @@ class OnboardMemory(NamedTuple):
     command_rad_s: Array  # (2, 4), the same with gimbal feedback, as sent
     servo_states: Array  # (4, 3), where the gimbals would be had they executed what was wanted
     turn_s: Array  # (1,): time since the turn was commanded
-    inertia_kg_m2: Array  # (3,), as learned: the quotient of the two sums
+    inertia_kg_m2: Array  # (3, 3), its diagonal as learned: the quotient of the two sums
     rate_momentum_sum_n_m: Array  # (3,)
     rate_square_sum_per_s2: Array  # (3,)
 
@@ -89,7 +89,7 @@ def memory_at(computer: Computer, momentum_eci_n_m_s: Array, servo_states: Array
         servo_states.copy(),
         np.zeros(1),
         computer.inertia_kg_m2.copy(),
-        PRIOR_PER_S2 * computer.inertia_kg_m2,
+        PRIOR_PER_S2 * np.diag(computer.inertia_kg_m2),
         np.full(3, PRIOR_PER_S2),
     )
 
@@ -128,7 +128,7 @@ def estimate_rate(
     total_n_m_s, rotors_n_m_s = np.empty(3), np.empty(3)
     unrotate(estimate.q_eci_from_body_xyzw, memory.momentum_eci_n_m_s, total_n_m_s)
     rotor_momentum(computer.gyros, estimate.gimbal_rad, rotors_n_m_s)
-    estimate.omega_body_rad_s[:] = (total_n_m_s - rotors_n_m_s) / memory.inertia_kg_m2
+    estimate.omega_body_rad_s[:] = np.linalg.solve(memory.inertia_kg_m2, total_n_m_s - rotors_n_m_s)
     return False
 
 
@@ -136,8 +136,8 @@ def estimate_rate(
 def learn(computer: Computer, memory: OnboardMemory, estimate: Estimate) -> None:
     """Learn inertia and total momentum from the gyro's rate and the gimbal angles.
 
-    The inertia by least squares: in a turn, momentum the gyros gave over rate.  The total
-    momentum by a low-pass.
+    The moments by least squares: in a turn, momentum the gyros gave over rate; the products are
+    the design's.  The total momentum by a low-pass.
     """
     seen_body_n_m_s, seen_eci_n_m_s, total_n_m_s = np.empty(3), np.empty(3), np.empty(3)
     rotor_momentum(computer.gyros, estimate.gimbal_rad, seen_body_n_m_s)
@@ -145,10 +145,17 @@ def learn(computer: Computer, memory: OnboardMemory, estimate: Estimate) -> None
     products, squares = memory.rate_momentum_sum_n_m, memory.rate_square_sum_per_s2
     rate_rad_s = estimate.omega_body_rad_s
     turning = np.abs(rate_rad_s) > LEARNING_RATE_RAD_S
-    products += np.where(turning, rate_rad_s * (total_n_m_s - seen_body_n_m_s), 0.0)
+    inertia_kg_m2 = memory.inertia_kg_m2
+    own_n_m_s = total_n_m_s - seen_body_n_m_s  # of each axis by its own rate
+    for i in range(3):
+        for k in range(3):
+            if k != i:
+                own_n_m_s[i] -= inertia_kg_m2[i, k] * rate_rad_s[k]
+    products += np.where(turning, rate_rad_s * own_n_m_s, 0.0)
     squares += np.where(turning, rate_rad_s * rate_rad_s, 0.0)
-    memory.inertia_kg_m2[:] = products / squares
-    seen_body_n_m_s += memory.inertia_kg_m2 * rate_rad_s
+    for i in range(3):
+        inertia_kg_m2[i, i] = products[i] / squares[i]
+    seen_body_n_m_s += inertia_kg_m2 @ rate_rad_s
     rotate(estimate.q_eci_from_body_xyzw, seen_body_n_m_s, seen_eci_n_m_s)
     kept_n_m_s = memory.momentum_eci_n_m_s
     kept_n_m_s += MOMENTUM_GAIN * (seen_eci_n_m_s - kept_n_m_s)
@@ -219,14 +226,14 @@ def decide(
             -computer.k2_per_s2 * 2.0 * q_table_from_body_xyzw[:3] - computer.k1_per_s * error_rad_s
         )
         faster_rad_s = omega_ahead[1] - omega_ahead[0]
-        step_n_m_s = later_n_m_s - now_n_m_s - memory.inertia_kg_m2 * faster_rad_s
-        torque_n_m = step_n_m_s / TICK_S - np.cross(error_rad_s, total_n_m_s)
-    torque_n_m -= memory.inertia_kg_m2 * acceleration_rad_s2
+        step_n_m_s = later_n_m_s - now_n_m_s - memory.inertia_kg_m2 @ faster_rad_s
+        torque_n_m = step_n_m_s / COMMAND_STEP_S - np.cross(error_rad_s, total_n_m_s)
+    torque_n_m -= memory.inertia_kg_m2 @ acceleration_rad_s2
     null_gain_rad_s = 0.0 if reference.imaging[tick] else computer.null_gain_rad_s
     middle_rad, rate_rad_s = estimate.gimbal_rad.copy(), memory.wanted_rad_s[0]
     for _ in range(2):
         steer(computer.gyros, middle_rad, torque_n_m, null_gain_rad_s, rate_rad_s)
-        middle_rad = estimate.gimbal_rad + 0.5 * TICK_S * rate_rad_s
+        middle_rad = estimate.gimbal_rad + 0.5 * COMMAND_STEP_S * rate_rad_s
 
 
 @compiled
@@ -242,8 +249,8 @@ def send(computer: Computer, memory: OnboardMemory, gimbal_rad: Array) -> None:
     for i in range(4):
         lag_rad = servo_states[i, 0] - gimbal_rad[i]
         if computer.delay_ticks == 1:
-            lag_rad -= (memory.command_rad_s[1, i] - memory.wanted_rad_s[1, i]) * TICK_S
-        rate_rad_s = memory.wanted_rad_s[0, i] + computer.gimbal_gain * lag_rad / TICK_S
+            lag_rad -= (memory.command_rad_s[1, i] - memory.wanted_rad_s[1, i]) * COMMAND_STEP_S
+        rate_rad_s = memory.wanted_rad_s[0, i] + computer.gimbal_gain * lag_rad / COMMAND_STEP_S
         rate_rad_s = min(max(rate_rad_s, -gyros.rate_max_rad_s), gyros.rate_max_rad_s)
         if computer.rate_step_rad_s > 0.0:
             rate_rad_s = computer.rate_step_rad_s * round(rate_rad_s / computer.rate_step_rad_s)
