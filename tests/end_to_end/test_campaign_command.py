@@ -36,7 +36,7 @@ def test_report_and_files(tmp_path):
         lost["target"]
     }
     assert set(lost["displaced_by"]) <= {row[1] for row in rows}
-    assert sum(float(row[4]) for row in rows) == pytest.approx(choice["value"])
+    assert sum(float(row[6]) for row in rows) == pytest.approx(choice["value"])
     assert choice["greedy_value"] <= choice["value"] <= choice["bound"]
     assert files["csv"].read_bytes() == csv.read_bytes()
     features = json.loads(files["geojson"].read_text())["features"]

@@ -65,11 +65,11 @@ export function TargetList({ targets, faults, onTargets, onAdd }: Props) {
                   />
                 </td>
                 <td>
-                  {one.min_session_s != null && one.min_session_s < one.session_s && `${one.min_session_s}–`}
+                  {one.min_session_s != null && one.min_session_s < (one.session_s ?? 0) && `${one.min_session_s}–`}
                   <Amount
                     label={text.lengthOf(one.id)}
                     least={0.2}
-                    value={one.session_s}
+                    value={one.session_s ?? 0}
                     onValue={(session_s) =>
                       change(number, {
                         ...one,
