@@ -41,7 +41,8 @@ def found(plan, **changes):
 
 def numbers(shown, flights):
     for member in fields(shown):
-        yield member.name, getattr(shown, member.name)
+        if member.name not in ("rate_error_rad_s", "gyros"):  # which two axes don't have
+            yield member.name, getattr(shown, member.name)
     [one] = flights.sessions
     yield from (("smear", one.smear_px), ("miss", one.miss_m), ("misses", one.miss_rad.edges_rad))
     for cause in flights.contributors:
