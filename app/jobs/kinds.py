@@ -55,6 +55,7 @@ PLAN = JobKind(
         "slews and tracks": 2,
         "alternatives": 40,  # to sessions that can't be flown as asked
         "comparison": 75,
+        "resources": 78,  # to a plan that takes no more than there is
         "pointing budget": 80,
         "verification": 87,
     },

@@ -180,10 +180,10 @@ class Reserve:
     """The least that a battery or memory keeps from its limit.
 
     name: of the resource.
-    unit: of limit, extreme and margin.
-    limit: the least charge of a battery, the capacity of a memory. [see `unit`]
-    extreme: the nearest that it comes. [see `unit`]
-    margin: distance from the limit; negative when it is passed. [see `unit`]
+    unit: of limit, extreme and margin. E.g. `"Wh"`.
+    limit: the least charge of a battery, the capacity of a memory. [see `unit`] E.g. `110.0`.
+    extreme: the nearest that it comes. [see `unit`] E.g. `121.5`.
+    margin: distance from the limit; negative when it is passed. [see `unit`] E.g. `11.5`.
     at_utc: time of it; UTC. E.g. `"2026-06-01T10:44:20.000Z"`.
     """
 

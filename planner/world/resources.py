@@ -21,7 +21,7 @@ class Panel:
 
     normal_body: direction that it faces, in body axes; of two axes in those of their carrier. E.g.
     `[0.0, 0.0, -1.0]`.
-    power_w: charge with the Sun square to it; by the cosine of the angle otherwise.
+    power_w: charge with the Sun square to it; by the cosine of the angle otherwise. E.g. `150.0`.
     """
 
     normal_body: tuple[VectorPart, VectorPart, VectorPart]
@@ -88,6 +88,8 @@ class Station:
     """A place on the ground that takes data while the platform stands high enough in its sky.
 
     id: its name, unlike the others'. E.g. `"svalbard"`.
+    latitude_deg: of its antenna. E.g. `78.23`.
+    longitude_deg: of its antenna. E.g. `15.4`.
     min_elevation_deg: elevation from which on it takes data, geometric, without refraction.
     """
 

@@ -1,4 +1,4 @@
-"""What a request may not say of its battery and memory, and how it is told."""
+"""Batteries and memories that make no sense are refused by field; view and NetCDF have levels."""
 
 import io
 import json

@@ -298,10 +298,10 @@ class ResourceTrace:
     """The level of a battery or memory.
 
     name: of the resource.
-    unit: of limit, capacity and level.
-    limit: the least charge of a battery, the capacity of a memory. [see `unit`]
-    capacity: the most that it holds. [see `unit`]
-    level: charge of a battery, data in a memory. [see `unit`]
+    unit: of limit, capacity and level. E.g. `"Wh"`.
+    limit: the least charge of a battery, the capacity of a memory. [see `unit`] E.g. `110.0`.
+    capacity: the most that it holds. [see `unit`] E.g. `180.0`.
+    level: charge of a battery, data in a memory. [see `unit`] E.g. `[160.0, 159.2]`.
     """
 
     name: Literal["battery", "memory"]
