@@ -36,6 +36,7 @@ def campaign(
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Only choose; plan and write nothing.")
     ] = False,
+    settings: files.Settings = None,
     url: files.Url = None,
 ) -> None:
     """Choose and plan sessions of many targets over days."""
@@ -44,7 +45,7 @@ def campaign(
 
     with files.report_beside(json, csv, exports=export) as console:
         wanted = files.formats_and_paths(export, CAMPAIGN_FILES)
-        body = files.read_request(file)
+        body = files.read_request(file, settings)
         if dry_run and url is not None:
             raise InvalidInput(
                 "a service plans what it chooses: leave out --url, or --dry-run", field="--dry-run"

@@ -40,6 +40,15 @@ Exports = Annotated[
         "them, and so does the refusal of an unknown one (may be repeated).",
     ),
 ]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="FIELD=VALUE",
+        help="Change a field of the request first, by its name in refusals: platform=agile-cmg, "
+        "attitude=null, or a file's content, terrain.content=@dem.tif (may be repeated).",
+    ),
+]
 DryRun = Annotated[
     bool, typer.Option("--dry-run", help="Only check whether it can be flown; write nothing.")
 ]
@@ -59,9 +68,12 @@ KeptUrl = Annotated[
 ]
 
 
-def read_request(file: str) -> bytes:
-    """A request as it stands in its file."""
-    return sys.stdin.buffer.read() if file == "-" else Path(file).read_bytes()
+def read_request(file: str, settings: Sequence[str] | None) -> bytes:
+    """A request as it stands in its file, or with what is set of it."""
+    from app.cli.changes import with_settings
+
+    body = sys.stdin.buffer.read() if file == "-" else Path(file).read_bytes()
+    return with_settings(body, settings)
 
 
 def write(path: Path, content: bytes) -> None:

@@ -31,12 +31,13 @@ def fly(
         typer.Option(help="Draw smear, error and misses here (png, svg, pdf)."),
     ] = None,
     json: files.WholeAnswer = None,
+    settings: files.Settings = None,
     url: files.Url = None,
 ) -> None:
     """Plan, fly the plan many times with errors drawn at random, and report probabilities."""
     with files.report_beside(json, plot) as console:
         image_format = files.picture_format(plot)
-        body = files.read_request(file)
+        body = files.read_request(file, settings)
         vehicle = {"speed_m_s": moving_object_m_s, "course_deg": course_deg}
         moving_object = None if moving_object_m_s is None else vehicle
         flights = {"runs": runs, "seed": seed, "moving_object": moving_object}

@@ -70,7 +70,7 @@ def _ways_out(problem: "Problem", words: Sequence[str]) -> Iterator[str]:
         yield f"{fault.field}: {fault.detail}"
     for offer in problem.relaxations:
         yield f"with on_conflict {offer.on_conflict}, {_loss(offer)}"
-    if words[1:2] == ["plan"]:
+    if words[1:2] in (["plan"], ["fly"]):
         for number, change in enumerate(problem.ways_out):
             sets = [f"--set={field}={value}" for field, value in change.items()]
             kept = _without(words, change)

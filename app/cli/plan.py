@@ -22,16 +22,7 @@ def plan(
         Path | None, typer.Option(help="Draw angles, rates and accelerations here (png, svg, pdf).")
     ] = None,
     json: files.WholeAnswer = None,
-    settings: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="FIELD=VALUE",
-            help="Change a field of the request first, by its name in refusals: "
-            "sessions.0.start=2015-02-27T17:36:20Z, or a file's content, terrain.content=@dem.tif "
-            "(may be repeated).",
-        ),
-    ] = None,
+    settings: files.Settings = None,
     next_pass: Annotated[
         bool,
         typer.Option(
@@ -45,15 +36,17 @@ def plan(
     dry_run: files.DryRun = False,
     url: files.Url = None,
 ) -> None:
-    """Plan sessions of a two-axis platform."""
+    """Plan sessions of a platform."""
     with files.report_beside(json, csv, plot, exports=export) as console:
         picture = files.picture_format(plot, by_service=url is not None)
-        body = files.read_request(file)
+        body = files.read_request(file, settings)
         from planner.output.export import EXPORTERS
 
         exports = files.formats_and_paths(export, EXPORTERS)
-        if settings or next_pass or start is not None:
-            body = _changed(console, body, settings, start, next_pass=next_pass)
+        if next_pass:
+            body = _moved(console, body, settings, start)
+        elif start is not None:
+            raise InvalidInput("goes with --next-pass", field="--start")
         with planner_at(url) as planner:
             if dry_run:
                 say_whether_it_flies(console, planner.check(body))
@@ -87,21 +80,11 @@ def _require_verified(verdict: Members) -> None:
     require_verified(Finding(**{name: one[name] for name in told}) for one in verdict["findings"])
 
 
-def _changed(
-    console: Console,
-    body: bytes,
-    settings: Sequence[str] | None,
-    start: str | None,
-    *,
-    next_pass: bool,
+def _moved(
+    console: Console, body: bytes, settings: Sequence[str] | None, start: str | None
 ) -> bytes:
     from app.cli.changes import at_next_pass, search_start, with_settings
 
-    body = with_settings(body, settings)
-    if not next_pass:
-        if start is not None:
-            raise InvalidInput("goes with --next-pass", field="--start")
-        return body
     body, told = at_next_pass(body, search_start(start))
     console.print(told)
     return with_settings(body, settings)  # again, for what is set of the session that was moved

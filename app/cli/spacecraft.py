@@ -16,11 +16,12 @@ def spacecraft(
     export: files.Exports = None,
     json: files.WholeAnswer = None,
     dry_run: files.DryRun = False,
+    settings: files.Settings = None,
     url: files.Url = None,
 ) -> None:
     """Plan an imaging session of the CMG spacecraft and report."""
     with files.report_beside(json, csv, exports=export) as console:
-        body = files.read_request(file)
+        body = files.read_request(file, settings)
         from app.requests.spacecraft import read_spacecraft_request
         from planner.spacecraft.export import IMAGING_EXPORTERS
 

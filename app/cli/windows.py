@@ -34,11 +34,12 @@ def windows(
     probability: Annotated[
         bool, typer.Option(help="Report how likely the target stays in the frame: 3 ms a window.")
     ] = True,
+    settings: files.Settings = None,
     url: files.Url = None,
 ) -> None:
     """Search for windows of targets."""
     with files.report_beside(json, csv) as console:
-        body = files.read_request(file)
+        body = files.read_request(file, settings)
         told: Include = ("view", "probability", "reasons") if probability else next_pass.TOLD
         with planner_at(url) as planner, told_progress("opportunities"):
             found = planner.opportunities(body, include=told)

@@ -54,6 +54,15 @@ def test_every_command_offered_plans(conflict):
             assert "verification passed" in done.stdout
 
 
+def test_flights_of_a_plan_that_is_refused_are_offered_as_well():
+    refused = run("fly", LAS_VEGAS_FILE, "--runs", "2", SOON)
+    assert refused.exit_code == 2
+    command = commands(refused.stderr)[0]
+    done = run(*command)
+    assert done.exit_code == 0, (command, done.stderr)
+    assert done.stdout.startswith("2 flights")
+
+
 def test_a_refusal_lists_what_each_way_costs(conflict):
     refused = run("plan", conflict)
     first, *rest = refused.stderr.splitlines()

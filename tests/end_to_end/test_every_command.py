@@ -90,7 +90,7 @@ export {id} --url {url} csv=OUT.csv
 watch {id} --url {url}
 campaign examples/campaign_cities.json --dry-run --json OUT.json
 horizon examples/horizon_estimate.json examples/horizon_ahead.png {right} --json OUT.json
-spacecraft {strip} --dry-run --json OUT.json
+spacecraft {strip} --dry-run --set name=other --json OUT.json
 spacecraft {strip} --url {url} --csv OUT.csv
 windows examples/opportunities_gallery.json --url {url} --csv OUT.csv --no-probability
 campaign examples/campaign_cities.json --url {url} --csv OUT.csv

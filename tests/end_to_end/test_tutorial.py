@@ -55,9 +55,14 @@ def test_every_command_in_order(folder, monkeypatch):
             said = check(text, shown)
             if found := re.search(r"^kept as (\S+)$", said, re.M):
                 plan_id = found[1]
-    assert {"plan", "windows", "campaign", "serve", "list", "show", "export", "watch"} == set(seen)
+    assert set(seen) == {
+        "plan", "windows", "campaign", "fly", "serve", "list", "show", "export", "watch",
+    }  # fmt: skip
     written = {
         path.relative_to(folder / "out").as_posix() for path in (folder / "out").rglob("*.*")
     }
     assert {"plan.png", "map.geojson", "windows.csv", "plan.nc", "plan.aem", "looks.csv"} <= written
     assert {"kept.nc", "kept.kml", "passes/pass-1.json"} <= written
+    assert {f"{name}.{kind}" for name in ("axes", "body", "gyros") for kind in ("png", "aem")} <= (
+        written
+    )
