@@ -64,10 +64,8 @@ test("an imaging mode lies in the middle of its lines, also across the edge of t
   const targets = [
     { id: "line", target: { mode: "strip", geometry: line } },
     { id: "area", target: { mode: "area", geometry: area } },
+    { id: "half typed", target: { mode: "area", geometry: { type: "Polygon" } } },
   ];
   const asked = { ...example, targets } as unknown as Request;
-  expect(placesOf(asked, null)).toEqual([
-    [-180, 11],
-    [12, 43],
-  ]);
+  expect(placesOf(asked, null)).toEqual([[-180, 11], [12, 43], null]);
 });

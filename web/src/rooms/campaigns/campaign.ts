@@ -135,7 +135,7 @@ function numberOf(field: string): number {
 /** Where the targets are, in the request's order. */
 export function placesOf(request: CampaignRequest, choice: Choice | null): (LonLat | null)[] {
   const places = request.targets.map(({ target }): LonLat | null => {
-    if ("geometry" in target) return middleOf(pointsOf(target.geometry.coordinates))?.at ?? null;
+    if ("geometry" in target) return middleOf(pointsOf(target.geometry?.coordinates))?.at ?? null;
     return target.mode === "ground" ? [target.longitude_deg, target.latitude_deg] : null;
   });
   for (const { field, members } of choice?.assumed ?? []) {
@@ -148,13 +148,12 @@ export function placesOf(request: CampaignRequest, choice: Choice | null): (LonL
   return places;
 }
 
-type Nested = readonly (number | Nested)[];
-
-/** The points of a geometry, however deep they lie. */
-function pointsOf(coordinates: Nested): LonLat[] {
-  const [first, second] = coordinates;
+/** The points of a geometry, however deep they lie; of what is half typed, those there are. */
+function pointsOf(coordinates: unknown): LonLat[] {
+  if (!Array.isArray(coordinates)) return [];
+  const [first, second]: unknown[] = coordinates;
   if (typeof first === "number" && typeof second === "number") return [[first, second]];
-  return coordinates.flatMap((one) => (typeof one === "number" ? [] : pointsOf(one)));
+  return coordinates.flatMap((one) => pointsOf(one));
 }
 
 /** "2/3" for a scan of several, as its session's name in the plan ends; else nothing. */
