@@ -110,6 +110,21 @@ def test_targets_are_added_weighed_and_removed_in_place(open_page):
     assert violations(page) == []
 
 
+def test_imaging_modes_have_no_length_and_are_kept_as_they_are(open_page):
+    page = open_page("/campaigns")
+    modes = json.loads((ROOT / "examples/campaign_modes.json").read_text())
+    asked = page.get_by_label("Request as JSON")
+    asked.fill(json.dumps(modes))
+    expect(page.get_by_role("cell", name="Stereo pair", exact=True)).to_be_visible()
+    expect(page.locator(".map .fate-open")).to_have_count(4)
+    expect(page.get_by_label("Length of a look at")).to_have_count(0)
+    page.get_by_label("Priority of area").fill("3")
+    page.get_by_label("Priority of area").press("Tab")
+    modes["targets"][3]["priority"] = 3
+    assert json.loads(asked.input_value()) == modes
+    assert violations(page) == []
+
+
 def test_conditions_stand_beside_the_time(open_page):
     page = open_page("/campaigns")
     page.get_by_label("Least elevation, °").fill("40")

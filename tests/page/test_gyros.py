@@ -5,6 +5,8 @@ from browsing import PHONE, made, show_one_instant, violations
 from other_body import body_request
 from playwright.sync_api import expect
 
+PATIENCE_MS = 180_000.0  # a flight whose kernels are compiled beside it
+
 
 @pytest.fixture(scope="module")
 def plan(service) -> str:
@@ -32,7 +34,7 @@ def test_the_rate_error_is_shown_where_it_is_flown(open_page, plan):
     page.get_by_label("Runs").fill("4")
     page.get_by_role("button", name="Fly it").click()
     expect(page.get_by_text("steady within 0.001°/s in 100 % of the runs")).to_be_visible(
-        timeout=120_000
+        timeout=PATIENCE_MS
     )
     expect(page.get_by_role("img", name="Rate error while imaging")).to_be_visible()
     page.get_by_label("Language").select_option("ru")

@@ -5,7 +5,7 @@ import "./page";
 
 import example from "../../examples/campaign_cities.json";
 
-const { withPlatform } = await import("../src/rooms/campaigns/campaign");
+const { placesOf, withPlatform } = await import("../src/rooms/campaigns/campaign");
 const { platforms } = await import("../src/parts/platforms");
 type Request = Parameters<typeof withPlatform>[0];
 type Found = Parameters<typeof withPlatform>[2];
@@ -39,4 +39,33 @@ test("a platform that is written out keeps the rest of the request, of either ki
   expect(withPlatform(asked, axes, axes, asked)).toEqual({ ...asked, platform: axes });
   const ofBody = withPlatform(asked, body, body, null);
   expect(withPlatform(ofBody, { ...body }, body, asked)).toEqual(ofBody);
+});
+
+test("an imaging mode lies in the middle of its lines, also across the edge of the map", () => {
+  const line = {
+    type: "LineString",
+    coordinates: [
+      [179, 10],
+      [-179, 12],
+    ],
+  };
+  const area = {
+    type: "Polygon",
+    coordinates: [
+      [
+        [10, 40],
+        [14, 40],
+        [14, 46],
+        [10, 46],
+        [10, 40],
+      ],
+    ],
+  };
+  const targets = [
+    { id: "line", target: { mode: "strip", geometry: line } },
+    { id: "area", target: { mode: "area", geometry: area } },
+    { id: "half typed", target: { mode: "area", geometry: { type: "Polygon" } } },
+  ];
+  const asked = { ...example, targets } as unknown as Request;
+  expect(placesOf(asked, null)).toEqual([[-180, 11], [12, 43], null]);
 });

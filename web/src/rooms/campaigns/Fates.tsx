@@ -75,7 +75,7 @@ export function Fates({ fates, chosen, onChoose }: Props) {
                   <span class={`fate-word fate-word-${one.fate}`}>{text.fates[one.fate]}</span>
                   {one.looks.map((look) => (
                     <div key={look.start}>
-                      <Link to={`/plans/${look.plan}`}>{period(look.start, look.stop).replace(" UTC", "")}</Link>
+                      {look.scan} <Link to={`/plans/${look.plan}`}>{period(look.start, look.stop).replace(" UTC", "")}</Link>
                     </div>
                   ))}
                   {one.because && <div class="small">{words.value.service.told(one.because)}</div>}

@@ -2,7 +2,7 @@
 import { words } from "../../i18n";
 import { period } from "../../i18n/forms";
 import { Link } from "../../parts/Link";
-import type { Campaign } from "./campaign";
+import { type Campaign, scanTold } from "./campaign";
 
 export function Passes({ passes }: { passes: Campaign["passes"] }) {
   const text = words.value.campaigns;
@@ -33,7 +33,7 @@ export function Passes({ passes }: { passes: Campaign["passes"] }) {
                   <span class={`pass-state pass-${one.state}`}>{words.value.shell.states[one.state]}</span>
                 </td>
                 <td>
-                  {one.looks.map((look) => look.target).join(", ") || "–"}
+                  {one.looks.map((look) => `${look.target} ${scanTold(look)}`.trim()).join(", ") || "–"}
                   {one.problem && <div class="small">{words.value.service.told(one.problem.detail)}</div>}
                   {one.left_out.map((look) => (
                     <div key={look.target} class="small">

@@ -6,6 +6,7 @@ import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { Combobox } from "../../parts/Combobox";
 import { Field } from "../../parts/Field";
+import { valueLabel } from "../../parts/fields/labels";
 import { useKept } from "../../parts/kept";
 import { RemoveButton } from "../../parts/RemoveButton";
 import { places } from "../planning/names";
@@ -65,19 +66,11 @@ export function TargetList({ targets, faults, onTargets, onAdd }: Props) {
                   />
                 </td>
                 <td>
-                  {one.min_session_s != null && one.min_session_s < (one.session_s ?? 0) && `${one.min_session_s}–`}
-                  <Amount
-                    label={text.lengthOf(one.id)}
-                    least={0.2}
-                    value={one.session_s ?? 0}
-                    onValue={(session_s) =>
-                      change(number, {
-                        ...one,
-                        session_s,
-                        ...(one.min_session_s != null && { min_session_s: Math.min(one.min_session_s, session_s) }),
-                      })
-                    }
-                  />
+                  {"geometry" in one.target ? (
+                    valueLabel(one.target.mode)
+                  ) : (
+                    <Length one={one} onTarget={(next) => change(number, next)} />
+                  )}
                 </td>
                 <td>
                   <RemoveButton
@@ -134,10 +127,28 @@ function AddTarget({ onAdd }: Pick<Props, "onAdd">) {
   );
 }
 
+/** How long one look is held; the scans of an imaging mode are as long as they need. */
+function Length({ one, onTarget }: { one: CampaignTarget; onTarget: (next: CampaignTarget) => void }) {
+  const { session_s: length_s = null, min_session_s: least_s = null } = one;
+  return (
+    <>
+      {least_s !== null && length_s !== null && least_s < length_s && `${least_s}–`}
+      <Amount
+        label={words.value.campaigns.lengthOf(one.id)}
+        least={0.2}
+        value={length_s}
+        onValue={(session_s) =>
+          onTarget({ ...one, session_s, ...(least_s !== null && { min_session_s: Math.min(least_s, session_s) }) })
+        }
+      />
+    </>
+  );
+}
+
 interface AmountProps {
   label: string;
   least: number;
-  value: number;
+  value: number | null;
   onValue: (value: number) => void;
 }
 
@@ -149,7 +160,7 @@ function Amount({ label, least, value, onValue }: AmountProps) {
       aria-label={label}
       min={least}
       step="any"
-      value={value}
+      value={value ?? ""}
       onChange={(event) => {
         const typed = event.currentTarget.valueAsNumber;
         if (typed >= least) onValue(typed);

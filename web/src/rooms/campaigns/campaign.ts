@@ -1,7 +1,7 @@
 /** A campaign's request and answer: where its targets are, and what becomes of each. */
 import { get, type Schemas } from "../../api/client";
 import { Problem } from "../../api/problem";
-import type { LonLat } from "../../map/places";
+import { type LonLat, middleOf } from "../../map/places";
 import { type AskedPlatform, findPlatform, type Platform, slewOfBody, usualOf } from "../../parts/platforms";
 
 export type CampaignRequest = Omit<Schemas["CampaignRequest"], "platform"> & { platform: AskedPlatform };
@@ -59,7 +59,16 @@ export interface TargetFate {
   /** On the map; null in space, and for places that aren't found yet. */
   place: LonLat | null;
   priority: number;
-  looks: { start: string; stop: string; plan: string; elevation_deg: number | null; quality: number | null; value: number }[];
+  /** scan: which of how many, of an imaging mode. */
+  looks: {
+    scan: string;
+    start: string;
+    stop: string;
+    plan: string;
+    elevation_deg: number | null;
+    quality: number | null;
+    value: number;
+  }[];
   because: string | null;
   bestElevation_deg: number | null;
 }
@@ -71,11 +80,20 @@ export function fatesOf(request: CampaignRequest, campaign: Campaign): TargetFat
   const refused = new Map(campaign.passes.flatMap((one) => one.left_out.map((look) => [look.target, look.because])));
   const looks = new Map<string, TargetFate["looks"]>();
   for (const { plan, looks: chosen, problem } of campaign.passes) {
-    for (const { target, start, stop, elevation_deg, quality, value } of chosen) {
+    for (const look of chosen) {
+      const { target, start, stop, elevation_deg, quality, value } = look;
       if (problem) refused.set(target, problem.detail);
       else {
         const of = looks.get(target) ?? [];
-        of.push({ start, stop, plan, elevation_deg: elevation_deg ?? null, quality: quality ?? null, value });
+        of.push({
+          scan: scanTold(look),
+          start,
+          stop,
+          plan,
+          elevation_deg: elevation_deg ?? null,
+          quality: quality ?? null,
+          value,
+        });
         looks.set(target, of);
       }
     }
@@ -116,9 +134,10 @@ function numberOf(field: string): number {
 
 /** Where the targets are, in the request's order. */
 export function placesOf(request: CampaignRequest, choice: Choice | null): (LonLat | null)[] {
-  const places = request.targets.map(({ target }): LonLat | null =>
-    target.mode === "ground" ? [target.longitude_deg, target.latitude_deg] : null,
-  );
+  const places = request.targets.map(({ target }): LonLat | null => {
+    if ("geometry" in target) return middleOf(pointsOf(target.geometry?.coordinates))?.at ?? null;
+    return target.mode === "ground" ? [target.longitude_deg, target.latitude_deg] : null;
+  });
   for (const { field, members } of choice?.assumed ?? []) {
     const number = numberOf(field);
     const { latitude_deg, longitude_deg } = members as Record<string, unknown>;
@@ -127,6 +146,19 @@ export function placesOf(request: CampaignRequest, choice: Choice | null): (LonL
     }
   }
   return places;
+}
+
+/** The points of a geometry, however deep they lie; of what is half typed, those there are. */
+function pointsOf(coordinates: unknown): LonLat[] {
+  if (!Array.isArray(coordinates)) return [];
+  const [first, second]: unknown[] = coordinates;
+  if (typeof first === "number" && typeof second === "number") return [[first, second]];
+  return coordinates.flatMap((one) => pointsOf(one));
+}
+
+/** "2/3" for a scan of several, as its session's name in the plan ends; else nothing. */
+export function scanTold({ part, parts }: Campaign["passes"][number]["looks"][number]): string {
+  return parts !== null && parts > 1 ? `${part}/${parts}` : "";
 }
 
 /** What was wrong with each target of a refused request. */
