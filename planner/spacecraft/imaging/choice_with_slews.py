@@ -44,9 +44,13 @@ class SlewRevisionOptions:
     hopeless_s: float = 30.0  # unless so much is
     one_more_rounds: int = 4  # choices revised for one request beside those kept
     request: float = 1_000.0  # of `effort`, for each request
+    # tried in this order, off every slew: the second is less than almost any slew takes
+    shorter_by_s: tuple[float, float] = (1.2, 2.0)
     gentler_share: float = 0.4  # of what work is left, for gentler slews,
     together_share: float = 0.7  # then for all requests at once,
-    one_share: float = 0.5  # and for each one after another
+    one_share: float = 0.5  # for each one after another,
+    denser_share: float = 0.4  # and for a choice worth more,
+    denser: float = 1_000_000.0  # of `effort`: 10 s, however many are asked for
 
 
 OPTIONS = SlewRevisionOptions()
@@ -174,10 +178,11 @@ def choose_and_slew(
                 return found
         if work.is_exhausted:
             warnings = ("gentler slews weren't looked for to the end: it takes too much work",)
+    found = None
     with at_most(OPTIONS.together_share * effort.remaining()) as work:
         found = search.fitting(OPTIONS.rounds, choice=first)
-        if found is not None:
-            return replace(found, warnings=warnings)
+    if found is not None:
+        return replace(_denser_choice(session, search, found), warnings=warnings)
     found = search.one_by_one()
     if found is not None:
         alone = "requests were kept as they fitted, one after another: more may fit"
@@ -208,6 +213,23 @@ def _gentler_choice(session: ImagingSession, first: Choice) -> Chosen | None:
         if found.choice.value >= first.value:
             return replace(found, choice=replace(found.choice, greedy_value=first.greedy_value))
     return None
+
+
+def _denser_choice(session: ImagingSession, search: "_Search", found: Chosen) -> Chosen:
+    """The same, or one worth more whose slews were found though estimated to take longer."""
+    denser = _Search(session, search.options)
+    denser.outcomes, denser.barred = search.outcomes, dict(search.barred)
+    greedy_value = found.choice.greedy_value
+    for less_s in OPTIONS.shorter_by_s:
+        if set(found.choice.requests) == {option.request for option in denser.options}:
+            break
+        denser.session = replace(session, slew_time=session.slew_time.plus(-less_s))
+        with at_most(min(OPTIONS.denser_share * effort.remaining(), OPTIONS.denser)):
+            better = denser.fitting(OPTIONS.rounds)
+            if better is not None and better.choice.value > found.choice.value:
+                choice = replace(better.choice, greedy_value=greedy_value)
+                found = replace(better, choice=choice)
+    return found
 
 
 class _Search:
