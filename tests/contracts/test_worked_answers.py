@@ -99,7 +99,7 @@ def alike(shown, given, agreed=AGREED):
             OF_THE_RUN.sub("chance", text.replace("\r\n ", "")) for text in (shown, given)
         )
         return NUMBER.sub("0", shown) == NUMBER.sub("0", given) and all(
-            alike(float(one), float(other))
+            alike(float(one), float(other), agreed)
             for one, other in zip(NUMBER.findall(shown), NUMBER.findall(given), strict=True)
         )
     if isinstance(shown, float) or agreed is FRAMES:
