@@ -42,7 +42,7 @@ from planner.inflight.simulation.gyros.dispersed import (
 from planner.inflight.simulation.gyros.onboard import (
     PAPER,
     TABLE,
-    Estimate,
+    OnboardEstimate,
     estimate_rate,
     memory_at,
 )
@@ -450,7 +450,7 @@ def gyro_reach_deg_s() -> float:
     """Rate about one body axis up to which the four channels still give the rate."""
     onboard = computer(AGILE_CMG.craft, TABLE, noise=False)
     memory = memory_at(onboard, np.zeros(3), np.zeros((4, 3)))
-    estimate = Estimate(np.array([0.0, 0.0, 0.0, 1.0]), np.empty(3), np.zeros(4))
+    estimate = OnboardEstimate(np.array([0.0, 0.0, 0.0, 1.0]), np.empty(3), np.zeros(4))
 
     def beyond(rate_deg_s: float) -> float:
         z = math.radians(rate_deg_s)

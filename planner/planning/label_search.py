@@ -53,7 +53,7 @@ _LABEL = np.dtype(
 _SLOTS, _MADE, _MOST = 0, 1, 2  # of `Labels.use`
 
 
-class Memory(NamedTuple):
+class LabelMemory(NamedTuple):
     """What labels remember of the items visited.
 
     bit: of each item, 0 for those forgotten at once; visit_mask: the bits that outlast a visit
@@ -109,13 +109,13 @@ class Round(NamedTuple):
         return self.labels < LABELS_MAX
 
 
-Sweep = Callable[[Memory], Round]
+Sweep = Callable[[LabelMemory], Round]
 
 
-def forgetful(items: int, ticks: int, *, once: bool) -> Memory:
+def forgetful(items: int, ticks: int, *, once: bool) -> LabelMemory:
     """No item is remembered."""
     none = np.zeros(items, np.int64)
-    return Memory(none, none, np.zeros(ticks, np.int64), once)
+    return LabelMemory(none, none, np.zeros(ticks, np.int64), once)
 
 
 class Repeats:
@@ -145,13 +145,13 @@ class Repeats:
         for pair in pairs:
             self._remember(pair, slice(None))
 
-    def memory(self) -> Memory:
+    def memory(self) -> LabelMemory:
         bit = np.zeros_like(self._visit_mask)
         tick_mask = np.zeros(int(self._last.max()) + 1, np.int64)
         for item, number in self._number.items():
             bit[item] = 1 << number
             tick_mask[self._first[item] : self._last[item] + 1] |= 1 << number
-        return Memory(bit, self._visit_mask.copy(), tick_mask, False)
+        return LabelMemory(bit, self._visit_mask.copy(), tick_mask, False)
 
     def forbid(self, items: Sequence[int]) -> bool:
         """The shortest way each is repeated in this order; False when none can be."""
@@ -207,7 +207,7 @@ def bound(found: Iterable[Round]) -> float:
 
 
 @compiled
-def no_labels(places: int, start: int, memory: Memory) -> Labels:
+def no_labels(places: int, start: int, memory: LabelMemory) -> Labels:
     """None but at the place where every path begins."""
     # One at each is the best if none remember, and as many as make way for it are few.
     slots, most = places, max(LABELS_MAX, 100 * places)
@@ -240,7 +240,7 @@ def follow(labels: Labels, begin: int, places: Iterable[int], mask: int, visited
 
 
 @compiled
-def visit(labels: Labels, begins: Iterable[int], to: int, memory: Memory, made: Visit) -> bool:
+def visit(labels: Labels, begins: Iterable[int], to: int, memory: LabelMemory, made: Visit) -> bool:
     """All labels at places `begins` that may come to another one by a visit; whether any did."""
     first, label, once = labels.first, labels.label, memory.once
     before_mask, after_mask = memory.tick_mask[made.tick], memory.visit_mask[made.item]

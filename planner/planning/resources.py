@@ -93,7 +93,7 @@ def uses_of(plan: FlightPlan) -> Uses:
     return Uses(imaging=spans((one.start, one.stop) for one in sessions), idle=spans(plan.waits))
 
 
-class Surroundings:
+class LightAndContacts:
     """Sunlight and contacts of a scenario from row 0 to last_s, whatever the platform does."""
 
     def __init__(self, scenario: Scenario, last_s: float) -> None:
@@ -189,10 +189,10 @@ def resource_curves(plan: FlightPlan) -> tuple[ResourceCurve, ...]:
     return around.curves(plan.table.t_s, charge_w, uses_of(plan))
 
 
-def charge_along(plan: FlightPlan) -> tuple[Surroundings, Array]:
+def charge_along(plan: FlightPlan) -> tuple[LightAndContacts, Array]:
     """What surrounds a plan that has resources, and what panels would give on its rows, (n,)."""
     scenario, t_s = plan.scenario, plan.table.t_s
-    around = Surroundings(scenario, float(t_s[-1]))
+    around = LightAndContacts(scenario, float(t_s[-1]))
     q_body_from_eci = scenario.q_body_from_eci(*around.at(t_s), plan.table.position)
     return around, around.charge_w(t_s, q_body_from_eci)
 

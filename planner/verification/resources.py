@@ -28,7 +28,7 @@ Waits = tuple[tuple[datetime, datetime], ...]  # as the plan tells them; UTC
 
 
 @dataclass(frozen=True, kw_only=True)
-class Options:
+class JudgedResourceOptions:
     """How densely the judge looks, and what it lets pass."""
 
     look_s: float = 1.0  # less than light or a contact lasts that isn't grazing
@@ -38,7 +38,7 @@ class Options:
     tolerance: float = 1e-6  # of the capacity
 
 
-OPTIONS = Options()
+OPTIONS = JudgedResourceOptions()
 
 
 def resource_margins(

@@ -15,7 +15,7 @@ import numpy as np
 from planner.base.arrays import Array, Indices
 from planner.base.commands import COMMAND_STEP_S
 from planner.base.reporting import Reporter, tell_nobody
-from planner.planning.campaigns.candidates import Candidate, candidates_of, scan_roll
+from planner.planning.campaigns.candidates import LookCandidate, candidates_of, scan_roll
 from planner.planning.campaigns.choice import CampaignChoice, FirstUnheld, Looking, bound_at, choose
 from planner.planning.campaigns.chosen import ChosenLook, UnchosenTarget
 from planner.planning.campaigns.displaced import Displaced, displaced_by
@@ -184,7 +184,7 @@ def scenario_of(request: CampaignRequest, flight: ChosenPass, number: int) -> Sc
     )
 
 
-def _path_at(one: Candidate) -> Callable[[float], GroundPathTarget]:
+def _path_at(one: LookCandidate) -> Callable[[float], GroundPathTarget]:
     return lambda begin_s: one.scan_at(begin_s).path
 
 
@@ -225,7 +225,7 @@ class _Windows(NamedTuple):
     set_s: Array
 
 
-def _windows_of(candidates: Sequence[Candidate], found: Windows, settle_s: float) -> _Windows:
+def _windows_of(candidates: Sequence[LookCandidate], found: Windows, settle_s: float) -> _Windows:
     """Of targets as found, of scans from the first begin, and settling before it, to the last
     one's end."""
     parts = []
@@ -241,7 +241,10 @@ def _windows_of(candidates: Sequence[Candidate], found: Windows, settle_s: float
 
 
 def _looks_in_passes(
-    request: CampaignRequest, candidates: Sequence[Candidate], windows: _Windows, follower: Follower
+    request: CampaignRequest,
+    candidates: Sequence[LookCandidate],
+    windows: _Windows,
+    follower: Follower,
 ) -> Looks:
     least_s, rest_s = np.array([one.lengths_s[0] for one in candidates]), follower.rest_s
     sessions_max = SESSIONS_MAX - 2
@@ -263,7 +266,7 @@ def _looks_in_passes(
 
 
 def _looking_of(
-    request: CampaignRequest, candidates: Sequence[Candidate], settle_s: float
+    request: CampaignRequest, candidates: Sequence[LookCandidate], settle_s: float
 ) -> Looking:
     settle_steps = math.ceil(settle_s / request.step_s - 1e-9)
     # A group by its name, the scans of a mode in one pass by that, and what each is a way to do.
@@ -300,7 +303,7 @@ def _looking_of(
 
 def _first_unheld_by(
     request: CampaignRequest,
-    candidates: Sequence[Candidate],
+    candidates: Sequence[LookCandidate],
     ways: Ways,
     follower: Follower,
     carrier: Carrier,
@@ -348,7 +351,7 @@ def _thread_count() -> ThreadPoolExecutor:
 
 def _closed_later(
     request: CampaignRequest,
-    candidates: Sequence[Candidate],
+    candidates: Sequence[LookCandidate],
     row: int,
     windows: _Windows,
     looks: Looks,
@@ -390,7 +393,7 @@ def _closed_later(
 
 def _left_out(
     request: CampaignRequest,
-    candidates: Sequence[Candidate],
+    candidates: Sequence[LookCandidate],
     left_out: Sequence[Displaced],
     grid_s: float,
     unseen: Sequence[int],
@@ -411,7 +414,7 @@ def _left_out(
 
 def _unchosen(
     request: CampaignRequest,
-    candidates: Sequence[Candidate],
+    candidates: Sequence[LookCandidate],
     one: Displaced,
     grid_s: float,
     unseen: Sequence[int],
@@ -454,7 +457,7 @@ def _unchosen(
 
 def _in_utc(
     request: CampaignRequest,
-    candidates: Sequence[Candidate],
+    candidates: Sequence[LookCandidate],
     choice: CampaignChoice,
     grid_s: float,
     carrier: Carrier,

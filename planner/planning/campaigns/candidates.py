@@ -5,14 +5,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from planner.planning.campaigns.request import CampaignRequest, CampaignTarget
-from planner.planning.opportunities.scans import Scan
+from planner.planning.opportunities.scans import ModeScan
 from planner.world.platforms import RollRule
 from planner.world.rules.registry import rules_of
 from planner.world.targets import ImagingMode, Target
 
 
 @dataclass(frozen=True, kw_only=True)
-class Candidate:
+class LookCandidate:
     """A target, or a scan of an imaging mode, which stands for the middle of its line where it is
     looked up as a place.
 
@@ -22,7 +22,7 @@ class Candidate:
 
     row: int
     wanted: CampaignTarget
-    scans: tuple[Scan, ...] = ()
+    scans: tuple[ModeScan, ...] = ()
 
     @cached_property
     def target(self) -> Target:
@@ -59,25 +59,25 @@ class Candidate:
             return self.wanted.priority * self.scans[0].share
         return self.wanted.worth_value(length_s)
 
-    def scan_at(self, begin_s: float) -> Scan:
+    def scan_at(self, begin_s: float) -> ModeScan:
         """That which begins then."""
         return min(self.scans, key=lambda scan: scan.apart_s(begin_s))
 
 
-def candidates_of(request: CampaignRequest, scans: Sequence[Scan]) -> tuple[Candidate, ...]:
+def candidates_of(request: CampaignRequest, scans: Sequence[ModeScan]) -> tuple[LookCandidate, ...]:
     """Targets that are no modes, in order, then scans."""
     found = [
-        Candidate(row=row, wanted=wanted)
+        LookCandidate(row=row, wanted=wanted)
         for row, wanted in enumerate(request.targets)
         if not isinstance(wanted.target, ImagingMode)
     ]
-    by_row: dict[int, list[Scan]] = {}
+    by_row: dict[int, list[ModeScan]] = {}
     for scan in scans:
         by_row.setdefault(scan.row, []).append(scan)
     for row, own in by_row.items():
         is_single = all(scan.parts == 1 for scan in own)
         found += [
-            Candidate(row=row, wanted=request.targets[row], scans=together)
+            LookCandidate(row=row, wanted=request.targets[row], scans=together)
             for together in ([tuple(own)] if is_single else [(scan,) for scan in own])
         ]
     return tuple(found)

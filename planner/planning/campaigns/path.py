@@ -14,8 +14,8 @@ from planner.planning.label_search import (
     ALL_ITEMS,
     ROUNDING,
     WHOLE,
+    LabelMemory,
     Labels,
-    Memory,
     Repeats,
     Round,
     Visit,
@@ -136,7 +136,13 @@ def look_worth(network: Network, worth: Worth, cell: int, target: int, length: i
 
 @compiled
 def _look_until(
-    labels: Labels, network: Network, worth: Worth, memory: Memory, cell: int, way: int, step: int
+    labels: Labels,
+    network: Network,
+    worth: Worth,
+    memory: LabelMemory,
+    cell: int,
+    way: int,
+    step: int,
 ) -> bool:
     """Looks of any length that end at a cell; whether there are any."""
     lengths, target, is_seen = worth.value.shape[1], network.target[way], False
@@ -151,7 +157,7 @@ def _look_until(
 
 
 @compiled
-def _sweep(network: Network, worth: Worth, memory: Memory) -> tuple[float, Indices, int]:
+def _sweep(network: Network, worth: Worth, memory: LabelMemory) -> tuple[float, Indices, int]:
     """Places: on a way, by cell, first ready to look, then after a look; at rest, by step."""
     size, end = network.size, network.stop_step
     rest = 2 * size

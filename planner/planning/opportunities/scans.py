@@ -36,7 +36,7 @@ class ScanOptions:
 OPTIONS = ScanOptions()
 
 
-class Asked(Protocol):
+class ScansAsked(Protocol):
     """What a search for windows and a campaign ask alike."""
 
     @property
@@ -54,7 +54,7 @@ class Asked(Protocol):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Scan:
+class ModeScan:
     """One scan of a mode in one pass.
 
     row: of the modes.  pass_number: counts passes of all modes.  part, parts: from 1, of how many.
@@ -85,12 +85,12 @@ class Scan:
 class Scans(NamedTuple):
     """Scans of modes, and why others have none, by row."""
 
-    found: tuple[Scan, ...]
+    found: tuple[ModeScan, ...]
     because: Mapping[int, str]
 
 
 def scans_by_pass(
-    asked: Asked, modes: Mapping[int, ImagingMode], carrier: Carrier, step_s: float
+    asked: ScansAsked, modes: Mapping[int, ImagingMode], carrier: Carrier, step_s: float
 ) -> Scans:
     """Every mode's scans in every pass in which all of its positions come into view.
 
@@ -98,7 +98,7 @@ def scans_by_pass(
     Neglected: what the motion of a scan asks of the platform, and how it lies on the line.
     Raises OutsideCoverage.
     """
-    laid: list[Scan] = []
+    laid: list[ModeScan] = []
     because = dict.fromkeys(modes, "no pass brings all of it into view")
     passes = 0
     for row, span_s in _passes(asked, modes, carrier):
@@ -126,7 +126,7 @@ def scans_by_pass(
                 start_s = elapsed_s(line.start_utc, asked.start)
                 begins_s = (start_s - slack_s, start_s + slack_s)
             laid.append(
-                Scan(
+                ModeScan(
                     row=row,
                     pass_number=passes,
                     part=part,
@@ -142,7 +142,7 @@ def scans_by_pass(
 
 
 def _passes(
-    asked: Asked, modes: Mapping[int, ImagingMode], carrier: Carrier
+    asked: ScansAsked, modes: Mapping[int, ImagingMode], carrier: Carrier
 ) -> Iterator[tuple[int, tuple[float, float]]]:
     """Row of a mode, and from when to when some of its positions are in view, all at some time."""
     owner, places = [], []
@@ -174,7 +174,9 @@ def _passes(
                 yield row, (float(one[:, 1].min()), float(one[:, 2].max()))
 
 
-def _within_conditions(asked: Asked, scans: Sequence[Scan], carrier: Carrier) -> Iterator[Scan]:
+def _within_conditions(
+    asked: ScansAsked, scans: Sequence[ModeScan], carrier: Carrier
+) -> Iterator[ModeScan]:
     """The scans, begun only where points along each are in view as they are passed."""
     points = [
         _ground_target(r_itrf_m, scan.path)
@@ -189,7 +191,7 @@ def _within_conditions(asked: Asked, scans: Sequence[Scan], carrier: Carrier) ->
         yield replace(scan, begins_s=begins_s)
 
 
-def _view_spans(asked: Asked, places: Sequence[GroundTarget], carrier: Carrier) -> list[Array]:
+def _view_spans(asked: ScansAsked, places: Sequence[GroundTarget], carrier: Carrier) -> list[Array]:
     """When each place is within all conditions but those of the platform's motion, (k, 2) each."""
     found = [np.empty((0, 2))] * len(places)
     for first in range(0, len(places), OPTIONS.points_at_once):

@@ -15,7 +15,7 @@ from planner.base.effort import at_most
 from planner.base.errors import Refusal, ResourceRunsOut, figures
 from planner.planning.resources import (
     ResourceCurve,
-    Surroundings,
+    LightAndContacts,
     Uses,
     charge_along,
     resource_curves,
@@ -214,23 +214,25 @@ class _Search:
         start_s = elapsed_s(moved.start, self.epoch_utc)
         contacts = [
             (span[0], name)
-            for name, span in Surroundings(self.scenario, start_s).contacts
+            for name, span in LightAndContacts(self.scenario, start_s).contacts
             if span[1] > elapsed_s(since_utc, self.epoch_utc)
         ]
         return f", after the contact with {max(contacts)[1]}" if contacts else ""
 
-    def _farther(self) -> Surroundings | None:
+    def _farther(self) -> LightAndContacts | None:
         """As far beyond the session as the orbit is known; None: not at all."""
         stop_s = self.uses.imaging[self.number][1]
         horizon_s = min(self.scenario.orbit.search_horizon_s, OPTIONS.farthest_s)
         for beyond_s in (horizon_s, horizon_s / 16.0):
             try:
-                return Surroundings(self.scenario, max(stop_s, self.uses.imaging[-1][1]) + beyond_s)
+                return LightAndContacts(
+                    self.scenario, max(stop_s, self.uses.imaging[-1][1]) + beyond_s
+                )
             except Refusal:
                 continue
         return None
 
-    def _starts(self, around: Surroundings, long_s: float, until_s: float) -> Iterator[float]:
+    def _starts(self, around: LightAndContacts, long_s: float, until_s: float) -> Iterator[float]:
         """Later starts, on rows, from which the target stays in sight."""
         start_s = self.uses.imaging[self.number][0]
         row = math.ceil(start_s * ROWS_PER_S) + np.arange(
@@ -249,7 +251,7 @@ class _Search:
         yield from starts_s.tolist()
 
     def _foretold(
-        self, around: Surroundings, t_s: Array, charge_w: Array, start_s: float, long_s: float
+        self, around: LightAndContacts, t_s: Array, charge_w: Array, start_s: float, long_s: float
     ) -> float:
         """What lacks, in shares of the capacity, with the session moved there, idle between."""
         imaging, idle = list(self.uses.imaging), list(self.uses.idle)

@@ -20,7 +20,7 @@ from planner.planning.label_search import (
     COMPLETES,
     OPENS,
     WHOLE,
-    Memory,
+    LabelMemory,
     Repeats,
     Round,
     Visit,
@@ -188,7 +188,9 @@ def _repeats(imaging: Imaging, count: int, graph: SlewGraph) -> Repeats:
 
 
 @compiled
-def _label_paths(imaging: Imaging, graph: SlewGraph, memory: Memory) -> tuple[float, Indices, int]:
+def _label_paths(
+    imaging: Imaging, graph: SlewGraph, memory: LabelMemory
+) -> tuple[float, Indices, int]:
     """A `Round`.  Places: candidates, then idle instants; visits are numbered by candidate."""
     n = len(imaging.start_tick)
     end = int(imaging.stop_tick.max() + graph.reach_ticks.max()) + 2 * WAIT_TICKS

@@ -14,7 +14,7 @@ from planner.base.compiled import compiled
 from planner.inflight.simulation.gyros.dynamics import ETA, G, MovingBody, Plant, advance, body_at
 from planner.inflight.simulation.gyros.onboard import (
     Computer,
-    Estimate,
+    OnboardEstimate,
     Reference,
     decide,
     estimate_rate,
@@ -130,7 +130,7 @@ def fly(
     )
     q_eci_from_body_xyzw = body.state[:G]
     memory = memory_at(computer, body.state[G:ETA], body.servo_states)
-    estimate = Estimate(np.empty(4), np.empty(3), np.empty(4))
+    estimate = OnboardEstimate(np.empty(4), np.empty(3), np.empty(4))
     log = Log(
         np.empty((n, steps, 3)), np.empty((n, 3)), np.empty((n, 4)), np.empty((n, 4)),
         np.empty((n, 3)),

@@ -56,7 +56,7 @@ class Reference(NamedTuple):
     commanded: NDArray[np.bool_]  # (n,): a new goal is given at this tick (the paper's laws)
 
 
-class Estimate(NamedTuple):
+class OnboardEstimate(NamedTuple):
     """What the sensors make the computer believe at a tick."""
 
     q_eci_from_body_xyzw: Array  # (4,)
@@ -110,7 +110,7 @@ def rotation_between(
 
 @compiled
 def estimate_rate(
-    computer: Computer, memory: OnboardMemory, estimate: Estimate, gyro_rad_s: Array
+    computer: Computer, memory: OnboardMemory, estimate: OnboardEstimate, gyro_rad_s: Array
 ) -> bool:
     """Rate from the gyro's channels, or from the momentum model when two saturate.
 
@@ -133,7 +133,7 @@ def estimate_rate(
 
 
 @compiled
-def learn(computer: Computer, memory: OnboardMemory, estimate: Estimate) -> None:
+def learn(computer: Computer, memory: OnboardMemory, estimate: OnboardEstimate) -> None:
     """Learn inertia and total momentum from the gyro's rate and the gimbal angles.
 
     The moments by least squares: in a turn, momentum the gyros gave over rate; the products are
@@ -196,7 +196,11 @@ def _paper_acceleration(
 
 @compiled
 def decide(
-    computer: Computer, memory: OnboardMemory, estimate: Estimate, reference: Reference, tick: int
+    computer: Computer,
+    memory: OnboardMemory,
+    estimate: OnboardEstimate,
+    reference: Reference,
+    tick: int,
 ) -> None:
     """Gimbal rates for the next tick, into memory.wanted_rad_s[0].
 
