@@ -1,6 +1,7 @@
 """Battery and memory: the judge's own integration, a third one, and ways out of what runs out."""
 
 import copy
+import json
 from importlib.resources import files
 
 import numpy as np
@@ -8,6 +9,9 @@ import pytest
 from random_resources import asked, plans, refusals
 from skyfield.api import load, load_file, wgs84
 
+from app.requests.examples import LAS_VEGAS
+from app.requests.plan import read_plan_request
+from planner.base.errors import InfeasibleSlew
 from planner.planning.resources import resource_curves, spans_above
 from planner.planning.sessions.pipeline import make_plan
 from planner.verification import verify
@@ -46,6 +50,23 @@ def test_a_third_integration_finds_the_same_levels_within_a_second_of_each_edge(
             ours = np.interp(np.arange(len(level)), curve.t_s, curve.level)
             edges = 40  # of light, contacts, sessions and waits within three hours, at most
             np.testing.assert_allclose(level, ours, rtol=0.0, atol=edges * step)
+
+
+def test_another_start_is_told_where_waits_leave_enough():
+    """A session with no time before it, after 22 minutes that axes wait and don't slew."""
+    request = copy.deepcopy(LAS_VEGAS)
+    request["initial_state"]["epoch"] = "2015-02-27T17:10:00Z"
+    salt_lake_city = {"mode": "ground", "latitude_deg": 40.76, "longitude_deg": -111.9}
+    begins = {"start": request["sessions"][0]["stop"], "stop": "2015-02-27T17:38:20Z"}
+    request["sessions"].append(begins | {"target": salt_lake_city})
+    battery = {"capacity_wh": 100.0, "least_wh": 50.0, "idle_w": 1.0, "slew_w": 300.0}
+    told = []
+    for resources in ({}, {"resources": {"battery": battery | {"start_wh": 100.0}}}):
+        with pytest.raises(InfeasibleSlew) as refused:
+            make_plan(read_plan_request(json.dumps(request | resources).encode()))
+        told.append(refused.value.earliest_feasible_start_utc)
+    assert told[0] is not None
+    assert told[1] == told[0]
 
 
 def levels_by_seconds(plan):

@@ -1,12 +1,12 @@
-"""The work that a table takes, and the sessions and segments that are left in it."""
+"""A table put together: the work that it takes, and the sessions and segments that are left."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from planner.base.commands import ROWS_PER_S
-from planner.planning.sessions.platforms.mover import Join
+from planner.planning.sessions.platforms.mover import Join, Mover
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, tai_us
-from planner.world.plan import Segment, SegmentKind
+from planner.world.plan import FlightPlan, Segment, SegmentKind
 from planner.world.scenario import Scenario
 
 
@@ -61,6 +61,13 @@ def sessions_after_conflicts(scenario: Scenario, joins: list[Join]) -> tuple[Sce
                 f"sessions fits ({scenario.on_conflict})"
             )
     return replace(scenario, sessions=tuple(sessions)) if losses else scenario, losses
+
+
+def assemble(scenario: Scenario, mover: Mover, joins: list[Join]) -> tuple[FlightPlan, list[str]]:
+    """The table, with the sessions as they are left in it, and what each of them lost."""
+    final, losses = sessions_after_conflicts(scenario, joins[: len(scenario.sessions)])
+    table = mover.table(scenario.initial_state.epoch, joins)
+    return FlightPlan(scenario=final, segments=segments_of(scenario, joins), table=table), losses
 
 
 def pair_joins(scenario: Scenario, joins: list[Join]) -> Iterator[tuple[int | None, Join]]:

@@ -13,12 +13,18 @@ from planner.base.commands import ROWS_PER_S
 from planner.base.effort import Effort, WorkLimitReached, at_most
 from planner.base.errors import InfeasibleSlew, Refusal
 from planner.base.reporting import Reporter, tell_nobody
-from planner.planning.sessions.assembly import sessions_after_conflicts, table_work
+from planner.planning.resources import resource_curves
+from planner.planning.sessions.assembly import assemble, table_work
 from planner.planning.sessions.platforms.mover import Join, Mover, RowSpan
 from planner.planning.sessions.platforms.registry import mover_of
-from planner.planning.sessions.sequence import RefusedSession, SessionRefused, sequence_sessions
+from planner.planning.sessions.sequence import (
+    RefusedSession,
+    SessionRefused,
+    sequence_sessions,
+    sequence_whole,
+)
 from planner.planning.sessions.start_trials import Slewed, Trials, longest_hold
-from planner.planning.sessions.track_branches import ephemeris_over, session_rows
+from planner.planning.sessions.track_branches import session_rows
 from planner.verification import verify
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 from planner.world.orbits import Ephemeris
@@ -111,21 +117,19 @@ def _is_planned(scenario: Scenario, mover: Mover) -> bool:
     is_quick = mover.start_search.is_quick
     if is_quick:
         scenario = replace(scenario, slew=replace(scenario.slew, objective="smooth"))
-    epoch_utc = scenario.initial_state.epoch
-    rows = [session_rows(session, epoch_utc) for session in scenario.sessions]
-    ephemeris = ephemeris_over(scenario, rows)
     mover = mover.planning(scenario)
-    joins = sequence_sessions(scenario, ephemeris, mover, prove=False)
-    whole = mover.with_final_slew(ephemeris, joins)
-    if not scenario.slew.keeps_limits or (is_quick and not scenario.platform.always_excluded):
+    whole = sequence_whole(scenario, mover)
+    platform, resources = scenario.platform, scenario.resources
+    is_free = is_quick and not platform.always_excluded and resources is None
+    if not scenario.slew.keeps_limits or is_free:
         return True
     effort.charge(table_work(scenario, whole[-1].stop_row))
     if is_quick:
         effort.charge(0.0)  # a table of a day would take more than is left
-        mover.table(epoch_utc, whole)
-        return True
-    final, _ = sessions_after_conflicts(scenario, joins)
-    return verify(mover.table(epoch_utc, whole), final).passed
+    plan, _ = assemble(scenario, mover, whole)
+    if is_quick:
+        return all(curve.first_beyond_s is None for curve in resource_curves(plan))
+    return verify(plan.table, plan.scenario, plan.waits).passed
 
 
 @dataclass(frozen=True, kw_only=True)

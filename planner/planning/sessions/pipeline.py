@@ -8,12 +8,7 @@ from planner.base import effort
 from planner.base.effort import at_most
 from planner.base.errors import Refusal, SearchEnded, VerificationFailed
 from planner.base.reporting import Reporter, tell_nobody
-from planner.planning.sessions.assembly import (
-    pair_joins,
-    segments_of,
-    sessions_after_conflicts,
-    table_work,
-)
+from planner.planning.sessions.assembly import assemble, pair_joins, table_work
 from planner.planning.sessions.fitting import tell_by_asked, with_starts_that_fit
 from planner.planning.sessions.nearest_start import plan_sessions
 from planner.planning.sessions.plan import Plan
@@ -25,7 +20,6 @@ from planner.verification import VerificationReport, verify
 from planner.world.frames.earth_orientation import earth_orientation_warnings
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import Ephemeris
-from planner.world.plan import FlightPlan
 from planner.world.scenario import Scenario
 
 
@@ -65,9 +59,8 @@ def _make_plan(scenario: Scenario, tell: Reporter) -> Plan:
         onto_tracks = joins[: len(scenario.sessions)]
     with time_stage("comparison"):
         slews = tuple(mover.run(number, join) for number, join in pair_joins(scenario, joins))
-    final, losses = sessions_after_conflicts(scenario, onto_tracks)
-    table, segments = mover.table(epoch_utc, joins), segments_of(scenario, joins)
-    flight = FlightPlan(scenario=final, segments=segments, table=table)
+    flight, losses = assemble(scenario, mover, joins)
+    final, table = flight.scenario, flight.table
     with time_stage("resources"):
         require_resources(flight)
     with time_stage("pointing budget"):
@@ -82,7 +75,7 @@ def _make_plan(scenario: Scenario, tell: Reporter) -> Plan:
         raise _rejection_of(report)
     return Plan(
         scenario=final,
-        segments=segments,
+        segments=flight.segments,
         table=table,
         verification=report,
         slews=slews,

@@ -14,17 +14,17 @@ from planner.base.commands import ROWS_PER_S
 from planner.base.effort import at_most
 from planner.base.errors import Refusal, ResourceRunsOut, figures
 from planner.planning.resources import (
-    ResourceCurve,
     LightAndContacts,
+    ResourceCurve,
     Uses,
     charge_along,
     resource_curves,
     uses_of,
 )
-from planner.planning.sessions.assembly import segments_of, sessions_after_conflicts, table_work
+from planner.planning.sessions.assembly import assemble, table_work
 from planner.planning.sessions.platforms.registry import mover_of
-from planner.planning.sessions.sequence import SessionRefused, sequence_sessions
-from planner.planning.sessions.track_branches import ephemeris_over, session_rows
+from planner.planning.sessions.sequence import SessionRefused, sequence_whole
+from planner.planning.sessions.track_branches import session_rows
 from planner.verification import verify
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.world.plan import FlightPlan
@@ -301,14 +301,8 @@ def _lack(curve: ResourceCurve, last_s: float = math.inf) -> float:
 
 def _flown(scenario: Scenario) -> FlightPlan:
     """As the pipeline plans it; raises SessionRefused and refusals."""
-    epoch_utc = scenario.initial_state.epoch
-    rows = [session_rows(session, epoch_utc) for session in scenario.sessions]
-    effort.charge(table_work(scenario, rows[-1].stop))
-    ephemeris = ephemeris_over(scenario, rows)
+    last = session_rows(scenario.sessions[-1], scenario.initial_state.epoch)
+    effort.charge(table_work(scenario, last.stop))
     mover = mover_of(scenario)
-    joins = sequence_sessions(scenario, ephemeris, mover, prove=False)
-    whole = mover.with_final_slew(ephemeris, joins)
-    final, _ = sessions_after_conflicts(scenario, joins)
-    return FlightPlan(
-        scenario=final, segments=segments_of(scenario, whole), table=mover.table(epoch_utc, whole)
-    )
+    plan, _ = assemble(scenario, mover, sequence_whole(scenario, mover))
+    return plan

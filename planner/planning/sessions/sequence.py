@@ -24,7 +24,7 @@ from planner.planning.sessions.chain import (
     Steps,
 )
 from planner.planning.sessions.platforms.mover import Join, Mover, RowSpan, State, TrackBranch
-from planner.planning.sessions.track_branches import session_rows
+from planner.planning.sessions.track_branches import ephemeris_over, session_rows
 from planner.world.frames.time_scales import shifted_utc
 from planner.world.orbits import Ephemeris
 from planner.world.scenario import Scenario, Session
@@ -129,6 +129,16 @@ def sequence_sessions(
         "impossible, by the work that one request may make; ask for fewer sessions, cones or "
         'modes at a time, or for the objective "smooth"',
         field="sessions",
+    )
+
+
+def sequence_whole(scenario: Scenario, mover: Mover) -> list[Join]:
+    """The same on an orbit of its own and without proofs, and the slew to the final state."""
+    epoch_utc = scenario.initial_state.epoch
+    rows = [session_rows(session, epoch_utc) for session in scenario.sessions]
+    ephemeris = ephemeris_over(scenario, rows)
+    return mover.with_final_slew(
+        ephemeris, sequence_sessions(scenario, ephemeris, mover, prove=False)
     )
 
 
