@@ -18,7 +18,7 @@ MOST = {
     "inflight": 47,
     "motion": 68,
     "output": 37,
-    "planning": 30,
+    "planning": 28,
     "spacecraft": 23,
     "verification": 60,
     "world": 122,

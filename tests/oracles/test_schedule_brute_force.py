@@ -18,7 +18,7 @@ from planner.planning.campaigns import CampaignRequest, CampaignTarget, choice, 
 from planner.planning.campaigns import campaign as campaigns
 from planner.planning.campaigns.choice import ChoiceOptions
 from planner.planning.campaigns.network import NEVER, Network
-from planner.planning.campaigns.path import Worth, best_path, path_bound
+from planner.planning.campaigns.path import Worth, best_path, bounded_path
 from planner.planning.opportunities import OpportunityConditions
 from planner.world.platforms import PLATFORMS
 from planner.world.targets import GroundTarget
@@ -201,7 +201,7 @@ def test_more_looks_are_worth_no_less():
 def test_a_pass_is_bounded_by_the_best_that_looks_at_each_target_once(seed):
     network, worth = random_pass(seed)
     best = best_sequence(network, worth)
-    assert path_bound(network, worth, labels_max=8_000_000) == pytest.approx(best, abs=1e-9)
+    assert bounded_path(network, worth, labels_max=8_000_000)[0] == pytest.approx(best, abs=1e-9)
     path = best_path(network, worth)
     assert path.value <= best + 1e-9
     assert len({look.target for look in path.looks}) == len(path.looks)
