@@ -14,15 +14,13 @@ from fastapi.routing import APIRoute
 from starlette.middleware.cors import CORSMiddleware
 from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddleware
 
-from app.http import documentation
+from app.http import pages
 from app.http import problems as errors
-from app.http.admission.access import Access
+from app.http.admission.access import Access, KeyLookup
 from app.http.admission.admission import Admission
-from app.http.admission.key_lookup import KeyLookup
 from app.http.head_as_get import HeadAsGet
 from app.http.metrics import Metrics
 from app.http.openapi.schema import DESCRIPTION, TAGS, complete
-from app.http.planners_page import serve_page
 from app.http.query import require_sound_query
 from app.http.readiness import (
     Readiness,
@@ -104,7 +102,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         openapi_tags=TAGS,
         docs_url=None,  # our own work without a CDN
         redoc_url=None,
-        openapi_url=None,  # documentation.py answers it without building it anew each time
+        openapi_url=None,  # pages.py answers it without building it anew each time
         dependencies=[Depends(require_sound_query)],
     )
     app.state.settings = settings
@@ -118,10 +116,10 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.state.solves = app.state.children
     if settings.dask_scheduler:
         app.state.solves = anyio.CapacityLimiter(settings.workers)
-    for router in (*_OF_API, documentation.router):
+    for router in (*_OF_API, pages.router):
         app.include_router(router)
-    documentation.serve_files(app)
-    serve_page(app)
+    pages.serve_files(app)
+    pages.serve_page(app)
     errors.install(app)
     _guard_and_watch(app, settings)
     _describe(app)

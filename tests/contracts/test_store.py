@@ -23,12 +23,11 @@ from sqlalchemy.exc import DatabaseError
 from app.ids import is_id, new_id
 from app.jobs.job_completion import settle
 from app.store import audit, events, jobs, migrate, models, plans, results
-from app.store.columns import PlainString
 from app.store.database import open_database
+from app.store.jobs import ListFilter
 from app.store.keys import KeyStore
-from app.store.list_filter import ListFilter
 from app.store.migrate import open_migrated, upgrade
-from app.store.models import JobRow, ResultRow
+from app.store.models import JobRow, PlainString, ResultRow
 from app.store.packed import PackedColumns, pack, unpack
 from app.store.unavailable import StoreDamaged, StoreUnavailable
 from planner.base.errors import InvalidInput

@@ -11,8 +11,13 @@ from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from app.http.admission.access import PROBES, Access
-from app.http.admission.bodies import GuardedBody, HeldBytes
-from app.http.admission.limits import ConcurrencyLimit, RateLimit, network_of
+from app.http.admission.limits import (
+    ConcurrencyLimit,
+    GuardedBody,
+    HeldBytes,
+    RateLimit,
+    network_of,
+)
 from app.http.admission.request_head import require_valid_head
 from app.http.problems import http_error, service_stops
 from app.settings import Settings

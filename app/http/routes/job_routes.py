@@ -12,7 +12,6 @@ from sqlalchemy import Connection
 
 from app.answers.job import JobResponse, job_json, list_json
 from app.http.blocking import read
-from app.http.event_stream import last_seq, stream_events
 from app.http.negotiation import (
     EVENT_STREAM,
     JSON,
@@ -28,7 +27,7 @@ from app.http.openapi.schema import schema_of
 from app.http.problems import problem_answer
 from app.http.routes.parameters import ListQuery, PathId, last_event_id, read_query
 from app.http.routes.resources import JobResource
-from app.http.waiting import Patience, patience, wait_for_end
+from app.http.waiting import Patience, last_seq, patience, stream_events, wait_for_end
 from app.ids import new_id
 from app.jobs.dispatcher import Dispatcher
 from app.jobs.kinds import JOB_KINDS
