@@ -39,7 +39,6 @@ from app.http.routes import (
     system,
     telemetry,
 )
-from app.http.view_cache import ViewCache
 from app.ids import JobState
 from app.jobs.dispatcher import Dispatcher
 from app.jobs.executors import RunTask, run_here
@@ -108,7 +107,6 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.state.settings = settings
     app.state.stopping = asyncio.Event()  # set as soon as the service is told to
     app.state.end_outdated = lambda: None  # how the program ends when its database has moved on
-    app.state.views = ViewCache()
     app.state.methods = {}
     for route in _routes():
         app.state.methods.setdefault(route.path, set()).update(route.methods)

@@ -52,7 +52,6 @@ from app.http.routes.parameters import (
     with_formats,
 )
 from app.http.routes.resources import PlanResource
-from app.http.view_cache import ViewCache
 from app.http.waiting import WAIT_S, patience, wait_for_end
 from app.jobs.child import Bounds
 from app.jobs.kinds import JOB_KINDS
@@ -273,19 +272,15 @@ def _add_view(router: APIRouter, resource: PlanResource) -> None:
         tag = tag_for_good(plan.id, f"view-{name}-{query.step_s}-{pixel_arcsec}")
         if is_known_already(request, tag):
             return not_modified(tag)
-        cache: ViewCache = request.app.state.views
-        content = cache.get(tag)
-        if content is None:
-            asked = AskedView(
-                plan_id=plan.id,
-                verified=plan.state == "done",
-                format_name=None if name == _JSON_FORMAT else name,
-                step_s=query.step_s,
-                pixel_arcsec=pixel_arcsec,
-                created_utc=plan.planned_utc,
-            )
-            content = await _view(request, resource, plan, asked)
-            cache.keep(tag, content)
+        asked = AskedView(
+            plan_id=plan.id,
+            verified=plan.state == "done",
+            format_name=None if name == _JSON_FORMAT else name,
+            step_s=query.step_s,
+            pixel_arcsec=pixel_arcsec,
+            created_utc=plan.planned_utc,
+        )
+        content = await _view(request, resource, plan, asked)
         headers = revalidated(tag)
         if name != _JSON_FORMAT:
             suffix = exporters[name].suffix
