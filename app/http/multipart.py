@@ -15,9 +15,13 @@ _CHUNK_BYTES = 2**18
 
 
 class FormPart(NamedTuple):
-    """A part that a body may have, as a field or a file: how many times, and of how many bytes."""
+    """A part that a body may have, as a field or a file: at most so often, and of so many bytes.
+
+    otherwise: what is refused with where it is missing; empty where it may be.
+    """
 
     name: str
+    otherwise: str = ""
     most: int = 1
     most_bytes: int = sys.maxsize  # but for the whole body
 
@@ -25,7 +29,7 @@ class FormPart(NamedTuple):
 async def read_parts(
     request: Request, body: bytes, parts: Sequence[FormPart]
 ) -> dict[str, list[bytes]]:
-    """The contents of each part in order; raises InvalidRequest where others are sent, or more."""
+    """The contents of each part in order; raises InvalidRequest where it has others."""
 
     async def stream() -> AsyncGenerator[bytes, None]:
         for first in range(0, len(body), _CHUNK_BYTES):  # others get their turn in between
@@ -51,6 +55,8 @@ async def read_parts(
     finally:
         await form.close()
     for part in parts:
+        if part.otherwise and not found[part.name]:
+            raise unreadable(part.name, part.otherwise)
         if len(found[part.name]) > part.most:
             raise unreadable(part.name, f"may be sent {part.most} times at most")
         if any(len(content) > part.most_bytes for content in found[part.name]):

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Depends, Request, Response
 from app.answers.horizon import EstimateResponse, PictureOut, PredictionResponse
 from app.answers.members import provenance
 from app.http.blocking import answer_in_child, in_child
-from app.http.multipart import MAX_REQUEST_BYTES, FormPart, read_parts, unreadable
+from app.http.multipart import MAX_REQUEST_BYTES, FormPart, read_parts
 from app.http.negotiation import (
     JSON,
     MULTIPART,
@@ -39,7 +39,10 @@ ESTIMATE_BOUNDS = Bounds(deadline_s=20.0, memory_mib=500, alone=True)
 PREDICTION_BOUNDS = Bounds(deadline_s=60.0, memory_mib=1000)
 PICTURE_BOUNDS = Bounds(deadline_s=60.0, memory_mib=2000)
 
-_PARTS = (FormPart("request", 1, MAX_REQUEST_BYTES), FormPart("images", MAX_CAMERAS))
+_PARTS = (
+    FormPart("request", "is needed: JSON with the cameras", 1, MAX_REQUEST_BYTES),
+    FormPart("images", "are needed, one part per camera in the cameras' order", MAX_CAMERAS),
+)
 _UPLOAD_BODY = form_body_of(
     schema_of(ESTIMATE_READER) | {"examples": [ESTIMATE_EXAMPLE]},
     {
@@ -66,12 +69,7 @@ async def _upload(request: Request) -> dict[str, list[bytes]]:
         way_out = f"{MULTIPART} (its part `request` holds JSON, its parts `images` one file each)"
         raise unsupported(request, way_out)
     body = await whole_body(request, request.app.state.settings.max_upload_bytes)
-    found = await read_parts(request, body, _PARTS)
-    if not found["request"]:
-        raise unreadable("request", "is needed: JSON with the cameras")
-    if not found["images"]:
-        raise unreadable("images", "are needed, one part per camera in the cameras' order")
-    return found
+    return await read_parts(request, body, _PARTS)
 
 
 @router.post(
