@@ -126,7 +126,9 @@ def configure_logs(level: LogLevel, log_format: LogFormat) -> None:
     ]
     last: list[Any] = [structlog.stdlib.ProcessorFormatter.remove_processors_meta]
     if log_format == "json":
-        last.append(structlog.processors.JSONRenderer(serializer=_strict_json))
+        # Without structlog's way with other objects, their repr.
+        strict = structlog.processors.JSONRenderer(serializer=lambda event, **_: json.dumps(event))
+        last.append(strict)
     else:
         last.append(structlog.dev.ConsoleRenderer(colors=False))
     handler = _Handler(sys.stderr)
@@ -165,10 +167,6 @@ class _Handler(logging.StreamHandler[TextIO]):
             return  # nothing can: stderr is closed
         where = (record.pathname, record.lineno)
         self.emit(SafeRecord(OURS, logging.ERROR, *where, self._UNTELLABLE, (), sys.exc_info()))
-
-
-def _strict_json(event: dict[str, Any], **_: object) -> str:
-    return json.dumps(event)  # without structlog's way with other objects, their repr
 
 
 def _log_uncaught(error: BaseException | None) -> None:

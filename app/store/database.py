@@ -14,7 +14,7 @@ import sqlite3
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import TypeVar
@@ -210,9 +210,11 @@ class Database:
 
     @contextmanager
     def _writer(self, lasting: bool) -> Iterator[Connection]:
+        lock = self._write_lock
         with (
             self._raise_outages(self._writers),
-            self._turn(),
+            # Before a connection is taken, so that writers who wait leave some to readers.
+            nullcontext() if lock is None else lock.hold(),
             self._engine.connect().execution_options(
                 **{_WRITES: "FULL" if lasting else "NORMAL"}
             ) as connection,
@@ -238,10 +240,6 @@ class Database:
         forgotten = ProbeRow.at_utc < now_utc - _PROBE_FORGOTTEN
         with self.writing() as connection:
             connection.execute(delete(ProbeRow).where(or_(ProbeRow.id == probe_id, forgotten)))
-
-    def _turn(self) -> AbstractContextManager[None]:
-        """Before a connection is taken, so that writers who wait leave some to readers."""
-        return nullcontext() if self._write_lock is None else self._write_lock.hold()
 
     @contextmanager
     def _raise_outages(self, outage: Outage) -> Iterator[None]:

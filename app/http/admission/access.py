@@ -154,7 +154,7 @@ class Access:
         return key
 
     def _require_open(self, scope: Scope, headers: Headers) -> None:
-        if self._require_keys or not _within_this_machine(scope):
+        if self._require_keys or not all(_is_here(scope.get(end)) for end in ("client", "server")):
             raise _unauthorized(
                 "send an API key: Authorization: Bearer ...; `slewtrack keys create` makes one"
             )
@@ -222,10 +222,6 @@ def _unauthorized(detail: str, error: str = "") -> HTTPException:
     """How to send a key, and as `error` what is wrong with the one sent: RFC 6750."""
     challenge = f'Bearer realm="slewtrack"{error}'
     return HTTPException(HTTPStatus.UNAUTHORIZED, detail, {"WWW-Authenticate": challenge})
-
-
-def _within_this_machine(scope: Scope) -> bool:
-    return all(_is_here(scope.get(end)) for end in ("client", "server"))
 
 
 def _is_here(end: tuple[str, int | None] | None) -> bool:

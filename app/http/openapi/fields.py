@@ -145,13 +145,10 @@ def _describe(field: Schema, name: str, text: str, schemas: Mapping[str, Schema]
     default = field.get("default")
     if default and ("$ref" in field or "oneOf" in field or isinstance(default, dict)):
         # Generators of clients know no defaults that are objects.
-        text += f" Left out: `{_compact(field.pop('default'))}`."
+        left_out = {k: v for k, v in field.pop("default").items() if v not in (None, [], {})}
+        text += f" Left out: `{json.dumps(left_out)}`."
     if text:
         field["description"] = text
-
-
-def _compact(default: Mapping[str, Any]) -> str:
-    return json.dumps({k: v for k, v in default.items() if v not in (None, [], {})})
 
 
 def _of_the_object(field: Schema, schemas: Mapping[str, Schema]) -> str:
