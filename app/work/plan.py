@@ -107,13 +107,8 @@ def packed_plan(plan: FlightPlan, findings: Iterable[Finding] = ()) -> PackedCol
                 [s.kind, s.session, _exact(s.start_utc), _exact(s.stop_utc)] for s in plan.segments
             ],
             "errors": [
-                {
-                    "limit": found.limit,
-                    "axis": found.axis,
-                    "t_s": found.t_s,
-                    "at": None if found.at_utc is None else _exact(found.at_utc),
-                    "detail": found.detail,
-                }
+                {name: getattr(found, name) for name in ("limit", "axis", "t_s", "detail")}
+                | {"at": None if found.at_utc is None else _exact(found.at_utc)}
                 for found in findings
                 if found.severity == "error"
             ],
