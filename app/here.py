@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from functools import partial
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any, ClassVar
 from urllib.parse import unquote
 
@@ -21,7 +21,7 @@ from planner.base.errors import InvalidInput, Refusal
 from planner.output.export import EXPORTERS
 
 if TYPE_CHECKING:
-    from app.work.campaign_files import MadePass
+    from app.work.campaign import MadePass
     from app.work.telemetry import SentTelemetry
     from planner.inflight.telemetry.compare import Comparison
     from slewtrack.client.asking import Ask
@@ -70,7 +70,6 @@ class Desk:
     def __init__(self) -> None:
         self._kept: dict[str, Kept] = {}
         self._open: dict[str, Callable[[], Kept]] = {}
-        self.compared: tuple[Any, SentTelemetry, Comparison] | None = None
 
     def answer(self, ask: "Ask") -> bytes:
         """The body of the reply; raises Refusals, what `on_line` does, and our own failures."""
@@ -122,7 +121,7 @@ class Desk:
 
     def campaign(self, work: LocalAsk) -> bytes:
         """The answer, or one of a campaign's files."""
-        from app.work.campaign_files import SUFFIXES, campaign_file
+        from app.work.campaign import SUFFIXES, campaign_file
 
         media_type = work.ask.headers.get("Accept", "application/json")
         if media_type not in SUFFIXES:
@@ -267,8 +266,7 @@ def _opportunities(desk: Desk, work: LocalAsk) -> bytes:
 
 
 def _campaign(desk: Desk, work: LocalAsk) -> Kept:
-    from app.work.campaign import choose, plan_pass
-    from app.work.campaign_files import MadePass
+    from app.work.campaign import MadePass, choose, plan_pass
 
     chosen, passes = choose(work.body), []
     made: list[MadePass] = []
@@ -331,16 +329,12 @@ def _vertical(_: Desk, work: LocalAsk) -> bytes:
 
 
 def _comparison(desk: Desk, work: LocalAsk) -> bytes:
-    """Made once for numbers and picture where they are asked for one after the other."""
     from app.work.telemetry import FILES, answer_json
     from planner.inflight.telemetry.figure import draw_comparison
 
     format_name, now_utc = work.ask.query["format"], datetime.now(UTC)
     _require_format(format_name, (*FILES, "pdf", "json"))
-    asked = (work.body, work.files)
-    if desk.compared is None or desk.compared[0] != asked:
-        desk.compared = (asked, *_compare(desk, work))
-    _, sent, found = desk.compared
+    sent, found = _compare(desk, work.body, *work.files)
     if format_name == "json":
         origin = provenance(now_utc, work.body, *work.files)
         return answer_json(found, sent.request, sent.request.plan, origin)
@@ -349,19 +343,14 @@ def _comparison(desk: Desk, work: LocalAsk) -> bytes:
     return draw_comparison(found, format_name, now_utc)
 
 
-def _compare(desk: Desk, work: LocalAsk) -> "tuple[SentTelemetry, Comparison]":
-    from app.requests.telemetry import read_comparison_head, read_comparison_request
+@lru_cache(maxsize=1)  # numbers and picture are asked for one after the other
+def _compare(desk: Desk, body: bytes, *csv: bytes) -> "tuple[SentTelemetry, Comparison]":
     from app.store.packed import unpack
     from app.work.plan import stored_plan
-    from app.work.telemetry import SentTelemetry, compare_sent
+    from app.work.telemetry import compare_sent, read_sent
 
-    if work.files:
-        request = read_comparison_head(work.body)
-        sent = SentTelemetry(request=request, samples=work.files[0])
-    else:
-        request, samples = read_comparison_request(work.body)
-        sent = SentTelemetry(request=request, samples=samples)
-    made = desk.kept(request.plan)
+    sent = read_sent(body, *csv)
+    made = desk.kept(sent.request.plan)
     return sent, compare_sent(stored_plan(made.request, unpack(made.table_columns)), sent)
 
 

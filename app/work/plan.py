@@ -11,7 +11,7 @@ from app.answers.plan import dry_run_json, plan_document, require_verified, tabl
 from app.requests.listings import listing_of_scenario
 from app.requests.plan import PlanRequest, read_kept_plan_request, read_plan_request
 from app.store.packed import PackedColumns, pack, unpack
-from app.work.horizon_views import horizon_checks
+from app.work.horizon import horizon_checks
 from app.work.progress import report
 from app.work.result import Result
 from planner.base.commands import Channel, CommandTable
@@ -107,13 +107,8 @@ def packed_plan(plan: FlightPlan, findings: Iterable[Finding] = ()) -> PackedCol
                 [s.kind, s.session, _exact(s.start_utc), _exact(s.stop_utc)] for s in plan.segments
             ],
             "errors": [
-                {
-                    "limit": found.limit,
-                    "axis": found.axis,
-                    "t_s": found.t_s,
-                    "at": None if found.at_utc is None else _exact(found.at_utc),
-                    "detail": found.detail,
-                }
+                {name: getattr(found, name) for name in ("limit", "axis", "t_s", "detail")}
+                | {"at": None if found.at_utc is None else _exact(found.at_utc)}
                 for found in findings
                 if found.severity == "error"
             ],

@@ -116,7 +116,7 @@ def outcomes_of(part):
 
 
 def test_it_is_the_same_however_it_is_split(sent):
-    plan, _ = flights_work._read(sent)
+    plan = flights_work.PLAN_TO_FLY.validate_json(sent)
     split = flights_work.prepare_flights(plan.to_bytes())
     assert len(split.parts) == 1
     by_two = [plan.to_bytes(first=first, count=2) for first in (4, 0, 2)]

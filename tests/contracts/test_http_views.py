@@ -306,14 +306,16 @@ def test_what_is_seen_is_known_again(client, plan):
     assert client.head(path).status_code == 200
 
 
-def test_it_is_computed_once(client, plan, monkeypatch):
+def test_it_is_not_computed_for_who_has_it(client, plan, monkeypatch):
+    """As browsers ask again for what they keep."""
     first = seen(client, plan, "?step_s=3")
 
     def not_again(*_):
         raise AssertionError("it was computed once more")
 
     monkeypatch.setattr("app.http.routes.plan_routes.in_child", not_again)
-    assert seen(client, plan, "?step_s=3").content == first.content
+    path, tag = f"/v1/plans/{plan['id']}/view?step_s=3", first.headers["etag"]
+    assert client.get(path, headers={"If-None-Match": tag}).status_code == 304
 
 
 def test_what_is_not_there(client):

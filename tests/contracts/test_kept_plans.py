@@ -10,7 +10,6 @@ from sqlalchemy import update
 from waiting import PatientClient
 
 from app.http.app import create_app
-from app.http.view_cache import ViewCache
 from app.requests.examples import FOUR_MODES, PLAN_EXAMPLES
 from app.requests.spacecraft import read_kept_spacecraft_request, read_spacecraft_request
 from app.store.models import JobRow
@@ -42,7 +41,6 @@ def let_in_once(client, plan_id, request):
     packed = zlib.compress(json.dumps(request).encode())
     with client.app.state.database.writing() as connection:
         connection.execute(update(JobRow).where(JobRow.id == plan_id).values(request=packed))
-    client.app.state.views = ViewCache()
 
 
 def refusal(client, path, request):

@@ -8,7 +8,7 @@ from pydantic import AfterValidator, Field, create_model
 
 from app.http.query import Parameters
 from app.ids import JobState, is_id
-from app.store.list_filter import ListFilter
+from app.store.jobs import ListFilter
 from planner.base.errors import InvalidInput
 from planner.world.frames.time_scales import utc_from_text
 from planner.world.platforms import PIXELS_ARCSEC

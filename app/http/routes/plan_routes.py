@@ -3,7 +3,7 @@
 The same for every resource that holds plans.
 """
 
-from dataclasses import replace
+from functools import partial
 from http import HTTPStatus
 from inspect import cleandoc
 from typing import Annotated, Any
@@ -35,6 +35,7 @@ from app.http.routes.job_routes import (
     add_list,
     add_request,
     answer_unmade,
+    bounds_of,
     headers_of_post,
     job_of,
     tag_for_good,
@@ -52,17 +53,14 @@ from app.http.routes.parameters import (
     with_formats,
 )
 from app.http.routes.resources import PlanResource
-from app.http.view_cache import ViewCache
 from app.http.waiting import WAIT_S, patience, wait_for_end
-from app.jobs.child import Bounds
-from app.jobs.kinds import JOB_KINDS
 from app.jobs.refusals import Conflict
 from app.store import jobs, plans
 from app.store.database import Database
 from app.store.job import Job
 from app.store.plans import StoredPlan
 from app.work.view import AskedView
-from planner.base.errors import InvalidInput, Refusal
+from planner.base.errors import Refusal
 
 # Turning more than this of a packed table into JSON would hold the interpreter for long.
 _PACKED_MAX_BYTES = 200_000
@@ -120,12 +118,11 @@ def _add_post(router: APIRouter, resource: PlanResource) -> None:
         if resource.lacks(body):
             body = await database.answer(resource.fill_in, database, body)
         if query.dry_run:
-            bounds = _dry_run_bounds(request, resource)
-            return await answer_in_child(
-                request, body, resource.requests.read, bounds, resource.dry_run
-            )
+            bounds, read_request = bounds_of(request, resource), resource.requests.read
+            return await answer_in_child(request, body, read_request, bounds, resource.dry_run)
         spec = await anyio.to_thread.run_sync(resource.requests.read, body)
-        job = await database.answer(_accept_plan, request, resource, spec, body, query.revises, key)
+        accept = partial(accept_job, request, resource, spec, body, key, {}, revises=query.revises)
+        job = await database.answer(accept)
         waits = patience(prefer, WAIT_S)
         headers = headers_of_post(resource, job, waits)
         plan = await wait_for_end(request, job.id, waits.wait_s)
@@ -146,44 +143,10 @@ def _read_table_query(query: type[TableQuery], resource: PlanResource) -> Any:  
     return read_query(with_formats(query, "The table by itself in this format", titles))
 
 
-def _dry_run_bounds(request: Request, resource: PlanResource) -> Bounds:
-    """Those of the plan itself."""
-    bounds = JOB_KINDS[resource.kind].bounds
-    deadline_s = min(bounds.deadline_s, request.app.state.settings.job_deadline_s)
-    return replace(bounds, deadline_s=deadline_s)
-
-
 def _format(request: Request, resource: PlanResource, query: TableQuery) -> str | None:
     """The format asked for, None for JSON; raises 406."""
     by_media_type = resource.format_by_media_type
     return query.format or by_media_type.get(preferred_type(request, (JSON, *by_media_type)))
-
-
-def _accept_plan(
-    request: Request,
-    resource: PlanResource,
-    spec: Any,  # noqa: ANN401 (what the resource reads)
-    body: bytes,
-    revises: str | None,
-    key: str | None,
-) -> Job:
-    """The job for a request, new or known by its key; raises KeyReused, QueueFull."""
-    if revises is not None:
-        _require_made(request.app.state.database, resource, revises)
-    return accept_job(request, resource, spec, body, key, {}, revises=revises)
-
-
-def _require_made(database: Database, resource: PlanResource, plan_id: str) -> None:
-    with database.reading() as connection:
-        job = jobs.get(connection, plan_id)
-    if job is None or job.kind != resource.kind:
-        raise InvalidInput(
-            f"there is no plan {plan_id}; GET {resource.path} lists them", field="query.revises"
-        )
-    if job.state not in ("done", "failed") or job.problem is not None:
-        raise Conflict(
-            f"the plan to revise was not made: its state is {job.state}", field="query.revises"
-        )
 
 
 def _add_one(router: APIRouter, resource: PlanResource) -> None:
@@ -273,19 +236,15 @@ def _add_view(router: APIRouter, resource: PlanResource) -> None:
         tag = tag_for_good(plan.id, f"view-{name}-{query.step_s}-{pixel_arcsec}")
         if is_known_already(request, tag):
             return not_modified(tag)
-        cache: ViewCache = request.app.state.views
-        content = cache.get(tag)
-        if content is None:
-            asked = AskedView(
-                plan_id=plan.id,
-                verified=plan.state == "done",
-                format_name=None if name == _JSON_FORMAT else name,
-                step_s=query.step_s,
-                pixel_arcsec=pixel_arcsec,
-                created_utc=plan.planned_utc,
-            )
-            content = await _view(request, resource, plan, asked)
-            cache.keep(tag, content)
+        asked = AskedView(
+            plan_id=plan.id,
+            verified=plan.state == "done",
+            format_name=None if name == _JSON_FORMAT else name,
+            step_s=query.step_s,
+            pixel_arcsec=pixel_arcsec,
+            created_utc=plan.planned_utc,
+        )
+        content = await _view(request, resource, plan, asked)
         headers = revalidated(tag)
         if name != _JSON_FORMAT:
             suffix = exporters[name].suffix
