@@ -80,8 +80,7 @@ class _Sighting:
     """How a target is seen; null where a number has no meaning or no end.
 
     at: time of this view; UTC.
-    elevation_deg: of the carrier in the target's sky; of a target in space its height above the
-    raised limb.
+    elevation_deg: of the carrier in the target's sky; of one in space its height above the limb.
     range_km: distance; null for a star.
     off_nadir_deg: of the line of sight from the geocentric nadir.
     ground_sample_across_m: width of a pixel on the ground, across the lean of the line of sight;
@@ -150,8 +149,7 @@ class PassWindow:
     rise: start of the window; UTC.
     set: end of the window; UTC.
     duration_s: from rise to set.
-    session: the longest, up to six hours, over which the axes can follow by one pair of angles, or
-    a body by its roll rule, on the rows of a command table; null where there is none.
+    session: the longest, up to six hours, that can be held, on a table's rows; null for none.
     opened_by: the condition that is met from `rise` on; "interval" is the request's own start.
     closed_by: the condition that is met until `set`; "interval" is the request's own stop.
     highest_at: time of the greatest elevation; with `view`; UTC.
@@ -183,18 +181,18 @@ class PassWindow:
 class WindowOut(PassWindow):
     """One stretch in which all conditions hold for a target.
 
-    branch: the pair of axis angles that is given, 0 or 1, of the two that point at the target: the
-    one with less turn of the inner axis; with `view`; a body has none.
+    branch: pair of axis angles given, of less turn of the inner axis; with `view`; no body has it.
     branches: the pairs that keep within the stops through the window (none where the axes would
     have to change over); with `view`; a body has none.
-    probability_in_frame: that the target stays inside the camera's frame over the whole session, as
-    a plan of it says; null where there is no session, and for the latest windows of a page where
-    these are more than 500, of a body that wanders quickly fewer; with `probability`. E.g. `0.68`.
+    probability_in_frame: that the target stays in the frame over the whole session; null without
+    one, and of the latest of more than some 500 in a page; with `probability`. E.g. `0.68`.
+    clear_probability: of a sky without clouds at the middle; with `view` and `clouds`. E.g. `0.8`.
     """
 
     branch: Branch = field(default_factory=not_included)
     branches: list[Branch] = field(default_factory=not_included)
     probability_in_frame: Share | None = field(default_factory=not_included)
+    clear_probability: Share | None = field(default_factory=not_included)
 
 
 @dataclass(frozen=True, kw_only=True)
