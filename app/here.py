@@ -214,17 +214,13 @@ def _kept_plan(body: bytes, new: Result, table_json: Callable[[bytes], bytes]) -
 
 def _table(desk: Desk, work: LocalAsk) -> bytes:
     made, format_name = desk.kept(work.id), work.ask.query.get("format")
-    if not work.is_spacecraft:
-        if format_name is None:
-            return stored_table_json(made.table_columns)
+    if format_name is not None:
         return desk.table_file(made, format_name)
-    from app.work.spacecraft import stored_session_file, stored_session_json
-    from planner.spacecraft.export import IMAGING_EXPORTERS
+    if not work.is_spacecraft:
+        return stored_table_json(made.table_columns)
+    from app.work.spacecraft import stored_session_json
 
-    if format_name is None:
-        return stored_session_json(made.table_columns)
-    _require_format(format_name, IMAGING_EXPORTERS)
-    return stored_session_file(made.request, made.table_columns, format_name, datetime.now(UTC))
+    return stored_session_json(made.table_columns)
 
 
 def _view(desk: Desk, work: LocalAsk) -> bytes:

@@ -113,3 +113,4 @@ FLIGHTS = JobKind(
     stages={"as planned": 0, "runs": 3},
 )
 JOB_KINDS = {kind.name: kind for kind in (PLAN, SPACECRAFT_PLAN, CAMPAIGN, FLIGHTS, RUNS)}
+PLANS = frozenset(kind.name for kind in JOB_KINDS.values() if kind.makes_plans)

@@ -12,14 +12,10 @@ from app.work.spacecraft import stored_session
 from planner.output.export import EXPORTERS, Exporter
 from planner.output.view import VIEW_EXPORTERS
 from planner.output.view.orbit import OrbitTrackRequest, track_orbit
-from planner.spacecraft.export import IMAGING_EXPORTERS, SessionTable
 from planner.world.plan import FlightPlan
 
 DRAWN: dict[str, Exporter[FlightPlan]] = {
     name: exporter for name, exporter in EXPORTERS.items() if exporter.shows
-}
-DRAWN_SESSION: dict[str, Exporter[SessionTable]] = {
-    name: exporter for name, exporter in IMAGING_EXPORTERS.items() if exporter.shows
 }
 
 
@@ -61,10 +57,9 @@ def stored_session_view(request: bytes, table_columns: bytes, asked: AskedView) 
     """Of an imaging session; raises InvalidInput for the step."""
     from planner.spacecraft.view import view_session
 
-    session = stored_session(request, table_columns)
     if asked.format_name is not None:
-        return DRAWN_SESSION[asked.format_name].write(session, asked.created_utc)
-    view = view_session(session, asked.step_s)
+        return stored_plan_view(request, table_columns, asked)
+    view = view_session(stored_session(request, unpack(table_columns)), asked.step_s)
     return spacecraft_view_json(view, asked.plan_id, verified=asked.verified)
 
 

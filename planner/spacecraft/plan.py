@@ -17,7 +17,6 @@ from planner.base.errors import (
     VerificationFailed,
 )
 from planner.base.reporting import Reporter, tell_nobody
-from planner.spacecraft.export import SessionTable
 from planner.spacecraft.flight.report import StabilisationReport
 from planner.spacecraft.flight.simulation import fly_many
 from planner.spacecraft.flight.stabilisation import (
@@ -29,11 +28,13 @@ from planner.spacecraft.imaging.alternatives import refusal_with_alternative
 from planner.spacecraft.imaging.choice_with_slews import choose_and_slew, options_of
 from planner.spacecraft.imaging.choose import Choice
 from planner.spacecraft.imaging.session import ImagingSession, make_session
-from planner.spacecraft.imaging.timeline import PlannedSlew, Timeline
+from planner.spacecraft.imaging.timeline import PlannedSlew
 from planner.spacecraft.requests import ImagingPlanRequest, LeftOut
 from planner.spacecraft.table import AttitudeTable
+from planner.spacecraft.vehicle.definition import AgileSpacecraft
 from planner.spacecraft.verification import SpacecraftVerification, verify_table
 from planner.verification import verify
+from planner.world.plan import FlightPlan
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,14 +51,18 @@ OPTIONS = SessionWork()
 
 
 @dataclass(frozen=True, kw_only=True)
-class ImagingPlan(SessionTable):
+class ImagingPlan:
     """The plan of a session.
 
+    flight: its scans as sessions of the body; table: the same, as it is judged here and flown.
     slews: each beside its eigenaxis baselines.  choice: worth of what was chosen, the best found.
     stabilisation: of the dispersed closed-loop runs.
     assumptions: values assumed because the paper doesn't give them.
     """
 
+    request: ImagingPlanRequest
+    flight: FlightPlan
+    table: AttitudeTable
     slews: tuple[PlannedSlew, ...]
     choice: Choice
     left_out: tuple[LeftOut, ...]
@@ -65,6 +70,10 @@ class ImagingPlan(SessionTable):
     stabilisation: StabilisationReport
     assumptions: tuple[str, ...]
     warnings: tuple[str, ...]
+
+    @property
+    def spacecraft(self) -> AgileSpacecraft:
+        return self.request.definition()
 
 
 def plan_imaging(request: ImagingPlanRequest, tell: Reporter = tell_nobody) -> ImagingPlan:
@@ -123,9 +132,10 @@ def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, gentler: bool = T
         raise _search_ended(request)
     timeline, warnings = chosen.timeline, chosen.warnings
     tell("gimbals", 0, 1)
-    table = make_table(timeline)
+    flight = timeline.flight
+    table = AttitudeTable.of_body(flight.table, timeline.windows)
     tell("verification", 0, 1)
-    judged = verify(timeline.table, timeline.scenario)
+    judged = verify(flight.table, flight.scenario)
     if not judged.passed:
         raise VerificationFailed("; ".join(finding.detail for finding in judged.findings))
     verification = verify_table(table, request)
@@ -140,6 +150,7 @@ def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, gentler: bool = T
     report = _fly_stabilisation(session, table, verification, runs, tell)
     return ImagingPlan(
         request=request,
+        flight=flight,
         table=table,
         slews=timeline.slews,
         choice=chosen.choice,
@@ -192,20 +203,3 @@ def _refuse_momentum(request: ImagingPlanRequest) -> None:
             field="settings.momentum_n_m_s",
             limit="momentum",
         )
-
-
-def make_table(timeline: Timeline) -> AttitudeTable:
-    """Rows of a timeline as the closed loop flies them."""
-    flown = timeline.table
-    assert flown.acceleration_rad_s2 is not None  # a body's table has it,
-    assert flown.extra_rad is not None  # and of gyros their gimbals
-    gimbal_rad, gimbal_rate_rad_s = np.hsplit(flown.extra_rad, 2)
-    return AttitudeTable(
-        epoch_utc=flown.epoch_utc,
-        eci_from_body_xyzw=flown.position,
-        omega_body_rad_s=flown.rate_rad_s,
-        alpha_body_rad_s2=flown.acceleration_rad_s2,
-        gimbal_rad=gimbal_rad,
-        gimbal_rate_rad_s=gimbal_rate_rad_s,
-        windows=timeline.windows,
-    )

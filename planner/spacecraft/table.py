@@ -57,6 +57,22 @@ class AttitudeTable:
     gimbal_rate_rad_s: Array
     windows: tuple[ImagingWindow, ...]
 
+    @classmethod
+    def of_body(cls, flown: CommandTable, windows: tuple[ImagingWindow, ...]) -> "AttitudeTable":
+        """The table of a body with gyros, and when its camera runs."""
+        assert flown.acceleration_rad_s2 is not None  # a body's table has it,
+        assert flown.extra_rad is not None  # and of gyros their gimbals
+        gimbal_rad, gimbal_rate_rad_s = np.hsplit(flown.extra_rad, 2)
+        return cls(
+            epoch_utc=flown.epoch_utc,
+            eci_from_body_xyzw=flown.position,
+            omega_body_rad_s=flown.rate_rad_s,
+            alpha_body_rad_s2=flown.acceleration_rad_s2,
+            gimbal_rad=gimbal_rad,
+            gimbal_rate_rad_s=gimbal_rate_rad_s,
+            windows=windows,
+        )
+
     @property
     def t_s(self) -> Array:
         """Seconds since the epoch of each row, (n,)."""

@@ -23,10 +23,8 @@ from planner.output.view.columns import BodyTrack, CarrierTrack
 from planner.output.view.rows import view_rows
 from planner.output.view.scene import CarrierScene
 from planner.output.view.targets import sun_elevation_rad
-from planner.spacecraft.export.ground import AXIS, LEFT, RIGHT, SessionGround
-from planner.spacecraft.export.map import asked_rad
-from planner.spacecraft.export.session_table import SessionTable
-from planner.spacecraft.requests import Request
+from planner.spacecraft.ground import AXIS, LEFT, RIGHT, SessionGround, SessionTable
+from planner.spacecraft.requests import AreaRequest, Request
 from planner.spacecraft.table import TICK_S, ImagingWindow
 from planner.world.frames.geodesy import geodetic_from_itrf, up_itrf
 from planner.world.frames.time_scales import RowUtc, Utc, shifted_utc
@@ -220,7 +218,11 @@ def _swath(ground: SessionGround, window: ImagingWindow) -> Swath:
 
 
 def _asked_places(plan: SessionTable, request: Request) -> AskedPlaces:
-    latitude_rad, longitude_rad = asked_rad(request)
+    if isinstance(request, AreaRequest):
+        positions = request.geometry.coordinates[0][:-1]  # a ring's first only once
+    else:
+        positions = request.geometry.coordinates
+    longitude_rad, latitude_rad = np.radians([position[:2] for position in positions]).T
     return AskedPlaces(
         name=request.name,
         mode=request.mode,

@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 from app.http.routes.plans import PLANS
 from app.requests.examples import LAS_VEGAS, PLAN_EXAMPLES, SPACECRAFT_EXAMPLES
 from app.requests.plan import read_plan_request
-from app.work.view import DRAWN, DRAWN_SESSION
+from app.work.view import DRAWN
 from planner.motion.pointing.angles import boresight_platform
 
 FILL = 9.969209968386869e36  # NetCDF's own default for doubles
@@ -441,7 +441,7 @@ def test_names_and_the_ground_track_are_on_the_globe(client, plan):
     np.testing.assert_allclose(degrees[:, :2], shown["geometry"]["coordinates"], atol=1e-6)
 
 
-@pytest.mark.parametrize("name", ["json", *DRAWN_SESSION])
+@pytest.mark.parametrize("name", ["json", *DRAWN])
 def test_an_imaging_session_in_every_format(client, session, name):
     answer = seen(client, session, f"?format={name}", "/v1/spacecraft/plans")
     assert answer.content

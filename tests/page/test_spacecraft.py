@@ -63,10 +63,11 @@ def test_time_moves_the_momentum_and_the_scanned_line(open_page, session):
 def test_every_export_is_taken_away(open_page, session):
     page = open_page(f"/spacecraft/plans/{session['id']}")
     begins = {
-        "Table, CSV": b"#",
+        "Command table": b"#",
         "Everything, JSON": b'{"id"',
-        "Table, NetCDF": b"CDF",
-        "Attitude, CCSDS AEM": b"CCSDS_AEM_VERS",
+        "NetCDF (CF-1.12)": b"CDF",
+        "CCSDS AEM, payload's attitude": b"CCSDS_AEM_VERS",
+        "STK attitude": b"stk",
         "CZML for Cesium": b"[",
         "GeoJSON": b"{",
         "KML for Google Earth": b"<?xml",

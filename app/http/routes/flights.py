@@ -6,7 +6,7 @@ from http import HTTPStatus
 from typing import Annotated
 
 import anyio.to_thread
-from fastapi import APIRouter, Depends, HTTPException, Query, Request, Response
+from fastapi import APIRouter, Depends, Query, Request, Response
 from sqlalchemy import Connection
 
 from app.answers.flights import FlightsResponse, flights_json
@@ -25,10 +25,10 @@ from app.http.routes.job_routes import (
     job_of,
 )
 from app.http.routes.parameters import IdempotencyKey, ListQuery, PathId, Prefer
-from app.http.routes.plans import PLANS
+from app.http.routes.plans import PLANS, SPACECRAFT_PLANS
 from app.http.routes.resources import JobResource
 from app.http.waiting import WAIT_S
-from app.jobs.kinds import FLIGHTS, SPACECRAFT_PLAN
+from app.jobs.kinds import FLIGHTS
 from app.jobs.refusals import Conflict
 from app.requests.examples import FLIGHTS_EXAMPLES
 from app.requests.flights import FLIGHTS_READER
@@ -52,6 +52,7 @@ RESOURCE = JobResource(
     list_response=list_class("FlightsList", "flights", "Flights of a plan"),
     about_list="Flights of all plans are listed, the latest first.",
 )
+_PLANS = {one.kind: one for one in (PLANS, SPACECRAFT_PLANS)}
 router = APIRouter(tags=[RESOURCE.tag], prefix=RESOURCE.path)
 of_plan = APIRouter(tags=[RESOURCE.tag], prefix=f"{PLANS.path}/{{id}}/flights")
 
@@ -141,7 +142,7 @@ def _accept(request: Request, plan_id: str, body: bytes, key: str | None) -> Job
     if plan is None or plan.state != "done" or asked is None:
         raise Conflict(
             f"there is no verified table to fly: the plan's state is {job.state}; GET "
-            f"{PLANS.path}/{plan_id} tells more"
+            f"{_PLANS[job.kind].path}/{plan_id} tells more"
         )
     what = PlanToFly(plan_id=plan_id, asked=body, request=asked, table_columns=plan.table_columns)
     resource = replace(RESOURCE, listing=lambda _: _listing(job))
@@ -160,12 +161,6 @@ def _listing(plan: Job) -> Listing:
 
 
 def _require_plan(connection: Connection, plan_id: str) -> Job:
-    """Raises 404, with what flies a spacecraft."""
+    """Of whatever kind; raises 404."""
     job = jobs.get(connection, plan_id)
-    if job is not None and job.kind == SPACECRAFT_PLAN.name:
-        raise HTTPException(
-            HTTPStatus.NOT_FOUND,
-            "flights are of plans of the platform; a spacecraft's plan tells what its own "
-            "closed-loop runs did, in `stabilisation`",
-        )
-    return job_of(connection, PLANS, plan_id)
+    return job_of(connection, _PLANS[job.kind] if job and job.kind in _PLANS else PLANS, plan_id)

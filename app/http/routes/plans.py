@@ -14,11 +14,10 @@ from app.requests.listings import listing_of_imaging, listing_of_scenario
 from app.requests.plan import PLAN_READER
 from app.requests.spacecraft import SPACECRAFT_READER
 from app.work.plan import stored_table_file, stored_table_json, try_plan
-from app.work.spacecraft import stored_session_file, stored_session_json, try_session
-from app.work.view import DRAWN, DRAWN_SESSION, stored_plan_view, stored_session_view
+from app.work.spacecraft import stored_session_json, try_session
+from app.work.view import DRAWN, stored_plan_view, stored_session_view
 from planner.output.export import EXPORTERS
 from planner.output.view import VIEW_EXPORTERS
-from planner.spacecraft.export import IMAGING_EXPORTERS
 
 PLANS = PlanResource(
     kind=PLAN.name,
@@ -66,11 +65,11 @@ SPACECRAFT_PLANS = PlanResource(
     response=SpacecraftPlanResponse,
     dry_run=try_session,
     dry_run_response=SpacecraftDryRunResponse,
-    exporters=IMAGING_EXPORTERS,
+    exporters=EXPORTERS,
     table_json=stored_session_json,
-    table_file=stored_session_file,
+    table_file=stored_table_file,
     view_response=SpacecraftViewResponse,
-    view_exporters=DRAWN_SESSION,
+    view_exporters=VIEW_EXPORTERS | DRAWN,
     view_file=stored_session_view,
     file_stem="session",
 )

@@ -14,6 +14,7 @@ import numpy as np
 from planner.base.commands import ROWS_PER_S, CommandTable, Motion
 from planner.base.errors import InfeasibleSlew, NotVisible, Refusal, TrackBreaksLimit, Unreachable
 from planner.motion.attitude.problem import rows_of
+from planner.planning.sessions.assembly import segments_of
 from planner.planning.sessions.platforms.mover import Join, TrackBranch
 from planner.planning.sessions.platforms.registry import mover_of
 from planner.spacecraft.imaging.baselines import AttitudeSlewComparison, compare
@@ -22,6 +23,7 @@ from planner.spacecraft.imaging.ground_arc import GroundArc, scan_q_body_from_ec
 from planner.spacecraft.imaging.session import ImagingSession
 from planner.spacecraft.table import TICK_S, ImagingWindow
 from planner.world.frames.time_scales import shifted_utc
+from planner.world.plan import FlightPlan
 from planner.world.scenario import BoundedLead, InitialState, Scenario, Session, SlewOptions
 from planner.world.targets.ground_path import GroundPathTarget, PathPoint
 
@@ -68,10 +70,9 @@ class PlannedSlew:
 
 @dataclass(frozen=True, kw_only=True)
 class Timeline:
-    """The table of a scenario whose sessions are the windows, in order."""
+    """flight: its sessions are the windows, in order."""
 
-    scenario: Scenario
-    table: CommandTable
+    flight: FlightPlan
     slews: tuple[PlannedSlew, ...]
     windows: tuple[ImagingWindow, ...]
 
@@ -305,8 +306,11 @@ class _Builder:
         table = self.mover.table(session.epoch_utc, self.joins)
         numbers = [scan.request for scan in scans]
         return Timeline(
-            scenario=self.scenario,
-            table=table,
+            flight=FlightPlan(
+                scenario=self.scenario,
+                segments=segments_of(self.scenario, self.joins),
+                table=table,
+            ),
             slews=tuple(self._planned_slews(table)),
             windows=tuple(
                 ImagingWindow(

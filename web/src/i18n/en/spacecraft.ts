@@ -115,16 +115,6 @@ export const spacecraft = {
     told: (name: string) => `${name} over the session's time`,
     hint: "Shaded: the camera is on. Dashed: limits. The rate error is the largest of all closed-loop runs over each interval.",
   },
-  formats: {
-    csv: "Table, CSV",
-    json: "Everything, JSON",
-    netcdf: "Table, NetCDF",
-    aem: "Attitude, CCSDS AEM",
-    czml: "CZML for Cesium",
-    geojson: "GeoJSON",
-    kml: "KML for Google Earth",
-    png: "Plot, PNG",
-    svg: "Plot, SVG",
-  },
+  everything: "Everything, JSON",
   assumptions: "What the numbers rest on",
 };

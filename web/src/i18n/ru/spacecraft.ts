@@ -115,16 +115,6 @@ export const spacecraft: Words["spacecraft"] = {
     told: (name) => `${name} за время сеанса`,
     hint: "Заливка: камера включена. Пунктир: пределы. Ошибка скорости – наибольшая по всем прогонам за интервал.",
   },
-  formats: {
-    csv: "Таблица, CSV",
-    json: "Всё, JSON",
-    netcdf: "Таблица, NetCDF",
-    aem: "Ориентация, CCSDS AEM",
-    czml: "CZML для Cesium",
-    geojson: "GeoJSON",
-    kml: "KML для Google Earth",
-    png: "График, PNG",
-    svg: "График, SVG",
-  },
+  everything: "Всё, JSON",
   assumptions: "На чём стоят числа",
 };

@@ -10,10 +10,7 @@ import { Copied } from "../../parts/Copied";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { address } from "../../router";
 
-const [FIRST, ...OTHERS] = SESSION_FORMATS;
-// JSON is the plan itself, which holds the table.
-const FORMATS = [FIRST, "json", ...OTHERS] as const;
-type Format = (typeof FORMATS)[number];
+type Format = (typeof SESSION_FORMATS)[number];
 
 export function SessionFiles({ id, assumptions }: { id: string; assumptions: readonly string[] }) {
   const text = words.value.spacecraft;
@@ -23,6 +20,7 @@ export function SessionFiles({ id, assumptions }: { id: string; assumptions: rea
   );
   const saving = useRequest<void>(null);
   const error = saving.error ?? unread;
+  // JSON is the plan itself, which holds the table.
   const save = (format: Format) => {
     const path = format === "json" ? "/v1/spacecraft/plans/{id}" : "/v1/spacecraft/plans/{id}/table";
     const given = format === "json" ? { id, headers: { Accept: "application/json" } } : { id, query: { format } };
@@ -34,10 +32,10 @@ export function SessionFiles({ id, assumptions }: { id: string; assumptions: rea
       <h2 id="session-files">{take.title}</h2>
       {error !== null && <ProblemNotice error={error} />}
       <ul class="session-formats">
-        {FORMATS.map((format) => (
+        {SESSION_FORMATS.map((format) => (
           <li key={format}>
             <button type="button" onClick={() => save(format)}>
-              {named(text.formats, format)}
+              {format === "json" ? text.everything : named(take.formats, format)}
             </button>
           </li>
         ))}

@@ -1,6 +1,7 @@
 """The spacecraft's ground track, and the swath of its scanned line."""
 
 import math
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -8,8 +9,9 @@ import numpy as np
 from planner.base.arrays import Array, Indices
 from planner.base.rotation import Rotation
 from planner.output.export.ground import Sights, ends_on_ground, turned_rays
-from planner.spacecraft.export.session_table import SessionTable
-from planner.spacecraft.table import ImagingWindow
+from planner.spacecraft.requests import ImagingPlanRequest
+from planner.spacecraft.table import AttitudeTable, ImagingWindow
+from planner.spacecraft.vehicle.definition import AgileSpacecraft
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.geodesy import geodetic_from_itrf
 from planner.world.frames.local_orbital import q_lvlh_from_eci
@@ -17,6 +19,18 @@ from planner.world.frames.time_scales import Instants
 
 AXIS, LEFT, RIGHT = 0, 1, 2  # rays: the optical axis, and the ends of the line
 RING_ROWS_MAX = 60
+
+
+@dataclass(frozen=True, kw_only=True)
+class SessionTable:
+    """What was asked, and the table that does it."""
+
+    request: ImagingPlanRequest
+    table: AttitudeTable
+
+    @property
+    def spacecraft(self) -> AgileSpacecraft:
+        return self.request.definition()
 
 
 class SessionGround:
