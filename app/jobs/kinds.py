@@ -70,7 +70,9 @@ SPACECRAFT_PLAN = JobKind(
     stages={
         "candidates": 0,
         "choice and slews": 4,
-        "gimbals": 55,
+        "comparison": 55,
+        "resources": 56,
+        "pointing budget": 57,
         "verification": 58,
         "flight": 62,
         "alternatives": 95,

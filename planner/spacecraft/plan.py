@@ -17,6 +17,9 @@ from planner.base.errors import (
     VerificationFailed,
 )
 from planner.base.reporting import Reporter, tell_nobody
+from planner.planning.sessions.assembly import table_work
+from planner.planning.sessions.pipeline import StageClock, complete_plan
+from planner.planning.sessions.plan import Plan
 from planner.spacecraft.flight.report import StabilisationReport
 from planner.spacecraft.flight.simulation import fly_many
 from planner.spacecraft.flight.stabilisation import (
@@ -28,13 +31,11 @@ from planner.spacecraft.imaging.alternatives import refusal_with_alternative
 from planner.spacecraft.imaging.choice_with_slews import choose_and_slew, options_of
 from planner.spacecraft.imaging.choose import Choice
 from planner.spacecraft.imaging.session import ImagingSession, make_session
-from planner.spacecraft.imaging.timeline import PlannedSlew
+from planner.spacecraft.imaging.timeline import PlannedSlew, planned_slews
 from planner.spacecraft.requests import ImagingPlanRequest, LeftOut
 from planner.spacecraft.table import AttitudeTable
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
 from planner.spacecraft.verification import SpacecraftVerification, verify_table
-from planner.verification import verify
-from planner.world.plan import FlightPlan
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,14 +55,14 @@ OPTIONS = SessionWork()
 class ImagingPlan:
     """The plan of a session.
 
-    flight: its scans as sessions of the body; table: the same, as it is judged here and flown.
+    whole: of the body, whose sessions are the scans; table: its, as it is judged here and flown.
     slews: each beside its eigenaxis baselines.  choice: worth of what was chosen, the best found.
     stabilisation: of the dispersed closed-loop runs.
     assumptions: values assumed because the paper doesn't give them.
     """
 
     request: ImagingPlanRequest
-    flight: FlightPlan
+    whole: Plan
     table: AttitudeTable
     slews: tuple[PlannedSlew, ...]
     choice: Choice
@@ -123,24 +124,22 @@ def _is_found(request: ImagingPlanRequest) -> bool:
 
 def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, gentler: bool = True) -> ImagingPlan:
     _refuse_momentum(request)
-    tell("candidates", 0, 1)
-    session = make_session(request)
-    options, unseen = options_of(session)
-    tell("choice and slews", 0, 1)
-    chosen = choose_and_slew(session, options, gentler=gentler)
+    clock = StageClock(tell=tell)
+    with clock.time("candidates"):
+        session = make_session(request)
+        options, unseen = options_of(session)
+    with clock.time("choice and slews"):
+        chosen = choose_and_slew(session, options, gentler=gentler)
     if chosen is None:
         raise _search_ended(request)
-    timeline, warnings = chosen.timeline, chosen.warnings
-    tell("gimbals", 0, 1)
-    flight = timeline.flight
-    table = AttitudeTable.of_body(flight.table, timeline.windows)
-    tell("verification", 0, 1)
-    judged = verify(flight.table, flight.scenario)
-    if not judged.passed:
-        raise VerificationFailed("; ".join(finding.detail for finding in judged.findings))
+    timeline = chosen.timeline
+    effort.count(table_work(timeline.scenario, timeline.joins[-1].stop_row))
+    whole = complete_plan(timeline.scenario, session.ephemeris, timeline.joins, clock)
+    table = AttitudeTable.of_body(whole.table, timeline.windows)
     verification = verify_table(table, request)
     if not verification.passed:
         raise VerificationFailed("; ".join(verification.findings))
+    warnings = (*whole.warnings, *chosen.warnings)
     runs = _affordable_runs(request, len(table.t_s))
     if runs < request.simulation_runs:
         warnings += (
@@ -150,15 +149,15 @@ def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, gentler: bool = T
     report = _fly_stabilisation(session, table, verification, runs, tell)
     return ImagingPlan(
         request=request,
-        flight=flight,
+        whole=whole,
         table=table,
-        slews=timeline.slews,
+        slews=tuple(planned_slews(session.platform, whole, timeline.joins)),
         choice=chosen.choice,
         left_out=(*unseen, *chosen.left_out),
         verification=verification,
         stabilisation=report,
         assumptions=ASSUMPTIONS,
-        warnings=(*session.ephemeris.warnings, *warnings, *report.warnings),
+        warnings=(*warnings, *report.warnings),
     )
 
 

@@ -12,7 +12,7 @@ from waiting import PatientClient
 from app.http.app import create_app
 from app.http.view_cache import ViewCache
 from app.requests.examples import FOUR_MODES, PLAN_EXAMPLES
-from app.requests.spacecraft import read_kept_spacecraft_request, read_spacecraft_request
+from app.requests.spacecraft import SPACECRAFT_READER, read_spacecraft_request
 from app.store.models import JobRow
 from app.work.view import DRAWN
 from planner.base.errors import InvalidMessage, InvalidRequest
@@ -125,7 +125,7 @@ def test_features_beyond_todays_bounds(monkeypatch):
     monkeypatch.setattr(feature_reader, "CHARACTERS_MAX", 100)
     with pytest.raises(InvalidMessage, match="characters"):
         read_spacecraft_request(body)
-    [one] = read_kept_spacecraft_request(body).requests
+    [one] = SPACECRAFT_READER.read_kept(body).requests
     assert one.geometry.coordinates == ((500.0, 10.0),) * 70
 
 

@@ -25,7 +25,7 @@ from app.http.routes.job_routes import (
     job_of,
 )
 from app.http.routes.parameters import IdempotencyKey, ListQuery, PathId, Prefer
-from app.http.routes.plans import PLANS, SPACECRAFT_PLANS
+from app.http.routes.plans import PLANS
 from app.http.routes.resources import JobResource
 from app.http.waiting import WAIT_S
 from app.jobs.kinds import FLIGHTS
@@ -52,7 +52,6 @@ RESOURCE = JobResource(
     list_response=list_class("FlightsList", "flights", "Flights of a plan"),
     about_list="Flights of all plans are listed, the latest first.",
 )
-_PLANS = {one.kind: one for one in (PLANS, SPACECRAFT_PLANS)}
 router = APIRouter(tags=[RESOURCE.tag], prefix=RESOURCE.path)
 of_plan = APIRouter(tags=[RESOURCE.tag], prefix=f"{PLANS.path}/{{id}}/flights")
 
@@ -142,7 +141,7 @@ def _accept(request: Request, plan_id: str, body: bytes, key: str | None) -> Job
     if plan is None or plan.state != "done" or asked is None:
         raise Conflict(
             f"there is no verified table to fly: the plan's state is {job.state}; GET "
-            f"{_PLANS[job.kind].path}/{plan_id} tells more"
+            f"{PLANS.path}/{plan_id} tells more"
         )
     what = PlanToFly(plan_id=plan_id, asked=body, request=asked, table_columns=plan.table_columns)
     resource = replace(RESOURCE, listing=lambda _: _listing(job))
@@ -162,5 +161,4 @@ def _listing(plan: Job) -> Listing:
 
 def _require_plan(connection: Connection, plan_id: str) -> Job:
     """Of whatever kind; raises 404."""
-    job = jobs.get(connection, plan_id)
-    return job_of(connection, _PLANS[job.kind] if job and job.kind in _PLANS else PLANS, plan_id)
+    return job_of(connection, PLANS, plan_id)
