@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 
 from planner.base import effort
+from planner.base.commands import CommandTable
 from planner.base.effort import WorkLimitReached, at_most
 from planner.base.errors import (
     InfeasibleSlew,
@@ -33,7 +34,7 @@ from planner.spacecraft.imaging.choose import Choice
 from planner.spacecraft.imaging.session import ImagingSession, make_session
 from planner.spacecraft.imaging.timeline import PlannedSlew, planned_slews
 from planner.spacecraft.requests import ImagingPlanRequest, LeftOut
-from planner.spacecraft.table import AttitudeTable
+from planner.spacecraft.table import ImagingWindow
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
 from planner.spacecraft.verification import SpacecraftVerification, verify_table
 
@@ -55,7 +56,7 @@ OPTIONS = SessionWork()
 class ImagingPlan:
     """The plan of a session.
 
-    whole: of the body, whose sessions are the scans; table: its, as it is judged here and flown.
+    whole: of the body, whose sessions are the scans.  windows: when they are.
     slews: each beside its eigenaxis baselines.  choice: worth of what was chosen, the best found.
     stabilisation: of the dispersed closed-loop runs.
     assumptions: values assumed because the paper doesn't give them.
@@ -63,7 +64,7 @@ class ImagingPlan:
 
     request: ImagingPlanRequest
     whole: Plan
-    table: AttitudeTable
+    windows: tuple[ImagingWindow, ...]
     slews: tuple[PlannedSlew, ...]
     choice: Choice
     left_out: tuple[LeftOut, ...]
@@ -75,6 +76,10 @@ class ImagingPlan:
     @property
     def spacecraft(self) -> AgileSpacecraft:
         return self.request.definition()
+
+    @property
+    def table(self) -> CommandTable:
+        return self.whole.table
 
 
 def plan_imaging(request: ImagingPlanRequest, tell: Reporter = tell_nobody) -> ImagingPlan:
@@ -118,7 +123,7 @@ def _bound_work(request: ImagingPlanRequest) -> float:
 def _is_found(request: ImagingPlanRequest) -> bool:
     """Whether a plan of it is found with a part of the work of a session."""
     with at_most(OPTIONS.try_share * _bound_work(request)), suppress(Refusal):
-        return bool(_make_plan(request, tell_nobody, gentler=False).table.windows)
+        return bool(_make_plan(request, tell_nobody, gentler=False).windows)
     return False
 
 
@@ -135,22 +140,21 @@ def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, gentler: bool = T
     timeline = chosen.timeline
     effort.count(table_work(timeline.scenario, timeline.joins[-1].stop_row))
     whole = complete_plan(timeline.scenario, session.ephemeris, timeline.joins, clock)
-    table = AttitudeTable.of_body(whole.table, timeline.windows)
-    verification = verify_table(table, request)
+    verification = verify_table(whole.table, timeline.windows, request)
     if not verification.passed:
         raise VerificationFailed("; ".join(verification.findings))
     warnings = (*whole.warnings, *chosen.warnings)
-    runs = _affordable_runs(request, len(table.t_s))
+    runs = _affordable_runs(request, len(whole.table.position))
     if runs < request.simulation_runs:
         warnings += (
             f"{runs} of the {request.simulation_runs} dispersed runs were flown: more would take "
             "more work than may be made for one session",
         )
-    report = _fly_stabilisation(session, table, verification, runs, tell)
+    report = _fly_stabilisation(session, whole.table, verification, runs, tell)
     return ImagingPlan(
         request=request,
         whole=whole,
-        table=table,
+        windows=timeline.windows,
         slews=tuple(planned_slews(session.platform, whole, timeline.joins)),
         choice=chosen.choice,
         left_out=(*unseen, *chosen.left_out),
@@ -163,7 +167,7 @@ def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, gentler: bool = T
 
 def _fly_stabilisation(
     session: ImagingSession,
-    table: AttitudeTable,
+    table: CommandTable,
     verification: SpacecraftVerification,
     runs: int,
     tell: Reporter,
@@ -175,6 +179,7 @@ def _fly_stabilisation(
     flown = fly_many(
         spacecraft,
         table,
+        verification.windows,
         states,
         range(seed, seed + runs),
         keep,
