@@ -3,7 +3,7 @@
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -32,8 +32,8 @@ _KEPT = ("plans", "campaigns", "flights", "opportunities")
 
 @dataclass(frozen=True)
 class Kept:
-    """What was made: the whole answer under an id, its request, a plan's packed table, and of a
-    campaign the passes with plans.
+    """What was made: the whole answer under an id, its request, a plan's packed table, of a
+    campaign the passes with plans, and of an imaging session the plan of its body.
     """
 
     text: Callable[[str], bytes]
@@ -41,6 +41,7 @@ class Kept:
     request: bytes = b""
     table_columns: bytes = b""
     passes: "Sequence[MadePass]" = ()
+    as_plan: Callable[[str], bytes] | None = None
 
 
 @dataclass(frozen=True)
@@ -117,7 +118,10 @@ class Desk:
 
     def whole(self, work: LocalAsk) -> bytes:
         """The answer, or the job that waits."""
-        return _job(work.id) if work.id in self._open else self.kept(work.id).text(work.id)
+        if work.id in self._open:
+            return _job(work.id)
+        made = self.kept(work.id)
+        return (made.text if work.is_spacecraft else made.as_plan or made.text)(work.id)
 
     def campaign(self, work: LocalAsk) -> bytes:
         """The answer, or one of a campaign's files."""
@@ -197,37 +201,37 @@ def _plan(desk: Desk, work: LocalAsk) -> bytes:
 
 def _made_plan(body: bytes, *, is_spacecraft: bool) -> Kept:
     if not is_spacecraft:
-        return _kept_plan(body, plan_and_pack(body), stored_table_json)
+        return _kept_plan(body, plan_and_pack(body))
     from app.work.spacecraft import plan_and_pack_session, stored_session_json
 
-    return _kept_plan(body, plan_and_pack_session(body), stored_session_json)
+    new = plan_and_pack_session(body)
+    plan = _kept_plan(body, new)
+    return replace(plan, text=partial(_whole, new, stored_session_json, 2), as_plan=plan.text)
 
 
-def _kept_plan(body: bytes, new: Result, table_json: Callable[[bytes], bytes]) -> Kept:
-    def text(plan_id: str) -> bytes:
-        head = PlanHead(id=plan_id, state=new.state, revision=1, revises=None, requested_by=None)
-        return whole_answer(head, unzip(new.document), table_json(new.table_columns))
-
+def _kept_plan(body: bytes, new: Result) -> Kept:
+    text = partial(_whole, new, stored_table_json, 0)
     return Kept(text, new.state == "done", body, new.table_columns)
+
+
+def _whole(new: Result, table_json: Callable[[bytes], bytes], part: int, plan_id: str) -> bytes:
+    head = PlanHead(id=plan_id, state=new.state, revision=1, revises=None, requested_by=None)
+    return whole_answer(head, unzip(new.content[part]), table_json(new.table_columns))
 
 
 def _table(desk: Desk, work: LocalAsk) -> bytes:
     made, format_name = desk.kept(work.id), work.ask.query.get("format")
-    if not work.is_spacecraft:
-        if format_name is None:
-            return stored_table_json(made.table_columns)
+    if format_name is not None:
         return desk.table_file(made, format_name)
-    from app.work.spacecraft import stored_session_file, stored_session_json
-    from planner.spacecraft.export import IMAGING_EXPORTERS
+    if not work.is_spacecraft:
+        return stored_table_json(made.table_columns)
+    from app.work.spacecraft import stored_session_json
 
-    if format_name is None:
-        return stored_session_json(made.table_columns)
-    _require_format(format_name, IMAGING_EXPORTERS)
-    return stored_session_file(made.request, made.table_columns, format_name, datetime.now(UTC))
+    return stored_session_json(made.table_columns)
 
 
 def _view(desk: Desk, work: LocalAsk) -> bytes:
-    from app.work.view import AskedView, stored_plan_view, stored_session_view
+    from app.work.view import AskedView, stored_plan_view
 
     made, step_s = desk.kept(work.id), work.ask.query.get("step_s")
     asked = AskedView(
@@ -238,8 +242,7 @@ def _view(desk: Desk, work: LocalAsk) -> bytes:
         pixel_arcsec=None,
         created_utc=datetime.now(UTC),
     )
-    view = stored_session_view if work.is_spacecraft else stored_plan_view
-    return view(made.request, made.table_columns, asked)
+    return stored_plan_view(made.request, made.table_columns, asked)
 
 
 def _opportunities(desk: Desk, work: LocalAsk) -> bytes:
@@ -276,7 +279,7 @@ def _campaign(desk: Desk, work: LocalAsk) -> Kept:
         if isinstance(new, Refusal):
             passes.append(told_pass(part, "refused", problem=problem_of(new)))
         else:
-            plan_id = desk.keep(partial(_kept_plan, part.request, new, stored_table_json))
+            plan_id = desk.keep(partial(_kept_plan, part.request, new))
             if new.state == "done":
                 at_utc, columns = datetime.now(UTC), new.table_columns
                 made.append(MadePass(part.facts, plan_id, part.request, columns, at_utc))

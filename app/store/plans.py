@@ -16,10 +16,12 @@ class StoredPlan(Job):
     """A job with the plan it made.
 
     document: the answer's JSON without the table.  table_columns: `app.store.packed`.
+    session_document: of an imaging session its own answer's, else empty.
     """
 
     document: bytes
     table_columns: bytes
+    session_document: bytes = b""
 
     @property
     def planned_utc(self) -> datetime:
@@ -30,8 +32,13 @@ class StoredPlan(Job):
 
 def plan_of(job: Job, content: Sequence[bytes]) -> StoredPlan:
     """What a job that has ended made, as it is stored."""
-    document, table_columns = content
-    return StoredPlan(**vars(job), document=unzip(document), table_columns=table_columns)
+    document, table_columns, *session = content
+    return StoredPlan(
+        **vars(job),
+        document=unzip(document),
+        table_columns=table_columns,
+        session_document=b"".join(map(unzip, session)),
+    )
 
 
 def get(connection: Connection, job: Job) -> StoredPlan | None:

@@ -49,7 +49,7 @@ def try_plan(request: PlanRequest, provenance: ProvenanceOut) -> bytes:
 
 def stored_table_json(table_columns: bytes) -> bytes:
     """The table as the answer holds it."""
-    return table_json(_table(unpack(table_columns)))
+    return table_json(stored_table(unpack(table_columns)))
 
 
 def stored_table_file(
@@ -67,8 +67,11 @@ def require_verified_table(packed: PackedColumns) -> None:
 
 
 def stored_plan(request: bytes, packed: PackedColumns) -> FlightPlan:
-    """With its sessions as they were left after conflicts; raises KeptUnreadable."""
-    scenario = read_kept_plan_request(request)
+    """With its sessions as they were left after conflicts; raises KeptUnreadable.
+
+    request: what was asked, unless the facts tell of the sessions that were made of it.
+    """
+    scenario = read_kept_plan_request(packed.facts.get("request", "").encode() or request)
     times = zip(scenario.sessions, packed.facts["sessions"], strict=True)
     with as_kept():
         sessions = tuple(
@@ -78,7 +81,7 @@ def stored_plan(request: bytes, packed: PackedColumns) -> FlightPlan:
         )
         scenario = replace(scenario, sessions=sessions)
     segments = tuple(segment_of(*facts) for facts in packed.facts["segments"])
-    return FlightPlan(scenario=scenario, segments=segments, table=_table(packed))
+    return FlightPlan(scenario=scenario, segments=segments, table=stored_table(packed))
 
 
 def segment_of(kind: SegmentKind, session: int | None, start: str, stop: str) -> Segment:
@@ -116,7 +119,8 @@ def packed_plan(plan: FlightPlan, findings: Iterable[Finding] = ()) -> PackedCol
     )
 
 
-def _table(packed: PackedColumns) -> CommandTable:
+def stored_table(packed: PackedColumns) -> CommandTable:
+    """Every bit of it."""
     epoch_utc = utc_from_text(packed.facts["epoch"])
     channels = tuple(Channel(*channel) for channel in packed.facts["channels"])
     return CommandTable(epoch_utc=epoch_utc, channels=channels, **packed.columns)

@@ -204,15 +204,6 @@ def job_of(kind, digit):
     )
 
 
-def test_a_spacecrafts_plan_names_its_own_runs(client):
-    new = job_of("spacecraft", "d")
-    with client.app.state.database.writing() as connection:
-        jobs.accept(connection, new, lease_s=3600.0)
-    answer = client.post(f"/v1/plans/{new.id}/flights", json={})
-    assert answer.status_code == 404
-    assert "closed-loop runs" in answer.json()["detail"]
-
-
 def test_flights_go_with_their_plan(client):
     plan_id = client.post("/v1/plans", json=LAS_VEGAS).json()["id"]
     location = client.post(f"/v1/plans/{plan_id}/flights", json={"runs": 2}).headers["location"]

@@ -188,7 +188,7 @@ async def find_job(request: Request, resource: JobResource, job_id: str) -> Job:
 def job_of(connection: Connection, resource: JobResource, job_id: str) -> Job:
     """The job that makes one of them; raises 404."""
     job = jobs.get(connection, job_id)
-    if job is None or job.kind != resource.kind:
+    if job is None or (job.kind != resource.kind and job.kind not in resource.also):
         raise _not_found(resource)
     return job
 

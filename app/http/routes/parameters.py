@@ -112,11 +112,6 @@ class ViewQuery(TableQuery):
         description="Time between rows of JSON and NetCDF, a multiple of 0.2 s; unless given, the "
         "least that shows at most 1,000 rows.",
     )
-
-
-class PlanViewQuery(ViewQuery):
-    """How closely to look at a plan, and in which format to show it."""
-
     pixel_arcsec: float | None = Field(
         default=None,
         ge=PIXELS_ARCSEC[0],

@@ -27,7 +27,7 @@ from app.http.openapi.schema import form_body_of, json_body_of, schema_of
 from app.http.routes.parameters import TableQuery, read_query, with_formats
 from app.ids import is_id
 from app.jobs.child import Bounds
-from app.jobs.kinds import PLAN, SPACECRAFT_PLAN
+from app.jobs.kinds import PLANS
 from app.jobs.refusals import Conflict
 from app.requests.examples import COMPARISON_EXAMPLES
 from app.requests.telemetry import COMPARISON_READER
@@ -148,13 +148,7 @@ async def post_comparison(
 async def _plan_of(request: Request, plan_id: str) -> tuple[bytes, StoredPlan]:
     def reading(connection: Connection) -> tuple[str | None, bytes | None, StoredPlan | None]:
         job = jobs.get(connection, plan_id) if is_id(plan_id) else None
-        if job is not None and job.kind == SPACECRAFT_PLAN.name:
-            raise InvalidInput(
-                "telemetry is compared with plans of the platform; a spacecraft's plan tells what "
-                "its own closed-loop runs did, in `stabilisation`",
-                field="plan",
-            )
-        if job is None or job.kind != PLAN.name:
+        if job is None or job.kind not in PLANS:
             return None, None, None
         return job.state, jobs.request_of(connection, plan_id), plans.get(connection, job)
 
