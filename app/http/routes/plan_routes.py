@@ -6,7 +6,7 @@ The same for every resource that holds plans.
 from functools import partial
 from http import HTTPStatus
 from inspect import cleandoc
-from typing import Annotated, Any
+from typing import Annotated
 
 import anyio.to_thread
 from fastapi import APIRouter, Depends, Request, Response
