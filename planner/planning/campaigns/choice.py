@@ -11,6 +11,7 @@ from scipy.sparse import csr_array
 from planner.base.arrays import Array, Indices, Mask
 from planner.base.reporting import Reporter
 from planner.planning.campaigns.network import Network, without_look
+from planner.planning.campaigns.orders import most_worth, ordered_path
 from planner.planning.campaigns.path import Look, Path, Worth, best_path, exact_path, path_bound
 
 # Sequences proposed for the passes, put together by linear and integer programmes (HiGHS).
@@ -70,6 +71,9 @@ class ChoiceOptions:
     # of all passes together, shared out evenly where they are many
     bound_labels_max: int = 16_000_000
     exact_labels_max: int = 200_000  # to fill a pass once by its best path: a part of a second
+    pass_orders: int = 30_000  # of as many looks, where a pass is filled by the best order of them
+    # of looks within all passes together, shared out evenly: a second for a million
+    bound_orders_max: int = 1_000_000
     # to place a group anew: each fills all passes anew
     group_tries: int = 60
     worthless: float = 1e-9  # of rounding
@@ -572,12 +576,11 @@ class _Search:
         price = np.where(looking.look_limit > others, 0.0, np.inf)
         kept = is_member & (wanted > 0.0)
         price = np.where(is_member, np.where(kept, -self._kept, np.inf), price)
-        path = exact_path(
-            self._networks[number],
-            looking.less_prices(price),
-            self._options.exact_labels_max,
-            np.flatnonzero(kept).tolist(),
-        )
+        network, worth = self._networks[number], looking.less_prices(price)
+        labels_max = self._options.exact_labels_max
+        path = exact_path(network, worth, labels_max, np.flatnonzero(kept).tolist())
+        if path is None:
+            path = ordered_path(network, worth, self._options.pass_orders)
         if path is None or self._first_unheld(path.looks) is not None:
             return False
         seen = {one.target for one in path.looks}
@@ -642,8 +645,10 @@ def bound_at(
     Lagrangian relaxation of "no more looks than look_limit", and "as many as its group's".
     """
     labels_max = min(options.pass_labels_max, options.bound_labels_max // max(len(networks), 1))
+    orders_max = options.bound_orders_max // max(len(networks), 1)
     worth = looking.less_prices(price)
     priced = float(looking.allowed(price) @ price) + sum(
-        path_bound(one, worth, labels_max) for one in networks
+        min(path_bound(one, worth, labels_max), most_worth(one, worth, orders_max))
+        for one in networks
     )
     return min(priced, float(looking.look_limit @ looking.look_value.max(axis=1, initial=0.0)))

@@ -65,6 +65,34 @@ def _axis_time_s(
 
 
 @compiled
+def needed_axis_s(
+    rates_rad_s: tuple[float, float],
+    accelerations_rad_s2: tuple[float, float],
+    delta_rad: float,
+    slack_rad: float,
+    limits: tuple[float, float, float],
+    available_s: float,
+) -> float:
+    """No motion between two rates and accelerations by so much, or up to slack_rad more or less, is
+    quicker; only as exactly as tells on which side of available_s it is."""
+    v, a, j = limits
+    # Ramps from no acceleration before the start, and to none after the end.
+    (w0, w1), (a0, a1) = rates_rad_s, accelerations_rad_s2
+    ramp0_s, ramp1_s = abs(a0) / j, abs(a1) / j
+    v0, v1 = w0 - 0.5 * a0 * ramp0_s, w1 + 0.5 * a1 * ramp1_s
+    delta_rad += ramp0_s * (w0 - a0 * ramp0_s / 3.0) + ramp1_s * (w1 + a1 * ramp1_s / 3.0)
+    v = max(v, abs(v0), abs(v1))
+    direct_rad = 0.5 * (v0 + v1) * change_s(v1 - v0, a, j)
+    if delta_rad < direct_rad:
+        delta_rad, direct_rad, v0, v1 = -delta_rad, -direct_rad, -v0, -v1
+    delta_rad = max(delta_rad - slack_rad, direct_rad)
+    if not _is_plain(delta_rad, v0, v1, a, j):
+        j = BOUNDLESS
+    ramps_s = ramp0_s + ramp1_s
+    return float(by_peak_s(delta_rad, v0, v1, v, a, j, available_s + ramps_s) - ramps_s)
+
+
+@compiled
 def _is_plain(delta_rad: float, v0: float, v1: float, a: float, j: float) -> bool:
     """Whether one rise to a peak and one fall is the quickest way, with bounded jerk too.
 
