@@ -14,19 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from planner.base import effort
 from planner.base.arrays import Array, Indices
 from planner.planning.label_search import NONE
-
-
-@dataclass(frozen=True, kw_only=True)
-class LookOrderOptions:
-    """What a search for orders counts."""
-
-    extension: float = 0.05  # of `effort`: one more look after one order
-
-
-OPTIONS = LookOrderOptions()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -37,7 +26,7 @@ class LookGraph:
     ends at the earliest, (w,), NONE.  follow: the same after a look that ended at each place, or
     at a later one by the same way, (n, w).
     seen: the bit that looks by a way set, of `label_search.BITS`, and that may not be set before;
-    0 of no use.  needs: bits that must be.  gain: what they are worth, (w,).
+    0 of no use.  gain: what they are worth, (w,).
     """
 
     way: Indices
@@ -45,7 +34,6 @@ class LookGraph:
     first: Indices
     follow: Indices
     seen: Indices
-    needs: Indices
     gain: Array
 
 
@@ -61,12 +49,12 @@ class Orders(NamedTuple):
 
 def orders_by_count(graph: LookGraph, width: int) -> Iterator[Orders]:
     """Of one look, of two, and so on; of more than `width` the most promising."""
-    pace = float(graph.gain.max(initial=0.0)) / max(float(np.ptp(graph.end)), 1.0)
-    ways = np.flatnonzero((graph.first != NONE) & (graph.seen > 0) & (graph.needs == 0))
+    pace = float(graph.gain.sum()) / max(float(np.ptp(graph.end)), 1.0)
+    ways = np.flatnonzero((graph.first != NONE) & (graph.seen > 0))
     found = Orders(graph.seen[ways], graph.first[ways], np.zeros_like(ways), graph.gain[ways])
     while len(found.place):
         if len(found.place) > width:
-            promise = found.value - len(graph.first) * pace * graph.end[found.place]
+            promise = found.value - pace * graph.end[found.place]
             best = np.argpartition(-promise, width)[:width]
             seen, place, before, value = found
             found = Orders(seen[best], place[best], before[best], value[best])
@@ -76,10 +64,9 @@ def orders_by_count(graph: LookGraph, width: int) -> Iterator[Orders]:
 
 def _one_more(graph: LookGraph, found: Orders) -> Orders:
     """Every order with each look that may follow; of the same looks the soonest by its last way."""
-    effort.charge(OPTIONS.extension * len(found.place) * len(graph.first))
     seen = found.seen[:, None]
     fits = graph.follow[found.place] != NONE
-    fits &= (graph.seen > 0) & (seen & graph.seen == 0) & (seen & graph.needs == graph.needs)
+    fits &= (graph.seen > 0) & (seen & graph.seen == 0)
     before, way = np.nonzero(fits)
     place = graph.follow[found.place[before], way].astype(np.intp)
     seen = found.seen[before] | graph.seen[way]

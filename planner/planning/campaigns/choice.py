@@ -74,7 +74,7 @@ class ChoiceOptions:
     exact_labels_max: int = 200_000  # to fill a pass once by its best path: a part of a second
     pass_orders: int = 30_000  # of as many looks, where a pass is filled by the best order of them
     # of looks within all passes together, shared out evenly: a second for a million
-    bound_orders_max: int = 2_000_000
+    bound_orders_max: int = 1_000_000
     # to place a group anew: each fills all passes anew
     group_tries: int = 60
     worthless: float = 1e-9  # of rounding

@@ -15,7 +15,8 @@ from planner.planning.look_orders import LookGraph, orders_by_count, places_of
 class OrderOptions:
     """How large a pass is looked at, and how much of it."""
 
-    arrivals_max: int = 20_000_000  # of all steps onto all ways: 80 MB
+    arrivals_max: int = 5_000_000  # of all steps onto all ways: 40 MB
+    extensions_max: int = 2_000_000  # of orders of as many looks by one more: 100 MB
     timed: int = 8  # of the orders that are worth most, whose times are then sought
 
 
@@ -28,10 +29,11 @@ def most_worth(network: Network, worth: Worth, orders_max: int) -> float:
     graph = _graph_of(network, worth)
     if graph is None:
         return np.inf
+    width = min(orders_max, OPTIONS.extensions_max // len(network.way))
     most, left = 0.0, orders_max
-    for orders in orders_by_count(graph, orders_max + 1):
+    for orders in orders_by_count(graph, width + 1):
         left -= len(orders.place)
-        if left < 0:
+        if len(orders.place) > width or left < 0:
             return np.inf
         most = max(most, float(orders.value.max()))
     return most
@@ -43,6 +45,7 @@ def ordered_path(network: Network, worth: Worth, width: int) -> Path | None:
     graph = _graph_of(network, worth)
     if graph is None or (np.count_nonzero(worth.steps[network.target], axis=1) > 1).any():
         return None
+    width = min(width, OPTIONS.extensions_max // len(network.way))
     found = list(orders_by_count(graph, width))
     ends = [
         (float(orders.value[row]), count, row)
@@ -79,7 +82,6 @@ def _graph_of(network: Network, worth: Worth) -> LookGraph | None:
         first=np.where(takes < steps, network.offset + takes, NONE),
         follow=_soonest_ends(network, takes),
         seen=seen,
-        needs=np.zeros_like(seen),
         gain=np.where(is_hopeful, gain[network.target], 0.0),
     )
 
@@ -130,7 +132,7 @@ def _arrivals(network: Network, way: int) -> Indices:
 
 def _timed(network: Network, worth: Worth, order: list[int]) -> Path | None:
     """The best times of looks by ways in this order."""
-    done = np.zeros(0)
+    done_value = np.zeros(0)
     steps_back: list[Indices] = []
     values: list[Array] = []
     for place, way in enumerate(order):
@@ -138,7 +140,7 @@ def _timed(network: Network, worth: Worth, order: list[int]) -> Path | None:
         if place == 0:
             ready, whence = np.zeros(stop - first), np.zeros(stop - first, np.intp)
         else:
-            ready, whence = _ready_after(network, order[place - 1], way, done)
+            ready, whence = _ready_after(network, order[place - 1], way, done_value)
         target = network.target[way]
         takes = int(worth.steps[target, 0])
         lasts = max(takes - worth.settle_steps, 1)
@@ -146,15 +148,15 @@ def _timed(network: Network, worth: Worth, order: list[int]) -> Path | None:
         value = np.zeros(stop - first)
         value[takes:] = worth.value[target, 0] * (total[takes:] - total[takes - lasts : -lasts])
         value /= lasts
-        done = np.full(stop - first, -np.inf)
+        done_value = np.full(stop - first, -np.inf)
         begun = np.where(
             network.begins[first : stop - takes], ready[: stop - first - takes], -np.inf
         )
-        done[takes:] = begun + value[takes:] - worth.price[target]
+        done_value[takes:] = begun + value[takes:] - worth.price[target]
         steps_back.append(whence)
         values.append(value)
-    at = int(np.argmax(done))
-    best = float(done[at])
+    at = int(np.argmax(done_value))
+    best = float(done_value[at])
     if not np.isfinite(best):
         return None
     looks: list[Look] = []
@@ -175,19 +177,19 @@ def _timed(network: Network, worth: Worth, order: list[int]) -> Path | None:
     return Path(value=best, looks=tuple(looks[::-1]))
 
 
-def _ready_after(network: Network, way: int, to: int, done: Array) -> tuple[Array, Indices]:
+def _ready_after(network: Network, way: int, to: int, done_value: Array) -> tuple[Array, Indices]:
     """By each step of a way the most of who can be on it by then, and at which step of the way
     before that one has ended its look."""
     first, stop = _cells(network, to)
-    arrival = np.zeros(len(done), np.intp)
+    arrival = np.zeros(len(done_value), np.intp)
     edge = np.flatnonzero(network.edge_to[_edges(network, way)] == to)
     if len(edge):
         cells = _arrivals(network, way)[:, edge[0]]
         arrival = np.where(cells == NEVER, stop - first, cells - first)
     ready, whence = np.full(stop - first, -np.inf), np.zeros(stop - first, np.intp)
-    for at in np.flatnonzero(np.isfinite(done) & (arrival < stop - first)).tolist():
-        if done[at] > ready[arrival[at]]:
-            ready[arrival[at]], whence[arrival[at]] = done[at], at
+    for at in np.flatnonzero(np.isfinite(done_value) & (arrival < stop - first)).tolist():
+        if done_value[at] > ready[arrival[at]]:
+            ready[arrival[at]], whence[arrival[at]] = done_value[at], at
     best = np.maximum.accumulate(ready)
     is_new = np.append(True, ready[1:] > best[:-1])
     newest = np.maximum.accumulate(np.where(is_new, np.arange(stop - first), 0))

@@ -66,8 +66,8 @@ def _axis_time_s(
 
 @compiled
 def needed_axis_s(
-    start: tuple[float, float],
-    end: tuple[float, float],
+    rates_rad_s: tuple[float, float],
+    accelerations_rad_s2: tuple[float, float],
     delta_rad: float,
     slack_rad: float,
     limits: tuple[float, float, float],
@@ -77,11 +77,10 @@ def needed_axis_s(
     quicker; only as exactly as tells on which side of available_s it is."""
     v, a, j = limits
     # Ramps from no acceleration before the start, and to none after the end.
-    ramp0_s, ramp1_s = abs(start[1]) / j, abs(end[1]) / j
-    v0 = start[0] - 0.5 * start[1] * ramp0_s
-    v1 = end[0] + 0.5 * end[1] * ramp1_s
-    delta_rad += ramp0_s * (start[0] - start[1] * ramp0_s / 3.0)
-    delta_rad += ramp1_s * (end[0] + end[1] * ramp1_s / 3.0)
+    (w0, w1), (a0, a1) = rates_rad_s, accelerations_rad_s2
+    ramp0_s, ramp1_s = abs(a0) / j, abs(a1) / j
+    v0, v1 = w0 - 0.5 * a0 * ramp0_s, w1 + 0.5 * a1 * ramp1_s
+    delta_rad += ramp0_s * (w0 - a0 * ramp0_s / 3.0) + ramp1_s * (w1 + a1 * ramp1_s / 3.0)
     v = max(v, abs(v0), abs(v1))
     direct_rad = 0.5 * (v0 + v1) * change_s(v1 - v0, a, j)
     if delta_rad < direct_rad:

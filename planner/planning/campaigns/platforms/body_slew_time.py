@@ -88,11 +88,13 @@ def body_fits(
     body accelerations, and 1 where the roll about the boresight is that of the attitude before.
     """
     ends = _ends(start_state, end_state, envelope.boresight_body)
+    # Of a roll that is free, what is along which body axis isn't known.
+    is_rolled = start_state[10] == 0.0 or envelope.is_round[0]
     if sign < 0.0:
-        return _may_fit(ends, envelope, available_s)
+        return _may_fit(ends, envelope, is_rolled, available_s)
     if not ends.is_known:
         return _by_rest_s(ends, math.pi, envelope.least_limits) <= available_s
-    if not _may_fit(ends, envelope, available_s):
+    if not _may_fit(ends, envelope, is_rolled, available_s):
         return False
     return (
         _by_rest_s(ends, ends.angle_rad, envelope.least_limits) <= available_s
@@ -150,11 +152,11 @@ def _ends(start_state: Array, end_state: Array, boresight_body: Array) -> _Ends:
 
 
 @inlined
-def _may_fit(ends: _Ends, envelope: BodyEnvelope, available_s: float) -> bool:
+def _may_fit(ends: _Ends, envelope: BodyEnvelope, is_rolled: bool, available_s: float) -> bool:
     """Whether nothing proves that a slew doesn't fit."""
     if _needed_s(ends, envelope.length_limits, available_s) > available_s:
         return False
-    if not ends.is_known:
+    if not (ends.is_known and is_rolled):
         return True
     if envelope.is_round[0]:
         v, a, j = _about(envelope, ends.axis)
@@ -192,9 +194,9 @@ def _may_twist(
         slack_rad = min(slack_rad, enclosed_rad)
     if limits[0] * available_s >= 2.0 * math.pi - abs(twist_rad) - slack_rad:
         return True  # the other way round
-    w0, w1 = dot(ends.omega_0, axis), dot(ends.omega_1, axis)
-    a0, a1 = dot(ends.alpha_0, axis), dot(ends.alpha_1, axis)
-    needed_s = needed_axis_s((w0, a0), (w1, a1), twist_rad, slack_rad, limits, available_s)
+    rates = dot(ends.omega_0, axis), dot(ends.omega_1, axis)
+    accelerations = dot(ends.alpha_0, axis), dot(ends.alpha_1, axis)
+    needed_s = needed_axis_s(rates, accelerations, twist_rad, slack_rad, limits, available_s)
     return bool(needed_s <= available_s)
 
 
