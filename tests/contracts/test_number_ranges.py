@@ -115,6 +115,7 @@ _RESOURCES = {
 FRAGMENTS = [
     _with(resources=_RESOURCES),
     _with(resources={"battery": _BATTERY | {"sunlight_w": 80.0}}),
+    _with(conditions={}),
     _imaged(0, "LineString", _LINE, mode="strip"),
     _imaged(0, "MultiLineString", [_LINE], mode="corridor"),
     _imaged(1, "LineString", _AHEAD, mode="stereo", look_angle_deg=22.0, gap_s=60.0),
