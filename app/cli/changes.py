@@ -3,7 +3,6 @@
 import base64
 import json
 from collections.abc import Sequence
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -65,18 +64,15 @@ def _place(name: str) -> int:
     return int(name)
 
 
-def search_start(text: str | None) -> datetime:
-    """`now`, or RFC 3339."""
-    if text in (None, "now"):
-        return datetime.now(UTC)
+def at_next_pass(body: bytes, start: str | None) -> tuple[bytes, str]:
+    """The request with its one session in the first window of its target, and what to say of it.
+
+    start: of the search, RFC 3339; now unless given.
+    """
     try:
-        return utc_from_text(str(text))
+        start_utc = None if start in (None, "now") else utc_from_text(str(start))
     except ValueError as error:
         raise InvalidInput(str(error), field="--start") from None
-
-
-def at_next_pass(body: bytes, start_utc: datetime) -> tuple[bytes, str]:
-    """The request with its one session in the first window of its target, and what to say of it."""
     document = _object(body)
     try:
         search = next_pass.search_of(document, start_utc)

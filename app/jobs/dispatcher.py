@@ -246,12 +246,6 @@ class Dispatcher:
         except (StoreUnavailable, SQLAlchemyError) as error:  # the work matters more
             log.warning("progress can't be stored", job=running.job_id, error=error)
 
-    def _tell_untold(self) -> None:
-        """A stage that lasts is told though it began right after another."""
-        for running in self._now_running():
-            if (untold := running.untold) is not None:
-                self._record_progress(running, untold)
-
     def _end(self, running: _Running, done: Future[Result]) -> None:
         took_s = time.monotonic() - running.began_s
         settled = None
@@ -321,7 +315,9 @@ class Dispatcher:
             try:
                 self._begin_waiting()
                 self._keep_leases()
-                self._tell_untold()
+                for running in self._now_running():  # a stage that began right after another
+                    if running.untold is not None:
+                        self._record_progress(running, running.untold)
                 self._prune()
             except StoreUnavailable:  # which is told where it is raised
                 self._closing.wait(_PAUSE_S)

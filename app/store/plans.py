@@ -1,10 +1,8 @@
-"""Plans, the results of jobs that make them, and the choices of campaigns."""
+"""Plans, the results of jobs that make them."""
 
-import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Any
 
 from sqlalchemy import Connection
 
@@ -40,12 +38,3 @@ def get(connection: Connection, job: Job) -> StoredPlan | None:
     """What a job made; None before it is made, or where it couldn't be."""
     content = results.get(connection, job.id)
     return plan_of(job, content) if content else None
-
-
-def choice_of(connection: Connection, job_id: str) -> Mapping[str, Any] | None:
-    """What a campaign chose; None before anything was chosen."""
-    found = results.document(connection, job_id)
-    if found is None:
-        return None
-    choice: Mapping[str, Any] = json.loads(unzip(found))
-    return choice

@@ -32,21 +32,17 @@ _until_s: ContextVar[float] = ContextVar("_until_s", default=math.inf)
 
 
 class Service:
-    """Where the service is, and how patient we are with it.
+    """Where the service is.
 
     url: default: the environment's SLEWTRACK_URL, else this machine's port 8000.
     key: an API key, default: SLEWTRACK_KEY; none is needed on loopback.
-    patience_s: for how long a service that is busy or can't be reached is asked again.
     """
 
-    def __init__(
-        self, url: str | None = None, key: str | None = None, *, patience_s: float = PATIENCE_S
-    ) -> None:
+    def __init__(self, url: str | None = None, key: str | None = None) -> None:
         self.url = (url or os.environ.get("SLEWTRACK_URL") or URL).rstrip("/")
         parts = urlsplit(self.url)
         if parts.scheme not in ("http", "https") or not parts.hostname:
             raise ValueError(f"url must be http://HOST:PORT or https://HOST, not {self.url!r}")
-        self.patience_s = patience_s
         secret = key or os.environ.get("SLEWTRACK_KEY")
         self.options: dict[str, Any] = {
             "base_url": self.url,
@@ -146,7 +142,7 @@ class Client(Calls):
         patience_s: float = PATIENCE_S,
         transport: httpx.BaseTransport | None = None,
     ) -> None:
-        service = Service(url, key, patience_s=patience_s)
+        service = Service(url, key)
         self._http = httpx.Client(transport=transport, **service.options)
         super().__init__(Exchange(self._answer, service.meaning, patience_s))
 
@@ -181,7 +177,7 @@ class AsyncClient(ServiceCalls, AsyncCarrier):
         patience_s: float = PATIENCE_S,
         transport: httpx.AsyncBaseTransport | None = None,
     ) -> None:
-        service = Service(url, key, patience_s=patience_s)
+        service = Service(url, key)
         self._http = httpx.AsyncClient(transport=transport, **service.options)
         super().__init__(Exchange(self._answer, service.meaning, patience_s), PLATFORM)
         self.spacecraft = AsyncCarrier(self._exchange, SPACECRAFT)
