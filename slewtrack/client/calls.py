@@ -34,16 +34,17 @@ from slewtrack.client.asking import (
     Ask,
     Call,
     File,
+    Filters,
     Json,
     address,
     body_of,
     content_of,
     post,
+    query_of,
     refusal_of,
 )
 from slewtrack.client.call_docs import whole_docstring
 from slewtrack.client.events import Events, OnProgress, TimeIsUp
-from slewtrack.client.filters import Filters, query_of
 from slewtrack.client.problems import (
     BadAnswer,
     Cancelled,

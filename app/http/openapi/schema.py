@@ -12,8 +12,7 @@ from app.answers.opportunities_geojson import FeatureCollection
 from app.answers.problem import Problem
 from app.http.admission.access import PROBES, scope_needed
 from app.http.negotiation import EVENT_STREAM, JSON, MULTIPART
-from app.http.openapi.examples import show_examples
-from app.http.openapi.fields import Schema, describe
+from app.http.openapi.fields import Schema, describe, show_examples
 from app.http.problems import PROBLEM_JSON
 from app.requests.examples import Examples
 from app.requests.json_reader import JsonReader
