@@ -347,7 +347,7 @@ def test_a_transaction_that_fails_leaves_nothing(database, tmp_path):
         accept_and_fail()
     with database.reading() as connection:
         assert jobs.get(connection, new.id) is None
-    assert audit.entries(database, limit=1, before=10**9) == []
+        assert audit.entries(connection, limit=1, before=10**9) == []
 
 
 @pytest.mark.parametrize("name", ["a\0b", "\0", "\ud800", "a\u202eb"])
