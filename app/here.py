@@ -21,7 +21,7 @@ from planner.base.errors import InvalidInput, Refusal
 from planner.output.export import EXPORTERS
 
 if TYPE_CHECKING:
-    from app.work.campaign_files import MadePass
+    from app.work.campaign import MadePass
     from app.work.telemetry import SentTelemetry
     from planner.inflight.telemetry.compare import Comparison
     from slewtrack.client.asking import Ask
@@ -121,7 +121,7 @@ class Desk:
 
     def campaign(self, work: LocalAsk) -> bytes:
         """The answer, or one of a campaign's files."""
-        from app.work.campaign_files import SUFFIXES, campaign_file
+        from app.work.campaign import SUFFIXES, campaign_file
 
         media_type = work.ask.headers.get("Accept", "application/json")
         if media_type not in SUFFIXES:
@@ -266,8 +266,7 @@ def _opportunities(desk: Desk, work: LocalAsk) -> bytes:
 
 
 def _campaign(desk: Desk, work: LocalAsk) -> Kept:
-    from app.work.campaign import choose, plan_pass
-    from app.work.campaign_files import MadePass
+    from app.work.campaign import MadePass, choose, plan_pass
 
     chosen, passes = choose(work.body), []
     made: list[MadePass] = []

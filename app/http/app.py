@@ -18,7 +18,6 @@ from app.http import pages
 from app.http import problems as errors
 from app.http.admission.access import Access, KeyLookup
 from app.http.admission.admission import Admission
-from app.http.head_as_get import HeadAsGet
 from app.http.metrics import Metrics
 from app.http.openapi.schema import DESCRIPTION, TAGS, complete
 from app.http.query import require_sound_query
@@ -28,7 +27,7 @@ from app.http.readiness import (
     earth_orientation_covers_now,
     solver_answers,
 )
-from app.http.request_log import RequestLog
+from app.http.request_log import HeadAsGet, RequestLog
 from app.http.routes import (
     campaigns,
     flights,

@@ -11,7 +11,7 @@ from app.answers.plan import dry_run_json, plan_document, require_verified, tabl
 from app.requests.listings import listing_of_scenario
 from app.requests.plan import PlanRequest, read_kept_plan_request, read_plan_request
 from app.store.packed import PackedColumns, pack, unpack
-from app.work.horizon_views import horizon_checks
+from app.work.horizon import horizon_checks
 from app.work.progress import report
 from app.work.result import Result
 from planner.base.commands import Channel, CommandTable

@@ -17,7 +17,7 @@ from app.cli.windows import windows_csv
 from app.requests.examples import OPPORTUNITY_EXAMPLES, SPACECRAFT_EXAMPLES
 from app.requests.opportunities import read_opportunity_request
 from app.requests.spacecraft import read_spacecraft_request
-from app.work.campaign_files import looks_csv
+from app.work.campaign import looks_csv
 from app.work.searches import CSV, opened
 from planner.base.answer_members import member_names
 from planner.base.csv_cells import comment_lines, csv_lines

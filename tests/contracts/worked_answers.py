@@ -39,7 +39,7 @@ from app.requests.examples import (
 from app.settings import Settings
 from app.store import jobs
 from app.store.jobs import NewJob
-from app.work.campaign_files import SUFFIXES
+from app.work.campaign import SUFFIXES
 from app.work.searches import CSV, GEOJSON
 from planner.output.export import EXPORTERS
 from planner.spacecraft.export import IMAGING_EXPORTERS

@@ -35,7 +35,7 @@ from app.requests.listings import listing_of_search
 from app.store import jobs, plans, results
 from app.store.database import Database
 from app.store.job import Job
-from app.work.campaign_files import SUFFIXES, MadePass, campaign_file
+from app.work.campaign import SUFFIXES, MadePass, campaign_file
 
 RESOURCE = JobResource(
     kind=CAMPAIGN.name,

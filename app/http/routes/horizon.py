@@ -9,14 +9,16 @@ from fastapi import APIRouter, Depends, Request, Response
 from app.answers.horizon import EstimateResponse, PictureOut, PredictionResponse
 from app.answers.members import provenance
 from app.http.blocking import answer_in_child, in_child
-from app.http.multipart import MAX_REQUEST_BYTES, FormPart, read_parts
 from app.http.negotiation import (
     JSON,
+    MAX_REQUEST_BYTES,
     MULTIPART,
     ONLY_JSON,
+    FormPart,
     json_body,
     media_type_of,
     preferred_type,
+    read_parts,
     unsupported,
     whole_body,
 )
@@ -25,8 +27,7 @@ from app.jobs.child import Bounds
 from app.jobs.worker_process import ChildDied
 from app.requests.examples import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, PREDICTION_EXAMPLES
 from app.requests.horizon import ESTIMATE_READER, PICTURE_READER, PREDICTION_READER
-from app.work.horizon import estimate_json, picture, picture_json
-from app.work.horizon_views import prediction_json
+from app.work.horizon import estimate_json, picture, picture_json, prediction_json
 from estimator.errors import InvalidImage
 from estimator.request import MAX_CAMERAS
 

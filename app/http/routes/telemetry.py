@@ -11,12 +11,15 @@ from sqlalchemy import Connection
 from app.answers.members import provenance
 from app.answers.telemetry import ComparisonResponse
 from app.http.blocking import in_child, read
-from app.http.multipart import MAX_REQUEST_BYTES, FormPart, read_parts, unreadable
 from app.http.negotiation import (
     JSON,
+    MAX_REQUEST_BYTES,
     MULTIPART,
+    FormPart,
     format_of,
     media_type_of,
+    read_parts,
+    unreadable,
     unsupported,
     whole_body,
 )
