@@ -79,8 +79,8 @@ async def wait_for_end(request: Request, job_id: str, wait_s: float) -> StoredPl
                     left_s = min(left_s, _LOOK_S)
                 waits: list[asyncio.Future[Any]] = [asyncio.wrap_future(ended), stops]
                 await asyncio.wait(waits, timeout=left_s, return_when=asyncio.FIRST_COMPLETED)
-                if ended.done() and (settled := ended.result()) is not None:
-                    return settled.plan
+                if ended.done() and (job := ended.result()) is not None:
+                    return job if isinstance(job, StoredPlan) else None
         return None
     finally:
         stops.cancel()

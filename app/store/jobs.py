@@ -323,9 +323,9 @@ def place_in_series(connection: Connection, job: Job) -> dict[str, Any]:
     return {"series": series, "revision": last + 1}
 
 
-def wait_for_parts(connection: Connection, job: Job) -> None:
+def wait_for_parts(connection: Connection, job: Job) -> Job:
     """Nobody works on a locked job any more; the last of its parts to finish finishes it."""
-    _change(connection, job, "running", {"state": "running", "waits_for": "parts"})
+    return _change(connection, job, "running", {"state": "running", "waits_for": "parts"})
 
 
 def parts_of(connection: Connection, job_id: str) -> list[Job]:
@@ -360,10 +360,10 @@ def _record_end_of_part(connection: Connection, whole_id: str) -> None:
         finish(connection, whole, "done")
 
 
-def give_back(connection: Connection, job: Job, *, counted: bool) -> None:
+def give_back(connection: Connection, job: Job, *, counted: bool) -> Job:
     """Put a locked job back into the queue; `counted`: the attempt was one."""
     attempts = job.attempts if counted else job.attempts - 1
-    _change(connection, job, "queued", {"state": "queued"}, attempts=attempts)
+    return _change(connection, job, "queued", {"state": "queued"}, attempts=attempts)
 
 
 def _change(
