@@ -14,9 +14,8 @@ from app.jobs.refusals import Interrupted
 from app.jobs.worker_process import ChildFailed, Stopped
 from app.log.logs import log
 from app.store import jobs, results
-from app.store.job import Job
+from app.store.job import Job, Listing
 from app.store.jobs import NewJob
-from app.store.listing import Listing
 from app.store.plans import plan_of
 from app.work.campaign import without_refused
 from app.work.result import Part, Result

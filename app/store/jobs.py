@@ -31,8 +31,7 @@ from sqlalchemy.orm import aliased
 
 from app.ids import OPEN_STATES, JobState
 from app.store import events
-from app.store.job import Job
-from app.store.listing import Listing, folded
+from app.store.job import Job, Listing, folded
 from app.store.models import JobRow, KeyRow, database_now_s
 from app.store.packed import unzip
 

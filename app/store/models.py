@@ -106,7 +106,7 @@ class JobRow(Base):
     plan_id: the job of the plan that this one is about; whoever deletes that deletes this.
     revises: the job of the plan that this one is to replace.  series: of a plan that is made, the
     job of its first revision; revision: from 1 within the series.
-    platform ... target_words: `app.store.listing`; targets: the first of target_count.
+    platform ... target_words: `app.store.job`; targets: the first of target_count.
     words, target_words: what filters look into, `folded`.
     """
 

@@ -15,7 +15,7 @@ from app.answers.members import to_json, to_members
 from app.requests.campaign import read_campaign_request
 from app.requests.json_reader import json_fields
 from app.requests.plan import read_plan_request, write_plan_request
-from app.store.listing import Listing
+from app.store.job import Listing
 from app.work.plan import plan_and_pack, stored_table_file
 from app.work.progress import report
 from app.work.result import Part, Result

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from app.store.listing import Listing
+from app.store.job import Listing
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -34,9 +34,8 @@ from app.requests.examples import FLIGHTS_EXAMPLES
 from app.requests.flights import FLIGHTS_READER
 from app.store import jobs, plans, results
 from app.store.database import Database
-from app.store.job import Job
+from app.store.job import Job, Listing
 from app.store.jobs import NEEDS_ALL
-from app.store.listing import Listing
 from app.work.flights import PlanToFly, unpacked_outcomes
 
 RESOURCE = JobResource(

@@ -12,7 +12,7 @@ from app.http.routes.parameters import ListQuery
 from app.requests.examples import Examples
 from app.requests.json_reader import JsonReader
 from app.store.database import Database
-from app.store.listing import Listing
+from app.store.job import Listing
 from app.work.view import AskedView
 from planner.output.export.exporter import Exporter
 
