@@ -92,19 +92,21 @@ def _about(axis: Vector, start: Vector, end: Vector) -> float:
     )
 
 
-@lean
-def axes_at(g: Reach, los: Vector) -> tuple[Pair, Pair]:
-    """Both pairs of angles, as `planner.motion.pointing.angles.axis_angles` tells them."""
+@inlined
+def pair_at(g: Reach, los: Vector, sign: float) -> Pair:
+    """The pair of angles that has the inner axis on one side; sign: 1 or -1."""
     along = dot(los, g.outer)
     a = (along - g.cosine * g.along_cosine) / g.square_sine
     b = (g.along_cosine - g.cosine * along) / g.square_sine
-    side = math.sqrt((1.0 - a * a - b * b - 2.0 * a * b * g.cosine) / g.square_sine)
-    flat = plus(scaled(a, g.outer), b, g.inner)
-    one, two = plus(flat, side, g.normal), plus(flat, -side, g.normal)
-    return (
-        (_about(g.outer, one, los), _about(g.inner, g.zero, one)),
-        (_about(g.outer, two, los), _about(g.inner, g.zero, two)),
-    )
+    off = math.sqrt((1.0 - a * a - b * b - 2.0 * a * b * g.cosine) / g.square_sine)
+    turned_zero = plus(plus(scaled(a, g.outer), b, g.inner), sign * off, g.normal)
+    return _about(g.outer, turned_zero, los), _about(g.inner, g.zero, turned_zero)
+
+
+@lean
+def axes_at(g: Reach, los: Vector) -> tuple[Pair, Pair]:
+    """Both pairs of angles, as `planner.motion.pointing.angles.axis_angles` tells them."""
+    return pair_at(g, los, 1.0), pair_at(g, los, -1.0)
 
 
 @compiled

@@ -111,7 +111,7 @@ def _off_mask(s: WindowScene, n: int, edge_s: float, sign: float) -> float:
     t_s = np.empty(count)
     for k in range(count):
         t_s[k] = edge_s + OPTIONS.mask_step_s * (k if sign > 0.0 else k + 1 - count)
-    found = stretches(s, OFF_MASK, n, t_s, np.empty((0, 4)))
+    found = stretches(s, OFF_MASK, n, t_s)
     if len(found) == 0:
         return math.nan
     return float(found[0, 0] if sign > 0.0 else found[-1, 1])
@@ -125,7 +125,7 @@ def _longest(s: WindowScene, n: int, a: float, b: float) -> tuple[float, float, 
     t_s = nodes_over(s.c, s.p, n, a, b, s.c.step_s, SWEEP.turn_rad)
     t_s = _with_keyholes(s, n, t_s)
     for branch in range(2):
-        parts = stretches(s, MOTION_0 + branch, n, t_s, np.empty((0, 4)))
+        parts = stretches(s, MOTION_0 + branch, n, t_s)
         for m in range(len(parts)):
             begins, ends = parts[m, 0], parts[m, 1]
             if is_wide:

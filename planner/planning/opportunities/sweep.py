@@ -25,7 +25,7 @@ from planner.base.vectors import (
     vector_of,
     wrapped,
 )
-from planner.motion.pointing.reach import Reach, axes_at, braking, off_masks, off_stops
+from planner.motion.pointing.reach import axes_at, braking, off_masks, off_stops, pair_at
 from planner.planning.opportunities.looks import (
     CarrierTables,
     Places,
@@ -66,7 +66,8 @@ class SweepOptions(NamedTuple):
     rate_s: float = 0.05  # either side, for a rate
     turning_s: float = 1e-3  # an excursion this much shorter than a command step is none
     plain_share: float = 0.4  # of a limit: below that no window is looked at more closely
-    plain_turn_rad: float = 0.6  # of an axis from node to node
+    plain_node_rad: float = math.radians(20.0)  # a turn of the line of sight: rates hold to 3 %
+    plain_turn_rad: float = 1.0  # of an axis from node to node: its peak rate is 1.6 times the mean
     plain_stop_rad: float = 0.1  # beside the braking distance
 
 
@@ -233,17 +234,18 @@ def _spans_by_elevation(
         f2, g2, far2 = _above_at_row(rows, place, cell + 1)
         nearest = max(min(far1, far2) - 0.5 * c.speed_m_s * c.step_s, OPTIONS.nearest_m)
         bend_m_s2 = (1.0 + sine) * c.acceleration_m_s2 + sine * c.speed_m_s**2 / nearest
-        looks, more = looks + 1, 0
+        looks += 1
         bent_m = 0.125 * bend_m_s2 * c.step_s**2
         if (f1 > 0.0) != (f2 > 0.0) or min(abs(f1), abs(f2)) <= bent_m:
             todo_states[0, 0], todo_states[0, 1], todo_states[0, 2] = end_s, f2, g2
             todo_states[1, 0], todo_states[1, 1], todo_states[1, 2] = cell * c.step_s, f1, g1
             more, looked = _edges_in_cell(c, place, bend_m_s2, todo_states, found_s)
             looks += looked
-        if count + more >= len(edges_s):
-            edges_s = np.concatenate((edges_s, np.empty(len(edges_s) + more)))
-        edges_s[count : count + more] = found_s[:more]
-        count += more
+            if count + more >= len(edges_s):
+                edges_s = np.concatenate((edges_s, np.empty(len(edges_s) + more)))
+            for k in range(more):
+                edges_s[count + k] = found_s[k]
+            count += more
         f1, g1, far1, known = f2, g2, far2, True
         cell += 1
     if count % 2:
@@ -405,8 +407,8 @@ def _hidden_turn(
 
 
 @nested
-def stretches(s: WindowScene, kind: int, n: int, t_s: Array, pairs_rad: Array) -> Array:
-    """Where a margin holds on nodes, (k, 2).  pairs_rad: takes the angles there, of the reach.
+def stretches(s: WindowScene, kind: int, n: int, t_s: Array) -> Array:
+    """Where a margin holds on nodes, (k, 2).
 
     A stretch or gap is missed only where the margin turns twice between two nodes, or by far more
     than it changes from node to node.
@@ -414,13 +416,7 @@ def stretches(s: WindowScene, kind: int, n: int, t_s: Array, pairs_rad: Array) -
     count = len(t_s)
     f = np.empty(count)
     for k in range(count):
-        if kind == REACH:
-            one, two = axes_at(s.g, sight_at(s.c, s.p, n, t_s[k]))
-            for axis in range(2):
-                pairs_rad[k, axis], pairs_rad[k, 2 + axis] = one[axis], two[axis]
-            f[k] = max(off_stops(s.g, one), off_stops(s.g, two))
-        else:
-            f[k] = margin(s, kind, n, t_s[k], 0.0)
+        f[k] = margin(s, kind, n, t_s[k], 0.0)
     edges_s, found = np.empty(4 * count + 2), 0
     if f[0] > 0.0:
         edges_s[0], found = t_s[0], 1
@@ -446,11 +442,21 @@ def stretches(s: WindowScene, kind: int, n: int, t_s: Array, pairs_rad: Array) -
 
 
 @lean
-def _is_lively(limit: Vector, t_s: Array, pairs_rad: Array, column: int) -> bool:
-    """Whether an axis comes near to a limit of its motion from node to node."""
-    rate_before, acceleration_before = 0.0, 0.0
+def _is_lively(
+    limit: Vector, travel_rad: float, t_s: Array, off_middle_rad: Array, axis: int
+) -> bool:
+    """Whether an axis comes near to a limit of its motion from node to node, passes its stops, or
+    may turn so far that no number of turns holds all of it.
+
+    off_middle_rad: (n, 2), in [-pi, pi] from mid-travel.
+    """
+    rate_before, acceleration_before, turned_rad = 0.0, 0.0, 0.0
     for k in range(len(t_s) - 1):
-        change = wrapped(pairs_rad[k + 1, column] - pairs_rad[k, column])
+        moved = off_middle_rad[k + 1, axis] - off_middle_rad[k, axis]
+        if travel_rad <= TURN_RAD and abs(moved) > math.pi:
+            return True
+        change = wrapped(moved)
+        turned_rad += abs(change)
         step = max(t_s[k + 1] - t_s[k], 1e-3)
         rate = change / step
         if abs(change) > OPTIONS.plain_turn_rad or abs(rate) > OPTIONS.plain_share * limit[0]:
@@ -467,35 +473,34 @@ def _is_lively(limit: Vector, t_s: Array, pairs_rad: Array, column: int) -> bool
                 return True
             acceleration_before = acceleration
         rate_before = rate
-    return False
-
-
-@lean
-def _may_wind_up(travel_rad: float, t_s: Array, pairs_rad: Array, column: int) -> bool:
-    """Whether an axis may turn so far that no number of turns holds all of it."""
-    turned_rad = 0.0
-    for k in range(len(t_s) - 1):
-        turned_rad += abs(wrapped(pairs_rad[k + 1, column] - pairs_rad[k, column]))
     return travel_rad > TURN_RAD and turned_rad > travel_rad - TURN_RAD
 
 
-@lean
-def _is_plain(g: Reach, t_s: Array, pairs_rad: Array) -> bool:
-    """Whether one pair of angles, of both (n, 4), follows a window far from all limits."""
+@nested
+def _is_plain(s: WindowScene, n: int, t_s: Array) -> bool:
+    """Whether one pair of angles, looked at at t_s, follows a target far from all limits."""
     stop_rad = OPTIONS.plain_stop_rad + max(
-        braking(OPTIONS.plain_share * g.limits[0][0], 0.0, g.limits[0]),
-        braking(OPTIONS.plain_share * g.limits[1][0], 0.0, g.limits[1]),
+        braking(OPTIONS.plain_share * s.g.limits[0][0], 0.0, s.g.limits[0]),
+        braking(OPTIONS.plain_share * s.g.limits[1][0], 0.0, s.g.limits[1]),
     )
-    for branch in range(2):
-        nearest = math.inf
+    off_middle_rad = np.empty((len(t_s), 2))
+    one, two = axes_at(s.g, platform_los(s.c, s.p, n, t_s[len(t_s) // 2]))
+    better = 1.0 if off_stops(s.g, one) > off_stops(s.g, two) else -1.0
+    for side in (better, -better):
+        plain = True
         for k in range(len(t_s)):
-            pair = pairs_rad[k, 2 * branch], pairs_rad[k, 2 * branch + 1]
-            nearest = min(nearest, off_stops(g, pair))
-        plain = nearest >= stop_rad
+            pair = pair_at(s.g, sight_at(s.c, s.p, n, t_s[k]), side)
+            for axis in range(2):
+                off_rad = wrapped(pair[axis] - 0.5 * (s.g.low[axis] + s.g.high[axis]))
+                off_middle_rad[k, axis] = off_rad
+                plain = plain and 0.5 * (s.g.high[axis] - s.g.low[axis]) - abs(off_rad) >= stop_rad
+            if not plain:
+                break
         for axis in range(2):
-            column, travel_rad = 2 * branch + axis, g.high[axis] - g.low[axis]
-            plain = plain and not _is_lively(g.limits[axis], t_s, pairs_rad, column)
-            plain = plain and not _may_wind_up(travel_rad, t_s, pairs_rad, column)
+            travel_rad = s.g.high[axis] - s.g.low[axis]
+            plain = plain and not _is_lively(
+                s.g.limits[axis], travel_rad, t_s, off_middle_rad, axis
+            )
         if plain:
             return True
     return False
@@ -510,22 +515,33 @@ def found_of(row_parameters: Array, looks: int) -> Found:
 
 
 @nested
-def _narrowed(s: WindowScene, kind: int, n: int, span_parameters: Array) -> tuple[Array, int]:
-    """Where a condition holds, too, and looks; rows (k, 5) are as of `found_of`, but target."""
+def _nodes_for(s: WindowScene, kind: int, n: int, start_s: float, stop_s: float) -> Array:
+    """Nodes at which a margin is looked at."""
     step_s, turn_rad = s.c.step_s, OPTIONS.turn_rad
     if kind == SUN:
         step_s, turn_rad = OPTIONS.sun_step_s, math.inf
     if kind == MASK:
         turn_rad = OPTIONS.mask_turn_rad
         step_s = min(step_s, OPTIONS.mask_turn_rad / s.c.turn_rad_s)
+    t_s = nodes_over(s.c, s.p, n, start_s, stop_s, step_s, turn_rad)
+    return _nodes_beside_masks(s, n, t_s) if kind == MASK else t_s
+
+
+@nested
+def _narrowed(s: WindowScene, kind: int, n: int, span_parameters: Array) -> tuple[Array, int]:
+    """Where a condition holds, too, and looks; rows (k, 5) are as of `found_of`, but target."""
     left, count, looks = np.empty((2 * len(span_parameters) + 8, 5)), 0, 0
     for span in span_parameters:
-        t_s = nodes_over(s.c, s.p, n, span[0], span[1], step_s, turn_rad)
-        if kind == MASK:
-            t_s = _nodes_beside_masks(s, n, t_s)
-        pairs_rad = np.empty((len(t_s) if kind == REACH else 0, 4))
-        found = stretches(s, kind, n, t_s, pairs_rad)
-        looks += len(t_s) + 12 * len(found)
+        found, is_plain = span[:2].copy().reshape(1, 2), False
+        if kind == REACH:
+            turn_rad = OPTIONS.plain_node_rad
+            t_s = nodes_over(s.c, s.p, n, span[0], span[1], s.c.step_s, turn_rad)
+            is_plain = _is_plain(s, n, t_s)
+            looks += len(t_s)
+        if not is_plain:
+            t_s = _nodes_for(s, kind, n, span[0], span[1])
+            found = stretches(s, kind, n, t_s)
+            looks += len(t_s) + 12 * len(found)
         for m in range(len(found)):
             if count == len(left):
                 left = np.concatenate((left, np.empty_like(left)))
@@ -534,9 +550,7 @@ def _narrowed(s: WindowScene, kind: int, n: int, span_parameters: Array) -> tupl
                 row[end], row[2 + end] = found[m, end], span[2 + end]
                 if found[m, end] != span[end]:
                     row[2 + end], is_whole = kind, False
-            row[4] = span[4] if is_whole else 0.0
-            if is_whole and kind == REACH and _is_plain(s.g, t_s, pairs_rad):
-                row[4] = 1.0
+            row[4] = 1.0 if is_plain else span[4] if is_whole else 0.0
             count += 1
     return left[:count].copy(), looks
 
@@ -548,7 +562,7 @@ def _of_target(s: WindowScene, rows: LeapRows, n: int) -> tuple[Array, int]:
         span_s, looks = _spans_by_elevation(s.c, rows, s.p.resting_parameters, n)
     else:
         t_s = np.linspace(0.0, s.c.span_s, len(s.c.orbit) + 1)
-        span_s, looks = stretches(s, ELEVATION, n, t_s, np.empty((0, 4))), len(t_s)
+        span_s, looks = stretches(s, ELEVATION, n, t_s), len(t_s)
     spans = np.zeros((len(span_s), 5))
     spans[:, :2], spans[:, 2:4] = span_s, ELEVATION
     if len(spans) and spans[0, 0] <= 0.0:

@@ -191,8 +191,9 @@ def sky_each(
         for m in range(2):
             v = apart if m == 0 else sun
             e, h = dot(v, east), dot(v, north)
-            out[k, 2 * m] = math.atan2(e, h) % TURN_RAD
-            out[k, 2 * m + 1] = math.atan2(dot(v, up), math.hypot(e, h))
-        ahead = east_rad - math.atan2(sun[1], sun[0])
-        out[k, 4] = (ahead / TURN_RAD + 0.5) % 1.0 * DAY_S
+            azimuth_rad = math.atan2(e, h)
+            out[k, 2 * m] = azimuth_rad if azimuth_rad >= 0.0 else azimuth_rad + TURN_RAD
+            out[k, 2 * m + 1] = math.atan2(dot(v, up), math.sqrt(e * e + h * h))
+        days = (east_rad - math.atan2(sun[1], sun[0])) / TURN_RAD + 0.5
+        out[k, 4] = (days - math.floor(days)) * DAY_S
     return out
