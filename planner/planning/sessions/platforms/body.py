@@ -312,13 +312,13 @@ class BodyMover:
         epoch_utc, stop_s = self.scenario.initial_state.epoch, last.stop_row / ROWS_PER_S
         until_utc = shifted_utc(epoch_utc, stop_s + OPTIONS.longest_s + STENCIL / ROWS_PER_S)
         onward = self.scenario.orbit.ephemeris(shifted_utc(epoch_utc, stop_s), until_utc)
-        there = self._idle(onward, last.stop_row, last.stop_row)
+        most_rows = round(OPTIONS.longest_s * ROWS_PER_S)
+        idle = self._idle(onward, last.stop_row, last.stop_row + most_rows)
+        there = rows_of(idle, slice(1))
         rows = self._most_rows(state, there) or self._recommended_rows(state, there)
-        goal_row = last.stop_row + min(rows, round(OPTIONS.longest_s * ROWS_PER_S))
-        until_row = goal_row + STENCIL
+        goal_row = last.stop_row + min(rows, most_rows)
         track = MotionTrack(
-            t_s=np.arange(last.stop_row, until_row + 1) / ROWS_PER_S,
-            motion=self._idle(onward, last.stop_row, until_row),
+            t_s=np.arange(last.stop_row, last.stop_row + most_rows + 1) / ROWS_PER_S, motion=idle
         )
         branch = TrackBranch(
             session=self.scenario.sessions[-1],
