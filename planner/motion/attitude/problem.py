@@ -13,7 +13,7 @@ from planner.base.errors import InfeasibleSlew, figures
 from planner.base.mrp import BodyMotion, MrpState, body_motion, mrp_state, quintic
 from planner.base.rotation import Rotation
 
-Objective = Literal["smooth", "minimum_time"]
+Objective = Literal["smooth", "minimum_time", "any"]
 LimitKind = Literal["magnitude", "axis", "gyros"]
 ORDERS = ("rate", "acceleration", "jerk")
 UNIT_TEXTS = ("deg/s", "deg/s2", "deg/s3")
@@ -111,7 +111,8 @@ class BodySlewProblem:
     start: one instant, row 0.  goal: n rows of the motion to join, 0.2 s apart; the slew may
     arrive at each of them, row k of it `first_arrival_row + k` rows after the start.
     objective: "smooth" arrives at the goal's last row with the least integral of squared jerk
-    found; "minimum_time" at the earliest row for which a slew is found, with the least jerk.
+    found, "any" with the first that is found; "minimum_time" at the earliest row for which a slew
+    is found, with the least jerk.
     """
 
     start: Motion

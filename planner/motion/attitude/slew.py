@@ -1,15 +1,17 @@
 """The slew of a whole body: the OCP's within all limits, or a refusal that names the limit."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from typing import Literal, NamedTuple
 
 import numpy as np
 
+from planner.base import effort
 from planner.base.arrays import Array
 from planner.base.commands import ROWS_PER_S, Motion
+from planner.base.effort import at_most
 from planner.base.errors import InfeasibleSlew, figures
 from planner.base.mrp import BodyMotion
 from planner.base.solvers import SolverRun
@@ -49,6 +51,7 @@ class BodySlewOptions:
     later_rows: int = 8  # tried after the least time: a row's span can't switch inside
     patience_rows: int = 18_000  # an hour: to tell what a slew without enough time takes
     proven: float = 1e-3  # of the cost, beyond its bound: the best there is
+    again_share: float = 0.6  # of the work that is left, for the least time from another start
     best_share: float = 0.98  # of a least time from one start, the least that there may be
     # times what a turn between rests takes: with more time, its motions at the ends decide
     hasty: float = 2.0
@@ -104,6 +107,10 @@ class _Tried(NamedTuple):
     found: _Found | None
     least_s: float | None = None
 
+    def is_beyond(self, available_s: float) -> bool:
+        """Whether it clearly takes longer than that."""
+        return self.found is None and available_s < OPTIONS.best_share * (self.least_s or 0.0)
+
 
 def solve_attitude_slew(problem: BodySlewProblem) -> BodySlew:
     """The slew asked for.
@@ -117,7 +124,7 @@ def solve_attitude_slew(problem: BodySlewProblem) -> BodySlew:
     if least is None:
         raise _too_short(problem, is_proof=True)
     eigenaxis, _, keeps = quickest_eigenaxis(problem)
-    if problem.objective == "smooth" or len(problem.goal.position) == 1:
+    if problem.objective != "minimum_time" or len(problem.goal.position) == 1:
         quickest_s, tried = None, _smoothest(problem.arriving_at(problem.last_arrival_row))
     else:
         quickest_s, tried = _quickest(problem, least, eigenaxis)
@@ -149,33 +156,82 @@ def solve_attitude_slew(problem: BodySlewProblem) -> BodySlew:
 def _quickest(
     problem: BodySlewProblem, least: int, eigenaxis: EigenaxisSlew
 ) -> tuple[float | None, _Tried]:
-    """The least time found from two starts, and the slew on rows that comes next to it."""
-    best: SpanMotion | None = None
+    """The least time found from two starts, and the slew on rows that comes next to one of them."""
     smoothest_at = cache(lambda row: _smoothest(problem.arriving_at(row)))
-    is_proven = problem.is_rest_to_rest and problem.limits.kind == "magnitude"
-    if not problem.cones:
-        best = _least_time(problem, least, _in_phases(eigenaxis))
-    if best is None or not is_proven:
-        guess_s = eigenaxis.duration_s if best is None else best.duration_s
-        for factor in OPTIONS.eased:
-            row = min(math.ceil(factor * guess_s * ROWS_PER_S), problem.last_arrival_row)
-            eased = smoothest_at(max(row, problem.first_arrival_row)).found
-            if eased is None:
-                continue
-            again = _least_time(problem, least, eased.spans.on_spans(_even_widths_s(eased)))
-            if again is not None and (best is None or again.duration_s < best.duration_s):
-                best = again
-            break
-    row = 0 if best is None else max(math.ceil(best.duration_s * ROWS_PER_S - 1e-6), least)
+    if eigenaxis.duration_s > problem.available_s:
+        tried = smoothest_at(problem.last_arrival_row)
+        if tried.is_beyond(problem.available_s):
+            return None, tried
+    quickest = _least_times(problem, least, eigenaxis, smoothest_at)
+    if not quickest:
+        return None, smoothest_at(problem.last_arrival_row)
+    quickest_s = min(motion.duration_s for motion in quickest)
+    row = max(_row_from(quickest_s), least)
     for later in range(OPTIONS.later_rows):
-        if best is None or row > problem.last_arrival_row:
+        if row > problem.last_arrival_row:
             break
-        found = _on_rows(problem.arriving_at(row), best)
+        with effort.finish():
+            found = _next_to(quickest, eigenaxis, problem.arriving_at(row))
         if found is not None:
-            return best.duration_s, _Tried(found)
+            return quickest_s, _Tried(found)
         row += 1 + later
-    quickest_s = None if best is None else best.duration_s
     return quickest_s, smoothest_at(problem.last_arrival_row)
+
+
+def _next_to(
+    quickest: list[SpanMotion], eigenaxis: EigenaxisSlew, problem: BodySlewProblem
+) -> _Found | None:
+    """On rows, in the time given: the smoothest that switches next to where one of them does.
+
+    Least times that last digits lead apart switch elsewhere, at more or less jerk.
+    """
+    found: _Found | None = None
+    begun = [m for m in quickest if _row_from(m.duration_s) <= problem.first_arrival_row]
+    for motion in [*begun, _in_phases(eigenaxis)]:
+        found = _smoother(found, _on_rows(problem, motion))
+    if found is None:
+        return None
+    shares = np.linspace(0.0, 1.0, _span_count(problem) + 1)
+    return _smoother(found, _blended_on_rows(problem, shares))
+
+
+def _least_times(
+    problem: BodySlewProblem,
+    least: int,
+    eigenaxis: EigenaxisSlew,
+    smoothest_at: Callable[[int], _Tried],
+) -> list[SpanMotion]:
+    """Motions of least time found from the eigenaxis slew and from a smooth one, if need be."""
+    quickest: list[SpanMotion] = []
+    if not problem.cones:
+        found = _least_time(problem, least, _in_phases(eigenaxis))
+        quickest += [found] if found else []
+    if quickest and problem.is_rest_to_rest and problem.limits.kind == "magnitude":
+        return quickest  # which is proven
+    guess_s = quickest[0].duration_s if quickest else eigenaxis.duration_s
+    for factor in OPTIONS.eased:
+        row = min(math.ceil(factor * guess_s * ROWS_PER_S), problem.last_arrival_row)
+        eased = smoothest_at(max(row, problem.first_arrival_row)).found
+        if eased is not None:
+            begin = eased.spans.on_spans(_even_widths_s(eased))
+            with at_most(OPTIONS.again_share * effort.remaining()):
+                found = _least_time(problem, least, begin)
+                quickest += [found] if found else []
+            return quickest
+    return quickest
+
+
+def _row_from(duration_s: float) -> int:
+    """The first row after that time."""
+    return math.ceil(duration_s * ROWS_PER_S - 1e-6)
+
+
+def _smoother(one: _Found | None, other: _Found | None) -> _Found | None:
+    """The first, unless the other has clearly less squared jerk: last digits don't decide."""
+    if one is None or other is None:
+        return one or other
+    most = (1.0 - OPTIONS.proven) * one.spans.cost_rad2_s5
+    return other if other.spans.cost_rad2_s5 < most else one
 
 
 def _in_phases(eigenaxis: EigenaxisSlew) -> SpanMotion:
@@ -211,22 +267,39 @@ def _smoothest(problem: BodySlewProblem) -> _Tried:
     shares = np.linspace(0.0, 1.0, _span_count(problem) + 1)
     best: _Found | None = None
     tried: _Tried | None = None
+    is_open = max(_end_rates(problem)) < OPTIONS.fast_end and _is_hasty(problem)
+    if is_open and problem.objective == "any" and _is_quicker_than_eigenaxis(problem):
+        tried = _next_to_least_time(problem)
+        if tried.found or tried.is_beyond(problem.available_s):
+            return tried
     for begin in _starts(problem, _row_widths_s(shares, problem)):
-        found = _solve_on_rows(problem, begin)
-        if found is not None and (
-            best is None or found.spans.cost_rad2_s5 < best.spans.cost_rad2_s5
-        ):
-            best = found
-        is_open = best is None and tried is None and max(_end_rates(problem)) < OPTIONS.fast_end
-        if is_open and _is_hasty(problem):
+        best = _smoother(best, _solve_on_rows(problem, begin))
+        if best is not None and (problem.objective == "any" or _is_smoothest(problem, best)):
+            break
+        if is_open and best is None and tried is None:
             tried = _next_to_least_time(problem)
-            if tried.found or problem.available_s < OPTIONS.best_share * (tried.least_s or 0.0):
+            if tried.found or tried.is_beyond(problem.available_s):
                 return tried
     if best is None and tried is None:
         # An end that moves nearly as fast as it may is left or met by a jerk that changes soon.
-        ends_finely = (1.0 - np.cos(np.pi * shares)) / 2.0
-        best = _solve_on_rows(problem, next(_starts(problem, _row_widths_s(ends_finely, problem))))
+        best = _blended_on_rows(problem, (1.0 - np.cos(np.pi * shares)) / 2.0)
     return _Tried(best, tried.least_s if tried else None)
+
+
+def _blended_on_rows(problem: BodySlewProblem, end_shares: Array) -> _Found | None:
+    """From the first start of `_starts`, its spans ending at these shares of the time."""
+    return _solve_on_rows(problem, next(_starts(problem, _row_widths_s(end_shares, problem))))
+
+
+def _is_smoothest(problem: BodySlewProblem, found: _Found) -> bool:
+    """Whether no slew of as many rows has less squared jerk to speak of."""
+    bound = least_cost_rad2_s5(problem, problem.first_arrival_row)
+    return found.spans.cost_rad2_s5 - bound <= OPTIONS.proven * found.spans.cost_rad2_s5
+
+
+def _is_quicker_than_eigenaxis(problem: BodySlewProblem) -> bool:
+    """Whether no slew about the Euler axis that was found is as quick as is asked."""
+    return problem.available_s < quickest_eigenaxis(problem)[0].duration_s
 
 
 def _is_hasty(problem: BodySlewProblem) -> bool:

@@ -1,6 +1,5 @@
 """The nearest start at which a refused session can be flown."""
 
-import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from datetime import datetime
@@ -117,7 +116,7 @@ def _is_planned(scenario: Scenario, mover: Mover) -> bool:
     is_quick = mover.start_search.is_quick
     if is_quick:
         scenario = replace(scenario, slew=replace(scenario.slew, objective="smooth"))
-    mover = mover.planning(scenario)
+    mover = mover.trying(scenario)
     whole = sequence_whole(scenario, mover)
     platform, resources = scenario.platform, scenario.resources
     is_free = is_quick and not platform.always_excluded and resources is None
@@ -226,6 +225,7 @@ def _advise_start(failed: SessionRefused, tell: Reporter) -> Refusal:
 
 
 def _start_advice(refused: RefusedSession, tell: Reporter) -> Advice:
+    refused = replace(refused, mover=refused.mover.trying(refused.scenario))
     span = _known_span(refused)
     if isinstance(span, Refusal):
         return Advice(f"no other start was tried: {span.detail.partition(';')[0]}")
@@ -414,8 +414,10 @@ def _ever_nearer(trials: Trials, row: int, away: int, failed: int) -> Iterator[S
             return  # with less time there is none either
         needed[good] = trials.needed_row
         bad, good = good, good + away * step
-        good = max(good, trials.needed_row) if away > 0 else good
-        step *= search.growth
+        if away > 0 and trials.needed_row > good:
+            good = trials.needed_row
+        else:
+            step *= search.growth
     else:
         return
     yield found
@@ -436,32 +438,31 @@ def _row_by_row(
     trials: Trials, found: Session | None, away: int, tried: set[int]
 ) -> Iterator[Session]:
     """Sessions that are nearer than the one found, where closed forms can't tell of a slew: what
-    they, or least times that were found, leave out may be possible."""
+    they, or least times that were found, leave out may be possible.  Steps are doubled as long as
+    all succeed, and halved since one failed, down to a row."""
     if found is None or not trials.mover.start_search.is_quick:
         return
     row = session_rows(found, trials.refused.epoch_utc).start
-    while row not in tried:
-        row -= away
-        nearer = trials.feasible_session(row) if row not in tried else None
-        if nearer is None:
-            return
-        yield nearer
+    step, grows = 1, row not in tried
+    while step:
+        is_new = not tried.intersection(row - away * near for near in range(1, step + 1))
+        nearer = trials.feasible_session(row - away * step) if is_new else None
+        if nearer is not None:
+            row -= away * step
+            yield nearer
+        grows &= nearer is not None
+        step = 2 * step if grows else step // 2
 
 
 def _row_to_try(needed: dict[int, int], good: int, bad: int) -> int:
-    """Between a row that fails and one that does: where what two that failed need meets the row.
+    """Between a row that fails and one that does: where the last that failed says, or halfway.
 
-    A goal that moves needs less or more time at another row, about in proportion; where it isn't
-    known of two rows, the one between.  needed: by row, the row that it would have needed, -1
-    where that isn't known.
+    needed: by row, the row at which it would be in time, -1 where that isn't known.
     """
-    told = [(row, needs) for row, needs in needed.items() if needs >= 0][-2:]
-    if len(told) < 2 or good < bad:
+    told = [needs for needs in needed.values() if needs >= 0]
+    if not told or good < bad:
         return (good + bad) // 2
-    (row_1, needs_1), (row_2, needs_2) = told
-    slope = (needs_2 - needs_1) / (row_2 - row_1)
-    meets = math.ceil((needs_2 - slope * row_2) / (1.0 - slope)) if slope < 1.0 else bad
-    return min(max(meets, bad + 1), good - 1)
+    return min(max(told[-1], bad + 1), good - 1)
 
 
 def _search_of(trials: Trials) -> Effort:

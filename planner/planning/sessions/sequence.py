@@ -91,6 +91,7 @@ class SessionRefused(Exception):
         if self._chain is not None:
             if self.session.mover.start_search.is_quick:
                 self._chain.accept_first()  # to join a track early loses nothing more or less
+                self._chain.mover = self.session.mover.trying(self.session.scenario)
             with at_most(OPTIONS.offers_share * effort.remaining()):
                 for mode in CONFLICTS:
                     instead = self._chain.solve(mode)

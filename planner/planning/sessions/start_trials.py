@@ -219,7 +219,23 @@ class Trials:
             )
         except Refusal as refusal:
             if isinstance(refusal, InfeasibleSlew) and refusal.needs_s is not None:
-                needed_row = refused.from_row + math.ceil(refusal.needs_s * ROWS_PER_S - 1e-6)
-                self._needed_rows.append(needed_row + branch.settle_rows)
+                self._needed_rows.append(self._row_in_time(branch, refusal.needs_s))
             return False
         return True
+
+    def _row_in_time(self, branch: TrackBranch, needs_s: float) -> int:
+        """At which the session may begin, where a slew to its first row takes so long.
+
+        At another row of the track it takes about as much more or less as closed forms say.
+        """
+        refused, here, mover = self.refused, branch.rows.start, self.mover
+        needed_rows = math.ceil(needs_s * ROWS_PER_S - 1e-6)
+        row = refused.from_row + needed_rows
+        if here < row <= branch.rows.stop:
+            least_s, there_s = (
+                mover.least_s(refused.state, mover.state_at(branch, at)) for at in (here, row)
+            )
+            slope = needed_rows * (there_s / least_s - 1.0) / (row - here)
+            if slope < 1.0:
+                row = math.ceil(here + (row - here) / (1.0 - slope) - 1e-6)
+        return row + branch.settle_rows

@@ -1,6 +1,5 @@
 """The probability in frame of the sessions that windows offer, before any of them is planned."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,8 +8,7 @@ from planner.base import effort
 from planner.base.arrays import Array
 from planner.base.effort import at_most
 from planner.planning.opportunities import OpportunityRequest, Windows
-from planner.planning.sessions.platforms.body_budget import body_probability_held
-from planner.planning.sessions.platforms.two_axis.budget import probability_held
+from planner.planning.sessions.platforms.registry import HELD
 from planner.world.frames.time_scales import Instants
 
 
@@ -25,12 +23,6 @@ class WindowProbabilityOptions:
 
 
 OPTIONS = WindowProbabilityOptions()
-
-# That the target stays in the frame of each kind of platform.
-HELD: dict[str, Callable[..., float]] = {
-    "two_axis": probability_held,
-    "body": body_probability_held,
-}
 
 
 def probabilities_in_frame(request: OpportunityRequest, windows: Windows) -> Array:

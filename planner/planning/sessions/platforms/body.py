@@ -69,6 +69,8 @@ class BodyMoverOptions:
     null_gain_rad_s: float = 0.02  # of the steering law, as docs/spacecraft.md takes it
     missed: float = 1e-3  # of a rotor's momentum: rates that are held over a row leave less
     inside_rad: float = 1e-6  # of an exclusion: 0.2 arcsec, more than the OCP leaves
+    # rad, rad/s: ends of one slew on an orbit computed over another span differ by less
+    alike: float = 1e-8
 
 
 OPTIONS = BodyMoverOptions()
@@ -127,11 +129,12 @@ class BodyMover:
         self.scenario, self.platform = scenario, platform
         self.limits = agility_limits(platform)
         self.settle_rows = math.ceil(platform.envelope.settle_s * ROWS_PER_S - 1e-6)
-        self._known: dict[tuple[object, ...], _Solved | InfeasibleSlew] = {}
+        self._is_trying = False
+        self._known: dict[tuple[int, ...], list[tuple[Array, _Solved | InfeasibleSlew]]] = {}
 
-    def planning(self, scenario: Scenario) -> "BodyMover":
+    def trying(self, scenario: Scenario) -> "BodyMover":
         mover = BodyMover(scenario)
-        mover._known = self._known
+        mover._known, mover._is_trying = self._known, True
         return mover
 
     def initial(self, ephemeris: Ephemeris) -> Motion:
@@ -246,18 +249,7 @@ class BodyMover:
             goal, first_row = self._early_goal(branch, from_row, last_row)
         else:
             goal, first_row = branch.track.rows_at(last_row, last_row), last_row
-        there = rows_of(goal, slice(-1, None))
-        ends = (state.position, state.rate_rad_s, there.position, there.rate_rad_s)
-        way = (last_row, from_row, *(end.tobytes() for end in ends))
-        asked = (first_row, *way)
-        if asked not in self._known:
-            try:
-                self._known[asked] = self._solve_to(branch, from_row, state, goal, first_row)
-            except InfeasibleSlew as refusal:
-                self._known[asked] = refusal
-                if refusal.limit != "exclusion":  # which may depend on the other rows of the goal
-                    self._known[last_row, *way] = refusal  # tried in the end, too
-        known = self._known[asked]
+        known = self._solved_once(branch, from_row, state, goal, first_row)
         if isinstance(known, InfeasibleSlew):
             raise known
         slew, wait = known
@@ -271,6 +263,34 @@ class BodyMover:
             settle_rows=branch.settle_rows,
             brake_rows=0 if wait is None else wait.rows.start - from_row,
         )
+
+    def _solved_once(
+        self, branch: TrackBranch, from_row: int, state: Motion, goal: Motion, first_row: int
+    ) -> _Solved | InfeasibleSlew:
+        """As `_solve_to`, or what is known of ends that are alike."""
+        there = rows_of(goal, slice(-1, None))
+        ends = np.concatenate(
+            [
+                part.ravel()
+                for end in (state, there)
+                for part in (Rotation.from_quat(end.position).as_matrix(), end.rate_rad_s)
+            ]
+        )
+        way = branch.rows.start, from_row
+        for known_ends, known in self._known.get((first_row, *way), ()):
+            if np.max(np.abs(known_ends - ends)) <= OPTIONS.alike:
+                return known
+        solved: _Solved | InfeasibleSlew
+        tried_rows = {first_row}
+        try:
+            solved = self._solve_to(branch, from_row, state, goal, first_row)
+        except InfeasibleSlew as refusal:
+            solved = refusal
+            if refusal.limit != "exclusion":  # which may depend on the other rows of the goal
+                tried_rows.add(branch.rows.start)  # in the end, too
+        for row in tried_rows:
+            self._known.setdefault((row, *way), []).append((ends, solved))
+        return solved
 
     def _solve_to(
         self, branch: TrackBranch, from_row: int, state: Motion, goal: Motion, first_row: int
@@ -472,7 +492,7 @@ class BodyMover:
         last_row = first_row + len(goal.position) - 1
         problem = self._problem(state, goal, first_row - from_row)
         cones = self._cones(ephemeris, from_row, last_row, state, goal)
-        objective = objective or self.scenario.slew.objective
+        objective = "any" if self._is_trying else objective or self.scenario.slew.objective
         return solve_attitude_slew(replace(problem, cones=cones, objective=objective))
 
     def _cones(

@@ -105,9 +105,9 @@ class Mover(Protocol):
     @property
     def settle_rows(self) -> int: ...
 
-    def planning(self, scenario: Scenario) -> "Mover":
-        """Of a scenario with other sessions, or another objective: it knows the slews that this one
-        has solved or refused."""
+    def trying(self, scenario: Scenario) -> "Mover":
+        """Of a scenario with other sessions, or another objective, to find out whether it can be
+        flown: it knows the slews that this one has solved or refused."""
         ...
 
     def initial(self, ephemeris: Ephemeris) -> State:

@@ -59,7 +59,7 @@ class TwoAxisMover:
 
     scenario: Scenario
 
-    def planning(self, scenario: Scenario) -> "TwoAxisMover":
+    def trying(self, scenario: Scenario) -> "TwoAxisMover":
         return TwoAxisMover(scenario)
 
     def initial(self, ephemeris: Ephemeris) -> States:
