@@ -1,4 +1,4 @@
-"""Plans an imaging session: candidates, choice and slews, gimbals, verification, simulation."""
+"""Plans an imaging session: candidates, choice and slews, table, verification, simulation."""
 
 from contextlib import suppress
 from dataclasses import dataclass
