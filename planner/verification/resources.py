@@ -1,26 +1,29 @@
-"""Battery and memory by the judge: its own Sun, shadow, stations and attitude between rows."""
+"""Battery, memory and wheels by the judge: its own Sun, stations and attitude between rows."""
 
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from datetime import datetime
 from functools import partial
+from typing import NamedTuple
 
 import erfa
 import numpy as np
 
-from planner.base.arrays import Array, Mask
+from planner.base.arrays import Array, Mask, cross
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.verification.clock import elapsed_us, tt_s
 from planner.verification.earth import earth_orientation
 from planner.verification.earth_fixed import vertical
 from planner.verification.platforms.judge import FlownInstants, Judge
-from planner.verification.report import Finding, Reserve
+from planner.verification.report import Finding, Limit, Reserve
 from planner.verification.sky import EARTH, SUN, limb_clearance_rad, r_body_bary_m, tdb_s
 from planner.verification.terrain import WGS84
+from planner.world.frames.geodesy import MU_EARTH_M3_S2
 from planner.world.frames.time_scales import Instants, shifted_utc
 from planner.world.orbits import Ephemeris, OrbitStates
-from planner.world.resources import Station
+from planner.world.resources import MOMENTA, ResourceName, Station, resource_told
+from planner.world.rules.body import inertia_of
 from planner.world.scenario import Scenario
 
 Times = Callable[[Array], Array]  # of a condition at instants, (n,): how far it is fulfilled
@@ -39,20 +42,28 @@ class JudgedResourceOptions:
 
 
 OPTIONS = JudgedResourceOptions()
+_LIMITS: dict[ResourceName, Limit] = {
+    "battery": "battery",
+    "memory": "memory",
+    "momentum_x": "momentum",
+    "momentum_y": "momentum",
+    "momentum_z": "momentum",
+}
 
 
 def resource_margins(
     table: CommandTable, scenario: Scenario, judge: Judge, waits: Waits
 ) -> tuple[Reserve, ...]:
     """The least that each resource keeps from its limit.  waits: when the platform idles."""
-    return tuple(
-        _margin(name, unit, limit, sign * (level - limit), table, t_s)
-        for name, unit, limit, sign, t_s, level in resource_levels(table, scenario, judge, waits)
-    )
+    return tuple(_margin(found, table) for found in resource_levels(table, scenario, judge, waits))
 
 
-def wait_findings(table: CommandTable, judge: Judge, waits: Waits) -> Iterator[Finding]:
+def wait_findings(
+    table: CommandTable, scenario: Scenario, judge: Judge, waits: Waits
+) -> Iterator[Finding]:
     """Where the plan says that the platform waits, and it does not."""
+    resources = scenario.resources
+    limit: Limit = "battery" if resources and resources.battery else "momentum"
     for wait in waits:
         first, last = (
             round(elapsed_us(end_utc, table.epoch_utc) / 1e6 * ROWS_PER_S) for end_utc in wait
@@ -62,7 +73,7 @@ def wait_findings(table: CommandTable, judge: Judge, waits: Waits) -> Iterator[F
         if moving.size:
             t_s = float(moving[0]) / ROWS_PER_S
             yield Finding(
-                limit="battery",
+                limit=limit,
                 t_s=t_s,
                 at_utc=shifted_utc(table.epoch_utc, t_s),
                 detail=f"the platform doesn't wait in row {moving[0]}, as its segment says",
@@ -74,33 +85,37 @@ def resource_findings(margins: tuple[Reserve, ...], scenario: Scenario) -> Itera
     resources = scenario.resources
     for margin in margins:
         assert resources is not None  # else it had no margins
-        capacity = (
-            resources.battery.capacity_wh
-            if margin.name == "battery" and resources.battery
-            else resources.memory.capacity_gbit
-            if resources.memory
-            else 0.0
-        )
+        capacity = margin.limit
+        if margin.name == "battery" and resources.battery is not None:
+            capacity = resources.battery.capacity_wh
         if margin.margin < -OPTIONS.tolerance * capacity:
             yield Finding(
-                limit=margin.name,
+                limit=_LIMITS[margin.name],
                 t_s=margin.t_s,
                 at_utc=margin.at_utc,
                 detail=(
-                    f"the {margin.name} holds {margin.extreme:.6g} {margin.unit}, "
+                    f"the {resource_told(margin.name)} holds {margin.extreme:.6g} {margin.unit}, "
                     f"{-margin.margin:.3g} {margin.unit} past its limit of {margin.limit:.6g} "
                     f"{margin.unit}, {margin.t_s:.1f} s after the table's epoch"
                 ),
             )
 
 
+class Levels(NamedTuple):
+    """Of one resource.  t_s: instants, (m,).  level: (m,).  margin: to the limit, (m,)."""
+
+    name: ResourceName
+    unit: str
+    limit: float
+    t_s: Array
+    level: Array
+    margin: Array
+
+
 def resource_levels(
     table: CommandTable, scenario: Scenario, judge: Judge, waits: Waits
-) -> Iterator[tuple[str, str, float, float, Array, Array]]:
-    """Of each resource name, unit, limit, sign, instants (m,) and levels (m,) on them.
-
-    sign: 1.0 where the level may not be below the limit, else -1.0.
-    """
+) -> Iterator[Levels]:
+    """Of each resource of the request."""
     resources, epoch_utc = scenario.resources, table.epoch_utc
     if resources is None:
         return
@@ -134,7 +149,8 @@ def resource_levels(
         for step_wh in (net_w * long_s / 3600.0).tolist():
             level = min(level + step_wh, battery.capacity_wh)
             levels.append(level)
-        yield "battery", "Wh", battery.least_wh, 1.0, t_s, np.array(levels)
+        charge_wh, least_wh = np.array(levels), battery.least_wh
+        yield Levels("battery", "Wh", least_wh, t_s, charge_wh, charge_wh - least_wh)
     if memory is not None:
         heard = np.zeros(len(middle_s), dtype=bool)
         for ends in contacts:
@@ -144,20 +160,73 @@ def resource_levels(
         for step_gbit in (rate * long_s).tolist():
             level = max(level + step_gbit, 0.0)
             levels.append(level)
-        yield "memory", "Gbit", memory.capacity_gbit, -1.0, t_s, np.array(levels)
+        data_gbit, most_gbit = np.array(levels), memory.capacity_gbit
+        yield Levels("memory", "Gbit", most_gbit, t_s, data_gbit, most_gbit - data_gbit)
+    if resources.momentum is not None:
+        yield from _momenta(table, scenario, judge, ephemeris, [(0.0, 0.0), *idle])
 
 
-def _margin(
-    name: str, unit: str, limit: float, margin_by_instant: Array, table: CommandTable, t_s: Array
-) -> Reserve:
-    worst = int(np.argmin(margin_by_instant))
-    margin, at_s = float(margin_by_instant[worst]), float(t_s[worst])
+def _momenta(
+    table: CommandTable,
+    scenario: Scenario,
+    judge: Judge,
+    ephemeris: Ephemeris,
+    idle: list[tuple[float, ...]],
+) -> Iterator[Levels]:
+    """Of the wheels about the body's axes, on rows.
+
+    idle: spans, s after the epoch.  The torque from outside is that half way between two rows.
+    """
+    # Numba takes 0.2 s to import, which only work should pay.
+    from planner.verification.unloading import held_by_wheels
+
+    assert scenario.resources is not None
+    momentum = scenario.resources.momentum
+    assert momentum is not None  # who asks has wheels
+    inertia_kg_m2 = inertia_of(scenario)
+    count = len(table.t_s)
+
+    def axes_eci(t_s: Array) -> tuple[Array, Array]:
+        """The body's axes as rows, (n, 3, 3), and from the Earth's centre, m, (n, 3)."""
+        cell = np.minimum((t_s * ROWS_PER_S + 1e-6).astype(np.intp), count - 2)
+        instants = Instants(table.epoch_utc, t_s)
+        at = FlownInstants(cell, t_s - cell * COMMAND_STEP_S, instants)
+        states = ephemeris.states(instants)
+        axes = [judge.direction_eci(axis, at, states) for axis in np.eye(3)]
+        return np.stack(axes, axis=1), states.r_sat_eci_m
+
+    parts = np.array_split(table.t_s, count // OPTIONS.rows_at_once + 1)
+    rows_eci = np.concatenate([axes_eci(part)[0] for part in parts])
+    middle_s = 0.5 * (table.t_s[1:] + table.t_s[:-1])
+    parts = np.array_split(middle_s, count // OPTIONS.rows_at_once + 1)
+    middle_eci, r_eci_m = (
+        np.concatenate(found) for found in zip(*map(axes_eci, parts), strict=True)
+    )
+    distance_m = np.linalg.norm(r_eci_m, axis=1)[:, None]
+    up = np.einsum("nij,nj->ni", middle_eci, r_eci_m / distance_m)
+    torque_n_m = 3.0 * MU_EARTH_M3_S2 / distance_m**3 * cross(up, up @ inertia_kg_m2)
+    torque_n_m += momentum.torque_body_n_m
+    impulse = np.zeros((count, 3))
+    impulse[1:] = np.einsum("nij,ni->nj", middle_eci, torque_n_m) * COMMAND_STEP_S
+    held = -table.rate_rad_s @ inertia_kg_m2
+    impulse[0] = (momentum.start_n_m_s - held[0]) @ rows_eci[0]
+    held[0] = momentum.start_n_m_s
+    unloads = np.any([_between(middle_s, *one) for one in idle], axis=0)
+    unloading = np.where(unloads, momentum.unload_n_m * COMMAND_STEP_S, 0.0)
+    held_by_wheels(rows_eci, middle_eci, impulse, unloading, held)
+    for name, level, limit in zip(MOMENTA, held.T, momentum.capacity_n_m_s, strict=True):
+        yield Levels(name, "N m s", limit, table.t_s, level, limit - np.abs(level))
+
+
+def _margin(found: Levels, table: CommandTable) -> Reserve:
+    worst = int(np.argmin(found.margin))
+    at_s = float(found.t_s[worst])
     return Reserve(
-        name="battery" if name == "battery" else "memory",
-        unit=unit,
-        limit=limit,
-        extreme=limit + margin if name == "battery" else limit - margin,
-        margin=margin,
+        name=found.name,
+        unit=found.unit,
+        limit=found.limit,
+        extreme=float(found.level[worst]),
+        margin=float(found.margin[worst]),
         t_s=at_s,
         at_utc=shifted_utc(table.epoch_utc, at_s),
     )

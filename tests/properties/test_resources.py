@@ -34,7 +34,7 @@ def test_the_judge_finds_the_same_levels_by_itself(planned):
     for plan in planned:
         judge = judge_of(plan.table, plan.scenario)
         judged = resource_levels(plan.table, plan.scenario, judge, plan.waits)
-        for curve, (name, _, _, _, t_s, level) in zip(resource_curves(plan), judged, strict=True):
+        for curve, (name, *_, t_s, level, _) in zip(resource_curves(plan), judged, strict=True):
             ours, theirs = (
                 np.interp(plan.table.t_s, *one) for one in ((curve.t_s, curve.level), (t_s, level))
             )
@@ -120,6 +120,25 @@ def levels_by_seconds(plan):
     steps_gbit = memory.imaging_gbit_s * imaging - memory.downlink_gbit_s * heard
     most_gbit = memory.imaging_gbit_s + memory.downlink_gbit_s
     yield summed(memory.start_gbit, steps_gbit, 0.0, np.inf), most_gbit
+    if resources.momentum is not None:
+        yield from momenta_by_seconds(plan, q_body, r_m, waiting)
+
+
+def momenta_by_seconds(plan, q_body, r_m, waiting):
+    """Of the wheels about x, y and z, by Euler's equations in the body's axes."""
+    momentum = plan.scenario.resources.momentum
+    inertia_kg_m2 = np.array(plan.scenario.platform.inertia_kg_m2)
+    spin = plan.table.rate_rad_s[::5] @ inertia_kg_m2
+    turn = (q_body[1:] * q_body[:-1].inv()).as_matrix()
+    up = q_body.apply(r_m)
+    torque_n_m = np.cross(up, up @ inertia_kg_m2) * 3.0 * 3.986004418e14
+    torque_n_m = torque_n_m / np.linalg.norm(up, axis=1)[:, None] ** 5 + momentum.torque_body_n_m
+    level = np.array([momentum.start_n_m_s])
+    for k in range(len(spin) - 1):
+        free = turn[k] @ (level[-1] + spin[k] + torque_n_m[k]) - spin[k + 1]
+        most = momentum.unload_n_m * waiting[k]
+        level = np.vstack([level, np.sign(free) * np.maximum(np.abs(free) - most, 0.0)])
+    yield from ((one, momentum.unload_n_m + np.abs(torque_n_m).max()) for one in level.T)
 
 
 def summed(level, steps, least, most):

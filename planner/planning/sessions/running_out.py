@@ -14,10 +14,11 @@ from planner.base.commands import ROWS_PER_S
 from planner.base.effort import at_most
 from planner.base.errors import Refusal, ResourceRunsOut, figures
 from planner.planning.resources import (
+    Along,
     LightAndContacts,
     ResourceCurve,
     Uses,
-    charge_along,
+    attitude_along,
     resource_curves,
     uses_of,
 )
@@ -55,25 +56,27 @@ def require_resources(plan: FlightPlan) -> None:
     at_utc = shifted_utc(plan.table.epoch_utc, curve.first_beyond_s or 0.0)
     short = figures(-float(curve.room.min()))
     detail = (
-        f"the {curve.name} passes its limit of {curve.limit:g} {curve.unit} at "
+        f"the {curve.told} passes its limit of {curve.limit:g} {curve.unit} at "
         f"{utc_text(at_utc, 1)}, in the end by {short} {curve.unit}"
     )
-    if _runs_out_idle(plan, curve.name):
+    if _runs_out_idle(plan, curve):
         raise ResourceRunsOut(
-            f"{detail}, and would without any session; begin with more, or take less while idle",
-            field=f"resources.{curve.name}",
-            limit=curve.name,
+            f"{detail}, and would without any session; {_IDLE_WAYS[curve.resource]}",
+            field=f"resources.{curve.resource}",
+            limit=curve.resource,
             at_utc=at_utc,
         )
     sessions = plan.scenario.sessions
     number = max(n for n, one in enumerate(sessions) if n == 0 or one.start <= at_utc)
+    if curve.resource == "momentum" and sessions[number].stop < at_utc:  # on the slew to the next
+        number = min(number + 1, len(sessions) - 1)
     advice = _Advice("", None, ())
     with at_most(OPTIONS.share * effort.remaining()):
         advice = _advice(plan, number, curve, at_utc)
     raise ResourceRunsOut(
-        f"session {number + 1}: {detail}; {advice.words or _NO_WAY}",
+        f"session {number + 1}: {detail}; {advice.words or _NO_WAY[curve.resource]}",
         field=f"sessions.{number}.start",
-        limit=curve.name,
+        limit=curve.resource,
         at_utc=at_utc,
         earliest_feasible_start_utc=advice.session.start if advice.session else None,
         feasible_stop_utc=advice.session.stop if advice.session else None,
@@ -89,22 +92,39 @@ class _Advice(NamedTuple):
     costs: tuple[int, ...]
 
 
-_NO_WAY = (
-    "neither a later start nor a shorter session was found with which there is enough; leave the "
-    "session or one before it out, or begin with more"
+_FOUND_NONE = (
+    "neither a later start nor a shorter session was found with which the limit is kept; leave the "
+    "session or one before it out"
 )
+_NO_WAY = {
+    "battery": f"{_FOUND_NONE}, or begin with more",
+    "memory": f"{_FOUND_NONE}, or begin with less",
+    "momentum": f"{_FOUND_NONE}, begin with less, or lower what agility allows",
+}
+_IDLE_WAYS = {
+    "battery": "begin with more, or take less while idle",
+    "memory": "begin with less",
+    "momentum": "begin with less, unload more, or choose another idle attitude",
+}
 
 
-def _runs_out_idle(plan: FlightPlan, name: str) -> bool:
-    """Whether it would with the plan's attitude, but nothing else of the plan."""
+def _runs_out_idle(plan: FlightPlan, curve: ResourceCurve) -> bool:
+    """Whether it would with nothing of the plan: but for momentum, not without its attitude."""
     t_s = plan.table.t_s
-    around, charge_w = charge_along(plan)
+    around, along = attitude_along(plan)
+    if curve.resource == "momentum":
+        along = _idle_along(around, t_s)
     nothing = Uses(imaging=(), idle=((0.0, float(t_s[-1])),))
     return any(
         one.first_beyond_s is not None
-        for one in around.curves(t_s, charge_w, nothing)
-        if one.name == name
+        for one in around.curves(t_s, along, nothing)
+        if one.name == curve.name
     )
+
+
+def _idle_along(around: Surroundings, t_s: Array) -> Along:
+    """What the idle attitude gives, at 7 or more even instants."""
+    return around.along(t_s, mover_of(around.scenario).idle_motion(*around.at(t_s)))
 
 
 def _advice(plan: FlightPlan, number: int, curve: ResourceCurve, at_utc: datetime) -> _Advice:
@@ -118,7 +138,7 @@ def _advice(plan: FlightPlan, number: int, curve: ResourceCurve, at_utc: datetim
         shorter, later = search.shorter(), search.later()
         ways = []
         if later is not None:
-            contact = search.contact_before(later, at_utc) if curve.name == "memory" else ""
+            contact = search.contact_before(later, at_utc) if curve.resource == "memory" else ""
             start, stop = utc_text(later.start, 1), utc_text(later.stop, 1)
             ways.append(f"earliest feasible start {start}{contact}, with the stop moved to {stop}")
         if shorter is not None:
@@ -150,7 +170,7 @@ class _Search:
     def shorter(self) -> Session | None:
         """With the same start and the latest stop that was found."""
         start_s, stop_s = self.uses.imaging[self.number]
-        around, charge_w = charge_along(self.plan)
+        around, along = attitude_along(self.plan)
         is_last = self.number + 1 == len(self.scenario.sessions)
         ends = is_last and (self.scenario.final_state is None or self.leaves_out)
 
@@ -159,7 +179,7 @@ class _Search:
             imaging = list(self.uses.imaging)
             imaging[self.number] = start_s, until_s
             uses = replace(self.uses, imaging=tuple(imaging))
-            curves = around.curves(self.plan.table.t_s, charge_w, uses)
+            curves = around.curves(self.plan.table.t_s, along, uses)
             last_s = until_s if ends else math.inf
             return max(_lack(curve, last_s) for curve in curves)
 
@@ -188,17 +208,14 @@ class _Search:
         if around is None:
             return None
         t_s = np.linspace(0.0, around.last_s, math.ceil(around.last_s / OPTIONS.step_s) + 1)
-        instants, states = around.at(t_s)
-        idle = mover_of(self.scenario).idle_position(instants, states)
-        q_body_from_eci = self.scenario.q_body_from_eci(instants, states, idle)
-        charge_w = around.charge_w(t_s, q_body_from_eci)
+        along = _idle_along(around, t_s)
         next_s = [one[0] for one in self.uses.imaging[self.number + 1 :]]
         until_s = next_s[0] if next_s else around.last_s
         lacked_now = max(_lack(curve, stop_s) for curve in resource_curves(self.plan))
-        spare = lacked_now - self._foretold(around, t_s, charge_w, start_s, long_s)
+        spare = lacked_now - self._foretold(around, t_s, along, start_s, long_s)
         tries = 0
         for moved_s in self._starts(around, long_s, until_s):
-            if self._foretold(around, t_s, charge_w, moved_s, long_s) > -spare:
+            if self._foretold(around, t_s, along, moved_s, long_s) > -spare:
                 continue
             found, lacked = self._try(moved_s, moved_s + long_s)
             if found is not None:
@@ -251,7 +268,7 @@ class _Search:
         yield from starts_s.tolist()
 
     def _foretold(
-        self, around: LightAndContacts, t_s: Array, charge_w: Array, start_s: float, long_s: float
+        self, around: LightAndContacts, t_s: Array, along: Along, start_s: float, long_s: float
     ) -> float:
         """What lacks, in shares of the capacity, with the session moved there, idle between."""
         imaging, idle = list(self.uses.imaging), list(self.uses.idle)
@@ -265,7 +282,7 @@ class _Search:
             idle.append((before_s, waits_until_s))
         is_last = self.number + 1 == len(imaging)
         last_s = imaging[-1][1] if is_last else min(float(self.plan.table.t_s[-1]), around.last_s)
-        curves = around.curves(t_s, charge_w, Uses(imaging=tuple(imaging), idle=tuple(idle)))
+        curves = around.curves(t_s, along, Uses(imaging=tuple(imaging), idle=tuple(idle)))
         return max(_lack(curve, last_s) for curve in curves)
 
     def _try(self, start_s: float, stop_s: float) -> tuple[Session | None, float]:

@@ -399,8 +399,8 @@ class BodyMover:
         position = motion_at(table, los.instants.t_s).position
         return body_covariance_rad2(los, ephemeris, target, self.platform, position)
 
-    def idle_position(self, instants: Instants, states: OrbitStates) -> Array:
-        return idle_attitude(self.platform.idle, instants, states).position
+    def idle_motion(self, instants: Instants, states: OrbitStates) -> Motion:
+        return idle_attitude(self.platform.idle, instants, states)
 
     def warnings_along(self, table: CommandTable) -> tuple[str, ...]:
         """None: it steers itself."""

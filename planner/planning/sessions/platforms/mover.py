@@ -6,7 +6,7 @@ from datetime import datetime
 from typing import Any, ClassVar, Protocol
 
 from planner.base.arrays import Array, Mask
-from planner.base.commands import CommandTable
+from planner.base.commands import CommandTable, Motion
 from planner.motion.pointing.line_of_sight import LineOfSight
 from planner.planning.sessions.budget import PointingBudget
 from planner.planning.sessions.plan import SlewRun
@@ -201,8 +201,8 @@ class Mover(Protocol):
         """
         ...
 
-    def idle_position(self, instants: Instants, states: OrbitStates) -> Array:
-        """Of a body on its idle attitude, of axes at zero, at 7 or more even instants, (n, c)."""
+    def idle_motion(self, instants: Instants, states: OrbitStates) -> Motion:
+        """Of a body on its idle attitude, of axes at zero, at 7 or more even instants."""
         ...
 
     def warnings_along(self, table: CommandTable) -> tuple[str, ...]:
