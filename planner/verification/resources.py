@@ -171,11 +171,11 @@ def _momenta(
     scenario: Scenario,
     judge: Judge,
     ephemeris: Ephemeris,
-    idle: list[tuple[float, ...]],
+    idle_s: list[tuple[float, ...]],
 ) -> Iterator[Levels]:
     """Of the wheels about the body's axes, on rows.
 
-    idle: spans, s after the epoch.  The torque from outside is that half way between two rows.
+    idle_s: spans after the epoch.  The torque from outside is that half way between two rows.
     """
     # Numba takes 0.2 s to import, which only work should pay.
     from planner.verification.unloading import held_by_wheels
@@ -211,7 +211,7 @@ def _momenta(
     held = -table.rate_rad_s @ inertia_kg_m2
     impulse[0] = (momentum.start_n_m_s - held[0]) @ rows_eci[0]
     held[0] = momentum.start_n_m_s
-    unloads = np.any([_between(middle_s, *one) for one in idle], axis=0)
+    unloads = np.any([_between(middle_s, *one) for one in idle_s], axis=0)
     unloading = np.where(unloads, momentum.unload_n_m * COMMAND_STEP_S, 0.0)
     held_by_wheels(rows_eci, middle_eci, impulse, unloading, held)
     for name, level, limit in zip(MOMENTA, held.T, momentum.capacity_n_m_s, strict=True):

@@ -1,4 +1,4 @@
-"""What reaction wheels hold along an attitude, step by step; compiled."""
+"""Momentum of reaction wheels along an attitude, step by step; compiled."""
 
 import numpy as np
 
@@ -7,16 +7,16 @@ from planner.base.compiled import compiled, nested
 
 
 @nested
-def _unloaded(begin: float, end: float, most: float) -> float:
+def _unloaded(begin_n_m_s: float, end_n_m_s: float, most_n_m_s: float) -> float:
     """Where a momentum ends that would change evenly, with so much taken off it until it is 0."""
-    side = 1.0 if begin > 0.0 or (begin == 0.0 and end > 0.0) else -1.0
-    size, change = side * begin, side * (end - begin)
-    left = size + change - most
+    side = 1.0 if begin_n_m_s > 0.0 or (begin_n_m_s == 0.0 and end_n_m_s > 0.0) else -1.0
+    size, change = side * begin_n_m_s, side * (end_n_m_s - begin_n_m_s)
+    left = size + change - most_n_m_s
     if left >= 0.0:
         return side * left
-    if change >= -most:
+    if change >= -most_n_m_s:
         return 0.0
-    return side * (change + most) * (1.0 - size / (most - change))
+    return side * (change + most_n_m_s) * (1.0 - size / (most_n_m_s - change))
 
 
 @compiled
