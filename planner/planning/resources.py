@@ -146,7 +146,7 @@ class LightAndContacts:
 
     def at(self, t_s: Array) -> tuple[Instants, OrbitStates]:
         instants = Instants(self.epoch_utc, t_s)
-        return instants, self.ephemeris.states(instants)
+        return instants, self.ephemeris.dense_states(instants)
 
     @cached_property
     def lit(self) -> tuple[Span, ...]:
@@ -185,7 +185,7 @@ class LightAndContacts:
         """Of the platform's motion at n instants."""
         instants, states = self.at(t_s)
         q_body_from_eci = self.scenario.q_body_from_eci(instants, states, motion.position)
-        charge_w = self._charge_w(t_s, q_body_from_eci)
+        charge_w = self._charge_w(instants, states, q_body_from_eci)
         if (momentum := self.resources.momentum) is None:
             return Along(charge_w, *(np.zeros(0) for _ in range(3)))
         inertia_kg_m2 = inertia_of(self.scenario)
@@ -197,18 +197,22 @@ class LightAndContacts:
             torque_eci_n_m=q_body_from_eci.inv().apply(torque_n_m + momentum.torque_body_n_m),
         )
 
-    def _charge_w(self, t_s: Array, q_body_from_eci: Rotation) -> Array:
+    def _charge_w(
+        self, instants: Instants, states: OrbitStates, q_body_from_eci: Rotation
+    ) -> Array:
         """What panels would give in sunlight at n instants, (n,)."""
         battery = self.resources.battery
         if battery is None or battery.sunlight_w is not None:
-            return np.full(len(t_s), 0.0 if battery is None else battery.sunlight_w)
-        sun_body = q_body_from_eci.apply(sun_eci(*self.at(t_s)))
+            return np.full(len(instants), 0.0 if battery is None else battery.sunlight_w)
+        sun_body = q_body_from_eci.apply(sun_eci(instants, states))
         powers_w = [
             panel.power_w * np.maximum(sun_body @ panel.normal, 0.0) for panel in battery.panels
         ]
-        return np.asarray(np.sum(powers_w, axis=0)) if powers_w else np.zeros(len(t_s))
+        return np.asarray(np.sum(powers_w, axis=0)) if powers_w else np.zeros(len(instants))
 
-    def curves(self, t_s: Array, along: Along, uses: Uses) -> tuple[ResourceCurve, ...]:
+    def curves(
+        self, t_s: Array, along: Along, uses: Uses, *, with_wheels: bool = True
+    ) -> tuple[ResourceCurve, ...]:
         """t_s: from row 0, (n,).  along: the attitude then; charge is taken as linear between."""
         contacts = tuple(span for _, span in self.contacts)
         edges = [
@@ -228,7 +232,7 @@ class LightAndContacts:
             sent = np.where(_within(grid_s, contacts), memory.downlink_gbit_s, 0.0)
             written = np.where(imaging, memory.imaging_gbit_s, 0.0)
             found.append(_memory_curve(memory, grid_s, (written - sent) * step_s))
-        if (momentum := self.resources.momentum) is not None:
+        if with_wheels and (momentum := self.resources.momentum) is not None:
             found.extend(_momentum_curves(momentum, t_s, along, _within(t_s, uses.idle)))
         return tuple(found)
 
@@ -254,15 +258,23 @@ def attitude_along(plan: FlightPlan) -> tuple[LightAndContacts, Along]:
 
 
 def sun_eci(instants: Instants, states: OrbitStates) -> Array:
-    """Geometric directions of the Sun from the spacecraft, unit vectors (n, 3)."""
-    to_sun_m = r_sun_eci_m(instants) - states.r_sat_eci_m
+    """Geometric directions of the Sun from the spacecraft, unit vectors (n, 3).
+
+    instants: in order of time.  The Sun's way over 10 s is taken as straight: 0.1 m off.
+    """
+    t_s = instants.t_s
+    node_s = np.append(np.arange(t_s[0], t_s[-1], OPTIONS.step_s), t_s[-1])
+    node_s = t_s if len(t_s) < len(node_s) else node_s
+    r_sun_m = r_sun_eci_m(Instants(instants.epoch_utc, node_s))
+    to_sun_m = np.stack([np.interp(t_s, node_s, x_m) for x_m in r_sun_m.T], axis=1)
+    to_sun_m -= states.r_sat_eci_m
     return np.asarray(to_sun_m / np.linalg.norm(to_sun_m, axis=1, keepdims=True))
 
 
 def _battery_curve(battery: Battery, t_s: Array, steps_wh: Array) -> ResourceCurve:
     """Charge beyond the capacity is lost where it comes: all that was lost so far is the most by
     which the sum without losses ever stood above the capacity."""
-    whole = battery.start_wh + np.append(0.0, np.cumsum(steps_wh))
+    whole = battery.begins_wh + np.append(0.0, np.cumsum(steps_wh))
     lost = np.maximum.accumulate(np.maximum(whole - battery.capacity_wh, 0.0))
     return ResourceCurve(
         name="battery",

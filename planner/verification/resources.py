@@ -10,10 +10,10 @@ from typing import NamedTuple
 import erfa
 import numpy as np
 
-from planner.base.arrays import Array, Mask, cross
+from planner.base.arrays import Array, Indices, Mask, cross
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.verification.clock import elapsed_us, tt_s
-from planner.verification.earth import earth_orientation
+from planner.verification.earth import earth_orientation, interpolate_evenly
 from planner.verification.earth_fixed import vertical
 from planner.verification.platforms.judge import FlownInstants, Judge
 from planner.verification.report import Finding, Limit, Reserve
@@ -38,6 +38,8 @@ class JudgedResourceOptions:
     halvings: int = 30  # of that: to a nanosecond
     wait_rows: int = 50  # between looks at whether the platform waits: no slew is so short
     rows_at_once: int = 20_000
+    rounding: float = 1e-6  # of a row, of times that lie on one
+    sun_s: float = 600.0  # between looks at the Sun: a cubic through them is off by micrometres
     tolerance: float = 1e-6  # of the capacity
 
 
@@ -140,12 +142,11 @@ def resource_levels(
         idles = np.any([_between(middle_s, *one) for one in [(0.0, 0.0), *idle]], axis=0)
         charge_w = np.zeros(len(middle_s))
         sunny = np.flatnonzero(np.searchsorted(lit, middle_s) % 2 == 1)
-        for part in np.array_split(sunny, len(sunny) // OPTIONS.rows_at_once + 1):
-            if part.size:
-                charge_w[part] = _charge_w(table, scenario, judge, ephemeris, middle_s[part])
+        for part, at, states in _parts(table, ephemeris, middle_s[sunny]):
+            charge_w[sunny[part]] = _charge_w(scenario, judge, at, states)
         net_w = charge_w - battery.idle_w - battery.imaging_w * images
         net_w -= battery.slew_w * ~(images | idles)
-        level, levels = battery.start_wh, [battery.start_wh]
+        level, levels = battery.begins_wh, [battery.begins_wh]
         for step_wh in (net_w * long_s / 3600.0).tolist():
             level = min(level + step_wh, battery.capacity_wh)
             levels.append(level)
@@ -185,23 +186,14 @@ def _momenta(
     assert momentum is not None  # who asks has wheels
     inertia_kg_m2 = inertia_of(scenario)
     count = len(table.t_s)
-
-    def axes_eci(t_s: Array) -> tuple[Array, Array]:
-        """The body's axes as rows, (n, 3, 3), and from the Earth's centre, m, (n, 3)."""
-        cell = np.minimum((t_s * ROWS_PER_S + 1e-6).astype(np.intp), count - 2)
-        instants = Instants(table.epoch_utc, t_s)
-        at = FlownInstants(cell, t_s - cell * COMMAND_STEP_S, instants)
-        states = ephemeris.states(instants)
-        axes = [judge.direction_eci(axis, at, states) for axis in np.eye(3)]
-        return np.stack(axes, axis=1), states.r_sat_eci_m
-
-    parts = np.array_split(table.t_s, count // OPTIONS.rows_at_once + 1)
-    rows_eci = np.concatenate([axes_eci(part)[0] for part in parts])
     middle_s = 0.5 * (table.t_s[1:] + table.t_s[:-1])
-    parts = np.array_split(middle_s, count // OPTIONS.rows_at_once + 1)
-    middle_eci, r_eci_m = (
-        np.concatenate(found) for found in zip(*map(axes_eci, parts), strict=True)
-    )
+    rows_eci, middle_eci, r_eci_m = (np.empty((count, *ends)) for ends in ((3, 3), (3, 3), (3,)))
+    for t_s, axes_eci in ((table.t_s, rows_eci), (middle_s, middle_eci)):
+        for part, at, states in _parts(table, ephemeris, t_s):
+            for number, axis in enumerate(np.eye(3)):
+                axes_eci[part, number] = judge.direction_eci(axis, at, states)
+            r_eci_m[part] = states.r_sat_eci_m
+    middle_eci, r_eci_m = middle_eci[:-1], r_eci_m[:-1]
     distance_m = np.linalg.norm(r_eci_m, axis=1)[:, None]
     up = np.einsum("nij,nj->ni", middle_eci, r_eci_m / distance_m)
     torque_n_m = 3.0 * MU_EARTH_M3_S2 / distance_m**3 * cross(up, up @ inertia_kg_m2)
@@ -227,6 +219,7 @@ def _margin(found: Levels, table: CommandTable) -> Reserve:
         limit=found.limit,
         extreme=float(found.level[worst]),
         margin=float(found.margin[worst]),
+        last=float(found.level[-1]),
         t_s=at_s,
         at_utc=shifted_utc(table.epoch_utc, at_s),
     )
@@ -251,9 +244,12 @@ def _above(value: Times, last_s: float) -> Array:
 
 
 def _sun_eci_m(instants: Instants, states: OrbitStates) -> Array:
-    """From the spacecraft, geometric, (n, 3)."""
+    """From the spacecraft at instants in order of time, geometric, (n, 3)."""
     at_s = tdb_s(tt_s(instants.epoch_utc, instants.t_s))
-    return r_body_bary_m(SUN, at_s) - r_body_bary_m(EARTH, at_s) - states.r_sat_eci_m
+    count = max(math.ceil((at_s[-1] - at_s[0]) / OPTIONS.sun_s) + 1, 4)
+    node_s = np.linspace(at_s[0], at_s[-1] + 1.0, count)
+    r_sun_m = r_body_bary_m(SUN, node_s) - r_body_bary_m(EARTH, node_s)
+    return interpolate_evenly(node_s, r_sun_m, at_s) - states.r_sat_eci_m
 
 
 def _sun_above_limb_rad(epoch_utc: datetime, ephemeris: Ephemeris, t_s: Array) -> Array:
@@ -282,22 +278,29 @@ def _elevation_rad(
     return np.asarray(above_rad)
 
 
-def _charge_w(
-    table: CommandTable, scenario: Scenario, judge: Judge, ephemeris: Ephemeris, t_s: Array
-) -> Array:
+def _parts(
+    table: CommandTable, ephemeris: Ephemeris, t_s: Array
+) -> Iterator[tuple[Indices, FlownInstants, OrbitStates]]:
+    """Instants in order of time, some at once: which of them, where in the table, the orbit."""
+    for part in np.array_split(np.arange(len(t_s)), len(t_s) // OPTIONS.rows_at_once + 1):
+        if part.size:
+            cell = (t_s[part] * ROWS_PER_S + OPTIONS.rounding).astype(np.intp)
+            cell = np.minimum(cell, len(table.t_s) - 2)
+            instants = Instants(table.epoch_utc, t_s[part])
+            at = FlownInstants(cell, t_s[part] - cell * COMMAND_STEP_S, instants)
+            yield part, at, ephemeris.dense_states(instants)
+
+
+def _charge_w(scenario: Scenario, judge: Judge, at: FlownInstants, states: OrbitStates) -> Array:
     """Of the panels at instants in sunlight, (n,)."""
     assert scenario.resources is not None
     battery = scenario.resources.battery
     assert battery is not None  # who asks has one
     if battery.sunlight_w is not None:
-        return np.full(len(t_s), battery.sunlight_w)
-    instants = Instants(table.epoch_utc, t_s)
-    states = ephemeris.states(instants)
-    cell = np.minimum((t_s * ROWS_PER_S).astype(np.intp), len(table.t_s) - 2)
-    at = FlownInstants(cell, t_s - cell * COMMAND_STEP_S, instants)
-    to_sun_m = _sun_eci_m(instants, states)
+        return np.full(len(at.cell), battery.sunlight_w)
+    to_sun_m = _sun_eci_m(at.instants, states)
     distance_m = np.linalg.norm(to_sun_m, axis=1)
-    total_w = np.zeros(len(t_s))
+    total_w = np.zeros(len(at.cell))
     for panel in battery.panels:
         normal = np.asarray(panel.normal_body) / np.linalg.norm(panel.normal_body)
         on_base = scenario.platform.q_base_from_carrier.apply(normal)

@@ -59,7 +59,8 @@ class Battery:
     losses, the Sun's distance, and shadows that parts cast on panels.
 
     capacity_wh: charge when full; more is lost. E.g. `180.0`.
-    start_wh: charge at row 0. E.g. `160.0`.
+    start_wh: charge at row 0; unless given it is full, or what the plan of `after` leaves. E.g.
+    `160.0`.
     least_wh: charge that it must keep. E.g. `110.0`.
     idle_w: drawn at all times. E.g. `38.0`.
     slew_w: drawn on top while the platform moves, or waits on a target, between sessions.
@@ -69,7 +70,7 @@ class Battery:
     """
 
     capacity_wh: Annotated[float, Within(1e-3, 1e6)]
-    start_wh: EnergyWh
+    start_wh: EnergyWh | None = None
     least_wh: EnergyWh = 0.0
     idle_w: PowerW
     slew_w: PowerW = 0.0
@@ -83,15 +84,20 @@ class Battery:
                 f"least_wh must be capacity_wh, {self.capacity_wh:g}, or less, not "
                 f"{self.least_wh:g}"
             )
-        if not self.least_wh <= self.start_wh <= self.capacity_wh:
+        if not self.least_wh <= self.begins_wh <= self.capacity_wh:
             raise ValueError(
                 f"start_wh must lie between least_wh and capacity_wh, {self.least_wh:g} to "
-                f"{self.capacity_wh:g}, not {self.start_wh:g}"
+                f"{self.capacity_wh:g}, not {self.begins_wh:g}"
             )
         if len(self.panels) > 16:
             raise ValueError(f"panels must hold at most 16 panels, not {len(self.panels)}")
         if self.panels and self.sunlight_w is not None:
             raise ValueError("sunlight_w must be left out with panels: they say what charges it")
+
+    @property
+    def begins_wh(self) -> float:
+        """Charge at row 0."""
+        return self.capacity_wh if self.start_wh is None else self.start_wh
 
 
 @spec
@@ -116,7 +122,8 @@ class Memory:
     """Filled in sessions, emptied over stations, one at a time and wherever the platform points.
 
     capacity_gbit: most that it holds. E.g. `512.0`.
-    start_gbit: data in it at row 0. E.g. `40.0`.
+    start_gbit: data in it at row 0; unless given none, or what the plan of `after` leaves. E.g.
+    `40.0`.
     imaging_gbit_s: written during sessions. E.g. `1.6`.
     downlink_gbit_s: sent while any station takes data, also during sessions. E.g. `0.4`.
     stations: up to 16 of them.
@@ -152,7 +159,8 @@ class Momentum:
 
     capacity_n_m_s: most that the wheels hold about body x, y, z, either way. E.g.
     `[0.9, 0.9, 0.9]`.
-    start_n_m_s: of the wheels at row 0, in body axes. E.g. `[0.1, -0.2, 0.0]`.
+    start_n_m_s: of the wheels at row 0, in body axes; unless given none, or what the plan of
+    `after` leaves. E.g. `[0.1, -0.2, 0.0]`.
     torque_body_n_m: a constant torque from outside, in body axes. E.g. `[2e-6, 0.0, 1e-6]`.
     unload_n_m: torque about each body axis that takes momentum from the wheels, until they hold
     none, while the platform waits in its idle attitude; 0 for no unloading. E.g. `2e-5`.

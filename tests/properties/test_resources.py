@@ -6,12 +6,12 @@ from importlib.resources import files
 
 import numpy as np
 import pytest
-from random_resources import asked, plans, refusals
+from random_resources import IDLES, PLATFORM, asked, plans, refusals, utc
 from skyfield.api import load, load_file, wgs84
 
 from app.requests.examples import LAS_VEGAS
 from app.requests.plan import read_plan_request
-from planner.base.errors import InfeasibleSlew
+from planner.base.errors import InfeasibleSlew, ResourceRunsOut
 from planner.planning.resources import resource_curves, spans_above
 from planner.planning.sessions.pipeline import make_plan
 from planner.verification import verify
@@ -105,7 +105,7 @@ def levels_by_seconds(plan):
     drawn_w = battery.idle_w + battery.imaging_w * imaging + battery.slew_w * ~(imaging | waiting)
     steps_wh = (charge_w * lit - drawn_w) / 3600.0
     most_wh = (charge_w.max() + battery.imaging_w + battery.slew_w) / 3600.0
-    yield summed(battery.start_wh, steps_wh, -np.inf, battery.capacity_wh), most_wh
+    yield summed(battery.begins_wh, steps_wh, -np.inf, battery.capacity_wh), most_wh
     heard = np.zeros(count, dtype=bool)
     for station in memory.stations:
         place, above = (
@@ -161,6 +161,32 @@ def test_what_a_refusal_offers_is_planned_as_told():
         kept = enumerate(instead["sessions"])
         instead["sessions"] = [one for n, one in kept if n not in refusal.costs_sessions]
         assert make_plan(asked(instead)).verification.passed
+
+
+def test_wheels_that_slews_fill_are_told_gentler_slews():
+    wheels = {"capacity_n_m_s": [2.0, 2.0, 2.0]}
+    request = {
+        "platform": PLATFORM | {"idle": IDLES[2]},
+        "orbit": LAS_VEGAS["orbit"],
+        "initial_state": {"epoch": utc(0.0)},
+        "slew": {"lead": {"max_duration_s": 100.0}},
+        "sessions": [
+            {
+                "target": {"mode": "star", "ra_deg": 120.0, "dec_deg": 60.0},
+                "start": utc(600.0),
+                "stop": utc(620.0),
+            }
+        ],
+        "resources": {"momentum": wheels},
+    }
+    held = [float(np.abs(one.level).max()) for one in resource_curves(make_plan(asked(request)))]
+    wheels["capacity_n_m_s"] = [max(0.7 * most, 0.01) for most in held]
+    with pytest.raises(ResourceRunsOut, match=r"slew\.lead\.max_duration_s 200") as refused:
+        make_plan(asked(request))
+    assert refused.value.limit == "momentum"
+    request["slew"]["lead"]["max_duration_s"] = 200.0
+    margins = make_plan(asked(request)).verification.resources
+    assert min(one.margin for one in margins) >= 0.0
 
 
 def test_the_judge_rejects_what_runs_out_and_waits_that_are_none(planned):

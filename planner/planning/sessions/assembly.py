@@ -18,9 +18,9 @@ class AssemblyPrices:
     cone_row: float = 0.13  # more, for each cone
     mask_row: float = 0.03  # for each mask
     corner_row: float = 0.012  # and for each of its corners
-    exclusion_row: float = 0.8  # for each exclusion of a body that always counts
-    resource_row: float = 0.6  # where resources are planned and judged
-    wheels_row: float = 0.6  # more, with a momentum of wheels
+    exclusion_row: float = 0.2  # for each exclusion of a body that always counts
+    resource_row: float = 0.25  # where resources are planned and judged
+    wheels_row: float = 0.35  # more, with a momentum of wheels
     session: int = 1_500  # for its budget, comparison and report
 
 

@@ -62,7 +62,7 @@ def _make_plan(scenario: Scenario, tell: Reporter) -> Plan:
     flight, losses = assemble(scenario, mover, joins)
     final, table = flight.scenario, flight.table
     with time_stage("resources"):
-        require_resources(flight)
+        require_resources(flight, mover)
     with time_stage("pointing budget"):
         budgets = tuple(
             mover_of(final).budget(ephemeris, table, number, join.track.los)
