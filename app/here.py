@@ -3,9 +3,9 @@
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
-from functools import partial
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any, ClassVar
 from urllib.parse import unquote
 
@@ -21,7 +21,7 @@ from planner.base.errors import InvalidInput, Refusal
 from planner.output.export import EXPORTERS
 
 if TYPE_CHECKING:
-    from app.work.campaign_files import MadePass
+    from app.work.campaign import MadePass
     from app.work.telemetry import SentTelemetry
     from planner.inflight.telemetry.compare import Comparison
     from slewtrack.client.asking import Ask
@@ -32,8 +32,8 @@ _KEPT = ("plans", "campaigns", "flights", "opportunities")
 
 @dataclass(frozen=True)
 class Kept:
-    """What was made: the whole answer under an id, its request, a plan's packed table, and of a
-    campaign the passes with plans.
+    """What was made: the whole answer under an id, its request, a plan's packed table, of a
+    campaign the passes with plans, and of an imaging session the plan of its body.
     """
 
     text: Callable[[str], bytes]
@@ -41,6 +41,7 @@ class Kept:
     request: bytes = b""
     table_columns: bytes = b""
     passes: "Sequence[MadePass]" = ()
+    as_plan: Callable[[str], bytes] | None = None
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,6 @@ class Desk:
     def __init__(self) -> None:
         self._kept: dict[str, Kept] = {}
         self._open: dict[str, Callable[[], Kept]] = {}
-        self.compared: tuple[Any, SentTelemetry, Comparison] | None = None
 
     def answer(self, ask: "Ask") -> bytes:
         """The body of the reply; raises Refusals, what `on_line` does, and our own failures."""
@@ -118,11 +118,14 @@ class Desk:
 
     def whole(self, work: LocalAsk) -> bytes:
         """The answer, or the job that waits."""
-        return _job(work.id) if work.id in self._open else self.kept(work.id).text(work.id)
+        if work.id in self._open:
+            return _job(work.id)
+        made = self.kept(work.id)
+        return (made.text if work.is_spacecraft else made.as_plan or made.text)(work.id)
 
     def campaign(self, work: LocalAsk) -> bytes:
         """The answer, or one of a campaign's files."""
-        from app.work.campaign_files import SUFFIXES, campaign_file
+        from app.work.campaign import SUFFIXES, campaign_file
 
         media_type = work.ask.headers.get("Accept", "application/json")
         if media_type not in SUFFIXES:
@@ -198,37 +201,37 @@ def _plan(desk: Desk, work: LocalAsk) -> bytes:
 
 def _made_plan(body: bytes, *, is_spacecraft: bool) -> Kept:
     if not is_spacecraft:
-        return _kept_plan(body, plan_and_pack(body), stored_table_json)
+        return _kept_plan(body, plan_and_pack(body))
     from app.work.spacecraft import plan_and_pack_session, stored_session_json
 
-    return _kept_plan(body, plan_and_pack_session(body), stored_session_json)
+    new = plan_and_pack_session(body)
+    plan = _kept_plan(body, new)
+    return replace(plan, text=partial(_whole, new, stored_session_json, 2), as_plan=plan.text)
 
 
-def _kept_plan(body: bytes, new: Result, table_json: Callable[[bytes], bytes]) -> Kept:
-    def text(plan_id: str) -> bytes:
-        head = PlanHead(id=plan_id, state=new.state, revision=1, revises=None, requested_by=None)
-        return whole_answer(head, unzip(new.document), table_json(new.table_columns))
-
+def _kept_plan(body: bytes, new: Result) -> Kept:
+    text = partial(_whole, new, stored_table_json, 0)
     return Kept(text, new.state == "done", body, new.table_columns)
+
+
+def _whole(new: Result, table_json: Callable[[bytes], bytes], part: int, plan_id: str) -> bytes:
+    head = PlanHead(id=plan_id, state=new.state, revision=1, revises=None, requested_by=None)
+    return whole_answer(head, unzip(new.content[part]), table_json(new.table_columns))
 
 
 def _table(desk: Desk, work: LocalAsk) -> bytes:
     made, format_name = desk.kept(work.id), work.ask.query.get("format")
-    if not work.is_spacecraft:
-        if format_name is None:
-            return stored_table_json(made.table_columns)
+    if format_name is not None:
         return desk.table_file(made, format_name)
-    from app.work.spacecraft import stored_session_file, stored_session_json
-    from planner.spacecraft.export import IMAGING_EXPORTERS
+    if not work.is_spacecraft:
+        return stored_table_json(made.table_columns)
+    from app.work.spacecraft import stored_session_json
 
-    if format_name is None:
-        return stored_session_json(made.table_columns)
-    _require_format(format_name, IMAGING_EXPORTERS)
-    return stored_session_file(made.request, made.table_columns, format_name, datetime.now(UTC))
+    return stored_session_json(made.table_columns)
 
 
 def _view(desk: Desk, work: LocalAsk) -> bytes:
-    from app.work.view import AskedView, stored_plan_view, stored_session_view
+    from app.work.view import AskedView, stored_plan_view
 
     made, step_s = desk.kept(work.id), work.ask.query.get("step_s")
     asked = AskedView(
@@ -239,8 +242,7 @@ def _view(desk: Desk, work: LocalAsk) -> bytes:
         pixel_arcsec=None,
         created_utc=datetime.now(UTC),
     )
-    view = stored_session_view if work.is_spacecraft else stored_plan_view
-    return view(made.request, made.table_columns, asked)
+    return stored_plan_view(made.request, made.table_columns, asked)
 
 
 def _opportunities(desk: Desk, work: LocalAsk) -> bytes:
@@ -267,8 +269,7 @@ def _opportunities(desk: Desk, work: LocalAsk) -> bytes:
 
 
 def _campaign(desk: Desk, work: LocalAsk) -> Kept:
-    from app.work.campaign import choose, plan_pass
-    from app.work.campaign_files import MadePass
+    from app.work.campaign import MadePass, choose, plan_pass
 
     chosen, passes = choose(work.body), []
     made: list[MadePass] = []
@@ -278,7 +279,7 @@ def _campaign(desk: Desk, work: LocalAsk) -> Kept:
         if isinstance(new, Refusal):
             passes.append(told_pass(part, "refused", problem=problem_of(new)))
         else:
-            plan_id = desk.keep(partial(_kept_plan, part.request, new, stored_table_json))
+            plan_id = desk.keep(partial(_kept_plan, part.request, new))
             if new.state == "done":
                 at_utc, columns = datetime.now(UTC), new.table_columns
                 made.append(MadePass(part.facts, plan_id, part.request, columns, at_utc))
@@ -331,16 +332,12 @@ def _vertical(_: Desk, work: LocalAsk) -> bytes:
 
 
 def _comparison(desk: Desk, work: LocalAsk) -> bytes:
-    """Made once for numbers and picture where they are asked for one after the other."""
     from app.work.telemetry import FILES, answer_json
     from planner.inflight.telemetry.figure import draw_comparison
 
     format_name, now_utc = work.ask.query["format"], datetime.now(UTC)
     _require_format(format_name, (*FILES, "pdf", "json"))
-    asked = (work.body, work.files)
-    if desk.compared is None or desk.compared[0] != asked:
-        desk.compared = (asked, *_compare(desk, work))
-    _, sent, found = desk.compared
+    sent, found = _compare(desk, work.body, *work.files)
     if format_name == "json":
         origin = provenance(now_utc, work.body, *work.files)
         return answer_json(found, sent.request, sent.request.plan, origin)
@@ -349,19 +346,14 @@ def _comparison(desk: Desk, work: LocalAsk) -> bytes:
     return draw_comparison(found, format_name, now_utc)
 
 
-def _compare(desk: Desk, work: LocalAsk) -> "tuple[SentTelemetry, Comparison]":
-    from app.requests.telemetry import read_comparison_head, read_comparison_request
+@lru_cache(maxsize=1)  # numbers and picture are asked for one after the other
+def _compare(desk: Desk, body: bytes, *csv: bytes) -> "tuple[SentTelemetry, Comparison]":
     from app.store.packed import unpack
     from app.work.plan import stored_plan
-    from app.work.telemetry import SentTelemetry, compare_sent
+    from app.work.telemetry import compare_sent, read_sent
 
-    if work.files:
-        request = read_comparison_head(work.body)
-        sent = SentTelemetry(request=request, samples=work.files[0])
-    else:
-        request, samples = read_comparison_request(work.body)
-        sent = SentTelemetry(request=request, samples=samples)
-    made = desk.kept(request.plan)
+    sent = read_sent(body, *csv)
+    made = desk.kept(sent.request.plan)
     return sent, compare_sent(stored_plan(made.request, unpack(made.table_columns)), sent)
 
 

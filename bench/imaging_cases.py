@@ -6,7 +6,7 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from planner.base.commands import Motion
+from planner.base.commands import BODY_CHANNELS, GIMBAL_CHANNELS, CommandTable, Motion
 from planner.inflight.simulation.gyros.closed_loop import Log
 from planner.motion.attitude.problem import BodySlewProblem
 from planner.motion.attitude.slew import solve_attitude_slew
@@ -15,7 +15,6 @@ from planner.spacecraft.body import body_of
 from planner.spacecraft.imaging.session import make_session
 from planner.spacecraft.plan import ImagingPlan
 from planner.spacecraft.requests import AreaRequest, GeoPolygon, ImagingPlanRequest
-from planner.spacecraft.table import AttitudeTable, ImagingWindow
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
 from planner.world.frames.earth_orientation import itrf_from_eci_state
 from planner.world.frames.geodesy import c_enu_from_itrf, geodetic_from_itrf, itrf_from_geodetic
@@ -100,7 +99,7 @@ def session_request(
 
 def settle_table(
     spacecraft: AgileSpacecraft, angle_deg: float, seconds: float
-) -> tuple[AttitudeTable, float]:
+) -> tuple[CommandTable, float]:
     """Rest, a smooth slew in pitch at 10 s, rest until 60 s; and how long the slew takes, s."""
     still = np.zeros(3)
     axis = np.array([0.12, 0.05, 0.99])
@@ -124,14 +123,13 @@ def settle_table(
         ]
     )
     gimbal = np.tile(spacecraft.array.gimbal_angles(still), (301, 1))
-    return AttitudeTable(
+    return CommandTable(
         epoch_utc=EPOCH,
-        eci_from_body_xyzw=position,
-        omega_body_rad_s=np.vstack([before, slew.motion.rate_rad_s, after]),
-        alpha_body_rad_s2=np.vstack([before, slew.motion.acceleration_rad_s2, after]),
-        gimbal_rad=gimbal,
-        gimbal_rate_rad_s=np.zeros((301, 4)),
-        windows=(ImagingWindow(request="slew", look=0, first_row=250, last_row=300),),
+        channels=(*BODY_CHANNELS, *GIMBAL_CHANNELS),
+        position=position,
+        rate_rad_s=np.vstack([before, slew.motion.rate_rad_s, after]),
+        acceleration_rad_s2=np.vstack([before, slew.motion.acceleration_rad_s2, after]),
+        extra_rad=np.hstack([gimbal, np.zeros((301, 4))]),
     ), slew.duration_s
 
 

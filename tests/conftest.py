@@ -39,5 +39,4 @@ def service(tmp_path_factory):
 @pytest.fixture
 def patient_store(monkeypatch):
     """On a loaded machine others write for longer than a service waits; to be asked for first."""
-    for module in ("sqlite_write_lock", "database"):
-        monkeypatch.setattr(f"app.store.{module}.PATIENCE_S", 60.0)
+    monkeypatch.setattr("app.store.database.PATIENCE_S", 60.0)

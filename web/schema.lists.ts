@@ -23,7 +23,6 @@ export function listsOf({ components: { schemas }, paths }: Schema): Record<stri
     SEARCHED_MODES: searched.map(([mode]) => mode),
     EARTH_FIXED_MODES: searched.filter(([, ref]) => hasOwn(ref, "min_elevation_deg")).map(([mode]) => mode),
     PLAN_FORMATS: formats("/v1/plans/{id}/table"),
-    SESSION_FORMATS: formats("/v1/spacecraft/plans/{id}/table"),
     JOB_STATES: member("JobResponse", "state").enum ?? [],
     CONFLICTS: member("PlanRequest", "on_conflict").enum ?? [],
     OBJECTIVES: member("ImagingPlanRequest", "objective").enum ?? [],

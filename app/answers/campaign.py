@@ -1,8 +1,8 @@
 """The answer about a campaign: the choice of looks, and the state of its passes' plans."""
 
-from collections.abc import Mapping, Sequence
+import json
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from pydantic import SerializeAsAny
 
@@ -11,6 +11,7 @@ from app.answers.members import from_store, to_json
 from app.answers.problem import Problem
 from app.ids import JobState
 from app.store.job import Job
+from app.store.packed import unzip
 from planner.base.answer_members import Count, NotNegative, Share, answer
 from planner.base.assumed import Assumed
 from planner.planning.campaigns.chosen import ChosenLook, UnchosenTarget
@@ -137,8 +138,12 @@ class CampaignDryRun:
     targets: Count
 
 
-def campaign_json(job: Job, choice: Mapping[str, Any] | None, parts: Sequence[Job]) -> bytes:
-    """A CampaignResponse as UTF-8 JSON; parts: all plans of its passes, the oldest first."""
+def campaign_json(job: Job, document: bytes | None, parts: Sequence[Job]) -> bytes:
+    """A CampaignResponse as UTF-8 JSON.
+
+    document: what was chosen, None before.  parts: all plans of its passes, the oldest first.
+    """
+    choice = None if document is None else json.loads(unzip(document))
     latest = {part.options["campaign"]["pass"]: part for part in parts}
     by_number = [latest[number] for number in sorted(latest)]
     return to_json(

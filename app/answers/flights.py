@@ -127,7 +127,7 @@ class FlightsHead:
     plan: str
     runs: int
     seed: int
-    epoch: str
+    epoch: str | None
     sessions: list[SessionHead]
 
 
@@ -156,20 +156,11 @@ def flights_found(
 def flights_json(job: Job, document: bytes | None, parts: Sequence[Any]) -> bytes:
     """A FlightsResponse as UTF-8 JSON; document: a FlightsHead, None before there is one."""
     if document is None:
-        found = FlightsFound(
-            plan=job.plan_id or "",
-            runs=job.options["runs"],
-            seed=job.options["seed"],
-            flown=0,
-            epoch=None,
-            **_told_of(None),
-            sessions=[],
-            warnings=[],
-        )
+        asked = {name: job.options[name] for name in ("runs", "seed")}
+        head = FlightsHead(plan=job.plan_id or "", epoch=None, sessions=[], **asked)
     else:
         head = from_store(FlightsHead, json.loads(unzip(document)))
-        found = flights_found(head, parts)
-    return to_json(FlightsResponse(**job_members(job) | vars(found)))
+    return to_json(FlightsResponse(**job_members(job) | vars(flights_found(head, parts))))
 
 
 def _told_of(found: "PlanFlights | SessionFlights | None") -> dict[str, Any]:

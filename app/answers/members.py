@@ -10,7 +10,7 @@ from typing import Annotated, Any, TypeVar, cast
 import numpy as np
 from pydantic import ConfigDict, Field, TypeAdapter
 
-from app.ids import JobState, new_id
+from app.ids import JobState
 from app.versions import versions
 from planner.base.arrays import Array
 from planner.world.frames.time_scales import utc_text
@@ -100,11 +100,6 @@ class PlanHead:
     revision: Annotated[int, Field(ge=1)]
     revises: str | None
     requested_by: str | None
-
-
-def new_head(state: JobState) -> PlanHead:
-    """Of a plan that replaces none."""
-    return PlanHead(id=new_id(), state=state, revision=1, revises=None, requested_by=None)
 
 
 def whole_answer(head: PlanHead, document: bytes, table: bytes) -> bytes:

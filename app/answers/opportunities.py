@@ -6,15 +6,16 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from app.answers.members import BUILT_ON_FIRST_USE, ProvenanceOut
-from app.answers.target_sky import PlaceOut, TargetSkyOut
 from planner.base.answer_members import (
     Count,
     ElevationDeg,
     ElevationOrLimbDeg,
     HalfTurnDeg,
+    LongitudeDeg,
     NotNegative,
     Share,
     Signed,
+    TurnDeg,
 )
 from planner.base.assumed import Assumed
 from planner.planning.opportunities.closing import Unseen
@@ -27,12 +28,59 @@ def not_included() -> Any:  # noqa: ANN401 (in place of a member of any type)
     return None
 
 
+@dataclass(frozen=True, kw_only=True)
+class SkyPointOut:
+    """The carrier and the Sun in the target's sky at one instant, without refraction.
+
+    at: time of the point; UTC.
+    azimuth_deg: of the carrier, clockwise from north.
+    elevation_deg: of the carrier.
+    sun_azimuth_deg: of the Sun's centre, clockwise from north.
+    sun_elevation_deg: of the Sun's centre: day above 0.
+    local_solar_time: apparent, as a sundial at the target shows it, in hours, minutes and seconds.
+    """
+
+    at: str
+    azimuth_deg: TurnDeg
+    elevation_deg: ElevationDeg
+    sun_azimuth_deg: TurnDeg
+    sun_elevation_deg: ElevationDeg
+    local_solar_time: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class TargetSkyOut:
+    """A pass in the target's sky, as pass tables have it.
+
+    rise: as the window opens.
+    culmination: highest point of the carrier within the window.
+    set: as the window closes.
+    """
+
+    rise: SkyPointOut
+    culmination: SkyPointOut
+    set: SkyPointOut
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlaceOut:
+    """Place of the target as the carrier culminates.
+
+    latitude_deg: geodetic, WGS84; north positive.
+    longitude_deg: WGS84; east positive.
+    height_m: above the WGS84 ellipsoid.
+    """
+
+    latitude_deg: ElevationDeg
+    longitude_deg: LongitudeDeg
+    height_m: Signed
+
+
 class _Sighting:
     """How a target is seen; null where a number has no meaning or no end.
 
     at: time of this view; UTC.
-    elevation_deg: of the carrier in the target's sky; of a target in space its height above the
-    raised limb.
+    elevation_deg: of the carrier in the target's sky; of one in space its height above the limb.
     range_km: distance; null for a star.
     off_nadir_deg: of the line of sight from the geocentric nadir.
     ground_sample_across_m: width of a pixel on the ground, across the lean of the line of sight;
@@ -101,8 +149,7 @@ class PassWindow:
     rise: start of the window; UTC.
     set: end of the window; UTC.
     duration_s: from rise to set.
-    session: the longest, up to six hours, over which the axes can follow by one pair of angles, or
-    a body by its roll rule, on the rows of a command table; null where there is none.
+    session: the longest, up to six hours, that can be held, on a table's rows; null for none.
     opened_by: the condition that is met from `rise` on; "interval" is the request's own start.
     closed_by: the condition that is met until `set`; "interval" is the request's own stop.
     highest_at: time of the greatest elevation; with `view`; UTC.
@@ -134,18 +181,18 @@ class PassWindow:
 class WindowOut(PassWindow):
     """One stretch in which all conditions hold for a target.
 
-    branch: the pair of axis angles that is given, 0 or 1, of the two that point at the target: the
-    one with less turn of the inner axis; with `view`; a body has none.
+    branch: pair of axis angles given, of less turn of the inner axis; with `view`; no body has it.
     branches: the pairs that keep within the stops through the window (none where the axes would
     have to change over); with `view`; a body has none.
-    probability_in_frame: that the target stays inside the camera's frame over the whole session, as
-    a plan of it says; null where there is no session, and for the latest windows of a page where
-    these are more than 500, of a body that wanders quickly fewer; with `probability`. E.g. `0.68`.
+    probability_in_frame: that the target stays in the frame over the whole session; null without
+    one, and of the latest of more than some 500 in a page; with `probability`. E.g. `0.68`.
+    clear_probability: of a sky without clouds at the middle; with `view` and `clouds`. E.g. `0.8`.
     """
 
     branch: Branch = field(default_factory=not_included)
     branches: list[Branch] = field(default_factory=not_included)
     probability_in_frame: Share | None = field(default_factory=not_included)
+    clear_probability: Share | None = field(default_factory=not_included)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,7 +12,8 @@ from app.answers.members import (
     to_json,
 )
 from planner.base.answer_members import Count, DirectionPart, NotNegative, Signed
-from planner.base.rotation import continuous
+from planner.base.commands import CommandTable
+from planner.base.rotation import Rotation, continuous
 from planner.spacecraft.flight.report import StabilisationReport
 from planner.spacecraft.requests import LeftOut
 from planner.spacecraft.summary import (
@@ -22,7 +23,7 @@ from planner.spacecraft.summary import (
     report_slews,
     summarise,
 )
-from planner.spacecraft.table import TICK_S, AttitudeTable
+from planner.spacecraft.table import TICK_S
 from planner.spacecraft.verification import SpacecraftVerification, VerifiedWindow
 from planner.world.frames.time_scales import utc_text
 
@@ -161,18 +162,21 @@ def spacecraft_document(plan: "ImagingPlan", provenance: ProvenanceOut) -> bytes
     )
 
 
-def attitude_table_json(table: AttitudeTable) -> bytes:
-    """An AttitudeTableOut as UTF-8 JSON."""
-    q_body_from_eci_xyzw = continuous(table.q_body_from_eci)
+def attitude_table_json(table: CommandTable) -> bytes:
+    """An AttitudeTableOut of a body with gyros as UTF-8 JSON."""
+    q_body_from_eci_xyzw = continuous(Rotation.from_quat(table.position).inv())
+    assert table.acceleration_rad_s2 is not None  # a body's table has it,
+    assert table.extra_rad is not None  # and of gyros their gimbals
+    gimbal_rad, gimbal_rate_rad_s = np.hsplit(table.extra_rad, 2)
     return to_json(
         AttitudeTableOut(
             epoch=utc_text(table.epoch_utc, 1),
             step_s=TICK_S,
             t_s=table.t_s.tolist(),
             q_body_from_eci_xyzw=np.round(q_body_from_eci_xyzw, QUATERNION_DECIMALS).tolist(),
-            omega_body_deg_s=degrees_of(table.omega_body_rad_s),
-            alpha_body_deg_s2=degrees_of(table.alpha_body_rad_s2),
-            gimbal_deg=degrees_of(table.gimbal_rad),
-            gimbal_rate_deg_s=degrees_of(table.gimbal_rate_rad_s),
+            omega_body_deg_s=degrees_of(table.rate_rad_s),
+            alpha_body_deg_s2=degrees_of(table.acceleration_rad_s2),
+            gimbal_deg=degrees_of(gimbal_rad),
+            gimbal_rate_deg_s=degrees_of(gimbal_rate_rad_s),
         )
     )

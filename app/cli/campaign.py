@@ -40,7 +40,7 @@ def campaign(
     url: files.Url = None,
 ) -> None:
     """Choose and plan sessions of many targets over days."""
-    from app.work.campaign_files import looks_csv
+    from app.work.campaign import looks_csv
     from slewtrack.client.calls import CAMPAIGN_FILES
 
     with files.report_beside(json, csv, exports=export) as console:

@@ -3,7 +3,6 @@
 import base64
 import json
 from collections.abc import Sequence
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,6 @@ from app.requests.json_reader import json_document
 from planner.base.errors import InvalidInput, Refusal
 from planner.world.frames.time_scales import utc_from_text
 from slewtrack.client import next_pass
-from slewtrack.client.answers import Opportunities
 from slewtrack.client.problems import Refused, problem_of
 
 
@@ -66,31 +64,25 @@ def _place(name: str) -> int:
     return int(name)
 
 
-def search_start(text: str | None) -> datetime:
-    """`now`, or RFC 3339."""
-    if text in (None, "now"):
-        return datetime.now(UTC)
+def at_next_pass(body: bytes, start: str | None) -> tuple[bytes, str]:
+    """The request with its one session in the first window of its target, and what to say of it.
+
+    start: of the search, RFC 3339; now unless given.
+    """
     try:
-        return utc_from_text(str(text))
+        start_utc = None if start in (None, "now") else utc_from_text(str(start))
     except ValueError as error:
         raise InvalidInput(str(error), field="--start") from None
-
-
-def at_next_pass(body: bytes, start_utc: datetime) -> tuple[bytes, str]:
-    """The request with its one session in the first window of its target, and what to say of it."""
     document = _object(body)
     try:
-        window = next_pass.first_window(_found(next_pass.search_of(document, start_utc)))
+        search = next_pass.search_of(document, start_utc)
+        window = next_pass.first_window(Local().opportunities(search, include=next_pass.TOLD))
+    except Refusal as refusal:
+        refused = next_pass.as_in_plan(problem_of(members_of(refusal)))
+        raise RefusedThere(refused.problem) from None
     except Refused as refused:
         raise RefusedThere(refused.problem) from None
     moved = next_pass.moved_to(window, document)
     start, stop = moved["sessions"][0]["start"], moved["sessions"][0]["stop"]
     told = f"next pass: {start} to {stop}, up to {window.highest_deg:.1f} deg high"
     return json.dumps(moved).encode(), told
-
-
-def _found(search: dict[str, Any]) -> Opportunities:
-    try:
-        return Local().opportunities(search, include=next_pass.TOLD)
-    except Refusal as refusal:
-        raise next_pass.as_in_plan(problem_of(members_of(refusal))) from None

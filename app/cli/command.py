@@ -129,7 +129,7 @@ def worker(
 
     settings = settings_of_environment()
     check_scheduler(scheduler, "worker", "--scheduler")
-    from app.jobs.dask_worker import work_for
+    from app.jobs.dask_executor import work_for
 
     configure_logs(settings.log_level, settings.log_format)  # once Dask has its loggers
     work_for(scheduler, solves or settings.workers)

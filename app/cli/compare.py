@@ -122,7 +122,7 @@ def print_comparison(console: Console, answer: Members) -> None:
         console.print(Text(line))
     print_rows(
         console, "errors in arcsec, lag in ms", _errors(answer),
-        ("<axis", "axis"), ("<phase", "phase"), ("<from", "from", str, _to_the_second),
+        ("<axis", "axis"), ("<phase", "phase"), ("<from", "from", str, lambda time: time[:8]),
         ("samples", "samples"), ("rms", "rms_arcsec", ".2f"), ("max", "max_arcsec", ".2f"),
         ("mean", "mean_arcsec", ".2f"), ("lag", "lag_s", _milliseconds),
         ("1 sigma", "lag_sigma_s", _milliseconds), keys=2,
@@ -188,10 +188,6 @@ def _errors(answer: Members) -> Iterator[dict[str, Any]]:
             session = "" if phase["session"] is None else f" {phase['session'] + 1}"
             told = {"axis": "", "phase": f"{phase['kind']}{session}", "from": phase["start"][_TIME]}
             yield {**phase, **told, "lag_s": "", "lag_sigma_s": ""}
-
-
-def _to_the_second(time: str) -> str:
-    return time[:8]
 
 
 def _milliseconds(size: float | str | None) -> str:

@@ -1,6 +1,5 @@
 """`slewtrack plan`: a request is planned here, or by a running service."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -44,7 +43,11 @@ def plan(
 
         exports = files.formats_and_paths(export, EXPORTERS)
         if next_pass:
-            body = _moved(console, body, settings, start)
+            from app.cli.changes import at_next_pass, with_settings
+
+            body, told = at_next_pass(body, start)
+            console.print(told)
+            body = with_settings(body, settings)  # again, for what is set of the moved session
         elif start is not None:
             raise InvalidInput("goes with --next-pass", field="--start")
         with planner_at(url) as planner:
@@ -78,16 +81,6 @@ def _require_verified(verdict: Members) -> None:
 
     told = ("severity", "limit", "axis", "detail")
     require_verified(Finding(**{name: one[name] for name in told}) for one in verdict["findings"])
-
-
-def _moved(
-    console: Console, body: bytes, settings: Sequence[str] | None, start: str | None
-) -> bytes:
-    from app.cli.changes import at_next_pass, search_start, with_settings
-
-    body, told = at_next_pass(body, search_start(start))
-    console.print(told)
-    return with_settings(body, settings)  # again, for what is set of the session that was moved
 
 
 def say_whether_it_flies(console: Console, found: Members) -> None:

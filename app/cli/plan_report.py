@@ -47,6 +47,8 @@ def print_plan(console: Console, plan: Members, request: bytes | Members) -> Non
                 for name, margin in margins.items()
             ),
             *({"axis": "-", **reserve} for reserve in plan["resources"]),
+            *({"axis": session_number(one["session"]), **kept}
+              for one in plan["pointing"] for kept in one["conditions"]),
         ],
         ("<axis", "axis"), ("<limit of", "name"), ("limit", "limit", ".6g"),
         ("closest", "extreme", ".6g"), ("margin", "margin", ".6g"), ("<unit", "unit"), _AT,

@@ -23,9 +23,9 @@ def spacecraft(
     with files.report_beside(json, csv, exports=export) as console:
         body = files.read_request(file, settings)
         from app.requests.spacecraft import read_spacecraft_request
-        from planner.spacecraft.export import IMAGING_EXPORTERS
+        from planner.output.export import EXPORTERS
 
-        exports = files.formats_and_paths(export, IMAGING_EXPORTERS)
+        exports = files.formats_and_paths(export, EXPORTERS)
         asked = read_spacecraft_request(body)
         with planner_at(url) as planner, told_progress("planning") as tell:
             if dry_run:

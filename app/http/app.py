@@ -14,15 +14,12 @@ from fastapi.routing import APIRoute
 from starlette.middleware.cors import CORSMiddleware
 from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddleware
 
-from app.http import documentation
+from app.http import pages
 from app.http import problems as errors
-from app.http.admission.access import Access
+from app.http.admission.access import Access, KeyLookup
 from app.http.admission.admission import Admission
-from app.http.admission.key_lookup import KeyLookup
-from app.http.head_as_get import HeadAsGet
 from app.http.metrics import Metrics
 from app.http.openapi.schema import DESCRIPTION, TAGS, complete
-from app.http.planners_page import serve_page
 from app.http.query import require_sound_query
 from app.http.readiness import (
     Readiness,
@@ -30,7 +27,7 @@ from app.http.readiness import (
     earth_orientation_covers_now,
     solver_answers,
 )
-from app.http.request_log import RequestLog
+from app.http.request_log import HeadAsGet, RequestLog
 from app.http.routes import (
     campaigns,
     flights,
@@ -41,7 +38,6 @@ from app.http.routes import (
     system,
     telemetry,
 )
-from app.http.view_cache import ViewCache
 from app.ids import JobState
 from app.jobs.dispatcher import Dispatcher
 from app.jobs.executors import RunTask, run_here
@@ -104,13 +100,12 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         openapi_tags=TAGS,
         docs_url=None,  # our own work without a CDN
         redoc_url=None,
-        openapi_url=None,  # documentation.py answers it without building it anew each time
+        openapi_url=None,  # pages.py answers it without building it anew each time
         dependencies=[Depends(require_sound_query)],
     )
     app.state.settings = settings
     app.state.stopping = asyncio.Event()  # set as soon as the service is told to
     app.state.end_outdated = lambda: None  # how the program ends when its database has moved on
-    app.state.views = ViewCache()
     app.state.methods = {}
     for route in _routes():
         app.state.methods.setdefault(route.path, set()).update(route.methods)
@@ -118,10 +113,10 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.state.solves = app.state.children
     if settings.dask_scheduler:
         app.state.solves = anyio.CapacityLimiter(settings.workers)
-    for router in (*_OF_API, documentation.router):
+    for router in (*_OF_API, pages.router):
         app.include_router(router)
-    documentation.serve_files(app)
-    serve_page(app)
+    pages.serve_files(app)
+    pages.serve_page(app)
     errors.install(app)
     _guard_and_watch(app, settings)
     _describe(app)

@@ -1,6 +1,7 @@
 """Checks of all that the service depends on."""
 
 import asyncio
+import math
 import time
 from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
@@ -34,48 +35,36 @@ class Readiness:
     """Asks all checks at once, each by one thread at a time."""
 
     def __init__(self, checks: Mapping[str, Check]) -> None:
-        self._checks = [_LastAnswer(name, check) for name, check in checks.items()]
+        self._checks = checks
+        self._found: dict[str, tuple[ReadinessCheckOut, float]] = {}  # and when
+        self._asking: dict[str, asyncio.Task[None]] = {}
 
     async def now(self) -> tuple[ReadinessCheckOut, ...]:
-        """At most some seconds old, and answered within two."""
-        tasks = [check.ask() for check in self._checks]
-        pending = [one for one in tasks if one is not None]
-        if pending:
-            await asyncio.wait(pending, timeout=_WAIT_S)
-        return tuple(check.answer() for check in self._checks)
+        """At most some seconds old, and answered within two.
 
+        Of a check that takes its time, what it found before, while that isn't old.
+        """
+        for name in self._checks.keys() - self._asking.keys():
+            if self._age_s(name) >= _KEPT_S:
+                self._asking[name] = asyncio.create_task(self._ask(name))
+        if self._asking:
+            await asyncio.wait(self._asking.values(), timeout=_WAIT_S)
+        return tuple(
+            self._found[name][0]
+            if self._age_s(name) <= _OLD_S
+            else ReadinessCheckOut(name=name, state="failed", detail="it hasn't answered yet")
+            for name in self._checks
+        )
 
-class _LastAnswer:
-    """A check, and what it found last."""
-
-    def __init__(self, name: str, check: Check) -> None:
-        self._name = name
-        self._check = check
-        self._found: ReadinessCheckOut | None = None
-        self._found_s = 0.0
-        self._asking: asyncio.Task[None] | None = None
-
-    def ask(self) -> "asyncio.Task[None] | None":
-        """What to wait for; None while the last answer is kept."""
-        is_kept = self._found is not None and time.monotonic() - self._found_s < _KEPT_S
-        if self._asking is None and not is_kept:
-            self._asking = asyncio.create_task(self._ask())
-        return self._asking
-
-    async def _ask(self) -> None:
+    async def _ask(self, name: str) -> None:
         try:
-            self._found = await to_thread.run_sync(_run_check, self._name, self._check)
-            self._found_s = time.monotonic()
+            found = await to_thread.run_sync(_run_check, name, self._checks[name])
+            self._found[name] = (found, time.monotonic())
         finally:
-            self._asking = None
+            del self._asking[name]
 
-    def answer(self) -> ReadinessCheckOut:
-        """Of a check that takes its time, what it found before, while that isn't old."""
-        if self._found is None or time.monotonic() - self._found_s > _OLD_S:
-            return ReadinessCheckOut(
-                name=self._name, state="failed", detail="it hasn't answered yet"
-            )
-        return self._found
+    def _age_s(self, name: str) -> float:
+        return time.monotonic() - self._found[name][1] if name in self._found else math.inf
 
 
 def _run_check(name: str, check: Check) -> ReadinessCheckOut:

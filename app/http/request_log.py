@@ -1,4 +1,4 @@
-"""The outermost layer of every request: its id, log line, metrics and last resort.
+"""The outermost layer of every request: its id, log line, metrics and last resort; HEAD as GET.
 
 Whatever an answer comes from, refusals on admission and bugs included, it
 carries the id and the security headers.
@@ -97,3 +97,31 @@ def _shown_path(scope: Scope) -> str:
     """As it was sent, in ASCII, so that no terminal is steered by it; no query, which may tell."""
     raw: bytes = scope.get("raw_path") or scope["path"].encode("ascii", "backslashreplace")
     return raw[:_PATH_SHOWN].decode("ascii", "replace")
+
+
+class HeadAsGet:
+    """ASGI middleware: below it there is no HEAD, which has GET's headers and nothing else.
+
+    Source: RFC 9110, section 9.3.2.
+    """
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http" or scope["method"] != "HEAD":
+            await self._app(scope, receive, send)
+            return
+        inner = {**scope, "method": "GET"}
+
+        async def send_head(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                await send(message)
+                # At once: a stream ends by it, since nobody listens on.
+                await send({"type": "http.response.body", "body": b""})
+
+        try:
+            await self._app(inner, receive, send_head)
+        finally:
+            if "route" in inner:  # for the log and the metrics
+                scope["route"] = inner["route"]

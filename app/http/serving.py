@@ -10,8 +10,8 @@ from fastapi import FastAPI
 from starlette.types import Receive, Scope, Send
 
 from app.http.admission.access import is_loopback
+from app.http.admission.admission import HEAD_BYTES_MAX
 from app.http.admission.protocol import GuardedProtocol, answer_guarded
-from app.http.admission.request_head import HEAD_BYTES_MAX
 from app.http.app import create_app
 from app.jobs.dask_address import check_scheduler
 from app.log.logs import configure_logs

@@ -16,10 +16,10 @@ from threading import Event, Lock, Thread
 from sqlalchemy import Connection
 from sqlalchemy.exc import IntegrityError, SQLAlchemyError
 
-from app.ids import OPEN_STATES, JobState
+from app.ids import JobState
 from app.jobs.child import Bounds
 from app.jobs.executors import RunTask, Task
-from app.jobs.job_completion import Settled, give_up, settle, take_up_again
+from app.jobs.job_completion import give_up, settle, take_up_again
 from app.jobs.kinds import JOB_KINDS, JobKind
 from app.jobs.refusals import QueueFull
 from app.jobs.worker_process import Stop
@@ -73,7 +73,7 @@ class Dispatcher:
         self._lock = Lock()
         self._free = settings.workers
         self._running: dict[str, _Running] = {}
-        self._watchers: dict[str, list[Future[Settled | None]]] = {}
+        self._watchers: dict[str, list[Future[Job | None]]] = {}
         self._wake = Event()
         self._may_wait = True  # whether a look at the queue could find anything
         self._closing = Event()
@@ -154,17 +154,17 @@ class Dispatcher:
         if running is not None:
             running.stop.request()
         elif not job.is_open:
-            self._tell_watchers(job_id, Settled(job.state))
+            self._tell_watchers(job_id, job)
         return job
 
     @contextmanager
-    def watching(self, job_id: str) -> Iterator[tuple[Future[Settled | None], bool]]:
+    def watching(self, job_id: str) -> Iterator[tuple[Future[Job | None], bool]]:
         """A future, and whether the job is worked on here now.
 
         Done when work on the job here has ended and that is stored, whenever it began; None
         unless it is the end of the job, too.
         """
-        ended: Future[Settled | None] = Future()
+        ended: Future[Job | None] = Future()
         with self._lock:
             self._watchers.setdefault(job_id, []).append(ended)
             is_here = job_id in self._running
@@ -178,7 +178,7 @@ class Dispatcher:
                 if not watchers:
                     self._watchers.pop(job_id, None)
 
-    def _tell_watchers(self, job_id: str, end: Settled | None) -> None:
+    def _tell_watchers(self, job_id: str, end: Job | None) -> None:
         with self._lock:
             watchers = self._watchers.pop(job_id, [])
         for ended in watchers:
@@ -246,12 +246,6 @@ class Dispatcher:
         except (StoreUnavailable, SQLAlchemyError) as error:  # the work matters more
             log.warning("progress can't be stored", job=running.job_id, error=error)
 
-    def _tell_untold(self) -> None:
-        """A stage that lasts is told though it began right after another."""
-        for running in self._now_running():
-            if (untold := running.untold) is not None:
-                self._record_progress(running, untold)
-
     def _end(self, running: _Running, done: Future[Result]) -> None:
         took_s = time.monotonic() - running.began_s
         settled = None
@@ -268,13 +262,13 @@ class Dispatcher:
             with self._lock:
                 if self._running.get(running.job_id) is running:
                     del self._running[running.job_id]
-            is_open = settled is not None and settled.state in OPEN_STATES
+            is_open = settled is not None and settled.is_open
             self._tell_watchers(running.job_id, None if is_open else settled)
             # A look that finds nothing would only keep the answer waiting for the interpreter.
             if self._may_wait or is_open or running.parent_id is not None:
                 self._wake_up()
 
-    def _store_end(self, running: _Running, done: Future[Result]) -> Settled | None:
+    def _store_end(self, running: _Running, done: Future[Result]) -> Job | None:
         """What the job has become; None when it is no longer ours.
 
         What no database takes would fail again at every attempt: it is given up at once.
@@ -290,9 +284,7 @@ class Dispatcher:
             log.error("a result can't be stored", job=running.job_id, exc_info=error)
             return self._change(running, give_up)
 
-    def _change(
-        self, running: _Running, change: Callable[[Connection, Job], Settled]
-    ) -> Settled | None:
+    def _change(self, running: _Running, change: Callable[[Connection, Job], Job]) -> Job | None:
         """What `change` makes of a job that is still ours, when the database is back.
 
         Until then its place is taken, so that no more is begun than can be kept.
@@ -321,7 +313,9 @@ class Dispatcher:
             try:
                 self._begin_waiting()
                 self._keep_leases()
-                self._tell_untold()
+                for running in self._now_running():  # a stage that began right after another
+                    if running.untold is not None:
+                        self._record_progress(running, running.untold)
                 self._prune()
             except StoreUnavailable:  # which is told where it is raised
                 self._closing.wait(_PAUSE_S)

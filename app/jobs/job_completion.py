@@ -3,7 +3,7 @@
 import hashlib
 from collections.abc import Mapping
 from concurrent.futures import Future
-from typing import Any, NamedTuple
+from typing import Any
 
 from sqlalchemy import Connection
 
@@ -14,10 +14,9 @@ from app.jobs.refusals import Interrupted
 from app.jobs.worker_process import ChildFailed, Stopped
 from app.log.logs import log
 from app.store import jobs, results
-from app.store.job import Job
+from app.store.job import Job, Listing
 from app.store.jobs import NewJob
-from app.store.listing import Listing
-from app.store.plans import StoredPlan, plan_of
+from app.store.plans import plan_of
 from app.work.campaign import without_refused
 from app.work.result import Part, Result
 from planner.base.errors import Refusal
@@ -26,49 +25,39 @@ OF_CAMPAIGN = "campaign"  # among a job's options: the facts of the pass that it
 _PART_RANK = 1  # after what somebody waits for
 
 
-class Settled(NamedTuple):
-    """The state a job has when its work has ended, `running` while it waits for parts.
-
-    plan: as it was stored, for who waits for it; None where none was made.
-    """
-
-    state: JobState
-    plan: StoredPlan | None = None
-
-
 def settle(
     connection: Connection, job: Job, kind: JobKind, done: Future[Result], attempts_max: int
-) -> Settled:
-    """Store the result of a job whose row is locked."""
+) -> Job:
+    """Store the result of a job whose row is locked: the job then, with the plan where it made one.
+
+    Its state is `running` while it waits for parts.
+    """
     error = done.exception()
     if error is None:
         return _store(connection, job, kind, done.result())
     if isinstance(error, Stopped):
-        return Settled(_state_when_stopped(connection, job))
+        return _stop(connection, job)
     problem = _problem(job, error)
     if problem is None:
-        return Settled(take_up_again(connection, job, attempts_max))
+        return take_up_again(connection, job, attempts_max)
     state: JobState = "refused" if problem["status"] < 500 else "failed"
     if state == "refused" and OF_CAMPAIGN in job.options and not job.cancel_requested:
         _replace_refused(connection, job, kind, problem)
-    jobs.finish(connection, job, state, problem)
-    return Settled(state)
+    return jobs.finish(connection, job, state, problem)
 
 
-def _store(connection: Connection, job: Job, kind: JobKind, result: Result) -> Settled:
+def _store(connection: Connection, job: Job, kind: JobKind, result: Result) -> Job:
     if kind.parts is not None and job.cancel_requested:  # a plan that is made anyway is kept
-        jobs.finish(connection, job, "cancelled")
-        return Settled("cancelled")
+        return jobs.finish(connection, job, "cancelled")
     results.store(connection, job.id, result.content)
     if kind.parts is not None and result.parts:
         for part in result.parts:
             _accept_part(connection, kind.parts, part, job.id, job)
-        jobs.wait_for_parts(connection, job)
-        return Settled("running")
+        return jobs.wait_for_parts(connection, job)
     place = jobs.place_in_series(connection, job) if kind.makes_plans else {}
     told = {} if result.listing is None else result.listing.columns(job.name)
     finished = jobs.finish(connection, job, result.state, **place, **told)
-    return Settled(result.state, plan_of(finished, result.content) if kind.makes_plans else None)
+    return plan_of(finished, result.content) if kind.makes_plans else finished
 
 
 def _accept_part(
@@ -110,33 +99,28 @@ def _replace_refused(
         _accept_part(connection, kind, repaired, refused.parent_id, refused)
 
 
-def take_up_again(connection: Connection, job: Job, attempts_max: int) -> JobState:
+def take_up_again(connection: Connection, job: Job, attempts_max: int) -> Job:
     """Back into the queue, unless whoever worked on it died too often."""
     if job.attempts < attempts_max:
-        jobs.give_back(connection, job, counted=True)
-        return "queued"
+        return jobs.give_back(connection, job, counted=True)
     problem = problem_of(
         Interrupted(
             f"the process that worked on it ended without a word {job.attempts} times; ask for "
             "less at a time, or again if the service was killed"
         )
     )
-    jobs.finish(connection, job, "failed", problem)
-    return "failed"
+    return jobs.finish(connection, job, "failed", problem)
 
 
-def give_up(connection: Connection, job: Job) -> Settled:
+def give_up(connection: Connection, job: Job) -> Job:
     """Our failure, which no other attempt would mend."""
-    jobs.finish(connection, job, "failed", bug())
-    return Settled("failed")
+    return jobs.finish(connection, job, "failed", bug())
 
 
-def _state_when_stopped(connection: Connection, job: Job) -> JobState:
+def _stop(connection: Connection, job: Job) -> Job:
     if job.cancel_requested:
-        jobs.finish(connection, job, "cancelled")
-        return "cancelled"
-    jobs.give_back(connection, job, counted=False)  # the service stops; the next goes on
-    return "queued"
+        return jobs.finish(connection, job, "cancelled")
+    return jobs.give_back(connection, job, counted=False)  # the service stops; the next goes on
 
 
 def _problem(job: Job, error: BaseException) -> Mapping[str, Any] | None:

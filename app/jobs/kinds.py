@@ -70,7 +70,9 @@ SPACECRAFT_PLAN = JobKind(
     stages={
         "candidates": 0,
         "choice and slews": 4,
-        "gimbals": 55,
+        "comparison": 55,
+        "resources": 56,
+        "pointing budget": 57,
         "verification": 58,
         "flight": 62,
         "alternatives": 95,
@@ -113,3 +115,4 @@ FLIGHTS = JobKind(
     stages={"as planned": 0, "runs": 3},
 )
 JOB_KINDS = {kind.name: kind for kind in (PLAN, SPACECRAFT_PLAN, CAMPAIGN, FLIGHTS, RUNS)}
+PLANS = frozenset(kind.name for kind in JOB_KINDS.values() if kind.makes_plans)

@@ -1,8 +1,9 @@
-"""Reads a JSON text as a `@spec` value, and names each field at fault.
+"""Reads a JSON text as a `@spec` value, and names each field at fault; writes such a value.
 
 The HTTP service and the command line read requests here and nowhere else.
 """
 
+import dataclasses
 import json
 import math
 import re
@@ -10,7 +11,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime
 from functools import cached_property
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import Any, ClassVar, Generic, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 from pydantic import TypeAdapter, ValidationError
 from pydantic.json_schema import GenerateJsonSchema
@@ -19,7 +20,7 @@ from pydantic_core import CoreSchema, SchemaValidator, core_schema
 from app.requests.plain_text import CHARACTERS_MAX, require_message, require_plain, visible
 from planner.base.errors import Blame, FieldError, InvalidRequest, Refusal, with_short_values
 from planner.base.spec import as_kept
-from planner.world.frames.time_scales import utc_from_text
+from planner.world.frames.time_scales import utc_from_text, utc_text
 from planner.world.targets.names import suggest_at_most
 
 ERRORS_SHOWN = 50
@@ -347,3 +348,40 @@ def _short_value(value: object) -> str | float | int | bool | None:
 
 def _shorten(text: str) -> str:
     return text if len(text) <= VALUE_SHOWN_CHARACTERS else text[:VALUE_SHOWN_CHARACTERS] + "..."
+
+
+def json_fields(value: object, words: Mapping[str, Any] = {}) -> dict[str, Any]:
+    """Its fields by name: those that aren't as by default, and the kind by which it is told apart.
+
+    words: of fields that are to stay as they were sent, since they may be said in several ways:
+    a platform by its name, an orbit as a file's content.
+    """
+    assert dataclasses.is_dataclass(value)
+    kinds = get_type_hints(type(value))
+    written = {}
+    for field in dataclasses.fields(value):
+        given = getattr(value, field.name)
+        if field.name in words:
+            written[field.name] = words[field.name]
+        elif _is_kind(kinds[field.name]) or given != _default(field):
+            written[field.name] = _plain(given)
+    return written
+
+
+def _is_kind(annotation: object) -> bool:
+    return get_origin(annotation) is Literal and len(get_args(annotation)) == 1
+
+
+def _default(field: "dataclasses.Field[Any]") -> object:
+    made = field.default_factory
+    return field.default if made is dataclasses.MISSING else made()
+
+
+def _plain(value: object) -> object:
+    if dataclasses.is_dataclass(value):
+        return json_fields(value)
+    if isinstance(value, Mapping):
+        return {key: _plain(part) for key, part in value.items()}
+    if isinstance(value, tuple):
+        return [_plain(part) for part in value]
+    return utc_text(value, 6) if isinstance(value, datetime) else value

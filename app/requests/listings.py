@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from app.store.listing import Listing
+from app.store.job import Listing
 
 if TYPE_CHECKING:
     from planner.planning.campaigns import CampaignRequest

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import AfterValidator, Field
 
 from app.requests.initial_state import AskedInitialState
-from app.requests.json_reader import JsonReader
-from app.requests.json_writer import json_fields
+from app.requests.json_reader import JsonReader, json_fields
 from estimator.camera import HorizonCamera
 from estimator.request import require_cameras
 from planner.base.spec import is_kept, spec

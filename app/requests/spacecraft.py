@@ -34,5 +34,4 @@ IMAGING_OPPORTUNITY_READER = JsonReader(
 )
 
 read_spacecraft_request = SPACECRAFT_READER.read
-read_kept_spacecraft_request = SPACECRAFT_READER.read_kept
 read_imaging_opportunity_request = IMAGING_OPPORTUNITY_READER.read

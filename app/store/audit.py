@@ -5,7 +5,6 @@ from typing import Annotated
 
 from sqlalchemy import Connection, insert, select
 
-from app.store.database import Database
 from app.store.models import AuditRow
 from planner.base.answer_members import Member, answer
 from planner.world.frames.time_scales import Utc
@@ -44,8 +43,7 @@ def record(
     connection.execute(_NEW, row | {"at_utc": datetime.now(UTC)})
 
 
-def entries(database: Database, limit: int, before: int) -> list[AuditEntry]:
+def entries(connection: Connection, limit: int, before: int) -> list[AuditEntry]:
     """The latest first, of those older than the one with the id `before`."""
     query = _ENTRIES.where(AuditRow.id < before).order_by(AuditRow.id.desc()).limit(limit)
-    with database.reading() as connection:
-        return [AuditEntry(**row) for row in connection.execute(query).mappings()]
+    return [AuditEntry(**row) for row in connection.execute(query).mappings()]

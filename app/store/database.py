@@ -1,4 +1,4 @@
-"""The database: its address and its transactions.
+"""The database: its address, its transactions, and failures that are none of ours.
 
 SQLite in the data folder without any set-up, PostgreSQL by SLEWTRACK_DATABASE_URL.
 
@@ -11,9 +11,10 @@ import asyncio
 import os
 import random
 import sqlite3
+import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import TypeVar
@@ -22,19 +23,13 @@ import anyio
 from anyio import to_thread
 from sqlalchemy import URL, Connection, Engine, create_engine, delete, event, insert, make_url, or_
 from sqlalchemy.engine.interfaces import DBAPIConnection
-from sqlalchemy.exc import ArgumentError, SQLAlchemyError
+from sqlalchemy.exc import ArgumentError, DBAPIError, OperationalError, SQLAlchemyError
+from sqlalchemy.exc import TimeoutError as NoConnectionFree
 from sqlalchemy.pool import ConnectionPoolEntry
 
 from app.ids import new_id
 from app.log.logs import log
-from app.store.failures import (
-    is_damage,
-    is_of_the_store,
-    keeps_all_waiting,
-    may_leave_stale_pages,
-)
 from app.store.models import ProbeRow
-from app.store.sqlite_write_lock import PATIENCE_S, Outage, WriteLock
 from app.store.unavailable import StoreDamaged, StoreUnavailable
 from planner.base.errors import InvalidInput
 
@@ -57,6 +52,77 @@ OUTDATED = (
 )
 _PROBE_BYTES = 32 * 1024  # what a plan takes
 _PROBE_FORGOTTEN = timedelta(minutes=1)  # by a service that died in between
+# Long enough for what another process may write at once, short enough to be told in two seconds.
+PATIENCE_S = 1.2
+# Time in which what kept somebody waiting in vain isn't tried again.
+_REST_S = 0.5
+# Primary result codes, https://sqlite.org/rescode.html; SQLITE_ERROR is faulty SQL.
+_SQLITE = frozenset(
+    {
+        sqlite3.SQLITE_PERM,
+        sqlite3.SQLITE_BUSY,
+        sqlite3.SQLITE_LOCKED,
+        sqlite3.SQLITE_NOMEM,
+        sqlite3.SQLITE_READONLY,
+        sqlite3.SQLITE_INTERRUPT,
+        sqlite3.SQLITE_IOERR,
+        sqlite3.SQLITE_CORRUPT,
+        sqlite3.SQLITE_FULL,
+        sqlite3.SQLITE_CANTOPEN,
+        sqlite3.SQLITE_PROTOCOL,
+        sqlite3.SQLITE_NOTADB,
+    }
+)
+# Classes and codes of SQLSTATE, PostgreSQL's appendix A: data or an index corrupted;
+_CORRUPTED = ("XX001", "XX002")
+# connection, authorization, rollbacks that may be tried again, resources, operator, system; no such
+# database, no right to write, a standby or read-only server, a lock that didn't come.
+_SQLSTATES = (
+    *("08", "28", "40", "53", "57", "58", *_CORRUPTED),
+    *("3D000", "42501", "25006", "55P03"),
+)
+
+
+class Outage:
+    """Remembers when all who tried waited in vain."""
+
+    def __init__(self) -> None:
+        self._until_s = 0.0
+
+    def require_over(self) -> None:
+        """Raises StoreUnavailable while there is no use in trying."""
+        if time.monotonic() < self._until_s:
+            raise StoreUnavailable("the database was not to be reached just now; ask again later")
+
+    def begin(self) -> None:
+        """Somebody waited in vain."""
+        self._until_s = time.monotonic() + _REST_S
+
+
+class WriteLock:
+    """A queue of writers: it moves as long as one of them gets through."""
+
+    def __init__(self, outage: Outage) -> None:
+        self._lock = threading.Lock()
+        self._outage = outage
+        self._done = 0
+
+    @contextmanager
+    def hold(self) -> Iterator[None]:
+        """Raises StoreUnavailable when no writer got through for PATIENCE_S."""
+        done = self._done
+        while not self._lock.acquire(timeout=PATIENCE_S):
+            self._outage.require_over()
+            if done == self._done:
+                self._outage.begin()
+                self._outage.require_over()
+            done = self._done
+        try:
+            self._outage.require_over()
+            yield
+        finally:
+            self._done += 1
+            self._lock.release()
 
 
 class Database:
@@ -144,9 +210,11 @@ class Database:
 
     @contextmanager
     def _writer(self, lasting: bool) -> Iterator[Connection]:
+        lock = self._write_lock
         with (
             self._raise_outages(self._writers),
-            self._turn(),
+            # Before a connection is taken, so that writers who wait leave some to readers.
+            nullcontext() if lock is None else lock.hold(),
             self._engine.connect().execution_options(
                 **{_WRITES: "FULL" if lasting else "NORMAL"}
             ) as connection,
@@ -172,10 +240,6 @@ class Database:
         forgotten = ProbeRow.at_utc < now_utc - _PROBE_FORGOTTEN
         with self.writing() as connection:
             connection.execute(delete(ProbeRow).where(or_(ProbeRow.id == probe_id, forgotten)))
-
-    def _turn(self) -> AbstractContextManager[None]:
-        """Before a connection is taken, so that writers who wait leave some to readers."""
-        return nullcontext() if self._write_lock is None else self._write_lock.hold()
 
     @contextmanager
     def _raise_outages(self, outage: Outage) -> Iterator[None]:
@@ -307,3 +371,48 @@ def _began(driver: sqlite3.Connection, until_s: float) -> bool:
             raise
         return False
     return True
+
+
+def is_of_the_store(error: Exception) -> bool:
+    """Whether the database, not what was asked of it, is at fault."""
+    if isinstance(error, NoConnectionFree):
+        return True
+    cause = _cause(error)
+    if isinstance(cause, sqlite3.Error):
+        # Python's own complaints, of a connection that was closed, say, have no code.
+        code = getattr(cause, "sqlite_errorcode", None)
+        return code is not None and code & 0xFF in _SQLITE
+    if isinstance(error, DBAPIError):
+        sqlstate: str | None = getattr(cause, "sqlstate", None)
+        if sqlstate is None:  # never reached, or lost
+            # Of psycopg's, ConnectionTimeout is one, too.
+            return error.connection_invalidated or isinstance(error, OperationalError)
+        return sqlstate.startswith(_SQLSTATES)
+    return False
+
+
+def keeps_all_waiting(error: Exception) -> bool:
+    """Whether others who try now would wait in vain, too."""
+    cause = _cause(error)
+    if isinstance(cause, sqlite3.Error):
+        return getattr(cause, "sqlite_errorcode", 0) & 0xFF == sqlite3.SQLITE_BUSY
+    return isinstance(error, SQLAlchemyError) and getattr(cause, "sqlstate", None) is None
+
+
+def is_damage(error: Exception) -> bool:
+    """Whether what is stored is no longer what was stored, so that waiting doesn't help."""
+    cause = _cause(error)
+    code = getattr(cause, "sqlite_errorcode", 0) & 0xFF
+    sqlstate = getattr(cause, "sqlstate", None)
+    return code in (sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_CORRUPT) or sqlstate in _CORRUPTED
+
+
+def may_leave_stale_pages(error: Exception) -> bool:
+    """Whether a connection may go on seeing what the file held when it was damaged."""
+    code = getattr(_cause(error), "sqlite_errorcode", 0) & 0xFF
+    return is_damage(error) or code == sqlite3.SQLITE_IOERR
+
+
+def _cause(error: Exception) -> BaseException | None:
+    """The driver's own error."""
+    return error.orig if isinstance(error, DBAPIError) else error

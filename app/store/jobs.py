@@ -6,7 +6,7 @@ the work goes on, and asked for again when the result is stored: whoever lost it
 
 import secrets
 import zlib
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from typing import Any
@@ -31,12 +31,44 @@ from sqlalchemy.orm import aliased
 
 from app.ids import OPEN_STATES, JobState
 from app.store import events
-from app.store.columns import database_now_s
-from app.store.job import Job
-from app.store.list_filter import EVERY_ROW, ListFilter
-from app.store.listing import Listing
-from app.store.models import JobRow, KeyRow
+from app.store.job import Job, Listing, folded
+from app.store.models import JobRow, KeyRow, database_now_s
 from app.store.packed import unzip
+
+
+@dataclass(frozen=True, kw_only=True)
+class ListFilter:
+    """None: whatever.
+
+    name: in the job's.  target: in a target's.  text: in the name, the platform's or a target's.
+    Upper and lower case are alike in target and text.
+    begins_before_utc, ends_after_utc: of what is looked at.
+    """
+
+    state: JobState | None = None
+    name: str | None = None
+    target: str | None = None
+    text: str | None = None
+    begins_before_utc: datetime | None = None
+    ends_after_utc: datetime | None = None
+
+    def conditions(self) -> Iterator[ColumnElement[bool]]:
+        """All of which it meets."""
+        if self.state is not None:
+            yield JobRow.state == self.state
+        if self.name is not None:
+            yield JobRow.name.contains(self.name, autoescape=True)
+        if self.target is not None:
+            yield JobRow.target_words.contains(folded(self.target), autoescape=True)
+        if self.text is not None:
+            yield JobRow.words.contains(folded(self.text), autoescape=True)
+        if self.begins_before_utc is not None:
+            yield JobRow.start_utc < self.begins_before_utc
+        if self.ends_after_utc is not None:
+            yield JobRow.stop_utc > self.ends_after_utc
+
+
+EVERY_ROW = ListFilter()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -290,9 +322,9 @@ def place_in_series(connection: Connection, job: Job) -> dict[str, Any]:
     return {"series": series, "revision": last + 1}
 
 
-def wait_for_parts(connection: Connection, job: Job) -> None:
+def wait_for_parts(connection: Connection, job: Job) -> Job:
     """Nobody works on a locked job any more; the last of its parts to finish finishes it."""
-    _change(connection, job, "running", {"state": "running", "waits_for": "parts"})
+    return _change(connection, job, "running", {"state": "running", "waits_for": "parts"})
 
 
 def parts_of(connection: Connection, job_id: str) -> list[Job]:
@@ -327,10 +359,10 @@ def _record_end_of_part(connection: Connection, whole_id: str) -> None:
         finish(connection, whole, "done")
 
 
-def give_back(connection: Connection, job: Job, *, counted: bool) -> None:
+def give_back(connection: Connection, job: Job, *, counted: bool) -> Job:
     """Put a locked job back into the queue; `counted`: the attempt was one."""
     attempts = job.attempts if counted else job.attempts - 1
-    _change(connection, job, "queued", {"state": "queued"}, attempts=attempts)
+    return _change(connection, job, "queued", {"state": "queued"}, attempts=attempts)
 
 
 def _change(

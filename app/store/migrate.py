@@ -43,7 +43,10 @@ def upgrade(database: Database) -> None:
                     connection.execute(
                         text("SELECT pg_advisory_xact_lock(:lock)"), {"lock": MIGRATION_LOCK}
                     )
-                database.revision = _upgrade(connection)
+                present, head = _revision(connection), _head()
+                if present != head:
+                    _migrate(connection, present, head)
+                database.revision = head
         except StoreUnavailable as error:
             if not _is_locked(error) or time.monotonic() > until_s:
                 raise _unusable(database, error.__cause__ or error) from error
@@ -66,14 +69,6 @@ def _is_locked(error: StoreUnavailable) -> bool:
     return error.__cause__ is None or reason(error.__cause__).startswith("SQLITE_BUSY")
 
 
-def _upgrade(connection: Connection) -> str:
-    """The revision it is of then; raises InvalidInput for one that isn't known here."""
-    present, head = _revision(connection), _head()
-    if present != head:
-        _migrate(connection, present, head)
-    return head
-
-
 def _revision(connection: Connection) -> str | None:
     """What the database is of; None before it has any tables."""
     if not inspect(connection).has_table("alembic_version"):
@@ -87,6 +82,7 @@ def _head() -> str:
 
 
 def _migrate(connection: Connection, present: str | None, head: str) -> None:
+    """Raises InvalidInput for what is of a revision that isn't known here."""
     # A tenth of a second, which only starts that change the tables wait for.
     from alembic import command
     from alembic.config import Config

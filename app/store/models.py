@@ -1,21 +1,81 @@
-"""The tables: jobs, their results and events, probes, keys and the audit log."""
+"""The tables: jobs, their results and events, probes, keys, the audit log; kinds of column."""
 
-from datetime import datetime
+from datetime import UTC, datetime
 from typing import Any
 
 from sqlalchemy import (
     JSON,
     CheckConstraint,
+    DateTime,
+    Dialect,
+    Float,
     ForeignKey,
     Index,
     LargeBinary,
     MetaData,
+    String,
+    Text,
     UniqueConstraint,
 )
+from sqlalchemy.ext.compiler import compiles
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
+from sqlalchemy.sql.compiler import SQLCompiler
+from sqlalchemy.sql.functions import FunctionElement
+from sqlalchemy.types import TypeDecorator
 
 from app.ids import STATES, JobState
-from app.store.columns import PlainString, PlainText, UtcDateTime
+
+
+class PlainString(TypeDecorator[str]):
+    """Text that every database takes: PostgreSQL knows no U+0000, UTF-8 no lone surrogate."""
+
+    impl = String
+    cache_ok = True
+
+    def process_bind_param(self, value: str | None, dialect: Dialect) -> str | None:
+        if value is None:
+            return None
+        return value.replace("\0", "\ufffd").encode("utf-8", "replace").decode()
+
+
+class PlainText(PlainString):
+    """Of any length."""
+
+    impl = Text
+    cache_ok = True
+
+
+class UtcDateTime(TypeDecorator[datetime]):
+    """Aware and UTC in Python on every database; SQLite itself keeps no zone."""
+
+    impl = DateTime(timezone=True)
+    cache_ok = True
+
+    def process_bind_param(self, value: datetime | None, dialect: Dialect) -> datetime | None:
+        return None if value is None else value.astimezone(UTC)
+
+    def process_result_value(self, value: datetime | None, dialect: Dialect) -> datetime | None:
+        if value is None:
+            return None
+        return value.astimezone(UTC) if value.tzinfo else value.replace(tzinfo=UTC)
+
+
+class database_now_s(FunctionElement[float]):  # noqa: N801 (reads as the SQL function it is)
+    """Seconds since 1970 by the clock of the database, which all services on it share."""
+
+    type = Float()
+    inherit_cache = True
+
+
+@compiles(database_now_s, "sqlite")
+def _sqlite_now(_: database_now_s, __: SQLCompiler, **___: object) -> str:
+    return "((julianday('now') - 2440587.5) * 86400.0)"
+
+
+@compiles(database_now_s, "postgresql")
+def _postgresql_now(_: database_now_s, __: SQLCompiler, **___: object) -> str:
+    return "extract(epoch from clock_timestamp())::double precision"
+
 
 _STATES = ", ".join(f"'{state}'" for state in STATES)
 _ID = PlainString(36)
@@ -46,7 +106,7 @@ class JobRow(Base):
     plan_id: the job of the plan that this one is about; whoever deletes that deletes this.
     revises: the job of the plan that this one is to replace.  series: of a plan that is made, the
     job of its first revision; revision: from 1 within the series.
-    platform ... target_words: `app.store.listing`; targets: the first of target_count.
+    platform ... target_words: `app.store.job`; targets: the first of target_count.
     words, target_words: what filters look into, `folded`.
     """
 

@@ -1,10 +1,8 @@
-"""Plans, the results of jobs that make them, and the choices of campaigns."""
+"""Plans, the results of jobs that make them."""
 
-import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Any
 
 from sqlalchemy import Connection
 
@@ -18,10 +16,12 @@ class StoredPlan(Job):
     """A job with the plan it made.
 
     document: the answer's JSON without the table.  table_columns: `app.store.packed`.
+    session_document: of an imaging session its own answer's, else empty.
     """
 
     document: bytes
     table_columns: bytes
+    session_document: bytes = b""
 
     @property
     def planned_utc(self) -> datetime:
@@ -32,20 +32,16 @@ class StoredPlan(Job):
 
 def plan_of(job: Job, content: Sequence[bytes]) -> StoredPlan:
     """What a job that has ended made, as it is stored."""
-    document, table_columns = content
-    return StoredPlan(**vars(job), document=unzip(document), table_columns=table_columns)
+    document, table_columns, *session = content
+    return StoredPlan(
+        **vars(job),
+        document=unzip(document),
+        table_columns=table_columns,
+        session_document=b"".join(map(unzip, session)),
+    )
 
 
 def get(connection: Connection, job: Job) -> StoredPlan | None:
     """What a job made; None before it is made, or where it couldn't be."""
     content = results.get(connection, job.id)
     return plan_of(job, content) if content else None
-
-
-def choice_of(connection: Connection, job_id: str) -> Mapping[str, Any] | None:
-    """What a campaign chose; None before anything was chosen."""
-    found = results.document(connection, job_id)
-    if found is None:
-        return None
-    choice: Mapping[str, Any] = json.loads(unzip(found))
-    return choice

@@ -10,9 +10,10 @@ from app.store.models import JobRow, ResultRow
 _NEW = insert(ResultRow)
 _OF_JOB = (
     select(ResultRow.content)
-    .where(ResultRow.job_id == bindparam("of_job"), ResultRow.part >= bindparam("first"))
+    .where(ResultRow.job_id == bindparam("of_job"))
     .order_by(ResultRow.part)
 )
+_DOCUMENT = _OF_JOB.where(ResultRow.part == 0)
 
 
 def store(connection: Connection, job_id: str, content: Sequence[bytes]) -> None:
@@ -21,17 +22,14 @@ def store(connection: Connection, job_id: str, content: Sequence[bytes]) -> None
     connection.execute(_NEW, rows)
 
 
-def get(
-    connection: Connection, job_id: str, first: int = 0, stop: int | None = None
-) -> Sequence[bytes]:
-    """What a job made, from the number `first` to before `stop`; nothing before it is made."""
-    query = _OF_JOB if stop is None else _OF_JOB.where(ResultRow.part < stop)
-    return connection.scalars(query, {"of_job": job_id, "first": first}).all()
+def get(connection: Connection, job_id: str) -> Sequence[bytes]:
+    """What a job made; nothing before it is made."""
+    return connection.scalars(_OF_JOB, {"of_job": job_id}).all()
 
 
 def document(connection: Connection, job_id: str) -> bytes | None:
     """Of what a job made; None before it is made."""
-    return next(iter(get(connection, job_id, stop=1)), None)
+    return connection.scalar(_DOCUMENT, {"of_job": job_id})
 
 
 def documents_of_parts(connection: Connection, job_id: str) -> Sequence[bytes]:

@@ -1,14 +1,15 @@
 """A child's work for flights of a plan: flown as planned, split into parts, each part flown."""
 
-import base64
 import json
 import zlib
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from pydantic import ConfigDict, TypeAdapter
+
 from app.answers.flights import FlightsHead, SessionHead
-from app.answers.members import to_members
+from app.answers.members import to_json, to_members
 from app.requests.flights import read_flights_request
 from app.store.packed import PackedColumns, pack, unpack
 from app.work.plan import require_verified_table, stored_plan
@@ -31,24 +32,24 @@ class PlanToFly:
     """What is flown, as a child is sent it, and by whom it was planned.
 
     asked: the request for flights.  request: the plan's.  table_columns: its stored table.
+    first, count: of the runs of a part.
     """
+
+    __pydantic_config__ = ConfigDict(ser_json_bytes="base64", val_json_bytes="base64")
 
     plan_id: str
     asked: bytes
     request: bytes
     table_columns: bytes
+    first: int = 0
+    count: int = 0
 
-    def to_bytes(self, **part: int) -> bytes:
+    def to_bytes(self, first: int = 0, count: int = 0) -> bytes:
         """JSON."""
-        return json.dumps(
-            {
-                "plan_id": self.plan_id,
-                "asked": self.asked.decode(),
-                "request": self.request.decode(),
-                "table": base64.b64encode(self.table_columns).decode(),
-                **part,
-            }
-        ).encode()
+        return to_json(replace(self, first=first, count=count))
+
+
+PLAN_TO_FLY = TypeAdapter(PlanToFly)
 
 
 def prepare_flights(body: bytes, _: object = None) -> Result:
@@ -56,7 +57,7 @@ def prepare_flights(body: bytes, _: object = None) -> Result:
     from planner.inflight.flights.scene import session_scenes
 
     report("as planned")
-    what, _ = _read(body)
+    what = PLAN_TO_FLY.validate_json(body)
     plan = _plan(what)
     scenes = session_scenes(plan)
     asked = read_flights_request(what.asked)
@@ -112,17 +113,17 @@ def fly_part(body: bytes, _: object = None) -> Result:
     from planner.inflight.flights.runs import fly_runs
     from planner.inflight.flights.scene import session_scenes
 
-    what, part = _read(body)
+    what = PLAN_TO_FLY.validate_json(body)
     plan = _plan(what)
     asked = read_flights_request(what.asked)
     outcomes = fly_runs(
         session_scenes(plan),
         asked.seed,
-        part["first"],
-        part["count"],
-        lambda done: report("runs", done, part["count"]),
+        what.first,
+        what.count,
+        lambda done: report("runs", done, what.count),
     )
-    return Result(content=(packed_outcomes(outcomes, part["first"]),))
+    return Result(content=(packed_outcomes(outcomes, what.first),))
 
 
 def packed_outcomes(sessions: Sequence[RunOutcomes], first: int) -> bytes:
@@ -152,17 +153,6 @@ def unpacked_outcomes(packed: bytes) -> tuple[int, list[RunOutcomes]]:
         columns |= {name: columns[name] > 0.5 for name in ("holds", "sharp")}
         sessions.append(RunOutcomes(causes=tuple(part.facts["causes"]), **columns))
     return part.facts["first"], sessions
-
-
-def _read(body: bytes) -> tuple[PlanToFly, dict[str, Any]]:
-    members = json.loads(body)
-    what = PlanToFly(
-        plan_id=members.pop("plan_id"),
-        asked=members.pop("asked").encode(),
-        request=members.pop("request").encode(),
-        table_columns=base64.b64decode(members.pop("table")),
-    )
-    return what, members
 
 
 def _plan(what: PlanToFly) -> FlightPlan:

@@ -11,7 +11,7 @@ from app.answers.horizon import FrameNadir, SeriesResponse
 from app.answers.members import ProvenanceOut, to_json
 from app.requests.horizon import ATTITUDE_SIGMA_DEG
 from app.requests.json_reader import JsonReader
-from app.work.horizon_views import attitudes_at, surroundings
+from app.work.horizon import attitudes_at, surroundings
 from estimator.camera import HorizonCamera
 from estimator.found import SeriesReport
 from estimator.images import Pixels

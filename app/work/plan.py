@@ -10,7 +10,7 @@ from app.answers.plan import dry_run_json, plan_document, require_verified, tabl
 from app.requests.listings import listing_of_scenario
 from app.requests.plan import PlanRequest, read_kept_plan_request, read_plan_request
 from app.store.packed import PackedColumns, pack, unpack
-from app.work.horizon_views import horizon_checks
+from app.work.horizon import horizon_checks
 from app.work.progress import report
 from app.work.result import Result
 from planner.base.commands import Channel, CommandTable
@@ -48,7 +48,7 @@ def try_plan(request: PlanRequest, provenance: ProvenanceOut) -> bytes:
 
 def stored_table_json(table_columns: bytes) -> bytes:
     """The table as the answer holds it."""
-    return table_json(_table(unpack(table_columns)))
+    return table_json(stored_table(unpack(table_columns)))
 
 
 def stored_table_file(
@@ -66,8 +66,11 @@ def require_verified_table(packed: PackedColumns) -> None:
 
 
 def stored_plan(request: bytes, packed: PackedColumns) -> FlightPlan:
-    """With its sessions as they were left after conflicts; raises KeptUnreadable."""
-    scenario = read_kept_plan_request(request)
+    """With its sessions as they were left after conflicts; raises KeptUnreadable.
+
+    request: what was asked, unless the facts tell of the sessions that were made of it.
+    """
+    scenario = read_kept_plan_request(packed.facts.get("request", "").encode() or request)
     times = zip(scenario.sessions, packed.facts["sessions"], strict=True)
     with as_kept():
         sessions = tuple(
@@ -77,7 +80,7 @@ def stored_plan(request: bytes, packed: PackedColumns) -> FlightPlan:
         )
         scenario = replace(scenario, sessions=sessions)
     segments = tuple(segment_of(*facts) for facts in packed.facts["segments"])
-    return FlightPlan(scenario=scenario, segments=segments, table=_table(packed))
+    return FlightPlan(scenario=scenario, segments=segments, table=stored_table(packed))
 
 
 def segment_of(kind: SegmentKind, session: int | None, start: str, stop: str) -> Segment:
@@ -106,13 +109,8 @@ def packed_plan(plan: FlightPlan, judged: VerificationReport | None = None) -> P
                 [s.kind, s.session, _exact(s.start_utc), _exact(s.stop_utc)] for s in plan.segments
             ],
             "errors": [
-                {
-                    "limit": found.limit,
-                    "axis": found.axis,
-                    "t_s": found.t_s,
-                    "at": None if found.at_utc is None else _exact(found.at_utc),
-                    "detail": found.detail,
-                }
+                {name: getattr(found, name) for name in ("limit", "axis", "t_s", "detail")}
+                | {"at": None if found.at_utc is None else _exact(found.at_utc)}
                 for found in (judged.findings if judged else ())
                 if found.severity == "error"
             ],
@@ -121,7 +119,8 @@ def packed_plan(plan: FlightPlan, judged: VerificationReport | None = None) -> P
     )
 
 
-def _table(packed: PackedColumns) -> CommandTable:
+def stored_table(packed: PackedColumns) -> CommandTable:
+    """Every bit of it."""
     epoch_utc = utc_from_text(packed.facts["epoch"])
     channels = tuple(Channel(*channel) for channel in packed.facts["channels"])
     return CommandTable(epoch_utc=epoch_utc, channels=channels, **packed.columns)

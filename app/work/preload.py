@@ -42,7 +42,6 @@ _LOADED = (
     "planner.inflight.telemetry.compare",
     "planner.output.view.netcdf",
     "planner.output.view.view",
-    "planner.spacecraft.view",
 )
 SERVER_PID = os.getpid()
 _REQUEST = json.dumps(LAS_VEGAS).encode()

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from app.store.listing import Listing
+from app.store.job import Listing
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,7 +26,7 @@ class Result:
     """What a job's work makes.
 
     content: stored as it is: the document, which is JSON, zlib, or of some runs of flights packed
-    columns; and a plan's table, packed.
+    columns; a plan's table, packed; and the document in the words of an imaging session.
     state: `failed` where the judge rejects a plan's table.
     listing: what lists tell from now on; None for what they tell already.
     iterations: of the solver over all slews, where they are counted.

@@ -1,44 +1,47 @@
 """A child's work for an imaging session, and the reading of its stored table."""
 
+import json
 import zlib
-from dataclasses import asdict
+from dataclasses import replace
 from datetime import UTC, datetime
 
 from app.answers.members import ProvenanceOut, provenance
+from app.answers.plan import plan_document
 from app.answers.spacecraft import (
     attitude_table_json,
     spacecraft_document,
     spacecraft_dry_run_json,
 )
 from app.requests.listings import listing_of_imaging
-from app.requests.spacecraft import read_kept_spacecraft_request, read_spacecraft_request
-from app.store.packed import PackedColumns, pack, unpack
+from app.requests.plan import write_plan_request
+from app.requests.spacecraft import read_spacecraft_request
+from app.store.packed import pack, unpack
+from app.work.plan import packed_plan, stored_table
 from app.work.progress import report
 from app.work.result import Result
-from planner.spacecraft.export import IMAGING_EXPORTERS, SessionTable
 from planner.spacecraft.requests import ImagingPlanRequest
-from planner.spacecraft.table import AttitudeTable, ImagingWindow
-from planner.world.frames.time_scales import utc_from_text, utc_text
-
-_COLUMNS = (
-    "eci_from_body_xyzw",
-    "omega_body_rad_s",
-    "alpha_body_rad_s2",
-    "gimbal_rad",
-    "gimbal_rate_rad_s",
-)
 
 
 def plan_and_pack_session(body: bytes, request: ImagingPlanRequest | None = None) -> Result:
-    """Read unless that is done, plan, judge, fly and pack; raises a Refusal."""
+    """Read unless that is done, plan, judge, fly and pack; raises a Refusal.
+
+    It is stored as the plan of its body, beside the request for its sessions, which the body isn't.
+    """
     from planner.spacecraft.plan import plan_imaging
 
-    now_utc = datetime.now(UTC)
+    origin = provenance(datetime.now(UTC), body)
     plan = plan_imaging(request or read_spacecraft_request(body), report)
-    document = zlib.compress(spacecraft_document(plan, provenance(now_utc, body)))
+    whole = plan.whole
+    words = {"orbit": json.loads(body)["orbit"]}
+    asked = write_plan_request(whole.scenario, words, ()).decode()
+    packed = packed_plan(whole)
+    documents = (plan_document(whole, (), origin), spacecraft_document(plan, origin))
+    document, session_document = map(zlib.compress, documents)
+    table_columns = pack(replace(packed, facts={**packed.facts, "request": asked}))
     return Result(
-        content=(document, pack(_pack(plan.table))),
+        content=(document, table_columns, session_document),
         listing=listing_of_imaging(plan.request),
+        iterations=sum(run.iterations for run in whole.slews),
     )
 
 
@@ -51,37 +54,4 @@ def try_session(request: ImagingPlanRequest, provenance: ProvenanceOut) -> bytes
 
 def stored_session_json(table_columns: bytes) -> bytes:
     """The table as the answer holds it."""
-    return attitude_table_json(_table(unpack(table_columns)))
-
-
-def stored_session_file(
-    request: bytes, table_columns: bytes, format_name: str, created_utc: datetime
-) -> bytes:
-    """The table by itself."""
-    session = stored_session(request, table_columns)
-    return IMAGING_EXPORTERS[format_name].write(session, created_utc)
-
-
-def stored_session(request: bytes, table_columns: bytes) -> SessionTable:
-    """What was asked, and the table as it was stored; raises KeptUnreadable."""
-    return SessionTable(
-        request=read_kept_spacecraft_request(request), table=_table(unpack(table_columns))
-    )
-
-
-def _pack(table: AttitudeTable) -> PackedColumns:
-    return PackedColumns(
-        columns={name: getattr(table, name) for name in _COLUMNS},
-        facts={
-            "epoch": utc_text(table.epoch_utc, 6),
-            "windows": [asdict(window) for window in table.windows],
-        },
-    )
-
-
-def _table(packed: PackedColumns) -> AttitudeTable:
-    return AttitudeTable(
-        epoch_utc=utc_from_text(packed.facts["epoch"]),
-        **{name: packed.columns[name] for name in _COLUMNS},
-        windows=tuple(ImagingWindow(**window) for window in packed.facts["windows"]),
-    )
+    return attitude_table_json(stored_table(unpack(table_columns)))

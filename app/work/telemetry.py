@@ -6,7 +6,12 @@ from typing import TYPE_CHECKING
 
 from app.answers.members import ProvenanceOut
 from app.answers.telemetry import comparison_json
-from app.requests.telemetry import ComparisonRequest, SentSamples
+from app.requests.telemetry import (
+    ComparisonRequest,
+    SentSamples,
+    read_comparison_head,
+    read_comparison_request,
+)
 from app.store.packed import unpack
 from app.work.plan import stored_plan
 from planner.inflight.telemetry.figure import write_comparison_png, write_comparison_svg
@@ -31,6 +36,14 @@ class SentTelemetry:
 
     request: ComparisonRequest
     samples: SentSamples | bytes
+
+
+def read_sent(body: bytes, *csv: bytes) -> SentTelemetry:
+    """The request, its samples in it or beside it in a CSV file; raises InvalidRequest."""
+    if csv:
+        return SentTelemetry(request=read_comparison_head(body), samples=csv[0])
+    request, samples = read_comparison_request(body)
+    return SentTelemetry(request=request, samples=samples)
 
 
 def compare_stored(

@@ -4,22 +4,16 @@ from dataclasses import dataclass
 from datetime import datetime
 
 from app.answers.members import ProvenanceOut, to_json
-from app.answers.spacecraft_view import spacecraft_view_json
 from app.answers.view import OrbitTrackResponse, view_json
 from app.store.packed import unpack
 from app.work.plan import require_verified_table, stored_plan
-from app.work.spacecraft import stored_session
 from planner.output.export import EXPORTERS, Exporter
 from planner.output.view import VIEW_EXPORTERS
 from planner.output.view.orbit import OrbitTrackRequest, track_orbit
-from planner.spacecraft.export import IMAGING_EXPORTERS, SessionTable
 from planner.world.plan import FlightPlan
 
 DRAWN: dict[str, Exporter[FlightPlan]] = {
     name: exporter for name, exporter in EXPORTERS.items() if exporter.shows
-}
-DRAWN_SESSION: dict[str, Exporter[SessionTable]] = {
-    name: exporter for name, exporter in IMAGING_EXPORTERS.items() if exporter.shows
 }
 
 
@@ -55,17 +49,6 @@ def stored_plan_view(request: bytes, table_columns: bytes, asked: AskedView) -> 
         return DRAWN[asked.format_name].write(plan, asked.created_utc)
     view = view_plan(plan, asked.step_s, pixel_arcsec)
     return VIEW_EXPORTERS[asked.format_name].write(view, asked.created_utc)
-
-
-def stored_session_view(request: bytes, table_columns: bytes, asked: AskedView) -> bytes:
-    """Of an imaging session; raises InvalidInput for the step."""
-    from planner.spacecraft.view import view_session
-
-    session = stored_session(request, table_columns)
-    if asked.format_name is not None:
-        return DRAWN_SESSION[asked.format_name].write(session, asked.created_utc)
-    view = view_session(session, asked.step_s)
-    return spacecraft_view_json(view, asked.plan_id, verified=asked.verified)
 
 
 def orbit_track_json(request: OrbitTrackRequest, provenance: ProvenanceOut) -> bytes:

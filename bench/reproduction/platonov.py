@@ -30,6 +30,7 @@ from scipy.spatial.transform import Rotation
 
 from app.requests.spacecraft import read_spacecraft_request
 from planner.base.arrays import Array
+from planner.base.commands import CommandTable
 from planner.base.rotation import of_like_sign
 from planner.inflight.simulation.gyros.closed_loop import Log
 from planner.inflight.simulation.gyros.dispersed import (
@@ -67,7 +68,7 @@ from planner.spacecraft.requests import (
     ImagingPlanRequest,
     StripRequest,
 )
-from planner.spacecraft.table import TICK_S, AttitudeTable
+from planner.spacecraft.table import TICK_S, ImagingWindow, camera_on
 from planner.spacecraft.vehicle.definition import (
     AGILE_CMG,
     AgileSpacecraft,
@@ -197,7 +198,9 @@ def planned(name: str) -> ImagingPlan:
 def flown(name: str) -> tuple[Log, ...]:
     """Its table in closed loop, one run for each of SEEDS."""
     plan = planned(name)
-    return tuple(fly_many(plan.spacecraft, plan.table, orbit_states(plan), SEEDS, itself))
+    return tuple(
+        fly_many(plan.spacecraft, plan.table, plan.windows, orbit_states(plan), SEEDS, itself)
+    )
 
 
 def text(name: str) -> str:
@@ -262,14 +265,14 @@ def attitudes(session: ImagingSession, arc: GroundArc | None, t_s: Array) -> Rot
 
 
 @lru_cache(maxsize=2)
-def goal_table(name: str) -> tuple[AttitudeTable, tuple[int, ...]]:
+def goal_table(name: str) -> tuple[CommandTable, tuple[int, ...]]:
     """A table of goals that jumps at the paper's moments, and the rows of the jumps."""
     plan = planned(name)
     session = make_session(plan.request)
     options, _ = options_of(session)
     scans = scans_of(options, range(len(options)))
     rows = len(plan.table.t_s)
-    q = plan.table.eci_from_body_xyzw.copy()
+    q = plan.table.position.copy()
     omega, alpha = np.zeros((rows, 3)), np.zeros((rows, 3))
     given = [round(t * 5.0) for t, _ in COMMANDS[name]]
     stops = [*given[1:], rows]
@@ -284,9 +287,7 @@ def goal_table(name: str) -> tuple[AttitudeTable, tuple[int, ...]]:
         motion = attitude_motion(of_like_sign(attitudes(session, arc, t_s).inv().as_quat()), 0.2)
         q[start:stop] = motion.position
         omega[start:stop], alpha[start:stop] = motion.rate_rad_s, motion.acceleration_rad_s2
-    table = dataclasses.replace(
-        plan.table, eci_from_body_xyzw=q, omega_body_rad_s=omega, alpha_body_rad_s2=alpha
-    )
+    table = dataclasses.replace(plan.table, position=q, rate_rad_s=omega, acceleration_rad_s2=alpha)
     return table, tuple(given)
 
 
@@ -295,16 +296,16 @@ def fly(name: str, dispersion: Dispersion) -> Log:
     table, given = goal_table(name)
     spacecraft = spacecraft_of(name)
     states = orbit_states(planned(name))
-    imaging = table.imaging()
+    imaging = camera_on(planned(name).windows, len(table.position))
     return fly_table(
-        spacecraft.craft, table.commands, imaging, states, dispersion, law=PAPER, commanded=given
+        spacecraft.craft, table, imaging, states, dispersion, law=PAPER, commanded=given
     )
 
 
 @lru_cache(maxsize=4)
 def settling(name: str, dispersed: bool) -> Settling:
     """How the paper's laws meet the paper's intervals, in one nominal or in OWN_SEEDS runs."""
-    spacecraft, windows = spacecraft_of(name), planned(name).table.windows
+    spacecraft, windows = spacecraft_of(name), planned(name).windows
     runs = [draw_dispersion(spacecraft, seed) for seed in OWN_SEEDS] if dispersed else [
         nominal(spacecraft)
     ]  # fmt: skip
@@ -435,9 +436,11 @@ def turned(rate_deg_s: float, seconds: float, angle_deg: float = 20.0) -> Turned
     ephemeris = sun_synchronous(600.0).ephemeris(EPOCH, EPOCH + timedelta(seconds=60))
     states = ephemeris.states(Instants(EPOCH, table.t_s))
     craft = spacecraft.craft
+    rest = ImagingWindow(request="slew", look=0, first_row=250, last_row=300)
+    imaging = camera_on((rest,), len(table.position))
     settled = [
         settled_after_s(
-            fly_table(craft, table.commands, table.imaging(), states, draw_dispersion(craft, seed)),
+            fly_table(craft, table, imaging, states, draw_dispersion(craft, seed)),
             50,
             300,
         )
@@ -542,7 +545,7 @@ def _turns() -> Numbers:
 
 def _session() -> Numbers:
     plan, logs = planned(AREAS), flown(AREAS)
-    windows = plan.table.windows
+    windows = plan.windows
     worst = [worst_deg_s(log, w.first_row, w.last_row) for log in logs for w in windows]
     aside = plan_imaging(far_aside())
     scans_s = np.diff(PAPER_TURNS_S[1:])[::4]
@@ -587,13 +590,13 @@ def draw(plan: ImagingPlan, log: Log, spans: Sequence[Span], clock_s: float) -> 
     """Rates of the table, whole, and rate errors of a run in each span of the paper's clock."""
     t_s = np.arange(len(log.rate_error_rad_s) * log.rate_error_rad_s.shape[1]) * 0.005 + clock_s
     error_deg_s = np.rad2deg(log.rate_error_rad_s.reshape(-1, 3))
-    rate_deg_s = np.rad2deg(plan.table.omega_body_rad_s)
+    rate_deg_s = np.rad2deg(plan.table.rate_rad_s)
     figure = Figure(figsize=(9.0, 2.2 * (1 + len(spans))), layout="constrained")
     top, *details = figure.subplots(1 + len(spans), 1)
     for k, axis in enumerate("XYZ"):
         top.plot(plan.table.t_s + clock_s, rate_deg_s[:, k], label=axis, lw=1.0)
     top.set_ylabel("body rate, deg/s")
-    for window in plan.table.windows:
+    for window in plan.windows:
         top.axvspan(window.first_row / 5 + clock_s, window.last_row / 5 + clock_s, alpha=0.15)
     top.legend(loc="upper right", ncols=3)
     for panel, (name, start_s, stop_s) in zip(details, spans, strict=True):
@@ -717,7 +720,7 @@ def spacecraft_numbers() -> Numbers:
 
 def _gyros() -> Numbers:
     array, inertia = AGILE_CMG.array, np.array(AGILE_CMG.inertia_kg_m2)
-    short, long = (needed(planned(name).table.gimbal_rad, TICK_S) for name in NAMES)
+    short, long = (needed(planned(name).table.extra_rad[:, :4], TICK_S) for name in NAMES)
     most = max(short.gyro_n_m_s, long.gyro_n_m_s)
     held = max(short.held_n_m_s, long.held_n_m_s)
     least_n_m = array.momentum_n_m_s * array.rate_step_rad_s

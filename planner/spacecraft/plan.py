@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 
 from planner.base import effort
+from planner.base.commands import CommandTable
 from planner.base.effort import WorkLimitReached, at_most
 from planner.base.errors import (
     InfeasibleSlew,
@@ -17,7 +18,9 @@ from planner.base.errors import (
     VerificationFailed,
 )
 from planner.base.reporting import Reporter, tell_nobody
-from planner.spacecraft.export import SessionTable
+from planner.planning.sessions.assembly import table_work
+from planner.planning.sessions.pipeline import StageClock, complete_plan
+from planner.planning.sessions.plan import Plan
 from planner.spacecraft.flight.report import StabilisationReport
 from planner.spacecraft.flight.simulation import fly_many
 from planner.spacecraft.flight.stabilisation import (
@@ -29,11 +32,11 @@ from planner.spacecraft.imaging.alternatives import refusal_with_alternative
 from planner.spacecraft.imaging.choice_with_slews import choose_and_slew, options_of
 from planner.spacecraft.imaging.choose import Choice
 from planner.spacecraft.imaging.session import ImagingSession, make_session
-from planner.spacecraft.imaging.timeline import PlannedSlew, Timeline
+from planner.spacecraft.imaging.timeline import PlannedSlew, planned_slews
 from planner.spacecraft.requests import ImagingPlanRequest, LeftOut
-from planner.spacecraft.table import AttitudeTable
+from planner.spacecraft.table import ImagingWindow
+from planner.spacecraft.vehicle.definition import AgileSpacecraft
 from planner.spacecraft.verification import SpacecraftVerification, verify_table
-from planner.verification import verify
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,14 +53,18 @@ OPTIONS = SessionWork()
 
 
 @dataclass(frozen=True, kw_only=True)
-class ImagingPlan(SessionTable):
+class ImagingPlan:
     """The plan of a session.
 
+    whole: of the body, whose sessions are the scans.  windows: when they are.
     slews: each beside its eigenaxis baselines.  choice: worth of what was chosen, the best found.
     stabilisation: of the dispersed closed-loop runs.
     assumptions: values assumed because the paper doesn't give them.
     """
 
+    request: ImagingPlanRequest
+    whole: Plan
+    windows: tuple[ImagingWindow, ...]
     slews: tuple[PlannedSlew, ...]
     choice: Choice
     left_out: tuple[LeftOut, ...]
@@ -65,6 +72,14 @@ class ImagingPlan(SessionTable):
     stabilisation: StabilisationReport
     assumptions: tuple[str, ...]
     warnings: tuple[str, ...]
+
+    @property
+    def spacecraft(self) -> AgileSpacecraft:
+        return self.request.definition()
+
+    @property
+    def table(self) -> CommandTable:
+        return self.whole.table
 
 
 def plan_imaging(request: ImagingPlanRequest, tell: Reporter = tell_nobody) -> ImagingPlan:
@@ -108,52 +123,51 @@ def _bound_work(request: ImagingPlanRequest) -> float:
 def _is_found(request: ImagingPlanRequest) -> bool:
     """Whether a plan of it is found with a part of the work of a session."""
     with at_most(OPTIONS.try_share * _bound_work(request)), suppress(Refusal):
-        return bool(_make_plan(request, tell_nobody, gentler=False).table.windows)
+        return bool(_make_plan(request, tell_nobody, gentler=False).windows)
     return False
 
 
 def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, gentler: bool = True) -> ImagingPlan:
     _refuse_momentum(request)
-    tell("candidates", 0, 1)
-    session = make_session(request)
-    options, unseen = options_of(session)
-    tell("choice and slews", 0, 1)
-    chosen = choose_and_slew(session, options, gentler=gentler)
+    clock = StageClock(tell=tell)
+    with clock.time("candidates"):
+        session = make_session(request)
+        options, unseen = options_of(session)
+    with clock.time("choice and slews"):
+        chosen = choose_and_slew(session, options, gentler=gentler)
     if chosen is None:
         raise _search_ended(request)
-    timeline, warnings = chosen.timeline, chosen.warnings
-    tell("gimbals", 0, 1)
-    table = make_table(timeline)
-    tell("verification", 0, 1)
-    judged = verify(timeline.table, timeline.scenario)
-    if not judged.passed:
-        raise VerificationFailed("; ".join(finding.detail for finding in judged.findings))
-    verification = verify_table(table, request)
+    timeline = chosen.timeline
+    effort.count(table_work(timeline.scenario, timeline.joins[-1].stop_row))
+    whole = complete_plan(timeline.scenario, session.ephemeris, timeline.joins, clock)
+    verification = verify_table(whole.table, timeline.windows, request)
     if not verification.passed:
         raise VerificationFailed("; ".join(verification.findings))
-    runs = _affordable_runs(request, len(table.t_s))
+    warnings = (*whole.warnings, *chosen.warnings)
+    runs = _affordable_runs(request, len(whole.table.position))
     if runs < request.simulation_runs:
         warnings += (
             f"{runs} of the {request.simulation_runs} dispersed runs were flown: more would take "
             "more work than may be made for one session",
         )
-    report = _fly_stabilisation(session, table, verification, runs, tell)
+    report = _fly_stabilisation(session, whole.table, verification, runs, tell)
     return ImagingPlan(
         request=request,
-        table=table,
-        slews=timeline.slews,
+        whole=whole,
+        windows=timeline.windows,
+        slews=tuple(planned_slews(session.platform, whole, timeline.joins)),
         choice=chosen.choice,
         left_out=(*unseen, *chosen.left_out),
         verification=verification,
         stabilisation=report,
         assumptions=ASSUMPTIONS,
-        warnings=(*session.ephemeris.warnings, *warnings, *report.warnings),
+        warnings=(*warnings, *report.warnings),
     )
 
 
 def _fly_stabilisation(
     session: ImagingSession,
-    table: AttitudeTable,
+    table: CommandTable,
     verification: SpacecraftVerification,
     runs: int,
     tell: Reporter,
@@ -165,6 +179,7 @@ def _fly_stabilisation(
     flown = fly_many(
         spacecraft,
         table,
+        verification.windows,
         states,
         range(seed, seed + runs),
         keep,
@@ -192,20 +207,3 @@ def _refuse_momentum(request: ImagingPlanRequest) -> None:
             field="settings.momentum_n_m_s",
             limit="momentum",
         )
-
-
-def make_table(timeline: Timeline) -> AttitudeTable:
-    """Rows of a timeline as the closed loop flies them."""
-    flown = timeline.table
-    assert flown.acceleration_rad_s2 is not None  # a body's table has it,
-    assert flown.extra_rad is not None  # and of gyros their gimbals
-    gimbal_rad, gimbal_rate_rad_s = np.hsplit(flown.extra_rad, 2)
-    return AttitudeTable(
-        epoch_utc=flown.epoch_utc,
-        eci_from_body_xyzw=flown.position,
-        omega_body_rad_s=flown.rate_rad_s,
-        alpha_body_rad_s2=flown.acceleration_rad_s2,
-        gimbal_rad=gimbal_rad,
-        gimbal_rate_rad_s=gimbal_rate_rad_s,
-        windows=timeline.windows,
-    )

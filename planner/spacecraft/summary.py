@@ -112,7 +112,7 @@ def summarise(plan: "ImagingPlan") -> ImagingSummary:
 
 def _summarise_request(plan: "ImagingPlan", request: "Request") -> ImagingRequestSummary:
     epoch_utc = plan.table.epoch_utc
-    looks = [window for window in plan.table.windows if window.request == request.name]
+    looks = [window for window in plan.windows if window.request == request.name]
     first_row = min((look.first_row for look in looks), default=None)
     last_row = max((look.last_row for look in looks), default=None)
     return ImagingRequestSummary(

@@ -13,14 +13,17 @@ import numpy as np
 
 from planner.base.answer_members import HalfTurn, Internal, Member, NotNegative, Signed, answer
 from planner.base.arrays import Array
-from planner.base.commands import ROWS_PER_S
+from planner.base.commands import ROWS_PER_S, CommandTable
+from planner.base.mrp import BodyMotion
+from planner.base.rotation import Rotation
+from planner.base.table_motion import body_motion_at
 from planner.spacecraft.requests import (
     AreaRequest,
     ImagingPlanRequest,
     Request,
     StereoRequest,
 )
-from planner.spacecraft.table import TICK_S, AttitudeTable, ImagingWindow
+from planner.spacecraft.table import TICK_S, ImagingWindow
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.geodesy import MU_EARTH_M3_S2, WGS84_A_M, WGS84_F, itrf_from_geodetic
@@ -114,22 +117,25 @@ class SpacecraftVerification(TableExtremes):
     windows: Internal[tuple[VerifiedWindow, ...]]  # answers have them beside the verdict
 
 
-def verify_table(table: AttitudeTable, request: ImagingPlanRequest) -> SpacecraftVerification:
-    """Judge a table against the request it answers."""
+def verify_table(
+    table: CommandTable, windows: tuple[ImagingWindow, ...], request: ImagingPlanRequest
+) -> SpacecraftVerification:
+    """Judge a table of a body with gyros against the request it answers."""
     session = _Session(
         table=table,
+        windows=windows,
         request=request,
         spacecraft=request.definition(),
         ephemeris=request.orbit.ephemeris(request.start, request.stop),
     )
     extremes = _table_extremes(session)
-    windows = tuple(_verified_window(session, window) for window in table.windows)
+    verified = tuple(_verified_window(session, window) for window in windows)
     findings = (
-        *(finding for window in windows for finding in _ground_findings(window, session)),
+        *(finding for window in verified for finding in _ground_findings(window, session)),
         *_coverage_findings(session),
     )
     return SpacecraftVerification(
-        passed=not findings, findings=findings, windows=windows, **vars(extremes)
+        passed=not findings, findings=findings, windows=verified, **vars(extremes)
     )
 
 
@@ -137,27 +143,39 @@ def verify_table(table: AttitudeTable, request: ImagingPlanRequest) -> Spacecraf
 class _Session:
     """A table, and what it is judged by."""
 
-    table: AttitudeTable
+    table: CommandTable
+    windows: tuple[ImagingWindow, ...]
     request: ImagingPlanRequest
     spacecraft: AgileSpacecraft
     ephemeris: Ephemeris
+
+    @property
+    def q_eci_from_body(self) -> Rotation:
+        """Attitudes of the n rows."""
+        return Rotation.from_quat(self.table.position)
+
+    def motion_at(self, t_s: Array) -> tuple[Rotation, BodyMotion]:
+        """q_eci_from_body and body rates at instants (m,)."""
+        table = self.table
+        assert table.acceleration_rad_s2 is not None  # a body's table has it
+        return body_motion_at(table.position, table.rate_rad_s, table.acceleration_rad_s2, t_s)
 
 
 def _table_extremes(session: _Session) -> TableExtremes:
     table, array = session.table, session.spacecraft.array
     inertia_kg_m2 = np.array(session.spacecraft.inertia_kg_m2)
     fine_s = np.linspace(table.t_s[0], table.t_s[-1], (len(table.t_s) - 1) * INSTANTS_PER_ROW + 1)
-    q_body_from_eci, motion = table.attitude_at(fine_s)
+    q_eci_from_body, motion = session.motion_at(fine_s)
     omega_body_rad_s = motion.omega_body_rad_s
     needed_n_m_s = _needed_momentum_n_m_s(session, inertia_kg_m2)
-    held_n_m_s = array.momentum(table.gimbal_rad)
-    total_eci_n_m_s = table.q_body_from_eci.inv().apply(
-        needed_n_m_s + inertia_kg_m2 * table.omega_body_rad_s
-    )
+    assert table.extra_rad is not None  # of gyros their gimbals
+    gimbal_rad, gimbal_rate_rad_s = np.hsplit(table.extra_rad, 2)
+    held_n_m_s = array.momentum(gimbal_rad)
+    total_eci_n_m_s = session.q_eci_from_body.apply(needed_n_m_s + inertia_kg_m2 * table.rate_rad_s)
     fine_eci_n_m_s = np.stack(
         [np.interp(fine_s, table.t_s, part_n_m_s) for part_n_m_s in total_eci_n_m_s.T], axis=1
     )
-    total_body_n_m_s = q_body_from_eci.apply(fine_eci_n_m_s)
+    total_body_n_m_s = q_eci_from_body.inv().apply(fine_eci_n_m_s)
     stored_n_m_s = total_body_n_m_s - inertia_kg_m2 * omega_body_rad_s
     torque_n_m = inertia_kg_m2 * motion.alpha_body_rad_s2 + np.cross(
         omega_body_rad_s, total_body_n_m_s
@@ -166,8 +184,8 @@ def _table_extremes(session: _Session) -> TableExtremes:
         rate_max_deg_s=np.rad2deg(np.max(np.abs(omega_body_rad_s), axis=0)),
         torque_max_n_m=float(np.max(np.linalg.norm(torque_n_m, axis=1))),
         momentum_max_n_m_s=float(np.max(np.linalg.norm(stored_n_m_s, axis=1))),
-        gimbal_rate_max_deg_s=float(np.rad2deg(np.max(np.abs(table.gimbal_rate_rad_s)))),
-        gimbal_margin=float(np.min(array.singularity_margin(table.gimbal_rad))),
+        gimbal_rate_max_deg_s=float(np.rad2deg(np.max(np.abs(gimbal_rate_rad_s)))),
+        gimbal_margin=float(np.min(array.singularity_margin(gimbal_rad))),
         momentum_mismatch_n_m_s=float(np.max(np.linalg.norm(held_n_m_s - needed_n_m_s, axis=1))),
     )
 
@@ -177,15 +195,15 @@ def _needed_momentum_n_m_s(session: _Session, inertia_kg_m2: Array) -> Array:
     total at the start and the gravity gradient's impulse since (trapezia), less the body's own."""
     table = session.table
     states = session.ephemeris.states(Instants(table.epoch_utc, table.t_s))
-    q_body_from_eci = table.q_body_from_eci
-    q_eci_from_body = q_body_from_eci.inv()
+    q_eci_from_body = session.q_eci_from_body
+    q_body_from_eci = q_eci_from_body.inv()
     radius_m = np.linalg.norm(states.r_sat_eci_m, axis=1, keepdims=True)
     up_body = q_body_from_eci.apply(states.r_sat_eci_m / radius_m)
     torque_eci_n_m = q_eci_from_body.apply(
         3.0 * MU_EARTH_M3_S2 / radius_m**3 * np.cross(up_body, inertia_kg_m2 * up_body)
     )
     impulse_n_m_s = np.cumsum(0.5 * TICK_S * (torque_eci_n_m[1:] + torque_eci_n_m[:-1]), axis=0)
-    momentum_body_n_m_s = inertia_kg_m2 * table.omega_body_rad_s
+    momentum_body_n_m_s = inertia_kg_m2 * table.rate_rad_s
     gyros_body_n_m_s = np.array(session.request.settings.momentum_n_m_s)
     start_eci_n_m_s = q_eci_from_body[0].apply(momentum_body_n_m_s[0] + gyros_body_n_m_s)
     total_eci_n_m_s = start_eci_n_m_s + np.vstack([np.zeros(3), impulse_n_m_s])
@@ -212,7 +230,7 @@ def _view_at(session: _Session, t_s: Array, height_m: float) -> _View:
     instants = Instants(session.table.epoch_utc, t_s)
     states = session.ephemeris.states(instants)
     c_itrf = c_itrf_from_eci(instants)
-    q_eci_from_body = session.table.attitude_at(t_s)[0].inv()
+    q_eci_from_body = session.motion_at(t_s)[0]
     q_lvlh = q_lvlh_from_eci(states.r_sat_eci_m, states.v_sat_eci_m_s)
 
     def in_itrf(v_eci: Array) -> Array:
@@ -316,7 +334,7 @@ def _ground_findings(found: VerifiedWindow, session: _Session) -> Iterator[str]:
 def _coverage_findings(session: _Session) -> Iterator[str]:
     """Every request begun is completed: all legs, both looks, all of an area's corners."""
     for request in session.request.requests:
-        looks = [window for window in session.table.windows if window.request == request.name]
+        looks = [window for window in session.windows if window.request == request.name]
         if not looks:
             continue
         if isinstance(request, AreaRequest):

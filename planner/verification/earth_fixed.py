@@ -31,12 +31,14 @@ class EarthFixedSight:
     """A target seen from the carrier at n instants.
 
     apparent_eci, up_eci: unit vectors, shape (n, 3), up being the target's vertical.
+    to_sat_eci_m: from the target to the carrier, geometric, shape (n, 3).
     range_m, elevation_rad: shape (n,), geometric, both ends at the same instant.
     hidden: shape (n,), whether the ellipsoid stands in between.
     """
 
     apparent_eci: Array
     up_eci: Array
+    to_sat_eci_m: Array
     range_m: Array
     elevation_rad: Array
     hidden: NDArray[np.bool_]
@@ -77,6 +79,7 @@ def earth_fixed_sight(
     return EarthFixedSight(
         apparent_eci=apparent_eci,
         up_eci=up_eci,
+        to_sat_eci_m=to_sat_m,
         range_m=range_m,
         elevation_rad=elevation_rad,
         hidden=hidden_by_earth(r_now_itrf_m, r_sat_itrf_m),

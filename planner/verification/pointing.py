@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from planner.base.arrays import Array
+from planner.verification.conditions import condition_findings, condition_margins
 from planner.verification.directions import apart_rad
 from planner.verification.earth_fixed import EarthFixedSight, earth_fixed_sight
 from planner.verification.report import Finding, OffTarget, SessionReport
@@ -32,14 +33,15 @@ def pointing_session(
     instants = flight.at.instants
     states = ephemeris.states(instants)
     boresight_eci = flight.judge.boresight_eci(flight.at, states)
+    seen: EarthFixedSight | SkySight
     if isinstance(target, SkyTarget):
-        sky = sky_sight(target, instants, states)
+        seen = sky = sky_sight(target, instants, states)
         error_rad = apart_rad(sky.apparent_eci, boresight_eci)
         model_rad = LIMB_MODEL_SHARE * sky.bending_rad
         report = _seen_in_the_sky(_report(flight, error_rad, model_rad), flight, sky)
         findings = _sky_findings(flight, sky, target)
     else:
-        sight = earth_fixed_sight(target, instants, states)
+        seen = sight = earth_fixed_sight(target, instants, states)
         error_rad = apart_rad(sight.apparent_eci, boresight_eci)
         model_rad = np.zeros_like(error_rad)
         report = _seen_on_the_earth(
@@ -48,7 +50,10 @@ def pointing_session(
         findings = _ground_findings(flight, sight, target)
     pointing = _pointing_findings(flight, error_rad, model_rad, report)
     own = flight.judge.session_findings(flight.number, flight.at, states)
-    return report, (*pointing, *findings, *own, *_nearness_findings(report))
+    margins = condition_margins(flight, states, seen)
+    unmet = condition_findings(flight, margins)
+    report = replace(report, conditions=margins)
+    return report, (*pointing, *findings, *unmet, *own, *_nearness_findings(report))
 
 
 def _report(flight: TableSession, error_rad: Array, model_rad: Array) -> SessionReport:

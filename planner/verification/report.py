@@ -42,6 +42,12 @@ Limit = Literal[
     "momentum",
     "battery",
     "memory",
+    "ground_sample",
+    "sun_elevation",
+    "glint",
+    "sun_keep_out",
+    "moon_keep_out",
+    "carrier_light",
 ]
 Given = Literal["orbit", "attitude", "target", "motion"]
 _UNITS: dict[Limit, str] = {
@@ -200,6 +206,30 @@ class Reserve:
 
 
 @answer
+class ConditionMargin:
+    """The least that a session keeps of one of the request's conditions.
+
+    name: the condition, by its field. E.g. `"max_off_nadir_deg"`.
+    unit: of limit, extreme and margin. E.g. `"deg"`.
+    limit: the value asked for; of `carrier_light` 0, the Sun's centre on the limb. [see `unit`]
+    E.g. `45.0`.
+    extreme: the nearest that it comes to its limit, or the farthest beyond. [see `unit`] E.g.
+    `31.2`.
+    margin: distance from the limit; negative when it is passed. While the Earth hides the Sun or
+    Moon to keep away from, the angle by which it does. [see `unit`] E.g. `13.8`.
+    at_utc: time of it; UTC. E.g. `"2026-06-01T10:44:20.000Z"`.
+    """
+
+    name: str
+    unit: Literal["deg", "m"]
+    limit: Signed
+    extreme: Signed
+    margin: Signed
+    t_s: Internal[float]
+    at_utc: Utc
+
+
+@answer
 class SlowStretch:
     """An axis commanded below its least smooth drive rate, where friction may shake it.
 
@@ -261,6 +291,7 @@ class SessionReport:
     off_target: spans in which the session is tracked only as near as the limits allow, with
     `keyhole` `nearest`.
     slow_stretches: spans in which an axis moves slower than its drive runs smoothly.
+    conditions: of the request's conditions, the least that the session keeps of each.
     """
 
     session: Count
@@ -290,6 +321,7 @@ class SessionReport:
     allowed_rad: Arcsec
     off_target: tuple[OffTarget, ...] = ()  # in order of time
     slow_stretches: tuple[SlowStretch, ...]  # in order of axis, then of time
+    conditions: tuple[ConditionMargin, ...] = ()
 
 
 @answer

@@ -15,6 +15,8 @@ from planner.base.errors import NotForPlatform, figures
 from planner.base.rotation import Rotation, of_like_sign
 from planner.base.spec import UnitPart, Within, spec
 from planner.world.attitude import Attitude
+from planner.world.clouds import Clouds
+from planner.world.conditions import Conditions
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 from planner.world.orbits import Orbit, OrbitStates
 from planner.world.platforms import (
@@ -242,6 +244,8 @@ class Scenario:
     final_state: angles at which the axes are brought to rest when the last session is over, or
     "idle" for a body's idle attitude; unless given, the table ends with that session, in motion.
     resources: battery, memory and wheels, from row 0 to the table's end.
+    conditions: conditions of light and view throughout every session that looks somewhere.
+    clouds: a forecast of clouds, for the probability that each session is clear.
     """
 
     name: str = ""
@@ -255,6 +259,8 @@ class Scenario:
     terrain: Terrain | None = None
     final_state: FinalState | None = None
     resources: Resources | None = None
+    conditions: Conditions = Conditions()
+    clouds: Clouds | None = None
 
     def __post_init__(self) -> None:
         if not self.sessions:

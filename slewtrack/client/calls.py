@@ -34,16 +34,17 @@ from slewtrack.client.asking import (
     Ask,
     Call,
     File,
+    Filters,
     Json,
     address,
     body_of,
     content_of,
     post,
+    query_of,
     refusal_of,
 )
 from slewtrack.client.call_docs import whole_docstring
 from slewtrack.client.events import Events, OnProgress, TimeIsUp
-from slewtrack.client.filters import Filters, query_of
 from slewtrack.client.problems import (
     BadAnswer,
     Cancelled,
@@ -249,7 +250,9 @@ class CarrierCalls:
         self, request: Json, *, include: Include = VIEW, limit: int | None = None
     ) -> Call[Opportunities]:
         """When each target can be seen, the first `limit` windows; what is found is kept."""
-        return self._search(request, include, limit)
+        query = _window_query(include, limit)
+        found = yield from self._read_as(Opportunities, post(self._searches, request, query=query))
+        return (yield from self._with_the_rest(found, query, limit))
 
     @call('client.searches(name="gallery", limit=5)')
     def searches(self, *, limit: int = 50, **filters: Unpack[Filters]) -> Call[list[Job]]:
@@ -288,13 +291,6 @@ class CarrierCalls:
     def delete_search(self, search: Named) -> Call[None]:
         """Forget what it found."""
         return self._delete(address(self._searches, search))
-
-    def _search(
-        self, request: Json, include: Include = VIEW, limit: int | None = None
-    ) -> Call[Opportunities]:
-        query = _window_query(include, limit)
-        found = yield from self._read_as(Opportunities, post(self._searches, request, query=query))
-        return (yield from self._with_the_rest(found, query, limit))
 
     def _with_the_rest(
         self, found: Opportunities, query: Mapping[str, str], limit: int | None
@@ -428,7 +424,8 @@ class ServiceCalls(CarrierCalls):
         until_s = _until(timeout_s)
         asked = object_of(json.loads(body_of(request)))
         try:
-            found = yield from self._search(next_pass.search_of(asked, start), next_pass.TOLD)
+            search = next_pass.search_of(asked, start)
+            found = yield from CarrierCalls.opportunities(self, search, include=next_pass.TOLD)
         except Refused as refused:
             raise next_pass.as_in_plan(refused.problem) from None
         yield from self._delete(address(self._searches, found))

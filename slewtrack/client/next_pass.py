@@ -35,14 +35,10 @@ def search_of(request: Members, start: datetime | str | None) -> dict[str, Any]:
 
 def as_in_plan(problem: Problem) -> Refused:
     """What a search refuses, with its fields named as the request for a plan has them."""
-    text = _renamed(problem.detail)
-    faults = [{**fault, "field": _renamed(fault["field"])} for fault in _errors(problem)]
+    text, errors = _renamed(problem.detail), problem.members.get("errors") or ()
+    faults = [{**fault, "field": _renamed(fault["field"])} for fault in errors]
     named = {"field": _renamed(problem.field)} if problem.field else {}
     return Refused(problem_of({**problem.members, "detail": text, "errors": faults, **named}))
-
-
-def _errors(problem: Problem) -> list[dict[str, Any]]:
-    return list(problem.members.get("errors") or ())
 
 
 def _renamed(text: str) -> str:

@@ -18,8 +18,8 @@ MOST = {
     "inflight": 47,
     "motion": 68,
     "output": 37,
-    "planning": 30,
-    "spacecraft": 23,
+    "planning": 28,
+    "spacecraft": 17,
     "verification": 60,
     "world": 122,
 }

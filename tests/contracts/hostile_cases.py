@@ -4,7 +4,7 @@ import json
 import zlib
 from dataclasses import dataclass
 
-from app.http.admission.request_head import (
+from app.http.admission.admission import (
     HEAD_BYTES_MAX,
     HEADERS_MAX,
     PATH_BYTES_MAX,

@@ -14,7 +14,7 @@ from app.ids import new_id
 from app.jobs.job_completion import settle
 from app.jobs.kinds import CAMPAIGN, JOB_KINDS, PLAN
 from app.requests.examples import CAMPAIGN_EXAMPLES
-from app.store import events, jobs, plans
+from app.store import events, jobs, results
 from app.store.jobs import NewJob
 from app.work.campaign import choose, without_refused
 from app.work.plan import plan_and_pack
@@ -69,7 +69,7 @@ def told(database, campaign_id):
     with database.reading() as connection:
         job = jobs.get(connection, campaign_id)
         parts = jobs.parts_of(connection, campaign_id)
-        return json.loads(campaign_json(job, plans.choice_of(connection, campaign_id), parts))
+        return json.loads(campaign_json(job, results.document(connection, campaign_id), parts))
 
 
 def test_passes_that_were_chosen_can_be_flown_as_they_are(chosen):

@@ -4,7 +4,7 @@ import httpx
 import pytest
 
 import slewtrack
-from slewtrack.client.connection import Service
+from slewtrack.client.clients import Service
 
 REQUEST = {"sessions": []}  # what it says doesn't matter: no service reads it
 

@@ -13,7 +13,7 @@ import httpx
 import pytest
 
 import slewtrack
-from slewtrack.client import asking, calls, connection
+from slewtrack.client import asking, calls
 
 REQUEST = {"sessions": []}  # what it says doesn't matter: no service reads it
 ID = "01a203fd-cbae-73f8-8276-319f76b8842c"
@@ -307,14 +307,14 @@ def test_time_is_kept_on_a_connection_that_served_before(monkeypatch):
     first = HEAD + b"Content-Length: %d\r\n\r\n%s" % (len(body), body)
     client = slewtrack.Client(Endless(b"a", 0.01, HEAD, first).url, patience_s=0.0)
     assert client.places("a") == []
-    monkeypatch.setattr(connection, "ANSWER_S", 0.3)
+    monkeypatch.setattr("slewtrack.client.clients.ANSWER_S", 0.3)
     with pytest.raises(slewtrack.NoAnswer):
         client.table(ID)
 
 
 @pytest.mark.parametrize("kind", [slewtrack.Client, slewtrack.AsyncClient])
 def test_sending_ends_though_it_is_read_byte_by_byte(monkeypatch, kind):
-    monkeypatch.setattr(connection, "ANSWER_S", 0.3)
+    monkeypatch.setattr("slewtrack.client.clients.ANSWER_S", 0.3)
     client = kind(Sluggish().url, patience_s=0.0)
     with pytest.raises(slewtrack.NoAnswer):
         carried_out(lambda one: one.check(b" " * 2**24), client)
@@ -322,7 +322,7 @@ def test_sending_ends_though_it_is_read_byte_by_byte(monkeypatch, kind):
 
 @pytest.mark.parametrize("kind", [slewtrack.Client, slewtrack.AsyncClient])
 def test_an_answer_that_takes_too_long_is_none(monkeypatch, kind):
-    monkeypatch.setattr(connection, "ANSWER_S", 0.3)
+    monkeypatch.setattr("slewtrack.client.clients.ANSWER_S", 0.3)
     client = kind(Endless(b" ", 0.01).url, patience_s=0.0)
     with pytest.raises(slewtrack.NoAnswer):
         carried_out(CALLS["table"], client)

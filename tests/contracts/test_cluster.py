@@ -23,8 +23,7 @@ from app.http.routes import search_routes
 from app.jobs import dask_executor
 from app.jobs.child import Bounds, TooDemanding
 from app.jobs.dask_address import check_scheduler
-from app.jobs.dask_executor import DaskExecutor
-from app.jobs.dask_worker import SLOT
+from app.jobs.dask_executor import SLOT, DaskExecutor
 from app.jobs.executors import Task
 from app.jobs.kinds import RUNS
 from app.jobs.worker_process import ChildDied, ChildFailed, Stop, Stopped

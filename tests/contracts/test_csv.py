@@ -2,22 +2,19 @@
 
 import ast
 import csv
-import dataclasses
 import io
 import json
 import re
 from pathlib import Path
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 from test_export_formats import CREATED_UTC, plan_of
 
 from app.cli.windows import windows_csv
-from app.requests.examples import OPPORTUNITY_EXAMPLES, SPACECRAFT_EXAMPLES
+from app.requests.examples import OPPORTUNITY_EXAMPLES
 from app.requests.opportunities import read_opportunity_request
-from app.requests.spacecraft import read_spacecraft_request
-from app.work.campaign_files import looks_csv
+from app.work.campaign import looks_csv
 from app.work.searches import CSV, opened
 from planner.base.answer_members import member_names
 from planner.base.csv_cells import comment_lines, csv_lines
@@ -28,14 +25,11 @@ from planner.output.windows.forms import pass_table_csv
 from planner.output.windows.rows import rows_json, window_columns
 from planner.planning.campaigns.chosen import ChosenLook
 from planner.planning.opportunities import find_opportunities
-from planner.spacecraft.export import IMAGING_EXPORTERS
-from planner.spacecraft.table import AttitudeTable, ImagingWindow
 
 ROOT = Path(__file__).parents[2]
 FOUND = find_opportunities(
     read_opportunity_request(json.dumps(OPPORTUNITY_EXAMPLES["cities"][1]).encode())
 )
-ASKED = read_spacecraft_request(json.dumps(SPACECRAFT_EXAMPLES["four modes"][1]).encode())
 FORMULAS = (
     *("=cmd|' /C calc'!A0", "+1+1", "-1+cmd|' /C calc'!A0", "@SUM(1+1)", "\t=1+1", "\r=1+1"),
     *('=HYPERLINK("http://evil","x")', "a,=1+1", "a;@x", "＝1+1", '"=1', "a\n=1", "-1"),
@@ -92,35 +86,15 @@ def compared_csv(text):
     return write_comparison_csv(SimpleNamespace(plan=plan, axes=axes), CREATED_UTC).decode()
 
 
-def session_csv(text):
-    one = dataclasses.replace(ASKED.requests[0], name=text)
-    table = AttitudeTable(
-        epoch_utc=ASKED.start,
-        eci_from_body_xyzw=np.tile([0.0, 0.0, 0.0, 1.0], (6, 1)),
-        omega_body_rad_s=np.full((6, 3), -1e-3),
-        alpha_body_rad_s2=np.zeros((6, 3)),
-        gimbal_rad=np.zeros((6, 4)),
-        gimbal_rate_rad_s=np.zeros((6, 4)),
-        windows=(ImagingWindow(request=text, look=0, first_row=1, last_row=4),),
-    )
-    session = SimpleNamespace(
-        request=dataclasses.replace(ASKED, name=text, requests=(one,)),
-        table=table,
-        spacecraft=SimpleNamespace(name=text),
-    )
-    return IMAGING_EXPORTERS["csv"].write(session, CREATED_UTC).decode()
-
-
 WRITERS = {
-    "table_csv": table_csv,
-    "write_csv": session_csv,
+    "write_csv": table_csv,
     "pass_table_csv": opportunities_csv,
     "windows_csv": search_csv,
     "looks_csv": campaign_csv,
     "write_comparison_csv": compared_csv,
 }
 # What these are made with, what only shortens the CSV of a service, and what reads.
-PARTS = {"_looks_csv", "rows_csv", "read_csv", "_csv"}
+PARTS = {"_looks_csv", "table_csv", "rows_csv", "read_csv", "_csv"}
 
 
 @pytest.mark.parametrize("text", FORMULAS)

@@ -6,7 +6,7 @@ import json
 import pytest
 from waiting import PatientClient
 
-from app.http import planners_page
+from app.http import pages
 from app.http.app import create_app
 from app.requests.examples import LAS_VEGAS
 
@@ -18,7 +18,7 @@ def client(tmp_path_factory):
     (built / "assets/swagger-ui-bundle.js").write_text("1;" * 100_000)
     (built / "assets/picture.png").write_bytes(bytes(2000))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(planners_page, "BUILT", built)
+        patch.setattr(pages, "BUILT", built)
         app = create_app()
     with PatientClient(app) as client:
         yield client

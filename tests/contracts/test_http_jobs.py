@@ -272,7 +272,8 @@ def test_a_finished_plan_is_deleted(client):
     for path in (location, f"{location}/table", f"{location}/events"):
         assert client.get(path).status_code == 404
     assert client.delete(location).status_code == 404
-    [entry, *_] = audit.entries(client.app.state.database, limit=1, before=10**9)
+    with client.app.state.database.reading() as connection:
+        [entry, *_] = audit.entries(connection, limit=1, before=10**9)
     assert (entry.action, entry.subject) == ("plan.delete", location.rsplit("/", 1)[1])
 
 

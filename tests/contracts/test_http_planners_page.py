@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from fastapi.testclient import TestClient
 
-from app.http import planners_page
+from app.http import pages
 from app.http.admission.access import PAGE_ROOMS
 from app.http.app import create_app
 from app.settings import Settings
@@ -20,7 +20,7 @@ _INDEX = '<!doctype html><base href="./"><title>slewtrack</title><div id="page">
 
 @pytest.fixture
 def built(tmp_path, monkeypatch):
-    monkeypatch.setattr(planners_page, "BUILT", tmp_path / "page")
+    monkeypatch.setattr(pages, "BUILT", tmp_path / "page")
     assets = tmp_path / "page/assets"
     assets.mkdir(parents=True)
     (tmp_path / "page/index.html").write_text(_INDEX)
@@ -33,7 +33,7 @@ def built(tmp_path, monkeypatch):
 
 @pytest.fixture
 def not_built(tmp_path, monkeypatch):
-    monkeypatch.setattr(planners_page, "BUILT", tmp_path / "page")
+    monkeypatch.setattr(pages, "BUILT", tmp_path / "page")
 
 
 def client(**settings):

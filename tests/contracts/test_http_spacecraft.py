@@ -1,6 +1,7 @@
 """An imaging session over HTTP is planned, flown steadily, handed out and refused as promised."""
 
 import io
+import json
 
 import ccsds_ndm
 import netCDF4
@@ -9,7 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from app.requests.examples import FOUR_MODES, SPACECRAFT_EXAMPLES
-from planner.spacecraft.export import IMAGING_EXPORTERS
+from planner.output.export import EXPORTERS
 
 PLANS = "/v1/spacecraft/plans"
 STRIP = SPACECRAFT_EXAMPLES["geojson"][1]
@@ -65,19 +66,17 @@ def test_rates_are_those_of_the_attitude(plan):
 def files(client):
     """The strip in every format and as JSON, without closed-loop runs."""
     request = {**STRIP, "objective": "smooth", "simulation_runs": 0}
-    found = {}
-    for name, exporter in IMAGING_EXPORTERS.items():
-        by_header = name == "csv"
-        answer = client.post(
-            PLANS if by_header else f"{PLANS}?format={name}",
-            json=request,
-            headers={"Accept": exporter.media_type} if by_header else {},
-        )
-        assert answer.status_code == 201, answer.text
+    made = client.post(PLANS, json=request).json()
+    found = {"table": made}
+    for name, exporter in EXPORTERS.items():
+        if name == "csv":
+            answer = client.post(PLANS, json=request, headers={"Accept": exporter.media_type})
+        else:
+            answer = client.get(f"{PLANS}/{made['id']}/table?format={name}")
+        assert answer.is_success, answer.text
         assert answer.headers["content-type"].split(";")[0] == exporter.media_type
         assert f'"One-strip{exporter.suffix}"' in answer.headers["content-disposition"]
         found[name] = answer.content
-    found["table"] = client.post(PLANS, json=request).json()
     return found
 
 
@@ -101,15 +100,14 @@ def test_csv_is_the_table(files):
         dtype=None, skip_header=sum(line.startswith("#") for line in text.splitlines()),
     )  # fmt: skip
     np.testing.assert_array_equal(read["t_s"], table["t_s"])
+    conjugate = np.array(table["q_body_from_eci_xyzw"]) * [-1.0, -1.0, -1.0, 1.0]
+    conjugate *= np.sign(conjugate[0, 3] * read["q_eci_from_body_w"][0])
     for k, part in enumerate("xyzw"):
-        column = np.array(table["q_body_from_eci_xyzw"])[:, k]
-        np.testing.assert_allclose(read[f"q_body_from_eci_{part}"], column, atol=1e-12)
+        column = conjugate[:, k]
+        np.testing.assert_allclose(read[f"q_eci_from_body_{part}"], column, atol=1e-12)
     for k in range(4):
         column = np.array(table["gimbal_deg"])[:, k]
         np.testing.assert_allclose(read[f"gimbal_deg_{k + 1}"], column, atol=2e-9)
-    [window] = files["table"]["windows"]
-    on = np.flatnonzero(read["imaging"])
-    assert (on[0], on[-1]) == (window["first_row"], window["last_row"])
 
 
 def test_netcdf_by_the_reference_library(files):
@@ -118,14 +116,29 @@ def test_netcdf_by_the_reference_library(files):
         assert read.Conventions == "CF-1.12"
         start = netCDF4.num2date(read["time"][0], read["time"].units, read["time"].calendar)
         assert start.isoformat() == "2024-06-01T10:00:00"
-        for name in ("q_body_from_eci_xyzw", "omega_body_deg_s", "gimbal_rate_deg_s"):
-            np.testing.assert_allclose(read[name][:], table[name], atol=2e-9)
-        assert read["omega_body_deg_s"].units == "degree s-1"
+        for k, axis in enumerate("xyz"):
+            omega = read[f"omega_body_deg_s_{axis}"]
+            np.testing.assert_allclose(
+                omega[:], np.array(table["omega_body_deg_s"])[:, k], atol=2e-9
+            )
+            assert omega.units == "degree s-1"
+        for k in range(4):
+            rate = np.array(table["gimbal_rate_deg_s"])[:, k]
+            np.testing.assert_allclose(read[f"gimbal_rate_deg_s_{k + 1}"][:], rate, atol=2e-9)
+        [window] = files["table"]["windows"]
+        kinds = read["activity"].flag_meanings.split()
+        tracks = np.flatnonzero(
+            (read["activity"][:] == kinds.index("track")) & (read["session"][:] == 0)
+        )
+        # It is on the scan's line when it has settled, before the camera is on.
+        assert tracks[0] <= window["first_row"]
+        assert tracks[-1] + 1 == window["last_row"]
 
 
 def test_aem_by_ccsds_ndm(files):
     """CCSDS 504.0-B: the quaternion turns frame A's axes into B's, the conjugate of ours."""
-    (segment,) = ccsds_ndm.Aem.from_str(files["aem"].decode()).segments
+    segment, camera = ccsds_ndm.Aem.from_str(files["aem"].decode()).segments
+    assert camera.metadata.ref_frame_b == "INSTRUMENT_1"
     assert (segment.metadata.ref_frame_a, segment.metadata.ref_frame_b) == ("GCRF", "SC_BODY_1")
     lines = files["aem"].decode().split("DATA_START\n")[1].split("DATA_STOP")[0].splitlines()
     rows = np.array([line.split()[1:] for line in lines], dtype=float)
@@ -133,6 +146,34 @@ def test_aem_by_ccsds_ndm(files):
     ours = np.array(table["q_body_from_eci_xyzw"]) * [-1.0, -1.0, -1.0, 1.0]
     np.testing.assert_allclose(rows[:, :4], ours, atol=1e-12)
     np.testing.assert_allclose(rows[:, 4:], table["omega_body_deg_s"], atol=2e-9)
+
+
+def test_a_session_is_a_plan_like_any_other(client, files):
+    """It is flown, compared with its own table, and gone on after."""
+    plan = files["table"]
+    flights = client.post(f"/v1/plans/{plan['id']}/flights", json={"runs": 2})
+    assert flights.status_code == 201, flights.text
+    assert flights.json()["sessions"][0]["gyros"]["steady"] == 1.0
+    samples = {
+        "request": (None, json.dumps({"plan": plan["id"]})),
+        "samples": ("table.csv", files["csv"]),
+    }
+    compared = client.post("/v1/telemetry/comparisons", files=samples)
+    assert compared.status_code == 200, compared.text
+    after = {
+        "platform": "agile-cmg",
+        "orbit": STRIP["orbit"],
+        "initial_state": {"after": plan["id"]},
+        "sessions": [
+            {
+                "start": "2024-06-01T10:06:30Z",
+                "stop": "2024-06-01T10:06:32Z",
+                "target": {"mode": "ground", "latitude_deg": 38.9, "longitude_deg": -18.3},
+            }
+        ],
+    }
+    following = client.post("/v1/plans?dry_run=true", json=after)
+    assert following.status_code == 200, following.text
 
 
 def changed(**members):

@@ -6,13 +6,11 @@ import json
 import numpy as np
 import other_platform
 import pytest
-from damaged_telemetry import CLOCK_AHEAD_S, HEAD, damaged
-from scipy.spatial.transform import Rotation
+from damaged_telemetry import CLOCK_AHEAD_S, damaged
 from typer.testing import CliRunner
 
 from app.cli.command import main
 from app.requests.examples import COMPARISON_EXAMPLES, LAS_VEGAS
-from app.store import jobs
 from planner.world.frames.time_scales import shifted_utc, utc_from_text, utc_text
 
 COMPARISONS = "/v1/telemetry/comparisons"
@@ -333,142 +331,3 @@ def test_json_too_long_is_told_of_csv(client):
     answer = client.post(COMPARISONS, content=b" " * (8 * 2**20 + 1), headers=head)
     assert answer.status_code == 413
     assert "CSV by multipart/form-data" in answer.json()["detail"]
-
-
-def test_a_spacecrafts_plan_names_its_own_runs(client, rows):
-    with client.app.state.database.writing() as connection:
-        new = jobs.NewJob(
-            id="01a203fd-cbae-73f8-8276-319f76b8842d",
-            kind="spacecraft",
-            name="",
-            request=b"{}",
-            request_sha256="0" * 64,
-            deadline_s=60.0,
-        )
-        jobs.accept(connection, new, lease_s=3600.0)
-    request = {"plan": new.id, "samples": json_samples(rows[:20])}
-    answer = client.post(COMPARISONS, json=request)
-    assert answer.status_code == 422
-    assert answer.json()["field"] == "plan"
-    assert "closed-loop runs did, in `stabilisation`" in answer.json()["detail"]
-
-
-def boresight(plan_answer, at):
-    """Angles of a plan's table at a UTC, degrees."""
-    table = plan_answer["table"]
-    row = round((utc_from_text(at) - utc_from_text(table["epoch"])).total_seconds() * 5)
-    return np.array([table["alpha_deg"][row], table["beta_deg"][row]])
-
-
-def test_what_was_found_is_pasted_into_the_next_request(client, plan, rows):
-    """The target was 0.1 deg off along the frame's first side, which lies along beta's axis, and
-    -0.05 along the second: the next plan, told so, points there but for what it doesn't believe.
-
-    The attitude is uncertain by 0.05 deg and more, the image by 0.001: it believes all but a
-    thousandth, and forgets some of it in the seconds between.
-    """
-    at = "2015-02-27T17:37:00Z"
-    found = compare(
-        client,
-        plan,
-        json_samples(rows),
-        image_offsets=[{"epoch": at, "offset_deg": [0.1, -0.05]}],
-    )
-    [parts] = found["pointing"]
-    assert parts["measured"] == "image"
-    assert parts["target_arcsec"] == pytest.approx([360.0, -180.0], abs=0.01)
-    np.testing.assert_allclose(
-        np.subtract(parts["attitude_arcsec"], parts["axes_arcsec"]), [360.0, -180.0], atol=0.01
-    )
-    attitude = LAS_VEGAS["attitude"] | {"corrections": found["corrections"]}
-    answer = client.post("/v1/plans", json=LAS_VEGAS | {"attitude": attitude})
-    assert answer.status_code == 201, answer.text
-    after = answer.json()
-    turned = boresight(after, at) - boresight(plan, at)
-    # By a separate road: the inner axis turns the view across itself, which is the second side.
-    alpha_deg, beta_deg = boresight(plan, at)
-    tilt = np.radians(5.0)
-    outer, inner = np.array([0.0, -np.cos(tilt), np.sin(tilt)]), np.array([1.0, 0.0, 0.0])
-
-    def look(angles_deg):
-        first = Rotation.from_rotvec(np.radians(angles_deg[0]) * outer)
-        second = Rotation.from_rotvec(np.radians(angles_deg[1]) * inner)
-        return (first * second).apply([0.0, 0.0, 1.0]), first.apply(inner)
-
-    before, side = look((alpha_deg, beta_deg))
-    side = side - (side @ before) * before
-    side /= np.linalg.norm(side)
-    moved = look((alpha_deg + turned[0], beta_deg + turned[1]))[0] - before
-    wanted = np.array(parts["attitude_arcsec"]) / ARCSEC_PER_DEG
-    np.testing.assert_allclose(
-        np.degrees([moved @ side, moved @ np.cross(before, side)]), wanted, atol=0.003
-    )
-
-
-def test_a_horizon_estimate_beside_the_axes_says_where_the_target_was(client, plan, rows):
-    """A rotation of 0.02 deg about the line of sight moves nothing; across it, all of it."""
-    at = "2015-02-27T17:37:00.000Z"
-    covariance = [[1e-4, 0.0, 0.0], [0.0, 1e-4, 0.0], [0.0, 0.0, 1e-4]]
-    found = compare(
-        client,
-        plan,
-        json_samples(rows),
-        corrections=[
-            {"epoch": at, "turn_body_deg": [0.3, 0.1, 0.2], "covariance_deg2": covariance}
-        ],
-    )
-    [parts] = found["pointing"]
-    assert parts["measured"] == "rotation"
-    assert parts["session"] == 0
-    np.testing.assert_allclose(parts["attitude_sigma_arcsec"], [36.0, 36.0], rtol=1e-6)
-    assert 0.0 < np.hypot(*parts["attitude_arcsec"]) < 0.375 * ARCSEC_PER_DEG
-    [pasted] = found["corrections"]
-    assert pasted["turn_body_deg"] == [0.3, 0.1, 0.2]
-
-
-def test_angles_alone_say_nothing_of_the_attitude(client, plan, rows):
-    found = compare(client, plan, json_samples(rows))
-    assert found["corrections"] == found["pointing"] == []
-
-
-def test_the_platform_found_is_pasted_into_the_next_request(client, plan, rows):
-    found = compare(client, plan, json_samples(rows), identify=["beta.viscous_per_s"])
-    [one] = found["parameters"]
-    assert one["name"] == "beta.viscous_per_s"
-    assert found["platform"]["inner"]["drive"]["viscous_per_s"] == one["found"]
-    answer = client.post("/v1/plans?dry_run=true", json=LAS_VEGAS | {"platform": found["platform"]})
-    assert answer.status_code == 200, answer.text
-
-
-@pytest.mark.parametrize("name", ["gamma.lag_s", "alpha.colour", "alpha", "alpha.inertia_kg_m2"])
-def test_parameters_that_no_flight_shows_are_refused(client, plan, rows, name):
-    samples = json_samples(rows[:200])
-    request = {"plan": plan["id"], "samples": samples, "identify": [name]}
-    answer = client.post(COMPARISONS, json=request)
-    assert answer.status_code == 422
-    assert answer.json()["field"] == "identify.0"
-
-
-def test_a_frame_outside_of_any_session_is_refused(client, plan, rows):
-    for at, field in (
-        ("2015-02-27T17:35:00Z", "image_offsets.0.epoch"),
-        ("2015-02-27T18:35:00Z", "image_offsets.0.epoch"),
-    ):
-        request = {
-            "plan": plan["id"],
-            "samples": json_samples(rows),
-            "image_offsets": [{"epoch": at, "offset_deg": [0.1, 0.0]}],
-        }
-        answer = client.post(COMPARISONS, json=request)
-        assert answer.status_code == 422
-        assert answer.json()["field"] == field
-
-
-def test_header_names_are_those_of_the_table(client, plan):
-    table = client.get(f"/v1/plans/{plan['id']}/table?format=csv")
-    answer = upload(client, plan, table.content)
-    assert answer.status_code == 200, answer.text
-    told = answer.json()
-    assert [one["name"] for one in told["samples"]["columns"]][:2] == HEAD[1:]
-    assert told["time_offset_s"]["value"] == pytest.approx(0.0, abs=1e-6)
-    assert told["axes"]["alpha"]["max_arcsec"] < 0.001  # the table's own digits

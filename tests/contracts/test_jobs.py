@@ -381,7 +381,8 @@ def test_the_audit_trail_says_who_did_what(database, tmp_path):
         job = dispatcher.submit(new_job("hang", tmp_path / "notes", key_id="alice"))
         dispatcher.cancel(job.id, "bob")
         ended(database, job.id)
-    found = audit.entries(database, limit=9, before=10**9)
+    with database.reading() as connection:
+        found = audit.entries(connection, limit=9, before=10**9)
     told = [(entry.key_id, entry.action, entry.subject) for entry in found]
     assert told == [("bob", "hang.cancel", job.id), ("alice", "hang.accept", job.id)]
 

@@ -10,16 +10,14 @@ from sqlalchemy import update
 from waiting import PatientClient
 
 from app.http.app import create_app
-from app.http.view_cache import ViewCache
 from app.requests.examples import FOUR_MODES, PLAN_EXAMPLES
-from app.requests.spacecraft import read_kept_spacecraft_request, read_spacecraft_request
+from app.requests.spacecraft import SPACECRAFT_READER, read_spacecraft_request
 from app.store.models import JobRow
-from app.work.view import DRAWN_SESSION
+from app.work.view import DRAWN
 from planner.base.errors import InvalidMessage, InvalidRequest
 from planner.output.export import EXPORTERS
 from planner.output.view import VIEW_EXPORTERS
 from planner.spacecraft import features as feature_reader
-from planner.spacecraft.export import IMAGING_EXPORTERS
 
 OWN_PLATFORM = PLAN_EXAMPLES["platform"][1]
 HIDDEN = "a\0b\u202ec " + "long " * 600
@@ -42,7 +40,6 @@ def let_in_once(client, plan_id, request):
     packed = zlib.compress(json.dumps(request).encode())
     with client.app.state.database.writing() as connection:
         connection.execute(update(JobRow).where(JobRow.id == plan_id).values(request=packed))
-    client.app.state.views = ViewCache()
 
 
 def refusal(client, path, request):
@@ -109,8 +106,8 @@ def test_a_session_of_the_spacecraft(client):
     assert refusal(client, path, request)
     let_in_once(client, made["id"], request)
     where = f"{path}/{made['id']}"
-    answers = [client.get(f"{where}/table?format={name}") for name in IMAGING_EXPORTERS]
-    answers += [client.get(f"{where}/view?format={name}") for name in ("json", *DRAWN_SESSION)]
+    answers = [client.get(f"{where}/table?format={name}") for name in EXPORTERS]
+    answers += [client.get(f"{where}/view?format={name}") for name in ("json", *DRAWN)]
     assert [answer.status_code for answer in answers] == [200] * len(answers)
     assert client.get(where).json() == made
 
@@ -126,7 +123,7 @@ def test_features_beyond_todays_bounds(monkeypatch):
     monkeypatch.setattr(feature_reader, "CHARACTERS_MAX", 100)
     with pytest.raises(InvalidMessage, match="characters"):
         read_spacecraft_request(body)
-    [one] = read_kept_spacecraft_request(body).requests
+    [one] = SPACECRAFT_READER.read_kept(body).requests
     assert one.geometry.coordinates == ((500.0, 10.0),) * 70
 
 

@@ -10,10 +10,8 @@ from databases import own_settings
 from fastapi.testclient import TestClient
 from starlette.exceptions import HTTPException
 
-from app.http.admission import key_lookup
-from app.http.admission.access import Access, Caller
+from app.http.admission.access import LIST_AGE_MAX_S, Access, Caller, KeyLookup
 from app.http.admission.admission import Admission
-from app.http.admission.key_lookup import KeyLookup
 from app.http.admission.limits import CALLERS_KEPT, ConcurrencyLimit, RateLimit, network_of
 from app.http.app import create_app
 from app.http.metrics import Metrics
@@ -177,7 +175,7 @@ def test_wrong_keys_cost_no_more_than_their_share_of_look_ups():
         assert len(looked) == 5 + 1
         good.add(digest(secret))
         assert await asked(secret) == 429  # made within the second
-        clock.now_s += key_lookup.LIST_AGE_MAX_S
+        clock.now_s += LIST_AGE_MAX_S
         assert await asked(secret) == 200
         assert looked[-2:] == ["all", secret]
 

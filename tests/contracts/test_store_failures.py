@@ -27,8 +27,7 @@ from waiting import eventually
 
 from app.requests.examples import LAS_VEGAS
 from app.store import jobs
-from app.store.database import FILE, open_database
-from app.store.failures import is_damage, is_of_the_store, keeps_all_waiting
+from app.store.database import FILE, is_damage, is_of_the_store, keeps_all_waiting, open_database
 from app.store.keys import KeyStore
 from app.store.migrate import upgrade
 from app.store.unavailable import StoreDamaged, StoreUnavailable

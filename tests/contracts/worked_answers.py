@@ -39,10 +39,9 @@ from app.requests.examples import (
 from app.settings import Settings
 from app.store import jobs
 from app.store.jobs import NewJob
-from app.work.campaign_files import SUFFIXES
+from app.work.campaign import SUFFIXES
 from app.work.searches import CSV, GEOJSON
 from planner.output.export import EXPORTERS
-from planner.spacecraft.export import IMAGING_EXPORTERS
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SEARCHES = {
@@ -59,7 +58,7 @@ STRIP = SPACECRAFT_EXAMPLES["geojson"][1]
 CITIES = CAMPAIGN_EXAMPLES["cities"][1]
 KEPT = {  # per resource of jobs: kind, request, formats of its table
     "/v1/plans": ("plan", LAS_VEGAS, EXPORTERS),
-    "/v1/spacecraft/plans": ("spacecraft", STRIP, IMAGING_EXPORTERS),
+    "/v1/spacecraft/plans": ("spacecraft", STRIP, EXPORTERS),
     "/v1/campaigns": ("campaign", CITIES, {}),
 }
 FILES = {"/v1/campaigns": SUFFIXES}  # by Accept

@@ -11,7 +11,7 @@ from fastapi.testclient import TestClient
 from live_service import ROOT, SLEWTRACK, live_service
 from pydantic_core import PydanticUndefined
 
-from app.http.admission.request_head import (
+from app.http.admission.admission import (
     HEAD_BYTES_MAX,
     HEADERS_MAX,
     PATH_BYTES_MAX,

@@ -165,7 +165,7 @@ FRAGMENTS = [
         r"```json\n(.*?)```", (ROOT / "docs" / "requests.md").read_text(), re.DOTALL
     )
 ]
-PLANNED = [fragment for fragment in FRAGMENTS if "conditions" not in fragment]
+PLANNED = [fragment for fragment in FRAGMENTS if "samples" not in fragment]
 
 
 def example(name: str) -> dict[str, Any]:

@@ -33,6 +33,6 @@ def test_refusals_are_one_line():
     assert result.exit_code == 2
     [line] = result.stderr.splitlines()
     assert line.startswith("slewtrack: settings.momentum_n_m_s: ")
-    result = spacecraft("--export", "stk=a.sp")
+    result = spacecraft("--export", "sp=a.sp")
     assert result.exit_code == 2
-    assert "csv, netcdf, aem" in result.stderr
+    assert "csv, json, netcdf, aem" in result.stderr

@@ -43,7 +43,7 @@ def test_a_scan_faster_than_the_body_may_turn_costs_its_request_only():
         name="back", geometry=line(200.0, azimuth_deg=180.0), scan_speed_m_s=4648.0, priority=9.0
     )
     plan = plan_imaging(low([StripRequest(name="strip", geometry=line(90.0)), backwards], 300.0))
-    assert [window.request for window in plan.table.windows] == ["strip"]
+    assert [window.request for window in plan.windows] == ["strip"]
     [left_out] = plan.left_out
     assert "'back' would turn the body at 1.6" in left_out.reason
     with pytest.raises(InfeasibleSlew, match=r"1\.6\d+ deg/s about an axis .* the 1\.58") as why:
@@ -84,7 +84,7 @@ def test_a_request_whose_slews_never_fit_leaves_the_others(monkeypatch):
     monkeypatch.setattr(choice_with_slews, "build_timeline", costly)
     corridor = CorridorRequest(name="corridor", geometry=line(300.0), priority=9.0)
     plan = plan_imaging(session([STRIP, corridor], 400.0, simulation_runs=0))
-    assert [window.request for window in plan.table.windows] == ["strip"]
+    assert [window.request for window in plan.windows] == ["strip"]
     [left_out] = plan.left_out
     assert "needs about 28.8 s" in left_out.reason
 
@@ -101,7 +101,7 @@ def test_nearly_full_gyros_are_decided(momentum_n_m_s, imaged):
             plan_imaging(asked)
     else:
         plan = plan_imaging(asked)
-        assert {window.request for window in plan.table.windows} == imaged
+        assert {window.request for window in plan.windows} == imaged
         assert "the slew between about" in plan.left_out[0].reason
 
 
@@ -111,7 +111,7 @@ def test_a_spacecrafts_own_limits_are_flown(monkeypatch):
     slow = AgileSpacecraft(name="slow", slew=slew)
     monkeypatch.setitem(SPACECRAFT, slow.name, slow)
     plan = plan_imaging(session([STRIP], 300.0, spacecraft="slow", simulation_runs=0))
-    rate_deg_s = np.rad2deg(np.linalg.norm(plan.table.omega_body_rad_s, axis=1))
+    rate_deg_s = np.rad2deg(np.linalg.norm(plan.table.rate_rad_s, axis=1))
     assert 0.1 < rate_deg_s.max() <= 0.5 * 1.002
     assert plan.verification.torque_max_n_m <= 5.0 * 1.002
     assert plan.verification.momentum_max_n_m_s <= 20.0 * 1.002

@@ -43,13 +43,13 @@ def test_looks_too_close_for_the_turn_between_are_refused_with_the_gap_that_work
     gap_s = float(re.search(r"works: 'stereo' with a gap_s of (\d+)", why.value.detail)[1])
     wider = dataclasses.replace(pair, look_angle_deg=None, gap_s=gap_s)
     plan = plan_imaging(session([wider], 460.0, simulation_runs=0))
-    assert [window.look for window in plan.table.windows] == [0, 1]
+    assert [window.look for window in plan.windows] == [0, 1]
 
 
 def test_what_has_no_room_for_its_own_turn_is_left_out_for_that_reason():
     pair = dataclasses.replace(STEREO, gap_s=12.0, priority=9.0)
     plan = plan_imaging(session([STRIP, pair], 460.0, simulation_runs=0))
-    assert [window.request for window in plan.table.windows] == ["strip"]
+    assert [window.request for window in plan.windows] == ["strip"]
     [left_out] = plan.left_out
     assert "the slew between" in left_out.reason
 
@@ -58,10 +58,10 @@ def test_what_has_no_room_for_its_own_turn_is_left_out_for_that_reason():
 def test_a_far_initial_attitude_delays_the_first_scan_rather_than_bar_it(q):
     """The time to the scan nearest overhead, 80 s, is little for 180 deg."""
     plan = plan_imaging(session([STRIP], 300.0, initial_q_body_from_eci_xyzw=q, simulation_runs=0))
-    assert [window.request for window in plan.table.windows] == ["strip"]
+    assert [window.request for window in plan.windows] == ["strip"]
     [onto] = [slew for slew in plan.slews if slew.window == 0]
     assert plan.slews[0].first_row == 0
-    assert onto.last_row <= plan.table.windows[0].first_row - 13  # settled for 2.6 s
+    assert onto.last_row <= plan.windows[0].first_row - 13  # settled for 2.6 s
 
 
 @pytest.mark.parametrize(("side_deg", "swath_m"), [(0.3, 100.0), (20.0, 12e3), (170.0, 100.0)])

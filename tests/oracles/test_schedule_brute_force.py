@@ -18,7 +18,8 @@ from planner.planning.campaigns import CampaignRequest, CampaignTarget, choice, 
 from planner.planning.campaigns import campaign as campaigns
 from planner.planning.campaigns.choice import ChoiceOptions
 from planner.planning.campaigns.network import NEVER, Network
-from planner.planning.campaigns.path import Worth, best_path, path_bound
+from planner.planning.campaigns.orders import most_worth, ordered_path
+from planner.planning.campaigns.path import Worth, best_path, bounded_path
 from planner.planning.opportunities import OpportunityConditions
 from planner.world.platforms import PLATFORMS
 from planner.world.targets import GroundTarget
@@ -201,10 +202,34 @@ def test_more_looks_are_worth_no_less():
 def test_a_pass_is_bounded_by_the_best_that_looks_at_each_target_once(seed):
     network, worth = random_pass(seed)
     best = best_sequence(network, worth)
-    assert path_bound(network, worth, labels_max=8_000_000) == pytest.approx(best, abs=1e-9)
+    assert bounded_path(network, worth, labels_max=8_000_000)[0] == pytest.approx(best, abs=1e-9)
     path = best_path(network, worth)
     assert path.value <= best + 1e-9
     assert len({look.target for look in path.looks}) == len(path.looks)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_orders_of_looks_are_worth_the_most_and_bound_it(seed):
+    network, worth = random_pass(seed)
+    best = best_sequence(network, worth)
+    assert most_worth(network, worth, 10_000) >= best - 1e-9
+    assert math.isinf(most_worth(network, worth, 3))
+    assert ordered_path(network, worth, 1000) is None  # of two lengths
+    alike = Worth(worth.steps[:, :1], worth.value[:, :1], worth.price)
+    path = ordered_path(network, alike, 1000)
+    assert 0.8 * best_sequence(network, alike) <= path.value  # the soonest may see less well
+    assert path.value <= best_sequence(network, alike) + 1e-9
+    even = network._replace(
+        quality_sum=0.7
+        * np.concatenate([np.arange(n) for n in np.diff([*network.offset, network.size])])
+    )
+    best = best_sequence(even, alike)
+    assert most_worth(even, alike, 10_000) == pytest.approx(best, abs=1e-9)
+    path = ordered_path(even, alike, 1000)
+    assert path.value == pytest.approx(best, abs=1e-9)
+    assert len({look.target for look in path.looks}) == len(path.looks)
+    gains = [look.value - alike.price[look.target] for look in path.looks]
+    assert sum(gains) == pytest.approx(best, abs=1e-9)
 
 
 def random_pass(seed):

@@ -40,14 +40,12 @@ def asked_ends(request, window):
 def test_strip_stereo_and_corridor_are_scanned_within_a_metre(plan, timescale):
     asked = {request.name: request for request in plan.request.requests}
     ephemeris = ORBIT.ephemeris(plan.request.start, plan.request.stop)
-    scanned = [w for w in plan.table.windows if w.request != "area"]
+    scanned = [w for w in plan.windows if w.request != "area"]
     assert len(scanned) == 4  # strip, two stereo looks, corridor
     for window in scanned:
         t_s = np.arange(window.first_row, window.last_row + 1) / 5.0
         states = ephemeris.states(Instants(EPOCH, t_s))
-        attitude = Rotation.from_quat(
-            plan.table.eci_from_body_xyzw[window.first_row : window.last_row + 1]
-        )
+        attitude = Rotation.from_quat(plan.table.position[window.first_row : window.last_row + 1])
         ground = footprint(states.r_sat_eci_m, attitude.apply([0.0, -1.0, 0.0]), timescale, t_s)
         ends = asked_ends(asked[window.request], window)
         if (ends[1] - ends[0]) @ (ground[-1] - ground[0]) < 0.0:

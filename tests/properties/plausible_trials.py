@@ -12,7 +12,7 @@ from typing import Any
 
 from plan_oracle import faults
 
-from app.answers.members import new_head, provenance, whole_answer
+from app.answers.members import PlanHead, provenance, whole_answer
 from app.answers.plan import plan_document, table_json
 from app.answers.problem import problem_of
 from app.requests.plan import read_plan_request
@@ -86,7 +86,8 @@ def _answer_of(plan: Plan) -> bytes:
     """Whole, under a new id."""
     document = plan_document(plan, (), provenance(datetime.now(UTC)))
     state = "done" if plan.verification.passed else "failed"
-    return whole_answer(new_head(state), document, table_json(plan.table))
+    head = PlanHead(id="made", state=state, revision=1, revises=None, requested_by=None)
+    return whole_answer(head, document, table_json(plan.table))
 
 
 def as_advised(request: Fields, problem: Fields) -> Fields:

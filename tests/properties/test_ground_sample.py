@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from planner.planning.opportunities.ground_sample import sample_along_m
+from planner.world.targets.ground_sample import sample_along_m
 
 RADIUS_M, PIXEL_RAD = 6378137.0, 3.3e-6
 

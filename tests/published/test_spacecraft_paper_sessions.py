@@ -26,7 +26,7 @@ def fly(name):
     assert (
         plan.stabilisation.share_steady == 1.0
     )  # 0.001 deg/s on every axis: Platonov, Sumarokov 2019, Figs. 4, 6, 8, 9
-    return plan, [(w.first_row / 5.0, w.last_row / 5.0) for w in plan.table.windows]
+    return plan, [(w.first_row / 5.0, w.last_row / 5.0) for w in plan.windows]
 
 
 @pytest.fixture(scope="module")

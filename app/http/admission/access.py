@@ -1,12 +1,14 @@
 """API keys and their scopes, checked for each request.
 
 Open only between processes of this machine: both ends of the connection on loopback, nothing
-that says a proxy passed it on, a Host of ours, and no web page behind it.  All else needs a key.
+that says a proxy passed it on, a Host of ours, and no web page behind it.  All else needs a key,
+which is found at a cost that wrong secrets can't drive up.
 """
 
+import asyncio
 import ipaddress
 import time
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from http import HTTPStatus
 
@@ -14,9 +16,8 @@ from starlette.datastructures import Headers
 from starlette.exceptions import HTTPException
 from starlette.types import Scope
 
-from app.http.admission.key_lookup import KeyLookup
 from app.http.admission.limits import RateLimit
-from app.store.api_keys import Key, KeyScope
+from app.store.api_keys import Key, KeyScope, digest
 
 # They say what is in the repository, not what the installation holds; and a browser that opens
 # a page can't send a key.
@@ -39,6 +40,50 @@ class Caller:
 
     name: str
     key: Key | None
+
+
+LIST_AGE_MAX_S = 1.0
+
+FindKey = Callable[[str], Awaitable[Key | None]]
+ListDigests = Callable[[], Awaitable[frozenset[str]]]
+
+
+class KeyLookup:
+    """Keys as the database has them.
+
+    Within its failures a minute each secret of an address is looked up in the database.  Beyond
+    them only one that a list of all good keys knows, which is read once a second at most: a good
+    key is answered however many wrong ones come from the same address, and a revoked one never.
+
+    find_key: the good key of a secret.  list_digests: those of all good keys.
+    """
+
+    def __init__(
+        self,
+        find_key: FindKey,
+        list_digests: ListDigests,
+        clock_s: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._find_key = find_key
+        self._list_digests = list_digests
+        self._clock_s = clock_s
+        self._digests: frozenset[str] = frozenset()
+        self._listed_s = float("-inf")
+        self._listing = asyncio.Lock()
+
+    async def find(self, secret: str, *, sparing: bool) -> Key | None:
+        """The good key; sparing: look only for what may be one."""
+        if sparing and digest(secret) not in await self._good():
+            return None
+        return await self._find_key(secret)
+
+    async def _good(self) -> frozenset[str]:
+        async with self._listing:
+            now_s = self._clock_s()
+            if now_s - self._listed_s >= LIST_AGE_MAX_S:
+                self._listed_s = now_s  # also when it fails: a sick database isn't asked on and on
+                self._digests = await self._list_digests()
+            return self._digests
 
 
 class Access:
@@ -109,7 +154,7 @@ class Access:
         return key
 
     def _require_open(self, scope: Scope, headers: Headers) -> None:
-        if self._require_keys or not _within_this_machine(scope):
+        if self._require_keys or not all(_is_here(scope.get(end)) for end in ("client", "server")):
             raise _unauthorized(
                 "send an API key: Authorization: Bearer ...; `slewtrack keys create` makes one"
             )
@@ -177,10 +222,6 @@ def _unauthorized(detail: str, error: str = "") -> HTTPException:
     """How to send a key, and as `error` what is wrong with the one sent: RFC 6750."""
     challenge = f'Bearer realm="slewtrack"{error}'
     return HTTPException(HTTPStatus.UNAUTHORIZED, detail, {"WWW-Authenticate": challenge})
-
-
-def _within_this_machine(scope: Scope) -> bool:
-    return all(_is_here(scope.get(end)) for end in ("client", "server"))
 
 
 def _is_here(end: tuple[str, int | None] | None) -> bool:

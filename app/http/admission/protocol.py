@@ -17,7 +17,7 @@ import h11
 from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from app.http.admission.request_head import HEAD_BYTES_MAX
+from app.http.admission.admission import HEAD_BYTES_MAX
 from app.http.headers import REQUEST_ID, harden
 from app.http.problems import PROBLEM_JSON, RETRY_AFTER_S
 

@@ -12,8 +12,7 @@ from app.answers.opportunities_geojson import FeatureCollection
 from app.answers.problem import Problem
 from app.http.admission.access import PROBES, scope_needed
 from app.http.negotiation import EVENT_STREAM, JSON, MULTIPART
-from app.http.openapi.examples import show_examples
-from app.http.openapi.fields import Schema, describe
+from app.http.openapi.fields import Schema, describe, show_examples
 from app.http.problems import PROBLEM_JSON
 from app.requests.examples import Examples
 from app.requests.json_reader import JsonReader
@@ -111,7 +110,8 @@ def _add_by_rule(paths: Mapping[str, Schema], path: str, method: str) -> None:
     owner, has_id, _ = path.partition("/{id}")
     if has_id:
         answers["404"] = {"description": f"There is no such {_singular(owner)}"}
-    if has_id and method == "get" and "post" not in paths[path] and not _is_stream(answers["200"]):
+    is_one = has_id and method == "get" and "post" not in paths[path]
+    if is_one and EVENT_STREAM not in answers["200"]["content"]:
         answers["304"] = {"description": "Unchanged since the ETag that If-None-Match names"}
     if method == "post":
         is_searched = path + "/{id}" in paths and "201" not in answers
@@ -126,10 +126,6 @@ def _singular(path: str) -> str:
     """One of what is at a path, in words."""
     word = path.rsplit("/", 1)[1]
     return "search for opportunities" if word == "opportunities" else word.removesuffix("s")
-
-
-def _is_stream(answer: Schema) -> bool:
-    return EVENT_STREAM in answer["content"]
 
 
 def _tidy_parameters(operation: Schema) -> None:

@@ -32,10 +32,10 @@ from app.jobs.refusals import Conflict
 from app.requests.campaign import CAMPAIGN_READER
 from app.requests.examples import CAMPAIGN_EXAMPLES
 from app.requests.listings import listing_of_search
-from app.store import jobs, plans
+from app.store import jobs, plans, results
 from app.store.database import Database
 from app.store.job import Job
-from app.work.campaign_files import SUFFIXES, MadePass, campaign_file
+from app.work.campaign import SUFFIXES, MadePass, campaign_file
 
 RESOURCE = JobResource(
     kind=CAMPAIGN.name,
@@ -104,8 +104,8 @@ async def post_campaign(
 async def _find_campaign(request: Request, job_id: str) -> tuple[Job, bytes]:
     def reading(connection: Connection) -> tuple[Job, bytes]:
         job = job_of(connection, RESOURCE, job_id)
-        choice = plans.choice_of(connection, job_id)
-        return job, campaign_json(job, choice, jobs.parts_of(connection, job_id))
+        document = results.document(connection, job_id)
+        return job, campaign_json(job, document, jobs.parts_of(connection, job_id))
 
     return await read(request, reading)
 

@@ -4,7 +4,7 @@ import json
 from typing import Any
 
 from app.ids import is_id
-from app.jobs.kinds import PLAN
+from app.jobs.kinds import PLANS
 from app.jobs.refusals import Conflict
 from app.requests.json_reader import json_document
 from app.requests.plain_text import require_plain
@@ -89,7 +89,7 @@ def _plan_of(database: Database, plan_id: str) -> tuple[FlightPlan, dict[str, fl
         job = jobs.get(connection, plan_id) if is_id(plan_id) else None
         plan = plans.get(connection, job) if job is not None else None
         request = jobs.request_of(connection, plan_id) if plan is not None else None
-    if job is None or job.kind != PLAN.name:
+    if job is None or job.kind not in PLANS:
         raise InvalidInput(
             f"there is no plan {plan_id!r}; GET /v1/plans lists them, or give epoch and motion",
             field=_FIELD,

@@ -6,7 +6,7 @@ from http import HTTPStatus
 from typing import Annotated
 
 import anyio.to_thread
-from fastapi import APIRouter, Depends, HTTPException, Query, Request, Response
+from fastapi import APIRouter, Depends, Query, Request, Response
 from sqlalchemy import Connection
 
 from app.answers.flights import FlightsResponse, flights_json
@@ -28,15 +28,14 @@ from app.http.routes.parameters import IdempotencyKey, ListQuery, PathId, Prefer
 from app.http.routes.plans import PLANS
 from app.http.routes.resources import JobResource
 from app.http.waiting import WAIT_S
-from app.jobs.kinds import FLIGHTS, SPACECRAFT_PLAN
+from app.jobs.kinds import FLIGHTS
 from app.jobs.refusals import Conflict
 from app.requests.examples import FLIGHTS_EXAMPLES
 from app.requests.flights import FLIGHTS_READER
 from app.store import jobs, plans, results
 from app.store.database import Database
-from app.store.job import Job
+from app.store.job import Job, Listing
 from app.store.jobs import NEEDS_ALL
-from app.store.listing import Listing
 from app.work.flights import PlanToFly, unpacked_outcomes
 
 RESOURCE = JobResource(
@@ -160,12 +159,5 @@ def _listing(plan: Job) -> Listing:
 
 
 def _require_plan(connection: Connection, plan_id: str) -> Job:
-    """Raises 404, with what flies a spacecraft."""
-    job = jobs.get(connection, plan_id)
-    if job is not None and job.kind == SPACECRAFT_PLAN.name:
-        raise HTTPException(
-            HTTPStatus.NOT_FOUND,
-            "flights are of plans of the platform; a spacecraft's plan tells what its own "
-            "closed-loop runs did, in `stabilisation`",
-        )
+    """Of whatever kind; raises 404."""
     return job_of(connection, PLANS, plan_id)

@@ -9,14 +9,16 @@ from fastapi import APIRouter, Depends, Request, Response
 from app.answers.horizon import EstimateResponse, PictureOut, PredictionResponse
 from app.answers.members import provenance
 from app.http.blocking import answer_in_child, in_child
-from app.http.multipart import MAX_REQUEST_BYTES, FormPart, read_parts, unreadable
 from app.http.negotiation import (
     JSON,
+    MAX_REQUEST_BYTES,
     MULTIPART,
     ONLY_JSON,
+    FormPart,
     json_body,
     media_type_of,
     preferred_type,
+    read_parts,
     unsupported,
     whole_body,
 )
@@ -25,8 +27,7 @@ from app.jobs.child import Bounds
 from app.jobs.worker_process import ChildDied
 from app.requests.examples import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, PREDICTION_EXAMPLES
 from app.requests.horizon import ESTIMATE_READER, PICTURE_READER, PREDICTION_READER
-from app.work.horizon import estimate_json, picture, picture_json
-from app.work.horizon_views import prediction_json
+from app.work.horizon import estimate_json, picture, picture_json, prediction_json
 from estimator.errors import InvalidImage
 from estimator.request import MAX_CAMERAS
 
@@ -39,7 +40,10 @@ ESTIMATE_BOUNDS = Bounds(deadline_s=20.0, memory_mib=500, alone=True)
 PREDICTION_BOUNDS = Bounds(deadline_s=60.0, memory_mib=1000)
 PICTURE_BOUNDS = Bounds(deadline_s=60.0, memory_mib=2000)
 
-_PARTS = (FormPart("request", 1, MAX_REQUEST_BYTES), FormPart("images", MAX_CAMERAS))
+_PARTS = (
+    FormPart("request", "is needed: JSON with the cameras", 1, MAX_REQUEST_BYTES),
+    FormPart("images", "are needed, one part per camera in the cameras' order", MAX_CAMERAS),
+)
 _UPLOAD_BODY = form_body_of(
     schema_of(ESTIMATE_READER) | {"examples": [ESTIMATE_EXAMPLE]},
     {
@@ -66,12 +70,7 @@ async def _upload(request: Request) -> dict[str, list[bytes]]:
         way_out = f"{MULTIPART} (its part `request` holds JSON, its parts `images` one file each)"
         raise unsupported(request, way_out)
     body = await whole_body(request, request.app.state.settings.max_upload_bytes)
-    found = await read_parts(request, body, _PARTS)
-    if not found["request"]:
-        raise unreadable("request", "is needed: JSON with the cameras")
-    if not found["images"]:
-        raise unreadable("images", "are needed, one part per camera in the cameras' order")
-    return found
+    return await read_parts(request, body, _PARTS)
 
 
 @router.post(

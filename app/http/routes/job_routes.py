@@ -2,6 +2,7 @@
 
 import hashlib
 from collections.abc import Awaitable, Callable, Mapping
+from dataclasses import replace
 from http import HTTPStatus
 from types import MappingProxyType
 from typing import Annotated, Any
@@ -12,7 +13,6 @@ from sqlalchemy import Connection
 
 from app.answers.job import JobResponse, job_json, list_json
 from app.http.blocking import read
-from app.http.event_stream import last_seq, stream_events
 from app.http.negotiation import (
     EVENT_STREAM,
     JSON,
@@ -28,8 +28,9 @@ from app.http.openapi.schema import schema_of
 from app.http.problems import problem_answer
 from app.http.routes.parameters import ListQuery, PathId, last_event_id, read_query
 from app.http.routes.resources import JobResource
-from app.http.waiting import Patience, patience, wait_for_end
+from app.http.waiting import Patience, last_seq, patience, stream_events, wait_for_end
 from app.ids import new_id
+from app.jobs.child import Bounds
 from app.jobs.dispatcher import Dispatcher
 from app.jobs.kinds import JOB_KINDS
 from app.jobs.refusals import Conflict, KeyReused
@@ -38,6 +39,7 @@ from app.store.database import Database
 from app.store.job import Job
 from app.store.jobs import NewJob
 from app.versions import VERSION
+from planner.base.errors import InvalidInput
 
 CANCEL_WAIT_S = 5.0
 
@@ -83,23 +85,24 @@ def accept_job(
     plan_id: str | None = None,
     revises: str | None = None,
 ) -> Job:
-    """The job for a request, new or known by its key; raises KeyReused, QueueFull.
+    """The job for a request, new or known by its key; raises Conflict, KeyReused, QueueFull.
 
     plan_id: of the plan it is about.  revises: of the plan it replaces.
     """
-    state, bounds = request.app.state, JOB_KINDS[resource.kind].bounds
-    dispatcher: Dispatcher = state.dispatcher
-    owner = key_id_of(request) or ""
+    dispatcher: Dispatcher = request.app.state.dispatcher
+    if revises is not None:
+        _require_made(request.app.state.database, resource, revises)
+    asked_by = "\0".join((key_id_of(request) or "", resource.kind, key or ""))
     new = new_job(
         request,
         resource,
         spec,
         body,
-        deadline_s=min(bounds.deadline_s, state.settings.job_deadline_s),
+        deadline_s=bounds_of(request, resource).deadline_s,
         options=options,
         plan_id=plan_id,
         revises=revises,
-        idempotency=None if key is None else _digest(owner, resource.kind, key),
+        idempotency=None if key is None else hashlib.sha256(asked_by.encode()).hexdigest(),
     )
     job = dispatcher.submit(new, spec)
     if any(getattr(job, name) != getattr(new, name) for name in _ASKED):
@@ -115,8 +118,24 @@ def accept_job(
 _ASKED = ("request_sha256", "options", "revises")
 
 
-def _digest(*parts: str) -> str:
-    return hashlib.sha256("\0".join(parts).encode()).hexdigest()
+def bounds_of(request: Request, resource: JobResource) -> Bounds:
+    """Of the work on one, as the operator has them."""
+    bounds = JOB_KINDS[resource.kind].bounds
+    most_s = request.app.state.settings.job_deadline_s
+    return replace(bounds, deadline_s=min(bounds.deadline_s, most_s))
+
+
+def _require_made(database: Database, resource: JobResource, plan_id: str) -> None:
+    with database.reading() as connection:
+        job = jobs.get(connection, plan_id)
+    if job is None or job.kind != resource.kind:
+        raise InvalidInput(
+            f"there is no plan {plan_id}; GET {resource.path} lists them", field="query.revises"
+        )
+    if job.state not in ("done", "failed") or job.problem is not None:
+        raise Conflict(
+            f"the plan to revise was not made: its state is {job.state}", field="query.revises"
+        )
 
 
 async def answer_to_post(
@@ -169,7 +188,7 @@ async def find_job(request: Request, resource: JobResource, job_id: str) -> Job:
 def job_of(connection: Connection, resource: JobResource, job_id: str) -> Job:
     """The job that makes one of them; raises 404."""
     job = jobs.get(connection, job_id)
-    if job is None or job.kind != resource.kind:
+    if job is None or (job.kind != resource.kind and job.kind not in resource.also):
         raise _not_found(resource)
     return job
 

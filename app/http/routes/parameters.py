@@ -8,7 +8,7 @@ from pydantic import AfterValidator, Field, create_model
 
 from app.http.query import Parameters
 from app.ids import JobState, is_id
-from app.store.list_filter import ListFilter
+from app.store.jobs import ListFilter
 from planner.base.errors import InvalidInput
 from planner.world.frames.time_scales import utc_from_text
 from planner.world.platforms import PIXELS_ARCSEC
@@ -112,11 +112,6 @@ class ViewQuery(TableQuery):
         description="Time between rows of JSON and NetCDF, a multiple of 0.2 s; unless given, the "
         "least that shows at most 1,000 rows.",
     )
-
-
-class PlanViewQuery(ViewQuery):
-    """How closely to look at a plan, and in which format to show it."""
-
     pixel_arcsec: float | None = Field(
         default=None,
         ge=PIXELS_ARCSEC[0],

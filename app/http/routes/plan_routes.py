@@ -3,10 +3,10 @@
 The same for every resource that holds plans.
 """
 
-from dataclasses import replace
+from functools import partial
 from http import HTTPStatus
 from inspect import cleandoc
-from typing import Annotated, Any
+from typing import Annotated
 
 import anyio.to_thread
 from fastapi import APIRouter, Depends, Request, Response
@@ -15,6 +15,7 @@ from sqlalchemy import Connection
 from app.answers.job import JobResponse, job_json
 from app.answers.members import PlanHead, whole_answer
 from app.answers.plan import TableAlone
+from app.answers.view import PlanViewResponse
 from app.http.blocking import EXPORT_BOUNDS, answer_in_child, in_child, read
 from app.http.negotiation import (
     JSON,
@@ -35,6 +36,7 @@ from app.http.routes.job_routes import (
     add_list,
     add_request,
     answer_unmade,
+    bounds_of,
     headers_of_post,
     job_of,
     tag_for_good,
@@ -43,7 +45,6 @@ from app.http.routes.job_routes import (
 from app.http.routes.parameters import (
     IdempotencyKey,
     PathId,
-    PlanViewQuery,
     PostQuery,
     Prefer,
     TableQuery,
@@ -52,21 +53,35 @@ from app.http.routes.parameters import (
     with_formats,
 )
 from app.http.routes.resources import PlanResource
-from app.http.view_cache import ViewCache
 from app.http.waiting import WAIT_S, patience, wait_for_end
-from app.jobs.child import Bounds
-from app.jobs.kinds import JOB_KINDS
 from app.jobs.refusals import Conflict
 from app.store import jobs, plans
 from app.store.database import Database
 from app.store.job import Job
 from app.store.plans import StoredPlan
-from app.work.view import AskedView
-from planner.base.errors import InvalidInput, Refusal
+from app.work.plan import stored_table_file
+from app.work.view import DRAWN, AskedView, stored_plan_view
+from planner.base.errors import Refusal
+from planner.output.export import EXPORTERS
+from planner.output.view import VIEW_EXPORTERS
 
 # Turning more than this of a packed table into JSON would hold the interpreter for long.
 _PACKED_MAX_BYTES = 200_000
 _JSON_FORMAT = "json"
+# Formats an Accept header can ask for beside JSON.
+_FORMAT_BY_MEDIA_TYPE = {
+    exporter.media_type: name for name, exporter in EXPORTERS.items() if exporter.media_type != JSON
+}
+SEEN_AS = VIEW_EXPORTERS | DRAWN
+_TITLES = {name: exporter.title for name, exporter in EXPORTERS.items()}
+_VIEW_TITLES = {_JSON_FORMAT: "columns over time"}
+_VIEW_TITLES |= {name: exporter.title for name, exporter in SEEN_AS.items()}
+_VIEW_MEDIA_TYPES = {_JSON_FORMAT: JSON}
+_VIEW_MEDIA_TYPES |= {name: exporter.media_type for name, exporter in SEEN_AS.items()}
+_TABLE_TOLD = "The table by itself in this format"
+_read_post = read_query(with_formats(PostQuery, _TABLE_TOLD, _TITLES))
+_read_table = read_query(with_formats(TableQuery, _TABLE_TOLD, _TITLES))
+_read_view = read_query(with_formats(ViewQuery, "The view in this format", _VIEW_TITLES))
 
 
 def plan_routes(resource: PlanResource) -> APIRouter:
@@ -89,9 +104,7 @@ def _add_post(router: APIRouter, resource: PlanResource) -> None:
         summary=f"Plan {resource.what}",
         description=cleandoc(resource.about),
         status_code=HTTPStatus.CREATED,
-        response_model=(
-            resource.response | TableAlone if "json" in resource.exporters else resource.response
-        ),
+        response_model=resource.response | TableAlone,
         responses={
             200: {
                 "model": resource.dry_run_response,
@@ -99,7 +112,7 @@ def _add_post(router: APIRouter, resource: PlanResource) -> None:
             },
             201: {
                 "description": "The plan; or its table by itself, as `format` or Accept asks",
-                "content": {media_type: {} for media_type in resource.format_by_media_type},
+                "content": {media_type: {} for media_type in _FORMAT_BY_MEDIA_TYPE},
             },
             202: {"model": JobResponse, "description": "Accepted; the plan will be at Location"},
             409: {
@@ -111,21 +124,20 @@ def _add_post(router: APIRouter, resource: PlanResource) -> None:
     async def post(
         request: Request,
         body: Annotated[bytes, Depends(json_body)],
-        query: Annotated[PostQuery, Depends(_read_table_query(PostQuery, resource))],
+        query: Annotated[PostQuery, Depends(_read_post)],
         key: IdempotencyKey,
         prefer: Prefer = None,
     ) -> Response:
-        format_name = _format(request, resource, query)
+        format_name = _format(request, query)
         database: Database = request.app.state.database
         if resource.lacks(body):
             body = await database.answer(resource.fill_in, database, body)
         if query.dry_run:
-            bounds = _dry_run_bounds(request, resource)
-            return await answer_in_child(
-                request, body, resource.requests.read, bounds, resource.dry_run
-            )
+            bounds, read_request = bounds_of(request, resource), resource.requests.read
+            return await answer_in_child(request, body, read_request, bounds, resource.dry_run)
         spec = await anyio.to_thread.run_sync(resource.requests.read, body)
-        job = await database.answer(_accept_plan, request, resource, spec, body, query.revises, key)
+        accept = partial(accept_job, request, resource, spec, body, key, {}, revises=query.revises)
+        job = await database.answer(accept)
         waits = patience(prefer, WAIT_S)
         headers = headers_of_post(resource, job, waits)
         plan = await wait_for_end(request, job.id, waits.wait_s)
@@ -141,49 +153,10 @@ def _add_post(router: APIRouter, resource: PlanResource) -> None:
         return await _table_answer(request, resource, plan, format_name, status, headers)
 
 
-def _read_table_query(query: type[TableQuery], resource: PlanResource) -> Any:  # noqa: ANN401
-    titles = {name: exporter.title for name, exporter in resource.exporters.items()}
-    return read_query(with_formats(query, "The table by itself in this format", titles))
-
-
-def _dry_run_bounds(request: Request, resource: PlanResource) -> Bounds:
-    """Those of the plan itself."""
-    bounds = JOB_KINDS[resource.kind].bounds
-    deadline_s = min(bounds.deadline_s, request.app.state.settings.job_deadline_s)
-    return replace(bounds, deadline_s=deadline_s)
-
-
-def _format(request: Request, resource: PlanResource, query: TableQuery) -> str | None:
+def _format(request: Request, query: TableQuery) -> str | None:
     """The format asked for, None for JSON; raises 406."""
-    by_media_type = resource.format_by_media_type
-    return query.format or by_media_type.get(preferred_type(request, (JSON, *by_media_type)))
-
-
-def _accept_plan(
-    request: Request,
-    resource: PlanResource,
-    spec: Any,  # noqa: ANN401 (what the resource reads)
-    body: bytes,
-    revises: str | None,
-    key: str | None,
-) -> Job:
-    """The job for a request, new or known by its key; raises KeyReused, QueueFull."""
-    if revises is not None:
-        _require_made(request.app.state.database, resource, revises)
-    return accept_job(request, resource, spec, body, key, {}, revises=revises)
-
-
-def _require_made(database: Database, resource: PlanResource, plan_id: str) -> None:
-    with database.reading() as connection:
-        job = jobs.get(connection, plan_id)
-    if job is None or job.kind != resource.kind:
-        raise InvalidInput(
-            f"there is no plan {plan_id}; GET {resource.path} lists them", field="query.revises"
-        )
-    if job.state not in ("done", "failed") or job.problem is not None:
-        raise Conflict(
-            f"the plan to revise was not made: its state is {job.state}", field="query.revises"
-        )
+    preferred = preferred_type(request, (JSON, *_FORMAT_BY_MEDIA_TYPE))
+    return query.format or _FORMAT_BY_MEDIA_TYPE.get(preferred)
 
 
 def _add_one(router: APIRouter, resource: PlanResource) -> None:
@@ -213,7 +186,7 @@ def _add_table(router: APIRouter, resource: PlanResource) -> None:
         responses={
             200: {
                 "description": "The table; as JSON the member `table` of the plan",
-                "content": {media: {} for media in (JSON, *resource.format_by_media_type)},
+                "content": {media: {} for media in (JSON, *_FORMAT_BY_MEDIA_TYPE)},
             },
             409: {"description": "The plan has no table, or none yet"},
             422: {"description": "A table that failed verification is in the whole plan only"},
@@ -222,10 +195,10 @@ def _add_table(router: APIRouter, resource: PlanResource) -> None:
     async def get_table(
         request: Request,
         plan_id: PathId,
-        query: Annotated[TableQuery, Depends(_read_table_query(TableQuery, resource))],
+        query: Annotated[TableQuery, Depends(_read_table)],
     ) -> Response:
         """The table comes in the format that `format` or the Accept header names."""
-        format_name = _format(request, resource, query)
+        format_name = _format(request, query)
         plan = await _find_made(request, resource, plan_id, "there is no table")
         tag = tag_for_good(plan.id, format_name or "table")
         if is_known_already(request, tag):
@@ -235,22 +208,14 @@ def _add_table(router: APIRouter, resource: PlanResource) -> None:
 
 
 def _add_view(router: APIRouter, resource: PlanResource) -> None:
-    exporters = resource.view_exporters
-    media_types = {_JSON_FORMAT: JSON}
-    media_types |= {name: exporter.media_type for name, exporter in exporters.items()}
-    titles = {_JSON_FORMAT: "columns over time"}
-    titles |= {name: exporter.title for name, exporter in exporters.items()}
-    query_model = PlanViewQuery if resource.takes_pixel else ViewQuery
-    read_view_query = read_query(with_formats(query_model, "The view in this format", titles))
-
     @router.get(
         "/{id}/view",
         summary="View a plan as columns over time, map or plot",
-        response_model=resource.view_response,
+        response_model=PlanViewResponse,
         responses={
             200: {
                 "description": "The columns; or a file, as `format` or Accept asks",
-                "content": {media: {} for media in media_types.values() if media != JSON},
+                "content": {media: {} for media in _VIEW_MEDIA_TYPES.values() if media != JSON},
             },
             409: {"description": "The plan was not made, or not yet"},
             422: {
@@ -260,47 +225,40 @@ def _add_view(router: APIRouter, resource: PlanResource) -> None:
         },
     )
     async def get_view(
-        request: Request, plan_id: PathId, query: Annotated[ViewQuery, Depends(read_view_query)]
+        request: Request, plan_id: PathId, query: Annotated[ViewQuery, Depends(_read_view)]
     ) -> Response:
         """The view is computed from the table and the request of any kept plan.
 
         Columns have a number for each row and their unit in the name; null stands where nothing is
         defined.
         """
-        name = query.format or format_of(request, media_types)
+        name = query.format or format_of(request, _VIEW_MEDIA_TYPES)
         plan = await _find_made(request, resource, plan_id, "there is nothing to see yet")
-        pixel_arcsec = query.pixel_arcsec if isinstance(query, PlanViewQuery) else None
-        tag = tag_for_good(plan.id, f"view-{name}-{query.step_s}-{pixel_arcsec}")
+        tag = tag_for_good(plan.id, f"view-{name}-{query.step_s}-{query.pixel_arcsec}")
         if is_known_already(request, tag):
             return not_modified(tag)
-        cache: ViewCache = request.app.state.views
-        content = cache.get(tag)
-        if content is None:
-            asked = AskedView(
-                plan_id=plan.id,
-                verified=plan.state == "done",
-                format_name=None if name == _JSON_FORMAT else name,
-                step_s=query.step_s,
-                pixel_arcsec=pixel_arcsec,
-                created_utc=plan.planned_utc,
-            )
-            content = await _view(request, resource, plan, asked)
-            cache.keep(tag, content)
+        asked = AskedView(
+            plan_id=plan.id,
+            verified=plan.state == "done",
+            format_name=None if name == _JSON_FORMAT else name,
+            step_s=query.step_s,
+            pixel_arcsec=query.pixel_arcsec,
+            created_utc=plan.planned_utc,
+        )
+        content = await _view(request, plan, asked)
         headers = revalidated(tag)
         if name != _JSON_FORMAT:
-            suffix = exporters[name].suffix
-            headers |= saved_as(plan.name, resource.file_stem, suffix, media_types[name])
-        return Response(content, HTTPStatus.OK, headers, media_types[name])
+            suffix, media_type = SEEN_AS[name].suffix, _VIEW_MEDIA_TYPES[name]
+            headers |= saved_as(plan.name, resource.file_stem, suffix, media_type)
+        return Response(content, HTTPStatus.OK, headers, _VIEW_MEDIA_TYPES[name])
 
 
-async def _view(
-    request: Request, resource: PlanResource, plan: StoredPlan, asked: AskedView
-) -> bytes:
+async def _view(request: Request, plan: StoredPlan, asked: AskedView) -> bytes:
     """Raises a refusal of what was asked with the parameter's name."""
     body = await read(request, lambda connection: jobs.request_of(connection, plan.id))
     try:
         return await in_child(
-            request, EXPORT_BOUNDS, resource.view_file, body or b"", plan.table_columns, asked
+            request, EXPORT_BOUNDS, stored_plan_view, body or b"", plan.table_columns, asked
         )
     except Refusal as refusal:
         if refusal.field == "step_s":
@@ -340,7 +298,7 @@ async def _whole_json(request: Request, resource: PlanResource, plan: StoredPlan
     else:
         table = await anyio.to_thread.run_sync(resource.table_json, plan.table_columns)
     head = PlanHead(**{name: getattr(plan, name) for name in PlanHead.__dataclass_fields__})
-    return whole_answer(head, plan.document, table)
+    return whole_answer(head, getattr(plan, resource.document), table)
 
 
 async def _table_answer(
@@ -358,12 +316,12 @@ async def _table_answer(
     if format_name is None:
         table = await in_child(request, EXPORT_BOUNDS, resource.table_json, plan.table_columns)
         return Response(table, status, headers, JSON)
-    exporter = resource.exporters[format_name]
+    exporter = EXPORTERS[format_name]
     body = await read(request, lambda connection: jobs.request_of(connection, plan.id))
     content = await in_child(
         request,
         EXPORT_BOUNDS,
-        resource.table_file,
+        stored_table_file,
         body or b"",
         plan.table_columns,
         format_name,

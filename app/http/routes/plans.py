@@ -1,9 +1,7 @@
-"""Plans over HTTP: of the two-axis platform, and imaging sessions of the spacecraft."""
+"""Plans over HTTP: of either kind of platform, and imaging sessions of the spacecraft."""
 
 from app.answers.plan import DryRunResponse, PlanResponse
 from app.answers.spacecraft import SpacecraftDryRunResponse, SpacecraftPlanResponse
-from app.answers.spacecraft_view import SpacecraftViewResponse
-from app.answers.view import PlanViewResponse
 from app.http.routes.end_of_plan import from_end_of_plan, may_go_on_after
 from app.http.routes.parameters import PlanListQuery
 from app.http.routes.plan_routes import plan_routes
@@ -13,15 +11,12 @@ from app.requests.examples import PLAN_EXAMPLES, SPACECRAFT_EXAMPLES
 from app.requests.listings import listing_of_imaging, listing_of_scenario
 from app.requests.plan import PLAN_READER
 from app.requests.spacecraft import SPACECRAFT_READER
-from app.work.plan import stored_table_file, stored_table_json, try_plan
-from app.work.spacecraft import stored_session_file, stored_session_json, try_session
-from app.work.view import DRAWN, DRAWN_SESSION, stored_plan_view, stored_session_view
-from planner.output.export import EXPORTERS
-from planner.output.view import VIEW_EXPORTERS
-from planner.spacecraft.export import IMAGING_EXPORTERS
+from app.work.plan import stored_table_json, try_plan
+from app.work.spacecraft import stored_session_json, try_session
 
 PLANS = PlanResource(
     kind=PLAN.name,
+    also=frozenset({SPACECRAFT_PLAN.name}),
     path="/v1/plans",
     tag="plans",
     what="sessions of a two-axis platform",
@@ -37,14 +32,8 @@ PLANS = PlanResource(
     response=PlanResponse,
     dry_run=try_plan,
     dry_run_response=DryRunResponse,
-    exporters=EXPORTERS,
     table_json=stored_table_json,
-    table_file=stored_table_file,
-    view_response=PlanViewResponse,
-    view_exporters=VIEW_EXPORTERS | DRAWN,
-    view_file=stored_plan_view,
     file_stem="plan",
-    takes_pixel=True,
     lacks=may_go_on_after,
     fill_in=from_end_of_plan,
 )
@@ -66,12 +55,8 @@ SPACECRAFT_PLANS = PlanResource(
     response=SpacecraftPlanResponse,
     dry_run=try_session,
     dry_run_response=SpacecraftDryRunResponse,
-    exporters=IMAGING_EXPORTERS,
     table_json=stored_session_json,
-    table_file=stored_session_file,
-    view_response=SpacecraftViewResponse,
-    view_exporters=DRAWN_SESSION,
-    view_file=stored_session_view,
+    document="session_document",
     file_stem="session",
 )
 

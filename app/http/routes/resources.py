@@ -1,20 +1,16 @@
 """The resources that jobs make, and the differences between those that hold plans."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from datetime import datetime
 from typing import Any
 
 from app.answers.job import list_class
 from app.answers.members import ProvenanceOut
-from app.http.negotiation import JSON
 from app.http.routes.parameters import ListQuery
 from app.requests.examples import Examples
 from app.requests.json_reader import JsonReader
 from app.store.database import Database
-from app.store.listing import Listing
-from app.work.view import AskedView
-from planner.output.export.exporter import Exporter
+from app.store.job import Listing
 
 PLAN_LIST = list_class("PlanList", "plans", "Plans")
 
@@ -26,9 +22,11 @@ class JobResource:
     singular, plural: what they are called.  requests: reads those for one.
     listing: what lists tell of a request, as it was read.  response: of one; list_response: of
     several.  list_query: which of them to list, about_list: in what order.
+    also: kinds of jobs that are found here by their id, too.
     """
 
     kind: str
+    also: frozenset[str] = frozenset()
     path: str
     tag: str
     requests: JsonReader[Any]
@@ -47,11 +45,8 @@ class PlanResource(JobResource):
     """One that holds plans.
 
     dry_run: the answer that says whether it flies; done in a child.  table_json: a stored table
-    as the answer holds it.  table_file: of (request, stored table, format, date the file states)
-    the file's bytes; done in a child.  view_response: what there is to see of a plan, as JSON.
-    view_exporters: its other formats.  view_file: of (request, stored table, what is asked) the
-    view's bytes, in a child.  file_stem: of files whose plan has no name.
-    takes_pixel: its views are told what a pixel sees, as no camera is defined.
+    as the answer holds it.  document: the name of what a stored plan holds of the answer beside it.
+    file_stem: of files whose plan has no name.
     lacks: whether a request, in bytes, may lack what only the store can tell; fill_in: with that.
     """
 
@@ -65,22 +60,8 @@ class PlanResource(JobResource):
     about: str
     dry_run: Callable[[Any, ProvenanceOut], bytes]
     dry_run_response: type
-    exporters: Mapping[str, Exporter[Any]]
     table_json: Callable[[bytes], bytes]
-    table_file: Callable[[bytes, bytes, str, datetime], bytes]
-    view_response: type
-    view_exporters: Mapping[str, Exporter[Any]]
-    view_file: Callable[[bytes, bytes, AskedView], bytes]
+    document: str = "document"
     file_stem: str
-    takes_pixel: bool = False
     lacks: Callable[[bytes], bool] = lambda _: False
     fill_in: Callable[[Database, bytes], bytes] = lambda _, body: body
-
-    @property
-    def format_by_media_type(self) -> dict[str, str]:
-        """Formats an Accept header can ask for beside JSON."""
-        return {
-            exporter.media_type: name
-            for name, exporter in self.exporters.items()
-            if exporter.media_type != JSON
-        }

@@ -7,11 +7,11 @@ from fastapi import APIRouter, HTTPException, Query, Request, Response
 from pydantic import Field
 
 from app.answers.service import AuditLog, Health, ReadinessResponse
+from app.http.blocking import read
 from app.http.metrics import CONTENT_TYPE
 from app.http.negotiation import ONLY_JSON
 from app.http.query import Parameters
 from app.store.audit import entries
-from app.store.database import Database
 from app.versions import VERSION
 
 router = APIRouter(tags=["system"])
@@ -60,8 +60,7 @@ async def get_metrics(request: Request) -> Response:
     """The metrics cover requests by route, refusals by type, solve times, iterations and jobs by
     state since the start; the answer is the same whatever Accept asks for.
     """
-    database: Database = request.app.state.database
-    text = await database.answer(request.app.state.metrics.text)
+    text = await request.app.state.database.answer(request.app.state.metrics.text)
     return Response(text, headers={"Content-Type": CONTENT_TYPE})
 
 
@@ -80,5 +79,5 @@ class AuditQuery(Parameters):
 @router.get("/v1/audit", summary="List the audit log", dependencies=ONLY_JSON)
 async def get_audit(request: Request, query: Annotated[AuditQuery, Query()]) -> AuditLog:
     """Lists keys made and revoked, plans made, cancelled and deleted; needs an admin key."""
-    database: Database = request.app.state.database
-    return AuditLog(entries=await database.answer(entries, database, query.limit, query.before))
+    found = await read(request, lambda connection: entries(connection, query.limit, query.before))
+    return AuditLog(entries=found)

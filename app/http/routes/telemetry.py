@@ -11,12 +11,15 @@ from sqlalchemy import Connection
 from app.answers.members import provenance
 from app.answers.telemetry import ComparisonResponse
 from app.http.blocking import in_child, read
-from app.http.multipart import MAX_REQUEST_BYTES, FormPart, read_parts, unreadable
 from app.http.negotiation import (
     JSON,
+    MAX_REQUEST_BYTES,
     MULTIPART,
+    FormPart,
     format_of,
     media_type_of,
+    read_parts,
+    unreadable,
     unsupported,
     whole_body,
 )
@@ -24,13 +27,13 @@ from app.http.openapi.schema import form_body_of, json_body_of, schema_of
 from app.http.routes.parameters import TableQuery, read_query, with_formats
 from app.ids import is_id
 from app.jobs.child import Bounds
-from app.jobs.kinds import PLAN, SPACECRAFT_PLAN
+from app.jobs.kinds import PLANS
 from app.jobs.refusals import Conflict
 from app.requests.examples import COMPARISON_EXAMPLES
-from app.requests.telemetry import COMPARISON_READER, read_comparison_head, read_comparison_request
+from app.requests.telemetry import COMPARISON_READER
 from app.store import jobs, plans
 from app.store.plans import StoredPlan
-from app.work.telemetry import FILES, SentTelemetry, compare_stored
+from app.work.telemetry import FILES, SentTelemetry, compare_stored, read_sent
 from planner.base.errors import InvalidInput
 
 router = APIRouter(tags=["telemetry"])
@@ -43,7 +46,10 @@ _MEDIA_TYPES = {_JSON_FORMAT: JSON} | {name: one.media_type for name, one in FIL
 _TITLES = {_JSON_FORMAT: "numbers"} | {name: one.title for name, one in FILES.items()}
 _read_query = read_query(with_formats(TableQuery, "The comparison in this format", _TITLES))
 _FIELDS = ("request", "plan", "epoch")  # a form may give plan and epoch without writing JSON
-_PARTS = (*(FormPart(name, 1, MAX_REQUEST_BYTES) for name in _FIELDS), FormPart("samples"))
+_PARTS = (
+    *(FormPart(name, most_bytes=MAX_REQUEST_BYTES) for name in _FIELDS),
+    FormPart("samples", "is needed: a CSV file"),
+)
 _CSV = {
     "type": "string",
     "format": "binary",
@@ -76,12 +82,9 @@ async def _body(request: Request) -> bytes:
 async def _sent(request: Request, body: bytes) -> SentTelemetry:
     """Raises InvalidRequest."""
     if media_type_of(request) == JSON:
-        spec, samples = read_comparison_request(body)
-        return SentTelemetry(request=spec, samples=samples)
+        return read_sent(body)
     parts = await read_parts(request, body, _PARTS)
-    if not parts["samples"]:
-        raise unreadable("samples", "is needed: a CSV file")
-    return SentTelemetry(request=read_comparison_head(_head(parts)), samples=parts["samples"][0])
+    return read_sent(_head(parts), *parts["samples"])
 
 
 def _head(parts: dict[str, list[bytes]]) -> bytes:
@@ -145,13 +148,7 @@ async def post_comparison(
 async def _plan_of(request: Request, plan_id: str) -> tuple[bytes, StoredPlan]:
     def reading(connection: Connection) -> tuple[str | None, bytes | None, StoredPlan | None]:
         job = jobs.get(connection, plan_id) if is_id(plan_id) else None
-        if job is not None and job.kind == SPACECRAFT_PLAN.name:
-            raise InvalidInput(
-                "telemetry is compared with plans of the platform; a spacecraft's plan tells what "
-                "its own closed-loop runs did, in `stabilisation`",
-                field="plan",
-            )
-        if job is None or job.kind != PLAN.name:
+        if job is None or job.kind not in PLANS:
             return None, None, None
         return job.state, jobs.request_of(connection, plan_id), plans.get(connection, job)
 

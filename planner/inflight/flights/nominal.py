@@ -13,12 +13,12 @@ from planner.inflight.flights.runs import fly_nominal
 from planner.inflight.flights.scene import SessionScene
 from planner.inflight.simulation.gyros.report import worst_of
 from planner.motion.pointing.frame import places_in_frame
-from planner.planning.opportunities.ground_sample import sample_along_m
 from planner.planning.sessions.uncertainty import OPTIONS as BUDGET_OPTIONS
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.geodesy import geodetic_from_itrf
 from planner.world.frames.time_scales import Instants
 from planner.world.targets import EarthFixedTarget
+from planner.world.targets.ground_sample import sample_along_m
 
 # The ground around the target as frames show it: its scale, its turn, what moves on it.
 

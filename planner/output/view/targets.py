@@ -10,13 +10,13 @@ from planner.base.arrays import Array, Mask, angle_rad
 from planner.output.export.description import session_label
 from planner.output.view.columns import TargetTrack
 from planner.output.view.scene import PlanScene
-from planner.planning.opportunities.ground_sample import sample_along_m
 from planner.world.frames.earth_orientation import OMEGA_EARTH_RAD_S
 from planner.world.frames.geodesy import geodetic_from_itrf, up_itrf
 from planner.world.frames.time_scales import Instants, elapsed_s
 from planner.world.orbits import OrbitStates
 from planner.world.targets import EarthFixedTarget, VisibleTarget
 from planner.world.targets.apparent import ApparentDirection, aberrate
+from planner.world.targets.ground_sample import sample_along_m
 
 _ON_EDGE_S = 1e-6
 

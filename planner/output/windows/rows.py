@@ -55,6 +55,8 @@ def window_columns(
     if isinstance(windows, Windows) and told.has_branches:
         usable = [_USABLE[number] for number in (windows.branches @ [1, 2]).tolist()]
         columns |= {"branch": texts_of(windows.branch.tolist()), "branches": texts_of(usable)}
+    if isinstance(windows, Windows) and not np.isnan(windows.clear_share).all():
+        columns["clear_probability"] = windows.clear_share
     return columns if probability is None else columns | {"probability_in_frame": probability}
 
 

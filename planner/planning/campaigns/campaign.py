@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from datetime import datetime
 from typing import NamedTuple
 
@@ -33,6 +33,7 @@ from planner.planning.opportunities.carrier import Carrier
 from planner.planning.opportunities.closing import Closing, Unseen
 from planner.planning.opportunities.scans import Scans, scans_by_pass
 from planner.planning.opportunities.unseen import unseen_because
+from planner.world.conditions import Conditions
 from planner.world.frames.time_scales import shifted_utc, utc_text
 from planner.world.scenario import Scenario, Session
 from planner.world.targets import GroundPathTarget, ImagingMode
@@ -94,7 +95,9 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> C
     windows = _windows_of(candidates, found.windows, follower.settle_s)
     looks = _looks_in_passes(request, candidates, windows, follower)
     tell("ways", 0, 1)
-    viewing = Viewing(weights=request.view, ephemeris=ephemeris, follower=follower)
+    viewing = Viewing(
+        weights=request.view, ephemeris=ephemeris, follower=follower, clouds=request.clouds
+    )
     looking = _looking_of(request, candidates, follower.settle_s)
     shortest = looking.length_steps[:, 0]
     scanned = {
@@ -181,7 +184,18 @@ def scenario_of(request: CampaignRequest, flight: ChosenPass, number: int) -> Sc
         # What a slew took from a scan would be missing from its line.
         on_conflict="refuse" if any(look.path for look in flight.looks) else "least_loss",
         final_state=ends.final_state,
+        conditions=_conditions_of(request),
     )
+
+
+def _conditions_of(request: CampaignRequest) -> Conditions:
+    """Of a plan, whose pixel is that of the platform's camera."""
+    asked = request.conditions
+    kept = {field.name: getattr(asked, field.name) for field in fields(Conditions)}
+    if asked.max_ground_sample_m is not None:
+        pixel_ratio = request.platform.camera.pixel_rad / request.opportunities().pixel_rad
+        kept["max_ground_sample_m"] = asked.max_ground_sample_m * pixel_ratio
+    return Conditions(**kept)
 
 
 def _path_at(one: LookCandidate) -> Callable[[float], GroundPathTarget]:

@@ -11,7 +11,8 @@ from scipy.sparse import csr_array
 from planner.base.arrays import Array, Indices, Mask
 from planner.base.reporting import Reporter
 from planner.planning.campaigns.network import Network, without_look
-from planner.planning.campaigns.path import Look, Path, Worth, best_path, exact_path, path_bound
+from planner.planning.campaigns.orders import most_worth, ordered_path
+from planner.planning.campaigns.path import Look, Path, Worth, best_path, bounded_path, exact_path
 
 # Sequences proposed for the passes, put together by linear and integer programmes (HiGHS).
 
@@ -20,9 +21,6 @@ Proposal = tuple[int, tuple[Look, ...]]
 
 FirstUnheld = Callable[[tuple[Look, ...]], tuple[int, int] | None]
 """The first look that those before it don't let be held, and the last step at which it is not."""
-
-TOGETHER_S = 5.0  # most time for an integer programme; it is one of a part of the passes
-TOGETHER_GAP = 1e-4  # of its value, at which it may end sooner
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -49,19 +47,21 @@ class ChoiceOptions:
     # Measured by bench/campaign.py --targets 559 --days 5 --sun 10 --ground-sample 0, the hardest
     # kind: all views worth the same.  After 200 steps the bound is 0.4 % above the mixture's
     # value, after 300 0.2 %; five mixtures bring it to 0.1 % and cost as much as 150 steps.
-    steps_max: int = 200
+    steps_max: int = 100
     step_shrinks: float = 0.98  # of Polyak's, from one to the next
     # steps between whole choices at the prices reached: each costs as much as some steps
     fill_every: int = 25
-    mixtures_max: int = 12  # programmes over all proposals; five were enough for the hardest kind
+    mixtures_max: int = (
+        40  # programmes over all proposals, cheaper than steps where targets are many
+    )
     mixture_enough: float = 1e-3  # share of the bound, as for the gap
     proposals_a_pass: int = 25  # the latest, made at the best prices
     proposals_least: int = 2000  # kept in any case, where passes are few
     fixed_share: int = 8  # of the passes open, one in so many is fixed at a time
-    part_passes: int = 40  # chosen anew together; of many more the programmes take seconds
-    parts_max: int = 60  # chosen anew, whether or not they gain
-    part_mixtures: int = 6  # of a part, which is small and has its prices already
-    part_patience: int = 20  # parts chosen anew without a gain
+    # The integer programme over all proposals: of 6,000 for 1,000 passes it ends at its root.
+    together_nodes: int = 500
+    together_s: float = 20.0  # on the clock, where a node takes long
+    together_gap: float = 1e-6  # of its value, at which it may end sooner
     # over all passes, one chosen anew after the other; each gains, or it is the last
     sweeps_max: int = 10
     # Of a pass, and of all: some seconds.  A quarter as many of a pass left the bound 0.4 %
@@ -69,11 +69,15 @@ class ChoiceOptions:
     pass_labels_max: int = 100_000
     # of all passes together, shared out evenly where they are many
     bound_labels_max: int = 16_000_000
+    # of a pass, for each mixture; without, paths that may miss a better one bound nothing
+    priced_labels_max: int = 0
     exact_labels_max: int = 200_000  # to fill a pass once by its best path: a part of a second
+    pass_orders: int = 30_000  # of as many looks, where a pass is filled by the best order of them
+    # of looks within all passes together, shared out evenly: a second for a million
+    bound_orders_max: int = 2_000_000
     # to place a group anew: each fills all passes anew
     group_tries: int = 60
     worthless: float = 1e-9  # of rounding
-    seed: int = 2015  # the same choice each time
 
 
 OPTIONS = ChoiceOptions()
@@ -85,13 +89,15 @@ class CampaignChoice:
 
     value: what they are worth.  greedy_value: worth of the choice that takes whatever is worth most
     in each pass, one pass after another.  price: of a look at each target at which the bound is
-    least, (targets,).
+    least, (targets,).  bound: no choice of these networks' paths is worth more, where
+    priced_labels_max lets it be known.
     """
 
     passes: tuple[tuple[Look, ...], ...]
     value: float
     greedy_value: float
     price: Array
+    bound: float
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -178,17 +184,21 @@ def best_mixture(
 
 
 def best_together(
-    proposals: Sequence[Proposal], passes: int, looking: Looking, left_limit: Array
+    proposals: Sequence[Proposal], passes: int, looking: Looking, options: ChoiceOptions
 ) -> list[Proposal]:
-    """Choose whole proposals, as far as found in time.  left_limit: as of `best_mixture`."""
-    matrix, low, high = _rows_of(proposals, passes, looking, left_limit)
+    """Choose whole proposals, as far as found within the options' nodes and time."""
+    matrix, low, high = _rows_of(proposals, passes, looking, looking.look_limit)
     worths = _column_worths(proposals, looking)
     found = milp(
         -worths,
         integrality=np.ones(len(worths), np.intp),
         bounds=Bounds(0.0, 1.0),
         constraints=LinearConstraint(matrix, low, high),
-        options={"time_limit": TOGETHER_S, "mip_rel_gap": TOGETHER_GAP},
+        options={
+            "node_limit": options.together_nodes,
+            "time_limit": options.together_s,
+            "mip_rel_gap": options.together_gap,
+        },
     )
     if found.x is None:
         return []
@@ -240,8 +250,8 @@ def choose(
     """Price observations that more passes want than may have; one network per pass.
 
     Subgradient steps find the prices, and mixtures of what the passes want at them the rest of
-    the way; the last mixture is then made whole, pass after pass, and parts of it are chosen
-    anew until the choice is near the bound.
+    the way; the last mixture is then made whole, pass after pass, and one integer programme
+    puts together what was proposed, where the choice isn't near the bound yet.
     Source: Fisher 1981, "The Lagrangian relaxation method", Management Science 27; Barnhart et
     al. 1998, "Branch-and-price", Operations Research 46(3) (column generation, diving).
     """
@@ -253,10 +263,11 @@ def choose(
     mixture = search.mix_prices(tell)
     if mixture is not None:
         search.make_whole(mixture, tell)
-        search.choose_parts_anew(tell)
+        search.put_together(tell)
     search.take_groups()
     search.fill_exactly()
-    if search.was_barred:  # the bound's networks are not: its prices are found without
+    if search.was_barred and not options.priced_labels_max:
+        # The bound's networks are not: its prices are found without.
         priced = _Search(networks, looking, lambda looks: None, options)
         priced.step_prices(tell)
         priced.mix_prices(tell)
@@ -267,7 +278,21 @@ def choose(
         value=search.value,
         greedy_value=worth_of(greedy),
         price=priced.price,
+        bound=search.bound,
     )
+
+
+def refill(
+    networks: Sequence[Network],
+    looking: Looking,
+    passes: Passes,
+    first_unheld: FirstUnheld,
+    options: ChoiceOptions = OPTIONS,
+) -> Passes:
+    """Pass after pass takes what is worth most of what the others leave, until nothing gains."""
+    search = _Search(networks, looking, first_unheld, options)
+    search.refill_passes(passes)
+    return search.best
 
 
 class _Search:
@@ -283,7 +308,7 @@ class _Search:
         first_unheld: FirstUnheld,
         options: ChoiceOptions,
     ) -> None:
-        self._networks = list(networks)
+        self._networks, self._free = list(networks), networks
         self._first_unheld = first_unheld
         self._looking = looking
         self._options = options
@@ -291,10 +316,11 @@ class _Search:
         self.value = 0.0
         # At these nothing gains: all observations at their best.
         self.price: Array = looking.look_value.max(axis=1)
-        self._bound = float(looking.look_limit @ self.price)
-        self._kept = 1.0 + self._bound  # a look of so much more is given up for nothing
+        self.bound = float(looking.look_limit @ self.price)
+        self._kept = 1.0 + self.bound  # a look of so much more is given up for nothing
         self._proposed: dict[Proposal, None] = {}
         self.was_barred = False
+        self._is_priced = False
 
     def step_prices(self, tell: Reporter) -> None:
         """Towards the prices at which the bound is least; improves the choice on the way."""
@@ -321,6 +347,9 @@ class _Search:
             self._options.proposals_a_pass * len(self._networks), self._options.proposals_least
         )
         found: tuple[Mixture, list[Proposal]] | None = None
+        if self._options.priced_labels_max:  # what steps found bounds nothing
+            self._is_priced, self.bound = True, np.inf
+            self._answer_prices(self.price)
         for done in range(self._options.mixtures_max):
             if self._is_near() or not self._proposed:
                 return None
@@ -332,8 +361,11 @@ class _Search:
                 break
             found = mixture, proposals
             # Half-way from the best prices, so that they don't swing (Wentges 1997).
+            known, bound = len(self._proposed), self.bound
             self._answer_prices(0.5 * (self.price + mixture.price))
-            if self._bound - mixture.value <= self._options.mixture_enough * self._bound:
+            enough = self._options.mixture_enough * self.bound
+            is_still = len(self._proposed) == known and 0.0 <= bound - self.bound < enough
+            if self.bound - mixture.value <= enough or (self._is_priced and is_still):
                 break
         return found
 
@@ -369,42 +401,23 @@ class _Search:
             mixture = mixed_anew
         self.refill_passes(passes)
 
-    def choose_parts_anew(self, tell: Reporter) -> None:
-        """Some passes at a time, whatever the others leave; by mixtures, then made whole."""
-        random = np.random.default_rng(self._options.seed)
-        size = min(self._options.part_passes, len(self._networks))
-        waited = 0
-        for done in range(self._options.parts_max):
-            if self._is_near() or waited == self._options.part_patience:
-                return
-            tell("exchanging", done, self._options.parts_max)
-            part = np.sort(random.choice(len(self._networks), size, replace=False))
-            value = self.value
-            self.refill_passes(self._part_anew(part))
-            waited = 0 if self.value > value + self._options.worthless else waited + 1
-            if size == len(self._networks):
-                return
-
-    def _part_anew(self, part: Indices) -> Passes:
-        passes = list(self.best)
-        own = [(n, passes[n]) for n in part.tolist() if passes[n]]
-        for number in part.tolist():
-            passes[number] = ()
-        left = self._looking.look_limit - self._looking.looks_of(passes)
-        price, proposals = self.price, dict.fromkeys(own)
-        for _ in range(self._options.part_mixtures):
-            known = len(proposals)
-            proposals.update(dict.fromkeys(self._wanted_proposals(part, price, left)))
-            if len(proposals) == known:
-                break
-            mixture = best_mixture(list(proposals), len(passes), self._looking, left)
-            if mixture is None:
-                break
-            price = 0.3 * price + 0.7 * mixture.price
-        if proposals:
-            for number, looks in best_together(list(proposals), len(passes), self._looking, left):
-                passes[number] = looks
-        return passes
+    def put_together(self, tell: Reporter) -> None:
+        """Whole proposals that a better choice may have: at the best prices none of them is further
+        from its pass's best than the choice from the bound."""
+        if self._is_near():
+            return
+        tell("exchanging", 0, 1)
+        proposals = list(dict.fromkeys([*self._proposed, *self._own_proposals()]))
+        gains = [sum(one.value - self.price[one.target] for one in looks) for _, looks in proposals]
+        most = np.zeros(len(self._networks))
+        np.maximum.at(most, [number for number, _ in proposals], gains)
+        lacks = [most[number] - gain for (number, _), gain in zip(proposals, gains, strict=True)]
+        gap = self.bound - self.value
+        near = [one for one, lack in zip(proposals, lacks, strict=True) if lack <= gap]
+        passes: Passes = [()] * len(self._networks)
+        for number, looks in best_together(near, len(passes), self._looking, self._options):
+            passes[number] = looks
+        self.refill_passes(passes)
 
     def _wanted_proposals(self, part: Indices, price: Array, left_limit: Array) -> list[Proposal]:
         """What passes would take at these prices of the observations that are left."""
@@ -434,25 +447,34 @@ class _Search:
                 network, before[0] if before else None, way, begin, end
             )
 
+    def _priced_path(self, number: int, worth: Worth) -> tuple[float, Path]:
+        """Of a pass, and what none of its paths is worth more than."""
+        if not self._is_priced:
+            path = self._held_path(number, worth)
+            return path.value, path
+        most, path = bounded_path(self._free[number], worth, self._options.priced_labels_max)
+        is_held = self._first_unheld(path.looks) is None
+        return most, path if is_held else self._held_path(number, worth)
+
     def _own_proposals(self) -> list[Proposal]:
         return [(number, looks) for number, looks in enumerate(self.best) if looks]
 
     def _is_near(self) -> bool:
-        return self._bound - self.value <= self._options.gap_enough * self._bound
+        return self.bound - self.value <= self._options.gap_enough * self.bound
 
     def _answer_prices(self, price: Array) -> tuple[float, Passes]:
         """What the passes would take at these prices, and what the Lagrangian then is."""
         worth = self._looking.less_prices(price)
-        paths = [self._held_path(number, worth) for number in range(len(self._networks))]
-        passes = [path.looks for path in paths]
+        answers = [self._priced_path(number, worth) for number in range(len(self._networks))]
+        passes = [path.looks for _, path in answers]
         lagrangian = float(self._looking.allowed(price) @ price)
-        lagrangian += sum(path.value for path in paths)
+        lagrangian += sum(most for most, _ in answers)
         for number, looks in enumerate(passes):
             self._proposed.pop((number, looks), None)  # the latest come last
             if looks:
                 self._proposed[number, looks] = None
-        if lagrangian < self._bound:
-            self._bound, self.price = lagrangian, price
+        if lagrangian < self.bound:
+            self.bound, self.price = lagrangian, price
         return lagrangian, passes
 
     def fill_passes(self, start: Passes, price: Array) -> Passes:
@@ -572,12 +594,11 @@ class _Search:
         price = np.where(looking.look_limit > others, 0.0, np.inf)
         kept = is_member & (wanted > 0.0)
         price = np.where(is_member, np.where(kept, -self._kept, np.inf), price)
-        path = exact_path(
-            self._networks[number],
-            looking.less_prices(price),
-            self._options.exact_labels_max,
-            np.flatnonzero(kept).tolist(),
-        )
+        network, worth = self._networks[number], looking.less_prices(price)
+        labels_max = self._options.exact_labels_max
+        path = exact_path(network, worth, labels_max, np.flatnonzero(kept).tolist())
+        if path is None:
+            path = ordered_path(network, worth, self._options.pass_orders)
         if path is None or self._first_unheld(path.looks) is not None:
             return False
         seen = {one.target for one in path.looks}
@@ -642,8 +663,10 @@ def bound_at(
     Lagrangian relaxation of "no more looks than look_limit", and "as many as its group's".
     """
     labels_max = min(options.pass_labels_max, options.bound_labels_max // max(len(networks), 1))
+    orders_max = options.bound_orders_max // max(len(networks), 1)
     worth = looking.less_prices(price)
     priced = float(looking.allowed(price) @ price) + sum(
-        path_bound(one, worth, labels_max) for one in networks
+        min(bounded_path(one, worth, labels_max)[0], most_worth(one, worth, orders_max))
+        for one in networks
     )
     return min(priced, float(looking.look_limit @ looking.look_value.max(axis=1, initial=0.0)))

@@ -27,6 +27,8 @@ class ChosenLook:
     sun_elevation_rad: in the target's sky then; null for a target in space.
     probability_in_frame: that the target is in the frame at that instant; over all of a look it is
     less, see its plan.
+    clear_probability: that no cloud stands over the target at that instant, by `clouds`, which
+    `value` and `quality` hold; null where these say nothing. E.g. `0.8`.
     """
 
     row: Internal[int]  # of the request's targets
@@ -43,6 +45,7 @@ class ChosenLook:
     ground_sample_m: NotNegative | None
     sun_elevation_rad: Annotated[float, Member("deg", -90.0, 90.0, decimals=3)] | None
     probability_in_frame: Share
+    clear_probability: Share | None
 
 
 @answer

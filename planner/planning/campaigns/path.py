@@ -105,19 +105,22 @@ def _path_of(network: Network, worth: Worth, found: Round) -> Path:
     return Path(value=found.value, looks=tuple(looks))
 
 
-def path_bound(network: Network, worth: Worth, labels_max: int) -> float:
-    """No path that looks at each target once has a greater value.
+def bounded_path(network: Network, worth: Worth, labels_max: int) -> tuple[float, Path]:
+    """No path that looks at each target once has a greater value, and the best one known.
 
     Tightened until a path of that value is known, or more than labels_max labels were made.
     """
     repeats = _repeats(network, worth, ())
-    known = best_path(network, worth).value
+    known = best_path(network, worth)
     least = np.inf
     for found in rounds(lambda memory: Round(*_sweep(network, worth, memory)), repeats, labels_max):
         least = min(least, label_search.bound([found]))
-        if least <= known + ROUNDING * abs(known):
+        if least <= known.value + ROUNDING * abs(known.value):
             break
-    return least
+        targets = found.visits[:, 1]
+        if found.value > known.value and len(np.unique(targets)) == len(targets):
+            known = _path_of(network, worth, found)
+    return least, known
 
 
 def _repeats(network: Network, worth: Worth, kept: Sequence[int]) -> Repeats:

@@ -17,6 +17,7 @@ from planner.planning.opportunities import (
 )
 from planner.planning.opportunities.request import BOUNDS as OPPORTUNITY_BOUNDS
 from planner.world.attitude import Attitude
+from planner.world.clouds import Clouds
 from planner.world.frames.time_scales import DAY_S, elapsed_s
 from planner.world.orbits import Orbit
 from planner.world.platforms import PIXELS_ARCSEC, AngleDeg, AnyPlatform, RollRule
@@ -161,6 +162,8 @@ class CampaignRequest:
     passes have the heights instead of it.
     start: start of the campaign; UTC, rounded up to a command row.
     stop: end of the campaign; UTC.
+    clouds: a forecast of clouds: a look is worth what it would be in a clear sky, times the
+    probability of that, where the forecast says one.
     view: weights of the view's qualities in the worth of a look.
     pixel_arcsec: angle that a pixel covers, for the ground samples; unless given, that of the
     platform's camera. E.g. `0.68`.
@@ -177,6 +180,7 @@ class CampaignRequest:
     stop: datetime
     terrain: Terrain | None = None
     conditions: OpportunityConditions = OpportunityConditions()
+    clouds: Clouds | None = None
     view: ViewWeights = ViewWeights()
     pixel_arcsec: Annotated[float, Within(*PIXELS_ARCSEC)] | None = None
     slew: SlewOptions = SlewOptions()

@@ -11,7 +11,9 @@ from planner.planning.campaigns.platforms.follower import Follower
 from planner.planning.campaigns.request import ViewWeights
 from planner.planning.opportunities.carrier import Carrier
 from planner.planning.opportunities.sights import Sight, Wanted, in_sights
+from planner.world.clouds import Clouds
 from planner.world.frames.geodesy import geodetic_from_itrf
+from planner.world.frames.time_scales import Instants
 from planner.world.orbits import Ephemeris
 
 PROBABILITY_EVERY = 10  # samples; it changes by less than 0.02 in 20 s of a 400 km pass
@@ -39,7 +41,8 @@ class Seen:
 
     elevation_rad: of the carrier in the target's sky, above the limb for a target in space.
     ground_sample_m: the longer side of a pixel on the ground; this, off_nadir_rad and
-    sun_elevation_rad are None for a target in space.
+    sun_elevation_rad are None for a target in space.  clear_probability: that no cloud stands over
+    it; None where nothing is known of it.
     """
 
     elevation_rad: float
@@ -47,6 +50,7 @@ class Seen:
     ground_sample_m: float | None
     sun_elevation_rad: float | None
     probability_in_frame: float
+    clear_probability: float | None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -56,6 +60,7 @@ class Viewing:
     weights: ViewWeights
     ephemeris: Ephemeris
     follower: Follower
+    clouds: Clouds | None = None
 
     def quality(self, sight: Sight, which: Indices, t_s: Array, breaks: Indices) -> Array:
         """Quality of the view of targets `which` (n,) at t_s (n,), between 0 and 1.
@@ -71,12 +76,21 @@ class Viewing:
             quality *= np.minimum(1.0 / view.stretch_ratio, 1.0) ** weights.ground_sample
             quality *= np.maximum(np.cos(view.off_nadir_rad), 0.0) ** weights.off_nadir
             quality *= sun**weights.sun
+            clear = self._clear(sight, which, t_s)
+            quality *= np.where(np.isnan(clear), 1.0, clear)
         if weights.probability > 0.0:
             every = np.arange(0, len(t_s), PROBABILITY_EVERY)
             rows = np.unique(np.concatenate([every, breaks, breaks[1:] - 1, [len(t_s) - 1]]))
             found = self.follower.probability(sight, which[rows], t_s[rows], self.ephemeris)
             quality *= np.interp(np.arange(len(t_s)), rows, found) ** weights.probability
         return quality
+
+    def _clear(self, sight: Sight, which: Indices, t_s: Array) -> Array:
+        """Probability that no cloud stands over targets, (n,), NaN where nothing is known of it."""
+        if self.clouds is None or not sight.on_earth:
+            return np.full(len(t_s), math.nan)
+        instants = Instants(sight.carrier.start_utc, t_s)
+        return self.clouds.clear_over(sight.r_target_itrf_m(which, t_s), instants)
 
     def seen(
         self,
@@ -92,6 +106,7 @@ class Viewing:
             view = view_of(sight, which, t_s[rows])
             probability = self.follower.probability(sight, which, t_s[rows], self.ephemeris)
             pixel_m = pixel_rad * view.plumb_m * view.stretch_ratio
+            clear = self._clear(sight, which, t_s[rows])
             on_earth = sight.on_earth
             for n, row in enumerate(rows.tolist()):
                 seen[row] = Seen(
@@ -100,6 +115,7 @@ class Viewing:
                     ground_sample_m=float(pixel_m[n]) if on_earth else None,
                     sun_elevation_rad=float(view.sun_elevation_rad[n]) if on_earth else None,
                     probability_in_frame=float(probability[n]),
+                    clear_probability=None if math.isnan(clear[n]) else float(clear[n]),
                 )
         return [one for one in seen if one is not None]
 

@@ -16,11 +16,12 @@ class Unseen:
     """A target that can't be looked at, or not for as long as it must, and why.
 
     target: id of the target, as the request gives it. E.g. `"Reykjavik"`.
-    closed_by: the condition that leaves nothing of its windows; `reach`: no angles within the
-    stops, `exclusion`: a body's direction is too near to what it keeps away from, `rate`: it would
-    turn too fast, `duration`: no window lasts long enough, `rest`: none does beside the time to and
-    from rest, `motion`: the axes can't follow, `work`: to find out takes more than one request may
-    make.
+    closed_by: the condition that leaves nothing of its windows; `ground_sample`: a pixel is longer
+    on the ground than it may be, `carrier_light`: the carrier is never in the light asked for,
+    `reach`: no angles within the stops, `exclusion`: a body's direction is too near to what it
+    keeps away from, `rate`: it would turn too fast, `duration`: no window lasts long enough,
+    `rest`: none does beside the time to and from rest, `motion`: the axes can't follow, `work`: to
+    find out takes more work than one request may make.
     because: the condition that fails instead. E.g. `"the carrier stays below 30 deg in its sky"`.
     best_elevation_rad: the carrier's highest in the target's sky at any time, whatever the
     conditions; above the limb for a target in space. E.g. `12.3`.

@@ -8,7 +8,18 @@ import numpy as np
 
 from planner.base.arrays import Indices
 from planner.base.compiled import inlined, lean
-from planner.base.vectors import TURN_RAD, angle_between, scaled, wrapped
+from planner.base.vectors import (
+    TURN_RAD,
+    angle_between,
+    arcsin,
+    dot,
+    norm,
+    plus,
+    scaled,
+    unit,
+    vector_at,
+    wrapped,
+)
 from planner.motion.pointing.reach import (
     Reach,
     axes_at,
@@ -26,9 +37,12 @@ from planner.planning.opportunities.looks import (
     elevation,
     in_platform,
     look,
+    place_at,
     platform_los,
     sun_elevation,
     to_body,
+    to_sun,
+    up_at,
 )
 from planner.planning.opportunities.request import OpportunityConditions
 from planner.planning.opportunities.windows import Cause
@@ -49,6 +63,9 @@ _KINDS = cast(list[int], list(np.arange(len(CAUSES) + 5)))
     MASK,
     EXCLUSION,
     RATE,
+    GROUND_SAMPLE,
+    GLINT,
+    LIGHT,
 ) = _KINDS[:-5]
 # What is sought beside: where an axis is quickest, where a pair of angles can follow, and where a
 # mask is far enough off to brake before it.
@@ -58,8 +75,10 @@ CLOSENESS, OFF_PLANE, MOTION_0, MOTION_1, OFF_MASK = _KINDS[-5:]
 class Asked(NamedTuple):
     """Conditions, rad; NaN where not asked for.
 
-    across_rad: of a camera's line from the plane of its track.  kinds: which margins narrow the
-    time in sight, the cheap and the selective first.
+    across_rad: of a camera's line from the plane of its track.  sample_range_m: the range over the
+    sine of elevation at which a pixel is as long as it may be.  light_sign: 1 where the carrier is
+    to be sunlit, -1 where eclipsed.  kinds: which margins narrow the time in sight, the cheap and
+    the selective first.
     """
 
     sun_low_rad: float
@@ -68,6 +87,9 @@ class Asked(NamedTuple):
     sun_away_rad: float
     moon_away_rad: float
     across_rad: float
+    sample_range_m: float
+    glint_rad: float
+    light_sign: float
     kinds: Indices
 
 
@@ -80,7 +102,8 @@ class WindowScene(NamedTuple):
     p: Places
 
 
-NOTHING = Asked(math.nan, math.nan, math.nan, math.nan, math.nan, math.nan, np.empty(0, np.intp))
+_NAN = math.nan
+NOTHING = Asked(_NAN, _NAN, _NAN, _NAN, _NAN, _NAN, _NAN, _NAN, _NAN, np.empty(0, np.intp))
 
 
 class MotionOptions(NamedTuple):
@@ -98,7 +121,11 @@ OPTIONS = MotionOptions()
 
 
 def asked_of(
-    c: OpportunityConditions, causes: Sequence[Cause], in_space: bool, across_rad: float
+    c: OpportunityConditions,
+    causes: Sequence[Cause],
+    in_space: bool,
+    across_rad: float,
+    pixel_rad: float,
 ) -> Asked:
     """Conditions as compiled code takes them; causes: that the platform adds by itself."""
     given = (
@@ -107,14 +134,30 @@ def asked_of(
         (OFF_NADIR, c.max_off_nadir_deg, not in_space),
         (SUN_AWAY, c.sun_keep_out_deg, True),
         (MOON_AWAY, c.moon_keep_out_deg, True),
+        (GLINT, c.glint_keep_out_deg, not in_space),
     )
-    kinds = {kind for kind, value, applies in given if applies and value is not None}
+    others = (
+        (GROUND_SAMPLE, c.max_ground_sample_m, not in_space),
+        (LIGHT, c.carrier_light, True),
+    )
+    kinds = {kind for kind, value, applies in given + others if applies and value is not None}
     kinds |= {_KINDS[CAUSES.tolist().index(cause)] for cause in causes}
     kinds |= set() if math.isnan(across_rad) else {ACROSS}
-    values = [math.nan if value is None else math.radians(value) for _, value, _ in given]
-    low, high, off_nadir, sun_away, moon_away = values
-    order = np.array(sorted(kinds), dtype=np.intp)
-    return Asked(low, high, off_nadir, sun_away, moon_away, across_rad, order)
+    low, high, off_nadir, sun_away, moon_away, glint = (
+        math.nan if value is None else math.radians(value) for _, value, _ in given
+    )
+    return Asked(
+        low,
+        high,
+        off_nadir,
+        sun_away,
+        moon_away,
+        across_rad,
+        sample_range_m=(c.max_ground_sample_m or math.nan) / pixel_rad,
+        glint_rad=glint,
+        light_sign={"sunlit": 1.0, "eclipsed": -1.0, None: math.nan}[c.carrier_light],
+        kinds=np.array(sorted(kinds), dtype=np.intp),
+    )
 
 
 @lean
@@ -183,6 +226,24 @@ def _along_sight(s: WindowScene, kind: int, n: int, t_s: float) -> float:
 
 
 @lean
+def _light_margin(s: WindowScene, kind: int, n: int, t_s: float) -> float:
+    """What hangs on the length of a pixel, on the Sun's mirror image, on the carrier's sunlight."""
+    r_sat = vector_at(s.c.orbit, s.c.step_s, t_s, 0)
+    if kind == LIGHT:
+        sun = unit(plus(vector_at(s.c.bodies, s.c.body_step_s, t_s, 0), -1.0, r_sat))
+        return s.q.light_sign * above_limb(sun, r_sat, 0.0)
+    place, up = place_at(s.p, n, t_s), up_at(s.p, n, t_s)
+    apart = plus(r_sat, -1.0, place)
+    if kind == GROUND_SAMPLE:
+        range_m = norm(apart)
+        return s.q.sample_range_m * dot(apart, up) / (range_m * range_m) - 1.0
+    sun = to_sun(s.c, place, t_s)
+    sine = dot(sun, up)
+    mirrored = plus(scaled(2.0 * sine, up), -1.0, sun)
+    return max(angle_between(mirrored, apart) - s.q.glint_rad, -arcsin(sine))
+
+
+@lean
 def _margin(s: WindowScene, kind: int, n: int, t_s: float) -> float:
     if kind == ELEVATION:
         return elevation(s.c, s.p, n, t_s) - float(s.p.resting_parameters[n, 6])
@@ -197,6 +258,8 @@ def _margin(s: WindowScene, kind: int, n: int, t_s: float) -> float:
         return _motion_margin(s, n, t_s, kind - MOTION_0)
     if kind == OFF_MASK:
         return _off_mask_margin(s, n, t_s)
+    if kind in (GROUND_SAMPLE, GLINT, LIGHT):
+        return _light_margin(s, kind, n, t_s)
     return _along_sight(s, kind, n, t_s)
 
 

@@ -11,6 +11,8 @@ from planner.base.assumed import Assumed
 from planner.base.spec import Within, spec
 from planner.world.attitude import Attitude
 from planner.world.attitude.lvlh import LvlhAttitude
+from planner.world.clouds import Clouds
+from planner.world.conditions import Conditions
 from planner.world.frames.time_scales import DAY_S, elapsed_s, utc_text
 from planner.world.orbits import Orbit
 from planner.world.platforms import PIXELS_ARCSEC, AnyPlatform, RollRule
@@ -64,41 +66,16 @@ class OpportunityTarget:
 
 
 @spec
-class OpportunityConditions:
+class OpportunityConditions(Conditions):
     """Conditions that hold throughout a window.
 
-    The Sun's elevations and `max_off_nadir_deg` apply to targets on the Earth only.
+    Those of off nadir, ground sample, the Sun's elevation and glint apply to targets on the Earth
+    only.
 
-    min_elevation_deg: of the carrier in the target's sky, on top of the target's own least
-    elevation (the greater counts); without refraction.  Of a target in space above the limb.
-    max_off_nadir_deg: largest angle of the line of sight from the geocentric nadir; any unless
-    given. E.g. `45.0`.
-    sun_elevation_min_deg: least elevation of the Sun's centre at the target, without refraction:
-    daylight. E.g. `10.0`.
-    sun_elevation_max_deg: greatest elevation of the Sun's centre at the target, without refraction:
-    night. E.g. `-6.0`.
-    sun_keep_out_deg: least angle between line of sight and the Sun's centre, wherever the Earth
-    doesn't hide it. E.g. `20.0`.
-    moon_keep_out_deg: least angle between line of sight and the Moon's centre, wherever the Earth
-    doesn't hide it. E.g. `10.0`.
     min_duration_s: shorter windows are left out.
     """
 
-    min_elevation_deg: Annotated[float, Within(0.0, 90.0)] = 0.0
-    max_off_nadir_deg: Annotated[float, Within(0.0, 180.0)] | None = None
-    sun_elevation_min_deg: Annotated[float, Within(-90.0, 90.0)] | None = None
-    sun_elevation_max_deg: Annotated[float, Within(-90.0, 90.0)] | None = None
-    sun_keep_out_deg: Annotated[float, Within(0.0, 180.0)] | None = None
-    moon_keep_out_deg: Annotated[float, Within(0.0, 180.0)] | None = None
     min_duration_s: Annotated[float, Within(0.0, 86400.0)] = 0.0
-
-    def __post_init__(self) -> None:
-        low, high = self.sun_elevation_min_deg, self.sun_elevation_max_deg
-        if low is not None and high is not None and not low < high:
-            raise ValueError(
-                f"sun_elevation_min_deg ({low:g}) must be less than sun_elevation_max_deg "
-                f"({high:g}), or the Sun never stands between them"
-            )
 
 
 @spec
@@ -112,6 +89,7 @@ class OpportunityRequest:
     terrain: heights of the ground under targets that say none themselves.
     start: start of the search; UTC.
     stop: end of the search; UTC.
+    clouds: a forecast of clouds, for the probability that each window is clear.
     samples: instants per window, its edges included, at which angles and the rest are given.
     pixel_arcsec: angle a pixel sees, for the ground sample distance; unless given, that of the
     platform's camera. E.g. `0.68`.
@@ -126,6 +104,7 @@ class OpportunityRequest:
     stop: datetime
     terrain: Terrain | None = None
     conditions: OpportunityConditions = OpportunityConditions()
+    clouds: Clouds | None = None
     samples: Annotated[int, Within(*BOUNDS.samples)] = 5
     pixel_arcsec: Annotated[float, Within(*PIXELS_ARCSEC)] | None = None
 

@@ -51,6 +51,8 @@ class ScansAsked(Protocol):
     def stop(self) -> datetime: ...
     @property
     def conditions(self) -> OpportunityConditions: ...
+    @property
+    def pixel_arcsec(self) -> float | None: ...
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -207,6 +209,7 @@ def _view_spans(asked: ScansAsked, places: Sequence[GroundTarget], carrier: Carr
             stop=asked.stop,
             conditions=replace(asked.conditions, min_duration_s=0.0),
             samples=2,
+            pixel_arcsec=asked.pixel_arcsec,
         )
         for numbers, _, spans, _ in found_spans(search, carrier, math.pi):
             edges_s = np.stack([spans.start_s, spans.stop_s], axis=1)

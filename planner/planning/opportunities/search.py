@@ -13,7 +13,6 @@ from planner.base.effort import at_most
 from planner.base.errors import SearchEnded
 from planner.motion.pointing.reach import Reach
 from planner.planning.opportunities.carrier import Carrier, carrier_over
-from planner.planning.opportunities.ground_sample import sample_along_m
 from planner.planning.opportunities.margins import CAUSES, NOTHING, WindowScene, asked_of
 from planner.planning.opportunities.platforms.registry import lookout_of
 from planner.planning.opportunities.request import OpportunityRequest
@@ -33,6 +32,7 @@ from planner.world.frames.earth_orientation import earth_orientation_warnings
 from planner.world.frames.geodesy import geodetic_from_itrf
 from planner.world.frames.time_scales import Instants
 from planner.world.targets import EarthFixedTarget, Target
+from planner.world.targets.ground_sample import sample_along_m
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -191,7 +191,9 @@ def found_spans(
         [max(_own_least_rad(wanted.target), asked_rad) for wanted in request.targets]
     )
     for numbers, sight in sights_of(carrier, request.targets, least_rad, OPTIONS.targets_at_once):
-        asked = asked_of(conditions, lookout.causes, not sight.on_earth, across_rad)
+        asked = asked_of(
+            conditions, lookout.causes, not sight.on_earth, across_rad, request.pixel_rad
+        )
         scene = WindowScene(carrier.tables, lookout.reach, asked, sight.places)
         shortest_s = max(request.conditions.min_duration_s, SWEEP.shortest_s)
         found = sweep(scene, carrier.rows, shortest_s, effort.remaining() / OPTIONS.look_rows)
@@ -243,7 +245,16 @@ def describe_windows(
         sky=_target_sky(sight, spans.target, at_s),
         branch=told.branch,
         branches=told.usable,
+        clear_share=_clear(request, sight, spans),
     )
+
+
+def _clear(request: OpportunityRequest, sight: Sight, spans: Spans) -> Array:
+    if request.clouds is None or not sight.on_earth:
+        return np.full(len(spans.target), math.nan)
+    middle_s = 0.5 * (spans.start_s + spans.stop_s)
+    r_itrf_m = sight.r_target_itrf_m(spans.target, middle_s)
+    return request.clouds.clear_over(r_itrf_m, Instants(request.start, middle_s))
 
 
 def _sightings(seen_parameters: Array, pixel_rad: float, on_earth: bool) -> Sightings:

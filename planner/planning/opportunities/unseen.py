@@ -39,6 +39,9 @@ _NARROWING: tuple[tuple[Closing, tuple[str, ...]], ...] = (
     ("off_nadir", ("max_off_nadir_deg",)),
     ("sun_keep_out", ("sun_keep_out_deg",)),
     ("moon_keep_out", ("moon_keep_out_deg",)),
+    ("ground_sample", ("max_ground_sample_m",)),
+    ("glint", ("glint_keep_out_deg",)),
+    ("carrier_light", ("carrier_light",)),
     ("duration", ("min_duration_s",)),
 )
 
@@ -148,31 +151,39 @@ def _too_low(request: OpportunityRequest, row: int, least_deg: float) -> str:
     return f"it stays below {least_deg:g} deg above the limb"
 
 
-def _reason(cause: Closing, asked: Mapping[str, float | None], before: Windows) -> str:
+def _reason(cause: Closing, asked: Mapping[str, float | str | None], before: Windows) -> str:
     """before: the windows without this condition."""
-    said = ", ".join(f"{name} {value:g}" for name, value in asked.items() if value is not None)
+    said = ", ".join(
+        f"{name} {value:g}" if isinstance(value, float | int) else f"{name} {value}"
+        for name, value in asked.items()
+        if value is not None
+    )
     if cause == "duration":
         longest_s = float((before.set_s - before.rise_s).max())
         return f"its longest window lasts {longest_s:.1f} s: {said}"
+    if cause in ("glint", "carrier_light"):
+        what = "it lies in sunglint" if cause == "glint" else "the carrier is in the other light"
+        return f"whenever it is in sight {what}: {said}"
     seen = before.through
-    best_deg = np.degrees(
-        {
-            "sun_elevation": _angle_range(seen.sun_elevation_rad),
-            "off_nadir": _angle_range(before.closest.off_nadir_rad),
-            "sun_keep_out": _angle_range(seen.sun_separation_rad),
-            "moon_keep_out": _angle_range(seen.moon_separation_rad),
-        }[cause]
-    )
+    best = {
+        "sun_elevation": _range_deg(seen.sun_elevation_rad),
+        "off_nadir": _range_deg(before.closest.off_nadir_rad),
+        "sun_keep_out": _range_deg(seen.sun_separation_rad),
+        "moon_keep_out": _range_deg(seen.moon_separation_rad),
+        "ground_sample": (float(np.nanmin(before.closest.ground_sample_along_m)),) * 2,
+    }[cause]
     what = {
         "sun_elevation": "the Sun stands at",
         "off_nadir": "off the nadir it is, at its closest,",
         "sun_keep_out": "from the Sun it is",
         "moon_keep_out": "from the Moon it is",
+        "ground_sample": "a pixel covers, at its closest,",
     }[cause]
-    low, high = (f"{one:.1f}" for one in best_deg)
+    low, high = (f"{one:.1f}" for one in best)
     reached = low if low == high else f"{low} to {high}"
-    return f"whenever it is in sight {what} {reached} deg: {said}"
+    unit = "m" if cause == "ground_sample" else "deg"
+    return f"whenever it is in sight {what} {reached} {unit}: {said}"
 
 
-def _angle_range(angle_rad: Array) -> tuple[float, float]:
-    return float(angle_rad.min()), float(angle_rad.max())
+def _range_deg(angle_rad: Array) -> tuple[float, float]:
+    return math.degrees(angle_rad.min()), math.degrees(angle_rad.max())

@@ -25,6 +25,9 @@ Cause = Literal[
     "mask",
     "exclusion",
     "rate",
+    "ground_sample",
+    "glint",
+    "carrier_light",
 ]
 GRID_TOLERANCE_ROWS = 5e-5  # 10 us
 SESSION_MAX_S = 21_600.0  # a plan of twice that takes more work than one request may make
@@ -136,6 +139,8 @@ class Windows(WindowEdges):
     branches: (windows, 2), which rows of `axis_angles` stay within the stops, at the samples
     and the closest approach; none of them where the axes would have to change over.
     branch: the one reported, that with less turn of the inner axis (Sumarokov 2016, p. 88).
+    clear_share: the probability that no cloud stands over the target at the window's middle; NaN
+    where nothing is known of it.
     """
 
     highest_s: Array
@@ -145,6 +150,7 @@ class Windows(WindowEdges):
     sky: TargetSky
     branch: NDArray[np.intp]
     branches: NDArray[np.bool_]
+    clear_share: Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

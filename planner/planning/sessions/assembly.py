@@ -81,10 +81,11 @@ def pair_joins(scenario: Scenario, joins: list[Join]) -> Iterator[tuple[int | No
 def segments_of(scenario: Scenario, joins: list[Join]) -> tuple[Segment, ...]:
     """What the table does from row to row, in order of time."""
     epoch_utc = scenario.initial_state.epoch
-    kinds: tuple[SegmentKind, ...] = ("brake", "wait", "slew", "track")
     segments = []
     from_row = 0
     for number, join in pair_joins(scenario, joins):
+        held: SegmentKind = "wait" if number is None else "track"  # it idles after the last slew
+        kinds: tuple[SegmentKind, ...] = ("brake", "wait", "slew", held)
         ends = [
             shifted_utc(epoch_utc, row / ROWS_PER_S)
             for row in (

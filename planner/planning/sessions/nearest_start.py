@@ -24,7 +24,7 @@ from planner.planning.sessions.sequence import (
     sequence_whole,
 )
 from planner.planning.sessions.start_trials import Slewed, Trials, longest_hold
-from planner.planning.sessions.track_branches import session_rows
+from planner.planning.sessions.track_branches import may_look, session_rows
 from planner.verification import verify
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 from planner.world.orbits import Ephemeris
@@ -532,7 +532,7 @@ def _visible_rows(refused: RefusedSession, ephemeris: Ephemeris, known: RowSpan)
         return [known]
     rows = np.arange(known.start, known.stop + 1, OPTIONS.coarse_rows)
     instants = Instants(refused.epoch_utc, rows / ROWS_PER_S)
-    visible = target.apparent(instants, ephemeris.states(instants)).clearance_rad >= 0.0
+    visible = may_look(refused.scenario, target, instants, ephemeris.states(instants))
     edges = np.flatnonzero(np.diff(np.concatenate([[False], visible, [False]])))
     return [
         RowSpan(

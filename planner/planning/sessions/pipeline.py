@@ -3,6 +3,7 @@
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 
 from planner.base import effort
 from planner.base.effort import at_most
@@ -37,39 +38,57 @@ def make_plan(scenario: Scenario, tell: Reporter = tell_nobody) -> Plan:
         raise
 
 
-def _make_plan(scenario: Scenario, tell: Reporter) -> Plan:
-    epoch_utc = scenario.initial_state.epoch
-    wall_s: dict[str, float] = {}
+@dataclass(frozen=True, kw_only=True)
+class StageClock:
+    """Tells when a stage begins, and keeps how long each took."""
+
+    tell: Reporter
+    wall_s: dict[str, float] = field(default_factory=dict)
 
     @contextmanager
-    def time_stage(name: str) -> Iterator[None]:
-        tell(name, 0, 1)
+    def time(self, name: str) -> Iterator[None]:
+        """Of what is in the `with`."""
+        self.tell(name, 0, 1)
         began_s = time.perf_counter()
         yield
-        wall_s[name] = time.perf_counter() - began_s
+        self.wall_s[name] = time.perf_counter() - began_s
 
+
+def _make_plan(scenario: Scenario, tell: Reporter) -> Plan:
+    clock = StageClock(tell=tell)
     scenario, work = _fitted(scenario)
-    mover = mover_of(scenario)
-    with time_stage("orbit"):
+    with clock.time("orbit"):
+        epoch_utc = scenario.initial_state.epoch
         ephemeris = ephemeris_over(
             scenario, [session_rows(session, epoch_utc) for session in scenario.sessions]
         )
-    with time_stage("slews and tracks"):
+    with clock.time("slews and tracks"):
         joins = _find_joins(scenario, ephemeris, effort.PLAN - work, tell)
-        onto_tracks = joins[: len(scenario.sessions)]
-    with time_stage("comparison"):
+    return complete_plan(scenario, ephemeris, joins, clock)
+
+
+def complete_plan(
+    scenario: Scenario, ephemeris: Ephemeris, joins: list[Join], clock: StageClock
+) -> Plan:
+    """The table of slews and tracks, judged, and the figures of all.
+
+    Raises ResourceRunsOut, InfeasibleSlew where idling breaks an exclusion, VerificationFailed.
+    """
+    mover = mover_of(scenario)
+    onto_tracks = joins[: len(scenario.sessions)]
+    with clock.time("comparison"):
         slews = tuple(mover.run(number, join) for number, join in pair_joins(scenario, joins))
     flight, losses = assemble(scenario, mover, joins)
     final, table = flight.scenario, flight.table
-    with time_stage("resources"):
+    with clock.time("resources"):
         require_resources(flight, mover)
-    with time_stage("pointing budget"):
+    with clock.time("pointing budget"):
         budgets = tuple(
             mover_of(final).budget(ephemeris, table, number, join.track.los)
             for number, join in enumerate(onto_tracks)
         )
     misses = [budget.warning() for budget in budgets if budget]
-    with time_stage("verification"):
+    with clock.time("verification"):
         report = verify(table, final, flight.waits)
     if scenario.slew.keeps_limits and not report.passed:
         raise _rejection_of(report)
@@ -86,10 +105,10 @@ def _make_plan(scenario: Scenario, tell: Reporter) -> Plan:
             *ephemeris.warnings,
             *mover.warnings_along(table),
             *filter(None, misses),
-            *earth_orientation_warnings(Instants(epoch_utc, table.t_s)),
+            *earth_orientation_warnings(Instants(table.epoch_utc, table.t_s)),
             *(finding.detail for finding in report.findings),
         ),
-        stage_wall_s=wall_s,
+        stage_wall_s=clock.wall_s,
     )
 
 

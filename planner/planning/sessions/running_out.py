@@ -26,7 +26,7 @@ from planner.planning.sessions.assembly import assemble, table_work
 from planner.planning.sessions.platforms.mover import Mover
 from planner.planning.sessions.platforms.registry import mover_of
 from planner.planning.sessions.sequence import SessionRefused, sequence_whole
-from planner.planning.sessions.track_branches import session_rows
+from planner.planning.sessions.track_branches import may_look, session_rows
 from planner.verification import verify
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.world.plan import FlightPlan
@@ -58,7 +58,7 @@ OPTIONS = RunningOutOptions()
 def require_resources(plan: FlightPlan, mover: Mover) -> None:
     """Raises ResourceRunsOut, with the nearest plan that works, where a limit is passed.
 
-    mover: the one that found the plan's slews.
+    mover: of the plan's scenario; what is tried shares the slews that it learns of.
     """
     curves = [curve for curve in resource_curves(plan) if curve.first_beyond_s is not None]
     if not curves:
@@ -315,7 +315,7 @@ class _Search:
         if starts_s.size and not isinstance(target, BenchMotionTarget):
             target = target.unbound(self.session.start)
             is_seen = [
-                target.apparent(*around.at(at_s)).clearance_rad >= 0.0
+                may_look(self.scenario, target, *around.at(at_s))
                 for at_s in (starts_s, starts_s + long_s)
             ]
             starts_s = starts_s[is_seen[0] & is_seen[1]]

@@ -6,9 +6,11 @@ from typing import Annotated
 import numpy as np
 
 from planner.base.answer_members import Count, Member, NotNegative, Share, answer
-from planner.planning.opportunities.ground_sample import sample_along_m
 from planner.planning.sessions.plan import Plan
-from planner.world.frames.time_scales import Utc
+from planner.world.frames.time_scales import Instants, Utc, elapsed_s
+from planner.world.scenario import Scenario, Session
+from planner.world.targets import EarthFixedTarget
+from planner.world.targets.ground_sample import sample_along_m
 
 
 @answer
@@ -28,6 +30,8 @@ class SessionSummary:
     best_at_utc: time of it; UTC. E.g. `"2015-02-27T17:36:58.000Z"`.
     probability_in_frame: that the target stays inside the camera's frame over the whole session;
     null for a test motion. E.g. `0.97`.
+    clear_probability: that no cloud stands over the target at the middle of the session, by
+    `clouds`; null where these say nothing. E.g. `0.8`.
     ground_sample_m: the longer side of a pixel of 0.678 arcsec on the ground where the carrier is
     nearest; null unless the target is on the Earth. E.g. `1.33`.
     """
@@ -43,6 +47,7 @@ class SessionSummary:
     best_elevation_rad: Annotated[float, Member("deg", -90.0, 90.0)] | None
     best_at_utc: Utc | None
     probability_in_frame: Share | None
+    clear_probability: Share | None
     ground_sample_m: NotNegative | None
 
 
@@ -100,10 +105,20 @@ def _summarise_session(plan: Plan, number: int) -> SessionSummary:
         best_elevation_rad=highest_rad,
         best_at_utc=seen.elevation_max_utc if seen else None,
         probability_in_frame=None if budget is None else budget.probability_in_frame,
+        clear_probability=_clear_probability(plan.scenario, session),
         ground_sample_m=None
         if highest_rad is None or nearest_m is None
         else _ground_sample_m(highest_rad, nearest_m, pixel_rad),
     )
+
+
+def _clear_probability(scenario: Scenario, session: Session) -> float | None:
+    if scenario.clouds is None or not isinstance(session.target, EarthFixedTarget):
+        return None
+    middle_s = 0.5 * elapsed_s(session.stop, session.start)
+    at = Instants(session.start, np.array([middle_s]))
+    clear = float(scenario.clouds.clear_over(session.target.r_target_itrf_m(at), at)[0])
+    return None if math.isnan(clear) else clear
 
 
 def _ground_sample_m(elevation_rad: float, range_m: float, pixel_rad: float) -> float | None:

@@ -1,17 +1,22 @@
 """The rows of sessions, and when their targets are seen from them."""
 
 import math
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from datetime import datetime
+from typing import NamedTuple
 
 import numpy as np
 
+from planner.base.arrays import Mask
 from planner.base.commands import ROWS_PER_S
 from planner.base.errors import NotVisible, OutsideCoverage
 from planner.motion.pointing.line_of_sight import STENCIL, LineOfSight, line_of_sight
 from planner.planning.sessions.platforms.mover import RowSpan
+from planner.world.conditions import OPTIONS as CONDITION_OPTIONS
+from planner.world.conditions import ConditionSeen, conditions_seen
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
-from planner.world.orbits import Ephemeris
+from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.scenario import Scenario, Session
 from planner.world.targets import VisibleTarget
 
@@ -66,31 +71,74 @@ def los_on_rows(
     rows: RowSpan,
     count: int | None = None,
 ) -> LineOfSight:
-    """The target from row to row, or at `count` instants, at least as many as derivatives need."""
+    """The target from row to row, or at `count` instants, at least as many as derivatives need.
+
+    Where a condition of the request isn't met it counts as not seen, too.
+    """
     count = count or rows.stop - rows.start + 1
     t_s = np.linspace(rows.start, rows.stop, max(count, STENCIL)) / ROWS_PER_S
-    return line_of_sight(
+    los = line_of_sight(
         Instants(scenario.initial_state.epoch, t_s),
         ephemeris,
         scenario.attitude,
         scenario.platform.q_base_from_carrier,
         target,
     )
+    asked = [one.margin + CONDITION_OPTIONS.tolerance for one in _conditions(scenario, target, los)]
+    return replace(los, clearance_rad=np.min([los.clearance_rad, *asked], axis=0))
 
 
-def require_visible(los: LineOfSight, rows: RowSpan, target: VisibleTarget, number: int) -> None:
+def may_look(
+    scenario: Scenario, target: VisibleTarget, instants: Instants, states: OrbitStates
+) -> Mask:
+    """Whether the target is seen, and within the request's conditions, at n instants, (n,)."""
+    seen = target.apparent(instants, states).clearance_rad >= 0.0
+    for one in _conditions(scenario, target, _At(instants, states)):
+        seen &= one.margin + CONDITION_OPTIONS.tolerance >= 0.0
+    return seen
+
+
+class _At(NamedTuple):
+    instants: Instants
+    states: OrbitStates
+
+
+def _conditions(
+    scenario: Scenario, target: VisibleTarget, at: LineOfSight | _At
+) -> Iterator[ConditionSeen]:
+    pixel_rad = scenario.platform.camera.pixel_rad
+    return conditions_seen(scenario.conditions, target, at.instants, at.states, pixel_rad)
+
+
+def require_visible(
+    scenario: Scenario, los: LineOfSight, rows: RowSpan, target: VisibleTarget, number: int
+) -> None:
+    """Raises NotVisible, with the condition, where it isn't seen throughout the session."""
     in_session = los.instants.t_s > (rows.start - 0.5) / ROWS_PER_S
     hidden = np.flatnonzero(in_session & (los.clearance_rad < 0.0))
     if not hidden.size:
         return
-    worst = hidden[np.argmin(los.clearance_rad[hidden])]
-    first_utc, worst_utc = los.instants.utc(hidden[0]), los.instants.utc(worst)
-    why = target.hidden_because(float(los.clearance_rad[worst]))
+    first = hidden[0]
+    first_utc = los.instants.utc(first)
+    own_rad = target.apparent(los.instants, los.states).clearance_rad
+    if own_rad[first] < 0.0:
+        limit, what = "visibility", "the target can't be seen"
+        worst = hidden[np.argmin(own_rad[hidden])]
+        why = target.hidden_because(float(own_rad[worst]))
+    else:
+        bound, value, margin = next(
+            one
+            for one in _conditions(scenario, target, los)
+            if one.margin[first] + CONDITION_OPTIONS.tolerance < 0.0
+        )
+        limit, what = bound.name, "a condition isn't met"
+        worst = hidden[np.argmin(margin[hidden])]
+        why = bound.unmet_because(float(value[worst]))
     raise NotVisible(
-        f"session {number + 1}: from {utc_text(first_utc)} the target can't be seen; at "
-        f"{utc_text(worst_utc)} {why}",
-        field=f"sessions.{number}.start" if hidden[0] == 0 else f"sessions.{number}.stop",
-        limit="visibility",
+        f"session {number + 1}: from {utc_text(first_utc)} {what}; at "
+        f"{utc_text(los.instants.utc(worst))} {why}",
+        field=f"sessions.{number}.start" if first == 0 else f"sessions.{number}.stop",
+        limit=limit,
         at_utc=first_utc,
     )
 

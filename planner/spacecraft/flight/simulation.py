@@ -5,9 +5,10 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
+from planner.base.commands import CommandTable
 from planner.inflight.simulation.gyros.closed_loop import Log
 from planner.inflight.simulation.gyros.dispersed import draw_dispersion, fly_table
-from planner.spacecraft.table import AttitudeTable
+from planner.spacecraft.table import ImagingWindow, camera_on
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
 from planner.world.orbits.ephemeris import OrbitStates
 
@@ -16,7 +17,8 @@ Kept = TypeVar("Kept")
 
 def fly_many(
     spacecraft: AgileSpacecraft,
-    table: AttitudeTable,
+    table: CommandTable,
+    windows: tuple[ImagingWindow, ...],
     states: OrbitStates,
     seeds: Sequence[int],
     keep: Callable[[Log], Kept],
@@ -27,12 +29,12 @@ def fly_many(
     keep: what is wanted of a run; its log (19 MB for an hour) is given up at once.
     tell: is called with how many are flown.
     """
-    craft, commands, imaging = spacecraft.craft, table.commands, table.imaging()
+    craft, imaging = spacecraft.craft, camera_on(windows, len(table.position))
     kept: list[Kept] = []
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         for one in pool.map(
             lambda seed: keep(
-                fly_table(craft, commands, imaging, states, draw_dispersion(craft, seed))
+                fly_table(craft, table, imaging, states, draw_dispersion(craft, seed))
             ),
             seeds,
         ):

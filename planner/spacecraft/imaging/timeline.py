@@ -14,6 +14,8 @@ import numpy as np
 from planner.base.commands import ROWS_PER_S, CommandTable, Motion
 from planner.base.errors import InfeasibleSlew, NotVisible, Refusal, TrackBreaksLimit, Unreachable
 from planner.motion.attitude.problem import rows_of
+from planner.planning.sessions.assembly import pair_joins
+from planner.planning.sessions.plan import Plan
 from planner.planning.sessions.platforms.mover import Join, TrackBranch
 from planner.planning.sessions.platforms.registry import mover_of
 from planner.spacecraft.imaging.baselines import AttitudeSlewComparison, compare
@@ -22,6 +24,7 @@ from planner.spacecraft.imaging.ground_arc import GroundArc, scan_q_body_from_ec
 from planner.spacecraft.imaging.session import ImagingSession
 from planner.spacecraft.table import TICK_S, ImagingWindow
 from planner.world.frames.time_scales import shifted_utc
+from planner.world.platforms import BodyPlatform
 from planner.world.scenario import BoundedLead, InitialState, Scenario, Session, SlewOptions
 from planner.world.targets.ground_path import GroundPathTarget, PathPoint
 
@@ -68,11 +71,10 @@ class PlannedSlew:
 
 @dataclass(frozen=True, kw_only=True)
 class Timeline:
-    """The table of a scenario whose sessions are the windows, in order."""
+    """joins: onto each window, a session of the scenario in the same order, and back."""
 
     scenario: Scenario
-    table: CommandTable
-    slews: tuple[PlannedSlew, ...]
+    joins: list[Join]
     windows: tuple[ImagingWindow, ...]
 
 
@@ -301,44 +303,41 @@ class _Builder:
 
     def timeline(self) -> Timeline:
         """All of it."""
-        session, scans = self.session, self.scans
-        table = self.mover.table(session.epoch_utc, self.joins)
-        numbers = [scan.request for scan in scans]
+        numbers = [scan.request for scan in self.scans]
         return Timeline(
             scenario=self.scenario,
-            table=table,
-            slews=tuple(self._planned_slews(table)),
+            joins=self.joins,
             windows=tuple(
                 ImagingWindow(
-                    request=session.request.requests[scan.request].name,
+                    request=self.session.request.requests[scan.request].name,
                     look=numbers[:k].count(scan.request),
                     first_row=scan.first_row,
                     last_row=scan.last_row,
                 )
-                for k, scan in enumerate(scans)
+                for k, scan in enumerate(self.scans)
             ),
         )
 
-    def _planned_slews(self, table: CommandTable) -> Iterator[PlannedSlew]:
-        row = 0
-        for number, join in enumerate(self.joins):
-            window = number if number < len(self.scans) else None
-            run = self.mover.run(window, join)
-            slews = [(join.slew_row, join.join_row, window, run.wall_s)]
-            if join.brake_rows:
-                slews.insert(0, (row, row + join.brake_rows, None, 0.0))
-            for first_row, last_row, onto, solve_s in slews:
-                comparison = compare(
-                    table_rows(table, first_row, last_row),
-                    self.session.platform,
-                    self.scenario.slew.objective,
-                    run.status,
-                    solve_s,
-                )
-                yield PlannedSlew(
-                    first_row=first_row, last_row=last_row, window=onto, comparison=comparison
-                )
-            row = join.stop_row
+
+def planned_slews(platform: BodyPlatform, plan: Plan, joins: list[Join]) -> Iterator[PlannedSlew]:
+    """Of a plan made of these joins."""
+    row = 0
+    for run, (window, join) in zip(plan.slews, pair_joins(plan.scenario, joins), strict=True):
+        slews = [(join.slew_row, join.join_row, window, run.wall_s)]
+        if join.brake_rows:
+            slews.insert(0, (row, row + join.brake_rows, None, 0.0))
+        for first_row, last_row, onto, solve_s in slews:
+            comparison = compare(
+                table_rows(plan.table, first_row, last_row),
+                platform,
+                plan.scenario.slew.objective,
+                run.status,
+                solve_s,
+            )
+            yield PlannedSlew(
+                first_row=first_row, last_row=last_row, window=onto, comparison=comparison
+            )
+        row = join.stop_row
 
 
 def table_rows(table: CommandTable, first_row: int, last_row: int) -> Motion:

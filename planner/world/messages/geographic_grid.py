@@ -62,6 +62,23 @@ class GeographicGrid:
 
         Within half a cell beyond the outer centres the outer values stay.
         """
+        found, outside = self._found(latitude_deg, longitude_deg)
+        if outside.any():
+            raise ValueError(
+                f"doesn't reach {_place(latitude_deg, longitude_deg, outside)}, only "
+                f"{self.reach_text}"
+            )
+        if (missing := np.isnan(found)).any():
+            raise ValueError(f"has no value at {_place(latitude_deg, longitude_deg, missing)}")
+        return found
+
+    def known(self, latitude_deg: Array, longitude_deg: Array) -> Array:
+        """The same, NaN where it doesn't reach or has none."""
+        found, outside = self._found(latitude_deg, longitude_deg)
+        return np.where(outside, np.nan, found)
+
+    def _found(self, latitude_deg: Array, longitude_deg: Array) -> tuple[Array, Mask]:
+        """Values, and whether a place is outside, (n,) each."""
         rows, columns = self.values.shape
         row = (self.north_deg - np.asarray(latitude_deg)) / self.step_deg[0]
         east_deg = (np.asarray(longitude_deg) - self.west_deg + 0.5 * self.step_deg[1]) % 360.0
@@ -70,11 +87,6 @@ class GeographicGrid:
         outside = (np.abs(row - 0.5 * (rows - 1)) > 0.5 * (rows - 1) + edge) | (
             column > columns - 1 + edge
         )
-        if outside.any():
-            raise ValueError(
-                f"doesn't reach {_place(latitude_deg, longitude_deg, outside)}, only "
-                f"{self.reach_text}"
-            )
         row, column = np.clip(row, 0, rows - 1), np.clip(column, 0, columns - 1)
         top, left = np.floor(row).astype(np.intp), np.floor(column).astype(np.intp)
         below, right = np.minimum(top + 1, rows - 1), np.minimum(left + 1, columns - 1)
@@ -87,9 +99,7 @@ class GeographicGrid:
             ((below, right), down * across),
         ):
             found += np.where(weight > 0.0, weight * self.values[at], 0.0)
-        if (missing := np.isnan(found)).any():
-            raise ValueError(f"has no value at {_place(latitude_deg, longitude_deg, missing)}")
-        return found
+        return found, np.asarray(outside)
 
 
 def _place(latitude_deg: Array, longitude_deg: Array, where: Mask) -> str:
@@ -111,7 +121,7 @@ def read_ascii_grid(text: str) -> GeographicGrid:
         header[words[0].lower()] = _number(words[1], words[0])
     step_deg = tuple(header.get(name, header.get("cellsize", math.nan)) for name in ("dy", "dx"))
     rows, columns = (_count(header, name) for name in ("nrows", "ncols"))
-    _require_cells(rows, columns)
+    require_cells(rows, columns)
     try:
         values = np.fromstring("\n".join(lines[len(header) :]), sep=" ")
     except ValueError:
@@ -159,7 +169,7 @@ def read_geotiff(content: bytes) -> GeographicGrid:
     keys = _geo_keys(tags)
     _require_geographic(keys)
     rows, columns = int(tags.get(257, 0)), int(tags.get(256, 0))
-    _require_cells(rows, columns)
+    require_cells(rows, columns)
     if tags.get(277, 1) != 1 or tags.get(262, 1) != 1:
         raise _fault("the GeoTIFF must hold one band of values, no colours")
     if max(int(tags.get(tag, 1)) for tag in (322, 323)) > OPTIONS.tile_most:
@@ -284,7 +294,7 @@ def _grid(
     )
 
 
-def _require_cells(rows: int, columns: int) -> None:
+def require_cells(rows: int, columns: int) -> None:
     if not 0 < rows * columns <= OPTIONS.cells_most or min(rows, columns) < 1:
         raise _fault(
             f"a grid has 1 to {OPTIONS.cells_most} cells, not {rows} x {columns}: cut out what is "

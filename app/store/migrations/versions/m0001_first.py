@@ -1,4 +1,7 @@
-"""The tables of the first release, and what the database itself refuses to change in them."""
+"""The tables of the first release, and what the database itself refuses to change in them.
+
+Constraints are named by the convention of `app.store.models.Base`.
+"""
 
 import sqlalchemy as sa
 from alembic import op
@@ -16,20 +19,23 @@ def upgrade() -> None:
     _keys_and_audit()
     op.create_table(
         "probes",
-        sa.Column("id", _ID, nullable=False),
+        sa.Column("id", _ID, primary_key=True),
         sa.Column("at_utc", _UTC, nullable=False),
         sa.Column("content", sa.LargeBinary(), nullable=False),
-        sa.PrimaryKeyConstraint("id", name="pk_probes"),
     )
     _refuse("UPDATE", "results", "results are immutable")
     _refuse("UPDATE", "audit", "the audit log is only added to")
     _refuse("DELETE", "audit", "the audit log is only added to")
 
 
+def _of_job() -> sa.ForeignKey:
+    return sa.ForeignKey("jobs.id", ondelete="CASCADE")
+
+
 def _jobs() -> None:
     op.create_table(
         "jobs",
-        sa.Column("id", _ID, nullable=False),
+        sa.Column("id", _ID, primary_key=True),
         sa.Column("kind", sa.String(32), nullable=False),
         sa.Column("state", sa.String(16), nullable=False),
         sa.Column("name", sa.Text(), nullable=False),
@@ -37,8 +43,8 @@ def _jobs() -> None:
         sa.Column("request_sha256", sa.String(64), nullable=False),
         sa.Column("options", sa.JSON(), nullable=False),
         sa.Column("key_id", sa.String(64), nullable=True),
-        sa.Column("idempotency", sa.String(64), nullable=True),
-        sa.Column("parent_id", _ID, nullable=True),
+        sa.Column("idempotency", sa.String(64), unique=True, nullable=True),
+        sa.Column("parent_id", _ID, _of_job(), nullable=True),
         sa.Column("plan_id", _ID, nullable=True),
         sa.Column("revises", _ID, nullable=True),
         sa.Column("series", _ID, nullable=True),
@@ -63,14 +69,9 @@ def _jobs() -> None:
         sa.Column("target_words", sa.Text(), nullable=True),
         sa.CheckConstraint(
             "state IN ('queued', 'running', 'done', 'refused', 'failed', 'cancelled')",
-            name="ck_jobs_state",
+            name="state",
         ),
-        sa.ForeignKeyConstraint(
-            ["parent_id"], ["jobs.id"], "fk_jobs_parent_id", ondelete="CASCADE"
-        ),
-        sa.PrimaryKeyConstraint("id", name="pk_jobs"),
-        sa.UniqueConstraint("idempotency", name="uq_jobs_idempotency"),
-        sa.UniqueConstraint("series", "revision", name="uq_jobs_series_revision"),
+        sa.UniqueConstraint("series", "revision"),
     )
     for columns in (
         ["state", "rank", "id"],
@@ -83,28 +84,24 @@ def _jobs() -> None:
         op.create_index(f"ix_jobs_{'_'.join(columns)}", "jobs", columns)
     op.create_table(
         "events",
-        sa.Column("job_id", _ID, nullable=False),
-        sa.Column("seq", sa.Integer(), autoincrement=False, nullable=False),
+        sa.Column("job_id", _ID, _of_job(), primary_key=True),
+        sa.Column("seq", sa.Integer(), autoincrement=False, primary_key=True),
         sa.Column("at_utc", _UTC, nullable=False),
         sa.Column("kind", sa.String(32), nullable=False),
         sa.Column("data", sa.JSON(), nullable=False),
-        sa.ForeignKeyConstraint(["job_id"], ["jobs.id"], "fk_events_job_id", ondelete="CASCADE"),
-        sa.PrimaryKeyConstraint("job_id", "seq", name="pk_events"),
     )
     op.create_table(
         "results",
-        sa.Column("job_id", _ID, nullable=False),
-        sa.Column("part", sa.Integer(), autoincrement=False, nullable=False),
+        sa.Column("job_id", _ID, _of_job(), primary_key=True),
+        sa.Column("part", sa.Integer(), autoincrement=False, primary_key=True),
         sa.Column("content", sa.LargeBinary(), nullable=False),
-        sa.ForeignKeyConstraint(["job_id"], ["jobs.id"], "fk_results_job_id", ondelete="CASCADE"),
-        sa.PrimaryKeyConstraint("job_id", "part", name="pk_results"),
     )
 
 
 def _keys_and_audit() -> None:
     op.create_table(
         "keys",
-        sa.Column("id", sa.String(64), nullable=False),
+        sa.Column("id", sa.String(64), primary_key=True),
         sa.Column("name", sa.Text(), nullable=False),
         sa.Column("secret_sha256", sa.String(64), nullable=False),
         sa.Column("scopes", sa.JSON(), nullable=False),
@@ -112,17 +109,15 @@ def _keys_and_audit() -> None:
         sa.Column("revoked_utc", _UTC, nullable=True),
         sa.Column("rate_per_minute", sa.Integer(), nullable=True),
         sa.Column("concurrency", sa.Integer(), nullable=True),
-        sa.PrimaryKeyConstraint("id", name="pk_keys"),
     )
     op.create_table(
         "audit",
-        sa.Column("id", sa.Integer(), autoincrement=True, nullable=False),
+        sa.Column("id", sa.Integer(), autoincrement=True, primary_key=True),
         sa.Column("at_utc", _UTC, nullable=False),
         sa.Column("key_id", sa.String(64), nullable=True),
         sa.Column("action", sa.String(32), nullable=False),
         sa.Column("subject", sa.String(64), nullable=False),
         sa.Column("detail", sa.Text(), nullable=False),
-        sa.PrimaryKeyConstraint("id", name="pk_audit"),
     )
     op.create_index("ix_audit_subject", "audit", ["subject"])
 

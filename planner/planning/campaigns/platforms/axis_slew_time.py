@@ -65,6 +65,35 @@ def _axis_time_s(
 
 
 @compiled
+def needed_axis_s(
+    start: tuple[float, float],
+    end: tuple[float, float],
+    delta_rad: float,
+    slack_rad: float,
+    limits: tuple[float, float, float],
+    available_s: float,
+) -> float:
+    """No motion between two rates and accelerations by so much, or up to slack_rad more or less, is
+    quicker; only as exactly as tells on which side of available_s it is."""
+    v, a, j = limits
+    # Ramps from no acceleration before the start, and to none after the end.
+    ramp0_s, ramp1_s = abs(start[1]) / j, abs(end[1]) / j
+    v0 = start[0] - 0.5 * start[1] * ramp0_s
+    v1 = end[0] + 0.5 * end[1] * ramp1_s
+    delta_rad += ramp0_s * (start[0] - start[1] * ramp0_s / 3.0)
+    delta_rad += ramp1_s * (end[0] + end[1] * ramp1_s / 3.0)
+    v = max(v, abs(v0), abs(v1))
+    direct_rad = 0.5 * (v0 + v1) * change_s(v1 - v0, a, j)
+    if delta_rad < direct_rad:
+        delta_rad, direct_rad, v0, v1 = -delta_rad, -direct_rad, -v0, -v1
+    delta_rad = max(delta_rad - slack_rad, direct_rad)
+    if not _is_plain(delta_rad, v0, v1, a, j):
+        j = BOUNDLESS
+    ramps_s = ramp0_s + ramp1_s
+    return float(by_peak_s(delta_rad, v0, v1, v, a, j, available_s + ramps_s) - ramps_s)
+
+
+@compiled
 def _is_plain(delta_rad: float, v0: float, v1: float, a: float, j: float) -> bool:
     """Whether one rise to a peak and one fall is the quickest way, with bounded jerk too.
 

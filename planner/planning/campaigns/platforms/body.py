@@ -67,13 +67,13 @@ class BodyFollower:
             raise TypeError(f"{platform.name} is no body")
         self._request, self._platform = request, platform
         self._lookout = BodyLookout(platform, None)
-        limits = agility_limits(platform).inscribed
-        lengths, least = np.array(agility_limits(platform).lengths), limits.by_order.min(axis=0)
+        limits = agility_limits(platform)
+        lengths, least = np.array(limits.lengths), limits.by_order.min(axis=0)
         self.slew_limits = FollowerLimits(
             axes=np.empty((0, 3)),
             body=BodyEnvelope(
-                is_magnitude=limits.kind == "magnitude",
                 by_axis=np.ascontiguousarray(limits.by_order),
+                is_round=np.array(limits.round_orders),
                 length_limits=lengths,
                 least_limits=least,
                 boresight_body=platform.boresight_body,

@@ -3,14 +3,16 @@
 A time suffices in which the ends' motions, continued and blended into each other about the Euler
 axis, keep the limits, or in which the body comes to rest, turns, and is accelerated again.  A time
 is needed in which a scalar motion between the ends' rates turns by the angle: along the direction
-that the body's rate has at one instant it moves no faster (`planner.motion.attitude.bounds`).
+that the body's rate has at one instant it moves no faster (`planner.motion.attitude.bounds`); and
+in which the rate about each body axis turns by the twist about it, but for the solid angle that
+the axis itself may sweep meanwhile, which is the most that a curve so long can enclose.
 Both are computed millions of times over.
 """
 
 import math
 from typing import NamedTuple
 
-from planner.base.arrays import Array
+from planner.base.arrays import Array, Mask
 from planner.base.commands import COMMAND_STEP_S
 from planner.base.compiled import compiled, inlined
 from planner.base.vectors import (
@@ -22,19 +24,24 @@ from planner.base.vectors import (
     plus,
     scaled,
 )
-from planner.planning.campaigns.platforms.axis_slew_time import by_peak_s, change_s
+from planner.planning.campaigns.platforms.axis_slew_time import (
+    by_peak_s,
+    change_s,
+    needed_axis_s,
+)
 
 
 class BodyEnvelope(NamedTuple):
     """Limits of a body, rad and s.
 
     by_axis: rate, acceleration, jerk about each body axis, (3, 3); of magnitudes three times one.
+    is_round: whether each of these limits is an ellipsoid with such semi-axes; else a box, (3,).
     length_limits: (3,), no vector within the limits is longer.  least_limits: (3,), any vector as
     long is within them.  boresight_body: a unit vector, (3,).
     """
 
-    is_magnitude: bool
     by_axis: Array
+    is_round: Mask
     length_limits: Array
     least_limits: Array
     boresight_body: Array
@@ -82,10 +89,10 @@ def body_fits(
     """
     ends = _ends(start_state, end_state, envelope.boresight_body)
     if sign < 0.0:
-        return _needed_s(ends, envelope.length_limits, available_s) <= available_s
+        return _may_fit(ends, envelope, available_s)
     if not ends.is_known:
         return _by_rest_s(ends, math.pi, envelope.least_limits) <= available_s
-    if _needed_s(ends, envelope.length_limits, available_s) > available_s:
+    if not _may_fit(ends, envelope, available_s):
         return False
     return (
         _by_rest_s(ends, ends.angle_rad, envelope.least_limits) <= available_s
@@ -140,6 +147,55 @@ def _ends(start_state: Array, end_state: Array, boresight_body: Array) -> _Ends:
     axis = scaled(1.0 / size, axis) if size > 1e-12 else (1.0, 0.0, 0.0)
     omega_0, alpha_0 = _triple(start_state, 4), _triple(start_state, 7)
     return _Ends(angle_rad, axis, omega_0, alpha_0, omega_1, alpha_1, is_known)
+
+
+@inlined
+def _may_fit(ends: _Ends, envelope: BodyEnvelope, available_s: float) -> bool:
+    """Whether nothing proves that a slew doesn't fit."""
+    if _needed_s(ends, envelope.length_limits, available_s) > available_s:
+        return False
+    if not ends.is_known:
+        return True
+    if envelope.is_round[0]:
+        v, a, j = _about(envelope, ends.axis)
+        return _may_twist(ends, ends.axis, (v, a, j), envelope.length_limits[0], available_s)
+    for k in range(3):
+        axis = (1.0 * (k == 0), 1.0 * (k == 1), 1.0 * (k == 2))
+        v, a, j = envelope.by_axis[k, 0], envelope.by_axis[k, 1], envelope.by_axis[k, 2]
+        aside = math.hypot(envelope.by_axis[k - 1, 0], envelope.by_axis[k - 2, 0])
+        if not _may_twist(ends, axis, (v, a, j), aside, available_s):
+            return False
+    return True
+
+
+@inlined
+def _may_twist(
+    ends: _Ends, axis: Vector, limits: Vector, aside_rad_s: float, available_s: float
+) -> bool:
+    """Whether the rate about a body axis may turn by the twist about it.
+
+    limits: of rate, acceleration and jerk along the axis.  aside_rad_s: the axis moves no faster.
+    The twist is the integral of the rate about the axis, and the solid angle that the axis sweeps.
+    """
+    swept_rad = aside_rad_s * available_s
+    if swept_rad >= math.pi:
+        return True
+    half = 0.5 * ends.angle_rad
+    vector, scalar = math.sin(half) * dot(ends.axis, axis), math.cos(half)
+    twist_rad = 2.0 * math.atan2(vector, scalar)
+    swing_rad = 2.0 * math.acos(min(math.hypot(vector, scalar), 1.0))
+    # Of a curve with its chord, and with its mirror image in the chord.
+    slack_rad = math.pi - math.sqrt(math.pi**2 - swept_rad**2)
+    around_rad = swept_rad + swing_rad
+    if around_rad < 2.0 * math.pi:
+        enclosed_rad = 2.0 * math.pi - math.sqrt(4.0 * math.pi**2 - around_rad**2)
+        slack_rad = min(slack_rad, enclosed_rad)
+    if limits[0] * available_s >= 2.0 * math.pi - abs(twist_rad) - slack_rad:
+        return True  # the other way round
+    w0, w1 = dot(ends.omega_0, axis), dot(ends.omega_1, axis)
+    a0, a1 = dot(ends.alpha_0, axis), dot(ends.alpha_1, axis)
+    needed_s = needed_axis_s((w0, a0), (w1, a1), twist_rad, slack_rad, limits, available_s)
+    return bool(needed_s <= available_s)
 
 
 @inlined
@@ -282,15 +338,23 @@ def _blend_fits(ends: _Ends, envelope: BodyEnvelope, available_s: float) -> bool
 @inlined
 def _about(envelope: BodyEnvelope, axis: Vector) -> tuple[float, float, float]:
     """Limits of a turn about one axis."""
-    v, a, j = math.inf, math.inf, math.inf
-    if envelope.is_magnitude:
-        return envelope.length_limits[0], envelope.length_limits[1], envelope.length_limits[2]
-    for k in range(3):
-        part = max(abs(axis[k]), 1e-12)
-        v = min(v, envelope.by_axis[k, 0] / part)
-        a = min(a, envelope.by_axis[k, 1] / part)
-        j = min(j, envelope.by_axis[k, 2] / part)
-    return v, a, j
+    return _most(envelope, 0, axis), _most(envelope, 1, axis), _most(envelope, 2, axis)
+
+
+@inlined
+def _most(envelope: BodyEnvelope, order: int, axis: Vector) -> float:
+    return float(1.0 / max(_used_share(envelope, order, axis), 1e-12))
+
+
+@inlined
+def _used_share(envelope: BodyEnvelope, order: int, flown: Vector) -> float:
+    """Of the limit of rate, acceleration or jerk."""
+    x = abs(flown[0]) / envelope.by_axis[0, order]
+    y = abs(flown[1]) / envelope.by_axis[1, order]
+    z = abs(flown[2]) / envelope.by_axis[2, order]
+    if envelope.is_round[order]:
+        return math.sqrt(x * x + y * y + z * z)
+    return float(max(x, y, z))
 
 
 @inlined
@@ -311,11 +375,6 @@ def _keeps(sigma: Vector, d1: Vector, d2: Vector, d3: Vector, envelope: BodyEnve
     alpha = plus(scaled(f1, turn), f, turn1)
     jerk = plus(plus(scaled(f2, turn), 2.0 * f1, turn1), f, turn2)
     for order, flown in enumerate((omega, alpha, jerk)):
-        if envelope.is_magnitude:
-            if norm(flown) > OPTIONS.within_share * envelope.least_limits[order]:
-                return False
-        else:
-            for k in range(3):
-                if abs(flown[k]) > OPTIONS.within_share * envelope.by_axis[k, order]:
-                    return False
+        if _used_share(envelope, order, flown) > OPTIONS.within_share:
+            return False
     return True

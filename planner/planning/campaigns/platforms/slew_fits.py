@@ -10,7 +10,9 @@ from planner.planning.campaigns.platforms.axis_slew_time import axes_fit
 from planner.planning.campaigns.platforms.body_slew_time import BodyEnvelope, body_fits
 
 SUFFICIENT, NECESSARY = 1.0, -1.0
-_NO_BODY = BodyEnvelope(False, np.empty((0, 3)), np.empty(0), np.empty(0), np.empty(0))
+_NO_BODY = BodyEnvelope(
+    np.empty((0, 3)), np.empty(0, np.bool_), np.empty(0), np.empty(0), np.empty(0)
+)
 
 
 class FollowerLimits(NamedTuple):

@@ -167,7 +167,7 @@ class BodyMover:
         first_row = early_row(scenario, rows.start - settled, from_row)
         wide = RowSpan(start=first_row, stop=max(rows.stop, first_row + STENCIL - 1))
         los = los_on_rows(scenario, ephemeris, target, wide)
-        require_visible(los, rows, target, number)
+        require_visible(scenario, los, rows, target, number)
         sight = _sight(target, los)
         kept = 1 + len(self.platform.exclusions)
         effort.charge(OPTIONS.track + OPTIONS.track_row * kept * len(los.instants))

@@ -2,6 +2,7 @@
 import { words } from "../../i18n";
 import { arcsecTold, digits, marginTold, number, percent, period, rowClock } from "../../i18n/forms";
 import { axisTold, exclusionTold, limitTold, resourceTold, resourceUnit, targetTold } from "../../i18n/labels";
+import { labelOf } from "../../parts/fields/labels";
 import type { Plan } from "./plan";
 import { isAtLimit, shareOf } from "./verdict";
 
@@ -136,6 +137,23 @@ function Margins({ plan }: { plan: Plan }) {
               <td class="number">{at === null ? "–" : rowClock(at)}</td>
             </tr>
           ))}
+          {plan.pointing.flatMap(({ session, conditions }) =>
+            conditions.map(({ name, unit, limit, extreme, margin, at }) => (
+              <tr key={`condition ${session} ${name}`}>
+                <td>
+                  {session + 1}. {targetTold(plan.summary.sessions[session]?.target ?? "")}
+                </td>
+                <td>
+                  {labelOf("Conditions", name)} {digits(limit)} {unitOf(unit)}
+                </td>
+                <td class="number">{digits(extreme)}</td>
+                <td class="number">
+                  {digits(margin)} {unitOf(unit)}
+                </td>
+                <td class="number">{rowClock(at)}</td>
+              </tr>
+            )),
+          )}
           {plan.resources.map(({ name, unit, limit, extreme, margin, at }) => (
             <tr key={`resource ${name}`}>
               <td>{resourceTold(name)}</td>

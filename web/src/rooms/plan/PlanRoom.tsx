@@ -5,8 +5,7 @@ import { useMemo, useRef } from "preact/hooks";
 import { send } from "../../api/client";
 import { Cancelled } from "../../api/job";
 import { offerOf } from "../../api/offer";
-import { part } from "../../api/part";
-import { brokeOff, NoAnswer, Problem } from "../../api/problem";
+import { brokeOff, Problem } from "../../api/problem";
 import { useJob, useRequest } from "../../api/request";
 import { stageText } from "../../api/stage";
 import { words } from "../../i18n";
@@ -19,6 +18,7 @@ import { checksum } from "../../parts/paper";
 import { TakeOffer } from "../../parts/TakeOffer";
 import type { RoomProps } from "../../room";
 import { go } from "../../router";
+import { useViewer } from "../viewer/load";
 import { Figures } from "./Figures";
 import { identityOf, nameOf } from "./identity";
 import { fetchPlan, isPlan, type Plan, type PlanRequest } from "./plan";
@@ -31,13 +31,7 @@ export default function PlanRoom({ params }: RoomProps) {
   const id = params.id ?? "";
   const text = words.value;
   const job = useJob("/v1/plans/{id}", id, fetchPlan);
-  const viewer = useRequest("viewer", async () => {
-    try {
-      return (await part(() => import("../viewer/Viewer"))).default;
-    } catch (caught) {
-      throw new NoAnswer(String(caught));
-    }
-  });
+  const viewer = useViewer();
   const plan = job.answer && isPlan(job.answer) ? job.answer : null;
   const { progress } = job;
   const error = job.error ?? viewer.error;

@@ -18,9 +18,13 @@ interface Props {
   /** As it was sent; null until it is read. */
   request: string | null;
   unread: unknown;
+  /** Where it was asked for: of an imaging session elsewhere. */
+  asked?: { path: string; call: string; room: string };
 }
 
-export function TakeAway({ plan, request, unread }: Props) {
+const OF_SESSIONS = { path: "v1/plans", call: "plan", room: "/plans" };
+
+export function TakeAway({ plan, request, unread, asked = OF_SESSIONS }: Props) {
   const text = words.value.plan.take;
   const saving = useRequest<void>(null);
   const error = saving.error ?? unread;
@@ -56,12 +60,12 @@ export function TakeAway({ plan, request, unread }: Props) {
           </li>
         ))}
       </ul>
-      <Copied name={text.permalink} content={new URL(address(`/plans/${plan.id}`), location.href).href} isOpen />
+      <Copied name={text.permalink} content={new URL(address(`${asked.room}/${plan.id}`), location.href).href} isOpen />
       {request !== null && (
         <>
           <Copied name={text.request} content={request} />
-          <Copied name={text.curl} content={curl(service, request)} />
-          <Copied name={text.python} content={python(service, request)} />
+          <Copied name={text.curl} content={curl(service, request, asked.path)} />
+          <Copied name={text.python} content={python(service, request, asked.call)} />
         </>
       )}
     </section>

@@ -12,6 +12,7 @@ export function Verdict({ plan }: { plan: Plan }) {
   const kept = leastExclusion(plan);
   const highest = Math.max(...plan.summary.sessions.map((one) => one.best_elevation_deg ?? -Infinity));
   const samples = plan.summary.sessions.map((one) => one.ground_sample_m ?? Infinity);
+  const clear = Math.min(...plan.summary.sessions.map((one) => one.clear_probability ?? Infinity));
   const sample = Math.min(...samples);
   const facts = [
     least &&
@@ -23,6 +24,7 @@ export function Verdict({ plan }: { plan: Plan }) {
       text.reserve(resourceTold(name), `${digits(margin)} ${resourceUnit(unit)}`, `${rowClock(at)} UTC`),
     ),
     plan.summary.probability_in_frame !== null && text.inFrame(percent(plan.summary.probability_in_frame)),
+    Number.isFinite(clear) && text.clear(percent(clear)),
     Number.isFinite(sample) && text.sample(number(sample, 2)),
     Number.isFinite(highest) && text.elevation(number(highest, 0)),
   ].filter((fact) => typeof fact === "string");

@@ -105,6 +105,7 @@ function List({ windows, taken }: { windows: readonly Window[]; taken: Window | 
                 {text.inFrame(percent(window.probability_in_frame, 0))}
               </span>
             )}
+            {window.clear_probability != null && <span>{text.clear(percent(window.clear_probability, 0))}</span>}
           </button>
         </li>
       ))}

@@ -56,6 +56,9 @@ export const wasKept = kept !== null;
 export const orbit = computed<Orbit>(() => made.value.orbit);
 export const attitude = computed<Attitude>(() => made.value.attitude ?? LVLH);
 export const platform = computed(() => made.value.platform);
+/** Light and view that the plan's sessions must have, and so their windows, and its forecast. */
+export const light = computed(() => made.value.conditions);
+export const clouds = computed(() => made.value.clouds);
 export const sessions = computed(() => made.value.sessions);
 export const onConflict = computed<Conflict>(() => made.value.on_conflict ?? "refuse");
 export const leastElevation_deg = computed(() => conditions.value.min_elevation_deg ?? 0);

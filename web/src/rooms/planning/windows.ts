@@ -190,7 +190,8 @@ export function searchedOf(target: Target | undefined): Target | null {
 
 /** Conditions on the ground mean nothing for a target in space. */
 function conditionsFor(target: Target): draft.Conditions {
-  const { min_elevation_deg, sun_elevation_min_deg, sun_elevation_max_deg, ...others } = draft.conditions.peek();
+  const asked = { ...draft.conditions.peek(), ...draft.light.peek() };
+  const { min_elevation_deg, sun_elevation_min_deg, sun_elevation_max_deg, ...others } = asked;
   return isOneOf(EARTH_FIXED_MODES, target.mode)
     ? { min_elevation_deg, sun_elevation_min_deg, sun_elevation_max_deg, ...others }
     : others;
@@ -221,6 +222,7 @@ async function search(target: Target, until: AbortSignal): Promise<void> {
         targets: [{ id: "target", target }],
         ...spanFor(target),
         conditions: conditionsFor(target),
+        clouds: draft.clouds.peek(),
         samples: SAMPLES,
       },
       { query: ASKED, signal: until },
@@ -260,7 +262,7 @@ export function keepSearching(): () => void {
     shown = JSON.stringify(target);
     // What the answer depends on, whose change asks anew; times of sessions are not part of it.
     void [draft.orbit.value, draft.attitude.value, draft.platform.value, draft.from_ms.value, draft.days.value];
-    void [draft.conditions.value, retries.value];
+    void [draft.conditions.value, draft.light.value, draft.clouds.value, retries.value];
     if (!target || !platforms.value) {
       found.value = null;
       searchError.value = null;

@@ -1,8 +1,6 @@
 /** One session: whether it may be flown, what it images, how steady and how near to its limits. */
-import { useCallback, useMemo, useRef, useState } from "preact/hooks";
-
+import { send } from "../../api/client";
 import { useJob, useRequest } from "../../api/request";
-import { MomentumSphere } from "../../charts/MomentumSphere";
 import { words } from "../../i18n";
 import { digits, number, percent, period } from "../../i18n/forms";
 import { nameOf } from "../../i18n/labels";
@@ -12,14 +10,15 @@ import { JobEnded } from "../../parts/JobEnded";
 import { Link } from "../../parts/Link";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { checksum } from "../../parts/paper";
-import { cursor_s } from "../../time/cursor";
-import { type Stretch, TimeBar } from "../../time/TimeBar";
-import { SessionCharts } from "./SessionCharts";
-import { SessionFiles } from "./SessionFiles";
-import { SessionMap } from "./SessionMap";
+import { fetchPlan, isPlan } from "../plan/plan";
+import { TakeAway } from "../plan/TakeAway";
+import { useViewer } from "../viewer/load";
+import "../plan/plan.css";
+import { RateErrors } from "./RateErrors";
 import { LeftOut, Looks, Slews } from "./SessionTables";
-import { fetchSession, fetchView, isSession, PATH, type Session, type SessionView } from "./session";
-import { stretchesOf } from "./stretches";
+import { fetchSession, isSession, PATH, type Session } from "./session";
+
+const ASKED = { path: "v1/spacecraft/plans", call: "spacecraft.plan", room: "/spacecraft/plans" };
 
 export function OneSession({ id }: { id: string }) {
   const { answer, progress, error, ask, cancel } = useJob(PATH, id, fetchSession);
@@ -29,9 +28,21 @@ export function OneSession({ id }: { id: string }) {
     <div class="room">
       <div class="row heading">
         <h1>{session ? nameOf({ ...session.summary, id }) : answer?.name || words.value.shell.rooms.spacecraft}</h1>
-        <Link to={`/spacecraft?from=${id}`} class="button">
-          {words.value.plan.one.change}
-        </Link>
+        <nav class="row lead-on no-print" aria-label={words.value.plan.one.leadOn}>
+          <Link to={`/spacecraft?from=${id}`} class="button">
+            {words.value.plan.one.change}
+          </Link>
+          {session && (
+            <>
+              <Link to={`/flights?plan=${id}`} class="button">
+                {words.value.plan.one.fly}
+              </Link>
+              <Link to={`/telemetry?plan=${id}`} class="button">
+                {words.value.plan.one.telemetry}
+              </Link>
+            </>
+          )}
+        </nav>
       </div>
       {session && (
         <Identity
@@ -63,68 +74,48 @@ export function OneSession({ id }: { id: string }) {
 }
 
 function Made({ session }: { session: Session }) {
-  const {
-    answer: view,
-    error,
-    ask,
-  } = useRequest(session.id, (until) => {
-    cursor_s.value = 0;
-    return fetchView(session.id, until);
-  });
+  const { id } = session;
+  const text = words.value;
+  const plan = useRequest(id, (until) => fetchPlan(id, until));
+  const request = useRequest(id, async (until) => (await send("GET", "/v1/plans/{id}/request", { id, signal: until })).text());
+  const viewer = useViewer();
+  const whole = plan.answer && isPlan(plan.answer) ? plan.answer : null;
+  const error = plan.error ?? viewer.error;
+  const again = () => {
+    if (plan.error !== null) void plan.ask();
+    if (viewer.error !== null) void viewer.ask();
+  };
+  const Viewer = viewer.answer;
   return (
     <>
       <Verdict session={session} />
       {session.warnings.length > 0 && (
-        <section class="notice notice-warn" aria-label={words.value.plan.one.warnings}>
+        <section class="notice notice-warn" aria-label={text.plan.one.warnings}>
           <ul>
             {session.warnings.map((warning) => (
-              <li key={warning}>{words.value.service.told(warning)}</li>
+              <li key={warning}>{text.service.told(warning)}</li>
             ))}
           </ul>
         </section>
       )}
       {session.left_out.length > 0 && <LeftOut session={session} />}
-      {error !== null && <ProblemNotice error={error} again={() => void ask()} />}
-      {!view && error === null && <p class="loading">{words.value.shell.loading}</p>}
-      {view && <Seen session={session} view={view} />}
+      {error !== null && <ProblemNotice error={error} again={again} />}
+      {error === null && !(whole && Viewer) && <p class="loading">{text.shell.loading}</p>}
+      {whole && Viewer && <Viewer plan={whole} more={(common) => <RateErrors session={session} common={common} />} />}
       <Looks session={session} />
       <Slews session={session} />
-      <SessionFiles id={session.id} assumptions={session.assumptions} />
+      {whole && <TakeAway plan={whole} request={request.answer} unread={request.error} asked={ASKED} />}
+      <details class="copied">
+        <summary>
+          <h3>{text.spacecraft.assumptions}</h3>
+        </summary>
+        <ul>
+          {session.assumptions.map((one) => (
+            <li key={one}>{one}</li>
+          ))}
+        </ul>
+      </details>
     </>
-  );
-}
-
-function Seen({ session, view }: { session: Session; view: SessionView }) {
-  const text = words.value.spacecraft;
-  const box = useRef<HTMLDivElement>(null);
-  const [chosen, setChosen] = useState<Stretch | null>(null);
-  const stretches = useMemo(() => stretchesOf(session, text), [session, text]);
-  const stop_s = view.t_s[view.t_s.length - 1] ?? 0;
-  const isOn = useCallback((row: number) => view.window[row] !== null, [view]);
-  const looks = stretches.filter((one) => one.kind === "track");
-  const closer = looks.findIndex((one) => one.start_s === chosen?.start_s);
-  return (
-    <div ref={box} role="group" aria-label={text.seen}>
-      <div class="seen-beside">
-        <div>
-          <SessionMap view={view} closer={closer < 0 ? null : closer} />
-          <MomentumSphere
-            momentum_n_m_s={view.momentum_n_m_s}
-            most_n_m_s={view.limits.momentum_sphere_n_m_s}
-            step_s={view.step_s}
-            isOn={isOn}
-          />
-        </div>
-        <SessionCharts session={session} view={view} chosen={chosen} onWhole={() => setChosen(null)} />
-      </div>
-      <TimeBar
-        epoch_ms={Date.parse(view.epoch)}
-        stop_s={stop_s}
-        stretches={stretches}
-        within={() => box.current}
-        onStretch={setChosen}
-      />
-    </div>
   );
 }
 

@@ -1,8 +1,14 @@
-/** Looks, turns and what is left out, in order of time. */
+/** Looks, slews and what is left out, in order of time. */
+import type { ComponentChildren } from "preact";
+
 import { words } from "../../i18n";
 import { digits, number, period } from "../../i18n/forms";
 import type { Session } from "./session";
-import { nameOf } from "./stretches";
+
+type Look = Session["windows"][number];
+type Slew = Session["slews"][number];
+/** A heading, and what stands under it; the first names the row. */
+type Column<Row> = [heading: string, told: (row: Row, index: number) => ComponentChildren];
 
 export function LeftOut({ session }: { session: Session }) {
   const text = words.value.spacecraft;
@@ -24,61 +30,82 @@ export function LeftOut({ session }: { session: Session }) {
 export function Looks({ session }: { session: Session }) {
   const text = words.value.spacecraft;
   const { columns } = text;
+  const flown = (index: number) => session.stabilisation.windows[index];
+  const ofRuns = (told: (one: NonNullable<ReturnType<typeof flown>>) => ComponentChildren) => (_: Look, index: number) => {
+    const one = flown(index);
+    return one ? told(one) : "–";
+  };
+  const all: Column<Look>[] = [
+    [columns.request, (one) => nameOf(session, one)],
+    [columns.times, timesOf],
+    [columns.speed, (one) => number(one.scan_speed_m_s, 0)],
+    [columns.miss, (one) => (one.miss_m < 0.001 ? "< 0.001" : digits(one.miss_m, 2))],
+    [columns.along, (one) => number(one.along_deg)],
+    [columns.across, (one) => number(one.across_deg)],
+    [columns.rateError, ofRuns((one) => digits(Math.max(...one.rate_error_deg_s), 2))],
+    [columns.smear, ofRuns((one) => digits(one.smear_px, 2))],
+    [columns.spare, ofRuns((one) => number(one.spare_s))],
+    [columns.momentumMargin, ofRuns((one) => number(one.momentum_margin_n_m_s))],
+    [columns.steady, ofRuns((one) => <span class={one.steady ? "is-good" : "is-bad"}>{one.steady ? text.yes : text.no}</span>)],
+  ];
+  return <Listed id="session-looks" title={text.looks} rows={session.windows} columns={all} />;
+}
+
+export function Slews({ session }: { session: Session }) {
+  const text = words.value.spacecraft;
+  const { columns } = text;
+  const ontoOf = ({ onto }: Slew) => {
+    const look = onto === null ? undefined : session.windows[onto];
+    return look ? nameOf(session, look) : text.rest;
+  };
+  const all: Column<Slew>[] = [
+    [columns.onto, ontoOf],
+    [columns.times, timesOf],
+    [columns.angle, (one) => number(one.angle_deg)],
+    [columns.duration, (one) => number(one.duration_s)],
+    [columns.eigenaxis, (one) => number(one.eigenaxis_s)],
+    [columns.bangCoastBang, (one) => number(one.bang_coast_bang_s)],
+    [columns.torqueRate, (one) => digits(one.torque_rate_peak_n_m_s)],
+    [columns.torqueRateEigenaxis, (one) => digits(one.eigenaxis_torque_rate_peak_n_m_s)],
+  ];
+  return <Listed id="session-slews" title={text.slews} rows={session.slews} columns={all} />;
+}
+
+interface ListedProps<Row> {
+  id: string;
+  title: string;
+  rows: readonly Row[];
+  columns: readonly Column<Row>[];
+}
+
+function Listed<Row extends { start: string }>({ id, title, rows, columns: [named, ...others] }: ListedProps<Row>) {
+  const kindOf = (column: number) => (column === 0 ? "mono nowrap" : "number");
   return (
-    <section class="panel" aria-labelledby="session-looks">
-      <h2 id="session-looks">{text.looks}</h2>
-      <div class="scroll-x" tabIndex={0} role="group" aria-label={text.looks}>
+    <section class="panel" aria-labelledby={id}>
+      <h2 id={id}>{title}</h2>
+      <div class="scroll-x" tabIndex={0} role="group" aria-label={title}>
         <table class="session-table">
           <thead>
             <tr>
-              <th scope="col">{columns.request}</th>
-              <th scope="col">{columns.times}</th>
-              <th scope="col" class="number">
-                {columns.speed}
-              </th>
-              <th scope="col" class="number">
-                {columns.miss}
-              </th>
-              <th scope="col" class="number">
-                {columns.along}
-              </th>
-              <th scope="col" class="number">
-                {columns.across}
-              </th>
-              <th scope="col" class="number">
-                {columns.rateError}
-              </th>
-              <th scope="col" class="number">
-                {columns.smear}
-              </th>
-              <th scope="col" class="number">
-                {columns.spare}
-              </th>
-              <th scope="col" class="number">
-                {columns.momentumMargin}
-              </th>
-              <th scope="col">{columns.steady}</th>
+              <th scope="col">{named?.[0]}</th>
+              {others.map(([heading], column) => (
+                <th key={heading} scope="col" class={column === 0 ? undefined : "number"}>
+                  {heading}
+                </th>
+              ))}
             </tr>
           </thead>
           <tbody>
-            {session.windows.map((one, k) => {
-              const flown = session.stabilisation.windows[k];
-              return (
-                <tr key={one.first_row}>
-                  <th scope="row">{nameOf(session, one)}</th>
-                  <td class="mono nowrap">{period(one.start, one.stop).replace(" UTC", "")}</td>
-                  <td class="number">{number(one.scan_speed_m_s, 0)}</td>
-                  <td class="number">{one.miss_m < 0.001 ? "< 0.001" : digits(one.miss_m, 2)}</td>
-                  <td class="number">{number(one.along_deg)}</td>
-                  <td class="number">{number(one.across_deg)}</td>
-                  <td class="number">{flown ? digits(Math.max(...flown.rate_error_deg_s), 2) : "–"}</td>
-                  <td class="number">{flown ? digits(flown.smear_px, 2) : "–"}</td>
-                  <td class="number">{flown ? number(flown.spare_s) : "–"}</td>
-                  <td class="number">{flown ? number(flown.momentum_margin_n_m_s) : "–"}</td>
-                  <td>{flown && <span class={flown.steady ? "is-good" : "is-bad"}>{flown.steady ? text.yes : text.no}</span>}</td>
-                </tr>
-              );
-            })}
+            {rows.map((row, index) => (
+              <tr key={row.start}>
+                <th scope="row">{named?.[1](row, index)}</th>
+                {others.map(([heading, told], column) => (
+                  <td key={heading} class={kindOf(column)}>
+                    {told(row, index)}
+                  </td>
+                ))}
+              </tr>
+            ))}
           </tbody>
         </table>
       </div>
@@ -86,57 +113,12 @@ export function Looks({ session }: { session: Session }) {
   );
 }
 
-export function Slews({ session }: { session: Session }) {
-  const text = words.value.spacecraft;
-  const { columns } = text;
-  return (
-    <section class="panel" aria-labelledby="session-slews">
-      <h2 id="session-slews">{text.slews}</h2>
-      <div class="scroll-x" tabIndex={0} role="group" aria-label={text.slews}>
-        <table class="session-table">
-          <thead>
-            <tr>
-              <th scope="col">{columns.onto}</th>
-              <th scope="col">{columns.times}</th>
-              <th scope="col" class="number">
-                {columns.angle}
-              </th>
-              <th scope="col" class="number">
-                {columns.duration}
-              </th>
-              <th scope="col" class="number">
-                {columns.eigenaxis}
-              </th>
-              <th scope="col" class="number">
-                {columns.bangCoastBang}
-              </th>
-              <th scope="col" class="number">
-                {columns.torqueRate}
-              </th>
-              <th scope="col" class="number">
-                {columns.torqueRateEigenaxis}
-              </th>
-            </tr>
-          </thead>
-          <tbody>
-            {session.slews.map((one) => {
-              const onto = one.onto === null ? null : session.windows[one.onto];
-              return (
-                <tr key={one.start}>
-                  <th scope="row">{onto ? nameOf(session, onto) : text.rest}</th>
-                  <td class="mono nowrap">{period(one.start, one.stop).replace(" UTC", "")}</td>
-                  <td class="number">{number(one.angle_deg)}</td>
-                  <td class="number">{number(one.duration_s)}</td>
-                  <td class="number">{number(one.eigenaxis_s)}</td>
-                  <td class="number">{number(one.bang_coast_bang_s)}</td>
-                  <td class="number">{digits(one.torque_rate_peak_n_m_s)}</td>
-                  <td class="number">{digits(one.eigenaxis_torque_rate_peak_n_m_s)}</td>
-                </tr>
-              );
-            })}
-          </tbody>
-        </table>
-      </div>
-    </section>
-  );
+function timesOf({ start, stop }: { start: string; stop: string }): string {
+  return period(start, stop).replace(" UTC", "");
+}
+
+/** "stereo", or "stereo 2" where a request has several looks. */
+function nameOf(session: Session, { request, look }: { request: string; look: number }): string {
+  const several = session.windows.filter((one) => one.request === request).length > 1;
+  return several ? `${request} ${look + 1}` : request;
 }

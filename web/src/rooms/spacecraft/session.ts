@@ -6,7 +6,6 @@ export type SessionRequest = Schemas["ImagingPlanRequest"];
 export type Asked = Schemas["StripRequest"] | Schemas["StereoRequest"] | Schemas["AreaRequest"] | Schemas["CorridorRequest"];
 export type Mode = Asked["mode"];
 export type Session = Schemas["SpacecraftPlanResponse"];
-export type SessionView = Schemas["SpacecraftViewResponse"];
 
 export const PATH = "/v1/spacecraft/plans/{id}";
 export const MODES = ["strip", "stereo", "corridor", "area"] as const satisfies readonly Mode[];
@@ -25,10 +24,6 @@ export function fetchSession(id: string, signal: AbortSignal): Promise<Session |
 
 export function isSession(answer: Session | Schemas["JobResponse"]): answer is Session {
   return "table" in answer;
-}
-
-export function fetchView(id: string, signal: AbortSignal): Promise<SessionView> {
-  return get("/v1/spacecraft/plans/{id}/view", { id, signal });
 }
 
 export function fetchRequest(id: string, until: AbortSignal): Promise<SessionRequest> {

@@ -51,7 +51,7 @@ def track_branches(
         seen_s = tracks[0].t_s[0]
     else:
         los = _line_of_sight(scenario, ephemeris, session.target, rows, from_row)
-        require_visible(los, rows, session.target, number)
+        require_visible(scenario, los, rows, session.target, number)
         platform = axes_of(scenario).with_limits(limits_of(scenario))
         start_s, stop_s = rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S
         try:

@@ -1,17 +1,22 @@
-"""The planner's page at `/`: files that `make web` builds from web/, the same for everyone."""
+"""The planner's page, which `make web` builds from web/, and the pages that document the API.
+
+The same for everyone, without a network and under a strict content policy.
+"""
 
 import hashlib
 import json
 import re
+from functools import lru_cache
 from http import HTTPStatus
 from pathlib import Path
 
-from fastapi import FastAPI, HTTPException, Request, Response
+import anyio.to_thread
+from fastapi import APIRouter, FastAPI, HTTPException, Request, Response
 from starlette.staticfiles import StaticFiles
 from starlette.types import Scope
 
-from app.http.admission.access import BUILT_FILES, PAGE_ROOMS
-from app.http.headers import PLANNERS_PAGE_CONTENT_POLICY
+from app.http.admission.access import BUILT_FILES, PAGE_FILES, PAGE_ROOMS
+from app.http.headers import PAGE_CONTENT_POLICY, PLANNERS_PAGE_CONTENT_POLICY
 from app.http.negotiation import JSON, is_known_already, preferred_type, weak_tag
 
 BUILT = Path(__file__).parent / "page"
@@ -25,22 +30,33 @@ _ASK_AGAIN = "no-cache"
 _HOW_TO_BUILD = (
     "the pages aren't built here: `make web` builds them (a wheel and the image bring them)"
 )
-_NOT_BUILT = f"""\
+# Addresses are relative, so that the pages also work under a proxy's path.
+_PAGE = """\
 <!doctype html>
 <html lang="en">
 <head>
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
-<title>slewtrack</title>
-<link rel="stylesheet" href="page-files/pages.css">
+<title>{title}</title>
+{head}<link rel="stylesheet" href="page-files/pages.css">
 </head>
 <body>
-<h1>slewtrack</h1>
-<p>{_HOW_TO_BUILD.replace("`make web`", "<code>make web</code>").capitalize()}.</p>
-<p>For programs: <a href="openapi.json">the API's schema</a></p>
+{body}
 </body>
 </html>
 """
+_NOT_BUILT = _PAGE.format(
+    title="slewtrack",
+    head="",
+    body=f"""\
+<h1>slewtrack</h1>
+<p>{_HOW_TO_BUILD.replace("`make web`", "<code>make web</code>").capitalize()}.</p>
+<p>For programs: <a href="openapi.json">the API's schema</a></p>""",
+)
+_DOCUMENTATION = """\
+<div id="page"></div>
+<script src="{published}{script}"></script>
+<script src="page-files/{start}"></script>"""
 
 
 def serve_page(app: FastAPI) -> None:
@@ -108,3 +124,51 @@ class _Files(StaticFiles):
         if _NAMED_AFTER_CONTENT.search(path):
             answer.headers["Cache-Control"] = _FOR_GOOD
         return answer
+
+
+router = APIRouter(include_in_schema=False)
+
+_OURS = Path(__file__).parent / "static"
+# Swagger UI and ReDoc, which `make web` puts among the planner's page's files.
+_PUBLISHED = f"{BUILT_FILES.lstrip('/')}documentation/"
+
+
+def serve_files(app: FastAPI) -> None:
+    """What the pages load beside Swagger UI and ReDoc."""
+    app.mount(PAGE_FILES.rstrip("/"), StaticFiles(directory=_OURS), name="page-files")
+
+
+@router.get("/openapi.json")
+async def get_openapi(request: Request) -> Response:
+    """For programs."""
+    # Half a second the first time, in which others are answered.
+    document = await anyio.to_thread.run_sync(_openapi_json, request.app)
+    return Response(document, media_type=JSON)
+
+
+@lru_cache(maxsize=1)
+def _openapi_json(app: FastAPI) -> bytes:
+    return json.dumps(app.openapi(), ensure_ascii=False, separators=(",", ":")).encode()
+
+
+@router.get("/docs")
+async def get_docs() -> Response:
+    """To read and try out."""
+    style = f'<link rel="stylesheet" href="{_PUBLISHED}swagger-ui.css">\n'
+    return _page("swagger-ui-bundle.js", "docs.js", style)
+
+
+@router.get("/redoc")
+async def get_redoc() -> Response:
+    """To read and print."""
+    return _page("redoc.standalone.js", "redoc.js")
+
+
+def _page(script: str, start: str, style: str = "") -> Response:
+    if not is_built():
+        return not_built()
+    icon = f'<link rel="icon" href="{_PUBLISHED}icon.svg" type="image/svg+xml">\n'
+    body = _DOCUMENTATION.format(published=_PUBLISHED, script=script, start=start)
+    html = _PAGE.format(title="slewtrack: the API", head=icon + style, body=body)
+    headers = {"Content-Security-Policy": PAGE_CONTENT_POLICY, "Cache-Control": "no-cache"}
+    return Response(html, headers=headers, media_type="text/html")

@@ -1,0 +1,239 @@
+"""Conditions of light and view that a look must meet, and by how much it meets them."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated, Literal, NamedTuple
+
+import numpy as np
+
+from planner.base.arrays import Array, angle_rad, cross
+from planner.base.errors import figures
+from planner.base.spec import Within, spec
+from planner.world.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
+from planner.world.frames.geodesy import geodetic_from_itrf, up_itrf
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits import OrbitStates
+from planner.world.targets.apparent import VisibleTarget, aberrate
+from planner.world.targets.body import HIDDEN_RAD, BodyTarget
+from planner.world.targets.earth_fixed import EarthFixedTarget
+from planner.world.targets.ground_sample import sample_along_m
+
+_SUN, _MOON = (BodyTarget(name=name, grazing_altitude_km=0.0) for name in ("sun", "moon"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class ConditionOptions:
+    """How nearly a condition is kept."""
+
+    tolerance: float = 2e-5  # deg or m: what the fastest of them changes by in 20 us
+
+
+OPTIONS = ConditionOptions()
+ConditionName = Literal[
+    "elevation",
+    "off_nadir",
+    "ground_sample",
+    "sun_elevation",
+    "glint",
+    "sun_keep_out",
+    "moon_keep_out",
+    "carrier_light",
+]
+
+
+@spec
+class Conditions:
+    """Conditions that hold throughout a look.
+
+    Those of off nadir, ground sample, the Sun's elevation and glint apply to targets on the Earth
+    only.
+
+    min_elevation_deg: of the carrier in the target's sky, on top of the target's own least
+    elevation (the greater counts); without refraction.  Of a target in space above the limb. E.g.
+    `30.0`.
+    max_off_nadir_deg: largest angle of the line of sight from the geocentric nadir; any unless
+    given. E.g. `45.0`.
+    max_ground_sample_m: largest ground sample distance, along the lean of the line of sight; any
+    unless given. E.g. `2.0`.
+    sun_elevation_min_deg: least elevation of the Sun's centre at the target, without refraction:
+    daylight. E.g. `10.0`.
+    sun_elevation_max_deg: greatest elevation of the Sun's centre at the target, without refraction:
+    night. E.g. `-6.0`.
+    glint_keep_out_deg: least angle, at the target, between the direction to the carrier and the one
+    in which level water mirrors the Sun, while that is up. E.g. `25.0`.
+    sun_keep_out_deg: least angle between line of sight and the Sun's centre, wherever the Earth
+    doesn't hide it. E.g. `20.0`.
+    moon_keep_out_deg: least angle between line of sight and the Moon's centre, wherever the Earth
+    doesn't hide it. E.g. `10.0`.
+    carrier_light: `sunlit` while the carrier sees the Sun's centre above the limb, `eclipsed` while
+    it doesn't; without air. Either unless given. E.g. `"sunlit"`.
+    """
+
+    min_elevation_deg: Annotated[float, Within(0.0, 90.0)] = 0.0
+    max_off_nadir_deg: Annotated[float, Within(0.0, 180.0)] | None = None
+    max_ground_sample_m: Annotated[float, Within(1e-3, 1e5)] | None = None
+    sun_elevation_min_deg: Annotated[float, Within(-90.0, 90.0)] | None = None
+    sun_elevation_max_deg: Annotated[float, Within(-90.0, 90.0)] | None = None
+    glint_keep_out_deg: Annotated[float, Within(0.0, 180.0)] | None = None
+    sun_keep_out_deg: Annotated[float, Within(0.0, 180.0)] | None = None
+    moon_keep_out_deg: Annotated[float, Within(0.0, 180.0)] | None = None
+    carrier_light: Literal["sunlit", "eclipsed"] | None = None
+
+    def __post_init__(self) -> None:
+        low, high = self.sun_elevation_min_deg, self.sun_elevation_max_deg
+        if low is not None and high is not None and not low < high:
+            raise ValueError(
+                f"sun_elevation_min_deg ({low:g}) must be less than sun_elevation_max_deg "
+                f"({high:g}), or the Sun never stands between them"
+            )
+
+    @property
+    def bounds(self) -> tuple["ConditionBound", ...]:
+        """Each that is asked for, in the order of the fields."""
+        named: tuple[tuple[ConditionName, str, float | None, bool], ...] = (
+            ("elevation", "min_elevation_deg", self.min_elevation_deg or None, True),
+            ("off_nadir", "max_off_nadir_deg", self.max_off_nadir_deg, False),
+            ("ground_sample", "max_ground_sample_m", self.max_ground_sample_m, False),
+            ("sun_elevation", "sun_elevation_min_deg", self.sun_elevation_min_deg, True),
+            ("sun_elevation", "sun_elevation_max_deg", self.sun_elevation_max_deg, False),
+            ("glint", "glint_keep_out_deg", self.glint_keep_out_deg, True),
+            ("sun_keep_out", "sun_keep_out_deg", self.sun_keep_out_deg, True),
+            ("moon_keep_out", "moon_keep_out_deg", self.moon_keep_out_deg, True),
+            (
+                "carrier_light",
+                "carrier_light",
+                None if self.carrier_light is None else 0.0,
+                self.carrier_light == "sunlit",
+            ),
+        )
+        return tuple(
+            ConditionBound(name, field, limit, is_least)
+            for name, field, limit, is_least in named
+            if limit is not None
+        )
+
+
+# The value of each, for a sentence.
+_TOLD: dict[ConditionName, str] = {
+    "elevation": "the elevation",
+    "off_nadir": "the angle off nadir",
+    "ground_sample": "the ground sample",
+    "sun_elevation": "the Sun's elevation at the target",
+    "glint": "the angle from sunglint",
+    "sun_keep_out": "the angle from the Sun",
+    "moon_keep_out": "the angle from the Moon",
+}
+_ON_EARTH_ONLY = frozenset({"off_nadir", "ground_sample", "sun_elevation", "glint"})
+
+
+class ConditionBound(NamedTuple):
+    """One condition that is asked for.
+
+    field: of `Conditions`.  limit: in deg or m, of the Sun above the limb 0.
+    is_least: whether the value may not be below it, else not above.
+    """
+
+    name: ConditionName
+    field: str
+    limit: float
+    is_least: bool
+
+    @property
+    def unit(self) -> str:
+        return "m" if self.name == "ground_sample" else "deg"
+
+    def applies_to(self, target: object) -> bool:
+        """Whether it says anything of such a target."""
+        return isinstance(target, EarthFixedTarget) or self.name not in _ON_EARTH_ONLY
+
+    def margin(self, value: Array) -> Array:
+        """By how much values (n,) keep it, in its unit."""
+        return value - self.limit if self.is_least else self.limit - value
+
+    def unmet_because(self, value: float) -> str:
+        """Why a value doesn't keep it, for a refusal."""
+        if self.name == "carrier_light":
+            light = "eclipsed" if self.is_least else "in sunlight"
+            return f"the carrier is {light}, which carrier_light rules out"
+        told, side = figures(value, self.limit), "below" if self.is_least else "above"
+        return (
+            f"{_TOLD[self.name]} is {told} {self.unit}, {side} the {self.limit:g} {self.unit} of "
+            f"{self.field}"
+        )
+
+
+class ConditionSeen(NamedTuple):
+    """A condition at n instants: its value (n,), and its margin (n,), in its unit."""
+
+    bound: ConditionBound
+    value: Array
+    margin: Array
+
+
+def conditions_seen(
+    conditions: Conditions,
+    target: VisibleTarget,
+    instants: Instants,
+    states: OrbitStates,
+    pixel_rad: float,
+) -> Iterator[ConditionSeen]:
+    """Each that applies to a target, at n instants; pixel_rad: angle that a pixel sees."""
+    bounds = [bound for bound in conditions.bounds if bound.applies_to(target)]
+    if not bounds:
+        return
+    view = _View(target, instants, states)
+    for bound in bounds:
+        value, counts = view.value(bound.name, pixel_rad)
+        margin = bound.margin(value)
+        yield ConditionSeen(bound, value, margin if counts is None else np.maximum(margin, counts))
+
+
+class _View:
+    """A target, seen from the orbit's states at the same n instants."""
+
+    def __init__(self, target: VisibleTarget, instants: Instants, states: OrbitStates) -> None:
+        self.target, self.instants, self.states = target, instants, states
+        self.seen = target.apparent(instants, states)
+
+    def value(self, name: ConditionName, pixel_rad: float) -> tuple[Array, Array | None]:
+        """In deg or m, and the least margin that it has anyway, since it may not count."""
+        if name in ("sun_keep_out", "moon_keep_out"):
+            body = _SUN if name == "sun_keep_out" else _MOON
+            there = body.apparent(self.instants, self.states)
+            away_rad = angle_rad(self.seen.direction_eci, there.direction_eci)
+            return np.rad2deg(away_rad), np.rad2deg(-HIDDEN_RAD - there.clearance_rad)
+        if name == "carrier_light":
+            return np.rad2deg(_SUN.apparent(self.instants, self.states).clearance_rad), None
+        if name == "off_nadir":
+            return np.rad2deg(angle_rad(self.seen.direction_eci, -self.states.r_sat_eci_m)), None
+        if not isinstance(self.target, EarthFixedTarget):  # its height above the limb
+            return np.rad2deg(self.seen.clearance_rad), None
+        return self._on_earth(self.target, name, pixel_rad)
+
+    def _on_earth(
+        self, target: EarthFixedTarget, name: ConditionName, pixel_rad: float
+    ) -> tuple[Array, Array | None]:
+        least_rad = math.radians(target.min_elevation_deg)
+        elevation_rad = self.seen.clearance_rad + least_rad
+        if name == "elevation":
+            return np.rad2deg(elevation_rad), None
+        if name == "ground_sample":
+            sample_m = sample_along_m(np.sin(elevation_rad), self.seen.range_m, pixel_rad)
+            return np.nan_to_num(sample_m, nan=math.inf), None
+        c = c_itrf_from_eci(self.instants)
+        r_itrf_m = target.r_target_itrf_m(self.instants)
+        latitude_rad, longitude_rad, _ = geodetic_from_itrf(r_itrf_m)
+        r_eci_m, up_eci = (
+            np.einsum("nji,nj->ni", c, vector)
+            for vector in (r_itrf_m, up_itrf(latitude_rad, longitude_rad))
+        )
+        v_eci_m_s = cross(OMEGA_EARTH_RAD_S * c[:, 2, :], r_eci_m)
+        arriving, _ = _SUN.arriving(self.instants, OrbitStates(r_eci_m, v_eci_m_s))
+        sun_eci = aberrate(arriving, v_eci_m_s)
+        sine = np.sum(sun_eci * up_eci, axis=1)
+        sun_deg = np.rad2deg(np.arcsin(np.clip(sine, -1.0, 1.0)))
+        if name == "sun_elevation":
+            return sun_deg, None
+        mirrored_eci = 2.0 * sine[:, None] * up_eci - sun_eci
+        return np.rad2deg(angle_rad(mirrored_eci, self.states.r_sat_eci_m - r_eci_m)), -sun_deg
