@@ -1,4 +1,4 @@
-"""Random requests with a battery and a memory, for both kinds of platform."""
+"""Random requests with battery and memory, for both kinds of platform; bodies have wheels, too."""
 
 import json
 
@@ -26,6 +26,7 @@ PLATFORM = {
                 "jerk_max_deg_s3": 0.06, "settle_s": 4.0},
     "camera": {"type": "frame", "boresight_body": [0.0, 0.0, 1.0], "side_body": [1.0, 0.0, 0.0],
                "field_of_view_deg": [1.0, 1.0]},
+    "inertia_kg_m2": [[11.0, 0.1, 0.0], [0.1, 13.0, 0.0], [0.0, 0.0, 9.0]],
 }  # fmt: skip
 
 
@@ -89,6 +90,13 @@ def random_request(rng):
     if not is_body:
         request["attitude"] = LAS_VEGAS["attitude"]
         request["initial_state"]["angles_deg"] = {"alpha": 0.0, "beta": 0.0}
+        return request
+    request["resources"]["momentum"] = {
+        "capacity_n_m_s": [2.0, 2.0, 2.0],
+        "start_n_m_s": rng.uniform(-0.3, 0.3, 3).tolist(),
+        "torque_body_n_m": rng.uniform(-2e-5, 2e-5, 3).tolist(),
+        "unload_n_m": float(rng.choice([0.0, 2e-5, 1e-3])),
+    }
     return request
 
 
@@ -96,11 +104,13 @@ def asked(request):
     return read_plan_request(json.dumps(request).encode())
 
 
-def plans(seed, count):
-    """So many requests that are planned, with their plans."""
+def plans(seed, count, of=None):
+    """So many requests that are planned, with their plans.  of: a kind of platform."""
     rng = np.random.default_rng(seed)
     while count:
         request = random_request(rng)
+        if of == "body" and "attitude" in request:
+            continue
         try:
             made = make_plan(asked(request))
         except Refusal:  # a star behind the Earth, too little time, or nothing left
@@ -109,14 +119,17 @@ def plans(seed, count):
         yield request, made
 
 
-def refusals(seed, count):
+def refusals(seed, count, of=("battery", "memory")):
     """Requests that run out of what one session uses, and their refusals.
 
     The limit lies between the levels before that session and at its worst.
     """
     rng = np.random.default_rng(seed)
     for request, plan in plans(seed, 10 * count):
-        curve = resource_curves(plan)[int(rng.integers(2))]
+        curves = [one for one in resource_curves(plan) if one.resource in of]
+        if not curves:
+            continue
+        curve = curves[int(rng.integers(len(curves)))]
         start_s = elapsed_s(plan.scenario.sessions[-1].start, plan.table.epoch_utc)
         worst = float(curve.room.min())
         before = float(curve.room[curve.t_s <= start_s].min())
@@ -126,8 +139,10 @@ def refusals(seed, count):
         resources = request["resources"]
         if curve.name == "battery":
             resources["battery"]["least_wh"] = level
-        else:
+        elif curve.name == "memory":
             resources["memory"]["capacity_gbit"] -= level
+        else:
+            resources["momentum"]["capacity_n_m_s"]["xyz".index(curve.name[-1])] -= level
         with pytest.raises(ResourceRunsOut) as refused:
             make_plan(asked(request))
         yield request, refused.value

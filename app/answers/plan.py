@@ -91,7 +91,7 @@ class PlanDocument:
     keep_out: the least angle between the boresight and each cone of the request.
     masks: the least angle between the boresight and each mask of the platform.
     exclusions: the least that a body keeps of each of its exclusions, and its star trackers.
-    resources: the least that battery and memory keep from their limits, where the request has them.
+    resources: the least that battery, memory and wheels keep from their limits, where asked for.
     pointing: pointing errors of each session.
     slow_stretches: outside of the sessions, so on slews; those of a session are in `pointing`.
     uncertainty: of every session that looks at a target.

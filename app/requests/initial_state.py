@@ -36,7 +36,7 @@ class AskedInitialState:
     `[0.0, -0.06, 0.0]`.
     alpha_body_deg_s2: of a body, in body axes; zero unless given. E.g. `[0.0, 0.0, 0.01]`.
     after: id of a plan that the service keeps, at whose end the table begins; the service fills in
-    the rest. E.g. `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
+    the rest, and what `resources` begin with. E.g. `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
     """
 
     epoch: datetime | None = None

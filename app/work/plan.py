@@ -1,7 +1,6 @@
 """A child's work for a plan, and the reading of its stored table."""
 
 import zlib
-from collections.abc import Iterable
 from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
@@ -17,7 +16,7 @@ from app.work.result import Result
 from planner.base.commands import Channel, CommandTable
 from planner.base.spec import as_kept
 from planner.output.export import EXPORTERS
-from planner.verification import Finding
+from planner.verification import Finding, VerificationReport
 from planner.world.frames.time_scales import utc_from_text, utc_text
 from planner.world.plan import FlightPlan, Segment, SegmentKind
 
@@ -33,7 +32,7 @@ def plan_and_pack(body: bytes, request: PlanRequest | None = None) -> Result:
     checks = horizon_checks(plan, request.horizon_cameras)
     document = zlib.compress(plan_document(plan, checks, provenance(now_utc, body)))
     return Result(
-        content=(document, pack(packed_plan(plan, plan.verification.findings))),
+        content=(document, pack(packed_plan(plan, plan.verification))),
         state="done" if plan.verification.passed else "failed",
         listing=replace(listing, probability_in_frame=plan.probability_in_frame),
         iterations=sum(run.iterations for run in plan.slews),
@@ -90,8 +89,8 @@ def segment_of(kind: SegmentKind, session: int | None, start: str, stop: str) ->
     return Segment(kind=kind, session=session, start_utc=start_utc, stop_utc=stop_utc)
 
 
-def packed_plan(plan: FlightPlan, findings: Iterable[Finding] = ()) -> PackedColumns:
-    """What is stored of a plan beside its request; findings: of its verification."""
+def packed_plan(plan: FlightPlan, judged: VerificationReport | None = None) -> PackedColumns:
+    """What is stored of a plan beside its request."""
     table = plan.table
     return PackedColumns(
         columns={
@@ -112,9 +111,10 @@ def packed_plan(plan: FlightPlan, findings: Iterable[Finding] = ()) -> PackedCol
             "errors": [
                 {name: getattr(found, name) for name in ("limit", "axis", "t_s", "detail")}
                 | {"at": None if found.at_utc is None else _exact(found.at_utc)}
-                for found in findings
+                for found in (judged.findings if judged else ())
                 if found.severity == "error"
             ],
+            "levels": {one.name: one.last for one in (judged.resources if judged else ())},
         },
     )
 

@@ -19,8 +19,10 @@ _ROOMS = (
     "planning/opportunities",
     "motion/pointing/reach.py",
     "base/vectors.py",
+    "verification/unloading.py",
     "world/platforms/polygon_kernel.py",
     "world/platforms/steering.py",
+    "world/platforms/wheels.py",
     "world/targets/limb_kernel.py",
 )
 _CONSTANTS = (

@@ -193,10 +193,10 @@ class InfeasibleSlew(Refusal):
 
 
 class ResourceRunsOut(Refusal):
-    """A battery or memory passes its limit; earliest_feasible_start_utc: where it doesn't."""
+    """A resource passes its limit; earliest_feasible_start_utc: where it doesn't."""
 
     slug = "resource-runs-out"
-    title = "A battery or memory runs out"
+    title = "A resource runs out"
 
 
 class SearchEnded(Refusal):

@@ -1,4 +1,4 @@
-"""Battery and memory along a plan's table: linear between rows, eclipse edges and contacts."""
+"""Battery, memory and wheels along a plan: linear between rows, eclipse edges and contacts."""
 
 import math
 from collections.abc import Callable, Iterable, Iterator
@@ -6,11 +6,12 @@ from dataclasses import dataclass
 from datetime import datetime
 from functools import cached_property, partial
 from itertools import pairwise
-from typing import Literal
+from typing import NamedTuple
 
 import numpy as np
 
 from planner.base.arrays import Array, Mask
+from planner.base.commands import Motion
 from planner.base.rotation import Rotation
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.geodesy import itrf_from_geodetic, up_itrf
@@ -18,7 +19,18 @@ from planner.world.frames.solar_system import r_sun_eci_m
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc
 from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.plan import FlightPlan
-from planner.world.resources import Battery, Memory, Resources, Station
+from planner.world.platforms.gravity_gradient import gradient_torque_body_n_m
+from planner.world.resources import (
+    MOMENTA,
+    Battery,
+    Memory,
+    Momentum,
+    ResourceName,
+    Resources,
+    Station,
+    resource_told,
+)
+from planner.world.rules.body import inertia_of
 from planner.world.scenario import Scenario
 from planner.world.targets.earth_limb import limb_clearance_rad
 
@@ -41,11 +53,12 @@ OPTIONS = EdgeOptions()
 class ResourceCurve:
     """The level of one resource, linear between its instants.
 
-    name: "battery" or "memory".  unit: of what follows.  limit: that may not be passed, downwards
-    by a battery, upwards by a memory.  t_s: since the table's epoch, (m,).  level: (m,).
+    name: which resource, and about which axis of the body.  unit: of what follows.  limit: that may
+    not be passed, downwards by a battery, upwards by a memory, either way by a momentum.
+    t_s: since the table's epoch, (m,).  level: (m,).
     """
 
-    name: Literal["battery", "memory"]
+    name: ResourceName
     unit: str
     capacity: float
     limit: float
@@ -55,8 +68,19 @@ class ResourceCurve:
     @property
     def room(self) -> Array:
         """How far it is from its limit, negative beyond, (m,)."""
-        away = self.level - self.limit
-        return away if self.name == "battery" else -away
+        if self.name == "battery":
+            return self.level - self.limit
+        return self.limit - (np.abs(self.level) if self.resource == "momentum" else self.level)
+
+    @property
+    def resource(self) -> str:
+        """The member of `resources`."""
+        return self.name.partition("_")[0]
+
+    @property
+    def told(self) -> str:
+        """Its name in words."""
+        return resource_told(self.name)
 
     @property
     def first_beyond_s(self) -> float | None:
@@ -68,6 +92,20 @@ class ResourceCurve:
         before, after = self.room[k - 1], self.room[k]
         share = min(max(before / (before - after), 0.0), 1.0) if before != after else 0.0
         return float(self.t_s[k - 1] + share * (self.t_s[k] - self.t_s[k - 1]))
+
+
+class Along(NamedTuple):
+    """What an attitude gives at n instants.
+
+    charge_w: what panels would give in sunlight, (n,).  With a momentum of wheels also
+    c_body_from_eci, (n, 3, 3); turning_body_n_m_s: what the body turns with, (n, 3);
+    torque_eci_n_m: from outside, (n, 3).
+    """
+
+    charge_w: Array
+    c_body_from_eci: Array
+    turning_body_n_m_s: Array
+    torque_eci_n_m: Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -108,7 +146,7 @@ class LightAndContacts:
 
     def at(self, t_s: Array) -> tuple[Instants, OrbitStates]:
         instants = Instants(self.epoch_utc, t_s)
-        return instants, self.ephemeris.states(instants)
+        return instants, self.ephemeris.dense_states(instants)
 
     @cached_property
     def lit(self) -> tuple[Span, ...]:
@@ -143,19 +181,39 @@ class LightAndContacts:
         least_rad = math.radians(station.min_elevation_deg)
         return np.asarray(np.arcsin(np.clip(sine, -1.0, 1.0)) - least_rad)
 
-    def charge_w(self, t_s: Array, q_body_from_eci: Rotation) -> Array:
+    def along(self, t_s: Array, motion: Motion) -> Along:
+        """Of the platform's motion at n instants."""
+        instants, states = self.at(t_s)
+        q_body_from_eci = self.scenario.q_body_from_eci(instants, states, motion.position)
+        charge_w = self._charge_w(instants, states, q_body_from_eci)
+        if (momentum := self.resources.momentum) is None:
+            return Along(charge_w, *(np.zeros(0) for _ in range(3)))
+        inertia_kg_m2 = inertia_of(self.scenario)
+        torque_n_m = gradient_torque_body_n_m(q_body_from_eci, states.r_sat_eci_m, inertia_kg_m2)
+        return Along(
+            charge_w=charge_w,
+            c_body_from_eci=q_body_from_eci.as_matrix(),
+            turning_body_n_m_s=motion.rate_rad_s @ inertia_kg_m2,
+            torque_eci_n_m=q_body_from_eci.inv().apply(torque_n_m + momentum.torque_body_n_m),
+        )
+
+    def _charge_w(
+        self, instants: Instants, states: OrbitStates, q_body_from_eci: Rotation
+    ) -> Array:
         """What panels would give in sunlight at n instants, (n,)."""
         battery = self.resources.battery
         if battery is None or battery.sunlight_w is not None:
-            return np.full(len(t_s), 0.0 if battery is None else battery.sunlight_w)
-        sun_body = q_body_from_eci.apply(sun_eci(*self.at(t_s)))
+            return np.full(len(instants), 0.0 if battery is None else battery.sunlight_w)
+        sun_body = q_body_from_eci.apply(sun_eci(instants, states))
         powers_w = [
             panel.power_w * np.maximum(sun_body @ panel.normal, 0.0) for panel in battery.panels
         ]
-        return np.asarray(np.sum(powers_w, axis=0)) if powers_w else np.zeros(len(t_s))
+        return np.asarray(np.sum(powers_w, axis=0)) if powers_w else np.zeros(len(instants))
 
-    def curves(self, t_s: Array, charge_w: Array, uses: Uses) -> tuple[ResourceCurve, ...]:
-        """t_s: from row 0, (n,).  charge_w: in sunlight then, (n,), taken as linear between."""
+    def curves(
+        self, t_s: Array, along: Along, uses: Uses, *, with_wheels: bool = True
+    ) -> tuple[ResourceCurve, ...]:
+        """t_s: from row 0, (n,).  along: the attitude then; charge is taken as linear between."""
         contacts = tuple(span for _, span in self.contacts)
         edges = [
             end for spans in (self.lit, contacts, uses.imaging) for one in spans for end in one
@@ -165,7 +223,7 @@ class LightAndContacts:
         imaging, idle = _within(grid_s, uses.imaging), _within(grid_s, uses.idle)
         step_s, found = np.diff(grid_s), []
         if (battery := self.resources.battery) is not None:
-            at_w = np.interp(grid_s, t_s, charge_w)
+            at_w = np.interp(grid_s, t_s, along.charge_w)
             mean_w = np.where(_within(grid_s, self.lit), 0.5 * (at_w[1:] + at_w[:-1]), 0.0)
             moving_w = np.where(imaging | idle, 0.0, battery.slew_w)
             drawn_w = battery.idle_w + moving_w + np.where(imaging, battery.imaging_w, 0.0)
@@ -174,6 +232,8 @@ class LightAndContacts:
             sent = np.where(_within(grid_s, contacts), memory.downlink_gbit_s, 0.0)
             written = np.where(imaging, memory.imaging_gbit_s, 0.0)
             found.append(_memory_curve(memory, grid_s, (written - sent) * step_s))
+        if with_wheels and (momentum := self.resources.momentum) is not None:
+            found.extend(_momentum_curves(momentum, t_s, along, _within(t_s, uses.idle)))
         return tuple(found)
 
 
@@ -181,32 +241,40 @@ def resource_curves(plan: FlightPlan) -> tuple[ResourceCurve, ...]:
     """Of each resource of the request, over the whole table.
 
     Between rows the charge of panels is taken as linear: of a turn of 1.5 deg/s it errs by 3e-8 of
-    what they give in a row.
+    what they give in a row.  Likewise the torques from outside; a momentum is known on rows alone.
     """
     if plan.scenario.resources is None:
         return ()
-    around, charge_w = charge_along(plan)
-    return around.curves(plan.table.t_s, charge_w, uses_of(plan))
+    around, along = attitude_along(plan)
+    return around.curves(plan.table.t_s, along, uses_of(plan))
 
 
-def charge_along(plan: FlightPlan) -> tuple[LightAndContacts, Array]:
-    """What surrounds a plan that has resources, and what panels would give on its rows, (n,)."""
-    scenario, t_s = plan.scenario, plan.table.t_s
-    around = LightAndContacts(scenario, float(t_s[-1]))
-    q_body_from_eci = scenario.q_body_from_eci(*around.at(t_s), plan.table.position)
-    return around, around.charge_w(t_s, q_body_from_eci)
+def attitude_along(plan: FlightPlan) -> tuple[LightAndContacts, Along]:
+    """Light and contacts of a plan that has resources, and what its attitude gives on its rows."""
+    table = plan.table
+    around = LightAndContacts(plan.scenario, float(table.t_s[-1]))
+    motion = Motion(table.position, table.rate_rad_s, np.zeros_like(table.rate_rad_s))
+    return around, around.along(table.t_s, motion)
 
 
 def sun_eci(instants: Instants, states: OrbitStates) -> Array:
-    """Geometric directions of the Sun from the spacecraft, unit vectors (n, 3)."""
-    to_sun_m = r_sun_eci_m(instants) - states.r_sat_eci_m
+    """Geometric directions of the Sun from the spacecraft, unit vectors (n, 3).
+
+    instants: in order of time.  The Sun's way over 10 s is taken as straight: 0.1 m off.
+    """
+    t_s = instants.t_s
+    node_s = np.append(np.arange(t_s[0], t_s[-1], OPTIONS.step_s), t_s[-1])
+    node_s = t_s if len(t_s) < len(node_s) else node_s
+    r_sun_m = r_sun_eci_m(Instants(instants.epoch_utc, node_s))
+    to_sun_m = np.stack([np.interp(t_s, node_s, x_m) for x_m in r_sun_m.T], axis=1)
+    to_sun_m -= states.r_sat_eci_m
     return np.asarray(to_sun_m / np.linalg.norm(to_sun_m, axis=1, keepdims=True))
 
 
 def _battery_curve(battery: Battery, t_s: Array, steps_wh: Array) -> ResourceCurve:
     """Charge beyond the capacity is lost where it comes: all that was lost so far is the most by
     which the sum without losses ever stood above the capacity."""
-    whole = battery.start_wh + np.append(0.0, np.cumsum(steps_wh))
+    whole = battery.begins_wh + np.append(0.0, np.cumsum(steps_wh))
     lost = np.maximum.accumulate(np.maximum(whole - battery.capacity_wh, 0.0))
     return ResourceCurve(
         name="battery",
@@ -230,6 +298,27 @@ def _memory_curve(memory: Memory, t_s: Array, steps_gbit: Array) -> ResourceCurv
         t_s=t_s,
         level=whole + unsent,
     )
+
+
+def _momentum_curves(
+    momentum: Momentum, t_s: Array, along: Along, idle: Mask
+) -> Iterator[ResourceCurve]:
+    """About each axis of the body.  idle: in which steps it unloads, (n - 1,)."""
+    # Numba takes 0.2 s to import, which only work should pay.
+    from planner.world.platforms.wheels import wheel_momentum
+
+    step_s, torque_n_m = np.diff(t_s), along.torque_eci_n_m
+    held_n_m_s = wheel_momentum(
+        np.ascontiguousarray(along.c_body_from_eci),
+        along.turning_body_n_m_s,
+        0.5 * step_s[:, None] * (torque_n_m[1:] + torque_n_m[:-1]),
+        momentum.unload_n_m * step_s * idle,
+        np.array(momentum.start_n_m_s),
+    )
+    for name, level, most in zip(MOMENTA, held_n_m_s.T, momentum.capacity_n_m_s, strict=True):
+        yield ResourceCurve(
+            name=name, unit="N m s", capacity=most, limit=most, t_s=t_s, level=level
+        )
 
 
 def _within(grid_s: Array, spans: tuple[Span, ...]) -> Mask:

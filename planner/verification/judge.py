@@ -69,7 +69,7 @@ def verify(table: CommandTable, scenario: Scenario, waits: Waits = ()) -> Verifi
         *mask_findings(masks),
         *exclusion_findings(exclusions),
         *resource_findings(resources, scenario),
-        *(wait_findings(table, judge, waits) if resources else ()),
+        *(wait_findings(table, scenario, judge, waits) if resources else ()),
     ]
     reports: list[SessionReport] = []
     rows_by_session = {

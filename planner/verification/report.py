@@ -17,6 +17,7 @@ from planner.base.answer_members import (
     answer,
 )
 from planner.world.frames.time_scales import Utc
+from planner.world.resources import ResourceName
 
 Limit = Literal[
     "angle_min",
@@ -183,21 +184,23 @@ class ExclusionMargin:
 
 @answer
 class Reserve:
-    """The least that a battery or memory keeps from its limit.
+    """The least that a battery, a memory or the wheels keep from their limit.
 
-    name: of the resource.
+    name: of the resource; of a momentum with the axis of the body.
     unit: of limit, extreme and margin. E.g. `"Wh"`.
-    limit: the least charge of a battery, the capacity of a memory. [see `unit`] E.g. `110.0`.
+    limit: the least charge of a battery, else the capacity. [see `unit`] E.g. `110.0`.
     extreme: the nearest that it comes. [see `unit`] E.g. `121.5`.
     margin: distance from the limit; negative when it is passed. [see `unit`] E.g. `11.5`.
-    at_utc: time of it; UTC. E.g. `"2026-06-01T10:44:20.000Z"`.
+    last: what is held when the table ends. [see `unit`] E.g. `160.0`.
+    at_utc: time of the nearest; UTC. E.g. `"2026-06-01T10:44:20.000Z"`.
     """
 
-    name: Literal["battery", "memory"]
+    name: ResourceName
     unit: str
     limit: NotNegative
     extreme: Signed
     margin: Signed
+    last: Signed
     t_s: Internal[float]
     at_utc: Utc
 

@@ -1,26 +1,29 @@
-"""Battery and memory by the judge: its own Sun, shadow, stations and attitude between rows."""
+"""Battery, memory and wheels by the judge: its own Sun, stations and attitude between rows."""
 
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from datetime import datetime
 from functools import partial
+from typing import NamedTuple
 
 import erfa
 import numpy as np
 
-from planner.base.arrays import Array, Mask
+from planner.base.arrays import Array, Indices, Mask, cross
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.verification.clock import elapsed_us, tt_s
-from planner.verification.earth import earth_orientation
+from planner.verification.earth import earth_orientation, interpolate_evenly
 from planner.verification.earth_fixed import vertical
 from planner.verification.platforms.judge import FlownInstants, Judge
-from planner.verification.report import Finding, Reserve
+from planner.verification.report import Finding, Limit, Reserve
 from planner.verification.sky import EARTH, SUN, limb_clearance_rad, r_body_bary_m, tdb_s
 from planner.verification.terrain import WGS84
+from planner.world.frames.geodesy import MU_EARTH_M3_S2
 from planner.world.frames.time_scales import Instants, shifted_utc
 from planner.world.orbits import Ephemeris, OrbitStates
-from planner.world.resources import Station
+from planner.world.resources import MOMENTA, ResourceName, Station, resource_told
+from planner.world.rules.body import inertia_of
 from planner.world.scenario import Scenario
 
 Times = Callable[[Array], Array]  # of a condition at instants, (n,): how far it is fulfilled
@@ -35,24 +38,34 @@ class JudgedResourceOptions:
     halvings: int = 30  # of that: to a nanosecond
     wait_rows: int = 50  # between looks at whether the platform waits: no slew is so short
     rows_at_once: int = 20_000
+    rounding: float = 1e-6  # of a row, of times that lie on one
+    sun_s: float = 600.0  # between looks at the Sun: a cubic through them is off by micrometres
     tolerance: float = 1e-6  # of the capacity
 
 
 OPTIONS = JudgedResourceOptions()
+_LIMITS: dict[ResourceName, Limit] = {
+    "battery": "battery",
+    "memory": "memory",
+    "momentum_x": "momentum",
+    "momentum_y": "momentum",
+    "momentum_z": "momentum",
+}
 
 
 def resource_margins(
     table: CommandTable, scenario: Scenario, judge: Judge, waits: Waits
 ) -> tuple[Reserve, ...]:
     """The least that each resource keeps from its limit.  waits: when the platform idles."""
-    return tuple(
-        _margin(name, unit, limit, sign * (level - limit), table, t_s)
-        for name, unit, limit, sign, t_s, level in resource_levels(table, scenario, judge, waits)
-    )
+    return tuple(_margin(found, table) for found in resource_levels(table, scenario, judge, waits))
 
 
-def wait_findings(table: CommandTable, judge: Judge, waits: Waits) -> Iterator[Finding]:
+def wait_findings(
+    table: CommandTable, scenario: Scenario, judge: Judge, waits: Waits
+) -> Iterator[Finding]:
     """Where the plan says that the platform waits, and it does not."""
+    resources = scenario.resources
+    limit: Limit = "battery" if resources and resources.battery else "momentum"
     for wait in waits:
         first, last = (
             round(elapsed_us(end_utc, table.epoch_utc) / 1e6 * ROWS_PER_S) for end_utc in wait
@@ -62,7 +75,7 @@ def wait_findings(table: CommandTable, judge: Judge, waits: Waits) -> Iterator[F
         if moving.size:
             t_s = float(moving[0]) / ROWS_PER_S
             yield Finding(
-                limit="battery",
+                limit=limit,
                 t_s=t_s,
                 at_utc=shifted_utc(table.epoch_utc, t_s),
                 detail=f"the platform doesn't wait in row {moving[0]}, as its segment says",
@@ -74,33 +87,37 @@ def resource_findings(margins: tuple[Reserve, ...], scenario: Scenario) -> Itera
     resources = scenario.resources
     for margin in margins:
         assert resources is not None  # else it had no margins
-        capacity = (
-            resources.battery.capacity_wh
-            if margin.name == "battery" and resources.battery
-            else resources.memory.capacity_gbit
-            if resources.memory
-            else 0.0
-        )
+        capacity = margin.limit
+        if margin.name == "battery" and resources.battery is not None:
+            capacity = resources.battery.capacity_wh
         if margin.margin < -OPTIONS.tolerance * capacity:
             yield Finding(
-                limit=margin.name,
+                limit=_LIMITS[margin.name],
                 t_s=margin.t_s,
                 at_utc=margin.at_utc,
                 detail=(
-                    f"the {margin.name} holds {margin.extreme:.6g} {margin.unit}, "
+                    f"the {resource_told(margin.name)} holds {margin.extreme:.6g} {margin.unit}, "
                     f"{-margin.margin:.3g} {margin.unit} past its limit of {margin.limit:.6g} "
                     f"{margin.unit}, {margin.t_s:.1f} s after the table's epoch"
                 ),
             )
 
 
+class Levels(NamedTuple):
+    """Of one resource.  t_s: instants, (m,).  level: (m,).  margin: to the limit, (m,)."""
+
+    name: ResourceName
+    unit: str
+    limit: float
+    t_s: Array
+    level: Array
+    margin: Array
+
+
 def resource_levels(
     table: CommandTable, scenario: Scenario, judge: Judge, waits: Waits
-) -> Iterator[tuple[str, str, float, float, Array, Array]]:
-    """Of each resource name, unit, limit, sign, instants (m,) and levels (m,) on them.
-
-    sign: 1.0 where the level may not be below the limit, else -1.0.
-    """
+) -> Iterator[Levels]:
+    """Of each resource of the request."""
     resources, epoch_utc = scenario.resources, table.epoch_utc
     if resources is None:
         return
@@ -125,16 +142,16 @@ def resource_levels(
         idles = np.any([_between(middle_s, *one) for one in [(0.0, 0.0), *idle]], axis=0)
         charge_w = np.zeros(len(middle_s))
         sunny = np.flatnonzero(np.searchsorted(lit, middle_s) % 2 == 1)
-        for part in np.array_split(sunny, len(sunny) // OPTIONS.rows_at_once + 1):
-            if part.size:
-                charge_w[part] = _charge_w(table, scenario, judge, ephemeris, middle_s[part])
+        for part, at, states in _parts(table, ephemeris, middle_s[sunny]):
+            charge_w[sunny[part]] = _charge_w(scenario, judge, at, states)
         net_w = charge_w - battery.idle_w - battery.imaging_w * images
         net_w -= battery.slew_w * ~(images | idles)
-        level, levels = battery.start_wh, [battery.start_wh]
+        level, levels = battery.begins_wh, [battery.begins_wh]
         for step_wh in (net_w * long_s / 3600.0).tolist():
             level = min(level + step_wh, battery.capacity_wh)
             levels.append(level)
-        yield "battery", "Wh", battery.least_wh, 1.0, t_s, np.array(levels)
+        charge_wh, least_wh = np.array(levels), battery.least_wh
+        yield Levels("battery", "Wh", least_wh, t_s, charge_wh, charge_wh - least_wh)
     if memory is not None:
         heard = np.zeros(len(middle_s), dtype=bool)
         for ends in contacts:
@@ -144,20 +161,65 @@ def resource_levels(
         for step_gbit in (rate * long_s).tolist():
             level = max(level + step_gbit, 0.0)
             levels.append(level)
-        yield "memory", "Gbit", memory.capacity_gbit, -1.0, t_s, np.array(levels)
+        data_gbit, most_gbit = np.array(levels), memory.capacity_gbit
+        yield Levels("memory", "Gbit", most_gbit, t_s, data_gbit, most_gbit - data_gbit)
+    if resources.momentum is not None:
+        yield from _momenta(table, scenario, judge, ephemeris, [(0.0, 0.0), *idle])
 
 
-def _margin(
-    name: str, unit: str, limit: float, margin_by_instant: Array, table: CommandTable, t_s: Array
-) -> Reserve:
-    worst = int(np.argmin(margin_by_instant))
-    margin, at_s = float(margin_by_instant[worst]), float(t_s[worst])
+def _momenta(
+    table: CommandTable,
+    scenario: Scenario,
+    judge: Judge,
+    ephemeris: Ephemeris,
+    idle_s: list[tuple[float, ...]],
+) -> Iterator[Levels]:
+    """Of the wheels about the body's axes, on rows.
+
+    idle_s: spans after the epoch.  The torque from outside is that half way between two rows.
+    """
+    # Numba takes 0.2 s to import, which only work should pay.
+    from planner.verification.unloading import held_by_wheels
+
+    assert scenario.resources is not None
+    momentum = scenario.resources.momentum
+    assert momentum is not None  # who asks has wheels
+    inertia_kg_m2 = inertia_of(scenario)
+    count = len(table.t_s)
+    middle_s = 0.5 * (table.t_s[1:] + table.t_s[:-1])
+    rows_eci, middle_eci, r_eci_m = (np.empty((count, *ends)) for ends in ((3, 3), (3, 3), (3,)))
+    for t_s, axes_eci in ((table.t_s, rows_eci), (middle_s, middle_eci)):
+        for part, at, states in _parts(table, ephemeris, t_s):
+            for number, axis in enumerate(np.eye(3)):
+                axes_eci[part, number] = judge.direction_eci(axis, at, states)
+            r_eci_m[part] = states.r_sat_eci_m
+    middle_eci, r_eci_m = middle_eci[:-1], r_eci_m[:-1]
+    distance_m = np.linalg.norm(r_eci_m, axis=1)[:, None]
+    up = np.einsum("nij,nj->ni", middle_eci, r_eci_m / distance_m)
+    torque_n_m = 3.0 * MU_EARTH_M3_S2 / distance_m**3 * cross(up, up @ inertia_kg_m2)
+    torque_n_m += momentum.torque_body_n_m
+    impulse = np.zeros((count, 3))
+    impulse[1:] = np.einsum("nij,ni->nj", middle_eci, torque_n_m) * COMMAND_STEP_S
+    held = -table.rate_rad_s @ inertia_kg_m2
+    impulse[0] = (momentum.start_n_m_s - held[0]) @ rows_eci[0]
+    held[0] = momentum.start_n_m_s
+    unloads = np.any([_between(middle_s, *one) for one in idle_s], axis=0)
+    unloading = np.where(unloads, momentum.unload_n_m * COMMAND_STEP_S, 0.0)
+    held_by_wheels(rows_eci, middle_eci, impulse, unloading, held)
+    for name, level, limit in zip(MOMENTA, held.T, momentum.capacity_n_m_s, strict=True):
+        yield Levels(name, "N m s", limit, table.t_s, level, limit - np.abs(level))
+
+
+def _margin(found: Levels, table: CommandTable) -> Reserve:
+    worst = int(np.argmin(found.margin))
+    at_s = float(found.t_s[worst])
     return Reserve(
-        name="battery" if name == "battery" else "memory",
-        unit=unit,
-        limit=limit,
-        extreme=limit + margin if name == "battery" else limit - margin,
-        margin=margin,
+        name=found.name,
+        unit=found.unit,
+        limit=found.limit,
+        extreme=float(found.level[worst]),
+        margin=float(found.margin[worst]),
+        last=float(found.level[-1]),
         t_s=at_s,
         at_utc=shifted_utc(table.epoch_utc, at_s),
     )
@@ -182,9 +244,12 @@ def _above(value: Times, last_s: float) -> Array:
 
 
 def _sun_eci_m(instants: Instants, states: OrbitStates) -> Array:
-    """From the spacecraft, geometric, (n, 3)."""
+    """From the spacecraft at instants in order of time, geometric, (n, 3)."""
     at_s = tdb_s(tt_s(instants.epoch_utc, instants.t_s))
-    return r_body_bary_m(SUN, at_s) - r_body_bary_m(EARTH, at_s) - states.r_sat_eci_m
+    count = max(math.ceil((at_s[-1] - at_s[0]) / OPTIONS.sun_s) + 1, 4)
+    node_s = np.linspace(at_s[0], at_s[-1] + 1.0, count)
+    r_sun_m = r_body_bary_m(SUN, node_s) - r_body_bary_m(EARTH, node_s)
+    return interpolate_evenly(node_s, r_sun_m, at_s) - states.r_sat_eci_m
 
 
 def _sun_above_limb_rad(epoch_utc: datetime, ephemeris: Ephemeris, t_s: Array) -> Array:
@@ -213,22 +278,29 @@ def _elevation_rad(
     return np.asarray(above_rad)
 
 
-def _charge_w(
-    table: CommandTable, scenario: Scenario, judge: Judge, ephemeris: Ephemeris, t_s: Array
-) -> Array:
+def _parts(
+    table: CommandTable, ephemeris: Ephemeris, t_s: Array
+) -> Iterator[tuple[Indices, FlownInstants, OrbitStates]]:
+    """Instants in order of time, some at once: which of them, where in the table, the orbit."""
+    for part in np.array_split(np.arange(len(t_s)), len(t_s) // OPTIONS.rows_at_once + 1):
+        if part.size:
+            cell = (t_s[part] * ROWS_PER_S + OPTIONS.rounding).astype(np.intp)
+            cell = np.minimum(cell, len(table.t_s) - 2)
+            instants = Instants(table.epoch_utc, t_s[part])
+            at = FlownInstants(cell, t_s[part] - cell * COMMAND_STEP_S, instants)
+            yield part, at, ephemeris.dense_states(instants)
+
+
+def _charge_w(scenario: Scenario, judge: Judge, at: FlownInstants, states: OrbitStates) -> Array:
     """Of the panels at instants in sunlight, (n,)."""
     assert scenario.resources is not None
     battery = scenario.resources.battery
     assert battery is not None  # who asks has one
     if battery.sunlight_w is not None:
-        return np.full(len(t_s), battery.sunlight_w)
-    instants = Instants(table.epoch_utc, t_s)
-    states = ephemeris.states(instants)
-    cell = np.minimum((t_s * ROWS_PER_S).astype(np.intp), len(table.t_s) - 2)
-    at = FlownInstants(cell, t_s - cell * COMMAND_STEP_S, instants)
-    to_sun_m = _sun_eci_m(instants, states)
+        return np.full(len(at.cell), battery.sunlight_w)
+    to_sun_m = _sun_eci_m(at.instants, states)
     distance_m = np.linalg.norm(to_sun_m, axis=1)
-    total_w = np.zeros(len(t_s))
+    total_w = np.zeros(len(at.cell))
     for panel in battery.panels:
         normal = np.asarray(panel.normal_body) / np.linalg.norm(panel.normal_body)
         on_base = scenario.platform.q_base_from_carrier.apply(normal)

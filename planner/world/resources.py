@@ -1,7 +1,7 @@
-"""Battery and memory of a platform: what fills them, what draws on them, and their limits."""
+"""Battery, memory and wheels of a platform: what fills them, draws on them, and their limits."""
 
 import math
-from typing import Annotated
+from typing import Annotated, Literal
 
 import numpy as np
 
@@ -13,6 +13,17 @@ PowerW = Annotated[float, Within(0.0, 1e6)]
 EnergyWh = Annotated[float, Within(0.0, 1e6)]
 Gbit = Annotated[float, Within(0.0, 1e6)]
 GbitS = Annotated[float, Within(0.0, 1e3)]
+_WheelNMS = Annotated[float, Within(1e-6, 1e5)]
+_StartNMS = Annotated[float, Within(-1e5, 1e5)]
+_TorqueNM = Annotated[float, Within(-1e3, 1e3)]
+
+ResourceName = Literal["battery", "memory", "momentum_x", "momentum_y", "momentum_z"]
+MOMENTA: tuple[ResourceName, ...] = ("momentum_x", "momentum_y", "momentum_z")
+
+
+def resource_told(name: ResourceName) -> str:
+    """In words: momentum about x."""
+    return name.replace("_", " about ")
 
 
 @spec
@@ -48,7 +59,8 @@ class Battery:
     losses, the Sun's distance, and shadows that parts cast on panels.
 
     capacity_wh: charge when full; more is lost. E.g. `180.0`.
-    start_wh: charge at row 0. E.g. `160.0`.
+    start_wh: charge at row 0; unless given it is full, or what the plan of `after` leaves. E.g.
+    `160.0`.
     least_wh: charge that it must keep. E.g. `110.0`.
     idle_w: drawn at all times. E.g. `38.0`.
     slew_w: drawn on top while the platform moves, or waits on a target, between sessions.
@@ -58,7 +70,7 @@ class Battery:
     """
 
     capacity_wh: Annotated[float, Within(1e-3, 1e6)]
-    start_wh: EnergyWh
+    start_wh: EnergyWh | None = None
     least_wh: EnergyWh = 0.0
     idle_w: PowerW
     slew_w: PowerW = 0.0
@@ -72,15 +84,20 @@ class Battery:
                 f"least_wh must be capacity_wh, {self.capacity_wh:g}, or less, not "
                 f"{self.least_wh:g}"
             )
-        if not self.least_wh <= self.start_wh <= self.capacity_wh:
+        if not self.least_wh <= self.begins_wh <= self.capacity_wh:
             raise ValueError(
                 f"start_wh must lie between least_wh and capacity_wh, {self.least_wh:g} to "
-                f"{self.capacity_wh:g}, not {self.start_wh:g}"
+                f"{self.capacity_wh:g}, not {self.begins_wh:g}"
             )
         if len(self.panels) > 16:
             raise ValueError(f"panels must hold at most 16 panels, not {len(self.panels)}")
         if self.panels and self.sunlight_w is not None:
             raise ValueError("sunlight_w must be left out with panels: they say what charges it")
+
+    @property
+    def begins_wh(self) -> float:
+        """Charge at row 0."""
+        return self.capacity_wh if self.start_wh is None else self.start_wh
 
 
 @spec
@@ -105,7 +122,8 @@ class Memory:
     """Filled in sessions, emptied over stations, one at a time and wherever the platform points.
 
     capacity_gbit: most that it holds. E.g. `512.0`.
-    start_gbit: data in it at row 0. E.g. `40.0`.
+    start_gbit: data in it at row 0; unless given none, or what the plan of `after` leaves. E.g.
+    `40.0`.
     imaging_gbit_s: written during sessions. E.g. `1.6`.
     downlink_gbit_s: sent while any station takes data, also during sessions. E.g. `0.4`.
     stations: up to 16 of them.
@@ -132,16 +150,50 @@ class Memory:
 
 
 @spec
+class Momentum:
+    """Held by reaction wheels about the axes of a body with an inertia, which agility turns.
+
+    The wheels take up what the gravity gradient and the given torque bring, and turn the body:
+    what it turns with is taken from them. Neglects torques of air, light and the magnetic field
+    but for the one given, and the Earth's flattening.
+
+    capacity_n_m_s: most that the wheels hold about body x, y, z, either way. E.g.
+    `[0.9, 0.9, 0.9]`.
+    start_n_m_s: of the wheels at row 0, in body axes; unless given none, or what the plan of
+    `after` leaves. E.g. `[0.1, -0.2, 0.0]`.
+    torque_body_n_m: a constant torque from outside, in body axes. E.g. `[2e-6, 0.0, 1e-6]`.
+    unload_n_m: torque about each body axis that takes momentum from the wheels, until they hold
+    none, while the platform waits in its idle attitude; 0 for no unloading. E.g. `2e-5`.
+    """
+
+    capacity_n_m_s: tuple[_WheelNMS, _WheelNMS, _WheelNMS]
+    start_n_m_s: tuple[_StartNMS, _StartNMS, _StartNMS] = (0.0, 0.0, 0.0)
+    torque_body_n_m: tuple[_TorqueNM, _TorqueNM, _TorqueNM] = (0.0, 0.0, 0.0)
+    unload_n_m: Annotated[float, Within(0.0, 1e3)] = 0.0
+
+    def __post_init__(self) -> None:
+        ends = zip(self.start_n_m_s, self.capacity_n_m_s, strict=True)
+        for axis, (start, capacity) in enumerate(ends):
+            if abs(start) > capacity:
+                raise ValueError(
+                    f"start_n_m_s.{axis} must lie within capacity_n_m_s, {-capacity:g} to "
+                    f"{capacity:g}, not {start:g}"
+                )
+
+
+@spec
 class Resources:
     """Stores that may run out: a plan is refused that takes more than there is.
 
     battery: energy, in Wh.
     memory: images waiting to be sent, in Gbit.
+    momentum: of a body's reaction wheels, in N m s.
     """
 
     battery: Battery | None = None
     memory: Memory | None = None
+    momentum: Momentum | None = None
 
     def __post_init__(self) -> None:
-        if self.battery is None and self.memory is None:
-            raise ValueError("battery or memory is required: or leave resources out")
+        if self.battery is None and self.memory is None and self.momentum is None:
+            raise ValueError("battery, memory or momentum is required: or leave resources out")

@@ -243,7 +243,7 @@ class Scenario:
     terrain: heights of the ground under targets that say none themselves.
     final_state: angles at which the axes are brought to rest when the last session is over, or
     "idle" for a body's idle attitude; unless given, the table ends with that session, in motion.
-    resources: battery and memory, from row 0 to the table's end.
+    resources: battery, memory and wheels, from row 0 to the table's end.
     conditions: conditions of light and view throughout every session that looks somewhere.
     clouds: a forecast of clouds, for the probability that each session is clear.
     """

@@ -219,6 +219,30 @@ def test_a_body_goes_on_where_its_plan_ends(client):
     assert written_out["table"]["omega_body_deg_s_x"] == second["table"]["omega_body_deg_s_x"]
 
 
+def test_resources_go_on_with_what_the_plan_before_leaves(client):
+    resources = {
+        "battery": {"capacity_wh": 180.0, "idle_w": 38.0, "imaging_w": 75.0},
+        "memory": {"capacity_gbit": 512.0, "imaging_gbit_s": 1.6},
+        "momentum": {"capacity_n_m_s": [0.9, 0.9, 0.9], "start_n_m_s": [0.1, -0.2, 0.0]},
+    }
+    first = of_body({}, "2015-02-27T17:36:46Z", "2015-02-27T17:36:56Z", **IDLE_END)
+    first = ok(post(client, first | {"resources": resources}))
+    left = {one["name"]: one["last"] for one in first["resources"]}
+    assert left["memory"] == pytest.approx(16.0)
+    assert left["battery"] < 180.0
+    battery, momentum = resources["battery"], resources["momentum"]
+    del momentum["start_n_m_s"]
+    later = {"resources": resources | {"battery": battery | {"start_wh": 170.0}}, **IDLE_END}
+    later = of_body({"after": first["id"]}, "2015-02-27T17:59:00Z", "2015-02-27T17:59:10Z", **later)
+    later["sessions"][0]["target"] = {"mode": "star", "name": "Vega"}
+    second = ok(post(client, later))
+    assert second["table"]["epoch"] == first["segments"][-1]["stop"].replace("00Z", "Z")
+    kept = client.get(f"/v1/plans/{second['id']}/request").json()["resources"]
+    assert kept["battery"]["start_wh"] == 170.0
+    assert kept["memory"]["start_gbit"] == left["memory"]
+    assert kept["momentum"]["start_n_m_s"] == [left[f"momentum_{axis}"] for axis in "xyz"]
+
+
 def test_a_body_at_rest_waits_where_it_is_until_it_is_time(client):
     still = {"law": "inertial", "q_body_from_eci_xyzw": [0.5, 0.5, 0.5, 0.5]}
     platform = client.get("/v1/platforms").json()["platforms"]

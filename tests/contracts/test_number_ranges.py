@@ -112,10 +112,13 @@ _RESOURCES = {
     "memory": {"capacity_gbit": 512.0, "start_gbit": 40.0, "imaging_gbit_s": 1.6,
                "downlink_gbit_s": 0.4, "stations": [_STATION]},
 }  # fmt: skip
+_WHEELS = {"capacity_n_m_s": [0.9, 0.9, 0.9], "start_n_m_s": [0.1, -0.2, 0.0],
+           "torque_body_n_m": [2e-6, 0.0, 1e-6], "unload_n_m": 2e-5}  # fmt: skip
 FRAGMENTS = [
     _with(resources=_RESOURCES),
     _with(resources={"battery": _BATTERY | {"sunlight_w": 80.0}}),
     _with(conditions={}),
+    _body_of() | {"resources": {"momentum": _WHEELS}},
     _imaged(0, "LineString", _LINE, mode="strip"),
     _imaged(0, "MultiLineString", [_LINE], mode="corridor"),
     _imaged(1, "LineString", _AHEAD, mode="stereo", look_angle_deg=22.0, gap_s=60.0),

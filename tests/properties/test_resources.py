@@ -6,12 +6,12 @@ from importlib.resources import files
 
 import numpy as np
 import pytest
-from random_resources import asked, plans, refusals
+from random_resources import IDLES, PLATFORM, asked, plans, refusals, utc
 from skyfield.api import load, load_file, wgs84
 
 from app.requests.examples import LAS_VEGAS
 from app.requests.plan import read_plan_request
-from planner.base.errors import InfeasibleSlew
+from planner.base.errors import InfeasibleSlew, ResourceRunsOut
 from planner.planning.resources import resource_curves, spans_above
 from planner.planning.sessions.pipeline import make_plan
 from planner.verification import verify
@@ -34,7 +34,7 @@ def test_the_judge_finds_the_same_levels_by_itself(planned):
     for plan in planned:
         judge = judge_of(plan.table, plan.scenario)
         judged = resource_levels(plan.table, plan.scenario, judge, plan.waits)
-        for curve, (name, _, _, _, t_s, level) in zip(resource_curves(plan), judged, strict=True):
+        for curve, (name, *_, t_s, level, _) in zip(resource_curves(plan), judged, strict=True):
             ours, theirs = (
                 np.interp(plan.table.t_s, *one) for one in ((curve.t_s, curve.level), (t_s, level))
             )
@@ -105,7 +105,7 @@ def levels_by_seconds(plan):
     drawn_w = battery.idle_w + battery.imaging_w * imaging + battery.slew_w * ~(imaging | waiting)
     steps_wh = (charge_w * lit - drawn_w) / 3600.0
     most_wh = (charge_w.max() + battery.imaging_w + battery.slew_w) / 3600.0
-    yield summed(battery.start_wh, steps_wh, -np.inf, battery.capacity_wh), most_wh
+    yield summed(battery.begins_wh, steps_wh, -np.inf, battery.capacity_wh), most_wh
     heard = np.zeros(count, dtype=bool)
     for station in memory.stations:
         place, above = (
@@ -120,6 +120,25 @@ def levels_by_seconds(plan):
     steps_gbit = memory.imaging_gbit_s * imaging - memory.downlink_gbit_s * heard
     most_gbit = memory.imaging_gbit_s + memory.downlink_gbit_s
     yield summed(memory.start_gbit, steps_gbit, 0.0, np.inf), most_gbit
+    if resources.momentum is not None:
+        yield from momenta_by_seconds(plan, q_body, r_m, waiting)
+
+
+def momenta_by_seconds(plan, q_body, r_m, waiting):
+    """Of the wheels about x, y and z, by Euler's equations in the body's axes."""
+    momentum = plan.scenario.resources.momentum
+    inertia_kg_m2 = np.array(plan.scenario.platform.inertia_kg_m2)
+    spin = plan.table.rate_rad_s[::5] @ inertia_kg_m2
+    turn = (q_body[1:] * q_body[:-1].inv()).as_matrix()
+    up = q_body.apply(r_m)
+    torque_n_m = np.cross(up, up @ inertia_kg_m2) * 3.0 * 3.986004418e14
+    torque_n_m = torque_n_m / np.linalg.norm(up, axis=1)[:, None] ** 5 + momentum.torque_body_n_m
+    level = np.array([momentum.start_n_m_s])
+    for k in range(len(spin) - 1):
+        free = turn[k] @ (level[-1] + spin[k] + torque_n_m[k]) - spin[k + 1]
+        most = momentum.unload_n_m * waiting[k]
+        level = np.vstack([level, np.sign(free) * np.maximum(np.abs(free) - most, 0.0)])
+    yield from ((one, momentum.unload_n_m + np.abs(torque_n_m).max()) for one in level.T)
 
 
 def summed(level, steps, least, most):
@@ -142,6 +161,32 @@ def test_what_a_refusal_offers_is_planned_as_told():
         kept = enumerate(instead["sessions"])
         instead["sessions"] = [one for n, one in kept if n not in refusal.costs_sessions]
         assert make_plan(asked(instead)).verification.passed
+
+
+def test_wheels_that_slews_fill_are_told_gentler_slews():
+    wheels = {"capacity_n_m_s": [2.0, 2.0, 2.0]}
+    request = {
+        "platform": PLATFORM | {"idle": IDLES[2]},
+        "orbit": LAS_VEGAS["orbit"],
+        "initial_state": {"epoch": utc(0.0)},
+        "slew": {"lead": {"max_duration_s": 100.0}},
+        "sessions": [
+            {
+                "target": {"mode": "star", "ra_deg": 120.0, "dec_deg": 60.0},
+                "start": utc(600.0),
+                "stop": utc(620.0),
+            }
+        ],
+        "resources": {"momentum": wheels},
+    }
+    held = [float(np.abs(one.level).max()) for one in resource_curves(make_plan(asked(request)))]
+    wheels["capacity_n_m_s"] = [max(0.7 * most, 0.01) for most in held]
+    with pytest.raises(ResourceRunsOut, match=r"slew\.lead\.max_duration_s 200") as refused:
+        make_plan(asked(request))
+    assert refused.value.limit == "momentum"
+    request["slew"]["lead"]["max_duration_s"] = 200.0
+    margins = make_plan(asked(request)).verification.resources
+    assert min(one.margin for one in margins) >= 0.0
 
 
 def test_the_judge_rejects_what_runs_out_and_waits_that_are_none(planned):

@@ -17,6 +17,7 @@ from planner.base.errors import InvalidInput
 from planner.world.end_of_table import end_of_table, waits_from
 from planner.world.frames.time_scales import utc_text
 from planner.world.plan import FlightPlan
+from planner.world.resources import MOMENTA
 from planner.world.rules.registry import POSITIONS
 
 _FIELD = "initial_state.after"
@@ -30,7 +31,8 @@ def may_go_on_after(body: bytes) -> bool:
 def from_end_of_plan(database: Database, body: bytes) -> bytes:
     """The request with the state in which the plan it names ends; the same where it names none.
 
-    What rests, or keeps its idle attitude, waits so until it is time for the first slew.
+    What rests, or keeps its idle attitude, waits so until it is time for the first slew; but where
+    resources go on with what the plan leaves, the table begins at its end.
     Raises InvalidInput and Conflict where there is no such plan, or not yet.
     """
     document: Any = json_document(body)
@@ -48,19 +50,41 @@ def from_end_of_plan(database: Database, body: bytes) -> bytes:
         plan_id = require_plain(state["after"])
     except ValueError as fault:
         raise InvalidInput(str(fault), field=_FIELD) from None
-    before = _plan_of(database, plan_id)
+    before, levels = _plan_of(database, plan_id)
+    goes_on = _carry_levels(document.get("resources"), levels)
     end_utc, position, motion = end_of_table(before.table)
     state.update(position)
     for waits, begins in ((before.scenario.final_state == "idle", {}), (not motion, state)):
         filled = json.dumps(document | {"initial_state": begins}).encode()
-        if waits and waits_from(before.scenario, end_utc, read_plan_request(filled)):
+        if (
+            waits
+            and not goes_on
+            and waits_from(before.scenario, end_utc, read_plan_request(filled))
+        ):
             return filled
     state.update(motion, epoch=utc_text(end_utc, 1))
     return json.dumps(document).encode()
 
 
-def _plan_of(database: Database, plan_id: str) -> FlightPlan:
-    """One that may be flown; raises KeptUnreadable."""
+def _carry_levels(resources: Any, levels: dict[str, float]) -> bool:  # noqa: ANN401 (as sent)
+    """Into what a request begins with of each resource, unless it says so; whether any is."""
+    wheels = [levels[name] for name in MOMENTA if name in levels]
+    starts = {
+        "battery": ("start_wh", levels.get("battery")),
+        "memory": ("start_gbit", levels.get("memory")),
+        "momentum": ("start_n_m_s", wheels or None),
+    }
+    begun = [
+        resources[name].setdefault(member, level) is level
+        for name, (member, level) in starts.items()
+        if level is not None
+        if isinstance(resources, dict) and isinstance(resources.get(name), dict)
+    ]
+    return any(begun)
+
+
+def _plan_of(database: Database, plan_id: str) -> tuple[FlightPlan, dict[str, float]]:
+    """One that may be flown, and what its resources hold in the end; raises KeptUnreadable."""
     with database.reading() as connection:
         job = jobs.get(connection, plan_id) if is_id(plan_id) else None
         plan = plans.get(connection, job) if job is not None else None
@@ -74,4 +98,5 @@ def _plan_of(database: Database, plan_id: str) -> FlightPlan:
         raise Conflict(
             f"there is no end of the plan to go on from: its state is {job.state}", field=_FIELD
         )
-    return stored_plan(request, unpack(plan.table_columns))
+    packed = unpack(plan.table_columns)
+    return stored_plan(request, packed), packed.facts.get("levels", {})

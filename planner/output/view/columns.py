@@ -1,6 +1,6 @@
 """The columns of a view, as answers tell them; each array has an entry a row, NaN where none is."""
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from planner.base.answer_members import (
     Angle,
@@ -24,6 +24,7 @@ from planner.base.arrays import Array, Mask
 from planner.planning.opportunities import Opportunities
 from planner.world.frames.time_scales import RowUtc, Utc
 from planner.world.plan import FlightPlan, SegmentKind
+from planner.world.resources import ResourceName
 
 _Arcsecs = Annotated[Array, Member("arcsec", 0.0, decimals=4, gaps=True)]
 
@@ -295,16 +296,17 @@ class ExclusionTrace:
 
 @answer
 class ResourceTrace:
-    """The level of a battery or memory.
+    """The level of a battery, a memory or the wheels about one axis.
 
-    name: of the resource.
+    name: of the resource; of a momentum with the axis of the body.
     unit: of limit, capacity and level. E.g. `"Wh"`.
-    limit: the least charge of a battery, the capacity of a memory. [see `unit`] E.g. `110.0`.
+    limit: the least charge of a battery, else the capacity. [see `unit`] E.g. `110.0`.
     capacity: the most that it holds. [see `unit`] E.g. `180.0`.
-    level: charge of a battery, data in a memory. [see `unit`] E.g. `[160.0, 159.2]`.
+    level: charge of a battery, data in a memory, momentum either way. [see `unit`] E.g. `[160.0,
+    159.2]`.
     """
 
-    name: Literal["battery", "memory"]
+    name: ResourceName
     unit: str
     limit: NotNegative
     capacity: NotNegative
@@ -367,7 +369,7 @@ class PlanView:
     keep_out: of each cone of the request.
     masks: of each of the platform's.
     exclusions: of each of a body's, then of its star trackers.
-    resources: of battery and memory, where the request has them.
+    resources: of battery, memory and wheels, where the request has them.
     gyros: of a body that they turn; null of others.
     sky: null where every target is on the Earth.
     baseline: of each slew; empty where the plan is the baseline itself, or a body's.

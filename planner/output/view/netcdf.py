@@ -25,6 +25,7 @@ from planner.output.view.platforms.parts import OUTLINE_POINTS
 from planner.world.frames.iers import RAD_PER_ARCSEC
 from planner.world.frames.time_scales import Instants, elapsed_s
 from planner.world.plan import KINDS
+from planner.world.resources import resource_told
 
 if TYPE_CHECKING:
     from scipy.io import netcdf_file
@@ -190,10 +191,11 @@ def _exclusions(file: netcdf_file, view: PlanView) -> None:
 
 def _resources(file: netcdf_file, view: PlanView) -> None:
     for one in view.resources:
-        unit = {"Wh": "watt hour", "Gbit": "1e9 bit"}[one.unit]
-        variable = file.createVariable(f"{one.name}_{one.unit.lower()}", "d", ("time",))
+        unit = {"Wh": "watt hour", "Gbit": "1e9 bit"}.get(one.unit, one.unit)
+        name = f"{one.name}_{one.unit.lower().replace(' ', '_')}"
+        variable = file.createVariable(name, "d", ("time",))
         variable[:] = one.level
-        words = f"what the {one.name} holds of {one.capacity:g}; its limit is {one.limit:g}"
+        words = f"{resource_told(one.name)} of {one.capacity:g} at most; its limit is {one.limit:g}"
         describe(variable, units=unit, long_name=words)
 
 

@@ -18,8 +18,9 @@ class AssemblyPrices:
     cone_row: float = 0.13  # more, for each cone
     mask_row: float = 0.03  # for each mask
     corner_row: float = 0.012  # and for each of its corners
-    exclusion_row: float = 0.8  # for each exclusion of a body that always counts
-    resource_row: float = 0.6  # where resources are planned and judged
+    exclusion_row: float = 0.2  # for each exclusion of a body that always counts
+    resource_row: float = 0.25  # where resources are planned and judged
+    wheels_row: float = 0.35  # more, with a momentum of wheels
     session: int = 1_500  # for its budget, comparison and report
 
 
@@ -33,7 +34,8 @@ def table_work(scenario: Scenario, rows: int) -> float:
     a_row = OPTIONS.row + OPTIONS.cone_row * len(scenario.slew.keep_out)
     a_row += OPTIONS.mask_row * len(masks) + OPTIONS.corner_row * corners
     a_row += OPTIONS.exclusion_row * len(scenario.platform.always_excluded)
-    a_row += OPTIONS.resource_row * (scenario.resources is not None)
+    if (resources := scenario.resources) is not None:
+        a_row += OPTIONS.resource_row + OPTIONS.wheels_row * (resources.momentum is not None)
     return a_row * rows + OPTIONS.session * len(scenario.sessions)
 
 

@@ -81,7 +81,7 @@ def complete_plan(
     flight, losses = assemble(scenario, mover, joins)
     final, table = flight.scenario, flight.table
     with clock.time("resources"):
-        require_resources(flight)
+        require_resources(flight, mover)
     with clock.time("pointing budget"):
         budgets = tuple(
             mover_of(final).budget(ephemeris, table, number, join.track.los)

@@ -14,21 +14,23 @@ from planner.base.commands import ROWS_PER_S
 from planner.base.effort import at_most
 from planner.base.errors import Refusal, ResourceRunsOut, figures
 from planner.planning.resources import (
+    Along,
     LightAndContacts,
     ResourceCurve,
     Uses,
-    charge_along,
+    attitude_along,
     resource_curves,
     uses_of,
 )
 from planner.planning.sessions.assembly import assemble, table_work
+from planner.planning.sessions.platforms.mover import Mover
 from planner.planning.sessions.platforms.registry import mover_of
 from planner.planning.sessions.sequence import SessionRefused, sequence_whole
 from planner.planning.sessions.track_branches import may_look, session_rows
 from planner.verification import verify
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.world.plan import FlightPlan
-from planner.world.scenario import Scenario, Session
+from planner.world.scenario import BoundedLead, Lead, Scenario, Session
 from planner.world.targets import BenchMotionTarget
 
 
@@ -38,16 +40,26 @@ class RunningOutOptions:
 
     step_s: float = 10.0  # between starts tried, and between instants of the level foretold
     tries: int = 5  # plans of each way out: what is foretold errs by the attitude on slews
-    share: float = 0.8  # of the work that is left
+    share: float = 0.8  # of the work that is left; at most what a plan may take
+    shorter_share: float = 0.5  # of that to the shorter session, which is foretold more nearly
     spare: float = 1e-3  # of the capacity, beyond what the last try lacked
+    gentler_share: float = 0.6  # of it to gentler slews, first of all where momentum runs out
+    gentler: float = 2.0  # times the longest slew allowed
+    growth: float = 4.0  # of the step to the next later start then
+    table_share: float = 0.25  # of a table's work: waits are known
+    judged_share: float = 0.45  # of it, where it keeps all limits
+    stride: int = 5  # rows between looks at the level of a shorter session: a second
     farthest_s: float = 21_600.0  # a battery is full after an orbit, a station passed in some
 
 
 OPTIONS = RunningOutOptions()
 
 
-def require_resources(plan: FlightPlan) -> None:
-    """Raises ResourceRunsOut, with the nearest plan that works, where a limit is passed."""
+def require_resources(plan: FlightPlan, mover: Mover) -> None:
+    """Raises ResourceRunsOut, with the nearest plan that works, where a limit is passed.
+
+    mover: of the plan's scenario; what is tried shares the slews that it learns of.
+    """
     curves = [curve for curve in resource_curves(plan) if curve.first_beyond_s is not None]
     if not curves:
         return
@@ -55,25 +67,27 @@ def require_resources(plan: FlightPlan) -> None:
     at_utc = shifted_utc(plan.table.epoch_utc, curve.first_beyond_s or 0.0)
     short = figures(-float(curve.room.min()))
     detail = (
-        f"the {curve.name} passes its limit of {curve.limit:g} {curve.unit} at "
+        f"the {curve.told} passes its limit of {curve.limit:g} {curve.unit} at "
         f"{utc_text(at_utc, 1)}, in the end by {short} {curve.unit}"
     )
-    if _runs_out_idle(plan, curve.name):
+    if _runs_out_idle(plan, curve):
         raise ResourceRunsOut(
-            f"{detail}, and would without any session; begin with more, or take less while idle",
-            field=f"resources.{curve.name}",
-            limit=curve.name,
+            f"{detail}, and would without any session; {_IDLE_WAYS[curve.resource]}",
+            field=f"resources.{curve.resource}",
+            limit=curve.resource,
             at_utc=at_utc,
         )
     sessions = plan.scenario.sessions
     number = max(n for n, one in enumerate(sessions) if n == 0 or one.start <= at_utc)
+    if curve.resource == "momentum" and sessions[number].stop < at_utc:  # on the slew to the next
+        number = min(number + 1, len(sessions) - 1)
     advice = _Advice("", None, ())
-    with at_most(OPTIONS.share * effort.remaining()):
-        advice = _advice(plan, number, curve, at_utc)
+    with at_most(min(OPTIONS.share * effort.remaining(), effort.PLAN)):
+        advice = _advice(plan, mover, number, curve, at_utc)
     raise ResourceRunsOut(
-        f"session {number + 1}: {detail}; {advice.words or _NO_WAY}",
+        f"session {number + 1}: {detail}; {advice.words or _NO_WAY[curve.resource]}",
         field=f"sessions.{number}.start",
-        limit=curve.name,
+        limit=curve.resource,
         at_utc=at_utc,
         earliest_feasible_start_utc=advice.session.start if advice.session else None,
         feasible_stop_utc=advice.session.stop if advice.session else None,
@@ -89,41 +103,68 @@ class _Advice(NamedTuple):
     costs: tuple[int, ...]
 
 
-_NO_WAY = (
-    "neither a later start nor a shorter session was found with which there is enough; leave the "
-    "session or one before it out, or begin with more"
+_FOUND_NONE = (
+    "neither a later start nor a shorter session was found with which the limit is kept; leave the "
+    "session or one before it out"
 )
+_NO_WAY = {
+    "battery": f"{_FOUND_NONE}, or begin with more",
+    "memory": f"{_FOUND_NONE}, or begin with less",
+    "momentum": f"{_FOUND_NONE}, begin with less, or lower what agility allows",
+}
+_IDLE_WAYS = {
+    "battery": "begin with more, or take less while idle",
+    "memory": "begin with less",
+    "momentum": "begin with less, unload more, or choose another idle attitude",
+}
 
 
-def _runs_out_idle(plan: FlightPlan, name: str) -> bool:
-    """Whether it would with the plan's attitude, but nothing else of the plan."""
+def _runs_out_idle(plan: FlightPlan, curve: ResourceCurve) -> bool:
+    """Whether it would with nothing of the plan: but for momentum, not without its attitude."""
     t_s = plan.table.t_s
-    around, charge_w = charge_along(plan)
+    around, along = attitude_along(plan)
+    if curve.resource == "momentum":
+        along = _idle_along(around, t_s)
     nothing = Uses(imaging=(), idle=((0.0, float(t_s[-1])),))
     return any(
         one.first_beyond_s is not None
-        for one in around.curves(t_s, charge_w, nothing)
-        if one.name == name
+        for one in around.curves(t_s, along, nothing)
+        if one.name == curve.name
     )
 
 
-def _advice(plan: FlightPlan, number: int, curve: ResourceCurve, at_utc: datetime) -> _Advice:
+def _idle_along(around: LightAndContacts, t_s: Array) -> Along:
+    """What the idle attitude gives, at 7 or more even instants."""
+    return around.along(t_s, mover_of(around.scenario).idle_motion(*around.at(t_s)))
+
+
+def _advice(
+    plan: FlightPlan, mover: Mover, number: int, curve: ResourceCurve, at_utc: datetime
+) -> _Advice:
     """With all other sessions, else with those before only."""
     asked, after = (
         plan.scenario.sessions[number],
         tuple(range(number + 1, len(plan.scenario.sessions))),
     )
     for costs in dict.fromkeys(((), after)):
-        search = _Search(plan, number, costs)
-        shorter, later = search.shorter(), search.later()
-        ways = []
+        search = _Search(plan, mover, number, costs)
+        ways, shorter, later, gentler = [], None, None, ""
+        if curve.resource == "momentum":
+            with at_most(OPTIONS.gentler_share * effort.remaining()):
+                gentler = search.gentler()
+        with at_most(OPTIONS.shorter_share * effort.remaining()):
+            shorter = search.shorter()
+        with at_most(effort.remaining()):
+            later = search.later(curve.resource)
         if later is not None:
-            contact = search.contact_before(later, at_utc) if curve.name == "memory" else ""
             start, stop = utc_text(later.start, 1), utc_text(later.stop, 1)
-            ways.append(f"earliest feasible start {start}{contact}, with the stop moved to {stop}")
+            before = search.relief_before(curve.resource, later, at_utc)
+            ways.append(f"earliest feasible start {start}{before}, with the stop moved to {stop}")
         if shorter is not None:
             stop = utc_text(shorter.stop, 1)
             ways.append(f"from the start asked for it can be flown until {stop}")
+        if gentler:
+            ways.append(f"with {gentler}, which turns more slowly, it can be flown as asked")
         if not ways:
             continue
         left_out = f", with session {number + 2} and any after it left out" if costs else ""
@@ -137,50 +178,73 @@ def _advice(plan: FlightPlan, number: int, curve: ResourceCurve, at_utc: datetim
 class _Search:
     """For another start or stop of one session, each tried by planning all sessions with it."""
 
-    def __init__(self, plan: FlightPlan, number: int, without: tuple[int, ...]) -> None:
+    def __init__(
+        self, plan: FlightPlan, mover: Mover, number: int, without: tuple[int, ...]
+    ) -> None:
         """without: sessions that are left out, the last ones."""
         sessions = plan.scenario.sessions[: len(plan.scenario.sessions) - len(without)]
         uses = uses_of(plan)
-        self.plan, self.number = plan, number
+        self.plan, self.mover, self.number = plan, mover, number
         self.scenario = replace(plan.scenario, sessions=sessions)
         self.session = sessions[number]
         self.uses = replace(uses, imaging=uses.imaging[: len(sessions)])
+        self.curves = resource_curves(plan)
         self.epoch_utc, self.leaves_out = plan.table.epoch_utc, bool(without)
 
     def shorter(self) -> Session | None:
         """With the same start and the latest stop that was found."""
         start_s, stop_s = self.uses.imaging[self.number]
-        around, charge_w = charge_along(self.plan)
+        around, along = attitude_along(self.plan)
+        table = self.plan.table
+        rows = np.append(np.arange(0, len(table.t_s) - 1, OPTIONS.stride), len(table.t_s) - 1)
+        charge = along._replace(charge_w=along.charge_w[rows])
+        wheels = tuple(one for one in self.curves if one.resource == "momentum")
         is_last = self.number + 1 == len(self.scenario.sessions)
         ends = is_last and (self.scenario.final_state is None or self.leaves_out)
 
-        def lack(until_s: float) -> float:
-            """Of the capacity, by the plan's own attitude, waiting after the session."""
+        def lacks(until_s: float) -> Array:
+            """Of each capacity, by the plan's own attitude, waiting after the session."""
             imaging = list(self.uses.imaging)
             imaging[self.number] = start_s, until_s
             uses = replace(self.uses, imaging=tuple(imaging))
-            curves = around.curves(self.plan.table.t_s, charge_w, uses)
+            curves = around.curves(table.t_s[rows], charge, uses, with_wheels=False)
             last_s = until_s if ends else math.inf
-            return max(_lack(curve, last_s) for curve in curves)
+            return _lacks(curves + wheels, last_s)
 
-        spare = 0.0
+        spare: Array | float = 0.0
         for _ in range(OPTIONS.tries):
             low_row, high_row = math.ceil(start_s * ROWS_PER_S), math.floor(stop_s * ROWS_PER_S)
-            if lack(low_row / ROWS_PER_S) > -spare:
+            if np.any(lacks(low_row / ROWS_PER_S) > -spare):
                 return None
             while high_row - low_row > 1:
                 middle = (low_row + high_row) // 2
-                if lack(middle / ROWS_PER_S) > -spare:
+                if np.any(lacks(middle / ROWS_PER_S) > -spare):
                     high_row = middle
                 else:
                     low_row = middle
             found, lacked = self._try(start_s, low_row / ROWS_PER_S)
             if found is not None:
                 return found
-            spare += max(lacked, 0.0) + OPTIONS.spare
+            spare = spare + np.maximum(lacked, 0.0) + OPTIONS.spare
         return None
 
-    def later(self) -> Session | None:
+    def gentler(self) -> str:
+        """In words, longer slews with which all can be flown; empty: they weren't found."""
+        slew, most_s = self.scenario.slew, None
+        if slew.lead == "all":
+            return ""
+        if isinstance(slew.lead, BoundedLead) and slew.lead.max_duration_s is not None:
+            most_s = min(OPTIONS.gentler * slew.lead.max_duration_s, 86_400.0)
+        lead: Lead = "all" if most_s is None else BoundedLead(max_duration_s=most_s)
+        scenario = replace(self.scenario, slew=replace(slew, lead=lead, objective="smooth"))
+        try:
+            if not self._works(_flown(scenario, mover_of(scenario)))[0]:
+                return ""
+        except (SessionRefused, Refusal):
+            return ""
+        return 'slew.lead "all"' if most_s is None else f"slew.lead.max_duration_s {most_s:g}"
+
+    def later(self, resource: str) -> Session | None:
         """As long as asked, with the earliest later start that was found."""
         start_s, stop_s = self.uses.imaging[self.number]
         long_s = stop_s - start_s
@@ -188,17 +252,16 @@ class _Search:
         if around is None:
             return None
         t_s = np.linspace(0.0, around.last_s, math.ceil(around.last_s / OPTIONS.step_s) + 1)
-        instants, states = around.at(t_s)
-        idle = mover_of(self.scenario).idle_position(instants, states)
-        q_body_from_eci = self.scenario.q_body_from_eci(instants, states, idle)
-        charge_w = around.charge_w(t_s, q_body_from_eci)
+        along = _idle_along(around, t_s)
         next_s = [one[0] for one in self.uses.imaging[self.number + 1 :]]
         until_s = next_s[0] if next_s else around.last_s
-        lacked_now = max(_lack(curve, stop_s) for curve in resource_curves(self.plan))
-        spare = lacked_now - self._foretold(around, t_s, charge_w, start_s, long_s)
-        tries = 0
+        lacked_now = _lacks(self.curves, stop_s)
+        spare = lacked_now - self._foretold(around, t_s, along, start_s, long_s)
+        tries, from_s = 0, start_s
         for moved_s in self._starts(around, long_s, until_s):
-            if self._foretold(around, t_s, charge_w, moved_s, long_s) > -spare:
+            if moved_s < from_s or np.any(
+                self._foretold(around, t_s, along, moved_s, long_s) > -spare
+            ):
                 continue
             found, lacked = self._try(moved_s, moved_s + long_s)
             if found is not None:
@@ -206,12 +269,20 @@ class _Search:
             tries += 1
             if tries >= OPTIONS.tries:
                 return None
-            spare += max(lacked, 0.0) + OPTIONS.spare
+            if resource == "momentum":  # of slews, which aren't foretold
+                from_s = moved_s + OPTIONS.step_s * OPTIONS.growth**tries
+                continue
+            spare += np.maximum(lacked, 0.0) + OPTIONS.spare
         return None
 
-    def contact_before(self, moved: Session, since_utc: datetime) -> str:
-        """In words, the last contact that begins between an instant and that start, if any does."""
+    def relief_before(self, resource: str, moved: Session, since_utc: datetime) -> str:
+        """In words, unloading before that start, or the last contact since an instant, if any."""
         start_s = elapsed_s(moved.start, self.epoch_utc)
+        momentum = self.scenario.resources.momentum if self.scenario.resources else None
+        if resource == "momentum" and momentum and momentum.unload_n_m:
+            return ", after unloading"
+        if resource != "memory":
+            return ""
         contacts = [
             (span[0], name)
             for name, span in LightAndContacts(self.scenario, start_s).contacts
@@ -251,9 +322,9 @@ class _Search:
         yield from starts_s.tolist()
 
     def _foretold(
-        self, around: LightAndContacts, t_s: Array, charge_w: Array, start_s: float, long_s: float
-    ) -> float:
-        """What lacks, in shares of the capacity, with the session moved there, idle between."""
+        self, around: LightAndContacts, t_s: Array, along: Along, start_s: float, long_s: float
+    ) -> Array:
+        """What lacks, in shares of each capacity, with the session moved there, idle between."""
         imaging, idle = list(self.uses.imaging), list(self.uses.idle)
         before_s = imaging[self.number - 1][1] if self.number else 0.0
         slewed_s = imaging[self.number][0] - max(
@@ -265,12 +336,12 @@ class _Search:
             idle.append((before_s, waits_until_s))
         is_last = self.number + 1 == len(imaging)
         last_s = imaging[-1][1] if is_last else min(float(self.plan.table.t_s[-1]), around.last_s)
-        curves = around.curves(t_s, charge_w, Uses(imaging=tuple(imaging), idle=tuple(idle)))
-        return max(_lack(curve, last_s) for curve in curves)
+        curves = around.curves(t_s, along, Uses(imaging=tuple(imaging), idle=tuple(idle)))
+        return _lacks(curves, last_s)
 
-    def _try(self, start_s: float, stop_s: float) -> tuple[Session | None, float]:
+    def _try(self, start_s: float, stop_s: float) -> tuple[Session | None, Array | float]:
         """The session so moved, if all sessions are planned and judged good with it; else what
-        lacked, in shares of the capacity."""
+        lacked, in shares of each capacity."""
         start_utc, stop_utc = self.session.start, self._utc(stop_s)
         if start_s != self.uses.imaging[self.number][0]:
             start_utc = self._utc(start_s)
@@ -281,28 +352,34 @@ class _Search:
             moved = replace(self.session, target=target, start=start_utc, stop=stop_utc)
             sessions = list(self.scenario.sessions)
             sessions[self.number] = moved
-            plan = _flown(replace(self.scenario, sessions=tuple(sessions)))
+            plan = _flown(replace(self.scenario, sessions=tuple(sessions)), self.mover)
         except (SessionRefused, Refusal, ValueError):
             return None, 0.0
-        lacked = max(_lack(curve) for curve in resource_curves(plan))
-        if lacked > 0.0 or not verify(plan.table, plan.scenario, plan.waits).passed:
-            return None, lacked
-        return moved, lacked
+        works, lacked = self._works(plan)
+        return (moved if works else None), lacked
+
+    def _works(self, plan: FlightPlan) -> tuple[bool, Array]:
+        """Whether a plan keeps its limits and is judged good; what lacks, in shares."""
+        lacked = _lacks(resource_curves(plan))
+        if lacked.max() <= 0.0:
+            effort.count(OPTIONS.judged_share * table_work(plan.scenario, len(plan.table.t_s)))
+            if verify(plan.table, plan.scenario, plan.waits).passed:
+                return True, lacked
+        return False, lacked
 
     def _utc(self, t_s: float) -> datetime:
         return shifted_utc(self.epoch_utc, round(t_s * ROWS_PER_S) / ROWS_PER_S)
 
 
-def _lack(curve: ResourceCurve, last_s: float = math.inf) -> float:
-    """By how much it passes its limit up to an instant, in shares of its capacity."""
-    room = curve.room[curve.t_s <= last_s]
-    return -float(room.min()) / curve.capacity
+def _lacks(curves: tuple[ResourceCurve, ...], last_s: float = math.inf) -> Array:
+    """By how much each passes its limit up to an instant, in shares of its capacity."""
+    return np.array([-one.room[one.t_s <= last_s].min() / one.capacity for one in curves])
 
 
-def _flown(scenario: Scenario) -> FlightPlan:
-    """As the pipeline plans it; raises SessionRefused and refusals."""
+def _flown(scenario: Scenario, known: Mover) -> FlightPlan:
+    """As the pipeline plans it, with the slews that are known; raises SessionRefused, refusals."""
     last = session_rows(scenario.sessions[-1], scenario.initial_state.epoch)
-    effort.charge(table_work(scenario, last.stop))
-    mover = mover_of(scenario)
+    effort.charge(OPTIONS.table_share * table_work(scenario, last.stop))
+    mover = known.planning(scenario)
     plan, _ = assemble(scenario, mover, sequence_whole(scenario, mover))
     return plan

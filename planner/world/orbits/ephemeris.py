@@ -1,5 +1,6 @@
 """The ephemeris that every orbit source gives: positions and velocities over a plan's time span."""
 
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from datetime import datetime
@@ -9,6 +10,7 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.errors import OutsideCoverage
+from planner.base.interpolation import hermite
 from planner.world.frames.time_scales import Instants, elapsed_s, utc_text
 from planner.world.orbits.accuracy import OrbitSigma
 
@@ -57,6 +59,20 @@ class Ephemeris(ABC):
                 at_utc=at_utc,
             )
         return self.interpolate(instants)
+
+    def dense_states(self, instants: Instants, step_s: float = 10.0) -> OrbitStates:
+        """`states` at many instants in order of time, by the cubic through some.
+
+        Off by r (w step_s)^4 / 384, 0.3 mm in low orbits.
+        """
+        first_s, last_s = (float(instants.t_s[k]) for k in (0, -1))
+        node_s = np.linspace(first_s, last_s, math.ceil((last_s - first_s) / step_s) + 1)
+        if len(node_s) >= len(instants):
+            return self.states(instants)
+        nodes = self.states(Instants(instants.epoch_utc, node_s))
+        return OrbitStates(
+            *hermite(node_s, nodes.r_sat_eci_m, nodes.v_sat_eci_m_s, instants.t_s, 2)
+        )
 
     def age_s(self, instants: Instants) -> Array:
         """Time since (or until) the data the orbit rests on, shape (n,), never negative."""

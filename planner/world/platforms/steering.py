@@ -15,8 +15,8 @@ from planner.base.arrays import Array
 from planner.base.commands import COMMAND_STEP_S
 from planner.base.compiled import compiled
 from planner.base.rotation import Rotation
-from planner.world.frames.geodesy import MU_EARTH_M3_S2
 from planner.world.platforms.cmg_array import CmgArray, Gyros
+from planner.world.platforms.gravity_gradient import gradient_torque_body_n_m
 
 
 @compiled
@@ -97,11 +97,7 @@ def total_momentum_eci(
     start_eci_n_m_s: at row 0, (3,).  inertia_kg_m2: (3, 3).  Leaves out the torques of air, light
     and magnetic field (1e-4 N m).
     """
-    radius_m = np.linalg.norm(r_sat_eci_m, axis=1, keepdims=True)
-    nadir_body = q_body_from_eci.apply(-r_sat_eci_m / radius_m)
-    torque_body_n_m = (
-        3.0 * MU_EARTH_M3_S2 / radius_m**3 * np.cross(nadir_body, nadir_body @ inertia_kg_m2)
-    )
+    torque_body_n_m = gradient_torque_body_n_m(q_body_from_eci, r_sat_eci_m, inertia_kg_m2)
     torque_eci_n_m = q_body_from_eci.inv().apply(torque_body_n_m)
     steps_n_m_s = 0.5 * COMMAND_STEP_S * (torque_eci_n_m[1:] + torque_eci_n_m[:-1])
     return np.asarray(start_eci_n_m_s + np.vstack([np.zeros(3), np.cumsum(steps_n_m_s, axis=0)]))

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from planner.base.arrays import Array
 from planner.base.errors import figures
 from planner.world.attitude import Attitude
 from planner.world.platforms import AnyPlatform
@@ -46,6 +47,12 @@ def refuse_axes_only(platform: str, is_given: Mapping[str, bool]) -> None:
             )
 
 
+def inertia_of(scenario: "Scenario") -> Array:
+    """Of the body that wheels turn, (3, 3): it has one, or the request was refused."""
+    assert isinstance(scenario.platform, BodyPlatform)
+    return np.array(scenario.platform.inertia_kg_m2)
+
+
 class BodyRules:
     """As `Rules` says."""
 
@@ -72,6 +79,21 @@ class BodyRules:
             self.require_roll(f"sessions.{number}.roll", session.roll, session.target)
         refuse_axes_only(self.platform.name, given)
         self._require_initial(state)
+        self._require_wheels(scenario)
+
+    def _require_wheels(self, scenario: "Scenario") -> None:
+        if scenario.resources is None or scenario.resources.momentum is None:
+            return
+        if self.platform.gyros is not None:
+            raise ValueError(
+                f"resources.momentum must be left out for {self.platform.name}: gyros turn it, "
+                "whose momentum is planned with gyros.start_n_m_s"
+            )
+        if self.platform.inertia_kg_m2 is None:
+            raise ValueError(
+                f"resources.momentum must be left out for {self.platform.name}, or its "
+                "inertia_kg_m2 be given: wheels hold what it turns with"
+            )
 
     def require_roll(self, name: str, roll: RollRule | None, target: Target) -> None:
         if roll is None:

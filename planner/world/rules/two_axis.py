@@ -69,6 +69,11 @@ class TwoAxisRules:
         if scenario.attitude is None:
             raise ValueError(f"attitude is required: {self.platform.name} stands on a carrier")
         self._require_initial(scenario)
+        if scenario.resources is not None and scenario.resources.momentum is not None:
+            raise ValueError(
+                f"resources.momentum must be left out for {self.platform.name}: only a body that "
+                "turns as a whole has wheels"
+            )
         if scenario.final_state == "idle":
             raise ValueError('final_state must be "rest" or angles: two axes have no idle attitude')
         if isinstance(scenario.final_state, FinalAngles):

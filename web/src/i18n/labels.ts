@@ -36,7 +36,7 @@ export function exclusionTold(name: string): string {
   return name === "star_trackers" ? words.value.plan.one.starTrackers : name;
 }
 
-export function resourceTold(name: "battery" | "memory"): string {
+export function resourceTold(name: keyof typeof words.value.plan.one.resources): string {
   return words.value.plan.one.resources[name];
 }
 

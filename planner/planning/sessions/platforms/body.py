@@ -10,8 +10,8 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from planner.base import effort
-from planner.base.arrays import Array, Mask
-from planner.base.commands import ROWS_PER_S, CommandTable, Motion
+from planner.base.arrays import Array, Indices, Mask
+from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable, Motion
 from planner.base.errors import InfeasibleSlew, Refusal, figures
 from planner.base.rotation import Rotation, of_like_sign
 from planner.base.solvers import merged
@@ -46,7 +46,7 @@ from planner.planning.sessions.track_branches import (
     seen_from_s,
     session_rows,
 )
-from planner.world.exclusions import Surroundings, exclusion_margins
+from planner.world.exclusions import ExclusionMargin, Surroundings, exclusion_margins
 from planner.world.frames.time_scales import Instants, shifted_utc, utc_text
 from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.platforms.body import BodyPlatform
@@ -71,6 +71,8 @@ class BodyMoverOptions:
     inside_rad: float = 1e-6  # of an exclusion: 0.2 arcsec, more than the OCP leaves
     # rad, rad/s: ends of one slew on an orbit computed over another span differ by less
     alike: float = 1e-8
+    stride: int = 10  # rows between looks where an exclusion is far: the Sun is up for 2 s or more
+    sky_rad_s: float = math.radians(0.5)  # limb and glint turn by less than 0.2 deg/s from 200 km
 
 
 OPTIONS = BodyMoverOptions()
@@ -131,10 +133,16 @@ class BodyMover:
         self.settle_rows = math.ceil(platform.envelope.settle_s * ROWS_PER_S - 1e-6)
         self._is_trying = False
         self._known: dict[tuple[int, ...], list[tuple[Array, _Solved | InfeasibleSlew]]] = {}
+        self._idled: dict[tuple[int, int], Motion] = {}
+
+    def planning(self, scenario: Scenario) -> "BodyMover":
+        mover = BodyMover(scenario)
+        mover._known, mover._idled = self._known, self._idled
+        return mover
 
     def trying(self, scenario: Scenario) -> "BodyMover":
-        mover = BodyMover(scenario)
-        mover._known, mover._is_trying = self._known, True
+        mover = self.planning(scenario)
+        mover._is_trying = True
         return mover
 
     def initial(self, ephemeris: Ephemeris) -> Motion:
@@ -347,13 +355,16 @@ class BodyMover:
             if wait is not None:
                 if wait.onto_idle is not None:
                     parts.append(wait.onto_idle.motion)
-                parts.append(self._idle(wait.ephemeris, wait.rows.start, wait.rows.stop))
+                ends = wait.rows.start, wait.rows.stop
+                if ends not in self._idled:
+                    self._idled[ends] = self._idle(wait.ephemeris, *ends)
+                parts.append(self._idled[ends])
             parts += [join.slew.slew.motion, join.track.rows_at(join.join_row, join.stop_row)]
         # A row that two share is the later one's.
         parts = [*(rows_of(part, slice(-1)) for part in parts[:-1]), parts[-1]]
         position = np.concatenate([part.position for part in parts])
         rate_rad_s = np.concatenate([part.rate_rad_s for part in parts])
-        self._require_clear(epoch_utc, position)
+        self._require_clear(epoch_utc, position, rate_rad_s)
         imaging = np.zeros(len(position) - 1, dtype=bool)
         for join in joins:
             imaging[join.join_row : join.stop_row] = True
@@ -419,8 +430,8 @@ class BodyMover:
         position = motion_at(table, los.instants.t_s).position
         return body_covariance_rad2(los, ephemeris, target, self.platform, position)
 
-    def idle_position(self, instants: Instants, states: OrbitStates) -> Array:
-        return idle_attitude(self.platform.idle, instants, states).position
+    def idle_motion(self, instants: Instants, states: OrbitStates) -> Motion:
+        return idle_attitude(self.platform.idle, instants, states)
 
     def warnings_along(self, table: CommandTable) -> tuple[str, ...]:
         """None: it steers itself."""
@@ -520,23 +531,43 @@ class BodyMover:
                 cones.append(cone)
         return tuple(cones)
 
-    def _require_clear(self, epoch_utc: datetime, q_eci_from_body_xyzw: Array) -> None:
+    def _require_clear(
+        self, epoch_utc: datetime, q_eci_from_body_xyzw: Array, rate_rad_s: Array
+    ) -> None:
         """Raises InfeasibleSlew where the way, or idling, breaks an exclusion that always counts:
         the idle attitude may, and what comes out of the Earth's shadow on the way."""
-        if not self.platform.always_excluded:
+        always = self.platform.always_excluded
+        if not always:
             return
-        instants = self._instants(0, len(q_eci_from_body_xyzw) - 1)
-        ephemeris = self.scenario.orbit.ephemeris(epoch_utc, instants.utc(-1))
-        surroundings = Surroundings(instants, ephemeris.states(instants))
-        q_eci_from_body = Rotation.from_quat(q_eci_from_body_xyzw)
-        for margin in exclusion_margins(self.platform, q_eci_from_body, surroundings):
-            row = int(np.argmin(margin.margin_rad))
-            inside_rad = -float(margin.margin_rad[row])
-            if not margin.imaging_only and inside_rad > OPTIONS.inside_rad:
+        platform = replace(self.platform, exclusions=always, star_trackers=None)
+        count = len(q_eci_from_body_xyzw)
+        end_utc = shifted_utc(epoch_utc, (count - 1) / ROWS_PER_S)
+        ephemeris = self.scenario.orbit.ephemeris(epoch_utc, end_utc)
+
+        def margins_on(rows: Indices) -> tuple[ExclusionMargin, ...]:
+            instants = Instants(epoch_utc, rows / ROWS_PER_S)
+            q_eci_from_body = Rotation.from_quat(q_eci_from_body_xyzw[rows])
+            around = Surroundings(instants, ephemeris.states(instants))
+            return exclusion_margins(platform, q_eci_from_body, around)
+
+        rows = np.unique(np.append(np.arange(0, count, OPTIONS.stride), count - 1))
+        turns_rad = COMMAND_STEP_S * (np.linalg.norm(rate_rad_s, axis=1) + OPTIONS.sky_rad_s)
+        ways_rad = np.diff(np.append(0.0, np.cumsum(turns_rad))[rows])
+        is_near = np.zeros(len(ways_rad), dtype=bool)
+        for _, _, _, margin_rad in margins_on(rows):
+            is_near |= margin_rad[1:] + margin_rad[:-1] < ways_rad
+            is_near |= (margin_rad[1:] == math.pi) != (margin_rad[:-1] == math.pi)
+        spans = zip(rows[:-1][is_near], rows[1:][is_near], strict=True)
+        rows = np.unique(np.concatenate([rows[:1], *(np.arange(a, b + 1) for a, b in spans)]))
+        for margin in margins_on(rows):
+            worst = int(np.argmin(margin.margin_rad))
+            inside_rad = -float(margin.margin_rad[worst])
+            if inside_rad > OPTIONS.inside_rad:
                 given = self.scenario.initial_state.body_only
                 begins = given and margin.margin_rad[0] < -OPTIONS.inside_rad
+                at_utc = shifted_utc(epoch_utc, float(rows[worst]) / ROWS_PER_S)
                 raise InfeasibleSlew(
-                    f"{margin.name}: at {utc_text(instants.utc(row))} the body stands "
+                    f"{margin.name}: at {utc_text(at_utc)} the body stands "
                     f"{math.degrees(inside_rad):.4g} deg nearer to {margin.title} than allowed, on "
                     "its way or idling; choose another time, attitude or exclusion",
                     limit="exclusion",

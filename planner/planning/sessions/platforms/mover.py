@@ -6,7 +6,7 @@ from datetime import datetime
 from typing import Any, ClassVar, Protocol
 
 from planner.base.arrays import Array, Mask
-from planner.base.commands import CommandTable
+from planner.base.commands import CommandTable, Motion
 from planner.motion.pointing.line_of_sight import LineOfSight
 from planner.planning.sessions.budget import PointingBudget
 from planner.planning.sessions.plan import SlewRun
@@ -105,6 +105,11 @@ class Mover(Protocol):
     @property
     def settle_rows(self) -> int: ...
 
+    def planning(self, scenario: Scenario) -> "Mover":
+        """Of a scenario with other sessions, to plan it: it knows the slews that this one has
+        solved."""
+        ...
+
     def trying(self, scenario: Scenario) -> "Mover":
         """Of a scenario with other sessions, or another objective, to find out whether it can be
         flown: it knows the slews that this one has solved or refused."""
@@ -201,8 +206,8 @@ class Mover(Protocol):
         """
         ...
 
-    def idle_position(self, instants: Instants, states: OrbitStates) -> Array:
-        """Of a body on its idle attitude, of axes at zero, at 7 or more even instants, (n, c)."""
+    def idle_motion(self, instants: Instants, states: OrbitStates) -> Motion:
+        """Of a body on its idle attitude, of axes at zero, at 7 or more even instants."""
         ...
 
     def warnings_along(self, table: CommandTable) -> tuple[str, ...]:

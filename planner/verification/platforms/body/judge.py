@@ -44,6 +44,7 @@ class BodyJudge:
         if not isinstance(scenario.platform, BodyPlatform):
             raise TypeError(f"{scenario.platform.name} is no body")
         self._table, self._platform, self._scenario = table, scenario.platform, scenario
+        self._last: tuple[FlownInstants, FlownMotion] | None = None
 
     def fault(self) -> Finding | None:
         """Of the columns their names, shapes and numbers; of the quaternions length and sign."""
@@ -306,7 +307,10 @@ class BodyJudge:
         return np.concatenate([table.t_s, cell / ROWS_PER_S + u_s]), flown
 
     def _motion(self, at: FlownInstants) -> FlownMotion:
-        return self._between(at.cell, at.u_s)
+        """The last one is kept: many directions are asked for at the same instants."""
+        if self._last is None or self._last[0] is not at:
+            self._last = at, self._between(at.cell, at.u_s)
+        return self._last[1]
 
     def _between(self, cell: Indices, u_s: Array) -> FlownMotion:
         return motion_between(

@@ -63,7 +63,7 @@ export const shell = {
       "infeasible-slew": "The slew doesn't fit in the time available",
       "not-visible": "The target can't be seen during the session",
       "outside-coverage": "The orbit or attitude is not known at that time",
-      "resource-runs-out": "A battery or memory runs out",
+      "resource-runs-out": "A resource runs out",
       "search-ended": "The search ended before anything was found",
       "solver-failed": "The solver found no trajectory",
       "track-breaks-limit": "Tracking the target breaks a limit of the platform",

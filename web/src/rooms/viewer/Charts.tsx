@@ -172,13 +172,13 @@ function Exclusions({ view, common, withLimits }: { view: View; common: Common; 
   );
 }
 
-/** What a battery or memory holds, with its limit. */
+/** What a battery, a memory or wheels hold, with its limit; wheels hold either way. */
 function Resource({ one, common, withLimits }: { one: View["resources"][number]; common: Common; withLimits: boolean }) {
   const text = words.value.viewer.charts;
   const title = text.resources[one.name];
   const unit = resourceUnit(one.unit);
   const lines = useMemo<Line[]>(() => [{ label: title, values: one.level, colour: "series-1" }], [one, title]);
-  const limits = useMemo(() => [one.limit], [one]);
+  const limits = useMemo(() => (one.name.startsWith("momentum") ? [-one.limit, one.limit] : [one.limit]), [one]);
   return (
     <div class="look-strip">
       <h3>

@@ -10,7 +10,7 @@ import numpy as np
 
 from planner.base import effort
 from planner.base.arrays import Array, Mask
-from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
+from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable, Motion
 from planner.base.errors import InfeasibleSlew
 from planner.base.solvers import merged
 from planner.base.table_motion import motion_at
@@ -58,6 +58,9 @@ class TwoAxisMover:
     settle_rows: ClassVar = 0
 
     scenario: Scenario
+
+    def planning(self, scenario: Scenario) -> "TwoAxisMover":
+        return TwoAxisMover(scenario)
 
     def trying(self, scenario: Scenario) -> "TwoAxisMover":
         return TwoAxisMover(scenario)
@@ -218,8 +221,8 @@ class TwoAxisMover:
             np.stack(angle_rad, axis=1),
         )
 
-    def idle_position(self, instants: Instants, states: OrbitStates) -> Array:
-        return np.zeros((len(instants), 2))
+    def idle_motion(self, instants: Instants, states: OrbitStates) -> Motion:
+        return Motion(*(np.zeros((len(instants), 2)) for _ in range(3)))
 
     def warnings_along(self, table: CommandTable) -> tuple[str, ...]:
         attitude, platform = self.scenario.law, axes_of(self.scenario)
