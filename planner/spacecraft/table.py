@@ -1,4 +1,4 @@
-"""When the camera runs in a session's table."""
+"""The rows of a session's table in which the camera runs."""
 
 from dataclasses import dataclass
 
