@@ -9,10 +9,15 @@ import numpy as np
 import pytest
 from agile_bodies import SMALLSAT, smallsat
 from opportunity_requests import START, iss_request
+from spacecraft_cases import EPOCH, ORBIT, four_modes
 from test_body_windows import Sky, attitudes, between, exclusion_margin, rate_margin
 
 from planner.base.commands import ROWS_PER_S
-from planner.planning.opportunities import OpportunityConditions, OpportunityTarget
+from planner.planning.opportunities import (
+    OpportunityConditions,
+    OpportunityRequest,
+    OpportunityTarget,
+)
 from planner.planning.opportunities.carrier import carrier_over
 from planner.planning.opportunities.platforms.registry import lookout_of
 from planner.planning.opportunities.scan_windows import windows_of_scans
@@ -21,6 +26,7 @@ from planner.planning.sessions.pipeline import make_plan
 from planner.world.attitude import LvlhAttitude
 from planner.world.frames.time_scales import shifted_utc
 from planner.world.platforms import ISS_HRC
+from planner.world.platforms.agile_cmg import AGILE_CMG
 from planner.world.platforms.body import AzimuthRoll, LinesAcrossMotion
 from planner.world.rules.registry import rules_of
 from planner.world.scenario import InitialState, Scenario, Session
@@ -112,10 +118,14 @@ def found_in(request, modes, rolls):
     return list(windows_of_scans(scans.found, rolls, lookout, carrier))
 
 
+def place():
+    """A request has to have one; its modes are searched for beside it."""
+    return OpportunityTarget(id="0", target=GroundTarget(latitude_deg=0.0, longitude_deg=0.0))
+
+
 def asked(platform):
-    place = OpportunityTarget(id="0", target=GroundTarget(latitude_deg=0.0, longitude_deg=0.0))
     return iss_request(
-        days=1.0, platform=platform, targets=(place,), conditions=OpportunityConditions()
+        days=1.0, platform=platform, targets=(place(),), conditions=OpportunityConditions()
     )
 
 
@@ -197,3 +207,32 @@ def test_a_session_that_begins_first_or_last_is_planned(platform, mode):
             )
         )
         assert plan.verification.passed
+
+
+# Of ImagingSearch, the search for the spacecraft with gyros, at 03dc009e: when each end of a line
+# stands within 40 deg of nadir, in seconds since 300 s before the cases' epoch.
+SEEN_S = {
+    "strip": ((305.7783, 465.1947), (314.4302, 473.8877)),
+    "stereo": ((444.3384, 606.5061), (452.9835, 615.1987)),
+    "corridor": ((575.0265, 738.2738), (581.1149, 744.4613)),
+}
+
+
+def test_lines_begin_when_the_search_for_the_spacecraft_saw_their_ends():
+    lines = {one.mode: one.geometry for one in four_modes() if one.mode in SEEN_S}
+    request = OpportunityRequest(
+        platform=AGILE_CMG,
+        orbit=ORBIT,
+        targets=(place(),),
+        start=shifted_utc(EPOCH, -300.0),
+        stop=shifted_utc(EPOCH, 900.0),
+        conditions=OpportunityConditions(max_off_nadir_deg=40.0),
+    )
+    modes = [StripMode(geometry=lines[name], line="plane") for name in SEEN_S]
+    found = found_in(request, dict(enumerate(modes)), dict.fromkeys(range(3), AGILE_CMG.roll))
+    assert [one.scan.row for one in found] == [0, 1, 2]
+    for one, ((from_s, to_s), (last_from_s, last_to_s)) in zip(found, SEEN_S.values(), strict=True):
+        lasts_s = one.scan.path.duration_s
+        seen_s = [max(from_s, last_from_s - lasts_s), min(to_s, last_to_s - lasts_s)]
+        # A plan's row; 1 ms of each edge's halving and 0.1 ms of the search are within it.
+        np.testing.assert_allclose(one.begins_s, [seen_s], rtol=0.0, atol=0.2)
