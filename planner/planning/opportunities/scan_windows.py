@@ -11,7 +11,7 @@ from planner.base import effort
 from planner.base.arrays import Array, Mask
 from planner.planning.opportunities.carrier import Carrier
 from planner.planning.opportunities.platforms.lookout import HeldScans, Lookout
-from planner.planning.opportunities.scans import Scan
+from planner.planning.opportunities.scans import ModeScan
 from planner.planning.opportunities.sights import scan_sight
 from planner.world.platforms import RollRule
 
@@ -36,13 +36,13 @@ class ScanWindows:
     held_s: the longest part of each in which a session can begin, NaN where none can.
     """
 
-    scan: Scan
+    scan: ModeScan
     begins_s: Array
     held_s: Array
 
 
 def windows_of_scans(
-    scans: Sequence[Scan],
+    scans: Sequence[ModeScan],
     rolls: Mapping[int, RollRule | None],
     lookout: Lookout,
     carrier: Carrier,
@@ -71,7 +71,7 @@ def windows_of_scans(
 
 
 def _held_at(
-    scan: Scan, roll: RollRule | None, lookout: Lookout, carrier: Carrier, begins_s: Array
+    scan: ModeScan, roll: RollRule | None, lookout: Lookout, carrier: Carrier, begins_s: Array
 ) -> HeldScans:
     around_s = lookout.settle_s + OPTIONS.step_s
     samples = math.ceil((scan.duration_s + lookout.settle_s) / OPTIONS.step_s) + 1
