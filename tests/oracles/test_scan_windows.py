@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from agile_bodies import SMALLSAT, smallsat
 from opportunity_requests import START, iss_request
+from skyfield.api import wgs84
 from spacecraft_cases import EPOCH, ORBIT, four_modes
 from test_body_windows import Sky, attitudes, between, exclusion_margin, rate_margin
 
@@ -17,14 +18,15 @@ from planner.planning.opportunities import (
     OpportunityConditions,
     OpportunityRequest,
     OpportunityTarget,
+    WindowSearch,
 )
 from planner.planning.opportunities.carrier import carrier_over
 from planner.planning.opportunities.platforms.registry import lookout_of
-from planner.planning.opportunities.scan_windows import windows_of_scans
+from planner.planning.opportunities.scan_windows import scanned_path, windows_of_scans
 from planner.planning.opportunities.scans import scans_by_pass
 from planner.planning.sessions.pipeline import make_plan
 from planner.world.attitude import LvlhAttitude
-from planner.world.frames.time_scales import shifted_utc
+from planner.world.frames.time_scales import Instants, shifted_utc
 from planner.world.platforms import ISS_HRC
 from planner.world.platforms.agile_cmg import AGILE_CMG
 from planner.world.platforms.body import AzimuthRoll, LinesAcrossMotion
@@ -32,7 +34,7 @@ from planner.world.rules.registry import rules_of
 from planner.world.scenario import InitialState, Scenario, Session
 from planner.world.targets import EarthFixedTarget, GroundTarget
 from planner.world.targets.geojson import GeoLineString
-from planner.world.targets.imaging import CorridorMode, StripMode
+from planner.world.targets.imaging import CorridorMode, StereoMode, StripMode, TriStereoMode
 
 SLOW = {
     "limits": "axis",
@@ -115,7 +117,7 @@ def found_in(request, modes, rolls):
     ephemeris = request.orbit.ephemeris(request.start, request.stop)
     carrier = carrier_over(ephemeris, lookout, request.start, request.stop)
     scans = scans_by_pass(request, modes, carrier, 2.0)
-    return list(windows_of_scans(scans.found, rolls, lookout, carrier))
+    return list(windows_of_scans(scans.found, rolls, request, carrier))
 
 
 def place():
@@ -209,30 +211,63 @@ def test_a_session_that_begins_first_or_last_is_planned(platform, mode):
         assert plan.verification.passed
 
 
-# Of ImagingSearch, the search for the spacecraft with gyros, at 03dc009e: when each end of a line
-# stands within 40 deg of nadir, in seconds since 300 s before the cases' epoch.
-SEEN_S = {
-    "strip": ((305.7783, 465.1947), (314.4302, 473.8877)),
-    "stereo": ((444.3384, 606.5061), (452.9835, 615.1987)),
-    "corridor": ((575.0265, 738.2738), (581.1149, 744.4613)),
+# Of the search and the choice for the spacecraft with gyros, at acc148e1, in seconds since the
+# cases' epoch: the spans in which its lines begin with both ends within 40 deg of nadir, in each
+# pass of three days, and when its stereo looks begin, 24 deg ahead and behind.
+BEGINS_S = {
+    "strip": [(5.7783, 162.8891), (43264.7979, 43317.3473), (130921.1989, 131078.1661)],
+    "corridor": [(275.0265, 433.4614), (88026.8930, 88102.1966), (218408.9815, 218531.9110)],
 }
+LOOKS_S = [182.0, 266.0, 218549.2, 218632.6]
 
 
-def test_lines_begin_when_the_search_for_the_spacecraft_saw_their_ends():
-    lines = {one.mode: one.geometry for one in four_modes() if one.mode in SEEN_S}
+@pytest.mark.parametrize("line", ["plane", "geodesic"])
+def test_scans_begin_when_those_of_the_search_for_the_spacecraft_did(line):
+    lines = {one.mode: one.geometry for one in four_modes() if one.mode != "area"}
+    modes = (
+        StripMode(geometry=lines["strip"], line=line),
+        CorridorMode(geometry=lines["corridor"], line=line),
+        StereoMode(geometry=lines["stereo"], line=line),
+        TriStereoMode(geometry=lines["stereo"], line=line),
+    )
     request = OpportunityRequest(
         platform=AGILE_CMG,
         orbit=ORBIT,
-        targets=(place(),),
-        start=shifted_utc(EPOCH, -300.0),
-        stop=shifted_utc(EPOCH, 900.0),
+        targets=tuple(
+            OpportunityTarget(id=str(row), target=mode) for row, mode in enumerate(modes)
+        ),
+        start=EPOCH,
+        stop=shifted_utc(EPOCH, 72.0 * 3600.0),
         conditions=OpportunityConditions(max_off_nadir_deg=40.0),
     )
-    modes = [StripMode(geometry=lines[name], line="plane") for name in SEEN_S]
-    found = found_in(request, dict(enumerate(modes)), dict.fromkeys(range(3), AGILE_CMG.roll))
-    assert [one.scan.row for one in found] == [0, 1, 2]
-    for one, ((from_s, to_s), (last_from_s, last_to_s)) in zip(found, SEEN_S.values(), strict=True):
-        lasts_s = one.scan.path.duration_s
-        seen_s = [max(from_s, last_from_s - lasts_s), min(to_s, last_to_s - lasts_s)]
-        # A plan's row; 1 ms of each edge's halving and 0.1 ms of the search are within it.
-        np.testing.assert_allclose(one.begins_s, [seen_s], rtol=0.0, atol=0.2)
+    edges = WindowSearch(request).find()
+    lasts_s = np.array(
+        [scanned_path(request, edges, window).duration_s for window in range(len(edges))]
+    )
+    begins_s = np.stack([edges.rise_s, edges.set_s - lasts_s], axis=1)
+    part = edges.scan_parameters[:, 0]
+    # A plan's row; 1 ms of each edge's halving and 0.1 ms of the search are within it.
+    for row, expected_s in enumerate(BEGINS_S.values()):
+        np.testing.assert_allclose(begins_s[edges.target == row], expected_s, rtol=0.0, atol=0.2)
+    # Half a row to either side, of the middle of those that are near the angle.
+    for row, last in ((2, 2), (3, 3)):
+        outer = (edges.target == row) & np.isin(part, (1, last))
+        np.testing.assert_allclose(begins_s[outer].mean(axis=1), LOOKS_S, rtol=0.0, atol=0.2)
+    assert np.count_nonzero((edges.target == 3) & (part == 2)) == len(LOOKS_S) / 2
+
+
+@pytest.mark.parametrize(("line", "off_m"), [("plane", 1e-3), ("geodesic", 1.0)])
+def test_a_line_lies_where_the_plane_through_its_ends_and_the_earth_s_centre_does(line, off_m):
+    """Of 60 km; a geodesic leaves that plane by less than half a metre, a TDI line is 0.9 m."""
+    for one in four_modes():
+        if one.mode == "area":
+            continue
+        path = StripMode(geometry=one.geometry, line=line).path_between(*one.geometry.coordinates)
+        t_s = np.linspace(0.0, path.duration_s, 101)
+        r_itrf_m = path.starting(EPOCH).r_target_itrf_m(Instants(EPOCH, t_s))
+        longitude_deg, latitude_deg = np.transpose(one.geometry.coordinates)
+        ends_itrf_m = wgs84.latlon(latitude_deg, longitude_deg).itrs_xyz.m.T
+        np.testing.assert_allclose(r_itrf_m[[0, -1]], ends_itrf_m, rtol=0.0, atol=off_m)
+        normal = np.cross(*ends_itrf_m)
+        off_plane_m = r_itrf_m @ (normal / np.linalg.norm(normal))
+        assert np.abs(off_plane_m).max() < off_m
