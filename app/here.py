@@ -247,7 +247,8 @@ def _view(desk: Desk, work: LocalAsk) -> bytes:
 
 def _opportunities(desk: Desk, work: LocalAsk) -> bytes:
     """Found, or told of again by page."""
-    from app.work.searches import READERS, WindowsAsked, find_windows, read_windows, search_json
+    from app.requests.opportunities import read_opportunity_request
+    from app.work.searches import WindowsAsked, find_windows, read_windows, search_json
 
     query, request = work.ask.query, work.body
     asked = WindowsAsked(
@@ -256,13 +257,12 @@ def _opportunities(desk: Desk, work: LocalAsk) -> bytes:
         target=query.get("target"),
         include=frozenset(filter(None, query.get("include", "").split(","))),
     )
-    kind = "imaging_opportunities" if work.is_spacecraft else "opportunities"
     if work.id:
         made = desk.kept(work.id)
-        page = read_windows(kind, made.request, made.table_columns, asked)
+        page = read_windows(made.request, made.table_columns, asked)
         return search_json(work.id, made.text(work.id), page)
     found, page = find_windows(
-        READERS[kind].read(request), provenance(datetime.now(UTC), request), asked
+        read_opportunity_request(request), provenance(datetime.now(UTC), request), asked
     )
     kept_id = desk.keep(lambda: Kept(lambda _: found.head, True, request, found.edges))
     return search_json(kept_id, found.head, page)

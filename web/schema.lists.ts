@@ -16,8 +16,9 @@ export function listsOf({ components: { schemas }, paths }: Schema): Record<stri
   const member = (schema: string, name: string): Node => schemas[schema]?.properties[name] ?? {};
   const forms = (schema: string, name: string) => Object.entries(member(schema, name).discriminator?.mapping ?? {});
   const formats = (path: string) => paths[path]?.get.parameters.find(({ name }) => name === "format")?.schema.enum ?? [];
-  const searched = forms("OpportunityTarget", "target");
   const hasOwn = (ref: string, name: string) => name in (schemas[ref.replace(/^.*\//, "")]?.properties ?? {});
+  // Windows of imaging modes are those of their scans, of which a form's one session takes one only.
+  const searched = forms("OpportunityTarget", "target").filter(([, ref]) => !hasOwn(ref, "geometry"));
   return {
     ORBIT_SOURCES: forms("PlanRequest", "orbit").map(([source]) => source),
     SEARCHED_MODES: searched.map(([mode]) => mode),

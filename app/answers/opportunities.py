@@ -142,16 +142,44 @@ class SessionTimesOut:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PassWindow:
+class ScanOut:
+    """A scan of an imaging mode: `session` and this target and roll are a session of a plan.
+
+    part: counted from 1, of the mode's scans in this pass. E.g. `1`.
+    parts: the mode's scans in this pass. E.g. `2`.
+    first_start: soonest start of a session of it; UTC, null where there is none. E.g.
+    `"2024-06-01T10:00:05.800Z"`.
+    last_start: latest start of a session of it; UTC, null where there is none. E.g.
+    `"2024-06-01T10:02:42.800Z"`.
+    target: the line, as a target of a session. E.g. `{"mode": "ground_path", "speed_m_s": 5454.5,
+    "points": [{"latitude_deg": 20.487, "longitude_deg": -12.39}, {"latitude_deg": 21.018,
+    "longitude_deg": -12.507}]}`.
+    roll: rule by which a body lies on it; null for two axes. E.g.
+    `{"rule": "lines_across_motion"}`.
+    """
+
+    part: Count
+    parts: Count
+    first_start: str | None
+    last_start: str | None
+    target: dict[str, Any]
+    roll: dict[str, Any] | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class WindowOut:
     """One stretch in which all conditions hold for a target.
 
     target: id of the target, as the request gives it.
-    rise: start of the window; UTC.
-    set: end of the window; UTC.
+    rise: start of the window; UTC. Of a scan the soonest that it can begin.
+    set: end of the window; UTC. Of a scan the end of that which begins last.
     duration_s: from rise to set.
-    session: the longest, up to six hours, that can be held, on a table's rows; null for none.
-    opened_by: the condition that is met from `rise` on; "interval" is the request's own start.
-    closed_by: the condition that is met until `set`; "interval" is the request's own stop.
+    session: the longest, up to six hours, that can be held, on a table's rows; null for none. Of a
+    scan one from end to end, halfway through the starts there are.
+    opened_by: the condition that is met from `rise` on; "interval" is the request's own start,
+    "look" the time of a look of a stereo.
+    closed_by: the condition that is met until `set`; "interval" is the request's own stop. Of a
+    scan that which a later start would not meet.
     highest_at: time of the greatest elevation; with `view`; UTC.
     highest_deg: greatest elevation; with `view`.
     closest: the view at the least range; of a target in space, at its greatest height above the
@@ -160,6 +188,15 @@ class PassWindow:
     place: place of the target as the carrier culminates; null for a target in space; with `view`.
     sky: the pass as pass tables have it: rise, culmination and set with azimuth and elevation, Sun
     and local solar time; null for a target in space; with `view`.
+    branch: the pair of axis angles that is given, 0 or 1, of the two that point at the target: the
+    one with less turn of the inner axis; with `view`; a body has none.
+    branches: the pairs that keep within the stops through the window (none where the axes would
+    have to change over); with `view`; a body has none.
+    probability_in_frame: that the target stays inside the camera's frame over the whole session, as
+    a plan of it says; null where there is no session, and for the latest windows of a page where
+    these are more than 500, of a body that wanders quickly fewer; with `probability`. E.g. `0.68`.
+    clear_probability: of a sky without clouds at the middle; with `view` and `clouds`. E.g. `0.8`.
+    scan: the scan that it is of, in requests with imaging modes; null for any other target.
     """
 
     target: str
@@ -175,24 +212,11 @@ class PassWindow:
     through: SightingsOut = field(default_factory=not_included)
     place: PlaceOut | None = field(default_factory=not_included)
     sky: TargetSkyOut | None = field(default_factory=not_included)
-
-
-@dataclass(frozen=True, kw_only=True)
-class WindowOut(PassWindow):
-    """One stretch in which all conditions hold for a target.
-
-    branch: pair of axis angles given, of less turn of the inner axis; with `view`; no body has it.
-    branches: the pairs that keep within the stops through the window (none where the axes would
-    have to change over); with `view`; a body has none.
-    probability_in_frame: that the target stays in the frame over the whole session; null without
-    one, and of the latest of more than some 500 in a page; with `probability`. E.g. `0.68`.
-    clear_probability: of a sky without clouds at the middle; with `view` and `clouds`. E.g. `0.8`.
-    """
-
     branch: Branch = field(default_factory=not_included)
     branches: list[Branch] = field(default_factory=not_included)
     probability_in_frame: Share | None = field(default_factory=not_included)
     clear_probability: Share | None = field(default_factory=not_included)
+    scan: ScanOut | None = field(default_factory=not_included)
 
 
 @dataclass(frozen=True, kw_only=True)

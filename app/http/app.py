@@ -80,7 +80,6 @@ _OF_API = (
     horizon.router,
     telemetry.router,
     plans.of_spacecraft,
-    opportunities.of_spacecraft,
     names.router,
     system.router,
 )

@@ -8,7 +8,6 @@ from app.store.job import Listing
 if TYPE_CHECKING:
     from planner.planning.campaigns import CampaignRequest
     from planner.planning.opportunities import OpportunityRequest
-    from planner.spacecraft.opportunity_request import ImagingOpportunityRequest
     from planner.spacecraft.requests import ImagingPlanRequest
     from planner.world.scenario import Scenario
 
@@ -23,10 +22,8 @@ def listing_of_scenario(scenario: "Scenario") -> Listing:
     )
 
 
-def listing_of_imaging(
-    request: "ImagingPlanRequest | ImagingOpportunityRequest",
-) -> Listing:
-    """Of an imaging session, or a search for passes."""
+def listing_of_imaging(request: "ImagingPlanRequest") -> Listing:
+    """Of an imaging session."""
     return Listing(
         platform=request.spacecraft,
         start_utc=request.start,

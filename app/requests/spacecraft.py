@@ -1,11 +1,10 @@
-"""Reads requests for an imaging session, and for a search of when one can be."""
+"""Reads requests for an imaging session."""
 
 import json
 from typing import Any
 
 from app.requests.json_reader import JsonReader
 from planner.spacecraft.features import requests_from_features
-from planner.spacecraft.opportunity_request import ImagingOpportunityRequest
 from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.vehicle.definition import SPACECRAFT
 
@@ -29,9 +28,5 @@ def _add_features(schema: dict[str, Any]) -> None:
 
 # `requests` may be a GeoJSON FeatureCollection; InvalidMessage for what is no GeoJSON.
 SPACECRAFT_READER = JsonReader(ImagingPlanRequest, _with_plain_requests, _add_features)
-IMAGING_OPPORTUNITY_READER = JsonReader(
-    ImagingOpportunityRequest, _with_plain_requests, _add_features
-)
 
 read_spacecraft_request = SPACECRAFT_READER.read
-read_imaging_opportunity_request = IMAGING_OPPORTUNITY_READER.read

@@ -37,7 +37,6 @@ _LOADED = (
     "planner.inflight.flights.nominal",
     "planner.inflight.flights.runs",
     "planner.planning.opportunities.search",
-    "planner.spacecraft.opportunities",
     "planner.spacecraft.plan",
     "planner.inflight.telemetry.compare",
     "planner.output.view.netcdf",

@@ -9,23 +9,16 @@ import numpy as np
 
 from app.answers.members import ProvenanceOut, to_json
 from app.answers.opportunities import OpportunitiesHead
-from app.requests.json_reader import JsonReader
 from app.requests.opportunities import OPPORTUNITY_READER
-from app.requests.spacecraft import IMAGING_OPPORTUNITY_READER
 from app.store.packed import PackedColumns, pack, unpack
 from planner.base.csv_cells import csv_lines
 from planner.output.windows.forms import PASS_COLUMNS, features_json, pass_table_csv
-from planner.output.windows.rows import Column, rows_json, window_columns
+from planner.output.windows.rows import Column, rows_json, scan_column, window_columns
 from planner.planning.opportunities import OpportunityRequest, WindowEdges
-from planner.spacecraft.opportunity_request import ImagingOpportunityRequest
 from planner.world.frames.time_scales import utc_text
 
 if TYPE_CHECKING:
     from planner.planning.opportunities import WindowSearch
-    from planner.spacecraft.opportunities import ImagingSearch
-
-    Request = OpportunityRequest | ImagingOpportunityRequest
-    Search = WindowSearch | ImagingSearch
 
 JSON, GEOJSON, CSV = "application/json", "application/geo+json", "text/csv"
 VIEW, PROBABILITY, REASONS = INCLUDED = ("view", "probability", "reasons")
@@ -33,10 +26,6 @@ _FORMS: dict[str, Callable[[Sequence[str]], str]] = {
     JSON: ",".join,
     GEOJSON: features_json,
     CSV: pass_table_csv,
-}
-READERS: dict[str, JsonReader[Any]] = {
-    "opportunities": OPPORTUNITY_READER,
-    "imaging_opportunities": IMAGING_OPPORTUNITY_READER,
 }
 
 
@@ -71,10 +60,12 @@ class Page(NamedTuple):
 
 
 def find_windows(
-    request: "Request", provenance: ProvenanceOut, asked: WindowsAsked
+    request: OpportunityRequest, provenance: ProvenanceOut, asked: WindowsAsked
 ) -> tuple[FoundSearch, Page]:
     """What is found is kept, the page is told of at once; raises a Refusal."""
-    search = _begin(request)
+    from planner.planning.opportunities import WindowSearch
+
+    search = WindowSearch(request)
     edges = search.find()
     seen = {*edges.target.tolist()}
     head = OpportunitiesHead(
@@ -90,10 +81,12 @@ def find_windows(
     return FoundSearch(to_json(head), _packed(edges)), _page(request, lambda: search, edges, asked)
 
 
-def read_windows(kind: str, body: bytes, edges: bytes, asked: WindowsAsked) -> Page:
+def read_windows(body: bytes, edges: bytes, asked: WindowsAsked) -> Page:
     """A page of what was found; body: the search's request; raises a Refusal."""
-    request = READERS[kind].read_kept(body)
-    return _page(request, cache(lambda: _begin(request)), _unpacked(edges), asked)
+    from planner.planning.opportunities import WindowSearch
+
+    request = OPPORTUNITY_READER.read_kept(body)
+    return _page(request, cache(lambda: WindowSearch(request)), _unpacked(edges), asked)
 
 
 def opened(media_type: str, search_id: str, head: bytes, reasons: bytes | None) -> bytes:
@@ -117,18 +110,11 @@ def search_json(search_id: str, head: bytes, page: Page) -> bytes:
     return opened(JSON, search_id, head, page.reasons) + page.windows + closed(JSON, page.next)
 
 
-def _begin(request: "Request") -> "Search":
-    if isinstance(request, OpportunityRequest):
-        from planner.planning.opportunities import WindowSearch
-
-        return WindowSearch(request)
-    from planner.spacecraft.opportunities import ImagingSearch
-
-    return ImagingSearch(request)
-
-
 def _page(
-    request: "Request", search: "Callable[[], Search]", edges: WindowEdges, asked: WindowsAsked
+    request: OpportunityRequest,
+    search: "Callable[[], WindowSearch]",
+    edges: WindowEdges,
+    asked: WindowsAsked,
 ) -> Page:
     rows = np.arange(len(edges))
     if asked.target is not None:
@@ -137,7 +123,7 @@ def _page(
     shown = edges.select(rows[asked.cursor : after])
     texts = rows_json(_columns(request, search, shown, asked.include)) if len(shown) else []
     reasons = None
-    if REASONS in asked.include and isinstance(request, OpportunityRequest):
+    if REASONS in asked.include:
         from planner.planning.opportunities.unseen import unseen_of
 
         unseen = unseen_of(request, search().carrier, edges.target)
@@ -147,17 +133,13 @@ def _page(
 
 
 def _columns(
-    request: "Request",
-    search: "Callable[[], Search]",
+    request: OpportunityRequest,
+    search: "Callable[[], WindowSearch]",
     edges: WindowEdges,
     include: frozenset[str],
 ) -> Mapping[str, Column]:
     told = search().tell(edges) if include & {VIEW, PROBABILITY} else None
     shown = edges if told is None or VIEW not in include else told
-    if isinstance(request, ImagingOpportunityRequest):
-        from planner.spacecraft.passes import imaging_columns
-
-        return imaging_columns(request, edges, shown)
     probability = None
     if told is not None and PROBABILITY in include:
         from planner.planning.sessions.window_probability import probabilities_in_frame
@@ -166,7 +148,16 @@ def _columns(
     from planner.planning.opportunities.platforms.registry import lookout_of
 
     axes = lookout_of(request.platform, request.attitude)
-    return window_columns(request.start, request.ids, axes, shown, probability)
+    columns = window_columns(request.start, request.ids, axes, shown, probability)
+    if request.modes:
+        from planner.planning.opportunities.scan_windows import scanned_path
+
+        paths = {
+            row: (scanned_path(request, edges, row), request.roll_on_scans(int(edges.target[row])))
+            for row in np.flatnonzero(edges.are_scans).tolist()
+        }
+        columns["scan"] = scan_column(request.start, edges, paths)
+    return columns
 
 
 def _packed(edges: WindowEdges) -> bytes:
@@ -185,8 +176,4 @@ def _unpacked(packed: bytes) -> WindowEdges:
     for name, known in stored.facts.items():
         columns[name] = np.array(known, dtype=np.str_)[columns[name].astype(np.intp)]
     columns["target"] = columns["target"].astype(np.intp)
-    if "whole_from_s" not in columns:
-        return WindowEdges(**columns)
-    from planner.spacecraft.opportunities import PassEdges
-
-    return PassEdges(**columns)
+    return WindowEdges(**columns)

@@ -186,6 +186,7 @@ class Window(Answer):
     """When a target can be seen.
 
     session: the `start` and `stop` that a plan's session takes as they stand, None if too short.
+    scan: of an imaging mode, which of its scans, and its `target` and `roll` for such a session.
     probability_in_frame: that the target stays in it over that session, None where not known.
     highest_deg: the carrier's greatest elevation.  closest: the view then, in degrees and
     kilometres, its members those of the API's schema.  Both only where the view was asked for.
@@ -196,6 +197,7 @@ class Window(Answer):
     set: datetime
     highest_deg: float = math.nan
     session: Mapping[str, str] | None
+    scan: Members | None = None
     probability_in_frame: float | None = None
     closest: Members = field(default_factory=dict, repr=False)
 
@@ -218,8 +220,8 @@ class Unseen(Answer):
 class Opportunities(Answer):
     """Windows in the order of the request's targets.
 
-    id: under which the service keeps them.  count: of all there are.  unseen: targets without any;
-    of the imaging spacecraft names of requests.  reasons: why, where they were asked for.
+    id: under which the service keeps them.  count: of all there are.  unseen: targets without any.
+    reasons: why, where they were asked for.
     """
 
     id: str

@@ -59,8 +59,9 @@ Named = Plan | Job | Opportunities | str  # what is kept, or its id
 P = ParamSpec("P")
 T = TypeVar("T")
 
-PLATFORM = ("/v1/plans", "/v1/opportunities")
-SPACECRAFT = ("/v1/spacecraft/plans", "/v1/spacecraft/opportunities")
+PLANS = "/v1/plans"
+SPACECRAFT_PLANS = "/v1/spacecraft/plans"
+SEARCHES = "/v1/opportunities"
 CAMPAIGNS = "/v1/campaigns"
 CAMPAIGN_FILES = {
     "csv": "text/csv",
@@ -159,11 +160,10 @@ def call(
 
 
 class CarrierCalls:
-    """Plans and opportunities of one carrier of an instrument, as a service keeps them."""
+    """Plans of one carrier of an instrument, as a service keeps them."""
 
-    def __init__(self, exchange: Exchange, paths: tuple[str, str]) -> None:
-        self._exchange = exchange
-        self._plans, self._searches = paths
+    def __init__(self, exchange: Exchange, plans: str) -> None:
+        self._exchange, self._plans = exchange, plans
 
     @call('client.plan(Path("request.json")).table["alpha_deg"]')
     def plan(
@@ -244,71 +244,6 @@ class CarrierCalls:
     def delete(self, plan: Named) -> Call[None]:
         """Cancel it, or delete it when it is finished."""
         return self._delete(address(self._plans, plan))
-
-    @call('client.opportunities(Path("targets.json")).windows[0].rise')
-    def opportunities(
-        self, request: Json, *, include: Include = VIEW, limit: int | None = None
-    ) -> Call[Opportunities]:
-        """When each target can be seen, the first `limit` windows; what is found is kept."""
-        query = _window_query(include, limit)
-        found = yield from self._read_as(Opportunities, post(self._searches, request, query=query))
-        return (yield from self._with_the_rest(found, query, limit))
-
-    @call('client.searches(name="gallery", limit=5)')
-    def searches(self, *, limit: int = 50, **filters: Unpack[Filters]) -> Call[list[Job]]:
-        """Searches for opportunities that are kept, the latest first."""
-        return self._jobs(self._searches, limit, filters)
-
-    @call("client.get_search(client.searches(limit=1)[0])")
-    def get_search(
-        self, search: Named, *, include: Include = VIEW, limit: int | None = None
-    ) -> Call[Opportunities]:
-        """What one found, the first `limit` windows, told as by `opportunities`."""
-        query = _window_query(include, limit)
-        path = address(self._searches, search)
-        found = yield from self._get(path, partial(read, Opportunities), query)
-        return (yield from self._with_the_rest(found, query, limit))
-
-    @call('client.windows(search, target="Las Vegas", limit=3)')
-    def windows(
-        self,
-        search: Named,
-        *,
-        target: str | None = None,
-        include: Include = VIEW,
-        limit: int | None = None,
-    ) -> Call[list[Window]]:
-        """What one found of the target with this id, of all unless given; the first `limit`."""
-        query = _window_query(include, limit) | _given(target=target)
-        return self._windows(search, query, limit)
-
-    @call("client.opportunities(client.search_request(search))")
-    def search_request(self, search: Named) -> Call[dict[str, Any]]:
-        """What was searched for, as it was sent."""
-        return self._get(address(self._searches, search, "request"), _whole)
-
-    @call("client.delete_search(search)")
-    def delete_search(self, search: Named) -> Call[None]:
-        """Forget what it found."""
-        return self._delete(address(self._searches, search))
-
-    def _with_the_rest(
-        self, found: Opportunities, query: Mapping[str, str], limit: int | None
-    ) -> Call[Opportunities]:
-        """The pages after the first."""
-        after, left = found["next"], None if limit is None else limit - len(found.windows)
-        if after is None or left == 0:
-            return found
-        more = yield from self._windows(found, {**query, "cursor": str(after)}, left)
-        windows = (*found.windows, *more)
-        members = {**found.members, "windows": [one.members for one in windows], "next": None}
-        return replace(found, members=members, windows=windows)
-
-    def _windows(
-        self, search: Named, query: Mapping[str, str], limit: int | None
-    ) -> Call[list[Window]]:
-        path = address(self._searches, search)
-        return self._pages(Window, path, "windows", query, int(query["limit"]), limit)
 
     def _read_as(self, kind: type[T], ask: Ask) -> Call[T]:
         return self._read(ask, partial(read, kind))
@@ -406,7 +341,72 @@ class CarrierCalls:
 
 
 class ServiceCalls(CarrierCalls):
-    """All that a service is asked beside what both carriers have."""
+    """All that a service is asked beside plans."""
+
+    @call('client.opportunities(Path("targets.json")).windows[0].rise')
+    def opportunities(
+        self, request: Json, *, include: Include = VIEW, limit: int | None = None
+    ) -> Call[Opportunities]:
+        """When each target can be seen, the first `limit` windows; what is found is kept."""
+        query = _window_query(include, limit)
+        found = yield from self._read_as(Opportunities, post(SEARCHES, request, query=query))
+        return (yield from self._with_the_rest(found, query, limit))
+
+    @call('client.searches(name="gallery", limit=5)')
+    def searches(self, *, limit: int = 50, **filters: Unpack[Filters]) -> Call[list[Job]]:
+        """Searches for opportunities that are kept, the latest first."""
+        return self._jobs(SEARCHES, limit, filters)
+
+    @call("client.get_search(client.searches(limit=1)[0])")
+    def get_search(
+        self, search: Named, *, include: Include = VIEW, limit: int | None = None
+    ) -> Call[Opportunities]:
+        """What one found, the first `limit` windows, told as by `opportunities`."""
+        query = _window_query(include, limit)
+        path = address(SEARCHES, search)
+        found = yield from self._get(path, partial(read, Opportunities), query)
+        return (yield from self._with_the_rest(found, query, limit))
+
+    @call('client.windows(search, target="Las Vegas", limit=3)')
+    def windows(
+        self,
+        search: Named,
+        *,
+        target: str | None = None,
+        include: Include = VIEW,
+        limit: int | None = None,
+    ) -> Call[list[Window]]:
+        """What one found of the target with this id, of all unless given; the first `limit`."""
+        query = _window_query(include, limit) | _given(target=target)
+        return self._windows(search, query, limit)
+
+    @call("client.opportunities(client.search_request(search))")
+    def search_request(self, search: Named) -> Call[dict[str, Any]]:
+        """What was searched for, as it was sent."""
+        return self._get(address(SEARCHES, search, "request"), _whole)
+
+    @call("client.delete_search(search)")
+    def delete_search(self, search: Named) -> Call[None]:
+        """Forget what it found."""
+        return self._delete(address(SEARCHES, search))
+
+    def _with_the_rest(
+        self, found: Opportunities, query: Mapping[str, str], limit: int | None
+    ) -> Call[Opportunities]:
+        """The pages after the first."""
+        after, left = found["next"], None if limit is None else limit - len(found.windows)
+        if after is None or left == 0:
+            return found
+        more = yield from self._windows(found, {**query, "cursor": str(after)}, left)
+        windows = (*found.windows, *more)
+        members = {**found.members, "windows": [one.members for one in windows], "next": None}
+        return replace(found, members=members, windows=windows)
+
+    def _windows(
+        self, search: Named, query: Mapping[str, str], limit: int | None
+    ) -> Call[list[Window]]:
+        path = address(SEARCHES, search)
+        return self._pages(Window, path, "windows", query, int(query["limit"]), limit)
 
     @call('client.next_pass(Path("my_city.json"))')
     def next_pass(
@@ -425,10 +425,10 @@ class ServiceCalls(CarrierCalls):
         asked = object_of(json.loads(body_of(request)))
         try:
             search = next_pass.search_of(asked, start)
-            found = yield from CarrierCalls.opportunities(self, search, include=next_pass.TOLD)
+            found = yield from ServiceCalls.opportunities(self, search, include=next_pass.TOLD)
         except Refused as refused:
             raise next_pass.as_in_plan(refused.problem) from None
-        yield from self._delete(address(self._searches, found))
+        yield from self._delete(address(SEARCHES, found))
         moved = next_pass.moved_to(next_pass.first_window(found), asked)
         job = yield from self._submit(self._plans, moved, until_s=until_s)
         return (yield from self._wait(self._plans, job, progress, until_s, _plan_or_job))
@@ -544,7 +544,7 @@ class ServiceCalls(CarrierCalls):
 
 
 class Carrier(CarrierCalls, Waiting):
-    """Plans and opportunities of one carrier of an instrument, waited for."""
+    """Plans of one carrier of an instrument, waited for."""
 
 
 class AsyncCarrier(CarrierCalls, Awaiting):
@@ -552,11 +552,11 @@ class AsyncCarrier(CarrierCalls, Awaiting):
 
 
 class Calls(ServiceCalls, Carrier):
-    """All calls, waited for; `spacecraft` has those of the imaging spacecraft."""
+    """All calls, waited for; `spacecraft` has those for plans of the imaging spacecraft."""
 
     def __init__(self, exchange: Exchange) -> None:
-        super().__init__(exchange, PLATFORM)
-        self.spacecraft = Carrier(exchange, SPACECRAFT)
+        super().__init__(exchange, PLANS)
+        self.spacecraft = Carrier(exchange, SPACECRAFT_PLANS)
 
 
 def _whole(members: Members) -> dict[str, Any]:

@@ -14,8 +14,8 @@ import httpx
 
 from slewtrack.client.asking import ANSWER_S, TOO_LONG, Ask, Intake, Reply
 from slewtrack.client.calls import (
-    PLATFORM,
-    SPACECRAFT,
+    PLANS,
+    SPACECRAFT_PLANS,
     AsyncCarrier,
     Calls,
     Exchange,
@@ -179,8 +179,8 @@ class AsyncClient(ServiceCalls, AsyncCarrier):
     ) -> None:
         service = Service(url, key)
         self._http = httpx.AsyncClient(transport=transport, **service.options)
-        super().__init__(Exchange(self._answer, service.meaning, patience_s), PLATFORM)
-        self.spacecraft = AsyncCarrier(self._exchange, SPACECRAFT)
+        super().__init__(Exchange(self._answer, service.meaning, patience_s), PLANS)
+        self.spacecraft = AsyncCarrier(self._exchange, SPACECRAFT_PLANS)
 
     async def _answer(self, ask: Ask) -> Reply:
         await anyio.sleep(ask.after_s)

@@ -308,27 +308,22 @@ def test_lists_are_sought_through(client, plan):
 
 
 @pytest.mark.parametrize(
-    ("carrier", "example", "target"),
-    [
-        ("client", "opportunities_gallery.json", "Las Vegas"),
-        ("spacecraft", "spacecraft_opportunities.json", None),
-    ],
+    ("example", "target"),
+    [("opportunities_gallery.json", "Las Vegas"), ("opportunities_modes.json", "stereo")],
 )
-def test_what_was_searched_for_is_kept(client, carrier, example, target):
-    asked = client if carrier == "client" else client.spacecraft
+def test_what_was_searched_for_is_kept(client, example, target):
     request = json.loads((EXAMPLES / example).read_text())
-    found = asked.opportunities(request)
-    assert asked.get_search(found.id) == found
-    assert asked.search_request(found.id) == request
-    assert tuple(asked.windows(found.id)) == found.windows
-    target = target or found.windows[0].target
+    found = client.opportunities(request)
+    assert client.get_search(found.id) == found
+    assert client.search_request(found.id) == request
+    assert tuple(client.windows(found.id)) == found.windows
     theirs = [window for window in found.windows if window.target == target]
-    assert asked.windows(found.id, target=target) == theirs
-    assert asked.windows(found.id, target=target, limit=1) == theirs[:1]
-    assert asked.searches(limit=1)[0].id == found.id
-    asked.delete_search(found.id)
+    assert client.windows(found.id, target=target) == theirs
+    assert client.windows(found.id, target=target, limit=1) == theirs[:1]
+    assert client.searches(limit=1)[0].id == found.id
+    client.delete_search(found.id)
     with pytest.raises(slewtrack.Refused, match="no search"):
-        asked.get_search(found.id)
+        client.get_search(found.id)
 
 
 def test_windows_come_page_after_page(monkeypatch, client):
@@ -374,19 +369,15 @@ def test_both_clients_have_the_same_calls():
     assert calls(slewtrack.Client) == calls(slewtrack.AsyncClient)
 
 
-def test_the_spacecraft_is_asked_with_await(service):
+def test_a_search_is_asked_with_await(service):
     async def found():
         async with slewtrack.AsyncClient(service.address) as client:
-            request = (EXAMPLES / "spacecraft_opportunities.json").read_bytes()
-            made = await client.spacecraft.opportunities(request)
-            kept = await client.spacecraft.get_search(made.id)
-            with pytest.raises(slewtrack.Refused, match="no search"):
-                await client.get_search(made.id)
-            return made, kept
+            made = await client.opportunities((EXAMPLES / "opportunities_modes.json").read_bytes())
+            return made, await client.get_search(made.id)
 
     made, kept = asyncio.run(found())
     assert made == kept
-    assert made.windows
+    assert {window.scan["parts"] for window in made.windows if window.target == "stereo"} == {2}
 
 
 def test_a_key_is_sent_and_its_lack_told(guarded):

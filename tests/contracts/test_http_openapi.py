@@ -12,7 +12,6 @@ from app.requests.examples import (
     CAMPAIGN_EXAMPLES,
     ESTIMATE_EXAMPLE,
     FOUR_MODES,
-    IMAGING_OPPORTUNITY_EXAMPLES,
     LAS_VEGAS,
     OPPORTUNITY_EXAMPLES,
     PICTURE_EXAMPLES,
@@ -33,7 +32,7 @@ REGISTRIES = [
     ("Session", "target", "mode", TARGETS | IMAGING_MODES),
     ("OpportunityRequest", "orbit", "source", ORBITS),
     ("OpportunityRequest", "attitude", "law", ATTITUDES),
-    ("OpportunityTarget", "target", "mode", WITH_WINDOWS),
+    ("OpportunityTarget", "target", "mode", WITH_WINDOWS | IMAGING_MODES),
     ("CampaignTarget", "target", "mode", WITH_WINDOWS | IMAGING_MODES),
 ]
 REGISTERED = {(schema, field): registry for schema, field, _, registry in REGISTRIES}
@@ -229,7 +228,7 @@ EXAMPLE_FILES = {
     "spacecraft_four_modes": FOUR_MODES,
     "opportunities_smallsat": OPPORTUNITY_EXAMPLES["smallsat"][1],
     "campaign_smallsat": CAMPAIGN_EXAMPLES["smallsat"][1],
-    "spacecraft_opportunities": IMAGING_OPPORTUNITY_EXAMPLES["four modes"][1],
+    "opportunities_modes": OPPORTUNITY_EXAMPLES["modes"][1],
     "horizon_estimate": ESTIMATE_EXAMPLE,
     "horizon_prediction": PREDICTION_EXAMPLES["pass"][1],
     "horizon_image": PICTURE_EXAMPLES["ahead"][1],

@@ -22,7 +22,6 @@ from app.requests.examples import (
     CAMPAIGN_EXAMPLES,
     ESTIMATE_EXAMPLE,
     FLIGHTS_EXAMPLES,
-    IMAGING_OPPORTUNITY_EXAMPLES,
     LAS_VEGAS,
     OPPORTUNITY_EXAMPLES,
     PICTURE_EXAMPLES,
@@ -43,9 +42,7 @@ from app.requests.horizon import (
 from app.requests.opportunities import OPPORTUNITY_READER, read_opportunity_request
 from app.requests.plan import PLAN_READER, read_plan_request
 from app.requests.spacecraft import (
-    IMAGING_OPPORTUNITY_READER,
     SPACECRAFT_READER,
-    read_imaging_opportunity_request,
     read_spacecraft_request,
 )
 from app.work.horizon_series import _SESSION
@@ -226,10 +223,6 @@ def _kinds() -> tuple[Asked, ...]:
               OPPORTUNITY_READER.json_schema(template), _shown(OPPORTUNITY_EXAMPLES)),
         Asked("spacecraft", read_spacecraft_request, SPACECRAFT_READER.json_schema(template),
               (*_shown(SPACECRAFT_EXAMPLES), _SPACECRAFT)),
-        Asked("imaging opportunities", read_imaging_opportunity_request,
-              IMAGING_OPPORTUNITY_READER.json_schema(template),
-              tuple(d | {"settings": _SPACECRAFT["settings"], "conditions": {}}
-                    for d in _shown(IMAGING_OPPORTUNITY_EXAMPLES))),
         Asked("estimate", read_estimate_request, ESTIMATE_READER.json_schema(template),
               (ESTIMATE_EXAMPLE | {"body": {}},)),
         Asked("prediction", read_prediction_request, PREDICTION_READER.json_schema(template),

@@ -14,7 +14,6 @@ from app.http.app import create_app
 from app.requests.campaign import read_campaign_request
 from app.requests.examples import (
     CAMPAIGN_EXAMPLES,
-    IMAGING_OPPORTUNITY_EXAMPLES,
     LAS_VEGAS,
     OPPORTUNITY_EXAMPLES,
     PLAN_EXAMPLES,
@@ -25,7 +24,7 @@ from app.requests.examples import (
 from app.requests.horizon import read_prediction_request
 from app.requests.opportunities import read_opportunity_request
 from app.requests.plan import read_plan_request
-from app.requests.spacecraft import read_imaging_opportunity_request, read_spacecraft_request
+from app.requests.spacecraft import read_spacecraft_request
 from planner.base.errors import InvalidInput, Refusal
 
 OEM = message("orbit.oem")
@@ -35,7 +34,6 @@ READERS: dict[Callable[[bytes], object], dict] = {
     read_plan_request: PLAN_EXAMPLES,
     read_campaign_request: CAMPAIGN_EXAMPLES,
     read_opportunity_request: OPPORTUNITY_EXAMPLES,
-    read_imaging_opportunity_request: IMAGING_OPPORTUNITY_EXAMPLES,
     read_spacecraft_request: SPACECRAFT_EXAMPLES,
 }
 EXAMPLES = [
@@ -94,7 +92,6 @@ NAMES = [
     ),
     *((read_campaign_request, CITIES, path) for path in ("name", "targets.1.id")),
     (read_opportunity_request, OPPORTUNITY_EXAMPLES["cities"][1], "name"),
-    (read_imaging_opportunity_request, IMAGING_OPPORTUNITY_EXAMPLES["four modes"][1], "name"),
     (read_spacecraft_request, STRIP, "name"),
     (read_spacecraft_request, STRIP, "requests.features.0.properties.name"),
     (read_prediction_request, PREDICTION_EXAMPLES["pass"][1], "cameras.0.name"),

@@ -28,7 +28,6 @@ from app.requests.examples import (
     COMPARISON_EXAMPLES,
     ESTIMATE_EXAMPLE,
     FLIGHTS_EXAMPLES,
-    IMAGING_OPPORTUNITY_EXAMPLES,
     LAS_VEGAS,
     OPPORTUNITY_EXAMPLES,
     ORBIT_TRACK_EXAMPLES,
@@ -46,7 +45,6 @@ from planner.output.export import EXPORTERS
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SEARCHES = {
     "/v1/opportunities": OPPORTUNITY_EXAMPLES["cities"][1],
-    "/v1/spacecraft/opportunities": IMAGING_OPPORTUNITY_EXAMPLES["four modes"][1],
 }
 FLIGHTS = "/v1/flights"
 LIST_MAX, LIST_SHOWN = 10, 5

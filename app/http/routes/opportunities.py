@@ -1,25 +1,19 @@
-"""Opportunities over HTTP: of the two-axis platform, passes of the spacecraft, ground tracks."""
+"""Opportunities over HTTP: windows of targets, and ground tracks."""
 
 from typing import Annotated
 
 from fastapi import APIRouter, Depends, Request, Response
 
-from app.answers.imaging_opportunities import ImagingOpportunitiesResponse
 from app.answers.opportunities import OpportunitiesResponse
 from app.answers.view import OrbitTrackResponse
 from app.http.blocking import answer_in_child
 from app.http.negotiation import ONLY_JSON, json_body
 from app.http.openapi.schema import json_body_of
 from app.http.routes.search_routes import SEARCH_BOUNDS, SearchResource, search_routes
-from app.requests.examples import (
-    IMAGING_OPPORTUNITY_EXAMPLES,
-    OPPORTUNITY_EXAMPLES,
-    ORBIT_TRACK_EXAMPLES,
-)
-from app.requests.listings import listing_of_imaging, listing_of_search
+from app.requests.examples import OPPORTUNITY_EXAMPLES, ORBIT_TRACK_EXAMPLES
+from app.requests.listings import listing_of_search
 from app.requests.opportunities import OPPORTUNITY_READER, ORBIT_TRACK_READER
-from app.requests.spacecraft import IMAGING_OPPORTUNITY_READER
-from app.work.searches import INCLUDED, VIEW
+from app.work.searches import INCLUDED
 from app.work.view import orbit_track_json
 
 OPPORTUNITIES = SearchResource(
@@ -33,20 +27,8 @@ OPPORTUNITIES = SearchResource(
     response=OpportunitiesResponse,
     included=INCLUDED,
 )
-IMAGING_OPPORTUNITIES = SearchResource(
-    kind="imaging_opportunities",
-    path="/v1/spacecraft/opportunities",
-    requests=IMAGING_OPPORTUNITY_READER,
-    listing=listing_of_imaging,
-    tag="spacecraft",
-    summary="Search for passes of the imaging spacecraft",
-    examples=IMAGING_OPPORTUNITY_EXAMPLES,
-    response=ImagingOpportunitiesResponse,
-    included=(VIEW,),
-)
 
 router = search_routes(OPPORTUNITIES)
-of_spacecraft = search_routes(IMAGING_OPPORTUNITIES)
 of_orbits = APIRouter(tags=["opportunities"], dependencies=ONLY_JSON)
 
 

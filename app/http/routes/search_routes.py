@@ -224,8 +224,8 @@ class _Whole(NamedTuple):
     async def page(self, request: Request, cursor: int) -> Page:
         """Told in a child."""
         asked = replace(self.asked, cursor=cursor)
-        edges, kind = self.found.edges, self.resource.kind
-        return await in_child(request, SEARCH_BOUNDS, read_windows, kind, self.body, edges, asked)
+        edges = self.found.edges
+        return await in_child(request, SEARCH_BOUNDS, read_windows, self.body, edges, asked)
 
 
 def _answer(

@@ -41,7 +41,6 @@ COMPARISON_EXAMPLES = _examples("comparisons")
 PREDICTION_EXAMPLES = _examples("horizon_predictions")
 PICTURE_EXAMPLES = _examples("horizon_pictures")
 SPACECRAFT_EXAMPLES = _examples("spacecraft_plans")
-IMAGING_OPPORTUNITY_EXAMPLES = _examples("spacecraft_opportunities")
 
 LAS_VEGAS = PLAN_EXAMPLES["tle"][1]  # Sumarokov 2016, Fig. 3, with the elements of that day
 FOUR_MODES = SPACECRAFT_EXAMPLES["four modes"][1]

@@ -59,10 +59,10 @@ def _pass_cells(window: Mapping[str, Any]) -> list[Any]:
 
 def _feature(window: Mapping[str, Any]) -> dict[str, Any]:
     """A Feature of a window as answered."""
-    sky = window["sky"] or {}
+    sky, scan = window["sky"] or {}, window.get("scan")
     return {
         "type": "Feature",
-        "id": f"{window['target']}/{window['rise']}",
+        "id": f"{window['target']}/{window['rise']}" + (f"/{scan['part']}" if scan else ""),
         "geometry": _geometry(window),
         "properties": {
             "datetime": f"{window['rise']}/{window['set']}",
@@ -79,10 +79,12 @@ def _feature(window: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _geometry(window: Mapping[str, Any]) -> Mapping[str, Any] | None:
-    if given := window.get("geometry"):
-        return dict(given)
+    if scan := window.get("scan"):
+        line = [_coordinates(point) for point in scan["target"]["points"]]
+        return {"type": "LineString", "coordinates": line}
     place = window["place"]
-    if place is None:
-        return None
-    coordinates = [place[name] for name in ("longitude_deg", "latitude_deg", "height_m")]
-    return {"type": "Point", "coordinates": coordinates}
+    return None if place is None else {"type": "Point", "coordinates": _coordinates(place)}
+
+
+def _coordinates(place: Mapping[str, float]) -> list[float]:
+    return [place[name] for name in ("longitude_deg", "latitude_deg", "height_m") if name in place]

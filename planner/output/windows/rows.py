@@ -12,6 +12,8 @@ from planner.base.arrays import Array, Indices
 from planner.planning.opportunities import Sightings, WindowEdges, Windows
 from planner.planning.opportunities.windows import TargetSky
 from planner.world.frames.time_scales import Instants
+from planner.world.platforms import RollRule
+from planner.world.targets import GroundPathTarget
 
 EVENTS = ("rise", "culmination", "set")
 SIGHTING = (
@@ -51,25 +53,58 @@ def window_columns(
     probability: Array | None = None,
 ) -> dict[str, Column]:
     """All that is told of windows as far as it is known, by name; probability: of each session."""
-    columns = pass_columns(start_utc, ids, told.angle_names, windows)
-    if isinstance(windows, Windows) and told.has_branches:
-        usable = [_USABLE[number] for number in (windows.branches @ [1, 2]).tolist()]
-        columns |= {"branch": texts_of(windows.branch.tolist()), "branches": texts_of(usable)}
-    if isinstance(windows, Windows) and not np.isnan(windows.clear_share).all():
-        columns["clear_probability"] = windows.clear_share
+    columns = _edge_columns(start_utc, ids, windows)
+    if isinstance(windows, Windows):
+        columns |= _view_columns(start_utc, told.angle_names, windows)
+        if told.has_branches:
+            usable = [_USABLE[number] for number in (windows.branches @ [1, 2]).tolist()]
+            columns |= {"branch": texts_of(windows.branch.tolist()), "branches": texts_of(usable)}
+        if not np.isnan(windows.clear_share).all():
+            columns["clear_probability"] = windows.clear_share
     return columns if probability is None else columns | {"probability_in_frame": probability}
 
 
-def pass_columns(
-    start_utc: datetime, ids: Sequence[str], angle_names: tuple[str, str], windows: WindowEdges
+def scan_column(
+    start_utc: datetime,
+    windows: WindowEdges,
+    scanned: Mapping[int, tuple[GroundPathTarget, RollRule | None]],
+) -> Column:
+    """What is scanned in windows of scans; scanned: the line and how it is lain on, by row."""
+    rows = np.array([*scanned], np.intp)
+    begins_s, part, parts = windows.begins_s(start_utc)[rows], *windows.scan_parameters[rows, :2].T
+    fits = np.flatnonzero(begins_s[:, 1] >= begins_s[:, 0])
+    ends = [spread(fits, len(rows), times_of(start_utc, begins_s[fits, n])) for n in (0, 1)]
+    columns: dict[str, Column] = {
+        "part": texts_of(part.astype(np.intp).tolist()),
+        "parts": texts_of(parts.astype(np.intp).tolist()),
+        "first_start": ends[0],
+        "last_start": ends[1],
+        "target": [_json_text(path.with_heights()) for path, _ in scanned.values()],
+        "roll": [_json_text(roll) for _, roll in scanned.values()],
+    }
+    return spread(rows, len(windows), columns)
+
+
+def _json_text(spec: object) -> str:
+    return json.dumps(_given(json.loads(pydantic_core.to_json(spec))), separators=(",", ":"))
+
+
+def _given(value: Any) -> Any:  # noqa: ANN401 (of JSON)
+    """The same without members that are null."""
+    if isinstance(value, dict):
+        return {name: _given(one) for name, one in value.items() if one is not None}
+    return [_given(one) for one in value] if isinstance(value, list) else value
+
+
+def _edge_columns(
+    start_utc: datetime, ids: Sequence[str], windows: WindowEdges
 ) -> dict[str, Column]:
-    """The same without what hangs on ways to point."""
     session_s = windows.sessions_s(start_utc)
     fits = np.flatnonzero(~np.isnan(session_s[:, 0]))
     times = {
         name: times_of(start_utc, session_s[fits, n]) for n, name in enumerate(("start", "stop"))
     }
-    columns: dict[str, Column] = {
+    return {
         "target": texts_of([ids[row] for row in windows.target]),
         "rise": times_of(start_utc, windows.rise_s),
         "set": times_of(start_utc, windows.set_s),
@@ -78,11 +113,14 @@ def pass_columns(
         "opened_by": texts_of(windows.opened_by.tolist()),
         "closed_by": texts_of(windows.closed_by.tolist()),
     }
-    if not isinstance(windows, Windows):
-        return columns
+
+
+def _view_columns(
+    start_utc: datetime, angle_names: tuple[str, str], windows: Windows
+) -> dict[str, Column]:
     on_earth = np.flatnonzero(~np.isnan(windows.sky.azimuth_rad[:, 0]))
     count = len(windows)
-    columns |= {
+    return {
         "highest_at": times_of(start_utc, windows.highest_s),
         "highest_deg": np.degrees(windows.highest_rad),
         "closest": _sighting(start_utc, angle_names, windows.closest),
@@ -97,7 +135,6 @@ def pass_columns(
             },
         ),
     }
-    return columns
 
 
 def _sighting(start_utc: datetime, angle_names: tuple[str, str], seen: Sightings) -> Column:

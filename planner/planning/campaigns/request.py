@@ -16,6 +16,7 @@ from planner.planning.opportunities import (
     OpportunityTarget,
 )
 from planner.planning.opportunities.request import BOUNDS as OPPORTUNITY_BOUNDS
+from planner.planning.opportunities.request import require_known_roll
 from planner.world.attitude import Attitude
 from planner.world.clouds import Clouds
 from planner.world.frames.time_scales import DAY_S, elapsed_s
@@ -124,11 +125,7 @@ class CampaignTarget:
         ):
             if getattr(self, name) is not None:
                 raise ValueError(f"{name} must be left out for {mode.label}, {why}")
-        if self.roll is not None and self.roll.rule == "nearest":
-            raise ValueError(
-                f"roll.rule must not be nearest for {mode.label}: a campaign doesn't know the "
-                "attitude before a scan; give another rule, or leave roll out"
-            )
+        require_known_roll(mode, self.roll)
 
     @property
     def lengths_s(self) -> tuple[float, ...]:

@@ -1,7 +1,8 @@
 """A request for opportunities: targets, a span of time, and the conditions to be met."""
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import Annotated
 
@@ -17,7 +18,7 @@ from planner.world.frames.time_scales import DAY_S, elapsed_s, utc_text
 from planner.world.orbits import Orbit
 from planner.world.platforms import PIXELS_ARCSEC, AnyPlatform, RollRule
 from planner.world.rules.registry import rules_of
-from planner.world.targets import WindowTarget
+from planner.world.targets import ChosenTarget, ImagingMode
 from planner.world.targets.session_target import all_standing_on
 from planner.world.targets.terrain import Terrain
 
@@ -44,25 +45,36 @@ class OpportunityTarget:
     """A target by a name of the user's; greater priority matters more.
 
     id: your name for it, different from the others'; windows repeat it.
-    target: the target.
+    target: the target. An imaging mode becomes scans in every pass, each with windows of its own.
     priority: weight of the target beside the others.
     roll: of a body, the rule by which its camera lies on the target, as a session's; the platform's
     unless given. E.g. `{"rule": "azimuth", "azimuth_deg": 15.0}`.
     """
 
     id: str
-    target: WindowTarget
+    target: ChosenTarget
     priority: Annotated[float, Within(-1e6, 1e6)] = 1.0
     roll: RollRule | None = None
 
     def __post_init__(self) -> None:
         if not self.id:
             raise ValueError("id must not be empty: windows are reported by it")
-        if not self.target.has_windows:
+        if isinstance(self.target, ImagingMode):
+            require_known_roll(self.target, self.roll)
+        elif not self.target.has_windows:
             raise ValueError(
                 f"`{self.target.mode}` belongs to a session and has no windows of its own; ask "
-                "for those of a ground_path's points, as ground targets"
+                "for those of a ground_path's points, as ground targets, or of an imaging mode"
             )
+
+
+def require_known_roll(mode: ImagingMode, roll: RollRule | None) -> None:
+    """Raises ValueError where a rule hangs on what isn't known before a plan."""
+    if roll is not None and roll.rule == "nearest":
+        raise ValueError(
+            f"roll.rule must not be nearest for {mode.label}: the attitude before a scan isn't "
+            "known before a plan; give another rule, or leave roll out"
+        )
 
 
 @spec
@@ -132,13 +144,39 @@ class OpportunityRequest:
                 )
             seen.add(wanted.id)
             wanted.target.require_known(f"targets.{number}.target", self.start, self.stop)
-            rules.require_roll(f"targets.{number}.roll", wanted.roll, wanted.target)
+            target = wanted.target
+            path = target.first_path if isinstance(target, ImagingMode) else target
+            rules.require_roll(f"targets.{number}.roll", wanted.roll, path)
         self._require_bounds()
 
     @property
     def ids(self) -> tuple[str, ...]:
         """Of the targets, in order."""
         return tuple(wanted.id for wanted in self.targets)
+
+    @property
+    def modes(self) -> Mapping[int, ImagingMode]:
+        """Targets that are imaging modes, by row."""
+        return {
+            row: wanted.target
+            for row, wanted in enumerate(self.targets)
+            if isinstance(wanted.target, ImagingMode)
+        }
+
+    def with_middles(self) -> "OpportunityRequest":
+        """The same of each imaging mode's middle in its place."""
+        middles = {
+            row: OpportunityTarget(id=self.targets[row].id, target=mode.middle)
+            for row, mode in self.modes.items()
+        }
+        if not middles:
+            return self
+        targets = (middles.get(row, wanted) for row, wanted in enumerate(self.targets))
+        return replace(self, targets=tuple(targets))
+
+    def roll_on_scans(self, row: int) -> RollRule | None:
+        """How the platform lies on the lines of a mode."""
+        return self.targets[row].roll or rules_of(self.platform).scan_roll
 
     @property
     def law(self) -> Attitude:

@@ -7,6 +7,7 @@ from datetime import UTC, datetime
 from typing import NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from planner.base.arrays import Array
 from planner.planning.opportunities.carrier import Carrier
@@ -29,6 +30,7 @@ class ScanOptions:
     """How passes over imaging modes are told apart, and how their lines are looked at."""
 
     passes_apart_s: float = 1800.0  # a low orbit lasts an hour and a half
+    beside_s: float = 60.0  # of a pass: a line may come into view before its mode's positions
     points: int = 5  # of a line: angles of view are greatest at its ends, or nearly
     points_at_once: int = 300  # of one search, whose work is bounded
 
@@ -62,6 +64,7 @@ class ModeScan:
     row: of the modes.  pass_number: counts passes of all modes.  part, parts: from 1, of how many.
     share: of the time that the mode is scanned.  begins_s: spans in which the line of sight is
     within all conditions from a scan's begin to its end, (k, 2), since the start of what is asked.
+    causes: what makes their edges, as `WindowEdges` has it, (k, 2).
     """
 
     row: int
@@ -72,11 +75,12 @@ class ModeScan:
     duration_s: float
     share: float
     begins_s: Array
+    causes: NDArray[np.str_]
 
     @property
     def middle(self) -> GroundTarget:
         """Of its line."""
-        return _ground_target(_points_itrf_m(self.path, 3)[1], self.path)
+        return middle_of(self.path)
 
     def apart_s(self, begin_s: float) -> float:
         """How long before or after the spans in which it can begin."""
@@ -121,12 +125,14 @@ def scans_by_pass(
         lasts_s = sum(line.duration_s for line in lines)
         are_looks = len(lines) > 1 and all(line.start_utc is not None for line in lines)
         for part, line in enumerate(lines, start=1):
-            begins_s = span_s
+            # The line itself says from when to when, not the positions of all lines.
+            begins_s = span_s[0] - OPTIONS.beside_s, span_s[1] + OPTIONS.beside_s
+            cause = "interval"
             if are_looks:
                 assert line.start_utc is not None
                 slack_s = max(line.slack_s, 0.5 * step_s)
                 start_s = elapsed_s(line.start_utc, asked.start)
-                begins_s = (start_s - slack_s, start_s + slack_s)
+                begins_s, cause = (start_s - slack_s, start_s + slack_s), "look"
             laid.append(
                 ModeScan(
                     row=row,
@@ -137,6 +143,7 @@ def scans_by_pass(
                     duration_s=line.duration_s,
                     share=line.duration_s / lasts_s,
                     begins_s=np.array([begins_s]),
+                    causes=np.array([(cause, cause)]),
                 )
             )
         passes += 1
@@ -164,7 +171,7 @@ def _passes(
         for place, (row, each) in enumerate(
             zip(owner, _view_spans(asked, places, carrier), strict=True)
         )
-        for span_s in each
+        for span_s in each.spans_s
     ]
     for row in modes:
         own = np.array(sorted(one[1:] for one in spans if one[0] == row), float).reshape(-1, 3)
@@ -187,15 +194,25 @@ def _within_conditions(
     ]
     spans = iter(_view_spans(asked, points, carrier))
     for scan in scans:
-        begins_s = scan.begins_s
+        begins = _EdgedSpans(scan.begins_s, scan.causes)
         for passed_s in np.linspace(0.0, scan.path.duration_s, OPTIONS.points):
-            begins_s = _overlaps(begins_s, next(spans) - passed_s)
-        yield replace(scan, begins_s=begins_s)
+            seen = next(spans)
+            begins = _overlaps(begins, seen._replace(spans_s=seen.spans_s - passed_s))
+        yield replace(scan, begins_s=begins.spans_s, causes=begins.causes)
 
 
-def _view_spans(asked: ScansAsked, places: Sequence[GroundTarget], carrier: Carrier) -> list[Array]:
-    """When each place is within all conditions but those of the platform's motion, (k, 2) each."""
-    found = [np.empty((0, 2))] * len(places)
+class _EdgedSpans(NamedTuple):
+    """Spans since the start of what is asked, and what makes their edges, (k, 2) each."""
+
+    spans_s: Array
+    causes: NDArray[np.str_]
+
+
+def _view_spans(
+    asked: ScansAsked, places: Sequence[GroundTarget], carrier: Carrier
+) -> list[_EdgedSpans]:
+    """When each place is within all conditions but those of the platform's motion."""
+    found = [_EdgedSpans(np.empty((0, 2)), np.empty((0, 2), np.str_))] * len(places)
     for first in range(0, len(places), OPTIONS.points_at_once):
         part = places[first : first + OPTIONS.points_at_once]
         search = OpportunityRequest(
@@ -213,16 +230,27 @@ def _view_spans(asked: ScansAsked, places: Sequence[GroundTarget], carrier: Carr
         )
         for numbers, _, spans, _ in found_spans(search, carrier, math.pi):
             edges_s = np.stack([spans.start_s, spans.stop_s], axis=1)
+            causes = np.stack([spans.opened_by, spans.closed_by], axis=1)
             for number in np.unique(spans.target).tolist():
-                found[first + int(numbers[number])] = edges_s[spans.target == number]
+                own = spans.target == number
+                found[first + int(numbers[number])] = _EdgedSpans(edges_s[own], causes[own])
     return found
 
 
-def _overlaps(one_s: Array, other_s: Array) -> Array:
-    """Spans common to both, (k, 2) each."""
-    starts_s = np.maximum(one_s[:, None, 0], other_s[None, :, 0]).ravel()
-    stops_s = np.minimum(one_s[:, None, 1], other_s[None, :, 1]).ravel()
-    return np.stack([starts_s, stops_s], axis=1)[starts_s <= stops_s]
+def _overlaps(one: _EdgedSpans, other: _EdgedSpans) -> _EdgedSpans:
+    """Spans common to both."""
+    one_s, other_s = one.spans_s[:, None], other.spans_s[None]
+    # The later start and the sooner stop.
+    is_others = (other_s - one_s) * np.array([1.0, -1.0]) >= 0.0
+    spans_s = np.where(is_others, other_s, one_s).reshape(-1, 2)
+    causes = np.where(is_others, other.causes[None], one.causes[:, None]).reshape(-1, 2)
+    is_span = spans_s[:, 0] <= spans_s[:, 1]
+    return _EdgedSpans(spans_s[is_span], causes[is_span])
+
+
+def middle_of(path: GroundPathTarget) -> GroundTarget:
+    """Of a line, as a place."""
+    return _ground_target(_points_itrf_m(path, 3)[1], path)
 
 
 def _points_itrf_m(path: GroundPathTarget, count: int) -> Array:

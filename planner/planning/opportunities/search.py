@@ -16,7 +16,7 @@ from planner.planning.opportunities.carrier import Carrier, carrier_over
 from planner.planning.opportunities.margins import CAUSES, NOTHING, WindowScene, asked_of
 from planner.planning.opportunities.platforms.registry import lookout_of
 from planner.planning.opportunities.request import OpportunityRequest
-from planner.planning.opportunities.sights import Sight, in_sights, sights_of
+from planner.planning.opportunities.sights import Sight, in_sights, resting_sight, sights_of
 from planner.planning.opportunities.sweep import OPTIONS as SWEEP
 from planner.planning.opportunities.sweep import Found, sweep
 from planner.planning.opportunities.telling import highest_over, sky_each, tell
@@ -31,7 +31,7 @@ from planner.planning.opportunities.windows import (
 from planner.world.frames.earth_orientation import earth_orientation_warnings
 from planner.world.frames.geodesy import geodetic_from_itrf
 from planner.world.frames.time_scales import Instants
-from planner.world.targets import EarthFixedTarget, Target
+from planner.world.targets import ChosenTarget, EarthFixedTarget
 from planner.world.targets.ground_sample import sample_along_m
 
 
@@ -88,26 +88,38 @@ class WindowSearch:
     def find(self) -> WindowEdges:
         """All windows, by no more work than one request may make; raises SearchEnded."""
         with at_most(effort.PLAN):
-            return in_order(
-                [
-                    edges_of(numbers, spans, held_s)
-                    for numbers, _, spans, held_s in found_spans(self._request, self.carrier)
-                ]
+            plain = (
+                edges_of(numbers, spans, held_s)
+                for numbers, _, spans, held_s in found_spans(self._request, self.carrier)
             )
+            return in_order([*plain, *self.scans()])
         raise _ended(self._request)
+
+    def scans(self) -> tuple[WindowEdges, ...]:
+        """Windows of imaging modes, if there are any of these."""
+        from planner.planning.opportunities.scan_windows import scan_edges
+
+        return (scan_edges(self._request, self.carrier),) if self._request.modes else ()
+
+    def tell_scans(self, edges: WindowEdges) -> Windows:
+        """What is told of windows of scans, as of the middles of their lines."""
+        from planner.planning.opportunities.scan_windows import middles_of
+
+        middles = middles_of(self._request, edges)
+        sight = resting_sight(self.carrier, middles, np.zeros(len(edges)))
+        return describe_windows(self._request, sight, np.arange(len(edges)), edges)
 
     def tell(self, edges: WindowEdges) -> Windows:
         """What is told of windows that were found, at least one; raises SearchEnded."""
         targets = self._request.targets
         parts = []
         with at_most(effort.PLAN):
-            for rows, sight, which in in_sights(edges.target, targets, self.carrier):
-                part = edges.select(rows)
-                numbers = np.zeros(which.max() + 1, np.intp)
-                numbers[which] = part.target
-                spans = Spans(which, part.rise_s, part.set_s, part.opened_by, part.closed_by)
-                held_s = np.stack([part.held_from_s, part.held_to_s], axis=1)
-                parts.append(describe_windows(self._request, sight, numbers, spans, held_s))
+            plain = np.flatnonzero(~edges.are_scans)
+            for rows, sight, which in in_sights(edges.target[plain], targets, self.carrier):
+                part = edges.select(plain[rows])
+                parts.append(describe_windows(self._request, sight, which, part))
+            if edges.are_scans.any():
+                parts.append(self.tell_scans(edges.select(edges.are_scans)))
             return in_order(parts)
         raise SearchEnded(
             f"to tell of these {len(edges)} windows takes more work than one request may make; ask "
@@ -143,7 +155,7 @@ def opportunities_however_many(request: OpportunityRequest) -> Opportunities:
     """Search with whatever work that takes."""
     search, lookout = WindowSearch(request), lookout_of(request.platform, request.attitude)
     found = [
-        describe_windows(request, sight, numbers, spans, held_s)
+        describe_windows(request, sight, spans.target, edges_of(numbers, spans, held_s))
         for numbers, sight, spans, held_s in found_spans(request, search.carrier)
     ]
     return Opportunities(
@@ -154,7 +166,7 @@ def opportunities_however_many(request: OpportunityRequest) -> Opportunities:
         has_branches=lookout.has_branches,
         assumed=request.assumed,
         warnings=search.warnings,
-        windows=in_order(found),
+        windows=in_order([*found, *map(search.tell_scans, search.scans())]),
     )
 
 
@@ -168,6 +180,7 @@ def edges_of(numbers: Indices, spans: Spans, held_s: Array) -> WindowEdges:
         held_to_s=held_s[:, 1],
         opened_by=spans.opened_by,
         closed_by=spans.closed_by,
+        scan_parameters=np.full((len(spans.target), 7), math.nan),
     )
 
 
@@ -217,43 +230,40 @@ def _spans_of(found: Found) -> Spans:
     return Spans(found.target, start_s, stop_s, opened_by, closed_by)
 
 
-def _own_least_rad(target: Target) -> float:
+def _own_least_rad(target: ChosenTarget) -> float:
     return math.radians(target.min_elevation_deg) if isinstance(target, EarthFixedTarget) else 0.0
 
 
 def describe_windows(
-    request: OpportunityRequest, sight: Sight, numbers: Indices, spans: Spans, held_s: Array
+    request: OpportunityRequest, sight: Sight, which: Indices, edges: WindowEdges
 ) -> Windows:
-    """The windows of one sight; numbers: its targets' rows in the request.
-
-    held_s: (m, 2), the parts that a session can hold.
-    """
-    count = len(spans.target)
+    """The windows of one sight; which: (m,), the number of each one's target in it."""
+    count = len(edges)
     effort.charge((OPTIONS.window_rows + OPTIONS.sample_rows * request.samples) * count)
-    edge_s = np.stack([spans.start_s, spans.stop_s], axis=1)
+    edge_s = np.stack([edges.rise_s, edges.set_s], axis=1)
     reach = lookout_of(request.platform, request.attitude).reach
     scene = WindowScene(sight.carrier.tables, reach, NOTHING, sight.places)
-    told = tell(scene, spans.target, edge_s, request.samples)
+    told = tell(scene, which, edge_s, request.samples)
     seen = _sightings(told.seen_parameters, request.pixel_rad, sight.on_earth)
     at_s = np.insert(edge_s, 1, told.highest_parameters[:, 0], axis=1)
     return Windows(
-        **vars(edges_of(numbers, spans, held_s)),
+        **vars(edges),
         highest_s=told.highest_parameters[:, 0],
         highest_rad=told.highest_parameters[:, 1],
         closest=seen.select_samples(0),
         through=seen.select_samples(slice(1, None)),
-        sky=_target_sky(sight, spans.target, at_s),
+        sky=_target_sky(sight, which, at_s),
         branch=told.branch,
         branches=told.usable,
-        clear_share=_clear(request, sight, spans),
+        clear_share=_clear(request, sight, which, edges),
     )
 
 
-def _clear(request: OpportunityRequest, sight: Sight, spans: Spans) -> Array:
+def _clear(request: OpportunityRequest, sight: Sight, which: Indices, edges: WindowEdges) -> Array:
     if request.clouds is None or not sight.on_earth:
-        return np.full(len(spans.target), math.nan)
-    middle_s = 0.5 * (spans.start_s + spans.stop_s)
-    r_itrf_m = sight.r_target_itrf_m(spans.target, middle_s)
+        return np.full(len(edges), math.nan)
+    middle_s = 0.5 * (edges.rise_s + edges.set_s)
+    r_itrf_m = sight.r_target_itrf_m(which, middle_s)
     return request.clouds.clear_over(r_itrf_m, Instants(request.start, middle_s))
 
 

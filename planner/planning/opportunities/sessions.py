@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from planner.base.arrays import Array
+from planner.base.arrays import Array, Mask
 from planner.base.compiled import compiled, nested
 from planner.base.vectors import TURN_RAD, wrapped
 from planner.motion.pointing.reach import Reach, axes_at
@@ -33,6 +33,7 @@ class SessionOptions(NamedTuple):
     mask_edge_s: float = 30.0  # from a window's edge
     mask_step_s: float = 0.5
     mask_looks: int = 200  # that takes
+    scan_step_s: float = 1.0  # between looks at the motion along a line that is scanned
 
 
 OPTIONS = SessionOptions()
@@ -158,3 +159,24 @@ def hold(s: WindowScene, found: Found, looks_limit: float) -> tuple[Array, int]:
         held[w, 0], held[w, 1] = a, b
         looks += more
     return held, looks
+
+
+@compiled
+def hold_line(s: WindowScene, begins_s: Array, duration_s: float) -> Mask:
+    """Of scans of a line that begin at n times, whether one pair of angles holds it from end to
+    end, (n,)."""
+    held = np.zeros(len(begins_s), np.bool_)
+    cells = max(math.ceil(duration_s / OPTIONS.scan_step_s), 1)
+    for n in range(len(begins_s)):
+        t_s = begins_s[n] + np.linspace(0.0, duration_s, cells + 1)
+        for branch in range(2):
+            follows = True
+            for k in range(cells + 1):
+                follows = follows and margin(s, MOTION_0 + branch, n, t_s[k], 0.0) > 0.0
+                if len(s.g.side_parameters):
+                    follows = follows and margin(s, OFF_MASK, n, t_s[k], 0.0) > 0.0
+            if follows:
+                a, b = _unwound(s, n, branch, t_s, t_s[0], t_s[cells])
+                follows = a == t_s[0] and b == t_s[cells]
+            held[n] = held[n] or follows
+    return held

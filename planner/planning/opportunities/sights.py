@@ -17,8 +17,10 @@ from planner.world.frames.geodesy import geodetic_from_itrf, up_itrf
 from planner.world.frames.time_scales import Instants, shifted_utc
 from planner.world.platforms import RollRule
 from planner.world.targets import (
+    ChosenTarget,
     EarthFixedTarget,
     GroundPathTarget,
+    ImagingMode,
     SkyTarget,
     Target,
     VisibleTarget,
@@ -47,7 +49,7 @@ class Wanted(Protocol):
     """
 
     @property
-    def target(self) -> Target: ...
+    def target(self) -> ChosenTarget: ...
 
     @property
     def roll(self) -> RollRule | None: ...
@@ -99,7 +101,7 @@ class Sight:
 def sights_of(
     carrier: Carrier, targets: Sequence[Wanted], least_rad: Array, most: int
 ) -> Iterator[tuple[Indices, Sight]]:
-    """All targets: rows of those seen alike, at most so many, and how.
+    """All targets but imaging modes: rows of those seen alike, at most so many, and how.
 
     least_rad: (targets,), elevation or height above the limb.
     """
@@ -113,7 +115,7 @@ def sights_of(
             sight = resting_sight(carrier, [targets[row].target for row in rows], least_rad[rows])
             yield rows, replace(sight, roll=roll)
     for row, wanted in enumerate(targets):
-        if not _rests(wanted.target):
+        if not (_rests(wanted.target) or isinstance(wanted.target, ImagingMode)):
             sight = _lone_sight(carrier, wanted.target, float(least_rad[row]))
             yield np.array([row]), replace(sight, roll=wanted.roll)
 
@@ -136,12 +138,14 @@ def in_sights(
 def resting_sight(carrier: Carrier, targets: Sequence[EarthFixedTarget], least_rad: Array) -> Sight:
     """Any number of points at rest on the ground."""
     at_start = Instants(carrier.start_utc, np.zeros(1))
-    r_itrf_m = np.concatenate([target.r_target_itrf_m(at_start) for target in targets])
+    r_itrf_m = np.concatenate(
+        [np.empty((0, 3)), *(target.r_target_itrf_m(at_start) for target in targets)]
+    )
     resting = np.concatenate([r_itrf_m, _up_itrf(r_itrf_m), least_rad[:, None]], axis=1)
     return Sight(carrier, targets, _places(resting, 0.0, np.empty((0, 6, 6))))
 
 
-def _rests(target: Target) -> bool:
+def _rests(target: ChosenTarget) -> bool:
     return target.rests_on_earth and isinstance(target, EarthFixedTarget)
 
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from planner.base.arrays import Array
+from planner.base.arrays import Array, Mask
 from planner.base.compiled import compiled, inlined, lean, nested
 from planner.base.vectors import (
     Powers,
@@ -441,3 +441,37 @@ def carried_session(
             unheld_s = t_s
         before_s, boresight = t_s, d
     return unheld_s, (boresight, aside)
+
+
+@compiled
+def follow_line(
+    b: Tracking, c: CarrierTables, p: Places, begins_s: Array, duration_s: float,
+    off_nadir_rad: float
+) -> Mask:  # fmt: skip
+    """Of scans of a line that begin at n times, whether one sense of the roll rule keeps the
+    exclusions and its rate from end to end, and whether a session may be there, (n, 2)."""
+    held = np.zeros((len(begins_s), 2), np.bool_)
+    cells = max(math.ceil(duration_s / OPTIONS.step_s), 1)
+    settling = math.ceil(b.settle_s / OPTIONS.step_s)
+    for n in range(len(begins_s)):
+        for sense in range(b.senses):
+            sign, as_window, as_session = 1.0 - 2.0 * sense, True, True
+            for k in range(-settling, cells + 1):
+                if k < 0:
+                    t_s = begins_s[n] + k / settling * b.settle_s
+                else:
+                    t_s = begins_s[n] + k / cells * duration_s
+                d, r_sat, v = _seen(c, p, n, t_s)
+                aside = scaled(sign, aside_at(b, c, p, n, t_s, d, r_sat, v))
+                if as_session:
+                    as_session = t_s >= 0.0 and session_holds(
+                        b, c, p, n, t_s, sign, aside, off_nadir_rad
+                    )
+                if k >= 0:
+                    kept = _kept(b, c, d, aside, r_sat, v, t_s)
+                    if not min(kept, _motion(b, c, p, n, t_s, sign, aside, 1)) > 0.0:
+                        as_window, as_session = False, False
+                        break
+            held[n, 0] = held[n, 0] or as_window
+            held[n, 1] = held[n, 1] or as_session
+    return held

@@ -15,6 +15,7 @@ from planner.planning.opportunities.carrier import Carrier
 from planner.planning.opportunities.closing import Closing, Unseen
 from planner.planning.opportunities.platforms.registry import lookout_of
 from planner.planning.opportunities.request import OpportunityConditions, OpportunityRequest
+from planner.planning.opportunities.scans import scans_by_pass
 from planner.planning.opportunities.search import highest, opportunities_however_many
 from planner.planning.opportunities.sights import in_sights
 from planner.planning.opportunities.windows import Windows
@@ -32,6 +33,9 @@ class UnseenOptions:
 
 
 OPTIONS = UnseenOptions()
+_NO_WHOLE_LINE = (
+    "in no pass is one of its lines within the conditions, and held by the platform, to its end"
+)
 Reasons = Mapping[int, tuple[Closing, str]]
 # The order in which opportunities are narrowed, and the fields of each condition.
 _NARROWING: tuple[tuple[Closing, tuple[str, ...]], ...] = (
@@ -49,7 +53,14 @@ _NARROWING: tuple[tuple[Closing, tuple[str, ...]], ...] = (
 def unseen_of(request: OpportunityRequest, carrier: Carrier, seen: Indices) -> tuple[Unseen, ...]:
     """Those of the request without a window, and why; seen: rows of those that have one."""
     unseen = np.setdiff1d(np.arange(len(request.targets)), seen).tolist()
-    return unseen_because(request, carrier, unseen, {})
+    modes = {row: mode for row, mode in request.modes.items() if row in unseen}
+    at_middles = request.with_middles()
+    known: dict[int, tuple[Closing, str]] = {}
+    with at_most(OPTIONS.most):
+        because = scans_by_pass(request, modes, carrier, 0.0).because if modes else {}
+        for row in _windows_of(at_middles, list(modes)) if modes else ():
+            known[row] = "scan", because.get(row, _NO_WHOLE_LINE)
+    return unseen_because(at_middles, carrier, unseen, known)
 
 
 def unseen_because(

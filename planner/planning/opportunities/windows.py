@@ -8,7 +8,7 @@ from typing import Literal, Self, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.base.arrays import Array, Indices
+from planner.base.arrays import Array, Indices, Mask
 from planner.base.assumed import Assumed
 from planner.base.commands import ROWS_PER_S
 
@@ -95,9 +95,12 @@ class WindowEdges:
     """Windows as they are found, arrays of shape (windows,), by target and time.
 
     target: row of the request's targets.  rise_s, set_s: since the search's start.
-    held_from_s, held_to_s: the longest part that a session can hold its target over, or NaN.
+    held_from_s, held_to_s: the longest part that a session can hold its target over, of a scan the
+    longest span in which a session of it can begin, or NaN.
     opened_by, closed_by: which `Cause` made the edge; "interval" is the request's own start
-    or stop.
+    or stop, "look" the time at which a look of a stereo is to begin.
+    scan_parameters: (windows, 7) of scans of imaging modes: part, counted from 1, of how many, how
+    long its session lasts, longitude and latitude of its line's ends, degrees; NaN of any other.
     """
 
     target: NDArray[np.intp]
@@ -107,9 +110,15 @@ class WindowEdges:
     held_to_s: Array
     opened_by: NDArray[np.str_]
     closed_by: NDArray[np.str_]
+    scan_parameters: Array
 
     def __len__(self) -> int:
         return len(self.target)
+
+    @property
+    def are_scans(self) -> Mask:
+        """Which are of scans."""
+        return ~np.isnan(self.scan_parameters[:, 0])
 
     def select(self, rows: NDArray[np.bool_] | Indices | slice) -> Self:
         """Select those at `rows`."""
@@ -118,14 +127,23 @@ class WindowEdges:
     def sessions_s(self, start_utc: datetime) -> Array:
         """The longest session on rows of a command table in each window, (windows, 2).
 
-        Since start_utc; tables begin on whole rows of a second.  NaN where no two rows fit.
+        Since start_utc; tables begin on whole rows of a second.  Of a scan that which begins
+        halfway through those that can.  NaN where no two rows fit, or a scan no row.
         """
+        first_s, last_s = self.begins_s(start_utc).T
+        lasts_s = self.scan_parameters[:, 2]
+        middle_s = first_s + np.floor(0.5 * (last_s - first_s) * ROWS_PER_S) / ROWS_PER_S
+        scan_s = np.where(last_s >= first_s, np.stack([middle_s, middle_s + lasts_s]), np.nan)
+        longest_s = np.stack([first_s, np.minimum(last_s, first_s + SESSION_MAX_S)])
+        longest_s = np.where(last_s > first_s, longest_s, np.nan)
+        return np.asarray(np.where(np.isnan(lasts_s), longest_s, scan_s).T)
+
+    def begins_s(self, start_utc: datetime) -> Array:
+        """The first and the last row of what is held, (windows, 2), since start_utc."""
         before_s = start_utc.microsecond / 1e6
         first = np.ceil((self.held_from_s + before_s) * ROWS_PER_S - GRID_TOLERANCE_ROWS)
         last = np.floor((self.held_to_s + before_s) * ROWS_PER_S + GRID_TOLERANCE_ROWS)
-        last = np.minimum(last, first + SESSION_MAX_S * ROWS_PER_S)
-        rows = np.where(last > first, np.stack([first, last]), np.nan)
-        return np.asarray((rows / ROWS_PER_S - before_s).T)
+        return np.stack([first, last], axis=1) / ROWS_PER_S - before_s
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

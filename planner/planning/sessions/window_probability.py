@@ -8,8 +8,9 @@ from planner.base import effort
 from planner.base.arrays import Array
 from planner.base.effort import at_most
 from planner.planning.opportunities import OpportunityRequest, Windows
+from planner.planning.opportunities.scan_windows import scanned_path
 from planner.planning.sessions.platforms.registry import HELD
-from planner.world.frames.time_scales import Instants
+from planner.world.frames.time_scales import Instants, shifted_utc
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,16 +40,21 @@ def probabilities_in_frame(request: OpportunityRequest, windows: Windows) -> Arr
     with at_most(OPTIONS.most):
         for window in np.argsort(windows.rise_s, kind="stable"):
             if not np.isnan(sessions_s[window, 0]):
-                wanted = request.targets[windows.target[window]]
+                row = int(windows.target[window])
+                target, roll = request.targets[row].target, request.targets[row].roll
                 effort.charge(OPTIONS.window)
                 start_s, stop_s = sessions_s[window]
+                if windows.are_scans[window]:
+                    path = scanned_path(request, windows, window)
+                    target = path.starting(shifted_utc(request.start, start_s))
+                    roll = request.roll_on_scans(row)
                 t_s = np.linspace(start_s, stop_s, OPTIONS.instants)
                 probability[window] = held(
                     request.platform,
                     request.law,
                     ephemeris,
-                    wanted.target,
-                    wanted.roll,
+                    target,
+                    roll,
                     Instants(request.start, t_s),
                     int(windows.branch[window]),
                     OPTIONS.every,

@@ -21,7 +21,6 @@ from planner.world.platforms.two_axis import (
     ParkPosition,
     StructuralMode,
     TwoAxisPlatform,
-    along_and_across,
 )
 
 __all__ = [
@@ -51,6 +50,5 @@ __all__ = [
     "Shutter",
     "StructuralMode",
     "TwoAxisPlatform",
-    "along_and_across",
     "definition_of",
 ]

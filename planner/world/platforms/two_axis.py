@@ -240,28 +240,6 @@ class TwoAxisPlatform:
         return np.stack([x, np.cross(z, x), z], axis=1)
 
 
-def along_and_across(along_max_deg: float) -> TwoAxisPlatform:
-    """A camera in local orbital axes: the outer angle is along the track, the inner one is free."""
-    quarter, along_max_rad = math.pi / 2.0, math.radians(along_max_deg)
-    free = AxisLimits(
-        angle_min_rad=-quarter,
-        angle_max_rad=quarter,
-        rate_max_rad_s=1.0,
-        acceleration_max_rad_s2=1.0,
-        jerk_max_rad_s3=1.0,
-    )
-    return TwoAxisPlatform(
-        name="camera",
-        outer_name="along",
-        outer_axis_platform=(0.0, 1.0, 0.0),
-        outer_limits=replace(free, angle_min_rad=-along_max_rad, angle_max_rad=along_max_rad),
-        inner_name="across",
-        inner_axis_platform=(-1.0, 0.0, 0.0),
-        inner_limits=free,
-        zero_direction_platform=(0.0, 0.0, 1.0),
-    )
-
-
 @spec
 class StructuralMode:
     """One mode of vibration, excited by the acceleration of either axis.

@@ -29,7 +29,6 @@ Target = Annotated[
 ]
 TARGETS = {mode.mode: mode for mode in get_args(get_args(Target)[0])}
 if TYPE_CHECKING:
-    WindowTarget = Target
     AskedTarget = Target
     ChosenTarget = Target | ImagingMode
 else:
@@ -40,8 +39,7 @@ else:
     ]
     # Those that can be seen at times of their own.
     _WITH_WINDOWS = tuple(mode for mode in TARGETS.values() if mode.has_windows)
-    WindowTarget = Annotated[Union[_WITH_WINDOWS], Field(discriminator="mode")]  # noqa: UP007 (of a tuple)
-    # What a campaign chooses among.
+    # What a campaign chooses among, and windows are searched for.
     ChosenTarget = Annotated[
         Union[(*_WITH_WINDOWS, *IMAGING_MODES.values())], Field(discriminator="mode")
     ]
@@ -66,5 +64,4 @@ __all__ = [
     "StarTarget",
     "Target",
     "VisibleTarget",
-    "WindowTarget",
 ]

@@ -195,6 +195,10 @@ class ImagingMode(SessionTarget):
         """Of its first line."""
         return self._path(*self.lines[0][:2])
 
+    def path_between(self, first: Position, last: Position) -> GroundPathTarget:
+        """A line of its scans, by longitude and latitude of its ends, degrees."""
+        return self._path(first, last)
+
     def in_pass(self, window: ScanWindow) -> ScanWindow:
         """The window of its scans in a pass during which it can be seen."""
         return window

@@ -16,6 +16,7 @@ from planner.motion.pointing.reach import Reach
 from planner.planning.opportunities.carrier import Carrier
 from planner.planning.opportunities.closing import Closing
 from planner.planning.opportunities.margins import WindowScene
+from planner.planning.opportunities.platforms.lookout import HeldScans
 from planner.planning.opportunities.request import OpportunityConditions
 from planner.planning.opportunities.sights import Sight
 from planner.planning.opportunities.sweep import Found
@@ -27,6 +28,7 @@ from planner.planning.opportunities.tracking import (
     Rows3,
     Tracking,
     follow,
+    follow_line,
 )
 from planner.planning.opportunities.windows import Cause
 from planner.world.attitude import AttitudeLaw
@@ -85,6 +87,7 @@ class BodyLookout:
         if not isinstance(platform, BodyPlatform):
             raise TypeError(f"{platform.name} is no body")
         self.platform = platform
+        self.settle_s = platform.envelope.settle_s
         self._tables: dict[tuple[str, Carrier], UniformTable] = {}
 
     def q_base_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
@@ -105,6 +108,13 @@ class BodyLookout:
         tracking = self.tracking(sight)
         most_rad = math.radians(self.platform.off_nadir_max_deg)
         return follow(tracking, scene, found, most_rad, (shortest_s, looks_limit))
+
+    def held_scans(self, sight: Sight, begins_s: Array, duration_s: float) -> HeldScans:
+        most_rad = math.radians(self.platform.off_nadir_max_deg)
+        held = follow_line(
+            self.tracking(sight), sight.carrier.tables, sight.places, begins_s, duration_s, most_rad
+        )
+        return HeldScans(*held.T)
 
     def tracking(self, sight: Sight) -> Tracking:
         """How it lies on targets that are seen alike."""

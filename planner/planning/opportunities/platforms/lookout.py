@@ -1,8 +1,8 @@
 """The lookout: everything that the search for windows asks of a platform, whatever its kind."""
 
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
-from planner.base.arrays import Array
+from planner.base.arrays import Array, Mask
 from planner.motion.pointing.reach import Reach
 from planner.planning.opportunities.carrier import Base
 from planner.planning.opportunities.closing import Closing
@@ -15,13 +15,26 @@ from planner.world.frames.time_scales import Instants
 from planner.world.platforms import AnyPlatform
 
 
+class HeldScans(NamedTuple):
+    """Whether scans that begin at n times are held from end to end by one way of following, (n,).
+
+    as_window: exclusions are kept, and the rate.  as_session: with what plans keep between rows,
+    of acceleration and jerk, too, and from when the platform must have settled.
+    """
+
+    as_window: Mask
+    as_session: Mask
+
+
 class Lookout(Base, Protocol):
     """One platform in a search for windows.
 
     reach: the axes whose angles windows tell, in the frame of the base.
+    settle_s: on the track before a session.
     """
 
     reach: Reach
+    settle_s: float
 
     @property
     def angle_names(self) -> tuple[str, str]:
@@ -52,6 +65,10 @@ class Lookout(Base, Protocol):
         """Windows as far as the platform's motion allows them, what a session holds of each,
         (m, 2), NaN where nothing, and how many looks that took: no more are begun at that limit.
         """
+        ...
+
+    def held_scans(self, sight: Sight, begins_s: Array, duration_s: float) -> HeldScans:
+        """Which scans of a line are held that begin at each time, n of them, as `sight` has it."""
         ...
 
     def narrowing(self) -> tuple[tuple[Closing, AnyPlatform, str], ...]:

@@ -2,13 +2,16 @@
 
 from dataclasses import replace
 
+import numpy as np
+
 from planner.base.arrays import Array
 from planner.base.rotation import Rotation
 from planner.motion.pointing.reach import reach_of
 from planner.planning.opportunities.closing import Closing
-from planner.planning.opportunities.margins import WindowScene
+from planner.planning.opportunities.margins import NOTHING, WindowScene
+from planner.planning.opportunities.platforms.lookout import HeldScans
 from planner.planning.opportunities.request import OpportunityConditions
-from planner.planning.opportunities.sessions import hold
+from planner.planning.opportunities.sessions import hold, hold_line
 from planner.planning.opportunities.sights import Sight
 from planner.planning.opportunities.sweep import Found
 from planner.planning.opportunities.windows import Cause
@@ -23,6 +26,7 @@ class TwoAxisLookout:
     """As `Lookout` says; the base is the mounting plate."""
 
     has_branches = True
+    settle_s = 0.0
 
     def __init__(self, platform: AnyPlatform, attitude: AttitudeLaw | None) -> None:
         if not isinstance(platform, TwoAxisPlatform):
@@ -55,6 +59,11 @@ class TwoAxisLookout:
         self, sight: Sight, scene: WindowScene, found: Found, shortest_s: float, looks_limit: float
     ) -> tuple[Found, Array, int]:
         return (found, *hold(scene, found, looks_limit))
+
+    def held_scans(self, sight: Sight, begins_s: Array, duration_s: float) -> HeldScans:
+        scene = WindowScene(sight.carrier.tables, self.reach, NOTHING, sight.places)
+        held = hold_line(scene, begins_s, duration_s)
+        return HeldScans(np.ones(len(held), np.bool_), held)
 
     def narrowing(self) -> tuple[tuple[Closing, AnyPlatform, str], ...]:
         within = "no angles of the axes within their stops point there while it is in sight"

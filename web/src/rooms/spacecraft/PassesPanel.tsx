@@ -119,9 +119,9 @@ function isOf(pass: Pass, { start, stop }: SessionRequest): boolean {
 /** What a session in the pass can image, and from how far aside. */
 function told({ seen }: Pass, count: number): string {
   const text = words.value.spacecraft.passes;
-  const names = seen.map((one) => {
-    const across_deg = one.closest.angles_deg.across;
-    return across_deg == null ? one.target : text.aside(one.target, number(Math.round(Math.abs(across_deg)), 0));
-  });
-  return `${text.sees(seen.length, count)}: ${names.join(", ")}`;
+  const across = new Map(seen.map((one) => [one.target, one.closest.angles_deg.across_track]));
+  const names = [...across].map(([name, across_deg]) =>
+    across_deg == null ? name : text.aside(name, number(Math.round(Math.abs(across_deg)), 0)),
+  );
+  return `${text.sees(across.size, count)}: ${names.join(", ")}`;
 }
