@@ -191,7 +191,7 @@ class Reserve:
     limit: the least charge of a battery, else the capacity. [see `unit`] E.g. `110.0`.
     extreme: the nearest that it comes. [see `unit`] E.g. `121.5`.
     margin: distance from the limit; negative when it is passed. [see `unit`] E.g. `11.5`.
-    last: what is held when the table ends. [see `unit`] E.g. `160.0`.
+    last: held when the table ends. [see `unit`] E.g. `160.0`.
     at_utc: time of the nearest; UTC. E.g. `"2026-06-01T10:44:20.000Z"`.
     """
 

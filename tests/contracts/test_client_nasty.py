@@ -31,14 +31,14 @@ PLAN_CALLS = {
     "export": lambda client: client.export(ID, "csv"),
     "view": lambda client: client.view(ID, step_s=1.0),
     "delete": lambda client: client.delete(ID),
+}
+CALLS = PLAN_CALLS | {
     "opportunities": lambda client: client.opportunities(REQUEST),
     "searches": lambda client: client.searches(),
     "get_search": lambda client: client.get_search(ID),
     "windows": lambda client: client.windows(ID),
     "search_request": lambda client: client.search_request(ID),
     "delete_search": lambda client: client.delete_search(ID),
-}
-CALLS = PLAN_CALLS | {
     "next_pass": lambda client: client.next_pass({"sessions": [{}]}, **ENDS),
     "campaign": lambda client: client.campaign(REQUEST, **ENDS),
     "export_campaign": lambda client: client.export_campaign(ID, "csv"),

@@ -26,12 +26,13 @@ import tempfile
 import time
 import urllib.error
 import urllib.request
+import zlib
 from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from app.store import events, jobs, plans, results
+from app.store import events, jobs, results
 from app.store.database import Database, open_database
 
 ROOT = Path(__file__).parents[2]
@@ -206,11 +207,12 @@ def _audited(house: House, name: str) -> dict[str, int]:
     """What the database holds of the campaign; raises AssertionError where it is wrong."""
     with house.database() as database, database.reading() as connection:
         whole = jobs.get(connection, house.campaign_id)
-        choice = plans.choice_of(connection, house.campaign_id)
+        document = results.document(connection, house.campaign_id)
         parts = jobs.parts_of(connection, house.campaign_id)
         assert whole is not None, name
         assert whole.state == "done", (name, whole)
-        assert choice is not None, name
+        assert document is not None, name
+        choice = json.loads(zlib.decompress(document))
         last = {part.options["campaign"]["pass"]: part for part in parts}
         assert len(last) == choice["passes"], (name, len(last), choice["passes"])
         for one in (whole, *parts):

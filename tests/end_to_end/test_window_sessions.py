@@ -127,13 +127,23 @@ def test_a_session_is_what_the_axes_can_follow_of_its_window(platform, roll_deg,
                 make_plan(session_alone(platform, TLE, attitude, target, earlier, stop))
 
 
+def held(from_s, to_s):
+    """Windows of which only the time that is held counts, none of a scan."""
+    windows = object.__new__(Windows)
+    members = {
+        "held_from_s": np.array(from_s),
+        "held_to_s": np.array(to_s),
+        "scan_parameters": np.full((len(from_s), 7), np.nan),
+    }
+    for name, value in members.items():
+        object.__setattr__(windows, name, value)
+    return windows
+
+
 def test_a_window_of_a_day_has_a_session_that_one_request_may_plan():
     """Ten days' worth of rows are not asked for: from a high orbit the Sun never sets."""
 
-    class Day:
-        held_from_s, held_to_s = np.array([0.0]), np.array([86400.0])
-
-    [[start_s, stop_s]] = Windows.sessions_s(Day(), at(0.0))
+    [[start_s, stop_s]] = Windows.sessions_s(held([0.0], [86400.0]), at(0.0))
     assert stop_s - start_s == SESSION_MAX_S
 
 
@@ -159,10 +169,7 @@ def test_a_session_no_pair_of_angles_holds_throughout_is_offered_the_longest_par
 
 
 def test_a_window_too_short_for_two_rows_has_no_session():
-    class Short:
-        held_from_s, held_to_s = np.array([0.05, 0.05]), np.array([0.35, 0.45])
-
-    times_s = Windows.sessions_s(Short(), at(0.0))
+    times_s = Windows.sessions_s(held([0.05, 0.05], [0.35, 0.45]), at(0.0))
     assert np.isnan(times_s[0]).all()
     assert times_s[1] == pytest.approx([0.2, 0.4])
 
