@@ -19,7 +19,7 @@ PLANS = PlanResource(
     also=frozenset({SPACECRAFT_PLAN.name}),
     path="/v1/plans",
     tag="plans",
-    what="sessions of a two-axis platform",
+    what="sessions of a platform",
     about="""Computes slews and tracks for every session, and a row of angles and rates every 0.2 s.
 
     An independent verification checks the table before it is returned.  A session that can't be
