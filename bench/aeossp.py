@@ -36,14 +36,14 @@ from planner.base.arrays import Array, Indices, Mask
 from planner.base.compiled import compiled
 from planner.planning.campaigns.choice import (
     OPTIONS,
-    CampaignChoice,
     Looking,
     Passes,
+    bound_at,
     choose,
     refill,
 )
 from planner.planning.campaigns.displaced import displaced_by
-from planner.planning.campaigns.network import NEVER, Network
+from planner.planning.campaigns.network import NEVER, Network, edges_between
 from planner.planning.campaigns.path import Look, Worth
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.geodesy import WGS84_A_M, itrf_from_geodetic
@@ -249,34 +249,20 @@ def _ways(case: Case, satellite: Satellite) -> Indices:
 def _one_pass(case: Case, satellite: Satellite, ways: Indices, number: int, reach: int) -> Pass:
     start = int(ways[0, 1])
     target, first, last = ways[:, 0].copy(), ways[:, 1] - start, ways[:, 2] - start
-    steps = last - first + 1
-    offset = np.cumsum(steps) - steps
-    least = case.tasks.steps[target]
+    steps, least = last - first + 1, case.tasks.steps[target]
     rows = np.concatenate([np.arange(one[1], one[2] + 1) for one in ways])
     los_itrf_m = case.tasks.r_itrf_m[np.repeat(target, steps)] - satellite.r_itrf_m[rows]
     los_eci = np.einsum("kji,kj->ki", case.c_itrf_from_eci[rows], los_itrf_m)
     los_eci /= np.linalg.norm(los_eci, axis=1)[:, None]
-    near = (first[None, :] < last[:, None] + reach) & (target[None, :] != target[:, None])
-    near &= (last - least)[None, :] >= (first + least)[:, None]
-    source, edge_to = map(np.ascontiguousarray, np.nonzero(near))
-    edge_from = np.searchsorted(source, np.arange(len(ways) + 1))
-    counts = steps * np.diff(edge_from)
-    network = Network(
+    network = edges_between(
         first_step=start,
         way=np.arange(number, number + len(ways)),
         target=target,
         first=first,
         last=last,
-        offset=offset,
-        size=int(steps.sum()),
+        least=least,
         quality_sum=np.concatenate([np.arange(count, dtype=np.float64) for count in steps]),
-        stop_step=int(last.max()) + 1,
-        edge_from=edge_from,
-        edge_to=edge_to,
-        arrival_offset=np.cumsum(counts) - counts,
-        arrival=np.empty(int(counts.sum()), np.int32),
         reach=reach,
-        begins=np.ones(int(steps.sum()), np.bool_),
         scanned=np.ones(len(ways), np.bool_),  # who has looked leaves at once
     )
     _fill_arrivals(network, least, los_eci, satellite.agility, float(case.step_s))
@@ -448,8 +434,18 @@ def _kept_to(one: Pass, looks: Sequence[Look]) -> Pass:
     return replace(one, network=network._replace(begins=begins))
 
 
-def solve(case: Case, tell: Callable[[str], None]) -> tuple[Passes, list[Pass], CampaignChoice]:
-    """Looks of every pass, the passes, and the choice before batteries were spared."""
+class Solution(NamedTuple):
+    """Looks of every pass, the passes, the looks before batteries were spared, and the bound."""
+
+    chosen: Passes
+    passes: list[Pass]
+    unspared: Passes
+    greedy_value: float
+    bound: float
+
+
+def solve(case: Case, tell: Callable[[str], None]) -> Solution:
+    """Choose looks as a campaign does, then spare batteries."""
     passes = passes_of(case)
     tasks = case.tasks
     looking = Looking(
@@ -465,8 +461,16 @@ def solve(case: Case, tell: Callable[[str], None]) -> tuple[Passes, list[Pass], 
     checker = Checker(case, passes)
     networks = [one.network for one in passes]
     choice = choose(networks, looking, lambda *_: None, checker.first_unheld, FLEET)
-    tell(f"chosen: {choice.value:g} of at most {choice.bound:.1f}, greedy {choice.greedy_value:g}")
-    return spare_batteries(case, passes, list(choice.passes), looking, checker), passes, choice
+    bound = bound_at(networks, looking, choice.price, FLEET)
+    tell(f"chosen: {choice.value:g} of at most {bound:.1f}, greedy {choice.greedy_value:g}")
+    unspared = list(choice.passes)
+    return Solution(
+        chosen=spare_batteries(case, passes, unspared, looking, checker),
+        passes=passes,
+        unspared=unspared,
+        greedy_value=choice.greedy_value,
+        bound=bound,
+    )
 
 
 def actions_of(case: Case, passes: Sequence[Pass], chosen: Passes) -> list[dict[str, str]]:
@@ -501,15 +505,15 @@ def main() -> None:
 
     case = read_case(folder)
     tell(f"{folder.name}: {len(case.satellites)} satellites, {len(case.tasks.ids)} targets")
-    chosen, passes, choice = solve(case, tell)
+    chosen, passes, _, _, bound = solve(case, tell)
     weight = case.tasks.weight
     value = sum(look.value for looks in chosen for look in looks)
     tell(f"batteries spared: {value:g}")
     grain = 0.5 if not (weight % 0.5).any() else 0.0
-    gap = choice.bound - value
+    gap = bound - value
     whole = float(weight.sum())
     proof = "optimal" if gap < grain else f"at most {gap:.2f} of weight more, {gap / whole:.3%}"
-    print(f"WCR {value / whole:.5f}, bound {choice.bound / whole:.5f}: {proof}")
+    print(f"WCR {value / whole:.5f}, bound {bound / whole:.5f}: {proof}")
     _print_left_out(case, passes, chosen)
     if out:
         out[0].write_text(json.dumps({"actions": actions_of(case, passes, chosen)}, indent=1))

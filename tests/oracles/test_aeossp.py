@@ -28,26 +28,25 @@ EARTH_M, FLATTENING = 6_378_137.0, 1 / 298.257223563
 @pytest.fixture(scope="module")
 def solved():
     case = read_case(CASE)
-    chosen, passes, choice = solve(case, lambda text: None)
-    return case, chosen, passes, choice
+    return case, solve(case, lambda text: None)
 
 
 def test_a_solution_keeps_every_rule_and_its_bound(solved):
-    case, chosen, passes, choice = solved
-    actions = actions_of(case, passes, chosen)
+    case, found = solved
+    actions = actions_of(case, found.passes, found.chosen)
     assert judge(actions, files()) == []
     weight = dict(zip(case.tasks.ids, case.tasks.weight, strict=True))
     value = sum(weight[one["task_id"]] for one in actions)
     assert len({one["task_id"] for one in actions}) == len(actions)
-    assert choice.greedy_value < value <= choice.bound + 1e-6
+    assert found.greedy_value < value <= found.bound + 1e-6
     # Nothing is worth a grain, half a unit, more: this case is solved to the optimum.
-    assert choice.bound - value < 0.5
+    assert found.bound - value < 0.5
 
 
 def test_each_rule_is_tried(solved):
     """A look shifted, swapped or made longer is found."""
-    case, chosen, passes, _ = solved
-    actions = actions_of(case, passes, chosen)
+    case, found = solved
+    actions = actions_of(case, found.passes, found.chosen)
     by_satellite = [one for one in actions if one["satellite_id"] == actions[0]["satellite_id"]]
     hour = {
         **actions[0],
@@ -71,10 +70,10 @@ def test_batteries_are_spared_where_they_would_run_empty(tmp_path):
     for name in ("mission", "satellites", "tasks"):
         (tmp_path / f"{name}.yaml").write_text(yaml.safe_dump({name: told[name]}))
     case = read_case(tmp_path)
-    chosen, passes, choice = solve(case, lambda text: None)
-    before = actions_of(case, passes, list(choice.passes))
+    found = solve(case, lambda text: None)
+    before = actions_of(case, found.passes, found.unspared)
     assert any("battery" in fault for fault in judge(before, told))
-    actions = actions_of(case, passes, chosen)
+    actions = actions_of(case, found.passes, found.chosen)
     assert 0 < len(actions) < len(before)
     assert judge(actions, told) == []
 

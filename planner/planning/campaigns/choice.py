@@ -51,9 +51,8 @@ class ChoiceOptions:
     step_shrinks: float = 0.98  # of Polyak's, from one to the next
     # steps between whole choices at the prices reached: each costs as much as some steps
     fill_every: int = 25
-    mixtures_max: int = (
-        40  # programmes over all proposals, cheaper than steps where targets are many
-    )
+    # programmes over all proposals, cheaper than steps where targets are many
+    mixtures_max: int = 40
     mixture_enough: float = 1e-3  # share of the bound, as for the gap
     proposals_a_pass: int = 25  # the latest, made at the best prices
     proposals_least: int = 2000  # kept in any case, where passes are few
@@ -90,15 +89,13 @@ class CampaignChoice:
 
     value: what they are worth.  greedy_value: worth of the choice that takes whatever is worth most
     in each pass, one pass after another.  price: of a look at each target at which the bound is
-    least, (targets,).  bound: no choice of these networks' paths is worth more, where
-    priced_labels_max lets it be known.
+    least, (targets,): for `bound_at`.
     """
 
     passes: tuple[tuple[Look, ...], ...]
     value: float
     greedy_value: float
     price: Array
-    bound: float
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -279,7 +276,6 @@ def choose(
         value=search.value,
         greedy_value=worth_of(greedy),
         price=priced.price,
-        bound=search.bound,
     )
 
 
@@ -317,8 +313,8 @@ class _Search:
         self.value = 0.0
         # At these nothing gains: all observations at their best.
         self.price: Array = looking.look_value.max(axis=1)
-        self.bound = float(looking.look_limit @ self.price)
-        self._kept = 1.0 + self.bound  # a look of so much more is given up for nothing
+        self._bound = float(looking.look_limit @ self.price)
+        self._kept = 1.0 + self._bound  # a look of so much more is given up for nothing
         self._proposed: dict[Proposal, None] = {}
         self.was_barred = False
         self._is_priced = False
@@ -349,7 +345,7 @@ class _Search:
         )
         found: tuple[Mixture, list[Proposal]] | None = None
         if self._options.priced_labels_max:  # what steps found bounds nothing
-            self._is_priced, self.bound = True, np.inf
+            self._is_priced, self._bound = True, np.inf
             self._answer_prices(self.price)
         for done in range(self._options.mixtures_max):
             if self._is_near() or not self._proposed:
@@ -362,11 +358,11 @@ class _Search:
                 break
             found = mixture, proposals
             # Half-way from the best prices, so that they don't swing (Wentges 1997).
-            known, bound = len(self._proposed), self.bound
+            known, bound = len(self._proposed), self._bound
             self._answer_prices(0.5 * (self.price + mixture.price))
-            enough = self._options.mixture_enough * self.bound
-            is_still = len(self._proposed) == known and 0.0 <= bound - self.bound < enough
-            if self.bound - mixture.value <= enough or (self._is_priced and is_still):
+            enough = self._options.mixture_enough * self._bound
+            is_still = len(self._proposed) == known and 0.0 <= bound - self._bound < enough
+            if self._bound - mixture.value <= enough or (self._is_priced and is_still):
                 break
         return found
 
@@ -413,7 +409,7 @@ class _Search:
         most = np.zeros(len(self._networks))
         np.maximum.at(most, [number for number, _ in proposals], gains)
         lacks = [most[number] - gain for (number, _), gain in zip(proposals, gains, strict=True)]
-        gap = self.bound - self.value
+        gap = self._bound - self.value
         near = [one for one, lack in zip(proposals, lacks, strict=True) if lack <= gap]
         passes: Passes = [()] * len(self._networks)
         for number, looks in best_together(near, len(passes), self._looking, self._options):
@@ -461,7 +457,7 @@ class _Search:
         return [(number, looks) for number, looks in enumerate(self.best) if looks]
 
     def _is_near(self) -> bool:
-        return self.bound - self.value <= self._options.gap_enough * self.bound
+        return self._bound - self.value <= self._options.gap_enough * self._bound
 
     def _answer_prices(self, price: Array) -> tuple[float, Passes]:
         """What the passes would take at these prices, and what the Lagrangian then is."""
@@ -474,8 +470,8 @@ class _Search:
             self._proposed.pop((number, looks), None)  # the latest come last
             if looks:
                 self._proposed[number, looks] = None
-        if lagrangian < self.bound:
-            self.bound, self.price = lagrangian, price
+        if lagrangian < self._bound:
+            self._bound, self.price = lagrangian, price
         return lagrangian, passes
 
     def fill_passes(self, start: Passes, price: Array) -> Passes:

@@ -59,38 +59,64 @@ def network_of(
     """
     start = int(ways.first_step[rows].min())
     first = ways.first_step[rows] - start
-    last = first + ways.steps[rows] - 1
-    target, offset = ways.target[rows], np.cumsum(ways.steps[rows]) - ways.steps[rows]
-    reach = int(np.ceil(longest_s / ways.step_s))
-    usable_to = last - least_steps[target]
+    network = edges_between(
+        first_step=start,
+        way=rows,
+        target=ways.target[rows],
+        first=first,
+        last=first + ways.steps[rows] - 1,
+        least=least_steps[ways.target[rows]],
+        quality_sum=_quality_sum(ways, rows),
+        reach=int(np.ceil(longest_s / ways.step_s)),
+        scanned=ways.scanned[rows],
+    )
+    _fill_arrivals(ways, network, least_steps, limits, SUFFICIENT, network.arrival)
+    return network
+
+
+def edges_between(
+    *,
+    first_step: int,
+    way: Indices,
+    target: Indices,
+    first: Indices,
+    last: Indices,
+    least: Indices,
+    quality_sum: Array,
+    reach: int,
+    scanned: Mask,
+) -> Network:
+    """As `Network`, its edges to all ways that can be of use soon, and no arrivals filled in yet.
+
+    least: of each way the steps of its shortest look.
+    """
+    steps, usable_to = last - first + 1, last - least
     near = (first[None, :] < last[:, None] + reach) & (
-        usable_to[None, :] > first[:, None] + least_steps[target][:, None]
+        usable_to[None, :] > first[:, None] + least[:, None]
     )
     near &= target[None, :] != target[:, None]
     # Contiguous whatever their number: compiled code knows the two layouts as two types.
     edge_source, edge_to = map(np.ascontiguousarray, np.nonzero(near))
-    edge_from = np.searchsorted(edge_source, np.arange(len(rows) + 1))
-    counts = ways.steps[rows] * np.diff(edge_from)
-    network = Network(
-        first_step=start,
-        way=rows,
+    edge_from = np.searchsorted(edge_source, np.arange(len(way) + 1))
+    counts = steps * np.diff(edge_from)
+    return Network(
+        first_step=first_step,
+        way=way,
         target=target,
         first=first,
         last=last,
-        offset=offset,
-        size=int(ways.steps[rows].sum()),
-        quality_sum=_quality_sum(ways, rows, offset),
+        offset=np.cumsum(steps) - steps,
+        size=int(steps.sum()),
+        quality_sum=quality_sum,
         stop_step=int(last.max()) + 1,
         edge_from=edge_from,
         edge_to=edge_to,
         arrival_offset=np.cumsum(counts) - counts,
         arrival=np.empty(int(counts.sum()), np.int32),
         reach=reach,
-        begins=np.ones(int(ways.steps[rows].sum()), np.bool_),
-        scanned=np.ascontiguousarray(ways.scanned[rows]),
+        begins=np.ones(int(steps.sum()), np.bool_),
+        scanned=np.ascontiguousarray(scanned),
     )
-    _fill_arrivals(ways, network, least_steps, limits, SUFFICIENT, network.arrival)
-    return network
 
 
 def relax(network: Network, ways: Ways, least_steps: Indices, limits: FollowerLimits) -> Network:
@@ -122,8 +148,9 @@ def without_look(network: Network, before: int | None, way: int, begin: int, end
     return network._replace(begins=begins)
 
 
-def _quality_sum(ways: Ways, rows: Indices, offset: Indices) -> Array:
+def _quality_sum(ways: Ways, rows: Indices) -> Array:
     """Means of neighbouring steps added up."""
+    offset = np.cumsum(ways.steps[rows]) - ways.steps[rows]
     begin = int(ways.offset[rows[0]])
     quality = ways.quality[begin : int(ways.offset[rows[-1]] + ways.steps[rows[-1]])]
     between = np.append(0.0, 0.5 * (quality[1:] + quality[:-1]))
