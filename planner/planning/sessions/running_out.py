@@ -60,17 +60,20 @@ def require_resources(plan: FlightPlan, mover: Mover) -> None:
 
     mover: of the plan's scenario; what is tried shares the slews that it learns of.
     """
-    curves = [curve for curve in resource_curves(plan) if curve.first_beyond_s is not None]
-    if not curves:
+    if plan.scenario.resources is None:
         return
-    curve = min(curves, key=lambda one: one.first_beyond_s or 0.0)
+    levels = _levels_of(plan)
+    beyond = [curve for curve in levels.curves if curve.first_beyond_s is not None]
+    if not beyond:
+        return
+    curve = min(beyond, key=lambda one: one.first_beyond_s or 0.0)
     at_utc = shifted_utc(plan.table.epoch_utc, curve.first_beyond_s or 0.0)
     short = figures(-float(curve.room.min()))
     detail = (
         f"the {curve.told} passes its limit of {curve.limit:g} {curve.unit} at "
         f"{utc_text(at_utc, 1)}, in the end by {short} {curve.unit}"
     )
-    if _runs_out_idle(plan, curve):
+    if _runs_out_idle(levels, curve):
         raise ResourceRunsOut(
             f"{detail}, and would without any session; {_IDLE_WAYS[curve.resource]}",
             field=f"resources.{curve.resource}",
@@ -83,7 +86,7 @@ def require_resources(plan: FlightPlan, mover: Mover) -> None:
         number = min(number + 1, len(sessions) - 1)
     advice = _Advice("", None, ())
     with at_most(min(OPTIONS.share * effort.remaining(), effort.PLAN)):
-        advice = _advice(plan, mover, number, curve, at_utc)
+        advice = _advice(levels, mover, number, curve, at_utc)
     raise ResourceRunsOut(
         f"session {number + 1}: {detail}; {advice.words or _NO_WAY[curve.resource]}",
         field=f"sessions.{number}.start",
@@ -93,6 +96,21 @@ def require_resources(plan: FlightPlan, mover: Mover) -> None:
         feasible_stop_utc=advice.session.stop if advice.session else None,
         costs_sessions=advice.costs,
     )
+
+
+class _PlanLevels(NamedTuple):
+    """A plan that has resources: light and contacts, what its attitude gives, and its levels."""
+
+    plan: FlightPlan
+    around: LightAndContacts
+    along: Along
+    uses: Uses
+    curves: tuple[ResourceCurve, ...]
+
+
+def _levels_of(plan: FlightPlan) -> _PlanLevels:
+    (around, along), uses = attitude_along(plan), uses_of(plan)
+    return _PlanLevels(plan, around, along, uses, around.curves(plan.table.t_s, along, uses))
 
 
 class _Advice(NamedTuple):
@@ -119,10 +137,9 @@ _IDLE_WAYS = {
 }
 
 
-def _runs_out_idle(plan: FlightPlan, curve: ResourceCurve) -> bool:
+def _runs_out_idle(levels: _PlanLevels, curve: ResourceCurve) -> bool:
     """Whether it would with nothing of the plan: but for momentum, not without its attitude."""
-    t_s = plan.table.t_s
-    around, along = attitude_along(plan)
+    t_s, around, along = levels.plan.table.t_s, levels.around, levels.along
     if curve.resource == "momentum":
         along = _idle_along(around, t_s)
     nothing = Uses(imaging=(), idle=((0.0, float(t_s[-1])),))
@@ -139,15 +156,13 @@ def _idle_along(around: LightAndContacts, t_s: Array) -> Along:
 
 
 def _advice(
-    plan: FlightPlan, mover: Mover, number: int, curve: ResourceCurve, at_utc: datetime
+    levels: _PlanLevels, mover: Mover, number: int, curve: ResourceCurve, at_utc: datetime
 ) -> _Advice:
     """With all other sessions, else with those before only."""
-    asked, after = (
-        plan.scenario.sessions[number],
-        tuple(range(number + 1, len(plan.scenario.sessions))),
-    )
+    sessions = levels.plan.scenario.sessions
+    asked, after = sessions[number], tuple(range(number + 1, len(sessions)))
     for costs in dict.fromkeys(((), after)):
-        search = _Search(plan, mover, number, costs)
+        search = _Search(levels, mover, number, costs)
         ways, shorter, later, gentler = [], None, None, ""
         if curve.resource == "momentum":
             with at_most(OPTIONS.gentler_share * effort.remaining()):
@@ -179,23 +194,22 @@ class _Search:
     """For another start or stop of one session, each tried by planning all sessions with it."""
 
     def __init__(
-        self, plan: FlightPlan, mover: Mover, number: int, without: tuple[int, ...]
+        self, levels: _PlanLevels, mover: Mover, number: int, without: tuple[int, ...]
     ) -> None:
         """without: sessions that are left out, the last ones."""
+        plan, uses = levels.plan, levels.uses
         sessions = plan.scenario.sessions[: len(plan.scenario.sessions) - len(without)]
-        uses = uses_of(plan)
-        self.plan, self.mover, self.number = plan, mover, number
+        self.levels, self.mover, self.number = levels, mover, number
         self.scenario = replace(plan.scenario, sessions=sessions)
         self.session = sessions[number]
         self.uses = replace(uses, imaging=uses.imaging[: len(sessions)])
-        self.curves = resource_curves(plan)
+        self.curves = levels.curves
         self.epoch_utc, self.leaves_out = plan.table.epoch_utc, bool(without)
 
     def shorter(self) -> Session | None:
         """With the same start and the latest stop that was found."""
         start_s, stop_s = self.uses.imaging[self.number]
-        around, along = attitude_along(self.plan)
-        table = self.plan.table
+        around, along, table = self.levels.around, self.levels.along, self.levels.plan.table
         rows = np.append(np.arange(0, len(table.t_s) - 1, OPTIONS.stride), len(table.t_s) - 1)
         charge = along._replace(charge_w=along.charge_w[rows])
         wheels = tuple(one for one in self.curves if one.resource == "momentum")
@@ -335,7 +349,8 @@ class _Search:
         if (waits_until_s := start_s - max(slewed_s, 0.0)) > before_s:
             idle.append((before_s, waits_until_s))
         is_last = self.number + 1 == len(imaging)
-        last_s = imaging[-1][1] if is_last else min(float(self.plan.table.t_s[-1]), around.last_s)
+        table_s = float(self.levels.plan.table.t_s[-1])
+        last_s = imaging[-1][1] if is_last else min(table_s, around.last_s)
         curves = around.curves(t_s, along, Uses(imaging=tuple(imaging), idle=tuple(idle)))
         return _lacks(curves, last_s)
 
