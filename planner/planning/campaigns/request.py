@@ -16,7 +16,7 @@ from planner.planning.opportunities import (
     OpportunityTarget,
 )
 from planner.planning.opportunities.request import BOUNDS as OPPORTUNITY_BOUNDS
-from planner.planning.opportunities.request import require_known_roll
+from planner.planning.opportunities.request import modes_by_row, require_known_roll
 from planner.world.attitude import Attitude
 from planner.world.clouds import Clouds
 from planner.world.frames.time_scales import DAY_S, elapsed_s
@@ -248,11 +248,7 @@ class CampaignRequest:
     @property
     def modes(self) -> Mapping[int, ImagingMode]:
         """Targets that are imaging modes, by row."""
-        return {
-            row: wanted.target
-            for row, wanted in enumerate(self.targets)
-            if isinstance(wanted.target, ImagingMode)
-        }
+        return modes_by_row(wanted.target for wanted in self.targets)
 
     @property
     def rest_deg(self) -> Mapping[str, float]:

@@ -1,7 +1,7 @@
 """A request for opportunities: targets, a span of time, and the conditions to be met."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import Annotated
@@ -66,6 +66,11 @@ class OpportunityTarget:
                 f"`{self.target.mode}` belongs to a session and has no windows of its own; ask "
                 "for those of a ground_path's points, as ground targets, or of an imaging mode"
             )
+
+
+def modes_by_row(targets: Iterable[object]) -> Mapping[int, ImagingMode]:
+    """Those of targets that are imaging modes, by row."""
+    return {row: target for row, target in enumerate(targets) if isinstance(target, ImagingMode)}
 
 
 def require_known_roll(mode: ImagingMode, roll: RollRule | None) -> None:
@@ -157,11 +162,7 @@ class OpportunityRequest:
     @property
     def modes(self) -> Mapping[int, ImagingMode]:
         """Targets that are imaging modes, by row."""
-        return {
-            row: wanted.target
-            for row, wanted in enumerate(self.targets)
-            if isinstance(wanted.target, ImagingMode)
-        }
+        return modes_by_row(wanted.target for wanted in self.targets)
 
     def with_middles(self) -> "OpportunityRequest":
         """The same of each imaging mode's middle in its place."""
