@@ -16,6 +16,7 @@ from planner.base.answer_members import (
     Text,
     answer,
 )
+from planner.world.conditions import ConditionName
 from planner.world.frames.time_scales import Utc
 from planner.world.resources import ResourceName
 
@@ -42,12 +43,7 @@ Limit = Literal[
     "momentum",
     "battery",
     "memory",
-    "ground_sample",
-    "sun_elevation",
-    "glint",
-    "sun_keep_out",
-    "moon_keep_out",
-    "carrier_light",
+    ConditionName,
 ]
 Given = Literal["orbit", "attitude", "target", "motion"]
 _UNITS: dict[Limit, str] = {
