@@ -40,6 +40,13 @@ def show_one_instant(marks: Locator, count: int) -> None:
     eventually(lambda: marks.evaluate_all(places) == 1)
 
 
+def fit_a_phone(page: Page) -> None:
+    """Nothing is wider, once the charts have taken the width that they are given."""
+    page.wait_for_function(
+        "most => document.documentElement.scrollWidth <= most", arg=PHONE["width"]
+    )
+
+
 def violations(page: Page) -> list[str]:
     """What axe-core finds wrong on the page as it is."""
     page.evaluate(_AXE.read_text())

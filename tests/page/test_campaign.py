@@ -7,7 +7,7 @@ from pathlib import Path
 
 import httpx
 import pytest
-from browsing import PHONE, ROOT, made, violations
+from browsing import PHONE, ROOT, fit_a_phone, made, violations
 from playwright.sync_api import expect
 
 EXAMPLE = json.loads((ROOT / "examples/campaign_cities.json").read_text())
@@ -157,7 +157,7 @@ def test_a_spacecraft_that_turns_as_a_whole_is_chosen_by_keyboard(open_page):
     page.get_by_label("Наибольшее отклонение от надира, °", exact=True).fill("45")
     written = json.loads(asked.input_value())["platform"]
     assert (written["kind"], written["off_nadir_max_deg"]) == ("body", 45)
-    assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
+    fit_a_phone(page)
     assert violations(page) == []
     platform.select_option("iss-hrc")
     assert json.loads(asked.input_value()) == EXAMPLE
@@ -251,7 +251,7 @@ def test_a_refusal_names_its_field_and_nothing_typed_is_lost(open_page):
 def test_on_a_phone_nothing_is_wider(open_page, campaign):
     page = open_page(f"/campaigns/{campaign['id']}", viewport=PHONE)
     expect(page.get_by_test_id("campaign-verdict")).to_be_visible()
-    assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
+    fit_a_phone(page)
 
 
 def test_every_printed_page_says_which_campaign_it_is_of(open_page, campaign):

@@ -4,7 +4,7 @@ import json
 
 import httpx
 import pytest
-from browsing import PHONE, ROOT, made, show_one_instant, violations
+from browsing import PHONE, ROOT, fit_a_phone, made, show_one_instant, violations
 from other_body import Flown, body_request, written
 from playwright.sync_api import expect
 
@@ -67,8 +67,7 @@ def test_a_body_is_flown_from_its_plan(open_page, service):
     page.get_by_label("Language").select_option("ru")
     page.set_viewport_size(PHONE)
     expect(page.get_by_role("row", name="управление ориентацией")).to_be_visible()
-    wide = page.evaluate("document.documentElement.scrollWidth")
-    assert wide <= PHONE["width"]
+    fit_a_phone(page)
     assert violations(page) == []
 
 

@@ -4,7 +4,7 @@ import json
 import re
 
 import pytest
-from browsing import PHONE, ROOT, box_of, violations
+from browsing import PHONE, ROOT, box_of, fit_a_phone, violations
 from playwright.sync_api import Page, expect
 
 MESSAGES = ROOT / "app/requests/examples/data"
@@ -382,8 +382,7 @@ def test_everything_unfolded_fits_a_phone_in_both_languages(open_page, locale):
     for number in range(add.count()):
         add.nth(number).evaluate("button => button.click()")
     page.evaluate(unfold)
-    wide = page.evaluate("document.documentElement.scrollWidth")
-    assert wide <= PHONE["width"]
+    fit_a_phone(page)
     assert violations(page) == []
     if locale == "ru-RU":
         words = page.locator(".ask-form :is(label, legend, summary b, .hint)").all_inner_texts()

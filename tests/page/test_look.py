@@ -7,7 +7,7 @@ import re
 import urllib.request
 
 import pytest
-from browsing import PHONE, ROOT, box_of, made, show_one_instant, violations
+from browsing import PHONE, ROOT, box_of, fit_a_phone, made, show_one_instant, violations
 from PIL import Image
 from playwright.sync_api import Locator, Page, expect
 from waiting import eventually
@@ -152,7 +152,7 @@ def test_a_spacecraft_that_turns_as_a_whole_shows_what_it_has(open_page, service
     for name in "xyz":
         assert len(axis_row(page, name)) == 3
     page.set_viewport_size(PHONE)
-    assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
+    fit_a_phone(page)
     assert violations(page) == []
 
 
@@ -328,7 +328,7 @@ def test_russian_and_a_phone(open_page, las_vegas):
     page = open_page(las_vegas, viewport=PHONE, locale="ru-RU")
     expect(page.get_by_role("button", name="Пуск")).to_be_visible()
     expect(page.get_by_role("heading", name="В выбранный момент")).to_be_visible()
-    assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
+    fit_a_phone(page)
 
 
 def test_what_horizon_cameras_will_see(open_page, service):

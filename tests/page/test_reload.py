@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from browsing import PHONE, ROOT, made, violations
+from browsing import PHONE, ROOT, fit_a_phone, made, violations
 from playwright.sync_api import expect
 
 PLAN = json.loads((ROOT / "examples/las_vegas_2015.json").read_text())
@@ -70,7 +70,7 @@ def test_columns_stay_chosen_and_the_file_is_asked_for_again(open_page, service,
     expect(page.get_by_text("choose flown.csv again")).to_be_visible()
     expect(page.get_by_label("Frame taken (UTC)")).to_be_visible()
     assert violations(page) == []
-    assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
+    fit_a_phone(page)
     page.get_by_label("Telemetry, CSV").set_input_files(file)
     expect(page.get_by_label("seconds", exact=True)).to_have_value("t_s")
 

@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
-from browsing import PHONE, ROOT, box_of, made, violations
+from browsing import PHONE, ROOT, box_of, fit_a_phone, made, violations
 from live_service import live_service
 from playwright.sync_api import Page, expect
 from waiting import eventually
@@ -175,7 +175,7 @@ def test_russian_on_a_phone(kept, open_page, theme):
     page = open_page(DAY, at=kept, viewport=PHONE, locale="ru-RU", color_scheme=theme)
     expect(page.get_by_role("heading", name="Шкала времени")).to_be_visible()
     expect(page.get_by_role("region", name="Конфликтов: 1")).to_be_visible()
-    assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
+    fit_a_phone(page)
     assert violations(page) == []
 
 
