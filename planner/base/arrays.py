@@ -27,3 +27,9 @@ def cross(left_value: Array, right_value: Array) -> Array:
     product[..., 1] = az * bx - ax * bz
     product[..., 2] = ax * by - ay * bx
     return product
+
+
+def told_deg(values_rad: Array) -> list[float]:
+    """Angles (n,) or rates in degrees, to the decimals in which a request can say them again."""
+    degrees: list[float] = np.round(np.rad2deg(values_rad), 12).tolist()
+    return degrees

@@ -371,6 +371,12 @@ class Scenario:
             return Rotation.from_quat(position).inv()
         return self.attitude.q_body_from_eci(instants, states)
 
+    def may_wait_after(self, ended: AnyPlatform, end_utc: datetime) -> bool:
+        """Whether its platform waits, as a plan of `ended` left it at its end, until the epoch."""
+        start = self.initial_state
+        is_over = elapsed_s(start.epoch, end_utc) >= 0.0
+        return is_over and rules_of(self.platform).may_wait_after(ended, start)
+
     def not_for_platform(self) -> NotForPlatform:
         """Of what only two axes on a carrier have."""
         return NotForPlatform(

@@ -14,13 +14,13 @@ from app.store.database import Database
 from app.store.packed import unpack
 from app.work.plan import stored_plan
 from planner.base.errors import InvalidInput
-from planner.world.end_of_table import end_of_table, waits_from
-from planner.world.frames.time_scales import utc_text
+from planner.world.frames.time_scales import shifted_utc, utc_text
 from planner.world.plan import FlightPlan
 from planner.world.resources import MOMENTA
-from planner.world.rules.registry import POSITIONS
+from planner.world.rules.registry import POSITIONS, rules_of
 
 _FIELD = "initial_state.after"
+_REST_RAD_S = 2e-12  # by which it turns 0.00001 deg in a day
 
 
 def may_go_on_after(body: bytes) -> bool:
@@ -52,17 +52,17 @@ def from_end_of_plan(database: Database, body: bytes) -> bytes:
         raise InvalidInput(str(fault), field=_FIELD) from None
     before, levels = _plan_of(database, plan_id)
     goes_on = _carry_levels(document.get("resources"), levels)
-    end_utc, position, motion = end_of_table(before.table)
-    state.update(position)
-    for waits, begins in ((before.scenario.final_state == "idle", {}), (not motion, state)):
-        filled = json.dumps(document | {"initial_state": begins}).encode()
-        if (
-            waits
-            and not goes_on
-            and waits_from(before.scenario, end_utc, read_plan_request(filled))
-        ):
-            return filled
-    state.update(motion, epoch=utc_text(end_utc, 1))
+    table, ended = before.table, before.scenario
+    end_utc = shifted_utc(table.epoch_utc, float(table.t_s[-1]))
+    at_end = rules_of(ended.platform).state_at_end(table)
+    position = {name: value for name, value in at_end.items() if name in POSITIONS}
+    rests = abs(table.rate_rad_s[-1]).max() <= _REST_RAD_S
+    for waits, begins in ((ended.final_state == "idle", {}), (rests, state | position)):
+        if waits and not goes_on:
+            filled = json.dumps(document | {"initial_state": begins}).encode()
+            if read_plan_request(filled).may_wait_after(ended.platform, end_utc):
+                return filled
+    state.update(position if rests else at_end, epoch=utc_text(end_utc, 1))
     return json.dumps(document).encode()
 
 

@@ -131,17 +131,13 @@ class OpportunityRequest:
                 f"stop ({utc_text(self.stop)}) must come a second or more after start "
                 f"({utc_text(self.start)})"
             )
-        if self.platform.kind == "body" and self.attitude is not None:
-            raise ValueError(
-                f"attitude must be left out for {self.platform.name}: only two axes stand on a "
-                "carrier, and a body steers itself"
-            )
+        rules = rules_of(self.platform)
+        rules.require_attitude(self.attitude)
         if not self.targets:
             raise ValueError("targets must hold at least one target")
         standing = all_standing_on(self.terrain, self.targets, "targets")
         object.__setattr__(self, "targets", standing)
         seen: set[str] = set()
-        rules = rules_of(self.platform)
         for number, wanted in enumerate(self.targets):
             if wanted.id in seen:
                 raise ValueError(

@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from planner.base.arrays import Array
+from planner.base.arrays import Array, told_deg
+from planner.base.commands import CommandTable
 from planner.base.errors import figures
+from planner.base.rotation import Rotation
 from planner.world.attitude import Attitude
 from planner.world.platforms import AnyPlatform
 from planner.world.platforms.body import AzimuthRoll, BodyPlatform, LinesAcrossMotion, RollRule
@@ -135,6 +137,9 @@ class BodyRules:
                     f"the {most[worst]:.6g} that agility of {platform.name} allows"
                 )
 
+    def require_attitude(self, attitude: Attitude | None) -> None:
+        refuse_axes_only(self.platform.name, {"attitude": attitude is not None})
+
     def require_rest(
         self, rest_deg: Mapping[str, float] | None, attitude: Attitude | None, slew: "SlewOptions"
     ) -> None:
@@ -147,3 +152,19 @@ class BodyRules:
     def told(self, state: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
         given = {name: state[name] for name in self.state_members if name in state}
         return "the body's attitude and rate", given
+
+    def state_at_end(self, table: CommandTable) -> dict[str, Any]:
+        assert table.acceleration_rad_s2 is not None  # a body's has it
+        q_body_from_eci = Rotation.from_quat(table.position[-1]).inv()
+        told = (
+            np.round(q_body_from_eci.as_quat(), 13).tolist(),
+            told_deg(table.rate_rad_s[-1]),
+            told_deg(table.acceleration_rad_s2[-1]),
+        )
+        return dict(zip(self.state_members, told, strict=True))
+
+    def may_wait_after(self, ended: AnyPlatform, start: "InitialState") -> bool:
+        """As `Rules` says: on an attitude that is told, or on the idle law that it ended on."""
+        if start.q_body_from_eci_xyzw is not None:
+            return True
+        return isinstance(ended, BodyPlatform) and ended.idle == self.platform.idle

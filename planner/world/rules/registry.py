@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
+from planner.base.commands import CommandTable
 from planner.world.attitude import Attitude
 from planner.world.platforms import AnyPlatform, RollRule
 from planner.world.rules.body import BodyRules
@@ -10,7 +11,7 @@ from planner.world.rules.two_axis import TwoAxisRules
 from planner.world.targets import Target
 
 if TYPE_CHECKING:  # which asks them as it is made
-    from planner.world.scenario import Scenario, SlewOptions
+    from planner.world.scenario import InitialState, Scenario, SlewOptions
 
 
 class Rules(Protocol):
@@ -31,6 +32,9 @@ class Rules(Protocol):
     def require_roll(self, name: str, roll: RollRule | None, target: Target) -> None:
         """Raises ValueError, which names the field, for a roll that it can't lie by on a target."""
 
+    def require_attitude(self, attitude: Attitude | None) -> None:
+        """Raises ValueError for the attitude of a carrier that the platform doesn't stand on."""
+
     def require_rest(
         self, rest_deg: Mapping[str, float] | None, attitude: Attitude | None, slew: "SlewOptions"
     ) -> None:
@@ -41,6 +45,12 @@ class Rules(Protocol):
 
     def told(self, state: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
         """Where it begins, in words and as a request might say it."""
+
+    def state_at_end(self, table: CommandTable) -> dict[str, Any]:
+        """Position, rate and acceleration in the last row, by the members of an initial state."""
+
+    def may_wait_after(self, ended: AnyPlatform, start: "InitialState") -> bool:
+        """Whether it waits as a plan of `ended`, which is over, has left it, until `start`."""
 
 
 RULES: dict[str, type[Rules]] = {"two_axis": TwoAxisRules, "body": BodyRules}

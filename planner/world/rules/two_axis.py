@@ -6,14 +6,15 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from planner.base.arrays import Array
+from planner.base.arrays import Array, told_deg
+from planner.base.commands import COMMAND_STEP_S, CommandTable
 from planner.base.errors import figures
 from planner.world.attitude import Attitude
 from planner.world.platforms import AnyPlatform, AxisLimits, FinalAngles, RollRule, TwoAxisPlatform
 from planner.world.targets import Target
 
 if TYPE_CHECKING:
-    from planner.world.scenario import Scenario, SlewOptions
+    from planner.world.scenario import InitialState, Scenario, SlewOptions
 
 
 def axes_of(scenario: "Scenario") -> TwoAxisPlatform:
@@ -138,6 +139,9 @@ class TwoAxisRules:
                 f"not {', '.join(given) or 'none'}"
             )
 
+    def require_attitude(self, attitude: Attitude | None) -> None:
+        pass
+
     def require_rest(
         self, rest_deg: Mapping[str, float] | None, attitude: Attitude | None, slew: "SlewOptions"
     ) -> None:
@@ -160,3 +164,22 @@ class TwoAxisRules:
         angles_deg = dict(state["angles_deg"])
         angles = ", ".join(f"{axis} {angle:g}" for axis, angle in angles_deg.items())
         return f"{angles} deg", {"angles_deg": angles_deg}
+
+    def state_at_end(self, table: CommandTable) -> dict[str, Any]:
+        """As `Rules` says; the acceleration is that of the cubic flown between the last rows."""
+        before_rad, angle_rad = table.position[-2:]
+        rate_rad_s = table.rate_rad_s[-1]
+        acceleration_rad_s2 = (
+            6.0 * (before_rad - angle_rad) / COMMAND_STEP_S
+            + 2.0 * table.rate_rad_s[-2]
+            + 4.0 * rate_rad_s
+        ) / COMMAND_STEP_S
+        return {
+            member: dict(zip(self.platform.axis_names, told_deg(values), strict=True))
+            for member, values in zip(
+                self.state_members, (angle_rad, rate_rad_s, acceleration_rad_s2), strict=True
+            )
+        }
+
+    def may_wait_after(self, ended: AnyPlatform, start: "InitialState") -> bool:
+        return ended.kind == self.platform.kind
