@@ -204,11 +204,7 @@ class LightAndContacts:
         battery = self.resources.battery
         if battery is None or battery.sunlight_w is not None:
             return np.full(len(instants), 0.0 if battery is None else battery.sunlight_w)
-        sun_body = q_body_from_eci.apply(sun_eci(instants, states))
-        powers_w = [
-            panel.power_w * np.maximum(sun_body @ panel.normal, 0.0) for panel in battery.panels
-        ]
-        return np.asarray(np.sum(powers_w, axis=0)) if powers_w else np.zeros(len(instants))
+        return panels_w(battery, q_body_from_eci.apply(sun_eci(instants, states)))
 
     def curves(
         self, t_s: Array, along: Along, uses: Uses, *, with_wheels: bool = True
@@ -255,6 +251,14 @@ def attitude_along(plan: FlightPlan) -> tuple[LightAndContacts, Along]:
     around = LightAndContacts(plan.scenario, float(table.t_s[-1]))
     motion = Motion(table.position, table.rate_rad_s, np.zeros_like(table.rate_rad_s))
     return around, around.along(table.t_s, motion)
+
+
+def panels_w(battery: Battery, sun_body: Array) -> Array:
+    """What panels give with the Sun in these directions, unit vectors (n, 3)."""
+    powers_w = [
+        panel.power_w * np.maximum(sun_body @ panel.normal, 0.0) for panel in battery.panels
+    ]
+    return np.asarray(np.sum(powers_w, axis=0)) if powers_w else np.zeros(len(sun_body))
 
 
 def sun_eci(instants: Instants, states: OrbitStates) -> Array:

@@ -14,9 +14,10 @@ import numpy as np
 
 from planner.base.arrays import Array, Indices
 from planner.base.commands import COMMAND_STEP_S
+from planner.base.errors import figures
 from planner.base.reporting import Reporter, tell_nobody
 from planner.planning.campaigns.candidates import LookCandidate, candidates_of, scan_roll
-from planner.planning.campaigns.choice import CampaignChoice, FirstUnheld, Looking, bound_at, choose
+from planner.planning.campaigns.choice import CampaignChoice, FirstUnheld, Looking
 from planner.planning.campaigns.chosen import ChosenLook, UnchosenTarget
 from planner.planning.campaigns.displaced import Displaced, displaced_by
 from planner.planning.campaigns.network import Network, network_of, relax
@@ -26,6 +27,7 @@ from planner.planning.campaigns.platforms.follower import FollowedLook, Follower
 from planner.planning.campaigns.platforms.registry import follower_of
 from planner.planning.campaigns.request import BOUNDS as CAMPAIGN_BOUNDS
 from planner.planning.campaigns.request import CampaignRequest
+from planner.planning.campaigns.resources import Keeping, RunsOut, bound_keeping, choose_keeping
 from planner.planning.campaigns.view import Viewing
 from planner.planning.campaigns.ways import ScannedLook, Ways, ways_to_follow
 from planner.planning.opportunities import Windows, opportunities_however_many
@@ -35,17 +37,22 @@ from planner.planning.opportunities.scans import Scans, scans_by_pass
 from planner.planning.opportunities.unseen import unseen_because
 from planner.world.conditions import Conditions
 from planner.world.frames.time_scales import shifted_utc, utc_text
+from planner.world.resources import Resources
 from planner.world.scenario import Scenario, Session
 from planner.world.targets import GroundPathTarget, ImagingMode
 
 
 @dataclass(frozen=True, kw_only=True)
 class ChosenPass:
-    """Looks in order of time, with the platform at rest from start and again by stop."""
+    """Looks in order of time, with the platform at rest from start and again by stop.
+
+    resources: as the passes before leave them, where the campaign has any.
+    """
 
     start_utc: datetime
     stop_utc: datetime
     looks: tuple[ChosenLook, ...]
+    resources: Resources | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,13 +127,18 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> C
     # A group that lacks a target is worth nothing.
     hopeful = ~np.isin(looking.group, looking.group[unseen]) | (looking.group < 0)
     hopeful_looking = replace(looking, look_value=looking.look_value * hopeful[:, None])
-    choice = choose(networks, hopeful_looking, tell, first_unheld)
+    keeping = None
+    if request.resources is not None:
+        keeping = Keeping(
+            request, candidates, ways, networks, looking, ephemeris, grid_s, follower.rest_s
+        )
+    choice, rows = choose_keeping(keeping, networks, hopeful_looking, tell, first_unheld)
     tell("bound", 0, 1)
     # At slew times that nothing can beat.
     limits = follower.slew_limits
     with _thread_count() as threads:
         optimistic = list(threads.map(lambda one: relax(one, ways, shortest, limits), networks))
-    bound = bound_at(optimistic, hopeful_looking, choice.price)
+    bound = bound_keeping(keeping, optimistic, hopeful_looking, choice, rows)
     looked_at = {candidates[look.target].row for one in choice.passes for look in one}
     left_out = displaced_by(
         networks,
@@ -136,14 +148,14 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> C
             sorted(number for number in seen if candidates[number].row not in looked_at), np.intp
         ),
     )
-    told = _left_out(request, candidates, left_out, grid_s, unseen)
+    told = _left_out(request, candidates, left_out, grid_s, unseen, choice, keeping)
     hidden = sorted(
         {one.row for one in candidates}.union(scans.because).difference(
             looked_at, (one.row for one in told)
         )
     )
     return Campaign(
-        passes=_in_utc(request, candidates, choice, grid_s, carrier, viewing),
+        passes=_in_utc(request, candidates, choice, grid_s, carrier, viewing, keeping),
         value=choice.value,
         bound=max(bound, choice.value),
         greedy_value=choice.greedy_value,
@@ -185,6 +197,7 @@ def scenario_of(request: CampaignRequest, flight: ChosenPass, number: int) -> Sc
         on_conflict="refuse" if any(look.path for look in flight.looks) else "least_loss",
         final_state=ends.final_state,
         conditions=_conditions_of(request),
+        resources=flight.resources,
     )
 
 
@@ -288,10 +301,12 @@ def _looking_of(
     things: dict[object, int] = {}
     group, way_to, way_limit = np.full(len(candidates), -1, np.intp), [], []
     length_steps = np.zeros((len(candidates), CAMPAIGN_BOUNDS.lengths), np.intp)
+    held_steps = np.zeros_like(length_steps)
     look_value = np.zeros((len(candidates), CAMPAIGN_BOUNDS.lengths))
     for number, one in enumerate(candidates):
         for place, length_s in enumerate(one.lengths_s):
             length_steps[number, place] = settle_steps + math.ceil(length_s / request.step_s - 1e-9)
+            held_steps[number, place] = math.floor(length_s / request.step_s + 1e-9)
             look_value[number, place] = one.worth_value(length_s)
         name = one.scans[0].pass_number if one.is_part else one.wanted.group
         if name is None:
@@ -312,6 +327,7 @@ def _looking_of(
         way_to=np.array(way_to, np.intp),
         way_limit=np.array(way_limit),
         settle_steps=settle_steps,
+        held_steps=held_steps,
     )
 
 
@@ -411,6 +427,8 @@ def _left_out(
     left_out: Sequence[Displaced],
     grid_s: float,
     unseen: Sequence[int],
+    choice: CampaignChoice,
+    keeping: Keeping | None,
 ) -> tuple[UnchosenTarget, ...]:
     """Of each target, by the scan of it that comes first."""
     told: dict[int, UnchosenTarget] = {}
@@ -422,7 +440,8 @@ def _left_out(
         if candidate.is_part and candidate.scans[0].pass_number in lacking:
             continue
         if candidate.row not in told:
-            told[candidate.row] = _unchosen(request, candidates, one, grid_s, unseen)
+            out = None if keeping is None else keeping.lacks(choice.passes, one)
+            told[candidate.row] = _unchosen(request, candidates, one, grid_s, unseen, out)
     return tuple(told[row] for row in sorted(told))
 
 
@@ -432,6 +451,7 @@ def _unchosen(
     one: Displaced,
     grid_s: float,
     unseen: Sequence[int],
+    out: RunsOut | None,
 ) -> UnchosenTarget:
     candidate = candidates[one.target]
     start_utc = shifted_utc(request.start, grid_s + one.first_step * request.step_s)
@@ -444,7 +464,11 @@ def _unchosen(
         if group is not None and candidates[number].wanted.group == group
     ]
     what = "a look"
-    if group is not None and lacks:
+    if out is not None:
+        what = f"a scan of {candidate.scans[0].parts}" if candidate.is_part else what
+        at_utc = utc_text(shifted_utc(request.start, out.at_s), 1)
+        why = f"but {out.told} at {at_utc}, in the end by {figures(out.short)} {out.unit}"
+    elif group is not None and lacks:
         why = f"but its group {group} lacks {', '.join(lacks)}"
     elif group is not None:
         why = f"but no sequence with all of its group {group} was found that is worth more"
@@ -466,6 +490,7 @@ def _unchosen(
         value=one.value,
         displaced_by=ids,
         displaced_value=displaced_value,
+        lacks=None if out is None else out.name,
     )
 
 
@@ -476,6 +501,7 @@ def _in_utc(
     grid_s: float,
     carrier: Carrier,
     viewing: Viewing,
+    keeping: Keeping | None,
 ) -> tuple[ChosenPass, ...]:
     chosen = [look for looks in choice.passes for look in looks]
     start_s = np.array([grid_s + look.first_step * request.step_s for look in chosen])
@@ -510,13 +536,14 @@ def _in_utc(
             for scan in [one.scan_at(begin_s) if one.scans else None]
         ]
     )
-    flown = [tuple(itertools.islice(pending, len(looks))) for looks in choice.passes]
+    flown = [tuple(itertools.islice(pending, len(looks))) for looks in choice.passes if looks]
+    begins = [None] * len(flown) if keeping is None else keeping.begins(choice.passes)
     return tuple(
         ChosenPass(
             start_utc=shifted_utc(looks[0].start_utc, -rest_s),
             stop_utc=shifted_utc(looks[-1].stop_utc, rest_s),
             looks=looks,
+            resources=resources,
         )
-        for looks in flown
-        if looks
+        for looks, resources in zip(flown, begins, strict=True)
     )

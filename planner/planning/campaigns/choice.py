@@ -1,18 +1,26 @@
 """Chooses observations, passes and order, and bounds how far from the best they can be."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from scipy.optimize import Bounds, LinearConstraint, linprog, milp
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, vstack
 
 from planner.base.arrays import Array, Indices, Mask
 from planner.base.reporting import Reporter
 from planner.planning.campaigns.network import Network, without_look
 from planner.planning.campaigns.orders import most_worth, ordered_path
-from planner.planning.campaigns.path import Look, Path, Worth, best_path, bounded_path, exact_path
+from planner.planning.campaigns.path import (
+    NOT_HELD,
+    Look,
+    Path,
+    Worth,
+    best_path,
+    bounded_path,
+    exact_path,
+)
 
 # Sequences proposed for the passes, put together by linear and integer programmes (HiGHS).
 
@@ -23,17 +31,23 @@ FirstUnheld = Callable[[tuple[Look, ...]], tuple[int, int] | None]
 """The first look that those before it don't let be held, and the last step at which it is not."""
 
 
+Rows = tuple[Array, Array]
+"""Further rows of a programme: what each takes of every proposal, (rows, proposals), and the most
+that all together may take, (rows,)."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Mixture:
     """The most that shares of proposals are worth together.
 
     price: of a look at each target, at which none of the proposals gains, (targets,).
-    share: of each proposal, (proposals,).
+    share: of each proposal, (proposals,).  row_price: of each of the further rows.
     """
 
     value: float
     price: Array
     share: Array
+    row_price: Array
 
 
 Passes = list[tuple[Look, ...]]
@@ -89,13 +103,14 @@ class CampaignChoice:
 
     value: what they are worth.  greedy_value: worth of the choice that takes whatever is worth most
     in each pass, one pass after another.  price: of a look at each target at which the bound is
-    least, (targets,): for `bound_at`.
+    least, (targets,): for `bound_at`.  row_price: of further rows then.
     """
 
     passes: tuple[tuple[Look, ...], ...]
     value: float
     greedy_value: float
     price: Array
+    row_price: Array = field(default_factory=lambda: np.zeros(0))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -107,6 +122,7 @@ class Looking:
     group: number of each target's group, whose members are all looked at or none; -1 of none.
     way_to: (groups,), number of what a group is one way to do.  way_limit: how many of its ways are
     taken at most.  settle_steps: of length_steps, before the look itself begins.
+    held_steps: whole steps that a look lasts at least, as length_steps.
     """
 
     length_steps: Indices
@@ -116,6 +132,7 @@ class Looking:
     way_to: Indices
     way_limit: Array
     settle_steps: int
+    held_steps: Indices = field(default_factory=lambda: NOT_HELD)
 
     @property
     def groups(self) -> int:
@@ -146,7 +163,7 @@ class Looking:
 
     def less_prices(self, price: Array) -> Worth:
         """The worth less a price for each observation, (targets,)."""
-        return Worth(self.length_steps, self.look_value, price, self.settle_steps)
+        return Worth(self.length_steps, self.look_value, price, self.settle_steps, self.held_steps)
 
     def looks_of(self, passes: Iterable[Sequence[Look]]) -> Array:
         """How many observations each target gets, (targets,)."""
@@ -155,13 +172,17 @@ class Looking:
 
 
 def best_mixture(
-    proposals: Sequence[Proposal], passes: int, looking: Looking, left_limit: Array
+    proposals: Sequence[Proposal],
+    passes: int,
+    looking: Looking,
+    left_limit: Array,
+    further: Rows | None = None,
 ) -> Mixture | None:
     """Mix at most one share of each pass, no target observed too often, groups evenly.
 
     left_limit: looks at each target that are left beside those fixed, (targets,).
     """
-    matrix, low, high = _rows_of(proposals, passes, looking, left_limit)
+    matrix, low, high = _with_rows(*_rows_of(proposals, passes, looking, left_limit), further)
     is_even = low == high
     even: dict[str, Any] = {"A_eq": matrix[is_even], "b_eq": high[is_even]} if is_even.any() else {}
     found: Any = linprog(
@@ -178,14 +199,24 @@ def best_mixture(
     price[~is_even] = -found.ineqlin.marginals
     price[is_even] = -found.eqlin.marginals
     targets = slice(passes, passes + len(left_limit))
-    return Mixture(value=-found.fun, price=price[targets], share=found.x[: len(proposals)])
+    return Mixture(
+        value=-found.fun,
+        price=price[targets],
+        share=found.x[: len(proposals)],
+        row_price=price[targets.stop + len(looking.way_limit) :],
+    )
 
 
 def best_together(
-    proposals: Sequence[Proposal], passes: int, looking: Looking, options: ChoiceOptions
+    proposals: Sequence[Proposal],
+    passes: int,
+    looking: Looking,
+    options: ChoiceOptions,
+    further: Rows | None = None,
 ) -> list[Proposal]:
     """Choose whole proposals, as far as found within the options' nodes and time."""
-    matrix, low, high = _rows_of(proposals, passes, looking, looking.look_limit)
+    rows = _rows_of(proposals, passes, looking, looking.look_limit)
+    matrix, low, high = _with_rows(*rows, further)
     worths = _column_worths(proposals, looking)
     found = milp(
         -worths,
@@ -202,6 +233,19 @@ def best_together(
         return []
     shares = found.x[: len(proposals)]
     return [one for one, share in zip(proposals, shares, strict=True) if share > 0.5]
+
+
+def _with_rows(
+    matrix: csr_array, low: Array, high: Array, further: Rows | None
+) -> tuple[csr_array, Array, Array]:
+    """With further rows below."""
+    if further is None or not len(further[1]):
+        return matrix, low, high
+    takes, most = further
+    wide = np.zeros((len(most), matrix.shape[1]))
+    wide[:, : takes.shape[1]] = takes
+    low, high = np.append(low, np.full(len(most), -np.inf)), np.append(high, most)
+    return csr_array(vstack([matrix, csr_array(wide)])), low, high
 
 
 def _column_worths(proposals: Sequence[Proposal], looking: Looking) -> Array:
@@ -253,7 +297,7 @@ def choose(
     Source: Fisher 1981, "The Lagrangian relaxation method", Management Science 27; Barnhart et
     al. 1998, "Branch-and-price", Operations Research 46(3) (column generation, diving).
     """
-    search = _Search(networks, looking, first_unheld, options)
+    search = Search(networks, looking, first_unheld, options)
     greedy = search.fill_passes([()] * len(networks), np.zeros(len(looking.look_limit)))
     search.refill_passes(greedy)
     search.take_groups()
@@ -266,7 +310,7 @@ def choose(
     search.fill_exactly()
     if search.was_barred and not options.priced_labels_max:
         # The bound's networks are not: its prices are found without.
-        priced = _Search(networks, looking, lambda looks: None, options)
+        priced = Search(networks, looking, lambda looks: None, options)
         priced.step_prices(tell)
         priced.mix_prices(tell)
     else:
@@ -287,12 +331,12 @@ def refill(
     options: ChoiceOptions = OPTIONS,
 ) -> Passes:
     """Pass after pass takes what is worth most of what the others leave, until nothing gains."""
-    search = _Search(networks, looking, first_unheld, options)
+    search = Search(networks, looking, first_unheld, options)
     search.refill_passes(passes)
     return search.best
 
 
-class _Search:
+class Search:
     """The best choice so far, the best prices, and what was proposed on the way.
 
     price: of each target's observation, at which the bound is least as far as known.
@@ -352,8 +396,7 @@ class _Search:
                 return None
             tell("mixing", done, self._options.mixtures_max)
             proposals = list(dict.fromkeys([*list(self._proposed)[-most:], *self._own_proposals()]))
-            limit = self._looking.look_limit
-            mixture = best_mixture(proposals, len(self._networks), self._looking, limit)
+            mixture = self._mixed(proposals, self._looking.look_limit, ())
             if mixture is None:
                 break
             found = mixture, proposals
@@ -372,6 +415,7 @@ class _Search:
         left = self._looking.look_limit.copy()
         passes: Passes = [()] * len(self._networks)
         is_open = np.ones(len(passes), np.bool_)
+        refused: set[Proposal] = set()
         while proposals:
             tell("rounding", int(np.count_nonzero(~is_open)), len(is_open))
             allowed = max(1, int(np.count_nonzero(is_open)) // self._options.fixed_share)
@@ -379,7 +423,11 @@ class _Search:
                 number, looks = proposals[place]
                 if mixture.share[place] < 1.0 - self._options.worthless and allowed <= 0:
                     break
-                if is_open[number] and all(left[look.target] > 0.0 for look in looks):
+                if not is_open[number] or any(left[look.target] <= 0.0 for look in looks):
+                    continue
+                if not self.keeps(passes, number, looks):
+                    refused.add(proposals[place])
+                else:
                     passes[number], is_open[number] = looks, False
                     left -= self._looking.looks_of([looks])
                     allowed -= 1
@@ -389,10 +437,12 @@ class _Search:
                     *proposals,
                     *self._wanted_proposals(np.flatnonzero(is_open), mixture.price, left)
                 ]
-                if is_open[number] and all(left[look.target] > 0.0 for look in looks)
+                if is_open[number]
+                and all(left[look.target] > 0.0 for look in looks)
+                and (number, looks) not in refused
             ]  # fmt: skip
             proposals = list(dict.fromkeys(proposals))
-            mixed_anew = proposals and best_mixture(proposals, len(passes), self._looking, left)
+            mixed_anew = proposals and self._mixed(proposals, left, passes)
             if not mixed_anew:
                 break
             mixture = mixed_anew
@@ -405,16 +455,23 @@ class _Search:
             return
         tell("exchanging", 0, 1)
         proposals = list(dict.fromkeys([*self._proposed, *self._own_proposals()]))
-        gains = [sum(one.value - self.price[one.target] for one in looks) for _, looks in proposals]
+        gains = [self._gain(one) for one in proposals]
         most = np.zeros(len(self._networks))
         np.maximum.at(most, [number for number, _ in proposals], gains)
         lacks = [most[number] - gain for (number, _), gain in zip(proposals, gains, strict=True)]
         gap = self._bound - self.value
         near = [one for one, lack in zip(proposals, lacks, strict=True) if lack <= gap]
         passes: Passes = [()] * len(self._networks)
-        for number, looks in best_together(near, len(passes), self._looking, self._options):
+        for number, looks in self._together(near):
             passes[number] = looks
         self.refill_passes(passes)
+
+    def _together(self, proposals: Sequence[Proposal]) -> list[Proposal]:
+        return best_together(proposals, len(self._networks), self._looking, self._options)
+
+    def _gain(self, proposal: Proposal) -> float:
+        """Of a pass, at the best prices."""
+        return sum(one.value - float(self.price[one.target]) for one in proposal[1])
 
     def _wanted_proposals(self, part: Indices, price: Array, left_limit: Array) -> list[Proposal]:
         """What passes would take at these prices of the observations that are left."""
@@ -453,6 +510,20 @@ class _Search:
         is_held = self._first_unheld(path.looks) is None
         return most, path if is_held else self._held_path(number, worth)
 
+    def keeps(self, passes: Passes, number: int, looks: tuple[Look, ...]) -> bool:
+        """Whether a pass (-1: none) may have these looks beside what the others have."""
+        return True
+
+    def _mixed(
+        self, proposals: Sequence[Proposal], left_limit: Array, fixed: Passes | tuple[()]
+    ) -> Mixture | None:
+        """fixed: looks of passes that no proposal is for."""
+        return best_mixture(proposals, len(self._networks), self._looking, left_limit)
+
+    def _fitting_path(self, number: int, worth: Worth, passes: Passes) -> Path:
+        """The path of a pass that is worth most beside what the others have."""
+        return self._held_path(number, worth)
+
     def _own_proposals(self) -> list[Proposal]:
         return [(number, looks) for number, looks in enumerate(self.best) if looks]
 
@@ -485,7 +556,7 @@ class _Search:
         for number in range(len(self._networks)):
             left += looking.looks_of([passes[number]])
             charged = self._charged(passes[number], np.where(left > 0.0, price, np.inf))
-            path = self._held_path(number, looking.less_prices(charged))
+            path = self._fitting_path(number, looking.less_prices(charged), passes)
             own = sum(look.value - charged[look.target] for look in passes[number])
             if path.value > own + self._options.worthless:
                 passes[number] = path.looks
@@ -524,10 +595,14 @@ class _Search:
         for number, looks in enumerate(passes):
             rest = [one.target for one in looks if one.target not in gone]
             if len(rest) < len(looks):
-                price = np.full(len(self.price), np.inf)
-                price[rest] = -self._kept
-                passes[number] = self._held_path(number, self._looking.less_prices(price)).looks
+                passes[number] = self._with_only(number, rest)
         return passes
+
+    def _with_only(self, number: int, targets: list[int]) -> tuple[Look, ...]:
+        """Looks of a pass at no targets but these."""
+        price = np.full(len(self.price), np.inf)
+        price[targets] = -self._kept
+        return self._held_path(number, self._looking.less_prices(price)).looks
 
     def refill_passes(self, passes: Passes) -> None:
         """Refill without prices until nothing is gained; the best choice is kept."""
@@ -541,7 +616,7 @@ class _Search:
             if gained <= self._options.worthless:
                 break
             passes, value = better, value + gained
-        if value > self.value:
+        if value > self.value and self.keeps(passes, -1, ()):
             self.best, self.value = passes, value
 
     def fill_exactly(self) -> None:
@@ -604,6 +679,8 @@ class _Search:
             return False
         if not set(np.flatnonzero(kept).tolist()) <= seen:
             return False
+        if not self.keeps(self.best, number, path.looks):
+            return False
         self.best = [*self.best[:number], path.looks, *self.best[number + 1 :]]
         self.value = value
         return True
@@ -654,16 +731,24 @@ def bound_at(
     looking: Looking,
     price: Array,
     options: ChoiceOptions = OPTIONS,
+    rents: Sequence[float] = (),
+    room_value: float = 0.0,
 ) -> float:
     """No choice of paths is worth more, whatever the prices, (targets,), >= 0 but of groups.
 
     Lagrangian relaxation of "no more looks than look_limit", and "as many as its group's".
+    rents: of further rows, what each pass pays that has any look; the networks hold what looks pay.
+    room_value: of all that these rows have.
     """
     labels_max = min(options.pass_labels_max, options.bound_labels_max // max(len(networks), 1))
     orders_max = options.bound_orders_max // max(len(networks), 1)
     worth = looking.less_prices(price)
-    priced = float(looking.allowed(price) @ price) + sum(
-        min(bounded_path(one, worth, labels_max)[0], most_worth(one, worth, orders_max))
-        for one in networks
+    priced = float(looking.allowed(price) @ price) + room_value
+    priced += sum(
+        max(
+            min(bounded_path(one, worth, labels_max)[0], most_worth(one, worth, orders_max)) - rent,
+            0.0,
+        )
+        for one, rent in zip(networks, rents or [0.0] * len(networks), strict=True)
     )
     return min(priced, float(looking.look_limit @ looking.look_value.max(axis=1, initial=0.0)))

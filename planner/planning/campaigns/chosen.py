@@ -5,6 +5,7 @@ from typing import Annotated
 from planner.base.answer_members import Count, Internal, Member, NotNegative, Share, answer
 from planner.planning.opportunities.closing import Height
 from planner.world.frames.time_scales import Utc
+from planner.world.resources import ResourceName
 from planner.world.targets import GroundPathTarget
 
 
@@ -60,6 +61,7 @@ class UnchosenTarget:
     value: of that look.
     displaced_by: ids of the targets whose looks can't be flown beside it. E.g. `["Los Angeles"]`.
     displaced_value: their worth together.
+    lacks: the resource that the look would take too much of, in the place of what it displaces.
     """
 
     row: Internal[int]  # of the request's targets
@@ -70,3 +72,4 @@ class UnchosenTarget:
     value: NotNegative
     displaced_by: tuple[str, ...]  # none where only the looks after it would have to move
     displaced_value: NotNegative
+    lacks: ResourceName | None = None

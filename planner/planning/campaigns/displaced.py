@@ -17,13 +17,14 @@ from planner.planning.campaigns.path import Look, Worth, look_worth
 class Displaced:
     """The look a target (row of the request's) lost least by, had the others stayed as they are.
 
-    value: of it.  pass_number: of the networks.  first_step, length: as in `Look`.
+    value: of it.  pass_number: of the networks.  way, first_step, length: as in `Look`.
     by: the looks of that pass which can't be flown beside it.
     """
 
     target: int
     value: float
     pass_number: int
+    way: int
     first_step: int
     length: int
     by: tuple[Look, ...]
@@ -53,6 +54,7 @@ def displaced_by(
                 target=target,
                 value=look_worth(network, worth, cell, target, length),
                 pass_number=number,
+                way=int(network.way[way]),
                 first_step=step,
                 length=length,
                 by=tuple(look for look, is_in_way in zip(looks, blocked, strict=True) if is_in_way),

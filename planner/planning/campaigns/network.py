@@ -16,6 +16,7 @@ from planner.planning.campaigns.platforms.slew_fits import (
 from planner.planning.campaigns.ways import Ways
 
 NEVER = -1
+NO_COST: Array = np.zeros(0)
 
 
 class Network(NamedTuple):
@@ -30,6 +31,8 @@ class Network(NamedTuple):
     reach: after so many steps any way can be reached from anywhere, without an edge.
     begins: whether a look may begin at each step of every way.
     scanned: whether a way is a scan's: who has scanned leaves it at once.
+    cost: of a platform that looks from the pass's first step to each, up to stop_step; empty where
+    looks cost nothing.
     """
 
     first_step: int
@@ -48,6 +51,7 @@ class Network(NamedTuple):
     reach: int
     begins: Mask
     scanned: Mask
+    cost: Array = NO_COST
 
 
 def network_of(

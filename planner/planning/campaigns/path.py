@@ -27,6 +27,8 @@ from planner.planning.label_search import (
     visit,
 )
 
+NOT_HELD: Indices = np.zeros((0, 0), np.intp)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Look:
@@ -55,13 +57,15 @@ class Worth(NamedTuple):
 
     steps: on the grid, and value: at the best view, (targets, lengths), 0 for lengths there are
     not.  price: of any look, (targets,); one that is worth no more is never taken.  settle_steps:
-    of these steps, before the look itself begins.
+    of these steps, before the look itself begins.  held_steps: whole steps that a look lasts at
+    least, as steps, where networks say what their steps cost.
     """
 
     steps: Indices
     value: Array
     price: Array
     settle_steps: int = 0
+    held_steps: Indices = NOT_HELD
 
 
 def best_path(network: Network, worth: Worth) -> Path:
@@ -153,6 +157,9 @@ def _look_until(
         takes = worth.steps[target, length]
         value = look_worth(network, worth, cell, target, length) - worth.price[target]
         fits = 0 < takes <= step - network.first[way]
+        if fits and len(network.cost):
+            begin = step - takes + worth.settle_steps
+            value -= network.cost[begin + worth.held_steps[target, length]] - network.cost[begin]
         if fits and value > 0.0 and network.begins[cell - takes]:
             look = Visit(cell * lengths + length, target, WHOLE, value, step)
             is_seen |= visit(labels, (cell - takes,), cell + network.size, memory, look)

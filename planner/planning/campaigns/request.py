@@ -22,6 +22,7 @@ from planner.world.clouds import Clouds
 from planner.world.frames.time_scales import DAY_S, elapsed_s
 from planner.world.orbits import Orbit
 from planner.world.platforms import PIXELS_ARCSEC, AngleDeg, AnyPlatform, RollRule
+from planner.world.resources import Resources
 from planner.world.rules.registry import rules_of
 from planner.world.scenario import SlewOptions
 from planner.world.targets import ChosenTarget, ImagingMode
@@ -165,6 +166,8 @@ class CampaignRequest:
     pixel_arcsec: angle that a pixel covers, for the ground samples; unless given, that of the
     platform's camera. E.g. `0.68`.
     step_s: looks begin on whole multiples of it after `start`; finer finds more and takes longer.
+    resources: battery and memory, from `start` to `stop`; each pass's request begins with what the
+    passes before leave.
     """
 
     name: str = ""
@@ -182,6 +185,7 @@ class CampaignRequest:
     pixel_arcsec: Annotated[float, Within(*PIXELS_ARCSEC)] | None = None
     slew: SlewOptions = SlewOptions()
     step_s: Annotated[float, Within(*BOUNDS.steps_s)] = BOUNDS.step_s
+    resources: Resources | None = None
 
     def __post_init__(self) -> None:
         steps = self.step_s / COMMAND_STEP_S
@@ -199,6 +203,11 @@ class CampaignRequest:
         object.__setattr__(self, "targets", standing)
         rules = rules_of(self.platform)
         rules.require_rest(self.rest_angles_deg, self.attitude, self.slew)
+        if self.resources is not None and self.resources.momentum is not None:
+            raise ValueError(
+                "resources.momentum must be left out of a campaign, whose choice follows battery "
+                "and memory only; give it to the plans of its passes, whose requests can be had"
+            )
         self._require_bounds()
         self.opportunities()
         for row, mode in self.modes.items():

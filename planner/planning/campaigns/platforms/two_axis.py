@@ -3,7 +3,7 @@
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 
 import numpy as np
@@ -21,8 +21,8 @@ from planner.planning.opportunities.sights import Sight, visible_target
 from planner.planning.sessions.platforms.two_axis.budget import probabilities_at
 from planner.world.frames.time_scales import Instants, shifted_utc
 from planner.world.orbits import Ephemeris
-from planner.world.platforms import AxisLimits, TwoAxisPlatform
-from planner.world.scenario import InitialState, Session
+from planner.world.platforms import AxisLimits, FinalAngles, TwoAxisPlatform
+from planner.world.scenario import BoundedLead, InitialState, Session
 from planner.world.targets import BenchMotionTarget
 from planner.world.targets.axis_signals import ConstantRate
 
@@ -127,7 +127,17 @@ class TwoAxisFollower:
         return probability
 
     def pass_ends(self, start_utc: datetime, stop_utc: datetime) -> PassEnds:
-        rest_deg = self._request.rest_deg
+        rest_deg, slew = self._request.rest_deg, self._request.slew
+        if self._request.resources is not None:  # a session of rest would count as one that images
+            most_s = slew.lead.max_duration_s if isinstance(slew.lead, BoundedLead) else None
+            lead = BoundedLead(max_duration_s=min(most_s or math.inf, self.rest_s))
+            return PassEnds(
+                attitude=self._request.opportunities().law,
+                initial_state=InitialState(epoch=start_utc, angles_deg=rest_deg),
+                rest=(),
+                final_state=FinalAngles(angles_deg=rest_deg),
+                slew=replace(slew, lead=lead),
+            )
         rest = BenchMotionTarget(
             axes={name: ConstantRate(angle_deg=angle_deg, rate_deg_s=0.0)
                   for name, angle_deg in rest_deg.items()}
@@ -138,7 +148,7 @@ class TwoAxisFollower:
             initial_state=InitialState(epoch=start_utc, angles_deg=rest_deg),
             rest=(Session(target=rest, start=rest_utc, stop=stop_utc),),
             final_state=None,
-            slew=self._request.slew,
+            slew=slew,
         )
 
     def _los(self, sight: Sight, which: Indices, t_s: Array) -> tuple[Array, Array, Array]:

@@ -1,0 +1,153 @@
+"""Campaigns with battery and memory: all subsets of looks tried, plans made of what was chosen.
+
+The levels of every subset are the planner's own integration over the whole campaign, which knows no
+rows, prices or repairs.
+"""
+
+import itertools
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from test_schedule_brute_force import EUROPE, WEST, request_for
+
+from app.requests.campaign import read_campaign_request
+from planner.base.errors import InvalidRequest, ResourceRunsOut
+from planner.planning.campaigns import campaign as campaigns
+from planner.planning.campaigns import choose_campaign, scenario_of
+from planner.planning.campaigns.path import best_path
+from planner.planning.resources import Along, Uses, resource_curves
+from planner.planning.sessions.pipeline import make_plan
+from planner.world.clouds import Clouds
+from planner.world.frames.time_scales import elapsed_s
+from planner.world.platforms.choice import BODIES
+from planner.world.resources import Battery, Memory, Momentum, Panel, Resources, Station
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+MIXED = WEST[:2] + EUROPE[:3]
+MATERA = Station(id="matera", latitude_deg=40.65, longitude_deg=16.7)
+WALLOPS = Station(id="wallops", latitude_deg=37.94, longitude_deg=-75.46)
+FULL = Memory(capacity_gbit=100.0, imaging_gbit_s=1.0)
+SENT = replace(FULL, capacity_gbit=60.0, downlink_gbit_s=0.04, stations=(MATERA, WALLOPS))
+POOR = Battery(
+    capacity_wh=110.0, least_wh=70.0, idle_w=50.0, slew_w=20.0, imaging_w=600.0, sunlight_w=82.0,
+)  # fmt: skip
+PANELS = (Panel(normal_body=(0.0, 0.0, -1.0), power_w=180.0),)
+CLOUDS = Clouds(
+    format="ascii_grid",
+    content="ncols 2\nnrows 1\nxllcorner -180\nyllcorner -90\ncellsize 180\n0.8 0.1\n",
+)
+SMALLSAT = {"platform": BODIES["smallsat-120kg"], "rest_angles_deg": None}
+
+
+def chosen(monkeypatch, request):
+    """A campaign, and what it was chosen from."""
+    kept, found = {}, campaigns.choose_keeping
+
+    def keeping(*given):
+        kept["keeping"], kept["networks"], kept["looking"], *_ = given
+        kept["choice"], rows = found(*given)
+        return kept["choice"], rows
+
+    monkeypatch.setattr(campaigns, "choose_keeping", keeping)
+    return choose_campaign(request), kept
+
+
+def levels(keeping, passes, capacity_of):
+    """The least room left of each resource, by the planner's own integration."""
+    around = keeping._around
+    t_s = np.append(np.arange(0.0, around.last_s, 5.0), around.last_s)
+    spans = [[keeping.ends_s(look) for look in looks] for looks in passes if looks]
+    moves = [
+        (one[0][0] - keeping._rest_s, one[-1][1] + keeping._rest_s) for one in spans
+    ]
+    rests = [0.0, *(end for span in moves for end in span), around.last_s]
+    battery = around.resources.battery
+    uses = Uses(
+        imaging=tuple(span for one in spans for span in one),
+        idle=tuple(itertools.batched(rests, 2)) if hasattr(itertools, "batched") else
+        tuple(zip(rests[::2], rests[1::2], strict=True)),
+    )
+    charge_w = np.full(len(t_s), (battery.sunlight_w or 0.0) if battery else 0.0)
+    t_s = np.unique(np.concatenate([t_s, rests]))
+    charge_w = np.full(len(t_s), charge_w[0])
+    along = Along(charge_w, *(np.zeros(0) for _ in range(3)))
+    return [curve.room.min() / curve.capacity for curve in around.curves(t_s, along, uses)]
+
+
+def subsets(network, looking):
+    """Of every set of targets with a length each, the path of a pass that is worth most."""
+    targets = np.unique(network.target).tolist()
+    lengths = looking.length_steps.shape[1]
+    yield 0.0, ()
+    for choice in itertools.product(range(-1, lengths), repeat=len(targets)):
+        wanted = {t: k for t, k in zip(targets, choice, strict=True) if k >= 0}
+        worth = looking.less_prices(np.full(len(looking.look_limit), np.inf))
+        steps, price = np.zeros_like(worth.steps), worth.price.copy()
+        for target, length in wanted.items():
+            steps[target, length] = worth.steps[target, length]
+            price[target] = -1000.0
+        if not wanted or not all(steps[t, k] for t, k in wanted.items()):
+            continue
+        path = best_path(network, worth._replace(steps=steps, price=price))
+        if len(path.looks) == len(wanted):
+            yield sum(look.value for look in path.looks), path.looks
+
+
+def best_of_all(kept):
+    """No choice of one subset for each pass, each target once, is worth more and keeps."""
+    keeping, networks, looking = kept["keeping"], kept["networks"], kept["looking"]
+    options = [
+        sorted(subsets(one, looking), key=lambda option: -option[0]) for one in networks
+    ]
+    most = np.append(np.cumsum([one[0][0] for one in options[::-1]])[::-1], 0.0)
+    best = [0.0]
+
+    def go_on(number, value, passes, taken):
+        if value + most[number] <= best[0] + 1e-9:
+            return
+        if number == len(options):
+            if min(levels(keeping, passes, None)) >= -1e-9:
+                best[0] = value
+            return
+        for worth, looks in options[number]:
+            seen = {look.target for look in looks}
+            if value + worth + most[number + 1] <= best[0] + 1e-9:
+                return
+            if not seen & taken:
+                go_on(number + 1, value + worth, [*passes, looks], taken | seen)
+
+    go_on(0, 0.0, [], frozenset())
+    return best[0]
+
+
+@pytest.mark.parametrize(
+    ("resources", "fields"),
+    [
+        (Resources(memory=FULL), {}),
+        (Resources(memory=SENT), {}),
+        (Resources(battery=POOR), {}),
+        (Resources(battery=POOR, memory=SENT), {"clouds": CLOUDS}),
+        (Resources(memory=SENT), SMALLSAT),
+        (Resources(battery=POOR), SMALLSAT),
+    ],
+)
+def test_no_subset_that_keeps_is_worth_more_than_the_bound(monkeypatch, resources, fields):
+    request = request_for(MIXED, 1.0, **fields)
+    free = choose_campaign(request)
+    campaign, kept = chosen(monkeypatch, replace(request, resources=resources))
+    passes = kept["choice"].passes
+    assert min(levels(kept["keeping"], passes, None)) >= -1e-9
+    best = best_of_all(kept)
+    print(campaign.value, best, campaign.bound, free.value)
+    assert campaign.bound >= best - 1e-9
+    assert 0.97 * best <= campaign.value <= campaign.bound
+    assert campaign.value < free.value - 0.01  # else nothing was kept from
+    assert campaign.bound <= free.bound + 1e-9
+    lacking = {one.lacks for one in campaign.left_out}
+    named = {"battery"} if resources.battery else {"memory"}
+    assert lacking & named or resources.memory
+    for one in campaign.left_out:
+        assert (one.lacks is None) == ("pass its limit" not in one.because)
