@@ -108,8 +108,11 @@ def print_campaign(console: Console, choice: Members, passes: Sequence[Members])
         ("quality", "quality", ".2f"), ("elev deg", "elevation_deg", ".1f"), keys=2,
     )  # fmt: skip
     parts.print_more(console, len(looks))
-    for name, meaning in (("unseen", "can't be seen"), ("left_out", "left out for others")):
-        parts.print_reasons(console, meaning, choice[name])
+    parts.print_reasons(console, "can't be seen", choice["unseen"])
+    for lacks in (None, "battery", "memory"):
+        meaning = "left out for others" if lacks is None else f"left out for the {lacks}"
+        of_it = [one for one in choice["left_out"] if one.get("lacks") == lacks]
+        parts.print_reasons(console, meaning, of_it)
     parts.print_warnings(console, [*_losses(passes), *choice["warnings"]])
 
 

@@ -121,12 +121,11 @@ class _Store:
     def came_by(self, t_s: Array) -> Array:
         return np.interp(t_s, self.t_s, self.came)
 
-    def level(self, room: float) -> float:
-        """In its unit: of a battery what it holds, of a memory as well."""
-        held = self.limit + room * self.capacity
+    def level(self, room: Array) -> Array:
+        """What it holds, in its unit."""
         if self.name == "memory":
-            held = self.limit - room * self.capacity
-        return min(max(held, 0.0), self.capacity)
+            return np.clip(self.limit - room * self.capacity, 0.0, self.capacity)
+        return np.clip(self.limit + room * self.capacity, self.limit, self.capacity)
 
 
 class _Room(NamedTuple):
@@ -522,21 +521,28 @@ class Keeping:
         seconds = self._request.step_s * np.arange(network.stop_step + 1)
         return network._replace(cost=np.asarray(price_s * seconds + _cost_of(network)))
 
-    def begins(self, passes: Sequence[tuple[Look, ...]]) -> list[Resources]:
-        """What each pass with looks begins with, as simulated."""
+    def levels(self, passes: Sequence[tuple[Look, ...]], t_s: Array) -> dict[ResourceName, Array]:
+        """What each resource holds at instants, (n,), in its unit, as simulated."""
         curves = self._all_curves(passes)
         rooms = [self._room(n, [one[n] for one in curves]) for n in range(len(self._stores))]
+        return {
+            store.name: store.level(np.interp(t_s, room.t_s, room.left))
+            for store, room in zip(self._stores, rooms, strict=True)
+        }
+
+    def begins(self, passes: Sequence[tuple[Look, ...]]) -> list[Resources]:
+        """What each pass with looks begins with."""
+        starts_s = [self.ends_s(looks[0])[0] - self._rest_s for looks in passes if looks]
+        levels = self.levels(passes, np.array(starts_s))
         found = []
-        for own in (one for one, looks in zip(curves, passes, strict=True) if looks):
+        for number in range(len(starts_s)):
             begins = self._resources
-            for store, room, curve in zip(self._stores, rooms, own, strict=True):
-                left = float(np.interp(curve.t_s[0], room.t_s, room.left))
-                level = store.level(left)
-                if store.name == "battery" and begins.battery is not None:
-                    level = max(level, begins.battery.least_wh)
-                    begins = replace(begins, battery=replace(begins.battery, start_wh=level))
-                elif begins.memory is not None:
-                    begins = replace(begins, memory=replace(begins.memory, start_gbit=level))
+            if begins.battery is not None:
+                level = float(levels["battery"][number])
+                begins = replace(begins, battery=replace(begins.battery, start_wh=level))
+            if begins.memory is not None:
+                level = float(levels["memory"][number])
+                begins = replace(begins, memory=replace(begins.memory, start_gbit=level))
             found.append(begins)
         return found
 
@@ -833,7 +839,9 @@ class _KeepingSearch(Search):
         """By what is used as simulated, with rows that the answer breaks, until it breaks none."""
         found: list[Proposal] = []
         for _ in range(KEEPING.rounds):
-            rows = self._further(self._keeping.used, proposals, ())
+            used, room = self._further(self._keeping.used, proposals, ())
+            scale = np.maximum(np.abs(used).max(axis=1, initial=0.0), self._options.worthless)
+            rows = used / scale[:, None], room / scale
             found = best_together(
                 proposals, len(self._networks), self._looking, self._options, rows
             )

@@ -78,6 +78,7 @@ export const campaigns = {
     refused: "not flown",
     open: "not decided",
   },
+  leftOutFor: { battery: "left out for the battery", memory: "left out for the memory" },
   show: "Show",
   all: "All",
   passes: "Passes",

@@ -78,6 +78,7 @@ export const campaigns: Words["campaigns"] = {
     refused: "не выполнима",
     open: "не решено",
   },
+  leftOutFor: { battery: "не вошла из-за аккумулятора", memory: "не вошла из-за памяти" },
   show: "Показать",
   all: "Все",
   passes: "Пролёты",

@@ -72,7 +72,9 @@ export function Fates({ fates, chosen, onChoose }: Props) {
                   </button>
                 </th>
                 <td>
-                  <span class={`fate-word fate-word-${one.fate}`}>{text.fates[one.fate]}</span>
+                  <span class={`fate-word fate-word-${one.fate}`}>
+                    {one.lacks === null ? text.fates[one.fate] : text.leftOutFor[one.lacks]}
+                  </span>
                   {one.looks.map((look) => (
                     <div key={look.start}>
                       {look.scan} <Link to={`/plans/${look.plan}`}>{period(look.start, look.stop).replace(" UTC", "")}</Link>

@@ -70,6 +70,8 @@ export interface TargetFate {
     value: number;
   }[];
   because: string | null;
+  /** What of the platform would run out, of a target left out for it. */
+  lacks: "battery" | "memory" | null;
   bestElevation_deg: number | null;
 }
 
@@ -118,9 +120,14 @@ export function fatesOf(request: CampaignRequest, campaign: Campaign): TargetFat
       priority,
       looks: given,
       because: refused.get(id) ?? unseen.get(id)?.because ?? leftOut.get(id)?.because ?? null,
+      lacks: lackOf(leftOut.get(id)?.lacks),
       bestElevation_deg: unseen.get(id)?.best_elevation_deg ?? null,
     };
   });
+}
+
+function lackOf(name: string | null | undefined): TargetFate["lacks"] {
+  return name === "battery" || name === "memory" ? name : null;
 }
 
 /** The id of the target that a field belongs to. */
