@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from skyfield.api import EarthSatellite, load, wgs84
 
 from app.requests.examples import LAS_VEGAS
 from app.requests.plan import read_plan_request
@@ -12,6 +13,8 @@ from planner.planning.resources import resource_curves
 from planner.planning.sessions.pipeline import make_plan
 from planner.world.frames.time_scales import elapsed_s
 
+TIME_SCALE = load.timescale(builtin=True)
+CARRIER = EarthSatellite(LAS_VEGAS["orbit"]["line1"], LAS_VEGAS["orbit"]["line2"], ts=TIME_SCALE)
 EPOCH = np.datetime64("2015-02-27T12:00:00", "ms")
 NORMALS = ([0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.2, 0.0])
 IDLES = (
@@ -34,8 +37,16 @@ def utc(seconds):
     return f"{EPOCH + np.timedelta64(round(float(seconds) * 1000), 'ms')}Z"
 
 
-def random_request(rng):
-    """One or two sessions within an orbit or two."""
+def beneath(seconds, mode):
+    """A place on the ground some 450 km beside where the carrier is then."""
+    place = wgs84.subpoint(CARRIER.at(TIME_SCALE.utc(2015, 2, 27, 12, 0, seconds)))
+    latitude_deg, longitude_deg = place.latitude.degrees, place.longitude.degrees
+    return {"mode": mode, "latitude_deg": latitude_deg - 4.0 * np.sign(latitude_deg),
+            "longitude_deg": longitude_deg}  # fmt: skip
+
+
+def random_request(rng, *, looks_down=False):
+    """One or two sessions within an orbit or two.  looks_down: some at the ground and stations."""
     is_body = bool(rng.integers(2))
     start_s = float(rng.uniform(300.0, 5000.0))
     sessions = []
@@ -50,6 +61,9 @@ def random_request(rng):
                 for a, r in zip(("alpha", "beta"), rates, strict=True)
             }
             target = {"mode": "test_motion", "axes": axes}
+        if looks_down and rng.integers(3):
+            mode = "station" if is_body or rng.integers(2) else "ground"
+            target = beneath(0.5 * (start_s + stop_s), mode)
         sessions.append({"target": target, "start": utc(start_s), "stop": utc(stop_s)})
         start_s = stop_s + float(rng.uniform(300.0, 1500.0))
     capacity_wh, imaging_w = float(rng.uniform(50.0, 300.0)), float(rng.uniform(100.0, 400.0))
@@ -78,6 +92,9 @@ def random_request(rng):
         "downlink_gbit_s": 0.5,
         "stations": stations,
     }
+    if looks_down:
+        battery["downlink_w"] = float(rng.uniform(20.0, 100.0))
+        memory["pointed_gbit_s"] = float(rng.uniform(0.3, 0.8))  # of stations' 0.5
     request = {
         "platform": PLATFORM | {"idle": IDLES[rng.integers(3)]} if is_body else "iss-hrc",
         "orbit": LAS_VEGAS["orbit"],
@@ -104,11 +121,11 @@ def asked(request):
     return read_plan_request(json.dumps(request).encode())
 
 
-def plans(seed, count, of=None):
+def plans(seed, count, of=None, *, looks_down=False):
     """So many requests that are planned, with their plans.  of: a kind of platform."""
     rng = np.random.default_rng(seed)
     while count:
-        request = random_request(rng)
+        request = random_request(rng, looks_down=looks_down)
         if of == "body" and "attitude" in request:
             continue
         try:

@@ -32,6 +32,7 @@ from planner.world.resources import (
 )
 from planner.world.rules.body import inertia_of
 from planner.world.scenario import Scenario
+from planner.world.targets import SessionTarget, StationTarget
 from planner.world.targets.earth_limb import limb_clearance_rad
 
 Span = tuple[float, float]  # s after the epoch
@@ -112,11 +113,26 @@ class Along(NamedTuple):
 class Uses:
     """When what draws on resources happens, in s after the epoch.
 
-    imaging: of each session.  idle: waits, over which only the idle power is drawn.
+    sessions: of each.  targets: theirs.  idle: waits, over which only the idle power is drawn.
     """
 
-    imaging: tuple[Span, ...]
+    sessions: tuple[Span, ...]
+    targets: tuple[SessionTarget, ...]
     idle: tuple[Span, ...]
+
+    @property
+    def imaging(self) -> tuple[Span, ...]:
+        """Sessions in which the camera images."""
+        return tuple(span for span, one in self._each if one.images)
+
+    @property
+    def pointed(self) -> tuple[Span, ...]:
+        """Sessions that point at a station."""
+        return tuple(span for span, one in self._each if isinstance(one, StationTarget))
+
+    @property
+    def _each(self) -> Iterator[tuple[Span, SessionTarget]]:
+        return zip(self.sessions, self.targets, strict=True)
 
 
 def uses_of(plan: FlightPlan) -> Uses:
@@ -128,7 +144,11 @@ def uses_of(plan: FlightPlan) -> Uses:
             (elapsed_s(start, epoch_utc), elapsed_s(stop, epoch_utc)) for start, stop in ends_utc
         )
 
-    return Uses(imaging=spans((one.start, one.stop) for one in sessions), idle=spans(plan.waits))
+    return Uses(
+        sessions=spans((one.start, one.stop) for one in sessions),
+        targets=tuple(one.target for one in sessions),
+        idle=spans(plan.waits),
+    )
 
 
 class LightAndContacts:
@@ -212,20 +232,23 @@ class LightAndContacts:
         """t_s: from row 0, (n,).  along: the attitude then; charge is taken as linear between."""
         contacts = tuple(span for _, span in self.contacts)
         edges = [
-            end for spans in (self.lit, contacts, uses.imaging) for one in spans for end in one
+            end for spans in (self.lit, contacts, uses.sessions) for one in spans for end in one
         ]
         inside = [edge for edge in edges if t_s[0] < edge < t_s[-1]]
         grid_s = np.unique(np.concatenate([t_s, inside]))
         imaging, idle = _within(grid_s, uses.imaging), _within(grid_s, uses.idle)
+        pointed, heard = _within(grid_s, uses.pointed), _within(grid_s, contacts)
         step_s, found = np.diff(grid_s), []
         if (battery := self.resources.battery) is not None:
             at_w = np.interp(grid_s, t_s, along.charge_w)
             mean_w = np.where(_within(grid_s, self.lit), 0.5 * (at_w[1:] + at_w[:-1]), 0.0)
             moving_w = np.where(imaging | idle, 0.0, battery.slew_w)
             drawn_w = battery.idle_w + moving_w + np.where(imaging, battery.imaging_w, 0.0)
+            drawn_w += np.where(pointed | heard, battery.downlink_w, 0.0)
             found.append(_battery_curve(battery, grid_s, (mean_w - drawn_w) * step_s / 3600.0))
         if (memory := self.resources.memory) is not None:
-            sent = np.where(_within(grid_s, contacts), memory.downlink_gbit_s, 0.0)
+            sent = np.where(heard, memory.downlink_gbit_s, 0.0)
+            sent = np.maximum(sent, np.where(pointed, memory.pointed_gbit_s, 0.0))
             written = np.where(imaging, memory.imaging_gbit_s, 0.0)
             found.append(_memory_curve(memory, grid_s, (written - sent) * step_s))
         if with_wheels and (momentum := self.resources.momentum) is not None:

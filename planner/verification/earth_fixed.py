@@ -14,7 +14,7 @@ from planner.verification.light import SPEED_OF_LIGHT_M_S, aberrate
 from planner.verification.terrain import WGS84, terrain_height_m
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import OrbitStates
-from planner.world.targets import EarthFixedTarget, GroundTarget, PlaceTarget
+from planner.world.targets import EarthFixedTarget, GroundTarget, PlaceTarget, StationTarget
 from planner.world.targets.gazetteer import Place
 
 WGS84_A_M = 6378137.0
@@ -105,14 +105,14 @@ def hidden_by_earth(r_target_itrf_m: Array, r_sat_itrf_m: Array) -> NDArray[np.b
 def _r_target_itrf_m(target: EarthFixedTarget, instants: Instants) -> Array:
     """Shape (n, 3): ground points by ERFA's geodesy, other modes as they say themselves."""
     point = target.place if isinstance(target, PlaceTarget) else target
-    if isinstance(point, GroundTarget | Place):
+    if isinstance(point, GroundTarget | Place | StationTarget):
         longitude_rad, latitude_rad = np.deg2rad([point.longitude_deg, point.latitude_deg])
         r_itrf_m = erfa.gd2gc(WGS84, longitude_rad, latitude_rad, _height_m(point))
         return np.broadcast_to(r_itrf_m, (len(instants.t_s), 3))
     return target.r_target_itrf_m(instants)
 
 
-def _height_m(point: GroundTarget | Place) -> float:
+def _height_m(point: GroundTarget | Place | StationTarget) -> float:
     if isinstance(point, GroundTarget) and point.terrain is not None:
         place_deg = np.array([point.latitude_deg]), np.array([point.longitude_deg])
         return float(terrain_height_m(point.terrain, *place_deg)[0])

@@ -37,10 +37,11 @@ from planner.world.targets import (
     PlaceTarget,
     SkyTarget,
     StarTarget,
+    StationTarget,
 )
 
 # The judge finds them by itself.
-DERIVED_TARGETS = (GroundTarget, PlaceTarget, StarTarget, BodyTarget)
+DERIVED_TARGETS = (GroundTarget, PlaceTarget, StationTarget, StarTarget, BodyTarget)
 
 
 def verify(table: CommandTable, scenario: Scenario, waits: Waits = ()) -> VerificationReport:

@@ -25,6 +25,7 @@ from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.resources import MOMENTA, ResourceName, Station, resource_told
 from planner.world.rules.body import inertia_of
 from planner.world.scenario import Scenario
+from planner.world.targets import BenchMotionTarget, StationTarget
 
 Times = Callable[[Array], Array]  # of a condition at instants, (n,): how far it is fulfilled
 Waits = tuple[tuple[datetime, datetime], ...]  # as the plan tells them; UTC
@@ -123,21 +124,39 @@ def resource_levels(
         return
     last_s = float(table.t_s[-1])
     ephemeris = scenario.orbit.ephemeris(epoch_utc, shifted_utc(epoch_utc, last_s))
-    imaging, idle = (
+    sessions, idle = (
         [tuple(elapsed_us(end, epoch_utc) / 1e6 for end in span) for span in spans]
         for spans in ([(one.start, one.stop) for one in scenario.sessions], waits)
     )
+    at_stations = [
+        (span, one.target)
+        for span, one in zip(sessions, scenario.sessions, strict=True)
+        if isinstance(one.target, StationTarget)
+    ]
+    imaging = [
+        span
+        for span, one in zip(sessions, scenario.sessions, strict=True)
+        if not isinstance(one.target, StationTarget | BenchMotionTarget)
+    ]
     memory, battery = resources.memory, resources.battery
     contacts = [
         _above(partial(_elevation_rad, station, epoch_utc, ephemeris), last_s)
         for station in (memory.stations if memory else ())
     ]
     lit = _above(partial(_sun_above_limb_rad, epoch_utc, ephemeris), last_s)
-    cuts = np.concatenate([*contacts, lit, *map(np.array, imaging)])
+    cuts = np.concatenate([*contacts, lit, *map(np.array, sessions)])
     cuts = cuts[(cuts > 0.0) & (cuts < last_s)]
     t_s = np.unique(np.append(table.t_s, cuts))
     middle_s, long_s = 0.5 * (t_s[1:] + t_s[:-1]), np.diff(t_s)
-    images = np.any([_between(middle_s, *span) for span in imaging], axis=0)
+    images = np.any([_between(middle_s, *one) for one in [(0.0, 0.0), *imaging]], axis=0)
+    heard, pointed = (np.zeros(len(middle_s), dtype=bool) for _ in range(2))
+    for ends in contacts:
+        heard |= np.searchsorted(ends, middle_s) % 2 == 1
+    for span, station in at_stations:
+        held = np.flatnonzero(_between(middle_s, *span))
+        at_s = np.concatenate([[0.0], middle_s[held], [last_s]])  # never a single instant
+        above_rad = _elevation_rad(station, epoch_utc, ephemeris, at_s)[1:-1]
+        pointed[held[above_rad >= 0.0]] = True
     if battery is not None:
         idles = np.any([_between(middle_s, *one) for one in [(0.0, 0.0), *idle]], axis=0)
         charge_w = np.zeros(len(middle_s))
@@ -145,7 +164,7 @@ def resource_levels(
         for part, at, states in _parts(table, ephemeris, middle_s[sunny]):
             charge_w[sunny[part]] = _charge_w(scenario, judge, at, states)
         net_w = charge_w - battery.idle_w - battery.imaging_w * images
-        net_w -= battery.slew_w * ~(images | idles)
+        net_w -= battery.slew_w * ~(images | idles) + battery.downlink_w * (heard | pointed)
         level, levels = battery.begins_wh, [battery.begins_wh]
         for step_wh in (net_w * long_s / 3600.0).tolist():
             level = min(level + step_wh, battery.capacity_wh)
@@ -153,10 +172,8 @@ def resource_levels(
         charge_wh, least_wh = np.array(levels), battery.least_wh
         yield Levels("battery", "Wh", least_wh, t_s, charge_wh, charge_wh - least_wh)
     if memory is not None:
-        heard = np.zeros(len(middle_s), dtype=bool)
-        for ends in contacts:
-            heard |= np.searchsorted(ends, middle_s) % 2 == 1
-        rate = memory.imaging_gbit_s * images - memory.downlink_gbit_s * heard
+        sent = np.maximum(memory.downlink_gbit_s * heard, memory.pointed_gbit_s * pointed)
+        rate = memory.imaging_gbit_s * images - sent
         level, levels = memory.start_gbit, [memory.start_gbit]
         for step_gbit in (rate * long_s).tolist():
             level = max(level + step_gbit, 0.0)
@@ -262,7 +279,7 @@ def _sun_above_limb_rad(epoch_utc: datetime, ephemeris: Ephemeris, t_s: Array) -
 
 
 def _elevation_rad(
-    station: Station, epoch_utc: datetime, ephemeris: Ephemeris, t_s: Array
+    station: Station | StationTarget, epoch_utc: datetime, ephemeris: Ephemeris, t_s: Array
 ) -> Array:
     """Above the least elevation that it takes data from, (n,)."""
     instants = Instants(epoch_utc, t_s)

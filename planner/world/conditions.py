@@ -18,6 +18,7 @@ from planner.world.targets.apparent import VisibleTarget, aberrate
 from planner.world.targets.body import HIDDEN_RAD, BodyTarget
 from planner.world.targets.earth_fixed import EarthFixedTarget
 from planner.world.targets.ground_sample import sample_along_m
+from planner.world.targets.session_target import SessionTarget
 
 _SUN, _MOON = (BodyTarget(name=name, grazing_altitude_km=0.0) for name in ("sun", "moon"))
 
@@ -143,9 +144,10 @@ class ConditionBound(NamedTuple):
     def unit(self) -> str:
         return "m" if self.name == "ground_sample" else "deg"
 
-    def applies_to(self, target: object) -> bool:
+    def applies_to(self, target: SessionTarget) -> bool:
         """Whether it says anything of such a target."""
-        return isinstance(target, EarthFixedTarget) or self.name not in _ON_EARTH_ONLY
+        is_on_earth = isinstance(target, EarthFixedTarget)
+        return target.images and (is_on_earth or self.name not in _ON_EARTH_ONLY)
 
     def margin(self, value: Array) -> Array:
         """By how much values (n,) keep it, in its unit."""

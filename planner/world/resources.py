@@ -63,8 +63,10 @@ class Battery:
     `160.0`.
     least_wh: charge that it must keep. E.g. `110.0`.
     idle_w: drawn at all times. E.g. `38.0`.
-    slew_w: drawn on top while the platform moves, or waits on a target, between sessions.
-    imaging_w: drawn on top during sessions.
+    slew_w: drawn on top while the platform moves, or waits on a target, and doesn't image.
+    imaging_w: drawn on top during sessions that image: not at a station, nor in test motions.
+    downlink_w: drawn on top during sessions at a station, and while one of memory's stations takes
+    data, whether or not there is any. E.g. `60.0`.
     panels: up to 16 arrays that charge it, by the angle of the Sun.
     sunlight_w: in place of panels, charge in sunlight whatever the attitude. E.g. `120.0`.
     """
@@ -75,6 +77,7 @@ class Battery:
     idle_w: PowerW
     slew_w: PowerW = 0.0
     imaging_w: PowerW = 0.0
+    downlink_w: PowerW = 0.0
     panels: tuple[Panel, ...] = ()
     sunlight_w: PowerW | None = None
 
@@ -119,14 +122,17 @@ class Station:
 
 @spec
 class Memory:
-    """Filled in sessions, emptied over stations, one at a time and wherever the platform points.
+    """Filled in sessions that image, emptied over stations, one at a time.
 
     capacity_gbit: most that it holds. E.g. `512.0`.
     start_gbit: data in it at row 0; unless given none, or what the plan of `after` leaves. E.g.
     `40.0`.
-    imaging_gbit_s: written during sessions. E.g. `1.6`.
-    downlink_gbit_s: sent while any station takes data, also during sessions. E.g. `0.4`.
+    imaging_gbit_s: written during sessions that image. E.g. `1.6`.
+    downlink_gbit_s: sent while any of `stations` takes data, wherever the platform points. E.g.
+    `0.4`.
     stations: up to 16 of them.
+    pointed_gbit_s: sent during sessions whose target is a station, by an antenna that must be
+    pointed at it; where one of `stations` takes data as well, the faster of both. E.g. `0.8`.
     """
 
     capacity_gbit: Annotated[float, Within(1e-3, 1e6)]
@@ -134,6 +140,7 @@ class Memory:
     imaging_gbit_s: GbitS
     downlink_gbit_s: GbitS = 0.0
     stations: tuple[Station, ...] = ()
+    pointed_gbit_s: GbitS = 0.0
 
     def __post_init__(self) -> None:
         if self.start_gbit > self.capacity_gbit:

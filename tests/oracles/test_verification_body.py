@@ -20,6 +20,7 @@ from planner.verification.platforms.body import judge as body_judge
 from planner.verification.platforms.body.judge import BodyJudge
 from planner.verification.platforms.body.quintic import motion_between
 from planner.verification.platforms.body.surroundings import Surroundings, mirror_direction
+from planner.world.conditions import Conditions
 from planner.world.frames.time_scales import Instants
 from planner.world.platforms.body import (
     AxisAgility,
@@ -32,6 +33,7 @@ from planner.world.platforms.body import (
     SunSide,
 )
 from planner.world.platforms.gyros import GyroSet, GyroTurns, ScissoredPairs
+from planner.world.targets import StationTarget
 
 INERTIA_KG_M2 = ((11.0, 0.1, 0.0), (0.1, 13.0, 0.0), (0.0, 0.0, 9.0))
 BY_AXIS = AxisAgility(
@@ -355,6 +357,35 @@ def test_only_imaging_counts_where_so_asked(table):
     assert always.margin_rad < while_imaging.margin_rad < 0.0
     assert always.t_s < 10.0
     assert 60.0 <= while_imaging.t_s <= 100.0
+
+
+def test_nothing_that_only_a_look_must_meet_is_asked_at_a_station(table):
+    """The same table is judged by what its session is for."""
+    limb = Exclusion(name="limb", of="camera", away_from="limb", min_deg=0.0, when="imaging")
+    down = StarTracker(name="down", boresight_body=(0.0, 0.0, 1.0), limb_deg=10.0)
+    camera = {"off_nadir_max_deg": 20.0, "star_trackers": StarTrackers(needed=1, each=(down,))}
+    conditions = Conditions(max_ground_sample_m=0.1, sun_keep_out_deg=180.0)
+    place = (LAS_VEGAS.latitude_deg, LAS_VEGAS.longitude_deg, LAS_VEGAS.height_m)
+
+    def judged(target, exclusion=limb):
+        body = dataclasses.replace(BODY, exclusions=(exclusion,), **camera)
+        return verify(table, body_scenario(body, target, conditions=conditions))
+
+    def station(latitude_deg, longitude_deg, height_m):
+        return StationTarget(
+            latitude_deg=latitude_deg, longitude_deg=longitude_deg, height_m=height_m
+        )
+
+    assert limits_of(judged(LAS_VEGAS)) == {
+        "off_nadir", "exclusion", "ground_sample", "sun_keep_out"
+    }  # fmt: skip
+    report = judged(station(*place))
+    assert report.passed
+    assert report.taken_as_given == ("orbit",)
+    assert report.exclusions[0].margin_rad is None
+    always = dataclasses.replace(limb, when="always")
+    assert limits_of(judged(station(*place), always)) == {"exclusion"}
+    assert limits_of(judged(station(place[0] + 1e-3, *place[1:]))) == {"pointing"}
 
 
 def test_star_trackers_need_the_second_best_of_two(table):

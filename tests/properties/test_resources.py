@@ -3,6 +3,7 @@
 import copy
 import json
 from importlib.resources import files
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from app.requests.plan import read_plan_request
 from planner.base.errors import InfeasibleSlew, ResourceRunsOut
 from planner.planning.resources import resource_curves, spans_above
 from planner.planning.sessions.pipeline import make_plan
+from planner.planning.sessions.summary import summarise
 from planner.verification import verify
 from planner.verification.platforms.registry import judge_of
 from planner.verification.resources import resource_levels
@@ -22,12 +24,17 @@ from planner.world.frames.time_scales import Instants, elapsed_s, utc_text
 TIME_SCALE = load.timescale(builtin=True)
 EPHEMERIS = load_file(str(files("skyfield_data") / "data" / "de421.bsp"))
 OF_CAPACITY = 1e-6
+EXAMPLES = Path(__file__).parents[2] / "examples"
 WGS84_M = np.array([6378137.0, 6378137.0, 6356752.3142])
 
 
 @pytest.fixture(scope="module")
 def planned():
-    return [plan for _, plan in plans(seed=7, count=10)]
+    """Some image, some send to a station, some move axes and do neither; all of it happens."""
+    made = [plan for _, plan in plans(seed=7, count=10, looks_down=True)]
+    modes = {one.target.mode for plan in made for one in plan.scenario.sessions}
+    assert modes == {"ground", "star", "station", "test_motion"}
+    return made
 
 
 def test_the_judge_finds_the_same_levels_by_itself(planned):
@@ -69,6 +76,28 @@ def test_another_start_is_told_where_waits_leave_enough():
     assert told[1] == told[0]
 
 
+def test_contacts_that_a_body_turns_to_send_what_it_imaged():
+    """At 69 deg off nadir, which no look may be; each Gbit and Wh is told by hand."""
+    document = json.loads((EXAMPLES / "smallsat_contacts.json").read_text())
+    plan = make_plan(asked(document))
+    looks, *contacts = (one.elevation_max_rad for one in plan.verification.sessions)
+    assert min(contacts) < np.deg2rad(10.0) < np.deg2rad(80.0) < looks
+    battery, memory = resource_curves(plan)
+    stops_s = [elapsed_s(one.stop, plan.table.epoch_utc) for one in plan.scenario.sessions]
+    imaged, first, second = 40.0 * 1.6, 200.0 * 0.4, 260.0 * 0.4
+    held = 120.0 + np.cumsum([imaged, -first, -second])
+    np.testing.assert_allclose(np.interp(stops_s, memory.t_s, memory.level), held, atol=1e-9)
+    document["resources"]["battery"]["downlink_w"] = 0.0
+    without, _ = resource_curves(make_plan(asked(document)))
+    sent_wh = 60.0 * (200.0 + 260.0) / 3600.0
+    assert without.level[-1] - battery.level[-1] == pytest.approx(sent_wh, abs=1e-9)
+    summary = summarise(plan)
+    assert [one.ground_sample_m is None for one in summary.sessions] == [False, True, True]
+    look = summary.sessions[0].probability_in_frame
+    assert [one.probability_in_frame for one in summary.sessions] == [look, None, None]
+    assert summary.probability_in_frame == look
+
+
 def levels_by_seconds(plan):
     """Of each resource, summed from second to second; and the most that one second adds."""
     table, resources = plan.table, plan.scenario.resources
@@ -84,7 +113,8 @@ def levels_by_seconds(plan):
     here, sun = (np.einsum("nij,nj->ni", polar, one) / WGS84_M for one in (r_m, to_sun_m))
     nearest = np.clip(-np.sum(here * sun, axis=1) / np.sum(sun * sun, axis=1), 0.0, None)
     lit = np.linalg.norm(here + nearest[:, None] * sun, axis=1) > 1.0
-    imaging, waiting = (
+    sessions = plan.scenario.sessions
+    imaging, sending, waiting = (
         np.any(
             [
                 (t_s >= elapsed_s(a, table.epoch_utc)) & (t_s < elapsed_s(b, table.epoch_utc))
@@ -93,7 +123,11 @@ def levels_by_seconds(plan):
             or [t_s < 0],
             axis=0,
         )
-        for spans in ([(one.start, one.stop) for one in plan.scenario.sessions], plan.waits)
+        for spans in (
+            [(one.start, one.stop) for one in sessions if one.target.mode in ("ground", "star")],
+            [(one.start, one.stop) for one in sessions if one.target.mode == "station"],
+            plan.waits,
+        )
     )
     battery, memory = resources.battery, resources.memory
     charge_w = np.full(count, battery.sunlight_w or 0.0)
@@ -103,9 +137,6 @@ def levels_by_seconds(plan):
         normal = np.asarray(panel.normal_body) / np.linalg.norm(panel.normal_body)
         charge_w += panel.power_w * np.maximum(sun_body @ normal, 0.0)
     drawn_w = battery.idle_w + battery.imaging_w * imaging + battery.slew_w * ~(imaging | waiting)
-    steps_wh = (charge_w * lit - drawn_w) / 3600.0
-    most_wh = (charge_w.max() + battery.imaging_w + battery.slew_w) / 3600.0
-    yield summed(battery.begins_wh, steps_wh, -np.inf, battery.capacity_wh), most_wh
     heard = np.zeros(count, dtype=bool)
     for station in memory.stations:
         place, above = (
@@ -117,8 +148,13 @@ def levels_by_seconds(plan):
         up, away = (above - place) / 1000.0, r_m - place
         sine = np.sum(up * away, axis=1) / np.linalg.norm(away, axis=1)
         heard |= np.degrees(np.arcsin(sine)) >= station.min_elevation_deg
-    steps_gbit = memory.imaging_gbit_s * imaging - memory.downlink_gbit_s * heard
-    most_gbit = memory.imaging_gbit_s + memory.downlink_gbit_s
+    drawn_w += battery.downlink_w * (heard | sending)
+    steps_wh = (charge_w * lit - drawn_w) / 3600.0
+    most_wh = (charge_w.max() + drawn_w.max()) / 3600.0
+    yield summed(battery.begins_wh, steps_wh, -np.inf, battery.capacity_wh), most_wh
+    sent = np.maximum(memory.downlink_gbit_s * heard, memory.pointed_gbit_s * sending)
+    steps_gbit = memory.imaging_gbit_s * imaging - sent
+    most_gbit = memory.imaging_gbit_s + sent.max()
     yield summed(memory.start_gbit, steps_gbit, 0.0, np.inf), most_gbit
     if resources.momentum is not None:
         yield from momenta_by_seconds(plan, q_body, r_m, waiting)

@@ -349,7 +349,8 @@ class _Check(NamedTuple):
 
 
 def _checks(platform: BodyPlatform, sight: TargetSight, motion: Motion) -> Iterator[_Check]:
-    if isinstance(sight.target, EarthFixedTarget):
+    images = sight.target.images
+    if images and isinstance(sight.target, EarthFixedTarget):
         off_nadir_rad = angle_rad(sight.los_eci, -sight.states.r_sat_eci_m)
         margin_rad = math.radians(platform.off_nadir_max_deg) - off_nadir_rad
         refuse = partial(_refuse_off_nadir, platform, sight, off_nadir_rad)
@@ -357,6 +358,8 @@ def _checks(platform: BodyPlatform, sight: TargetSight, motion: Motion) -> Itera
     if platform.exclusions or platform.star_trackers is not None:
         q_eci_from_body = Rotation.from_quat(motion.position)
         for kept in exclusion_margins(platform, q_eci_from_body, sight.surroundings):
+            if kept.imaging_only and not images:
+                continue
             margin_rad = kept.margin_rad - OPTIONS.between_rows_rad
             yield _Check(margin_rad, kept.imaging_only, partial(_refuse_exclusion, sight, kept))
     limits = agility_limits(platform)

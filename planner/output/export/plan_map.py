@@ -47,7 +47,8 @@ def _features(plan: FlightPlan, rows: TableStates) -> Iterator[MapFeature]:
     for number, session in enumerate(plan.scenario.sessions):
         label = session_label(session, number)
         facts: Facts = {"session": number, "mode": session.target.mode}
-        yield from _frames(rows, corners, session, label, facts)
+        if session.target.images:
+            yield from _frames(rows, corners, session, label, facts)
         span_utc = session.start, session.stop
         yield from target_features(session.target, span_utc, label, facts)
 

@@ -58,7 +58,7 @@ class ViewWeights:
 
     Qualities lie between 0 and 1; a look is worth their product, each to the power of its
     weight, as a mean over the look.  A weight of 0 leaves one out, 1 counts it in proportion.
-    All but the last are 1 for a target in space.
+    All but the last are 1 for a target in space, all of them for a station.
 
     ground_sample: weight of the ground sample straight below the carrier over that at the target
     (longer side of a pixel).

@@ -70,7 +70,7 @@ class Viewing:
         """
         weights = self.weights
         quality = np.ones(len(t_s))
-        if sight.on_earth:
+        if sight.on_earth and sight.images:
             view = view_of(sight, which, t_s)
             sun = np.maximum(np.sin(view.sun_elevation_rad), 0.0)
             quality *= np.minimum(1.0 / view.stretch_ratio, 1.0) ** weights.ground_sample
@@ -78,7 +78,7 @@ class Viewing:
             quality *= sun**weights.sun
             clear = self._clear(sight, which, t_s)
             quality *= np.where(np.isnan(clear), 1.0, clear)
-        if weights.probability > 0.0:
+        if weights.probability > 0.0 and sight.images:
             every = np.arange(0, len(t_s), PROBABILITY_EVERY)
             rows = np.unique(np.concatenate([every, breaks, breaks[1:] - 1, [len(t_s) - 1]]))
             found = self.follower.probability(sight, which[rows], t_s[rows], self.ephemeris)
@@ -87,7 +87,7 @@ class Viewing:
 
     def _clear(self, sight: Sight, which: Indices, t_s: Array) -> Array:
         """Probability that no cloud stands over targets, (n,), NaN where nothing is known of it."""
-        if self.clouds is None or not sight.on_earth:
+        if self.clouds is None or not (sight.on_earth and sight.images):
             return np.full(len(t_s), math.nan)
         instants = Instants(sight.carrier.start_utc, t_s)
         return self.clouds.clear_over(sight.r_target_itrf_m(which, t_s), instants)

@@ -155,6 +155,11 @@ class OpportunityRequest:
         """Of the targets, in order."""
         return tuple(wanted.id for wanted in self.targets)
 
+    def least_elevation_deg(self, target: ChosenTarget) -> float:
+        """From which on a target is seen; of one in space above the limb."""
+        asked_deg = self.conditions.min_elevation_deg if target.images else 0.0
+        return max(asked_deg, getattr(target, "min_elevation_deg", 0.0))
+
     @property
     def modes(self) -> Mapping[int, ImagingMode]:
         """Targets that are imaging modes, by row."""

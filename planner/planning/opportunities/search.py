@@ -15,7 +15,7 @@ from planner.motion.pointing.reach import Reach
 from planner.planning.opportunities.carrier import Carrier, carrier_over
 from planner.planning.opportunities.margins import CAUSES, NOTHING, WindowScene, asked_of
 from planner.planning.opportunities.platforms.registry import lookout_of
-from planner.planning.opportunities.request import OpportunityRequest
+from planner.planning.opportunities.request import OpportunityConditions, OpportunityRequest
 from planner.planning.opportunities.sights import Sight, in_sights, resting_sight, sights_of
 from planner.planning.opportunities.sweep import OPTIONS as SWEEP
 from planner.planning.opportunities.sweep import Found, sweep
@@ -31,7 +31,6 @@ from planner.planning.opportunities.windows import (
 from planner.world.frames.earth_orientation import earth_orientation_warnings
 from planner.world.frames.geodesy import geodetic_from_itrf
 from planner.world.frames.time_scales import Instants
-from planner.world.targets import ChosenTarget, EarthFixedTarget
 from planner.world.targets.ground_sample import sample_along_m
 
 
@@ -198,12 +197,13 @@ def found_spans(
     across_rad: of a line of sight from the plane of its track at most; sessions are then left out.
     """
     lookout = lookout_of(request.platform, request.attitude)
-    conditions = lookout.conditions(request.conditions)
-    asked_rad = math.radians(request.conditions.min_elevation_deg)
-    least_rad = np.array(
-        [max(_own_least_rad(wanted.target), asked_rad) for wanted in request.targets]
+    least_rad = np.deg2rad(
+        [request.least_elevation_deg(wanted.target) for wanted in request.targets]
     )
     for numbers, sight in sights_of(carrier, request.targets, least_rad, OPTIONS.targets_at_once):
+        conditions = OpportunityConditions()
+        if sight.images:
+            conditions = lookout.conditions(request.conditions)
         asked = asked_of(
             conditions, lookout.causes, not sight.on_earth, across_rad, request.pixel_rad
         )
@@ -228,10 +228,6 @@ def _count(looks: int) -> None:
 def _spans_of(found: Found) -> Spans:
     (start_s, stop_s), (opened_by, closed_by) = found.edge_s.T, CAUSES[found.cause.T]
     return Spans(found.target, start_s, stop_s, opened_by, closed_by)
-
-
-def _own_least_rad(target: ChosenTarget) -> float:
-    return math.radians(target.min_elevation_deg) if isinstance(target, EarthFixedTarget) else 0.0
 
 
 def describe_windows(
@@ -260,7 +256,7 @@ def describe_windows(
 
 
 def _clear(request: OpportunityRequest, sight: Sight, which: Indices, edges: WindowEdges) -> Array:
-    if request.clouds is None or not sight.on_earth:
+    if request.clouds is None or not (sight.on_earth and sight.images):
         return np.full(len(edges), math.nan)
     middle_s = 0.5 * (edges.rise_s + edges.set_s)
     r_itrf_m = sight.r_target_itrf_m(which, middle_s)

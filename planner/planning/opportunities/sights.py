@@ -88,6 +88,11 @@ class Sight:
     def on_earth(self) -> bool:
         return not self.places.in_space
 
+    @property
+    def images(self) -> bool:
+        """Whether they are looked at to be imaged."""
+        return all(target.images for target in self.targets)
+
     def sighting(self, which: Indices, t_s: Array) -> Sighting:
         """What is seen of them."""
         directions, values = look_each(self.carrier.tables, self.places, which, t_s)
@@ -105,11 +110,11 @@ def sights_of(
 
     least_rad: (targets,), elevation or height above the limb.
     """
-    at_rest: dict[RollRule | None, list[int]] = {}
+    at_rest: dict[tuple[RollRule | None, bool], list[int]] = {}
     for row, wanted in enumerate(targets):
         if _rests(wanted.target):
-            at_rest.setdefault(wanted.roll, []).append(row)
-    for roll, alike in at_rest.items():
+            at_rest.setdefault((wanted.roll, wanted.target.images), []).append(row)
+    for (roll, _), alike in at_rest.items():
         for first in range(0, len(alike), most):
             rows = np.array(alike[first : first + most])
             sight = resting_sight(carrier, [targets[row].target for row in rows], least_rad[rows])

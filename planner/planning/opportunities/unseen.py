@@ -99,7 +99,7 @@ def _closed_conditions(
     """The cause and the reason of each target."""
     closed = dict(known)
     for row, highest_rad in zip(unseen, best_rad.tolist(), strict=True):
-        least_deg = _least_elevation_deg(request, row)
+        least_deg = request.least_elevation_deg(request.targets[row].target)
         if math.degrees(highest_rad) < least_deg:
             closed[row] = "elevation", _too_low(request, row, least_deg)
     left = [row for row in unseen if row not in closed]
@@ -147,13 +147,6 @@ def _windows_of(request: OpportunityRequest, rows: Sequence[int]) -> dict[int, W
     targets = tuple(request.targets[row] for row in rows)
     found = opportunities_however_many(replace(request, targets=targets)).windows
     return {rows[n]: found.select(found.target == n) for n in np.unique(found.target).tolist()}
-
-
-def _least_elevation_deg(request: OpportunityRequest, row: int) -> float:
-    target, asked_deg = request.targets[row].target, request.conditions.min_elevation_deg
-    if not isinstance(target, EarthFixedTarget):
-        return asked_deg
-    return max(target.min_elevation_deg, asked_deg)
 
 
 def _too_low(request: OpportunityRequest, row: int, least_deg: float) -> str:

@@ -87,7 +87,11 @@ def complete_plan(
             mover_of(final).budget(ephemeris, table, number, join.track.los)
             for number, join in enumerate(onto_tracks)
         )
-    misses = [budget.warning() for budget in budgets if budget]
+    misses = [
+        budget.warning()
+        for session, budget in zip(final.sessions, budgets, strict=True)
+        if budget and session.target.images
+    ]
     with clock.time("verification"):
         report = verify(table, final, flight.waits)
     if scenario.slew.keeps_limits and not report.passed:

@@ -65,8 +65,14 @@ class Plan(FlightPlan):
     @property
     def probability_in_frame(self) -> float | None:
         """The least of any session's; None without any."""
-        known = (budget.probability_in_frame for budget in self.budgets if budget is not None)
-        return min(known, default=None)
+        known = map(self.probability_of, range(len(self.budgets)))
+        return min((one for one in known if one is not None), default=None)
+
+    def probability_of(self, number: int) -> float | None:
+        """That the target of a session stays in the frame; None where the camera doesn't image."""
+        budget = self.budgets[number]
+        images = self.scenario.sessions[number].target.images
+        return budget.probability_in_frame if budget is not None and images else None
 
 
 def unproven_share(cost: float, bound: float) -> float:

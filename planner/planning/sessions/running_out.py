@@ -142,7 +142,7 @@ def _runs_out_idle(levels: _PlanLevels, curve: ResourceCurve) -> bool:
     t_s, around, along = levels.plan.table.t_s, levels.around, levels.along
     if curve.resource == "momentum":
         along = _idle_along(around, t_s)
-    nothing = Uses(imaging=(), idle=((0.0, float(t_s[-1])),))
+    nothing = Uses(sessions=(), targets=(), idle=((0.0, float(t_s[-1])),))
     return any(
         one.first_beyond_s is not None
         for one in around.curves(t_s, along, nothing)
@@ -202,13 +202,17 @@ class _Search:
         self.levels, self.mover, self.number = levels, mover, number
         self.scenario = replace(plan.scenario, sessions=sessions)
         self.session = sessions[number]
-        self.uses = replace(uses, imaging=uses.imaging[: len(sessions)])
+        self.uses = replace(
+            uses,
+            sessions=uses.sessions[: len(sessions)],
+            targets=uses.targets[: len(sessions)],
+        )
         self.curves = levels.curves
         self.epoch_utc, self.leaves_out = plan.table.epoch_utc, bool(without)
 
     def shorter(self) -> Session | None:
         """With the same start and the latest stop that was found."""
-        start_s, stop_s = self.uses.imaging[self.number]
+        start_s, stop_s = self.uses.sessions[self.number]
         around, along, table = self.levels.around, self.levels.along, self.levels.plan.table
         rows = np.append(np.arange(0, len(table.t_s) - 1, OPTIONS.stride), len(table.t_s) - 1)
         charge = along._replace(charge_w=along.charge_w[rows])
@@ -218,9 +222,9 @@ class _Search:
 
         def lacks(until_s: float) -> Array:
             """Of each capacity, by the plan's own attitude, waiting after the session."""
-            imaging = list(self.uses.imaging)
-            imaging[self.number] = start_s, until_s
-            uses = replace(self.uses, imaging=tuple(imaging))
+            spans = list(self.uses.sessions)
+            spans[self.number] = start_s, until_s
+            uses = replace(self.uses, sessions=tuple(spans))
             curves = around.curves(table.t_s[rows], charge, uses, with_wheels=False)
             last_s = until_s if ends else math.inf
             return _lacks(curves + wheels, last_s)
@@ -260,14 +264,14 @@ class _Search:
 
     def later(self, resource: str) -> Session | None:
         """As long as asked, with the earliest later start that was found."""
-        start_s, stop_s = self.uses.imaging[self.number]
+        start_s, stop_s = self.uses.sessions[self.number]
         long_s = stop_s - start_s
         around = self._farther()
         if around is None:
             return None
         t_s = np.linspace(0.0, around.last_s, math.ceil(around.last_s / OPTIONS.step_s) + 1)
         along = _idle_along(around, t_s)
-        next_s = [one[0] for one in self.uses.imaging[self.number + 1 :]]
+        next_s = [one[0] for one in self.uses.sessions[self.number + 1 :]]
         until_s = next_s[0] if next_s else around.last_s
         lacked_now = _lacks(self.curves, stop_s)
         spare = lacked_now - self._foretold(around, t_s, along, start_s, long_s)
@@ -306,12 +310,12 @@ class _Search:
 
     def _farther(self) -> LightAndContacts | None:
         """As far beyond the session as the orbit is known; None: not at all."""
-        stop_s = self.uses.imaging[self.number][1]
+        stop_s = self.uses.sessions[self.number][1]
         horizon_s = min(self.scenario.orbit.search_horizon_s, OPTIONS.farthest_s)
         for beyond_s in (horizon_s, horizon_s / 16.0):
             try:
                 return LightAndContacts(
-                    self.scenario, max(stop_s, self.uses.imaging[-1][1]) + beyond_s
+                    self.scenario, max(stop_s, self.uses.sessions[-1][1]) + beyond_s
                 )
             except Refusal:
                 continue
@@ -319,7 +323,7 @@ class _Search:
 
     def _starts(self, around: LightAndContacts, long_s: float, until_s: float) -> Iterator[float]:
         """Later starts, on rows, from which the target stays in sight."""
-        start_s = self.uses.imaging[self.number][0]
+        start_s = self.uses.sessions[self.number][0]
         row = math.ceil(start_s * ROWS_PER_S) + np.arange(
             1, max(int((until_s - long_s - start_s) / OPTIONS.step_s), 0) + 1
         ) * round(OPTIONS.step_s * ROWS_PER_S)
@@ -339,26 +343,27 @@ class _Search:
         self, around: LightAndContacts, t_s: Array, along: Along, start_s: float, long_s: float
     ) -> Array:
         """What lacks, in shares of each capacity, with the session moved there, idle between."""
-        imaging, idle = list(self.uses.imaging), list(self.uses.idle)
-        before_s = imaging[self.number - 1][1] if self.number else 0.0
-        slewed_s = imaging[self.number][0] - max(
-            (stop for _, stop in idle if stop <= imaging[self.number][0]), default=before_s
+        spans, idle = list(self.uses.sessions), list(self.uses.idle)
+        before_s = spans[self.number - 1][1] if self.number else 0.0
+        slewed_s = spans[self.number][0] - max(
+            (stop for _, stop in idle if stop <= spans[self.number][0]), default=before_s
         )
-        imaging[self.number] = start_s, start_s + long_s
+        spans[self.number] = start_s, start_s + long_s
         idle = [one for one in idle if not before_s <= one[0] < start_s]
         if (waits_until_s := start_s - max(slewed_s, 0.0)) > before_s:
             idle.append((before_s, waits_until_s))
-        is_last = self.number + 1 == len(imaging)
+        is_last = self.number + 1 == len(spans)
         table_s = float(self.levels.plan.table.t_s[-1])
-        last_s = imaging[-1][1] if is_last else min(table_s, around.last_s)
-        curves = around.curves(t_s, along, Uses(imaging=tuple(imaging), idle=tuple(idle)))
+        last_s = spans[-1][1] if is_last else min(table_s, around.last_s)
+        uses = replace(self.uses, sessions=tuple(spans), idle=tuple(idle))
+        curves = around.curves(t_s, along, uses)
         return _lacks(curves, last_s)
 
     def _try(self, start_s: float, stop_s: float) -> tuple[Session | None, Array | float]:
         """The session so moved, if all sessions are planned and judged good with it; else what
         lacked, in shares of each capacity."""
         start_utc, stop_utc = self.session.start, self._utc(stop_s)
-        if start_s != self.uses.imaging[self.number][0]:
+        if start_s != self.uses.sessions[self.number][0]:
             start_utc = self._utc(start_s)
         try:
             target = self.session.target

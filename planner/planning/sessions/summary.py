@@ -29,11 +29,11 @@ class SessionSummary:
     the target is on the Earth. E.g. `72.3`.
     best_at_utc: time of it; UTC. E.g. `"2015-02-27T17:36:58.000Z"`.
     probability_in_frame: that the target stays inside the camera's frame over the whole session;
-    null for a test motion. E.g. `0.97`.
+    null for a test motion and at a station. E.g. `0.97`.
     clear_probability: that no cloud stands over the target at the middle of the session, by
     `clouds`; null where these say nothing. E.g. `0.8`.
     ground_sample_m: the longer side of a pixel of 0.678 arcsec on the ground where the carrier is
-    nearest; null unless the target is on the Earth. E.g. `1.33`.
+    nearest; null unless the target is imaged on the Earth. E.g. `1.33`.
     """
 
     session: Count
@@ -89,7 +89,7 @@ def summarise(plan: Plan) -> PlanSummary:
 
 
 def _summarise_session(plan: Plan, number: int) -> SessionSummary:
-    session, budget = plan.scenario.sessions[number], plan.budgets[number]
+    session = plan.scenario.sessions[number]
     seen = next((one for one in plan.verification.sessions if one.session == number), None)
     highest_rad, nearest_m = (seen.elevation_max_rad, seen.range_min_m) if seen else (None, None)
     pixel_rad = plan.scenario.platform.camera.pixel_rad
@@ -104,20 +104,21 @@ def _summarise_session(plan: Plan, number: int) -> SessionSummary:
         stop_utc=session.stop,
         best_elevation_rad=highest_rad,
         best_at_utc=seen.elevation_max_utc if seen else None,
-        probability_in_frame=None if budget is None else budget.probability_in_frame,
+        probability_in_frame=plan.probability_of(number),
         clear_probability=_clear_probability(plan.scenario, session),
         ground_sample_m=None
-        if highest_rad is None or nearest_m is None
+        if highest_rad is None or nearest_m is None or not session.target.images
         else _ground_sample_m(highest_rad, nearest_m, pixel_rad),
     )
 
 
 def _clear_probability(scenario: Scenario, session: Session) -> float | None:
-    if scenario.clouds is None or not isinstance(session.target, EarthFixedTarget):
+    target = session.target
+    if scenario.clouds is None or not isinstance(target, EarthFixedTarget) or not target.images:
         return None
     middle_s = 0.5 * elapsed_s(session.stop, session.start)
     at = Instants(session.start, np.array([middle_s]))
-    clear = float(scenario.clouds.clear_over(session.target.r_target_itrf_m(at), at)[0])
+    clear = float(scenario.clouds.clear_over(target.r_target_itrf_m(at), at)[0])
     return None if math.isnan(clear) else clear
 
 

@@ -30,17 +30,17 @@ def probabilities_in_frame(request: OpportunityRequest, windows: Windows) -> Arr
     """That the target stays in the camera's frame over the longest session of each window.
 
     As the budget of a plan of that session has it, on the branch that the window reports, or by the
-    roll rule of a body; errors of the table itself are none.  Shape (windows,).  NaN where there is
-    no session, or no pair of angles throughout; and for the latest windows where there are more
-    than 500, or fewer of a body whose attitude wanders quickly.
+    roll rule of a body; errors of the table itself are none.  Shape (windows,).  NaN where the
+    camera images nothing, or there is no session, or no pair of angles throughout; and for the
+    latest windows where there are more than 500, or fewer of a body whose attitude wanders quickly.
     """
     probability, held = np.full(len(windows), np.nan), HELD[request.platform.kind]
     ephemeris = request.orbit.ephemeris(request.start, request.stop)
     sessions_s = windows.sessions_s(request.start)
     with at_most(OPTIONS.most):
         for window in np.argsort(windows.rise_s, kind="stable"):
-            if not np.isnan(sessions_s[window, 0]):
-                row = int(windows.target[window])
+            row = int(windows.target[window])
+            if request.targets[row].target.images and not np.isnan(sessions_s[window, 0]):
                 target, roll = request.targets[row].target, request.targets[row].roll
                 effort.charge(OPTIONS.window)
                 start_s, stop_s = sessions_s[window]

@@ -16,12 +16,14 @@ from planner.world.targets.place import PlaceTarget
 from planner.world.targets.session_target import SessionTarget
 from planner.world.targets.sky import SkyTarget
 from planner.world.targets.star import StarTarget
+from planner.world.targets.station import StationTarget
 
 Target = Annotated[
     GroundTarget
     | PlaceTarget
     | MovingGroundTarget
     | GroundPathTarget
+    | StationTarget
     | StarTarget
     | BodyTarget
     | BenchMotionTarget,
@@ -62,6 +64,7 @@ __all__ = [
     "SessionTarget",
     "SkyTarget",
     "StarTarget",
+    "StationTarget",
     "Target",
     "VisibleTarget",
 ]

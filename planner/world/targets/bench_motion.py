@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
@@ -57,6 +57,7 @@ class BenchMotionTarget(TimedTarget):
     start: time of t = 0; UTC, the session's start unless given. E.g. `"2015-02-27T17:36:20Z"`.
     """
 
+    images: ClassVar[bool] = False
     mode: Literal["test_motion"] = "test_motion"
     axes: Mapping[str, Motion]
     start: datetime | None = None

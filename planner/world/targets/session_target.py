@@ -15,10 +15,12 @@ class SessionTarget:
 
     has_windows: whether it can be seen at times of its own, without a session.
     rests_on_earth: whether its place on the Earth never changes, so that many are searched at once.
+    images: whether the camera images meanwhile; else nothing is asked that only a look must meet.
     """
 
     has_windows: ClassVar[bool] = True
     rests_on_earth: ClassVar[bool] = False
+    images: ClassVar[bool] = True
     mode: str
 
     @property

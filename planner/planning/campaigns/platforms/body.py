@@ -92,7 +92,7 @@ class BodyFollower:
     def ways(self, sight: Sight, which: Indices, t_s: Array) -> Iterator[Following]:
         carrier = sight.carrier
         tracking = self._lookout.tracking(sight)
-        most_rad = math.radians(self._platform.off_nadir_max_deg)
+        most_rad = self._lookout.off_nadir_max_rad(sight)
         is_free = np.full((len(t_s), 1), float(tracking.roll == NEAREST))
         for sense in range(tracking.senses):
             before, then, after = (
@@ -129,7 +129,7 @@ class BodyFollower:
                     (one.start_s - self.settle_s, one.stop_s),
                     before_s,
                     before or (unit(vector_at(*idle, 0)), vector_at(*idle, 3)),
-                    math.radians(self._platform.off_nadir_max_deg),
+                    self._lookout.off_nadir_max_rad(sight),
                 )
                 if not math.isnan(unheld_s):
                     return place, unheld_s

@@ -105,9 +105,8 @@ class BodyLookout:
     def hold(
         self, sight: Sight, scene: WindowScene, found: Found, shortest_s: float, looks_limit: float
     ) -> tuple[Found, Array, int]:
-        tracking = self.tracking(sight)
-        most_rad = math.radians(self.platform.off_nadir_max_deg)
-        return follow(tracking, scene, found, most_rad, (shortest_s, looks_limit))
+        most_rad = self.off_nadir_max_rad(sight)
+        return follow(self.tracking(sight), scene, found, most_rad, (shortest_s, looks_limit))
 
     def held_scans(self, sight: Sight, begins_s: Array, duration_s: float) -> HeldScans:
         most_rad = math.radians(self.platform.off_nadir_max_deg)
@@ -115,6 +114,10 @@ class BodyLookout:
             self.tracking(sight), sight.carrier.tables, sight.places, begins_s, duration_s, most_rad
         )
         return HeldScans(*held.T)
+
+    def off_nadir_max_rad(self, sight: Sight) -> float:
+        """Of the camera while it images what is on the Earth, else any."""
+        return math.radians(self.platform.off_nadir_max_deg) if sight.images else math.pi
 
     def tracking(self, sight: Sight) -> Tracking:
         """How it lies on targets that are seen alike."""
@@ -124,14 +127,15 @@ class BodyLookout:
         if isinstance(roll, SunSide):
             aside_body = unit_vector(roll.direction_body)
         body_from_triad = _triad(platform.boresight_body, aside_body)
-        limits, trackers = agility_limits(platform).inscribed, platform.star_trackers
+        limits = agility_limits(platform).inscribed
+        trackers = platform.star_trackers if sight.images else None
         number = ROLLS.index(roll.rule)
         is_one_way = isinstance(roll, SunSide) or number == NEAREST
         tracking = NO_BODY._replace(
             roll=number,
             senses=1 if is_one_way or not platform.camera.both_ways else 2,
             body_from_triad=_rows(body_from_triad),
-            kept_parameters=self._kept(body_from_triad),
+            kept_parameters=self._kept(body_from_triad, sight.images),
             limits=_rows(limits.by_order.T),
             is_by_axis=limits.kind == "axis",
             settle_s=platform.envelope.settle_s,
@@ -180,13 +184,15 @@ class BodyLookout:
             ("rate", platform, "to follow it the body would have to turn faster than it can"),
         )
 
-    def _kept(self, body_from_triad: Array) -> Array:
+    def _kept(self, body_from_triad: Array, images: bool) -> Array:
         """As `Tracking.kept_parameters`."""
         platform, trackers = self.platform, self.platform.star_trackers
         kept = [
-            (platform.direction_of(one), one.away_from, one.min_deg) for one in platform.exclusions
+            (platform.direction_of(one), one.away_from, one.min_deg)
+            for one in platform.exclusions
+            if images or one.when == "always"
         ]
-        for tracker in trackers.each if trackers is not None else ():
+        for tracker in trackers.each if images and trackers is not None else ():
             direction_body = unit_vector(tracker.boresight_body)
             kept += [(direction_body, *angle) for angle in tracker.least_deg]
         rows = [

@@ -34,7 +34,7 @@ from planner.world.frames.time_scales import Instants, shifted_utc
 from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.platforms.body import BodyPlatform
 from planner.world.scenario import Scenario, Session
-from planner.world.targets import BenchMotionTarget, EarthFixedTarget, SkyTarget
+from planner.world.targets import BenchMotionTarget, EarthFixedTarget, SkyTarget, StationTarget
 
 
 class BodyJudge:
@@ -159,7 +159,7 @@ class BodyJudge:
         imaging = np.zeros(count - 1, dtype=bool)
         for session in self._scenario.sessions:
             rows = session_rows(session, table.epoch_utc)
-            if covers(table, rows):
+            if covers(table, rows) and not isinstance(session.target, StationTarget):
                 imaging[rows[0] : rows[-1]] = True
         return exclusion_margins(self, self._platform, self._ephemeris, imaging, table.epoch_utc)
 
@@ -203,8 +203,9 @@ class BodyJudge:
         if roll_rad.max() > OPTIONS.roll_rad:
             told = "lies {:.3g} deg off its roll rule"
             yield self._finding_at_most("roll", roll_rad, at, number, told)
-        if not isinstance(session.target, EarthFixedTarget):
-            return
+        target = session.target
+        if isinstance(target, StationTarget) or not isinstance(target, EarthFixedTarget):
+            return  # nothing on the Earth is imaged
         most_rad = math.radians(self._platform.off_nadir_max_deg)
         off_rad = apart_rad(-states.r_sat_eci_m, self.boresight_eci(at, states))
         if off_rad.max() > most_rad + OPTIONS.off_nadir_rad:

@@ -80,6 +80,7 @@ export const fields = {
     geodesic: "Geodesic",
     plane: "Plane",
     ground_moving: "Moving",
+    station: "Station",
     star: "Star",
     body: "Sun, Moon, planet",
     test_motion: "Test motion",

@@ -83,6 +83,7 @@ export const plan = {
       ground: "Ljubljana, or 46.05, 14.51, or 46 3 N 14 31 E, or a click on the map",
       star: "Vega, or a Hipparcos number, or right ascension and declination in degrees",
       moving: "Where it is at the time below; or a click on the map",
+      station: "Where its antenna stands; or a click on the map. The camera images nothing meanwhile",
     },
     offered: { ground: "Places of this name", star: "Stars of this name" },
     find: "Find",

@@ -143,7 +143,7 @@ function numberOf(field: string): number {
 export function placesOf(request: CampaignRequest, choice: Choice | null): (LonLat | null)[] {
   const places = request.targets.map(({ target }): LonLat | null => {
     if ("geometry" in target) return middleOf(pointsOf(target.geometry?.coordinates))?.at ?? null;
-    return target.mode === "ground" ? [target.longitude_deg, target.latitude_deg] : null;
+    return target.mode === "ground" || target.mode === "station" ? [target.longitude_deg, target.latitude_deg] : null;
   });
   for (const { field, members } of choice?.assumed ?? []) {
     const number = numberOf(field);

@@ -1,4 +1,4 @@
-/** The chosen session's target: a place, a path, something that moves, a star, a body or a test motion. */
+/** The chosen session's target: a place, a path, something that moves, a station, a star, a body or a test motion. */
 
 import { batch } from "@preact/signals";
 import { FIELDS } from "../../api/fields";
@@ -25,6 +25,7 @@ const ENTERED: Readonly<Record<string, readonly string[]>> = {
   ground: ["latitude_deg", "longitude_deg", "height_m"],
   place: ["name"],
   ground_path: ["points"],
+  station: ["latitude_deg", "longitude_deg", "height_m"],
   star: ["name", "hip"],
   body: ["name"],
 };
@@ -64,6 +65,14 @@ function Entry({ kind, target }: { kind: string; target: Target | undefined }) {
   if (kind === "ground_path") return <PathEntry path={target?.mode === "ground_path" ? target : null} />;
   if (kind === "ground_moving") {
     return <PointEntry label={text.whereMoving} button={text.find} hint={text.hints.moving} onPoint={takeMoving} />;
+  }
+  if (kind === "station") {
+    return (
+      <>
+        <PointEntry label={text.whereMoving} button={text.find} hint={text.hints.station} onPoint={takeStation} />
+        {target && <p>{textOf(target)}</p>}
+      </>
+    );
   }
   if (target) return null;
   const shape = FIELDS.Session?.target?.shape;
@@ -110,6 +119,12 @@ export function takeMoving({ height_m, ...place }: Point): void {
     const epoch = rfc3339(draft.from_ms.peek());
     draft.setTarget({ mode: "ground_moving", epoch, ...point, course_deg: 90, speed_m_s: 8 });
   }
+}
+
+/** Its least elevation stays where it is moved. */
+export function takeStation({ height_m, ...place }: Point): void {
+  const now = draft.target.peek();
+  draft.setTarget({ ...(now?.mode === "station" && now), mode: "station", ...place, height_m: height_m ?? 0 });
 }
 
 /** Fields of the target that have no entry of their own. */

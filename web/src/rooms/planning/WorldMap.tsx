@@ -9,7 +9,7 @@ import * as draft from "./draft";
 import { addPoint } from "./PathEntry";
 import { circleOf, groundTrack } from "./passes";
 import { refused } from "./refusal";
-import { takeMoving } from "./TargetPanel";
+import { takeMoving, takeStation } from "./TargetPanel";
 import { targetTold } from "./told";
 import { found, windowNear } from "./windows";
 
@@ -96,6 +96,7 @@ function pick([longitude_deg, latitude_deg]: LonLat): void {
   const kind = draft.kind.peek();
   if (kind === "ground_path") addPoint(point);
   else if (kind === "ground_moving") takeMoving(point);
+  else if (kind === "station") takeStation(point);
   else draft.setTarget({ mode: "ground", ...point });
 }
 
@@ -105,7 +106,8 @@ function pathOf({ target }: draft.DraftSession): LonLat[] {
 }
 
 function placeOf({ target }: draft.DraftSession): LonLat | null {
-  if (target?.mode === "ground" || target?.mode === "ground_moving") return [target.longitude_deg, target.latitude_deg];
+  const isPoint = target?.mode === "ground" || target?.mode === "ground_moving" || target?.mode === "station";
+  if (isPoint) return [target.longitude_deg, target.latitude_deg];
   return target?.mode === "ground_path" && target.points[0]
     ? [target.points[0].longitude_deg, target.points[0].latitude_deg]
     : null;

@@ -78,7 +78,7 @@ export function starOf(text: string): Target | null {
 
 /** What stands in the text field for a target, and in lists. */
 export function textOf(target: Target): string {
-  if (target.mode === "ground" || target.mode === "ground_moving") {
+  if (target.mode === "ground" || target.mode === "ground_moving" || target.mode === "station") {
     const height = target.height_m ? `, ${target.height_m}` : "";
     return `${target.latitude_deg}, ${target.longitude_deg}${height}`;
   }
