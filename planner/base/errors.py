@@ -199,6 +199,13 @@ class ResourceRunsOut(Refusal):
     title = "A resource runs out"
 
 
+class CadenceBroken(Refusal):
+    """A session comes too soon after the one before, or makes more imaging than a span may have."""
+
+    slug = "cadence-broken"
+    title = "Sessions are too close together or too long"
+
+
 class SearchEnded(Refusal):
     """Neither what was asked for nor a proof that there is none, by the work that may be done."""
 

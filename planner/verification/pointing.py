@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from planner.base.arrays import Array
+from planner.verification.cadence import cadence_findings, cadence_margins
 from planner.verification.conditions import condition_findings, condition_margins
 from planner.verification.directions import apart_rad
 from planner.verification.earth_fixed import EarthFixedSight, earth_fixed_sight
@@ -51,8 +52,9 @@ def pointing_session(
     pointing = _pointing_findings(flight, error_rad, model_rad, report)
     own = flight.judge.session_findings(flight.number, flight.at, states)
     margins = condition_margins(flight, states, seen)
-    unmet = condition_findings(flight, margins)
-    report = replace(report, conditions=margins)
+    cadence = tuple(cadence_margins(flight, states))
+    unmet = (*condition_findings(flight, margins), *cadence_findings(flight, cadence))
+    report = replace(report, conditions=(*margins, *cadence))
     return report, (*pointing, *findings, *unmet, *own, *_nearness_findings(report))
 
 

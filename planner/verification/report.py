@@ -16,7 +16,7 @@ from planner.base.answer_members import (
     Text,
     answer,
 )
-from planner.world.conditions import ConditionName
+from planner.world.conditions import CadenceName, ConditionName
 from planner.world.frames.time_scales import Utc
 from planner.world.resources import ResourceName
 
@@ -44,6 +44,7 @@ Limit = Literal[
     "battery",
     "memory",
     ConditionName,
+    CadenceName,
 ]
 Given = Literal["orbit", "attitude", "target", "motion"]
 _UNITS: dict[Limit, str] = {
@@ -207,8 +208,8 @@ class ConditionMargin:
 
     name: the condition, by its field. E.g. `"max_off_nadir_deg"`.
     unit: of limit, extreme and margin. E.g. `"deg"`.
-    limit: the value asked for; of `carrier_light` 0, the Sun's centre on the limb. [see `unit`]
-    E.g. `45.0`.
+    limit: the value asked for; of `carrier_light` 0, the Sun's centre on the limb; of `duty_cycle`
+    its `imaging_max_s`. [see `unit`] E.g. `45.0`.
     extreme: the nearest that it comes to its limit, or the farthest beyond. [see `unit`] E.g.
     `31.2`.
     margin: distance from the limit; negative when it is passed. While the Earth hides the Sun or
@@ -217,7 +218,7 @@ class ConditionMargin:
     """
 
     name: str
-    unit: Literal["deg", "m"]
+    unit: Literal["deg", "m", "s"]
     limit: Signed
     extreme: Signed
     margin: Signed

@@ -28,9 +28,11 @@ class ConditionOptions:
     """How nearly a condition is kept."""
 
     tolerance: float = 2e-5  # deg or m: what the fastest of them changes by in 20 us
+    span_max_s: float = 604_800.0  # of a duty cycle: a week
 
 
 OPTIONS = ConditionOptions()
+CadenceName = Literal["min_gap", "duty_cycle"]
 ConditionName = Literal[
     "elevation",
     "off_nadir",
@@ -44,8 +46,28 @@ ConditionName = Literal[
 
 
 @spec
+class DutyCycle:
+    """A limit on imaging in any span of time that lasts so long, wherever it begins.
+
+    imaging_max_s: the most that sessions which look somewhere may last in it, together. E.g.
+    `600.0`.
+    span_s: of the span; unless given one revolution, by the orbit's energy. E.g. `5560.0`.
+    """
+
+    imaging_max_s: Annotated[float, Within(0.2, OPTIONS.span_max_s)]
+    span_s: Annotated[float, Within(1.0, OPTIONS.span_max_s)] | None = None
+
+    def __post_init__(self) -> None:
+        if self.span_s is not None and self.imaging_max_s > self.span_s:
+            raise ValueError(
+                f"imaging_max_s must be span_s, {self.span_s:g}, or less, not "
+                f"{self.imaging_max_s:g}: no more fits into it"
+            )
+
+
+@spec
 class Conditions:
-    """Conditions that hold throughout a look.
+    """Conditions that hold throughout a look, and among looks.
 
     Those of off nadir, ground sample, the Sun's elevation and glint apply to targets on the Earth
     only.
@@ -69,6 +91,8 @@ class Conditions:
     doesn't hide it. E.g. `10.0`.
     carrier_light: `sunlit` while the carrier sees the Sun's centre above the limb, `eclipsed` while
     it doesn't; without air. Either unless given. E.g. `"sunlit"`.
+    min_gap_s: least time from the end of one look to the start of the next.
+    duty_cycle: limit on imaging in any span of time.
     """
 
     min_elevation_deg: Annotated[float, Within(0.0, 90.0)] = 0.0
@@ -80,6 +104,8 @@ class Conditions:
     sun_keep_out_deg: Annotated[float, Within(0.0, 180.0)] | None = None
     moon_keep_out_deg: Annotated[float, Within(0.0, 180.0)] | None = None
     carrier_light: Literal["sunlit", "eclipsed"] | None = None
+    min_gap_s: Annotated[float, Within(0.0, 86_400.0)] = 0.0
+    duty_cycle: DutyCycle | None = None
 
     def __post_init__(self) -> None:
         low, high = self.sun_elevation_min_deg, self.sun_elevation_max_deg

@@ -244,7 +244,8 @@ class Scenario:
     final_state: angles at which the axes are brought to rest when the last session is over, or
     "idle" for a body's idle attitude; unless given, the table ends with that session, in motion.
     resources: battery, memory and wheels, from row 0 to the table's end.
-    conditions: conditions of light and view throughout every session that looks somewhere.
+    conditions: conditions of light and view throughout every session that looks somewhere, and
+    rules among these sessions.
     clouds: a forecast of clouds, for the probability that each session is clear.
     """
 

@@ -20,6 +20,7 @@ from planner.planning.campaigns.candidates import LookCandidate, candidates_of, 
 from planner.planning.campaigns.choice import CampaignChoice, FirstUnheld, Looking
 from planner.planning.campaigns.chosen import ChosenLook, UnchosenTarget
 from planner.planning.campaigns.displaced import Displaced, displaced_by
+from planner.planning.campaigns.gaps import Gaps
 from planner.planning.campaigns.network import Network, network_of, relax
 from planner.planning.campaigns.passes import SESSIONS_MAX, Looks, in_passes, longest_pass_s
 from planner.planning.campaigns.path import Look
@@ -100,12 +101,13 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> C
     scans = scans_by_pass(request, request.modes, carrier, request.step_s)
     candidates = candidates_of(request, scans.found)
     windows = _windows_of(candidates, found.windows, follower.settle_s)
-    looks = _looks_in_passes(request, candidates, windows, follower)
+    looking = _looking_of(request, candidates, follower.settle_s)
+    gaps = Gaps(request, follower, looking.settle_steps)
+    looks = _looks_in_passes(request, candidates, windows, follower, gaps.rest_s)
     tell("ways", 0, 1)
     viewing = Viewing(
         weights=request.view, ephemeris=ephemeris, follower=follower, clouds=request.clouds
     )
-    looking = _looking_of(request, candidates, follower.settle_s)
     shortest = looking.length_steps[:, 0]
     scanned = {
         number: ScannedLook(
@@ -120,7 +122,7 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> C
     ways = ways_to_follow(
         looks, candidates, scanned, shortest, carrier, viewing, request.step_s, grid_s
     )
-    networks = _build_networks(ways, shortest, follower, tell)
+    networks = _build_networks(ways, shortest, follower, gaps, tell)
     first_unheld = _first_unheld_by(request, candidates, ways, follower, carrier, grid_s)
     seen = set(np.unique(ways.target).tolist())
     unseen = [number for number in range(len(candidates)) if number not in seen]
@@ -137,7 +139,10 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> C
     # At slew times that nothing can beat.
     limits = follower.slew_limits
     with _thread_count() as threads:
-        optimistic = list(threads.map(lambda one: relax(one, ways, shortest, limits), networks))
+        optimistic = [
+            gaps.keep(one, shortest)
+            for one in threads.map(lambda one: relax(one, ways, shortest, limits), networks)
+        ]
     bound = bound_keeping(keeping, optimistic, hopeful_looking, choice, rows)
     looked_at = {candidates[look.target].row for one in choice.passes for look in one}
     left_out = displaced_by(
@@ -272,7 +277,9 @@ def _looks_in_passes(
     candidates: Sequence[LookCandidate],
     windows: _Windows,
     follower: Follower,
+    apart_s: float,
 ) -> Looks:
+    """apart_s: the room a pass needs at either end, beside another one."""
     least_s, rest_s = np.array([one.lengths_s[0] for one in candidates]), follower.rest_s
     sessions_max = SESSIONS_MAX - 2
     # Every observation is followed by one step of slewing at least, and each candidate has but one.
@@ -286,8 +293,8 @@ def _looks_in_passes(
         np.maximum(windows.rise_s, rest_s + COMMAND_STEP_S),
         np.minimum(windows.set_s, request.span_s - rest_s - COMMAND_STEP_S),
         least_s[windows.target],
-        rest_s,
-        min(longest_pass_s(whole_s, rest_s), crowded_s),
+        apart_s,
+        min(longest_pass_s(whole_s, apart_s), crowded_s),
         whole_s,
     )
 
@@ -357,14 +364,14 @@ def _first_unheld_by(
 
 
 def _build_networks(
-    ways: Ways, shortest: Indices, follower: Follower, tell: Reporter
+    ways: Ways, shortest: Indices, follower: Follower, gaps: Gaps, tell: Reporter
 ) -> list[Network]:
-    numbers = np.unique(ways.pass_number)
-    limits, longest_s = follower.slew_limits, follower.longest_slew_s
+    numbers, limits = np.unique(ways.pass_number), follower.slew_limits
 
     def build_network(number: int) -> Network:
         rows = np.flatnonzero(ways.pass_number == number)
-        return network_of(ways, rows, shortest, limits, longest_s)
+        network = network_of(ways, rows, shortest, limits, gaps.longest_s)
+        return gaps.keep(network, shortest)
 
     networks: list[Network] = []
     with _thread_count() as threads:

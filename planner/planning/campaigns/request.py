@@ -44,6 +44,7 @@ class CampaignBounds:
     moving_counts: int = 100  # what is not fixed to the Earth is looked at one by one
     # longer looks make passes longer, in which more targets compete, and count more
     session_s: float = 1800.0
+    gap_max_s: float = 1800.0  # half a usual pass: a cut between two leaves so much free
     mode_counts: int = 20  # an imaging mode becomes several scans in each pass
 
 
@@ -199,6 +200,7 @@ class CampaignRequest:
                 "slew.method must be ocp: the choice of sessions relies on slews that keep the "
                 "limits"
             )
+        self._require_cadence()
         standing = all_standing_on(self.terrain, self.targets, "targets")
         object.__setattr__(self, "targets", standing)
         rules = rules_of(self.platform)
@@ -212,6 +214,19 @@ class CampaignRequest:
         self.opportunities()
         for row, mode in self.modes.items():
             rules.require_roll(f"targets.{row}.roll", self.targets[row].roll, mode.first_path)
+
+    def _require_cadence(self) -> None:
+        if self.conditions.duty_cycle is not None:
+            raise ValueError(
+                "conditions.duty_cycle must be left out of a campaign, whose choice doesn't keep "
+                "it: limit looks or session_s of targets, and plan its passes with duty_cycle, "
+                "which tells whether they keep it"
+            )
+        if self.conditions.min_gap_s > BOUNDS.gap_max_s:
+            raise ValueError(
+                f"conditions.min_gap_s must not exceed {BOUNDS.gap_max_s:g} s in a campaign, not "
+                f"{self.conditions.min_gap_s:g}: passes then have no room for two looks"
+            )
 
     def _require_bounds(self) -> None:
         days = self.span_s / DAY_S

@@ -121,8 +121,15 @@ def scans_by_pass(
         except ValueError as error:
             because[row] = f"in the pass from {utc_text(window.start_utc, 1)}: {error}"
             continue
-        because.pop(row, None)
         lasts_s = sum(line.duration_s for line in lines)
+        duty, longest_s = asked.conditions.duty_cycle, max(line.duration_s for line in lines)
+        if duty is not None and longest_s > duty.imaging_max_s:
+            because[row] = (
+                f"in the pass from {utc_text(window.start_utc, 1)}: a scan lasts {longest_s:.1f} "
+                f"s, longer than the {duty.imaging_max_s:g} s of duty_cycle"
+            )
+            continue
+        because.pop(row, None)
         are_looks = len(lines) > 1 and all(line.start_utc is not None for line in lines)
         for part, line in enumerate(lines, start=1):
             # The line itself says from when to when, not the positions of all lines.

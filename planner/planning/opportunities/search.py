@@ -216,6 +216,9 @@ def found_spans(
             most = effort.remaining() / OPTIONS.look_rows
             found, held_s, looks = lookout.hold(sight, scene, found, shortest_s, most)
             _count(looks)
+            if (duty := request.conditions.duty_cycle) is not None:
+                stop_s = np.minimum(held_s[:, 1], held_s[:, 0] + duty.imaging_max_s)
+                held_s = np.stack([held_s[:, 0], stop_s], axis=1)
         yield numbers, sight, _spans_of(found), held_s
 
 

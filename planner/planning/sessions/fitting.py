@@ -22,6 +22,7 @@ class FittingOptions:
     tries: int = 12  # of later starts that closed forms allow, then of slews
     longer: float = 1.15  # times as long where the solver finds none: slews take up to 1.6 times
     # the least time that closed forms tell
+    row_tolerance: float = 1e-5  # of a row: 2 us
 
 
 OPTIONS = FittingOptions()
@@ -41,13 +42,17 @@ def with_starts_that_fit(scenario: Scenario) -> Scenario:
     first = session_rows(scenario.sessions[0], epoch_utc)
     ephemeris = ephemeris_over(scenario, [RowSpan(start=first.start, stop=last_row)])
     state, from_row = mover.initial(ephemeris), 0
+    soonest_row, gap_s = 0, scenario.conditions.min_gap_s
     sessions: list[Session] = []
     for number, session in enumerate(scenario.sessions):
         fitted = session
         try:
             if session.fits_by is not None:
-                fitted = _fitted(scenario, mover, ephemeris, number, from_row, state)
+                start_row = max(from_row + mover.settle_rows, soonest_row)
+                fitted = _fitted(scenario, mover, ephemeris, number, from_row, start_row, state)
             sessions.append(fitted)
+            soonest_s = elapsed_s(fitted.stop, epoch_utc) + gap_s
+            soonest_row = math.ceil(soonest_s * ROWS_PER_S - OPTIONS.row_tolerance)
             if any(later.fits_by for later in scenario.sessions[number + 1 :]):
                 branch = mover.ways(ephemeris, number, fitted, from_row, state)[0]
                 from_row = branch.rows.stop
@@ -64,13 +69,14 @@ def _fitted(
     ephemeris: Ephemeris,
     number: int,
     from_row: int,
+    start_row: int,
     state: State,
 ) -> Session:
-    """The session at a start to which a slew was found."""
+    """The session at a start to which a slew was found, from start_row on."""
     session = scenario.sessions[number]
     assert session.fits_by is not None
     epoch_utc = scenario.initial_state.epoch
-    row = max(session_rows(session, epoch_utc).start, from_row + mover.settle_rows)
+    row = max(session_rows(session, epoch_utc).start, start_row)
     for _ in range(OPTIONS.tries):
         moved = _moved(scenario, number, row)
         branches = mover.ways(ephemeris, number, moved, from_row, state)

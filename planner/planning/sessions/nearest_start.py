@@ -176,8 +176,8 @@ def plan_sessions(
 ) -> list[Join]:
     """A slew and a track for every session, in order, as `sequence_sessions` has them.
 
-    Raises NotVisible, Unreachable, TrackBreaksLimit and InfeasibleSlew, each with the nearest
-    start that can be flown; the last with what each session would have to give up.
+    Raises CadenceBroken, NotVisible, Unreachable, TrackBreaksLimit and InfeasibleSlew, each with
+    the nearest start that can be flown; the last with what each session would have to give up.
     """
     try:
         return sequence_sessions(scenario, ephemeris, mover_of(scenario))
@@ -488,8 +488,9 @@ def _rows_before_stop(span: _Span, left: RowSpan) -> Iterable[int]:
 
 def _rows_by_distance(refused: RefusedSession, span: _Span) -> list[int]:
     """Start rows of sessions wholly inside a run, the nearest to the wanted row first."""
-    wanted = refused.wanted
+    wanted, cadence = refused.wanted, refused.cadence
     length_rows = wanted.stop - wanted.start
+    long_s = elapsed_s(refused.session.stop, refused.session.start)
     starts = [
         row
         for run in span.seen
@@ -499,6 +500,7 @@ def _rows_by_distance(refused: RefusedSession, span: _Span) -> list[int]:
             run.stop - length_rows,
         }
         if row > refused.from_row
+        and cadence.keeps(refused.number, row / ROWS_PER_S, row / ROWS_PER_S + long_s)
     ]
     return sorted(starts, key=lambda row: abs(row - wanted.start))
 

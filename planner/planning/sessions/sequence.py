@@ -8,6 +8,7 @@ from planner.base import effort
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.base.effort import at_most
 from planner.base.errors import (
+    CadenceBroken,
     InfeasibleSlew,
     NotVisible,
     Refusal,
@@ -17,6 +18,7 @@ from planner.base.errors import (
     TrackBreaksLimit,
     Unreachable,
 )
+from planner.planning.sessions.cadence import Cadence
 from planner.planning.sessions.chain import (
     CONFLICTS,
     Chain,
@@ -48,7 +50,7 @@ class RefusedSession:
     """A session that can't be flown as asked.
 
     number: its index.  mover: of the scenario, which knows what was tried.  state: of the platform
-    at from_row, from which its slew begins.
+    at from_row, from which its slew begins.  cadence: of the scenario's sessions.
     hopeless: sessions that no slew reaches in time from the one before, as both are asked.
     """
 
@@ -57,6 +59,7 @@ class RefusedSession:
     number: int
     from_row: int
     state: State
+    cadence: Cadence
     hopeless: tuple[int, ...] = ()
 
     @property
@@ -112,7 +115,9 @@ def sequence_sessions(
     Raises SessionRefused; InfeasibleSlew where it is the initial state's fault; SearchEnded.
     """
     state = mover.initial(ephemeris)
-    chain = Chain(scenario, mover, state, _branches_by_session(scenario, ephemeris, mover, state))
+    cadence = Cadence(scenario, ephemeris)
+    branches = _branches_by_session(scenario, ephemeris, mover, state, cadence)
+    chain = Chain(scenario, mover, state, branches)
     found = None
     with at_most(OPTIONS.find_share * effort.remaining()) as search:
         found = chain.solve(scenario.on_conflict)
@@ -124,7 +129,7 @@ def sequence_sessions(
         return chain.improve_joins(*found)
     if not search.is_exhausted:
         with at_most(OPTIONS.conflict_share * effort.remaining()):
-            raise _find_conflict(chain, prove=prove)
+            raise _find_conflict(chain, cadence, prove=prove)
     raise SearchEnded(
         f"no plan of these {len(scenario.sessions)} sessions was found, nor shown to be "
         "impossible, by the work that one request may make; ask for fewer sessions, cones or "
@@ -144,16 +149,24 @@ def sequence_whole(scenario: Scenario, mover: Mover) -> list[Join]:
 
 
 def _branches_by_session(
-    scenario: Scenario, ephemeris: Ephemeris, mover: Mover, state: State
+    scenario: Scenario, ephemeris: Ephemeris, mover: Mover, state: State, cadence: Cadence
 ) -> list[tuple[TrackBranch, ...]]:
     from_row = 0
     sessions: list[tuple[TrackBranch, ...]] = []
     for number, session in enumerate(scenario.sessions):
         try:
+            cadence.require(number)
             branches = mover.ways(ephemeris, number, session, from_row, state)
-        except (NotVisible, Unreachable, TrackBreaksLimit, InfeasibleSlew) as refusal:
+        except (
+            CadenceBroken, NotVisible, Unreachable, TrackBreaksLimit, InfeasibleSlew
+        ) as refusal:  # fmt: skip
             refused = RefusedSession(
-                scenario=scenario, mover=mover, number=number, from_row=from_row, state=state
+                scenario=scenario,
+                mover=mover,
+                number=number,
+                from_row=from_row,
+                state=state,
+                cadence=cadence,
             )
             raise SessionRefused(refused, refusal) from None
         sessions.append(branches)
@@ -162,7 +175,7 @@ def _branches_by_session(
     return sessions
 
 
-def _find_conflict(chain: Chain, *, prove: bool) -> SessionRefused:
+def _find_conflict(chain: Chain, cadence: Cadence, *, prove: bool) -> SessionRefused:
     """The first session that is known not to be joined in time, and why; nothing new is solved."""
     scenario = chain.scenario
     steps: Steps = ()
@@ -184,6 +197,7 @@ def _find_conflict(chain: Chain, *, prove: bool) -> SessionRefused:
         number=number,
         from_row=slew_start.last_row,
         state=state,
+        cadence=cadence,
         hopeless=chain.hopeless_sessions() if scenario.on_conflict == "refuse" else (),
     )
     return SessionRefused(refused, refusal, chain)

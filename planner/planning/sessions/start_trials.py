@@ -32,8 +32,8 @@ LOOKS_MAX = 20_000  # of more than an hour not every row is looked at
 def longest_hold(refused: RefusedSession, ephemeris: Ephemeris) -> RowSpan | None:
     """Rows of the session as asked; None where nothing of it can be held, or that isn't known.
 
-    On one branch throughout: seen, within stops and limits and out of all cones and masks.  Whether
-    it can be slewed onto is not looked at.
+    On one branch throughout: seen, within stops and limits and out of all cones and masks, and
+    within the rules among sessions.  Whether it can be slewed onto is not looked at.
     """
     scenario, wanted, target = refused.scenario, refused.wanted, refused.session.target
     start = max(wanted.start, refused.from_row + 1)
@@ -48,7 +48,10 @@ def longest_hold(refused: RefusedSession, ephemeris: Ephemeris) -> RowSpan | Non
         ways = tuple(refused.mover.held(ephemeris, refused.session, los, refused.state))
     except Refusal:  # nothing is known of the orbit or attitude then
         return None
+    t_s, aside_s = los.instants.t_s, TRACK_BRANCH_OPTIONS.grid_tolerance_s
     seen = (los.clearance_rad[1:] >= 0.0) & (los.clearance_rad[:-1] >= 0.0)
+    seen &= t_s[:-1] >= refused.cadence.soonest_s(refused.number) - aside_s
+    seen &= t_s[1:] <= refused.cadence.kept_until_s(refused.number) + aside_s
     longest: RowSpan | None = None
     for held in ways:
         cells = _longest_run(held & seen)
@@ -119,7 +122,8 @@ class Trials:
         rows = session_rows(moved, refused.epoch_utc)
         runs = self.seen if self.held is None else [self.held]
         inside = any(run.start <= rows.start and rows.stop <= run.stop for run in runs)
-        return moved if inside else None
+        times = (elapsed_s(at, refused.epoch_utc) for at in (start_utc, stop_utc))
+        return moved if inside and refused.cadence.keeps(refused.number, *times) else None
 
     def ends_may(self, start_row: int) -> bool:
         """Whether the session's first and last rows leave it open: milliseconds, even of hours."""

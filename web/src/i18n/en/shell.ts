@@ -63,6 +63,7 @@ export const shell = {
       "infeasible-slew": "The slew doesn't fit in the time available",
       "not-visible": "The target can't be seen during the session",
       "outside-coverage": "The orbit or attitude is not known at that time",
+      "cadence-broken": "Sessions are too close together or too long",
       "resource-runs-out": "A resource runs out",
       "search-ended": "The search ended before anything was found",
       "solver-failed": "The solver found no trajectory",
