@@ -21,9 +21,8 @@ from planner.base.arrays import Indices
 from planner.base.compiled import compiled
 
 NONE = -1
-ALL_ITEMS = -1  # a mask of all bits
 WHOLE, OPENS, COMPLETES = 0, 1, 2  # parts of a item that a visit makes
-BITS = 62  # of a label's memory, in a signed word
+BITS = 62  # of a word of a label's memory, which is signed
 LABELS_MAX = 4_000_000  # of a round; its value is no bound then
 
 
@@ -41,8 +40,6 @@ ROUNDING = 1e-12  # by so much a path that looks back must be better to replace 
 _LABEL = np.dtype(
     [
         ("value", "f8"),
-        ("items", "i8"),  # bits of those visited
-        ("partial_items", "i8"),  # bits of those of which one part was visited
         ("visit", "i8"),  # the caller's number of the last visit, if made here
         ("item", "i4"),  # visited then
         ("last", "i4"),  # label made by the last visit, NONE
@@ -54,17 +51,21 @@ _SLOTS, _MADE, _MOST = 0, 1, 2  # of `Labels.use`
 
 
 class LabelMemory(NamedTuple):
-    """What labels remember of the items visited.
+    """What labels remember of the items visited, by bits of w words.
 
-    bit: of each item, 0 for those forgotten at once; visit_mask: the bits that outlast a visit
-    to it, (items,) each.  tick_mask: bits that mean something then, (ticks,).
+    word, bit: of each item, 0 for those forgotten at once, (items,); visit_mask: the bits that
+    outlast a visit to it, (items, w).  tick_mask: bits that mean something then, (ticks, w).
+    every, none: of the bits, (w,).
     once: labels look back at the whole path instead, and only the best at a place is kept: no
     item is visited twice, but a better path may be missed.
     """
 
+    word: Indices
     bit: Indices
     visit_mask: Indices
     tick_mask: Indices
+    every: Indices
+    none: Indices
     once: bool
 
 
@@ -85,11 +86,17 @@ class Visit(NamedTuple):
 class Labels(NamedTuple):
     """first: label at every place, NONE.  label: records of _LABEL.
 
+    items, partial_items: bits of those visited, and of those of which one part was, (labels, w).
+    new_items, new_partial_items: of a label that is being made, (w,).
     use: how many of them are in use, how many were made, and how many may be.
     """
 
     first: Indices
     label: NDArray[np.void]
+    items: Indices
+    partial_items: Indices
+    new_items: Indices
+    new_partial_items: Indices
     use: Indices
 
 
@@ -114,8 +121,21 @@ Sweep = Callable[[LabelMemory], Round]
 
 def forgetful(items: int, ticks: int, *, once: bool) -> LabelMemory:
     """No item is remembered."""
-    none = np.zeros(items, np.int64)
-    return LabelMemory(none, none, np.zeros(ticks, np.int64), once)
+    return _memory(np.full(items, NONE), np.zeros((items, 1), np.int64), ticks, once=once)
+
+
+def _memory(number: Indices, visit_mask: Indices, ticks: int, *, once: bool) -> LabelMemory:
+    """number: of each item's bit, NONE; no bit means anything at any tick yet."""
+    words = visit_mask.shape[1]
+    return LabelMemory(
+        word=np.maximum(number, 0) // BITS,
+        bit=np.where(number == NONE, 0, 1 << (np.maximum(number, 0) % BITS)),
+        visit_mask=visit_mask,
+        tick_mask=np.zeros((ticks, words), np.int64),
+        every=np.full(words, -1),
+        none=np.zeros(words, np.int64),
+        once=once,
+    )
 
 
 class Repeats:
@@ -141,17 +161,18 @@ class Repeats:
         self._leap_ticks = leap_ticks
         self._pairs = frozenset(pairs)
         self._number: dict[int, int] = {}
-        self._visit_mask = np.zeros(items, np.int64)
+        self._visit_mask = np.zeros((items, 1), np.int64)
         for pair in pairs:
             self._remember(pair, slice(None))
 
     def memory(self) -> LabelMemory:
-        bit = np.zeros_like(self._visit_mask)
-        tick_mask = np.zeros(int(self._last.max()) + 1, np.int64)
-        for item, number in self._number.items():
-            bit[item] = 1 << number
-            tick_mask[self._first[item] : self._last[item] + 1] |= 1 << number
-        return LabelMemory(bit, self._visit_mask.copy(), tick_mask, False)
+        numbers = np.full(len(self._visit_mask), NONE)
+        numbers[list(self._number)] = list(self._number.values())
+        memory = _memory(numbers, self._visit_mask.copy(), int(self._last.max()) + 1, once=False)
+        for item in self._number:
+            seen = slice(self._first[item], self._last[item] + 1)
+            memory.tick_mask[seen, memory.word[item]] |= memory.bit[item]
+        return memory
 
     def forbid(self, items: Sequence[int]) -> bool:
         """The shortest way each is repeated in this order; False when none can be."""
@@ -161,12 +182,13 @@ class Repeats:
             if item in self._pairs:
                 continue
             if item in last:
-                changed |= self._remember(item, list(items[last[item] : place + 1]))
+                self._remember(item, list(items[last[item] : place + 1]))
+                changed = True
             last[item] = place
         return changed
 
-    def _remember(self, item: int, among: slice | list[int]) -> bool:
-        """From now on past visits to items `among`; False when all bits are taken."""
+    def _remember(self, item: int, among: slice | list[int]) -> None:
+        """From now on past visits to items `among`."""
         if item not in self._number:
             taken = {
                 number
@@ -174,18 +196,17 @@ class Repeats:
                 if self._first[other] <= self._last[item] + self._leap_ticks
                 and self._first[item] <= self._last[other] + self._leap_ticks
             }
-            free = next((number for number in range(BITS) if number not in taken), None)
-            if free is None:
-                return False
-            self._number[item] = free
-        self._visit_mask[among] |= 1 << self._number[item]
-        return True
+            self._number[item] = min(set(range(len(taken) + 1)) - taken)
+        word, bit = divmod(self._number[item], BITS)
+        lacking = word + 1 - self._visit_mask.shape[1]
+        self._visit_mask = np.pad(self._visit_mask, ((0, 0), (0, max(lacking, 0))))
+        self._visit_mask[among, word] |= 1 << bit
 
 
 def rounds(
     sweep: Sweep, repeats: Repeats, labels_max: int = OPTIONS.search_labels_max
 ) -> Iterator[Round]:
-    """Ever tighter; the last one is without repeats unless bits or labels ran out.
+    """Ever tighter; the last one is without repeats unless labels ran out.
 
     labels_max: of all rounds; no more are begun.
     """
@@ -213,29 +234,37 @@ def no_labels(places: int, start: int, memory: LabelMemory) -> Labels:
     slots, most = places, max(LABELS_MAX, 100 * places)
     if memory.bit.any():
         slots, most = LABELS_MAX, LABELS_MAX
-    first, label = np.full(places, NONE), np.empty(slots, _LABEL)
-    labels = Labels(first, label, np.array([0, 0, most]))
-    _keep(labels, start, 0.0, 0, 0, NONE)
+    words = len(memory.none)
+    labels = Labels(
+        first=np.full(places, NONE),
+        label=np.empty(slots, _LABEL),
+        items=np.empty((slots, words), np.int64),
+        partial_items=np.empty((slots, words), np.int64),
+        new_items=np.zeros(words, np.int64),
+        new_partial_items=np.zeros(words, np.int64),
+        use=np.array([0, 0, most]),
+    )
+    _keep(labels, start, 0.0, NONE)
     return labels
 
 
 @compiled
-def follow(labels: Labels, begin: int, places: Iterable[int], mask: int, visited: bool) -> None:
+def follow(labels: Labels, begin: int, places: Iterable[int], mask: Indices, visited: bool) -> None:
     """Labels at place `begin` come to others with nothing done on the way; NONE is no place.
 
-    visited: only those that made a visit there.
+    mask: bits that are kept, (w,).  visited: only those that made a visit there.
     """
     first, label = labels.first, labels.label
     k = first[begin]
     while k != NONE:
         here = label[k]
         if here.last == k or not visited:
-            value, items, partial_items = here.value, here.items & mask, here.partial_items & mask
+            for word in range(len(mask)):
+                labels.new_items[word] = labels.items[k, word] & mask[word]
+                labels.new_partial_items[word] = labels.partial_items[k, word] & mask[word]
             for to in places:
-                if to != NONE and not _is_dominated(
-                    label, first[to], value, items, partial_items, False
-                ):
-                    _keep(labels, to, value, items, partial_items, here.last)
+                if to != NONE and not _is_dominated(labels, first[to], here.value, False):
+                    _keep(labels, to, here.value, here.last)
         k = here.next
 
 
@@ -243,27 +272,19 @@ def follow(labels: Labels, begin: int, places: Iterable[int], mask: int, visited
 def visit(labels: Labels, begins: Iterable[int], to: int, memory: LabelMemory, made: Visit) -> bool:
     """All labels at places `begins` that may come to another one by a visit; whether any did."""
     first, label, once = labels.first, labels.label, memory.once
-    before_mask, after_mask = memory.tick_mask[made.tick], memory.visit_mask[made.item]
-    bit = memory.bit[made.item]
     is_any = False
     for begin in begins:
         k = first[begin]
         while k != NONE:
             here = label[k]
-            k = here.next
             value = here.value + made.value
-            allowed, items, partial_items = _remember(
-                made.part,
-                bit,
-                after_mask,
-                here.items & before_mask,
-                here.partial_items & before_mask,
-            )
-            if not allowed or _is_dominated(label, first[to], value, items, partial_items, once):
+            allowed = _remember(labels, k, memory, made)
+            k = here.next
+            if not allowed or _is_dominated(labels, first[to], value, once):
                 continue
             if once and _is_behind(label, here.last, made.item):
                 continue
-            new = _keep(labels, to, value, items, partial_items, NONE)
+            new = _keep(labels, to, value, NONE)
             if new != NONE:
                 label[new].visit, label[new].item = made.number, made.item
                 label[new].last, label[new].before = new, here.last
@@ -272,34 +293,45 @@ def visit(labels: Labels, begins: Iterable[int], to: int, memory: LabelMemory, m
 
 
 @compiled
-def _remember(
-    part: int, bit: int, after_mask: int, items: int, partial_items: int
-) -> tuple[bool, int, int]:
-    """A label's memory after a visit to the item of that bit: (allowed, items, partial_items)."""
-    allowed = items & bit == 0
-    if part == OPENS:
-        return allowed and partial_items & bit == 0, items & after_mask, partial_items | bit
-    if part == COMPLETES:
-        allowed = allowed and (partial_items & bit != 0 or bit == 0)
-        partial_items &= ~bit
-    return allowed, (items | bit) & after_mask, partial_items
+def _remember(labels: Labels, k: int, memory: LabelMemory, made: Visit) -> bool:
+    """Whether a label may make a visit; the new one's bits are those after it."""
+    before, after = memory.tick_mask[made.tick], memory.visit_mask[made.item]
+    own, bit = memory.word[made.item], memory.bit[made.item]
+    is_known = labels.items[k, own] & before[own] & bit != 0
+    is_open = labels.partial_items[k, own] & before[own] & bit != 0
+    if is_known or (made.part == OPENS and is_open):
+        return False
+    if made.part == COMPLETES and not is_open and bit != 0:
+        return False
+    for word in range(len(after)):
+        labels.new_items[word] = labels.items[k, word] & before[word] & after[word]
+        labels.new_partial_items[word] = labels.partial_items[k, word] & before[word]
+    if made.part == OPENS:
+        labels.new_partial_items[own] |= bit
+    else:
+        labels.new_items[own] |= bit & after[own]
+    if made.part == COMPLETES:
+        labels.new_partial_items[own] &= ~bit
+    return True
 
 
 @compiled
-def _is_dominated(
-    label: NDArray[np.void], k: int, value: float, items: int, partial_items: int, once: bool
-) -> bool:
-    """Whether one of the labels at a place, from k on, is at least as good."""
+def _is_dominated(labels: Labels, k: int, value: float, once: bool) -> bool:
+    """Whether one of the labels at a place, from k on, is at least as good as the new one."""
     least = value - ROUNDING if once else value
     while k != NONE:
-        other = label[k]
-        if (
-            other.value >= least
-            and other.items & ~items == 0
-            and partial_items & ~other.partial_items == 0
-        ):
-            return True
-        k = other.next
+        if labels.label[k].value >= least:
+            is_as_free = True
+            for word in range(len(labels.new_items)):
+                if (
+                    labels.items[k, word] & ~labels.new_items[word] != 0
+                    or labels.new_partial_items[word] & ~labels.partial_items[k, word] != 0
+                ):
+                    is_as_free = False
+                    break
+            if is_as_free:
+                return True
+        k = labels.label[k].next
     return False
 
 
@@ -335,20 +367,22 @@ def _is_behind(label: NDArray[np.void], last: int, item: int) -> bool:
 
 
 @compiled
-def _keep(
-    labels: Labels, place: int, value: float, items: int, partial_items: int, last: int
-) -> int:
+def _keep(labels: Labels, place: int, value: float, last: int) -> int:
     """The new label at a place, where those no better give way; NONE when labels ran out."""
     label = labels.label
     new, before, k = NONE, NONE, labels.first[place]
     while k != NONE:
-        other = label[k]
-        following = other.next
-        if (
-            value >= other.value
-            and items & ~other.items == 0
-            and other.partial_items & ~partial_items == 0
-        ):
+        following = label[k].next
+        gives_way = value >= label[k].value
+        if gives_way:
+            for word in range(len(labels.new_items)):
+                if (
+                    labels.new_items[word] & ~labels.items[k, word] != 0
+                    or labels.partial_items[k, word] & ~labels.new_partial_items[word] != 0
+                ):
+                    gives_way = False
+                    break
+        if gives_way:
             if before == NONE:
                 labels.first[place] = following
             else:
@@ -364,7 +398,10 @@ def _keep(
         new = labels.use[_SLOTS]
         labels.use[_SLOTS] += 1
     made = label[new]
-    made.value, made.items, made.partial_items, made.last = value, items, partial_items, last
+    made.value, made.last = value, last
+    for word in range(len(labels.new_items)):
+        labels.items[new, word] = labels.new_items[word]
+        labels.partial_items[new, word] = labels.new_partial_items[word]
     made.next = labels.first[place]
     labels.first[place] = new
     return int(new)

@@ -24,22 +24,24 @@ class LookGraph:
 
     way: of each place.  end: when, in any unit, (n,).  first: place at which a look by each way
     ends at the earliest, (w,), NONE.  follow: the same after a look that ended at each place, or
-    at a later one by the same way, (n, w).
-    seen: the bit that looks by a way set, of `label_search.BITS`, and that may not be set before;
-    0 of no use.  gain: what they are worth, (w,).
+    at a later one by the same way, (n, w).  last: the last place at which a look by each way may be
+    the last of all, (w,), NONE.
+    seen: the bit that looks by a way set, of words of `label_search.BITS`, and that may not be set
+    before; 0 of no use, (w, words).  gain: what they are worth, (w,).
     """
 
     way: Indices
     end: Indices
     first: Indices
+    last: Indices
     follow: Indices
     seen: Indices
     gain: Array
 
 
 class Orders(NamedTuple):
-    """Orders of as many looks, (n,): the bits set, the place at which the last look ends, the row
-    of the order without it among those of one look less, and what they are worth."""
+    """Orders of as many looks, (n,): the bits set, (n, words), the place at which the last look
+    ends, the row of the order without it among those of one look less, and what they are worth."""
 
     seen: Indices
     place: Indices
@@ -50,7 +52,7 @@ class Orders(NamedTuple):
 def orders_by_count(graph: LookGraph, width: int) -> Iterator[Orders]:
     """Of one look, of two, and so on; of more than `width` the most promising."""
     pace = float(graph.gain.sum()) / max(float(np.ptp(graph.end)), 1.0)
-    ways = np.flatnonzero((graph.first != NONE) & (graph.seen > 0))
+    ways = np.flatnonzero((graph.first != NONE) & graph.seen.any(axis=1))
     found = Orders(graph.seen[ways], graph.first[ways], np.zeros_like(ways), graph.gain[ways])
     while len(found.place):
         if len(found.place) > width:
@@ -64,18 +66,19 @@ def orders_by_count(graph: LookGraph, width: int) -> Iterator[Orders]:
 
 def _one_more(graph: LookGraph, found: Orders) -> Orders:
     """Every order with each look that may follow; of the same looks the soonest by its last way."""
-    seen = found.seen[:, None]
-    fits = graph.follow[found.place] != NONE
-    fits &= (graph.seen > 0) & (seen & graph.seen == 0)
+    fits = (graph.follow[found.place] != NONE) & graph.seen.any(axis=1)
+    for seen, bit in zip(found.seen.T, graph.seen.T, strict=True):
+        fits &= seen[:, None] & bit == 0
     before, way = np.nonzero(fits)
     place = graph.follow[found.place[before], way].astype(np.intp)
-    seen = found.seen[before] | graph.seen[way]
-    order = np.lexsort((place, way, seen))
+    all_seen = found.seen[before] | graph.seen[way]
+    order = np.lexsort((place, way, *all_seen.T))
     is_first = np.ones(len(order), np.bool_)
-    is_first[1:] = (np.diff(seen[order]) != 0) | (np.diff(way[order]) != 0)
+    is_first[1:] = (np.diff(all_seen[order], axis=0) != 0).any(axis=1)
+    is_first[1:] |= np.diff(way[order]) != 0
     kept = order[is_first]
     value = found.value[before] + graph.gain[way]
-    return Orders(seen[kept], place[kept], before[kept], value[kept])
+    return Orders(all_seen[kept], place[kept], before[kept], value[kept])
 
 
 def places_of(found: list[Orders], row: int) -> list[int]:

@@ -7,7 +7,7 @@ from planner.base.commands import ROWS_PER_S, CommandTable
 from planner.verification.clock import elapsed_us
 from planner.verification.platforms.judge import Judge
 from planner.verification.report import Finding, table_fault
-from planner.world.frames.time_scales import utc_text
+from planner.world.frames.time_scales import shifted_utc, utc_text
 from planner.world.scenario import Scenario, Session
 
 STEP_US = 1_000_000 // ROWS_PER_S
@@ -34,6 +34,17 @@ def structure_findings(table: CommandTable, scenario: Scenario, judge: Judge) ->
             f"the epoch {utc_text(epoch_utc, 6)} is {late_us / 1e6:+g} s from the initial state's"
         )
     yield from judge.row_findings()
+    if scenario.final_by is not None:
+        last_us = (len(table.t_s) - 1) * STEP_US
+        over_us = last_us - elapsed_us(scenario.final_by, epoch_utc)
+        if over_us > TIME_RESOLUTION_US:
+            yield Finding(
+                limit="final_state",
+                t_s=last_us / 1e6,
+                at_utc=shifted_utc(epoch_utc, last_us / 1e6),
+                detail=f"the table ends {over_us / 1e6:g} s after {utc_text(scenario.final_by)}, "
+                "by when its last state was asked for",
+            )
     for number, session in enumerate(scenario.sessions):
         rows = session_rows(session, epoch_utc)
         if not covers(table, rows):

@@ -1,5 +1,6 @@
 """The scenario: one value with everything the planner and its judge need."""
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import field, replace
 from datetime import datetime
@@ -243,6 +244,7 @@ class Scenario:
     terrain: heights of the ground under targets that say none themselves.
     final_state: angles at which the axes are brought to rest when the last session is over, or
     "idle" for a body's idle attitude; unless given, the table ends with that session, in motion.
+    final_by: by when `final_state` is reached; UTC; unless given, as soon as is smooth.
     resources: battery, memory and wheels, from row 0 to the table's end.
     conditions: conditions of light and view throughout every session that looks somewhere, and
     rules among these sessions.
@@ -259,6 +261,7 @@ class Scenario:
     on_conflict: OnConflict = "refuse"
     terrain: Terrain | None = None
     final_state: FinalState | None = None
+    final_by: datetime | None = None
     resources: Resources | None = None
     conditions: Conditions = Conditions()
     clouds: Clouds | None = None
@@ -278,8 +281,17 @@ class Scenario:
                     f"{what} ({utc_text(earliest_utc)})"
                 )
             earliest_utc, what = session.stop, f"sessions.{number}.stop"
+        if self.final_by is not None and self.final_state is None:
+            raise ValueError("final_by must be left out, or final_state be given, which it is for")
         self._check_ids()
         rules_of(self.platform).require(self)
+
+    def final_rows(self, last_row: int) -> float:
+        """How many rows after its last session's last row the table may end; inf: no bound."""
+        if self.final_by is None:
+            return math.inf
+        by_s = elapsed_s(self.final_by, self.initial_state.epoch)
+        return math.floor(by_s / COMMAND_STEP_S + 1e-6) - last_row
 
     def _plain_sessions(self) -> Iterator[Session]:
         """Each imaging mode's as sessions with paths, in the order of its scans."""

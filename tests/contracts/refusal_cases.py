@@ -202,6 +202,8 @@ _BY_FIELD: list[tuple[str, Callable[[], Request], str, str | None, str]] = [
      "final_state.angles_deg.beta", "-175..175"),
     ("no such park", lambda: request(("final_state", {"park": "harbour"})), _READ,
      "final_state.park", "zero"),
+    ("final_by alone", lambda: request(("final_by", "2015-02-27T18:00:00Z")), _READ, "final_by",
+     "final_state be given"),
     ("no final state", lambda: request(("final_state", {})), _READ, "final_state", "either"),
     ("park of other axes",
      lambda: request(("platform.park_positions_deg", {"stowed": {"alpha": 0.0}}),
@@ -266,6 +268,9 @@ _BY_FIELD: list[tuple[str, Callable[[], Request], str, str | None, str]] = [
      lambda: request(("slew.lead", {"max_duration_s": 25.0}),
                      ("final_state", {"angles_deg": {"alpha": -120.0, "beta": 0.0}})),
      "infeasible-slew", "slew.lead.max_duration_s", "final_state"),
+    ("too little time to rest",
+     lambda: request(("final_by", "2015-02-27T17:36:00Z"), ("final_state", "rest")),
+     "infeasible-slew", "final_by", "leaves 0 s"),
 ]  # fmt: skip
 
 BY_TEXT = [

@@ -28,6 +28,7 @@ FIELDS = {
             "q_body_from_eci_xyzw": [0.0, 0.0, 0.6, 0.8],
         },
         "final_state": "rest",
+        "final_by": "2015-02-27T18:00:00Z",
     },
     "a leap second": {"initial_state": {"epoch": "2016-12-31T23:59:60.4Z"}},
 }

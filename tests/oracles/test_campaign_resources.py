@@ -5,7 +5,6 @@ rows, prices or repairs.
 """
 
 import itertools
-import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,8 +12,7 @@ import numpy as np
 import pytest
 from test_schedule_brute_force import EUROPE, WEST, request_for
 
-from app.requests.campaign import read_campaign_request
-from planner.base.errors import InvalidRequest, ResourceRunsOut
+from planner.base.errors import ResourceRunsOut
 from planner.planning.campaigns import campaign as campaigns
 from planner.planning.campaigns import choose_campaign, scenario_of
 from planner.planning.campaigns.path import best_path
@@ -60,9 +58,7 @@ def least_room(keeping, passes):
     """The least room left of each resource, by the planner's own integration."""
     around = keeping._around
     spans = [[keeping.ends_s(look) for look in looks] for looks in passes if looks]
-    moves = [
-        (one[0][0] - keeping._rest_s, one[-1][1] + keeping._rest_s) for one in spans
-    ]
+    moves = [(one[0][0] - keeping._rest_s, one[-1][1] + keeping._rest_s) for one in spans]
     rests = [0.0, *(end for span in moves for end in span), around.last_s]
     battery = around.resources.battery
     uses = Uses(
@@ -97,9 +93,7 @@ def subsets(network, looking):
 def best_of_all(kept):
     """No choice of one subset for each pass, each target once, is worth more and keeps."""
     keeping, networks, looking = kept["keeping"], kept["networks"], kept["looking"]
-    options = [
-        sorted(subsets(one, looking), key=lambda option: -option[0]) for one in networks
-    ]
+    options = [sorted(subsets(one, looking), key=lambda option: -option[0]) for one in networks]
     most = np.append(np.cumsum([one[0][0] for one in options[::-1]])[::-1], 0.0)
     best = [0.0]
 

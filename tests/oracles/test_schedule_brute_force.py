@@ -14,7 +14,14 @@ import pytest
 from opportunity_requests import ISS, START
 
 from planner.motion.slew import AxisState, next_duration_s
-from planner.planning.campaigns import CampaignRequest, CampaignTarget, choice, choose_campaign
+from planner.planning import label_search
+from planner.planning.campaigns import (
+    CampaignRequest,
+    CampaignTarget,
+    choice,
+    choose_campaign,
+    orders,
+)
 from planner.planning.campaigns import campaign as campaigns
 from planner.planning.campaigns.choice import ChoiceOptions
 from planner.planning.campaigns.network import NEVER, Network
@@ -198,8 +205,10 @@ def test_more_looks_are_worth_no_less():
     assert choose_campaign(twice).value >= choose_campaign(once).value
 
 
+@pytest.mark.parametrize("bits", [62, 2])
 @pytest.mark.parametrize("seed", range(24, 36))
-def test_a_pass_is_bounded_by_the_best_that_looks_at_each_target_once(seed):
+def test_a_pass_is_bounded_by_the_best_that_looks_at_each_target_once(seed, bits, monkeypatch):
+    monkeypatch.setattr(label_search, "BITS", bits)  # of 2, the memory takes three words
     network, worth = random_pass(seed)
     best = best_sequence(network, worth)
     assert bounded_path(network, worth, labels_max=8_000_000)[0] == pytest.approx(best, abs=1e-9)
@@ -208,8 +217,10 @@ def test_a_pass_is_bounded_by_the_best_that_looks_at_each_target_once(seed):
     assert len({look.target for look in path.looks}) == len(path.looks)
 
 
+@pytest.mark.parametrize("bits", [62, 2])
 @pytest.mark.parametrize("seed", range(8))
-def test_orders_of_looks_are_worth_the_most_and_bound_it(seed):
+def test_orders_of_looks_are_worth_the_most_and_bound_it(seed, bits, monkeypatch):
+    monkeypatch.setattr(orders, "BITS", bits)
     network, worth = random_pass(seed)
     best = best_sequence(network, worth)
     assert most_worth(network, worth, 10_000) >= best - 1e-9
@@ -233,7 +244,8 @@ def test_orders_of_looks_are_worth_the_most_and_bound_it(seed):
 
 
 def random_pass(seed):
-    """Five targets with two ways each, any of which leads to all others."""
+    """Five targets with two ways each, any of which leads to all others; who begins and ends at
+    rest can't be on all of them at all times."""
     random = np.random.default_rng(seed)
     reach, first = 10, np.sort(random.integers(0, 50, 10))
     steps = random.integers(5, 10, 10)
@@ -247,6 +259,10 @@ def random_pass(seed):
             cells = offset[to] + reached - first[to]
             arrival.append(np.where(reached < last[to], cells, NEVER))
     counts = np.array([len(to) for to in edges])
+    late = random.integers(0, 4, 10)
+    enters = np.where(random.random(10) < 0.2, NEVER, offset + late)
+    last_ends = np.repeat(last - random.integers(0, 4, 10), steps)
+    ends = np.arange(steps.sum()) - np.repeat(offset - first, steps) <= last_ends
     network = Network(
         first_step=0,
         way=np.arange(10),
@@ -262,6 +278,8 @@ def random_pass(seed):
         arrival_offset=np.cumsum(steps * counts) - steps * counts,
         arrival=np.concatenate(arrival).astype(np.int32),
         reach=reach,
+        enters=enters,
+        ends=ends,
         begins=np.ones(int(steps.sum()), bool),
         scanned=np.zeros(10, bool),
     )
@@ -284,7 +302,7 @@ def best_sequence(network, worth):
                 for next_way, cell in zip(to, reached, strict=True)
                 if cell != NEVER
             ),
-            default=0.0,
+            default=-math.inf,
         )
 
     def gain(way, begin, takes, length):
@@ -299,15 +317,22 @@ def best_sequence(network, worth):
         target, last = target_of(way), network.last[way]
         return max(
             (
-                gain(way, begin, takes, length) + best_from(way, begin + takes, seen | {target})
+                gain(way, begin, takes, length) + best_after(way, begin + takes, seen | {target})
                 for length, takes in enumerate(worth.steps[target])
                 for begin in range(network.first[way] + steps, last - takes + 1)
                 if target not in seen
             ),
-            default=0.0,
+            default=-math.inf,
         )
 
-    return max(best_on(way, 0, frozenset()) for way in range(len(network.way)))
+    def best_after(way, step, seen):
+        is_back = network.ends[network.offset[way] + step - network.first[way]]
+        return max(best_from(way, step, seen), 0.0 if is_back else -math.inf)
+
+    entered = [(way, cell) for way, cell in enumerate(network.enters) if cell != NEVER]
+    return max(
+        0.0, *(best_on(way, cell - network.offset[way], frozenset()) for way, cell in entered)
+    )
 
 
 def test_a_choice_with_little_search_is_bounded_too(monkeypatch):

@@ -21,7 +21,7 @@ from planner.verification.platforms.body.judge import BodyJudge
 from planner.verification.platforms.body.quintic import motion_between
 from planner.verification.platforms.body.surroundings import Surroundings, mirror_direction
 from planner.world.conditions import Conditions
-from planner.world.frames.time_scales import Instants
+from planner.world.frames.time_scales import Instants, shifted_utc
 from planner.world.platforms.body import (
     AxisAgility,
     AzimuthRoll,
@@ -270,6 +270,8 @@ def test_the_end_is_the_idle_attitude_where_asked(table):
     idle = body_table(last_s=4.0)  # before it leaves the idle attitude
     judge = BodyJudge(idle, body_scenario(final_state="idle"))
     assert list(judge.row_findings()) == []
+    over = body_scenario(final_state="idle", final_by=shifted_utc(table.epoch_utc, 3.0))
+    assert any("by when" in finding.detail for finding in verify(table, over).findings)
     turned = with_rows(table, 0, rate_rad_s=[0.0, 3e-7, 0.0])
     assert "initial_state" in limits_of(verify(turned, body_scenario()))
 

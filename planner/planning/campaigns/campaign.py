@@ -21,7 +21,7 @@ from planner.planning.campaigns.choice import CampaignChoice, FirstUnheld, Looki
 from planner.planning.campaigns.chosen import ChosenLook, UnchosenTarget
 from planner.planning.campaigns.displaced import Displaced, displaced_by
 from planner.planning.campaigns.gaps import Gaps
-from planner.planning.campaigns.network import Network, network_of, relax
+from planner.planning.campaigns.network import Network, Rests, Slewing, network_of, relax
 from planner.planning.campaigns.passes import SESSIONS_MAX, Looks, in_passes, longest_pass_s
 from planner.planning.campaigns.path import Look
 from planner.planning.campaigns.platforms.follower import FollowedLook, Follower
@@ -60,6 +60,7 @@ class ChosenPass:
 class Campaign:
     """Passes in order of time.
 
+    The first may begin on the start, where the platform rests, and the last end on the stop.
     value: what the looks are worth together.  bound: no choice is worth more whose looks
     begin on the grid, have one of the lengths tried and lie in the same passes.
     greedy_value: worth of the choice that takes whatever is worth most in each pass, one pass after
@@ -122,7 +123,8 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> C
     ways = ways_to_follow(
         looks, candidates, scanned, shortest, carrier, viewing, request.step_s, grid_s
     )
-    networks = _build_networks(ways, shortest, follower, gaps, tell)
+    slewing = _slewing_of(request, follower, gaps, carrier, grid_s)
+    networks = _build_networks(ways, shortest, slewing, gaps, tell)
     first_unheld = _first_unheld_by(request, candidates, ways, follower, carrier, grid_s)
     seen = set(np.unique(ways.target).tolist())
     unseen = [number for number in range(len(candidates)) if number not in seen]
@@ -137,11 +139,10 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> C
     choice, rows = choose_keeping(keeping, networks, hopeful_looking, tell, first_unheld)
     tell("bound", 0, 1)
     # At slew times that nothing can beat.
-    limits = follower.slew_limits
     with _thread_count() as threads:
         optimistic = [
             gaps.keep(one, shortest)
-            for one in threads.map(lambda one: relax(one, ways, shortest, limits), networks)
+            for one in threads.map(lambda one: relax(one, ways, shortest, slewing), networks)
         ]
     bound = bound_keeping(keeping, optimistic, hopeful_looking, choice, rows)
     looked_at = {candidates[look.target].row for one in choice.passes for look in one}
@@ -170,7 +171,7 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> C
             carrier,
             hidden,
             {
-                row: _closed_later(request, candidates, row, windows, looks, scans, follower)
+                row: _closed_later(request, candidates, row, windows, looks, ways, scans, follower)
                 for row in hidden
                 if row in request.modes or (found.windows.target == row).any()
             },
@@ -201,6 +202,7 @@ def scenario_of(request: CampaignRequest, flight: ChosenPass, number: int) -> Sc
         # What a slew took from a scan would be missing from its line.
         on_conflict="refuse" if any(look.path for look in flight.looks) else "least_loss",
         final_state=ends.final_state,
+        final_by=ends.final_by,
         conditions=_conditions_of(request),
         resources=flight.resources,
     )
@@ -287,11 +289,12 @@ def _looks_in_passes(
     crowded_s = sessions_max * shortest_s if len(least_s) > sessions_max else math.inf
     # Its settling ends, and it begins, on the grid.
     longest_s = max((one.lengths_s[-1] for one in candidates), default=0.0)
-    whole_s = longest_s + follower.settle_s + 3.0 * request.step_s
+    # The first look of all is slewed onto within the windows' time.
+    whole_s = longest_s + follower.settle_s + 3.0 * request.step_s + rest_s
     return in_passes(
         windows.target,
-        np.maximum(windows.rise_s, rest_s + COMMAND_STEP_S),
-        np.minimum(windows.set_s, request.span_s - rest_s - COMMAND_STEP_S),
+        np.maximum(windows.rise_s, COMMAND_STEP_S),
+        np.minimum(windows.set_s, request.span_s - COMMAND_STEP_S),
         least_s[windows.target],
         apart_s,
         min(longest_pass_s(whole_s, apart_s), crowded_s),
@@ -363,15 +366,32 @@ def _first_unheld_by(
     return first_unheld
 
 
+def _last_row_s(request: CampaignRequest) -> float:
+    """Seconds from the start to the last command row."""
+    rows = math.floor((request.span_s - _first_row_s(request)) / COMMAND_STEP_S + 1e-6)
+    return _first_row_s(request) + rows * COMMAND_STEP_S
+
+
+def _slewing_of(
+    request: CampaignRequest, follower: Follower, gaps: Gaps, carrier: Carrier, grid_s: float
+) -> Slewing:
+    back_s = _last_row_s(request) - follower.held_s
+    rests = Rests(
+        start_state=follower.rest_state(carrier, grid_s),
+        stop_state=follower.rest_state(carrier, back_s),
+        stop_s=back_s - grid_s,
+    )
+    return Slewing(follower.slew_limits, rests, gaps.longest_s)
+
+
 def _build_networks(
-    ways: Ways, shortest: Indices, follower: Follower, gaps: Gaps, tell: Reporter
+    ways: Ways, shortest: Indices, slewing: Slewing, gaps: Gaps, tell: Reporter
 ) -> list[Network]:
-    numbers, limits = np.unique(ways.pass_number), follower.slew_limits
+    numbers = np.unique(ways.pass_number)
 
     def build_network(number: int) -> Network:
         rows = np.flatnonzero(ways.pass_number == number)
-        network = network_of(ways, rows, shortest, limits, gaps.longest_s)
-        return gaps.keep(network, shortest)
+        return gaps.keep(network_of(ways, rows, shortest, slewing), shortest)
 
     networks: list[Network] = []
     with _thread_count() as threads:
@@ -392,6 +412,7 @@ def _closed_later(
     row: int,
     windows: _Windows,
     looks: Looks,
+    ways: Ways,
     scans: Scans,
     follower: Follower,
 ) -> tuple[Closing, str]:
@@ -421,7 +442,7 @@ def _closed_later(
             "duration",
             f"{several} lasts {longest_s:.1f} s, less than the {least_s:g} s of a look",
         )
-    if not (looks.target == numbers[0]).any():
+    if not (looks.target == numbers[0]).any() or (ways.target == numbers[0]).any():
         return "rest", (
             f"no {least_s:g} s of its windows are left beside the time {follower.resting}"
         )
@@ -545,10 +566,12 @@ def _in_utc(
     )
     flown = [tuple(itertools.islice(pending, len(looks))) for looks in choice.passes if looks]
     begins = [None] * len(flown) if keeping is None else keeping.begins(choice.passes)
+    first_utc = shifted_utc(request.start, grid_s)
+    last_utc = shifted_utc(request.start, _last_row_s(request))
     return tuple(
         ChosenPass(
-            start_utc=shifted_utc(looks[0].start_utc, -rest_s),
-            stop_utc=shifted_utc(looks[-1].stop_utc, rest_s),
+            start_utc=max(shifted_utc(looks[0].start_utc, -rest_s), first_utc),
+            stop_utc=min(shifted_utc(looks[-1].stop_utc, rest_s), last_utc),
             looks=looks,
             resources=resources,
         )

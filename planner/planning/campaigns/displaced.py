@@ -95,6 +95,8 @@ def _best_exchange(
             takes = worth.steps[target, length]
             if takes == 0 or takes > steps:
                 continue
+            if not network.ends[cell] or not NEVER < network.enters[way] <= cell - takes:
+                continue
             gain = look_worth(network, worth, cell, target, length)
             if gain <= best:
                 continue

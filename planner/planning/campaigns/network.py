@@ -29,6 +29,9 @@ class Network(NamedTuple):
     first step at which that one's way can be followed then, by its place among all; NEVER.
     arrival_offset: of a way's first step in it.
     reach: after so many steps any way can be reached from anywhere, without an edge.
+    enters: of each way, the first step at which who rests until the start can follow it, by its
+    place among all; NEVER.  ends: whether who has looked until then is at rest by the stop, at each
+    step of every way.
     begins: whether a look may begin at each step of every way.
     scanned: whether a way is a scan's: who has scanned leaves it at once.
     cost: of a platform that looks from the pass's first step to each, up to stop_step; empty where
@@ -49,17 +52,36 @@ class Network(NamedTuple):
     arrival_offset: Indices
     arrival: NDArray[np.int32]
     reach: int
+    enters: Indices
+    ends: Mask
     begins: Mask
     scanned: Mask
     cost: Array = NO_COST
 
 
-def network_of(
-    ways: Ways, rows: Indices, least_steps: Indices, limits: FollowerLimits, longest_s: float
-) -> Network:
+class Rests(NamedTuple):
+    """Where a platform rests until step 0 of the grid and from stop_s after it on, at the latest.
+
+    start_state, stop_state: (s,), as of `Ways.states`.
+    """
+
+    start_state: Array
+    stop_state: Array
+    stop_s: float
+
+
+class Slewing(NamedTuple):
+    """Slews of a platform: its limits, where it rests, and how long a slew takes at most."""
+
+    limits: FollowerLimits
+    rests: Rests
+    longest_s: float
+
+
+def network_of(ways: Ways, rows: Indices, least_steps: Indices, slewing: Slewing) -> Network:
     """rows: of one pass's ways.  least_steps: (targets,), the shortest look.
 
-    longest_s: no slew needs longer.  Slew times suffice.
+    Slew times suffice.
     """
     start = int(ways.first_step[rows].min())
     first = ways.first_step[rows] - start
@@ -71,10 +93,10 @@ def network_of(
         last=first + ways.steps[rows] - 1,
         least=least_steps[ways.target[rows]],
         quality_sum=_quality_sum(ways, rows),
-        reach=int(np.ceil(longest_s / ways.step_s)),
+        reach=int(np.ceil(slewing.longest_s / ways.step_s)),
         scanned=ways.scanned[rows],
     )
-    _fill_arrivals(ways, network, least_steps, limits, SUFFICIENT, network.arrival)
+    _fill_arrivals(ways, network, least_steps, slewing, SUFFICIENT)
     return network
 
 
@@ -118,16 +140,20 @@ def edges_between(
         arrival_offset=np.cumsum(counts) - counts,
         arrival=np.empty(int(counts.sum()), np.int32),
         reach=reach,
+        enters=np.cumsum(steps) - steps,
+        ends=np.ones(int(steps.sum()), np.bool_),
         begins=np.ones(int(steps.sum()), np.bool_),
         scanned=np.ascontiguousarray(scanned),
     )
 
 
-def relax(network: Network, ways: Ways, least_steps: Indices, limits: FollowerLimits) -> Network:
+def relax(network: Network, ways: Ways, least_steps: Indices, slewing: Slewing) -> Network:
     """The same, every arrival as early as no motion can beat: for a bound."""
-    arrival = np.empty_like(network.arrival)
-    _fill_arrivals(ways, network, least_steps, limits, NECESSARY, arrival)
-    return network._replace(arrival=arrival)
+    relaxed = network._replace(
+        arrival=network.arrival.copy(), enters=network.enters.copy(), ends=network.ends.copy()
+    )
+    _fill_arrivals(ways, relaxed, least_steps, slewing, NECESSARY)
+    return relaxed
 
 
 def without_look(network: Network, before: int | None, way: int, begin: int, end: int) -> Network:
@@ -167,16 +193,57 @@ def _fill_arrivals(
     ways: Ways,
     network: Network,
     least_steps: Indices,
-    limits: FollowerLimits,
+    slewing: Slewing,
     sign: float,
-    arrival: NDArray[np.int32],
 ) -> None:
+    """Arrivals, enters and ends; those that the network has begin with, where sign is NECESSARY."""
     rows = network.way
     part = slice(int(ways.offset[rows[0]]), int(ways.offset[rows[-1]] + ways.steps[rows[-1]]))
     states = ways.states[part], ways.begin_states[part]
     least = np.where(network.scanned, least_steps[network.target], 0)
     usable_to = network.last - least_steps[network.target]
-    _fill(states, network, least, usable_to, ways.step_s, limits, sign, arrival)
+    limits, rests, _ = slewing
+    _fill(states, network, least, usable_to, ways.step_s, limits, sign)
+    _fill_rests(states, network, least, usable_to, ways.step_s, limits, rests, sign)
+
+
+@compiled
+def _fill_rests(
+    states: tuple[Array, Array],
+    network: Network,
+    least: Indices,
+    usable_to: Indices,
+    step_s: float,
+    limits: FollowerLimits,
+    rests: Rests,
+    sign: float,
+) -> None:
+    """As `_fill`, of the first slew of all and of the last."""
+    first, last, offset, begun = network.first, network.last, network.offset, -network.first_step
+    for way in range(len(first)):
+        latest = NEVER
+        if sign < 0.0 and network.enters[way] != NEVER:
+            latest = network.enters[way] - offset[way] + first[way]
+        if first[way] >= begun + network.reach:
+            latest = first[way]
+        else:
+            latest = _first_arrival(
+                rests.start_state, states[1], offset[way], first[way],
+                min(usable_to[way], begun + network.reach), begun, latest, step_s, limits,
+                sign, network.scanned[way],
+            )  # fmt: skip
+        network.enters[way] = NEVER if latest == NEVER else offset[way] + latest - first[way]
+        is_back = False
+        for leave in range(last[way], first[way] - 1, -1):
+            cell = offset[way] + leave - first[way]
+            left_s = rests.stop_s - (leave - begun) * step_s + 1e-9
+            known = sign < 0.0 and network.ends[cell]
+            is_back = known or (is_back and not network.scanned[way])
+            if not is_back and leave - first[way] >= least[way] and left_s > 0.0:
+                is_back = left_s >= network.reach * step_s or slew_fits(
+                    states[0][cell], rests.stop_state, limits, sign, left_s
+                )
+            network.ends[cell] = is_back
 
 
 @compiled
@@ -188,16 +255,15 @@ def _fill(
     step_s: float,
     limits: FollowerLimits,
     sign: float,
-    arrival: NDArray[np.int32],
 ) -> None:
     """Arrivals of every edge, from the last departure to the first.
 
     Who leaves earlier arrives no later: the way can be followed until the later departure, unless
-    it is a scan's.  The network's own arrivals are those to begin with, where sign is NECESSARY.
+    it is a scan's.
     states: in which looks end, and in which they begin.  least: (w,), steps of a way before anybody
     leaves it.
     """
-    first, last, offset, known = network.first, network.last, network.offset, network.arrival
+    first, last, offset, arrival = network.first, network.last, network.offset, network.arrival
     for source in range(len(first)):
         begin, end = network.edge_from[source], network.edge_from[source + 1]
         for edge in range(begin, end):
@@ -211,8 +277,8 @@ def _fill(
                     continue
                 if network.scanned[source]:
                     latest = NEVER
-                if sign < 0.0 and known[place] != NEVER:
-                    known_step = known[place] - offset[to] + first[to]
+                if sign < 0.0 and arrival[place] != NEVER:
+                    known_step = arrival[place] - offset[to] + first[to]
                     latest = known_step if latest == NEVER else min(latest, known_step)
                 if first[to] >= leave + network.reach:
                     latest = first[to]

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.base.arrays import Array, Indices
+from planner.base.arrays import Array, Indices, Mask
 from planner.planning.campaigns.network import NEVER, Network
 from planner.planning.campaigns.path import Look, Path, Worth
 from planner.planning.label_search import BITS, NONE
-from planner.planning.look_orders import LookGraph, orders_by_count, places_of
+from planner.planning.look_orders import LookGraph, Orders, orders_by_count, places_of
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,7 +35,7 @@ def most_worth(network: Network, worth: Worth, orders_max: int) -> float:
         left -= len(orders.place)
         if len(orders.place) > width or left < 0:
             return np.inf
-        most = max(most, float(orders.value.max()))
+        most = max(most, float(orders.value[_are_back(graph, orders)].max(initial=0.0)))
     return most
 
 
@@ -48,9 +48,10 @@ def ordered_path(network: Network, worth: Worth, width: int) -> Path | None:
     width = min(width, OPTIONS.extensions_max // len(network.way))
     found = list(orders_by_count(graph, width))
     ends = [
-        (float(orders.value[row]), count, row)
+        (float(value[row]), count, row)
         for count, orders in enumerate(found, start=1)
-        for row in np.argsort(-orders.value, kind="stable")[: OPTIONS.timed].tolist()
+        for value in [np.where(_are_back(graph, orders), orders.value, -np.inf)]
+        for row in np.argsort(-value, kind="stable")[: OPTIONS.timed].tolist()
     ]
     best: Path | None = None
     for value, count, row in sorted(ends, key=lambda end: -end[0])[: OPTIONS.timed]:
@@ -62,24 +63,33 @@ def ordered_path(network: Network, worth: Worth, width: int) -> Path | None:
     return best
 
 
+def _are_back(graph: LookGraph, orders: Orders) -> Mask:
+    """Which of the orders may end with their last look, (n,)."""
+    return np.asarray(orders.place <= graph.last[graph.way[orders.place]])
+
+
 def _graph_of(network: Network, worth: Worth) -> LookGraph | None:
     """Places are the network's cells; looks are as short and as good as they can be."""
     if len(network.way) * network.size > OPTIONS.arrivals_max:
         return None
     gain = worth.value.max(axis=1) * _best_quality(network, len(worth.price)) - worth.price
     items = np.unique(network.target[gain[network.target] > 0.0])
-    if len(items) > BITS:
-        return None
     is_hopeful = np.isin(network.target, items)
-    seen = np.where(is_hopeful, 1 << np.searchsorted(items, network.target) * is_hopeful, 0)
+    word, bit = np.divmod(np.searchsorted(items, network.target) * is_hopeful, BITS)
+    seen = np.zeros((len(network.way), len(items) // BITS + 1), np.int64)
+    seen[np.arange(len(word)), word] = (1 << bit) * is_hopeful
     shortest = np.where(worth.steps > 0, worth.steps, network.stop_step).min(axis=1)
     takes = shortest[network.target]
     steps = network.last - network.first + 1
+    entered = network.enters - network.offset + takes
     way = np.repeat(np.arange(len(steps)), steps)
     return LookGraph(
         way=way,
         end=np.arange(network.size) - (network.offset - network.first)[way],
-        first=np.where(takes < steps, network.offset + takes, NONE),
+        first=np.where(
+            (network.enters != NEVER) & (entered < steps), entered + network.offset, NONE
+        ),
+        last=_last_ends(network),
         follow=_soonest_ends(network, takes),
         seen=seen,
         gain=np.where(is_hopeful, gain[network.target], 0.0),
@@ -112,6 +122,12 @@ def _soonest_ends(network: Network, takes: Indices) -> Indices:
     return ends
 
 
+def _last_ends(network: Network) -> Indices:
+    """As `LookGraph.last`."""
+    back = np.where(network.ends, np.arange(network.size), NONE)
+    return np.asarray(np.maximum.reduceat(back, network.offset), np.intp)
+
+
 def _cells(network: Network, way: int) -> tuple[int, int]:
     first = int(network.offset[way])
     return first, first + int(network.last[way] - network.first[way]) + 1
@@ -138,7 +154,10 @@ def _timed(network: Network, worth: Worth, order: list[int]) -> Path | None:
     for place, way in enumerate(order):
         first, stop = _cells(network, way)
         if place == 0:
-            ready, whence = np.zeros(stop - first), np.zeros(stop - first, np.intp)
+            is_there = (network.enters[way] != NEVER) & (
+                network.enters[way] <= np.arange(first, stop)
+            )
+            ready, whence = np.where(is_there, 0.0, -np.inf), np.zeros(stop - first, np.intp)
         else:
             ready, whence = _ready_after(network, order[place - 1], way, done_value)
         target = network.target[way]
@@ -155,6 +174,7 @@ def _timed(network: Network, worth: Worth, order: list[int]) -> Path | None:
         done_value[takes:] = begun + value[takes:] - worth.price[target]
         steps_back.append(whence)
         values.append(value)
+    done_value = np.where(network.ends[first:stop], done_value, -np.inf)
     at = int(np.argmax(done_value))
     best = float(done_value[at])
     if not np.isfinite(best):

@@ -11,7 +11,6 @@ from planner.base.compiled import compiled
 from planner.planning import label_search
 from planner.planning.campaigns.network import Network
 from planner.planning.label_search import (
-    ALL_ITEMS,
     ROUNDING,
     WHOLE,
     LabelMemory,
@@ -167,11 +166,28 @@ def _look_until(
 
 
 @compiled
+def _leave(
+    labels: Labels, network: Network, memory: LabelMemory, cell: int, way: int, step: int
+) -> None:
+    """From a look that ends at a cell to other ways, to rest, and home if that is in time."""
+    done, rest = cell + network.size, 2 * network.size
+    follow(labels, done, (rest + step,), memory.every, True)
+    if network.ends[cell]:
+        follow(labels, done, (rest + network.stop_step + 1,), memory.none, True)
+    edges = network.edge_from[way + 1] - network.edge_from[way]
+    begin = network.arrival_offset[way] + (step - network.first[way]) * edges
+    follow(labels, done, network.arrival[begin : begin + edges], memory.every, True)
+
+
+@compiled
 def _sweep(network: Network, worth: Worth, memory: LabelMemory) -> tuple[float, Indices, int]:
-    """Places: on a way, by cell, first ready to look, then after a look; at rest, by step."""
+    """Places: on a way, by cell, first ready to look, then after a look; at rest, by step; at rest
+    before all looks, and after them."""
     size, end = network.size, network.stop_step
     rest = 2 * size
-    labels = no_labels(rest + end, rest, memory)
+    start, home = rest + end, rest + end + 1
+    labels = no_labels(home + 1, start, memory)
+    follow(labels, start, (home,), memory.none, False)
     for step in range(end):
         mask = memory.tick_mask[step]
         if step > 0:
@@ -184,17 +200,14 @@ def _sweep(network: Network, worth: Worth, memory: LabelMemory) -> tuple[float, 
                 continue
             cell = network.offset[way] + steps
             done = cell + size
+            if cell == network.enters[way]:
+                follow(labels, start, (cell,), mask, False)
             if steps == 0:
                 follow(labels, rest + max(step - network.reach, 0), (cell,), mask, False)
             else:
                 follow(labels, cell - 1, (cell,), mask, False)
                 if not network.scanned[way]:
                     follow(labels, done - 1, (done,), mask, False)
-            is_seen = _look_until(labels, network, worth, memory, cell, way, step)
-            if is_seen:
-                follow(labels, done, (rest + step,), ALL_ITEMS, True)
-                edges = network.edge_from[way + 1] - network.edge_from[way]
-                begin = network.arrival_offset[way] + steps * edges
-                arrivals = network.arrival[begin : begin + edges]
-                follow(labels, done, arrivals, ALL_ITEMS, True)
-    return best(labels, (rest + end - 1, rest + end))
+            if _look_until(labels, network, worth, memory, cell, way, step):
+                _leave(labels, network, memory, cell, way, step)
+    return best(labels, (home, home + 1))

@@ -16,7 +16,6 @@ from planner.base import effort
 from planner.base.arrays import Array, Indices
 from planner.base.compiled import compiled
 from planner.planning.label_search import (
-    ALL_ITEMS,
     COMPLETES,
     OPENS,
     WHOLE,
@@ -206,7 +205,7 @@ def _label_paths(
         visit(labels, (n + now,), j, memory, made)
         visit(labels, graph.before[graph.first[j] : graph.first[j + 1]], j, memory, made)
         free = (imaging.stop_tick[j] + graph.reach_ticks[j] + WAIT_TICKS - 1) // WAIT_TICKS
-        follow(labels, j, (n + free,), ALL_ITEMS, False)
+        follow(labels, j, (n + free,), memory.every, False)
     value, visits, count = best(labels, (0, n))
     return max(value, 0.0), visits, count
 

@@ -12,8 +12,9 @@ from planner.base.commands import ROWS_PER_S
 from planner.base.compiled import compiled
 from planner.base.rotation import Rotation
 from planner.base.vectors import Vector, scaled, unit, vector_at
+from planner.motion.attitude.idle import idle_attitude
 from planner.motion.attitude.track import agility_limits, pointed_quaternions
-from planner.motion.pointing.line_of_sight import LineOfSight
+from planner.motion.pointing.line_of_sight import STENCIL, LineOfSight
 from planner.planning.campaigns.platforms.axis_slew_time import change_s
 from planner.planning.campaigns.platforms.body_slew_time import OPTIONS as BLEND
 from planner.planning.campaigns.platforms.body_slew_time import BodyEnvelope
@@ -58,6 +59,7 @@ class BodyFollower:
     since the campaign's start.
     """
 
+    held_s = 0.0
     resting = "the body needs to leave its idle attitude and to come back to it"
     unable = "the body can't follow it for {least_s:g} s within its rate, acceleration and jerk"
 
@@ -110,11 +112,22 @@ class BodyFollower:
                 goes_on=np.ones(len(t_s) - 1, np.bool_),
             )
 
+    def rest_state(self, carrier: Carrier, at_s: float) -> Array:
+        around_s = np.asarray(at_s + OPTIONS.delta_s * (np.arange(STENCIL) - STENCIL // 2), float)
+        instants = Instants(carrier.start_utc, around_s)
+        idle = idle_attitude(self._platform.idle, instants, carrier.states(instants))
+        q_itrf_from_eci = Rotation.from_matrix(c_itrf_from_eci(instants)[STENCIL // 2])
+        q_eci_from_body = Rotation.from_quat(idle.position[STENCIL // 2])
+        turned_rad = [0.0, 0.0, OMEGA_EARTH_RAD_S * at_s]
+        q_still_from_body = Rotation.from_rotvec(turned_rad) * q_itrf_from_eci * q_eci_from_body
+        moving = idle.rate_rad_s[STENCIL // 2], idle.acceleration_rad_s2[STENCIL // 2]
+        return np.concatenate([q_still_from_body.as_quat(), *moving, [0.0]])
+
     def first_unheld(
         self, carrier: Carrier, looks: Sequence[FollowedLook]
     ) -> tuple[int, float] | None:
         """Of those whose roll is the nearest to the attitude before: a pass begins on idle."""
-        before_s = looks[0].start_s - self.rest_s if looks else 0.0
+        before_s = max(looks[0].start_s - self.rest_s, 0.0) if looks else 0.0
         before: tuple[Vector, Vector] | None = None
         for place, one in enumerate(looks):
             seen = None if one.row is None else self._seen_alone(carrier, one.row)
@@ -177,6 +190,7 @@ class BodyFollower:
             initial_state=InitialState(epoch=start_utc),
             rest=(),
             final_state="idle",
+            final_by=stop_utc,
             slew=replace(slew, lead=lead),
         )
 

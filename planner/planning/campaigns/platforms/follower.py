@@ -42,12 +42,14 @@ class PassEnds(NamedTuple):
     """How the plan of a pass begins and ends.
 
     rest: the sessions after the last look.  attitude: of the carrier, if it stands on one.
+    final_by: when it is back at rest at the latest, unless the sessions say.
     """
 
     attitude: Attitude | None
     initial_state: InitialState
     rest: tuple[Session, ...]
     final_state: FinalState | None
+    final_by: datetime | None
     slew: SlewOptions
 
 
@@ -55,13 +57,15 @@ class Follower(Protocol):
     """One platform in a campaign.
 
     slew_limits: of its slews.  longest_slew_s: none between two targets needs longer.  rest_s: room
-    that a pass needs at either end, whole rows.  settle_s: on a target before a look.
+    that a pass needs at either end, whole rows.  held_s: at rest, of the room at a pass's end.
+    settle_s: on a target before a look.
     resting, unable: reasons: that a pass leaves no time, that it can't follow for `least_s`.
     """
 
     slew_limits: FollowerLimits
     longest_slew_s: float
     rest_s: float
+    held_s: float
     settle_s: float
     resting: str
     unable: str
@@ -72,6 +76,10 @@ class Follower(Protocol):
 
     def ways(self, sight: Sight, which: Indices, t_s: Array) -> Iterator[Following]:
         """Every way to follow targets `which` (n,) at t_s (n,)."""
+        ...
+
+    def rest_state(self, carrier: Carrier, at_s: float) -> Array:
+        """In which it rests at an instant, (s,), as of `Following.states`."""
         ...
 
     def first_unheld(

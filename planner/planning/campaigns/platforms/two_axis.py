@@ -3,7 +3,7 @@
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from datetime import datetime
 
 import numpy as np
@@ -21,8 +21,8 @@ from planner.planning.opportunities.sights import Sight, visible_target
 from planner.planning.sessions.platforms.two_axis.budget import probabilities_at
 from planner.world.frames.time_scales import Instants, shifted_utc
 from planner.world.orbits import Ephemeris
-from planner.world.platforms import AxisLimits, FinalAngles, TwoAxisPlatform
-from planner.world.scenario import BoundedLead, InitialState, Session
+from planner.world.platforms import AxisLimits, TwoAxisPlatform
+from planner.world.scenario import InitialState, Session
 from planner.world.targets import BenchMotionTarget
 from planner.world.targets.axis_signals import ConstantRate
 
@@ -46,6 +46,7 @@ class TwoAxisFollower:
     """As `Follower` says; a way is a branch of `axis_angles`, with whole turns added."""
 
     settle_s = 0.0
+    held_s = OPTIONS.rest_rows / ROWS_PER_S
     resting = "the axes need to leave their rest and to come back to it"
     unable = (
         "the axes can't follow it for {least_s:g} s within their stops, rates and accelerations"
@@ -92,6 +93,12 @@ class TwoAxisFollower:
                     goes_on=np.all(np.abs(np.diff(turned_rad, axis=0)) < math.pi, axis=1),
                 )
 
+    def rest_state(self, carrier: Carrier, at_s: float) -> Array:
+        rest_deg = self._request.rest_deg
+        state = np.zeros((3, len(rest_deg)))
+        state[0] = np.deg2rad([rest_deg[name] for name in self._platform.axis_names])
+        return state.ravel()
+
     def first_unheld(
         self, carrier: Carrier, looks: Sequence[FollowedLook]
     ) -> tuple[int, float] | None:
@@ -127,17 +134,7 @@ class TwoAxisFollower:
         return probability
 
     def pass_ends(self, start_utc: datetime, stop_utc: datetime) -> PassEnds:
-        rest_deg, slew = self._request.rest_deg, self._request.slew
-        if self._request.resources is not None:  # a session of rest would count as one that images
-            most_s = slew.lead.max_duration_s if isinstance(slew.lead, BoundedLead) else None
-            lead = BoundedLead(max_duration_s=min(most_s or math.inf, self.rest_s))
-            return PassEnds(
-                attitude=self._request.opportunities().law,
-                initial_state=InitialState(epoch=start_utc, angles_deg=rest_deg),
-                rest=(),
-                final_state=FinalAngles(angles_deg=rest_deg),
-                slew=replace(slew, lead=lead),
-            )
+        rest_deg = self._request.rest_deg
         rest = BenchMotionTarget(
             axes={name: ConstantRate(angle_deg=angle_deg, rate_deg_s=0.0)
                   for name, angle_deg in rest_deg.items()}
@@ -148,7 +145,8 @@ class TwoAxisFollower:
             initial_state=InitialState(epoch=start_utc, angles_deg=rest_deg),
             rest=(Session(target=rest, start=rest_utc, stop=stop_utc),),
             final_state=None,
-            slew=slew,
+            slew=self._request.slew,
+            final_by=None,
         )
 
     def _los(self, sight: Sight, which: Indices, t_s: Array) -> tuple[Array, Array, Array]:

@@ -321,6 +321,14 @@ class BodyMover:
         until_utc = shifted_utc(epoch_utc, stop_s + OPTIONS.longest_s + STENCIL / ROWS_PER_S)
         onward = self.scenario.orbit.ephemeris(shifted_utc(epoch_utc, stop_s), until_utc)
         most_rows = round(OPTIONS.longest_s * ROWS_PER_S)
+        most_rows = int(min(most_rows, self.scenario.final_rows(last.stop_row)))
+        if most_rows < OPTIONS.fewest_rows:
+            raise InfeasibleSlew(
+                f"after the last session {max(most_rows, 0) / ROWS_PER_S:g} s are left for the "
+                "slew onto the idle attitude; end it earlier, or let final_by be later",
+                field="final_by",
+                limit="duration",
+            )
         idle = self._idle(onward, last.stop_row, last.stop_row + most_rows)
         there = rows_of(idle, slice(1))
         rows = self._most_rows(state, there) or self._recommended_rows(state, there)
@@ -335,7 +343,12 @@ class BodyMover:
             seen_from_s=stop_s,
             ephemeris=onward,
         )
-        final = self.slew_onto(branch, last.stop_row, state)
+        try:
+            final = self.slew_onto(branch, last.stop_row, state)
+        except InfeasibleSlew as refusal:
+            if self.scenario.final_by is not None:
+                refusal.field = refusal.field or "final_by"
+            raise
         return [*joins, Join(**(vars(final) | {"stop_row": final.join_row}))]
 
     def held(

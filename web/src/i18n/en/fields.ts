@@ -42,6 +42,7 @@ export const fields = {
     direction_lvlh: "Direction in LVLH",
     direction_platform: "Direction on the platform",
     final_state: "Final state",
+    final_by: "Final state by",
     initial_state: "Initial state",
     slew: "Slews",
     lead: "Lead",

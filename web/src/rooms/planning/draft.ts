@@ -106,11 +106,11 @@ let ofAxes: DraftRequest | null = null;
 export function takeBody(next: PlanRequest["platform"]): void {
   const before = made.peek();
   if (before.attitude) ofAxes = before;
-  const { attitude: _, initial_state, final_state: __, slew, ...rest } = before;
+  const { attitude: _, initial_state, final_state: __, final_by: ___, slew, ...rest } = before;
   made.value = {
     ...rest,
     platform: next,
-    sessions: before.sessions.map(({ keyhole: ___, ...one }) => one),
+    sessions: before.sessions.map(({ keyhole: ____, ...one }) => one),
     ...stateOf(before.attitude ? beginOf(initial_state) : initial_state),
     ...slewOfBody(slew),
   } as DraftRequest;
@@ -133,8 +133,8 @@ export function takeAxes(next: PlanRequest["platform"], mean: Attitude): void {
     change({ platform: next });
     return;
   }
-  const { final_state: _, initial_state: __, ...rest } = now;
-  const { attitude = mean, initial_state, final_state, slew, sessions: before = [] } = ofAxes ?? {};
+  const { final_state: _, final_by: __, initial_state: ___, ...rest } = now;
+  const { attitude = mean, initial_state, final_state, final_by, slew, sessions: before = [] } = ofAxes ?? {};
   made.value = {
     ...rest,
     platform: next,
@@ -142,6 +142,7 @@ export function takeAxes(next: PlanRequest["platform"], mean: Attitude): void {
     ...stateOf({ ...initial_state, ...beginOf(now.initial_state) }),
     ...((slew || now.slew) && { slew: { ...slew, ...now.slew } }),
     ...(final_state !== undefined && { final_state }),
+    ...(final_by !== undefined && { final_by }),
     sessions: now.sessions.map((one, number) => {
       const keyhole = before[number]?.target === one.target ? before[number]?.keyhole : undefined;
       return keyhole ? { ...one, keyhole } : one;

@@ -56,7 +56,8 @@ def with_final_slew(scenario: Scenario, ephemeris: Ephemeris, joins: list[Join])
     last = joins[-1]
     state = track_states(last.track, last.stop_row / ROWS_PER_S)
     asked = final_angle_rad(scenario)
-    longest_s = _longest_s(scenario)
+    by_s = scenario.final_rows(last.stop_row) / ROWS_PER_S
+    longest_s = min(_longest_s(scenario), by_s)
     if asked is None:
         rest, least_s = None, 0.0
         wanted_s = brake_enough_s(state, limits_of(scenario), scenario.slew)
@@ -67,8 +68,9 @@ def with_final_slew(scenario: Scenario, ephemeris: Ephemeris, joins: list[Join])
         wanted_s = _wanted_s(scenario, state, rest)
     if _is_at_rest(state, rest or state):
         return joins
+    least_s = max(least_s, SLEW_TIMING_OPTIONS.fewest_rows / ROWS_PER_S)
     if least_s > longest_s:
-        raise _too_far(scenario, least_s, longest_s)
+        raise _too_far(scenario, least_s, longest_s, by_s)
     for times in OPTIONS.cones_times:
         rows = math.ceil(min(times * wanted_s, longest_s) * ROWS_PER_S - 1e-6)
         rows = max(rows, SLEW_TIMING_OPTIONS.fewest_rows)
@@ -123,7 +125,14 @@ def _longest_s(scenario: Scenario) -> float:
     return OPTIONS.longest_s if asked_s is None else min(asked_s, OPTIONS.longest_s)
 
 
-def _too_far(scenario: Scenario, least_s: float, longest_s: float) -> InfeasibleSlew:
+def _too_far(scenario: Scenario, least_s: float, longest_s: float, by_s: float) -> InfeasibleSlew:
+    if by_s == longest_s:
+        return InfeasibleSlew(
+            f"the axes need {least_s:.1f} s to come to rest where final_state asks, and final_by "
+            f"leaves {max(by_s, 0.0):g} s; let it be later, or name a nearer state",
+            field="final_by",
+            limit="duration",
+        )
     bounded = longest_s < OPTIONS.longest_s
     return InfeasibleSlew(
         f"the axes need {least_s:.1f} s to come to rest where final_state asks, and a slew may "
