@@ -69,6 +69,33 @@ def test_passes_are_planned_from_idle_to_idle_without_a_look_lost(chosen):
         np.testing.assert_allclose(down, np.linalg.norm(r_sat_eci_m, axis=1), rtol=1e-9)
 
 
+@pytest.mark.parametrize("q_xyzw", [None, (0.6, 0.0, 0.8, 0.0)])
+def test_a_pass_begins_at_the_start_and_ends_by_the_stop(chosen, q_xyzw):
+    """With less room about a pass than the slowest slew takes, from idle and from elsewhere."""
+    request, campaign = chosen
+    looks = campaign.passes[0].looks
+    start = shifted_utc(looks[0].start_utc, -60.0).replace(microsecond=0)
+    stop = shifted_utc(looks[-1].stop_utc, 60.0).replace(microsecond=0)
+    near = replace(request, start=start, stop=stop, initial_q_body_from_eci_xyzw=q_xyzw)
+    [flight] = choose_campaign(near).passes
+    assert BodyFollower(near).rest_s > 60.0
+    assert flight.start_utc == start
+    plan = make_plan(scenario_of(near, flight, 0))
+    assert plan.verification.passed
+    assert len(plan.scenario.sessions) == len(flight.looks)
+    assert plan.table.t_s[-1] <= elapsed_s(stop, start)
+    if q_xyzw is not None:
+        assert abs(plan.table.position[0] @ np.array(q_xyzw)) == pytest.approx(1.0, abs=1e-9)
+
+
+def test_the_attitude_at_the_start_is_a_body_s_and_of_unit_length():
+    with pytest.raises(InvalidRequest, match="unit length"):
+        body_campaign(initial_q_body_from_eci_xyzw=[0.0, 0.0, 0.5, 0.5])
+    of_axes = CITIES | {"initial_q_body_from_eci_xyzw": [0.0, 0.0, 0.0, 1.0]}
+    with pytest.raises(InvalidRequest, match="whose axes begin at rest_angles_deg"):
+        CAMPAIGN_READER.read(json.dumps(of_axes).encode())
+
+
 def test_star_trackers_are_known_at_the_roll_that_looks_before_leave(monkeypatch):
     """Of 15 passes two would be refused by the trackers: the Sun's idle attitude lies far off."""
     fast = {"limits": "magnitude", "rate_max_deg_s": 4.0, "settle_s": 2.0}

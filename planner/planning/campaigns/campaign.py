@@ -37,7 +37,7 @@ from planner.planning.opportunities.closing import Closing, Unseen
 from planner.planning.opportunities.scans import Scans, scans_by_pass
 from planner.planning.opportunities.unseen import unseen_because
 from planner.world.conditions import Conditions
-from planner.world.frames.time_scales import shifted_utc, utc_text
+from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.world.resources import Resources
 from planner.world.scenario import Scenario, Session
 from planner.world.targets import GroundPathTarget, ImagingMode
@@ -187,7 +187,9 @@ def scenario_of(request: CampaignRequest, flight: ChosenPass, number: int) -> Sc
     What a slew lacks, its neighbours give where none of them scans: slew times were estimated
     without stops.
     """
-    ends = follower_of(request).pass_ends(flight.start_utc, flight.stop_utc)
+    ends = follower_of(request).pass_ends(
+        flight.start_utc, flight.stop_utc, is_first=flight.start_utc == _first_utc(request)
+    )
     return Scenario(
         name=f"{request.name or 'campaign'}, pass {number + 1}",
         orbit=request.orbit,
@@ -366,6 +368,10 @@ def _first_unheld_by(
     return first_unheld
 
 
+def _first_utc(request: CampaignRequest) -> datetime:
+    return shifted_utc(request.start, _first_row_s(request))
+
+
 def _last_row_s(request: CampaignRequest) -> float:
     """Seconds from the start to the last command row."""
     rows = math.floor((request.span_s - _first_row_s(request)) / COMMAND_STEP_S + 1e-6)
@@ -377,7 +383,7 @@ def _slewing_of(
 ) -> Slewing:
     back_s = _last_row_s(request) - follower.held_s
     rests = Rests(
-        start_state=follower.rest_state(carrier, grid_s),
+        start_state=follower.start_state(carrier, grid_s),
         stop_state=follower.rest_state(carrier, back_s),
         stop_s=back_s - grid_s,
     )
@@ -566,11 +572,18 @@ def _in_utc(
     )
     flown = [tuple(itertools.islice(pending, len(looks))) for looks in choice.passes if looks]
     begins = [None] * len(flown) if keeping is None else keeping.begins(choice.passes)
-    first_utc = shifted_utc(request.start, grid_s)
+    first_utc = _first_utc(request)
     last_utc = shifted_utc(request.start, _last_row_s(request))
+    # From an attitude of its own to the idle one, and from that onto a look.
+    begun_s = 0.0 if request.initial_q_body_from_eci_xyzw is None else rest_s
+
+    def start_utc(looks: tuple[ChosenLook, ...]) -> datetime:
+        begins_utc = shifted_utc(looks[0].start_utc, -rest_s)
+        return begins_utc if elapsed_s(begins_utc, first_utc) >= begun_s else first_utc
+
     return tuple(
         ChosenPass(
-            start_utc=max(shifted_utc(looks[0].start_utc, -rest_s), first_utc),
+            start_utc=start_utc(looks),
             stop_utc=min(shifted_utc(looks[-1].stop_utc, rest_s), last_utc),
             looks=looks,
             resources=resources,

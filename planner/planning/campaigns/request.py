@@ -24,7 +24,7 @@ from planner.world.orbits import Orbit
 from planner.world.platforms import PIXELS_ARCSEC, AngleDeg, AnyPlatform, RollRule
 from planner.world.resources import Resources
 from planner.world.rules.registry import rules_of
-from planner.world.scenario import SlewOptions
+from planner.world.scenario import Quaternion, SlewOptions
 from planner.world.targets import ChosenTarget, ImagingMode
 from planner.world.targets.session_target import all_standing_on
 from planner.world.targets.terrain import Terrain
@@ -156,6 +156,9 @@ class CampaignRequest:
     a body steers itself and has none.
     rest_angles_deg: angles at which two axes rest before, between and after passes, by axis; 0
     unless given. A body rests on its idle attitude. E.g. `{"alpha": 0.0, "beta": 0.0}`.
+    initial_q_body_from_eci_xyzw: of a body, attitude in which it rests at the start, scalar last,
+    as of an `initial_state`; its idle attitude unless given. The first pass begins in it, unless
+    there is time for the idle attitude before. E.g. `[0.0, 0.0, 0.0, 1.0]`.
     targets: the targets to choose from.
     terrain: heights of the ground under targets that say none themselves; the requests of the
     passes have the heights instead of it.
@@ -176,6 +179,7 @@ class CampaignRequest:
     orbit: Orbit
     attitude: Attitude | None = None
     rest_angles_deg: Mapping[str, AngleDeg] | None = None
+    initial_q_body_from_eci_xyzw: Quaternion | None = None
     targets: Annotated[tuple[CampaignTarget, ...], Field(max_length=OPPORTUNITY_BOUNDS.targets_max)]
     start: datetime
     stop: datetime
@@ -204,7 +208,8 @@ class CampaignRequest:
         standing = all_standing_on(self.terrain, self.targets, "targets")
         object.__setattr__(self, "targets", standing)
         rules = rules_of(self.platform)
-        rules.require_rest(self.rest_angles_deg, self.attitude, self.slew)
+        begin_q_xyzw = self.initial_q_body_from_eci_xyzw
+        rules.require_rest(self.rest_angles_deg, begin_q_xyzw, self.attitude, self.slew)
         if self.resources is not None and self.resources.momentum is not None:
             raise ValueError(
                 "resources.momentum must be left out of a campaign, whose choice follows battery "

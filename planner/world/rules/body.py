@@ -16,7 +16,7 @@ from planner.world.platforms.body import AzimuthRoll, BodyPlatform, LinesAcrossM
 from planner.world.targets import BenchMotionTarget, EarthFixedTarget, Target, VisibleTarget
 
 if TYPE_CHECKING:
-    from planner.world.scenario import InitialState, Scenario, SlewOptions
+    from planner.world.scenario import InitialState, Quaternion, Scenario, SlewOptions
 
 
 def says_roll(rule: RollRule, target: Target | VisibleTarget) -> bool:
@@ -37,6 +37,12 @@ def asked_of_axes(attitude: Attitude | None, slew: "SlewOptions") -> dict[str, b
         "slew.keep_out": bool(slew.keep_out),
         "slew.avoid_modes": bool(slew.avoid_modes),
     }
+
+
+def _require_unit(name: str, q_xyzw: "Quaternion") -> None:
+    norm = math.hypot(*q_xyzw)
+    if not abs(norm - 1.0) <= 1e-6:
+        raise ValueError(f"{name} must have unit length, not {norm:.9g}; divide it by its norm")
 
 
 def refuse_axes_only(platform: str, is_given: Mapping[str, bool]) -> None:
@@ -116,12 +122,7 @@ class BodyRules:
                     "without it the body begins on its idle attitude"
                 )
             return
-        norm = math.hypot(*state.q_body_from_eci_xyzw)
-        if not abs(norm - 1.0) <= 1e-6:
-            raise ValueError(
-                "initial_state.q_body_from_eci_xyzw must have unit length, not "
-                f"{norm:.9g}; divide it by its norm"
-            )
+        _require_unit("initial_state.q_body_from_eci_xyzw", state.q_body_from_eci_xyzw)
         rate_max, acceleration_max, _ = np.rad2deg(platform.envelope.by_order_rad)
         for name, given, most in (
             ("omega_body_deg_s", state.omega_body_deg_s, rate_max),
@@ -141,8 +142,14 @@ class BodyRules:
         refuse_axes_only(self.platform.name, {"attitude": attitude is not None})
 
     def require_rest(
-        self, rest_deg: Mapping[str, float] | None, attitude: Attitude | None, slew: "SlewOptions"
+        self,
+        rest_deg: Mapping[str, float] | None,
+        begin_q_xyzw: "Quaternion | None",
+        attitude: Attitude | None,
+        slew: "SlewOptions",
     ) -> None:
+        if begin_q_xyzw is not None:
+            _require_unit("initial_q_body_from_eci_xyzw", begin_q_xyzw)
         given = {"rest_angles_deg": rest_deg is not None}
         refuse_axes_only(self.platform.name, given | asked_of_axes(attitude, slew))
 

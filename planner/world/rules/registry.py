@@ -11,7 +11,7 @@ from planner.world.rules.two_axis import TwoAxisRules
 from planner.world.targets import Target
 
 if TYPE_CHECKING:  # which asks them as it is made
-    from planner.world.scenario import InitialState, Scenario, SlewOptions
+    from planner.world.scenario import InitialState, Quaternion, Scenario, SlewOptions
 
 
 class Rules(Protocol):
@@ -36,7 +36,11 @@ class Rules(Protocol):
         """Raises ValueError for the attitude of a carrier that the platform doesn't stand on."""
 
     def require_rest(
-        self, rest_deg: Mapping[str, float] | None, attitude: Attitude | None, slew: "SlewOptions"
+        self,
+        rest_deg: Mapping[str, float] | None,
+        begin_q_xyzw: "Quaternion | None",
+        attitude: Attitude | None,
+        slew: "SlewOptions",
     ) -> None:
         """The same of a campaign, which begins and ends at rest."""
 

@@ -14,7 +14,7 @@ from planner.world.platforms import AnyPlatform, AxisLimits, FinalAngles, RollRu
 from planner.world.targets import Target
 
 if TYPE_CHECKING:
-    from planner.world.scenario import InitialState, Scenario, SlewOptions
+    from planner.world.scenario import InitialState, Quaternion, Scenario, SlewOptions
 
 
 def axes_of(scenario: "Scenario") -> TwoAxisPlatform:
@@ -143,8 +143,17 @@ class TwoAxisRules:
         pass
 
     def require_rest(
-        self, rest_deg: Mapping[str, float] | None, attitude: Attitude | None, slew: "SlewOptions"
+        self,
+        rest_deg: Mapping[str, float] | None,
+        begin_q_xyzw: "Quaternion | None",
+        attitude: Attitude | None,
+        slew: "SlewOptions",
     ) -> None:
+        if begin_q_xyzw is not None:
+            raise ValueError(
+                f"initial_q_body_from_eci_xyzw must be left out for {self.platform.name}, whose "
+                "axes begin at rest_angles_deg"
+            )
         names = self.platform.axis_names
         rest_deg = dict.fromkeys(names, 0.0) if rest_deg is None else rest_deg
         self._require_names("rest_angles_deg", rest_deg)

@@ -116,19 +116,27 @@ class BodyFollower:
         around_s = np.asarray(at_s + OPTIONS.delta_s * (np.arange(STENCIL) - STENCIL // 2), float)
         instants = Instants(carrier.start_utc, around_s)
         idle = idle_attitude(self._platform.idle, instants, carrier.states(instants))
-        q_itrf_from_eci = Rotation.from_matrix(c_itrf_from_eci(instants)[STENCIL // 2])
         q_eci_from_body = Rotation.from_quat(idle.position[STENCIL // 2])
-        turned_rad = [0.0, 0.0, OMEGA_EARTH_RAD_S * at_s]
-        q_still_from_body = Rotation.from_rotvec(turned_rad) * q_itrf_from_eci * q_eci_from_body
         moving = idle.rate_rad_s[STENCIL // 2], idle.acceleration_rad_s2[STENCIL // 2]
-        return np.concatenate([q_still_from_body.as_quat(), *moving, [0.0]])
+        return _state(carrier, at_s, q_eci_from_body, np.concatenate(moving))
+
+    def start_state(self, carrier: Carrier, at_s: float) -> Array:
+        q_xyzw = self._request.initial_q_body_from_eci_xyzw
+        if q_xyzw is None:
+            return self.rest_state(carrier, at_s)
+        return _state(carrier, at_s, Rotation.from_quat(q_xyzw).inv(), np.zeros(6))
 
     def first_unheld(
         self, carrier: Carrier, looks: Sequence[FollowedLook]
     ) -> tuple[int, float] | None:
-        """Of those whose roll is the nearest to the attitude before: a pass begins on idle."""
+        """Of those whose roll is the nearest to the attitude before, of a pass's first look to the
+        idle one, or that in which the campaign begins."""
         before_s = max(looks[0].start_s - self.rest_s, 0.0) if looks else 0.0
         before: tuple[Vector, Vector] | None = None
+        is_told = self._request.initial_q_body_from_eci_xyzw is not None
+        if looks and is_told and looks[0].start_s < 2.0 * self.rest_s:
+            before = self._lying(FollowedLook(None, 0.0, 0.0, self.start_state(carrier, 0.0)))
+            before_s = 0.0
         for place, one in enumerate(looks):
             seen = None if one.row is None else self._seen_alone(carrier, one.row)
             if seen is not None and seen[0].roll == NEAREST:
@@ -180,14 +188,15 @@ class BodyFollower:
             los, ephemeris, visible_target(sight, which), self._platform, q_eci_from_body.as_quat()
         )
 
-    def pass_ends(self, start_utc: datetime, stop_utc: datetime) -> PassEnds:
+    def pass_ends(self, start_utc: datetime, stop_utc: datetime, *, is_first: bool) -> PassEnds:
         """A slew onto the idle attitude takes no longer than the room that the pass has for it."""
         slew = self._request.slew
+        q_xyzw = self._request.initial_q_body_from_eci_xyzw if is_first else None
         most_s = slew.lead.max_duration_s if isinstance(slew.lead, BoundedLead) else None
         lead = BoundedLead(max_duration_s=min(most_s or math.inf, self.rest_s))
         return PassEnds(
             attitude=None,
-            initial_state=InitialState(epoch=start_utc),
+            initial_state=InitialState(epoch=start_utc, q_body_from_eci_xyzw=q_xyzw),
             rest=(),
             final_state="idle",
             final_by=stop_utc,
@@ -248,6 +257,14 @@ class BodyFollower:
         across = np.cross(boresight_body, turn.apply(boresight_body))
         sine = np.linalg.norm(across, axis=1, keepdims=True)
         return np.asarray(across * (np.arcsin(np.minimum(sine, 1.0)) / np.maximum(sine, 1e-15)))
+
+
+def _state(carrier: Carrier, at_s: float, q_eci_from_body: Rotation, moving: Array) -> Array:
+    """moving: rate and acceleration, body axes, (6,)."""
+    [c_itrf] = c_itrf_from_eci(Instants(carrier.start_utc, np.array([at_s])))
+    turned = Rotation.from_rotvec([0.0, 0.0, OMEGA_EARTH_RAD_S * at_s])
+    q_still_from_body = turned * Rotation.from_matrix(c_itrf) * q_eci_from_body
+    return np.concatenate([q_still_from_body.as_quat(), moving, [0.0]])
 
 
 @compiled

@@ -82,6 +82,10 @@ class Follower(Protocol):
         """In which it rests at an instant, (s,), as of `Following.states`."""
         ...
 
+    def start_state(self, carrier: Carrier, at_s: float) -> Array:
+        """The same at the instant at which the campaign begins."""
+        ...
+
     def first_unheld(
         self, carrier: Carrier, looks: Sequence[FollowedLook]
     ) -> tuple[int, float] | None:
@@ -93,6 +97,9 @@ class Follower(Protocol):
         """That each target is in the frame at that instant, (n,); 0 where it can't be pointed."""
         ...
 
-    def pass_ends(self, start_utc: datetime, stop_utc: datetime) -> PassEnds:
-        """Of a pass, at rest from the start and again by the stop."""
+    def pass_ends(self, start_utc: datetime, stop_utc: datetime, *, is_first: bool) -> PassEnds:
+        """Of a pass, at rest from the start and again by the stop.
+
+        is_first: whether it begins as the campaign does.
+        """
         ...

@@ -99,6 +99,9 @@ class TwoAxisFollower:
         state[0] = np.deg2rad([rest_deg[name] for name in self._platform.axis_names])
         return state.ravel()
 
+    def start_state(self, carrier: Carrier, at_s: float) -> Array:
+        return self.rest_state(carrier, at_s)
+
     def first_unheld(
         self, carrier: Carrier, looks: Sequence[FollowedLook]
     ) -> tuple[int, float] | None:
@@ -133,7 +136,7 @@ class TwoAxisFollower:
         )
         return probability
 
-    def pass_ends(self, start_utc: datetime, stop_utc: datetime) -> PassEnds:
+    def pass_ends(self, start_utc: datetime, stop_utc: datetime, *, is_first: bool) -> PassEnds:
         rest_deg = self._request.rest_deg
         rest = BenchMotionTarget(
             axes={name: ConstantRate(angle_deg=angle_deg, rate_deg_s=0.0)

@@ -35,8 +35,9 @@ export function withPlatform(
   }
   if (!isOfBody(request)) return { ...request, platform };
   const { attitude, rest_angles_deg, slew } = ofAxes ?? { attitude: usualOf(found) };
+  const { initial_q_body_from_eci_xyzw: _, ...rest } = request;
   return {
-    ...request,
+    ...rest,
     platform,
     ...(attitude && { attitude }),
     ...(rest_angles_deg && { rest_angles_deg }),
