@@ -17,7 +17,13 @@ from planner.planning.sessions.budget import PointingBudget
 from planner.planning.sessions.plan import Plan, SlewRun
 from planner.planning.sessions.summary import PlanSummary, summarise
 from planner.verification import Finding, LimitMargin, Reserve, SessionReport, VerificationReport
-from planner.verification.report import ExclusionMargin, KeepOutMargin, MaskMargin, SlowStretch
+from planner.verification.report import (
+    ExclusionMargin,
+    GyroMargin,
+    KeepOutMargin,
+    MaskMargin,
+    SlowStretch,
+)
 from planner.world.frames.time_scales import utc_text
 from planner.world.plan import Segment
 
@@ -92,6 +98,7 @@ class PlanDocument:
     masks: the least angle between the boresight and each mask of the platform.
     exclusions: the least that a body keeps of each of its exclusions, and its star trackers.
     resources: the least that battery, memory and wheels keep from their limits, where asked for.
+    gyros: the least that the gyros of a body keep from their limits.
     pointing: pointing errors of each session.
     slow_stretches: outside of the sessions, so on slews; those of a session are in `pointing`.
     uncertainty: of every session that looks at a target.
@@ -113,6 +120,7 @@ class PlanDocument:
     masks: tuple[MaskMargin, ...]
     exclusions: tuple[ExclusionMargin, ...]
     resources: tuple[Reserve, ...]
+    gyros: tuple[GyroMargin, ...]
     pointing: tuple[SessionReport, ...]
     slow_stretches: tuple[SlowStretch, ...]
     uncertainty: list[PointingBudget]
@@ -223,6 +231,7 @@ def plan_document(plan: Plan, checks: Sequence[HorizonCheck], provenance: Proven
             masks=report.masks,
             exclusions=report.exclusions,
             resources=report.resources,
+            gyros=report.gyros,
             pointing=report.sessions,
             slow_stretches=report.slow_stretches,
             uncertainty=[budget for budget in plan.budgets if budget is not None],

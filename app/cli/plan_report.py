@@ -69,6 +69,11 @@ def print_plan(console: Console, plan: Members, request: bytes | Members) -> Non
         ("<name", "name"), ("margin deg", "margin_deg", ".3f"), _AT, red=_is_entered,
     )  # fmt: skip
     print_rows(
+        console, "gyros of the body", plan["gyros"],
+        ("<limit", "name"), ("most", "limit", "g"), ("reached", "extreme", ".4g"),
+        ("<unit", "unit"), _AT, red=lambda one: one["margin"] < 0.0,
+    )  # fmt: skip
+    print_rows(
         console, "optimal slew against the spline", _methods(plan),
         ("<slew", "session", session_number), ("<axis", "axis"), ("<by", "by"),
         ("deg/s", "peak_rate_deg_s", ".4f"), ("deg/s2", "peak_acceleration_deg_s2", ".4f"),

@@ -140,7 +140,7 @@ def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, gentler: bool = T
     timeline = chosen.timeline
     effort.count(table_work(timeline.scenario, timeline.joins[-1].stop_row))
     whole = complete_plan(timeline.scenario, session.ephemeris, timeline.joins, clock)
-    verification = verify_table(whole.table, timeline.windows, request)
+    verification = verify_table(whole.table, whole.verification, timeline.windows, request)
     if not verification.passed:
         raise VerificationFailed("; ".join(verification.findings))
     warnings = (*whole.warnings, *chosen.warnings)

@@ -1,7 +1,7 @@
 """The judge of a session: whether its table images what was asked; limits are the body's judge's.
 
-It sees the table and the request: no candidate, no slew, no solver.  Ground points come
-from its own intersection of the optical axis with the ellipsoid.
+It sees the table, the verdict on it and the request: no candidate, no slew, no solver.  Ground
+points come from its own intersection of the optical axis with the ellipsoid.
 """
 
 import math
@@ -14,9 +14,8 @@ import numpy as np
 from planner.base.answer_members import HalfTurn, Internal, Member, NotNegative, Signed, answer
 from planner.base.arrays import Array
 from planner.base.commands import ROWS_PER_S, CommandTable
-from planner.base.mrp import BodyMotion
 from planner.base.rotation import Rotation
-from planner.base.table_motion import body_motion_at
+from planner.base.table_motion import motion_at
 from planner.spacecraft.requests import (
     AreaRequest,
     ImagingPlanRequest,
@@ -25,10 +24,11 @@ from planner.spacecraft.requests import (
 )
 from planner.spacecraft.table import TICK_S, ImagingWindow
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
+from planner.verification.report import VerificationReport
 from planner.world.frames.earth_orientation import c_itrf_from_eci
-from planner.world.frames.geodesy import MU_EARTH_M3_S2, WGS84_A_M, WGS84_F, itrf_from_geodetic
+from planner.world.frames.geodesy import WGS84_A_M, WGS84_F, itrf_from_geodetic
 from planner.world.frames.local_orbital import q_lvlh_from_eci
-from planner.world.frames.time_scales import Instants, RowUtc, shifted_utc
+from planner.world.frames.time_scales import Instants, RowUtc, elapsed_s, shifted_utc
 from planner.world.orbits import Ephemeris
 
 
@@ -43,12 +43,12 @@ class Tolerances:
     drift_rad: float = 1e-4  # over 32 TDI lines: 0.003 pixel
     # the last part of a tick may scan past the arc's end and its limit
     angle_deg: float = 0.2
+    row: float = 1e-6  # of times that lie on one
 
 
 TOLERANCES = Tolerances()
 
-INSTANTS_PER_ROW = 5  # looked at for the limits, and
-SCANNED_PER_ROW = 4  # for the line scanned
+SCANNED_PER_ROW = 4  # instants looked at for the line scanned
 SCAN_END = 3 * SCANNED_PER_ROW  # instants among which the scan passes the line's end
 INNER = slice(2, -2)  # without the ends, where differences are one-sided
 OPTICAL_AXIS_BODY = (0.0, -1.0, 0.0)
@@ -84,20 +84,10 @@ class VerifiedWindow(ImagingWindow):
 
 
 @answer
-class TableExtremes:
-    """Extremes of a table, between rows too."""
-
-    rate_max_deg_s: Annotated[Array, Member(least=0.0)]
-    torque_max_n_m: NotNegative
-    momentum_max_n_m_s: NotNegative
-    gimbal_rate_max_deg_s: NotNegative
-    gimbal_margin: NotNegative
-    momentum_mismatch_n_m_s: NotNegative
-
-
-@answer
-class SpacecraftVerification(TableExtremes):
+class SpacecraftVerification:
     """The verdict of a judge that sees the table and the request only; extremes between rows.
+
+    Those of the motion and of the gyros are the plan's.
 
     passed: true when the table may be flown.
     findings: limits that break, in words. E.g.
@@ -114,13 +104,25 @@ class SpacecraftVerification(TableExtremes):
 
     passed: bool
     findings: tuple[str, ...]
+    rate_max_deg_s: Annotated[Array, Member(least=0.0)]
+    torque_max_n_m: NotNegative
+    momentum_max_n_m_s: NotNegative
+    gimbal_rate_max_deg_s: NotNegative
+    gimbal_margin: NotNegative
+    momentum_mismatch_n_m_s: NotNegative
     windows: Internal[tuple[VerifiedWindow, ...]]  # answers have them beside the verdict
 
 
 def verify_table(
-    table: CommandTable, windows: tuple[ImagingWindow, ...], request: ImagingPlanRequest
+    table: CommandTable,
+    report: VerificationReport,
+    windows: tuple[ImagingWindow, ...],
+    request: ImagingPlanRequest,
 ) -> SpacecraftVerification:
-    """Judge a table of a body with gyros against the request it answers."""
+    """Judge whether a table of a body with gyros images what was asked.
+
+    report: the verdict on the plan that has the table.
+    """
     session = _Session(
         table=table,
         windows=windows,
@@ -128,14 +130,26 @@ def verify_table(
         spacecraft=request.definition(),
         ephemeris=request.orbit.ephemeris(request.start, request.stop),
     )
-    extremes = _table_extremes(session)
-    verified = tuple(_verified_window(session, window) for window in windows)
+    off_span = _span_findings(session)
+    verified = () if off_span else tuple(_verified_window(session, window) for window in windows)
     findings = (
+        *(finding.detail for finding in report.findings if finding.severity == "error"),
+        *off_span,
         *(finding for window in verified for finding in _ground_findings(window, session)),
-        *_coverage_findings(session),
+        *(() if off_span else _coverage_findings(session)),
     )
+    rates_rad_s = [margin.extreme for margin in report.limits if margin.kind == "rate"]
+    gyros = {margin.name: margin.extreme for margin in report.gyros}
     return SpacecraftVerification(
-        passed=not findings, findings=findings, windows=verified, **vars(extremes)
+        passed=not findings,
+        findings=findings,
+        rate_max_deg_s=np.degrees(np.abs(rates_rad_s)),
+        torque_max_n_m=gyros["torque"],
+        momentum_max_n_m_s=gyros["momentum"],
+        gimbal_rate_max_deg_s=gyros["gimbal_rate"],
+        gimbal_margin=gyros["singularity"],
+        momentum_mismatch_n_m_s=gyros["momentum_mismatch"],
+        windows=verified,
     )
 
 
@@ -149,65 +163,19 @@ class _Session:
     spacecraft: AgileSpacecraft
     ephemeris: Ephemeris
 
-    @property
-    def q_eci_from_body(self) -> Rotation:
-        """Attitudes of the n rows."""
-        return Rotation.from_quat(self.table.position)
 
-    def motion_at(self, t_s: Array) -> tuple[Rotation, BodyMotion]:
-        """q_eci_from_body and body rates at instants (m,)."""
-        table = self.table
-        assert table.acceleration_rad_s2 is not None  # a body's table has it
-        return body_motion_at(table.position, table.rate_rad_s, table.acceleration_rad_s2, t_s)
-
-
-def _table_extremes(session: _Session) -> TableExtremes:
-    table, array = session.table, session.spacecraft.array
-    inertia_kg_m2 = np.array(session.spacecraft.inertia_kg_m2)
-    fine_s = np.linspace(table.t_s[0], table.t_s[-1], (len(table.t_s) - 1) * INSTANTS_PER_ROW + 1)
-    q_eci_from_body, motion = session.motion_at(fine_s)
-    omega_body_rad_s = motion.omega_body_rad_s
-    needed_n_m_s = _needed_momentum_n_m_s(session, inertia_kg_m2)
-    assert table.extra_rad is not None  # of gyros their gimbals
-    gimbal_rad, gimbal_rate_rad_s = np.hsplit(table.extra_rad, 2)
-    held_n_m_s = array.momentum(gimbal_rad)
-    total_eci_n_m_s = session.q_eci_from_body.apply(needed_n_m_s + inertia_kg_m2 * table.rate_rad_s)
-    fine_eci_n_m_s = np.stack(
-        [np.interp(fine_s, table.t_s, part_n_m_s) for part_n_m_s in total_eci_n_m_s.T], axis=1
+def _span_findings(session: _Session) -> tuple[str, ...]:
+    """Whether the table holds the session, from its start to its last whole cycle."""
+    request, table = session.request, session.table
+    late_s = elapsed_s(table.epoch_utc, request.start)
+    needed = int(elapsed_s(request.stop, request.start) * ROWS_PER_S + TOLERANCES.row)
+    last = len(table.position) - 1
+    if late_s == 0.0 and last == needed:
+        return ()
+    return (
+        f"the table's rows 0 to {last} begin {late_s:+g} s from the session's start, which needs "
+        f"rows 0 to {needed} from then on",
     )
-    total_body_n_m_s = q_eci_from_body.inv().apply(fine_eci_n_m_s)
-    stored_n_m_s = total_body_n_m_s - inertia_kg_m2 * omega_body_rad_s
-    torque_n_m = inertia_kg_m2 * motion.alpha_body_rad_s2 + np.cross(
-        omega_body_rad_s, total_body_n_m_s
-    )
-    return TableExtremes(
-        rate_max_deg_s=np.rad2deg(np.max(np.abs(omega_body_rad_s), axis=0)),
-        torque_max_n_m=float(np.max(np.linalg.norm(torque_n_m, axis=1))),
-        momentum_max_n_m_s=float(np.max(np.linalg.norm(stored_n_m_s, axis=1))),
-        gimbal_rate_max_deg_s=float(np.rad2deg(np.max(np.abs(gimbal_rate_rad_s)))),
-        gimbal_margin=float(np.min(array.singularity_margin(gimbal_rad))),
-        momentum_mismatch_n_m_s=float(np.max(np.linalg.norm(held_n_m_s - needed_n_m_s, axis=1))),
-    )
-
-
-def _needed_momentum_n_m_s(session: _Session, inertia_kg_m2: Array) -> Array:
-    """What the gyros must hold at each row, body axes, (n, 3), by conservation of momentum: the
-    total at the start and the gravity gradient's impulse since (trapezia), less the body's own."""
-    table = session.table
-    states = session.ephemeris.states(Instants(table.epoch_utc, table.t_s))
-    q_eci_from_body = session.q_eci_from_body
-    q_body_from_eci = q_eci_from_body.inv()
-    radius_m = np.linalg.norm(states.r_sat_eci_m, axis=1, keepdims=True)
-    up_body = q_body_from_eci.apply(states.r_sat_eci_m / radius_m)
-    torque_eci_n_m = q_eci_from_body.apply(
-        3.0 * MU_EARTH_M3_S2 / radius_m**3 * np.cross(up_body, inertia_kg_m2 * up_body)
-    )
-    impulse_n_m_s = np.cumsum(0.5 * TICK_S * (torque_eci_n_m[1:] + torque_eci_n_m[:-1]), axis=0)
-    momentum_body_n_m_s = inertia_kg_m2 * table.rate_rad_s
-    gyros_body_n_m_s = np.array(session.request.settings.momentum_n_m_s)
-    start_eci_n_m_s = q_eci_from_body[0].apply(momentum_body_n_m_s[0] + gyros_body_n_m_s)
-    total_eci_n_m_s = start_eci_n_m_s + np.vstack([np.zeros(3), impulse_n_m_s])
-    return np.asarray(q_body_from_eci.apply(total_eci_n_m_s) - momentum_body_n_m_s)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -230,7 +198,7 @@ def _view_at(session: _Session, t_s: Array, height_m: float) -> _View:
     instants = Instants(session.table.epoch_utc, t_s)
     states = session.ephemeris.states(instants)
     c_itrf = c_itrf_from_eci(instants)
-    q_eci_from_body = session.motion_at(t_s)[0]
+    q_eci_from_body = Rotation.from_quat(motion_at(session.table, t_s).position)
     q_lvlh = q_lvlh_from_eci(states.r_sat_eci_m, states.v_sat_eci_m_s)
 
     def in_itrf(v_eci: Array) -> Array:

@@ -7,7 +7,12 @@ import numpy as np
 
 from planner.base.commands import ROWS_PER_S, CommandTable
 from planner.verification.field_masks import mask_findings
-from planner.verification.limits import exclusion_findings, keep_out_findings, limit_findings
+from planner.verification.limits import (
+    exclusion_findings,
+    gyro_findings,
+    keep_out_findings,
+    limit_findings,
+)
 from planner.verification.platforms.judge import Judge, JudgedSession
 from planner.verification.platforms.registry import judge_of
 from planner.verification.pointing import pointing_session
@@ -62,6 +67,7 @@ def verify(table: CommandTable, scenario: Scenario, waits: Waits = ()) -> Verifi
         )
     margins = judge.margins()
     keep_out, masks, exclusions = judge.keep_out(), judge.masks(), judge.exclusions()
+    gyros = judge.gyros()
     resources = resource_margins(table, scenario, judge, waits)
     findings: list[Finding] = [
         *structure_findings(table, scenario, judge),
@@ -69,6 +75,7 @@ def verify(table: CommandTable, scenario: Scenario, waits: Waits = ()) -> Verifi
         *keep_out_findings(keep_out),
         *mask_findings(masks),
         *exclusion_findings(exclusions),
+        *gyro_findings(gyros),
         *resource_findings(resources, scenario),
         *(wait_findings(table, scenario, judge, waits) if resources else ()),
     ]
@@ -96,6 +103,7 @@ def verify(table: CommandTable, scenario: Scenario, waits: Waits = ()) -> Verifi
         masks=masks,
         exclusions=exclusions,
         resources=resources,
+        gyros=gyros,
         slow_stretches=tuple(_slow_outside_sessions(table, scenario, judge)),
     )
 

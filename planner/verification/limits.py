@@ -4,10 +4,25 @@ import math
 from collections.abc import Iterator
 
 from planner.verification.field_masks import TOLERANCE_RAD
-from planner.verification.report import ExclusionMargin, Finding, KeepOutMargin, LimitMargin
+from planner.verification.report import (
+    ExclusionMargin,
+    Finding,
+    GyroLimit,
+    GyroMargin,
+    KeepOutMargin,
+    Limit,
+    LimitMargin,
+)
 
 # A solver works to 1e-8 and a drive resolves 1e-4 of its range: neither is worth a rejection.
 RELATIVE_TOLERANCE = 1e-6
+_TOLD: dict[GyroLimit, tuple[Limit, str]] = {
+    "torque": ("torque", "the gyros' torque reaches {}"),
+    "momentum": ("momentum", "the gyros' momentum reaches {}"),
+    "gimbal_rate": ("rate", "a gimbal turns at {}"),
+    "gimbal_rate_needed": ("rate", "the torque takes a gimbal to {}"),
+    "momentum_mismatch": ("momentum", "the gimbals hold {} other than the body's motion asks"),
+}
 
 
 def limit_findings(margins: tuple[LimitMargin, ...]) -> Iterator[Finding]:
@@ -57,4 +72,18 @@ def keep_out_findings(margins: tuple[KeepOutMargin, ...]) -> Iterator[Finding]:
                     f"less than {math.degrees(margin.half_angle_rad):.3f} deg, {margin.t_s:.2f} s "
                     "after the table's epoch"
                 ),
+            )
+
+
+def gyro_findings(margins: tuple[GyroMargin, ...]) -> Iterator[Finding]:
+    """One error for each limit of the gyros that is passed by more than rounding."""
+    for one in margins:
+        if one.margin < -RELATIVE_TOLERANCE * one.limit:
+            limit, told = _TOLD[one.name]
+            reached = told.format(f"{one.extreme:.6g} {one.unit}")
+            yield Finding(
+                limit=limit,
+                t_s=one.t_s,
+                at_utc=one.at_utc,
+                detail=f"{reached}, more than {one.limit:.6g}",
             )

@@ -47,6 +47,9 @@ Limit = Literal[
     CadenceName,
 ]
 Given = Literal["orbit", "attitude", "target", "motion"]
+GyroLimit = Literal[
+    "torque", "momentum", "gimbal_rate", "gimbal_rate_needed", "singularity", "momentum_mismatch"
+]
 _UNITS: dict[Limit, str] = {
     "angle_min": "deg",
     "angle_max": "deg",
@@ -203,6 +206,33 @@ class Reserve:
 
 
 @answer
+class GyroMargin:
+    """The least that a body's gyros keep from one limit, anywhere on or between rows.
+
+    name: torque and momentum, by length; `gimbal_rate` as the table tells it, `gimbal_rate_needed`
+    as the torque asks at least; `singularity`, the smallest singular value of the gyros' torque
+    directions; `momentum_mismatch`, between what the gimbals hold and what the motion asks. E.g.
+    `"torque"`.
+    unit: of limit, extreme and margin. E.g. `"N m"`.
+    limit: the most that may be; of a singularity 0, the least. [see `unit`] E.g. `15.0`.
+    extreme: the nearest that it comes. [see `unit`] E.g. `13.2`.
+    margin: distance from the limit; negative when it is passed. [see `unit`] E.g. `1.8`.
+    at_utc: time of the nearest; UTC. E.g. `"2026-06-01T10:44:20.000Z"`.
+    """
+
+    name: GyroLimit
+    unit: Literal["N m", "N m s", "deg/s", "1"]
+    limit: NotNegative
+    extreme: NotNegative
+    t_s: Internal[float]
+    at_utc: Utc
+
+    @property
+    def margin(self) -> Signed:
+        return self.extreme if self.name == "singularity" else self.limit - self.extreme
+
+
+@answer
 class ConditionMargin:
     """The least that a session keeps of one of the request's conditions.
 
@@ -345,4 +375,5 @@ class VerificationReport:
     masks: Internal[tuple[MaskMargin, ...]] = ()
     exclusions: Internal[tuple[ExclusionMargin, ...]] = ()
     resources: Internal[tuple[Reserve, ...]] = ()
+    gyros: Internal[tuple[GyroMargin, ...]] = ()
     slow_stretches: Internal[tuple[SlowStretch, ...]] = ()  # outside of sessions, by axis, by time

@@ -103,8 +103,10 @@ def test_every_turn_stands_beside_its_baselines(plan):
         assert compared.torque_rate_peak_n_m_s < compared.eigenaxis_torque_rate_peak_n_m_s
 
 
-def with_windows(plan, *windows):
-    return verify_table(plan.table, windows, plan.request)
+def judge(plan, **changes):
+    """The verdict where table, windows or request are others than the plan's."""
+    asked = {"table": plan.table, "windows": plan.windows, "request": plan.request, **changes}
+    return verify_table(report=plan.whole.verification, **asked)
 
 
 def only(verification, words):
@@ -117,7 +119,7 @@ def only(verification, words):
 def test_a_scan_at_another_speed_than_asked_is_found(plan):
     strip = dataclasses.replace(plan.request.requests[0], scan_speed_m_s=60e3 / 11.0 * 1.002)
     asked = dataclasses.replace(plan.request, requests=(strip, *plan.request.requests[1:]))
-    only(verify_table(plan.table, plan.windows, asked), "scan speed off by")
+    only(judge(plan, request=asked), "scan speed off by")
 
 
 def test_an_image_that_drifts_across_the_columns_is_found(plan):
@@ -129,7 +131,7 @@ def test_an_image_that_drifts_across_the_columns_is_found(plan):
         rate_rad_s=about_y.inv().apply(table.rate_rad_s),
         acceleration_rad_s2=about_y.inv().apply(table.acceleration_rad_s2),
     )
-    turned = verify_table(other, plan.windows, plan.request)
+    turned = judge(plan, table=other)
     assert len(turned.findings) == len(plan.windows)
     assert all("the image drifts by" in finding for finding in turned.findings)
 
@@ -156,14 +158,14 @@ def fly_with(monkeypatch, part, **changes):
 @pytest.mark.parametrize("way", ["across", "along"])
 def test_looking_farther_aside_than_the_camera_may_is_found(plan, monkeypatch, way):
     fly_with(monkeypatch, "camera", **{f"{way}_max_deg": OFF_NADIR_DEG[0]})
-    every(verify_table(plan.table, plan.windows, plan.request), f"deg {way} the track")
+    every(judge(plan), f"deg {way} the track")
 
 
 @pytest.mark.parametrize("way", ["across", "along"])
 def test_the_last_part_of_a_tick_may_look_a_fifth_of_a_degree_farther(plan, monkeypatch, way):
     most_deg = max(getattr(window, f"{way}_deg") for window in plan.verification.windows)
     fly_with(monkeypatch, "camera", **{f"{way}_max_deg": most_deg - 0.19})
-    assert verify_table(plan.table, plan.windows, plan.request).passed
+    assert judge(plan).passed
 
 
 def test_a_line_scanned_beside_the_one_asked_for_is_found(plan):
@@ -174,7 +176,7 @@ def test_a_line_scanned_beside_the_one_asked_for_is_found(plan):
         strip, geometry=dataclasses.replace(strip.geometry, coordinates=tuple(moved))
     )
     asked = dataclasses.replace(plan.request, requests=(there, *plan.request.requests[1:]))
-    only(verify_table(plan.table, plan.windows, asked), "beside the line asked for")
+    only(judge(plan, request=asked), "beside the line asked for")
 
 
 @pytest.mark.parametrize("end", [0, -1])
@@ -189,15 +191,39 @@ def test_a_scan_that_begins_before_the_line_or_runs_on_past_it_is_found(plan, en
         plan.request,
         requests=(dataclasses.replace(strip, geometry=shorter), *plan.request.requests[1:]),
     )
-    only(verify_table(plan.table, plan.windows, asked), "beside the line asked for")
+    only(judge(plan, request=asked), "beside the line asked for")
 
 
 def test_a_look_left_out_is_found(plan):
-    only(with_windows(plan, plan.windows[0], *plan.windows[2:]), "looks instead of")
+    only(judge(plan, windows=(plan.windows[0], *plan.windows[2:])), "looks instead of")
 
 
 def test_an_area_left_uncovered_is_found(plan):
-    only(with_windows(plan, *plan.windows[:-1]), "outside the strips")
+    only(judge(plan, windows=plan.windows[:-1]), "outside the strips")
+
+
+@pytest.mark.parametrize("rows", [slice(None, -1), slice(1, None)])
+def test_a_table_that_does_not_span_its_session_is_found(plan, rows):
+    table = plan.table
+    cut = dataclasses.replace(
+        table,
+        epoch_utc=table.epoch_utc + timedelta(seconds=0.2 * (rows.start or 0)),
+        position=table.position[rows],
+        rate_rad_s=table.rate_rad_s[rows],
+        acceleration_rad_s2=table.acceleration_rad_s2[rows],
+    )
+    only(judge(plan, table=cut), f"needs rows 0 to {len(table.position) - 1}")
+
+
+def test_the_plan_of_a_session_tells_how_near_its_gyros_come_to_their_limits(plan):
+    """Judged as of any plan of a body with gyros; what the front tells of them is the same."""
+    margins = {one.name: one for one in plan.whole.verification.gyros}
+    assert margins["torque"].extreme == plan.verification.torque_max_n_m > 1.0
+    assert margins["singularity"].margin == plan.verification.gimbal_margin > 0.5
+    assert all(one.margin > 0.0 for one in margins.values())
+    h_n_m_s = plan.spacecraft.array.momentum(np.hsplit(plan.table.extra_rad, 2)[0])
+    at_rows_n_m_s = np.linalg.norm(h_n_m_s, axis=1).max()
+    assert margins["momentum"].extreme == pytest.approx(at_rows_n_m_s, abs=0.05)
 
 
 def test_from_inertial_rest_it_first_turns_to_orbital_orientation():
@@ -276,7 +302,7 @@ def test_looks_are_as_far_apart_as_asked_around_the_moment_of_passing():
     assert abs(ahead_deg - behind_deg) < 1.0  # a second's flight: the Earth turns meanwhile
     other = dataclasses.replace(pair, gap_s=101.0)
     asked = dataclasses.replace(plan.request, requests=(other,))
-    only(verify_table(plan.table, plan.windows, asked), "looks 100.0 s apart, not 101 s")
+    only(judge(plan, request=asked), "looks 100.0 s apart, not 101 s")
 
 
 def test_looks_too_far_apart_for_the_camera_are_refused_with_what_to_ask():

@@ -7,6 +7,7 @@ from planner.base.arrays import Array, Indices, Mask
 from planner.verification.report import (
     ExclusionMargin,
     Finding,
+    GyroMargin,
     KeepOutMargin,
     LimitMargin,
     MaskMargin,
@@ -53,6 +54,9 @@ class Judge(Protocol):
 
     def exclusions(self) -> tuple[ExclusionMargin, ...]:
         """To what directions of a body keep away from.  Raises OutsideCoverage."""
+
+    def gyros(self) -> tuple[GyroMargin, ...]:
+        """To what gyros can give that turn a body.  Raises OutsideCoverage."""
 
     def slow_stretches(self, cells: Mask, *, standing: bool) -> Iterator[SlowStretch]:
         """Where a drive is slower than it runs smoothly within these cells, shape (n - 1,).

@@ -1,7 +1,7 @@
-"""Torque and momentum that a body's table asks of its gyros, anywhere between its rows."""
+"""The most that a body's table asks of its gyros, anywhere between its rows."""
 
 from collections.abc import Callable, Iterator
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -10,36 +10,39 @@ from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.verification.limits import RELATIVE_TOLERANCE
 from planner.verification.platforms.body.options import OPTIONS
 from planner.verification.platforms.body.quintic import FlownMotion, turned
-from planner.verification.report import Finding, Limit
+from planner.verification.report import Finding, GyroLimit, GyroMargin
 from planner.world.frames.geodesy import MU_EARTH_M3_S2
 from planner.world.frames.time_scales import Instants, shifted_utc
 from planner.world.orbits import Ephemeris
 from planner.world.platforms.gyros import GyroSet
 
-LIMITS: tuple[Limit, Limit] = ("torque", "momentum")
+Asked = Callable[[Indices, Array], tuple[Array, Array]]  # torque and momentum, (n, 3) each
 
 
 class _Extreme(NamedTuple):
-    """The greatest length so far, and when."""
+    """The greatest of some sizes, and when."""
 
     size: float = -1.0
     t_s: float = 0.0
 
 
-def _greater(extreme: _Extreme, size: Array, t_s: Array) -> _Extreme:
-    """The extreme, or that of n sizes where one is greater."""
+# Name, unit and limit of a margin, and what came nearest to it.
+_Found = tuple[GyroLimit, Literal["N m", "N m s", "deg/s", "1"], float, _Extreme]
+
+
+def _greatest(size: Array, t_s: Array) -> _Extreme:
     worst = int(np.argmax(size))
-    return max(extreme, _Extreme(float(size[worst]), float(t_s[worst])))
+    return _Extreme(float(size[worst]), float(t_s[worst]))
 
 
-def gyro_findings(
+def gyro_margins(
     table: CommandTable,
     between: Callable[[Indices, Array], FlownMotion],
     gyros: GyroSet,
     inertia_kg_m2: Array,
     ephemeris: Ephemeris,
-) -> Iterator[Finding]:
-    """Where torque or momentum exceed what turns may ask of the gyros.
+) -> tuple[GyroMargin, ...]:
+    """To what turns may ask of the gyros, and to what their gimbals can do.
 
     Body and gyros together hold a momentum H that only gravity changes: what they begin with, and
     the impulse since.  The gyros hold H - J omega and give J alpha + omega x H less gravity's
@@ -53,7 +56,6 @@ def gyro_findings(
     total_eci_n_m_s = turned(table.position[:1], begun) + impulse_n_m_s
 
     def asked(cell: Indices, share: Array) -> tuple[Array, Array]:
-        """Torque and momentum, (n, 3) each."""
         flown = between(cell, share * COMMAND_STEP_S)
         back = flown.q_eci_from_body_xyzw * [-1.0, -1.0, -1.0, 1.0]
         total, gravity = (
@@ -64,16 +66,34 @@ def gyro_findings(
         given = flown.alpha_body_rad_s2 @ inertia_kg_m2 + cross(omega, total) - gravity
         return given, total - omega @ inertia_kg_m2
 
-    yield from _gimbal_findings(table, gyros, asked)
-    cells, turns = np.arange(len(table.position) - 1), gyros.turns
-    most = turns.torque_max_n_m, turns.momentum_max_n_m_s
+    return tuple(
+        GyroMargin(
+            name=name,
+            unit=unit,
+            limit=limit,
+            extreme=extreme.size,
+            t_s=extreme.t_s,
+            at_utc=shifted_utc(table.epoch_utc, extreme.t_s),
+        )
+        for name, unit, limit, extreme in (
+            *_of_turns(len(table.position) - 1, gyros, asked),
+            *_of_gimbals(table, gyros, asked),
+        )
+    )
+
+
+def _of_turns(cells: int, gyros: GyroSet, asked: Asked) -> Iterator[_Found]:
+    """The greatest torque and momentum."""
+    turns, every = gyros.turns, np.arange(cells)
+    most = np.array([turns.torque_max_n_m, turns.momentum_max_n_m_s])
     # Within a cell neither changes by more, unless the jerk or the torque is too large itself.
     changes = (
         COMMAND_STEP_S * OPTIONS.changes_most * np.array([turns.torque_rate_max_n_m_s, most[0]])
     )
-    first, last = (asked(cells, np.full(len(cells), share)) for share in (0.0, 1.0))
+    first, last = (asked(every, np.full(cells, share)) for share in (0.0, 1.0))
     ends = np.maximum(*(np.linalg.norm(side, axis=2) for side in (first, last)))
-    looked = np.flatnonzero(np.any(ends + changes[:, None] >= np.array(most)[:, None], axis=0))
+    reached = np.minimum(most, ends.max(axis=1))
+    looked = np.flatnonzero(np.any(ends + changes[:, None] >= reached[:, None], axis=0))
     shares = np.arange(OPTIONS.finest + 1) / OPTIONS.finest
     extremes = [_Extreme(), _Extreme()]
     at_once = OPTIONS.rows_at_once // len(shares)
@@ -81,27 +101,19 @@ def gyro_findings(
         cell, share = np.repeat(some, len(shares)), np.tile(shares, len(some))
         t_s = (cell + share) / ROWS_PER_S
         extremes = [
-            _greater(extreme, np.linalg.norm(vector, axis=1), t_s)
+            max(extreme, _greatest(np.linalg.norm(vector, axis=1), t_s))
             for extreme, vector in zip(extremes, asked(cell, share), strict=True)
         ]
-    for limit, extreme, size, unit in zip(LIMITS, extremes, most, ("N m", "N m s"), strict=True):
-        if extreme.size > size * (1.0 + RELATIVE_TOLERANCE):
-            yield Finding(
-                limit=limit,
-                t_s=extreme.t_s,
-                at_utc=shifted_utc(table.epoch_utc, extreme.t_s),
-                detail=f"the gyros' {limit} reaches {extreme.size:.6g} {unit}, more than {size:g}",
-            )
+    torque, momentum = extremes
+    yield "torque", "N m", float(most[0]), torque
+    yield "momentum", "N m s", float(most[1]), momentum
 
 
-def _gimbal_findings(
-    table: CommandTable, gyros: GyroSet, asked: Callable[[Indices, Array], tuple[Array, Array]]
-) -> Iterator[Finding]:
-    """Where the gimbals' rates aren't those of their angles, the angles don't hold the momentum
-    asked, or a gimbal is faster than its drive, as told or by the least rates that give the torque
-    from where the gimbals stand: near a singularity none do."""
-    assert table.extra_rad is not None  # else its columns are none of the platform's
-    angle_rad, rate_rad_s = np.hsplit(table.extra_rad, 2)
+def _of_gimbals(table: CommandTable, gyros: GyroSet, asked: Asked) -> Iterator[_Found]:
+    """Of the gimbals on the rows: their rates as told, and the least that give the torque from
+    where they stand, of which near a singularity there are none; how far from one they are; and
+    by how much the momentum that their angles hold is another than asked."""
+    angle_rad, rate_rad_s = _gimbal_columns(table)
     last = len(angle_rad) - 1
     cell = np.minimum(np.arange(last + 1), last - 1)
     torque_n_m, momentum_n_m_s = asked(cell, np.arange(last + 1.0) - cell)
@@ -112,44 +124,40 @@ def _gimbal_findings(
     held = np.stack([s[:, 2:].sum(axis=1), s[:, :2].sum(axis=1), c.sum(axis=1)], axis=1)
     slopes = np.stack([np.hstack([zero, c[:, 2:]]), np.hstack([c[:, :2], zero]), -s], axis=1)
     needed_rad_s = (np.linalg.pinv(slopes) @ (-torque_n_m / rotor_n_m_s)[:, :, None])[:, :, 0]
-    jumps_rad = np.abs(angle_rad[1:] - angle_rad[:-1] - COMMAND_STEP_S * rate_rad_s[:-1])
-    off_n_m_s = np.linalg.norm(rotor_n_m_s * held - momentum_n_m_s, axis=1)
-    checks: tuple[tuple[Limit, Array, float, str], ...] = (
-        (
-            "table",
-            jumps_rad.max(axis=1),
-            OPTIONS.gimbal_rad,
-            "a gimbal's rate misses by {:.3g} rad",
-        ),
-        (
-            "momentum",
-            off_n_m_s,
-            OPTIONS.gimbals_miss * rotor_n_m_s,
-            "the gimbals hold {:.3g} N m s other than the body's motion asks",
-        ),
-        (
-            "rate",
-            np.degrees(np.abs(rate_rad_s).max(axis=1)),
-            most_deg_s,
-            "a gimbal turns at {:.6g} deg/s",
-        ),
-        (
-            "rate",
-            np.degrees(np.abs(needed_rad_s).max(axis=1)),
-            most_deg_s,
-            "the torque takes a gimbal to {:.6g} deg/s",
-        ),
+    told_deg_s, needed_deg_s = (
+        np.degrees(np.abs(rates).max(axis=1)) for rates in (rate_rad_s, needed_rad_s)
     )
-    for limit, size, most, told in checks:
-        row = int(np.argmax(size))
-        if size[row] > most * (1.0 + RELATIVE_TOLERANCE):
-            t_s = row / ROWS_PER_S
-            yield Finding(
-                limit=limit,
-                t_s=t_s,
-                at_utc=shifted_utc(table.epoch_utc, t_s),
-                detail=f"{told.format(size[row])}, more than {most:.6g}",
-            )
+    off_n_m_s = np.linalg.norm(rotor_n_m_s * held - momentum_n_m_s, axis=1)
+    from_singular = np.linalg.svd(slopes, compute_uv=False)[:, -1]
+    t_s = table.t_s
+    nearest = _greatest(-from_singular, t_s)
+    yield "gimbal_rate", "deg/s", most_deg_s, _greatest(told_deg_s, t_s)
+    yield "gimbal_rate_needed", "deg/s", most_deg_s, _greatest(needed_deg_s, t_s)
+    yield "singularity", "1", 0.0, nearest._replace(size=-nearest.size)
+    miss_n_m_s = OPTIONS.gimbals_miss * rotor_n_m_s
+    yield "momentum_mismatch", "N m s", miss_n_m_s, _greatest(off_n_m_s, t_s)
+
+
+def gimbal_row_findings(table: CommandTable) -> Iterator[Finding]:
+    """Where the gimbals' rates aren't those of their angles."""
+    angle_rad, rate_rad_s = _gimbal_columns(table)
+    jumps_rad = np.abs(angle_rad[1:] - angle_rad[:-1] - COMMAND_STEP_S * rate_rad_s[:-1])
+    worst = _greatest(jumps_rad.max(axis=1), table.t_s)
+    if worst.size > OPTIONS.gimbal_rad * (1.0 + RELATIVE_TOLERANCE):
+        yield Finding(
+            limit="table",
+            t_s=worst.t_s,
+            at_utc=shifted_utc(table.epoch_utc, worst.t_s),
+            detail=f"a gimbal's rate misses by {worst.size:.3g} rad, more than "
+            f"{OPTIONS.gimbal_rad:.6g}",
+        )
+
+
+def _gimbal_columns(table: CommandTable) -> tuple[Array, Array]:
+    """Angles and rates, (n, 4) each."""
+    assert table.extra_rad is not None  # else its columns are none of the platform's
+    angle_rad, rate_rad_s = np.hsplit(table.extra_rad, 2)
+    return angle_rad, rate_rad_s
 
 
 def _gravity_eci_n_m(table: CommandTable, inertia_kg_m2: Array, ephemeris: Ephemeris) -> Array:

@@ -11,7 +11,7 @@ from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, Channel, CommandTa
 from planner.verification.directions import apart_rad
 from planner.verification.earth_fixed import earth_fixed_sight
 from planner.verification.platforms.body.exclusions import exclusion_margins
-from planner.verification.platforms.body.gyros import gyro_findings
+from planner.verification.platforms.body.gyros import gimbal_row_findings, gyro_margins
 from planner.verification.platforms.body.idle import idle_axes_eci, idle_motion, rotated_axes_eci
 from planner.verification.platforms.body.limits import body_margins, sizes_limited
 from planner.verification.platforms.body.options import OPTIONS
@@ -21,6 +21,7 @@ from planner.verification.platforms.judge import FlownInstants, JudgedSession
 from planner.verification.report import (
     ExclusionMargin,
     Finding,
+    GyroMargin,
     KeepOutMargin,
     Limit,
     LimitMargin,
@@ -94,13 +95,10 @@ class BodyJudge:
 
     def row_findings(self) -> Iterator[Finding]:
         """Whether attitude, rates and accelerations tell one motion, between the ends asked for,
-        that the gyros, where there are some, can turn."""
+        and the gimbals of gyros, where there are some, theirs."""
         yield from self._incoherent()
         if self._platform.gyros is not None:
-            inertia_kg_m2 = np.array(self._platform.inertia_kg_m2)
-            yield from gyro_findings(
-                self._table, self._between, self._platform.gyros, inertia_kg_m2, self._ephemeris
-            )
+            yield from gimbal_row_findings(self._table)
         ends: list[tuple[Limit, str, int]] = [("initial_state", "row 0", 0)]
         if self._scenario.final_state is not None:
             ends.append(("final_state", "the last row", len(self._table.position) - 1))
@@ -152,6 +150,13 @@ class BodyJudge:
     def masks(self) -> tuple[MaskMargin, ...]:
         """None: the structure turns with the camera."""
         return ()
+
+    def gyros(self) -> tuple[GyroMargin, ...]:
+        """None without gyros."""
+        gyros, inertia_kg_m2 = self._platform.gyros, np.array(self._platform.inertia_kg_m2)
+        if gyros is None:
+            return ()
+        return gyro_margins(self._table, self._between, gyros, inertia_kg_m2, self._ephemeris)
 
     def exclusions(self) -> tuple[ExclusionMargin, ...]:
         """Of each exclusion of the platform, and of the star trackers it needs."""

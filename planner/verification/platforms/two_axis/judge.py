@@ -23,6 +23,7 @@ from planner.verification.platforms.two_axis.limits import axis_margins, slow_st
 from planner.verification.report import (
     ExclusionMargin,
     Finding,
+    GyroMargin,
     KeepOutMargin,
     LimitMargin,
     MaskMargin,
@@ -162,6 +163,10 @@ class TwoAxisJudge:
 
     def exclusions(self) -> tuple[ExclusionMargin, ...]:
         """None: what the carrier turns away from somebody else plans."""
+        return ()
+
+    def gyros(self) -> tuple[GyroMargin, ...]:
+        """None: drives turn its axes."""
         return ()
 
     def slow_stretches(self, cells: Mask, *, standing: bool) -> Iterator[SlowStretch]:

@@ -154,22 +154,38 @@ function Margins({ plan }: { plan: Plan }) {
               </tr>
             )),
           )}
-          {plan.resources.map(({ name, unit, limit, extreme, margin, at }) => (
-            <tr key={`resource ${name}`}>
-              <td>{resourceTold(name)}</td>
-              <td>
-                {digits(limit)} {resourceUnit(unit)}
-              </td>
-              <td class="number">{digits(extreme)}</td>
-              <td class="number">
-                {digits(margin)} {resourceUnit(unit)}
-              </td>
-              <td class="number">{rowClock(at)}</td>
-            </tr>
+          {plan.resources.map((one) => (
+            <Reserve key={`resource ${one.name}`} of={resourceTold(one.name)} limit="" one={one} />
+          ))}
+          {plan.gyros.map((one) => (
+            <Reserve key={`gyros ${one.name}`} of={text.gyros} limit={limitTold(one.name)} one={one} />
           ))}
         </tbody>
       </table>
     </section>
+  );
+}
+
+interface ReserveProps {
+  of: string;
+  limit: string;
+  one: Plan["resources"][number] | Plan["gyros"][number];
+}
+
+function Reserve({ of, limit, one }: ReserveProps) {
+  const unit = unitOf(resourceUnit(one.unit));
+  return (
+    <tr>
+      <td>{of}</td>
+      <td>
+        {limit} {digits(one.limit)} {unit}
+      </td>
+      <td class="number">{digits(one.extreme)}</td>
+      <td class="number">
+        {digits(one.margin)} {unit}
+      </td>
+      <td class="number">{rowClock(one.at)}</td>
+    </tr>
   );
 }
 
