@@ -4,7 +4,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { fieldsOf, type Node, type ObjectSchema } from "./schema.fields.ts";
 
 /** Whose fields the page's forms are made of. */
-export const FORMS = ["PlanRequest", "OpportunityConditions"];
+export const FORMS = ["PlanRequest", "OpportunityConditions", "CampaignTarget"];
 
 interface Schema {
   components: { schemas: Record<string, ObjectSchema> };
@@ -17,7 +17,7 @@ export function listsOf({ components: { schemas }, paths }: Schema): Record<stri
   const forms = (schema: string, name: string) => Object.entries(member(schema, name).discriminator?.mapping ?? {});
   const formats = (path: string) => paths[path]?.get.parameters.find(({ name }) => name === "format")?.schema.enum ?? [];
   const hasOwn = (ref: string, name: string) => name in (schemas[ref.replace(/^.*\//, "")]?.properties ?? {});
-  // Windows of imaging modes are those of their scans, of which a form's one session takes one only.
+  // Windows of imaging modes are those of their scans: the form puts them together.
   const searched = forms("OpportunityTarget", "target").filter(([, ref]) => !hasOwn(ref, "geometry"));
   return {
     ORBIT_SOURCES: forms("PlanRequest", "orbit").map(([source]) => source),

@@ -73,7 +73,7 @@ def test_targets_of_a_file_are_asked_for_and_their_progress_is_shown(open_page, 
     )
     page = open_page("/campaigns")
     page.get_by_label("Choose a file of targets").set_input_files(file)
-    expect(page.get_by_role("cell", name="Graz, Styria", exact=True)).to_be_visible()
+    expect(page.get_by_role("rowheader", name="Graz, Styria", exact=True)).to_be_visible()
     page.get_by_label("High Sun").fill("1")
     page.get_by_label("High Sun").press("Tab")
     asked = json.loads(page.get_by_label("Request as JSON").input_value())
@@ -94,7 +94,7 @@ def test_targets_are_added_weighed_and_removed_in_place(open_page):
 
     page.get_by_role("combobox", name="Add a target").fill("Ljub")
     page.get_by_role("option", name="Ljubljana, SI").click()
-    expect(page.get_by_role("cell", name="Ljubljana", exact=True)).to_be_visible()
+    expect(page.get_by_role("rowheader", name="Ljubljana", exact=True)).to_be_visible()
     assert targets()[-1]["target"] == {"mode": "place", "name": "Ljubljana, SI"}
     page.get_by_label("Map of the targets").click(position={"x": 200, "y": 200})
     expect(
@@ -115,13 +115,35 @@ def test_imaging_modes_have_no_length_and_are_kept_as_they_are(open_page):
     modes = json.loads((ROOT / "examples/campaign_modes.json").read_text())
     asked = page.get_by_label("Request as JSON")
     asked.fill(json.dumps(modes))
-    expect(page.get_by_role("cell", name="Stereo pair", exact=True)).to_be_visible()
+    expect(page.get_by_role("rowheader", name="Stereo pair", exact=True)).to_be_visible()
     expect(page.locator(".map .fate-open")).to_have_count(4)
     expect(page.get_by_label("Length of a look at")).to_have_count(0)
     page.get_by_label("Priority of area").fill("3")
     page.get_by_label("Priority of area").press("Tab")
     modes["targets"][3]["priority"] = 3
     assert json.loads(asked.input_value()) == modes
+    assert violations(page) == []
+
+
+def test_a_mode_is_drawn_on_the_map_and_turned_by_a_roll_of_its_own(open_page):
+    page = open_page("/campaigns")
+    asked = page.get_by_label("Request as JSON")
+    asked.fill((ROOT / "examples/campaign_modes.json").read_text())
+    expect(page.locator(".map .asked-shape")).to_have_count(4)
+    page.get_by_label("Corridor", exact=True).check()
+    world = page.get_by_role("application", name="Map: arrows move the cross")
+    world.focus()
+    for key in ("Enter", "ArrowRight", "Enter", "ArrowUp", "Enter"):
+        world.press(key)
+    page.get_by_role("button", name="Finish").click()
+    expect(page.locator(".map .asked-shape")).to_have_count(5)
+    page.get_by_role("button", name="More of corridor 2", exact=True).click()
+    page.get_by_label("Roll", exact=True).select_option(label="azimuth")
+    drawn = json.loads(asked.input_value())["targets"][-1]
+    assert (drawn["id"], drawn["target"]["mode"]) == ("corridor 2", "corridor")
+    assert len(drawn["target"]["geometry"]["coordinates"]) == 3
+    assert drawn["roll"]["rule"] == "azimuth"
+    assert "session_s" not in drawn
     assert violations(page) == []
 
 
@@ -211,7 +233,7 @@ def test_a_file_without_targets_is_told_by_its_line(open_page, tmp_path):
     page = open_page("/campaigns")
     page.get_by_label("Choose a file of targets").set_input_files(file)
     expect(page.get_by_role("alert")).to_contain_text("line 3: latitude_deg")
-    expect(page.get_by_role("cell", name="Las Vegas", exact=True)).to_be_visible()
+    expect(page.get_by_role("rowheader", name="Las Vegas", exact=True)).to_be_visible()
 
 
 def test_work_is_cancelled_where_it_is_shown_and_asked_for_again(open_page, service):

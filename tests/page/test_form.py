@@ -79,6 +79,26 @@ def test_a_path_is_clicked_on_the_map(form):
     assert len(session["target"]["points"]) == 3
 
 
+def test_a_mode_is_drawn_and_planned_in_a_window_of_all_its_scans(form):
+    modes = json.loads((ROOT / "examples/imaging_modes.json").read_text())
+    panel = opened(form, "Request")
+    group(panel, "As JSON, to read and change")
+    panel.get_by_label("Request as JSON").fill(json.dumps(modes | {"sessions": [{}]}))
+    form.get_by_role("radio", name="Stereo pair").check()
+    entry = form.get_by_role("combobox", name="Next point: place or coordinates")
+    for count, place in enumerate(("28.772611, -15.742638", "29.301017, -15.876398"), start=1):
+        entry.fill(place)
+        entry.press("Enter")
+        expect(form.get_by_role("button", name=f"Remove point {count}")).to_be_visible()
+    expect(form.locator(".map .asked-shape")).to_have_count(1)
+    with_window(form)
+    plan = planned(form)
+    [session] = plan["sessions"]
+    assert session["target"]["mode"] == "stereo"
+    assert session["target"]["geometry"]["coordinates"][0] == [-15.742638, 28.772611]
+    expect(form.get_by_role("region", name="Sessions").get_by_role("row")).to_have_count(3)
+
+
 def test_a_path_by_names_is_reordered_and_timed(form):
     form.get_by_role("radio", name="Path").check()
     entry = form.get_by_role("combobox", name="Next point: place or coordinates")

@@ -32,9 +32,10 @@ def planned(page):
 
 def test_a_kept_session_is_shown_with_what_is_left_out(open_page, session):
     page = open_page(f"/spacecraft/plans/{session['id']}")
-    verdict = page.get_by_test_id("session-verdict")
-    expect(verdict).to_contain_text("Passed")
-    expect(verdict).to_contain_text("4 of 5 requests imaged")
+    expect(page.get_by_test_id("verdict")).to_contain_text("Passed")
+    expect(page.get_by_test_id("session-imaged")).to_contain_text("4 of 5 requests imaged")
+    margins = page.get_by_role("region", name="Margins").get_by_role("row")
+    expect(margins.filter(has_text="torque 15 N·m")).to_have_count(1)
     [left_out] = session["left_out"]
     expect(page.get_by_role("region", name="Left out")).to_contain_text(left_out["reason"])
     looks = page.get_by_role("group", name="Looks").locator("tbody tr")
@@ -73,7 +74,7 @@ def test_what_is_drawn_on_the_map_is_asked_for(open_page):
     world = page.get_by_role("application", name="Map: arrows move the cross")
     expect(world.locator(".asked-shape")).to_have_count(4)
     page.get_by_role("button", name="Remove all").click()
-    page.get_by_label("corridor").check()
+    page.get_by_label("Corridor", exact=True).check()
     world.focus()
     for key in ("Enter", "ArrowRight", "Enter", "ArrowUp", "Enter"):
         world.press(key)
@@ -81,7 +82,7 @@ def test_what_is_drawn_on_the_map_is_asked_for(open_page):
     page.get_by_role("button", name="Finish").click()
     asked = json.loads(page.get_by_label("Request as JSON").input_value())
     [corridor] = asked["requests"]
-    assert (corridor["mode"], corridor["name"]) == ("corridor", "corridor 1")
+    assert (corridor["mode"], corridor["name"]) == ("corridor", "corridor")
     (west, _), (middle, _), (east, _) = corridor["geometry"]["coordinates"]
     assert west < middle == east
     assert asked["orbit"] == FOUR_MODES["orbit"]
@@ -97,7 +98,7 @@ def test_dropped_geojson_is_planned_with_progress(open_page):
     page.get_by_label("Closed-loop runs").fill("0")
     page.get_by_label("Closed-loop runs").press("Tab")
     planned(page)
-    expect(page.get_by_test_id("session-verdict")).to_contain_text(
+    expect(page.get_by_test_id("session-imaged")).to_contain_text(
         "1 of 1 requests imaged", timeout=PATIENCE_MS
     )
     page.get_by_role("link", name="Change the request").click()
@@ -161,7 +162,7 @@ def test_a_pass_is_found_and_taken_for_the_session(open_page):
     page.get_by_label("Closed-loop runs").fill("0")
     page.get_by_label("Closed-loop runs").press("Tab")
     planned(page)
-    expect(page.get_by_test_id("session-verdict")).to_contain_text(
+    expect(page.get_by_test_id("session-imaged")).to_contain_text(
         "of 4 requests imaged", timeout=PATIENCE_MS
     )
 

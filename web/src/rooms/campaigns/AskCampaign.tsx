@@ -4,23 +4,34 @@ import { useMemo, useRef, useState } from "preact/hooks";
 import example from "../../../../examples/campaign_cities.json";
 import { Problem } from "../../api/problem";
 import { words } from "../../i18n";
-import { EarthMap } from "../../map/EarthMap";
-import { placeNames } from "../../map/labels";
-import type { LonLat } from "../../map/places";
+import { MODES } from "../../map/modes";
 import { DropZone } from "../../parts/DropZone";
 import { Field } from "../../parts/Field";
+import { FormSurroundings } from "../../parts/fields/Fields";
 import { useMaking } from "../../parts/making";
 import { OrbitField } from "../../parts/OrbitField";
 import { PlatformField, PlatformMembers } from "../../parts/PlatformField";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import type { AskedPlatform, Platform } from "../../parts/platforms";
 import { RequestText } from "../../parts/RequestText";
-import { type CampaignRequest, type CampaignTarget, faultsOf, fetchRequest, isOfBody, placesOf, withPlatform } from "./campaign";
+import { BODY_ONLY } from "../planning/platforms";
+import {
+  type CampaignRequest,
+  type CampaignTarget,
+  faultsOf,
+  fetchRequest,
+  isOfBody,
+  modeIn,
+  placesOf,
+  withPlatform,
+} from "./campaign";
 import { idFor, TargetList } from "./TargetList";
+import { type Kind, TargetsMap } from "./TargetsMap";
 import { NoTargets, SESSION_S, targetsOf } from "./targets";
 import { Weights } from "./Weights";
 import { WhenAndHow } from "./WhenAndHow";
 
+const KINDS: readonly Kind[] = ["ground", ...MODES];
 const EXAMPLE = example as unknown as CampaignRequest;
 
 export function AskCampaign() {
@@ -51,14 +62,9 @@ export function AskCampaign() {
     error instanceof Problem &&
     (error.document.errors ?? []).every(({ field }) => field.startsWith("targets."));
   const add = (target: CampaignTarget["target"]) =>
-    change({ targets: [...targets, { id: idFor(target, targets), session_s: SESSION_S, target }] });
-  const [hasPicked, setHasPicked] = useState(false);
-  const pick = ([longitude_deg, latitude_deg]: LonLat) => {
-    setHasPicked(true);
-    add({ mode: "ground", latitude_deg, longitude_deg, height_m: 0 });
-  };
+    change({ targets: [...targets, { id: idFor(target, targets), ...(!modeIn(target) && { session_s: SESSION_S }), target }] });
+  const surroundings = { axes: [], known: {}, others: isOfBody(request) ? [] : BODY_ONLY, refused: null };
   const places = placesOf({ ...request, targets }, null);
-  const known = places.filter((one) => one !== null);
   return (
     <div class="room">
       <h1>{words.value.shell.rooms.campaigns}</h1>
@@ -77,7 +83,9 @@ export function AskCampaign() {
                 {wrong}
               </p>
             )}
-            <TargetList targets={targets} faults={faults} onTargets={(targets) => change({ targets })} onAdd={add} />
+            <FormSurroundings.Provider value={surroundings}>
+              <TargetList targets={targets} faults={faults} onTargets={(targets) => change({ targets })} onAdd={add} />
+            </FormSurroundings.Provider>
           </section>
           <section class="panel" aria-labelledby="campaign-when">
             <div class="pair">
@@ -100,29 +108,7 @@ export function AskCampaign() {
           <Weights view={request.view ?? {}} onView={(view) => change({ view })} />
         </div>
         <div>
-          <EarthMap
-            label={text.map}
-            hint={text.askMapHint}
-            around={known}
-            aroundLabel={text.toTargets}
-            fits={!hasPicked}
-            onPick={pick}
-          >
-            {({ projection, wide }) => {
-              const points = places.map((one) => one && projection(one));
-              const names = targets.map((one) => one.id);
-              const placings = placeNames(points, names, wide);
-              return points.map(
-                (point, k) =>
-                  point && (
-                    <g key={k} class="fate fate-open" transform={`translate(${point[0]},${point[1]})`}>
-                      <circle r={targets.length > 300 ? 2.5 : 4.5} />
-                      {placings[k] && <text {...placings[k]}>{names[k]}</text>}
-                    </g>
-                  ),
-              );
-            }}
-          </EarthMap>
+          <TargetsMap targets={targets} places={places} kinds={KINDS} around={places.filter((one) => one !== null)} onAdd={add} />
           <div class="panel">
             <RequestText
               request={request}

@@ -1,37 +1,46 @@
 /** The targets asked for: added by name, changed and removed in their rows, each beside what is wrong with it. */
-import { useRef } from "preact/hooks";
+import { Fragment } from "preact";
+import { useRef, useState } from "preact/hooks";
 
 import { get } from "../../api/client";
 import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { Combobox } from "../../parts/Combobox";
 import { Field } from "../../parts/Field";
-import { valueLabel } from "../../parts/fields/labels";
+import { Fields } from "../../parts/fields/Fields";
+import { membersTold, valueLabel } from "../../parts/fields/labels";
+import type { Members } from "../../parts/fields/shape";
 import { useKept } from "../../parts/kept";
 import { RemoveButton } from "../../parts/RemoveButton";
 import { places } from "../planning/names";
-import { groundOf, textOf } from "../planning/target";
-import type { CampaignTarget, FieldError } from "./campaign";
+import { groundOf, schemaOfMode, textOf } from "../planning/target";
+import { type CampaignTarget, type FieldError, modeIn } from "./campaign";
 
 const SHOWN = 200;
 const CANDIDATES = 6;
 const LEAST_PRIORITY = 1e-6;
+const SCHEMA = "CampaignTarget";
+/** Members that a row's own cells change, or the map. */
+const IN_ROW = ["id", "target", "priority", "session_s"];
+const PLACED = ["geometry", "latitude_deg", "longitude_deg", "height_m", "name"];
 
 interface Props {
   targets: readonly CampaignTarget[];
   /** Of those that were refused. */
   faults: ReadonlyMap<CampaignTarget, readonly FieldError[]>;
   onTargets: (targets: CampaignTarget[]) => void;
-  onAdd: (target: CampaignTarget["target"]) => void;
+  /** By name; unless given, none is added so, and targets have no other members than the row's. */
+  onAdd?: (target: CampaignTarget["target"]) => void;
 }
 
 export function TargetList({ targets, faults, onTargets, onAdd }: Props) {
   const text = words.value.campaigns;
   const shown = targets.map((one, number) => ({ one, number })).filter(({ one, number }) => number < SHOWN || faults.has(one));
+  const [opened, setOpened] = useState<number | null>(null);
   const change = (number: number, next: CampaignTarget) => onTargets(targets.map((one, k) => (k === number ? next : one)));
   return (
     <>
-      <AddTarget onAdd={onAdd} />
+      {onAdd && <AddTarget onAdd={onAdd} />}
       <div class="scroll-both targets" tabIndex={0} role="group" aria-label={text.targets}>
         <table>
           <thead>
@@ -46,39 +55,59 @@ export function TargetList({ targets, faults, onTargets, onAdd }: Props) {
           </thead>
           <tbody>
             {shown.map(({ one, number }) => (
-              <tr key={number} class={faults.has(one) ? "row-wrong" : ""}>
-                <td>
-                  {one.id}
-                  {faults.get(one)?.map((fault) => (
-                    <Fault
-                      key={fault.field}
-                      fault={fault}
-                      onName={(name) => change(number, { ...one, target: { mode: "place", name } })}
+              <Fragment key={number}>
+                <tr class={faults.has(one) ? "row-wrong" : ""}>
+                  <th scope="row">
+                    {one.id} {onAdd && <span class="small">{othersTold(one)}</span>}
+                    {faults.get(one)?.map((fault) => (
+                      <Fault
+                        key={fault.field}
+                        fault={fault}
+                        onName={(name) => change(number, { ...one, target: { mode: "place", name } })}
+                      />
+                    ))}
+                  </th>
+                  <td>
+                    <Amount
+                      label={text.priorityOf(one.id)}
+                      least={LEAST_PRIORITY}
+                      value={one.priority ?? 1}
+                      onValue={(priority) => change(number, { ...one, priority })}
                     />
-                  ))}
-                </td>
-                <td>
-                  <Amount
-                    label={text.priorityOf(one.id)}
-                    least={LEAST_PRIORITY}
-                    value={one.priority ?? 1}
-                    onValue={(priority) => change(number, { ...one, priority })}
-                  />
-                </td>
-                <td>
-                  {"geometry" in one.target ? (
-                    valueLabel(one.target.mode)
-                  ) : (
-                    <Length one={one} onTarget={(next) => change(number, next)} />
-                  )}
-                </td>
-                <td>
-                  <RemoveButton
-                    label={text.removeOne(one.id)}
-                    onRemove={() => onTargets(targets.filter((_, k) => k !== number))}
-                  />
-                </td>
-              </tr>
+                  </td>
+                  <td>
+                    {modeIn(one.target) ? (
+                      <span class={`key-mode key-${one.target.mode}`}>{valueLabel(one.target.mode)}</span>
+                    ) : (
+                      <Length one={one} onTarget={(next) => change(number, next)} />
+                    )}
+                  </td>
+                  <td class="nowrap">
+                    {onAdd && (
+                      <button
+                        type="button"
+                        class="plain"
+                        aria-label={text.moreOf(one.id)}
+                        aria-expanded={opened === number}
+                        onClick={() => setOpened(opened === number ? null : number)}
+                      >
+                        …
+                      </button>
+                    )}
+                    <RemoveButton
+                      label={text.removeOne(one.id)}
+                      onRemove={() => onTargets(targets.filter((_, k) => k !== number))}
+                    />
+                  </td>
+                </tr>
+                {opened === number && (
+                  <tr>
+                    <td colSpan={4}>
+                      <Others one={one} path={`targets.${number}`} onTarget={(next) => change(number, next)} />
+                    </td>
+                  </tr>
+                )}
+              </Fragment>
             ))}
           </tbody>
         </table>
@@ -88,7 +117,37 @@ export function TargetList({ targets, faults, onTargets, onAdd }: Props) {
   );
 }
 
-function AddTarget({ onAdd }: Pick<Props, "onAdd">) {
+/** Looks, group and roll of a target, and what its kind has beside where it is. */
+function Others({ one, path, onTarget }: { one: CampaignTarget; path: string; onTarget: (next: CampaignTarget) => void }) {
+  const schema = schemaOfMode(one.target.mode);
+  const mode = one.target as unknown as Members;
+  return (
+    <>
+      <Fields
+        schema={SCHEMA}
+        value={one as unknown as Members}
+        path={path}
+        omit={IN_ROW}
+        onValue={(next) => onTarget(next as unknown as CampaignTarget)}
+      />
+      {schema && (
+        <Fields
+          schema={schema}
+          value={mode}
+          path={`${path}.target`}
+          omit={PLACED}
+          onValue={(next) => onTarget({ ...one, target: next as unknown as CampaignTarget["target"] })}
+        />
+      )}
+    </>
+  );
+}
+
+function othersTold(one: CampaignTarget): string {
+  return membersTold(SCHEMA, Object.fromEntries(Object.entries(one).filter(([name]) => !IN_ROW.includes(name))));
+}
+
+function AddTarget({ onAdd }: { onAdd: NonNullable<Props["onAdd"]> }) {
   const text = words.value.campaigns;
   const [typed, setTyped] = useKept("/campaigns target", "");
   const form = useRef<HTMLFormElement>(null);

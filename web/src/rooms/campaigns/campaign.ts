@@ -1,6 +1,7 @@
 /** A campaign's request and answer: where its targets are, and what becomes of each. */
 import { get, type Schemas } from "../../api/client";
 import { Problem } from "../../api/problem";
+import { isMode, type Mode, pointsOf } from "../../map/modes";
 import { type LonLat, middleOf } from "../../map/places";
 import { type AskedPlatform, findPlatform, type Platform, slewOfBody, usualOf } from "../../parts/platforms";
 
@@ -141,9 +142,10 @@ function numberOf(field: string): number {
 }
 
 /** Where the targets are, in the request's order. */
-export function placesOf(request: CampaignRequest, choice: Choice | null): (LonLat | null)[] {
+export function placesOf(request: Pick<CampaignRequest, "targets">, choice: Choice | null): (LonLat | null)[] {
   const places = request.targets.map(({ target }): LonLat | null => {
-    if ("geometry" in target) return middleOf(pointsOf(target.geometry?.coordinates))?.at ?? null;
+    if ("geometry" in target)
+      return middleOf(pointsOf((target.geometry as { coordinates?: unknown } | null)?.coordinates))?.at ?? null;
     return target.mode === "ground" || target.mode === "station" ? [target.longitude_deg, target.latitude_deg] : null;
   });
   for (const { field, members } of choice?.assumed ?? []) {
@@ -156,12 +158,9 @@ export function placesOf(request: CampaignRequest, choice: Choice | null): (LonL
   return places;
 }
 
-/** The points of a geometry, however deep they lie; of what is half typed, those there are. */
-function pointsOf(coordinates: unknown): LonLat[] {
-  if (!Array.isArray(coordinates)) return [];
-  const [first, second]: unknown[] = coordinates;
-  if (typeof first === "number" && typeof second === "number") return [[first, second]];
-  return coordinates.flatMap((one) => pointsOf(one));
+/** The imaging mode that a target is; null for others. */
+export function modeIn(target: CampaignTarget["target"] | undefined): Mode | null {
+  return target && isMode(target.mode) ? target.mode : null;
 }
 
 /** "2/3" for a scan of several, as its session's name in the plan ends; else nothing. */

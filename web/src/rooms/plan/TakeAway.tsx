@@ -13,18 +13,23 @@ import type { Plan } from "./plan";
 
 type Format = (typeof PLAN_FORMATS)[number];
 
+/** Ways by which a plan is asked for: the service's, the client's, the page's, and the room that changes it. */
+export interface Asked {
+  path: string;
+  call: string;
+  room: string;
+  change: (id: string) => string;
+}
+
 interface Props {
   plan: Plan;
   /** As it was sent; null until it is read. */
   request: string | null;
   unread: unknown;
-  /** Where it was asked for: of an imaging session elsewhere. */
-  asked?: { path: string; call: string; room: string };
+  asked: Asked;
 }
 
-const OF_SESSIONS = { path: "v1/plans", call: "plan", room: "/plans" };
-
-export function TakeAway({ plan, request, unread, asked = OF_SESSIONS }: Props) {
+export function TakeAway({ plan, request, unread, asked }: Props) {
   const text = words.value.plan.take;
   const saving = useRequest<void>(null);
   const error = saving.error ?? unread;

@@ -6,6 +6,7 @@ import { FIELDS } from "../../api/fields";
 import { Problem } from "../../api/problem";
 import { words } from "../../i18n";
 import { rfc3339 } from "../../i18n/forms";
+import { isMode, MODES } from "../../map/modes";
 import { Combobox } from "../../parts/Combobox";
 import { Field } from "../../parts/Field";
 import { FoldedFields } from "../../parts/fields/FoldedFields";
@@ -13,6 +14,7 @@ import { valueLabel } from "../../parts/fields/labels";
 import { begin, beginUnion, type Members } from "../../parts/fields/shape";
 import { useStateOf } from "../../parts/stateOf";
 import * as draft from "./draft";
+import { ModeEntry } from "./ModeEntry";
 import { places, stars } from "./names";
 import { PathEntry } from "./PathEntry";
 import { PointEntry } from "./PointEntry";
@@ -26,6 +28,7 @@ const ENTERED: Readonly<Record<string, readonly string[]>> = {
   place: ["name"],
   ground_path: ["points"],
   station: ["latitude_deg", "longitude_deg", "height_m"],
+  ...Object.fromEntries(MODES.map((mode) => [mode, ["geometry"]])),
   star: ["name", "hip"],
   body: ["name"],
 };
@@ -74,6 +77,7 @@ function Entry({ kind, target }: { kind: string; target: Target | undefined }) {
       </>
     );
   }
+  if (isMode(kind)) return <ModeEntry mode={kind} target={target} />;
   if (target) return null;
   const shape = FIELDS.Session?.target?.shape;
   return (

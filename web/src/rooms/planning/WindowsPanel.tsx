@@ -2,6 +2,7 @@
 import { Problem } from "../../api/problem";
 import { words } from "../../i18n";
 import { number, percent } from "../../i18n/forms";
+import { isMode } from "../../map/modes";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { Overview } from "../../windows/Overview";
 import { PassFigures } from "../../windows/PassFigures";
@@ -42,7 +43,13 @@ export function WindowsPanel() {
       <SpanFields />
       {error !== null && !isTargets && <ProblemNotice error={error} again={searchAgain} />}
       {target && searchedOf(target) === null && (
-        <p class="hint">{target.mode === "ground_path" ? text.onePoint : text.untimed}</p>
+        <p class="hint">
+          {isMode(target.mode)
+            ? words.value.plan.drawing.howTo[target.mode]
+            : target.mode === "ground_path"
+              ? text.onePoint
+              : text.untimed}
+        </p>
       )}
       {now?.unseen && <p>{text.none(now.unseen.closed_by, now.unseen.because, number(now.unseen.best_elevation_deg, 1))}</p>}
       {now && now.windows.length > 0 && (

@@ -3,13 +3,17 @@ import { geoCircle } from "d3-geo";
 
 import { words } from "../../i18n";
 import { EarthMap } from "../../map/EarthMap";
+import { isMode, pointsOf, positionsOf } from "../../map/modes";
 import type { LonLat } from "../../map/places";
+import { Drafted, Shape } from "../../map/Shapes";
 import { DaysTrack } from "./DaysTrack";
 import * as draft from "./draft";
+import { addPosition } from "./ModeEntry";
 import { addPoint } from "./PathEntry";
 import { circleOf, groundTrack } from "./passes";
 import { refused } from "./refusal";
 import { takeMoving, takeStation } from "./TargetPanel";
+import { geometryIn, isDrawn } from "./target";
 import { targetTold } from "./told";
 import { found, windowNear } from "./windows";
 
@@ -28,12 +32,12 @@ export function WorldMap() {
   return (
     <EarthMap
       label={text.label}
-      hint={kind === "ground_path" ? text.hintPath : text.hint}
+      hint={isMode(kind) ? words.value.plan.drawing.howTo[kind] : kind === "ground_path" ? text.hintPath : text.hint}
       around={path.length > 1 ? path : seen ? [seen] : []}
       aroundLabel={text.toTarget}
       onPick={pick}
     >
-      {({ projection, path: drawn }) => (
+      {({ projection, path: drawn, wide }) => (
         <>
           <DaysTrack path={drawn} />
           {seen && radius && <path class="circle" d={drawn(geoCircle().center(seen).radius(radius)()) ?? ""} />}
@@ -58,6 +62,16 @@ export function WorldMap() {
                   })}
                 </g>
               )
+            );
+          })}
+          {draft.sessions.value.map(({ target }, index) => {
+            const geometry = geometryIn(target);
+            if (!target || !geometry || !isMode(target.mode)) return null;
+            const drawing = { projection, path: drawn, wide };
+            return isDrawn(target) ? (
+              <Shape key={`shape-${index}`} mode={target.mode} geometry={geometry} drawing={drawing} />
+            ) : (
+              <Drafted key={`shape-${index}`} mode={target.mode} positions={positionsOf(geometry)} drawing={drawing} />
             );
           })}
           {draft.sessions.value.map((one, index) => {
@@ -95,6 +109,7 @@ function pick([longitude_deg, latitude_deg]: LonLat): void {
   const point = { latitude_deg, longitude_deg, height_m: 0 };
   const kind = draft.kind.peek();
   if (kind === "ground_path") addPoint(point);
+  else if (isMode(kind)) addPosition(kind, point);
   else if (kind === "ground_moving") takeMoving(point);
   else if (kind === "station") takeStation(point);
   else draft.setTarget({ mode: "ground", ...point });
@@ -108,6 +123,8 @@ function pathOf({ target }: draft.DraftSession): LonLat[] {
 function placeOf({ target }: draft.DraftSession): LonLat | null {
   const isPoint = target?.mode === "ground" || target?.mode === "ground_moving" || target?.mode === "station";
   if (isPoint) return [target.longitude_deg, target.latitude_deg];
+  const geometry = geometryIn(target);
+  if (geometry) return pointsOf(geometry.coordinates)[0] ?? null;
   return target?.mode === "ground_path" && target.points[0]
     ? [target.points[0].longitude_deg, target.points[0].latitude_deg]
     : null;

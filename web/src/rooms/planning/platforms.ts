@@ -33,7 +33,9 @@ const AXES_ONLY = [
   "Session.keyhole",
   "Session.target.test_motion",
 ];
-const BODY_ONLY = [
+export const BODY_ONLY = [
+  "Session.roll",
+  "CampaignTarget.roll",
   "AskedInitialState.q_body_from_eci_xyzw",
   "AskedInitialState.omega_body_deg_s",
   "AskedInitialState.alpha_body_deg_s2",

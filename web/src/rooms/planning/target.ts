@@ -2,6 +2,7 @@
 
 import type { Schemas } from "../../api/client";
 import { FIELDS } from "../../api/fields";
+import { type Geometry, isMode, POSITIONS, positionsOf } from "../../map/modes";
 
 export type Target = Schemas["Session"]["target"];
 export type Path = Schemas["GroundPathTarget"];
@@ -14,6 +15,20 @@ export const KINDS: readonly string[] = (() => {
   const shape = FIELDS.Session?.target?.shape;
   return shape?.kind === "union" ? Object.keys(shape.of).filter((mode) => mode !== "place") : [];
 })();
+
+/** The shape of an imaging mode; of what is half typed none. */
+export function geometryIn(target: Target | undefined): Geometry | null {
+  const geometry = target && "geometry" in target ? (target.geometry as Partial<Geometry> | null) : null;
+  return Array.isArray(geometry?.coordinates) ? (geometry as Geometry) : null;
+}
+
+/** Whether an imaging mode has the positions that it takes. */
+export function isDrawn(target: Target): boolean {
+  const geometry = geometryIn(target);
+  if (!geometry || !isMode(target.mode)) return false;
+  const isOnePart = geometry.type === "LineString" || geometry.type === "Polygon";
+  return !isOnePart || positionsOf(geometry).length >= POSITIONS[target.mode].least;
+}
 
 export function kindOf(target: Target): string {
   return target.mode === "place" ? "ground" : target.mode;

@@ -5,14 +5,15 @@ import { post, remove, type Schemas } from "../../api/client";
 import { EARTH_FIXED_MODES, SEARCHED_MODES } from "../../api/lists";
 import { isAbort } from "../../api/problem";
 import { rfc3339 } from "../../i18n/forms";
+import { isMode } from "../../map/modes";
 import { platforms } from "../../parts/platforms";
 import { lightOf } from "../../windows/sight";
 import * as draft from "./draft";
 import { body, slewTime_s } from "./platforms";
-import { durationOf, middleOf, type Target } from "./target";
+import { type Window, wholePasses } from "./scans";
+import { durationOf, isDrawn, middleOf, type Target } from "./target";
 
-/** With all that `include` below asks for. */
-export type Window = Required<Schemas["WindowOut"]>;
+export type { Window };
 
 const SAMPLES = 41;
 const ASKED = { include: "view,probability,reasons", limit: 500 };
@@ -59,6 +60,7 @@ export function windowNear(windows: readonly Window[], one: draft.DraftSession):
     of what can be held, away from its stops, of a long one the middle minutes; null where nothing is left. */
 export function sessionIn(window: Window): { start: string; stop: string } | null {
   if (!window.session) return null;
+  if (isMode(draft.target.peek()?.mode ?? "")) return window.session;
   const free = longestFree(window, ...held(window, window.session));
   if (!free) return null;
   const [first, last] = free;
@@ -178,13 +180,14 @@ function isOneOf(modes: readonly string[], mode: string): boolean {
 
 let last: string | null = null;
 
-/** The target that windows are looked for: of a path the point halfway; null where there are none. */
+/** The target that windows are looked for: of a path the point halfway, a mode once it is drawn; null where there are none. */
 export function searchedOf(target: Target | undefined): Target | null {
   if (!target) return null;
   if (target.mode === "ground_path") {
     const middle = middleOf(target.points);
     return middle && target.points.length > 1 ? { mode: "ground", ...middle } : null;
   }
+  if (isMode(target.mode)) return isDrawn(target) ? target : null;
   return isOneOf(SEARCHED_MODES, target.mode) ? target : null;
 }
 
@@ -192,7 +195,7 @@ export function searchedOf(target: Target | undefined): Target | null {
 function conditionsFor(target: Target): draft.Conditions {
   const asked = { ...draft.conditions.peek(), ...draft.light.peek() };
   const { min_elevation_deg, sun_elevation_min_deg, sun_elevation_max_deg, ...others } = asked;
-  return isOneOf(EARTH_FIXED_MODES, target.mode)
+  return isMode(target.mode) || isOneOf(EARTH_FIXED_MODES, target.mode)
     ? { min_elevation_deg, sun_elevation_min_deg, sun_elevation_max_deg, ...others }
     : others;
 }
@@ -227,7 +230,7 @@ async function search(target: Target, until: AbortSignal): Promise<void> {
       },
       { query: ASKED, signal: until },
     );
-    const windows = answer.windows as Window[];
+    const windows = isMode(target.mode) ? wholePasses(answer.windows as Window[]) : (answer.windows as Window[]);
     found.value = {
       windows,
       unseen: answer.reasons?.[0] ?? null,

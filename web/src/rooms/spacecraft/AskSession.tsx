@@ -8,6 +8,7 @@ import { OBJECTIVES } from "../../api/lists";
 import { Problem } from "../../api/problem";
 import { words } from "../../i18n";
 import { named, rowClock } from "../../i18n/forms";
+import { MODES, pointsOf } from "../../map/modes";
 import { DropZone } from "../../parts/DropZone";
 import { Field } from "../../parts/Field";
 import { useMaking } from "../../parts/making";
@@ -15,15 +16,19 @@ import { OrbitField } from "../../parts/OrbitField";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { RequestText } from "../../parts/RequestText";
 import { UtcField } from "../../parts/UtcField";
-import { AskedList } from "./AskedList";
-import { DrawMap } from "./DrawMap";
+import { placesOf } from "../campaigns/campaign";
+import { idFor, TargetList } from "../campaigns/TargetList";
+import { TargetsMap } from "../campaigns/TargetsMap";
+import "../campaigns/campaigns.css";
 import { PassesPanel } from "./PassesPanel";
-import { type Asked, askedOf, askedOfGeoJson, fetchRequest, type SessionRequest } from "./session";
+import { type Asked, askedFrom, askedOf, askedOfGeoJson, fetchRequest, type SessionRequest, targetsOf } from "./session";
 
 const EXAMPLES = { fourModes, eightAreas, stripAndStereo } as unknown as Record<ExampleName, SessionRequest>;
 const NAMES = ["fourModes", "eightAreas", "stripAndStereo"] as const;
 type ExampleName = (typeof NAMES)[number];
 const MOST_RUNS = 100;
+const KINDS = MODES.filter((mode) => mode !== "tri_stereo");
+const NO_FAULTS = new Map();
 
 export function AskSession() {
   const text = words.value.spacecraft;
@@ -36,6 +41,7 @@ export function AskSession() {
   const [wrong, setWrong] = useState<string | null>(null);
   const change = (members: Partial<SessionRequest>) => setRequest({ ...request, ...members });
   const asked = askedOf(request);
+  const targets = targetsOf(asked);
   const ask = (requests: Asked[]) => change({ requests });
   const take = async (file: File) => {
     const read = askedOfGeoJson(await file.text());
@@ -60,7 +66,11 @@ export function AskSession() {
                 {text.removeAll}
               </button>
             </div>
-            <AskedList asked={asked} onAsked={ask} />
+            {asked.length > 0 ? (
+              <TargetList targets={targets} faults={NO_FAULTS} onTargets={(next) => ask(askedFrom(next, asked))} />
+            ) : (
+              <p class="hint">{text.none}</p>
+            )}
             <DropZone label={text.choose} accept=".geojson,.json" onFile={(file) => void take(file)}>
               <p class="small">{text.drop}</p>
             </DropZone>
@@ -116,7 +126,13 @@ export function AskSession() {
           <PassesPanel request={request} count={asked.length} onTimes={change} />
         </div>
         <div>
-          <DrawMap asked={asked} onAsked={ask} />
+          <TargetsMap
+            targets={targets}
+            places={placesOf({ targets }, null)}
+            kinds={KINDS}
+            around={targets.flatMap(({ target }) => ("geometry" in target ? pointsOf(target.geometry.coordinates) : []))}
+            onAdd={(target) => ask(askedFrom([...targets, { id: idFor(target, targets), target }], asked))}
+          />
           <div class="panel">
             <div class="row examples">
               <span class="small">{text.examples}</span>

@@ -1,22 +1,13 @@
 /** An imaging session's request and answer. */
 import { get, type Schemas } from "../../api/client";
-import { type LonLat, ringOf } from "../../map/places";
+import { modeOf } from "../../map/modes";
+import type { CampaignTarget } from "../campaigns/campaign";
 
 export type SessionRequest = Schemas["ImagingPlanRequest"];
 export type Asked = Schemas["StripRequest"] | Schemas["StereoRequest"] | Schemas["AreaRequest"] | Schemas["CorridorRequest"];
-export type Mode = Asked["mode"];
 export type Session = Schemas["SpacecraftPlanResponse"];
 
 export const PATH = "/v1/spacecraft/plans/{id}";
-export const MODES = ["strip", "stereo", "corridor", "area"] as const satisfies readonly Mode[];
-/** How many positions a mode takes. */
-export const POSITIONS: Record<Mode, { least: number; most: number }> = {
-  strip: { least: 2, most: 2 },
-  stereo: { least: 2, most: 2 },
-  corridor: { least: 2, most: 64 },
-  area: { least: 3, most: 63 },
-};
-
 /** The session, or the job that makes it. */
 export function fetchSession(id: string, signal: AbortSignal): Promise<Session | Schemas["JobResponse"]> {
   return get(PATH, { id, signal });
@@ -55,31 +46,21 @@ export function askedOfGeoJson(text: string): Asked[] | null {
 /** Properties are the other members, as the service reads them; a mode that isn't said follows from the shape. */
 function ofFeature({ geometry, properties, id }: GeoJSON.Feature, index = 0): Asked | null {
   if (geometry?.type !== "Polygon" && geometry?.type !== "LineString") return null;
-  const mode = geometry.type === "Polygon" ? "area" : geometry.coordinates.length === 2 ? "strip" : "corridor";
+  const mode = modeOf(geometry);
   return { name: String(id ?? `${mode} ${index + 1}`), mode, ...properties, geometry } as Asked;
 }
 
-export function positionsOf({ geometry }: Asked): LonLat[] {
-  const positions = geometry?.type === "Polygon" ? geometry.coordinates[0] : geometry?.coordinates;
-  return (positions ?? []).map(([lon = 0, lat = 0]) => [lon, lat]);
+/** As the targets of any plan, for the list and the map of them. */
+export function targetsOf(asked: readonly Asked[]): CampaignTarget[] {
+  return asked.map(({ name, priority, mode, geometry }) => ({
+    id: name,
+    priority,
+    target: { mode, geometry } as CampaignTarget["target"],
+  }));
 }
 
-export function shapeOf(asked: Asked): GeoJSON.Geometry {
-  const positions = positionsOf(asked);
-  return asked.geometry?.type === "Polygon"
-    ? { type: "Polygon", coordinates: [ringOf(positions)] }
-    : { type: "LineString", coordinates: positions };
-}
-
-/** A request of positions set on the map; its name differs from the others'. */
-export function drawn(mode: Mode, positions: readonly LonLat[], others: readonly Asked[]): Asked {
-  const names = new Set(others.map((one) => one.name));
-  let number = others.filter((one) => one.mode === mode).length + 1;
-  while (names.has(`${mode} ${number}`)) number++;
-  const first = positions[0] ?? [0, 0];
-  const geometry =
-    mode === "area"
-      ? { type: "Polygon", coordinates: [[...positions, first]] }
-      : { type: "LineString", coordinates: [...positions] };
-  return { mode, name: `${mode} ${number}`, priority: 1, geometry } as Asked;
+/** Those of the targets, each with the other members that it had. */
+export function askedFrom(targets: readonly CampaignTarget[], before: readonly Asked[]): Asked[] {
+  const known = new Map(before.map((one) => [one.name, one]));
+  return targets.map(({ id, priority = 1, target }) => ({ ...target, ...known.get(id), name: id, priority }) as Asked);
 }
