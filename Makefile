@@ -209,7 +209,7 @@ reproduce-check: setup $(KERNELS)
 requirements: setup
 	$(LOCK) -o requirements-dev.txt --extra dev pyproject.toml
 	$(LOCK) -o requirements.txt -c requirements-dev.txt pyproject.toml
-	$(LOCK) -o requirements-image.txt -c requirements-dev.txt --extra postgres --extra dask pyproject.toml
+	$(LOCK) -o requirements-image.txt -c requirements-dev.txt --extra postgres --extra dask --extra stapi pyproject.toml
 	$(LOCK) -o requirements-bench.txt -c requirements-dev.txt --extra bench pyproject.toml
 	cp requirements-dev.txt requirements-oracles.txt  # preferred, but bsk wants an older NumPy on 3.13
 	$(LOCK) -o requirements-oracles.txt --extra oracles pyproject.toml

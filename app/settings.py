@@ -132,6 +132,11 @@ class Settings(BaseSettings):
         default=64, gt=0, description="Most requests at a time per key, or per address; then 429"
     )
 
+    stapi_products: Path | None = Field(
+        default=None,
+        description="A JSON file of products that STAPI offers at /stapi; default: no STAPI",
+    )
+
     log_level: LogLevel = Field(default="info", description="debug, info, warning or error")
     log_format: LogFormat = Field(default="console", description="json or console")
 

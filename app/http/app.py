@@ -2,14 +2,14 @@
 
 import asyncio
 import os
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Iterable, Iterator
 from contextlib import asynccontextmanager, closing, contextmanager
 from threading import Lock
 from typing import Any
 
 import anyio
 import anyio.to_thread
-from fastapi import Depends, FastAPI
+from fastapi import APIRouter, Depends, FastAPI
 from fastapi.routing import APIRoute
 from starlette.middleware.cors import CORSMiddleware
 from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddleware
@@ -106,13 +106,21 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.state.stopping = asyncio.Event()  # set as soon as the service is told to
     app.state.end_outdated = lambda: None  # how the program ends when its database has moved on
     app.state.methods = {}
-    for route in _routes():
+    routers: tuple[APIRouter, ...] = _OF_API
+    if settings.stapi_products is not None:
+        # A quarter of a second that others needn't wait.
+        from app.http.routes import stapi
+        from app.requests.stapi import read_products
+
+        app.state.stapi = read_products(settings.stapi_products)
+        routers = (*_OF_API, stapi.router)
+    for route in _routes(routers):
         app.state.methods.setdefault(route.path, set()).update(route.methods)
     app.state.children = anyio.CapacityLimiter(os.cpu_count() or 1)
     app.state.solves = app.state.children
     if settings.dask_scheduler:
         app.state.solves = anyio.CapacityLimiter(settings.workers)
-    for router in (*_OF_API, pages.router):
+    for router in (*routers, pages.router):
         app.include_router(router)
     pages.serve_files(app)
     pages.serve_page(app)
@@ -238,8 +246,8 @@ def _answers() -> Iterator[object]:
         yield from (answer.get("model") for answer in route.responses.values())
 
 
-def _routes() -> Iterator[APIRoute]:
-    for router in _OF_API:
+def _routes(routers: Iterable[APIRouter] = _OF_API) -> Iterator[APIRoute]:
+    for router in routers:
         yield from (route for route in router.routes if isinstance(route, APIRoute))
 
 

@@ -4,7 +4,7 @@ A new kind is a module with its work, which a child imports, and a line in JOB_K
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from app.jobs.child import Bounds
@@ -98,6 +98,7 @@ CAMPAIGN = JobKind(
         "plans": 80,
     },
 )
+ORDER = replace(CAMPAIGN, name="order")  # of one target, by STAPI
 
 
 RUNS = JobKind(
@@ -114,5 +115,5 @@ FLIGHTS = JobKind(
     parts=RUNS,
     stages={"as planned": 0, "runs": 3},
 )
-JOB_KINDS = {kind.name: kind for kind in (PLAN, SPACECRAFT_PLAN, CAMPAIGN, FLIGHTS, RUNS)}
+JOB_KINDS = {kind.name: kind for kind in (PLAN, SPACECRAFT_PLAN, CAMPAIGN, ORDER, FLIGHTS, RUNS)}
 PLANS = frozenset(kind.name for kind in JOB_KINDS.values() if kind.makes_plans)

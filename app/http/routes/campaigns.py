@@ -27,7 +27,7 @@ from app.http.routes.job_routes import (
 )
 from app.http.routes.parameters import IdempotencyKey, Prefer
 from app.http.routes.resources import JobResource
-from app.jobs.kinds import CAMPAIGN
+from app.jobs.kinds import CAMPAIGN, ORDER
 from app.jobs.refusals import Conflict
 from app.requests.campaign import CAMPAIGN_READER
 from app.requests.examples import CAMPAIGN_EXAMPLES
@@ -39,6 +39,7 @@ from app.work.campaign import SUFFIXES, MadePass, campaign_file
 
 RESOURCE = JobResource(
     kind=CAMPAIGN.name,
+    also=frozenset({ORDER.name}),
     path="/v1/campaigns",
     tag="campaigns",
     requests=CAMPAIGN_READER,

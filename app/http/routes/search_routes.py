@@ -197,22 +197,33 @@ def _add_post(router: APIRouter, resource: SearchResource) -> None:
         The search is kept under `id`, at Location; windows come in pages.
         """
         asked = resource.asked(request, query)
-        begun_utc = datetime.now(UTC)
         spec = await anyio.to_thread.run_sync(resource.requests.read, body)
-        origin = provenance(begun_utc, body)
-        new = new_job(request, resource, spec, body, deadline_s=SEARCH_BOUNDS.deadline_s)
-        task = Task(
-            job_id=new.id, bounds=SEARCH_BOUNDS, work=find_windows, arguments=(spec, origin, asked)
-        )
-        found, page = await where_solved(request, task)
-        database: Database = request.app.state.database
-        await database.answer(_keep, database, new, begun_utc, found)
-        at = f"{resource.path}/{new.id}"
-        whole = _Whole(resource, new.id, body, found, asked)
+        whole, page = await find_and_keep(request, resource, spec, body, asked)
+        at = f"{resource.path}/{whole.search_id}"
         return _answer(request, whole, page, {"Location": at, "Vary": "Accept"}, query)
 
 
-class _Whole(NamedTuple):
+async def find_and_keep(
+    request: Request,
+    resource: SearchResource,
+    spec: Any,  # noqa: ANN401 (what the resource reads)
+    body: bytes,
+    asked: WindowsAsked,
+) -> tuple["Whole", Page]:
+    """All windows, kept, and the page asked for; spec: the body as it was read."""
+    begun_utc = datetime.now(UTC)
+    origin = provenance(begun_utc, body)
+    new = new_job(request, resource, spec, body, deadline_s=SEARCH_BOUNDS.deadline_s)
+    task = Task(
+        job_id=new.id, bounds=SEARCH_BOUNDS, work=find_windows, arguments=(spec, origin, asked)
+    )
+    found, page = await where_solved(request, task)
+    database: Database = request.app.state.database
+    await database.answer(_keep, database, new, begun_utc, found)
+    return Whole(resource, new.id, body, found, asked), page
+
+
+class Whole(NamedTuple):
     """All that was found, and what is asked of it.  body: the search's request."""
 
     resource: SearchResource
@@ -229,7 +240,7 @@ class _Whole(NamedTuple):
 
 
 def _answer(
-    request: Request, whole: _Whole, page: Page, headers: dict[str, str], query: WindowsQuery
+    request: Request, whole: Whole, page: Page, headers: dict[str, str], query: WindowsQuery
 ) -> Response:
     """A page, or without a limit, in other forms than JSON, all as it is told."""
     media_type, search_id, (head, _) = whole.asked.media_type, whole.search_id, whole.found
@@ -286,7 +297,7 @@ def _add_one(router: APIRouter, resource: SearchResource) -> None:
         if is_known_already(request, tag):
             await find_job(request, resource, search_id)
             return not_modified(tag)
-        whole = await _find(request, resource, search_id, asked)
+        whole = await find_kept(request, resource, search_id, asked)
         page = await whole.page(request, asked.cursor)
         return _answer(request, whole, page, revalidated(tag), query)
 
@@ -305,18 +316,18 @@ def _add_delete(router: APIRouter, resource: SearchResource) -> None:
         return await answer_removal(request, resource, job)
 
 
-async def _find(
+async def find_kept(
     request: Request, resource: SearchResource, search_id: str, asked: WindowsAsked
-) -> _Whole:
+) -> Whole:
     """As it is kept; raises 404."""
 
-    def reading(connection: Connection) -> _Whole:
+    def reading(connection: Connection) -> Whole:
         job_of(connection, resource, search_id)
         body = jobs.request_of(connection, search_id)
         content = results.get(connection, search_id)
         assert body is not None
         assert content  # no job of this kind is without
         found = FoundSearch(unzip(content[0]), content[1])
-        return _Whole(resource, search_id, body, found, asked)
+        return Whole(resource, search_id, body, found, asked)
 
     return await read(request, reading)

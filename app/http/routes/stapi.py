@@ -1,0 +1,280 @@
+"""STAPI: products of an operator's carriers, their opportunities, and orders of looks.
+
+An order is a campaign of one target, kept and planned as any.
+"""
+
+import hashlib
+import json
+from http import HTTPStatus
+from typing import Annotated, Any
+
+import anyio.to_thread
+from fastapi import APIRouter, Depends, HTTPException, Query, Request, Response
+from pydantic import BaseModel, Field
+from sqlalchemy import Connection
+from stapi_pydantic import (
+    Conformance,
+    OpportunityCollection,
+    Order,
+    OrderCollection,
+    OrderStatus,
+    OrderStatuses,
+    ProductsCollection,
+    RootResponse,
+)
+
+from app.answers.stapi import (
+    CONFORMS_TO,
+    GEOJSON,
+    JSON,
+    PRODUCT_CONFORMS_TO,
+    Links,
+    StandingOrder,
+    opportunity_out,
+    order_out,
+    product_out,
+    statuses_of,
+)
+from app.http.blocking import read
+from app.http.negotiation import ONLY_JSON, json_body, preferred_type
+from app.http.openapi.fields import describe
+from app.http.query import Parameters
+from app.http.routes.job_routes import accept_job, job_of
+from app.http.routes.opportunities import OPPORTUNITIES
+from app.http.routes.parameters import LIST_MAX, IdempotencyKey, PathId
+from app.http.routes.resources import JobResource
+from app.http.routes.search_routes import find_and_keep, find_kept
+from app.ids import is_id
+from app.jobs.kinds import ORDER
+from app.requests.campaign import CAMPAIGN_READER
+from app.requests.listings import listing_of_search
+from app.requests.stapi import (
+    ORDER_READER,
+    PARAMETERS_READER,
+    QUERYABLES,
+    SEARCH_READER,
+    Asked,
+    LookParameters,
+    Product,
+    StapiProducts,
+    StapiSearch,
+)
+from app.store import jobs, results
+from app.store.job import Job
+from app.store.packed import unzip
+from app.work.searches import PROBABILITY, VIEW, WindowsAsked
+from planner.base.errors import InvalidInput
+
+ORDERS = JobResource(
+    kind=ORDER.name,
+    path="/stapi/orders",
+    tag="stapi",
+    requests=CAMPAIGN_READER,
+    examples={},
+    listing=listing_of_search,
+    singular="order",
+    plural="orders",
+    response=Order,
+    list_response=OrderCollection,
+)
+# STAPI's specification describes it, and the API's own document doesn't hang on a setting.
+router = APIRouter(prefix="/stapi", include_in_schema=False)
+
+
+async def _accepts_geojson(request: Request) -> None:
+    preferred_type(request, (GEOJSON, JSON))
+
+
+def _links(request: Request) -> Links:
+    service, _ = request.app.state.stapi
+    return Links(service.url or str(request.base_url))
+
+
+def _product(request: Request, product_id: str) -> Product:
+    _, products = request.app.state.stapi
+    if product_id not in products:
+        known = ", ".join(products)
+        detail = f"there is no product with this id; there are {known}"
+        raise HTTPException(HTTPStatus.NOT_FOUND, detail)
+    found: Product = products[product_id]
+    return found
+
+
+class PageQuery(Parameters):
+    """Which to list: so many, from the one that `next` of the page before names."""
+
+    limit: int = Field(default=10, ge=1, le=LIST_MAX)
+    next: str = Field(default="", max_length=64)
+
+
+To = Annotated[Links, Depends(_links)]
+Found = Annotated[Product, Depends(_product)]
+Body = Annotated[bytes, Depends(json_body)]
+Page = Annotated[PageQuery, Query()]
+AS_GEOJSON = (Depends(_accepts_geojson),)
+
+
+def _json(model: BaseModel, media_type: str = JSON, **answer: Any) -> Response:  # noqa: ANN401 (of a Response)
+    content = model.model_dump_json(by_alias=True, exclude_none=True)
+    return Response(content, media_type=media_type, **answer)
+
+
+@router.get("", dependencies=ONLY_JSON)
+@router.get("/", dependencies=ONLY_JSON)
+async def get_landing_page(request: Request, to: To) -> Response:
+    """The way to everything."""
+    service: StapiProducts = request.app.state.stapi[0]
+    below = [to.to(one, f"stapi/{one}") for one in ("conformance", "products")]
+    links = [to.to("self", "stapi"), *below, to.to("orders", "stapi/orders", GEOJSON)]
+    links.append(to.to("service-doc", "docs", "text/html"))
+    told = {"title": service.title, "description": service.description}
+    return _json(RootResponse(id="slewtrack", conformsTo=CONFORMS_TO, links=links, **told))
+
+
+@router.get("/conformance", dependencies=ONLY_JSON)
+async def get_conformance() -> Response:
+    """The service's conformance classes."""
+    return _json(Conformance(conforms_to=CONFORMS_TO))
+
+
+@router.get("/products", dependencies=ONLY_JSON)
+async def get_products(request: Request, page: Page, to: To) -> Response:
+    """A page begins with the product that `next` names."""
+    products: list[Product] = [*request.app.state.stapi[1].values()]
+    first = products.index(_product(request, page.next)) if page.next else 0
+    shown, after = products[first:][: page.limit], products[first:][page.limit :]
+    links = [to.to("self", "stapi/products")]
+    if after:
+        rest = f"stapi/products?next={after[0].spec.id}&limit={page.limit}"
+        links.append(to.to("next", rest))
+    listed = [product_out(one.spec, to) for one in shown]
+    return _json(ProductsCollection(products=listed, links=links))
+
+
+@router.get("/products/{product_id}", dependencies=ONLY_JSON)
+async def get_product(found: Found, to: To) -> Response:
+    """One product."""
+    return _json(product_out(found.spec, to))
+
+
+@router.get("/products/{product_id}/conformance", dependencies=ONLY_JSON)
+async def get_product_conformance(found: Found) -> Response:
+    """Its conformance classes."""
+    return _json(Conformance(conforms_to=PRODUCT_CONFORMS_TO))
+
+
+@router.get("/products/{product_id}/queryables", dependencies=ONLY_JSON)
+async def get_queryables(found: Found) -> dict[str, Any]:
+    """A JSON Schema of what a filter may bound."""
+    told = {name: {"type": "number", "description": one.text} for name, one in QUERYABLES.items()}
+    return {"type": "object", "title": "Queryables", "properties": told}
+
+
+@router.get("/products/{product_id}/order-parameters", dependencies=ONLY_JSON)
+async def get_order_parameters(found: Found) -> dict[str, Any]:
+    """A JSON Schema of what an order may say beside its place and its time."""
+    schema = PARAMETERS_READER.json_schema("#/$defs/{model}")
+    describe({LookParameters.__name__: schema}, [LookParameters])
+    return schema
+
+
+@router.post("/products/{product_id}/opportunities", dependencies=AS_GEOJSON)
+async def post_opportunities(request: Request, found: Found, body: Body, to: To) -> Response:
+    """Windows that hold the order's look, kept as any search; a page begins where `next` says."""
+
+    def as_read() -> tuple[StapiSearch, Asked]:
+        search = SEARCH_READER.read(body)
+        return search, found.asked(search)
+
+    search, asked = await anyio.to_thread.run_sync(as_read)
+    search_id, _, cursor = (search.next or ":0").partition(":")
+    if not (cursor.isdecimal() and len(cursor) < 10 and (is_id(search_id) or not search.next)):
+        raise InvalidInput("must be `next` of the page before", field="next")
+    of_windows, include = found.search_body(asked), frozenset({VIEW, PROBABILITY})
+    wanted = WindowsAsked(cursor=int(cursor), limit=search.limit, include=include)
+    if search.next:
+        whole = await find_kept(request, OPPORTUNITIES, search_id, wanted)
+        if hashlib.sha256(whole.body).digest() != hashlib.sha256(of_windows).digest():
+            raise InvalidInput("belongs to another search: leave it out", field="next")
+        page = await whole.page(request, wanted.cursor)
+    else:
+        spec = await anyio.to_thread.run_sync(OPPORTUNITIES.requests.read, of_windows)
+        whole, page = await find_and_keep(request, OPPORTUNITIES, spec, of_windows, wanted)
+    product_id, windows = found.spec.id, json.loads(b"[" + page.windows + b"]")
+    links = [to.create_order(product_id, asked.told)]
+    links.append(to.to("search", f"v1/opportunities/{whole.search_id}"))
+    if page.next is not None:
+        at = f"stapi/products/{product_id}/opportunities"
+        after = {"next": f"{whole.search_id}:{page.next}", "limit": search.limit}
+        links.append(to.to("next", at, GEOJSON, method="POST", body=asked.told | after))
+    told: list[Any] = [opportunity_out(one, product_id, asked.told, to) for one in windows]
+    return _json(
+        OpportunityCollection(type="FeatureCollection", features=told, links=links), GEOJSON
+    )
+
+
+@router.post("/products/{product_id}/orders", dependencies=AS_GEOJSON)
+async def post_order(
+    request: Request, found: Found, body: Body, key: IdempotencyKey, to: To
+) -> Response:
+    """Accepted, it is kept and planned, whatever dies in between."""
+
+    def accepted() -> Job:
+        asked = found.asked(ORDER_READER.read(body))
+        options = {"product": found.spec.id, "asked": asked.told}
+        return accept_job(request, ORDERS, asked.campaign, asked.body, key, options)
+
+    job = await request.app.state.database.answer(accepted)
+    at = {"Location": str(to.to("self", f"stapi/orders/{job.id}").href)}
+    return _json(await _order(request, job.id, to), GEOJSON, status_code=201, headers=at)
+
+
+def _standing(connection: Connection, job: Job) -> StandingOrder:
+    passes, unseen = jobs.parts_of(connection, job.id), None
+    if job.state == "done" and not passes:
+        choice = json.loads(unzip(results.document(connection, job.id) or b""))
+        [one] = choice["unseen"]
+        unseen = (one["closed_by"], one["because"])
+    return StandingOrder(job, passes, unseen)
+
+
+async def _order(request: Request, order_id: str, to: Links) -> Order[OrderStatus]:
+    """Raises 404."""
+
+    def reading(connection: Connection) -> Order[OrderStatus]:
+        return order_out(_standing(connection, job_of(connection, ORDERS, order_id)), to)
+
+    return await read(request, reading)
+
+
+@router.get("/orders", dependencies=AS_GEOJSON)
+async def get_orders(request: Request, page: Page, to: To) -> Response:
+    """The latest first; a page begins after the order that `next` names."""
+
+    def reading(connection: Connection) -> list[Order[OrderStatus]]:
+        before, limit = page.next or None, page.limit + 1
+        found = jobs.latest(connection, ORDERS.kind, limit, before=before)
+        return [order_out(_standing(connection, one), to) for one in found]
+
+    orders, links = await read(request, reading), [to.to("self", "stapi/orders", GEOJSON)]
+    if len(orders) > page.limit:
+        rest = f"stapi/orders?next={orders[page.limit - 1].id}&limit={page.limit}"
+        links.append(to.to("next", rest, GEOJSON))
+    return _json(OrderCollection(features=orders[: page.limit], links=links), GEOJSON)
+
+
+@router.get("/orders/{id}", dependencies=AS_GEOJSON)
+async def get_order(request: Request, order_id: PathId, to: To) -> Response:
+    """As it stands."""
+    return _json(await _order(request, order_id, to), GEOJSON)
+
+
+@router.get("/orders/{id}/statuses", dependencies=ONLY_JSON)
+async def get_statuses(request: Request, order_id: PathId, page: Page, to: To) -> Response:
+    """Three at most, so that there is one page."""
+
+    def reading(connection: Connection) -> list[OrderStatus]:
+        return statuses_of(_standing(connection, job_of(connection, ORDERS, order_id)), to)
+
+    links = [to.to("self", f"stapi/orders/{order_id}/statuses")]
+    return _json(OrderStatuses(statuses=await read(request, reading), links=links))
