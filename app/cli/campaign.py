@@ -72,12 +72,8 @@ def campaign(
                     files.write_json(Path(f"{stem}.json"), planner.get(one["plan"]).members)
                     files.write_json(Path(f"{stem}-request.json"), planner.request(one["plan"]))
         if csv:
-            looks = (
-                (_number(one), look)
-                for one in passes
-                if one["problem"] is None
-                for look in one["looks"]
-            )
+            flown = [one for one in passes if one["problem"] is None]
+            looks = ((_number(one), look) for one in flown for look in one["looks"])
             files.write(csv, looks_csv(looks).encode())
         files.write_json(json, {**choice, "passes": passes})
 
@@ -110,9 +106,8 @@ def print_campaign(console: Console, choice: Members, passes: Sequence[Members])
     parts.print_more(console, len(looks))
     parts.print_reasons(console, "can't be seen", choice["unseen"])
     for lacks in (None, "battery", "memory"):
-        meaning = "left out for others" if lacks is None else f"left out for the {lacks}"
-        of_it = [one for one in choice["left_out"] if one.get("lacks") == lacks]
-        parts.print_reasons(console, meaning, of_it)
+        left_out = [one for one in choice["left_out"] if one.get("lacks") == lacks]
+        parts.print_reasons(console, f"left out for {lacks or 'others'}", left_out)
     parts.print_warnings(console, [*_losses(passes), *choice["warnings"]])
 
 

@@ -5,13 +5,21 @@ rows, prices or repairs.
 """
 
 import itertools
+import json
+import zlib
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from rich.console import Console
 from test_schedule_brute_force import EUROPE, WEST, request_for
 
+from app.cli.campaign import print_campaign
+from app.requests.campaign import read_campaign_request
+from app.requests.plan import read_plan_request
+from app.work.campaign import choose, plan_pass
+from app.work.result import Result
 from planner.base.errors import ResourceRunsOut
 from planner.planning.campaigns import campaign as campaigns
 from planner.planning.campaigns import choose_campaign, scenario_of
@@ -33,7 +41,6 @@ SENT = replace(FULL, capacity_gbit=60.0, downlink_gbit_s=0.04, stations=(MATERA,
 POOR = Battery(
     capacity_wh=110.0, least_wh=70.0, idle_w=50.0, slew_w=20.0, imaging_w=1500.0, sunlight_w=76.0,
 )  # fmt: skip
-PANELS = (Panel(normal_body=(0.0, 0.0, -1.0), power_w=180.0),)
 CLOUDS = Clouds(
     format="ascii_grid",
     content="ncols 2\nnrows 1\nxllcorner -180\nyllcorner -90\ncellsize 180\n0.8 0.1\n",
@@ -134,7 +141,6 @@ def test_no_subset_that_keeps_is_worth_more_than_the_bound(monkeypatch, resource
     passes = kept["choice"].passes
     assert min(least_room(kept["keeping"], passes)) >= -1e-9
     best = best_of_all(kept)
-    print(campaign.value, best, campaign.bound, free.value)
     assert campaign.bound >= best - 1e-9
     assert 0.97 * best <= campaign.value <= campaign.bound
     assert campaign.value < free.value - 0.01  # else nothing was kept from
@@ -143,11 +149,12 @@ def test_no_subset_that_keeps_is_worth_more_than_the_bound(monkeypatch, resource
         assert (one.lacks is None) == ("pass its limit" not in one.because)
 
 
-@pytest.mark.parametrize("fields", [{}, SMALLSAT])
-def test_passes_are_planned_with_what_those_before_leave(monkeypatch, fields):
-    """With panels, whose charge on a body's slews is that of the shortest turn: to a thousandth of
-    the capacity.  A plan may wait where the campaign takes the platform to move: it keeps more."""
-    battery = replace(POOR, least_wh=60.0, imaging_w=400.0, sunlight_w=None, panels=PANELS)
+@pytest.mark.parametrize(("fields", "power_w"), [({}, 400.0), (SMALLSAT, 180.0)])
+def test_passes_are_planned_with_what_those_before_leave(monkeypatch, fields, power_w):
+    """With panels, whose charge on a body's slews is that of the motion of least jerk: to 0.2 % of
+    the capacity.  A plan may wait where the campaign takes two axes to move: it keeps more."""
+    panels = (Panel(normal_body=(0.0, 0.0, -1.0), power_w=power_w),)
+    battery = replace(POOR, least_wh=60.0, imaging_w=400.0, sunlight_w=None, panels=panels)
     resources = Resources(battery=battery, memory=SENT)
     request = request_for(MIXED, 1.0, resources=resources, **fields)
     campaign, kept = chosen(monkeypatch, request)
@@ -161,15 +168,32 @@ def test_passes_are_planned_with_what_those_before_leave(monkeypatch, fields):
         told = kept["keeping"].levels(passes, np.array([end_s]))
         for curve in resource_curves(plan):
             left = float(curve.level[-1] - told[curve.name][0])
-            print(number, curve.name, curve.level[0], curve.level[-1], left)
-            assert abs(left) <= (1e-3 if curve.name == "battery" else 1e-9) * curve.capacity
+            assert abs(left) <= (2e-3 if curve.name == "battery" else 1e-9) * curve.capacity
     assert len(campaign.passes) > 1
+
+
+def test_requests_of_passes_say_what_they_begin_with_and_the_report_what_a_target_lacks():
+    """The example: two cities are left out for its memory."""
+    body = (EXAMPLES / "campaign_resources.json").read_bytes()
+    made = choose(body)
+    choice = json.loads(zlib.decompress(made.content[0]))
+    lacks = {one["target"]: one["lacks"] for one in choice["left_out"]}
+    assert lacks == {"Los Angeles": "memory", "Boston": "memory"}
+    [part] = made.parts
+    planned, result = plan_pass(part)
+    assert planned is part
+    assert isinstance(result, Result), result
+    memory = read_plan_request(part.request).resources.memory
+    assert memory.start_gbit < read_campaign_request(body).resources.memory.start_gbit
+    console = Console(record=True, width=200)
+    print_campaign(console, choice, [])
+    assert "left out for memory: Boston, a look from" in console.export_text()
 
 
 def test_what_a_campaign_cannot_keep_is_refused():
     request = request_for(MIXED, 1.0)
     wheels = Momentum(capacity_n_m_s=(1.0, 1.0, 1.0))
-    with pytest.raises(ValueError, match="resources.momentum must be left out of a campaign"):
+    with pytest.raises(ValueError, match=r"resources\.momentum must be left out of a campaign"):
         replace(request, resources=Resources(momentum=wheels))
     dying = replace(request, resources=Resources(battery=replace(POOR, sunlight_w=10.0)))
     with pytest.raises(ResourceRunsOut, match="without any look; begin with more") as refused:

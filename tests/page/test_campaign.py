@@ -47,6 +47,16 @@ def test_what_is_chosen_and_why_the_rest_is_not(open_page, campaign):
     assert violations(page) == []
 
 
+def test_a_target_left_out_for_the_memory_says_so(open_page, service):
+    asked = json.loads((ROOT / "examples/campaign_resources.json").read_text())
+    kept = made(service, "/v1/campaigns", asked)
+    page = open_page(f"/campaigns/{kept['id']}")
+    [boston] = [one for one in kept["choice"]["left_out"] if one["target"] == "Boston"]
+    expect(outcome(page, "Boston")).to_contain_text("left out for the memory")
+    expect(outcome(page, "Boston")).to_contain_text(boston["because"])
+    assert violations(page) == []
+
+
 def test_places_that_were_taken_for_names_are_told(open_page, service):
     [first, *_] = EXAMPLE["targets"]
     by_name = first | {"id": "The town", "target": {"mode": "place", "name": "Las Vegas"}}

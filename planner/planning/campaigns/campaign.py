@@ -21,6 +21,7 @@ from planner.planning.campaigns.choice import CampaignChoice, FirstUnheld, Looki
 from planner.planning.campaigns.chosen import ChosenLook, UnchosenTarget
 from planner.planning.campaigns.displaced import Displaced, displaced_by
 from planner.planning.campaigns.gaps import Gaps
+from planner.planning.campaigns.keeping import bound_keeping, choose_keeping
 from planner.planning.campaigns.network import Network, Rests, Slewing, network_of, relax
 from planner.planning.campaigns.passes import SESSIONS_MAX, Looks, in_passes, longest_pass_s
 from planner.planning.campaigns.path import Look
@@ -28,7 +29,7 @@ from planner.planning.campaigns.platforms.follower import FollowedLook, Follower
 from planner.planning.campaigns.platforms.registry import follower_of
 from planner.planning.campaigns.request import BOUNDS as CAMPAIGN_BOUNDS
 from planner.planning.campaigns.request import CampaignRequest
-from planner.planning.campaigns.resources import Keeping, RunsOut, bound_keeping, choose_keeping
+from planner.planning.campaigns.resources import Keeping, RunsOut
 from planner.planning.campaigns.view import Viewing
 from planner.planning.campaigns.ways import ScannedLook, Ways, ways_to_follow
 from planner.planning.opportunities import Windows, opportunities_however_many
@@ -133,9 +134,7 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> C
     hopeful_looking = replace(looking, look_value=looking.look_value * hopeful[:, None])
     keeping = None
     if request.resources is not None:
-        keeping = Keeping(
-            request, candidates, ways, networks, looking, ephemeris, grid_s, follower.rest_s
-        )
+        keeping = Keeping(request, candidates, ways, networks, looking, ephemeris, grid_s, follower)
     choice, rows = choose_keeping(keeping, networks, hopeful_looking, tell, first_unheld)
     tell("bound", 0, 1)
     # At slew times that nothing can beat.

@@ -1,12 +1,13 @@
 """Looks that were chosen, and targets that got none, as answers tell them."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from planner.base.answer_members import Count, Internal, Member, NotNegative, Share, answer
 from planner.planning.opportunities.closing import Height
 from planner.world.frames.time_scales import Utc
-from planner.world.resources import ResourceName
 from planner.world.targets import GroundPathTarget
+
+KeptResource = Literal["battery", "memory"]
 
 
 @answer
@@ -72,4 +73,4 @@ class UnchosenTarget:
     value: NotNegative
     displaced_by: tuple[str, ...]  # none where only the looks after it would have to move
     displaced_value: NotNegative
-    lacks: ResourceName | None = None
+    lacks: KeptResource | None = None

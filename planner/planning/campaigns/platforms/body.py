@@ -8,7 +8,7 @@ from datetime import datetime
 import numpy as np
 
 from planner.base.arrays import Array, Indices, Mask
-from planner.base.commands import ROWS_PER_S
+from planner.base.commands import ROWS_PER_S, Motion
 from planner.base.compiled import compiled
 from planner.base.rotation import Rotation
 from planner.base.vectors import Vector, scaled, unit, vector_at
@@ -36,7 +36,7 @@ from planner.planning.opportunities.tracking import (
 from planner.planning.sessions.platforms.body_budget import body_probabilities_at
 from planner.world.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
 from planner.world.frames.time_scales import Instants
-from planner.world.orbits import Ephemeris
+from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.platforms import BodyPlatform
 from planner.world.scenario import BoundedLead, InitialState
 from planner.world.targets import ImagingMode
@@ -187,6 +187,9 @@ class BodyFollower:
         return body_probabilities_at(
             los, ephemeris, visible_target(sight, which), self._platform, q_eci_from_body.as_quat()
         )
+
+    def rest_motion(self, instants: Instants, states: OrbitStates) -> Motion:
+        return idle_attitude(self._platform.idle, instants, states)
 
     def pass_ends(self, start_utc: datetime, stop_utc: datetime, *, is_first: bool) -> PassEnds:
         """A slew onto the idle attitude takes no longer than the room that the pass has for it."""

@@ -5,11 +5,13 @@ from datetime import datetime
 from typing import NamedTuple, Protocol
 
 from planner.base.arrays import Array, Indices, Mask
+from planner.base.commands import Motion
 from planner.planning.campaigns.platforms.slew_fits import FollowerLimits
 from planner.planning.opportunities.carrier import Carrier
 from planner.planning.opportunities.sights import Sight
 from planner.world.attitude import Attitude
-from planner.world.orbits import Ephemeris
+from planner.world.frames.time_scales import Instants
+from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.scenario import FinalState, InitialState, Session, SlewOptions
 
 
@@ -95,6 +97,11 @@ class Follower(Protocol):
 
     def probability(self, sight: Sight, which: Indices, t_s: Array, ephemeris: Ephemeris) -> Array:
         """That each target is in the frame at that instant, (n,); 0 where it can't be pointed."""
+        ...
+
+    def rest_motion(self, instants: Instants, states: OrbitStates) -> Motion | None:
+        """The attitude that panels have between passes, at n instants evenly apart; None where they
+        stand on the carrier, which no look turns."""
         ...
 
     def pass_ends(self, start_utc: datetime, stop_utc: datetime, *, is_first: bool) -> PassEnds:

@@ -20,7 +20,7 @@ from planner.planning.opportunities.platforms.registry import lookout_of
 from planner.planning.opportunities.sights import Sight, visible_target
 from planner.planning.sessions.platforms.two_axis.budget import probabilities_at
 from planner.world.frames.time_scales import Instants, shifted_utc
-from planner.world.orbits import Ephemeris
+from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.platforms import AxisLimits, TwoAxisPlatform
 from planner.world.scenario import InitialState, Session
 from planner.world.targets import BenchMotionTarget
@@ -135,6 +135,9 @@ class TwoAxisFollower:
             angle_rad[rows],
         )
         return probability
+
+    def rest_motion(self, instants: Instants, states: OrbitStates) -> None:
+        return None
 
     def pass_ends(self, start_utc: datetime, stop_utc: datetime, *, is_first: bool) -> PassEnds:
         rest_deg = self._request.rest_deg

@@ -122,14 +122,10 @@ export function fatesOf(request: CampaignRequest, campaign: Campaign): TargetFat
       priority,
       looks: given,
       because: refused.get(id) ?? unseen.get(id)?.because ?? leftOut.get(id)?.because ?? null,
-      lacks: lackOf(leftOut.get(id)?.lacks),
+      lacks: leftOut.get(id)?.lacks ?? null,
       bestElevation_deg: unseen.get(id)?.best_elevation_deg ?? null,
     };
   });
-}
-
-function lackOf(name: string | null | undefined): TargetFate["lacks"] {
-  return name === "battery" || name === "memory" ? name : null;
 }
 
 /** The id of the target that a field belongs to. */

@@ -1,0 +1,345 @@
+"""A campaign's choice that keeps battery and memory, and what bounds it."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from planner.base.arrays import Array, Indices
+from planner.base.reporting import Reporter
+from planner.planning.campaigns.choice import (
+    OPTIONS,
+    CampaignChoice,
+    ChoiceOptions,
+    FirstUnheld,
+    Looking,
+    Passes,
+    Search,
+    bound_at,
+    choose,
+    worth_of,
+)
+from planner.planning.campaigns.network import NO_COST, Network
+from planner.planning.campaigns.path import Look, Path, Worth
+from planner.planning.campaigns.programmes import (
+    Mixture,
+    Proposal,
+    Rows,
+    best_mixture,
+    best_together,
+)
+from planner.planning.campaigns.resources import Curve, Keeping, Stretch
+
+
+@dataclass(frozen=True, kw_only=True)
+class KeepingOptions:
+    """How hard a choice that keeps all resources is sought."""
+
+    rounds: int = 12  # of rows that a programme's answer breaks
+    dearer: int = 10  # halvings of what a second costs, until a pass's path fits
+    fill_every: int = 5  # mixtures between whole choices at the prices reached
+
+
+KEEPING = KeepingOptions()
+
+
+def choose_keeping(
+    keeping: Keeping | None,
+    networks: Sequence[Network],
+    looking: Looking,
+    tell: Reporter,
+    first_unheld: FirstUnheld,
+    options: ChoiceOptions = OPTIONS,
+) -> tuple[CampaignChoice, tuple[Stretch, ...]]:
+    """As `choose`, and the rows that its `row_price` is of.
+
+    A choice that keeps all resources without being asked to stays as it is.  Else passes are filled
+    by their best paths at a price for each second of a look, as low as lets all resources keep;
+    prices of stretches come from the programmes' rows, with those of targets.
+    """
+    free = choose(networks, looking, tell, first_unheld, options)
+    if keeping is None or keeping.keeps(free.passes):
+        return free, ()
+    search = _KeepingSearch(networks, looking, first_unheld, options, keeping, free)
+    greedy = search.fill_passes([()] * len(networks), np.zeros(len(looking.look_limit)))
+    search.refill_passes(greedy)
+    search.refill_passes(list(free.passes))
+    search.take_groups()
+    mixture = search.mix_prices(tell)
+    if mixture is not None:
+        search.make_whole(mixture, tell)
+    search.put_together(tell)
+    search.take_groups()
+    search.fill_exactly()
+    priced = search
+    if search.was_barred:
+        # The bound's networks are not: its prices are found without.
+        priced = _KeepingSearch(networks, looking, lambda looks: None, options, keeping, free)
+        priced.mix_prices(tell)
+    choice = CampaignChoice(
+        passes=tuple(search.best),
+        value=search.value,
+        greedy_value=worth_of(greedy),
+        price=priced.price,
+        row_price=priced.row_price,
+    )
+    return choice, tuple(priced.rows[: len(priced.row_price)])
+
+
+def bound_keeping(
+    keeping: Keeping | None,
+    networks: Sequence[Network],
+    looking: Looking,
+    choice: CampaignChoice,
+    rows: Sequence[Stretch],
+) -> float:
+    """As `bound_at`, of choices that keep all resources.
+
+    No such choice uses more over a stretch than there is; each pass is taken to use what its looks
+    do for their whole steps, and the ways from rest and back, with panels of a body at their best
+    all the while: no more than it does.
+    """
+    if keeping is None or not rows:
+        return bound_at(networks, looking, choice.price)
+    dear, rents, room_value = keeping.priced(networks, rows, choice.row_price)
+    return bound_at(dear, looking, choice.price, rents=rents, room_value=room_value)
+
+
+class _KeepingSearch(Search):
+    """A search among choices that keep all resources.
+
+    rows: stretches that were ever broken.  row_price: of the first ones, at which the bound is
+    least as far as known.
+    """
+
+    def __init__(
+        self,
+        networks: Sequence[Network],
+        looking: Looking,
+        first_unheld: FirstUnheld,
+        options: ChoiceOptions,
+        keeping: Keeping,
+        free: CampaignChoice,
+    ) -> None:
+        super().__init__(networks, looking, first_unheld, options)
+        self._keeping = keeping
+        self.rows: list[Stretch] = []
+        self.row_price: Array = np.zeros(0)
+        self.price = free.price
+        self._rented: Array | None = None
+        self._proposed.update(
+            ((number, looks), None) for number, looks in enumerate(free.passes) if looks
+        )
+
+    def keeps(self, passes: Passes, number: int, looks: tuple[Look, ...]) -> bool:
+        return self._keeping.keeps(passes, number, looks)
+
+    def fill_passes(self, start: Passes, price: Array) -> Passes:
+        """At prices of targets those of rows count, too."""
+        self._rented = self.row_price if price.any() and len(self.row_price) else None
+        return super().fill_passes(start, price)
+
+    def refill_passes(self, passes: Passes) -> None:
+        super().refill_passes(self._repaired(passes))
+
+    def mix_prices(self, tell: Reporter) -> tuple[Mixture, list[Proposal]] | None:
+        """Prices of targets and rows by mixtures, and choices at them; the last mixture."""
+        options, found = self._options, None
+        most = max(options.proposals_a_pass * len(self._networks), options.proposals_least)
+        self._answer(self.price, self.row_price)
+        for done in range(options.mixtures_max):
+            if self._is_near() or not self._proposed:
+                break
+            tell("mixing", done, options.mixtures_max)
+            proposals = list(dict.fromkeys([*list(self._proposed)[-most:], *self._own_proposals()]))
+            mixture = self._mixed(proposals, self._looking.look_limit, ())
+            if mixture is None:
+                break
+            found = mixture, proposals
+            known, bound = len(self._proposed), self._bound
+            row_price = _as_long(self.row_price, mixture.row_price)
+            self._answer(0.5 * (self.price + mixture.price), 0.5 * (row_price + mixture.row_price))
+            if self._bound - mixture.value > options.mixture_enough * self._bound:
+                self._answer(mixture.price, mixture.row_price)
+            if done % KEEPING.fill_every == 0:
+                self.refill_passes(self.fill_passes([()] * len(self._networks), self.price))
+            enough = options.mixture_enough * self._bound
+            is_still = len(self._proposed) == known and bound - self._bound < enough
+            if self._bound - mixture.value <= enough or is_still:
+                break
+        return found
+
+    def _answer(self, price: Array, row_price: Array) -> None:
+        """What the passes would take at these prices, and what the Lagrangian then is."""
+        rows = self.rows[: len(row_price)]
+        dear, rents, room_value = self._keeping.priced(self._free, rows, row_price)
+        worth = self._looking.less_prices(price)
+        lagrangian = float(self._looking.allowed(price) @ price) + room_value
+        for number, (network, rent) in enumerate(zip(dear, rents, strict=True)):
+            path = self._at(number, network.cost, worth)
+            lagrangian += max(path.value - rent, 0.0)
+            if path.looks:
+                self._proposed.pop((number, path.looks), None)  # the latest come last
+                self._proposed[number, path.looks] = None
+        if lagrangian < self._bound:
+            self._bound, self.price, self.row_price = lagrangian, price, row_price
+
+    def _at(self, number: int, cost: Array, worth: Worth) -> Path:
+        """The best path of a pass whose looks pay."""
+        self._networks[number] = self._networks[number]._replace(cost=cost)
+        path = self._held_path(number, worth)
+        self._networks[number] = self._networks[number]._replace(cost=NO_COST)
+        return path
+
+    def _mixed(
+        self, proposals: Sequence[Proposal], left_limit: Array, fixed: Passes | tuple[()]
+    ) -> Mixture | None:
+        """Rows that the mixture breaks join, until it breaks none."""
+        own = [(number, looks) for number, looks in enumerate(fixed) if looks]
+        mixture = None
+        for _ in range(KEEPING.rounds):
+            rows, scale = self._further(self._keeping.used_at_least, proposals, own)
+            mixture = best_mixture(proposals, len(self._networks), self._looking, left_limit, rows)
+            if mixture is None:
+                return None
+            mixture = replace(mixture, row_price=mixture.row_price / scale)
+            if not self._joined(proposals, mixture.share, own):
+                return mixture
+        assert mixture is not None
+        return replace(mixture, row_price=_as_long(mixture.row_price, np.zeros(len(self.rows))))
+
+    def _further(
+        self,
+        used: Callable[[Sequence[Proposal], Sequence[Stretch]], Array],
+        proposals: Sequence[Proposal],
+        own: Sequence[Proposal],
+    ) -> tuple[Rows, Array]:
+        """Rows of like size, and what each was divided by."""
+        taken = used(proposals, self.rows)
+        room = [one.room for one in self.rows] - used(own, self.rows).sum(axis=1)
+        scale = np.abs(taken).max(axis=1, initial=0.0)
+        scale[scale < self._options.worthless] = 1.0
+        return (taken / scale[:, None], room / scale), scale
+
+    def _joined(self, proposals: Sequence[Proposal], share: Array, own: Sequence[Proposal]) -> bool:
+        """Whether rows joined that these shares break."""
+        mixed: list[list[tuple[float, tuple[Curve, ...]]]] = [[] for _ in self._networks]
+        for (number, looks), part in zip(
+            [*proposals, *own], [*share.tolist(), *([1.0] * len(own))], strict=True
+        ):
+            if part > self._options.worthless:
+                mixed[number].append((part, self._keeping.curves(number, looks)))
+        known = set(self.rows)
+        new = [one for one in self._keeping.broken(mixed) if one not in known]
+        self.rows += new
+        return bool(new)
+
+    def _together(self, proposals: Sequence[Proposal]) -> list[Proposal]:
+        """By what is used as simulated, with rows that the answer breaks, until it breaks none."""
+        found: list[Proposal] = []
+        for _ in range(KEEPING.rounds):
+            rows, _ = self._further(self._keeping.used, proposals, ())
+            found = best_together(
+                proposals, len(self._networks), self._looking, self._options, rows
+            )
+            if not self._joined(found, np.ones(len(found)), ()):
+                break
+        return found
+
+    def _gain(self, proposal: Proposal) -> float:
+        rows = self.rows[: len(self.row_price)]
+        used = self._keeping.used_at_least([proposal], rows)[:, 0]
+        return super()._gain(proposal) - float(self.row_price @ used)
+
+    def _fitting_path(self, number: int, worth: Worth, passes: Passes) -> Path:
+        """At the least price of a second at which all resources keep beside what others use."""
+        network = self._free[number]
+        cost = NO_COST
+        if self._rented is not None:
+            rows = self.rows[: len(self._rented)]
+            [dear], _, _ = self._keeping.priced([network], rows, self._rented)
+            cost = dear.cost
+        path = self._at(number, cost, worth)
+        own = sum(look.value - worth.price[look.target] for look in passes[number])
+        if path.value <= own + self._options.worthless:
+            return path
+        if self._keeping.keeps(passes, number, path.looks):
+            return _unpaid(path, worth)
+        found = [Path(value=0.0, looks=())]
+        low, high = 0.0, self._most_a_second(network)
+        for _ in range(KEEPING.dearer):
+            middle = 0.5 * (low + high)
+            dearer = self._keeping.dear(network._replace(cost=cost), middle)
+            path = self._at(number, dearer.cost, worth)
+            if path.looks:
+                self._proposed[number, path.looks] = None
+            if self._keeping.keeps(passes, number, path.looks):
+                found.append(_unpaid(path, worth))
+                high = middle
+                continue
+            low = middle
+            found += self._fewer(number, path, worth, passes)
+        return max(found, key=lambda one: one.value)
+
+    def _most_a_second(self, network: Network) -> float:
+        """No look of a pass is worth more in a second."""
+        targets, looking = network.target, self._looking
+        held = looking.held_steps[targets]
+        worths = np.where(held > 0, looking.look_value[targets] / np.maximum(held, 1), 0.0)
+        return float(worths.max()) / self._keeping.step_s
+
+    def _wanted_proposals(self, part: Indices, price: Array, left_limit: Array) -> list[Proposal]:
+        rows = self.rows[: len(self.row_price)]
+        dear, _, _ = self._keeping.priced(self._free, rows, self.row_price)
+        worth = self._looking.less_prices(np.where(left_limit > 0.0, price, np.inf))
+        paths = [(number, self._at(number, dear[number].cost, worth)) for number in part.tolist()]
+        return [(number, path.looks) for number, path in paths if path.looks]
+
+    def _fewer(self, number: int, path: Path, worth: Worth, passes: Passes) -> Iterator[Path]:
+        """A path that uses too much, without the looks that are worth least for their time."""
+        looks = list(path.looks)
+        gain = {
+            look: (look.value - worth.price[look.target]) / worth.steps[look.target, look.length]
+            for look in looks
+        }
+        for worst in sorted(looks, key=lambda look: gain[look])[:-1]:
+            looks.remove(worst)
+            if self._looking.group[worst.target] >= 0:
+                return
+            fewer = self._with_only(number, [look.target for look in looks])
+            if self._first_unheld(fewer) is None and self._keeping.keeps(passes, number, fewer):
+                self._proposed[number, fewer] = None
+                yield _unpaid(Path(value=0.0, looks=fewer), worth)
+                return
+
+    def _repaired(self, passes: Passes) -> Passes:
+        """Without looks that are worth least for what they use, until all resources keep."""
+        passes = list(passes)
+        while (row := self._first_broken(passes)) is not None:
+            rows = [row]
+            taken = [
+                (look.value / max(float(used), self._options.worthless), number, look)
+                for number, looks in enumerate(passes)
+                for look in looks
+                for used in self._keeping.used_at_least([(number, (look,))], rows)[:, 0]
+                if self._keeping.is_in(number, row)
+            ]
+            _, number, look = min(taken, key=lambda one: (one[0], one[1], one[2].first_step))
+            rest = [one.target for one in passes[number] if one is not look]
+            passes[number] = self._with_only(number, rest) if rest else ()
+        return passes
+
+    def _first_broken(self, passes: Passes) -> Stretch | None:
+        mixed = [[(1.0, self._keeping.curves(number, one))] for number, one in enumerate(passes)]
+        return min(self._keeping.broken(mixed), key=lambda one: one.to_s, default=None)
+
+
+def _as_long(price: Array, other: Array) -> Array:
+    """Prices of rows, none of those that joined since."""
+    return np.append(price, np.zeros(max(len(other) - len(price), 0)))
+
+
+def _unpaid(path: Path, worth: Worth) -> Path:
+    """Worth what it is less the prices of targets alone."""
+    value = sum(look.value - float(worth.price[look.target]) for look in path.looks)
+    return replace(path, value=value)
