@@ -65,6 +65,16 @@ def test_report_and_files(tmp_path):
         ({"slew": {"method": "spline"}}, "slew.method", "must be ocp"),
         ({"stop": "2015-04-30T00:00:00Z"}, "stop", "31 days"),
         ({"targets": []}, "targets", "at least one"),
+        (
+            {
+                "targets": [
+                    CITIES["targets"][0]
+                    | {"release": "2015-02-28T00:00:00Z", "due": "2015-02-27T18:00:00Z"}
+                ]
+            },
+            "targets.0.due",
+            "after release",
+        ),
         ({"targets": CITIES["targets"] * 2}, "targets", "taken already"),
     ],
 )

@@ -139,6 +139,35 @@ def test_a_target_of_a_group_is_looked_at_once():
         replace(request_for(WEST, 0.4).targets[0], group="pair", looks=2)
 
 
+@pytest.mark.parametrize(("places", "days"), [(WEST, 0.6), (EUROPE, 0.5)])
+def test_looks_begin_after_release_and_end_by_due(places, days, monkeypatch):
+    kept = {}
+    found_ways = campaigns.ways_to_follow
+
+    def keeping(*given):
+        kept["ways"] = found_ways(*given)
+        return kept["ways"]
+
+    request = request_for(places, days)
+    with monkeypatch.context() as patched:
+        patched.setattr(campaigns, "ways_to_follow", keeping)
+        looks = [look for one in choose_campaign(request).passes for look in one.looks]
+    spans = {
+        looks[0].row: {"release": looks[0].start_utc + timedelta(seconds=5)},
+        looks[1].row: {"due": looks[1].stop_utc - timedelta(seconds=5)},
+        looks[2].row: {"due": request.start + timedelta(seconds=1)},
+    }
+    asked = [replace(one, **spans.get(n, {})) for n, one in enumerate(request.targets)]
+    request = replace(request, targets=tuple(asked))
+    campaign = choose_campaign(request)
+    for look in (look for one in campaign.passes for look in one.looks):
+        wanted = request.targets[look.row]
+        assert wanted.release is None or wanted.release <= look.start_utc
+        assert wanted.due is None or look.stop_utc <= wanted.due
+    assert campaign.value == pytest.approx(best_of_all(request, kept["ways"]), abs=1e-9)
+    assert (looks[2].row, "due") in [(one.row, one.closed_by) for one in campaign.unseen]
+
+
 def best_of_all(request, ways):
     """Over sets of targets, last way and step it is left at: what they can be worth."""
     limits = request.platform.axis_limits
@@ -150,6 +179,7 @@ def best_of_all(request, ways):
             int(ways.first_step[way]),
             int(ways.first_step[way] + ways.steps[way]) - math.ceil(length_s / request.step_s),
         )
+        if is_in_time(request, int(ways.target[way]), first * request.step_s, length_s)
     ]
     looks.sort(key=lambda look: look[2])
     states = {
@@ -191,6 +221,12 @@ def best_of_all(request, ways):
             ended[key] = max(ended.get(key, 0.0), total)
     whole = [worth for (seen, *_), worth in ended.items() if is_whole(request, seen)]
     return max(whole, default=0.0)
+
+
+def is_in_time(request, target, start_s, length_s):
+    """To the tenths of a second by which the grid begins later than the request."""
+    release_s, due_s = request.targets[target].span_s(request.start)
+    return release_s <= start_s and start_s + length_s <= due_s
 
 
 def axes(state):

@@ -102,7 +102,7 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> C
     found = opportunities_however_many(request.opportunities())
     scans = scans_by_pass(request, request.modes, carrier, request.step_s)
     candidates = candidates_of(request, scans.found)
-    windows = _windows_of(candidates, found.windows, follower.settle_s)
+    windows = _windows_of(request, candidates, found.windows, follower.settle_s)
     looking = _looking_of(request, candidates, follower.settle_s)
     gaps = Gaps(request, follower, looking.settle_steps)
     looks = _looks_in_passes(request, candidates, windows, follower, gaps.rest_s)
@@ -253,26 +253,42 @@ def _first_row_s(request: CampaignRequest) -> float:
 
 
 class _Windows(NamedTuple):
-    """When candidates can be looked at, (n,) each."""
+    """When candidates can be looked at, (n,) each.
+
+    longest_s: (candidates,), of any window, whatever release and due.
+    """
 
     target: Indices
     rise_s: Array
     set_s: Array
+    longest_s: Array
+
+    def is_too_late(self, number: int, needed_s: float) -> bool:
+        """Whether a candidate has windows so long, but none from release to due."""
+        own = self.target == number
+        left_s = (self.set_s - self.rise_s)[own].max(initial=0.0)
+        return bool(left_s < needed_s - 1e-6 <= self.longest_s[number])
 
 
-def _windows_of(candidates: Sequence[LookCandidate], found: Windows, settle_s: float) -> _Windows:
+def _windows_of(
+    request: CampaignRequest, candidates: Sequence[LookCandidate], found: Windows, settle_s: float
+) -> _Windows:
     """Of targets as found, of scans from the first begin, and settling before it, to the last
-    one's end."""
-    parts = []
+    one's end; all from release, and settling before it, to due."""
+    parts, longest_s = [], np.zeros(len(candidates))
     for number, one in enumerate(candidates):
         own = found.target == one.row
         spans_s = np.stack([found.rise_s[own], found.set_s[own]], axis=1)
         if one.scans:
             begins_s = np.concatenate([scan.begins_s for scan in one.scans])
             spans_s = begins_s + np.array([-settle_s, one.lengths_s[0]])
+        longest_s[number] = np.diff(spans_s).max(initial=0.0)
+        release_s, due_s = one.wanted.span_s(request.start)
+        spans_s = np.clip(spans_s, release_s - settle_s, due_s)
+        spans_s = spans_s[spans_s[:, 1] > spans_s[:, 0]]
         parts.append(np.insert(spans_s, 0, number, axis=1))
     columns = np.concatenate(parts).T if parts else np.empty((3, 0))
-    return _Windows(columns[0].astype(np.intp), columns[1], columns[2])
+    return _Windows(columns[0].astype(np.intp), columns[1], columns[2], longest_s)
 
 
 def _looks_in_passes(
@@ -425,6 +441,14 @@ def _closed_later(
     if row in scans.because:
         return "duration", scans.because[row]
     numbers = [number for number, one in enumerate(candidates) if one.row == row]
+    late: dict[object, bool] = {}
+    for number in numbers:
+        one = candidates[number]
+        flown_with = one.scans[0].pass_number if one.is_part else row
+        is_too_late = windows.is_too_late(number, one.lengths_s[0])
+        late[flown_with] = late.get(flown_with, False) or is_too_late
+    if late and all(late.values()):
+        return "due", "no window long enough for a look is left from its release to its due"
     if row in request.modes:
         own_scans = [scan for number in numbers for scan in candidates[number].scans]
         lacking = [scan for scan in own_scans if not len(scan.begins_s)]

@@ -19,7 +19,7 @@ from planner.planning.opportunities.request import BOUNDS as OPPORTUNITY_BOUNDS
 from planner.planning.opportunities.request import modes_by_row, require_known_roll
 from planner.world.attitude import Attitude
 from planner.world.clouds import Clouds
-from planner.world.frames.time_scales import DAY_S, elapsed_s
+from planner.world.frames.time_scales import DAY_S, elapsed_s, utc_text
 from planner.world.orbits import Orbit
 from planner.world.platforms import PIXELS_ARCSEC, AngleDeg, AnyPlatform, RollRule
 from planner.world.resources import Resources
@@ -92,6 +92,8 @@ class CampaignTarget:
     roll: of a body, the rule by which its camera lies on the target, as a session's; the platform's
     unless given. E.g. `{"rule": "azimuth", "azimuth_deg": 15.0}`.
     group: targets of the same group are all looked at once, or none of them. E.g. `"stereo 7"`.
+    release: looks begin then at the soonest; UTC. E.g. `"2015-02-27T12:00:00Z"`.
+    due: looks have ended by then; UTC. E.g. `"2015-02-27T21:00:00Z"`.
     """
 
     id: str
@@ -102,8 +104,15 @@ class CampaignTarget:
     looks: Annotated[int, Within(1, 1000)] = 1
     roll: RollRule | None = None
     group: str | None = None
+    release: datetime | None = None
+    due: datetime | None = None
 
     def __post_init__(self) -> None:
+        if self.release and self.due and elapsed_s(self.due, self.release) < 1.0:
+            raise ValueError(
+                f"due ({utc_text(self.due)}) must come a second or more after release "
+                f"({utc_text(self.release)})"
+            )
         if isinstance(self.target, ImagingMode):
             self._require_mode(self.target)
             return
@@ -140,6 +149,13 @@ class CampaignTarget:
         ]
         rows = [math.ceil(length_s / COMMAND_STEP_S - 1e-6) for length_s in wanted]
         return tuple(sorted({row * COMMAND_STEP_S for row in rows}))
+
+    def span_s(self, start_utc: datetime) -> tuple[float, float]:
+        """From when to when looks lie, in seconds since an instant."""
+        return (
+            -math.inf if self.release is None else elapsed_s(self.release, start_utc),
+            math.inf if self.due is None else elapsed_s(self.due, start_utc),
+        )
 
     def worth_value(self, length_s: float) -> float:
         """The worth of an observation that lasts so long at the best view."""

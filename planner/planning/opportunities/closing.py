@@ -8,7 +8,7 @@ from planner.world.frames.time_scales import Utc
 
 Height = Annotated[float, Member("deg", -90.0, 180.0, decimals=3)]
 # What keeps a target from being looked at.
-Closing = Cause | Literal["scan", "duration", "rest", "motion", "work"]
+Closing = Cause | Literal["scan", "due", "duration", "rest", "motion", "work"]
 
 
 @answer
@@ -20,9 +20,9 @@ class Unseen:
     on the ground than it may be, `carrier_light`: the carrier is never in the light asked for,
     `reach`: no angles within the stops, `exclusion`: a body's direction is too near to what it
     keeps away from, `rate`: it would turn too fast, `scan`: no line of an imaging mode is held to
-    its end, `duration`: no window lasts long enough, `rest`: none does beside the time to and from
-    rest, `motion`: the axes can't follow, `work`: to find out takes more work than one request may
-    make.
+    its end, `due`: no window is left from its release to its due, `duration`: no window lasts long
+    enough, `rest`: none does beside the time to and from rest, `motion`: the axes can't follow,
+    `work`: to find out takes more work than one request may make.
     because: the condition that fails instead. E.g. `"the carrier stays below 30 deg in its sky"`.
     best_elevation_rad: the carrier's highest in the target's sky at any time, whatever the
     conditions; above the limb for a target in space. E.g. `12.3`.
