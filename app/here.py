@@ -302,7 +302,8 @@ def told_pass(
     part: Part, state: str = "queued", plan: str = "", problem: Mapping[str, Any] | None = None
 ) -> dict[str, Any]:
     """As a campaign's answer tells it."""
-    facts = {name: part.facts[name] for name in ("start", "stop", "looks", "left_out")}
+    names = ("carrier", "start", "stop", "looks", "left_out")
+    facts = {name: part.facts[name] for name in names if name in part.facts}
     return {**facts, "number": part.facts["pass"], "state": state, "plan": plan, "problem": problem}
 
 

@@ -455,7 +455,7 @@ def solve(case: Case, tell: Callable[[str], None]) -> Solution:
         group=np.full(len(tasks.weight), -1),
         way_to=np.empty(0, np.intp),
         way_limit=np.empty(0),
-        settle_steps=0,
+        settle_steps=np.zeros(len(passes), np.intp),
     )
     tell(f"{len(passes)} passes, {sum(len(one.network.way) for one in passes)} times in view")
     checker = Checker(case, passes)
@@ -527,7 +527,7 @@ def _print_left_out(case: Case, passes: Sequence[Pass], chosen: Passes) -> None:
     left = np.array(sorted(seen - taken), np.intp)
     networks = [one.network for one in passes]
     worth = Worth(tasks.steps[:, None], tasks.weight[:, None], np.zeros(len(tasks.ids)))
-    found = displaced_by(networks, chosen, worth, left)
+    found = displaced_by(networks, chosen, lambda _: worth, left)
     costs = np.array([sum(look.value for look in one.by) - one.value for one in found])
     counts = [int(np.count_nonzero(costs <= most)) for most in (0.0, 0.5, 1.0, 2.0)]
     print(

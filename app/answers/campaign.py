@@ -14,7 +14,12 @@ from app.store.job import Job
 from app.store.packed import unzip
 from planner.base.answer_members import Count, NotNegative, Share, answer
 from planner.base.assumed import Assumed
-from planner.planning.campaigns.chosen import ChosenLook, UnchosenTarget
+from planner.planning.campaigns.chosen import (
+    ChosenLook,
+    UnchosenByAll,
+    UnchosenTarget,
+    UnseenByAll,
+)
 from planner.planning.opportunities.closing import Unseen
 
 
@@ -22,15 +27,15 @@ from planner.planning.opportunities.closing import Unseen
 class CampaignChoiceOut:
     """The worth of the looks chosen together, and the most that it could be.
 
-    value: of the looks chosen.
+    value: of the looks chosen. E.g. `5.94`.
     bound: no choice is worth more whose looks begin on the grid of `step_s`, have one of the
-    lengths tried (least, wanted, half-way) and lie in the same passes.
-    gap_share: the difference between bound and `value`, as a share of the bound.
+    lengths tried (least, wanted, half-way) and lie in the same passes. E.g. `6.0`.
+    gap_share: the difference between bound and `value`, as a share of the bound. E.g. `0.01`.
     greedy_value: worth of the choice that takes whatever is worth most in each pass, one pass after
-    another.
-    windows: number of windows to choose from.
-    looks: number of looks chosen.
-    passes: number of passes that hold looks.
+    another. E.g. `5.1`.
+    windows: number of windows to choose from. E.g. `12`.
+    looks: number of looks chosen. E.g. `6`.
+    passes: number of passes that hold looks. E.g. `4`.
     unseen: targets that can't be looked at for as long as they must, and why.
     left_out: targets that can, but others are worth more.
     assumed: places of the targets that the request gives by name only.
@@ -45,10 +50,41 @@ class CampaignChoiceOut:
     windows: Count
     looks: Count
     passes: Count
-    unseen: tuple[Unseen, ...]
-    left_out: tuple[UnchosenTarget, ...]
+    unseen: tuple[SerializeAsAny[Unseen], ...]
+    left_out: tuple[SerializeAsAny[UnchosenTarget], ...]
     assumed: tuple[Assumed, ...]
     warnings: tuple[str, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class CarrierOut:
+    """The share of one of several carriers.
+
+    id: its name in the request. E.g. `"north"`.
+    passes: number of its passes that hold looks. E.g. `2`.
+    looks: number of looks chosen for it. E.g. `5`.
+    value: of these. E.g. `7.25`.
+    """
+
+    id: str
+    passes: Count
+    looks: Count
+    value: NotNegative
+
+
+@dataclass(frozen=True, kw_only=True)
+class FleetChoiceOut(CampaignChoiceOut):
+    """The worth of the looks chosen for several carriers, and the most that it could be.
+
+    unseen: targets that no carrier can look at for as long as it must, and why not the one that
+    comes nearest.
+    left_out: targets that some carrier can, but others are worth more.
+    carriers: the share of each, in the request's order.
+    """
+
+    unseen: tuple[UnseenByAll, ...]
+    left_out: tuple[UnchosenByAll, ...]
+    carriers: tuple[CarrierOut, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,11 +103,11 @@ class LookLeftOut:
 class CampaignPassOut:
     """Looks planned together: from rest at `start` to rest at `stop`.
 
-    number: from 0, in order of time.
-    plan: id of its plan, GET /v1/plans/{id}.
+    number: from 0, in order of time. E.g. `1`.
+    plan: id of its plan, GET /v1/plans/{id}. E.g. `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
     state: state of the work on that plan.
-    start: row 0 of its table; UTC.
-    stop: last row of its table; UTC.
+    start: row 0 of its table; UTC. E.g. `"2015-02-27T17:32:46.000Z"`.
+    stop: last row of its table; UTC. E.g. `"2015-02-27T17:38:08.000Z"`.
     looks: those chosen for this pass.
     left_out: looks that could not be flown; a plan without them took the place of the one that was
     refused.
@@ -86,6 +122,16 @@ class CampaignPassOut:
     looks: list[SerializeAsAny[ChosenLook]]  # as they were told and stored
     left_out: list[LookLeftOut]
     problem: Problem | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class FleetPassOut(CampaignPassOut):
+    """Looks of one of several carriers planned together.
+
+    carrier: id of the carrier that flies it. E.g. `"north"`.
+    """
+
+    carrier: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -119,9 +165,9 @@ class CampaignResponse(JobResponse):
     passes: those with looks, in order of time.
     """
 
-    choice: SerializeAsAny[CampaignChoiceOut] | None
+    choice: SerializeAsAny[CampaignChoiceOut | FleetChoiceOut] | None
     planned: PlannedOut
-    passes: list[CampaignPassOut]
+    passes: list[SerializeAsAny[CampaignPassOut | FleetPassOut]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -157,7 +203,7 @@ def campaign_json(job: Job, document: bytes | None, parts: Sequence[Job]) -> byt
 
 def _pass_out(part: Job) -> CampaignPassOut:
     facts = part.options["campaign"]
-    return CampaignPassOut(
+    told = CampaignPassOut(
         number=facts["pass"],
         plan=part.id,
         state=part.state,
@@ -167,6 +213,7 @@ def _pass_out(part: Job) -> CampaignPassOut:
         left_out=[from_store(LookLeftOut, look) for look in facts["left_out"]],
         problem=job_members(part)["problem"],
     )
+    return FleetPassOut(**vars(told), carrier=facts["carrier"]) if "carrier" in facts else told
 
 
 def _planned_out(parts: Sequence[Job]) -> PlannedOut:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
@@ -73,7 +73,7 @@ def campaign(
                     files.write_json(Path(f"{stem}-request.json"), planner.request(one["plan"]))
         if csv:
             flown = [one for one in passes if one["problem"] is None]
-            looks = ((_number(one), look) for one in flown for look in one["looks"])
+            looks = ({**_of(one), **look} for one in flown for look in one["looks"])
             files.write(csv, looks_csv(looks).encode())
         files.write_json(json, {**choice, "passes": passes})
 
@@ -83,9 +83,14 @@ def _number(one: Members) -> int:
     return int(one["number"]) + 1
 
 
+def _of(one: Members) -> dict[str, Any]:
+    """By which looks are told apart: the pass, and its carrier where there are several."""
+    return {"pass": _number(one), **({"carrier": one["carrier"]} if "carrier" in one else {})}
+
+
 def print_campaign(console: Console, choice: Members, passes: Sequence[Members]) -> None:
     """What was chosen and how far from the best that can be; a line per look."""
-    looks = [{"pass": str(_number(one)), **look} for one in passes for look in one["looks"]]
+    looks = [{**_of(one), **look} for one in passes for look in one["looks"]]
     planned = [one for one in passes if one["problem"] is None]
     console.print(
         Text.assemble(
@@ -95,13 +100,14 @@ def print_campaign(console: Console, choice: Members, passes: Sequence[Members])
             f"pass by itself {choice['greedy_value']:.6g}",
         )
     )
+    carrier = [("<carrier", "carrier")] if "carriers" in choice else []
     parts.print_assumed(console, choice["assumed"])
     parts.print_rows(
         console, None, looks[: parts.SHOWN_MAX],
-        ("<pass", "pass"), ("<target", "target"),
+        ("<pass", lambda look: str(look["pass"])), *carrier, ("<target", "target"),
         ("<start", lambda look: f"{look['start'][:10]} {look['start'][11:21]}"),
         ("<stop", lambda look: look["stop"][11:21]), ("<value", "value", ".4g"),
-        ("quality", "quality", ".2f"), ("elev deg", "elevation_deg", ".1f"), keys=2,
+        ("quality", "quality", ".2f"), ("elev deg", "elevation_deg", ".1f"), keys=2 + len(carrier),
     )  # fmt: skip
     parts.print_more(console, len(looks))
     parts.print_reasons(console, "can't be seen", choice["unseen"])

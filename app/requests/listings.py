@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from app.store.job import Listing
 
 if TYPE_CHECKING:
-    from planner.planning.campaigns import CampaignRequest
+    from planner.planning.campaigns import CampaignRequest, FleetRequest
     from planner.planning.opportunities import OpportunityRequest
     from planner.spacecraft.requests import ImagingPlanRequest
     from planner.world.scenario import Scenario
@@ -32,10 +32,10 @@ def listing_of_imaging(request: "ImagingPlanRequest") -> Listing:
     )
 
 
-def listing_of_search(request: "CampaignRequest | OpportunityRequest") -> Listing:
+def listing_of_search(request: "CampaignRequest | FleetRequest | OpportunityRequest") -> Listing:
     """Of a campaign or of opportunities."""
     return Listing(
-        platform=request.platform.name,
+        platform=request.platform_names,
         start_utc=request.start,
         stop_utc=request.stop,
         targets=_each_once(one.id for one in request.targets),

@@ -227,9 +227,11 @@ class Product:
         }
         body = json.dumps(campaign).encode()
         try:
-            return Asked(CAMPAIGN_READER.read(body), body, told)
+            read = CAMPAIGN_READER.read(body)
         except InvalidRequest as refusal:
             raise InvalidRequest(*map(_as_said, refusal.errors)) from None
+        assert isinstance(read, CampaignRequest)  # a product has one carrier
+        return Asked(read, body, told)
 
     def search_body(self, asked: Asked) -> bytes:
         """The request for windows that hold a whole look; of an area for those of its middle."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import TYPE_CHECKING, Any
 
-from app.answers.campaign import CampaignChoiceOut
+from app.answers.campaign import CampaignChoiceOut, CarrierOut, FleetChoiceOut
 from app.answers.members import to_json, to_members
 from app.requests.campaign import read_campaign_request
 from app.requests.json_reader import json_fields
@@ -26,7 +26,7 @@ from planner.output.export.geojson import geojson_of
 from planner.output.export.kml import kml_of
 from planner.output.export.map_features import MapFeature, PlanMap
 from planner.output.export.plan_map import target_features
-from planner.planning.campaigns import CampaignRequest
+from planner.planning.campaigns import CampaignRequest, FleetRequest
 from planner.planning.campaigns.chosen import ChosenLook
 from planner.world.frames.time_scales import utc_from_text, utc_text
 
@@ -41,23 +41,46 @@ _MAPS = {"application/geo+json": geojson_of, "application/vnd.google-earth.kml+x
 SUFFIXES = dict(zip((CSV, *_MAPS, _ARCHIVE), (".csv", ".geojson", ".kml", ".zip"), strict=True))
 
 
-def choose(body: bytes, request: CampaignRequest | None = None) -> Result:
+def choose(body: bytes, request: CampaignRequest | FleetRequest | None = None) -> Result:
     """Read unless that is done, choose and write down; raises a Refusal."""
-    from planner.planning.campaigns import choose_campaign
+    from planner.planning.campaigns import choose_together
 
     request = request or read_campaign_request(body)
     document = json.loads(body)  # passes say orbit, platform and targets in its own words
-    campaign = choose_campaign(request, report)
+    requests, words = request.requests, {"": document}
+    campaign = choose_together(requests, report)
+    told = _choice(request, campaign)
+    if isinstance(request, FleetRequest):
+        words = {one["id"]: one for one in document["carriers"]}
+        told = _fleet_choice(told, request, campaign)
     return Result(
-        content=(zlib.compress(to_json(_choice(request, campaign))),),
+        content=(zlib.compress(to_json(told)),),
         parts=tuple(
-            _part(document, request, number, flight)
+            _part(document, words[flight.carrier], requests[flight.carrier], number, flight)
             for number, flight in enumerate(campaign.passes)
         ),
     )
 
 
-def _choice(request: CampaignRequest, campaign: "Campaign") -> CampaignChoiceOut:
+def _fleet_choice(
+    told: CampaignChoiceOut, request: FleetRequest, campaign: "Campaign"
+) -> FleetChoiceOut:
+    flown: dict[str, list[ChosenPass]] = {one.id: [] for one in request.carriers}
+    for flight in campaign.passes:
+        flown[flight.carrier].append(flight)
+    carriers = tuple(
+        CarrierOut(
+            id=carrier,
+            passes=len(own),
+            looks=sum(len(flight.looks) for flight in own),
+            value=sum((look.value for flight in own for look in flight.looks), 0.0),
+        )
+        for carrier, own in flown.items()
+    )
+    return FleetChoiceOut(**vars(told), carriers=carriers)
+
+
+def _choice(request: CampaignRequest | FleetRequest, campaign: "Campaign") -> CampaignChoiceOut:
     return CampaignChoiceOut(
         value=campaign.value,
         bound=campaign.bound,
@@ -68,22 +91,27 @@ def _choice(request: CampaignRequest, campaign: "Campaign") -> CampaignChoiceOut
         passes=len(campaign.passes),
         unseen=campaign.unseen,
         left_out=campaign.left_out,
-        assumed=request.opportunities().assumed,
+        assumed=request.assumed,
         warnings=campaign.warnings,
     )
 
 
 def _part(
-    document: Mapping[str, Any], request: CampaignRequest, number: int, flight: "ChosenPass"
+    document: Mapping[str, Any],
+    own: Mapping[str, Any],
+    request: CampaignRequest,
+    number: int,
+    flight: "ChosenPass",
 ) -> Part:
+    """own: the carrier's words, of a campaign of one all of them."""
     from planner.planning.campaigns import scenario_of
 
     scenario = scenario_of(request, flight, number)
     carried = _CARRIED_OVER if scenario.slew == request.slew else _CARRIED_OVER[:-1]
-    words = {name: document[name] for name in carried if name in document}
+    words = {name: own[name] for name in carried if name in own}
+    asked = {target["id"]: target["target"] for target in document["targets"]}
     target_words = [
-        document["targets"][look.row]["target"] if look.path is None else json_fields(look.path)
-        for look in flight.looks
+        asked[look.target] if look.path is None else json_fields(look.path) for look in flight.looks
     ]
     if any("terrain" in told for told in (document, *target_words)):
         target_words = []  # the heights are written out: no pass holds the grid
@@ -94,6 +122,7 @@ def _part(
         listing=_listing(scenario.platform.name, looks),
         facts={
             "pass": number,
+            **({"carrier": flight.carrier} if flight.carrier else {}),
             "start": utc_text(flight.start_utc),
             "stop": utc_text(flight.stop_utc),
             "looks": looks,
@@ -169,6 +198,12 @@ class MadePass:
         return int(self.facts["pass"]) + 1
 
     @property
+    def of(self) -> dict[str, Any]:
+        """By which looks are told apart: the pass, and its carrier where there are several."""
+        carrier = {"carrier": self.facts["carrier"]} if "carrier" in self.facts else {}
+        return {"pass": self.number, **carrier}
+
+    @property
     def looks(self) -> Sequence[Mapping[str, Any]]:
         """Those that are planned."""
         looks: Sequence[Mapping[str, Any]] = self.facts["looks"]
@@ -188,14 +223,15 @@ def campaign_file(media_type: str, body: bytes, passes: Sequence[MadePass]) -> b
 
 
 def _looks_csv(passes: Sequence[MadePass]) -> bytes:
-    return looks_csv((one.number, look) for one in passes for look in one.looks).encode()
+    return looks_csv({**one.of, **look} for one in passes for look in one.looks).encode()
 
 
-def looks_csv(looks: Iterable[tuple[int, Mapping[str, Any]]]) -> str:
-    """One line per look, with the number of its pass."""
-    names = [*member_names(ChosenLook).values()]
-    rows = ([number, *(look[name] for name in names)] for number, look in looks)
-    return csv_lines([["pass", *names], *rows])
+def looks_csv(looks: Iterable[Mapping[str, Any]]) -> str:
+    """One line per look, with the number of its pass, and its carrier where there are several."""
+    told = list(looks)
+    own = ["pass", "carrier"] if any("carrier" in look for look in told) else ["pass"]
+    names = [*own, *member_names(ChosenLook).values()]
+    return csv_lines([names, *([look[name] for name in names] for look in told)])
 
 
 def _map_features(passes: Sequence[MadePass]) -> Iterator[MapFeature]:
@@ -205,7 +241,7 @@ def _map_features(passes: Sequence[MadePass]) -> Iterator[MapFeature]:
             members = dict(look)
             label, *times = (members.pop(name) for name in ("target", "start", "stop"))
             start_utc, stop_utc = map(utc_from_text, times)
-            facts = {"pass": one.number, "plan": one.plan, **members}
+            facts = {**one.of, "plan": one.plan, **members}
             yield from target_features(session.target, (start_utc, stop_utc), label, facts)
 
 

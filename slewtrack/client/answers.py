@@ -249,7 +249,10 @@ class Look(Answer):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Pass(Answer):
-    """Looks planned together; plan: id of their plan.  problem: why there is none."""
+    """Looks planned together; plan: id of their plan.  problem: why there is none.
+
+    carrier: id of the one that flies it, of a campaign of several.
+    """
 
     number: int
     plan: str
@@ -258,6 +261,7 @@ class Pass(Answer):
     stop: str
     looks: tuple[Look, ...]
     problem: Members | None = None
+    carrier: str | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -14,7 +14,7 @@ from app.requests.plan import read_plan_request
 from app.work import campaign as campaign_work
 from planner.base.errors import InvalidRequest
 from planner.planning.campaigns import campaign as campaigns
-from planner.planning.campaigns import choose_campaign, scenario_of
+from planner.planning.campaigns import carrier_looks, choose_campaign, scenario_of
 from planner.planning.campaigns.network import NEVER
 from planner.planning.sessions.pipeline import make_plan
 from planner.world.frames.earth_orientation import c_itrf_from_eci
@@ -104,13 +104,13 @@ def test_the_choice_is_the_best_of_all_subsets_or_near_it(seed, monkeypatch):
     """Strips and stereo pairs that can't all be had: every sequence is tried by itself."""
     random = np.random.default_rng(seed)
     kept = {}
-    build = campaigns._build_networks
+    build = carrier_looks._build_networks
 
     def keeping(*given):
         kept["networks"] = build(*given)
         return kept["networks"]
 
-    monkeypatch.setattr(campaigns, "_build_networks", keeping)
+    monkeypatch.setattr(carrier_looks, "_build_networks", keeping)
     targets = [
         {
             "id": str(number),
@@ -144,11 +144,12 @@ def test_the_choice_is_the_best_of_all_subsets_or_near_it(seed, monkeypatch):
 
 def best_whole(network, looking):
     """The most that a sequence with whole groups is worth."""
-    takes = looking.length_steps[:, 0]
+    lasts_steps = looking.length_steps[:, 0]
+    takes = lasts_steps + int(looking.settle_steps[0])
 
     def gain(way, begin):
         cell = network.offset[way] + begin - network.first[way]
-        lasts = takes[network.target[way]] - looking.settle_steps
+        lasts = lasts_steps[network.target[way]]
         end = cell + takes[network.target[way]]
         seen = network.quality_sum[end] - network.quality_sum[end - lasts]
         return looking.look_value[network.target[way], 0] * seen / lasts

@@ -18,8 +18,10 @@ from planner.planning import label_search
 from planner.planning.campaigns import (
     CampaignRequest,
     CampaignTarget,
+    carrier_looks,
     choice,
     choose_campaign,
+    choose_together,
     orders,
 )
 from planner.planning.campaigns import campaign as campaigns
@@ -28,9 +30,15 @@ from planner.planning.campaigns.network import NEVER, Network
 from planner.planning.campaigns.orders import most_worth, ordered_path
 from planner.planning.campaigns.path import Worth, best_path, bounded_path
 from planner.planning.opportunities import OpportunityConditions
+from planner.world.orbits import TleOrbit
 from planner.world.platforms import PLATFORMS
 from planner.world.targets import GroundTarget
 
+# 6 deg of mean anomaly behind the ISS
+BEHIND = TleOrbit(
+    line1=ISS.line1,
+    line2="2 25544  51.6478 271.9610 0008043  54.4849  12.6646 15.54887163930968",
+)
 WEST = ((36.1, -115.2), (37.8, -122.4), (40.8, -111.9), (33.4, -112.1), (34.1, -118.2))
 EUROPE = ((51.5, -0.1), (48.9, 2.4), (41.4, 2.2), (45.5, 9.2), (52.5, 13.4))
 
@@ -66,13 +74,13 @@ def request_for(places, days, **fields):
 )
 def test_choice_is_the_best_of_all(places, days, monkeypatch):
     kept = {}
-    found_ways = campaigns.ways_to_follow
+    found_ways = carrier_looks.ways_to_follow
 
     def keeping(*given):
         kept["ways"] = found_ways(*given)
         return kept["ways"]
 
-    monkeypatch.setattr(campaigns, "ways_to_follow", keeping)
+    monkeypatch.setattr(carrier_looks, "ways_to_follow", keeping)
     request = request_for(places, days)
     campaign = choose_campaign(request)
     best = best_of_all(request, kept["ways"])
@@ -87,13 +95,13 @@ def test_choice_is_the_best_of_all(places, days, monkeypatch):
 @pytest.mark.parametrize("groups", ["aabb.", "a.bab", ".aaaa"])
 def test_groups_are_chosen_whole_or_not_at_all(places, days, groups, monkeypatch):
     kept = {}
-    found_ways = campaigns.ways_to_follow
+    found_ways = carrier_looks.ways_to_follow
 
     def keeping(*given):
         kept["ways"] = found_ways(*given)
         return kept["ways"]
 
-    monkeypatch.setattr(campaigns, "ways_to_follow", keeping)
+    monkeypatch.setattr(carrier_looks, "ways_to_follow", keeping)
     request = request_for(places, days, step_s=12.0)
     targets = zip(request.targets, groups, strict=True)
     asked = tuple(replace(one, group=None if name == "." else name) for one, name in targets)
@@ -107,6 +115,58 @@ def test_groups_are_chosen_whole_or_not_at_all(places, days, groups, monkeypatch
     assert 0.97 * best <= campaign.value <= best + 1e-9
     told = [one for one in campaign.left_out if asked[one.row].group is not None]
     assert all(f"group {asked[one.row].group}" in one.because for one in told)
+
+
+@pytest.mark.parametrize(
+    ("places", "days", "groups"),
+    [(WEST, 0.6, "....."), (EUROPE, 0.5, "....."), (WEST, 0.6, "aa.bb"), (EUROPE, 0.5, ".aabb")],
+)
+def test_two_carriers_choose_the_best_of_all(places, days, groups, monkeypatch):
+    """The second flies 93 s behind and may not look at the first target, nor the first at the
+    last."""
+    kept = []
+    found_ways = carrier_looks.ways_to_follow
+
+    def keeping(*given):
+        kept.append(found_ways(*given))
+        return kept[-1]
+
+    monkeypatch.setattr(carrier_looks, "ways_to_follow", keeping)
+    both = request_for(places, days, step_s=12.0)
+    named = zip(both.targets, groups, strict=True)
+    asked = tuple(replace(one, group=None if name == "." else name) for one, name in named)
+    requests = {
+        "ahead": replace(both, targets=asked[:4]),
+        "behind": replace(both, targets=asked[1:], orbit=BEHIND),
+    }
+    campaign = choose_together(requests)
+    by_ids = [
+        {frozenset(request.targets[row].id for row in seen): worth for seen, worth in sets.items()}
+        for request, ways in zip(requests.values(), kept, strict=True)
+        for sets in [best_by_set(request, ways)]
+    ]
+    best = max(
+        ahead + behind
+        for one, ahead in by_ids[0].items()
+        for other, behind in by_ids[1].items()
+        if one.isdisjoint(other) and is_whole(replace(both, targets=asked), rows_of(one | other))
+    )
+    assert campaign.bound >= best - 1e-9 > 0.0
+    assert 0.97 * best <= campaign.value <= best + 1e-9
+    if set(groups) == {"."}:
+        assert campaign.value == pytest.approx(best, abs=1e-9)
+    looks = [(one.carrier, look) for one in campaign.passes for look in one.looks]
+    assert sum(look.value for _, look in looks) == pytest.approx(campaign.value)
+    targets = [look.target for _, look in looks]
+    assert len(set(targets)) == len(targets)
+    assert is_whole(replace(both, targets=asked), rows_of(targets))
+    assert {carrier for carrier, _ in looks} == {"ahead", "behind"}
+    for carrier, look in looks:
+        assert requests[carrier].targets[look.row].id == look.target
+
+
+def rows_of(ids):
+    return {int(one) for one in ids}
 
 
 def is_whole(request, seen):
@@ -142,7 +202,7 @@ def test_a_target_of_a_group_is_looked_at_once():
 @pytest.mark.parametrize(("places", "days"), [(WEST, 0.6), (EUROPE, 0.5)])
 def test_looks_begin_after_release_and_end_by_due(places, days, monkeypatch):
     kept = {}
-    found_ways = campaigns.ways_to_follow
+    found_ways = carrier_looks.ways_to_follow
 
     def keeping(*given):
         kept["ways"] = found_ways(*given)
@@ -150,7 +210,7 @@ def test_looks_begin_after_release_and_end_by_due(places, days, monkeypatch):
 
     request = request_for(places, days)
     with monkeypatch.context() as patched:
-        patched.setattr(campaigns, "ways_to_follow", keeping)
+        patched.setattr(carrier_looks, "ways_to_follow", keeping)
         looks = [look for one in choose_campaign(request).passes for look in one.looks]
     spans = {
         looks[0].row: {"release": looks[0].start_utc + timedelta(seconds=5)},
@@ -169,7 +229,12 @@ def test_looks_begin_after_release_and_end_by_due(places, days, monkeypatch):
 
 
 def best_of_all(request, ways):
-    """Over sets of targets, last way and step it is left at: what they can be worth."""
+    whole = [worth for seen, worth in best_by_set(request, ways).items() if is_whole(request, seen)]
+    return max(whole)
+
+
+def best_by_set(request, ways):
+    """Of sets of targets, over last way and step it is left at: what they can be worth."""
     limits = request.platform.axis_limits
     looks = [
         (way, int(ways.target[way]), first, first + math.ceil(length_s / request.step_s), length_s)
@@ -219,8 +284,10 @@ def best_of_all(request, ways):
         for seen, total in reached.items():
             key = (seen, way, last)
             ended[key] = max(ended.get(key, 0.0), total)
-    whole = [worth for (seen, *_), worth in ended.items() if is_whole(request, seen)]
-    return max(whole, default=0.0)
+    best = {frozenset(): 0.0}
+    for (seen, *_), worth in ended.items():
+        best[seen] = max(best.get(seen, 0.0), worth)
+    return best
 
 
 def is_in_time(request, target, start_s, length_s):

@@ -43,7 +43,9 @@ def json_body_of(reader: JsonReader[Any], examples: Examples) -> Schema:
     shown = {
         name: {"summary": summary, "value": value} for name, (summary, value) in examples.items()
     }
-    return _body({JSON: {"schema": schema_of(reader), "examples": shown}})
+    schemas = [schema_of(one) for one in (reader, *getattr(reader, "others", ()))]
+    schema = schemas[0] if len(schemas) == 1 else {"anyOf": schemas}
+    return _body({JSON: {"schema": schema, "examples": shown}})
 
 
 def form_body_of(request: Schema, files: Mapping[str, Schema]) -> Schema:

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from planner.base.on_first_use import on_first_use
 from planner.planning.campaigns.chosen import ChosenLook, UnchosenTarget
+from planner.planning.campaigns.fleet import CampaignCarrier, FleetRequest
 from planner.planning.campaigns.request import CampaignRequest, CampaignTarget, ViewWeights
 
 if TYPE_CHECKING:
@@ -11,6 +12,7 @@ if TYPE_CHECKING:
         Campaign,
         ChosenPass,
         choose_campaign,
+        choose_together,
         scenario_of,
     )
     from planner.planning.campaigns.view import Seen
@@ -20,18 +22,22 @@ else:
         ChosenPass="planner.planning.campaigns.campaign",
         Seen="planner.planning.campaigns.view",
         choose_campaign="planner.planning.campaigns.campaign",
+        choose_together="planner.planning.campaigns.campaign",
         scenario_of="planner.planning.campaigns.campaign",
     )
 
 __all__ = [
     "Campaign",
+    "CampaignCarrier",
     "CampaignRequest",
     "CampaignTarget",
     "ChosenLook",
     "ChosenPass",
+    "FleetRequest",
     "Seen",
     "UnchosenTarget",
     "ViewWeights",
     "choose_campaign",
+    "choose_together",
     "scenario_of",
 ]

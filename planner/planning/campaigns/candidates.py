@@ -1,5 +1,6 @@
 """Candidates of a campaign: targets, and the scans of imaging modes in every pass."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,12 +18,14 @@ class LookCandidate:
     looked up as a place.
 
     row: of the request's targets.  wanted: that one.  scans: none of a target; of a mode that is
-    one scan in every pass all of them, else the one.
+    one scan in every pass all of them, else the one.  is_part: whether it is one of the scans that
+    are all done in one pass or none, maybe the only one.
     """
 
     row: int
     wanted: CampaignTarget
     scans: tuple[ModeScan, ...] = ()
+    is_part: bool = False
 
     @cached_property
     def target(self) -> Target:
@@ -44,10 +47,9 @@ class LookCandidate:
             return (self.scans[0].duration_s,)
         return self.wanted.lengths_s
 
-    @property
-    def is_part(self) -> bool:
-        """Whether it is worth nothing alone."""
-        return any(scan.parts > 1 for scan in self.scans)
+    def length_steps(self, step_s: float) -> tuple[int, ...]:
+        """The same on the grid."""
+        return tuple(math.ceil(length_s / step_s - 1e-9) for length_s in self.lengths_s)
 
     @property
     def looks(self) -> int:
@@ -64,8 +66,14 @@ class LookCandidate:
         return min(self.scans, key=lambda scan: scan.apart_s(begin_s))
 
 
-def candidates_of(request: CampaignRequest, scans: Sequence[ModeScan]) -> tuple[LookCandidate, ...]:
-    """Targets that are no modes, in order, then scans."""
+def candidates_of(
+    request: CampaignRequest, scans: Sequence[ModeScan], modes_by_pass: bool
+) -> tuple[LookCandidate, ...]:
+    """Targets that are no modes, in order, then scans.
+
+    modes_by_pass: whether a mode that is one scan in every pass is nevertheless a part in each,
+    since another carrier may need several for it.
+    """
     found = [
         LookCandidate(row=row, wanted=wanted)
         for row, wanted in enumerate(request.targets)
@@ -75,9 +83,11 @@ def candidates_of(request: CampaignRequest, scans: Sequence[ModeScan]) -> tuple[
     for scan in scans:
         by_row.setdefault(scan.row, []).append(scan)
     for row, own in by_row.items():
-        is_single = all(scan.parts == 1 for scan in own)
+        is_single = not modes_by_pass and all(scan.parts == 1 for scan in own)
         found += [
-            LookCandidate(row=row, wanted=request.targets[row], scans=together)
+            LookCandidate(
+                row=row, wanted=request.targets[row], scans=together, is_part=not is_single
+            )
             for together in ([tuple(own)] if is_single else [(scan,) for scan in own])
         ]
     return tuple(found)

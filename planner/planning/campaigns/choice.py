@@ -96,11 +96,11 @@ class CampaignChoice:
 class Looking:
     """What looks at each target may be.
 
-    length_steps, look_value: (targets, lengths), steps on the grid until it has ended and what
-    it is worth at the best view; 0 for lengths there are not.  look_limit: (targets,).
+    length_steps, look_value: (targets, lengths), steps on the grid and what it is worth at the
+    best view; 0 for lengths there are not.  look_limit: (targets,).
     group: number of each target's group, whose members are all looked at or none; -1 of none.
     way_to: (groups,), number of what a group is one way to do.  way_limit: how many of its ways are
-    taken at most.  settle_steps: of length_steps, before the look itself begins.
+    taken at most.  settle_steps: (networks,), before a look begins in that pass.
     held_steps: whole steps that a look lasts at least, as length_steps.
     """
 
@@ -110,7 +110,7 @@ class Looking:
     group: Indices
     way_to: Indices
     way_limit: Array
-    settle_steps: int
+    settle_steps: Indices
     held_steps: Indices = field(default_factory=lambda: NOT_HELD)
 
     @property
@@ -142,7 +142,15 @@ class Looking:
 
     def less_prices(self, price: Array) -> Worth:
         """The worth less a price for each observation, (targets,)."""
-        return Worth(self.length_steps, self.look_value, price, self.settle_steps, self.held_steps)
+        return Worth(self.length_steps, self.look_value, price, held_steps=self.held_steps)
+
+    def settled(self, worth: Worth, network: int) -> Worth:
+        """The same with the time that a look in that pass takes to settle."""
+        settle_steps = int(self.settle_steps[network])
+        if not settle_steps:
+            return worth
+        steps = np.where(worth.steps > 0, worth.steps + settle_steps, 0)
+        return worth._replace(steps=steps, settle_steps=settle_steps)
 
     def looks_of(self, passes: Iterable[Sequence[Look]]) -> Array:
         """How many observations each target gets, (targets,)."""
@@ -356,7 +364,7 @@ class Search:
         """Of a pass; a look that those before it don't let be held is taken after them no more."""
         while True:
             network = self._networks[number]
-            path = best_path(network, worth)
+            path = best_path(network, self._looking.settled(worth, number))
             unheld = self._first_unheld(path.looks)
             if unheld is None:
                 return path
@@ -368,7 +376,7 @@ class Search:
                 for one in reversed(path.looks[max(place - 1, 0) : place + 1])
             )
             cell = int(network.offset[way] - network.first[way]) - network.first_step
-            begin = cell + look.first_step - self._looking.settle_steps
+            begin = cell + look.first_step - int(self._looking.settle_steps[number])
             end = max(cell + last_step, begin)
             self._networks[number] = without_look(
                 network, before[0] if before else None, way, begin, end
@@ -379,7 +387,8 @@ class Search:
         if not self._is_priced:
             path = self._held_path(number, worth)
             return path.value, path
-        most, path = bounded_path(self._free[number], worth, self._options.priced_labels_max)
+        settled = self._looking.settled(worth, number)
+        most, path = bounded_path(self._free[number], settled, self._options.priced_labels_max)
         is_held = self._first_unheld(path.looks) is None
         return most, path if is_held else self._held_path(number, worth)
 
@@ -539,7 +548,8 @@ class Search:
         price = np.where(looking.look_limit > others, 0.0, np.inf)
         kept = is_member & (wanted > 0.0)
         price = np.where(is_member, np.where(kept, -self._kept, np.inf), price)
-        network, worth = self._networks[number], looking.less_prices(price)
+        network = self._networks[number]
+        worth = looking.settled(looking.less_prices(price), number)
         labels_max = self._options.exact_labels_max
         path = exact_path(network, worth, labels_max, np.flatnonzero(kept).tolist())
         if path is None:
@@ -617,11 +627,9 @@ def bound_at(
     orders_max = options.bound_orders_max // max(len(networks), 1)
     worth = looking.less_prices(price)
     priced = float(looking.allowed(price) @ price) + room_value
-    priced += sum(
-        max(
-            min(bounded_path(one, worth, labels_max)[0], most_worth(one, worth, orders_max)) - rent,
-            0.0,
-        )
-        for one, rent in zip(networks, rents or [0.0] * len(networks), strict=True)
-    )
+    rents = rents or [0.0] * len(networks)
+    for number, (one, rent) in enumerate(zip(networks, rents, strict=True)):
+        settled = looking.settled(worth, number)
+        most = bounded_path(one, settled, labels_max)[0], most_worth(one, settled, orders_max)
+        priced += max(min(most) - rent, 0.0)
     return min(priced, float(looking.look_limit @ looking.look_value.max(axis=1, initial=0.0)))

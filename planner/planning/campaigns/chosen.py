@@ -3,7 +3,7 @@
 from typing import Annotated, Literal
 
 from planner.base.answer_members import Count, Internal, Member, NotNegative, Share, answer
-from planner.planning.opportunities.closing import Height
+from planner.planning.opportunities.closing import Height, Unseen
 from planner.world.frames.time_scales import Utc
 from planner.world.targets import GroundPathTarget
 
@@ -54,14 +54,14 @@ class ChosenLook:
 class UnchosenTarget:
     """A target that could be looked at, and what stood in its way.
 
-    target: id of the target, as the request gives it.
+    target: id of the target, as the request gives it. E.g. `"Phoenix"`.
     because: the worth of its look, and of what it would displace. E.g.
     `"a look from 2015-02-27T17:36:08.0Z would be worth 0.31, and what it displaces is worth 1.9"`.
-    start_utc: of the look it came nearest to; UTC.
-    stop_utc: of that look; UTC.
-    value: of that look.
+    start_utc: of the look it came nearest to; UTC. E.g. `"2015-02-27T17:36:08.000Z"`.
+    stop_utc: of that look; UTC. E.g. `"2015-02-27T17:36:48.000Z"`.
+    value: of that look. E.g. `0.31`.
     displaced_by: ids of the targets whose looks can't be flown beside it. E.g. `["Los Angeles"]`.
-    displaced_value: their worth together.
+    displaced_value: their worth together. E.g. `1.9`.
     lacks: the resource that the look would take too much of, in the place of what it displaces.
     """
 
@@ -74,3 +74,24 @@ class UnchosenTarget:
     displaced_by: tuple[str, ...]  # none where only the looks after it would have to move
     displaced_value: NotNegative
     lacks: KeptResource | None = None
+
+
+@answer
+class UnchosenByAll(UnchosenTarget):
+    """A target that some carrier could look at, and what stood in its way.
+
+    carrier: id of the carrier whose look would have displaced least. E.g. `"north"`.
+    """
+
+    carrier: str
+
+
+@answer
+class UnseenByAll(Unseen):
+    """A target that no carrier can look at for as long as it must, by the one that comes nearest.
+
+    carrier: id of that one: it has the target in view, or else stands highest in its sky. E.g.
+    `"north"`.
+    """
+
+    carrier: str

@@ -1,6 +1,6 @@
 """Chosen observations that displace a target which got none."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -31,15 +31,20 @@ class Displaced:
 
 
 def displaced_by(
-    networks: Sequence[Network], passes: Sequence[Sequence[Look]], worth: Worth, left_out: Indices
+    networks: Sequence[Network],
+    passes: Sequence[Sequence[Look]],
+    worth_in: Callable[[int], Worth],
+    left_out: Indices,
 ) -> tuple[Displaced, ...]:
     """The look at each target left out whose worth best makes up for those it would displace.
 
-    passes: the looks chosen, one sequence per network.  left_out: rows of the request's targets.
+    passes: the looks chosen, one sequence per network.  worth_in: of looks in one of these by its
+    number.  left_out: rows of the request's targets.
     """
     best: dict[int, tuple[float, Displaced]] = {}
     wanted = set(left_out.tolist())
     for number, (network, looks) in enumerate(zip(networks, passes, strict=True)):
+        worth = worth_in(number)
         places = _places(network, looks, worth)
         for way in np.flatnonzero(np.isin(network.target, list(wanted))).tolist():
             target = int(network.target[way])

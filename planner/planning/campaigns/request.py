@@ -8,6 +8,7 @@ from typing import Annotated
 
 from pydantic import Field
 
+from planner.base.assumed import Assumed
 from planner.base.commands import COMMAND_STEP_S
 from planner.base.spec import Within, require_within, spec
 from planner.planning.opportunities import (
@@ -92,6 +93,7 @@ class CampaignTarget:
     roll: of a body, the rule by which its camera lies on the target, as a session's; the platform's
     unless given. E.g. `{"rule": "azimuth", "azimuth_deg": 15.0}`.
     group: targets of the same group are all looked at once, or none of them. E.g. `"stereo 7"`.
+    sensor: of several `carriers`, only those with this one may look at it. E.g. `"infrared"`.
     release: looks begin then at the soonest; UTC. E.g. `"2015-02-27T12:00:00Z"`.
     due: looks have ended by then; UTC. E.g. `"2015-02-27T21:00:00Z"`.
     """
@@ -104,6 +106,7 @@ class CampaignTarget:
     looks: Annotated[int, Within(1, 1000)] = 1
     roll: RollRule | None = None
     group: str | None = None
+    sensor: str | None = None
     release: datetime | None = None
     due: datetime | None = None
 
@@ -220,21 +223,39 @@ class CampaignRequest:
                 "slew.method must be ocp: the choice of sessions relies on slews that keep the "
                 "limits"
             )
+        for number, wanted in enumerate(self.targets):
+            if wanted.sensor is not None:
+                raise ValueError(
+                    f"targets.{number}.sensor must be left out: it chooses among `carriers`, and "
+                    "here is but one platform"
+                )
         self._require_cadence()
         standing = all_standing_on(self.terrain, self.targets, "targets")
         object.__setattr__(self, "targets", standing)
         rules = rules_of(self.platform)
         begin_q_xyzw = self.initial_q_body_from_eci_xyzw
         rules.require_rest(self.rest_angles_deg, begin_q_xyzw, self.attitude, self.slew)
-        if self.resources is not None and self.resources.momentum is not None:
-            raise ValueError(
-                "resources.momentum must be left out of a campaign, whose choice follows battery "
-                "and memory only; give it to the plans of its passes, whose requests can be had"
-            )
+        self._require_followed_resources()
         self._require_bounds()
         self.opportunities()
         for row, mode in self.modes.items():
             rules.require_roll(f"targets.{row}.roll", self.targets[row].roll, mode.first_path)
+
+    def _require_followed_resources(self) -> None:
+        if self.resources is None:
+            return
+        if self.resources.momentum is not None:
+            raise ValueError(
+                "resources.momentum must be left out of a campaign, whose choice follows battery "
+                "and memory only; give it to the plans of its passes, whose requests can be had"
+            )
+        for number, wanted in enumerate(self.targets):
+            if not wanted.target.images:
+                raise ValueError(
+                    f"targets.{number}.target must be no {wanted.target.mode} in a campaign with "
+                    "resources, whose choice doesn't follow what a look at it sends: give it as a "
+                    "station of resources.memory, or plan a session at it after the campaign"
+                )
 
     def _require_cadence(self) -> None:
         if self.conditions.duty_cycle is not None:
@@ -249,8 +270,9 @@ class CampaignRequest:
                 f"{self.conditions.min_gap_s:g}: passes then have no room for two looks"
             )
 
-    def _require_bounds(self) -> None:
-        days = self.span_s / DAY_S
+    @property
+    def counted_target_days(self) -> float:
+        """Targets times days, what takes longer counted more often."""
         counted = sum(
             1
             if wanted.target.rests_on_earth
@@ -261,7 +283,11 @@ class CampaignRequest:
         )
         finer = max(BOUNDS.step_s / self.step_s, 1.0)
         longer = max(self.longest_s / BOUNDS.session_s, 1.0)
-        if counted * days * finer * longer > BOUNDS.target_days_max:
+        return counted * self.span_s / DAY_S * finer * longer
+
+    def _require_bounds(self) -> None:
+        days = self.span_s / DAY_S
+        if self.counted_target_days > BOUNDS.target_days_max:
             raise ValueError(
                 f"targets times days must not exceed {BOUNDS.target_days_max:.0f} at a step_s of "
                 f"{BOUNDS.step_s:g} s and sessions to {BOUNDS.session_s:g} s (finer and longer "
@@ -289,6 +315,21 @@ class CampaignRequest:
             samples=2,
             pixel_arcsec=self.pixel_arcsec,
         )
+
+    @property
+    def requests(self) -> "Mapping[str, CampaignRequest]":
+        """As of several carriers."""
+        return {"": self}
+
+    @property
+    def assumed(self) -> tuple[Assumed, ...]:
+        """Where the targets are that are given by name."""
+        return self.opportunities().assumed
+
+    @property
+    def platform_names(self) -> str:
+        """Of the one that looks."""
+        return self.platform.name
 
     @property
     def modes(self) -> Mapping[int, ImagingMode]:

@@ -18,21 +18,15 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.errors import ResourceRunsOut, figures
-from planner.planning.campaigns.candidates import LookCandidate
+from planner.planning.campaigns.carrier_looks import CarrierLooks, last_row_s
 from planner.planning.campaigns.charging import CHARGING, Attitudes, Charging, most_w
 from planner.planning.campaigns.choice import Looking
 from planner.planning.campaigns.chosen import KeptResource
 from planner.planning.campaigns.displaced import Displaced
 from planner.planning.campaigns.network import Network
 from planner.planning.campaigns.path import Look
-from planner.planning.campaigns.platforms.follower import Follower
-from planner.planning.campaigns.programmes import (
-    Proposal,
-)
-from planner.planning.campaigns.request import CampaignRequest
-from planner.planning.campaigns.ways import Ways
+from planner.planning.campaigns.programmes import Proposal
 from planner.world.frames.time_scales import shifted_utc, utc_text
-from planner.world.orbits import Ephemeris
 from planner.world.resources import Battery, Resources
 
 
@@ -72,8 +66,9 @@ class _Store:
 
     begins, most: the room at first, and at most.  t_s, came: what comes while the platform rests,
     less what it takes then, since the campaign's start, linear in between, (n,).  looking, moving:
-    used in a second of a look, and of any other of a pass.  extra: what panels would have brought
-    at their best attitude beyond the idle one, as `came`; None where no attitude counts.
+    used in a second of a look, and of any other of a pass.  charged: what panels bring of `came`.
+    extra: what they would have brought at their best attitude beyond the idle one, as `came`; None
+    where no attitude counts.
     """
 
     name: KeptResource
@@ -86,6 +81,7 @@ class _Store:
     came: Array
     looking: float
     moving: float
+    charged: Array | None = None
     extra: Array | None = None
 
     @cached_property
@@ -141,26 +137,22 @@ class Keeping:
 
     def __init__(
         self,
-        request: CampaignRequest,
-        candidates: Sequence[LookCandidate],
-        ways: Ways,
+        looks: CarrierLooks,
         networks: Sequence[Network],
         looking: Looking,
-        ephemeris: Ephemeris,
-        grid_s: float,
-        follower: Follower,
     ) -> None:
         """Raises ResourceRunsOut where a resource does without any look."""
+        request = looks.request
         assert request.resources is not None
-        self._request, self._candidates, self._ways = request, candidates, ways
-        self._looking, self._grid_s, self._follower = looking, grid_s, follower
-        self._rest_s = rest_s = follower.rest_s
+        self._request, self._looks, self._looking = request, looks, looking
+        self._candidates, self._ways = looks.candidates, looks.ways
+        self._grid_s, self._follower = looks.grid_s, looks.follower
         self._resources: Resources = request.resources
-        self._around = Charging(request, ephemeris)
+        self._around = Charging(request, looks.viewing.ephemeris)
         self._spans_s = [
-            (
-                grid_s + one.first_step * request.step_s - rest_s,
-                grid_s + (one.first_step + one.stop_step) * request.step_s + rest_s,
+            looks.pass_span_s(
+                looks.grid_s + one.first_step * request.step_s,
+                looks.grid_s + (one.first_step + one.stop_step) * request.step_s,
             )
             for one in networks
         ]
@@ -207,7 +199,8 @@ class Keeping:
 
     def _battery(self, battery: Battery) -> _Store:
         around = self._around
-        edges_s = [end for span in around.lit for end in span]
+        contacts = tuple(span for _, span in around.contacts)
+        edges_s = [end for span in (*around.lit, *contacts) for end in span]
         t_s = np.unique(np.concatenate([[0.0, around.last_s], edges_s]))
         charge_w, best_w = np.full(len(t_s), battery.sunlight_w or 0.0), 0.0
         if battery.panels:
@@ -228,7 +221,8 @@ class Keeping:
         lit_s = np.diff(t_s) * is_lit
         scale = 1.0 / (3600.0 * battery.capacity_wh)
         mean_w = 0.5 * (charge_w[1:] + charge_w[:-1])
-        came = mean_w * lit_s - battery.idle_w * np.diff(t_s)
+        sends = np.array([_inside(at_s, contacts) for at_s in middle_s])
+        came = mean_w * lit_s - (battery.idle_w + battery.downlink_w * sends) * np.diff(t_s)
         if self._attitudes is not None:
             self._attitudes.lit = t_s, np.append(0.0, np.cumsum(lit_s))
         return _Store(
@@ -242,6 +236,7 @@ class Keeping:
             came=np.append(0.0, np.cumsum(scale * came)),
             looking=scale * battery.imaging_w,
             moving=scale * battery.slew_w,
+            charged=np.append(0.0, np.cumsum(scale * mean_w * lit_s)),
             extra=(
                 np.append(0.0, np.cumsum(scale * np.maximum(best_w - mean_w, 0.0) * lit_s))
                 if self._attitudes is not None
@@ -264,7 +259,8 @@ class Keeping:
         if not looks:
             return tuple(Curve(np.zeros(0), np.zeros(0)) for _ in self._stores)
         ends_s = np.array([end for look in looks for end in self.ends_s(look)])
-        t_s = np.concatenate([[ends_s[0] - self._rest_s], ends_s, [ends_s[-1] + self._rest_s]])
+        start_s, stop_s = self._looks.pass_span_s(float(ends_s[0]), float(ends_s[-1]))
+        t_s = np.concatenate([[start_s], ends_s, [stop_s]])
         found = []
         for store in self._stores:
             rates = np.full(len(t_s) - 1, store.moving)
@@ -278,6 +274,7 @@ class Keeping:
     def _turned(self, store: _Store, rested: Curve, looks: tuple[Look, ...]) -> Curve:
         """With what panels bring more, or less, than in the idle attitude."""
         assert self._attitudes is not None
+        assert store.charged is not None
         states = []
         for look in looks:
             begin_s, stop_s = self.ends_s(look)
@@ -289,9 +286,8 @@ class Keeping:
             states, float(rested.t_s[0]), float(rested.t_s[-1])
         )
         scale = 1.0 / (3600.0 * store.capacity)
-        idle_w = self._resources.battery.idle_w if self._resources.battery else 0.0
-        at_rest = store.came_by(t_s) - store.came_by(t_s[:1])
-        at_rest += scale * idle_w * (t_s - t_s[0])
+        at_rest = np.interp(t_s, store.t_s, store.charged)
+        at_rest -= at_rest[0]
         used = np.interp(t_s, *rested) + at_rest - scale * brought_ws
         return Curve(t_s, used)
 
@@ -452,7 +448,9 @@ class Keeping:
         if stop_s <= row.from_s or start_s >= row.to_s:
             return 0.0
         is_whole = row.from_s <= start_s and stop_s <= row.to_s
-        moved = 2.0 * self._rest_s * store.moving if is_whole else 0.0
+        # The whole room at both ends, but at those of the campaign.
+        rests = (start_s > self._grid_s) + (stop_s < last_row_s(self._request))
+        moved = rests * self._follower.rest_s * store.moving if is_whole else 0.0
         if store.extra is None:
             return moved
         more = np.interp([start_s, stop_s], store.t_s, store.extra)
@@ -498,7 +496,11 @@ class Keeping:
 
     def begins(self, passes: Sequence[tuple[Look, ...]]) -> list[Resources]:
         """What each pass with looks begins with."""
-        starts_s = [self.ends_s(looks[0])[0] - self._rest_s for looks in passes if looks]
+        starts_s = [
+            self._looks.pass_span_s(self.ends_s(looks[0])[0], self.ends_s(looks[-1])[1])[0]
+            for looks in passes
+            if looks
+        ]
         levels = self.levels(passes, np.array(starts_s))
         found = []
         for number in range(len(starts_s)):

@@ -151,6 +151,11 @@ class OpportunityRequest:
         self._require_bounds()
 
     @property
+    def platform_names(self) -> str:
+        """Of the one that looks."""
+        return self.platform.name
+
+    @property
     def ids(self) -> tuple[str, ...]:
         """Of the targets, in order."""
         return tuple(wanted.id for wanted in self.targets)

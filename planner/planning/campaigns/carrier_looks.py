@@ -1,0 +1,338 @@
+"""All looks that one carrier can take: its windows, its ways to follow targets, its passes."""
+
+import functools
+import math
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from datetime import datetime
+from typing import NamedTuple
+
+import numpy as np
+
+from planner.base.arrays import Array, Indices
+from planner.base.commands import COMMAND_STEP_S
+from planner.base.reporting import Reporter
+from planner.planning.campaigns.candidates import LookCandidate, candidates_of, scan_roll
+from planner.planning.campaigns.choice import FirstUnheld
+from planner.planning.campaigns.gaps import Gaps
+from planner.planning.campaigns.network import Network, Rests, Slewing, network_of, relax
+from planner.planning.campaigns.passes import SESSIONS_MAX, Looks, in_passes, longest_pass_s
+from planner.planning.campaigns.path import Look
+from planner.planning.campaigns.platforms.follower import FollowedLook, Follower
+from planner.planning.campaigns.platforms.registry import follower_of
+from planner.planning.campaigns.request import CampaignRequest
+from planner.planning.campaigns.view import Viewing
+from planner.planning.campaigns.ways import ScannedLook, Ways, ways_to_follow
+from planner.planning.opportunities import Windows, opportunities_however_many
+from planner.planning.opportunities.carrier import Carrier
+from planner.planning.opportunities.closing import Closing, Unseen
+from planner.planning.opportunities.scans import Scans, scans_by_pass
+from planner.planning.opportunities.unseen import unseen_because
+from planner.world.frames.time_scales import shifted_utc
+from planner.world.targets import GroundPathTarget
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CarrierLooks:
+    """What one carrier can look at, and how its looks follow each other.
+
+    candidates: its own, by which everything here counts.  grid_s: from the request's start to the
+    grid's first step.  settle_steps: before every look.  shortest: (candidates,), steps of the
+    shortest look, settling included.  networks: one a pass.
+    """
+
+    request: CampaignRequest
+    follower: Follower
+    carrier: Carrier
+    viewing: Viewing
+    grid_s: float
+    candidates: tuple[LookCandidate, ...]
+    found: Windows
+    windows: "CandidateWindows"
+    warnings: tuple[str, ...]
+    scans: Scans
+    looks: Looks
+    settle_steps: int
+    shortest: Indices
+    ways: Ways
+    slewing: Slewing
+    gaps: Gaps
+    networks: Sequence[Network]
+
+    def pass_span_s(self, look_start_s: float, look_stop_s: float) -> tuple[float, float]:
+        """When a pass with looks from start to stop begins at rest, and is at rest again."""
+        rest_s = self.follower.rest_s
+        # From an attitude of its own to the idle one, and from that onto a look.
+        before_s = 0.0 if self.request.initial_q_body_from_eci_xyzw is None else rest_s
+        start_s = look_start_s - rest_s
+        return (
+            self.grid_s if start_s < self.grid_s + before_s else start_s,
+            min(look_stop_s + rest_s, last_row_s(self.request)),
+        )
+
+    def relaxed(self) -> list[Network]:
+        """The networks at slew times that nothing can beat."""
+        with as_many_threads_as_cores() as threads:
+            return [
+                self.gaps.keep(one, self.shortest)
+                for one in threads.map(
+                    lambda one: relax(one, self.ways, self.shortest, self.slewing), self.networks
+                )
+            ]
+
+    @functools.cached_property
+    def first_unheld(self) -> FirstUnheld:
+        """Of looks at its candidates by its ways."""
+        return functools.cache(self._first_unheld)
+
+    def _first_unheld(self, looks: tuple[Look, ...]) -> tuple[int, int] | None:
+        step_s, ways = self.request.step_s, self.ways
+        followed = []
+        for look in looks:
+            one = self.candidates[look.target]
+            start_s = self.grid_s + look.first_step * step_s
+            length_s = one.lengths_s[look.length]
+            step = look.first_step + math.ceil(length_s / step_s - 1e-9)
+            at = ways.offset[look.way] + step - ways.first_step[look.way]
+            row = None if one.scans else one.row
+            followed.append(FollowedLook(row, start_s, start_s + length_s, ways.states[at]))
+        found = self.follower.first_unheld(self.carrier, followed)
+        return found and (found[0], math.floor((found[1] - self.grid_s) / step_s + 1e-9))
+
+    def has_windows(self, row: int) -> bool:
+        """Whether a target is in view at all, or a mode, whose scans have reasons of their own."""
+        return row in self.request.modes or bool((self.found.target == row).any())
+
+    def unseen(self, rows: Sequence[int]) -> tuple[Unseen, ...]:
+        """Why there is no look at these targets of the request."""
+        return unseen_because(
+            self.request.opportunities(),
+            self.carrier,
+            rows,
+            {row: self._closed_later(row) for row in rows if self.has_windows(row)},
+        )
+
+    def _closed_later(self, row: int) -> tuple[Closing, str]:
+        """Why no observation of a target with windows that hold all conditions, or of a mode."""
+        candidates, windows, resting = self.candidates, self.windows, self.follower.resting
+        if row in self.scans.because:
+            return "duration", self.scans.because[row]
+        numbers = [number for number, one in enumerate(candidates) if one.row == row]
+        late: dict[object, bool] = {}
+        for number in numbers:
+            one = candidates[number]
+            flown_with = one.scans[0].pass_number if one.is_part else row
+            is_too_late = windows.is_too_late(number, one.lengths_s[0])
+            late[flown_with] = late.get(flown_with, False) or is_too_late
+        if late and all(late.values()):
+            return "due", "no window long enough for a look is left from its release to its due"
+        if row in self.request.modes:
+            own_scans = [scan for number in numbers for scan in candidates[number].scans]
+            lacking = [scan for scan in own_scans if not len(scan.begins_s)]
+            if lacking:
+                return "duration", (
+                    f"scan {lacking[0].part} of {lacking[0].parts} can't be within the conditions "
+                    "from its begin to its end"
+                )
+            return "motion", (
+                "one of its scans can't be followed within what the platform can do, or has no "
+                f"time {resting}"
+            )
+        own = windows.target == numbers[0]
+        least_s = candidates[numbers[0]].lengths_s[0]
+        longest_s = float((windows.set_s - windows.rise_s)[own].max())
+        count = np.count_nonzero(own)
+        several = f"the longest of its {count} windows" if count > 1 else "its only window"
+        if longest_s < least_s:
+            return (
+                "duration",
+                f"{several} lasts {longest_s:.1f} s, less than the {least_s:g} s of a look",
+            )
+        if not (self.looks.target == numbers[0]).any() or (self.ways.target == numbers[0]).any():
+            return "rest", f"no {least_s:g} s of its windows are left beside the time {resting}"
+        return "motion", (self.follower.unable.format(least_s=least_s))
+
+
+def looks_of_carrier(
+    request: CampaignRequest, tell: Reporter, *, modes_by_pass: bool = False
+) -> CarrierLooks:
+    """All that there is to choose from.
+
+    modes_by_pass: as in `candidates_of`.  Raises OutsideCoverage.
+    """
+    tell("opportunities", 0, 1)
+    follower = follower_of(request)
+    grid_s = _first_row_s(request)
+    ephemeris = request.orbit.ephemeris(request.start, request.stop)
+    carrier = follower.carrier(ephemeris)
+    found = opportunities_however_many(request.opportunities())
+    scans = scans_by_pass(request, request.modes, carrier, request.step_s)
+    candidates = candidates_of(request, scans.found, modes_by_pass)
+    windows = _windows_of(request, candidates, found.windows, follower.settle_s)
+    settle_steps = math.ceil(follower.settle_s / request.step_s - 1e-9)
+    gaps = Gaps(request, follower, settle_steps)
+    looks = _looks_in_passes(request, candidates, windows, follower, gaps.rest_s)
+    tell("ways", 0, 1)
+    viewing = Viewing(
+        weights=request.view, ephemeris=ephemeris, follower=follower, clouds=request.clouds
+    )
+    shortest = np.array(
+        [settle_steps + one.length_steps(request.step_s)[0] for one in candidates], np.intp
+    )
+    scanned = {
+        number: ScannedLook(
+            path_at=_path_at(one),
+            roll=scan_roll(request, one.wanted),
+            settle_steps=settle_steps,
+            scan_steps=int(shortest[number]) - settle_steps,
+        )
+        for number, one in enumerate(candidates)
+        if one.scans
+    }
+    ways = ways_to_follow(
+        looks, candidates, scanned, shortest, carrier, viewing, request.step_s, grid_s
+    )
+    slewing = _slewing_of(request, follower, gaps, carrier, grid_s)
+    return CarrierLooks(
+        request=request,
+        follower=follower,
+        carrier=carrier,
+        viewing=viewing,
+        grid_s=grid_s,
+        candidates=candidates,
+        found=found.windows,
+        windows=windows,
+        warnings=found.warnings,
+        scans=scans,
+        looks=looks,
+        settle_steps=settle_steps,
+        shortest=shortest,
+        ways=ways,
+        slewing=slewing,
+        gaps=gaps,
+        networks=_build_networks(ways, shortest, slewing, gaps, tell),
+    )
+
+
+def _path_at(one: LookCandidate) -> Callable[[float], GroundPathTarget]:
+    return lambda begin_s: one.scan_at(begin_s).path
+
+
+def _first_row_s(request: CampaignRequest) -> float:
+    """Seconds from the start to the first command row, which counts from a whole UTC second."""
+    row_us = round(COMMAND_STEP_S * 1e6)
+    return (-request.start.microsecond % row_us) / 1e6
+
+
+class CandidateWindows(NamedTuple):
+    """When candidates can be looked at, (n,) each.
+
+    longest_s: (candidates,), of any window, whatever release and due.
+    """
+
+    target: Indices
+    rise_s: Array
+    set_s: Array
+    longest_s: Array
+
+    def is_too_late(self, number: int, needed_s: float) -> bool:
+        """Whether a candidate has windows so long, but none from release to due."""
+        own = self.target == number
+        left_s = (self.set_s - self.rise_s)[own].max(initial=0.0)
+        return bool(left_s < needed_s - 1e-6 <= self.longest_s[number])
+
+
+def _windows_of(
+    request: CampaignRequest, candidates: Sequence[LookCandidate], found: Windows, settle_s: float
+) -> CandidateWindows:
+    """Of targets as found, of scans from the first begin, and settling before it, to the last
+    one's end; all from release, and settling before it, to due."""
+    parts, longest_s = [], np.zeros(len(candidates))
+    for number, one in enumerate(candidates):
+        own = found.target == one.row
+        spans_s = np.stack([found.rise_s[own], found.set_s[own]], axis=1)
+        if one.scans:
+            begins_s = np.concatenate([scan.begins_s for scan in one.scans])
+            spans_s = begins_s + np.array([-settle_s, one.lengths_s[0]])
+        longest_s[number] = np.diff(spans_s).max(initial=0.0)
+        release_s, due_s = one.wanted.span_s(request.start)
+        spans_s = np.clip(spans_s, release_s - settle_s, due_s)
+        spans_s = spans_s[spans_s[:, 1] > spans_s[:, 0]]
+        parts.append(np.insert(spans_s, 0, number, axis=1))
+    columns = np.concatenate(parts).T if parts else np.empty((3, 0))
+    return CandidateWindows(columns[0].astype(np.intp), columns[1], columns[2], longest_s)
+
+
+def _looks_in_passes(
+    request: CampaignRequest,
+    candidates: Sequence[LookCandidate],
+    windows: CandidateWindows,
+    follower: Follower,
+    apart_s: float,
+) -> Looks:
+    """apart_s: the room a pass needs at either end, beside another one."""
+    least_s, rest_s = np.array([one.lengths_s[0] for one in candidates]), follower.rest_s
+    sessions_max = SESSIONS_MAX - 2
+    # Every observation is followed by one step of slewing at least, and each candidate has but one.
+    shortest_s = float(least_s.min(initial=math.inf)) + request.step_s
+    crowded_s = sessions_max * shortest_s if len(least_s) > sessions_max else math.inf
+    # Its settling ends, and it begins, on the grid.
+    longest_s = max((one.lengths_s[-1] for one in candidates), default=0.0)
+    # The first look of all is slewed onto within the windows' time.
+    whole_s = longest_s + follower.settle_s + 3.0 * request.step_s + rest_s
+    return in_passes(
+        windows.target,
+        np.maximum(windows.rise_s, COMMAND_STEP_S),
+        np.minimum(windows.set_s, request.span_s - COMMAND_STEP_S),
+        least_s[windows.target],
+        apart_s,
+        min(longest_pass_s(whole_s, apart_s), crowded_s),
+        whole_s,
+    )
+
+
+def first_utc(request: CampaignRequest) -> datetime:
+    """Of the first command row."""
+    return shifted_utc(request.start, _first_row_s(request))
+
+
+def last_row_s(request: CampaignRequest) -> float:
+    """Seconds from the start to the last command row."""
+    rows = math.floor((request.span_s - _first_row_s(request)) / COMMAND_STEP_S + 1e-6)
+    return _first_row_s(request) + rows * COMMAND_STEP_S
+
+
+def _slewing_of(
+    request: CampaignRequest, follower: Follower, gaps: Gaps, carrier: Carrier, grid_s: float
+) -> Slewing:
+    back_s = last_row_s(request) - follower.held_s
+    rests = Rests(
+        start_state=follower.start_state(carrier, grid_s),
+        stop_state=follower.rest_state(carrier, back_s),
+        stop_s=back_s - grid_s,
+    )
+    return Slewing(follower.slew_limits, rests, gaps.longest_s)
+
+
+def _build_networks(
+    ways: Ways, shortest: Indices, slewing: Slewing, gaps: Gaps, tell: Reporter
+) -> list[Network]:
+    numbers = np.unique(ways.pass_number)
+
+    def build_network(number: int) -> Network:
+        rows = np.flatnonzero(ways.pass_number == number)
+        return gaps.keep(network_of(ways, rows, shortest, slewing), shortest)
+
+    networks: list[Network] = []
+    with as_many_threads_as_cores() as threads:
+        for one in threads.map(build_network, numbers.tolist()):
+            tell("slews", len(networks), len(numbers))
+            networks.append(one)
+    return networks
+
+
+def as_many_threads_as_cores() -> ThreadPoolExecutor:
+    """The number of cores: slew times are compiled, free of the interpreter's lock."""
+    return ThreadPoolExecutor(os.cpu_count())
