@@ -152,6 +152,30 @@ def test_looks_are_planned_by_a_roll_of_their_own(chosen):
 
 
 @pytest.mark.parametrize("kind", ["body", "two_axis"])
+def test_contacts_are_chosen_beside_looks(kind):
+    """By night and near the horizon, where no look may be, and worth as much wherever they are."""
+    station = {"mode": "station", "latitude_deg": 37.94, "longitude_deg": -75.46}
+    wallops = {"id": "Wallops", "target": station, "session_s": 240.0, "looks": 9}
+    targets = [CITIES["targets"][0], wallops]
+    of_axes = {"platform": CITIES["platform"]} | {
+        name: CITIES[name] for name in OF_AXES if name in CITIES
+    }
+    request = body_campaign(targets=targets, **(of_axes if kind == "two_axis" else {}))
+    campaign = choose_campaign(request)
+    looks = [look for flight in campaign.passes for look in flight.looks]
+    contacts = [look for look in looks if look.target == "Wallops"]
+    assert len(contacts) > 3
+    assert [look.value for look in contacts] == pytest.approx([1.0] * len(contacts))
+    assert min(np.rad2deg(look.elevation_rad) for look in contacts) < 10.0
+    assert {look.target for look in looks} == {one["id"] for one in targets}
+    for number, flight in enumerate(campaign.passes):
+        plan = make_plan(scenario_of(request, flight, number))
+        assert plan.verification.passed
+        sent = [one for one in plan.scenario.sessions if one.target.mode == "station"]
+        assert len(sent) == sum(look in contacts for look in flight.looks)
+
+
+@pytest.mark.parametrize("kind", ["body", "two_axis"])
 def test_looks_of_hours_are_chosen_and_planned(kind):
     """Stars near the pole of the ISS's orbit are never behind the Earth, and ten hours have room
     for a pass of 4.5 h with either."""

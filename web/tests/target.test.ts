@@ -13,6 +13,7 @@ import {
   textOf,
   withPoints,
 } from "../src/rooms/planning/target";
+import { targetTold } from "../src/rooms/planning/told";
 
 const ground = (latitude_deg: number, longitude_deg: number, height_m = 0) => ({
   mode: "ground",
@@ -52,6 +53,12 @@ test.each([
 
 test.each(["36.11, -115.17, 610", "Oslo"])("the field shows what it takes: %s", (text) => {
   expect(textOf(groundOf(text) as Target)).toBe(text);
+});
+
+test("a station is told by its place", () => {
+  const target: Target = { mode: "station", latitude_deg: 78.23, longitude_deg: 15.4, height_m: 480 };
+  expect(textOf(target)).toBe("78.23, 15.4, 480");
+  expect(targetTold(target)).toBe("Station, 78.23, 15.4, 480");
 });
 
 test("a mode that the form doesn't make is told by its name", () => {
