@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from planner.base import effort
 from planner.base.arrays import Indices
-from planner.base.compiled import compiled
+from planner.base.compiled import compiled, inlined
 
 NONE = -1
 WHOLE, OPENS, COMPLETES = 0, 1, 2  # parts of a item that a visit makes
@@ -86,17 +86,14 @@ class Visit(NamedTuple):
 class Labels(NamedTuple):
     """first: label at every place, NONE.  label: records of _LABEL.
 
-    items, partial_items: bits of those visited, and of those of which one part was, (labels, w).
-    new_items, new_partial_items: of a label that is being made, (w,).
+    bits: of items visited, and of those of which one part was, (labels + 1, 2, w), the last of a
+    label that is being made.
     use: how many of them are in use, how many were made, and how many may be.
     """
 
     first: Indices
     label: NDArray[np.void]
-    items: Indices
-    partial_items: Indices
-    new_items: Indices
-    new_partial_items: Indices
+    bits: Indices
     use: Indices
 
 
@@ -227,6 +224,94 @@ def bound(found: Iterable[Round]) -> float:
     return min((one.value for one in found if one.is_complete), default=np.inf)
 
 
+@inlined
+def _is_as_free(bits: Indices, one: int, other: int) -> bool:
+    """Whether one label may make all visits that another one may."""
+    for word in range(bits.shape[2]):
+        if (
+            bits[one, 0, word] & ~bits[other, 0, word] != 0
+            or bits[other, 1, word] & ~bits[one, 1, word] != 0
+        ):
+            return False
+    return True
+
+
+@inlined
+def _remember(labels: Labels, k: int, memory: LabelMemory, made: Visit) -> bool:
+    """Whether a label may make a visit; the new one's bits are those after it."""
+    before, after = memory.tick_mask[made.tick], memory.visit_mask[made.item]
+    own, bit = memory.word[made.item], memory.bit[made.item]
+    bits, new = labels.bits, len(labels.bits) - 1
+    is_known = bits[k, 0, own] & before[own] & bit != 0
+    is_open = bits[k, 1, own] & before[own] & bit != 0
+    if is_known or (made.part == OPENS and is_open):
+        return False
+    if made.part == COMPLETES and not is_open and bit != 0:
+        return False
+    for word in range(len(after)):
+        bits[new, 0, word] = bits[k, 0, word] & before[word] & after[word]
+        bits[new, 1, word] = bits[k, 1, word] & before[word]
+    if made.part == OPENS:
+        bits[new, 1, own] |= bit
+    else:
+        bits[new, 0, own] |= bit & after[own]
+    if made.part == COMPLETES:
+        bits[new, 1, own] &= ~bit
+    return True
+
+
+@inlined
+def _is_dominated(labels: Labels, k: int, value: float, once: bool) -> bool:
+    """Whether one of the labels at a place, from k on, is at least as good as the new one."""
+    least, new = value - ROUNDING if once else value, len(labels.bits) - 1
+    while k != NONE:
+        if labels.label[k].value >= least and _is_as_free(labels.bits, k, new):
+            return True
+        k = labels.label[k].next
+    return False
+
+
+@inlined
+def _is_behind(label: NDArray[np.void], last: int, item: int) -> bool:
+    """Whether a item was visited by the last visit or one before it."""
+    while last != NONE:
+        if label[last].item == item:
+            return True
+        last = label[last].before
+    return False
+
+
+@inlined
+def _keep(labels: Labels, place: int, value: float, last: int) -> int:
+    """The new label at a place, where those no better give way; NONE when labels ran out."""
+    label, bits, made_at = labels.label, labels.bits, len(labels.bits) - 1
+    new, before, k = NONE, NONE, labels.first[place]
+    while k != NONE:
+        following = label[k].next
+        if value >= label[k].value and _is_as_free(bits, made_at, k):
+            if before == NONE:
+                labels.first[place] = following
+            else:
+                label[before].next = following
+            new = k  # nothing follows from it yet
+        else:
+            before = k
+        k = following
+    if labels.use[_MADE] == labels.use[_MOST]:
+        return NONE
+    labels.use[_MADE] += 1
+    if new == NONE:
+        new = labels.use[_SLOTS]
+        labels.use[_SLOTS] += 1
+    made = label[new]
+    made.value, made.last = value, last
+    for word in range(bits.shape[2]):
+        bits[new, 0, word], bits[new, 1, word] = bits[made_at, 0, word], bits[made_at, 1, word]
+    made.next = labels.first[place]
+    labels.first[place] = new
+    return int(new)
+
+
 @compiled
 def no_labels(places: int, start: int, memory: LabelMemory) -> Labels:
     """None but at the place where every path begins."""
@@ -238,12 +323,10 @@ def no_labels(places: int, start: int, memory: LabelMemory) -> Labels:
     labels = Labels(
         first=np.full(places, NONE),
         label=np.empty(slots, _LABEL),
-        items=np.empty((slots, words), np.int64),
-        partial_items=np.empty((slots, words), np.int64),
-        new_items=np.zeros(words, np.int64),
-        new_partial_items=np.zeros(words, np.int64),
+        bits=np.empty((slots + 1, 2, words), np.int64),
         use=np.array([0, 0, most]),
     )
+    labels.bits[slots] = 0
     _keep(labels, start, 0.0, NONE)
     return labels
 
@@ -254,14 +337,14 @@ def follow(labels: Labels, begin: int, places: Iterable[int], mask: Indices, vis
 
     mask: bits that are kept, (w,).  visited: only those that made a visit there.
     """
-    first, label = labels.first, labels.label
-    k = first[begin]
+    first, label, bits = labels.first, labels.label, labels.bits
+    k, new = first[begin], len(bits) - 1
     while k != NONE:
         here = label[k]
         if here.last == k or not visited:
             for word in range(len(mask)):
-                labels.new_items[word] = labels.items[k, word] & mask[word]
-                labels.new_partial_items[word] = labels.partial_items[k, word] & mask[word]
+                bits[new, 0, word] = bits[k, 0, word] & mask[word]
+                bits[new, 1, word] = bits[k, 1, word] & mask[word]
             for to in places:
                 if to != NONE and not _is_dominated(labels, first[to], here.value, False):
                     _keep(labels, to, here.value, here.last)
@@ -293,49 +376,6 @@ def visit(labels: Labels, begins: Iterable[int], to: int, memory: LabelMemory, m
 
 
 @compiled
-def _remember(labels: Labels, k: int, memory: LabelMemory, made: Visit) -> bool:
-    """Whether a label may make a visit; the new one's bits are those after it."""
-    before, after = memory.tick_mask[made.tick], memory.visit_mask[made.item]
-    own, bit = memory.word[made.item], memory.bit[made.item]
-    is_known = labels.items[k, own] & before[own] & bit != 0
-    is_open = labels.partial_items[k, own] & before[own] & bit != 0
-    if is_known or (made.part == OPENS and is_open):
-        return False
-    if made.part == COMPLETES and not is_open and bit != 0:
-        return False
-    for word in range(len(after)):
-        labels.new_items[word] = labels.items[k, word] & before[word] & after[word]
-        labels.new_partial_items[word] = labels.partial_items[k, word] & before[word]
-    if made.part == OPENS:
-        labels.new_partial_items[own] |= bit
-    else:
-        labels.new_items[own] |= bit & after[own]
-    if made.part == COMPLETES:
-        labels.new_partial_items[own] &= ~bit
-    return True
-
-
-@compiled
-def _is_dominated(labels: Labels, k: int, value: float, once: bool) -> bool:
-    """Whether one of the labels at a place, from k on, is at least as good as the new one."""
-    least = value - ROUNDING if once else value
-    while k != NONE:
-        if labels.label[k].value >= least:
-            is_as_free = True
-            for word in range(len(labels.new_items)):
-                if (
-                    labels.items[k, word] & ~labels.new_items[word] != 0
-                    or labels.new_partial_items[word] & ~labels.partial_items[k, word] != 0
-                ):
-                    is_as_free = False
-                    break
-            if is_as_free:
-                return True
-        k = labels.label[k].next
-    return False
-
-
-@compiled
 def best(labels: Labels, places: tuple[int, int]) -> tuple[float, Indices, int]:
     """The best label from one place to before another, as a `Round`."""
     label = labels.label
@@ -354,54 +394,3 @@ def best(labels: Labels, places: tuple[int, int]) -> tuple[float, Indices, int]:
     for row in range(count - 1, -1, -1):
         visits[row, 0], visits[row, 1], k = label[k].visit, label[k].item, label[k].before
     return value, visits, labels.use[_MADE]
-
-
-@compiled
-def _is_behind(label: NDArray[np.void], last: int, item: int) -> bool:
-    """Whether a item was visited by the last visit or one before it."""
-    while last != NONE:
-        if label[last].item == item:
-            return True
-        last = label[last].before
-    return False
-
-
-@compiled
-def _keep(labels: Labels, place: int, value: float, last: int) -> int:
-    """The new label at a place, where those no better give way; NONE when labels ran out."""
-    label = labels.label
-    new, before, k = NONE, NONE, labels.first[place]
-    while k != NONE:
-        following = label[k].next
-        gives_way = value >= label[k].value
-        if gives_way:
-            for word in range(len(labels.new_items)):
-                if (
-                    labels.new_items[word] & ~labels.items[k, word] != 0
-                    or labels.partial_items[k, word] & ~labels.new_partial_items[word] != 0
-                ):
-                    gives_way = False
-                    break
-        if gives_way:
-            if before == NONE:
-                labels.first[place] = following
-            else:
-                label[before].next = following
-            new = k  # nothing follows from it yet
-        else:
-            before = k
-        k = following
-    if labels.use[_MADE] == labels.use[_MOST]:
-        return NONE
-    labels.use[_MADE] += 1
-    if new == NONE:
-        new = labels.use[_SLOTS]
-        labels.use[_SLOTS] += 1
-    made = label[new]
-    made.value, made.last = value, last
-    for word in range(len(labels.new_items)):
-        labels.items[new, word] = labels.new_items[word]
-        labels.partial_items[new, word] = labels.new_partial_items[word]
-    made.next = labels.first[place]
-    labels.first[place] = new
-    return int(new)
