@@ -7,15 +7,12 @@ from datetime import datetime
 from functools import cache
 from typing import Annotated, Any, TypeVar, cast
 
-import numpy as np
 from pydantic import ConfigDict, Field, TypeAdapter
 
 from app.ids import JobState
 from app.versions import versions
-from planner.base.arrays import Array
 from planner.world.frames.time_scales import utc_text
 
-DECIMALS = 9  # 1e-9 deg is 4 microarcsec, 1/25,000 of what a table promises
 # `__pydantic_config__` of what many routes answer: FastAPI makes adapters of it for each of them,
 # which takes a tenth of a second, when it is only the API's document that tells of them.
 BUILT_ON_FIRST_USE = ConfigDict(defer_build=True)
@@ -43,11 +40,6 @@ def from_store(kind: type[Answer], members: object) -> Answer:
 @cache
 def _adapter(kind: type) -> TypeAdapter[object]:
     return TypeAdapter(kind)
-
-
-def degrees_of(angles_rad: Array) -> Any:  # noqa: ANN401 (lists as deep as the array has axes)
-    """An array's numbers in degrees, rounded."""
-    return (np.round(np.degrees(angles_rad), DECIMALS) + 0.0).tolist()  # no -0.0
 
 
 def utc_or_none(moment_utc: datetime | None) -> str | None:

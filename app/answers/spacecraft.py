@@ -5,14 +5,10 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from app.answers.members import (
-    PlanHead,
-    ProvenanceOut,
-    degrees_of,
-    to_json,
-)
+from app.answers.members import PlanHead, ProvenanceOut, to_json
 from planner.base.answer_members import Count, DirectionPart, NotNegative, Signed
-from planner.base.commands import CommandTable
+from planner.base.arrays import Array
+from planner.base.commands import BODY_CHANNELS, COMMAND_STEP_S, CommandTable
 from planner.base.rotation import Rotation, continuous
 from planner.spacecraft.flight.report import StabilisationReport
 from planner.spacecraft.requests import LeftOut
@@ -23,14 +19,11 @@ from planner.spacecraft.summary import (
     report_slews,
     summarise,
 )
-from planner.spacecraft.table import TICK_S
 from planner.spacecraft.verification import SpacecraftVerification, VerifiedWindow
 from planner.world.frames.time_scales import utc_text
 
 if TYPE_CHECKING:
     from planner.spacecraft.plan import ImagingPlan
-
-QUATERNION_DECIMALS = 13
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,18 +158,16 @@ def spacecraft_document(plan: "ImagingPlan", provenance: ProvenanceOut) -> bytes
 def attitude_table_json(table: CommandTable) -> bytes:
     """An AttitudeTableOut of a body with gyros as UTF-8 JSON."""
     q_body_from_eci_xyzw = continuous(Rotation.from_quat(table.position).inv())
-    assert table.acceleration_rad_s2 is not None  # a body's table has it,
-    assert table.extra_rad is not None  # and of gyros their gimbals
-    gimbal_rad, gimbal_rate_rad_s = np.hsplit(table.extra_rad, 2)
+    vectors: dict[str, list[Array]] = {}
+    for one, value in table.columns:
+        if one.of != "position":
+            vectors.setdefault(one.name.rpartition("_")[0], []).append(value)
     return to_json(
         AttitudeTableOut(
             epoch=utc_text(table.epoch_utc, 1),
-            step_s=TICK_S,
+            step_s=COMMAND_STEP_S,
             t_s=table.t_s.tolist(),
-            q_body_from_eci_xyzw=np.round(q_body_from_eci_xyzw, QUATERNION_DECIMALS).tolist(),
-            omega_body_deg_s=degrees_of(table.rate_rad_s),
-            alpha_body_deg_s2=degrees_of(table.acceleration_rad_s2),
-            gimbal_deg=degrees_of(gimbal_rad),
-            gimbal_rate_deg_s=degrees_of(gimbal_rate_rad_s),
+            q_body_from_eci_xyzw=BODY_CHANNELS[0].told(q_body_from_eci_xyzw).tolist(),
+            **{name: np.stack(parts, axis=1).tolist() for name, parts in vectors.items()},
         )
     )

@@ -52,16 +52,15 @@ def print_session(console: Console, plan: Members, momentum_sphere_n_m_s: float)
             f"{choice['value']:g} (best found; by priority alone {choice['greedy_value']:g})",
         ),
     )
-    steadiness = plan["stabilisation"]["windows"] or [None] * len(plan["windows"])
+    stabilisation = plan["stabilisation"]
+    steadiness = stabilisation["windows"] or [{}] * len(plan["windows"])
     print_rows(
-        console, "imaging", zip(plan["windows"], steadiness, strict=True),
-        ("<request", lambda one: one[0]["request"]), ("look", lambda one: one[0]["look"]),
-        ("<start", lambda one: _time(one[0]["start"])),
-        ("<stop", lambda one: _time(one[0]["stop"])),
-        ("across", lambda one: one[0]["across_deg"], ".1f"),
-        ("along", lambda one: one[0]["along_deg"], ".1f"),
-        ("deg/s off", lambda one: one[1] and max(one[1]["rate_error_deg_s"]), ".5f"),
-        ("smear px", lambda one: one[1] and one[1]["smear_px"], ".3f"),
+        console, "imaging",
+        (one | flown for one, flown in zip(plan["windows"], steadiness, strict=True)),
+        ("<request", "request"), ("look", "look"), ("<start", "start", _time),
+        ("<stop", "stop", _time), ("across", "across_deg", ".1f"), ("along", "along_deg", ".1f"),
+        ("deg/s off", lambda one: max(one.get("rate_error_deg_s", ()), default=None), ".5f"),
+        ("smear px", lambda one: one.get("smear_px"), ".3f"),
     )  # fmt: skip
     print_rows(
         console, "slews", plan["slews"],
@@ -76,7 +75,6 @@ def print_session(console: Console, plan: Members, momentum_sphere_n_m_s: float)
         f"torque {found['torque_max_n_m']:.1f} N m, momentum {found['momentum_max_n_m_s']:.1f} of "
         f"{momentum_sphere_n_m_s:.0f} N m s, gimbals {found['gimbal_rate_max_deg_s']:.1f} deg/s"
     )
-    stabilisation = plan["stabilisation"]
     if stabilisation["share_steady"] is not None:
         console.print(
             f"steady within 0.001 deg/s in {stabilisation['share_steady']:.0%} of the intervals "

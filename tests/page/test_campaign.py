@@ -148,7 +148,8 @@ def test_a_mode_is_drawn_on_the_map_and_turned_by_a_roll_of_its_own(open_page):
     page.get_by_role("button", name="Finish").click()
     expect(page.locator(".map .asked-shape")).to_have_count(5)
     page.get_by_role("button", name="More of corridor 2", exact=True).click()
-    page.get_by_label("Roll", exact=True).select_option(label="azimuth")
+    page.locator("summary", has_text="Roll").click()
+    page.get_by_label("Roll: kind").select_option("azimuth")
     drawn = json.loads(asked.input_value())["targets"][-1]
     assert (drawn["id"], drawn["target"]["mode"]) == ("corridor 2", "corridor")
     assert len(drawn["target"]["geometry"]["coordinates"]) == 3
