@@ -19,7 +19,7 @@ MOST = {
     "motion": 68,
     "output": 37,
     "planning": 28,
-    "spacecraft": 15,
+    "spacecraft": 14,
     "verification": 60,
     "world": 122,
 }
