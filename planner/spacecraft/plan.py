@@ -23,11 +23,7 @@ from planner.planning.sessions.pipeline import StageClock, complete_plan
 from planner.planning.sessions.plan import Plan
 from planner.spacecraft.flight.report import StabilisationReport
 from planner.spacecraft.flight.simulation import fly_many
-from planner.spacecraft.flight.stabilisation import (
-    ASSUMPTIONS,
-    stabilisation,
-    window_steadiness,
-)
+from planner.spacecraft.flight.stabilisation import ASSUMPTIONS, run_figures, stabilisation
 from planner.spacecraft.imaging.alternatives import refusal_with_alternative
 from planner.spacecraft.imaging.choice_with_slews import choose_and_slew, options_of
 from planner.spacecraft.imaging.choose import Choice
@@ -174,7 +170,7 @@ def _fly_stabilisation(
 ) -> StabilisationReport:
     spacecraft, seed = session.spacecraft, session.request.seed
     states = session.ephemeris.states(session.instants(table.t_s))
-    keep = partial(window_steadiness, spacecraft, verification)
+    keep = partial(run_figures, spacecraft, table.rate_rad_s, verification)
     tell("flight", 0, runs)
     flown = fly_many(
         spacecraft,
@@ -185,7 +181,7 @@ def _fly_stabilisation(
         keep,
         lambda done: tell("flight", done, runs),
     )
-    return stabilisation(flown)
+    return stabilisation(spacecraft, verification, flown)
 
 
 def _affordable_runs(request: ImagingPlanRequest, rows: int) -> int:

@@ -125,7 +125,7 @@ def test_imaging_modes_have_no_length_and_are_kept_as_they_are(open_page):
     modes = json.loads((ROOT / "examples/campaign_modes.json").read_text())
     asked = page.get_by_label("Request as JSON")
     asked.fill(json.dumps(modes))
-    expect(page.get_by_role("rowheader", name="Stereo pair", exact=True)).to_be_visible()
+    expect(page.get_by_role("cell", name="Stereo pair", exact=True)).to_be_visible()
     expect(page.locator(".map .fate-open")).to_have_count(4)
     expect(page.get_by_label("Length of a look at")).to_have_count(0)
     page.get_by_label("Priority of area").fill("3")

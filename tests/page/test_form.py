@@ -79,11 +79,11 @@ def test_a_path_is_clicked_on_the_map(form):
     assert len(session["target"]["points"]) == 3
 
 
-def test_a_mode_is_drawn_and_planned_in_a_window_of_all_its_scans(form):
+def test_a_mode_is_drawn_and_planned_in_a_window_of_all_its_scans(form, tmp_path):
     modes = json.loads((ROOT / "examples/imaging_modes.json").read_text())
-    panel = opened(form, "Request")
-    group(panel, "As JSON, to read and change")
-    panel.get_by_label("Request as JSON").fill(json.dumps(modes | {"sessions": [{}]}))
+    file = tmp_path / "modes.json"
+    file.write_text(json.dumps(modes | {"sessions": [{}]}))
+    opened(form, "Request").get_by_label("Open a request file").set_input_files(file)
     form.get_by_role("radio", name="Stereo pair").check()
     entry = form.get_by_role("combobox", name="Next point: place or coordinates")
     for count, place in enumerate(("28.772611, -15.742638", "29.301017, -15.876398"), start=1):

@@ -1,54 +1,31 @@
 """The steadiness of the camera over closed-loop runs, as answers tell it."""
 
 import math
-from typing import Annotated
 
-from planner.base.answer_members import (
-    AngleSize,
-    Count,
-    HalfTurn,
-    Member,
-    NotNegative,
-    Share,
-    Signed,
-    answer,
-)
-from planner.base.arrays import Array
+from planner.base.answer_members import AngleSize, Count, NotNegative, Share, Signed, answer
+from planner.inflight.simulation.gyros.report import GyroSteadiness
 from planner.world.platforms.gyro_craft import RATE_ERROR_MAX_RAD_S
 
 
 @answer
-class WindowSteadiness:
-    """One imaging interval over all dispersed closed-loop runs.
+class ImagingSteadiness(GyroSteadiness):
+    """One imaging interval over all dispersed closed-loop runs, as of any body with gyros.
 
     request: name of the request it belongs to.
     look: number of the strip, look or leg within the request, from 0.
     steady: within 0.001 deg/s on every axis in every run.
-    rate_error_rad_s: largest per body axis.
-    rate_error_rms_rad_s: root mean square of the vector.
-    pointing_error_rad: largest angle between actual and commanded optical axis.
     settled_s: from the end of the interval before until steady for good.
-    spare_s: from then to the start, negative when the camera starts too early.
     smear_px: largest over one exposure.
     momentum_margin_n_m_s: least distance to the sphere of momentum that the gyros can take in every
     direction, since the interval before.
-    gimbal_margin: least distance from a singularity of the gyros since the interval before: the
-    smallest singular value of their torque directions.
-    gimbal_rate_max_rad_s: of the fastest gimbal.
     """
 
     request: str
     look: Count
     steady: bool
-    rate_error_rad_s: Annotated[Array, Member("deg", 0.0, decimals=9)]  # at 5 ms steps
-    rate_error_rms_rad_s: AngleSize
-    pointing_error_rad: HalfTurn  # what the computer can't know included
     settled_s: NotNegative
-    spare_s: Signed
     smear_px: NotNegative  # the rate error across the optical axis times the exposure
     momentum_margin_n_m_s: Signed
-    gimbal_margin: NotNegative
-    gimbal_rate_max_rad_s: AngleSize
 
 
 @answer
@@ -64,7 +41,7 @@ class StabilisationReport:
     runs: Count
     share_steady: Share | None
     worst_rad_s: AngleSize | None
-    windows: tuple[WindowSteadiness, ...]
+    windows: tuple[ImagingSteadiness, ...]
 
     @property
     def warnings(self) -> tuple[str, ...]:

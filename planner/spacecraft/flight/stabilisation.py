@@ -1,21 +1,19 @@
 """Steadiness of the spacecraft in each imaging interval of closed-loop runs."""
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
 
+from planner.base.arrays import Array
 from planner.inflight.simulation.gyros.closed_loop import Log
-from planner.inflight.simulation.gyros.steadiness import rate_errors, settled_after_s
-from planner.spacecraft.flight.report import StabilisationReport, WindowSteadiness
+from planner.inflight.simulation.gyros.report import worst_of
+from planner.inflight.simulation.gyros.steadiness import rate_errors, steadiness_figures
+from planner.spacecraft.flight.report import ImagingSteadiness, StabilisationReport
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
-from planner.spacecraft.verification import SpacecraftVerification, VerifiedWindow
-from planner.world.platforms.gyro_craft import RATE_ERROR_MAX_RAD_S
+from planner.spacecraft.verification import SpacecraftVerification
 
 ACROSS_AXES = [0, 2]  # of the body, across the optical axis
-WORST_IF_GREAT = ("pointing_error_rad", "settled_s", "smear_px", "gimbal_rate_max_rad_s")
-WORST_IF_SMALL = ("spare_s", "momentum_margin_n_m_s", "gimbal_margin")
 ASSUMPTIONS = (
     "gimbal servo 50 rad/s, damping 0.7 (the paper gives the form, no numbers)",
     "flexible modes 2.0, 2.1, 3.4, 5.5, 9.5 Hz with 5, 5, 3, 1, 0.5 % of the inertia, damping "
@@ -34,69 +32,58 @@ ASSUMPTIONS = (
 )
 
 
-def window_steadiness(
-    spacecraft: AgileSpacecraft, verification: SpacecraftVerification, log: Log
-) -> tuple[WindowSteadiness, ...]:
-    """Every imaging interval of one closed-loop run."""
+def run_figures(
+    spacecraft: AgileSpacecraft,
+    omega_body_rad_s: Array,
+    verification: SpacecraftVerification,
+    log: Log,
+) -> Array:
+    """Of one closed-loop run: a row for each imaging interval, as `stabilisation` reads them.
+
+    omega_body_rad_s: as commanded at each row, (n, 3).
+    """
     verified = verification.windows
     before_rows = [0, *(one.last_row for one in verified)]
-    return tuple(
-        _window_steadiness(spacecraft, log, one, before_row)
-        for one, before_row in zip(verified, before_rows, strict=False)
-    )
+    rows = []
+    for one, before_row in zip(verified, before_rows, strict=False):
+        interval = one.first_row, one.last_row
+        across_rad_s = np.linalg.norm(rate_errors(log, *interval)[:, ACROSS_AXES], axis=1).max()
+        exposure_s = one.line_time_s * spacecraft.camera.tdi_lines
+        figures = steadiness_figures(
+            log, spacecraft.array, omega_body_rad_s, *interval, since_row=before_row
+        )
+        rows.append(np.append(figures, across_rad_s * exposure_s / spacecraft.camera.pixel_rad))
+    return np.array(rows)
 
 
-def stabilisation(runs: Sequence[tuple[WindowSteadiness, ...]]) -> StabilisationReport:
-    """Summarise closed-loop runs of one table."""
-    windows = tuple(_worst_interval(same) for same in zip(*runs, strict=True))
-    if not windows:
+def stabilisation(
+    spacecraft: AgileSpacecraft, verification: SpacecraftVerification, runs: Sequence[Array]
+) -> StabilisationReport:
+    """Summarise closed-loop runs of one table, each as `run_figures` tells it."""
+    if not runs or not verification.windows:
         return StabilisationReport(runs=len(runs), windows=(), share_steady=None, worst_rad_s=None)
+    numbers = np.array(runs)  # (runs, intervals, figures)
+    before_rows = [0, *(one.last_row for one in verification.windows)]
+    windows = []
+    for k, one in enumerate(verification.windows):
+        gyros = worst_of(numbers[:, k, :-1])
+        assert gyros is not None  # it has some
+        told = vars(gyros) | {"steady": gyros.steady == 1.0}
+        windows.append(
+            ImagingSteadiness(
+                **told,
+                request=one.request,
+                look=one.look,
+                settled_s=(one.first_row - before_rows[k]) * TICK_S - gyros.spare_s,
+                smear_px=float(numbers[:, k, -1].max()),
+                momentum_margin_n_m_s=(
+                    spacecraft.slew.momentum_sphere_n_m_s - gyros.momentum_max_n_m_s
+                ),
+            )
+        )
     return StabilisationReport(
         runs=len(runs),
-        windows=windows,
-        share_steady=float(np.mean([[window.steady for window in run] for run in runs])),
-        worst_rad_s=float(max(np.max(w.rate_error_rad_s) for w in windows)),
-    )
-
-
-def _worst_interval(same: Sequence[WindowSteadiness]) -> WindowSteadiness:
-    """One interval over all runs."""
-    return WindowSteadiness(
-        request=same[0].request,
-        look=same[0].look,
-        rate_error_rad_s=np.max([one.rate_error_rad_s for one in same], axis=0),
-        rate_error_rms_rad_s=math.sqrt(
-            float(np.mean([one.rate_error_rms_rad_s**2 for one in same]))
-        ),
-        steady=all(one.steady for one in same),
-        **{name: max(getattr(one, name) for one in same) for name in WORST_IF_GREAT},
-        **{name: min(getattr(one, name) for one in same) for name in WORST_IF_SMALL},
-    )
-
-
-def _window_steadiness(
-    spacecraft: AgileSpacecraft, log: Log, window: VerifiedWindow, before_row: int
-) -> WindowSteadiness:
-    camera = spacecraft.camera
-    exposure_s = window.line_time_s * camera.tdi_lines
-    since = slice(before_row, window.last_row)
-    errors_rad_s = rate_errors(log, window.first_row, window.last_row)
-    worst_rad_s = np.max(np.abs(errors_rad_s), axis=0)
-    aside_rad = log.attitude_error_rad[window.first_row : window.last_row, ACROSS_AXES]
-    settled_s = settled_after_s(log, before_row, window.last_row)
-    across_rad_s = np.max(np.linalg.norm(errors_rad_s[:, ACROSS_AXES], axis=1))
-    stored_n_m_s = np.max(np.linalg.norm(log.h_body_n_m_s[since], axis=1))
-    return WindowSteadiness(
-        request=window.request,
-        look=window.look,
-        rate_error_rad_s=worst_rad_s,
-        rate_error_rms_rad_s=float(np.sqrt(np.mean(np.sum(errors_rad_s**2, axis=1)))),
-        steady=bool(np.max(worst_rad_s) <= RATE_ERROR_MAX_RAD_S),
-        pointing_error_rad=float(np.max(np.linalg.norm(aside_rad, axis=1))),
-        settled_s=settled_s,
-        spare_s=(window.first_row - before_row) * TICK_S - settled_s,
-        smear_px=float(across_rad_s * exposure_s / camera.pixel_rad),
-        momentum_margin_n_m_s=float(spacecraft.slew.momentum_sphere_n_m_s - stored_n_m_s),
-        gimbal_margin=float(np.min(spacecraft.array.singularity_margin(log.gimbal_rad[since]))),
-        gimbal_rate_max_rad_s=float(np.max(np.abs(log.gimbal_rate_rad_s[since]))),
+        windows=tuple(windows),
+        share_steady=float(numbers[:, :, 0].mean()),
+        worst_rad_s=float(max(np.max(one.rate_error_rad_s) for one in windows)),
     )

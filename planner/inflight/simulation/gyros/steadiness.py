@@ -24,28 +24,35 @@ def settled_after_s(log: Log, first_row: int, last_row: int) -> float:
 
 
 def steadiness_figures(
-    log: Log, array: CmgArray, omega_body_rad_s: Array, first_row: int, last_row: int
+    log: Log,
+    array: CmgArray,
+    omega_body_rad_s: Array,
+    first_row: int,
+    last_row: int,
+    since_row: int = 0,
 ) -> Array:
     """Of one run while the camera images from one row to another, (11,), as `worst_of` reads them.
 
-    omega_body_rad_s: as commanded at the beginning of each tick, (n, 3).
+    omega_body_rad_s: as commanded at the beginning of each tick, (n, 3).  since_row: from which on
+    the body settles, and the gyros' extremes are told.
     """
     inside = rate_errors(log, first_row, last_row)
     worst_rad_s = np.abs(inside).max(axis=0)
-    held_n_m_s = log.h_body_n_m_s[:last_row]
+    flown = slice(since_row, last_row)
+    held_n_m_s = log.h_body_n_m_s[flown]
     given_n_m = np.diff(held_n_m_s, axis=0) / COMMAND_STEP_S
-    given_n_m += np.cross(omega_body_rad_s[: last_row - 1], held_n_m_s[:-1])
+    given_n_m += np.cross(omega_body_rad_s[since_row : last_row - 1], held_n_m_s[:-1])
     return np.array(
         [
             float(worst_rad_s.max() <= RATE_ERROR_MAX_RAD_S),
             *worst_rad_s,
             np.sqrt(np.mean(np.sum(inside**2, axis=1))),
             np.linalg.norm(log.attitude_error_rad[first_row:last_row], axis=1).max(),
-            first_row * COMMAND_STEP_S - settled_after_s(log, 0, last_row),
+            (first_row - since_row) * COMMAND_STEP_S - settled_after_s(log, since_row, last_row),
             np.linalg.norm(given_n_m, axis=1).max(),
             np.linalg.norm(held_n_m_s, axis=1).max(),
-            array.singularity_margin(log.gimbal_rad[:last_row]).min(),
-            np.abs(log.gimbal_rate_rad_s[:last_row]).max(),
+            array.singularity_margin(log.gimbal_rad[flown]).min(),
+            np.abs(log.gimbal_rate_rad_s[flown]).max(),
         ]
     )
 
