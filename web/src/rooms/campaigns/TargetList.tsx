@@ -127,7 +127,7 @@ function Others({ one, path, onTarget }: { one: CampaignTarget; path: string; on
         schema={SCHEMA}
         value={one as unknown as Members}
         path={path}
-        omit={IN_ROW}
+        omit={modeIn(one.target) ? [...IN_ROW, "min_session_s"] : IN_ROW}
         onValue={(next) => onTarget(next as unknown as CampaignTarget)}
       />
       {schema && (

@@ -1,6 +1,7 @@
 /** Targets on the Earth; the next is clicked there, or set by Enter at the cross: a place, or a mode by its positions. */
 import { useState } from "preact/hooks";
 
+import "../../charts/charts.css";
 import { words } from "../../i18n";
 import { EarthMap } from "../../map/EarthMap";
 import { placeNames } from "../../map/labels";
