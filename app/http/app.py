@@ -108,9 +108,10 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.state.methods = {}
     routers: tuple[APIRouter, ...] = _OF_API
     if settings.stapi_products is not None:
-        # A quarter of a second that others needn't wait.
-        from app.http.routes import stapi
-        from app.requests.stapi import read_products
+        from app.requests.stapi import read_products, require_package
+
+        require_package()
+        from app.http.routes import stapi  # a quarter of a second that others needn't wait
 
         app.state.stapi = read_products(settings.stapi_products)
         routers = (*_OF_API, stapi.router)

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from datetime import datetime
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
@@ -240,6 +241,15 @@ class Product:
         conditions = replace(campaign.conditions, min_duration_s=least_s)
         windows = replace(campaign.opportunities(), name=campaign.name, conditions=conditions)
         return json.dumps(json_fields(windows, self.carrier)).encode()
+
+
+def require_package() -> None:
+    """Raises InvalidInput where the answers' classes aren't installed."""
+    if find_spec("stapi_pydantic") is None:
+        detail = (
+            "needs the package stapi-pydantic, of the extra `stapi`: pip install stapi-pydantic"
+        )
+        raise InvalidInput(detail, field=SETTING)
 
 
 def read_products(file: Path) -> tuple[StapiProducts, Mapping[str, Product]]:

@@ -33,7 +33,7 @@ AREA = {
 
 @pytest.fixture(scope="module")
 def settings(tmp_path_factory):
-    return own_settings(tmp_path_factory.mktemp("stapi"), stapi_products=PRODUCTS)
+    return own_settings(tmp_path_factory.mktemp("stapi"), stapi_products=PRODUCTS, workers=1)
 
 
 @pytest.fixture(scope="module")
@@ -232,6 +232,18 @@ def test_no_order_is_lost_or_taken_twice(client, settings, tmp_path):
     assert client.get(f"/stapi/orders/{plan_id}").status_code == 404
 
 
+def test_an_order_that_waits_is_cancelled_as_its_campaign(client):
+    posted = [client.post(f"{ISS}/orders", json=ASKED | {"geometry": AREA}) for _ in range(3)]
+    waiting = as_published("Order", posted[-1])
+    assert waiting["properties"]["status"]["status_code"] == "received"
+    campaign = by_rel(waiting)["campaign"]["href"]
+    assert client.delete(campaign).status_code == 200
+    told = ended(client, posted[-1].headers["Location"])
+    assert told["properties"]["status"]["status_code"] == "user_cancelled"
+    assert client.delete(campaign).status_code == 204
+    assert client.get(posted[-1].headers["Location"]).status_code == 404
+
+
 @pytest.mark.parametrize(
     ("given", "field"),
     [
@@ -366,6 +378,12 @@ def test_a_file_of_products_that_is_wrong(tmp_path, changed, told):
         create_app(Settings(data_dir=tmp_path, stapi_products=file))
     assert refused.value.field == "SLEWTRACK_STAPI_PRODUCTS"
     assert told in refused.value.detail
+
+
+def test_without_its_classes_the_way_to_them_is_told(tmp_path, monkeypatch):
+    monkeypatch.setattr("app.requests.stapi.find_spec", lambda _: None)
+    with pytest.raises(InvalidInput, match="pip install stapi-pydantic"):
+        create_app(Settings(data_dir=tmp_path, stapi_products=PRODUCTS))
 
 
 def test_links_are_under_the_address_that_a_proxy_has(tmp_path):
