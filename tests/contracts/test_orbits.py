@@ -9,6 +9,7 @@ import pytest
 
 from app.requests.examples import message
 from planner.base.errors import OutsideCoverage
+from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.time_scales import Instants, elapsed_s
 from planner.world.orbits import (
     ORBITS,
@@ -106,11 +107,27 @@ def test_states_don_t_depend_on_how_they_are_asked_for(example):
     np.testing.assert_allclose(alone.r_sat_eci_m[0], together.r_sat_eci_m[1], rtol=0, atol=1e-6)
 
 
+def test_states_in_itrf_axes_are_the_same(example):
+    ephemeris = ephemeris_of(example)
+    instants = Instants(example.start_utc, np.linspace(0.0, SPAN_S, 7))
+    states, c_itrf = ephemeris.states(instants), c_itrf_from_eci(instants)
+    r_itrf_m, v_itrf_m_s = ephemeris.states_in_itrf_axes(instants)
+    # double precision of 7e6 m and of 8e3 m/s through matrices
+    for found, eci, off in (
+        (r_itrf_m, states.r_sat_eci_m, 1e-7),
+        (v_itrf_m_s, states.v_sat_eci_m_s, 1e-10),
+    ):
+        by_eci = np.einsum("nij,nj->ni", c_itrf, eci)
+        np.testing.assert_allclose(found, by_eci, rtol=0, atol=off)
+
+
 def test_nothing_is_said_outside_the_span(example):
     ephemeris = ephemeris_of(example)
     for t_s in (-0.1, SPAN_S + 0.1):
-        with pytest.raises(OutsideCoverage, match="prepared only from"):
-            ephemeris.states(Instants(example.start_utc, np.array([t_s])))
+        instants = Instants(example.start_utc, np.array([t_s]))
+        for states in (ephemeris.states, ephemeris.states_in_itrf_axes):
+            with pytest.raises(OutsideCoverage, match="prepared only from"):
+                states(instants)
     assert len(ephemeris.states(Instants(example.start_utc, np.array([]))).r_sat_eci_m) == 0
 
 

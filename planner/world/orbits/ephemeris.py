@@ -11,10 +11,16 @@ import numpy as np
 from planner.base.arrays import Array
 from planner.base.errors import OutsideCoverage
 from planner.base.interpolation import hermite
+from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.time_scales import Instants, elapsed_s, utc_text
 from planner.world.orbits.accuracy import OrbitSigma
 
 EDGE_S = 1e-6  # the resolution of a datetime
+
+
+def turned(c: Array, vectors: Array) -> Array:
+    """Vectors (n, 3) by rotation matrices (n, 3, 3)."""
+    return np.asarray(np.einsum("nij,nj->ni", c, vectors))
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +53,15 @@ class Ephemeris(ABC):
 
     def states(self, instants: Instants) -> OrbitStates:
         """States at the n instants; raises OutsideCoverage unless all lie within the span."""
+        self._require_within(instants)
+        return self.interpolate(instants)
+
+    def states_in_itrf_axes(self, instants: Instants) -> tuple[Array, Array]:
+        """The same position and inertial velocity in ITRF axes, each (n, 3); raises the same."""
+        states, c_itrf = self.states(instants), c_itrf_from_eci(instants)
+        return turned(c_itrf, states.r_sat_eci_m), turned(c_itrf, states.v_sat_eci_m_s)
+
+    def _require_within(self, instants: Instants) -> None:
         t_s = instants.since_s(self.start_utc)
         span_s = elapsed_s(self.stop_utc, self.start_utc)
         outside = np.flatnonzero((t_s < -EDGE_S) | (t_s > span_s + EDGE_S))
@@ -58,7 +73,6 @@ class Ephemeris(ABC):
                 field="orbit",
                 at_utc=at_utc,
             )
-        return self.interpolate(instants)
 
     def dense_states(self, instants: Instants, step_s: float = 10.0) -> OrbitStates:
         """`states` at many instants in order of time, by the cubic through some.

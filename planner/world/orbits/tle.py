@@ -9,15 +9,22 @@ from typing import ClassVar, Literal
 import numpy as np
 from sgp4.api import SGP4_ERRORS, WGS72, Satrec
 
+from planner.base.arrays import Array
 from planner.base.errors import OutsideCoverage, figures
 from planner.base.spec import spec
-from planner.world.frames.earth_orientation import eci_from_frame_state
+from planner.world.frames.earth_orientation import c_itrf_from_teme, eci_from_frame_state
 from planner.world.frames.geodesy import MU_EARTH_M3_S2
 from planner.world.frames.time_scales import DAY_S, Instants, elapsed_s, require_known, utc_text
 from planner.world.messages.omm import MEAN_MOTION_REV_DAY
 from planner.world.orbits.accuracy import OrbitSigma, reboost_since, tle_sigma
 from planner.world.orbits.atmosphere import thickest_kg_m3
-from planner.world.orbits.ephemeris import CarrierName, Ephemeris, OrbitSource, OrbitStates
+from planner.world.orbits.ephemeris import (
+    CarrierName,
+    Ephemeris,
+    OrbitSource,
+    OrbitStates,
+    turned,
+)
 from planner.world.orbits.gravity import RADIUS_M
 
 WARN_AGE_DAYS = 3.0
@@ -131,6 +138,16 @@ class TleEphemeris(Ephemeris):
 
     def interpolate(self, instants: Instants) -> OrbitStates:
         """Raises OutsideCoverage where SGP4 itself gives up."""
+        return OrbitStates(*eci_from_frame_state("TEME", *self._in_teme(instants), instants))
+
+    def states_in_itrf_axes(self, instants: Instants) -> tuple[Array, Array]:
+        """Without the way by ECI, which costs as much as SGP4 does."""
+        self._require_within(instants)
+        r_teme_m, v_teme_m_s = self._in_teme(instants)
+        c_itrf = c_itrf_from_teme(instants)
+        return turned(c_itrf, r_teme_m), turned(c_itrf, v_teme_m_s)
+
+    def _in_teme(self, instants: Instants) -> tuple[Array, Array]:
         since_days = instants.since_s(self.epoch_utc) / DAY_S
         errors, r_teme_km, v_teme_km_s = self.satrec.sgp4_array(
             np.full(len(instants), self.satrec.jdsatepoch), self.satrec.jdsatepochF + since_days
@@ -144,8 +161,7 @@ class TleEphemeris(Ephemeris):
                 field=self.field,
                 at_utc=at_utc,
             )
-        states_m = eci_from_frame_state("TEME", r_teme_km * 1e3, v_teme_km_s * 1e3, instants)
-        return OrbitStates(*states_m)
+        return r_teme_km * 1e3, v_teme_km_s * 1e3
 
     def sigma(self, instants: Instants) -> OrbitSigma:
         """Errors by what of the drag in the elements is wrong."""
