@@ -23,6 +23,8 @@ from planner.world.platforms import TwoAxisPlatform
 from planner.world.platforms.polygon_kernel import nearest_side
 
 Pair = tuple[float, float]
+Arc = tuple[float, float]
+"""Sine and cosine of an angle, times any length."""
 
 
 class Reach(NamedTuple):
@@ -86,14 +88,24 @@ def _as_vector(axis_platform: Array) -> Vector:
 
 
 @inlined
-def _about(axis: Vector, start: Vector, end: Vector) -> float:
-    return math.atan2(
-        dot(cross(start, end), axis), dot(start, end) - dot(start, axis) * dot(end, axis)
-    )
+def _about(axis: Vector, start: Vector, end: Vector) -> Arc:
+    return dot(cross(start, end), axis), dot(start, end) - dot(start, axis) * dot(end, axis)
 
 
 @inlined
-def pair_at(g: Reach, los: Vector, sign: float) -> Pair:
+def turn_between(one: Arc, other: Arc) -> float:
+    """From one angle to another, in [-pi, pi]; of a few degrees by the series of the arctangent."""
+    sine, cosine = other[0] * one[1] - other[1] * one[0], other[1] * one[1] + other[0] * one[0]
+    slope = sine / cosine
+    square = slope * slope
+    if not (square < 0.0025 and cosine > 0.0):  # the next term is below 2e-17 of the angle
+        return math.atan2(sine, cosine)
+    tail = 1.0 / 7.0 - square * (1.0 / 9.0 - square * (1.0 / 11.0 - square / 13.0))
+    return slope * (1.0 - square * (1.0 / 3.0 - square * (1.0 / 5.0 - square * tail)))
+
+
+@inlined
+def arcs_at(g: Reach, los: Vector, sign: float) -> tuple[Arc, Arc]:
     """The pair of angles that has the inner axis on one side; sign: 1 or -1."""
     along = dot(los, g.outer)
     a = (along - g.cosine * g.along_cosine) / g.square_sine
@@ -101,6 +113,13 @@ def pair_at(g: Reach, los: Vector, sign: float) -> Pair:
     off = math.sqrt((1.0 - a * a - b * b - 2.0 * a * b * g.cosine) / g.square_sine)
     turned_zero = plus(plus(scaled(a, g.outer), b, g.inner), sign * off, g.normal)
     return _about(g.outer, turned_zero, los), _about(g.inner, g.zero, turned_zero)
+
+
+@inlined
+def pair_at(g: Reach, los: Vector, sign: float) -> Pair:
+    """The same in radians."""
+    outer, inner = arcs_at(g, los, sign)
+    return math.atan2(outer[0], outer[1]), math.atan2(inner[0], inner[1])
 
 
 @lean
@@ -172,12 +191,12 @@ def braking(rate_rad_s: float, acceleration_rad_s2: float, limit: Vector) -> flo
     return ramp + peak * (0.5 * brake_s + 1.0 / ROWS_PER_S)
 
 
-@lean
+@inlined
 def off_plane(g: Reach, los: Vector) -> float:
-    """Greatest where the line of sight is nearest to the plane of the axes."""
-    pair = axes_at(g, los)[0]
-    normal = cross(g.outer, turned(g.outer, pair[0], g.inner))
-    value = -math.asin(min(abs(dot(los, normal)) / norm(normal), 1.0))
+    """Greatest where the line of sight is nearest to the plane of the axes: less its sine."""
+    sine, cosine = arcs_at(g, los, 1.0)[0]
+    normal = plus(scaled(cosine, g.normal), sine, cross(g.outer, g.normal))
+    value = -abs(dot(los, normal)) / norm(normal)
     return value if value == value else 0.0
 
 

@@ -8,7 +8,7 @@ import math
 from dataclasses import dataclass
 from datetime import datetime
 from functools import cached_property
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -18,9 +18,9 @@ from planner.base.rotation import Rotation
 from planner.planning.opportunities.looks import CarrierTables
 from planner.planning.opportunities.sweep import OPTIONS as SWEEP
 from planner.planning.opportunities.sweep import LeapRows
-from planner.world.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
+from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.geodesy import MU_EARTH_M3_S2
-from planner.world.frames.local_orbital import q_lvlh_from_eci
+from planner.world.frames.local_orbital import c_lvlh_from_eci
 from planner.world.frames.solar_system import earth_bary_state
 from planner.world.frames.time_scales import Instants, elapsed_s
 from planner.world.orbits import Ephemeris, OrbitStates
@@ -64,8 +64,8 @@ class Carrier:
     orbit: position, m, and inertial velocity, m/s, in ITRF axes, 6 columns.
     bodies: the Sun and the Moon from the geocentre, m, light time and annual aberration included,
     ITRF axes, 6 columns.
-    q_platform_from_lvlh_xyzw: to be normalised.  platform_turn_max_rad_s: how fast the platform
-    turns in ITRF at most.
+    platform: its first two axes, unit vectors, ITRF axes, 6 columns.  platform_turn_max_rad_s: how
+    fast it turns in ITRF at most.
     The rows smooth a manoeuvre over: by 0.2 m, or 0.03 ms of the motion, in an ISS reboost.
     """
 
@@ -73,7 +73,7 @@ class Carrier:
     span_s: float
     orbit: UniformTable
     bodies: UniformTable
-    q_platform_from_lvlh_xyzw: UniformTable
+    platform: UniformTable
     platform_turn_max_rad_s: float
 
     @cached_property
@@ -92,8 +92,8 @@ class Carrier:
             orbit=orbit,
             body_step_s=self.bodies.step_s,
             bodies=self.bodies.powers,
-            attitude_step_s=self.q_platform_from_lvlh_xyzw.step_s,
-            attitude=self.q_platform_from_lvlh_xyzw.powers,
+            platform_step_s=self.platform.step_s,
+            platform=self.platform.powers,
             turn_rad_s=self.platform_turn_max_rad_s,
             farthest_m=OPTIONS.between_rows * math.sqrt(float(r2.max())),
             speed_m_s=OPTIONS.between_rows * math.sqrt(float(v2.max())),
@@ -135,59 +135,40 @@ def carrier_over(
     first_state = ephemeris.states(Instants(start_utc, np.zeros(1)))
     step_s = min(OPTIONS.step_turn_rad / _perigee_rate_rad_s(first_state), OPTIONS.step_max_s)
     cells = 2 * max(math.ceil(span_s / step_s / 2.0), NODES - 1)
-    rows = _rows(ephemeris, start_utc, span_s, cells)
-    step_s = span_s / cells
-    c_itrf = c_itrf_from_eci(rows.instants)
-    r_sat_itrf_m = _to_itrf(c_itrf, rows.states.r_sat_eci_m)
-    v_sat_itrf_m_s = _to_itrf(c_itrf, rows.states.v_sat_eci_m_s)
+    instants = Instants(start_utc, np.linspace(0.0, span_s, cells + 1))
+    orbit_itrf = ephemeris.states_in_itrf_axes(instants)
     if base.rests_in_orbit:
-        rows = _rows(ephemeris, start_utc, span_s, 2 * (NODES - 1))
-    q_platform_from_lvlh_xyzw, turn_rad_s = _attitude_table(rows, ephemeris, base)
-    passing_m2_s = np.linalg.norm(np.cross(r_sat_itrf_m, v_sat_itrf_m_s), axis=1)
-    turn_rad_s += OMEGA_EARTH_RAD_S + np.max(passing_m2_s / np.sum(r_sat_itrf_m**2, axis=1))
+        first = Instants(start_utc, np.zeros(1))
+        c_lvlh = c_lvlh_from_eci(first_state.r_sat_eci_m, first_state.v_sat_eci_m_s)
+        c_platform = base.q_base_from_eci(first, first_state).as_matrix() @ c_lvlh.swapaxes(1, 2)
+        axes_itrf = c_platform @ c_lvlh_from_eci(*orbit_itrf)
+    else:
+        axes_itrf = _platform_axes(instants, ephemeris, base)
+    step_s = span_s / (len(axes_itrf) - 1)
+    turn_rad_s = np.linalg.norm(np.diff(axes_itrf, axis=0), axis=(1, 2)).max() / step_s
     return Carrier(
         start_utc=start_utc,
         span_s=span_s,
-        orbit=UniformTable(step_s, np.concatenate([r_sat_itrf_m, v_sat_itrf_m_s], axis=1)),
+        orbit=UniformTable(span_s / cells, np.concatenate(orbit_itrf, axis=1)),
         bodies=_bodies_table(start_utc, span_s),
-        q_platform_from_lvlh_xyzw=q_platform_from_lvlh_xyzw,
-        platform_turn_max_rad_s=float(turn_rad_s),
+        platform=UniformTable(step_s, axes_itrf[:, :2].reshape(-1, 6)),
+        platform_turn_max_rad_s=float(turn_rad_s) / math.sqrt(2.0),
     )
 
 
-class _Rows(NamedTuple):
-    """The orbit at instants evenly over the span."""
-
-    instants: Instants
-    states: OrbitStates
-
-
-def _rows(ephemeris: Ephemeris, start_utc: datetime, span_s: float, cells: int) -> _Rows:
-    instants = Instants(start_utc, np.linspace(0.0, span_s, cells + 1))
-    return _Rows(instants, ephemeris.states(instants))
-
-
-def _attitude_table(rows: _Rows, ephemeris: Ephemeris, base: Base) -> tuple[UniformTable, float]:
-    """Rows as fine as needed: every other row must predict the rest; and the greatest rate."""
+def _platform_axes(instants: Instants, ephemeris: Ephemeris, base: Base) -> Array:
+    """In ITRF on rows as fine as needed: every other row must predict the rest, (n, 3, 3)."""
     while True:
-        q = _q_platform_from_lvlh_xyzw(rows, base)
-        t_s = rows.instants.t_s
-        step_s = float(t_s[1])
-        off_rad = 2.0 * np.linalg.norm(UniformTable(2.0 * step_s, q[::2]).at(t_s) - q, axis=1)
+        c_base = base.q_base_from_eci(instants, ephemeris.states(instants)).as_matrix()
+        axes_itrf = c_base @ c_itrf_from_eci(instants).swapaxes(1, 2)
+        step_s, rows = float(instants.t_s[1]), axes_itrf.reshape(-1, 9)
+        off_rad = np.linalg.norm(
+            UniformTable(2.0 * step_s, rows[::2]).at(instants.t_s) - rows, axis=1
+        )
         if np.max(off_rad) <= OPTIONS.attitude_error_rad or step_s <= OPTIONS.attitude_step_min_s:
-            turn_rad = 2.0 * np.linalg.norm(np.diff(q, axis=0), axis=1).max()
-            return UniformTable(step_s, q), float(turn_rad) / step_s
-        rows = _rows(ephemeris, rows.instants.epoch_utc, float(t_s[-1]), 2 * (len(t_s) - 1))
-
-
-def _q_platform_from_lvlh_xyzw(rows: _Rows, base: Base) -> Array:
-    """Neighbours of like sign, shape (n, 4)."""
-    q_base_from_eci = base.q_base_from_eci(rows.instants, rows.states)
-    q_lvlh_from_eci_ = q_lvlh_from_eci(rows.states.r_sat_eci_m, rows.states.v_sat_eci_m_s)
-    q = (q_base_from_eci * q_lvlh_from_eci_.inv()).as_quat()
-    turns_over = np.sum(q[1:] * q[:-1], axis=1) < 0.0
-    q[1:] *= np.where(np.cumsum(turns_over) % 2 == 1, -1.0, 1.0)[:, None]
-    return np.asarray(q)
+            return axes_itrf
+        t_s = np.linspace(0.0, instants.t_s[-1], 2 * len(instants) - 1)
+        instants = Instants(instants.epoch_utc, t_s)
 
 
 def _perigee_rate_rad_s(states: OrbitStates) -> float:
@@ -228,7 +209,3 @@ def apparent_geocentric_m(body: str, instants: Instants) -> Array:
     r_earth_bary_m, v_earth_bary_m_s = earth_bary_state(instants)
     direction, range_m = BodyTarget(name=body).seen_from(instants, r_earth_bary_m)
     return aberrate(direction, v_earth_bary_m_s) * range_m[:, None]
-
-
-def _to_itrf(c_itrf: Array, vector_eci: Array) -> Array:
-    return np.asarray(np.einsum("nij,nj->ni", c_itrf, vector_eci))

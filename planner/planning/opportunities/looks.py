@@ -14,7 +14,6 @@ from planner.base.vectors import (
     Powers,
     Vector,
     arcsin,
-    cell_of,
     column_at,
     cross,
     dot,
@@ -35,8 +34,8 @@ class CarrierTables(NamedTuple):
     """What `Carrier` holds, as compiled code takes it, and bounds of the orbit.
 
     orbit: position and inertial velocity, the orbit's own: SGP4's isn't quite the rate of its
-    position.  bodies: the Sun and the Moon.  attitude: q_platform_from_lvlh, scalar last, to be
-    normalised.  turn_rad_s: of the platform at most.
+    position.  bodies: the Sun and the Moon.  platform: its first two axes, all but unit vectors.
+    turn_rad_s: of the platform at most.
     farthest_m, speed_m_s, acceleration_m_s2, passing_rad_s: greatest of position, velocity,
     acceleration and turn of the direction in ITRF.
     """
@@ -46,8 +45,8 @@ class CarrierTables(NamedTuple):
     orbit: Powers
     body_step_s: float
     bodies: Powers
-    attitude_step_s: float
-    attitude: Powers
+    platform_step_s: float
+    platform: Powers
     turn_rad_s: float
     farthest_m: float
     speed_m_s: float
@@ -134,28 +133,18 @@ def look(c: CarrierTables, p: Places, n: int, t_s: float) -> tuple[Vector, float
 
 
 @inlined
-def in_platform(c: CarrierTables, d: Vector, r_sat: Vector, v: Vector, t_s: float) -> Vector:
-    """A vector turned into the platform frame."""
-    z = scaled(-1.0 / norm(r_sat), r_sat)
-    y = unit(cross(v, r_sat))
-    lvlh = dot(cross(y, z), d), dot(y, d), dot(z, d)
-    k, u = cell_of(c.attitude, c.attitude_step_s, t_s)
-    q = c.attitude
-    a, b, e, w = q[k, 5, 0], q[k, 5, 1], q[k, 5, 2], q[k, 5, 3]
-    for m in range(4, -1, -1):
-        a, b = a * u + q[k, m, 0], b * u + q[k, m, 1]
-        e, w = e * u + q[k, m, 2], w * u + q[k, m, 3]
-    scale = 1.0 / math.sqrt(a * a + b * b + e * e + w * w)
-    axis = (scale * a, scale * b, scale * e)
-    across = scaled(2.0, cross(axis, lvlh))
-    return plus(plus(lvlh, scale * w, across), 1.0, cross(axis, across))
+def in_platform(c: CarrierTables, d: Vector, t_s: float) -> Vector:
+    """A unit vector turned into the platform frame."""
+    x = vector_at(c.platform, c.platform_step_s, t_s, 0)
+    y = vector_at(c.platform, c.platform_step_s, t_s, 3)
+    los = dot(x, d), dot(y, d), dot(cross(x, y), d)
+    return scaled(1.5 - 0.5 * dot(los, los), los)  # a step of Newton's to unit length
 
 
 @inlined
 def sight_at(c: CarrierTables, p: Places, n: int, t_s: float) -> Vector:
     """Direction of a target in the platform frame."""
-    d, _, r_sat, v = look(c, p, n, t_s)
-    return in_platform(c, d, r_sat, v, t_s)
+    return in_platform(c, look(c, p, n, t_s)[0], t_s)
 
 
 @lean

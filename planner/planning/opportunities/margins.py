@@ -18,16 +18,17 @@ from planner.base.vectors import (
     scaled,
     unit,
     vector_at,
-    wrapped,
 )
 from planner.motion.pointing.reach import (
     Reach,
+    arcs_at,
     axes_at,
     braking,
     off_masks,
     off_plane,
     off_stop,
     off_stops,
+    turn_between,
 )
 from planner.planning.opportunities.looks import (
     CarrierTables,
@@ -39,6 +40,7 @@ from planner.planning.opportunities.looks import (
     look,
     place_at,
     platform_los,
+    sight_at,
     sun_elevation,
     to_body,
     to_sun,
@@ -163,19 +165,19 @@ def asked_of(
 @lean
 def _motion_margin(s: WindowScene, n: int, t_s: float, branch: int) -> float:
     """How far from its limits the motion along one pair of angles is, in shares of them."""
-    dt = OPTIONS.delta_s
-    look_0 = look_1 = at = look_3 = look_4 = (0.0, 0.0)
-    for place in range(-2, 3):  # a loop, as code is compiled for each call
-        look_0, look_1, at, look_3 = look_1, at, look_3, look_4
-        look_4 = axes_at(s.g, platform_los(s.c, s.p, n, t_s + place * dt))[branch]
+    dt, sign = OPTIONS.delta_s, 1.0 - 2.0 * branch
+    far_before = before = at = after = far_after = ((0.0, 0.0), (0.0, 0.0))
+    for place in range(-2, 3):  # a loop, as code is compiled for each look
+        far_before, before, at, after = before, at, after, far_after
+        far_after = arcs_at(s.g, sight_at(s.c, s.p, n, t_s + place * dt), sign)
     least = math.inf
     for k in range(2):
-        a, b = wrapped(look_0[k] - at[k]), wrapped(look_1[k] - at[k])
-        d, e = wrapped(look_3[k] - at[k]), wrapped(look_4[k] - at[k])
+        a, b = turn_between(at[k], far_before[k]), turn_between(at[k], before[k])
+        d, e = turn_between(at[k], after[k]), turn_between(at[k], far_after[k])
         rate, acceleration = abs(d - b) / (2.0 * dt), abs(d + b) / dt**2
         jerk = abs(e - 2.0 * d + 2.0 * b - a) / (2.0 * dt**3)
         limit = s.g.limits[k]
-        stop = off_stop(s.g, k, at[k]) - braking(rate, acceleration, limit)
+        stop = off_stop(s.g, k, math.atan2(at[k][0], at[k][1])) - braking(rate, acceleration, limit)
         peak = rate + acceleration**2 / (2.0 * limit[2])
         for share in (
             stop / (0.5 * (s.g.high[k] - s.g.low[k])),
@@ -214,7 +216,7 @@ def _along_sight(s: WindowScene, kind: int, n: int, t_s: float) -> float:
             s.q.sun_away_rad if kind == SUN_AWAY else s.q.moon_away_rad
         )
         return max(away, -OPTIONS.hidden_rad - above_limb(body, r_sat, 0.0))
-    los = in_platform(s.c, d, r_sat, v, t_s)
+    los = in_platform(s.c, d, t_s)
     if kind == ACROSS:
         return s.q.across_rad - abs(math.atan2(los[1], los[2]))
     if kind == MASK:

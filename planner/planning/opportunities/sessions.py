@@ -133,6 +133,8 @@ def _longest(s: WindowScene, n: int, a: float, b: float) -> tuple[float, float, 
                 begins, ends = _unwound(s, n, branch, t_s, begins, ends)
             if ends - begins > longest:
                 held_a, held_b, longest = begins, ends, ends - begins
+        if longest >= b - a:
+            break  # the other pair can't hold more
     return held_a, held_b, 10 * len(t_s)
 
 

@@ -134,7 +134,7 @@ def _edge_by_elevation(
     """When the height is nought between states of time, height and rate; and looks.
 
     By Hermite's cubic, then Newton's steps in the bracket, until one is known to leave less than
-    half of `edge_s`.
+    half of `edge_s`; a halving of the bracket says nothing of that.
     """
     (a, value_a, rate_a), (b, value_b, rate_b) = begin, end
     h, change = b - a, value_b - value_a
@@ -153,12 +153,10 @@ def _edge_by_elevation(
             b = t
         else:
             a = t
-        new = t - f / rate
-        if not a < new < b:
-            new = 0.5 * (a + b)
-        off, t = new - t, new
+        off = -f / rate
         if bend_m_s2 * off * off < OPTIONS.edge_s * abs(rate) or abs(off) < OPTIONS.edge_s:
-            break
+            return min(max(t + off, a), b), looks
+        t = t + off if a < t + off < b else 0.5 * (a + b)
     return t, looks
 
 

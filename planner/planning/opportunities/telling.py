@@ -18,7 +18,7 @@ from planner.base.vectors import (
     vector_of,
     wrapped,
 )
-from planner.motion.pointing.reach import axes_at, axis_rates, off_stops
+from planner.motion.pointing.reach import Reach, axes_at, axis_rates, off_stops
 from planner.planning.opportunities.looks import (
     CarrierTables,
     Places,
@@ -26,7 +26,6 @@ from planner.planning.opportunities.looks import (
     in_platform,
     look,
     place_at,
-    platform_los,
     sun_elevation,
     to_body,
     to_sun,
@@ -97,13 +96,31 @@ def highest_over(s: WindowScene, which: Indices) -> Array:
     return out
 
 
+@lean
+def _nearer_pair(g: Reach, both: Array, usable: Mask) -> int:
+    """Which of two pairs of angles, (2, k, 2), turns the inner axis less; one within the stops all
+    along, as it tells of both, before one that isn't."""
+    least, branch = math.inf, 0
+    for m in range(2):
+        inner, usable[m] = 0.0, True
+        for k in range(both.shape[1]):
+            turn = abs(both[m, k, 1])
+            inner = max(inner, turn if turn == turn else math.pi)
+            if off_stops(g, (both[m, k, 0], both[m, k, 1])) < -OPTIONS.edge_rad:
+                usable[m] = False
+        inner += 0.0 if usable[m] else TURN_RAD
+        if inner < least:
+            least, branch = inner, m
+    return branch
+
+
 @compiled
 def tell(s: WindowScene, target: Indices, edge_s: Array, samples: int) -> Told:
     """edge_s: (n, 2).  samples: instants evenly from rise to set."""
     count = len(target)
     highest, seen = np.empty((count, 2)), np.empty((count, samples + 1, 11))
     branch, usable = np.zeros(count, np.intp), np.zeros((count, 2), np.bool_)
-    both, sight = np.empty((2, samples + 1, 2)), np.empty((samples + 1, 3))
+    both, sight = np.empty((2, samples + 1, 2)), np.empty((samples + 1, 6))
     for w in range(count):
         n, rise_s, set_s = target[w], edge_s[w, 0], edge_s[w, 1]
         highest[w, 0] = greatest(s, ELEVATION, n, rise_s, set_s)[0]
@@ -113,39 +130,31 @@ def tell(s: WindowScene, target: Indices, edge_s: Array, samples: int) -> Told:
             t_s = (1.0 - share) * rise_s + share * set_s
             if k == 0:
                 t_s = greatest(s, CLOSENESS, n, rise_s, set_s)[0]
-            d, range_m, r_sat, v = look(s.c, s.p, n, t_s)
+            before = los = after = (0.0, 0.0, 0.0)
+            for place in (-1, 1, 0):  # a loop, as code is compiled for each look
+                at_s = t_s + place * SWEEP.rate_s
+                d, range_m, r_sat, v = look(s.c, s.p, n, at_s)
+                before, after, los = after, los, in_platform(s.c, d, at_s)
+            rate = scaled(0.5 / SWEEP.rate_s, plus(after, -1.0, before))
+            sun, moon = to_body(s.c, 0, r_sat, v, t_s), to_body(s.c, 1, r_sat, v, t_s)
             row = seen[w, k]
             row[0], row[1], row[2] = t_s, elevation(s.c, s.p, n, t_s), range_m
             row[3] = angle_between(d, scaled(-1.0, r_sat))
             row[4] = sun_elevation(s.c, s.p, n, t_s)
-            row[5] = angle_between(d, to_body(s.c, 0, r_sat, v, t_s))
-            row[6] = angle_between(d, to_body(s.c, 1, r_sat, v, t_s))
-            los = in_platform(s.c, d, r_sat, v, t_s)
+            row[5], row[6] = angle_between(d, sun), angle_between(d, moon)
             sight[k, 0], sight[k, 1], sight[k, 2] = los
+            sight[k, 3], sight[k, 4], sight[k, 5] = rate
             one, two = axes_at(s.g, los)
             both[0, k, 0], both[0, k, 1] = one
             both[1, k, 0], both[1, k, 1] = two
-        least = math.inf
-        for m in range(2):
-            inner, usable[w, m] = 0.0, True
-            for k in range(samples + 1):
-                turn = abs(both[m, k, 1])
-                inner = max(inner, turn if turn == turn else math.pi)
-                if off_stops(s.g, (both[m, k, 0], both[m, k, 1])) < -OPTIONS.edge_rad:
-                    usable[w, m] = False
-            inner += 0.0 if usable[w, m] else TURN_RAD
-            if inner < least:
-                least, branch[w] = inner, m
+        branch[w] = _nearer_pair(s.g, both, usable[w])
         for k in range(samples + 1):
-            row, t_s = seen[w, k], seen[w, k, 0]
+            row = seen[w, k]
             for axis in range(2):
                 middle = 0.5 * (s.g.low[axis] + s.g.high[axis])
                 row[7 + axis] = middle + wrapped(both[branch[w], k, axis] - middle)
-            d_s = SWEEP.rate_s
-            before = platform_los(s.c, s.p, n, t_s - d_s)
-            rate = plus(platform_los(s.c, s.p, n, t_s + d_s), -1.0, before)
-            rate = scaled(1.0 / (2.0 * d_s), rate)
-            row[9], row[10] = axis_rates(s.g, row[7], vector_of(sight, k, 0), rate)
+            los, rate = vector_of(sight, k, 0), vector_of(sight, k, 3)
+            row[9], row[10] = axis_rates(s.g, row[7], los, rate)
     return Told(highest, seen, branch, usable)
 
 
@@ -156,9 +165,9 @@ def look_each(c: CarrierTables, p: Places, which: Indices, t_s: Array) -> tuple[
     directions, values = np.empty((len(t_s), 6)), np.empty((len(t_s), 3))
     for k in range(len(t_s)):
         n = which[k]
-        d, range_m, r_sat, v = look(c, p, n, t_s[k])
+        d, range_m, _, _ = look(c, p, n, t_s[k])
         directions[k, 0], directions[k, 1], directions[k, 2] = d
-        los = in_platform(c, d, r_sat, v, t_s[k])
+        los = in_platform(c, d, t_s[k])
         directions[k, 3], directions[k, 4], directions[k, 5] = los
         values[k, 0] = range_m
         values[k, 1] = elevation(c, p, n, t_s[k])
