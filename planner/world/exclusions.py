@@ -37,13 +37,14 @@ class ExclusionMargin(NamedTuple):
 
     name: the exclusion's, or "star_trackers".  title: what it keeps away from, for a sentence.
     imaging_only: whether it counts only while the camera images.  margin_rad: (n,), negative where
-    it is broken, pi where there is nothing to keep away from.
+    it is broken, pi where there is nothing to keep away from.  side: where it stands when broken.
     """
 
     name: str
     title: str
     imaging_only: bool
     margin_rad: Array
+    side: str = "nearer to"
 
 
 class Surroundings:
@@ -124,13 +125,14 @@ def exclusion_margins(
     margins = [
         ExclusionMargin(
             exclusion.name,
-            TITLES[exclusion.away_from],
+            TITLES[exclusion.body],
             exclusion.when == "imaging",
             surroundings.margin_rad(
                 q_eci_from_body.apply(platform.direction_of(exclusion)),
-                exclusion.away_from,
-                exclusion.min_deg,
+                exclusion.body,
+                exclusion.kept_deg,
             ),
+            "nearer to" if exclusion.near is None else "farther from",
         )
         for exclusion in platform.exclusions
     ]

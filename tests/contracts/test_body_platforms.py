@@ -91,6 +91,8 @@ def changed(path, value, satellite=SMALLSAT):
         ("exclusions.1.name", "glint", "exclusions.2.name", "must be its own, not 'glint' again"),
         ("exclusions.1.name", "", "exclusions.1.name", "must not be empty"),
         ("exclusions.1.min_deg", 180.0, "exclusions.1.min_deg", "0..179"),
+        ("exclusions.0.near", "sun", "exclusions.0.away_from", "or near with max_deg"),
+        ("exclusions.0.min_deg", None, "exclusions.0.away_from", "must be given with min_deg"),
         ("exclusions.0.from", "sun", "exclusions.0.from", "not a field"),
         ("name", "", "name", "must not be empty"),
         ("mass_kg", 120.0, "mass_kg", "not a field of this object"),

@@ -129,6 +129,21 @@ def test_margins_are_of_the_direction_that_keeps_away(around):
         assert margin.margin_rad == pytest.approx(expected_rad, abs=1e-9)
 
 
+def test_a_direction_stays_near_with_all_of_the_disk(around):
+    panels = Exclusion(name="panels", direction_body=(0.0, 0.0, -3.0), near="sun", max_deg=40.0)
+    platform = dataclasses.replace(smallsat(), exclusions=(panels,), star_trackers=None)
+    q = Rotation.from_rotvec(directions(len(REVOLUTION)) * 2.0)
+    (margin,) = exclusion_margins(platform, q, around)
+    centre_eci, half_rad, counts_rad = around.disk("sun")
+    normal_eci = -q.as_matrix()[:, :, 2]
+    from_centre_rad = np.arccos(np.sum(normal_eci * centre_eci, axis=1))
+    expected_rad = math.radians(40.0) - from_centre_rad - half_rad
+    expected_rad = np.where(counts_rad > 0.0, expected_rad, math.pi)
+    assert (expected_rad < 0.0).any()
+    assert margin.margin_rad == pytest.approx(expected_rad, abs=1e-8)
+    assert margin.side == "farther from"
+
+
 def test_of_star_trackers_the_last_one_needed_counts(around):
     """Of three the best, the second and the worst, each by its own least angle."""
     axes = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))

@@ -194,7 +194,7 @@ def exclusion_margin(platform, sky, c_eci_from_body):
         return around.margin_rad(direction, celestial, least_deg)
 
     kept = [
-        apart(platform.direction_of(one), one.away_from, one.min_deg) for one in platform.exclusions
+        apart(platform.direction_of(one), one.body, one.kept_deg) for one in platform.exclusions
     ]
     trackers = platform.star_trackers
     if trackers is not None:

@@ -328,6 +328,22 @@ def test_exclusions_are_counted_from_the_suns_edge(table, skyfield_sun_eci):
         assert '"axis"' in finding.detail
 
 
+def test_a_direction_stays_near_the_suns_farthest_edge(table, skyfield_sun_eci):
+    for axis in np.vstack([np.eye(3), -np.eye(3)]):
+        expected = np.arccos(
+            Rotation.from_quat(table.position).apply(axis) @ skyfield_sun_eci
+        ).max() + math.radians(0.2690)  # half the disk at 0.9905 au
+        rule = Exclusion(
+            name="panels", direction_body=tuple(axis.tolist()), near="sun", max_deg=150.0
+        )
+        (margin,) = verify(table, with_body(exclusions=(rule,))).exclusions
+        assert margin.margin_rad == pytest.approx(math.radians(150.0) - expected, abs=2e-4)
+        tight = dataclasses.replace(rule, max_deg=math.degrees(expected) - 0.1)
+        (finding,) = verify(table, with_body(exclusions=(tight,))).findings
+        assert finding.limit == "exclusion"
+        assert '"panels"' in finding.detail
+
+
 def test_cells_passed_by_hold_no_nearest_exclusion(table, monkeypatch):
     """Beside every cell looked at; the same but for how sums of many numbers are rounded."""
     rng = np.random.default_rng(44)

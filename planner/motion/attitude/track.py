@@ -417,8 +417,8 @@ def _refuse_exclusion(sight: TargetSight, kept: ExclusionMargin, row: int) -> Re
     at_utc = sight.instants.utc(row)
     short_deg = math.degrees(OPTIONS.between_rows_rad - kept.margin_rad[row])
     return NotVisible(
-        f"{kept.name} comes {short_deg:.2g} deg too near to {kept.title} at {utc_text(at_utc)}; "
-        "choose other times, or another roll",
+        f"{kept.name} stands {short_deg:.2g} deg {kept.side} {kept.title} than allowed at "
+        f"{utc_text(at_utc)}; choose other times, or another roll",
         limit="exclusion",
         at_utc=at_utc,
     )

@@ -282,10 +282,11 @@ class ExclusionTrace:
     """One of a body's `exclusions`, or its star trackers together.
 
     name: of the exclusion; star_trackers of the trackers. E.g. `"radiator"`.
-    away_from: the body, edge or reflection that it avoids. E.g. `"the Sun"`.
+    away_from: the body, edge or reflection that it avoids, or the body that it stays near. E.g.
+    `"the Sun"`.
     imaging_only: true where it counts only while the camera images. E.g. `false`.
     margin_rad: by how much it is kept; negative where it is not, 180 where there is nothing to keep
-    away from. E.g. `[14.2, 13.9]`.
+    away from, or near. E.g. `[14.2, 13.9]`.
     """
 
     name: str

@@ -385,22 +385,30 @@ class StarTrackers:
 
 @spec
 class Exclusion:
-    """A direction of the body that keeps away from the Sun, the Moon, the Earth's limb or glint.
+    """A direction of the body that keeps away from the Sun, the Moon, the Earth's limb or glint, or
+    that stays near the Sun or the Moon.
 
     name: name of the exclusion in margins and refusals. E.g. `"radiator"`.
     of: "camera" for the camera's boresight; else give direction_body.
-    direction_body: the direction that keeps away; needs no unit length. E.g. `[0.0, 1.0, 0.0]`.
-    away_from: "sun" and "moon" count from the edge of the disk, and not while the Earth hides it;
-    "limb" from the Earth's edge, outwards; "glint" from where a calm sea would mirror the Sun.
+    direction_body: the direction that keeps away or near; needs no unit length. E.g.
+    `[0.0, 1.0, 0.0]`.
+    away_from: with min_deg; "sun" and "moon" count from the edge of the disk, and not while the
+    Earth hides it; "limb" from the Earth's edge, outwards; "glint" from where a calm sea would
+    mirror the Sun.
     min_deg: least angle between them. E.g. `30.0`.
+    near: with max_deg, in place of away_from: what the direction stays near, as panels do to the
+    Sun; not while the Earth hides it. E.g. `"sun"`.
+    max_deg: greatest angle, within which all of the disk lies. E.g. `40.0`.
     when: always, or only while the camera images.
     """
 
     name: str
     of: Literal["camera"] | None = None
     direction_body: Direction | None = None
-    away_from: Celestial
-    min_deg: _ExclusionDeg
+    away_from: Celestial | None = None
+    min_deg: _ExclusionDeg | None = None
+    near: Literal["sun", "moon"] | None = None
+    max_deg: Annotated[float, Within(1.0, 179.0)] | None = None
     when: Literal["always", "imaging"] = "always"
 
     def __post_init__(self) -> None:
@@ -409,6 +417,28 @@ class Exclusion:
             raise ValueError('of must be "camera", or direction_body given, and not both')
         if self.direction_body is not None:
             _require_long("direction_body", self.direction_body)
+        keeps_away = self.away_from is not None, self.min_deg is not None
+        stays_near = self.near is not None, self.max_deg is not None
+        if {keeps_away, stays_near} != {(True, True), (False, False)}:
+            raise ValueError(
+                "away_from must be given with min_deg, or near with max_deg in place of both"
+            )
+
+    @property
+    def body(self) -> Celestial:
+        """What the direction keeps away from, or stays near."""
+        celestial = self.away_from or self.near
+        assert celestial is not None  # else it was refused
+        return celestial
+
+    @property
+    def kept_deg(self) -> float:
+        """The least angle of `BodyPlatform.direction_of` from it: of a direction that stays near
+        that of its opposite."""
+        if self.min_deg is not None:
+            return self.min_deg
+        assert self.max_deg is not None
+        return 180.0 - self.max_deg
 
 
 @spec
@@ -432,7 +462,7 @@ class BodyPlatform:
     camera: the camera on the body: its frame, or its line.
     knowledge: errors of the attitude.
     star_trackers: star trackers, and the number that must see stars while imaging.
-    exclusions: up to 16 directions of the body with what they keep away from.
+    exclusions: up to 16 directions of the body with what they keep away from or stay near.
     """
 
     masks: ClassVar[tuple[FieldMask, ...]] = ()  # its structure turns with the camera
@@ -603,8 +633,10 @@ class BodyPlatform:
         return tuple(one for one in self.exclusions if one.when == "always")
 
     def direction_of(self, exclusion: Exclusion) -> Array:
-        """The direction that keeps away, a unit vector in body axes, (3,)."""
-        return unit_vector(exclusion.direction_body or self.camera.boresight_body)
+        """The direction that keeps away, a unit vector in body axes, (3,): of one that stays near
+        the opposite one."""
+        direction = unit_vector(exclusion.direction_body or self.camera.boresight_body)
+        return direction if exclusion.near is None else -direction
 
 
 def unit_vector(direction: Direction) -> Array:

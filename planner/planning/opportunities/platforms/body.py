@@ -179,7 +179,8 @@ class BodyLookout:
                 "exclusion",
                 kept,
                 "whenever the camera can look there, a direction of the body is too near to what "
-                "it keeps away from, or too few star trackers see stars",
+                "it keeps away from, or too far from what it stays near, or too few star trackers "
+                "see stars",
             ),
             ("rate", platform, "to follow it the body would have to turn faster than it can"),
         )
@@ -188,7 +189,7 @@ class BodyLookout:
         """As `Tracking.kept_parameters`."""
         platform, trackers = self.platform, self.platform.star_trackers
         kept = [
-            (platform.direction_of(one), one.away_from, one.min_deg)
+            (platform.direction_of(one), one.body, one.kept_deg)
             for one in platform.exclusions
             if images or one.when == "always"
         ]

@@ -530,12 +530,12 @@ class BodyMover:
         surroundings = Surroundings(instants, ephemeris.states(instants))
         cones = []
         for exclusion in self.platform.always_excluded:
-            centre_eci, half_rad, counts_rad = surroundings.cone(exclusion.away_from)
+            centre_eci, half_rad, counts_rad = surroundings.cone(exclusion.body)
             cone = AvoidedCone(
                 name=exclusion.name,
                 direction_body=self.platform.direction_of(exclusion),
                 centre_eci=centre_eci,
-                half_rad=math.radians(exclusion.min_deg) + float(half_rad.max()),
+                half_rad=math.radians(exclusion.kept_deg) + float(half_rad.max()),
             )
             start_rad = depths_rad(cone, state.position, cone.centre_eci[:1])
             arrivals = cone.centre_eci[-len(goal.position) :]
@@ -567,7 +567,7 @@ class BodyMover:
         turns_rad = COMMAND_STEP_S * (np.linalg.norm(rate_rad_s, axis=1) + OPTIONS.sky_rad_s)
         ways_rad = np.diff(np.append(0.0, np.cumsum(turns_rad))[rows])
         is_near = np.zeros(len(ways_rad), dtype=bool)
-        for _, _, _, margin_rad in margins_on(rows):
+        for margin_rad in (one.margin_rad for one in margins_on(rows)):
             is_near |= margin_rad[1:] + margin_rad[:-1] < ways_rad
             is_near |= (margin_rad[1:] == math.pi) != (margin_rad[:-1] == math.pi)
         spans = zip(rows[:-1][is_near], rows[1:][is_near], strict=True)
@@ -581,8 +581,8 @@ class BodyMover:
                 at_utc = shifted_utc(epoch_utc, float(rows[worst]) / ROWS_PER_S)
                 raise InfeasibleSlew(
                     f"{margin.name}: at {utc_text(at_utc)} the body stands "
-                    f"{math.degrees(inside_rad):.4g} deg nearer to {margin.title} than allowed, on "
-                    "its way or idling; choose another time, attitude or exclusion",
+                    f"{math.degrees(inside_rad):.4g} deg {margin.side} {margin.title} than "
+                    "allowed, on its way or idling; choose another time, attitude or exclusion",
                     limit="exclusion",
                     field=f"initial_state.{given[0]}" if begins else "platform.exclusions",
                 )

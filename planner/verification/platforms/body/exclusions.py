@@ -43,6 +43,11 @@ def _rules(judge: Judge, platform: BodyPlatform) -> Iterator[tuple[str, bool, Ma
             direction_body: Array = direction_body,
         ) -> Array:
             direction_eci = judge.direction_eci(direction_body, at, states)
+            if exclusion.near is not None and exclusion.max_deg is not None:
+                far_rad = around.far_edge_rad(direction_eci, exclusion.near)
+                return np.asarray(math.radians(exclusion.max_deg) - far_rad)
+            assert exclusion.away_from is not None  # one of the two
+            assert exclusion.min_deg is not None
             away_rad = around.away_rad(direction_eci, exclusion.away_from)
             return np.asarray(away_rad - math.radians(exclusion.min_deg))
 

@@ -2,6 +2,7 @@
 
 import math
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 
@@ -44,6 +45,16 @@ class Surroundings:
         edge_rad = np.arcsin(RADIUS_M[celestial] / seen.range_m)
         away_rad = apart_rad(direction_eci, seen.apparent_eci) - edge_rad
         return np.where(seen.clearance_rad > -HIDDEN_RAD, away_rad, math.inf)
+
+    def far_edge_rad(self, direction_eci: Array, body: Literal["sun", "moon"]) -> Array:
+        """From unit vectors (n, 3) to the farthest of a disk, (n,).
+
+        Minus infinite while it is hidden.
+        """
+        seen = self._sun if body == "sun" else self._moon
+        edge_rad = np.arcsin(RADIUS_M[body] / seen.range_m)
+        far_rad = apart_rad(direction_eci, seen.apparent_eci) + edge_rad
+        return np.where(seen.clearance_rad > -HIDDEN_RAD, far_rad, -math.inf)
 
     @cached_property
     def _sun(self) -> SkySight:

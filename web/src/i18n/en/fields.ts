@@ -32,6 +32,7 @@ export const fields = {
     keep_out: "Cones to keep out of",
     avoid_modes: "Vibrations to avoid",
     jerk_max_deg_s3: "Greatest jerk",
+    max_deg: "Greatest angle",
     angle_min_deg: "Least angle",
     angle_max_deg: "Greatest angle",
     rate_max_deg_s: "Greatest rate",

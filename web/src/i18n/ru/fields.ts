@@ -49,6 +49,8 @@ export const fields: Words["fields"] = {
     away_from: "От чего",
     direction_body: "Направление в осях аппарата",
     min_deg: "Наименьший угол",
+    near: "Вблизи чего",
+    max_deg: "Наибольший угол",
     when: "Когда",
     boresight_body: "Оптическая ось в осях аппарата",
     side_body: "Первая сторона кадра",

@@ -97,11 +97,15 @@ export function beginUnion(book: Book, shape: Extract<Shape, { kind: "union" }>,
   return { ...beginObject(book, shape.of[which] ?? ""), [shape.by]: which };
 }
 
-/** Members of which one is needed although the schema requires none: the one to begin with. */
-const NEEDED: Readonly<Record<string, string>> = { KeepOut: "body", FinalAngles: "park" };
+/** Members of which some are needed although the schema requires none: those to begin with. */
+const NEEDED: Readonly<Record<string, readonly string[]>> = {
+  KeepOut: ["body"],
+  FinalAngles: ["park"],
+  Exclusion: ["away_from", "min_deg"],
+};
 
 function beginObject(book: Book, schema: string): Members {
-  const fields = Object.entries(book[schema] ?? {}).filter(([name, field]) => field.isRequired || NEEDED[schema] === name);
+  const fields = Object.entries(book[schema] ?? {}).filter(([name, field]) => field.isRequired || NEEDED[schema]?.includes(name));
   return Object.fromEntries(fields.map(([name, field]) => [name, begin(book, field.shape, field.example)]));
 }
 
