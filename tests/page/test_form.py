@@ -128,6 +128,23 @@ def test_something_that_moves_by_a_places_name(form):
     assert session["target"]["speed_m_s"] == 12.5
 
 
+def test_a_contact_with_a_station_clicked_on_the_map_or_typed(form):
+    target = form.get_by_role("region", name="Target")
+    form.get_by_role("radio", name="Station").check()
+    world = form.get_by_role("application")
+    box = box_of(world)
+    world.click(position={"x": box["width"] / 2 + 20, "y": box["height"] / 2})
+    expect(target.get_by_text(re.compile(r"^-?\d+[.]\d+, -?\d+[.]\d+$"))).to_be_visible()
+    expect(form.get_by_role("radio", name="Station")).to_be_checked()
+    entry = form.get_by_role("combobox", name="Place or coordinates")
+    entry.fill("37.94, -75.46, 12")
+    entry.press("Enter")
+    expect(target.get_by_text("37.94, -75.46, 12")).to_be_visible()
+    with_window(form)
+    station = planned(form)["sessions"][0]["target"]
+    assert (station["mode"], station["latitude_deg"], station["height_m"]) == ("station", 37.94, 12)
+
+
 def test_a_test_motion_of_the_platforms_axes(form):
     form.get_by_role("radio", name="Test motion").check()
     form.get_by_role("button", name="Begin: Test motion").click()
