@@ -7,11 +7,13 @@ export type Window = Required<Schemas["WindowOut"]>;
 
 const GRID_MS = 200; // of the command table
 const APART_MS = 1_200_000; // a pass is over sooner, the next comes later
+const LEAD_MS = 10_000; // before the first of looks at given angles, which begin when they come
 const SLEW_MS = 25_000; // between scans near each other, and settling
 
 /** What a session of the mode begins with: its scans follow one another as soon as the slews let them. */
-export function wholePasses(windows: readonly Window[]): Window[] {
-  return passesOf(windows).flatMap((pass) => ofPass(pass) ?? []);
+export function wholePasses(windows: readonly Window[], mode: string): Window[] {
+  const lead_ms = mode.endsWith("stereo") ? LEAD_MS : 0;
+  return passesOf(windows).flatMap((pass) => ofPass(pass, lead_ms) ?? []);
 }
 
 /** Windows that belong to one pass each, in order of time. */
@@ -28,7 +30,7 @@ export function passesOf<W extends { rise: string }>(windows: readonly W[]): W[]
 }
 
 /** null unless all scans of one number are there. */
-function ofPass(pass: readonly Window[]): Window | null {
+function ofPass(pass: readonly Window[], lead_ms: number): Window | null {
   const count = pass[0]?.scan?.parts ?? 0;
   const scans = Array.from({ length: count }, (_, k) => pass.find(({ scan, session }) => scan?.part === k + 1 && session));
   const [first] = scans;
@@ -45,7 +47,7 @@ function ofPass(pass: readonly Window[]): Window | null {
   const { first_start, last_start } = first.scan;
   const soonest_ms = Date.parse(first_start ?? first.session.start);
   const latest_ms = Date.parse(last_start ?? first.session.start);
-  const start_ms = Math.min(Math.max(middle_ms - needed_ms / 2, soonest_ms), latest_ms);
+  const start_ms = Math.min(Math.max(middle_ms - needed_ms / 2, soonest_ms), latest_ms) - lead_ms;
   const highest = scans.reduce((best, one) => (one.highest_deg > best.highest_deg ? one : best));
   return {
     ...highest,

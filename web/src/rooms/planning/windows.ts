@@ -230,7 +230,7 @@ async function search(target: Target, until: AbortSignal): Promise<void> {
       },
       { query: ASKED, signal: until },
     );
-    const windows = isMode(target.mode) ? wholePasses(answer.windows as Window[]) : (answer.windows as Window[]);
+    const windows = isMode(target.mode) ? wholePasses(answer.windows as Window[], target.mode) : (answer.windows as Window[]);
     found.value = {
       windows,
       unseen: answer.reasons?.[0] ?? null,
