@@ -50,8 +50,8 @@ class CampaignChoiceOut:
     windows: Count
     looks: Count
     passes: Count
-    unseen: tuple[SerializeAsAny[Unseen], ...]
-    left_out: tuple[SerializeAsAny[UnchosenTarget], ...]
+    unseen: tuple[Unseen, ...]
+    left_out: tuple[UnchosenTarget, ...]
     assumed: tuple[Assumed, ...]
     warnings: tuple[str, ...]
 
@@ -167,7 +167,7 @@ class CampaignResponse(JobResponse):
 
     choice: SerializeAsAny[CampaignChoiceOut | FleetChoiceOut] | None
     planned: PlannedOut
-    passes: list[SerializeAsAny[CampaignPassOut | FleetPassOut]]
+    passes: list[FleetPassOut | CampaignPassOut]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import zlib
 from concurrent.futures import Future
 from pathlib import Path
 
@@ -119,6 +120,12 @@ def test_the_service_tells_carriers_and_without_them_nothing_new(tmp_path):
     alone["targets"] = [{k: v for k, v in one.items() if k != "sensor"} for one in ASKED["targets"]]
     one = choose(json.dumps(alone).encode())
     assert all("carrier" not in part.facts for part in one.parts)
+    told = json.loads(zlib.decompress(one.document))
+    members = {"target", "because", "start", "stop", "value", "displaced_by", "displaced_value"}
+    assert told["left_out"]
+    assert all({*left} == members for left in told["left_out"])
+    assert all({*left} == members | {"carrier"} for left in answer["choice"]["left_out"])
+    assert "carriers" not in told
 
 
 @pytest.mark.parametrize(
