@@ -16,7 +16,7 @@ from planner.world.conditions import CadenceName, DutyCycle
 from planner.world.frames.geodesy import MU_EARTH_M3_S2
 from planner.world.frames.time_scales import shifted_utc
 from planner.world.orbits import OrbitStates
-from planner.world.targets import BenchMotionTarget
+from planner.world.targets import BenchMotionTarget, StationTarget
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,7 +40,8 @@ def cadence_margins(flight: TableSession, states: OrbitStates) -> Iterator[Condi
         [
             [elapsed_us(at, epoch_utc) / 1e6 for at in (one.start, one.stop)]
             for number, one in enumerate(flight.scenario.sessions)
-            if not isinstance(one.target, BenchMotionTarget) and number <= flight.number
+            if not isinstance(one.target, BenchMotionTarget | StationTarget)
+            and number <= flight.number
         ]
     )
     start_s, stop_s = spans_s[-1].tolist()

@@ -14,7 +14,6 @@ from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc, u
 from planner.world.orbits import Ephemeris
 from planner.world.orbits.period import period_s
 from planner.world.scenario import Scenario, Session
-from planner.world.targets import BenchMotionTarget
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -132,7 +131,7 @@ class Cadence:
 
 
 def _looks(session: Session) -> bool:
-    return not isinstance(session.target, BenchMotionTarget)
+    return session.target.images
 
 
 def _imaged_s(spans_s: Array, from_s: Array, to_s: Array) -> Array:
