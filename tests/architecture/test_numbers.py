@@ -18,7 +18,7 @@ MOST = {
     "inflight": 47,
     "motion": 68,
     "output": 37,
-    "planning": 28,
+    "planning": 27,
     "spacecraft": 14,
     "verification": 60,
     "world": 122,

@@ -284,7 +284,7 @@ def _unchosen(
     if out is not None:
         what = f"a scan of {candidate.scans[0].parts}" if candidate.is_part else what
         at_utc = utc_text(shifted_utc(request.start, out.at_s), 1)
-        why = f"but {out.told} at {at_utc}, in the end by {figures(out.short)} {out.unit}"
+        why = f"but {out.told} at {at_utc}, in the end by {figures(out.short_value)} {out.unit}"
     elif group is not None and lacks:
         why = f"but its group {group} lacks {', '.join(lacks)}"
     elif group is not None:

@@ -51,12 +51,12 @@ def most_w(battery: Battery) -> float:
     return float(np.linalg.norm(sums, axis=1).max())
 
 
-def _turning(turned: Array, rate: Array) -> Array:
+def _turning(turned_rad: Array, rate_rad_s: Array) -> Array:
     """How fast rotation vectors (n, 3) change that end in body axes with these rates."""
-    angle = np.maximum(np.linalg.norm(turned, axis=1, keepdims=True), 1e-6)
-    across = np.cross(turned, rate)
+    angle = np.maximum(np.linalg.norm(turned_rad, axis=1, keepdims=True), 1e-6)
+    across = np.cross(turned_rad, rate_rad_s)
     bent = (1.0 - 0.5 * angle / np.tan(0.5 * angle)) / angle**2
-    return np.asarray(rate + 0.5 * across + bent * np.cross(turned, across))
+    return np.asarray(rate_rad_s + 0.5 * across + bent * np.cross(turned_rad, across))
 
 
 @dataclass(kw_only=True, eq=False)
@@ -64,15 +64,15 @@ class Attitudes:
     """A body's attitudes in a campaign, and what its panels give there.
 
     In the axes of ways, which stand still.  rest_states: idle, with the rate, (n, 7).
-    lit: seconds of sunlight since the start, by time.
+    lit_s: seconds of sunlight since the start, by time.
     """
 
     around: Charging
     t_s: Array
     rest_states: Array
-    sun_still: Array
+    sun_direction_still: Array
     at_rest_w: Array
-    lit: tuple[Array, Array]
+    lit_s: tuple[Array, Array]
 
     @classmethod
     def of(cls, follower: Follower, around: Charging) -> "Attitudes | None":
@@ -94,9 +94,9 @@ class Attitudes:
             rest_states=np.concatenate(
                 [(still_from_eci * q_eci_from_body).as_quat(), idle.rate_rad_s], axis=1
             ),
-            sun_still=still_from_eci.apply(sun_eci(instants, states)),
+            sun_direction_still=still_from_eci.apply(sun_eci(instants, states)),
             at_rest_w=around.power_w(t_s, q_eci_from_body.inv()),
-            lit=(t_s, t_s),
+            lit_s=(t_s, t_s),
         )
 
     def idle_w(self, t_s: Array) -> Array:
@@ -125,11 +125,13 @@ class Attitudes:
         q_still_from_body = Rotation.concatenate([turned[of] * turns, turned[-1:]])
         t_s = (known_s[:-1, None] + long_s * parts[:, 0, 0]).ravel()
         t_s = np.append(t_s, known_s[-1])
-        sun = np.stack([np.interp(t_s, self.t_s, axis) for axis in self.sun_still.T], axis=1)
+        sun = np.stack(
+            [np.interp(t_s, self.t_s, axis) for axis in self.sun_direction_still.T], axis=1
+        )
         sun_body = q_still_from_body.inv().apply(sun / np.linalg.norm(sun, axis=1, keepdims=True))
         assert self.around.resources.battery is not None
         power_w = panels_w(self.around.resources.battery, sun_body)
-        lit_s = np.diff(np.interp(t_s, *self.lit))
+        lit_s = np.diff(np.interp(t_s, *self.lit_s))
         return t_s, np.append(0.0, np.cumsum(0.5 * (power_w[1:] + power_w[:-1]) * lit_s))
 
     def _nearest(self, t_s: Array) -> list[int]:

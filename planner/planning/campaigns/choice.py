@@ -614,20 +614,21 @@ def bound_at(
     looking: Looking,
     price: Array,
     options: ChoiceOptions = OPTIONS,
-    rents: Sequence[float] = (),
+    rent_costs: Sequence[float] = (),
     room_value: float = 0.0,
 ) -> float:
     """No choice of paths is worth more, whatever the prices, (targets,), >= 0 but of groups.
 
     Lagrangian relaxation of "no more looks than look_limit", and "as many as its group's".
-    rents: of further rows, what each pass pays that has any look; the networks hold what looks pay.
+    rent_costs: of further rows, what each pass pays that has any look; the networks hold what looks
+    pay.
     room_value: of all that these rows have.
     """
     labels_max = min(options.pass_labels_max, options.bound_labels_max // max(len(networks), 1))
     orders_max = options.bound_orders_max // max(len(networks), 1)
     worth = looking.less_prices(price)
     priced = float(looking.allowed(price) @ price) + room_value
-    rents = rents or [0.0] * len(networks)
+    rents = rent_costs or [0.0] * len(networks)
     for number, (one, rent) in enumerate(zip(networks, rents, strict=True)):
         settled = looking.settled(worth, number)
         most = bounded_path(one, settled, labels_max)[0], most_worth(one, settled, orders_max)

@@ -102,7 +102,7 @@ def bound_keeping(
     if keeping is None or not rows:
         return bound_at(networks, looking, choice.price)
     dear, rents, room_value = keeping.priced(networks, rows, choice.row_price)
-    return bound_at(dear, looking, choice.price, rents=rents, room_value=room_value)
+    return bound_at(dear, looking, choice.price, rent_costs=rents, room_value=room_value)
 
 
 class _KeepingSearch(Search):
@@ -216,7 +216,7 @@ class _KeepingSearch(Search):
     ) -> tuple[Rows, Array]:
         """Rows of like size, and what each was divided by."""
         taken = used(proposals, self.rows)
-        room = [one.room for one in self.rows] - used(own, self.rows).sum(axis=1)
+        room = [one.room_share for one in self.rows] - used(own, self.rows).sum(axis=1)
         scale = np.abs(taken).max(axis=1, initial=0.0)
         scale[scale < self._options.worthless] = 1.0
         return (taken / scale[:, None], room / scale), scale
@@ -334,9 +334,9 @@ class _KeepingSearch(Search):
         return min(self._keeping.broken(mixed), key=lambda one: one.to_s, default=None)
 
 
-def _as_long(price: Array, other: Array) -> Array:
+def _as_long(price: Array, other_price: Array) -> Array:
     """Prices of rows, none of those that joined since."""
-    return np.append(price, np.zeros(max(len(other) - len(price), 0)))
+    return np.append(price, np.zeros(max(len(other_price) - len(price), 0)))
 
 
 def _unpaid(path: Path, worth: Worth) -> Path:

@@ -101,15 +101,16 @@ def best_together(
 
 
 def _with_rows(
-    matrix: csr_array, low: Array, high: Array, further: Rows | None
+    matrix: csr_array, low_limits: Array, high_limits: Array, further: Rows | None
 ) -> tuple[csr_array, Array, Array]:
     """With further rows below."""
     if further is None or not len(further[1]):
-        return matrix, low, high
+        return matrix, low_limits, high_limits
     takes, most = further
     wide = np.zeros((len(most), matrix.shape[1]))
     wide[:, : takes.shape[1]] = takes
-    low, high = np.append(low, np.full(len(most), -np.inf)), np.append(high, most)
+    low = np.append(low_limits, np.full(len(most), -np.inf))
+    high = np.append(high_limits, most)
     return csr_array(vstack([matrix, csr_array(wide)])), low, high
 
 

@@ -50,64 +50,64 @@ class Stretch(NamedTuple):
     store: int
     from_s: float
     to_s: float
-    room: float
+    room_share: float
 
 
 class Curve(NamedTuple):
     """What a pass uses of a resource from its start to its stop, linear in between, (m,)."""
 
     t_s: Array
-    used: Array
+    used_share: Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Store:
     """One resource, all in shares of its capacity.
 
-    begins, most: the room at first, and at most.  t_s, came: what comes while the platform rests,
+    begin, most: the room at first, and at most.  t_s, came: what comes while the platform rests,
     less what it takes then, since the campaign's start, linear in between, (n,).  looking, moving:
-    used in a second of a look, and of any other of a pass.  charged: what panels bring of `came`.
-    extra: what they would have brought at their best attitude beyond the idle one, as `came`; None
-    where no attitude counts.
+    used in a second of a look, and of any other of a pass.  charged: what panels bring of that.
+    extra: what they would have brought at their best attitude beyond the idle one; None where no
+    attitude counts.
     """
 
     name: KeptResource
     unit: str
     capacity: float
     limit: float
-    begins: float
-    most: float
+    begin_share: float
+    most_share: float
     t_s: Array
-    came: Array
-    looking: float
-    moving: float
-    charged: Array | None = None
-    extra: Array | None = None
+    came_share: Array
+    looking_per_s: float
+    moving_per_s: float
+    charged_share: Array | None = None
+    extra_share: Array | None = None
 
     @cached_property
     def turns(self) -> tuple[Array, Array]:
         """When what came is greatest or least, and the ends, with it: no room is less between."""
-        rises = np.sign(np.diff(self.came))
+        rises = np.sign(np.diff(self.came_share))
         at = np.flatnonzero(rises[1:] != rises[:-1]) + 1
         rows = np.concatenate([[0], at, [len(self.t_s) - 1]])
-        return self.t_s[rows], self.came[rows]
+        return self.t_s[rows], self.came_share[rows]
 
     def came_by(self, t_s: Array) -> Array:
-        return np.interp(t_s, self.t_s, self.came)
+        return np.interp(t_s, self.t_s, self.came_share)
 
-    def level(self, room: Array) -> Array:
+    def level(self, room_share: Array) -> Array:
         """What it holds, in its unit."""
         if self.name == "memory":
-            return np.clip(self.limit - room * self.capacity, 0.0, self.capacity)
-        return np.clip(self.limit + room * self.capacity, self.limit, self.capacity)
+            return np.clip(self.limit - room_share * self.capacity, 0.0, self.capacity)
+        return np.clip(self.limit + room_share * self.capacity, self.limit, self.capacity)
 
 
 class _Room(NamedTuple):
     """The room left of a resource, (m,), and what it would be if none were lost."""
 
     t_s: Array
-    left: Array
-    whole: Array
+    left_share: Array
+    whole_share: Array
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,7 +121,7 @@ class RunsOut:
     unit: str
     limit: float
     at_s: float
-    short: float
+    short_value: float
 
     @property
     def told(self) -> str:
@@ -163,7 +163,7 @@ class Keeping:
         if (out := self.runs_out([])) is not None:
             raise ResourceRunsOut(
                 f"the {out.name} passes its limit of {out.limit:g} {out.unit} at "
-                f"{utc_text(self.utc(out.at_s), 1)}, in the end by {figures(out.short)} "
+                f"{utc_text(self.utc(out.at_s), 1)}, in the end by {figures(out.short_value)} "
                 f"{out.unit}, without any look; {_IDLE_WAYS[out.name]}, or let the campaign stop "
                 "sooner",
                 field=f"resources.{out.name}",
@@ -189,12 +189,12 @@ class Keeping:
                 unit="Gbit",
                 capacity=memory.capacity_gbit,
                 limit=memory.capacity_gbit,
-                begins=1.0 - memory.start_gbit / memory.capacity_gbit,
-                most=1.0,
+                begin_share=1.0 - memory.start_gbit / memory.capacity_gbit,
+                most_share=1.0,
                 t_s=t_s,
-                came=np.append(0.0, np.cumsum(sent)),
-                looking=memory.imaging_gbit_s / memory.capacity_gbit,
-                moving=0.0,
+                came_share=np.append(0.0, np.cumsum(sent)),
+                looking_per_s=memory.imaging_gbit_s / memory.capacity_gbit,
+                moving_per_s=0.0,
             )
 
     def _battery(self, battery: Battery) -> _Store:
@@ -224,20 +224,20 @@ class Keeping:
         sends = np.array([_inside(at_s, contacts) for at_s in middle_s])
         came = mean_w * lit_s - (battery.idle_w + battery.downlink_w * sends) * np.diff(t_s)
         if self._attitudes is not None:
-            self._attitudes.lit = t_s, np.append(0.0, np.cumsum(lit_s))
+            self._attitudes.lit_s = t_s, np.append(0.0, np.cumsum(lit_s))
         return _Store(
             name="battery",
             unit="Wh",
             capacity=battery.capacity_wh,
             limit=battery.least_wh,
-            begins=(battery.begins_wh - battery.least_wh) / battery.capacity_wh,
-            most=1.0 - battery.least_wh / battery.capacity_wh,
+            begin_share=(battery.begins_wh - battery.least_wh) / battery.capacity_wh,
+            most_share=1.0 - battery.least_wh / battery.capacity_wh,
             t_s=t_s,
-            came=np.append(0.0, np.cumsum(scale * came)),
-            looking=scale * battery.imaging_w,
-            moving=scale * battery.slew_w,
-            charged=np.append(0.0, np.cumsum(scale * mean_w * lit_s)),
-            extra=(
+            came_share=np.append(0.0, np.cumsum(scale * came)),
+            looking_per_s=scale * battery.imaging_w,
+            moving_per_s=scale * battery.slew_w,
+            charged_share=np.append(0.0, np.cumsum(scale * mean_w * lit_s)),
+            extra_share=(
                 np.append(0.0, np.cumsum(scale * np.maximum(best_w - mean_w, 0.0) * lit_s))
                 if self._attitudes is not None
                 else None
@@ -263,8 +263,8 @@ class Keeping:
         t_s = np.concatenate([[start_s], ends_s, [stop_s]])
         found = []
         for store in self._stores:
-            rates = np.full(len(t_s) - 1, store.moving)
-            rates[1::2] = store.looking
+            rates = np.full(len(t_s) - 1, store.moving_per_s)
+            rates[1::2] = store.looking_per_s
             curve = Curve(t_s, np.append(0.0, np.cumsum(rates * np.diff(t_s))))
             if store.name == "battery" and self._attitudes is not None:
                 curve = self._turned(store, curve, looks)
@@ -274,7 +274,7 @@ class Keeping:
     def _turned(self, store: _Store, rested: Curve, looks: tuple[Look, ...]) -> Curve:
         """With what panels bring more, or less, than in the idle attitude."""
         assert self._attitudes is not None
-        assert store.charged is not None
+        assert store.charged_share is not None
         states = []
         for look in looks:
             begin_s, stop_s = self.ends_s(look)
@@ -286,7 +286,7 @@ class Keeping:
             states, float(rested.t_s[0]), float(rested.t_s[-1])
         )
         scale = 1.0 / (3600.0 * store.capacity)
-        at_rest = np.interp(t_s, store.t_s, store.charged)
+        at_rest = np.interp(t_s, store.t_s, store.charged_share)
         at_rest -= at_rest[0]
         used = np.interp(t_s, *rested) + at_rest - scale * brought_ws
         return Curve(t_s, used)
@@ -298,9 +298,9 @@ class Keeping:
         fixed_s, fixed = store.turns
         if given:
             knots_s = np.concatenate([one.t_s for one in given])
-            before = np.cumsum([0.0, *(one.used[-1] for one in given)])
+            before = np.cumsum([0.0, *(one.used_share[-1] for one in given)])
             used = np.concatenate(
-                [one.used + more for one, more in zip(given, before, strict=False)]
+                [one.used_share + more for one, more in zip(given, before, strict=False)]
             )
             ticks_s = knots_s[:0]
             if self._resources.battery and self._resources.battery.panels:
@@ -311,10 +311,10 @@ class Keeping:
             came = np.concatenate([fixed, store.came_by(knots_s), store.came_by(ticks_s)])
             order = np.argsort(t_s, kind="stable")
             t_s = t_s[order]
-            whole = store.begins + came[order] - np.interp(t_s, knots_s, used, left=0.0)
+            whole = store.begin_share + came[order] - np.interp(t_s, knots_s, used, left=0.0)
         else:
-            t_s, whole = fixed_s, store.begins + fixed
-        lost = np.maximum.accumulate(np.maximum(whole - store.most, 0.0))
+            t_s, whole = fixed_s, store.begin_share + fixed
+        lost = np.maximum.accumulate(np.maximum(whole - store.most_share, 0.0))
         return _Room(t_s, whole - lost, whole)
 
     def _all_curves(
@@ -328,7 +328,7 @@ class Keeping:
         """Whether no resource runs out, with other looks in one pass."""
         curves = self._all_curves(passes, number, looks)
         return all(
-            self._room(n, [one[n] for one in curves]).left.min() >= -OPTIONS.rounding
+            self._room(n, [one[n] for one in curves]).left_share.min() >= -OPTIONS.rounding
             for n in range(len(self._stores))
         )
 
@@ -337,10 +337,10 @@ class Keeping:
         curves, found = self._all_curves(passes), []
         for n, store in enumerate(self._stores):
             room = self._room(n, [one[n] for one in curves])
-            beyond = np.flatnonzero(room.left < -OPTIONS.rounding)
+            beyond = np.flatnonzero(room.left_share < -OPTIONS.rounding)
             if len(beyond):
                 k = max(int(beyond[0]), 1)
-                before, after = room.left[k - 1], room.left[k]
+                before, after = room.left_share[k - 1], room.left_share[k]
                 share = min(max(before / (before - after), 0.0), 1.0) if before != after else 0.0
                 found.append(
                     RunsOut(
@@ -348,7 +348,7 @@ class Keeping:
                         unit=store.unit,
                         limit=store.limit,
                         at_s=float(room.t_s[k - 1] + share * (room.t_s[k] - room.t_s[k - 1])),
-                        short=-float(room.left.min()) * store.capacity,
+                        short_value=-float(room.left_share.min()) * store.capacity,
                     )
                 )
         return min(found, key=lambda one: one.at_s, default=None)
@@ -372,23 +372,27 @@ class Keeping:
         return self.runs_out(passes)
 
     def broken(
-        self, mixed: Sequence[Sequence[tuple[float, tuple[Curve, ...]]]]
+        self, mixed_shares: Sequence[Sequence[tuple[float, tuple[Curve, ...]]]]
     ) -> Iterator[Stretch]:
         """Stretches over which more is used than there is, the worst first, of each resource.
 
-        mixed: of each pass, shares of what it uses.
+        mixed_shares: of each pass, shares of what it uses.
         """
         for n, store in enumerate(self._stores):
-            room = self._room(n, [_mixed([(share, of[n]) for share, of in one]) for one in mixed])
-            below = room.left < -OPTIONS.rounding
+            room = self._room(
+                n, [_mixed([(share, of[n]) for share, of in one]) for one in mixed_shares]
+            )
+            below = room.left_share < -OPTIONS.rounding
             ends = np.flatnonzero(
                 below
-                & (room.left <= np.append(room.left[1:], np.inf))
-                & (room.left < np.append(np.inf, room.left[:-1]))
+                & (room.left_share <= np.append(room.left_share[1:], np.inf))
+                & (room.left_share < np.append(np.inf, room.left_share[:-1]))
             )
-            for end in ends[np.argsort(room.left[ends], kind="stable")][: OPTIONS.rows_a_round]:
-                begin = int(np.argmax(room.whole[: end + 1]))
-                is_full = room.whole[begin] > store.most
+            for end in ends[np.argsort(room.left_share[ends], kind="stable")][
+                : OPTIONS.rows_a_round
+            ]:
+                begin = int(np.argmax(room.whole_share[: end + 1]))
+                is_full = room.whole_share[begin] > store.most_share
                 from_s = float(room.t_s[begin]) if is_full else 0.0
                 yield self._stretch(n, from_s, float(room.t_s[end]))
 
@@ -405,7 +409,7 @@ class Keeping:
     def _stretch(self, n: int, from_s: float, to_s: float) -> Stretch:
         store = self._stores[n]
         came = store.came_by(np.array([from_s, to_s]))
-        room = (store.most if from_s > 0.0 else store.begins) + float(came[1] - came[0])
+        room = (store.most_share if from_s > 0.0 else store.begin_share) + float(came[1] - came[0])
         return Stretch(n, from_s, to_s, room)
 
     def used(self, proposals: Sequence[Proposal], rows: Sequence[Stretch]) -> Array:
@@ -417,7 +421,7 @@ class Keeping:
             for n, curve in enumerate(curves):
                 own = np.flatnonzero([one.store == n for one in rows])
                 if len(own) and len(curve.t_s):
-                    at = np.interp(ends_s[own], curve.t_s, curve.used)
+                    at = np.interp(ends_s[own], curve.t_s, curve.used_share)
                     taken[own, column] = at[:, 1] - at[:, 0]
         return taken
 
@@ -426,7 +430,7 @@ class Keeping:
         taken = np.zeros((len(rows), len(proposals)))
         step_s, held = self._request.step_s, self._looking.held_steps
         from_s, to_s = np.array([(one.from_s, one.to_s) for one in rows]).reshape(-1, 2).T
-        rate = np.array([self._stores[one.store].looking for one in rows])
+        rate = np.array([self._stores[one.store].looking_per_s for one in rows])
         for column, (number, looks) in enumerate(proposals):
             begin_s = self._grid_s + step_s * np.array([[look.first_step] for look in looks])
             held_steps = [[held[look.target, look.length]] for look in looks]
@@ -450,10 +454,10 @@ class Keeping:
         is_whole = row.from_s <= start_s and stop_s <= row.to_s
         # The whole room at both ends, but at those of the campaign.
         rests = (start_s > self._grid_s) + (stop_s < last_row_s(self._request))
-        moved = rests * self._follower.rest_s * store.moving if is_whole else 0.0
-        if store.extra is None:
+        moved = rests * self._follower.rest_s * store.moving_per_s if is_whole else 0.0
+        if store.extra_share is None:
             return moved
-        more = np.interp([start_s, stop_s], store.t_s, store.extra)
+        more = np.interp([start_s, stop_s], store.t_s, store.extra_share)
         return moved - float(more[1] - more[0])
 
     def priced(
@@ -461,7 +465,7 @@ class Keeping:
     ) -> tuple[list[Network], list[float], float]:
         """The networks with what looks pay, what each pass with any look pays beside, and the worth
         of all room."""
-        rate = row_price * [self._stores[one.store].looking for one in rows]
+        rate = row_price * [self._stores[one.store].looking_per_s for one in rows]
         rents = [
             sum(
                 price * self._fixed(number, one)
@@ -478,7 +482,7 @@ class Keeping:
                 if price > 0.0 and one.from_s < t_s[-1] and t_s[0] < one.to_s:
                     cost += price * np.clip(t_s - one.from_s, 0.0, one.to_s - one.from_s)
             dear.append(network._replace(cost=cost))
-        return dear, rents, float(row_price @ [one.room for one in rows])
+        return dear, rents, float(row_price @ [one.room_share for one in rows])
 
     def dear(self, network: Network, price_s: float) -> Network:
         """A network whose looks pay for each second."""
@@ -490,7 +494,7 @@ class Keeping:
         curves = self._all_curves(passes)
         rooms = [self._room(n, [one[n] for one in curves]) for n in range(len(self._stores))]
         return {
-            store.name: store.level(np.interp(t_s, room.t_s, room.left))
+            store.name: store.level(np.interp(t_s, room.t_s, room.left_share))
             for store, room in zip(self._stores, rooms, strict=True)
         }
 
@@ -521,8 +525,8 @@ _IDLE_WAYS = {
 }
 
 
-def _inside(at_s: float, spans: Sequence[tuple[float, float]]) -> bool:
-    return any(start_s < at_s < stop_s for start_s, stop_s in spans)
+def _inside(at_s: float, spans_s: Sequence[tuple[float, float]]) -> bool:
+    return any(start_s < at_s < stop_s for start_s, stop_s in spans_s)
 
 
 def _cost_of(network: Network) -> Array:

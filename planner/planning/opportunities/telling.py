@@ -97,16 +97,16 @@ def highest_over(s: WindowScene, which: Indices) -> Array:
 
 
 @lean
-def _nearer_pair(g: Reach, both: Array, usable: Mask) -> int:
+def _nearer_pair(g: Reach, both_rad: Array, usable: Mask) -> int:
     """Which of two pairs of angles, (2, k, 2), turns the inner axis less; one within the stops all
-    along, as it tells of both, before one that isn't."""
+    along, as it tells of both_rad, before one that isn't."""
     least, branch = math.inf, 0
     for m in range(2):
         inner, usable[m] = 0.0, True
-        for k in range(both.shape[1]):
-            turn = abs(both[m, k, 1])
+        for k in range(both_rad.shape[1]):
+            turn = abs(both_rad[m, k, 1])
             inner = max(inner, turn if turn == turn else math.pi)
-            if off_stops(g, (both[m, k, 0], both[m, k, 1])) < -OPTIONS.edge_rad:
+            if off_stops(g, (both_rad[m, k, 0], both_rad[m, k, 1])) < -OPTIONS.edge_rad:
                 usable[m] = False
         inner += 0.0 if usable[m] else TURN_RAD
         if inner < least:

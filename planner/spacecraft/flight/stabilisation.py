@@ -31,6 +31,8 @@ ASSUMPTIONS = (
     "light time and aberration (16 m on the ground, alike for all points) are left out",
 )
 
+_Figures = Array  # of one run, (intervals, figures)
+
 
 def run_figures(
     spacecraft: AgileSpacecraft,
@@ -57,7 +59,7 @@ def run_figures(
 
 
 def stabilisation(
-    spacecraft: AgileSpacecraft, verification: SpacecraftVerification, runs: Sequence[Array]
+    spacecraft: AgileSpacecraft, verification: SpacecraftVerification, runs: Sequence[_Figures]
 ) -> StabilisationReport:
     """Summarise closed-loop runs of one table, each as `run_figures` tells it."""
     if not runs or not verification.windows:

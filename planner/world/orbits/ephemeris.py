@@ -18,9 +18,9 @@ from planner.world.orbits.accuracy import OrbitSigma
 EDGE_S = 1e-6  # the resolution of a datetime
 
 
-def turned(c: Array, vectors: Array) -> Array:
-    """Vectors (n, 3) by rotation matrices (n, 3, 3)."""
-    return np.asarray(np.einsum("nij,nj->ni", c, vectors))
+def turned(rotation: Array, states: Array) -> Array:
+    """Positions or velocities (n, 3) by matrices (n, 3, 3)."""
+    return np.asarray(np.einsum("nij,nj->ni", rotation, states))
 
 
 @dataclass(frozen=True, eq=False)

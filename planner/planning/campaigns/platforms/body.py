@@ -262,12 +262,12 @@ class BodyFollower:
         return np.asarray(across * (np.arcsin(np.minimum(sine, 1.0)) / np.maximum(sine, 1e-15)))
 
 
-def _state(carrier: Carrier, at_s: float, q_eci_from_body: Rotation, moving: Array) -> Array:
-    """moving: rate and acceleration, body axes, (6,)."""
+def _state(carrier: Carrier, at_s: float, q_eci_from_body: Rotation, motion_body: Array) -> Array:
+    """motion_body: rate and acceleration, (6,)."""
     [c_itrf] = c_itrf_from_eci(Instants(carrier.start_utc, np.array([at_s])))
     turned = Rotation.from_rotvec([0.0, 0.0, OMEGA_EARTH_RAD_S * at_s])
     q_still_from_body = turned * Rotation.from_matrix(c_itrf) * q_eci_from_body
-    return np.concatenate([q_still_from_body.as_quat(), moving, [0.0]])
+    return np.concatenate([q_still_from_body.as_quat(), motion_body, [0.0]])
 
 
 @compiled
