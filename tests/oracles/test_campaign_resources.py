@@ -65,11 +65,12 @@ def least_room(keeping, passes):
     """The least room left of each resource, by the planner's own integration."""
     around = keeping._around
     spans = [[keeping.ends_s(look) for look in looks] for looks in passes if looks]
-    moves = [(one[0][0] - keeping._rest_s, one[-1][1] + keeping._rest_s) for one in spans]
+    moves = [keeping._looks.pass_span_s(one[0][0], one[-1][1]) for one in spans]
     rests = [0.0, *(end for span in moves for end in span), around.last_s]
     battery = around.resources.battery
     uses = Uses(
-        imaging=tuple(span for one in spans for span in one),
+        sessions=tuple(span for one in spans for span in one),
+        targets=tuple(keeping._candidates[look.target].target for one in passes for look in one),
         idle=tuple(zip(rests[::2], rests[1::2], strict=True)),
     )
     t_s = np.unique(np.concatenate([np.arange(0.0, around.last_s, 60.0), rests]))
@@ -78,7 +79,7 @@ def least_room(keeping, passes):
     return [curve.room.min() / curve.capacity for curve in around.curves(t_s, along, uses)]
 
 
-def subsets(network, looking):
+def subsets(number, network, looking):
     """Of every set of targets with a length each, the path of a pass that is worth most."""
     targets = np.unique(network.target).tolist()
     lengths = looking.length_steps.shape[1]
@@ -86,6 +87,7 @@ def subsets(network, looking):
     for choice in itertools.product(range(-1, lengths), repeat=len(targets)):
         wanted = {t: k for t, k in zip(targets, choice, strict=True) if k >= 0}
         worth = looking.less_prices(np.full(len(looking.look_limit), np.inf))
+        worth = looking.settled(worth, number)
         steps, price = np.zeros_like(worth.steps), worth.price.copy()
         for target, length in wanted.items():
             steps[target, length] = worth.steps[target, length]
@@ -100,7 +102,10 @@ def subsets(network, looking):
 def best_of_all(kept):
     """No choice of one subset for each pass, each target once, is worth more and keeps."""
     keeping, networks, looking = kept["keeping"], kept["networks"], kept["looking"]
-    options = [sorted(subsets(one, looking), key=lambda option: -option[0]) for one in networks]
+    options = [
+        sorted(subsets(number, one, looking), key=lambda option: -option[0])
+        for number, one in enumerate(networks)
+    ]
     most = np.append(np.cumsum([one[0][0] for one in options[::-1]])[::-1], 0.0)
     best = [0.0]
 
