@@ -77,7 +77,7 @@ def ahead_deg(request, path, at_utc):
 def test_the_request_of_a_pass_is_read_as_it_was_chosen(chosen):
     request, campaign = chosen
     flight = campaign.passes[0]
-    part = campaign_work._part(EXAMPLE, request, 0, flight)
+    part = campaign_work._part(EXAMPLE, EXAMPLE, request, 0, flight)
     scenario = read_plan_request(part.request)
     assert scenario.sessions == scenario_of(request, flight, 0).sessions
     assert scenario.on_conflict == "refuse"
@@ -127,13 +127,13 @@ def test_the_choice_is_the_best_of_all_subsets_or_near_it(seed, monkeypatch):
     request = read(targets=targets, step_s=6.0, start="2024-06-01T10:00:00Z",
                    stop="2024-06-01T10:02:00Z")  # fmt: skip
     looking = {}
-    choose = campaigns.choose
+    choose = campaigns.choose_keeping
 
-    def keep_looking(networks, worths, *given):
+    def keep_looking(keeping, networks, worths, *given):
         looking["it"] = worths
-        return choose(networks, worths, *given)
+        return choose(keeping, networks, worths, *given)
 
-    monkeypatch.setattr(campaigns, "choose", keep_looking)
+    monkeypatch.setattr(campaigns, "choose_keeping", keep_looking)
     campaign = choose_campaign(request)
     [network] = kept["networks"]
     best = best_whole(network, looking["it"])

@@ -19,9 +19,9 @@ from planner.planning.campaigns import (
     CampaignRequest,
     CampaignTarget,
     carrier_looks,
-    choice,
     choose_campaign,
     choose_together,
+    keeping,
     orders,
 )
 from planner.planning.campaigns import campaign as campaigns
@@ -444,10 +444,10 @@ def test_a_choice_with_little_search_is_bounded_too(monkeypatch):
     well = choose_campaign(request)
     hasty = ChoiceOptions(steps_max=2, mixtures_max=0, sweeps_max=1)
 
-    def choose_hastily(networks, looking, tell, first_unheld):
-        return choice.choose(networks, looking, tell, first_unheld, hasty)
+    def choose_hastily(*given):
+        return keeping.choose_keeping(*given, hasty)
 
-    monkeypatch.setattr(campaigns, "choose", choose_hastily)
+    monkeypatch.setattr(campaigns, "choose_keeping", choose_hastily)
     found = choose_campaign(request)
     assert 0.0 < found.value <= well.bound
     assert found.value <= well.value + 1e-9
