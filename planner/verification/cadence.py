@@ -16,6 +16,7 @@ from planner.world.conditions import CadenceName, DutyCycle
 from planner.world.frames.geodesy import MU_EARTH_M3_S2
 from planner.world.frames.time_scales import shifted_utc
 from planner.world.orbits import OrbitStates
+from planner.world.scenario import Session
 from planner.world.targets import BenchMotionTarget, StationTarget
 
 
@@ -34,14 +35,15 @@ _LIMITS: dict[str, CadenceName] = {"min_gap_s": "min_gap", "duty_cycle": "duty_c
 
 
 def cadence_margins(flight: TableSession, states: OrbitStates) -> Iterator[ConditionMargin]:
-    """Of one session after those before it; states: of the orbit over the session."""
+    """Of one session after those before it, of those that image; states: of the orbit over it."""
+    if not _images(flight.scenario.sessions[flight.number]):
+        return
     asked, epoch_utc = flight.scenario.conditions, flight.table.epoch_utc
     spans_s = np.array(
         [
             [elapsed_us(at, epoch_utc) / 1e6 for at in (one.start, one.stop)]
             for number, one in enumerate(flight.scenario.sessions)
-            if not isinstance(one.target, BenchMotionTarget | StationTarget)
-            and number <= flight.number
+            if _images(one) and number <= flight.number
         ]
     )
     start_s, stop_s = spans_s[-1].tolist()
@@ -63,6 +65,10 @@ def cadence_margins(flight: TableSession, states: OrbitStates) -> Iterator[Condi
             most_s - imaged_s[worst],
             float(ends_s[worst]),
         )
+
+
+def _images(session: Session) -> bool:
+    return not isinstance(session.target, BenchMotionTarget | StationTarget)
 
 
 def cadence_findings(

@@ -244,7 +244,8 @@ class Scenario:
     terrain: heights of the ground under targets that say none themselves.
     final_state: angles at which the axes are brought to rest when the last session is over, or
     "idle" for a body's idle attitude; unless given, the table ends with that session, in motion.
-    final_by: by when `final_state` is reached; UTC; unless given, as soon as is smooth.
+    final_by: by when `final_state` is reached; UTC; unless given, as soon as is smooth. E.g.
+    `"2015-02-27T17:40:00Z"`.
     resources: battery, memory and wheels, from row 0 to the table's end.
     conditions: conditions of light and view throughout every session that looks somewhere, and
     rules among these sessions.

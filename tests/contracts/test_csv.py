@@ -75,7 +75,7 @@ def search_csv(text):
 
 def campaign_csv(text):
     look = dict.fromkeys(member_names(ChosenLook).values(), -0.5)
-    return looks_csv([(1, look | {"target": text})])
+    return looks_csv([{"pass": 1, "carrier": text, **look, "target": text}])
 
 
 def compared_csv(text):
