@@ -22,6 +22,7 @@ from planner.world.attitude import Attitude
 from planner.world.frames.time_scales import DAY_S, shifted_utc, utc_from_text, utc_text
 from planner.world.orbits import Orbit
 from planner.world.platforms import AnyPlatform
+from planner.world.rules.registry import rules_of
 from planner.world.targets.geojson import (
     GeoLineString,
     GeoMultiLineString,
@@ -149,8 +150,7 @@ class StapiProduct:
     def __post_init__(self) -> None:
         if not _ID.fullmatch(self.id):
             raise ValueError(f"id must be 1 to 64 of A-Z, a-z, 0-9, `.`, `_`, `-`, not {self.id!r}")
-        if self.platform.kind == "body" and self.attitude is not None:
-            raise ValueError("attitude must be left out for a body, which steers itself")
+        rules_of(self.platform).require_attitude(self.attitude)
 
 
 @spec

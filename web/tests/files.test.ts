@@ -6,7 +6,8 @@ import { expect, test } from "vitest";
 import "./page";
 
 const { NoTargets, targetsOf } = await import("../src/rooms/campaigns/targets");
-const { askedOfGeoJson, drawn, positionsOf } = await import("../src/rooms/spacecraft/session");
+const { geometryOf, positionsOf } = await import("../src/map/modes");
+const { askedOfGeoJson } = await import("../src/rooms/spacecraft/session");
 const { readRequest } = await import("../src/rooms/horizon/estimate");
 
 const OSLO = { id: "Oslo", session_s: 40, target: { mode: "ground", latitude_deg: 59.9, longitude_deg: 10.7, height_m: 0 } };
@@ -58,40 +59,17 @@ test("a session's requests are read as GeoJSON, their modes by their shapes", ()
   expect(askedOfGeoJson("{")).toBeNull();
 });
 
-test("what is drawn gets a name of its own", () => {
-  const first = drawn(
-    "strip",
-    [
-      [0, 0],
-      [1, 1],
-    ],
-    [],
-  );
-  const second = drawn(
-    "strip",
-    [
-      [0, 0],
-      [1, 1],
-    ],
-    [first],
-  );
-  expect([first.name, second.name]).toEqual(["strip 1", "strip 2"]);
-  const area = drawn(
-    "area",
-    [
-      [0, 0],
-      [1, 0],
-      [1, 1],
-    ],
-    [{ ...first, name: "area 1" }],
-  );
-  expect(area.name).toBe("area 2");
-  expect(positionsOf(area)).toEqual([
+test("positions make a mode's geometry, and are had from it again", () => {
+  const corners: [number, number][] = [
     [0, 0],
     [1, 0],
     [1, 1],
-    [0, 0],
-  ]);
+  ];
+  const area = geometryOf("area", corners);
+  expect(area).toEqual({ type: "Polygon", coordinates: [[...corners, [0, 0]]] });
+  expect(positionsOf(area)).toEqual(corners);
+  expect(positionsOf(geometryOf("corridor", corners))).toEqual(corners);
+  expect(positionsOf(null)).toEqual([]);
 });
 
 test("a horizon request without cameras is none", () => {

@@ -83,7 +83,7 @@ test.each([
     "Euler axis it would take 1.8 of the acceleration limit); begin the session later or start the slew nearer to it",
   "tracker 1: at 2015-02-27T17:37:00.2Z the body stands 3.2 deg nearer to the Sun than allowed, on its way or idling; " +
     "choose another time, attitude or exclusion",
-  "session 1: star_trackers comes 2.1 deg too near to Sun, Moon and the Earth's limb at 2015-02-27T17:37:00.2Z; choose " +
+  "session 1: star_trackers stands 2.1 deg nearer to Sun, Moon and the Earth's limb than allowed at 2015-02-27T17:37:00.2Z; choose " +
     "other times, or another roll",
   "3 rows of the attitude are no unit quaternions and were left out",
 ])("refusals of detours, keyholes, bodies and messages in Russian: %s", (text) => {

@@ -49,7 +49,6 @@ export const fields = {
     lead: "Lead",
     q_platform_from_body_xyzw: "Platform from body, quaternion x, y, z, w",
     q_body_from_eci_xyzw: "Body from ECI, quaternion x, y, z, w",
-    initial_q_body_from_eci_xyzw: "Body from ECI at the start",
     q_camera_from_body_xyzw: "Camera from body, quaternion x, y, z, w",
     omega_body_deg_s: "Rate in body axes",
     alpha_body_deg_s2: "Acceleration in body axes",
