@@ -12,7 +12,9 @@ CYRILLIC = re.compile("[а-яё]", re.IGNORECASE)
 
 
 def with_window(page: Page) -> Page:
-    expect(page.get_by_role("slider", name="Session", exact=True)).to_be_visible()
+    # Kernels of scans may be compiled first.
+    shown = page.get_by_role("slider", name="Session", exact=True)
+    expect(shown).to_be_visible(timeout=300_000)
     return page
 
 
