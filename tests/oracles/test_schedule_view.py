@@ -177,7 +177,7 @@ def test_unseen_targets_say_what_closed_them(skyfield):
         ({"conditions": {"sun_keep_out_deg": 180.0}}, "sun_keep_out", "sun_keep_out_deg 180"),
         ({"conditions": {"moon_keep_out_deg": 180.0}}, "moon_keep_out", "moon_keep_out_deg 180"),
         ({"session_s": 900.0}, "duration", "less than the 900 s of a look"),
-        ({"minutes": 3.0}, "rest", "leave their rest"),
+        ({"minutes": 1.0}, "rest", "leave their rest"),
         ({"masks": (BELOW,)}, "mask", "stands in the platform's view"),
     ],
 )
