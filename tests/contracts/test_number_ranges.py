@@ -115,6 +115,7 @@ FRAGMENTS = [
     _with(resources=_RESOURCES),
     _with(resources={"battery": _BATTERY | {"sunlight_w": 80.0}}),
     _with(conditions={}),
+    _with(conditions={"duty_cycle": {"imaging_max_s": 600.0, "span_s": 5560.0}}),
     _body_of() | {"resources": {"momentum": _WHEELS}},
     _imaged(0, "LineString", _LINE, mode="strip"),
     _imaged(0, "MultiLineString", [_LINE], mode="corridor"),
