@@ -178,7 +178,7 @@ ORDER_READER, SEARCH_READER = JsonReader(StapiOrder), JsonReader(StapiSearch)
 PARAMETERS_READER = JsonReader(LookParameters)
 
 
-class Asked(NamedTuple):
+class AskedOrder(NamedTuple):
     """An order as a campaign of one target.
 
     body: the campaign's request.  told: the order in its own words, both ends of its interval told.
@@ -196,7 +196,7 @@ class Product:
     spec: StapiProduct
     carrier: Mapping[str, Any]
 
-    def asked(self, order: StapiOrder) -> Asked:
+    def asked(self, order: StapiOrder) -> AskedOrder:
         """Raises InvalidRequest with the order's own fields."""
         given, geometry = order.order_parameters, json_fields(order.geometry)
         with _refused_as("datetime"):
@@ -232,9 +232,9 @@ class Product:
         except InvalidRequest as refusal:
             raise InvalidRequest(*map(_as_said, refusal.errors)) from None
         assert isinstance(read, CampaignRequest)  # a product has one carrier
-        return Asked(read, body, told)
+        return AskedOrder(read, body, told)
 
-    def search_body(self, asked: Asked) -> bytes:
+    def search_body(self, asked: AskedOrder) -> bytes:
         """The request for windows that hold a whole look; of an area for those of its middle."""
         campaign = asked.campaign
         least_s = max(campaign.targets[0].session_s or 0.0, campaign.conditions.min_duration_s)

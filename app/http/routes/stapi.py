@@ -53,7 +53,7 @@ from app.requests.stapi import (
     PARAMETERS_READER,
     QUERYABLES,
     SEARCH_READER,
-    Asked,
+    AskedOrder,
     LookParameters,
     Product,
     StapiProducts,
@@ -182,7 +182,7 @@ async def get_order_parameters(found: Found) -> dict[str, Any]:
 async def post_opportunities(request: Request, found: Found, body: Body, to: To) -> Response:
     """Windows that hold the order's look, kept as any search; a page begins where `next` says."""
 
-    def as_read() -> tuple[StapiSearch, Asked]:
+    def as_read() -> tuple[StapiSearch, AskedOrder]:
         search = SEARCH_READER.read(body)
         return search, found.asked(search)
 

@@ -28,7 +28,7 @@ from planner.planning.campaigns.programmes import (
     best_mixture,
     best_together,
 )
-from planner.planning.campaigns.resources import Curve, Keeping, Stretch
+from planner.planning.campaigns.resources import Curve, Keeping, RoomStretch
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +50,7 @@ def choose_keeping(
     tell: Reporter,
     first_unheld: FirstUnheld,
     options: ChoiceOptions = OPTIONS,
-) -> tuple[CampaignChoice, tuple[Stretch, ...]]:
+) -> tuple[CampaignChoice, tuple[RoomStretch, ...]]:
     """As `choose`, and the rows that its `row_price` is of.
 
     A choice that keeps all resources without being asked to stays as it is.  Else passes are filled
@@ -91,7 +91,7 @@ def bound_keeping(
     networks: Sequence[Network],
     looking: Looking,
     choice: CampaignChoice,
-    rows: Sequence[Stretch],
+    rows: Sequence[RoomStretch],
 ) -> float:
     """As `bound_at`, of choices that keep all resources.
 
@@ -123,7 +123,7 @@ class _KeepingSearch(Search):
     ) -> None:
         super().__init__(networks, looking, first_unheld, options)
         self._keeping = keeping
-        self.rows: list[Stretch] = []
+        self.rows: list[RoomStretch] = []
         self.row_price: Array = np.zeros(0)
         self.price = free.price
         self._rented: Array | None = None
@@ -210,7 +210,7 @@ class _KeepingSearch(Search):
 
     def _further(
         self,
-        used: Callable[[Sequence[Proposal], Sequence[Stretch]], Array],
+        used: Callable[[Sequence[Proposal], Sequence[RoomStretch]], Array],
         proposals: Sequence[Proposal],
         own: Sequence[Proposal],
     ) -> tuple[Rows, Array]:
@@ -329,7 +329,7 @@ class _KeepingSearch(Search):
             passes[number] = self._with_only(number, rest) if rest else ()
         return passes
 
-    def _first_broken(self, passes: Passes) -> Stretch | None:
+    def _first_broken(self, passes: Passes) -> RoomStretch | None:
         mixed = [[(1.0, self._keeping.curves(number, one))] for number, one in enumerate(passes)]
         return min(self._keeping.broken(mixed), key=lambda one: one.to_s, default=None)
 

@@ -41,7 +41,7 @@ class RoomOptions:
 OPTIONS = RoomOptions()
 
 
-class Stretch(NamedTuple):
+class RoomStretch(NamedTuple):
     """A row: what passes use of one resource over it is at most `room`, a share of the capacity.
 
     store: number of the resource.  from_s, to_s: on the carrier's clock.
@@ -159,7 +159,7 @@ class Keeping:
         self._attitudes: Attitudes | None = None
         self._stores = tuple(self._stores_of())
         self._curves: dict[Proposal, tuple[Curve, ...]] = {}
-        self._fixed_known: dict[tuple[int, Stretch], float] = {}
+        self._fixed_known: dict[tuple[int, RoomStretch], float] = {}
         if (out := self.runs_out([])) is not None:
             raise ResourceRunsOut(
                 f"the {out.name} passes its limit of {out.limit:g} {out.unit} at "
@@ -373,7 +373,7 @@ class Keeping:
 
     def broken(
         self, mixed_shares: Sequence[Sequence[tuple[float, tuple[Curve, ...]]]]
-    ) -> Iterator[Stretch]:
+    ) -> Iterator[RoomStretch]:
         """Stretches over which more is used than there is, the worst first, of each resource.
 
         mixed_shares: of each pass, shares of what it uses.
@@ -401,18 +401,18 @@ class Keeping:
         """Of the grid on which looks begin."""
         return self._request.step_s
 
-    def is_in(self, number: int, row: Stretch) -> bool:
+    def is_in(self, number: int, row: RoomStretch) -> bool:
         """Whether a pass may use anything in a stretch."""
         start_s, stop_s = self._spans_s[number]
         return stop_s > row.from_s and start_s < row.to_s
 
-    def _stretch(self, n: int, from_s: float, to_s: float) -> Stretch:
+    def _stretch(self, n: int, from_s: float, to_s: float) -> RoomStretch:
         store = self._stores[n]
         came = store.came_by(np.array([from_s, to_s]))
         room = (store.most_share if from_s > 0.0 else store.begin_share) + float(came[1] - came[0])
-        return Stretch(n, from_s, to_s, room)
+        return RoomStretch(n, from_s, to_s, room)
 
-    def used(self, proposals: Sequence[Proposal], rows: Sequence[Stretch]) -> Array:
+    def used(self, proposals: Sequence[Proposal], rows: Sequence[RoomStretch]) -> Array:
         """What each takes over each stretch, as simulated, (rows, proposals)."""
         taken = np.zeros((len(rows), len(proposals)))
         ends_s = np.array([(one.from_s, one.to_s) for one in rows]).reshape(-1, 2)
@@ -425,7 +425,7 @@ class Keeping:
                     taken[own, column] = at[:, 1] - at[:, 0]
         return taken
 
-    def used_at_least(self, proposals: Sequence[Proposal], rows: Sequence[Stretch]) -> Array:
+    def used_at_least(self, proposals: Sequence[Proposal], rows: Sequence[RoomStretch]) -> Array:
         """As `used`, by whole steps of looks alone, and of each pass what any of its paths uses."""
         taken = np.zeros((len(rows), len(proposals)))
         step_s, held = self._request.step_s, self._looking.held_steps
@@ -440,14 +440,14 @@ class Keeping:
             taken[:, column] += [self._fixed(number, one) for one in rows]
         return taken
 
-    def _fixed(self, number: int, row: Stretch) -> float:
+    def _fixed(self, number: int, row: RoomStretch) -> float:
         """What a pass with any look uses beside them at least; negative where panels may bring more
         than at rest."""
         if (known := self._fixed_known.get((number, row))) is None:
             known = self._fixed_known[number, row] = self._fixed_of(number, row)
         return known
 
-    def _fixed_of(self, number: int, row: Stretch) -> float:
+    def _fixed_of(self, number: int, row: RoomStretch) -> float:
         store, (start_s, stop_s) = self._stores[row.store], self._spans_s[number]
         if stop_s <= row.from_s or start_s >= row.to_s:
             return 0.0
@@ -461,7 +461,7 @@ class Keeping:
         return moved - float(more[1] - more[0])
 
     def priced(
-        self, networks: Sequence[Network], rows: Sequence[Stretch], row_price: Array
+        self, networks: Sequence[Network], rows: Sequence[RoomStretch], row_price: Array
     ) -> tuple[list[Network], list[float], float]:
         """The networks with what looks pay, what each pass with any look pays beside, and the worth
         of all room."""
