@@ -137,10 +137,10 @@ def tell(s: WindowScene, target: Indices, edge_s: Array, samples: int) -> Told:
                 before, after, los = after, los, in_platform(s.c, d, at_s)
             rate = scaled(0.5 / SWEEP.rate_s, plus(after, -1.0, before))
             sun, moon = to_body(s.c, 0, r_sat, v, t_s), to_body(s.c, 1, r_sat, v, t_s)
-            row = seen[w, k]
-            row[0], row[1], row[2] = t_s, elevation(s.c, s.p, n, t_s), range_m
+            high_rad, sun_high_rad = elevation(s.c, s.p, n, t_s), sun_elevation(s.c, s.p, n, t_s)
+            row = seen[w, k]  # is written only here: after a write all tables are read anew
+            row[0], row[1], row[2], row[4] = t_s, high_rad, range_m, sun_high_rad
             row[3] = angle_between(d, scaled(-1.0, r_sat))
-            row[4] = sun_elevation(s.c, s.p, n, t_s)
             row[5], row[6] = angle_between(d, sun), angle_between(d, moon)
             sight[k, 0], sight[k, 1], sight[k, 2] = los
             sight[k, 3], sight[k, 4], sight[k, 5] = rate

@@ -80,7 +80,7 @@ class GroundTarget(EarthFixedTarget):
 
     def r_target_itrf_m(self, instants: Instants) -> Array:
         """Shape (n, 3), the same point n times."""
-        return np.broadcast_to(self._r_itrf_m, (len(instants.t_s), 3))
+        return self._r_itrf_m[None].repeat(len(instants.t_s), axis=0)
 
     @cached_property
     def _r_itrf_m(self) -> Array:
