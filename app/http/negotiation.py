@@ -6,7 +6,7 @@ from collections.abc import AsyncGenerator, Mapping, Sequence
 from http import HTTPStatus
 from typing import NamedTuple
 
-from fastapi import Depends, HTTPException, Request, Response
+from fastapi import Depends, HTTPException, Request
 from starlette.datastructures import UploadFile
 from starlette.formparsers import MultiPartException, MultiPartParser
 
@@ -62,14 +62,15 @@ def weak_tag(name: str) -> str:
     return f'W/"{name}"'
 
 
-def revalidated(tag: str) -> dict[str, str]:
-    """Headers of an answer to keep by a client that asks each time whether it still holds."""
-    return {"Cache-Control": "private, no-cache", "Vary": "Accept", "ETag": tag}
+def revalidated(request: Request, tag: str) -> dict[str, str]:
+    """Headers of an answer to keep by a client that asks each time whether it still holds.
 
-
-def not_modified(tag: str) -> Response:
-    """Of what the client has already."""
-    return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=revalidated(tag))
+    Raises 304 where the client has it.
+    """
+    headers = {"Cache-Control": "private, no-cache", "Vary": "Accept", "ETag": tag}
+    if is_known_already(request, tag):
+        raise HTTPException(HTTPStatus.NOT_MODIFIED, headers=headers)
+    return headers
 
 
 def saved_as(name: str, otherwise: str, suffix: str, shown_as: str | None = None) -> dict[str, str]:

@@ -54,6 +54,8 @@ def http_error(request: Request, error: Exception) -> Response:
     """The answer to an error of HTTP itself; its headers are kept."""
     assert isinstance(error, HTTPException)
     status = HTTPStatus(error.status_code)
+    if status == HTTPStatus.NOT_MODIFIED:
+        return Response(status_code=status, headers=error.headers)
     detail = error.detail
     if detail == status.phrase:  # Starlette's own: say what would have worked
         detail = status.description

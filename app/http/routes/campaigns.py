@@ -15,18 +15,8 @@ from app.http.blocking import EXPORT_BOUNDS, in_child, read
 from app.http.negotiation import JSON, ONLY_JSON, json_body
 from app.http.openapi.schema import json_body_of
 from app.http.query import Parameters
-from app.http.routes.job_routes import (
-    accept_job,
-    add_delete,
-    add_events,
-    add_list,
-    add_one,
-    add_request,
-    answer_to_post,
-    job_of,
-)
+from app.http.routes.job_routes import JobResource
 from app.http.routes.parameters import IdempotencyKey, Prefer
-from app.http.routes.resources import JobResource
 from app.jobs.kinds import CAMPAIGN, ORDER
 from app.jobs.refusals import Conflict
 from app.requests.campaign import CAMPAIGN_READER
@@ -98,13 +88,13 @@ async def post_campaign(
         valid = CampaignDryRun(valid=True, name=spec.name, targets=len(spec.targets))
         return Response(to_json(valid), media_type=JSON)
     database: Database = request.app.state.database
-    job = await database.answer(accept_job, request, RESOURCE, spec, body, key, {})
-    return await answer_to_post(request, RESOURCE, job, prefer, 0, _find_campaign)
+    job = await database.answer(RESOURCE.accept, request, spec, body, key)
+    return await RESOURCE.answer_to_post(request, job, prefer, 0, _find_campaign)
 
 
 async def _find_campaign(request: Request, job_id: str) -> tuple[Job, bytes]:
     def reading(connection: Connection) -> tuple[Job, bytes]:
-        job = job_of(connection, RESOURCE, job_id)
+        job = RESOURCE.job_of(connection, job_id)
         document = results.document(connection, job_id)
         return job, campaign_json(job, document, jobs.parts_of(connection, job_id))
 
@@ -137,10 +127,9 @@ async def _write_file(request: Request, job: Job, media_type: str) -> bytes:
     return await in_child(request, EXPORT_BOUNDS, campaign_file, media_type, body, passes)
 
 
-add_list(router, RESOURCE)
-add_one(
+RESOURCE.add_list(router)
+RESOURCE.add_one(
     router,
-    RESOURCE,
     _find_campaign,
     summary="Get a campaign",
     about="The choice states how far it is from the best possible; each pass has its plan's state. "
@@ -149,6 +138,6 @@ add_one(
     suffixes=SUFFIXES,
     write_file=_write_file,
 )
-add_request(router, RESOURCE)
-add_delete(router, RESOURCE)
-add_events(router, RESOURCE)
+RESOURCE.add_request(router)
+RESOURCE.add_delete(router)
+RESOURCE.add_events(router)

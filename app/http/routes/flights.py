@@ -1,9 +1,8 @@
 """Routes of flights: a plan's posted and listed; those of all plans listed, followed, ended."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from http import HTTPStatus
-from typing import Annotated
+from typing import Annotated, Any
 
 import anyio.to_thread
 from fastapi import APIRouter, Depends, Query, Request, Response
@@ -14,19 +13,9 @@ from app.answers.job import list_class
 from app.http.blocking import read
 from app.http.negotiation import ONLY_JSON, json_body
 from app.http.openapi.schema import json_body_of
-from app.http.routes.job_routes import (
-    accept_job,
-    add_delete,
-    add_events,
-    add_list,
-    add_one,
-    answer_list,
-    answer_to_post,
-    job_of,
-)
+from app.http.routes.job_routes import JobResource
 from app.http.routes.parameters import IdempotencyKey, ListQuery, PathId, Prefer
 from app.http.routes.plans import PLANS
-from app.http.routes.resources import JobResource
 from app.http.waiting import WAIT_S
 from app.jobs.kinds import FLIGHTS
 from app.jobs.refusals import Conflict
@@ -57,7 +46,7 @@ of_plan = APIRouter(tags=[RESOURCE.tag], prefix=f"{PLANS.path}/{{id}}/flights")
 
 async def _find_flights(request: Request, job_id: str) -> tuple[Job, bytes]:
     def reading(connection: Connection) -> tuple[Job, bytes | None, Sequence[bytes]]:
-        job = job_of(connection, RESOURCE, job_id)
+        job = RESOURCE.job_of(connection, job_id)
         document = results.document(connection, job_id)
         return job, document, results.documents_of_parts(connection, job_id)
 
@@ -69,16 +58,15 @@ async def _find_flights(request: Request, job_id: str) -> tuple[Job, bytes]:
     return job, await anyio.to_thread.run_sync(answer)
 
 
-add_list(router, RESOURCE)
-add_one(
+RESOURCE.add_list(router)
+RESOURCE.add_one(
     router,
-    RESOURCE,
     _find_flights,
     summary="Get flights",
     about="The answer covers the runs flown so far; it doesn't change once all are flown.",
 )
-add_delete(router, RESOURCE)
-add_events(router, RESOURCE)
+RESOURCE.add_delete(router)
+RESOURCE.add_events(router)
 
 
 @of_plan.post(
@@ -112,7 +100,7 @@ async def post_flights(
     """
     database: Database = request.app.state.database
     job = await database.answer(_accept, request, plan_id, body, key)
-    return await answer_to_post(request, RESOURCE, job, prefer, WAIT_S, _find_flights)
+    return await RESOURCE.answer_to_post(request, job, prefer, WAIT_S, _find_flights)
 
 
 @of_plan.get(
@@ -125,8 +113,8 @@ async def get_flights_of_plan(
     request: Request, plan_id: PathId, query: Annotated[ListQuery, Query()]
 ) -> Response:
     """The latest come first."""
-    await read(request, lambda connection: _require_plan(connection, plan_id))
-    return await answer_list(request, RESOURCE, query, plan_id)
+    await PLANS.find_job(request, plan_id)
+    return await RESOURCE.answer_list(request, query, plan_id)
 
 
 def _accept(request: Request, plan_id: str, body: bytes, key: str | None) -> Job:
@@ -134,7 +122,7 @@ def _accept(request: Request, plan_id: str, body: bytes, key: str | None) -> Job
     spec = RESOURCE.requests.read(body)
     database: Database = request.app.state.database
     with database.reading() as connection:
-        job = _require_plan(connection, plan_id)
+        job = PLANS.job_of(connection, plan_id)
         plan = plans.get(connection, job)
         asked = jobs.request_of(connection, plan_id)
     if plan is None or plan.state != "done" or asked is None:
@@ -143,9 +131,9 @@ def _accept(request: Request, plan_id: str, body: bytes, key: str | None) -> Job
             f"{PLANS.path}/{plan_id} tells more"
         )
     what = PlanToFly(plan_id=plan_id, asked=body, request=asked, table_columns=plan.table_columns)
-    resource = replace(RESOURCE, listing=lambda _: _listing(job))
-    options = {"runs": spec.runs, "seed": spec.seed, NEEDS_ALL: "runs"}
-    return accept_job(request, resource, spec, what.to_bytes(), key, options, plan_id=plan_id)
+    about: dict[str, Any] = {"plan_id": plan_id, "listing": _listing(job)}
+    about["options"] = {"runs": spec.runs, "seed": spec.seed, NEEDS_ALL: "runs"}
+    return RESOURCE.accept(request, spec, what.to_bytes(), key, **about)
 
 
 def _listing(plan: Job) -> Listing:
@@ -156,8 +144,3 @@ def _listing(plan: Job) -> Listing:
         stop_utc=plan.stop_utc,
         targets=tuple(plan.targets or ()),
     )
-
-
-def _require_plan(connection: Connection, plan_id: str) -> Job:
-    """Of whatever kind; raises 404."""
-    return job_of(connection, PLANS, plan_id)

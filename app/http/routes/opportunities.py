@@ -9,7 +9,7 @@ from app.answers.view import OrbitTrackResponse
 from app.http.blocking import answer_in_child
 from app.http.negotiation import ONLY_JSON, json_body
 from app.http.openapi.schema import json_body_of
-from app.http.routes.search_routes import SEARCH_BOUNDS, SearchResource, search_routes
+from app.http.routes.search_routes import SEARCH_BOUNDS, SearchResource
 from app.requests.examples import OPPORTUNITY_EXAMPLES, ORBIT_TRACK_EXAMPLES
 from app.requests.listings import listing_of_search
 from app.requests.opportunities import OPPORTUNITY_READER, ORBIT_TRACK_READER
@@ -28,7 +28,7 @@ OPPORTUNITIES = SearchResource(
     included=INCLUDED,
 )
 
-router = search_routes(OPPORTUNITIES)
+router = OPPORTUNITIES.routes()
 of_orbits = APIRouter(tags=["opportunities"], dependencies=ONLY_JSON)
 
 

@@ -4,8 +4,7 @@ from app.answers.plan import DryRunResponse, PlanResponse
 from app.answers.spacecraft import SpacecraftDryRunResponse, SpacecraftPlanResponse
 from app.http.routes.end_of_plan import from_end_of_plan, may_go_on_after
 from app.http.routes.parameters import PlanListQuery
-from app.http.routes.plan_routes import plan_routes
-from app.http.routes.resources import PlanResource
+from app.http.routes.plan_routes import PlanResource
 from app.jobs.kinds import PLAN, SPACECRAFT_PLAN
 from app.requests.examples import PLAN_EXAMPLES, SPACECRAFT_EXAMPLES
 from app.requests.listings import listing_of_imaging, listing_of_scenario
@@ -60,5 +59,5 @@ SPACECRAFT_PLANS = PlanResource(
     file_stem="session",
 )
 
-router = plan_routes(PLANS)
-of_spacecraft = plan_routes(SPACECRAFT_PLANS)
+router = PLANS.routes()
+of_spacecraft = SPACECRAFT_PLANS.routes()

@@ -1,7 +1,4 @@
-"""Routes of searches: posted, kept, read again in pages, removed.
-
-The same for every resource that holds what a search found.
-"""
+"""A resource that holds what searches found: posted, kept, read again in pages, removed."""
 
 import hashlib
 import json
@@ -22,28 +19,11 @@ from app.answers.job import list_class
 from app.answers.members import provenance
 from app.answers.opportunities_geojson import FeatureCollection
 from app.http.blocking import in_child, read, where_solved
-from app.http.negotiation import (
-    ONLY_JSON,
-    is_known_already,
-    json_body,
-    not_modified,
-    preferred_type,
-    revalidated,
-    saved_as,
-)
+from app.http.negotiation import ONLY_JSON, json_body, preferred_type, revalidated, saved_as
 from app.http.openapi.schema import REF, json_body_of
 from app.http.query import Parameters
-from app.http.routes.job_routes import (
-    add_list,
-    add_request,
-    answer_removal,
-    find_job,
-    job_of,
-    new_job,
-    tag_for_good,
-)
+from app.http.routes.job_routes import JobResource, tag_for_good
 from app.http.routes.parameters import PathId
-from app.http.routes.resources import JobResource
 from app.jobs.child import Bounds
 from app.jobs.executors import Task
 from app.store import audit, jobs, results
@@ -74,47 +54,6 @@ _SUFFIXES = {GEOJSON: ".geojson", CSV: ".csv"}
 FORMS = (JSON, *_SUFFIXES)
 
 SEARCH_LIST = list_class("SearchList", "opportunities", "Searches for opportunities")
-
-
-@dataclass(frozen=True, kw_only=True)
-class SearchResource(JobResource):
-    """One that holds what searches found.
-
-    included: what `include` may ask for.
-    """
-
-    singular: str = "search for opportunities"
-    plural: str = "searches"
-    list_response: type = SEARCH_LIST
-    summary: str
-    included: tuple[str, ...]
-
-    def asked(self, request: Request, query: "WindowsQuery") -> WindowsAsked:
-        """As the work is told; raises InvalidInput, 406.  Other forms are of what is seen."""
-        names = set(filter(None, query.include.split(",")))
-        media_type = preferred_type(request, FORMS)
-        if not names <= set(self.included) or query.include.endswith(","):
-            raise InvalidInput(
-                f"must be one or more of {', '.join(self.included)}, with commas between, not "
-                f"{query.include!r}",
-                field="query.include",
-            )
-        if media_type != JSON:
-            names = (names | {VIEW}) - {PROBABILITY}
-        limit = query.limit or (PAGE_WINDOWS if media_type == JSON else STREAMED)
-        if PROBABILITY in names and limit > PROBABLE_MAX:
-            raise InvalidInput(
-                f"must be at most {PROBABLE_MAX} with include={PROBABILITY}; ask for the rest by "
-                "`cursor`",
-                field="query.limit",
-            )
-        return WindowsAsked(
-            media_type=media_type,
-            cursor=query.cursor,
-            limit=limit,
-            target=query.target,
-            include=frozenset(names),
-        )
 
 
 class WindowsQuery(Parameters):
@@ -148,17 +87,6 @@ class WindowsQuery(Parameters):
     )
 
 
-def search_routes(resource: SearchResource) -> APIRouter:
-    """All routes of a resource."""
-    router = APIRouter(tags=[resource.tag], prefix=resource.path)
-    _add_post(router, resource)
-    add_list(router, resource)
-    _add_one(router, resource)
-    add_request(router, resource)
-    _add_delete(router, resource)
-    return router
-
-
 _LINK = {
     "Link": {
         "description": 'Of the next page, `rel="next"`; missing on the last',
@@ -173,54 +101,157 @@ def _in_all_forms(description: str) -> dict[str, Any]:
     return {"description": description, "content": {JSON: {}, GEOJSON: geojson, CSV: csv}}
 
 
-def _add_post(router: APIRouter, resource: SearchResource) -> None:
-    @router.post(
-        "",
-        summary=resource.summary,
-        response_model=resource.response,
-        responses={
-            200: _in_all_forms(
-                "The search and its first windows; all as GeoJSON or as a pass table in CSV if "
-                "`Accept` asks"
+@dataclass(frozen=True, kw_only=True)
+class SearchResource(JobResource):
+    """One that holds what searches found.
+
+    included: what `include` may ask for.
+    """
+
+    singular: str = "search for opportunities"
+    plural: str = "searches"
+    list_response: type = SEARCH_LIST
+    summary: str
+    included: tuple[str, ...]
+
+    def asked(self, request: Request, query: WindowsQuery) -> WindowsAsked:
+        """As the work is told; raises InvalidInput, 406.  Other forms are of what is seen."""
+        names = set(filter(None, query.include.split(",")))
+        media_type = preferred_type(request, FORMS)
+        if not names <= set(self.included) or query.include.endswith(","):
+            raise InvalidInput(
+                f"must be one or more of {', '.join(self.included)}, with commas between, not "
+                f"{query.include!r}",
+                field="query.include",
             )
-            | {"headers": _LINK}
-        },
-        openapi_extra=json_body_of(resource.requests, resource.examples),
-    )
-    async def post(
+        if media_type != JSON:
+            names = (names | {VIEW}) - {PROBABILITY}
+        limit = query.limit or (PAGE_WINDOWS if media_type == JSON else STREAMED)
+        if PROBABILITY in names and limit > PROBABLE_MAX:
+            raise InvalidInput(
+                f"must be at most {PROBABLE_MAX} with include={PROBABILITY}; ask for the rest by "
+                "`cursor`",
+                field="query.limit",
+            )
+        return WindowsAsked(
+            media_type=media_type,
+            cursor=query.cursor,
+            limit=limit,
+            target=query.target,
+            include=frozenset(names),
+        )
+
+    def routes(self) -> APIRouter:
+        """All of them."""
+        router = APIRouter(tags=[self.tag], prefix=self.path)
+        self._add_post(router)
+        self.add_list(router)
+        self._add_one(router)
+        self.add_request(router)
+        self._add_delete(router)
+        return router
+
+    def _add_post(self, router: APIRouter) -> None:
+        @router.post(
+            "",
+            summary=self.summary,
+            response_model=self.response,
+            responses={
+                200: _in_all_forms(
+                    "The search and its first windows; all as GeoJSON or as a pass table in CSV if "
+                    "`Accept` asks"
+                )
+                | {"headers": _LINK}
+            },
+            openapi_extra=json_body_of(self.requests, self.examples),
+        )
+        async def post(
+            request: Request,
+            body: Annotated[bytes, Depends(json_body)],
+            query: Annotated[WindowsQuery, Query()],
+        ) -> Response:
+            """Windows are found to the millisecond, with the limits that open and close each.
+
+            The search is kept under `id`, at Location; windows come in pages.
+            """
+            asked = self.asked(request, query)
+            spec = await anyio.to_thread.run_sync(self.requests.read, body)
+            whole, page = await self.find_and_keep(request, spec, body, asked)
+            at = f"{self.path}/{whole.search_id}"
+            return _answer(request, whole, page, {"Location": at, "Vary": "Accept"}, query)
+
+    async def find_and_keep(
+        self,
         request: Request,
-        body: Annotated[bytes, Depends(json_body)],
-        query: Annotated[WindowsQuery, Query()],
-    ) -> Response:
-        """Windows are found to the millisecond, with the limits that open and close each.
+        spec: Any,  # noqa: ANN401 (what the resource reads)
+        body: bytes,
+        asked: WindowsAsked,
+    ) -> tuple["Whole", Page]:
+        """All windows, kept, and the page asked for; spec: the body as it was read."""
+        begun_utc = datetime.now(UTC)
+        origin = provenance(begun_utc, body)
+        new = self.new_job(request, spec, body, deadline_s=SEARCH_BOUNDS.deadline_s)
+        task = Task(
+            job_id=new.id, bounds=SEARCH_BOUNDS, work=find_windows, arguments=(spec, origin, asked)
+        )
+        found, page = await where_solved(request, task)
+        database: Database = request.app.state.database
+        await database.answer(_keep, database, new, begun_utc, found)
+        return Whole(self, new.id, body, found, asked), page
 
-        The search is kept under `id`, at Location; windows come in pages.
-        """
-        asked = resource.asked(request, query)
-        spec = await anyio.to_thread.run_sync(resource.requests.read, body)
-        whole, page = await find_and_keep(request, resource, spec, body, asked)
-        at = f"{resource.path}/{whole.search_id}"
-        return _answer(request, whole, page, {"Location": at, "Vary": "Accept"}, query)
+    def _add_one(self, router: APIRouter) -> None:
+        @router.get(
+            "/{id}",
+            summary="Get a search",
+            response_model=self.response,
+            responses={
+                200: _in_all_forms("A page of its windows; in another form if `Accept` asks")
+                | {"headers": _LINK}
+            },
+        )
+        async def get_search(
+            request: Request, search_id: PathId, query: Annotated[WindowsQuery, Query()]
+        ) -> Response:
+            """A search never changes. Windows follow the order of the request's targets, those of
+            each target the order of time.
+            """
+            asked = self.asked(request, query)
+            told = [asked.media_type, *vars(query).values()]
+            tag = tag_for_good(
+                search_id, hashlib.sha256(json.dumps(told).encode()).hexdigest()[:32]
+            )
+            await self.find_job(request, search_id)
+            headers = revalidated(request, tag)
+            whole = await self.find_kept(request, search_id, asked)
+            page = await whole.page(request, asked.cursor)
+            return _answer(request, whole, page, headers, query)
 
+    def _add_delete(self, router: APIRouter) -> None:
+        @router.delete(
+            "/{id}",
+            summary=f"Delete a {self.singular}",
+            status_code=HTTPStatus.NO_CONTENT,
+            response_class=Response,
+            dependencies=ONLY_JSON,
+        )
+        async def delete(request: Request, search_id: PathId) -> Response:
+            """Only the audit log remembers a search that was deleted."""
+            job = await self.find_job(request, search_id)
+            return await self.answer_removal(request, job)
 
-async def find_and_keep(
-    request: Request,
-    resource: SearchResource,
-    spec: Any,  # noqa: ANN401 (what the resource reads)
-    body: bytes,
-    asked: WindowsAsked,
-) -> tuple["Whole", Page]:
-    """All windows, kept, and the page asked for; spec: the body as it was read."""
-    begun_utc = datetime.now(UTC)
-    origin = provenance(begun_utc, body)
-    new = new_job(request, resource, spec, body, deadline_s=SEARCH_BOUNDS.deadline_s)
-    task = Task(
-        job_id=new.id, bounds=SEARCH_BOUNDS, work=find_windows, arguments=(spec, origin, asked)
-    )
-    found, page = await where_solved(request, task)
-    database: Database = request.app.state.database
-    await database.answer(_keep, database, new, begun_utc, found)
-    return Whole(resource, new.id, body, found, asked), page
+    async def find_kept(self, request: Request, search_id: str, asked: WindowsAsked) -> "Whole":
+        """As it is kept; raises 404."""
+
+        def reading(connection: Connection) -> Whole:
+            self.job_of(connection, search_id)
+            body = jobs.request_of(connection, search_id)
+            content = results.get(connection, search_id)
+            assert body is not None
+            assert content  # no job of this kind is without
+            found = FoundSearch(unzip(content[0]), content[1])
+            return Whole(self, search_id, body, found, asked)
+
+        return await read(request, reading)
 
 
 class Whole(NamedTuple):
@@ -273,61 +304,3 @@ def _keep(database: Database, new: NewJob, begun_utc: datetime, found: FoundSear
         jobs.record_done(connection, new, begun_utc)
         results.store(connection, new.id, [zlib.compress(found.head), found.edges])
         audit.record(connection, key_id=new.key_id, action=f"{new.kind}.accept", subject=new.id)
-
-
-def _add_one(router: APIRouter, resource: SearchResource) -> None:
-    @router.get(
-        "/{id}",
-        summary="Get a search",
-        response_model=resource.response,
-        responses={
-            200: _in_all_forms("A page of its windows; in another form if `Accept` asks")
-            | {"headers": _LINK}
-        },
-    )
-    async def get_search(
-        request: Request, search_id: PathId, query: Annotated[WindowsQuery, Query()]
-    ) -> Response:
-        """A search never changes. Windows follow the order of the request's targets, those of each
-        target the order of time.
-        """
-        asked = resource.asked(request, query)
-        told = [asked.media_type, *vars(query).values()]
-        tag = tag_for_good(search_id, hashlib.sha256(json.dumps(told).encode()).hexdigest()[:32])
-        if is_known_already(request, tag):
-            await find_job(request, resource, search_id)
-            return not_modified(tag)
-        whole = await find_kept(request, resource, search_id, asked)
-        page = await whole.page(request, asked.cursor)
-        return _answer(request, whole, page, revalidated(tag), query)
-
-
-def _add_delete(router: APIRouter, resource: SearchResource) -> None:
-    @router.delete(
-        "/{id}",
-        summary=f"Delete a {resource.singular}",
-        status_code=HTTPStatus.NO_CONTENT,
-        response_class=Response,
-        dependencies=ONLY_JSON,
-    )
-    async def delete(request: Request, search_id: PathId) -> Response:
-        """Only the audit log remembers a search that was deleted."""
-        job = await find_job(request, resource, search_id)
-        return await answer_removal(request, resource, job)
-
-
-async def find_kept(
-    request: Request, resource: SearchResource, search_id: str, asked: WindowsAsked
-) -> Whole:
-    """As it is kept; raises 404."""
-
-    def reading(connection: Connection) -> Whole:
-        job_of(connection, resource, search_id)
-        body = jobs.request_of(connection, search_id)
-        content = results.get(connection, search_id)
-        assert body is not None
-        assert content  # no job of this kind is without
-        found = FoundSearch(unzip(content[0]), content[1])
-        return Whole(resource, search_id, body, found, asked)
-
-    return await read(request, reading)

@@ -39,11 +39,9 @@ from app.http.blocking import read
 from app.http.negotiation import ONLY_JSON, json_body, preferred_type
 from app.http.openapi.fields import describe
 from app.http.query import Parameters
-from app.http.routes.job_routes import accept_job, job_of
+from app.http.routes.job_routes import JobResource
 from app.http.routes.opportunities import OPPORTUNITIES
 from app.http.routes.parameters import LIST_MAX, IdempotencyKey, PathId
-from app.http.routes.resources import JobResource
-from app.http.routes.search_routes import find_and_keep, find_kept
 from app.ids import is_id
 from app.jobs.kinds import ORDER
 from app.requests.campaign import CAMPAIGN_READER
@@ -193,13 +191,13 @@ async def post_opportunities(request: Request, found: Found, body: Body, to: To)
     of_windows, include = found.search_body(asked), frozenset({VIEW, PROBABILITY})
     wanted = WindowsAsked(cursor=int(cursor), limit=search.limit, include=include)
     if search.next:
-        whole = await find_kept(request, OPPORTUNITIES, search_id, wanted)
+        whole = await OPPORTUNITIES.find_kept(request, search_id, wanted)
         if hashlib.sha256(whole.body).digest() != hashlib.sha256(of_windows).digest():
             raise InvalidInput("belongs to another search: leave it out", field="next")
         page = await whole.page(request, wanted.cursor)
     else:
         spec = await anyio.to_thread.run_sync(OPPORTUNITIES.requests.read, of_windows)
-        whole, page = await find_and_keep(request, OPPORTUNITIES, spec, of_windows, wanted)
+        whole, page = await OPPORTUNITIES.find_and_keep(request, spec, of_windows, wanted)
     product_id, windows = found.spec.id, json.loads(b"[" + page.windows + b"]")
     links = [to.create_order(product_id, asked.told)]
     links.append(to.to("search", f"v1/opportunities/{whole.search_id}"))
@@ -222,7 +220,7 @@ async def post_order(
     def accepted() -> Job:
         asked = found.asked(ORDER_READER.read(body))
         options = {"product": found.spec.id, "asked": asked.told}
-        return accept_job(request, ORDERS, asked.campaign, asked.body, key, options)
+        return ORDERS.accept(request, asked.campaign, asked.body, key, options=options)
 
     job = await request.app.state.database.answer(accepted)
     at = {"Location": str(to.to("self", f"stapi/orders/{job.id}").href)}
@@ -242,7 +240,7 @@ async def _order(request: Request, order_id: str, to: Links) -> Order[OrderStatu
     """Raises 404."""
 
     def reading(connection: Connection) -> Order[OrderStatus]:
-        return order_out(_standing(connection, job_of(connection, ORDERS, order_id)), to)
+        return order_out(_standing(connection, ORDERS.job_of(connection, order_id)), to)
 
     return await read(request, reading)
 
@@ -274,7 +272,7 @@ async def get_statuses(request: Request, order_id: PathId, page: Page, to: To) -
     """Three at most, so that there is one page."""
 
     def reading(connection: Connection) -> list[OrderStatus]:
-        return statuses_of(_standing(connection, job_of(connection, ORDERS, order_id)), to)
+        return statuses_of(_standing(connection, ORDERS.job_of(connection, order_id)), to)
 
     links = [to.to("self", f"stapi/orders/{order_id}/statuses")]
     return _json(OrderStatuses(statuses=await read(request, reading), links=links))
