@@ -3,10 +3,10 @@
 import json
 
 from app.answers.members import BUILT_ON_FIRST_USE, ProvenanceOut, from_store, to_json
-from app.answers.opportunities import WindowOut
 from planner.base.answer_members import answer
 from planner.output.view.columns import PlanView, TargetTrack
 from planner.output.view.orbit import OrbitTrack
+from planner.output.windows.members import WindowOut
 from planner.output.windows.rows import rows_json, window_columns
 from planner.planning.opportunities import Opportunities
 

@@ -90,11 +90,9 @@ def windows_csv(windows: Sequence[Members]) -> str:
 
 
 def _csv_rows(windows: Sequence[Members]) -> Iterator[list[object]]:
-    from dataclasses import fields
+    from planner.output.windows.rows import SIGHTING
 
-    from app.answers.opportunities import SightingOut
-
-    view = [field.name for field in fields(SightingOut) if field.name not in _BY_NAME]
+    view = [name for name in SIGHTING if name not in _BY_NAME]
     by_name = [f"{one}{unit}" for unit in _BY_NAME.values() for one in _angle_names(windows)]
     yield [*_EDGES, *(f"closest_{name}" for name in (*view, *by_name))]
     for window in windows:

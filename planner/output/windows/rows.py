@@ -9,6 +9,7 @@ import numpy as np
 import pydantic_core
 
 from planner.base.arrays import Array, Indices
+from planner.output.windows.members import SightingOut
 from planner.planning.opportunities import Sightings, WindowEdges, Windows
 from planner.planning.opportunities.windows import TargetSky
 from planner.world.frames.time_scales import Instants
@@ -16,19 +17,7 @@ from planner.world.platforms import RollRule
 from planner.world.targets import GroundPathTarget
 
 EVENTS = ("rise", "culmination", "set")
-SIGHTING = (
-    "at",
-    "elevation_deg",
-    "range_km",
-    "off_nadir_deg",
-    "ground_sample_across_m",
-    "ground_sample_along_m",
-    "sun_elevation_deg",
-    "sun_separation_deg",
-    "moon_separation_deg",
-    "angles_deg",
-    "rates_deg_s",
-)
+SIGHTING = tuple(SightingOut.__dataclass_fields__)
 # Told by the name of each angle, of shape (..., 2), rad or rad/s.
 BY_NAME = {"angles_deg": "angle_rad", "rates_deg_s": "rate_rad_s"}
 _USABLE: Sequence[tuple[int, ...]] = ((), (0,), (1,), (0, 1))
