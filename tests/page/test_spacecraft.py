@@ -38,7 +38,7 @@ def test_a_kept_session_is_shown_with_what_is_left_out(open_page, session):
     expect(margins.filter(has_text="torque 15 N·m")).to_have_count(1)
     [left_out] = session["left_out"]
     expect(page.get_by_role("region", name="Left out")).to_contain_text(left_out["reason"])
-    looks = page.get_by_role("group", name="Looks").locator("tbody tr")
+    looks = page.get_by_role("region", name="Looks").locator("tbody tr")
     expect(looks).to_have_count(len(session["windows"]))
     for chart in ("Rate in °/s", "Gimbal angles in °", "Momentum in N·m·s"):
         expect(page.get_by_role("img", name=f"{chart} over time")).to_be_visible()

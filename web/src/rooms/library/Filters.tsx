@@ -4,6 +4,7 @@ import { useState } from "preact/hooks";
 import { JOB_STATES } from "../../api/lists";
 import { words } from "../../i18n";
 import { named } from "../../i18n/forms";
+import { ChoiceField } from "../../parts/ChoiceField";
 import { Field } from "../../parts/Field";
 import { KINDS, type Kind, type Wanted } from "./records";
 
@@ -29,17 +30,13 @@ export function Filters({ kind, onKind, onWanted, onReload }: Props) {
   };
   return (
     <form class="panel filters" role="search" onSubmit={(event) => event.preventDefault()}>
-      <Field label={text.library.kind}>
-        {(control) => (
-          <select {...control} value={kind} onChange={(event) => onKind(event.currentTarget.value as Kind)}>
-            {KINDS.map((one) => (
-              <option key={one} value={one}>
-                {text.library.kinds[one]}
-              </option>
-            ))}
-          </select>
-        )}
-      </Field>
+      <ChoiceField
+        label={text.library.kind}
+        value={kind}
+        choices={KINDS}
+        told={(one) => text.library.kinds[one]}
+        onValue={onKind}
+      />
       <Field label={text.library.search}>
         {(control) => (
           <input

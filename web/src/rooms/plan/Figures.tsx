@@ -1,8 +1,9 @@
 /** The figures behind the verdict: sessions, margins, the pointing budget, warnings. */
 import { words } from "../../i18n";
-import { arcsecTold, digits, marginTold, number, percent, period, rowClock } from "../../i18n/forms";
+import { arcsecTold, digits, marginTold, number, percent, rowClock } from "../../i18n/forms";
 import { axisTold, exclusionTold, limitTold, resourceTold, resourceUnit, targetTold } from "../../i18n/labels";
 import { labelOf } from "../../parts/fields/labels";
+import { type Column, TablePanel, timesOf } from "../../parts/TablePanel";
 import type { Plan } from "./plan";
 import { isAtLimit, shareOf } from "./verdict";
 
@@ -42,193 +43,90 @@ export function Figures({ plan }: { plan: Plan }) {
 function Sessions({ plan }: { plan: Plan }) {
   const text = words.value.plan.one;
   const { columns } = text;
-  const { units } = words.value.viewer;
-  return (
-    <section class="panel scroll-x" tabIndex={0} aria-label={text.sessions}>
-      <h2>{text.sessions}</h2>
-      <table>
-        <thead>
-          <tr>
-            <th scope="col">{columns.target}</th>
-            <th scope="col">{columns.times}</th>
-            <th scope="col" class="number">
-              {columns.elevation}
-            </th>
-            <th scope="col" class="number">
-              {columns.range}
-            </th>
-            <th scope="col" class="number">
-              {columns.error}
-            </th>
-            <th scope="col" class="number">
-              {columns.probability}
-            </th>
-          </tr>
-        </thead>
-        <tbody>
-          {plan.summary.sessions.map((one) => {
-            const pointing = plan.pointing.find((held) => held.session === one.session);
-            return (
-              <tr key={one.session}>
-                <td>{one.name ?? targetTold(one.target)}</td>
-                <td>{period(one.start, one.stop).replace(" UTC", "")}</td>
-                <td class="number">{one.best_elevation_deg == null ? "–" : `${number(one.best_elevation_deg)}°`}</td>
-                <td class="number">{pointing?.range_min_km == null ? "–" : `${number(pointing.range_min_km, 0)} ${units.km}`}</td>
-                <td class="number">{pointing == null ? "–" : `${arcsecTold(pointing.max_arcsec)}″`}</td>
-                <td class="number">{percent(one.probability_in_frame)}</td>
-              </tr>
-            );
-          })}
-        </tbody>
-      </table>
-    </section>
-  );
+  const { km } = words.value.viewer.units;
+  const rows = plan.summary.sessions.map((one) => ({
+    ...one,
+    pointing: plan.pointing.find((held) => held.session === one.session),
+  }));
+  const all: Column<(typeof rows)[number]>[] = [
+    [columns.target, (one) => one.name ?? targetTold(one.target)],
+    [columns.times, timesOf],
+    [columns.elevation, (one) => (one.best_elevation_deg == null ? "–" : `${number(one.best_elevation_deg)}°`), "number"],
+    [
+      columns.range,
+      ({ pointing }) => (pointing?.range_min_km == null ? "–" : `${number(pointing.range_min_km, 0)} ${km}`),
+      "number",
+    ],
+    [columns.error, ({ pointing }) => (pointing ? `${arcsecTold(pointing.max_arcsec)}″` : "–"), "number"],
+    [columns.probability, (one) => percent(one.probability_in_frame), "number"],
+  ];
+  return <TablePanel title={text.sessions} rows={rows} columns={all} />;
 }
+
+/** What keeps to which limit, how near it comes, by how much it stays away, and when. */
+type Margin = [of: string, limit: string, reached: string, margin: string, at: string];
 
 function Margins({ plan }: { plan: Plan }) {
   const text = words.value.plan.one;
   const { columns } = text;
-  return (
-    <section class="panel scroll-x" tabIndex={0} aria-label={text.margins}>
-      <h2>{text.margins}</h2>
-      <table>
-        <thead>
-          <tr>
-            <th scope="col">{columns.axis}</th>
-            <th scope="col">{columns.limit}</th>
-            <th scope="col" class="number">
-              {columns.reached}
-            </th>
-            <th scope="col" class="number">
-              {columns.margin}
-            </th>
-            <th scope="col" class="number">
-              {columns.at}
-            </th>
-          </tr>
-        </thead>
-        <tbody>
-          {Object.entries(plan.margins).flatMap(([axis, limits]) =>
-            Object.entries(limits).map(
-              ([limit, one]) =>
-                one && (
-                  <tr key={axis + limit}>
-                    <td>{axisTold(axis)}</td>
-                    <td>
-                      {limitTold(limit)} {digits(one.limit)} {unitOf(one.unit)}
-                    </td>
-                    <td class="number">{digits(one.extreme)}</td>
-                    <td class="number">
-                      {isAtLimit({ kind: "axis", limit, share: shareOf(one) ?? 1 })
-                        ? text.limitReached
-                        : marginTold(shareOf(one))}
-                    </td>
-                    <td class="number">{rowClock(one.at)}</td>
-                  </tr>
-                ),
-            ),
-          )}
-          {plan.exclusions.map(({ name, margin_deg, at }) => (
-            <tr key={`exclusion ${name}`}>
-              <td>{text.limits.exclusion}</td>
-              <td>{exclusionTold(name)}</td>
-              <td class="number">–</td>
-              <td class="number">{margin_deg === null ? text.neverCounts : `${number(margin_deg)}°`}</td>
-              <td class="number">{at === null ? "–" : rowClock(at)}</td>
-            </tr>
-          ))}
-          {plan.pointing.flatMap(({ session, conditions }) =>
-            conditions.map(({ name, unit, limit, extreme, margin, at }) => (
-              <tr key={`condition ${session} ${name}`}>
-                <td>
-                  {session + 1}. {targetTold(plan.summary.sessions[session]?.target ?? "")}
-                </td>
-                <td>
-                  {labelOf("Conditions", name)} {digits(limit)} {unitOf(unit)}
-                </td>
-                <td class="number">{digits(extreme)}</td>
-                <td class="number">
-                  {digits(margin)} {unitOf(unit)}
-                </td>
-                <td class="number">{rowClock(at)}</td>
-              </tr>
-            )),
-          )}
-          {plan.resources.map((one) => (
-            <Reserve key={`resource ${one.name}`} of={resourceTold(one.name)} limit="" one={one} />
-          ))}
-          {plan.gyros.map((one) => (
-            <Reserve key={`gyros ${one.name}`} of={text.gyros} limit={limitTold(one.name)} one={one} />
-          ))}
-        </tbody>
-      </table>
-    </section>
-  );
+  const rows: Margin[] = [
+    ...Object.entries(plan.margins).flatMap(([axis, limits]) =>
+      Object.entries(limits).flatMap(([limit, one]): Margin[] => {
+        if (!one) return [];
+        const isReached = isAtLimit({ kind: "axis", limit, share: shareOf(one) ?? 1 });
+        const margin = isReached ? text.limitReached : marginTold(shareOf(one));
+        return [[axisTold(axis), limitIn(limitTold(limit), one), digits(one.extreme), margin, rowClock(one.at)]];
+      }),
+    ),
+    ...plan.exclusions.map(({ name, margin_deg, at }): Margin => {
+      const margin = margin_deg === null ? text.neverCounts : `${number(margin_deg)}°`;
+      return [text.limits.exclusion, exclusionTold(name), "–", margin, at === null ? "–" : rowClock(at)];
+    }),
+    ...plan.pointing.flatMap(({ session, conditions }) => {
+      const of = `${session + 1}. ${targetTold(plan.summary.sessions[session]?.target ?? "")}`;
+      return conditions.map((one) => reserve(of, labelOf("Conditions", one.name), one));
+    }),
+    ...plan.resources.map((one) => reserve(resourceTold(one.name), "", { ...one, unit: resourceUnit(one.unit) })),
+    ...plan.gyros.map((one) => reserve(text.gyros, limitTold(one.name), { ...one, unit: resourceUnit(one.unit) })),
+  ];
+  const all: Column<Margin>[] = [
+    [columns.axis, ([of]) => of],
+    [columns.limit, ([, limit]) => limit],
+    [columns.reached, ([, , reached]) => reached, "number"],
+    [columns.margin, ([, , , margin]) => margin, "number"],
+    [columns.at, ([, , , , at]) => at, "number"],
+  ];
+  return <TablePanel title={text.margins} rows={rows} columns={all} />;
 }
 
-interface ReserveProps {
-  of: string;
-  limit: string;
-  one: Plan["resources"][number] | Plan["gyros"][number];
+interface Limit {
+  unit: string;
+  limit: number;
 }
 
-function Reserve({ of, limit, one }: ReserveProps) {
-  const unit = unitOf(resourceUnit(one.unit));
-  return (
-    <tr>
-      <td>{of}</td>
-      <td>
-        {limit} {digits(one.limit)} {unit}
-      </td>
-      <td class="number">{digits(one.extreme)}</td>
-      <td class="number">
-        {digits(one.margin)} {unit}
-      </td>
-      <td class="number">{rowClock(one.at)}</td>
-    </tr>
-  );
+function limitIn(name: string, { limit, unit }: Limit): string {
+  return `${name} ${digits(limit)} ${unitOf(unit)}`;
+}
+
+function reserve(of: string, name: string, one: Limit & { extreme: number; margin: number; at: string }): Margin {
+  return [of, limitIn(name, one), digits(one.extreme), `${digits(one.margin)} ${unitOf(one.unit)}`, rowClock(one.at)];
 }
 
 function Budget({ plan }: { plan: Plan }) {
   const text = words.value.plan.one;
   const { columns } = text;
-  const { units } = words.value.viewer;
+  const { m } = words.value.viewer.units;
   const budgets = plan.uncertainty.filter((one) => one !== null);
-  if (budgets.length === 0) return null;
-  return (
-    <section class="panel scroll-x budget" tabIndex={0} aria-label={text.budget}>
-      <h2>{text.budget}</h2>
-      <table>
-        <thead>
-          <tr>
-            <th scope="col">{columns.cause}</th>
-            <th scope="col" class="number">
-              {columns.sigma}
-            </th>
-            <th scope="col" class="number">
-              {columns.ground}
-            </th>
-            <th scope="col">{columns.better}</th>
-          </tr>
-        </thead>
-        <tbody>
-          {budgets.flatMap((budget) =>
-            budget.contributions.map((one) => {
-              const cause = words.value.service.told(one.cause);
-              return (
-                <tr key={`${budget.session}-${one.cause}`}>
-                  <td>{budgets.length > 1 ? `${budget.session + 1}: ${cause}` : cause}</td>
-                  <td class="number">{digits(one.sigma_arcsec)}″</td>
-                  <td class="number">{one.ground_m == null ? "–" : `${digits(one.ground_m)} ${units.m}`}</td>
-                  <td>{words.value.service.told(one.better)}</td>
-                </tr>
-              );
-            }),
-          )}
-        </tbody>
-      </table>
-    </section>
-  );
+  const rows = budgets.flatMap(({ session, contributions }) => contributions.map((one) => ({ session, ...one })));
+  if (rows.length === 0) return null;
+  const told = words.value.service.told;
+  const all: Column<(typeof rows)[number]>[] = [
+    [columns.cause, (one) => (budgets.length > 1 ? `${one.session + 1}: ${told(one.cause)}` : told(one.cause))],
+    [columns.sigma, (one) => `${digits(one.sigma_arcsec)}″`, "number"],
+    [columns.ground, (one) => (one.ground_m == null ? "–" : `${digits(one.ground_m)} ${m}`), "number"],
+    [columns.better, (one) => told(one.better)],
+  ];
+  return <TablePanel class="budget" title={text.budget} rows={rows} columns={all} />;
 }
 
 /** "°/s²" of "deg/s2", as the charts have it. */

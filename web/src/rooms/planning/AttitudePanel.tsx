@@ -4,6 +4,7 @@ import { useState } from "preact/hooks";
 import { FIELDS } from "../../api/fields";
 import { words } from "../../i18n";
 import { number } from "../../i18n/forms";
+import { ChoiceField } from "../../parts/ChoiceField";
 import { DropZone } from "../../parts/DropZone";
 import { Field } from "../../parts/Field";
 import { NumberInput } from "../../parts/fields/Fields";
@@ -81,17 +82,7 @@ function CarrierPanel() {
           <h2>{text.title}</h2>
           <span class="soft">{attitudeTold(attitude)}</span>
         </summary>
-        <Field label={text.law}>
-          {(control) => (
-            <select {...control} value={attitude.law} onChange={(event) => setLaw(event.currentTarget.value)}>
-              {LAWS.map((law) => (
-                <option key={law} value={law}>
-                  {valueLabel(law)}
-                </option>
-              ))}
-            </select>
-          )}
-        </Field>
+        <ChoiceField label={text.law} value={attitude.law} choices={LAWS} told={valueLabel} onValue={setLaw} />
         {attitude.law === "lvlh" && (
           <>
             <div class="thirds">

@@ -5,7 +5,7 @@ import type { Schemas } from "../../api/client";
 import { CONFLICTS } from "../../api/lists";
 import { words } from "../../i18n";
 import { named, number, period, rfc3339 } from "../../i18n/forms";
-import { Field } from "../../parts/Field";
+import { ChoiceField } from "../../parts/ChoiceField";
 import { Fields } from "../../parts/fields/Fields";
 import type { Members } from "../../parts/fields/shape";
 import { UtcField } from "../../parts/UtcField";
@@ -59,23 +59,13 @@ export function SequencePanel({ plan }: { plan: () => void }) {
       {all.length > 1 && (
         <>
           <Timeline />
-          <Field label={text.conflict}>
-            {(props) => (
-              <select
-                {...props}
-                value={draft.onConflict.value}
-                onChange={(event) => {
-                  draft.change({ on_conflict: event.currentTarget.value as draft.Conflict });
-                }}
-              >
-                {CONFLICTS.map((one) => (
-                  <option key={one} value={one}>
-                    {named(text.conflicts, one)}
-                  </option>
-                ))}
-              </select>
-            )}
-          </Field>
+          <ChoiceField
+            label={text.conflict}
+            value={draft.onConflict.value}
+            choices={CONFLICTS}
+            told={(one) => named(text.conflicts, one)}
+            onValue={(on_conflict) => draft.change({ on_conflict })}
+          />
         </>
       )}
       <Exactly />

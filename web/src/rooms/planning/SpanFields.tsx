@@ -5,6 +5,7 @@ import { rfc3339 } from "../../i18n/forms";
 import { Field } from "../../parts/Field";
 import { FoldedFields } from "../../parts/fields/FoldedFields";
 import type { Members } from "../../parts/fields/shape";
+import { NumberField } from "../../parts/NumberField";
 import * as draft from "./draft";
 
 export function SpanFields() {
@@ -27,19 +28,23 @@ export function SpanFields() {
           />
         )}
       </Field>
-      <NumberField label={text.days} least={1} most={14} of={draft.days} />
+      <NumberField
+        label={text.days}
+        least={1}
+        most={14}
+        value={draft.days.value}
+        onValue={(days) => {
+          draft.days.value = days;
+        }}
+      />
       {!isInSpace && (
         <NumberField
           label={text.elevation}
           least={0}
           most={85}
-          of={{
-            get value() {
-              return draft.leastElevation_deg.value;
-            },
-            set value(min_elevation_deg) {
-              draft.conditions.value = { ...draft.conditions.peek(), min_elevation_deg };
-            },
+          value={draft.leastElevation_deg.value}
+          onValue={(min_elevation_deg) => {
+            draft.conditions.value = { ...draft.conditions.peek(), min_elevation_deg };
           }}
         />
       )}
@@ -54,32 +59,5 @@ export function SpanFields() {
         }}
       />
     </div>
-  );
-}
-
-interface NumberProps {
-  label: string;
-  least: number;
-  most: number;
-  of: { value: number };
-}
-
-function NumberField({ label, least, most, of }: NumberProps) {
-  return (
-    <Field label={label}>
-      {(props) => (
-        <input
-          {...props}
-          type="number"
-          min={least}
-          max={most}
-          value={of.value}
-          onChange={(event) => {
-            const given = event.currentTarget.valueAsNumber;
-            if (given >= least && given <= most) of.value = given;
-          }}
-        />
-      )}
-    </Field>
   );
 }

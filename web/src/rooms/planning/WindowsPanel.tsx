@@ -4,8 +4,7 @@ import { words } from "../../i18n";
 import { number, percent } from "../../i18n/forms";
 import { isMode } from "../../map/modes";
 import { ProblemNotice } from "../../parts/ProblemNotice";
-import { Overview } from "../../windows/Overview";
-import { PassFigures } from "../../windows/PassFigures";
+import { WindowList } from "../../windows/WindowList";
 import * as draft from "./draft";
 import { SessionBar } from "./SessionBar";
 import { SpanFields } from "./SpanFields";
@@ -53,18 +52,18 @@ export function WindowsPanel() {
       )}
       {now?.unseen && <p>{text.none(now.unseen.closed_by, now.unseen.because, number(now.unseen.best_elevation_deg, 1))}</p>}
       {now && now.windows.length > 0 && (
-        <>
-          <Overview
-            passes={now.windows}
-            taken={(window) => window === taken}
-            from_ms={draft.from_ms.value}
-            to_ms={draft.to_ms.value}
-            onTake={take}
-          />
+        <WindowList
+          windows={now.windows}
+          taken={taken}
+          from_ms={draft.from_ms.value}
+          to_ms={draft.to_ms.value}
+          label={text.list}
+          onTake={take}
+          more={Chances}
+        >
           {near && <SessionBar window={near} />}
           <Heads isInSpace={now.windows.every((window) => window.place === null)} />
-          <List windows={now.windows} taken={taken} />
-        </>
+        </WindowList>
       )}
       {now?.warnings.map((warning) => (
         <p key={warning} class="hint">
@@ -93,29 +92,14 @@ function Heads({ isInSpace }: { isInSpace: boolean }) {
   );
 }
 
-function List({ windows, taken }: { windows: readonly Window[]; taken: Window | null }) {
+function Chances({ probability_in_frame: inFrame, clear_probability: clear }: Window) {
   const text = words.value.plan.windows;
   return (
-    <ul class="window-list" aria-label={text.list} tabIndex={0}>
-      {windows.map((window) => (
-        <li key={window.rise + window.branch}>
-          <button
-            type="button"
-            class="window"
-            aria-pressed={window === taken}
-            disabled={!window.session}
-            onClick={() => take(window)}
-          >
-            <PassFigures pass={window} />
-            {window.probability_in_frame !== null && (
-              <span class={`in-frame ${window.probability_in_frame < GOOD ? "unlikely" : ""}`}>
-                {text.inFrame(percent(window.probability_in_frame, 0))}
-              </span>
-            )}
-            {window.clear_probability != null && <span>{text.clear(percent(window.clear_probability, 0))}</span>}
-          </button>
-        </li>
-      ))}
-    </ul>
+    <>
+      {inFrame !== null && (
+        <span class={`in-frame ${inFrame < GOOD ? "unlikely" : ""}`}>{text.inFrame(percent(inFrame, 0))}</span>
+      )}
+      {clear != null && <span>{text.clear(percent(clear, 0))}</span>}
+    </>
   );
 }

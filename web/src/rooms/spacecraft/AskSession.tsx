@@ -9,9 +9,11 @@ import { Problem } from "../../api/problem";
 import { words } from "../../i18n";
 import { named, rowClock } from "../../i18n/forms";
 import { MODES, pointsOf } from "../../map/modes";
+import { ChoiceField } from "../../parts/ChoiceField";
 import { DropZone } from "../../parts/DropZone";
 import { Field } from "../../parts/Field";
 import { useMaking } from "../../parts/making";
+import { NumberField } from "../../parts/NumberField";
 import { OrbitField } from "../../parts/OrbitField";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { RequestText } from "../../parts/RequestText";
@@ -90,36 +92,20 @@ export function AskSession() {
             <div class="pair">
               <UtcField label={text.start} value={request.start} onValue={(start) => change({ start })} />
               <UtcField label={text.stop} value={request.stop} onValue={(stop) => change({ stop })} />
-              <Field label={text.objective}>
-                {(control) => (
-                  <select
-                    {...control}
-                    value={request.objective ?? "smooth"}
-                    onChange={(event) => change({ objective: event.currentTarget.value as SessionRequest["objective"] })}
-                  >
-                    {OBJECTIVES.map((one) => (
-                      <option key={one} value={one}>
-                        {named(text.objectives, one)}
-                      </option>
-                    ))}
-                  </select>
-                )}
-              </Field>
-              <Field label={text.runs}>
-                {(control) => (
-                  <input
-                    {...control}
-                    type="number"
-                    min={0}
-                    max={MOST_RUNS}
-                    value={request.simulation_runs ?? 4}
-                    onChange={(event) => {
-                      const runs = event.currentTarget.valueAsNumber;
-                      if (runs >= 0 && runs <= MOST_RUNS) change({ simulation_runs: runs });
-                    }}
-                  />
-                )}
-              </Field>
+              <ChoiceField
+                label={text.objective}
+                value={request.objective ?? "smooth"}
+                choices={OBJECTIVES}
+                told={(one) => named(text.objectives, one)}
+                onValue={(objective) => change({ objective })}
+              />
+              <NumberField
+                label={text.runs}
+                least={0}
+                most={MOST_RUNS}
+                value={request.simulation_runs ?? 4}
+                onValue={(simulation_runs) => change({ simulation_runs })}
+              />
             </div>
             <OrbitField orbit={request.orbit} onOrbit={(orbit) => change({ orbit })} />
           </section>

@@ -1,15 +1,15 @@
 /** One session: the plan that it is, and what is told of it in the terms of imaging. */
-import { useJob, useRequest } from "../../api/request";
+import { useJob } from "../../api/request";
 import { words } from "../../i18n";
 import { digits, percent } from "../../i18n/forms";
 import { AtWork } from "../../parts/AtWork";
 import { JobEnded } from "../../parts/JobEnded";
 import { Link } from "../../parts/Link";
-import { fetchPlan, isPlan, type Plan } from "../plan/plan";
+import type { Plan } from "../plan/plan";
 import { ShownPlan } from "../plan/ShownPlan";
 import { RateErrors } from "./RateErrors";
 import { LeftOut, Looks, Slews } from "./SessionTables";
-import { fetchSession, isSession, PATH, type Session } from "./session";
+import { fetchSession, PATH, type Session } from "./session";
 
 const ASKED = {
   path: "v1/spacecraft/plans",
@@ -19,27 +19,23 @@ const ASKED = {
 };
 
 export function OneSession({ id }: { id: string }) {
-  const job = useJob(PATH, id, fetchSession);
-  const session = job.answer && isSession(job.answer) ? job.answer : null;
-  const whole = useRequest(session && id, (until) => fetchPlan(id, until));
-  const plan = whole.answer && isPlan(whole.answer) ? whole.answer : null;
+  const { answer, error, progress, ask, cancel } = useJob(PATH, id, fetchSession);
   const text = words.value;
-  if (session && plan) {
+  if (answer && "plan" in answer) {
     return (
       <ShownPlan
-        plan={plan}
+        plan={answer.plan}
         asked={ASKED}
-        more={(common) => <RateErrors session={session} common={common} />}
-        beside={<Imaged session={session} plan={plan} />}
-        below={<Below session={session} />}
+        more={(common) => <RateErrors session={answer} common={common} />}
+        beside={<Imaged session={answer} plan={answer.plan} />}
+        below={<Below session={answer} />}
       />
     );
   }
-  const error = job.error ?? whole.error;
   return (
     <div class="room">
       <div class="row heading">
-        <h1>{job.answer?.name || text.shell.rooms.spacecraft}</h1>
+        <h1>{answer?.name || text.shell.rooms.spacecraft}</h1>
         <Link to={ASKED.change(id)} class="button">
           {text.plan.one.change}
         </Link>
@@ -50,12 +46,12 @@ export function OneSession({ id }: { id: string }) {
           room="/spacecraft/plans"
           id={id}
           error={error}
-          again={() => void (job.error === null ? whole : job).ask()}
+          again={() => void ask()}
           text={{ gone: text.spacecraft.gone, cancelled: text.plan.one.cancelled }}
         />
       )}
-      {job.progress && <AtWork progress={job.progress} stages={text.spacecraft.stages} onCancel={job.cancel} />}
-      {error === null && !job.progress && <p class="loading">{text.shell.loading}</p>}
+      {progress && <AtWork progress={progress} stages={text.spacecraft.stages} onCancel={cancel} />}
+      {error === null && !progress && <p class="loading">{text.shell.loading}</p>}
     </div>
   );
 }

@@ -4,13 +4,12 @@ import { searchStart } from "../../api/orbit";
 import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { number } from "../../i18n/forms";
-import { Field } from "../../parts/Field";
 import { useKept } from "../../parts/kept";
+import { NumberField } from "../../parts/NumberField";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { UtcField } from "../../parts/UtcField";
-import { Overview } from "../../windows/Overview";
-import { PassFigures } from "../../windows/PassFigures";
-import { type Found, findPasses, highest, type Pass, type Search } from "./passes";
+import { WindowList } from "../../windows/WindowList";
+import { type Found, findPasses, type Pass, type Search } from "./passes";
 import type { SessionRequest } from "./session";
 
 const MOST_DAYS = 14;
@@ -53,21 +52,7 @@ export function PassesPanel({ request, count, onTimes }: Props) {
       </div>
       <div class="passes-span">
         <UtcField label={span.from} value={start} onValue={setFrom} />
-        <Field label={span.days}>
-          {(control) => (
-            <input
-              {...control}
-              type="number"
-              min={1}
-              max={MOST_DAYS}
-              value={days}
-              onChange={(event) => {
-                const given = event.currentTarget.valueAsNumber;
-                if (given >= 1 && given <= MOST_DAYS) setDays(given);
-              }}
-            />
-          )}
-        </Field>
+        <NumberField label={span.days} least={1} most={MOST_DAYS} value={days} onValue={setDays} />
         <button type="button" disabled={count === 0 || isAsking} onClick={ask}>
           {text.find}
         </button>
@@ -75,33 +60,15 @@ export function PassesPanel({ request, count, onTimes }: Props) {
       {error !== null && <ProblemNotice error={error} again={ask} />}
       {found && found.unseen.length > 0 && <p class="notice notice-warn">{text.unseen(found.unseen.join(", "))}</p>}
       {found && found.passes.length > 0 && (
-        <>
-          <Overview
-            passes={found.opportunities}
-            taken={(one) => taken?.seen.includes(one) ?? false}
-            from_ms={found.from_ms}
-            to_ms={found.to_ms}
-            onTake={(one) => {
-              const pass = found.passes.find(({ seen }) => seen.includes(one));
-              if (pass) onTimes({ start: pass.start, stop: pass.stop });
-            }}
-          />
-          <ul class="window-list" aria-label={text.list} tabIndex={0}>
-            {found.passes.map((pass) => (
-              <li key={pass.start}>
-                <button
-                  type="button"
-                  class="window"
-                  aria-pressed={pass === taken}
-                  onClick={() => onTimes({ start: pass.start, stop: pass.stop })}
-                >
-                  <PassFigures pass={highest(pass)} />
-                  <span class="small pass-seen">{told(pass, count)}</span>
-                </button>
-              </li>
-            ))}
-          </ul>
-        </>
+        <WindowList
+          windows={found.passes}
+          taken={taken}
+          from_ms={found.from_ms}
+          to_ms={found.to_ms}
+          label={text.list}
+          onTake={({ session }) => onTimes(session)}
+          more={(pass) => <span class="small pass-seen">{told(pass, count)}</span>}
+        />
       )}
       {found?.warnings.map((warning) => (
         <p key={warning} class="hint">
@@ -112,8 +79,8 @@ export function PassesPanel({ request, count, onTimes }: Props) {
   );
 }
 
-function isOf(pass: Pass, { start, stop }: SessionRequest): boolean {
-  return Date.parse(pass.start) === Date.parse(start) && Date.parse(pass.stop) === Date.parse(stop);
+function isOf({ session }: Pass, { start, stop }: SessionRequest): boolean {
+  return Date.parse(session.start) === Date.parse(start) && Date.parse(session.stop) === Date.parse(stop);
 }
 
 /** What a session in the pass can image, and from how far aside. */

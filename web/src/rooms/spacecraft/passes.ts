@@ -8,7 +8,6 @@ import { type Asked, askedOf, type SessionRequest } from "./session";
 export interface Found {
   from_ms: number;
   to_ms: number;
-  opportunities: readonly Window[];
   /** In order of time, each as much as one session may hold. */
   passes: readonly Pass[];
   /** Names of what no pass shows whole. */
@@ -16,10 +15,9 @@ export interface Found {
   warnings: readonly string[];
 }
 
-/** What one session can image. */
-export interface Pass {
-  start: string;
-  stop: string;
+/** What one session can image, told by the window in which it is highest. */
+export interface Pass extends Omit<Window, "session"> {
+  session: { start: string; stop: string };
   seen: readonly Window[];
 }
 
@@ -51,15 +49,13 @@ export async function findPasses({ from_ms, days, ...search }: Search, until: Ab
     samples: SAMPLES,
   };
   const given = { query: ASKED, signal: until };
-  const { id, windows: found, unseen, warnings } = await post("/v1/opportunities", body, given);
-  const windows = found as Window[];
+  const { id, windows, unseen, warnings } = await post("/v1/opportunities", body, given);
   // Kept by the service for who wants it; ours is seen once.
   void remove("/v1/opportunities/{id}", { id }).catch(() => undefined);
   return {
     from_ms,
     to_ms,
-    opportunities: windows,
-    passes: passesOf(windows.filter((one) => one.session)).map(sessionOf),
+    passes: passesOf((windows as Window[]).filter((one) => one.session)).map(sessionOf),
     unseen,
     warnings,
   };
@@ -74,10 +70,7 @@ function sessionOf(seen: readonly Window[]): Pass {
   const start_ms = Math.min(...seen.map((one) => Date.parse(one.rise))) - TURN_MS;
   const stop_ms = Math.max(...seen.map((one) => Date.parse(one.set))) + TURN_MS;
   const onRow = (ms: number, round: (count: number) => number) => rfc3339(round(ms / ROW_MS) * ROW_MS);
-  return { start: onRow(start_ms, Math.floor), stop: onRow(stop_ms, Math.ceil), seen };
-}
-
-/** The pass seen from highest: by it a session of several is told. */
-export function highest({ seen }: Pass): Window {
-  return seen.reduce((best, one) => (one.highest_deg > best.highest_deg ? one : best));
+  const session = { start: onRow(start_ms, Math.floor), stop: onRow(stop_ms, Math.ceil) };
+  const highest = seen.reduce((best, one) => (one.highest_deg > best.highest_deg ? one : best));
+  return { ...highest, session, seen };
 }

@@ -2,19 +2,17 @@
 import { get, type Schemas } from "../../api/client";
 import { modeOf } from "../../map/modes";
 import type { CampaignTarget } from "../campaigns/campaign";
+import { fetchPlan, type Plan } from "../plan/plan";
 
 export type SessionRequest = Schemas["ImagingPlanRequest"];
 export type Asked = Schemas["StripRequest"] | Schemas["StereoRequest"] | Schemas["AreaRequest"] | Schemas["CorridorRequest"];
 export type Session = Schemas["SpacecraftPlanResponse"];
 
 export const PATH = "/v1/spacecraft/plans/{id}";
-/** The session, or the job that makes it. */
-export function fetchSession(id: string, signal: AbortSignal): Promise<Session | Schemas["JobResponse"]> {
-  return get(PATH, { id, signal });
-}
-
-export function isSession(answer: Session | Schemas["JobResponse"]): answer is Session {
-  return "table" in answer;
+/** The session with the plan that it is, or the job that makes both. */
+export async function fetchSession(id: string, signal: AbortSignal) {
+  const session = await get(PATH, { id, signal });
+  return "table" in session ? { ...session, plan: (await fetchPlan(id, signal)) as Plan } : session;
 }
 
 export function fetchRequest(id: string, until: AbortSignal): Promise<SessionRequest> {

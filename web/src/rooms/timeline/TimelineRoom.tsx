@@ -7,7 +7,7 @@ import { Problem } from "../../api/problem";
 import { useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { fetchTrack, type Track } from "../../map/track";
-import { Field } from "../../parts/Field";
+import { ChoiceField } from "../../parts/ChoiceField";
 import { Link } from "../../parts/Link";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { UtcField } from "../../parts/UtcField";
@@ -138,17 +138,7 @@ function Timeline({ span, onSpan }: { span: Span; onSpan: (span: Span) => void }
           value={new Date(to_ms).toISOString()}
           onValue={(value) => Date.parse(value) > from_ms && onSpan([from_ms, Date.parse(value)])}
         />
-        <Field label={text.by}>
-          {(control) => (
-            <select {...control} value={by} onChange={(event) => setBy(event.currentTarget.value as By)}>
-              {(["carrier", "owner"] as const).map((one) => (
-                <option key={one} value={one}>
-                  {text.lanes[one]}
-                </option>
-              ))}
-            </select>
-          )}
-        </Field>
+        <ChoiceField label={text.by} value={by} choices={["carrier", "owner"]} told={(one) => text.lanes[one]} onValue={setBy} />
         <Calendar kept={kept.answer} span={span} tracks={tracks} />
       </div>
       {kept.error !== null && <ProblemNotice error={kept.error} again={() => void kept.ask()} />}
