@@ -11,8 +11,6 @@ import os
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-import subprocess
-import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -31,18 +29,14 @@ from horizon_cases import (
     random_air,
     ring,
 )
-from horizon_photographs import Photograph
 from reproduction.lomaka_method import paper_nadir
-from scipy.spatial.transform import Rotation
 
 from estimator.check import Verdict
 from estimator.pipeline import VerticalEstimate, estimate_vertical
-from estimator.prediction import predict_horizon
 from estimator.rendering.atmosphere import Atmosphere
 from estimator.rendering.scene import Scene
 from estimator.rendering.sensor import Sensor
 from estimator.request import HorizonRequest
-from estimator.surroundings import Surroundings
 
 cv2.setNumThreads(1)
 MEDIAN_CHI2 = 1.386  # of two degrees of freedom
@@ -238,27 +232,6 @@ def disturbed_rows(rng: np.random.Generator, count: int) -> Iterator[Row]:
         yield from rows.values()
 
 
-def photograph_rows(rng: np.random.Generator, count: int) -> Iterator[Row]:
-    """As a crew takes them; then with a lens nobody measured, focal length included."""
-    for name, unknown in (("photographs", 0.0), ("photographs, lens unknown to 1 %", 0.01)):
-        rows = Row(name, ""), Row(f"{name}, no prediction", "")
-        for _ in range(count):
-            cameras = tuple(replace(c, lens_sigma=None) for c in ring(2))
-            taken_by = tuple(
-                replace(
-                    c,
-                    distortion=(2.0 * unknown * rng.uniform(-1.0, 1.0), 0.0, 0.0, 0.0, 0.0),
-                    fx_px=c.fx_px * scale,
-                    fy_px=c.fy_px * scale,
-                )
-                for c, scale in ((c, 1.0 + unknown * rng.uniform(-1.0, 1.0)) for c in cameras)
-            )
-            one = case(rng, cameras, sensor=Photograph(rng), true_cameras=taken_by)
-            rows[0].add(one)
-            rows[1].add(one, replace(one.request, predicted=None))
-        yield from rows
-
-
 def mirrored(rng: np.random.Generator, count: int) -> None:
     for name, flip in (("mirrored", 1), ("upside down", 0), ("turned by 180 deg", -1)):
         verdicts: Counter[str] = Counter()
@@ -294,68 +267,15 @@ def negatives_answered(rng: np.random.Generator, count: int) -> tuple[int, float
     return answered, slowest_s
 
 
-def speed(rng: np.random.Generator, _count: int) -> None:
-    for width, height, goal in ((640, 480, 100), (1920, 1080, 200)):
-        pair = [case(rng, ring(2, width, height)) for _ in range(4)]
-        for blind in (False, True):
-            times = []
-            for one in pair * 3:
-                request = replace(one.request, predicted=None) if blind else one.request
-                start = time.process_time()
-                estimate_vertical(one.images, request)
-                times.append(time.process_time() - start)
-            known = "no prediction" if blind else "prediction"
-            print(
-                f"{f'{width}x{height} pair, {known}':44s} median {1e3 * np.median(times):.0f} ms, "
-                f"max {1e3 * max(times):.0f} ms (goal {goal} ms)"
-            )
-    one = case(rng, ring(1))
-    around = Surroundings(one.request.epoch, one.request.position, one.request.body)
-    q = Rotation.from_quat(one.request.predicted.q_body_from_eci_xyzw)
-    times = []
-    for _ in range(50):
-        start = time.process_time()
-        predict_horizon(one.request.cameras[0], around, q)
-        times.append(time.process_time() - start)
-    print(f"{'prediction for a camera':44s} median {1e3 * np.median(times):.2f} ms (goal 2 ms)")
-
-
-def memory(_rng: np.random.Generator, _count: int) -> None:
-    """In a process of its own: the renderer is no part of the estimator."""
-    code = (
-        "import numpy as np\n"
-        "from datetime import datetime, UTC\n"
-        "from estimator.camera import HorizonCamera\n"
-        "from estimator.request import HorizonRequest, Position\n"
-        "from estimator.pipeline import estimate_vertical\n"
-        "y, x = np.mgrid[0:1080, 0:1920]\n"
-        "image = np.where(y - 400 > (x - 960) ** 2 * 1.1e-4, 200, 3).astype(np.uint8)\n"
-        "image = np.repeat(image[..., None], 3, axis=2)\n"
-        "cams = tuple(HorizonCamera(name=n, width_px=1920, height_px=1080, fx_px=1663.0, "
-        "fy_px=1663.0, cx_px=959.5, cy_px=539.5, q_camera_from_body_xyzw=(0.0, 0.0, 0.0, 1.0)) "
-        "for n in 'ab')\n"
-        "request = HorizonRequest(epoch=datetime(2026, 3, 20, 12, tzinfo=UTC), "
-        "position=Position(frame='ITRF', position_km=(6800.0, 0.0, 0.0)), cameras=cams)\n"
-        "estimate_vertical([image, image], request)\n"
-        "import re\n"
-        "print(int(re.search(r'VmHWM:\\s+(\\d+)', open('/proc/self/status').read())[1]) / 1024)\n"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    print(f"{'memory, 1920x1080 pair':44s} {float(done.stdout):.0f} MB (goal 300 MB)")
-
-
 # What is measured, its share of the number of frames asked for, and the least number of them.
 GROUPS: dict[str, tuple[Callable[..., Iterator[Row] | None], float, int]] = {
     "ideal": (ideal_rows, 0.2, 4),
     "real": (real_rows, 1.0, 1),
     "harder": (harder_rows, 0.5, 4),
     "disturbed": (disturbed_rows, 0.5, 4),
-    "photographs": (photograph_rows, 0.5, 4),
     "mirrored": (mirrored, 1.0 / 6.0, 4),
     "negatives": (negatives, 3.8, 19),
     "air": (other_air_rows, 0.5, 4),
-    "memory": (memory, 1.0, 1),
-    "speed": (speed, 1.0, 1),
 }
 
 

@@ -6,7 +6,6 @@ from datetime import UTC, datetime, timedelta
 
 import cv2
 import numpy as np
-from horizon_photographs import Photograph
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
@@ -115,7 +114,7 @@ def case(
     cameras: tuple[HorizonCamera, ...],
     *,
     scene: Scene | None = None,
-    sensor: Sensor | Photograph = COLOUR,
+    sensor: Sensor = COLOUR,
     sun_deg: tuple[float, float] = (35.0, 90.0),
     sun_from_boresight_deg: tuple[float, float] = (0.0, 180.0),
     attitude_deg: float = 8.0,

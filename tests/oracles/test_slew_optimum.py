@@ -119,7 +119,7 @@ def test_certificate_is_exact_where_jerk_and_stops_are_none():
 
 
 # Least squared jerk, rad2/s5, by multiple shooting of 500 constant jerks in CasADi's Opti, limits
-# at nodes (`shooting_cost` here in commit 10239b2d; bench/slew.py solves such grids in Opti, too).
+# at nodes (`shooting_cost` here in commit 10239b2d).
 GRIDS = {
     ("long from rest", 1.03): 1.5602310206934878e-4,
     ("long from rest", 1.3): 1.3475990386815262e-6,
