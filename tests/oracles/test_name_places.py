@@ -5,7 +5,6 @@ import re
 
 import numpy as np
 import pytest
-from make_names import geoid_height_m
 from skyfield.named_stars import named_star_dict
 
 from planner.world.frames.time_scales import Instants, utc_from_text
@@ -65,26 +64,6 @@ def test_names_are_skyfields_but_for_those_the_iau_settled():
     )
 
 
-# NGA's points to check an EGM96 program by (its OUTPUT.DAT), degrees and metres.
-@pytest.mark.parametrize(
-    ("latitude_deg", "longitude_deg", "above_ellipsoid_m"),
-    [
-        (38.6281550, 269.7791550, -31.628),
-        (-14.6212170, 305.0211140, -2.969),
-        (46.8743190, 102.4487290, -43.575),
-        (-23.6174460, 133.8747120, 15.871),
-        (38.6254730, 359.9995000, 50.066),
-        (-0.4667440, 0.0023000, 17.329),
-    ],
-)
-def test_the_geoid_is_ngas_to_what_degree_36_leaves_out(
-    latitude_deg, longitude_deg, above_ellipsoid_m
-):
-    # 64 m / 36 = 1.8 m rms (Kaula's rule); EGM96's own error and zero degree add half a metre.
-    geoid_m = geoid_height_m(latitude_deg, longitude_deg)
-    assert geoid_m == pytest.approx(above_ellipsoid_m, abs=3.0 * 1.9)
-
-
 # As encyclopedias print them: to the minute of arc, and the height above the sea.
 @pytest.mark.parametrize(
     ("name", "latitude_deg", "longitude_deg", "above_sea_m"),
@@ -109,9 +88,8 @@ def test_towns_are_where_encyclopedias_have_them(name, latitude_deg, longitude_d
     east_km = (place.longitude_deg - longitude_deg) * 111.2 * east
     # A town has no one point: its centre may be a town hall or a mean.
     assert math.hypot(north_km, east_km) < 8.0
-    height_m = above_sea_m + geoid_height_m(latitude_deg, longitude_deg)
-    # Nor one height: La Paz climbs 600 m within its bounds.
-    assert place.height_m == pytest.approx(height_m, abs=200.0)
+    # Nor one height: La Paz climbs 600 m within its bounds; the geoid lies up to 60 m off.
+    assert place.height_m == pytest.approx(above_sea_m, abs=260.0)
 
 
 def test_a_place_lies_where_its_coordinates_say_above_the_ellipsoid():

@@ -2,7 +2,8 @@
 
 The file has two parts.  First a line per place, the most populous first; then, after an empty
 line, every name's key with the numbers of the lines it means, sorted, so that a name is found
-by halving.  `tests/oracles/make_names.py` made it and says where heights come from.
+by halving.  `tests/oracles/make_names.py` of commit a69fc61e made it and says where heights come
+from.
 Source: GeoNames (geonames.org), CC BY 4.0.
 """
 
