@@ -31,8 +31,9 @@ def axis(comparison, name):
     return next(one for one in comparison.axes if one.name == name)
 
 
-@pytest.mark.parametrize("drift", [50e-6, 5e-6, -20e-6])
-@pytest.mark.parametrize("columns", ["angles", "angles and rates"])
+@pytest.mark.parametrize(
+    ("columns", "drift"), [("angles", 50e-6), ("angles", -20e-6), ("angles and rates", 5e-6)]
+)
 def test_offset_and_drift_of_the_clock_are_found(tmp_path, drift, columns):
     """The condition for 1e-6: 2 arcsec at 15 Hz over 230 s with up to 1.0 deg/s give a sigma of
     0.5e-6, so that four sigmas are 2e-6; at 0.3 arcsec they are within 1e-6."""
@@ -61,18 +62,6 @@ def test_a_gyro_alone_tells_the_offset_and_as_much_of_the_drift_as_its_noise_let
     assert found.offset_s.value == pytest.approx(0.37, abs=0.005)
     assert found.drift.value == pytest.approx(50e-6, abs=1e-6 + SIGMAS * found.drift.sigma)
     assert found.drift.sigma < 1e-6
-
-
-def test_sigmas_are_honest_over_many_flights(tmp_path):
-    """Squares of errors over their sigmas: chi-square of 8, 0.6 to 28 in 999 of 1000."""
-    told = []
-    for seed in range(8):
-        content = telemetry(
-            tmp_path, clock=Clock(0.37, 5e-6), noise_arcsec=20.0, columns="angles", seed=seed
-        )
-        found = compared(content).alignment
-        told.append((found.drift.value - 5e-6) / found.drift.sigma)
-    assert 0.6 < np.sum(np.square(told)) < 28.0
 
 
 def test_a_clock_that_is_far_off_or_behind_is_found(tmp_path):
@@ -131,9 +120,9 @@ def test_an_axis_later_than_the_other_is_told_and_not_taken_for_the_clock(tmp_pa
 @pytest.mark.parametrize("late_s", [(0.2, 0.0), (0.0, 0.2)])
 def test_sigmas_of_a_lag_are_honest_over_many_flights(late_s):
     """Alpha tells the time 30 times better than beta: what one is late by is known as well as the
-    worse of them.  Chi-square of 12: 2.2 to 33 in 998 of 1000, for lag, offset and drift."""
+    worse of them.  Chi-square of 8: 0.86 to 26 in 998 of 1000, for lag, offset and drift."""
     told = []
-    for seed in range(12):
+    for seed in range(8):
         found = compared(noisy(seed, 5.0, late_s))
         lag = found.axes[int(np.argmax(late_s))].lag
         offset, drift = found.alignment.offset_s, found.alignment.drift
@@ -146,8 +135,8 @@ def test_sigmas_of_a_lag_are_honest_over_many_flights(late_s):
         )
         assert min(one.lag.value for one in found.axes) == 0.0
     sums = np.sum(np.square(told), axis=0)
-    assert (sums > 2.2).all()
-    assert (sums < 33.0).all()
+    assert (sums > 0.86).all()
+    assert (sums < 26.0).all()
 
 
 def flown_deg(rate_hz=15.0, seed=1):
@@ -252,12 +241,9 @@ def rough_plan(**drive):
     return replace(plan, scenario=replace(plan.scenario, platform=platform))
 
 
-@pytest.mark.parametrize(
-    ("columns", "friction_deg_s2"),
-    [("angles", 0.3), ("rates", 0.1)],
-)
-def test_the_friction_that_was_flown_is_found(tmp_path, columns, friction_deg_s2):
-    """From a guess of half and of a sixth; 10 % is what was asked for."""
+def test_the_friction_that_was_flown_is_found(tmp_path):
+    """From a guess of a sixth; 10 % is what was asked for.  Of rates: test_identification."""
+    friction_deg_s2 = 0.3
     plan = rough_plan(coulomb_deg_s2=0.05, breakaway_deg_s2=0.07)
     drive = Drive(bandwidth_hz=1.0, damping=0.8, friction_deg_s2=friction_deg_s2, break_away=1.4)
     content = telemetry(
@@ -266,7 +252,7 @@ def test_the_friction_that_was_flown_is_found(tmp_path, columns, friction_deg_s2
         Clock(0.37, 5e-6),
         noise_arcsec=0.5,
         gyro_noise_deg_s=3e-4,
-        columns=columns,
+        columns="angles",
         plan=plan,
     )
     names = ["alpha.coulomb_deg_s2", "beta.coulomb_deg_s2"]
@@ -334,7 +320,7 @@ def csv_of(t_s, alpha_deg, beta_deg):
 
 @pytest.mark.parametrize(
     ("frequency_hz", "rate_hz"),
-    [(0.052, 5.0), (0.061, 15.0), (0.08, 5.0), (0.16, 15.0), (0.17, 5.0), (1.7, 15.0), (2.0, 5.0)],
+    [(0.052, 5.0), (0.16, 15.0), (1.7, 15.0), (2.0, 5.0)],
 )
 def test_swings_between_a_twentieth_and_two_hertz_are_found(frequency_hz, rate_hz):
     found = compared(swinging(frequency_hz, rate_hz))
@@ -404,7 +390,7 @@ def noisy(seed, rate_hz=15.0, late_s=(0.0, 0.0), clock=Clock(0.37, 0.0)):  # noq
     return csv_of(clock.offset_s + (1.0 + clock.drift) * t_s, *angles_deg)
 
 
-GAINS = [(-3.4e-4, 0.0), (9.8e-3, -2e-3), (0.0, -9.8e-3), (3e-4, 3e-4)]
+GAINS = [(-3.4e-4, 0.0), (9.8e-3, -2e-3), (3e-4, 3e-4)]
 
 
 @pytest.mark.parametrize(("alpha", "beta"), GAINS)
@@ -436,8 +422,9 @@ def test_a_bias_is_told_and_nothing_else_for_it():
     assert found.ideal_clock is not None
 
 
-@pytest.mark.parametrize("turned", [(-1, 1), (1, -1), (-1, -1)])
-@pytest.mark.parametrize("wrap_deg", [0.0, 360.0])
+@pytest.mark.parametrize(
+    ("turned", "wrap_deg"), [((-1, 1), 360.0), ((1, -1), 0.0), ((-1, -1), 360.0)]
+)
 def test_an_axis_measured_the_other_way_round_is_a_gain_of_minus_one(turned, wrap_deg):
     """It was brought near the plan by whole turns, and accused of 513 deg/s."""
     t_s, *angles_deg = flown_deg()

@@ -29,7 +29,7 @@ def critical_state(jerk_deg_s3, acceleration_deg_s2, spare_deg_s):
     return deg_state(-20.0 * sign, rate, acceleration_deg_s2)
 
 
-@pytest.mark.parametrize("spare_deg_s", [0.0, 1e-6, 1e-3, 2e-3, 0.02, 0.2])
+@pytest.mark.parametrize("spare_deg_s", [0.0, 1e-3, 0.02])
 @pytest.mark.parametrize(
     ("jerk_deg_s3", "acceleration_deg_s2", "duration_s"),
     [(1.0, 1.0, 140.0), (0.37, -1.0, 60.0), (0.5, 0.33, 30.0), (0.083, -0.7, 600.0)],
@@ -94,7 +94,7 @@ def test_a_refused_slew_says_which_of_its_ends_can_not_be_braked(moving, what, l
     assert f"its motion at the {side} can't be braked in time" in refused.value.detail
 
 
-@pytest.mark.parametrize("spare_deg", [1e-6, 1e-3, 3e-3, 0.03, 0.3])
+@pytest.mark.parametrize("spare_deg", [1e-6, 3e-3, 0.3])
 @pytest.mark.parametrize(("jerk_deg_s3", "rate_deg_s"), [(1.0, 2.0), (2.3, -1.2), (9.0, 0.3)])
 @pytest.mark.parametrize("leads", [True, False])
 def test_found_where_a_stop_is_all_but_met(spare_deg, jerk_deg_s3, rate_deg_s, leads):

@@ -36,8 +36,8 @@ def assert_flown(profile, start, end):
         assert values[-1] == pytest.approx(getattr(end, name), abs=tolerance)
 
 
-@pytest.mark.parametrize("part", range(5))
-def test_500_random_slews_are_all_solved_within_limits(part):
+@pytest.mark.parametrize("part", range(2))
+def test_200_random_slews_are_all_solved_within_limits(part):
     for number, case in enumerate(draw_cases(seed=100 + part, count=100)):
         slack = SLACKS[number % len(SLACKS)]
         duration_s = least_shared_s(case) * slack
@@ -108,7 +108,7 @@ def test_a_slow_axis_takes_over_an_hour_and_is_told_what_it_lacks(rate_deg_s):
 
 
 def test_too_short_a_time_is_refused_and_the_named_time_works():
-    for number, case in enumerate(draw_cases(seed=7, count=90)):
+    for number, case in enumerate(draw_cases(seed=7, count=36)):
         least_s = least_shared_s(case)
         share = (0.3, 0.8, 0.97)[number % 3]
         with pytest.raises(InfeasibleSlew) as refused:
@@ -144,7 +144,7 @@ def rows_carry(solution, rows, limits=LIMITS, off_arcsec=0.1, rounding=ROUNDING)
 
 def test_rows_carry_the_slew_within_limits_and_to_a_tenth_of_an_arcsecond():
     repaired = left_alone = 0
-    for number, case in enumerate(draw_cases(seed=9, count=72)):
+    for number, case in enumerate(draw_cases(seed=9, count=36)):
         slack = (1.0, 1.02, 1.2, 2.0)[number % 4]
         rows = math.ceil(least_shared_s(case) * slack * 5.0) + 1
         smoothest = optimal_slew(case.problem(rows / 5.0))
