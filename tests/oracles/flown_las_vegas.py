@@ -3,11 +3,13 @@
 import json
 from functools import cache
 
+import numpy as np
 import other_platform
 from other_platform import Clock
 
 from app.requests.examples import LAS_VEGAS
 from app.requests.plan import read_plan_request
+from planner.inflight.telemetry.following import PlannedMotion
 from planner.output.export.csv import table_csv
 from planner.planning.sessions.pipeline import make_plan
 
@@ -63,3 +65,22 @@ def telemetry(
     lines = [line.split(",") for line in path.read_text().splitlines()]
     kept = {"angles": (0, 1, 2), "rates": (0, 3, 4), "angles and rates": range(5)}[columns]
     return "\n".join(",".join(line[k] for k in kept) for line in lines).encode()
+
+
+def csv_of(t_s, alpha_deg, beta_deg):
+    rows = zip(t_s, alpha_deg, beta_deg, strict=True)
+    text = [f"{t:.6f},{alpha:.9f},{beta:.9f}" for t, alpha, beta in rows]
+    return "\n".join(["t_s,alpha_deg,beta_deg", *text]).encode()
+
+
+def flown_deg(rate_hz=15.0, seed=1, late_s=(0.0, 0.0)):
+    """Tags 0.37 s ahead, and both angles as planned, each later by so much, with 2 arcsec of
+    noise."""
+    plan, chance = planned(), np.random.default_rng(seed)
+    t_s = np.arange(0.0, plan.table.t_s[-1], 1.0 / rate_hz)
+    alpha_deg, beta_deg = (
+        np.degrees(PlannedMotion(plan.table, axis).angle_rad(t_s - late_s[axis]))
+        + chance.normal(0.0, 2.0 / 3600.0, len(t_s))
+        for axis in (0, 1)
+    )
+    return t_s + 0.37, alpha_deg, beta_deg

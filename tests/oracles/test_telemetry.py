@@ -9,7 +9,14 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from flown_las_vegas import PERFECT, planned, planned_in_a_minute, telemetry
+from flown_las_vegas import (
+    PERFECT,
+    csv_of,
+    flown_deg,
+    planned,
+    planned_in_a_minute,
+    telemetry,
+)
 from other_platform import Clock, Drive
 from planner_values import compare
 
@@ -123,7 +130,7 @@ def test_sigmas_of_a_lag_are_honest_over_many_flights(late_s):
     worse of them.  Chi-square of 8: 0.86 to 26 in 998 of 1000, for lag, offset and drift."""
     told = []
     for seed in range(8):
-        found = compared(noisy(seed, 5.0, late_s))
+        found = compared(csv_of(*flown_deg(5.0, seed, late_s)))
         lag = found.axes[int(np.argmax(late_s))].lag
         offset, drift = found.alignment.offset_s, found.alignment.drift
         told.append(
@@ -137,12 +144,6 @@ def test_sigmas_of_a_lag_are_honest_over_many_flights(late_s):
     sums = np.sum(np.square(told), axis=0)
     assert (sums > 0.86).all()
     assert (sums < 26.0).all()
-
-
-def flown_deg(rate_hz=15.0, seed=1):
-    """Tags 0.37 s ahead, and the angles as planned, with 2 arcsec of noise."""
-    rows = [line.split(b",") for line in noisy(seed, rate_hz).splitlines()[1:]]
-    return np.array(rows, dtype=float).T
 
 
 STRAYS = {
@@ -312,12 +313,6 @@ def swinging(frequency_hz, rate_hz, amplitude_arcsec=60.0):
     return csv_of(t_s, alpha_deg, beta_deg)
 
 
-def csv_of(t_s, alpha_deg, beta_deg):
-    rows = zip(t_s, alpha_deg, beta_deg, strict=True)
-    text = [f"{t:.6f},{alpha:.9f},{beta:.9f}" for t, alpha, beta in rows]
-    return "\n".join(["t_s,alpha_deg,beta_deg", *text]).encode()
-
-
 @pytest.mark.parametrize(
     ("frequency_hz", "rate_hz"),
     [(0.052, 5.0), (0.16, 15.0), (1.7, 15.0), (2.0, 5.0)],
@@ -375,19 +370,6 @@ def test_a_stretch_too_short_for_a_swing_says_so():
     header, *rows = swinging(0.5, 5.0).splitlines()
     found = compared(b"\n".join([header, *rows[500:525]]))
     assert axis(found, "beta").oscillations_searched_hz is None
-
-
-def noisy(seed, rate_hz=15.0, late_s=(0.0, 0.0), clock=Clock(0.37, 0.0)):  # noqa: B008
-    """2 arcsec, each axis later than its plan by so much."""
-    plan = planned()
-    t_s = np.arange(0.0, plan.table.t_s[-1], 1.0 / rate_hz)
-    chance = np.random.default_rng(seed)
-    angles_deg = [
-        np.degrees(PlannedMotion(plan.table, number).angle_rad(t_s - late_s[number]))
-        + chance.normal(0.0, 2.0 / 3600.0, len(t_s))
-        for number in (0, 1)
-    ]
-    return csv_of(clock.offset_s + (1.0 + clock.drift) * t_s, *angles_deg)
 
 
 GAINS = [(-3.4e-4, 0.0), (9.8e-3, -2e-3), (3e-4, 3e-4)]
@@ -491,7 +473,7 @@ def test_the_ideal_clock_is_sharper_and_honest():
     """Chi-square of 24, offset and drift of 12 noises: 8 to 52 in 998 of 1000."""
     told, sharper = [], []
     for seed in range(12):
-        found = compared(noisy(seed, 5.0))
+        found = compared(csv_of(*flown_deg(5.0, seed)))
         offset, drift = found.ideal_clock
         told += [(offset.value - 0.37) / offset.sigma, drift.value / drift.sigma]
         sharper.append(

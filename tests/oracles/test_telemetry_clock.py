@@ -10,7 +10,7 @@ import numpy as np
 import other_platform
 import pytest
 from clock_bound import drift_bound
-from flown_las_vegas import planned
+from flown_las_vegas import csv_of, flown_deg, planned
 from planner_values import compare
 
 from app.requests.examples import LAS_VEGAS
@@ -23,25 +23,6 @@ from planner.planning.sessions.pipeline import make_plan
 ARCSEC = np.radians(1.0 / 3600.0)
 SIGMAS = 4.5  # one in 150,000
 OFFSET_S = 0.37
-
-
-def csv_of(t_s, *angles_deg):
-    rows = zip(t_s, *angles_deg, strict=True)
-    text = [f"{t:.6f},{alpha:.9f},{beta:.9f}" for t, alpha, beta in rows]
-    return "\n".join(["t_s,alpha_deg,beta_deg", *text]).encode()
-
-
-def valid(rate_hz=15.0, seed=1):
-    """Tags 0.37 s ahead, and the angles as planned, with 2 arcsec of noise."""
-    plan = planned()
-    t_s = np.arange(0.0, plan.table.t_s[-1], 1.0 / rate_hz)
-    chance = np.random.default_rng(seed)
-    angles_deg = [
-        np.degrees(PlannedMotion(plan.table, number).angle_rad(t_s))
-        + chance.normal(0.0, 2.0 / 3600.0, len(t_s))
-        for number in (0, 1)
-    ]
-    return t_s + OFFSET_S, angles_deg
 
 
 def stopped(angle_deg, at):
@@ -60,7 +41,7 @@ OFF_PLAN = {
 
 @pytest.mark.parametrize(("name", "number"), [*zip(OFF_PLAN, (0, 1, 0, 1, 1), strict=True)])
 def test_an_axis_off_its_plan_has_no_lag_and_leaves_its_neighbour_alone(name, number):
-    tag_s, angles_deg = valid()
+    tag_s, *angles_deg = flown_deg()
     angles_deg[number] = OFF_PLAN[name](angles_deg[number])
     found = compare(planned(), csv_of(tag_s, *angles_deg))
     off, on = found.axes[number], found.axes[1 - number]
@@ -76,7 +57,7 @@ def test_an_axis_off_its_plan_has_no_lag_and_leaves_its_neighbour_alone(name, nu
 
 def test_gradians_named_degrees_are_a_gain():
     """A tenth farther: it was taken for a clock that loses 7 % of time."""
-    tag_s, angles_deg = valid()
+    tag_s, *angles_deg = flown_deg()
     found = compare(planned(), csv_of(tag_s, *(one / 0.9 for one in angles_deg)))
     for axis in found.axes:
         assert abs(axis.gain.value - 1.0 / 0.9) < SIGMAS * axis.gain.sigma < 1e-4
