@@ -169,8 +169,9 @@ def test_two_rows_turn_at_a_constant_rate():
     np.testing.assert_allclose(angle, np.linspace(0.0, 0.4, 21), atol=0.01 * ARCSEC)
 
 
-@pytest.mark.parametrize("step_s", [1.0, 10.0, 60.0, 120.0])
-@pytest.mark.parametrize("off_deg", [0.1, 1.0, 30.0])
+@pytest.mark.parametrize(
+    ("step_s", "off_deg"), [(1.0, 0.1), (10.0, 30.0), (60.0, 1.0), (120.0, 0.1)]
+)
 def test_a_damaged_row_is_refused_where_it_matters(step_s, off_deg):
     """Turns of 4 deg a minute explain a smooth course, not one row beside it."""
     rows_s = np.arange(0.0, 1200.5, step_s)

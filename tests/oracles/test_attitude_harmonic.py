@@ -1,6 +1,7 @@
 """An attitude extrapolated beyond its history meets what the ISS then did."""
 
 from datetime import timedelta
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -32,11 +33,12 @@ def telemetry(name):
     return lines[:first], lines[first:-1], segment, q_body_from_lvlh
 
 
-def foretold_from(name, cut, **options):
+@cache
+def foretold_from(name, cut):
     """The law that knows the rows before `cut`, and the rows after it as (lead_s, attitude)."""
     header, rows, segment, q_body_from_lvlh = telemetry(name)
     content = "\n".join([*header, *rows[:cut], "DATA_STOP"])
-    law = HarmonicAttitude(content=content, **options)
+    law = HarmonicAttitude(content=content)
     lead_s = segment.t_s[cut:] - segment.t_s[cut - 1]
     return law, lead_s, q_body_from_lvlh[cut:]
 

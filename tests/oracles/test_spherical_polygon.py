@@ -41,7 +41,7 @@ def directions_about(mask, count):
     return found / np.linalg.norm(found, axis=1, keepdims=True)
 
 
-@pytest.mark.parametrize("number", range(40))
+@pytest.mark.parametrize("number", range(20))
 def test_depth_is_what_points_along_the_sides_and_winding_say(number):
     """By the planner and by the judge, who share no code."""
     mask = random_mask(number)
@@ -57,7 +57,7 @@ def test_depth_is_what_points_along_the_sides_and_winding_say(number):
         assert (sampled_rad <= np.hypot(away_rad, step_rad) + 1e-12).all()
 
 
-@pytest.mark.parametrize("number", range(40))
+@pytest.mark.parametrize("number", range(20))
 def test_convex_parts_make_up_the_polygon_once(number):
     mask = random_mask(number)
     parts = convex_parts(mask.polygon)
