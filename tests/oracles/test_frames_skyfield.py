@@ -4,12 +4,10 @@ from datetime import UTC, datetime
 
 import numpy as np
 import pytest
-from skyfield.api import wgs84
 from skyfield.framelib import itrs
 from skyfield.sgp4lib import TEME
 
 from planner.world.frames.earth_orientation import c_itrf_from_eci, c_itrf_from_teme
-from planner.world.frames.geodesy import geodetic_from_itrf
 from planner.world.frames.solar_system import r_moon_eci_m, r_sun_eci_m
 from planner.world.frames.time_scales import Instants
 
@@ -54,15 +52,3 @@ def test_sun_and_moon(skyfield):
     # TT for TDB, 2 ms: 60 m of the Sun's motion, 2 m of the Moon's
     np.testing.assert_allclose(r_sun_eci_m(instants), sun, rtol=0, atol=60.0)
     np.testing.assert_allclose(r_moon_eci_m(instants), moon, rtol=0, atol=2.0)
-
-
-def test_geodetic_of_a_ground_track():
-    angle = np.linspace(0.0, 2.0 * np.pi, 25)
-    r_itrf_m = 6.8e6 * np.stack([np.cos(angle), 0.6 * np.sin(angle), 0.8 * np.sin(angle)], axis=1)
-    latitude, longitude, height_m = geodetic_from_itrf(r_itrf_m)
-    for k, r in enumerate(r_itrf_m):
-        site = wgs84.latlon(
-            np.rad2deg(latitude[k]), np.rad2deg(longitude[k]), elevation_m=height_m[k]
-        )
-        # what the single Halley step of ERFA's closed form leaves at this height
-        np.testing.assert_allclose(site.itrs_xyz.m, r, rtol=0, atol=5e-7)

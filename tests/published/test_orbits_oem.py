@@ -11,7 +11,6 @@ import pytest
 from scipy.optimize import brentq
 
 from planner.base.errors import OutsideCoverage
-from planner.base.interpolation import hermite
 from planner.world.frames.time_scales import Instants, shifted_utc, utc_from_text
 from planner.world.orbits import OemOrbit, StateVectorOrbit
 from planner.world.orbits.accuracy import oem_sigma
@@ -84,21 +83,6 @@ def test_between_the_nodes_lies_the_propagated_orbit(path):
     assert len(errors_m) >= 4
     # the field's short waves that six nodes 240 s apart can't follow
     assert np.sqrt(np.mean(np.square(errors_m))) < 0.05
-
-
-def test_every_second_node_of_the_reboost_can_be_left_out():
-    """Within the burn the nodes are 2 s apart, so 4 s are still fair."""
-    segment = OemOrbit(content=REBOOST.read_text()).message.segments[2]
-    steps_s = np.diff(segment.t_s)
-    burn = np.flatnonzero(np.isclose(steps_s, 2.0))
-    nodes = slice(burn[0], burn[-1] + 1, 2)
-    skipped = slice(burn[0] + 1, burn[-1], 2)
-    r_m, v_m_s = hermite(
-        segment.t_s[nodes], segment.r_m[nodes], segment.v_m_s[nodes], segment.t_s[skipped], 2
-    )
-    # r (w h)^4 / 384 of circular motion for h = 4 s: 7e-6 m, and 4e-6 m/s
-    np.testing.assert_allclose(r_m, segment.r_m[skipped], rtol=0, atol=2e-5)
-    np.testing.assert_allclose(v_m_s, segment.v_m_s[skipped], rtol=0, atol=2e-5)
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
