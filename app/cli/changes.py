@@ -1,6 +1,8 @@
 """A request changed on the command line: single fields, or its session moved to the next pass."""
 
 import base64
+import csv
+import io
 import json
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,7 +19,10 @@ from slewtrack.client.problems import Refused, problem_of
 
 
 def with_settings(body: bytes, settings: Sequence[str] | None) -> bytes:
-    """The request with each FIELD=VALUE set; FIELD as refusals name it, VALUE JSON, text, @FILE."""
+    """The request with each FIELD=VALUE set; FIELD as refusals name it, VALUE JSON, text, @FILE.
+
+    A file whose name ends with .csv is a list: one object a line, its columns named as fields.
+    """
     if not settings:
         return body
     document = _object(body)
@@ -25,8 +30,9 @@ def with_settings(body: bytes, settings: Sequence[str] | None) -> bytes:
         field, equals, text = setting.partition("=")
         if not equals or not field:
             raise InvalidInput(f"{setting[:80]!r} is no FIELD=VALUE", field="--set")
+        value = _value(text)
         try:
-            _set(document, field.split("."), _value(text))
+            _set(document, field.split("."), value)
         except (LookupError, TypeError, ValueError):
             raise InvalidInput(
                 f"the request has nothing at {field[:80]!r}", field="--set"
@@ -44,11 +50,35 @@ def _object(body: bytes) -> dict[str, Any]:
 def _value(text: str) -> object:
     if text.startswith("@"):
         content = Path(text[1:]).read_bytes()
+        if text.lower().endswith(".csv"):
+            return _objects(content.decode("utf-8-sig", errors="replace"))
         return content.decode() if content.isascii() else base64.b64encode(content).decode()
+    return _value_of(text)
+
+
+def _value_of(text: str) -> object:
     try:
         return json.loads(text)
     except ValueError:
         return text
+
+
+def _objects(text: str) -> list[dict[str, Any]]:
+    """A line's cells as fields of an object, those that are empty left out."""
+    try:
+        names, *rows = filter(None, csv.reader(io.StringIO(text), strict=True))
+        objects: list[dict[str, Any]] = [{} for _ in rows]
+        for one, row in zip(objects, rows, strict=True):
+            for name, cell in zip(names, row, strict=True):
+                if cell:  # an id of digits is text, too
+                    _set(one, name.split("."), cell if name == "id" else _value_of(cell))
+    except (csv.Error, LookupError, TypeError, ValueError) as error:
+        raise InvalidInput(
+            "the file must be CSV: a line of fields, id,target.mode,target.latitude_deg, say, and "
+            f"a line of as many cells for each object ({error})",
+            field="--set",
+        ) from None
+    return objects
 
 
 def _set(inside: Any, path: Sequence[str], value: object) -> None:  # noqa: ANN401 (JSON)

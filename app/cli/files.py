@@ -46,7 +46,8 @@ Settings = Annotated[
         "--set",
         metavar="FIELD=VALUE",
         help="Change a field of the request first, by its name in refusals: platform=agile-cmg, "
-        "attitude=null, or a file's content, terrain.content=@dem.tif (may be repeated).",
+        "attitude=null, or a file's content, terrain.content=@dem.tif; targets=@cities.csv has a "
+        "line per target, its columns named as fields: id,target.mode (may be repeated).",
     ),
 ]
 DryRun = Annotated[

@@ -12,6 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from app.cli import main
+from app.cli.changes import with_settings
 from app.requests.examples import LAS_VEGAS
 
 SLEWTRACK = Path(sys.executable).with_name("slewtrack")
@@ -142,6 +143,32 @@ def test_changes_that_can_not_be_made(words, said):
     refused = run("plan", LAS_VEGAS_FILE, *words)
     assert refused.exit_code == 2
     assert said in refused.stderr
+
+
+@pytest.mark.parametrize(
+    ("text", "targets"),
+    [
+        (
+            "id,priority,target.mode,target.latitude_deg\n007,2,ground,1.5\nlate,,ground,-3\n",
+            [
+                {"id": "007", "priority": 2, "target": {"mode": "ground", "latitude_deg": 1.5}},
+                {"id": "late", "target": {"mode": "ground", "latitude_deg": -3}},
+            ],
+        ),
+        ("id,priority\nshort\n", None),
+        ("id,id.of\n1,2\n", None),
+        ("", None),
+    ],
+)
+def test_targets_of_a_file(tmp_path, text, targets):
+    (tmp_path / "targets.csv").write_text(text)
+    setting = f"targets=@{tmp_path / 'targets.csv'}"
+    if targets is None:
+        refused = run("campaign", EXAMPLES / "campaign_ten.json", "--set", setting)
+        assert (refused.exit_code, refused.stderr.count("\n")) == (2, 1)
+        assert "must be CSV" in refused.stderr
+    else:
+        assert json.loads(with_settings(b"{}", [setting])) == {"targets": targets}
 
 
 def test_several_sessions_have_no_next_pass():

@@ -3,6 +3,7 @@
 import re
 import shlex
 from pathlib import Path
+from zipfile import ZipFile
 
 import pytest
 from live_service import live_service
@@ -62,6 +63,9 @@ def test_every_command_in_order(folder, monkeypatch):
         path.relative_to(folder / "out").as_posix() for path in (folder / "out").rglob("*.*")
     }
     assert {"plan.png", "map.geojson", "windows.csv", "plan.nc", "plan.aem", "looks.csv"} <= written
+    with ZipFile(folder / "out" / "fleet.zip") as fleet:
+        assert any(name.endswith(".csv") for name in fleet.namelist())
+    assert len((folder / "out" / "fleet.csv").read_text().splitlines()) > 10
     assert {"kept.nc", "kept.kml", "passes/pass-1.json"} <= written
     assert {f"{name}.{kind}" for name in ("axes", "body", "gyros") for kind in ("png", "aem")} <= (
         written
