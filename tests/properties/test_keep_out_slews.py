@@ -16,7 +16,7 @@ from planner.motion.slew import AxisState, SlewProblem, optimal_slew
 from planner.motion.slew.solution import obeys
 from planner.world.platforms import ISS_HRC
 
-CASES = list(draw_cases(21, 12))
+CASES = list(draw_cases(21, 8))
 IMPOSSIBLE = {7}  # of them: cone and stops leave no gap
 ROUNDING = 1.0 + 1e-6  # of a limit, as the judge allows
 

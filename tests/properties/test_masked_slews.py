@@ -34,11 +34,11 @@ def pole(rng, middle):
 
 
 CASES = [
-    *draw_mask_cases(5, 6, panel),
-    *draw_mask_cases(7, 6, pole),
+    *draw_mask_cases(5, 3, panel),
+    *draw_mask_cases(7, 3, pole),
     *draw_mask_cases(9, 4, panel, masks=3),
 ]
-IMPOSSIBLE = {12, 15}  # of them: masks and stops leave no gap
+IMPOSSIBLE = {6, 9}  # of them: masks and stops leave no gap
 
 
 @pytest.mark.parametrize("number", range(len(CASES)))
@@ -65,7 +65,7 @@ def test_a_polygon_is_passed_as_well_as_the_cone_around_it():
     """40 corners on a circle leave 0.3 % of its radius at most."""
 
     compared = 0
-    for case in draw_mask_cases(3, 12, ring):
+    for case in draw_mask_cases(3, 6, ring):
         try:
             by_cone = avoid_cones(cone_around(case)).jerk_squared_integral
         except InfeasibleSlew:
@@ -74,7 +74,7 @@ def test_a_polygon_is_passed_as_well_as_the_cone_around_it():
         compared += 1
         # Both are local optima; the search for either ends at differences of a fifth of this.
         assert by_mask <= 1.01 * by_cone
-    assert compared >= 6
+    assert compared >= 3
 
 
 def wall(*, half_width_deg=20.0, count=24):
