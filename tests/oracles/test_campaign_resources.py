@@ -131,11 +131,8 @@ def best_of_all(kept):
     ("resources", "fields"),
     [
         (Resources(memory=FULL), {}),
-        (Resources(memory=SENT), {}),
-        (Resources(battery=POOR), {}),
         (Resources(battery=POOR, memory=SENT), {"clouds": CLOUDS}),
         (Resources(memory=SENT), SMALLSAT),
-        (Resources(battery=POOR), SMALLSAT),
         (Resources(battery=replace(POOR, sunlight_w=82.0, imaging_w=2500.0)), SMALLSAT),
     ],
 )

@@ -91,8 +91,10 @@ def test_choice_is_the_best_of_all(places, days, monkeypatch):
     assert best > campaign.greedy_value * 0.5 > 0.0
 
 
-@pytest.mark.parametrize(("places", "days"), [(WEST, 0.6), (EUROPE, 0.5)])
-@pytest.mark.parametrize("groups", ["aabb.", "a.bab", ".aaaa"])
+@pytest.mark.parametrize(
+    ("places", "days", "groups"),
+    [(WEST, 0.6, "aabb."), (EUROPE, 0.5, "a.bab"), (WEST, 0.6, ".aaaa")],
+)
 def test_groups_are_chosen_whole_or_not_at_all(places, days, groups, monkeypatch):
     kept = {}
     found_ways = carrier_looks.ways_to_follow
@@ -309,7 +311,7 @@ def test_more_looks_are_worth_no_less():
 
 
 @pytest.mark.parametrize("bits", [62, 2])
-@pytest.mark.parametrize("seed", range(24, 36))
+@pytest.mark.parametrize("seed", range(24, 30))
 def test_a_pass_is_bounded_by_the_best_that_looks_at_each_target_once(seed, bits, monkeypatch):
     monkeypatch.setattr(label_search, "BITS", bits)  # of 2, the memory takes three words
     network, worth = random_pass(seed)
@@ -321,7 +323,7 @@ def test_a_pass_is_bounded_by_the_best_that_looks_at_each_target_once(seed, bits
 
 
 @pytest.mark.parametrize("bits", [62, 2])
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(4))
 def test_orders_of_looks_are_worth_the_most_and_bound_it(seed, bits, monkeypatch):
     monkeypatch.setattr(orders, "BITS", bits)
     network, worth = random_pass(seed)
