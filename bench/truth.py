@@ -1,10 +1,9 @@
 """Stated errors against data that nothing was made with: one table, goal and seen.
 
-    OMP_NUM_THREADS=1 python bench/truth.py DATA_FOLDER [--only 1 2 3] [--quick]
+    OMP_NUM_THREADS=1 python bench/truth.py DATA_FOLDER [--only 1 2] [--quick]
 
-DATA_FOLDER holds `attitude` (telemetry as bench/truth_laws.py reads it), `tle` and `oem` (NASA's
-ephemerides).  Point 1: stated probabilities and sigmas.  2: warnings of likely
-misses.  3: the law harmonic.
+DATA_FOLDER holds `attitude` (telemetry as bench/truth_pointing.py reads it), `tle` and `oem`
+(NASA's ephemerides).  Point 1: stated probabilities and sigmas.  2: warnings of likely misses.
 What was tuned on which data each truth_*.py says.  About 10 minutes of a core; --quick takes
 fewer sessions.
 """
@@ -24,7 +23,7 @@ VERDICTS = {True: "met", False: "MISSED", None: "-"}
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("data", type=Path)
-    parser.add_argument("--only", type=int, nargs="*", default=(1, 2, 3), metavar="POINT")
+    parser.add_argument("--only", type=int, nargs="*", default=(1, 2), metavar="POINT")
     parser.add_argument("--quick", action="store_true")
     asked = parser.parse_args()
     print(f"{'':2} {'what':62} {'goal':24} {'':7} seen")
@@ -48,8 +47,6 @@ def rows(data: Path, points: set[int], quick: bool) -> Iterator[Row]:
         yield from truth_attitude.swing_rows(attitude)
         yield from truth_attitude.settling_rows(attitude)
         yield from truth_orbits.rows(data)
-    if 3 in points:
-        yield from truth_attitude.law_rows(attitude, data / "tle" / "iss_tles.txt")
 
 
 if __name__ == "__main__":

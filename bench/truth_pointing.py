@@ -2,9 +2,11 @@
 
 The attitude is the telemetry's second half, its mean stated from the first half and wrong by as
 much as is assumed; the orbit is known (attitude alone), or predicted by elements and truly what
-elements of later days say.
+elements of later days say.  The telemetry's folder holds USLAB000018..21 (LVLH quaternion, 18 its
+scalar) of 2018-10-12, .txt or .txt.gz, from ISS-Mimic/Mimic, Pi/RecordedData/Data/Archive.
 """
 
+import gzip
 from collections.abc import Iterator
 from dataclasses import replace
 from datetime import datetime, timedelta
@@ -14,7 +16,6 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 from truth_elements import REBOOST_REV_DAY, created, read_oem_file, read_tles
-from truth_laws import channel, held
 from truth_orbits import ARCHIVE, HELD_OUT_MONTH
 from truth_rows import Row, share_row
 
@@ -201,3 +202,21 @@ def telemetry(folder: Path) -> tuple[np.ndarray, Rotation]:
     t_s = t_s[t_s - latest_s < STALE_S]
     xyzw = np.stack([held(channels, number, t_s) for number in (19, 20, 21, 18)], axis=1)
     return t_s, Rotation.from_quat(xyzw).inv()
+
+
+def channel(folder: Path, number: int) -> tuple[np.ndarray, np.ndarray]:
+    """Seconds of the year and values, in order."""
+    (path,) = folder.glob(f"USLAB0000{number}.txt*")
+    opener = gzip.open if path.suffix == ".gz" else open
+    with opener(path, "rt") as file:
+        table = np.loadtxt(file)
+    table = table[np.argsort(table[:, 0], kind="stable")]
+    return table[:, 0] * 3600.0, table[:, 1]
+
+
+def held(
+    number_of: dict[int, tuple[np.ndarray, np.ndarray]], number: int, t_s: np.ndarray
+) -> np.ndarray:
+    """The last value recorded: only changes are."""
+    at_s, values = number_of[number]
+    return values[np.clip(np.searchsorted(at_s, t_s + 1e-3, side="right") - 1, 0, None)]

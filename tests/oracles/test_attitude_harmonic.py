@@ -140,8 +140,8 @@ def test_at_no_lead_does_any_law_do_better():
     """In torque equilibrium, against each description by itself on the same rows.
 
     Which one is best isn't known beforehand: that may cost a tenth, and of 13 forecasts the rms
-    itself is good to a tenth more.  bench/truth_laws.py shows the whole day, the hours after a
-    manoeuvre, too.
+    itself is good to a tenth more.  bench/truth_laws.py of commit a69fc61e shows the whole day, the
+    hours after a manoeuvre, too.
     """
     seen = {lead_s: [] for lead_s in LEADS_S}
     for cut in range(560, 690, 10):
