@@ -2,6 +2,7 @@
 
 import json
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 
 import numpy as np
 import pytest
@@ -78,7 +79,7 @@ def test_a_plan_is_read_again_as_it_was_answered(client, plan):
 
 
 def test_the_stored_table_is_the_planned_one_to_the_bit(client, plan):
-    table = make_plan(read_plan_request(json.dumps(SHORT).encode())).table
+    table = planned_here(json.dumps(SHORT)).table
     with client.app.state.database.reading() as connection:
         stored = plans.get(connection, jobs.get(connection, plan["id"]))
     columns = unpack(stored.table_columns).columns
@@ -113,9 +114,15 @@ def test_a_stored_table_is_written_as_its_plan_is(client, plan, name):
     assert client.get(f"{PLANS}/{plan['id']}/table?format={name}", headers=tag).status_code == 304
 
 
+@cache
+def planned_here(text):
+    """A plan that was never stored."""
+    return make_plan(read_plan_request(text.encode()))
+
+
 def written(client, plan, document, name):
     """The file of a plan that was never stored, as of the same moment."""
-    fresh = make_plan(read_plan_request(json.dumps(document).encode()))
+    fresh = planned_here(json.dumps(document))
     with client.app.state.database.reading() as connection:
         planned_utc = plans.get(connection, jobs.get(connection, plan["id"])).planned_utc
     return EXPORTERS[name].write(fresh, planned_utc)

@@ -71,6 +71,12 @@ def compare(client, plan, samples, **head):
     return answer.json()
 
 
+@pytest.fixture(scope="module")
+def by_json(client, plan, rows):
+    """What the valid rows say, sent as JSON."""
+    return compare(client, plan, json_samples(rows))
+
+
 def names(which):
     """Of all files, without any rows."""
     few = [[0.1 * k, 1.0 + k, 2.0] for k in range(2000)]
@@ -130,8 +136,7 @@ def test_the_command_tells_the_same(plan, files, tmp_path):
     assert run.exit_code == 2, run.output
 
 
-def test_json_and_csv_tell_the_same(client, plan, rows, files):
-    by_json = compare(client, plan, json_samples(rows))
+def test_json_and_csv_tell_the_same(client, plan, rows, files, by_json):
     by_csv = upload(client, plan, files[0]["valid"].content).json()
     assert by_json["time_offset_s"]["value"] == pytest.approx(
         by_csv["time_offset_s"]["value"], abs=1e-5
@@ -150,8 +155,8 @@ def test_json_and_csv_tell_the_same(client, plan, rows, files):
     )
 
 
-def test_the_contract_as_it_is_pinned(client, plan, rows):
-    answer = compare(client, plan, json_samples(rows))
+def test_the_contract_as_it_is_pinned(rows, by_json):
+    answer = by_json
     for estimate in ("time_offset_s", "clock_drift", "common_offset_s", "ideal_offset_s"):
         assert {"value", "sigma", "assumes"} == set(answer[estimate])
     # The less is free beside it, the sharper the clock.
@@ -407,9 +412,8 @@ def test_a_horizon_estimate_beside_the_axes_says_where_the_target_was(client, pl
     assert pasted["turn_body_deg"] == [0.3, 0.1, 0.2]
 
 
-def test_angles_alone_say_nothing_of_the_attitude(client, plan, rows):
-    found = compare(client, plan, json_samples(rows))
-    assert found["corrections"] == found["pointing"] == []
+def test_angles_alone_say_nothing_of_the_attitude(by_json):
+    assert by_json["corrections"] == by_json["pointing"] == []
 
 
 def test_the_platform_found_is_pasted_into_the_next_request(client, plan, rows):
