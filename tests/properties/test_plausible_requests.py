@@ -10,8 +10,8 @@ from plan_oracle import ARCSEC, faults
 from plausible_requests import demanding_request, plausible_request, with_time_to_spare
 from plausible_trials import answer, as_advised, outcome
 
-COUNT = 60
-SPARE_COUNT = 12
+COUNT = 30
+SPARE_COUNT = 6
 LONG = 10  # every tenth may have six sessions, which take 2 s, the others one
 
 
