@@ -25,7 +25,7 @@ export function TablePanel<Row>({ title, rows, columns, class: name = "" }: Prop
         <thead>
           <tr>
             {columns.map(([heading, , kind], at) => (
-              <th key={at} scope="col" class={kind}>
+              <th key={at} scope="col" class={kind === "number" ? kind : undefined}>
                 {heading}
               </th>
             ))}
