@@ -1,12 +1,15 @@
 """Steps that tests of the planner's page share."""
 
+import json
 import uuid
 from pathlib import Path
 
 import httpx2 as httpx
 from live_service import Service
-from playwright.sync_api import Locator, Page, expect
+from playwright.sync_api import Locator, Page, Route, expect
 from waiting import eventually
+
+from app.requests.plan import read_plan_request
 
 ROOT = Path(__file__).parents[2]
 LAPTOP = {"width": 1280, "height": 800}
@@ -26,6 +29,33 @@ def made(service: Service, path: str, request: dict[str, object], **query: str) 
         answer = eventually(answered)
     assert answer.status_code == 201, answer.text
     return answer.json()
+
+
+def planned(page: Page) -> dict:
+    """The request of the plan that the form now makes, as the service keeps it."""
+    page.get_by_role("button", name="Plan").click()
+    expect(page.get_by_test_id("verdict")).to_contain_text("Passed")
+    plan_id = page.url.rsplit("/", 1)[1]
+    return page.request.get(f"/v1/plans/{plan_id}/request").json()
+
+
+def asked(page: Page) -> dict:
+    """The request that the form sends, which the service's reader takes; nothing is planned."""
+    sent: list[str] = []
+
+    def keep(route: Route) -> None:
+        if route.request.method != "POST":
+            return route.continue_()
+        sent.append(route.request.post_data)
+        refusal = json.dumps({"title": "Not planned here", "status": 422})
+        return route.fulfill(status=422, content_type="application/problem+json", body=refusal)
+
+    page.route("**/v1/plans", keep)
+    with page.expect_response(lambda answer: answer.request.method == "POST" and bool(sent)):
+        page.get_by_role("button", name="Plan").click()
+    [request] = sent
+    read_plan_request(request.encode())
+    return json.loads(request)
 
 
 def box_of(shown: Locator) -> dict[str, float]:

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from browsing import ROOT, box_of, violations
+from browsing import ROOT, asked, box_of, planned, violations
 from playwright.sync_api import expect
 
 from app.requests.examples import LAS_VEGAS
@@ -19,14 +19,6 @@ TLE = (
 def windows_found(page):
     expect(page.get_by_role("list", name="Windows, the first first")).to_be_visible()
     return page.get_by_role("list", name="Windows, the first first").get_by_role("button")
-
-
-def planned(page):
-    """The request of the plan that the page now makes, as the service keeps it."""
-    page.get_by_role("button", name="Plan").click()
-    expect(page.get_by_test_id("verdict")).to_contain_text("Passed")
-    plan_id = page.url.rsplit("/", 1)[1]
-    return page.request.get(f"/v1/plans/{plan_id}/request").json()
 
 
 @pytest.fixture
@@ -46,7 +38,7 @@ def test_a_place_is_found_by_name_and_its_best_window_taken(ask):
     expect(ask.get_by_text("GeoNames 3196359")).to_be_visible()
     expect(ask.get_by_role("slider", name="Session", exact=True)).to_be_visible()
     expect(windows_found(ask).first).to_contain_text(re.compile(r"in frame \d+ %"))
-    request = planned(ask)
+    request = asked(ask)
     assert request["sessions"][0]["target"] == {"mode": "place", "name": "Ljubljana"}
     assert "epoch" not in request["initial_state"]  # it was of the example's times
 
@@ -56,7 +48,7 @@ def test_of_places_of_one_name_one_is_chosen(ask):
     ask.get_by_role("button", name="Find").click()
     ask.get_by_role("button", name="Springfield, Ohio, US").click()
     expect(ask.get_by_text("Taken: Springfield")).to_be_visible()
-    assert planned(ask)["sessions"][0]["target"]["name"] == "Springfield, Ohio, US"
+    assert asked(ask)["sessions"][0]["target"]["name"] == "Springfield, Ohio, US"
 
 
 def test_a_place_is_completed_as_it_is_typed_by_keys(ask):
@@ -97,7 +89,7 @@ def test_coordinates_are_taken_with_letters_and_height(ask):
     entry.press("Enter")
     expect(ask.get_by_role("status").filter(has_text="found")).to_be_visible()
     expect(ask.get_by_role("slider", name="Session", exact=True)).to_be_visible()
-    [session] = planned(ask)["sessions"]
+    [session] = asked(ask)["sessions"]
     assert session["target"] == {
         "mode": "ground", "latitude_deg": -33.87, "longitude_deg": 151.21, "height_m": 40,
     }  # fmt: skip
@@ -140,7 +132,7 @@ def test_a_star(ask, kind, label, entry, target):
     ask.get_by_role("combobox", name=label).fill(entry)
     ask.get_by_role("button", name="Find").click()
     expect(ask.get_by_role("slider", name="Session", exact=True)).to_be_visible()
-    assert planned(ask)["sessions"][0]["target"] == target
+    assert asked(ask)["sessions"][0]["target"] == target
 
 
 @pytest.mark.parametrize("body", ["Sun", "Moon"])
@@ -148,7 +140,7 @@ def test_sun_and_moon(ask, body):
     ask.get_by_role("radio", name="Sun, Moon, planet").check()
     ask.get_by_label("Body", exact=True).select_option(body)
     expect(ask.get_by_role("slider", name="Session", exact=True)).to_be_visible()
-    assert planned(ask)["sessions"][0]["target"] == {"mode": "body", "name": body.lower()}
+    assert asked(ask)["sessions"][0]["target"] == {"mode": "body", "name": body.lower()}
 
 
 def test_a_pasted_tle(ask):
@@ -159,7 +151,7 @@ def test_a_pasted_tle(ask):
     entry.fill(TLE)
     expect(ask.get_by_text("This is no orbit known here")).to_be_hidden()
     expect(ask.get_by_role("slider", name="Session", exact=True)).to_be_visible()
-    assert planned(ask)["orbit"] == {"source": "tle", "content": TLE.strip()}
+    assert asked(ask)["orbit"] == {"source": "tle", "content": TLE.strip()}
 
 
 def test_a_dropped_oem(ask):
@@ -174,7 +166,7 @@ def test_a_dropped_oem(ask):
     expect(ask.get_by_text("OEM ·")).to_be_visible()
     expect(ask.get_by_label("From, UTC")).to_have_value("2015-02-27T17:28")
     expect(ask.get_by_role("slider", name="Session", exact=True)).to_be_visible()
-    assert planned(ask)["orbit"]["source"] == "oem"
+    assert asked(ask)["orbit"]["source"] == "oem"
 
 
 def test_a_session_is_dragged_and_moved_by_keys(ask):
@@ -191,7 +183,7 @@ def test_a_session_is_dragged_and_moved_by_keys(ask):
     ask.mouse.up()
     dragged = start.get_attribute("aria-valuetext")
     assert dragged > "17:36:30 UTC"
-    request = planned(ask)
+    request = asked(ask)
     assert request["sessions"][0]["start"] == f"2015-02-27T{dragged.removesuffix(' UTC')}Z"
 
 

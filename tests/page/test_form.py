@@ -4,7 +4,7 @@ import json
 import re
 
 import pytest
-from browsing import PHONE, ROOT, box_of, fit_a_phone, violations
+from browsing import PHONE, ROOT, asked, box_of, fit_a_phone, planned, violations
 from playwright.sync_api import Page, expect
 
 MESSAGES = ROOT / "app/requests/examples/data"
@@ -21,14 +21,6 @@ def with_window(page: Page) -> Page:
 @pytest.fixture
 def form(open_page):
     return with_window(open_page())
-
-
-def planned(page: Page) -> dict:
-    """The request of the plan that the page now makes, as the service keeps it."""
-    page.get_by_role("button", name="Plan").click()
-    expect(page.get_by_test_id("verdict")).to_contain_text("Passed")
-    plan_id = page.url.rsplit("/", 1)[1]
-    return page.request.get(f"/v1/plans/{plan_id}/request").json()
 
 
 def opened(page: Page, name: str):
@@ -76,7 +68,7 @@ def test_a_path_is_clicked_on_the_map(form):
     points = form.get_by_role("list", name="Points of the path")
     expect(points.get_by_role("listitem")).to_have_count(3)
     with_window(form)
-    [session] = planned(form)["sessions"]
+    [session] = asked(form)["sessions"]
     assert session["target"]["mode"] == "ground_path"
     assert len(session["target"]["points"]) == 3
 
@@ -113,7 +105,7 @@ def test_a_path_by_names_is_reordered_and_timed(form):
     form.get_by_label("Time for the whole path, s").fill("45")
     expect(form.get_by_text(re.compile(r"km at 45\d(\.\d)? m/s"))).to_be_visible()
     with_window(form)
-    [session] = planned(form)["sessions"]
+    [session] = asked(form)["sessions"]
     assert session["target"]["speed_m_s"] == pytest.approx(456.0, rel=0.01)
 
 
@@ -125,7 +117,7 @@ def test_something_that_moves_by_a_places_name(form):
     speed = form.get_by_label("Speed, m/s")
     speed.fill("12,5")
     with_window(form)
-    [session] = planned(form)["sessions"]
+    [session] = asked(form)["sessions"]
     assert session["target"]["mode"] == "ground_moving"
     assert session["target"]["speed_m_s"] == 12.5
 
@@ -143,7 +135,7 @@ def test_a_contact_with_a_station_clicked_on_the_map_or_typed(form):
     entry.press("Enter")
     expect(target.get_by_text("37.94, -75.46, 12")).to_be_visible()
     with_window(form)
-    station = planned(form)["sessions"][0]["target"]
+    station = asked(form)["sessions"][0]["target"]
     assert (station["mode"], station["latitude_deg"], station["height_m"]) == ("station", 37.94, 12)
 
 
@@ -152,7 +144,7 @@ def test_a_test_motion_of_the_platforms_axes(form):
     form.get_by_role("button", name="Begin: Test motion").click()
     axes = group(form.get_by_role("region", name="Target"), "Motion of the axes")
     group(axes, "beta").get_by_label("beta: kind").select_option("sine")
-    target = planned(form)["sessions"][0]["target"]
+    target = asked(form)["sessions"][0]["target"]
     assert {axis: motion["kind"] for axis, motion in target["axes"].items()} == {
         "alpha": "constant_rate",
         "beta": "sine",
@@ -165,7 +157,7 @@ def test_a_star_by_right_ascension_and_declination(form):
     entry.fill("279.2347, 38.7837")
     entry.press("Enter")
     with_window(form)
-    [session] = planned(form)["sessions"]
+    [session] = asked(form)["sessions"]
     assert session["target"] == {"mode": "star", "ra_deg": 279.2347, "dec_deg": 38.7837}
 
 
@@ -193,7 +185,7 @@ def test_level_flight_is_warned_of_and_the_usual_mean_taken_by_a_click(form):
     assert violations(form) == []
     warning.get_by_role("button", name="Take the usual -4/-2/1 of iss-hrc").click()
     expect(warning).to_be_hidden()
-    law = planned(form)["attitude"]
+    law = asked(form)["attitude"]
     assert law == {"law": "lvlh", "yaw_deg": -4.0, "pitch_deg": -2.0, "roll_deg": 1.0}
 
 
@@ -208,7 +200,7 @@ def test_a_dropped_aem_is_the_attitude_wherever_it_falls(form, box):
     expect(form.get_by_role("region", name="Attitude").locator("summary").first).to_contain_text(
         "AEM"
     )
-    made = planned(form)
+    made = asked(form)
     assert made["attitude"] == {"law": "aem", "content": text}
     assert made["orbit"]["source"] == "tle"
 
@@ -219,7 +211,7 @@ def test_a_dropped_omm(form):
     dropped(form, panel.locator(".drop-zone"), "elements.json", text)
     expect(panel.locator("summary").first).to_contain_text("OMM")
     with_window(form)
-    assert planned(form)["orbit"]["source"] == "omm"
+    assert asked(form)["orbit"]["source"] == "omm"
 
 
 def test_options_are_those_of_the_schema(form):
@@ -236,7 +228,7 @@ def test_options_are_those_of_the_schema(form):
     final.get_by_label("Final state", exact=True).select_option(label="At angles, or parked")
     expect(final.get_by_label("Park")).to_have_value("zero")
     assert violations(form) == []
-    made = planned(form)
+    made = asked(form)
     assert made["slew"] == {
         "method": "ocp",
         "objective": "minimum_time",
@@ -374,7 +366,7 @@ def test_a_platform_written_out_takes_masks(form):
     masks.get_by_role("button", name="Add: Masks").click()
     masks.get_by_label("Margin, °").fill("1")
     with_window(form)
-    made = planned(form)["platform"]
+    made = asked(form)["platform"]
     assert made["masks"][0]["margin_deg"] == 1
 
 
