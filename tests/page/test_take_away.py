@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from browsing import made
 from playwright.sync_api import expect
 from waiting import eventually
 
@@ -14,11 +15,16 @@ from app.requests.examples import LAS_VEGAS
 from planner.output.export import EXPORTERS
 
 
+@pytest.fixture(scope="module")
+def plan_id(service):
+    """Of the plan that the page makes of its example."""
+    return made(service, "/v1/plans", LAS_VEGAS | {"on_conflict": "refuse"})["id"]
+
+
 @pytest.fixture
-def plan_page(open_page):
-    page = open_page()
+def plan_page(open_page, plan_id):
+    page = open_page(f"/plans/{plan_id}")
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
-    page.get_by_role("button", name="Plan").click()
     expect(page.get_by_test_id("verdict")).to_contain_text("Passed")
     expect(page.locator(".look-charts canvas").first).to_be_visible()  # nothing moves any more
     return page

@@ -1,7 +1,6 @@
 """Flow 3: a refusal is explained in words, drawn where it happens, its way out one click away."""
 
-import json
-
+import httpx2 as httpx
 import pytest
 from browsing import violations
 from playwright.sync_api import expect
@@ -12,36 +11,37 @@ from app.requests.examples import LAS_VEGAS
 TOO_EARLY = {"start": "2015-02-27T17:35:00Z", "stop": "2015-02-27T17:37:00Z"}
 
 
-def kept_refusal(page, request):
+# Ten seconds to slew away and back are too few.
+_FIRST = {"start": "2015-02-27T17:36:20Z", "stop": "2015-02-27T17:37:20Z"}
+_SECOND = {
+    "target": {"mode": "ground", "latitude_deg": 40.76, "longitude_deg": -111.89},
+    "start": "2015-02-27T17:37:22Z",
+    "stop": "2015-02-27T17:38:30Z",
+}
+TIGHT = LAS_VEGAS | {
+    "sessions": [LAS_VEGAS["sessions"][0] | times for times in (_FIRST, _SECOND)],
+    "on_conflict": "refuse",
+}
+
+
+def kept_refusal(service, request):
     """The id of a plan that the service refused; its request can be opened in the page."""
-    answer = page.request.post(
-        "/v1/plans",
-        data=json.dumps(request),
-        headers={"Content-Type": "application/json", "Prefer": "respond-async"},
-    )
-    assert answer.status == 202, answer.text()
-    plan_id = answer.json()["id"]
-    eventually(lambda: page.request.get(f"/v1/plans/{plan_id}").json()["state"] == "refused")
+    with httpx.Client(base_url=service.address, timeout=120.0) as client:
+        answer = client.post("/v1/plans", json=request, headers={"Prefer": "respond-async"})
+        assert answer.status_code == 202, answer.text
+        plan_id = answer.json()["id"]
+        eventually(lambda: client.get(f"/v1/plans/{plan_id}").json()["state"] == "refused")
     return plan_id
 
 
-@pytest.fixture
-def tight():
-    """Ten seconds to slew away and back are too few."""
-    [session] = LAS_VEGAS["sessions"]
-    first = session | {"start": "2015-02-27T17:36:20Z", "stop": "2015-02-27T17:37:20Z"}
-    second = session | {
-        "target": {"mode": "ground", "latitude_deg": 40.76, "longitude_deg": -111.89},
-        "start": "2015-02-27T17:37:22Z",
-        "stop": "2015-02-27T17:38:30Z",
-    }
-    return LAS_VEGAS | {"sessions": [first, second], "on_conflict": "refuse"}
+@pytest.fixture(scope="module")
+def refused_id(service):
+    """That of TIGHT, which those who take its ways out leave as it is."""
+    return kept_refusal(service, TIGHT)
 
 
-def test_a_start_that_works_is_offered_drawn_and_taken(open_page, tight):
-    page = open_page("/plans")
-    plan_id = kept_refusal(page, tight)
-    page.goto(f"/plans/{plan_id}")
+def test_a_start_that_works_is_offered_drawn_and_taken(open_page, refused_id):
+    page = open_page(f"/plans/{refused_id}")
     expect(page.get_by_role("alert")).to_contain_text("The slew doesn't fit")
     page.get_by_role("link", name="Change the request").click()
     page.get_by_role("button", name="2 40.76").click()
@@ -56,14 +56,12 @@ def test_a_start_that_works_is_offered_drawn_and_taken(open_page, tight):
     assert request["sessions"][1]["start"] > "2015-02-27T17:37:30Z"
 
 
-def test_a_target_below_the_horizon_is_marked_where_it_is(open_page):
-    page = open_page("/plans")
+def test_a_target_below_the_horizon_is_marked_where_it_is(open_page, service):
     request = LAS_VEGAS | {"sessions": [LAS_VEGAS["sessions"][0] | TOO_EARLY]}
     request["sessions"][0]["target"] = request["sessions"][0]["target"] | {
         "min_elevation_deg": 40.0
     }
-    plan_id = kept_refusal(page, request)
-    page.goto(f"/?from={plan_id}")
+    page = open_page(f"/?from={kept_refusal(service, request)}")
     expect(page.get_by_role("slider", name="Session", exact=True)).to_be_visible()
     expect(page.get_by_role("alert")).to_contain_text("Session 1")
     expect(page.locator(".refused-at")).to_be_visible()
@@ -94,14 +92,13 @@ def test_sessions_that_overlap_are_told_and_one_is_left_out(open_page):
     assert session["target"]["latitude_deg"] == 40.76
 
 
-def test_where_nothing_is_offered_one_session_can_be_left_out(open_page, tight):
+def test_where_nothing_is_offered_one_session_can_be_left_out(open_page, service):
     """Three seconds each and one between them: neither can be shortened so far."""
-    first, second = tight["sessions"]
+    first, second = TIGHT["sessions"]
     first = first | {"start": "2015-02-27T17:37:00Z", "stop": "2015-02-27T17:37:03Z"}
     second = second | {"start": "2015-02-27T17:37:04Z", "stop": "2015-02-27T17:37:07Z"}
-    page = open_page("/plans")
-    plan_id = kept_refusal(page, tight | {"sessions": [first, second]})
-    page.goto(f"/?from={plan_id}")
+    refused_id = kept_refusal(service, TIGHT | {"sessions": [first, second]})
+    page = open_page(f"/?from={refused_id}")
     told = page.get_by_role("alert").filter(has_text="leave one out")
     expect(told).to_contain_text("Sessions 1 and 2 don't both fit")
     told.get_by_role("button", name="Leave out session 2").click()
@@ -109,18 +106,16 @@ def test_where_nothing_is_offered_one_session_can_be_left_out(open_page, tight):
     expect(page.get_by_test_id("verdict")).to_contain_text("Passed")
 
 
-def test_what_a_refused_plan_offers_is_taken_where_it_is_shown(open_page, tight):
-    page = open_page("/plans")
-    page.goto(f"/plans/{kept_refusal(page, tight)}")
+def test_what_a_refused_plan_offers_is_taken_where_it_is_shown(open_page, refused_id):
+    page = open_page(f"/plans/{refused_id}")
     page.get_by_role("alert").get_by_role("button", name="Take 17:37:3").click()
     expect(page.get_by_test_id("verdict")).to_contain_text("Passed")
     request = page.request.get(f"/v1{_path(page)}/request").json()
     assert request["sessions"][1]["start"] > "2015-02-27T17:37:30Z"
 
 
-def test_by_keyboard_the_way_out_is_the_next_stop(open_page, tight):
-    page = open_page("/plans")
-    page.goto(f"/?from={kept_refusal(page, tight)}")
+def test_by_keyboard_the_way_out_is_the_next_stop(open_page, refused_id):
+    page = open_page(f"/?from={refused_id}")
     refusal = page.get_by_role("alert")
     expect(refusal).to_be_visible()
     with page.expect_response(lambda answer: answer.url.endswith("/events")):
