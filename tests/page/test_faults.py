@@ -243,7 +243,7 @@ def test_a_full_disk_is_told_and_recovered_from(form, hard, viewport):
 
 def test_a_plan_whose_time_is_over_is_told_with_the_ways_on(form, tmp_path):
     with live_service(tmp_path) as service:
-        page = form(service)
+        page = form(service, globe=True)
         plan(page)
         is_planned(page)
         gone = page.url.removeprefix(service.address)

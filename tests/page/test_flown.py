@@ -3,17 +3,9 @@
 import json
 
 import httpx
-import pytest
 from browsing import PHONE, ROOT, fit_a_phone, made, show_one_instant, violations
 from other_body import Flown, body_request, written
 from playwright.sync_api import expect
-
-
-@pytest.fixture(scope="module")
-def plan(service) -> str:
-    """The id of the Las Vegas pass."""
-    request = json.loads((ROOT / "examples/las_vegas_2015.json").read_text())
-    return made(service, "/v1/plans", request)["id"]
 
 
 def test_a_plan_is_flown_and_what_is_to_blame_is_told(open_page, plan):

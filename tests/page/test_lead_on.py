@@ -5,19 +5,12 @@ import json
 from pathlib import Path
 
 import pytest
-from browsing import PHONE, ROOT, fit_a_phone, made, show_one_instant, violations
+from browsing import PHONE, ROOT, fit_a_phone, show_one_instant, violations
 from playwright.sync_api import expect
 from test_flown import telemetry
 
 NAMED = "Las Vegas, 27 Feb 2015 17:36:20–17:37:50 UTC"
 FRAMES = [str(ROOT / f"examples/horizon_{name}.png") for name in ("ahead", "right")]
-
-
-@pytest.fixture(scope="module")
-def plan(service) -> str:
-    """The id of the Las Vegas pass."""
-    request = json.loads((ROOT / "examples/las_vegas_2015.json").read_text())
-    return made(service, "/v1/plans", request)["id"]
 
 
 def plan_field(page):
@@ -48,7 +41,7 @@ def test_a_plan_leads_to_each_room_that_knows_it_by_name(open_page, plan, button
 
 
 def test_export_goes_to_the_files(open_page, plan):
-    page = open_page(f"/plans/{plan}", viewport=PHONE)
+    page = open_page(f"/plans/{plan}", viewport=PHONE, globe=True)
     page.get_by_role("button", name="Export").click()
     expect(page.get_by_role("region", name="Take away")).to_be_in_viewport()
     fit_a_phone(page)

@@ -51,13 +51,6 @@ AGILE = {
     },
 }
 
-_WITHOUT_WEBGL = """
-const { getContext } = HTMLCanvasElement.prototype;
-HTMLCanvasElement.prototype.getContext = function (kind, ...given) {
-  return kind.startsWith("webgl") ? null : getContext.call(this, kind, ...given);
-};
-"""
-
 # How much was drawn, and for how many of the browser's pictures nothing was.
 _COUNT_DRAWING = """
 window.drawn = window.idle = 0;
@@ -73,9 +66,9 @@ count();
 
 
 @pytest.fixture(scope="module")
-def las_vegas(service) -> str:
+def las_vegas(plan) -> str:
     """Its address on the page."""
-    return planned(service)
+    return f"/plans/{plan}"
 
 
 def planned(service, **changed: object) -> str:
@@ -126,7 +119,7 @@ def test_a_spacecraft_that_turns_as_a_whole_shows_what_it_has(open_page, service
     request = json.loads((ROOT / "examples/three_sessions.json").read_text()) | {"platform": AGILE}
     del request["attitude"], request["initial_state"]
     path = f"/plans/{made(service, '/v1/plans', request)['id']}"
-    page = open_page(path)
+    page = open_page(path, globe=True)
     view = view_of(service, path)
     least_deg = min(
         margin
@@ -199,7 +192,7 @@ def test_a_closer_look_at_the_session(open_page, service, las_vegas):
 
 
 def test_the_globe_plays_the_plan(open_page, las_vegas):
-    page = open_page(las_vegas)
+    page = open_page(las_vegas, globe=True)
     globe = page.locator(".look-globe")
     expect(globe).to_have_attribute("data-state", "there")
     eventually(lambda: shows_the_earth(globe))
@@ -211,7 +204,7 @@ def test_close_to_the_target_there_is_the_flat_map(open_page, service, las_vegas
     """Swath, frame, 1-sigma ellipse, scale and legend; the ellipse is as long as range and angle
     make it."""
     view = view_of(service, las_vegas)
-    page = open_page(las_vegas)
+    page = open_page(las_vegas, globe=True)
     expect(page.locator(".look-globe")).to_have_attribute("data-state", "there")
     page.get_by_role("button", name="Target", exact=True).click()
     near = page.get_by_role("img", name="Map with the ground track")
@@ -238,7 +231,7 @@ def test_close_to_the_target_there_is_the_flat_map(open_page, service, las_vegas
 
 
 def test_a_globe_closer_than_its_picture_becomes_the_map(open_page, las_vegas):
-    page = open_page(las_vegas)
+    page = open_page(las_vegas, globe=True)
     expect(page.locator(".look-globe")).to_have_attribute("data-state", "there")
     near = page.get_by_role("img", name="Map with the ground track")
     for _ in range(20):
@@ -252,7 +245,7 @@ def test_a_star_has_a_chart_of_the_sky(open_page, service):
     """The star in the middle, the Sun as far off as the view tells, its height above the limb."""
     path = f"/plans/{made(service, '/v1/plans', PLAN_EXAMPLES['star'][1])['id']}"
     view = view_of(service, path)
-    page = open_page(path)
+    page = open_page(path, globe=True)
     chart = page.get_by_role("img", name="Chart of the sky around the target")
     expect(chart).to_be_visible()
     go_to(page, 200)
@@ -280,7 +273,7 @@ def test_a_star_has_a_chart_of_the_sky(open_page, service):
 
 
 def test_the_globe_rests_until_something_moves(open_page, las_vegas):
-    page = open_page("/healthz")
+    page = open_page("/healthz", globe=True)
     page.add_init_script(_COUNT_DRAWING)
     page.goto(page.url.replace("/healthz", las_vegas))
     expect(page.locator(".look-globe")).to_have_attribute("data-state", "there")
@@ -293,7 +286,7 @@ def test_the_globe_rests_until_something_moves(open_page, las_vegas):
 
 def test_one_globe_is_kept_from_plan_to_plan(open_page, service, las_vegas):
     """Each one that is destroyed leaves its canvas with listeners behind."""
-    page = open_page(las_vegas)
+    page = open_page(las_vegas, globe=True)
     globe = page.locator(".look-globe[data-state=there]")
     globe.locator("canvas").evaluate("canvas => { canvas.dataset.first = ''; }")
     for path in (planned(service, name="another"), "/plans", las_vegas):
@@ -307,9 +300,7 @@ def test_one_globe_is_kept_from_plan_to_plan(open_page, service, las_vegas):
 
 
 def test_without_webgl_there_is_a_map(open_page, las_vegas):
-    page = open_page("/healthz")
-    page.add_init_script(_WITHOUT_WEBGL)
-    page.goto(page.url.replace("/healthz", las_vegas))
+    page = open_page(las_vegas)
     land_map = page.get_by_role("img", name="Map with the ground track")
     expect(land_map).to_be_visible()
     expect(land_map.get_by_text("36.1147")).to_be_visible()
@@ -319,13 +310,13 @@ def test_without_webgl_there_is_a_map(open_page, las_vegas):
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_it_is_accessible(open_page, las_vegas, theme):
-    page = open_page(las_vegas, color_scheme=theme)
+    page = open_page(las_vegas, color_scheme=theme, globe=True)
     expect(page.locator(".chart canvas").first).to_be_visible()
     assert violations(page) == []
 
 
 def test_russian_and_a_phone(open_page, las_vegas):
-    page = open_page(las_vegas, viewport=PHONE, locale="ru-RU")
+    page = open_page(las_vegas, viewport=PHONE, locale="ru-RU", globe=True)
     expect(page.get_by_role("button", name="Пуск")).to_be_visible()
     expect(page.get_by_role("heading", name="В выбранный момент")).to_be_visible()
     fit_a_phone(page)

@@ -21,13 +21,16 @@ def test_every_room_has_an_address_that_the_service_knows():
 @pytest.mark.parametrize("theme", ["light", "dark"])
 @pytest.mark.parametrize("path", ROOMS)
 def test_each_room_opens_and_is_accessible(open_page, path, theme):
+    """And on a phone nothing is wider than that."""
     page = open_page(path, color_scheme=theme)
     expect(page.get_by_role("heading", level=1)).to_be_visible()
     assert violations(page) == []
+    page.set_viewport_size(PHONE)
+    fit_a_phone(page)
 
 
 def test_a_plan_is_made_and_its_table_downloaded(open_page):
-    page = open_page()
+    page = open_page(globe=True)
     page.get_by_role("button", name="Plan").click()
     expect(page.get_by_test_id("verdict")).to_contain_text("Passed")
     assert re.search(r"/plans/[0-9a-z-]+$", page.url)
@@ -46,13 +49,6 @@ def test_russian_stays_chosen(open_page):
     page.reload()
     expect(page.get_by_role("heading", level=1)).to_have_text("Сохранённое")
     assert page.evaluate("document.documentElement.lang") == "ru"
-
-
-@pytest.mark.parametrize("path", ROOMS)
-def test_nothing_is_wider_than_a_phone(open_page, path):
-    page = open_page(path, viewport=PHONE)
-    expect(page.get_by_role("heading", level=1)).to_be_visible()
-    fit_a_phone(page)
 
 
 def test_what_is_loaded_before_the_globe_is_small(open_page, service):

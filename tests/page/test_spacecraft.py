@@ -137,7 +137,7 @@ def test_a_wrong_request_keeps_what_was_typed(open_page):
 
 
 def test_on_a_phone_nothing_is_wider(open_page, session):
-    page = open_page(f"/spacecraft/plans/{session['id']}", viewport=PHONE)
+    page = open_page(f"/spacecraft/plans/{session['id']}", viewport=PHONE, globe=True)
     expect(page.get_by_role("img", name="Rate error while imaging")).to_be_visible()
     fit_a_phone(page)
 
