@@ -238,15 +238,12 @@ def test_from_inertial_rest_it_first_turns_to_orbital_orientation():
     assert plan.verification.passed
 
 
-def test_too_far_aside_is_refused_with_where_it_is_and_where_it_would_do():
+def test_too_far_aside_is_refused_with_where_it_is():
     far = StripRequest(name="far", geometry=line(100.0, across_km=900.0))
     with pytest.raises(Unreachable, match=r"4[0-9]\.\d deg across|5[0-9]\.\d deg across") as why:
         plan_imaging(session([far], 240.0))
     assert why.value.field == "requests.0"
     assert why.value.at_utc is not None
-    moved_km = int(re.search(r"moved (\d+) km towards", why.value.detail)[1])
-    nearer = dataclasses.replace(far, geometry=line(100.0, across_km=900.0 - moved_km))
-    assert plan_imaging(session([nearer], 240.0, simulation_runs=0)).verification.passed
 
 
 def test_a_window_too_short_is_refused_with_the_nearest_that_works():

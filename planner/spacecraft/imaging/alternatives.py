@@ -1,7 +1,7 @@
 """Alternatives to a refused session, nearest first, each tried by planning it.
 
-Another time, another session, the same lines moved towards the track, less momentum in the
-gyros.  An alternative that is named has been planned and verified.
+Another time, another session, less momentum in the gyros.  An alternative that is named has been
+planned and verified.
 """
 
 import math
@@ -11,19 +11,11 @@ from datetime import datetime
 
 import numpy as np
 
-from planner.base.arrays import Array
 from planner.base.errors import InfeasibleSlew, InvalidInput, OutsideCoverage, Refusal, Unreachable
-from planner.spacecraft.imaging.candidates import (
-    OPTIONS as CANDIDATE_OPTIONS,
-)
-from planner.spacecraft.imaging.candidates import (
-    Candidate,
-    candidates,
-    middle_of,
-)
+from planner.spacecraft.imaging.candidates import Candidate, candidates
 from planner.spacecraft.imaging.choice_with_slews import LooksTooClose
 from planner.spacecraft.imaging.request_arcs import least_time_s
-from planner.spacecraft.imaging.session import ImagingSession, make_session
+from planner.spacecraft.imaging.session import make_session
 from planner.spacecraft.requests import (
     SESSION_MAX_S,
     ImagingPlanRequest,
@@ -31,10 +23,7 @@ from planner.spacecraft.requests import (
     StereoRequest,
 )
 from planner.spacecraft.table import TICK_S
-from planner.world.frames.earth_orientation import itrf_from_eci_state
-from planner.world.frames.geodesy import WGS84_A_M, c_enu_from_itrf, geodetic_from_itrf
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
-from planner.world.targets.geojson import GeoLineString, GeoPolygon, Position
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,8 +40,6 @@ class AlternativeOptions:
     momentum_shares: tuple[float, ...] = (0.9, 0.75, 0.5, 0.25, 0.0)
     # a wider gap makes the slew longer
     gap_more_s: tuple[float, ...] = (0.0, 2.0, 4.0, 8.0, 16.0, 32.0)
-    # the line's ends stand further out than its middle
-    moved_more_km: tuple[float, float, float] = (5.0, 25.0, 75.0)
 
 
 OPTIONS = AlternativeOptions()
@@ -133,18 +120,16 @@ def _wider_gaps(request: ImagingPlanRequest, number: int, gap_s: float) -> Itera
 
 
 def _of_one_request(request: ImagingPlanRequest, number: int) -> Iterator[Alternative]:
-    """The number-th request by itself, at another time or moved."""
+    """The number-th request by itself, at another time."""
     bound = request.requests[number]
     free = replace(bound, start=None, window_start=None, window_stop=None)
-    session = make_session(request)
-    if least_time_s(free, session)[1] > SESSION_MAX_S:
+    if least_time_s(free, make_session(request))[1] > SESSION_MAX_S:
         return
     for longer_s in OPTIONS.longer_s:
         times = _other_times(request, bound, free, longer_s)
         if times:
             yield from times
             return
-    yield from _moved_lines(request, free, session)
 
 
 def _other_times(
@@ -225,71 +210,3 @@ def _at_time(
         start_utc=start,
         stop_utc=stop,
     )
-
-
-def _moved_lines(
-    request: ImagingPlanRequest, free: Request, session: ImagingSession
-) -> Iterator[Alternative]:
-    """The lines shifted over the ground, straight towards the track."""
-    approach = _closest_approach(free, session)
-    if approach is None:
-        return
-    outside_m, towards_enu = approach
-    for more_km in OPTIONS.moved_more_km:
-        shift_km = outside_m / 1e3 + more_km
-        try:
-            moved = _shift_request(free, shift_km * towards_enu)
-        except ValueError:  # nearer to a pole it is smaller than what may be asked for
-            continue
-        geometry = moved.geometry
-        line = geometry.coordinates[0] if isinstance(geometry, GeoPolygon) else geometry.coordinates
-        yield Alternative(
-            request=replace(request, requests=(moved,), simulation_runs=0),
-            text=f"{free.name!r} moved {shift_km:.0f} km towards the ground track, its first "
-            f"position at [{line[0][0]:.4f}, {line[0][1]:.4f}]",
-        )
-
-
-def _shift_request(free: Request, shift_enu_km: Array) -> Request:
-    east_km, north_km, _ = shift_enu_km.tolist()
-    north_deg = math.degrees(1e3 * north_km / WGS84_A_M)
-
-    def shift_position(p: Position) -> Position:
-        latitude_rad = math.radians(p[1] + 0.5 * north_deg)
-        east_deg = math.degrees(1e3 * east_km / WGS84_A_M / math.cos(latitude_rad))
-        longitude_deg = (p[0] + east_deg + 180.0) % 360.0 - 180.0
-        return (longitude_deg, min(max(p[1] + north_deg, -89.0), 89.0))
-
-    if isinstance(free.geometry, GeoPolygon):
-        ring = tuple(shift_position(p) for p in free.geometry.coordinates[0])
-        return replace(free, geometry=GeoPolygon(coordinates=(ring,)))
-    line = tuple(shift_position(p) for p in free.geometry.coordinates)
-    return replace(free, geometry=GeoLineString(coordinates=line))
-
-
-def _closest_approach(request: Request, session: ImagingSession) -> tuple[float, Array] | None:
-    """How far over the ground the request's middle lies outside the camera's reach when the track
-    passes it, m, and the horizontal unit vector from it to the track there, ENU.
-
-    None when the track doesn't pass it.
-    """
-    middle_itrf_m = middle_of(request, session)
-    grid_s = np.arange(0.0, session.duration_s, 1.0)
-    along_rad, _ = session.passing.look_angles(middle_itrf_m, grid_s)
-    abeam = int(np.argmin(np.abs(along_rad)))
-    if abs(along_rad[abeam]) > CANDIDATE_OPTIONS.passing_rad:
-        return None
-    instants = session.instants(grid_s[abeam : abeam + 1])
-    states = session.ephemeris.states(instants)
-    [r_sat_itrf_m], _ = itrf_from_eci_state(states.r_sat_eci_m, states.v_sat_eci_m_s, instants)
-    orbit_m, earth_m = float(np.linalg.norm(r_sat_itrf_m)), float(np.linalg.norm(middle_itrf_m))
-    up_itrf = r_sat_itrf_m / orbit_m
-    # On a sphere under the satellite: sin(angle at it) r = sin(angle at the ground point) R.
-    limit_rad = math.radians(session.spacecraft.camera.across_max_deg)
-    reach_rad = math.asin(min(math.sin(limit_rad) * orbit_m / earth_m, 1.0)) - limit_rad
-    away_rad = math.acos(float(np.clip(up_itrf @ middle_itrf_m / earth_m, -1.0, 1.0)))
-    latitude_rad, longitude_rad, _ = geodetic_from_itrf(middle_itrf_m)
-    c_enu = c_enu_from_itrf(float(latitude_rad), float(longitude_rad))
-    east_m, north_m, _ = c_enu @ (up_itrf * earth_m - middle_itrf_m)
-    towards_enu = np.array([east_m, north_m, 0.0]) / math.hypot(east_m, north_m)
-    return max((away_rad - reach_rad) * earth_m, 0.0), towards_enu
