@@ -54,11 +54,7 @@ from planner.spacecraft.body import body_of
 from planner.spacecraft.flight.simulation import fly_many
 from planner.spacecraft.imaging.candidates import candidates
 from planner.spacecraft.imaging.choice_with_slews import options_of
-from planner.spacecraft.imaging.ground_arc import (
-    GroundArc,
-    orbital_q_body_from_eci,
-    scan_q_body_from_eci,
-)
+from planner.spacecraft.imaging.ground_arc import GroundArc
 from planner.spacecraft.imaging.session import ImagingSession, make_session
 from planner.spacecraft.imaging.timeline import scans_of
 from planner.spacecraft.plan import ImagingPlan, plan_imaging
@@ -257,11 +253,8 @@ def nominal(spacecraft: AgileSpacecraft) -> Dispersion:
 
 def attitudes(session: ImagingSession, arc: GroundArc | None, t_s: Array) -> Rotation:
     """`q_body_from_eci` that scan an arc, or of orbital orientation."""
-    instants = session.instants(t_s)
-    if arc is None:
-        return orbital_q_body_from_eci(session.ephemeris, instants)
-    share = (t_s - arc.start_s) / arc.duration_s
-    return scan_q_body_from_eci(arc, share, session.ephemeris, instants)
+    begin_s = 0.0 if arc is None else arc.start_s
+    return session.q_body_from_eci(arc, np.full(len(t_s), begin_s), t_s)
 
 
 @lru_cache(maxsize=2)

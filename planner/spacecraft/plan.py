@@ -89,6 +89,8 @@ def plan_imaging(request: ImagingPlanRequest, tell: Reporter = tell_nobody) -> I
     with at_most(_bound_work(request)):
         try:
             return _make_plan(request, tell)
+        except SearchEnded:
+            raise _search_ended(request) from None
         except (Unreachable, InfeasibleSlew, InvalidInput) as why:
             tell("alternatives", 0, 1)
             with suppress(WorkLimitReached):
@@ -131,15 +133,13 @@ def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, gentler: bool = T
         options, unseen = options_of(session)
     with clock.time("choice and slews"):
         chosen = choose_and_slew(session, options, gentler=gentler)
-    if chosen is None:
-        raise _search_ended(request)
     timeline = chosen.timeline
     effort.count(table_work(timeline.scenario, timeline.joins[-1].stop_row))
     whole = complete_plan(timeline.scenario, session.ephemeris, timeline.joins, clock)
     verification = verify_table(whole.table, whole.verification, timeline.windows, request)
     if not verification.passed:
         raise VerificationFailed("; ".join(verification.findings))
-    warnings = (*whole.warnings, *chosen.warnings)
+    warnings = whole.warnings
     runs = _affordable_runs(request, len(whole.table.position))
     if runs < request.simulation_runs:
         warnings += (

@@ -12,11 +12,17 @@ from planner.spacecraft.body import body_of
 from planner.spacecraft.imaging.candidates import Candidate
 from planner.spacecraft.imaging.choose import choose
 from planner.spacecraft.imaging.ground_arc import GroundArc
-from planner.spacecraft.imaging.slew_time import MovingEnds, slew_time
+from planner.spacecraft.imaging.slews import Slews
 from planner.spacecraft.vehicle.definition import AGILE_CMG
 
 BODY = body_of(AGILE_CMG)
-TIME = slew_time(BODY)
+SLEWS = Slews(platform=BODY)
+
+
+def state(turn_rad, rate_rad_s=0.0):
+    """Of `Slews`, turning about Z."""
+    rate = [0.0, 0.0, rate_rad_s]
+    return np.array([*Rotation.from_rotvec(turn_rad).as_quat(), *rate, *[0.0] * 4])
 
 
 def candidate(request, part, start_s, pitch_rad, rate_rad_s=0.0):
@@ -27,12 +33,9 @@ def candidate(request, part, start_s, pitch_rad, rate_rad_s=0.0):
         start_s=start_s,
         duration_s=6.0,
     )
-    tilted = MovingEnds(
-        q_body_from_eci_xyzw=Rotation.from_rotvec([[0.0, 0.0, -pitch_rad]]).as_quat(),
-        rate_eci_rad_s=np.array([[0.0, 0.0, rate_rad_s]]),
-    )
+    tilted = state([0.0, 0.0, pitch_rad], rate_rad_s)
     return Candidate(
-        request=request, part=part, arcs=(arc,), entry=tilted, exit=tilted, tilt_rad=0.0
+        request=request, part=part, arcs=(arc,), entry_state=tilted, exit_state=tilted, tilt_rad=0.0
     )
 
 
@@ -50,7 +53,9 @@ def random_session(seed, stereo):
 
 
 def follows(a, b):
-    return b.start_s - a.stop_s >= TIME.ticks(a.exit, b.entry)[0] * 0.2 - 1e-6
+    one = np.zeros(1, np.intp)
+    ticks = np.array([round((b.start_s - a.stop_s) / 0.2)])
+    return SLEWS.fit(a.exit_state[None], b.entry_state[None], one, one, ticks)[0]
 
 
 def brute_force(options, priorities):
@@ -71,41 +76,40 @@ def brute_force(options, priorities):
 @pytest.mark.parametrize("stereo", [False, True])
 def test_choice_is_the_best_of_all(seed, stereo):
     options, priorities = random_session(seed, stereo)
-    choice = choose(options, priorities, TIME, {})
+    choice = choose(options, priorities, SLEWS)
     assert choice.value == pytest.approx(brute_force(options, priorities))
     assert choice.greedy_value <= choice.value
     path = [options[k] for k in choice.chosen]
     assert all(follows(a, b) for a, b in itertools.pairwise(path))
 
 
-def test_a_pair_that_needs_more_time_gets_it():
+def test_a_pair_whose_slew_was_not_found_is_not_chosen():
     options = [candidate(0, 0, 10.0, 0.0), candidate(1, 0, 30.0, 0.1)]
-    assert choose(options, [1.0, 1.0], TIME, {}).value == 2.0
-    assert choose(options, [1.0, 1.0], TIME, {(0, 1): 100}).value == 1.0
+    assert choose(options, [1.0, 1.0], SLEWS).value == 2.0
+    assert choose(options, [1.0, 1.0], SLEWS, {(0, 1)}).value == 1.0
 
 
 @pytest.mark.parametrize("rates_deg_s", [(0.0, 0.0), (-0.9, -0.9), (0.5, -0.4), (0.7, 0.3)])
 @pytest.mark.parametrize("angle_deg", [4.0, 20.0, 45.0])
-def test_estimated_turn_times_are_a_little_above_the_least_ones(angle_deg, rates_deg_s):
-    """About one axis Ruckig's jerk-limited time is the least; 0.8 s are allowed for rates aside,
-    3 % for slews without corners, and one tick is lost by rounding."""
-    rates = [np.array([0.0, 0.0, math.radians(rate)]) for rate in rates_deg_s]
-    ends = [Rotation.identity(), Rotation.from_rotvec([0.0, 0.0, math.radians(angle_deg)])]
-    moving = [
-        MovingEnds(q_body_from_eci_xyzw=e.inv().as_quat()[None], rate_eci_rad_s=r[None])
-        for e, r in zip(ends, rates, strict=True)
-    ]
+def test_turn_times_that_suffice_are_a_little_above_the_least_ones(angle_deg, rates_deg_s):
+    """About one axis Ruckig's jerk-limited time is the least; what blends two motions, or stops
+    first, takes up to 4 s more."""
+    rates_rad_s = np.deg2rad(rates_deg_s).tolist()
+    start, end = (
+        state([0.0, 0.0, 0.0], rates_rad_s[0]),
+        state([0.0, 0.0, math.radians(angle_deg)], rates_rad_s[1]),
+    )
     rate, acceleration, jerk = BODY.envelope.by_order_rad[:, 2].tolist()
     asked = InputParameter(1)
     asked.current_position, asked.target_position = [0.0], [math.radians(angle_deg)]
-    asked.current_velocity, asked.target_velocity = [rates[0][2]], [rates[1][2]]
+    asked.current_velocity, asked.target_velocity = [rates_rad_s[0]], [rates_rad_s[1]]
     asked.max_velocity = [rate]
     asked.max_acceleration = [acceleration]
     asked.max_jerk = [jerk]
     least = Trajectory(1)
     Ruckig(1).calculate(asked, least)
-    estimated_s = TIME.ticks(*moving)[0] * 0.2 - BODY.envelope.settle_s
-    assert least.duration <= estimated_s <= 1.03 * least.duration + 0.8 + 0.2 + 0.5
+    enough_s = SLEWS.ticks(start[None], end[None])[0] * 0.2 - BODY.envelope.settle_s
+    assert least.duration <= enough_s <= least.duration + 4.0
 
 
 def test_full_gyros_turn_slowly():
@@ -113,12 +117,6 @@ def test_full_gyros_turn_slowly():
     full = body_of(AGILE_CMG, (0.0, 0.0, 45.0))
     rate_rad_s = 11.0 / math.hypot(800.0, 500.0, 800.0)
     np.testing.assert_allclose(full.envelope.by_order_rad[0], rate_rad_s)
-    start, end = (
-        MovingEnds(
-            q_body_from_eci_xyzw=Rotation.from_rotvec([[0.0, 0.0, angle_rad]]).inv().as_quat(),
-            rate_eci_rad_s=np.zeros((1, 3)),
-        )
-        for angle_rad in (0.0, 0.8)
-    )
+    start, end = state([0.0, 0.0, 0.0]), state([0.0, 0.0, 0.8])
     least_s = 0.8 / rate_rad_s
-    assert least_s < 0.2 * slew_time(full).ticks(start, end)[0] < 1.2 * least_s
+    assert least_s < 0.2 * Slews(platform=full).ticks(start[None], end[None])[0] < 1.2 * least_s

@@ -15,10 +15,9 @@ from planner.base.arrays import Array
 from planner.base.errors import InfeasibleSlew, Unreachable, figures
 from planner.base.mrp import BodyMotion
 from planner.motion.attitude.track import agility_limits
-from planner.spacecraft.imaging.ground_arc import GroundArc, scan_q_body_from_eci
+from planner.spacecraft.imaging.ground_arc import GroundArc
 from planner.spacecraft.imaging.request_arcs import least_time_s, scan_orders
 from planner.spacecraft.imaging.session import ImagingSession
-from planner.spacecraft.imaging.slew_time import MovingEnds
 from planner.spacecraft.requests import (
     LOOK_ANGLE_DEG,
     ImagingRequest,
@@ -57,16 +56,16 @@ class Candidate:
     """One possibility to image a request: arcs in order of time, all within the camera's angles.
 
     request: its number in the session.  part: 0 for a whole request, 1 and 2 for the two looks
-    of a stereo pair (which may have others between).  entry, exit: attitude and rate at the
-    first arc's start and the last one's end, n = 1.  tilt_rad: largest angle along the track.
+    of a stereo pair (which may have others between).  entry_state, exit_state: as of `Slews`, (11,)
+    each, of the first arc and the last one.  tilt_rad: largest angle along the track.
     used_shares: largest of the limits of rate and acceleration while it is scanned.
     """
 
     request: int
     part: int
     arcs: tuple[GroundArc, ...]
-    entry: MovingEnds
-    exit: MovingEnds
+    entry_state: Array
+    exit_state: Array
     tilt_rad: float
     used_shares: tuple[float, float] = (0.0, 0.0)
 
@@ -173,11 +172,11 @@ def _from_starts(
     t_s, tilt_rad = starts_s, np.zeros(len(starts_s))
     begins_s = np.empty((0, len(starts_s)))  # of each arc so far, for each start still open
     used = np.zeros((2, len(starts_s)))
-    exits: MovingEnds | None = None
+    exit_states: Array | None = None
     for arc in arcs:
         effort.charge(OPTIONS.arc_at_start * len(t_s))
-        if exits is not None:
-            t_s = _after_slew_s(exits, t_s, arc, session)
+        if exit_states is not None:
+            t_s = _after_slew_s(exit_states, t_s, arc, session)
         scan_s = arc.ticks * TICK_S
         kept = np.flatnonzero((t_s >= first_s) & (t_s + scan_s <= last_s))
         in_reach, along_rad = _in_reach(arc, t_s[kept], scan_s, session)
@@ -188,9 +187,9 @@ def _from_starts(
         tilt_rad = np.maximum(tilt_rad[kept], along_rad[in_reach])
         used = np.maximum(used[:, kept], _used_shares(arc, t_s[kept], scan_s, session))
         t_s = t_s[kept] + scan_s
-        exits = session.ends(arc, scan_s / arc.duration_s, t_s)
-    assert exits is not None
-    entries = session.ends(arcs[0], 0.0, begins_s[0])
+        exit_states = session.ends(arc, begins_s[-1], scan_s)
+    assert exit_states is not None
+    entry_states = session.entries(arcs[0], begins_s[0])
     return [
         Candidate(
             request=number,
@@ -199,8 +198,8 @@ def _from_starts(
                 replace(arc, start_s=float(begin_s))
                 for arc, begin_s in zip(arcs, begins_s[:, k], strict=True)
             ),
-            entry=entries[k : k + 1],
-            exit=exits[k : k + 1],
+            entry_state=entry_states[k],
+            exit_state=exit_states[k],
             tilt_rad=float(tilt_rad[k]),
             used_shares=(float(used[0, k]), float(used[1, k])),
         )
@@ -220,12 +219,12 @@ def _window_s(request: ImagingRequest, session: ImagingSession) -> tuple[float, 
     return first_s, last_s
 
 
-def _after_slew_s(exits: MovingEnds, t_s: Array, arc: GroundArc, session: ImagingSession) -> Array:
+def _after_slew_s(exit_states: Array, t_s: Array, arc: GroundArc, session: ImagingSession) -> Array:
     """Starts of the next arc, by slews that leave the scans before at t_s."""
     starts_s = t_s + OPTIONS.slew_guess_s
     for _ in range(OPTIONS.slew_rounds):
-        entries = session.ends(arc, 0.0, np.clip(starts_s, 0.0, session.duration_s))
-        starts_s = t_s + session.slew_time.ticks(exits, entries) * TICK_S
+        entry_states = session.entries(arc, np.clip(starts_s, 0.0, session.duration_s))
+        starts_s = t_s + session.slews.ticks(exit_states, entry_states) * TICK_S
     return np.asarray(starts_s)
 
 
@@ -239,12 +238,7 @@ def _used_shares(arc: GroundArc, begins_s: Array, scan_s: float, session: Imagin
     after_s = np.tile(np.linspace(-settle_s, scan_s + TICK_S, count), len(begins_s))
     t_s = np.repeat(begins_s, count) + after_s
     before, now, later = (
-        scan_q_body_from_eci(
-            arc,
-            (after_s + shift_s) / arc.duration_s,
-            session.ephemeris,
-            session.instants(t_s + shift_s),
-        )
+        session.q_body_from_eci(arc, t_s - after_s, t_s + shift_s)
         for shift_s in (-TICK_S, 0.0, TICK_S)
     )
     rates_body_rad_s = [

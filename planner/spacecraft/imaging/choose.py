@@ -6,14 +6,14 @@ second earns, and only after the first.
 Source: Peng et al. 2020 (agile satellites).
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Sequence, Set
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from planner.base import effort
-from planner.base.arrays import Array, Indices
+from planner.base.arrays import Array, Indices, Mask
 from planner.base.compiled import compiled
 from planner.planning.label_search import (
     COMPLETES,
@@ -30,17 +30,17 @@ from planner.planning.label_search import (
     visit,
 )
 from planner.spacecraft.imaging.candidates import Candidate
-from planner.spacecraft.imaging.slew_time import MovingEnds, SlewTime
+from planner.spacecraft.imaging.slews import Slews
 from planner.spacecraft.table import TICK_S
 
-PAIR = 0.06  # of `effort`
+PAIR = 0.3  # of `effort`
 WAIT_TICKS = 10  # of the chain of idle instants: 2 s, the grid of the candidates
 
 
 @dataclass(frozen=True, kw_only=True)
 class Choice:
     """Candidates in order of time, and how good the choice of them is: the best found for slew
-    times that are estimated, mostly longer than the slews', so that a better one may exist.
+    times that suffice, mostly longer than the slews', so that a better one may exist.
 
     chosen: indices into the candidates; requests: theirs.  value: sum of priorities
     fulfilled.  greedy_value: of taking requests by priority, each at the first moment that fits.
@@ -68,50 +68,52 @@ class Imaging(NamedTuple):
 class SlewGraph(NamedTuple):
     """first (n + 1,): candidate j can directly follow before[first[j]] to before[first[j + 1]].
 
-    reach_ticks (n,): so long after a candidate's stop any other can be begun.
+    reach_ticks: so long after a candidate's stop any other can be begun.
     """
 
     first: Indices
     before: Indices
-    reach_ticks: Indices
+    reach_ticks: int
 
 
 @dataclass(frozen=True, eq=False)
 class _Nodes:
     """Candidates by their start, and the slews between them.
 
-    candidate: index in the order given, (n,).  extra_ticks: (node, node) -> slew time known to be
-    needed, where it was estimated too short.
+    candidate: index in the order given, (n,).  entry_states, exit_states: (n, 11).
+    apart: nodes of which the second can't follow the first, though the time seemed to suffice.
     """
 
     imaging: Imaging
     candidate: Indices
-    entry: MovingEnds
-    exit: MovingEnds
+    entry_states: Array
+    exit_states: Array
     tilt_rad: Array
-    slew_time: SlewTime
-    extra_ticks: dict[tuple[int, int], int]
+    slews: Slews
+    apart: Set[tuple[int, int]]
 
-    def slew_ticks(self, before: Indices, after: int) -> Indices:
-        """Slew time from each of some nodes to one."""
-        ticks = self.slew_time.ticks(self.exit[before], self.entry[after : after + 1])
-        if not self.extra_ticks:
-            return ticks
-        known = [self.extra_ticks.get((int(k), after), 0) for k in before]
-        return np.maximum(ticks, np.array(known, dtype=np.intp))
+    def follow(self, before: Indices, after: Indices) -> Mask:
+        """Whether nodes can follow others, (n,)."""
+        gap = self.imaging.start_tick[after] - self.imaging.stop_tick[before]
+        fits = self.slews.fit(self.exit_states, self.entry_states, before, after, gap)
+        for k, pair in enumerate(zip(before.tolist(), after.tolist(), strict=True)):
+            if not self.apart:
+                break
+            fits[k] &= pair not in self.apart
+        return fits
 
 
 def choose(
     candidates: Sequence[Candidate],
     priorities: Sequence[float],
-    slew_time: SlewTime,
-    extra_ticks: dict[tuple[int, int], int],
+    slews: Slews,
+    apart: Set[tuple[int, int]] = frozenset(),
 ) -> Choice:
     """The best choice for these slew times, if labels last.
 
-    extra_ticks: (candidate, candidate) -> slew time known to be needed.
+    apart: candidates of which the second can't follow the first.
     """
-    nodes = _nodes(candidates, priorities, slew_time, extra_ticks)
+    nodes = _nodes(candidates, priorities, slews, apart)
     imaging, graph = nodes.imaging, _slew_graph(nodes)
     greedy = _greedy(nodes, priorities)
     solved = 0
@@ -139,8 +141,8 @@ def choose(
 def _nodes(
     candidates: Sequence[Candidate],
     priorities: Sequence[float],
-    slew_time: SlewTime,
-    extra_ticks: dict[tuple[int, int], int],
+    slews: Slews,
+    apart: Set[tuple[int, int]],
 ) -> _Nodes:
     order = np.argsort([round(c.start_s / TICK_S) for c in candidates], kind="stable")
     node = {int(k): place for place, k in enumerate(order)}
@@ -154,33 +156,30 @@ def _nodes(
             priority=np.array([0.0 if c.part == OPENS else priorities[c.request] for c in ordered]),
         ),
         candidate=order,
-        entry=MovingEnds.concatenate([c.entry for c in ordered]),
-        exit=MovingEnds.concatenate([c.exit for c in ordered]),
+        entry_states=np.array([c.entry_state for c in ordered]),
+        exit_states=np.array([c.exit_state for c in ordered]),
         tilt_rad=np.array([c.tilt_rad for c in ordered]),
-        slew_time=slew_time,
-        extra_ticks={(node[a], node[b]): ticks for (a, b), ticks in extra_ticks.items()},
+        slews=slews,
+        apart={(node[a], node[b]) for a, b in apart},
     )
 
 
 def _slew_graph(nodes: _Nodes) -> SlewGraph:
     start_tick, stop_tick = nodes.imaging.start_tick, nodes.imaging.stop_tick
-    widest = max([nodes.slew_time.widest_ticks, *nodes.extra_ticks.values()])
-    reach_ticks = np.zeros_like(stop_tick)
+    widest = nodes.slews.widest_ticks
     before: list[Indices] = []
     for j, start in enumerate(start_tick):
         gap = start - stop_tick
-        i = np.flatnonzero((gap > 0) & (gap <= widest))
+        i = np.flatnonzero((gap > 0) & (gap < widest))
         effort.charge(PAIR * len(i))
-        needed = nodes.slew_ticks(i, j)
-        np.maximum.at(reach_ticks, i, needed)
-        before.append(i[needed <= gap[i]])
+        before.append(i[nodes.follow(i, np.full(len(i), j))])
     first = np.cumsum([0, *map(len, before)])
-    return SlewGraph(first, np.concatenate(before), reach_ticks)
+    return SlewGraph(first, np.concatenate(before), widest)
 
 
 def _repeats(imaging: Imaging, count: int, graph: SlewGraph) -> Repeats:
     longest_ticks = int(np.max(imaging.stop_tick - imaging.start_tick))
-    leap_ticks = longest_ticks + int(graph.reach_ticks.max()) + 2 * WAIT_TICKS
+    leap_ticks = longest_ticks + graph.reach_ticks + 2 * WAIT_TICKS
     stereo = np.unique(imaging.request[imaging.part != WHOLE]).tolist()
     start_tick = imaging.start_tick
     return Repeats(count, imaging.request, start_tick, start_tick, leap_ticks, stereo)
@@ -192,7 +191,7 @@ def _label_paths(
 ) -> tuple[float, Indices, int]:
     """A `Round`.  Places: candidates, then idle instants; visits are numbered by candidate."""
     n = len(imaging.start_tick)
-    end = int(imaging.stop_tick.max() + graph.reach_ticks.max()) + 2 * WAIT_TICKS
+    end = int(imaging.stop_tick.max()) + graph.reach_ticks + 2 * WAIT_TICKS
     labels = no_labels(n + end // WAIT_TICKS + 2, n, memory)
     now = 0
     for j in range(n):
@@ -204,7 +203,7 @@ def _label_paths(
         made = Visit(j, imaging.request[j], imaging.part[j], imaging.priority[j], start_tick)
         visit(labels, (n + now,), j, memory, made)
         visit(labels, graph.before[graph.first[j] : graph.first[j + 1]], j, memory, made)
-        free = (imaging.stop_tick[j] + graph.reach_ticks[j] + WAIT_TICKS - 1) // WAIT_TICKS
+        free = (imaging.stop_tick[j] + graph.reach_ticks + WAIT_TICKS - 1) // WAIT_TICKS
         follow(labels, j, (n + free,), memory.every, False)
     value, visits, count = best(labels, (0, n))
     return max(value, 0.0), visits, count
@@ -270,10 +269,8 @@ def _less_tilted(nodes: _Nodes, path: list[int]) -> list[int]:
 
 def _fits(nodes: _Nodes, placed: list[int], k: int) -> bool:
     """Whether a node's slews from and to its neighbours among those placed have their time."""
-    start_tick, stop_tick = nodes.imaging.start_tick, nodes.imaging.stop_tick
+    start_tick = nodes.imaging.start_tick
     before = [i for i in placed if start_tick[i] <= start_tick[k]]
     after = [i for i in placed if start_tick[i] > start_tick[k]]
-    return all(
-        nodes.slew_ticks(np.array([i]), j)[0] <= start_tick[j] - stop_tick[i]
-        for i, j in (*((i, k) for i in before[-1:]), *((k, j) for j in after[:1]))
-    )
+    pairs = [*((i, k) for i in before[-1:]), *((k, j) for j in after[:1])]
+    return all(nodes.follow(np.array([i]), np.array([j]))[0] for i, j in pairs)

@@ -9,13 +9,14 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.errors import InvalidInput
+from planner.base.rotation import Rotation
 from planner.spacecraft.body import body_of
 from planner.spacecraft.imaging.ground_arc import (
     GroundArc,
     orbital_q_body_from_eci,
     scan_q_body_from_eci,
 )
-from planner.spacecraft.imaging.slew_time import MovingEnds, SlewTime, slew_time
+from planner.spacecraft.imaging.slews import Slews
 from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
@@ -34,15 +35,14 @@ _ORBIT_MARGIN = timedelta(seconds=200)  # scans are continued beyond the session
 class ImagingSession:
     """Times are seconds since the session's start; duration_s: a whole number of ticks.
 
-    platform: the spacecraft as the pipeline of a body turns it.
+    slews: of the spacecraft as the pipeline of a body turns it.
     """
 
     request: ImagingPlanRequest
     ephemeris: Ephemeris
     duration_s: float
     spacecraft: AgileSpacecraft
-    platform: BodyPlatform
-    slew_time: SlewTime
+    slews: Slews
 
     @property
     def epoch_utc(self) -> datetime:
@@ -55,21 +55,28 @@ class ImagingSession:
     def instants(self, t_s: Array) -> Instants:
         return Instants(self.epoch_utc, t_s)
 
-    def ends(self, arc: GroundArc | None, share: float, t_s: Array) -> MovingEnds:
-        """n attitudes with the arc's point at `share` under the slit (None: in orbital
-        orientation), and how they turn."""
-        now, later = (
-            orbital_q_body_from_eci(self.ephemeris, self.instants(t_s + after_s))
-            if arc is None
-            else scan_q_body_from_eci(
-                arc,
-                np.full(len(t_s), share + after_s / arc.duration_s),
-                self.ephemeris,
-                self.instants(t_s + after_s),
-            )
-            for after_s in (0.0, TICK_S)
+    @property
+    def platform(self) -> BodyPlatform:
+        return self.slews.platform
+
+    def q_body_from_eci(self, arc: GroundArc | None, begins_s: Array, t_s: Array) -> Rotation:
+        """n attitudes on an arc whose scans begin then, or in orbital orientation."""
+        if arc is None:
+            return orbital_q_body_from_eci(self.ephemeris, self.instants(t_s))
+        share = (t_s - begins_s) / arc.duration_s
+        return scan_q_body_from_eci(arc, share, self.ephemeris, self.instants(t_s))
+
+    def ends(self, arc: GroundArc | None, begins_s: Array, after_s: float) -> Array:
+        """States as of `Slews`, so long after the scans of an arc begin, (n, 11); None: in orbital
+        orientation."""
+        t_s = begins_s + after_s
+        return self.slews.states(
+            lambda more_s: self.q_body_from_eci(arc, begins_s, t_s + more_s).inv()
         )
-        return MovingEnds.between(now, later)
+
+    def entries(self, arc: GroundArc, begins_s: Array) -> Array:
+        """In which lines are joined whose scans begin then."""
+        return self.ends(arc, begins_s, -self.slews.settle_s)
 
     @cached_property
     def passing(self) -> Passing:
@@ -87,14 +94,12 @@ def make_session(request: ImagingPlanRequest) -> ImagingSession:
     ephemeris = request.orbit.ephemeris(request.start - _ORBIT_MARGIN, request.stop + _ORBIT_MARGIN)
     _refuse_height(request, ephemeris)
     spacecraft = request.definition()
-    platform = body_of(spacecraft, request.settings.momentum_n_m_s)
     return ImagingSession(
         request=request,
         ephemeris=ephemeris,
         duration_s=int(elapsed_s(request.stop, request.start) / TICK_S + 1e-6) * TICK_S,
         spacecraft=spacecraft,
-        platform=platform,
-        slew_time=slew_time(platform),
+        slews=Slews(platform=body_of(spacecraft, request.settings.momentum_n_m_s)),
     )
 
 

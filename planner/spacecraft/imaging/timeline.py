@@ -6,24 +6,24 @@ there while there is time, and ends there.
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
-from typing import NamedTuple
-
-import numpy as np
+from dataclasses import dataclass, replace
 
 from planner.base.commands import ROWS_PER_S, CommandTable, Motion
-from planner.base.errors import InfeasibleSlew, NotVisible, Refusal, TrackBreaksLimit, Unreachable
+from planner.base.errors import InfeasibleSlew, Refusal
 from planner.motion.attitude.problem import rows_of
 from planner.planning.sessions.assembly import pair_joins
 from planner.planning.sessions.plan import Plan
-from planner.planning.sessions.platforms.mover import Join, TrackBranch
+from planner.planning.sessions.platforms.mover import Join, Mover, RowSpan, TrackBranch
 from planner.planning.sessions.platforms.registry import mover_of
+from planner.planning.sessions.sequence import SessionRefused, sequence_sessions
+from planner.planning.sessions.track_branches import seen_from_s
 from planner.spacecraft.imaging.baselines import AttitudeSlewComparison, compare
 from planner.spacecraft.imaging.candidates import Candidate
-from planner.spacecraft.imaging.ground_arc import GroundArc, scan_q_body_from_eci
+from planner.spacecraft.imaging.ground_arc import GroundArc
 from planner.spacecraft.imaging.session import ImagingSession
 from planner.spacecraft.table import TICK_S, ImagingWindow
 from planner.world.frames.time_scales import shifted_utc
+from planner.world.orbits import Ephemeris
 from planner.world.platforms import BodyPlatform
 from planner.world.scenario import BoundedLead, InitialState, Scenario, Session, SlewOptions
 from planner.world.targets.ground_path import GroundPathTarget, PathPoint
@@ -33,12 +33,8 @@ from planner.world.targets.ground_path import GroundPathTarget, PathPoint
 class TimelineOptions:
     """How scans, slews and waits follow each other."""
 
-    more_ticks_min: int = 3  # asked for between two scans whose slew doesn't fit
     # turned by a slew of the longest time at the largest rate: from looking ahead to the side
     longest_rad: float = math.radians(63.0)
-    never_s: float = 40.0  # told as missing where no slew was found, however long
-    rest_before_s: float = 20.0  # a slew onto a scan leaves the idle attitude about so long before
-    back_least_s: float = 2.0  # to turn back: the least bound of a slew's time that there is
 
 
 OPTIONS = TimelineOptions()
@@ -78,44 +74,13 @@ class Timeline:
     windows: tuple[ImagingWindow, ...]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Misfit:
-    """A slew with too little time: between which candidates (None: the session's ends), how many
-    ticks apart they should be, and about how much time is missing.
+class DoesNotFit(Exception):
+    """The first slew that isn't found, between which candidates (None: the session's ends), and
+    why; or a scan that isn't held."""
 
-    is_unheld: the second can't be scanned at all, whatever is before it.
-    """
-
-    before: int | None
-    after: int | None
-    ticks: int
-    missing_s: float
-    why: InfeasibleSlew
-    is_unheld: bool = False
-
-
-class SlewsDoNotFit(Exception):
-    """Every misfit of a timeline."""
-
-    def __init__(self, misfits: Sequence[Misfit]) -> None:
-        super().__init__("; ".join(one.why.detail for one in misfits))
-        self.misfits = tuple(misfits)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Outcomes:
-    """What was found of scans, and of the slews between them (None: the session's ends).
-
-    A refusal stands with the time that is missing, in which a slew was found.
-    """
-
-    ways: dict[Scan, TrackBranch | Refusal] = field(default_factory=dict)
-    slews: dict[tuple[Scan | None, Scan | None], "Join | _NeedsTime"] = field(default_factory=dict)
-
-
-class _NeedsTime(NamedTuple):
-    why: InfeasibleSlew
-    missing_s: float
+    def __init__(self, before: int | None, after: int | None, why: Refusal) -> None:
+        super().__init__(why.detail)
+        self.before, self.after, self.why = before, after, why
 
 
 def scans_of(candidates: Sequence[Candidate], chosen: Sequence[int]) -> tuple[Scan, ...]:
@@ -150,6 +115,7 @@ def scenario_of(session: ImagingSession, scans: tuple[Scan, ...]) -> Scenario:
             objective=request.objective, lead=BoundedLead(max_duration_s=round(most_s, 1))
         ),
         final_state="idle",
+        final_by=shifted_utc(session.epoch_utc, session.duration_s),
     )
 
 
@@ -173,150 +139,62 @@ def _session_of(session: ImagingSession, scan: Scan) -> Session:
     )
 
 
-def build_timeline(
-    session: ImagingSession, scans: tuple[Scan, ...], outcomes: Outcomes | None = None
-) -> Timeline:
-    """Scan in order, from orbital orientation or the request's initial attitude.
+def build_timeline(session: ImagingSession, scans: tuple[Scan, ...]) -> Timeline:
+    """Scan in order, from orbital orientation or the request's initial attitude, and back.
 
-    outcomes: of earlier attempts at the same session, kept by the caller.
-    Raises SlewsDoNotFit with every pair that needs more time.
+    Raises DoesNotFit; SearchEnded, InfeasibleSlew where it is the initial attitude's fault.
     """
-    builder = _Builder(session, scans, Outcomes() if outcomes is None else outcomes)
-    for number, scan in enumerate(scans):
-        builder.scan(number, scan)
-    builder.come_back(scans[-1])
-    if builder.misfits:
-        raise SlewsDoNotFit(builder.misfits)
-    return builder.timeline()
-
-
-class _Builder:
-    """Joins so far; `before` is left at `row`, moving as `state` says."""
-
-    def __init__(
-        self, session: ImagingSession, scans: tuple[Scan, ...], outcomes: Outcomes
-    ) -> None:
-        self.session, self.scans, self.outcomes = session, scans, outcomes
-        self.scenario = scenario_of(session, scans)
-        self.mover = mover_of(self.scenario)
-        self.before: Scan | None = None
-        self.row, self.state = 0, self.mover.initial(session.ephemeris)
-        self.joins: list[Join] = []
-        self.misfits: list[Misfit] = []
-
-    def scan(self, number: int, scan: Scan) -> None:
-        """A slew onto it, and its track.  What doesn't fit is noted and taken for done."""
-        way = self._way(number, scan)
-        if isinstance(way, Refusal):
-            self._note(scan, _NeedsTime(InfeasibleSlew(way.detail, limit=way.limit), 0.0), True)
-            return
-        join = self._slew(scan, way, (way.rows.start - self.row) / ROWS_PER_S)
-        if isinstance(join, Join):
-            self.joins.append(join)
-        else:
-            self._note(scan, join)
-        self.before, self.row = scan, way.rows.stop
-        self.state = self.mover.state_at(way, way.rows.stop)
-
-    def come_back(self, last: Scan) -> None:
-        """To orbital orientation, by the session's end."""
-        if not self.joins or self.before is not last:
-            return
-        slots, key = self.outcomes.slews, (last, None)
-        if key not in slots:
-            slots[key] = self._back()
-        join = slots[key]
-        if isinstance(join, Join):
-            self.joins.append(join)
-        else:
-            self._note(None, join)
-
-    def _back(self) -> Join | _NeedsTime:
-        left_s = (self.session.last_row - self.row) / ROWS_PER_S
-        slew = self.scenario.slew
-        assert isinstance(slew.lead, BoundedLead)  # as scenario_of gives it
-        assert slew.lead.max_duration_s is not None
-        most_s = min(left_s, slew.lead.max_duration_s)
-        if most_s < OPTIONS.back_least_s:
-            why = InfeasibleSlew("no time is left to turn back before the session's end")
-            return _NeedsTime(why, OPTIONS.back_least_s - left_s)
-        lead = BoundedLead(max_duration_s=round(most_s, 1))
-        hasty = mover_of(replace(self.scenario, slew=replace(slew, lead=lead)))
-        try:
-            final = hasty.with_final_slew(self.session.ephemeris, self.joins[-1:])[-1]
-        except InfeasibleSlew as why:
-            return _needs_time(why, left_s, 0.0)
-        return replace(final, stop_row=self.session.last_row)
-
-    def _way(self, number: int, scan: Scan) -> TrackBranch | Refusal:
-        """The scan's track, of two senses the one that its arc says."""
-        if scan not in self.outcomes.ways:
-            at_s = np.array([scan.first_row / ROWS_PER_S])
-            q_body_from_eci = scan_q_body_from_eci(
-                scan.arc, np.zeros(1), self.session.ephemeris, self.session.instants(at_s)
+    scenario, ephemeris = scenario_of(session, scans), session.ephemeris
+    mover, owners = mover_of(scenario), [scan.candidate for scan in scans]
+    try:
+        joins = sequence_sessions(scenario, ephemeris, mover, prove=False)
+    except SessionRefused as refused:
+        number = refused.session.number
+        before = owners[number - 1] if number else None
+        raise DoesNotFit(before, owners[number], refused.refusal) from None
+    try:
+        *onto, final = mover.with_final_slew(ephemeris, joins)
+    except InfeasibleSlew as why:
+        raise DoesNotFit(owners[-1], None, why) from None
+    if scenario.slew.objective == "minimum_time":
+        onto = [
+            _hastened(mover, ephemeris, *one) for one in zip(scenario.sessions, onto, strict=True)
+        ]
+    numbers = [scan.request for scan in scans]
+    return Timeline(
+        scenario=scenario,
+        joins=[*onto, replace(final, stop_row=session.last_row)],
+        windows=tuple(
+            ImagingWindow(
+                request=session.request.requests[scan.request].name,
+                look=numbers[:k].count(scan.request),
+                first_row=scan.first_row,
+                last_row=scan.last_row,
             )
-            still = np.zeros((1, 3))
-            there = Motion(np.asarray(q_body_from_eci.inv().as_quat()), still, still)
-            try:
-                [self.outcomes.ways[scan], *_] = self.mover.ways(
-                    self.session.ephemeris, number, self.scenario.sessions[number], self.row, there
-                )
-            except (NotVisible, Unreachable, TrackBreaksLimit) as why:
-                self.outcomes.ways[scan] = why
-        return self.outcomes.ways[scan]
+            for k, scan in enumerate(scans)
+        ),
+    )
 
-    def _slew(self, scan: Scan, way: TrackBranch, available_s: float) -> Join | _NeedsTime:
-        key = (self.before, scan)
-        if key not in self.outcomes.slews:
-            try:
-                join = self.mover.slew_onto(way, self.row, self.state)
-                if join.slew.wait and self.scenario.slew.objective == "minimum_time":
-                    join = self._hastened(way, join)
-                self.outcomes.slews[key] = join
-            except InfeasibleSlew as why:
-                there = self.mover.state_at(way, way.rows.start)
-                least_s = self.mover.least_s(self.state, there)
-                self.outcomes.slews[key] = _needs_time(why, available_s, least_s)
-        return self.outcomes.slews[key]
 
-    def _hastened(self, way: TrackBranch, join: Join) -> Join:
-        """Out of its wait in the least time, too, from when on the scan's line is followed."""
-        idle = rows_of(join.slew.slew.motion, slice(1))
-        quick = self.mover.slew_onto(way, join.slew_row, idle)
-        return replace(join, slew=replace(join.slew, slew=quick.slew.slew), join_row=quick.join_row)
-
-    def _note(self, after: Scan | None, found: _NeedsTime, is_unheld: bool = False) -> None:
-        before = self.before
-        start_row = 0 if before is None else before.last_row
-        stop_row = self.session.last_row if after is None else after.first_row
-        missing_ticks = math.ceil(found.missing_s / TICK_S - 1e-6)
-        self.misfits.append(
-            Misfit(
-                before=None if before is None else before.candidate,
-                after=None if after is None else after.candidate,
-                ticks=stop_row - start_row + max(missing_ticks, OPTIONS.more_ticks_min),
-                missing_s=found.missing_s,
-                why=found.why,
-                is_unheld=is_unheld,
-            )
-        )
-
-    def timeline(self) -> Timeline:
-        """All of it."""
-        numbers = [scan.request for scan in self.scans]
-        return Timeline(
-            scenario=self.scenario,
-            joins=self.joins,
-            windows=tuple(
-                ImagingWindow(
-                    request=self.session.request.requests[scan.request].name,
-                    look=numbers[:k].count(scan.request),
-                    first_row=scan.first_row,
-                    last_row=scan.last_row,
-                )
-                for k, scan in enumerate(self.scans)
-            ),
-        )
+def _hastened(mover: Mover, ephemeris: Ephemeris, session: Session, join: Join) -> Join:
+    """Out of its wait, if any, in the least time, too, from when on the scan's line is followed."""
+    if not join.slew.wait:
+        return join
+    track, joined_s = join.track, join.join_row / ROWS_PER_S
+    branch = TrackBranch(
+        session=session,
+        track=track,
+        rows=RowSpan(start=join.join_row, stop=join.stop_row),
+        seen_from_s=max(seen_from_s(track.los, joined_s), float(track.t_s[0])),
+        ephemeris=ephemeris,
+        settle_rows=join.settle_rows,
+    )
+    idle = rows_of(join.slew.slew.motion, slice(1))
+    try:
+        quick = mover.slew_onto(branch, join.slew_row, idle)
+    except InfeasibleSlew:  # no quicker one is found than that which is known
+        return join
+    return replace(join, slew=replace(join.slew, slew=quick.slew.slew), join_row=quick.join_row)
 
 
 def planned_slews(platform: BodyPlatform, plan: Plan, joins: list[Join]) -> Iterator[PlannedSlew]:
@@ -345,11 +223,3 @@ def table_rows(table: CommandTable, first_row: int, last_row: int) -> Motion:
     rows = slice(first_row, last_row + 1)
     assert table.acceleration_rad_s2 is not None  # a body's table has it
     return Motion(table.position[rows], table.rate_rad_s[rows], table.acceleration_rad_s2[rows])
-
-
-def _needs_time(why: InfeasibleSlew, available_s: float, least_s: float) -> _NeedsTime:
-    """How much time is missing about; of what isn't a matter of time, a lot."""
-    needs_s = max(why.needs_s or 0.0, least_s)
-    if why.limit != "duration" or not available_s < needs_s < math.inf:
-        return _NeedsTime(why, OPTIONS.never_s)
-    return _NeedsTime(why, min(needs_s - available_s, OPTIONS.never_s))

@@ -52,6 +52,32 @@ class TrackFollowingOptions:
 OPTIONS = TrackFollowingOptions()
 
 
+def slew_limits(platform: BodyPlatform) -> tuple[FollowerLimits, float]:
+    """Of its slews, and the longest that one takes, s."""
+    limits = agility_limits(platform)
+    lengths, least = np.array(limits.lengths), limits.by_order.min(axis=0)
+    envelope = BodyEnvelope(
+        by_axis=np.ascontiguousarray(limits.by_order),
+        is_round=np.array(limits.round_orders),
+        length_limits=lengths,
+        least_limits=least,
+        boresight_body=platform.boresight_body,
+    )
+    # To rest, half a turn about any axis, and to the greatest rate again.
+    stop_s = change_s(float(lengths[0]), float(least[1]), float(least[2]))
+    longest_s = BLEND.switching_s + 3.0 * stop_s + max(math.pi / least[0], stop_s)
+    return FollowerLimits(axes=np.empty((0, 3)), body=envelope), longest_s
+
+
+def moving_state(before: Rotation, then: Rotation, after: Rotation) -> Array:
+    """States, as `body_fits` takes them, of rotations from the body to axes that stand still, and
+    `delta_s` before and after, (n, 11)."""
+    turn_before, turn_after = ((then.inv() * other).as_rotvec() for other in (before, after))
+    rate = (turn_after - turn_before) / (2.0 * OPTIONS.delta_s)
+    acceleration = (turn_after + turn_before) / OPTIONS.delta_s**2
+    return np.concatenate([then.as_quat(), rate, acceleration, np.zeros((len(rate), 1))], axis=1)
+
+
 class BodyFollower:
     """As `Follower` says; a way is a sense of the roll rule, rest is the idle attitude.
 
@@ -69,21 +95,7 @@ class BodyFollower:
             raise TypeError(f"{platform.name} is no body")
         self._request, self._platform = request, platform
         self._lookout = BodyLookout(platform, None)
-        limits = agility_limits(platform)
-        lengths, least = np.array(limits.lengths), limits.by_order.min(axis=0)
-        self.slew_limits = FollowerLimits(
-            axes=np.empty((0, 3)),
-            body=BodyEnvelope(
-                by_axis=np.ascontiguousarray(limits.by_order),
-                is_round=np.array(limits.round_orders),
-                length_limits=lengths,
-                least_limits=least,
-                boresight_body=platform.boresight_body,
-            ),
-        )
-        # To rest, half a turn about any axis, and to the greatest rate again.
-        stop_s = change_s(float(lengths[0]), float(least[1]), float(least[2]))
-        self.longest_slew_s = BLEND.switching_s + 3.0 * stop_s + max(math.pi / least[0], stop_s)
+        self.slew_limits, self.longest_slew_s = slew_limits(platform)
         self.settle_s = platform.envelope.settle_s
         self.rest_s = math.ceil((self.longest_slew_s + self.settle_s) * ROWS_PER_S) / ROWS_PER_S
         self._alone: dict[int, tuple[Tracking, Sight]] = {}
