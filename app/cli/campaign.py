@@ -111,9 +111,11 @@ def print_campaign(console: Console, choice: Members, passes: Sequence[Members])
     )  # fmt: skip
     parts.print_more(console, len(looks))
     parts.print_reasons(console, "can't be seen", choice["unseen"])
-    for lacks in (None, "battery", "memory"):
+    for lacks in (None, "battery", "memory", "duty_cycle"):
         left_out = [one for one in choice["left_out"] if one.get("lacks") == lacks]
-        parts.print_reasons(console, f"left out for {lacks or 'others'}", left_out)
+        parts.print_reasons(
+            console, f"left out for {(lacks or 'others').replace('_', ' ')}", left_out
+        )
     parts.print_warnings(console, [*_losses(passes), *choice["warnings"]])
 
 

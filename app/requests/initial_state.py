@@ -11,7 +11,7 @@ from planner.base.spec import spec
 from planner.world.frames.time_scales import shifted_utc, utc_text
 from planner.world.platforms import AngleDeg, AnyPlatform
 from planner.world.rules.registry import POSITIONS, rules_of
-from planner.world.scenario import BodyMotionDeg, InitialState, MotionDeg, Quaternion
+from planner.world.scenario import BodyMotionDeg, InitialState, MotionDeg, PastLooks, Quaternion
 
 # Slews take at most ten times the least time that the limits allow: more makes them no smoother.
 _ENOUGH = 10.0
@@ -35,6 +35,9 @@ class AskedInitialState:
     omega_body_deg_s: of a body against GCRF, in body axes; unless given, it rests. E.g.
     `[0.0, -0.06, 0.0]`.
     alpha_body_deg_s2: of a body, in body axes; zero unless given. E.g. `[0.0, 0.0, 0.01]`.
+    past_looks: sessions of earlier plans that imaged, which `min_gap_s` and `duty_cycle` of
+    `conditions` count; unless given, those of the plan of `after` and of what it came after. E.g.
+    `[{"start": "2015-02-27T15:58:00Z", "stop": "2015-02-27T16:03:00Z"}]`.
     after: id of a plan that the service keeps, at whose end the table begins; the service fills in
     the rest, and what `resources` begin with. E.g. `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
     """
@@ -46,6 +49,7 @@ class AskedInitialState:
     q_body_from_eci_xyzw: Quaternion | None = None
     omega_body_deg_s: BodyMotionDeg | None = None
     alpha_body_deg_s2: BodyMotionDeg | None = None
+    past_looks: PastLooks = ()
     after: str | None = None
 
     def __post_init__(self) -> None:
@@ -90,6 +94,11 @@ class AskedInitialState:
             where, members = rules.told(state)
             detail = f"the end of plan {after}: {where}, from {epoch} on"
             members = {"epoch": epoch} | members
+            if self.past_looks:
+                members["past_looks"] = [
+                    {"start": utc_text(one.start, 6), "stop": utc_text(one.stop, 6)}
+                    for one in self.past_looks
+                ]
             assumed = (Assumed(field="initial_state.after", detail=detail, members=members),)
         return InitialState(**state | {"epoch": epoch_utc, "assumed": assumed})
 

@@ -39,16 +39,13 @@ def cadence_margins(flight: TableSession, states: OrbitStates) -> Iterator[Condi
     if not _images(flight.scenario.sessions[flight.number]):
         return
     asked, epoch_utc = flight.scenario.conditions, flight.table.epoch_utc
-    spans_s = np.array(
-        [
-            [elapsed_us(at, epoch_utc) / 1e6 for at in (one.start, one.stop)]
-            for number, one in enumerate(flight.scenario.sessions)
-            if _images(one) and number <= flight.number
-        ]
-    )
+    sessions = filter(_images, flight.scenario.sessions[: flight.number + 1])
+    spans_utc = [(one.start, one.stop) for one in flight.scenario.initial_state.past_looks]
+    spans_utc += [(one.start, one.stop) for one in sessions]
+    spans_s = np.array([[elapsed_us(at, epoch_utc) / 1e6 for at in ends] for ends in spans_utc])
     start_s, stop_s = spans_s[-1].tolist()
     if asked.min_gap_s > 0.0 and len(spans_s) > 1:
-        gap_s = start_s - float(spans_s[-2, 1])
+        gap_s = start_s - float(spans_s[:-1, 1].max())
         yield _margin(flight, "min_gap_s", asked.min_gap_s, gap_s, gap_s - asked.min_gap_s, start_s)
     if asked.duty_cycle is not None:
         length_s = _length_s(asked.duty_cycle, flight, states)

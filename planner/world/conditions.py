@@ -14,6 +14,7 @@ from planner.world.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_fro
 from planner.world.frames.geodesy import geodetic_from_itrf, up_itrf
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import OrbitStates
+from planner.world.orbits.period import period_s
 from planner.world.targets.apparent import VisibleTarget, aberrate
 from planner.world.targets.body import HIDDEN_RAD, BodyTarget
 from planner.world.targets.earth_fixed import EarthFixedTarget
@@ -63,6 +64,12 @@ class DutyCycle:
                 f"imaging_max_s must be span_s, {self.span_s:g}, or less, not "
                 f"{self.imaging_max_s:g}: no more fits into it"
             )
+
+    def lasts_s(self, instants: Instants, states: OrbitStates) -> float:
+        """Its span, on an orbit as it is at one instant."""
+        if self.span_s is not None:
+            return self.span_s
+        return min(float(period_s(instants, states)[0]), OPTIONS.span_max_s)
 
 
 @spec

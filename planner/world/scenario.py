@@ -7,7 +7,7 @@ from datetime import datetime
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
-from pydantic import Discriminator, Tag
+from pydantic import Discriminator, Field, Tag
 
 from planner.base.arrays import Array
 from planner.base.assumed import Assumed
@@ -38,11 +38,33 @@ from planner.world.targets.terrain import Terrain
 
 KEEP_OUT_MAX = 8  # each makes the detour's problem larger
 AVOID_MODES_MAX = 16
+PAST_LOOKS_MAX = 1000  # a week of the busiest days
 OnConflict = Literal["refuse", "shorten_later", "shorten_earlier", "least_loss"]
 Keyhole = Literal["refuse", "nearest"]
 MotionDeg = Annotated[float, Within(-1e3, 1e3)]  # no axis may have more rate or acceleration
 BodyMotionDeg = tuple[MotionDeg, MotionDeg, MotionDeg]
 Quaternion = tuple[UnitPart, UnitPart, UnitPart, UnitPart]
+
+
+@spec
+class PastLook:
+    """A session that imaged before the table begins, as rules among sessions count it.
+
+    start: from when; UTC.
+    stop: until when; UTC.
+    """
+
+    start: datetime
+    stop: datetime
+
+    def __post_init__(self) -> None:
+        if not elapsed_s(self.stop, self.start) > 0.0:
+            raise ValueError(
+                f"stop ({utc_text(self.stop)}) must come after start ({utc_text(self.start)})"
+            )
+
+
+PastLooks = Annotated[tuple[PastLook, ...], Field(max_length=PAST_LOOKS_MAX)]
 
 
 @spec
@@ -60,6 +82,8 @@ class InitialState:
     omega_body_deg_s: of a body against GCRF, in body axes; unless given, it rests. E.g.
     `[0.0, -0.06, 0.0]`.
     alpha_body_deg_s2: of a body, in body axes; zero unless given. E.g. `[0.0, 0.0, 0.01]`.
+    past_looks: sessions of earlier plans that imaged, which `min_gap_s` and `duty_cycle` of
+    `conditions` count; of more than a thousand the last.
     assumed: what of it nobody gave.
     """
 
@@ -70,6 +94,7 @@ class InitialState:
     q_body_from_eci_xyzw: Quaternion | None = None
     omega_body_deg_s: BodyMotionDeg | None = None
     alpha_body_deg_s2: BodyMotionDeg | None = None
+    past_looks: PastLooks = ()
     assumed: tuple[Assumed, ...] = ()
 
     def __post_init__(self) -> None:

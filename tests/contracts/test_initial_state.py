@@ -213,10 +213,35 @@ def test_a_body_goes_on_where_its_plan_ends(client):
         assert begin[0] == pytest.approx(turned * end[-1], abs=1e-9), name
     said = assumed(second)["initial_state.after"]
     assert said.keys() == {
-        "epoch", "q_body_from_eci_xyzw", "omega_body_deg_s", "alpha_body_deg_s2"
+        "epoch", "q_body_from_eci_xyzw", "omega_body_deg_s", "alpha_body_deg_s2", "past_looks"
     }  # fmt: skip
     written_out = ok(post(client, later | {"initial_state": said}))
     assert written_out["table"]["omega_body_deg_s_x"] == second["table"]["omega_body_deg_s_x"]
+
+
+@pytest.mark.parametrize("final", [{}, IDLE_END])
+def test_sessions_of_the_plans_before_count_for_gaps_and_duty_cycles(client, final):
+    first = of_body({}, "2015-02-27T17:36:46Z", "2015-02-27T17:36:56Z", **final)
+    after = {"after": ok(post(client, first))["id"]}
+    star = {"mode": "star", "name": "Vega"}
+    spans = [("2015-02-27T17:54:00Z", "2015-02-27T17:54:10Z"),
+             ("2015-02-27T17:59:00Z", "2015-02-27T17:59:10Z")]  # fmt: skip
+    for start, stop in spans[: 1 if final else 2]:
+        later = of_body(after, start, stop, **IDLE_END)
+        later["sessions"][0]["target"] = star
+        made = ok(post(client, later))
+        rules = {"min_gap_s": 5000.0}, {"duty_cycle": {"imaging_max_s": 15.0, "span_s": 5000.0}}
+        for rule, says in zip(rules, ("min_gap", "duty_cycle"), strict=True):
+            problem = post(client, later | {"conditions": rule})
+            assert problem.status_code == 422
+            assert problem.json()["limit"] == says
+        after = {"after": made["id"]}
+    begin = ok(post(client, later | {"conditions": {"min_gap_s": 200.0}}))
+    kept = client.get(f"/v1/plans/{begin['id']}/request").json()["initial_state"]["past_looks"]
+    firsts = [("2015-02-27T17:36:46Z", "2015-02-27T17:36:56Z"), *spans]
+    told = [(one["start"].split(".")[0], one["stop"].split(".")[0]) for one in kept]
+    assert told == [(a[:-1], b[:-1]) for a, b in firsts[: len(told)]]
+    assert len(told) == (1 if final else 2)
 
 
 def test_resources_go_on_with_what_the_plan_before_leaves(client):

@@ -97,6 +97,33 @@ def test_the_judge_finds_the_most_imaging_of_any_span():
         assert "duty_cycle" in limits
 
 
+def test_looks_of_earlier_plans_count():
+    """As the first two sessions did as sessions of its own."""
+    first, second, third = BODY["sessions"]
+    past = [{"start": one["start"], "stop": one["stop"]} for one in (second, first)]
+    state = {"epoch": utc(1550.0), "past_looks": past}
+    conditions = {"min_gap_s": 290.0, "duty_cycle": {"imaging_max_s": 300.0}}
+    request = BODY | {"initial_state": state, "sessions": [third], "conditions": conditions}
+    plan = make_plan(asked(request))
+    told = {one.name: one for one in plan.verification.sessions[0].conditions}
+    assert told["min_gap_s"].extreme == pytest.approx(300.0)
+    assert told["duty_cycle"].extreme == pytest.approx(300.0)
+    for rule, at_s in (
+        ({"min_gap_s": 310.0}, 1800.0), ({"duty_cycle": {"imaging_max_s": 250.0}}, 1850.0)
+    ):  # fmt: skip
+        with pytest.raises(CadenceBroken) as refused:
+            make_plan(asked(request | {"conditions": rule}))
+        assert elapsed_s(refused.value.at_utc, plan.table.epoch_utc) + 1550.0 == pytest.approx(at_s)
+        broken = asked(BODY | {"conditions": rule}).conditions
+        judged = verify(plan.table, replace(plan.scenario, conditions=broken), plan.waits)
+        assert {one.limit for one in judged.findings} == {refused.value.limit}
+    state["past_looks"] = [{"start": past[0]["stop"], "stop": past[0]["start"]}]
+    with pytest.raises(
+        InvalidRequest, match=r"initial_state.past_looks.0.stop: .* must come after"
+    ):
+        asked(request)
+
+
 def test_a_revolution_is_the_same_wherever_it_is_looked_at():
     scenario = asked(BODY)
     ephemeris = scenario.orbit.ephemeris(scenario.initial_state.epoch, scenario.last_utc)
@@ -122,20 +149,30 @@ def test_a_session_of_a_window_is_no_longer_than_a_duty_cycle_lets_it():
             assert len(found.windows) == len(plain.windows)
 
 
+def campaigns(name, conditions):
+    """An example without conditions and with them, requests and choices."""
+    request = json.loads((EXAMPLES / f"{name}.json").read_text())
+    given = request.pop("conditions", {})
+    for one in (given, given | conditions):
+        scaled = read_campaign_request(json.dumps(request | {"conditions": one}).encode())
+        yield scaled, choose_campaign(scaled)
+
+
+def looks_s(campaign, passes=None):
+    """Starts and stops of looks, (n, 2)."""
+    first_utc = campaign.passes[0].start_utc
+    looks = [look for one in passes or campaign.passes for look in one.looks]
+    return np.array(
+        [[elapsed_s(at, first_utc) for at in (one.start_utc, one.stop_utc)] for one in looks]
+    )
+
+
 @pytest.mark.parametrize("name", ["campaign_cities", "campaign_smallsat"])
 def test_a_campaign_keeps_the_gap_within_passes_and_between_them(name):
-    request = json.loads((EXAMPLES / f"{name}.json").read_text())
-    made = []
-    for gap_s in (0.0, 60.0):
-        conditions = request.get("conditions", {}) | {"min_gap_s": gap_s}
-        scaled = read_campaign_request(json.dumps(request | {"conditions": conditions}).encode())
-        made.append((scaled, choose_campaign(scaled)))
-    (_, free), (kept, campaign) = made
-    looks = [look for one in campaign.passes for look in one.looks]
-    gaps_s = [elapsed_s(after.start_utc, before.stop_utc) for before, after in pairwise(looks)]
+    (_, free), (kept, campaign) = campaigns(name, {"min_gap_s": 60.0})
+    gaps_s = [b[0] - a[1] for a, b in pairwise(looks_s(campaign))]
     assert min(gaps_s) == pytest.approx(60.0)
-    free_looks = [look for one in free.passes for look in one.looks]
-    assert min(elapsed_s(b.start_utc, a.stop_utc) for a, b in pairwise(free_looks)) < 60.0
+    assert min(b[0] - a[1] for a, b in pairwise(looks_s(free))) < 60.0
     assert campaign.value < free.value
     assert campaign.value <= campaign.bound <= free.bound
     for number, one in enumerate(campaign.passes):
@@ -143,14 +180,47 @@ def test_a_campaign_keeps_the_gap_within_passes_and_between_them(name):
 
 
 @pytest.mark.parametrize(
-    ("conditions", "named"),
+    ("name", "duty"),
     [
-        ({"duty_cycle": {"imaging_max_s": 600.0}}, "duty_cycle"),
-        ({"min_gap_s": 1801.0}, "min_gap_s"),
+        ("campaign_cities", {"imaging_max_s": 70.0}),
+        ("campaign_cities", {"imaging_max_s": 45.0, "span_s": 90.0}),
+        ("campaign_smallsat", {"imaging_max_s": 45.0, "span_s": 20_000.0}),
     ],
 )
-def test_a_campaign_refuses_by_name_what_its_choice_does_not_keep(conditions, named):
-    request = json.loads((EXAMPLES / "campaign_cities.json").read_text())
+def test_a_campaign_keeps_the_duty_cycle_and_its_plans_count_the_passes_before(name, duty):
+    (_, free), (kept, campaign) = campaigns(name, {"duty_cycle": duty})
+    most_s, span_s = kept.duty_cycle.imaging_max_s, kept.duty_cycle.span_s
+
+    def imaged_s(looks):
+        """In the span that has most, which ends as a look does or begins as one does."""
+        ends_s = np.concatenate([looks.ravel(), looks.ravel() + span_s])[:, None]
+        parts_s = np.minimum(looks[:, 1], ends_s) - np.maximum(looks[:, 0], ends_s - span_s)
+        return np.maximum(parts_s, 0.0).sum(axis=1).max()
+
+    assert imaged_s(looks_s(campaign)) <= most_s + 1e-6 < imaged_s(looks_s(free))
+    assert campaign.value < free.value
+    assert campaign.value <= campaign.bound <= free.bound
+    assert campaign.gap_share < 0.25
+    short = [one for one in campaign.left_out if one.lacks == "duty_cycle"]
+    assert short
+    assert f"the duty cycle would pass its limit of {most_s:g} s" in short[0].because
+    assert not any(one.lacks for one in free.left_out)
+    for number, one in enumerate(campaign.passes):
+        plan = make_plan(scenario_of(kept, one, number))
+        assert plan.verification.passed
+    told = [c for s in plan.verification.sessions for c in s.conditions if c.name == "duty_cycle"]
+    assert max(c.extreme for c in told) > sum(np.diff(looks_s(campaign, [one])).ravel()) - 1e-6
+
+
+@pytest.mark.parametrize(
+    ("name", "conditions", "named"),
+    [
+        ("campaign_fleet", {"duty_cycle": {"imaging_max_s": 600.0}}, "duty_cycle"),
+        ("campaign_cities", {"min_gap_s": 1801.0}, "min_gap_s"),
+    ],
+)
+def test_a_campaign_refuses_by_name_what_its_choice_does_not_keep(name, conditions, named):
+    request = json.loads((EXAMPLES / f"{name}.json").read_text())
     with pytest.raises(InvalidRequest, match=named):
         read_campaign_request(json.dumps(request | {"conditions": conditions}).encode())
 

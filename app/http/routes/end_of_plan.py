@@ -14,10 +14,12 @@ from app.store.database import Database
 from app.store.packed import unpack
 from app.work.plan import stored_plan
 from planner.base.errors import InvalidInput
-from planner.world.frames.time_scales import shifted_utc, utc_text
+from planner.world.conditions import OPTIONS as CONDITIONS
+from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.world.plan import FlightPlan
 from planner.world.resources import MOMENTA
 from planner.world.rules.registry import POSITIONS, rules_of
+from planner.world.scenario import PAST_LOOKS_MAX, Scenario
 
 _FIELD = "initial_state.after"
 _REST_RAD_S = 2e-12  # by which it turns 0.00001 deg in a day
@@ -56,14 +58,27 @@ def from_end_of_plan(database: Database, body: bytes) -> bytes:
     end_utc = shifted_utc(table.epoch_utc, float(table.t_s[-1]))
     at_end = rules_of(ended.platform).state_at_end(table)
     position = {name: value for name, value in at_end.items() if name in POSITIONS}
+    past = _past_looks(ended)
     rests = abs(table.rate_rad_s[-1]).max() <= _REST_RAD_S
-    for waits, begins in ((ended.final_state == "idle", {}), (rests, state | position)):
+    for waits, begins in ((ended.final_state == "idle", past), (rests, state | position | past)):
         if waits and not goes_on:
             filled = json.dumps(document | {"initial_state": begins}).encode()
             if read_plan_request(filled).may_wait_after(ended.platform, end_utc):
                 return filled
-    state.update(position if rests else at_end, epoch=utc_text(end_utc, 1))
+    state.update(position if rests else at_end, epoch=utc_text(end_utc, 1), **past)
     return json.dumps(document).encode()
+
+
+def _past_looks(ended: Scenario) -> dict[str, Any]:
+    """What it imaged and what was before, as far back as a rule may count."""
+    spans = [(one.start, one.stop) for one in ended.initial_state.past_looks]
+    spans += [(one.start, one.stop) for one in ended.sessions if one.target.images]
+    told = [
+        {"start": utc_text(start, 6), "stop": utc_text(stop, 6)}
+        for start, stop in spans[-PAST_LOOKS_MAX:]
+        if elapsed_s(spans[-1][1], stop) <= CONDITIONS.span_max_s
+    ]
+    return {"past_looks": told} if told else {}
 
 
 def _carry_levels(resources: Any, levels: dict[str, float]) -> bool:  # noqa: ANN401 (as sent)

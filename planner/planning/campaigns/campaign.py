@@ -2,7 +2,7 @@
 
 import itertools
 from collections.abc import Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from datetime import datetime
 
 import numpy as np
@@ -33,7 +33,7 @@ from planner.planning.opportunities.closing import Unseen
 from planner.world.conditions import Conditions
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.world.resources import Resources
-from planner.world.scenario import Scenario, Session
+from planner.world.scenario import PAST_LOOKS_MAX, PastLook, Scenario, Session
 from planner.world.targets import ImagingMode
 
 
@@ -43,6 +43,7 @@ class ChosenPass:
 
     carrier: id of the one that flies it; empty where there is but one.  resources: as the passes
     before leave them, where the campaign has any.
+    past_looks: of the passes before it, where a rule is among looks.
     """
 
     carrier: str
@@ -50,6 +51,7 @@ class ChosenPass:
     stop_utc: datetime
     looks: tuple[ChosenLook, ...]
     resources: Resources | None = None
+    past_looks: tuple[PastLook, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -138,11 +140,9 @@ def choose_together(
 
 
 def _keeping_of(joined: Joined) -> Keeping | None:
-    """The resources of a carrier; several have none."""
+    """What looks of a carrier use up; several have none."""
     looks = joined.looks_by_carrier[0]
-    return (
-        None if looks.request.resources is None else Keeping(looks, joined.networks, joined.looking)
-    )
+    return Keeping(looks, joined.networks, joined.looking) if looks.request.is_kept else None
 
 
 def _joined(requests: Mapping[str, CampaignRequest], tell: Reporter) -> Joined:
@@ -172,7 +172,7 @@ def scenario_of(request: CampaignRequest, flight: ChosenPass, number: int) -> Sc
         orbit=request.orbit,
         attitude=ends.attitude,
         platform=request.platform,
-        initial_state=ends.initial_state,
+        initial_state=replace(ends.initial_state, past_looks=flight.past_looks),
         sessions=(
             *(_session_of(request, look) for look in flight.looks),
             *ends.rest,
@@ -191,6 +191,7 @@ def _conditions_of(request: CampaignRequest) -> Conditions:
     """Of a plan, whose pixel is that of the platform's camera."""
     asked = request.conditions
     kept = {field.name: getattr(asked, field.name) for field in fields(Conditions)}
+    kept["duty_cycle"] = request.duty_cycle
     if asked.max_ground_sample_m is not None:
         pixel_ratio = request.platform.camera.pixel_rad / request.opportunities().pixel_rad
         kept["max_ground_sample_m"] = asked.max_ground_sample_m * pixel_ratio
@@ -373,6 +374,8 @@ def _passes_of(
             for scan in [one.scan_at(begin_s) if one.scans else None]
         ]
     )
+    past: tuple[PastLook, ...] = ()
+    has_rules = bool(request.conditions.min_gap_s or request.conditions.duty_cycle)
     for one, resources in zip(passes, begins, strict=True):
         flown = tuple(itertools.islice(pending, len(one)))
         begins_s, ends_s = looks.pass_span_s(
@@ -385,4 +388,8 @@ def _passes_of(
             stop_utc=shifted_utc(request.start, ends_s),
             looks=flown,
             resources=resources,
+            past_looks=past,
         )
+        if has_rules:
+            past += tuple(PastLook(start=look.start_utc, stop=look.stop_utc) for look in flown)
+            past = past[-PAST_LOOKS_MAX:]

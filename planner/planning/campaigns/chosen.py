@@ -7,7 +7,7 @@ from planner.planning.opportunities.closing import Height, Unseen
 from planner.world.frames.time_scales import Utc
 from planner.world.targets import GroundPathTarget
 
-KeptResource = Literal["battery", "memory"]
+KeptResource = Literal["battery", "memory", "duty_cycle"]
 
 
 @answer
@@ -62,7 +62,8 @@ class UnchosenTarget:
     value: of that look. E.g. `0.31`.
     displaced_by: ids of the targets whose looks can't be flown beside it. E.g. `["Los Angeles"]`.
     displaced_value: their worth together. E.g. `1.9`.
-    lacks: the resource that the look would take too much of, in the place of what it displaces.
+    lacks: the resource, or the imaging of the duty cycle, that the look would take too much of, in
+    the place of what it displaces.
     """
 
     row: Internal[int]  # of the request's targets

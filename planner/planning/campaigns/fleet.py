@@ -116,6 +116,11 @@ class FleetRequest:
                     f"targets.{number}.sensor {wanted.sensor!r} is no carrier's; carriers have "
                     f"{known}"
                 )
+        if self.conditions.duty_cycle is not None:
+            raise ValueError(
+                "conditions.duty_cycle must be left out of a campaign of several carriers, whose "
+                "choice doesn't keep it; ask for a campaign of each by itself"
+            )
         asked = sum(one.counted_target_days for one in self.requests.values())
         if asked > CAMPAIGN_BOUNDS.target_days_max and not is_kept():
             raise ValueError(

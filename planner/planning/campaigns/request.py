@@ -2,10 +2,11 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import Annotated
 
+import numpy as np
 from pydantic import Field
 
 from planner.base.assumed import Assumed
@@ -20,7 +21,8 @@ from planner.planning.opportunities.request import BOUNDS as OPPORTUNITY_BOUNDS
 from planner.planning.opportunities.request import modes_by_row, require_known_roll
 from planner.world.attitude import Attitude
 from planner.world.clouds import Clouds
-from planner.world.frames.time_scales import DAY_S, elapsed_s, utc_text
+from planner.world.conditions import DutyCycle
+from planner.world.frames.time_scales import DAY_S, Instants, elapsed_s, shifted_utc, utc_text
 from planner.world.orbits import Orbit
 from planner.world.platforms import PIXELS_ARCSEC, AngleDeg, AnyPlatform, RollRule
 from planner.world.resources import Resources
@@ -235,35 +237,43 @@ class CampaignRequest:
         rules = rules_of(self.platform)
         begin_q_xyzw = self.initial_q_body_from_eci_xyzw
         rules.require_rest(self.rest_angles_deg, begin_q_xyzw, self.attitude, self.slew)
-        self._require_followed_resources()
+        self._require_followed()
         self._require_bounds()
         self.opportunities()
         for row, mode in self.modes.items():
             rules.require_roll(f"targets.{row}.roll", self.targets[row].roll, mode.first_path)
 
-    def _require_followed_resources(self) -> None:
-        if self.resources is None:
-            return
-        if self.resources.momentum is not None:
+    def _require_followed(self) -> None:
+        if self.resources is not None and self.resources.momentum is not None:
             raise ValueError(
                 "resources.momentum must be left out of a campaign, whose choice follows battery "
                 "and memory only; give it to the plans of its passes, whose requests can be had"
             )
-        for number, wanted in enumerate(self.targets):
+        for number, wanted in enumerate(self.targets if self.is_kept else ()):
             if not wanted.target.images:
                 raise ValueError(
                     f"targets.{number}.target must be no {wanted.target.mode} in a campaign with "
-                    "resources, whose choice doesn't follow what a look at it sends: give it as a "
-                    "station of resources.memory, or plan a session at it after the campaign"
+                    "resources or a duty cycle, whose choice doesn't follow what a look at it "
+                    "sends: give it as a station of resources.memory, or plan a session at it "
+                    "after the campaign"
                 )
 
+    @property
+    def is_kept(self) -> bool:
+        """Whether looks use up what there isn't any amount of."""
+        return self.resources is not None or self.conditions.duty_cycle is not None
+
+    @property
+    def duty_cycle(self) -> DutyCycle | None:
+        """With its span, the same in all passes: on the orbit as it is at the start."""
+        duty = self.conditions.duty_cycle
+        if duty is None or duty.span_s is not None:
+            return duty
+        first = Instants(self.start, np.zeros(1))
+        states = self.orbit.ephemeris(self.start, shifted_utc(self.start, 1.0)).states(first)
+        return replace(duty, span_s=duty.lasts_s(first, states))
+
     def _require_cadence(self) -> None:
-        if self.conditions.duty_cycle is not None:
-            raise ValueError(
-                "conditions.duty_cycle must be left out of a campaign, whose choice doesn't keep "
-                "it: limit looks or session_s of targets, and plan its passes with duty_cycle, "
-                "which tells whether they keep it"
-            )
         if self.conditions.min_gap_s > BOUNDS.gap_max_s:
             raise ValueError(
                 f"conditions.min_gap_s must not exceed {BOUNDS.gap_max_s:g} s in a campaign, not "

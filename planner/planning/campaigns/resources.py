@@ -1,10 +1,11 @@
-"""Battery and memory over a campaign: rows of its programmes, and what is chosen, simulated.
+"""What looks of a campaign use up: rows of its programmes, and what is chosen, simulated.
 
 A resource is told as the room that is left: of a battery its charge above the least, of a memory
 what may still be written.  Room that comes and finds no place is lost, so that at t there is the
 least of `begin + came(0, t) - used(0, t)` and, for every s before, of `most + came(s, t) - used(s,
 t)`.  It never ends where no stretch uses more than it has: each stretch is a row of the programmes,
-linear in what passes use.  Rows join as a choice breaks them.
+linear in what passes use.  Rows join as a choice breaks them.  The imaging of a duty cycle is one
+more resource, whose room at t is what no look since `t - span` used.
 """
 
 import math
@@ -66,7 +67,8 @@ class _Store:
 
     begin, most: the room at first, and at most.  t_s, came: what comes while the platform rests,
     less what it takes then, since the campaign's start, linear in between, (n,).  looking, moving:
-    used in a second of a look, and of any other of a pass.  charged: what panels bring of that.
+    used in a second of a look, and of any other of a pass.  span: after which what was used is
+    there again; None: never.  charged: what panels bring of that.
     extra: what they would have brought at their best attitude beyond the idle one; None where no
     attitude counts.
     """
@@ -81,6 +83,7 @@ class _Store:
     came_share: Array
     looking_per_s: float
     moving_per_s: float
+    span_s: float | None = None
     charged_share: Array | None = None
     extra_share: Array | None = None
 
@@ -125,7 +128,9 @@ class RunsOut:
 
     @property
     def told(self) -> str:
-        return f"the {self.name} would pass its limit of {self.limit:g} {self.unit}"
+        return (
+            f"the {self.name.replace('_', ' ')} would pass its limit of {self.limit:g} {self.unit}"
+        )
 
 
 class Keeping:
@@ -143,12 +148,10 @@ class Keeping:
     ) -> None:
         """Raises ResourceRunsOut where a resource does without any look."""
         request = looks.request
-        assert request.resources is not None
         self._request, self._looks, self._looking = request, looks, looking
         self._candidates, self._ways = looks.candidates, looks.ways
         self._grid_s, self._follower = looks.grid_s, looks.follower
-        self._resources: Resources = request.resources
-        self._around = Charging(request, looks.viewing.ephemeris)
+        self._resources = request.resources
         self._spans_s = [
             looks.pass_span_s(
                 looks.grid_s + one.first_step * request.step_s,
@@ -175,10 +178,27 @@ class Keeping:
         return shifted_utc(self._request.start, t_s)
 
     def _stores_of(self) -> Iterator[_Store]:
+        last_s = self._request.span_s
+        if (duty := self._request.duty_cycle) is not None:
+            yield _Store(
+                name="duty_cycle",
+                unit="s",
+                capacity=duty.imaging_max_s,
+                limit=duty.imaging_max_s,
+                begin_share=1.0,
+                most_share=1.0,
+                t_s=np.array([0.0, last_s]),
+                came_share=np.zeros(2),
+                looking_per_s=1.0 / duty.imaging_max_s,
+                moving_per_s=0.0,
+                span_s=duty.span_s,
+            )
+        if self._resources is None:
+            return
+        around = Charging(self._request, self._looks.viewing.ephemeris)
         battery, memory = self._resources.battery, self._resources.memory
-        around, last_s = self._around, self._around.last_s
         if battery is not None:
-            yield self._battery(battery)
+            yield self._battery(battery, around)
         if memory is not None:
             contacts = tuple(span for _, span in around.contacts)
             t_s = np.unique([0.0, last_s, *(end for span in contacts for end in span)])
@@ -197,8 +217,7 @@ class Keeping:
                 moving_per_s=0.0,
             )
 
-    def _battery(self, battery: Battery) -> _Store:
-        around = self._around
+    def _battery(self, battery: Battery, around: Charging) -> _Store:
         contacts = tuple(span for _, span in around.contacts)
         edges_s = [end for span in (*around.lit, *contacts) for end in span]
         t_s = np.unique(np.concatenate([[0.0, around.last_s], edges_s]))
@@ -295,25 +314,28 @@ class Keeping:
         """curves: of all passes, in order of time."""
         store = self._stores[number]
         given = [one for one in curves if len(one.t_s)]
-        fixed_s, fixed = store.turns
+        t_s, came = store.turns
         if given:
             knots_s = np.concatenate([one.t_s for one in given])
             before = np.cumsum([0.0, *(one.used_share[-1] for one in given)])
             used = np.concatenate(
                 [one.used_share + more for one, more in zip(given, before, strict=False)]
             )
-            ticks_s = knots_s[:0]
-            if self._resources.battery and self._resources.battery.panels:
-                ticks_s = np.concatenate(
-                    [np.arange(one.t_s[0], one.t_s[-1], CHARGING.tick_s) for one in given]
-                )
-            t_s = np.concatenate([fixed_s, knots_s, ticks_s])
-            came = np.concatenate([fixed, store.came_by(knots_s), store.came_by(ticks_s)])
+            further_s = [knots_s]
+            if store.charged_share is not None:
+                further_s += [np.arange(x.t_s[0], x.t_s[-1], CHARGING.tick_s) for x in given]
+            if store.span_s is not None:
+                further_s.append(knots_s + store.span_s)
+            at_s = np.concatenate(further_s)
+            t_s, came = np.append(t_s, at_s), np.append(came, store.came_by(at_s))
             order = np.argsort(t_s, kind="stable")
             t_s = t_s[order]
-            whole = store.begin_share + came[order] - np.interp(t_s, knots_s, used, left=0.0)
+            taken = np.interp(t_s, knots_s, used, left=0.0)
+            if store.span_s is not None:
+                taken -= np.interp(t_s - store.span_s, knots_s, used, left=0.0)
+            whole = store.begin_share + came[order] - taken
         else:
-            t_s, whole = fixed_s, store.begin_share + fixed
+            whole = store.begin_share + came
         lost = np.maximum.accumulate(np.maximum(whole - store.most_share, 0.0))
         return _Room(t_s, whole - lost, whole)
 
@@ -378,7 +400,7 @@ class Keeping:
 
         mixed_shares: of each pass, shares of what it uses.
         """
-        for n, store in enumerate(self._stores):
+        for n in range(len(self._stores)):
             room = self._room(
                 n, [_mixed([(share, of[n]) for share, of in one]) for one in mixed_shares]
             )
@@ -391,10 +413,7 @@ class Keeping:
             for end in ends[np.argsort(room.left_share[ends], kind="stable")][
                 : OPTIONS.rows_a_round
             ]:
-                begin = int(np.argmax(room.whole_share[: end + 1]))
-                is_full = room.whole_share[begin] > store.most_share
-                from_s = float(room.t_s[begin]) if is_full else 0.0
-                yield self._stretch(n, from_s, float(room.t_s[end]))
+                yield self._stretch(n, room, int(end))
 
     @property
     def step_s(self) -> float:
@@ -406,8 +425,13 @@ class Keeping:
         start_s, stop_s = self._spans_s[number]
         return stop_s > row.from_s and start_s < row.to_s
 
-    def _stretch(self, n: int, from_s: float, to_s: float) -> RoomStretch:
-        store = self._stores[n]
+    def _stretch(self, n: int, left: _Room, end: int) -> RoomStretch:
+        """Since it was full, or the campaign began, or as long as its span."""
+        store, to_s = self._stores[n], float(left.t_s[end])
+        if store.span_s is not None:
+            return RoomStretch(n, to_s - store.span_s, to_s, store.most_share)
+        begin = int(np.argmax(left.whole_share[: end + 1]))
+        from_s = float(left.t_s[begin]) if left.whole_share[begin] > store.most_share else 0.0
         came = store.came_by(np.array([from_s, to_s]))
         room = (store.most_share if from_s > 0.0 else store.begin_share) + float(came[1] - came[0])
         return RoomStretch(n, from_s, to_s, room)
@@ -498,7 +522,7 @@ class Keeping:
             for store, room in zip(self._stores, rooms, strict=True)
         }
 
-    def begins(self, passes: Sequence[tuple[Look, ...]]) -> list[Resources]:
+    def begins(self, passes: Sequence[tuple[Look, ...]]) -> list[Resources | None]:
         """What each pass with looks begins with."""
         starts_s = [
             self._looks.pass_span_s(self.ends_s(looks[0])[0], self.ends_s(looks[-1])[1])[0]
@@ -506,13 +530,13 @@ class Keeping:
             if looks
         ]
         levels = self.levels(passes, np.array(starts_s))
-        found = []
+        found: list[Resources | None] = []
         for number in range(len(starts_s)):
             begins = self._resources
-            if begins.battery is not None:
+            if begins is not None and begins.battery is not None:
                 level = float(levels["battery"][number])
                 begins = replace(begins, battery=replace(begins.battery, start_wh=level))
-            if begins.memory is not None:
+            if begins is not None and begins.memory is not None:
                 level = float(levels["memory"][number])
                 begins = replace(begins, memory=replace(begins.memory, start_gbit=level))
             found.append(begins)

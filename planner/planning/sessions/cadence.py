@@ -8,12 +8,10 @@ import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.errors import CadenceBroken, figures
-from planner.world.conditions import OPTIONS as CONDITION_OPTIONS
 from planner.world.conditions import CadenceName, Conditions
 from planner.world.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 from planner.world.orbits import Ephemeris
-from planner.world.orbits.period import period_s
-from planner.world.scenario import Scenario, Session
+from planner.world.scenario import PastLook, Scenario, Session
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,13 +40,11 @@ class Cadence:
         self._asked: Conditions = scenario.conditions
         self._sessions = scenario.sessions
         self._spans_s = [self._span_s(one) for one in scenario.sessions]
+        self._past_s = [self._span_s(one) for one in scenario.initial_state.past_looks]
         duty, self._length_s = self._asked.duty_cycle, 0.0
-        if duty is not None and duty.span_s is not None:
-            self._length_s = duty.span_s
-        elif duty is not None:
+        if duty is not None:
             first = Instants(scenario.sessions[0].start, np.zeros(1))
-            a_period_s = float(period_s(first, ephemeris.states(first))[0])
-            self._length_s = min(a_period_s, CONDITION_OPTIONS.span_max_s)
+            self._length_s = duty.lasts_s(first, ephemeris.states(first))
 
     def require(self, number: int) -> None:
         """Raises CadenceBroken where a session doesn't keep the rules after those before it."""
@@ -69,7 +65,8 @@ class Cadence:
         """After the epoch, at which it may begin by the least gap."""
         before = self._before(number)
         is_bound = before and _looks(self._sessions[number])
-        return before[-1][1] + self._asked.min_gap_s if is_bound else -math.inf
+        last_s = max((stop_s for _, stop_s in before), default=0.0)
+        return last_s + self._asked.min_gap_s if is_bound else -math.inf
 
     def kept_until_s(self, number: int) -> float:
         """After the epoch, until when the duty cycle lets it last, begun as asked."""
@@ -119,13 +116,13 @@ class Cadence:
         return float(at_s[k - 1] + share * (at_s[k] - at_s[k - 1]))
 
     def _before(self, number: int) -> list[tuple[float, float]]:
-        return [
+        return self._past_s + [
             span_s
             for one, span_s in zip(self._sessions, self._spans_s[:number], strict=False)
             if _looks(one)
         ]
 
-    def _span_s(self, session: Session) -> tuple[float, float]:
+    def _span_s(self, session: Session | PastLook) -> tuple[float, float]:
         start_s, stop_s = (elapsed_s(at, self._epoch_utc) for at in (session.start, session.stop))
         return start_s, stop_s
 

@@ -78,7 +78,11 @@ export const campaigns = {
     refused: "not flown",
     open: "not decided",
   },
-  leftOutFor: { battery: "left out for the battery", memory: "left out for the memory" },
+  leftOutFor: {
+    battery: "left out for the battery",
+    memory: "left out for the memory",
+    duty_cycle: "left out for the duty cycle",
+  },
   show: "Show",
   all: "All",
   passes: "Passes",

@@ -52,6 +52,7 @@ export const fields = {
     q_camera_from_body_xyzw: "Camera from body, quaternion x, y, z, w",
     omega_body_deg_s: "Rate in body axes",
     alpha_body_deg_s2: "Acceleration in body axes",
+    past_looks: "Looks of earlier plans",
     usual_yaw_pitch_roll_deg: "Usual yaw, pitch, roll",
     corner_s: "Turn at a corner",
     line: "Line",

@@ -78,7 +78,11 @@ export const campaigns: Words["campaigns"] = {
     refused: "не выполнима",
     open: "не решено",
   },
-  leftOutFor: { battery: "не вошла из-за аккумулятора", memory: "не вошла из-за памяти" },
+  leftOutFor: {
+    battery: "не вошла из-за аккумулятора",
+    memory: "не вошла из-за памяти",
+    duty_cycle: "не вошла из-за доли съёмки",
+  },
   show: "Показать",
   all: "Все",
   passes: "Пролёты",
