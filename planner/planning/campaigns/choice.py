@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 import numpy as np
 
@@ -178,30 +179,39 @@ def choose(
     Source: Fisher 1981, "The Lagrangian relaxation method", Management Science 27; Barnhart et
     al. 1998, "Branch-and-price", Operations Research 46(3) (column generation, diving).
     """
-    search = Search(networks, looking, first_unheld, options)
-    greedy = search.fill_passes([()] * len(networks), np.zeros(len(looking.look_limit)))
-    search.refill_passes(greedy)
+    choice, _ = found_by(lambda held: Search(networks, looking, held, options), first_unheld, tell)
+    return choice
+
+
+Found = TypeVar("Found", bound="Search")
+
+
+def found_by(
+    begun: Callable[[FirstUnheld], Found], first_unheld: FirstUnheld, tell: Reporter
+) -> tuple[CampaignChoice, Found]:
+    """The choice of a search, and the search whose prices it has.  begun: among looks so held."""
+    search = begun(first_unheld)
+    greedy_value = search.begin()
     search.take_groups()
-    search.step_prices(tell)
-    mixture = search.mix_prices(tell)
+    mixture = search.find_prices(tell)
     if mixture is not None:
         search.make_whole(mixture, tell)
         search.put_together(tell)
     search.take_groups()
     search.fill_exactly()
-    if search.was_barred and not options.priced_labels_max:
+    priced = search
+    if search.was_barred and not search.bounds_apart:
         # The bound's networks are not: its prices are found without.
-        priced = Search(networks, looking, lambda looks: None, options)
-        priced.step_prices(tell)
-        priced.mix_prices(tell)
-    else:
-        priced = search
-    return CampaignChoice(
+        priced = begun(lambda looks: None)
+        priced.find_prices(tell)
+    choice = CampaignChoice(
         passes=tuple(search.best),
         value=search.value,
-        greedy_value=worth_of(greedy),
+        greedy_value=greedy_value,
         price=priced.price,
+        row_price=priced.row_price,
     )
+    return choice, priced
 
 
 def refill(
@@ -220,8 +230,11 @@ def refill(
 class Search:
     """The best choice so far, the best prices, and what was proposed on the way.
 
-    price: of each target's observation, at which the bound is least as far as known.
+    price: of each target's observation, at which the bound is least as far as known.  row_price: of
+    further rows likewise.  bounds_apart: whether what bounds it is no path that it takes.
     """
+
+    row_price: Array = np.zeros(0)
 
     def __init__(
         self,
@@ -241,8 +254,20 @@ class Search:
         self._bound = float(looking.look_limit @ self.price)
         self._kept = 1.0 + self._bound  # a look of so much more is given up for nothing
         self._proposed: dict[Proposal, None] = {}
+        self.bounds_apart = options.priced_labels_max > 0
         self.was_barred = False
         self._is_priced = False
+
+    def begin(self) -> float:
+        """With what is worth most in each pass, one pass after another; its worth."""
+        greedy = self.fill_passes([()] * len(self._networks), np.zeros_like(self.price))
+        self.refill_passes(greedy)
+        return worth_of(greedy)
+
+    def find_prices(self, tell: Reporter) -> tuple[Mixture, list[Proposal]] | None:
+        """Improves the choice on the way; the last mixture, None if near."""
+        self.step_prices(tell)
+        return self.mix_prices(tell)
 
     def step_prices(self, tell: Reporter) -> None:
         """Towards the prices at which the bound is least; improves the choice on the way."""

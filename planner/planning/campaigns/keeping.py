@@ -17,7 +17,7 @@ from planner.planning.campaigns.choice import (
     Search,
     bound_at,
     choose,
-    worth_of,
+    found_by,
 )
 from planner.planning.campaigns.network import NO_COST, Network
 from planner.planning.campaigns.path import Look, Path, Worth
@@ -60,28 +60,10 @@ def choose_keeping(
     free = choose(networks, looking, tell, first_unheld, options)
     if keeping is None or keeping.keeps(free.passes):
         return free, ()
-    search = _KeepingSearch(networks, looking, first_unheld, options, keeping, free)
-    greedy = search.fill_passes([()] * len(networks), np.zeros(len(looking.look_limit)))
-    search.refill_passes(greedy)
-    search.refill_passes(list(free.passes))
-    search.take_groups()
-    mixture = search.mix_prices(tell)
-    if mixture is not None:
-        search.make_whole(mixture, tell)
-    search.put_together(tell)
-    search.take_groups()
-    search.fill_exactly()
-    priced = search
-    if search.was_barred:
-        # The bound's networks are not: its prices are found without.
-        priced = _KeepingSearch(networks, looking, lambda looks: None, options, keeping, free)
-        priced.mix_prices(tell)
-    choice = CampaignChoice(
-        passes=tuple(search.best),
-        value=search.value,
-        greedy_value=worth_of(greedy),
-        price=priced.price,
-        row_price=priced.row_price,
+    choice, priced = found_by(
+        lambda held: _KeepingSearch(networks, looking, held, options, keeping, free),
+        first_unheld,
+        tell,
     )
     return choice, tuple(priced.rows[: len(priced.row_price)])
 
@@ -124,8 +106,8 @@ class _KeepingSearch(Search):
         super().__init__(networks, looking, first_unheld, options)
         self._keeping = keeping
         self.rows: list[RoomStretch] = []
-        self.row_price: Array = np.zeros(0)
         self.price = free.price
+        self._free_passes = list(free.passes)
         self._rented: Array | None = None
         self._proposed.update(
             ((number, looks), None) for number, looks in enumerate(free.passes) if looks
@@ -139,10 +121,16 @@ class _KeepingSearch(Search):
         self._rented = self.row_price if price.any() and len(self.row_price) else None
         return super().fill_passes(start, price)
 
+    def begin(self) -> float:
+        """With what is left of the choice that keeps nothing, too."""
+        greedy_value = super().begin()
+        self.refill_passes(self._free_passes)
+        return greedy_value
+
     def refill_passes(self, passes: Passes) -> None:
         super().refill_passes(self._repaired(passes))
 
-    def mix_prices(self, tell: Reporter) -> tuple[Mixture, list[Proposal]] | None:
+    def find_prices(self, tell: Reporter) -> tuple[Mixture, list[Proposal]] | None:
         """Prices of targets and rows by mixtures, and choices at them; the last mixture."""
         options, found = self._options, None
         most = max(options.proposals_a_pass * len(self._networks), options.proposals_least)
