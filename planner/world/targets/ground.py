@@ -5,8 +5,6 @@ from dataclasses import replace
 from functools import cached_property
 from typing import ClassVar, Literal, Self
 
-import numpy as np
-
 from planner.base.arrays import Array
 from planner.base.assumed import Assumed
 from planner.base.spec import spec
