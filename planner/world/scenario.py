@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import field, replace
 from datetime import datetime
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Discriminator, Field, Tag
@@ -38,7 +38,6 @@ from planner.world.targets.terrain import Terrain
 
 KEEP_OUT_MAX = 8  # each makes the detour's problem larger
 AVOID_MODES_MAX = 16
-PAST_LOOKS_MAX = 1000  # a week of the busiest days
 OnConflict = Literal["refuse", "shorten_later", "shorten_earlier", "least_loss"]
 Keyhole = Literal["refuse", "nearest"]
 MotionDeg = Annotated[float, Within(-1e3, 1e3)]  # no axis may have more rate or acceleration
@@ -50,9 +49,11 @@ Quaternion = tuple[UnitPart, UnitPart, UnitPart, UnitPart]
 class PastLook:
     """A session that imaged before the table begins, as rules among sessions count it.
 
-    start: from when; UTC.
-    stop: until when; UTC.
+    start: from when; UTC. E.g. `"2015-02-27T17:20:00Z"`.
+    stop: until when; UTC. E.g. `"2015-02-27T17:21:30Z"`.
     """
+
+    most: ClassVar[int] = 1000  # a week of the busiest days
 
     start: datetime
     stop: datetime
@@ -64,7 +65,7 @@ class PastLook:
             )
 
 
-PastLooks = Annotated[tuple[PastLook, ...], Field(max_length=PAST_LOOKS_MAX)]
+PastLooks = Annotated[tuple[PastLook, ...], Field(max_length=PastLook.most)]
 
 
 @spec

@@ -236,6 +236,6 @@ def test_a_mode_a_format_and_an_orbit_source_get_everywhere(tmp_path):
         env=environment,
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=1200,
     )
     assert done.returncode == 0, done.stderr

@@ -19,7 +19,7 @@ from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.world.plan import FlightPlan
 from planner.world.resources import MOMENTA
 from planner.world.rules.registry import POSITIONS, rules_of
-from planner.world.scenario import PAST_LOOKS_MAX, Scenario
+from planner.world.scenario import PastLook, Scenario
 
 _FIELD = "initial_state.after"
 _REST_RAD_S = 2e-12  # by which it turns 0.00001 deg in a day
@@ -75,7 +75,7 @@ def _past_looks(ended: Scenario) -> dict[str, Any]:
     spans += [(one.start, one.stop) for one in ended.sessions if one.target.images]
     told = [
         {"start": utc_text(start, 6), "stop": utc_text(stop, 6)}
-        for start, stop in spans[-PAST_LOOKS_MAX:]
+        for start, stop in spans[-PastLook.most :]
         if elapsed_s(spans[-1][1], stop) <= CONDITIONS.span_max_s
     ]
     return {"past_looks": told} if told else {}

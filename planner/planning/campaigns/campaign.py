@@ -33,7 +33,7 @@ from planner.planning.opportunities.closing import Unseen
 from planner.world.conditions import Conditions
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.world.resources import Resources
-from planner.world.scenario import PAST_LOOKS_MAX, PastLook, Scenario, Session
+from planner.world.scenario import PastLook, Scenario, Session
 from planner.world.targets import ImagingMode
 
 
@@ -392,4 +392,4 @@ def _passes_of(
         )
         if has_rules:
             past += tuple(PastLook(start=look.start_utc, stop=look.stop_utc) for look in flown)
-            past = past[-PAST_LOOKS_MAX:]
+            past = past[-PastLook.most :]

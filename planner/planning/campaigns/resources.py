@@ -1,4 +1,4 @@
-"""What looks of a campaign use up: rows of its programmes, and what is chosen, simulated.
+"""Resources that looks of a campaign use up: rows of its programmes, and the choice simulated.
 
 A resource is told as the room that is left: of a battery its charge above the least, of a memory
 what may still be written.  Room that comes and finds no place is lost, so that at t there is the
