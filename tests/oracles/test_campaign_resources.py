@@ -23,6 +23,7 @@ from app.work.result import Result
 from planner.base.errors import ResourceRunsOut
 from planner.planning.campaigns import campaign as campaigns
 from planner.planning.campaigns import choose_campaign, scenario_of
+from planner.planning.campaigns.charging import Charging
 from planner.planning.campaigns.path import best_path
 from planner.planning.resources import Along, Uses, resource_curves
 from planner.planning.sessions.pipeline import make_plan
@@ -63,7 +64,7 @@ def chosen(monkeypatch, request):
 
 def least_room(keeping, passes):
     """The least room left of each resource, by the planner's own integration."""
-    around = keeping._around
+    around = Charging(keeping._request, keeping._looks.viewing.ephemeris)
     spans = [[keeping.ends_s(look) for look in looks] for looks in passes if looks]
     moves = [keeping._looks.pass_span_s(one[0][0], one[-1][1]) for one in spans]
     rests = [0.0, *(end for span in moves for end in span), around.last_s]
