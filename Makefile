@@ -1,6 +1,7 @@
 # `make plan` and `make test` set everything up by themselves; see README.md.
 PYTHON ?= python3
 BIN := .venv/bin
+KERNELS := .venv/kernels
 LOCK := $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --no-emit-find-links
 
 # What stores anything, to be run on PostgreSQL, too.
@@ -65,10 +66,9 @@ serve: web $(KERNELS)
 # Each worker begins with a half and helps the other in the end: few modules are set up by both.
 PYTEST := $(BIN)/pytest -n 2 --dist worksteal
 
-# Compiles the kernels once (100 s of a processor in a fresh clone), as the processes that test would
+# Compiles the kernels once (340 s of a processor in a fresh clone), as the processes that test would
 # each do for themselves where they begin together.  Python's bytecode is written also where that is
 # switched off: without it the windows' kernels take 0.4 s to load, with it 0.2.
-KERNELS := .venv/kernels
 $(KERNELS): export PYTHONDONTWRITEBYTECODE :=
 $(KERNELS): .venv/installed $(shell find planner/base planner/planning planner/motion/pointing planner/world/frames planner/world/platforms planner/world/targets planner/inflight/simulation planner/motion/slew planner/spacecraft -name '*.py')
 	$(BIN)/slewtrack campaign examples/campaign_cities.json >/dev/null
