@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, get_args
 
 import typer
 from rich.console import Console
@@ -90,6 +90,8 @@ def _of(one: Members) -> dict[str, Any]:
 
 def print_campaign(console: Console, choice: Members, passes: Sequence[Members]) -> None:
     """What was chosen and how far from the best that can be; a line per look."""
+    from planner.planning.campaigns.chosen import KeptResource
+
     looks = [{**_of(one), **look} for one in passes for look in one["looks"]]
     planned = [one for one in passes if one["problem"] is None]
     console.print(
@@ -111,7 +113,7 @@ def print_campaign(console: Console, choice: Members, passes: Sequence[Members])
     )  # fmt: skip
     parts.print_more(console, len(looks))
     parts.print_reasons(console, "can't be seen", choice["unseen"])
-    for lacks in (None, "battery", "memory", "duty_cycle"):
+    for lacks in (None, *get_args(KeptResource)):
         left_out = [one for one in choice["left_out"] if one.get("lacks") == lacks]
         parts.print_reasons(
             console, f"left out for {(lacks or 'others').replace('_', ' ')}", left_out

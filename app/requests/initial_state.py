@@ -36,7 +36,7 @@ class AskedInitialState:
     `[0.0, -0.06, 0.0]`.
     alpha_body_deg_s2: of a body, in body axes; zero unless given. E.g. `[0.0, 0.0, 0.01]`.
     past_looks: sessions of earlier plans that imaged, which `min_gap_s` and `duty_cycle` of
-    `conditions` count; unless given, those of the plan of `after` and of what it came after. E.g.
+    `conditions` count; with `after` those of that plan and of what it came after. E.g.
     `[{"start": "2015-02-27T15:58:00Z", "stop": "2015-02-27T16:03:00Z"}]`.
     after: id of a plan that the service keeps, at whose end the table begins; the service fills in
     the rest, and what `resources` begin with. E.g. `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
@@ -95,10 +95,7 @@ class AskedInitialState:
             detail = f"the end of plan {after}: {where}, from {epoch} on"
             members = {"epoch": epoch} | members
             if self.past_looks:
-                members["past_looks"] = [
-                    {"start": utc_text(one.start, 6), "stop": utc_text(one.stop, 6)}
-                    for one in self.past_looks
-                ]
+                members["past_looks"] = [one.told for one in self.past_looks]
             assumed = (Assumed(field="initial_state.after", detail=detail, members=members),)
         return InitialState(**state | {"epoch": epoch_utc, "assumed": assumed})
 

@@ -64,6 +64,11 @@ class PastLook:
                 f"stop ({utc_text(self.stop)}) must come after start ({utc_text(self.start)})"
             )
 
+    @property
+    def told(self) -> dict[str, str]:
+        """As a request has it."""
+        return {"start": utc_text(self.start, 6), "stop": utc_text(self.stop, 6)}
+
 
 PastLooks = Annotated[tuple[PastLook, ...], Field(max_length=PastLook.most)]
 

@@ -71,12 +71,11 @@ def from_end_of_plan(database: Database, body: bytes) -> bytes:
 
 def _past_looks(ended: Scenario) -> dict[str, Any]:
     """What it imaged and what was before, as far back as a rule may count."""
-    spans = [(one.start, one.stop) for one in ended.initial_state.past_looks]
-    spans += [(one.start, one.stop) for one in ended.sessions if one.target.images]
+    sessions = (one for one in ended.sessions if one.target.images)
+    looks = [PastLook(start=one.start, stop=one.stop) for one in sessions]
+    looks = [*ended.initial_state.past_looks, *looks][-PastLook.most :]
     told = [
-        {"start": utc_text(start, 6), "stop": utc_text(stop, 6)}
-        for start, stop in spans[-PastLook.most :]
-        if elapsed_s(spans[-1][1], stop) <= CONDITIONS.span_max_s
+        one.told for one in looks if elapsed_s(looks[-1].stop, one.stop) <= CONDITIONS.span_max_s
     ]
     return {"past_looks": told} if told else {}
 

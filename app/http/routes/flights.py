@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from http import HTTPStatus
-from typing import Annotated, Any
+from typing import Annotated
 
 import anyio.to_thread
 from fastapi import APIRouter, Depends, Query, Request, Response
@@ -131,9 +131,15 @@ def _accept(request: Request, plan_id: str, body: bytes, key: str | None) -> Job
             f"{PLANS.path}/{plan_id} tells more"
         )
     what = PlanToFly(plan_id=plan_id, asked=body, request=asked, table_columns=plan.table_columns)
-    about: dict[str, Any] = {"plan_id": plan_id, "listing": _listing(job)}
-    about["options"] = {"runs": spec.runs, "seed": spec.seed, NEEDS_ALL: "runs"}
-    return RESOURCE.accept(request, spec, what.to_bytes(), key, **about)
+    return RESOURCE.accept(
+        request,
+        spec,
+        what.to_bytes(),
+        key,
+        plan_id=plan_id,
+        listing=_listing(job),
+        options={"runs": spec.runs, "seed": spec.seed, NEEDS_ALL: "runs"},
+    )
 
 
 def _listing(plan: Job) -> Listing:

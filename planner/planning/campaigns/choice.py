@@ -234,8 +234,6 @@ class Search:
     further rows likewise.  bounds_apart: whether what bounds it is no path that it takes.
     """
 
-    row_price: Array = np.zeros(0)
-
     def __init__(
         self,
         networks: Sequence[Network],
@@ -251,6 +249,7 @@ class Search:
         self.value = 0.0
         # At these nothing gains: all observations at their best.
         self.price: Array = looking.look_value.max(axis=1)
+        self.row_price: Array = np.zeros(0)
         self._bound = float(looking.look_limit @ self.price)
         self._kept = 1.0 + self._bound  # a look of so much more is given up for nothing
         self._proposed: dict[Proposal, None] = {}

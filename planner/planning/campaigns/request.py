@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from datetime import datetime
+from functools import cached_property
 from typing import Annotated
 
 import numpy as np
@@ -263,7 +264,7 @@ class CampaignRequest:
         """Whether looks use up what there isn't any amount of."""
         return self.resources is not None or self.conditions.duty_cycle is not None
 
-    @property
+    @cached_property
     def duty_cycle(self) -> DutyCycle | None:
         """With its span, the same in all passes: on the orbit as it is at the start."""
         duty = self.conditions.duty_cycle

@@ -96,10 +96,9 @@ class _Nodes:
         """Whether nodes can follow others, (n,)."""
         gap = self.imaging.start_tick[after] - self.imaging.stop_tick[before]
         fits = self.slews.fit(self.exit_states, self.entry_states, before, after, gap)
-        for k, pair in enumerate(zip(before.tolist(), after.tolist(), strict=True)):
-            if not self.apart:
-                break
-            fits[k] &= pair not in self.apart
+        if self.apart:
+            pairs = zip(before.tolist(), after.tolist(), strict=True)
+            fits &= np.fromiter((pair not in self.apart for pair in pairs), np.bool_, len(before))
         return fits
 
 
