@@ -58,8 +58,9 @@ def compiled(function: F) -> F:
 
 
 def nested(function: F) -> F:
-    """The same for what only compiled code calls: its callers' files hold it, so it has none."""
-    return _to_machine_code(function)
+    """The same for what compiled code calls in a place or two: it becomes a part of its caller,
+    or it would be compiled by itself, and once more with each caller's caller."""
+    return _to_machine_code(function, inline="always")
 
 
 def lean(function: F) -> F:
@@ -73,7 +74,8 @@ def inlined(function: F) -> F:
     return _to_machine_code(function, _nrt=False, forceinline=True)
 
 
-def _to_machine_code(function: F, **options: bool) -> F:
+def _to_machine_code(function: F, **options: bool | str) -> F:
     njit = cast(Any, numba.njit)  # whose types don't list all of its options
-    made = njit(nogil=True, error_model="numpy", **options)(function)
+    # Nobody in C calls ours; a door for that is a fifth of what the windows take to compile.
+    made = njit(nogil=True, error_model="numpy", no_cfunc_wrapper=True, **options)(function)
     return cast(F, made)
