@@ -11,14 +11,9 @@ from planner.base.arrays import Array
 from planner.base.commands import BODY_CHANNELS, COMMAND_STEP_S, CommandTable
 from planner.base.rotation import Rotation, continuous
 from planner.spacecraft.flight.report import StabilisationReport
+from planner.spacecraft.found import AttitudeSlewReport, ImagingChoice
 from planner.spacecraft.requests import LeftOut
-from planner.spacecraft.summary import (
-    AttitudeSlewReport,
-    ImagingChoice,
-    ImagingSummary,
-    report_slews,
-    summarise,
-)
+from planner.spacecraft.summary import ImagingSummary, summarise
 from planner.spacecraft.verification import SpacecraftVerification, VerifiedWindow
 from planner.world.frames.time_scales import utc_text
 
@@ -144,8 +139,8 @@ def spacecraft_document(plan: "ImagingPlan", provenance: ProvenanceOut) -> bytes
             summary=summarise(plan),
             windows=plan.verification.windows,
             left_out=list(plan.left_out),
-            choice=ImagingChoice(value=plan.choice.value, greedy_value=plan.choice.greedy_value),
-            slews=report_slews(plan),
+            choice=plan.choice,
+            slews=plan.slews,
             verification=plan.verification,
             stabilisation=plan.stabilisation,
             assumptions=list(plan.assumptions),

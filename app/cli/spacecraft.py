@@ -49,7 +49,8 @@ def print_session(console: Console, plan: Members, momentum_sphere_n_m_s: float)
         Text.assemble(
             (plan["name"] or "Session", "bold"),
             f", {plan['spacecraft']}: {len(table['t_s'])} rows from {table['epoch']}, worth "
-            f"{choice['value']:g} (best found; by priority alone {choice['greedy_value']:g})",
+            f"{choice['value']:g} of at most {choice['bound']:g} (by priority alone "
+            f"{choice['greedy_value']:g})",
         ),
     )
     stabilisation = plan["stabilisation"]

@@ -74,6 +74,7 @@ SPACECRAFT_PLAN = JobKind(
         "resources": 56,
         "pointing budget": 57,
         "verification": 58,
+        "bound": 60,
         "flight": 62,
         "alternatives": 95,
     },

@@ -524,14 +524,14 @@ def fed_forward_deg_s(name: str, span: Span) -> float:
 
 def _turns() -> Numbers:
     long = planned(AREAS)
-    between = [slew for slew in long.slews if slew.window is not None and slew.window % 4 != 0]
-    angles = [math.degrees(turn.comparison.angle_rad) for turn in between]
+    between = [slew for slew in long.slews if slew.onto is not None and slew.onto % 4 != 0]
+    angles = [math.degrees(turn.angle_rad) for turn in between]
     as_told = angles_between_strips_deg(600.0, TOLD_STRIP_S)
     return {
         "angle between strips": float(np.mean(angles)),
         "least_deg": min(angles),
         "most_deg": max(angles),
-        "eigenaxis_s": float(np.median([turn.comparison.eigenaxis_s for turn in between])),
+        "eigenaxis_s": float(np.median([turn.eigenaxis_s for turn in between])),
         "at_600_km_deg": float(np.mean(as_told)),
     }
 

@@ -24,11 +24,12 @@ from planner.planning.sessions.plan import Plan
 from planner.spacecraft.flight.report import StabilisationReport
 from planner.spacecraft.flight.simulation import fly_many
 from planner.spacecraft.flight.stabilisation import ASSUMPTIONS, run_figures, stabilisation
+from planner.spacecraft.found import AttitudeSlewReport, ImagingChoice
 from planner.spacecraft.imaging.alternatives import refusal_with_alternative
+from planner.spacecraft.imaging.baselines import report_slews
 from planner.spacecraft.imaging.choice_with_slews import choose_and_slew, options_of
-from planner.spacecraft.imaging.choose import Choice
+from planner.spacecraft.imaging.choose import bound_of
 from planner.spacecraft.imaging.session import ImagingSession, make_session
-from planner.spacecraft.imaging.timeline import PlannedSlew, planned_slews
 from planner.spacecraft.requests import ImagingPlanRequest, LeftOut
 from planner.spacecraft.table import ImagingWindow
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
@@ -53,7 +54,7 @@ class ImagingPlan:
     """The plan of a session.
 
     whole: of the body, whose sessions are the scans.  windows: when they are.
-    slews: each beside its eigenaxis baselines.  choice: worth of what was chosen, the best found.
+    slews: each beside its eigenaxis baselines.  choice: worth of what was chosen, and its bound.
     stabilisation: of the dispersed closed-loop runs.
     assumptions: values assumed because the paper doesn't give them.
     """
@@ -61,8 +62,8 @@ class ImagingPlan:
     request: ImagingPlanRequest
     whole: Plan
     windows: tuple[ImagingWindow, ...]
-    slews: tuple[PlannedSlew, ...]
-    choice: Choice
+    slews: tuple[AttitudeSlewReport, ...]
+    choice: ImagingChoice
     left_out: tuple[LeftOut, ...]
     verification: SpacecraftVerification
     stabilisation: StabilisationReport
@@ -139,6 +140,13 @@ def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, gentler: bool = T
     verification = verify_table(whole.table, whole.verification, timeline.windows, request)
     if not verification.passed:
         raise VerificationFailed("; ".join(verification.findings))
+    tell("bound", 0, 1)
+    value = chosen.choice.value
+    choice = ImagingChoice(
+        value=value,
+        greedy_value=chosen.choice.greedy_value,
+        bound=bound_of(options, session.priorities, session.slews, value),
+    )
     warnings = whole.warnings
     runs = _affordable_runs(request, len(whole.table.position))
     if runs < request.simulation_runs:
@@ -151,8 +159,8 @@ def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, gentler: bool = T
         request=request,
         whole=whole,
         windows=timeline.windows,
-        slews=tuple(planned_slews(session.platform, whole, timeline.joins)),
-        choice=chosen.choice,
+        slews=tuple(report_slews(session.platform, whole, timeline.joins)),
+        choice=choice,
         left_out=(*unseen, *chosen.left_out),
         verification=verification,
         stabilisation=report,

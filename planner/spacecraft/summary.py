@@ -1,62 +1,14 @@
-"""The summary of an imaging session, its slews beside baselines, and the worth of its choice."""
+"""The summary of an imaging session."""
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING
 
-from planner.base.answer_members import Count, Member, NotNegative, answer
+from planner.base.answer_members import Count, answer
 from planner.spacecraft.table import TICK_S
-from planner.world.frames.time_scales import RowUtc, Utc, shifted_utc
+from planner.world.frames.time_scales import Utc, shifted_utc
 
 if TYPE_CHECKING:
     from planner.spacecraft.plan import ImagingPlan
     from planner.spacecraft.requests import Request
-
-
-@answer
-class AttitudeSlewReport:
-    """One slew beside its baselines at the same limits.
-
-    start_utc: first row; UTC.
-    stop_utc: last row; UTC.
-    onto: number of the window it leads to, null for orbital orientation.
-    angle_rad: between the attitudes at its ends.
-    duration_s: of the slew.
-    eigenaxis_s: of the quickest slew found about the Euler axis within the same limits.
-    bang_coast_bang_s: of the paper's about the Euler axis, with any torque rate.
-    torque_rate_peak_n_m_s: largest torque rate of the slew, without what turns the momentum held.
-    eigenaxis_torque_rate_peak_n_m_s: largest torque rate of the slew about the Euler axis.
-    method: method of the solution.
-    time_from: the method that found the time of a `minimum_time` slew, `ocp`; null for slews that
-    take the time there is.
-    status: status in which the solver ended.
-    solve_s: time it took to solve.
-    """
-
-    start_utc: RowUtc
-    stop_utc: RowUtc
-    onto: Count | None
-    angle_rad: Annotated[float, Member("deg", 0.0, 180.0)]
-    duration_s: NotNegative
-    eigenaxis_s: NotNegative
-    bang_coast_bang_s: NotNegative
-    torque_rate_peak_n_m_s: NotNegative
-    eigenaxis_torque_rate_peak_n_m_s: NotNegative
-    method: str
-    time_from: Literal["ocp"] | None
-    status: str
-    solve_s: NotNegative
-
-
-@answer
-class ImagingChoice:
-    """The best choice found among the requests; a better one may exist.
-
-    value: of the requests chosen.
-    greedy_value: worth of the choice that takes the most valuable request that fits, one after
-    another.
-    """
-
-    value: NotNegative
-    greedy_value: NotNegative
 
 
 @answer
@@ -121,18 +73,4 @@ def _summarise_request(plan: "ImagingPlan", request: "Request") -> ImagingReques
         looks=len(looks),
         start_utc=None if first_row is None else shifted_utc(epoch_utc, first_row * TICK_S),
         stop_utc=None if last_row is None else shifted_utc(epoch_utc, last_row * TICK_S),
-    )
-
-
-def report_slews(plan: "ImagingPlan") -> tuple[AttitudeSlewReport, ...]:
-    """In order of time."""
-    epoch_utc = plan.table.epoch_utc
-    return tuple(
-        AttitudeSlewReport(
-            start_utc=shifted_utc(epoch_utc, slew.first_row * TICK_S),
-            stop_utc=shifted_utc(epoch_utc, slew.last_row * TICK_S),
-            onto=slew.window,
-            **vars(slew.comparison),
-        )
-        for slew in plan.slews
     )

@@ -27,8 +27,9 @@ def test_all_that_is_asked_is_imaged(plan):
     looks = [window["request"] for window in plan["windows"]]
     assert looks == ["strip", "stereo", "stereo", "corridor", "area", "area", "area", "area"]
     assert plan["left_out"] == []
-    assert plan["choice"].keys() == {"value", "greedy_value"}  # no bound: none was true
-    assert plan["choice"]["value"] == 9.0  # 2 + 4 + 2 + 1
+    choice = plan["choice"]
+    assert choice["value"] == choice["bound"] == 9.0  # 2 + 4 + 2 + 1
+    assert choice["gap_share"] == 0.0
     assert plan["verification"]["passed"]
 
 

@@ -72,7 +72,7 @@ def test_a_request_whose_slews_never_fit_leaves_the_others(monkeypatch):
             if scan.request == 1:
                 effort.charge(effort.PLAN / 6.0)
                 why = InfeasibleSlew("the body needs about 28.8 s")
-                raise DoesNotFit(scan.candidate, scan.candidate, why)
+                raise DoesNotFit(scan.candidate, why)
         return build_timeline(made, scans)
 
     monkeypatch.setattr(choice_with_slews, "build_timeline", costly)

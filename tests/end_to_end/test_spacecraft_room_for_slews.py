@@ -59,7 +59,7 @@ def test_a_far_initial_attitude_delays_the_first_scan_rather_than_bar_it(q):
     """The time to the scan nearest overhead, 80 s, is little for 180 deg."""
     plan = plan_imaging(session([STRIP], 300.0, initial_q_body_from_eci_xyzw=q, simulation_runs=0))
     assert [window.request for window in plan.windows] == ["strip"]
-    [onto] = [slew for slew in plan.slews if slew.window == 0]
+    [onto] = [slew for slew in plan.slews if slew.onto == 0]
     assert plan.slews[0].first_row == 0
     assert onto.last_row <= plan.windows[0].first_row - 13  # settled for 2.6 s
 

@@ -38,7 +38,7 @@ def test_strip_and_stereo_pair_are_imaged_when_the_paper_images_them(strip_and_s
     plan, windows_s = strip_and_stereo
     # Figs. 4 and 6; a scan lasts whole cycles of 0.2 s.
     np.testing.assert_allclose(windows_s, [(128, 144), (338, 354), (448, 464)], atol=0.2)
-    leaving_s = {slew.window: slew.first_row / 5.0 for slew in plan.slews}
+    leaving_s = {slew.onto: slew.first_row / 5.0 for slew in plan.slews}
     # The paper commands its slews there: ours need no more time.
     for window, commanded_s in enumerate((72.0, 252.0, 354.0)):
         assert leaving_s[window] >= commanded_s

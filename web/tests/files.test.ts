@@ -7,7 +7,7 @@ import "./page";
 
 const { NoTargets, targetsOf } = await import("../src/rooms/campaigns/targets");
 const { geometryOf, positionsOf } = await import("../src/map/modes");
-const { askedOfGeoJson } = await import("../src/rooms/spacecraft/session");
+const { askedOf } = await import("../src/rooms/spacecraft/session");
 const { readRequest } = await import("../src/rooms/horizon/estimate");
 
 const OSLO = { id: "Oslo", session_s: 40, target: { mode: "ground", latitude_deg: 59.9, longitude_deg: 10.7, height_m: 0 } };
@@ -34,29 +34,23 @@ test.each([
   ["name,lat,lon\nOslo,59.9,10.7\nBergen,,5.3", 3, "latitude_deg"],
   ["name,lat,lon\nOslo,north,10.7", 2, "latitude_deg"],
   ["name,lat,lon", 1, "id, latitude_deg, longitude_deg"],
-  ['{"features": [{"geometry": {"type": "Polygon"}}]}', 1, "Point"],
+  ['{"features": [{"geometry": {"type": "MultiPoint"}}]}', 1, "Point, LineString, Polygon"],
   ['{"request": 1}', null, "targets"],
 ])("a file without targets says where: %s", (text, line, missing) => {
   expect(() => targetsOf(text)).toThrow(expect.objectContaining({ line, missing }));
   expect(() => targetsOf(text)).toThrow(NoTargets);
 });
 
-test("a session's requests are read as GeoJSON, their modes by their shapes", () => {
-  const asked = askedOfGeoJson(readFileSync("../examples/spacecraft_four_modes.geojson", "utf8"));
-  expect(asked?.map((one) => one.mode).sort()).toEqual(["area", "corridor", "stereo", "strip"]);
-  const line = {
-    type: "Feature",
-    geometry: {
-      type: "LineString",
-      coordinates: [
-        [0, 0],
-        [1, 1],
-      ],
-    },
-  };
-  expect(askedOfGeoJson(JSON.stringify(line))).toMatchObject([{ name: "strip 1", mode: "strip" }]);
-  expect(askedOfGeoJson('{"type": "Feature", "geometry": {"type": "Point"}}')).toBeNull();
-  expect(askedOfGeoJson("{")).toBeNull();
+test("lines and polygons are imaging modes, as their properties say or by their shapes", () => {
+  const text = readFileSync("../examples/spacecraft_four_modes.geojson", "utf8");
+  const targets = targetsOf(text);
+  expect(targets.map((one) => one.target.mode).sort()).toEqual(["area", "corridor", "stereo", "strip"]);
+  const asked = askedOf({ requests: JSON.parse(text) } as unknown as Parameters<typeof askedOf>[0]);
+  expect(asked.map((one) => one.name)).toEqual(targets.map((one) => one.id));
+  const line = '{"type": "Feature", "geometry": {"type": "LineString", "coordinates": [[0, 0], [1, 1]]}}';
+  expect(targetsOf(line)).toMatchObject([{ id: "strip 1", target: { mode: "strip" } }]);
+  const typed = { requests: { features: [{ geometry: null }] } };
+  expect(askedOf(typed as unknown as Parameters<typeof askedOf>[0])).toEqual([]);
 });
 
 test("positions make a mode's geometry, and are had from it again", () => {

@@ -1,7 +1,7 @@
-"""A slew as it was planned, beside those about the Euler axis."""
+"""Slews as they were planned, beside those about the Euler axis."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 
@@ -10,7 +10,11 @@ from planner.base.mrp import BodyMotion
 from planner.motion.attitude.eigenaxis import eigenaxis_slew, quickest_eigenaxis
 from planner.motion.attitude.problem import BodySlewProblem, between_rows, rows_of
 from planner.motion.attitude.track import agility_limits
-from planner.spacecraft.vehicle.definition import SlewObjective
+from planner.planning.sessions.assembly import pair_joins
+from planner.planning.sessions.plan import Plan
+from planner.planning.sessions.platforms.mover import Join
+from planner.spacecraft.found import AttitudeSlewReport
+from planner.world.frames.time_scales import shifted_utc
 from planner.world.platforms import BodyPlatform
 
 
@@ -26,33 +30,54 @@ class BaselineOptions:
 OPTIONS = BaselineOptions()
 
 
-@dataclass(frozen=True, kw_only=True)
-class AttitudeSlewComparison:
-    """One slew beside its baselines at the same limits.
+def report_slews(
+    platform: BodyPlatform, plan: Plan, joins: list[Join]
+) -> Iterator[AttitudeSlewReport]:
+    """Of a plan made of these joins, in order of time."""
+    row = 0
+    for run, (window, join) in zip(plan.slews, pair_joins(plan.scenario, joins), strict=True):
+        if join.brake_rows:
+            yield _report(platform, plan, (row, row + join.brake_rows), None, run.status, 0.0)
+        rows = join.slew_row, join.join_row
+        yield _report(platform, plan, rows, window, run.status, run.wall_s)
+        row = join.stop_row
 
-    angle_rad: of the rotation between its ends.  eigenaxis_s: the quickest found about the Euler
-    axis with the same limits; bang_coast_bang_s: the paper's, any torque rate.
+
+def _report(
+    platform: BodyPlatform,
+    plan: Plan,
+    rows: tuple[int, int],
+    onto: int | None,
+    status: str,
+    solve_s: float,
+) -> AttitudeSlewReport:
+    """rows: the slew's first and last."""
+    start_utc, stop_utc = (shifted_utc(plan.table.epoch_utc, row / ROWS_PER_S) for row in rows)
+    span = slice(rows[0], rows[1] + 1)
+    assert plan.table.acceleration_rad_s2 is not None  # a body's table has it
+    motion = Motion(
+        plan.table.position[span], plan.table.rate_rad_s[span], plan.table.acceleration_rad_s2[span]
+    )
+    return AttitudeSlewReport(
+        start_utc=start_utc,
+        stop_utc=stop_utc,
+        onto=onto,
+        method="ocp",
+        time_from="ocp" if plan.scenario.slew.objective == "minimum_time" else None,
+        status=status,
+        solve_s=solve_s,
+        first_row=rows[0],
+        last_row=rows[1],
+        **compare(motion, platform),
+    )
+
+
+def compare(motion: Motion, platform: BodyPlatform) -> dict[str, float]:
+    """Figures of a slew's rows, its ends among them, as `AttitudeSlewReport` names them.
+
     The torque rate's peak, of this slew and of the eigenaxis one of the same duration, is what
     shakes the modes; it is counted without the momentum that is turned with the body.
-    time_from: what found the quickest slew, whose time this one was given.
     """
-
-    angle_rad: float
-    duration_s: float
-    eigenaxis_s: float
-    bang_coast_bang_s: float
-    torque_rate_peak_n_m_s: float
-    eigenaxis_torque_rate_peak_n_m_s: float
-    method: str
-    time_from: Literal["ocp"] | None
-    status: str
-    solve_s: float
-
-
-def compare(
-    motion: Motion, platform: BodyPlatform, objective: SlewObjective, status: str, solve_s: float
-) -> AttitudeSlewComparison:
-    """Of a slew's rows, its ends among them."""
     row = len(motion.position) - 1
     limits, inertia_kg_m2 = agility_limits(platform), np.array(platform.inertia_kg_m2)
     problem = BodySlewProblem(
@@ -69,17 +94,12 @@ def compare(
         torque_rates = body.jerk_body_rad_s3.reshape(-1, 3) @ inertia_kg_m2
         return float(np.max(np.linalg.norm(torque_rates, axis=1)))
 
-    return AttitudeSlewComparison(
-        angle_rad=float(problem.angles_rad[0]),
-        duration_s=duration_s,
-        eigenaxis_s=quickest_eigenaxis(problem)[0].duration_s,
-        bang_coast_bang_s=quickest_eigenaxis(replace(problem, limits=abrupt))[0].duration_s,
-        torque_rate_peak_n_m_s=peak_n_m_s(between_rows(motion, np.array(OPTIONS.looks))[1]),
-        eigenaxis_torque_rate_peak_n_m_s=peak_n_m_s(
-            same_time.motion(np.linspace(0.0, duration_s, OPTIONS.instants))[1]
-        ),
-        method="ocp",
-        time_from="ocp" if objective == "minimum_time" else None,
-        status=status,
-        solve_s=solve_s,
-    )
+    even_s = np.linspace(0.0, duration_s, OPTIONS.instants)
+    return {
+        "angle_rad": float(problem.angles_rad[0]),
+        "duration_s": duration_s,
+        "eigenaxis_s": quickest_eigenaxis(problem)[0].duration_s,
+        "bang_coast_bang_s": quickest_eigenaxis(replace(problem, limits=abrupt))[0].duration_s,
+        "torque_rate_peak_n_m_s": peak_n_m_s(between_rows(motion, np.array(OPTIONS.looks))[1]),
+        "eigenaxis_torque_rate_peak_n_m_s": peak_n_m_s(same_time.motion(even_s)[1]),
+    }

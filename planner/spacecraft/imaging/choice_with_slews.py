@@ -159,25 +159,13 @@ def choose_and_slew(
 
 
 def _best(
-    session: ImagingSession,
-    options: Sequence[Candidate],
-    barred: Collection[int] = (),
-    apart: Collection[tuple[int, int]] = (),
+    session: ImagingSession, options: Sequence[Candidate], barred: Collection[int] = ()
 ) -> Choice:
-    """The best choice of candidates that aren't barred, by their place in `options`.
-
-    apart: those of which the second can't follow the first.
-    """
+    """The best choice of candidates that aren't barred, by their place in `options`."""
     allowed = [k for k in range(len(options)) if k not in barred]
-    place = {k: position for position, k in enumerate(allowed)}
     if not allowed:
-        return Choice(chosen=(), requests=(), value=0.0, greedy_value=0.0, rounds=0)
-    choice = choose(
-        [options[k] for k in allowed],
-        [request.priority for request in session.request.requests],
-        session.slews,
-        {(place[a], place[b]) for a, b in apart if a in place and b in place},
-    )
+        return Choice()
+    choice = choose([options[k] for k in allowed], session.priorities, session.slews)
     return replace(choice, chosen=tuple(allowed[k] for k in choice.chosen))
 
 
@@ -200,8 +188,7 @@ def _gentler(session: ImagingSession, first: Choice) -> Chosen | None:
 
 def _fitting(session: ImagingSession, options: Sequence[Candidate], choice: Choice) -> Chosen:
     """The choice with its slews; where a slew isn't found, another choice without it."""
-    barred: dict[int, str] = {}
-    apart: set[tuple[int, int]] = set()
+    barred: set[int] = set()
     refused: list[tuple[int, str]] = []  # requests, and why
     why: Refusal = InfeasibleSlew("the slews between its scans don't fit", limit="time")
     greedy_value = choice.greedy_value
@@ -209,27 +196,17 @@ def _fitting(session: ImagingSession, options: Sequence[Candidate], choice: Choi
         try:
             timeline = build_timeline(session, scans_of(options, choice.chosen))
         except DoesNotFit as misfit:
-            before, after, why = misfit.before, misfit.after, misfit.why
+            at_fault, why = misfit.candidate, misfit.why
         else:
             choice = replace(choice, greedy_value=min(greedy_value, choice.value))
             left_out = _left_out(session, options, choice, dict(refused))
             return Chosen(choice=choice, timeline=timeline, left_out=left_out)
-        at_fault = before if after is None else after
-        assert at_fault is not None  # a slew has an end
         number = options[at_fault].request
         refused.append((number, why.detail))
-        if (
-            before is None
-            or after is None
-            or before == after
-            or not isinstance(why, InfeasibleSlew)
-        ):
-            barred[at_fault] = why.detail
-        else:
-            apart.add((before, after))
+        barred.add(at_fault)
         if [one for one, _ in refused].count(number) >= OPTIONS.tries:
-            barred |= {k: why.detail for k, one in enumerate(options) if one.request == number}
-        choice = _best(session, options, barred, apart)
+            barred |= {k for k, one in enumerate(options) if one.request == number}
+        choice = _best(session, options, barred)
     raise InfeasibleSlew(why.detail, field="requests", limit=why.limit)
 
 

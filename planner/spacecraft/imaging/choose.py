@@ -1,20 +1,24 @@
-"""The best choice found of requests to image, their times and order.
+"""The best choice found of requests to image, their times and order, and what bounds it.
 
 A path through candidates in order of time, worth the priorities of the requests it fulfils, found
-by `label_search`.  The two looks of a stereo pair are candidates of their own; only the
-second earns, and only after the first.
+by `label_search` with slew times that suffice, and bounded by it with times that none can beat, as
+in campaigns.  The two looks of a stereo pair are candidates of their own; only the second earns,
+and only after the first.
 Source: Peng et al. 2020 (agile satellites).
 """
 
-from collections.abc import Collection, Sequence, Set
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 from typing import NamedTuple
 
 import numpy as np
 
 from planner.base import effort
-from planner.base.arrays import Array, Indices, Mask
+from planner.base.arrays import Array, Indices
 from planner.base.compiled import compiled
+from planner.planning import label_search
+from planner.planning.campaigns.platforms.slew_fits import NECESSARY, SUFFICIENT
 from planner.planning.label_search import (
     COMPLETES,
     OPENS,
@@ -33,25 +37,32 @@ from planner.spacecraft.imaging.candidates import Candidate
 from planner.spacecraft.imaging.slews import Slews
 from planner.spacecraft.table import TICK_S
 
-PAIR = 0.3  # of `effort`
-WAIT_TICKS = 10  # of the chain of idle instants: 2 s, the grid of the candidates
+
+@dataclass(frozen=True, kw_only=True)
+class ChoiceOptions:
+    """What a choice and its bound may take."""
+
+    pair: float = 0.3  # of `effort`
+    wait_ticks: int = 10  # of the chain of idle instants: 2 s, the grid of the candidates
+    bound_labels_max: int = 2_000_000  # no round of the bound is begun after so many: 2 s
+    bound_share: float = 0.3  # of what work is left: the rest is for flights
+
+
+OPTIONS = ChoiceOptions()
 
 
 @dataclass(frozen=True, kw_only=True)
 class Choice:
-    """Candidates in order of time, and how good the choice of them is: the best found for slew
-    times that suffice, mostly longer than the slews', so that a better one may exist.
+    """Candidates in order of time, and how good the choice of them is.
 
     chosen: indices into the candidates; requests: theirs.  value: sum of priorities
     fulfilled.  greedy_value: of taking requests by priority, each at the first moment that fits.
-    rounds: relaxations solved.
     """
 
-    chosen: tuple[int, ...]
-    requests: tuple[int, ...]
-    value: float
-    greedy_value: float
-    rounds: int
+    chosen: tuple[int, ...] = ()
+    requests: tuple[int, ...] = ()
+    value: float = 0.0
+    greedy_value: float = 0.0
 
 
 class Imaging(NamedTuple):
@@ -63,6 +74,7 @@ class Imaging(NamedTuple):
     request: Indices
     part: Indices
     priority: Array
+    tilt_rad: Array
 
 
 class SlewGraph(NamedTuple):
@@ -75,134 +87,117 @@ class SlewGraph(NamedTuple):
     before: Indices
     reach_ticks: int
 
-
-@dataclass(frozen=True, eq=False)
-class _Nodes:
-    """Candidates by their start, and the slews between them.
-
-    candidate: index in the order given, (n,).  entry_states, exit_states: (n, 11).
-    apart: nodes of which the second can't follow the first, though the time seemed to suffice.
-    """
-
-    imaging: Imaging
-    candidate: Indices
-    entry_states: Array
-    exit_states: Array
-    tilt_rad: Array
-    slews: Slews
-    apart: Set[tuple[int, int]]
-
-    def follow(self, before: Indices, after: Indices) -> Mask:
-        """Whether nodes can follow others, (n,)."""
-        gap = self.imaging.start_tick[after] - self.imaging.stop_tick[before]
-        fits = self.slews.fit(self.exit_states, self.entry_states, before, after, gap)
-        if self.apart:
-            pairs = zip(before.tolist(), after.tolist(), strict=True)
-            fits &= np.fromiter((pair not in self.apart for pair in pairs), np.bool_, len(before))
-        return fits
+    def follows(self, imaging: Imaging, i: int, j: int) -> bool:
+        """Whether candidate j can follow candidate i."""
+        is_late = imaging.start_tick[j] - imaging.stop_tick[i] >= self.reach_ticks
+        return bool(is_late or i in self.before[self.first[j] : self.first[j + 1]])
 
 
-def choose(
-    candidates: Sequence[Candidate],
-    priorities: Sequence[float],
-    slews: Slews,
-    apart: Set[tuple[int, int]] = frozenset(),
-) -> Choice:
-    """The best choice for these slew times, if labels last.
-
-    apart: candidates of which the second can't follow the first.
-    """
-    nodes = _nodes(candidates, priorities, slews, apart)
-    imaging, graph = nodes.imaging, _slew_graph(nodes)
-    greedy = _greedy(nodes, priorities)
-    solved = 0
-    most: tuple[float, list[int]] = (0.0, [])
-    for one in rounds(
-        lambda memory: Round(*_label_paths(imaging, graph, memory)),
-        _repeats(imaging, len(priorities), graph),
-    ):
-        solved += 1
-        flyable = _without_repeats(imaging, one.visits[:, 0].tolist())
-        most = max(most, flyable, key=lambda item: item[0])
-        if one.value <= max(most[0], greedy[0]):
+def choose(candidates: Sequence[Candidate], priorities: Sequence[float], slews: Slews) -> Choice:
+    """The best choice for slew times that suffice, if labels last."""
+    order = _by_start(candidates)
+    imaging = _imaging([candidates[k] for k in order], priorities)
+    graph = _slew_graph([candidates[k] for k in order], imaging, slews, SUFFICIENT)
+    greedy = most = _greedy(imaging, graph, priorities)
+    for one in _rounds(imaging, graph):
+        most = max(most, _without_repeats(imaging, one.visits[:, 0].tolist()), key=itemgetter(0))
+        if one.value <= most[0]:
             break
-    value, path = max(most, greedy, key=lambda item: item[0])
-    path = _less_tilted(nodes, path)
+    path = _less_tilted(imaging, graph, most[1])
     return Choice(
-        chosen=tuple(int(nodes.candidate[k]) for k in path),
+        chosen=tuple(order[k] for k in path),
         requests=tuple(int(imaging.request[k]) for k in path),
-        value=value,
+        value=most[0],
         greedy_value=greedy[0],
-        rounds=solved,
     )
 
 
-def _nodes(
-    candidates: Sequence[Candidate],
-    priorities: Sequence[float],
-    slews: Slews,
-    apart: Set[tuple[int, int]],
-) -> _Nodes:
-    order = np.argsort([round(c.start_s / TICK_S) for c in candidates], kind="stable")
-    node = {int(k): place for place, k in enumerate(order)}
-    ordered = [candidates[k] for k in order]
-    return _Nodes(
-        imaging=Imaging(
-            start_tick=np.array([round(c.start_s / TICK_S) for c in ordered]),
-            stop_tick=np.array([round(c.stop_s / TICK_S) for c in ordered]),
-            request=np.array([c.request for c in ordered]),
-            part=np.array([c.part for c in ordered]),
-            priority=np.array([0.0 if c.part == OPENS else priorities[c.request] for c in ordered]),
-        ),
-        candidate=order,
-        entry_states=np.array([c.entry_state for c in ordered]),
-        exit_states=np.array([c.exit_state for c in ordered]),
+def bound_of(
+    candidates: Sequence[Candidate], priorities: Sequence[float], slews: Slews, value: float
+) -> float:
+    """No choice of these candidates is worth more, whatever its slews; value: of one of them."""
+    least = float(sum(priorities[request] for request in {one.request for one in candidates}))
+    if least <= value or effort.remaining() <= 0.0:
+        return least
+    with effort.at_most(OPTIONS.bound_share * effort.remaining()):
+        ordered = [candidates[k] for k in _by_start(candidates)]
+        imaging = _imaging(ordered, priorities)
+        graph = _slew_graph(ordered, imaging, slews, NECESSARY)
+        for one in _rounds(imaging, graph, OPTIONS.bound_labels_max):
+            least = min(least, label_search.bound([one]))
+            if least <= value or effort.remaining() <= 0.0:
+                break
+    return max(least, value)
+
+
+def _by_start(candidates: Sequence[Candidate]) -> list[int]:
+    return sorted(range(len(candidates)), key=lambda k: round(candidates[k].start_s / TICK_S))
+
+
+def _imaging(ordered: Sequence[Candidate], priorities: Sequence[float]) -> Imaging:
+    return Imaging(
+        start_tick=np.array([round(c.start_s / TICK_S) for c in ordered]),
+        stop_tick=np.array([round(c.stop_s / TICK_S) for c in ordered]),
+        request=np.array([c.request for c in ordered]),
+        part=np.array([c.part for c in ordered]),
+        priority=np.array([0.0 if c.part == OPENS else priorities[c.request] for c in ordered]),
         tilt_rad=np.array([c.tilt_rad for c in ordered]),
-        slews=slews,
-        apart={(node[a], node[b]) for a, b in apart},
     )
 
 
-def _slew_graph(nodes: _Nodes) -> SlewGraph:
-    start_tick, stop_tick = nodes.imaging.start_tick, nodes.imaging.stop_tick
-    widest = nodes.slews.widest_ticks
+def _slew_graph(
+    ordered: Sequence[Candidate], imaging: Imaging, slews: Slews, sign: float
+) -> SlewGraph:
+    entry_states = np.array([c.entry_state for c in ordered])
+    exit_states = np.array([c.exit_state for c in ordered])
     before: list[Indices] = []
-    for j, start in enumerate(start_tick):
-        gap = start - stop_tick
-        i = np.flatnonzero((gap > 0) & (gap < widest))
-        effort.charge(PAIR * len(i))
-        before.append(i[nodes.follow(i, np.full(len(i), j))])
+    for j, start_tick in enumerate(imaging.start_tick):
+        ticks = start_tick - imaging.stop_tick
+        # Beyond, it is followed by way of an idle instant.
+        i = np.flatnonzero((ticks > 0) & (ticks < slews.widest_ticks + OPTIONS.wait_ticks))
+        effort.charge(OPTIONS.pair * len(i))
+        after = np.full(len(i), j)
+        before.append(i[slews.fit(exit_states, entry_states, i, after, ticks[i], sign)])
     first = np.cumsum([0, *map(len, before)])
-    return SlewGraph(first, np.concatenate(before), widest)
+    return SlewGraph(first, np.concatenate(before), slews.widest_ticks)
 
 
-def _repeats(imaging: Imaging, count: int, graph: SlewGraph) -> Repeats:
+def _rounds(
+    imaging: Imaging,
+    graph: SlewGraph,
+    labels_max: int = label_search.OPTIONS.search_labels_max,
+) -> Iterator[Round]:
     longest_ticks = int(np.max(imaging.stop_tick - imaging.start_tick))
-    leap_ticks = longest_ticks + graph.reach_ticks + 2 * WAIT_TICKS
+    leap_ticks = longest_ticks + graph.reach_ticks + 2 * OPTIONS.wait_ticks
     stereo = np.unique(imaging.request[imaging.part != WHOLE]).tolist()
-    start_tick = imaging.start_tick
-    return Repeats(count, imaging.request, start_tick, start_tick, leap_ticks, stereo)
+    ticks, things = imaging.start_tick, int(imaging.request.max()) + 1
+    repeats = Repeats(things, imaging.request, ticks, ticks, leap_ticks, stereo)
+    return rounds(
+        lambda memory: Round(*_label_paths(imaging, graph, memory, OPTIONS.wait_ticks)),
+        repeats,
+        labels_max,
+    )
 
 
 @compiled
 def _label_paths(
-    imaging: Imaging, graph: SlewGraph, memory: LabelMemory
+    imaging: Imaging, graph: SlewGraph, memory: LabelMemory, wait_ticks: int
 ) -> tuple[float, Indices, int]:
     """A `Round`.  Places: candidates, then idle instants; visits are numbered by candidate."""
     n = len(imaging.start_tick)
-    end = int(imaging.stop_tick.max()) + graph.reach_ticks + 2 * WAIT_TICKS
-    labels = no_labels(n + end // WAIT_TICKS + 2, n, memory)
+    end = int(imaging.stop_tick.max()) + graph.reach_ticks + 2 * wait_ticks
+    labels = no_labels(n + end // wait_ticks + 2, n, memory)
     now = 0
     for j in range(n):
         start_tick = imaging.start_tick[j]
-        while (now + 1) * WAIT_TICKS <= start_tick:
+        while (now + 1) * wait_ticks <= start_tick:
             now += 1
-            mask = memory.tick_mask[now * WAIT_TICKS]
+            mask = memory.tick_mask[now * wait_ticks]
             follow(labels, n + now - 1, (n + now,), mask, False)
         made = Visit(j, imaging.request[j], imaging.part[j], imaging.priority[j], start_tick)
         visit(labels, (n + now,), j, memory, made)
         visit(labels, graph.before[graph.first[j] : graph.first[j + 1]], j, memory, made)
-        free = (imaging.stop_tick[j] + graph.reach_ticks + WAIT_TICKS - 1) // WAIT_TICKS
+        free = (imaging.stop_tick[j] + graph.reach_ticks + wait_ticks - 1) // wait_ticks
         follow(labels, j, (n + free,), memory.every, False)
     value, visits, count = best(labels, (0, n))
     return max(value, 0.0), visits, count
@@ -230,46 +225,45 @@ def _is_whole(parts: Collection[int]) -> bool:
     return WHOLE in parts or (OPENS in parts and COMPLETES in parts)
 
 
-def _greedy(nodes: _Nodes, priorities: Sequence[float]) -> tuple[float, list[int]]:
+def _greedy(
+    imaging: Imaging, graph: SlewGraph, priorities: Sequence[float]
+) -> tuple[float, list[int]]:
     """Requests by falling priority, each at the first time that fits between those placed."""
-    request_of, part_of = nodes.imaging.request, nodes.imaging.part
     placed: list[int] = []
     total = 0.0
     for request in sorted(range(len(priorities)), key=lambda r: -priorities[r]):
-        parts = sorted({int(p) for p in part_of[request_of == request]})
+        parts = sorted({int(p) for p in imaging.part[imaging.request == request]})
         trial = placed
         for part in parts:
-            options = np.flatnonzero((request_of == request) & (part_of == part)).tolist()
-            first = next((k for k in options if _fits(nodes, trial, k)), None)
+            options = np.flatnonzero((imaging.request == request) & (imaging.part == part)).tolist()
+            first = next((k for k in options if _fits(imaging, graph, trial, k)), None)
             if first is None:
                 break
-            trial = sorted([*trial, first], key=lambda k: int(nodes.imaging.start_tick[k]))
+            trial = sorted([*trial, first])
         else:
             if _is_whole(parts):
                 placed, total = trial, total + priorities[request]
     return total, placed
 
 
-def _less_tilted(nodes: _Nodes, path: list[int]) -> list[int]:
+def _less_tilted(imaging: Imaging, graph: SlewGraph, path: list[int]) -> list[int]:
     """The same requests, each moved to where it is seen from nearest overhead among its free
     neighbours; stereo looks stay."""
-    request = nodes.imaging.request
+    request, tilt_rad = imaging.request, imaging.tilt_rad
     for k in list(path):
-        if nodes.imaging.part[k] != WHOLE:
+        if imaging.part[k] != WHOLE:
             continue
         others = [other for other in path if other != k]
-        options = np.flatnonzero((request == request[k]) & (nodes.tilt_rad < nodes.tilt_rad[k]))
-        for option in options[np.argsort(nodes.tilt_rad[options], kind="stable")].tolist():
-            if _fits(nodes, others, option):
+        options = np.flatnonzero((request == request[k]) & (tilt_rad < tilt_rad[k]))
+        for option in options[np.argsort(tilt_rad[options], kind="stable")].tolist():
+            if _fits(imaging, graph, others, option):
                 path = sorted([*others, option])
                 break
     return path
 
 
-def _fits(nodes: _Nodes, placed: list[int], k: int) -> bool:
-    """Whether a node's slews from and to its neighbours among those placed have their time."""
-    start_tick = nodes.imaging.start_tick
-    before = [i for i in placed if start_tick[i] <= start_tick[k]]
-    after = [i for i in placed if start_tick[i] > start_tick[k]]
-    pairs = [*((i, k) for i in before[-1:]), *((k, j) for j in after[:1])]
-    return all(nodes.follow(np.array([i]), np.array([j]))[0] for i, j in pairs)
+def _fits(imaging: Imaging, graph: SlewGraph, placed: list[int], k: int) -> bool:
+    """Whether a candidate's slews from and to its neighbours among those placed have their time."""
+    before = [(i, k) for i in placed if i < k][-1:]
+    after = [(k, j) for j in placed if j > k][:1]
+    return all(graph.follows(imaging, *pair) for pair in (*before, *after))

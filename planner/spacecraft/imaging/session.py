@@ -49,6 +49,11 @@ class ImagingSession:
         return self.request.start
 
     @property
+    def priorities(self) -> list[float]:
+        """Of its requests."""
+        return [one.priority for one in self.request.requests]
+
+    @property
     def last_row(self) -> int:
         return round(self.duration_s / TICK_S)
 

@@ -1,4 +1,4 @@
-"""Slews between scans, of the times that suffice for them in a campaign of any body."""
+"""Slews between scans, of the times that suffice or are needed in a campaign of any body."""
 
 import math
 from collections.abc import Callable
@@ -59,11 +59,13 @@ class Slews:
         before: Indices,
         after: Indices,
         ticks: Indices,
+        sign: float = SUFFICIENT,
     ) -> Mask:
-        """Whether so many ticks from scan's end to scan's begin suffice, by numbers of the ends."""
+        """Whether so many ticks from scan's end to scan's begin suffice, by numbers of the ends;
+        sign: as of `slew_fits`."""
         available_s = np.asarray(ticks * TICK_S - self.settle_s - self.more_s + 1e-9, np.float64)
         limits, _ = self._limits
-        return np.asarray(_fit(exit_states, entry_states, before, after, limits, available_s))
+        return np.asarray(_fit(exit_states, entry_states, before, after, limits, sign, available_s))
 
     def ticks(self, exit_states: Array, entry_states: Array) -> Indices:
         """Whole ticks that suffice from each of n ends to its counterpart."""
@@ -86,10 +88,11 @@ def _fit(
     before: Indices,
     after: Indices,
     limits: FollowerLimits,
+    sign: float,
     available_s: Array,
 ) -> Mask:
     fits = np.empty(len(before), np.bool_)
     for k in range(len(before)):
         start, end = exit_states[before[k]], entry_states[after[k]]
-        fits[k] = available_s[k] > 0.0 and slew_fits(start, end, limits, SUFFICIENT, available_s[k])
+        fits[k] = available_s[k] > 0.0 and slew_fits(start, end, limits, sign, available_s[k])
     return fits

@@ -5,26 +5,22 @@ there while there is time, and ends there.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from planner.base.commands import ROWS_PER_S, CommandTable, Motion
+from planner.base.commands import ROWS_PER_S
 from planner.base.errors import InfeasibleSlew, Refusal
 from planner.motion.attitude.problem import rows_of
-from planner.planning.sessions.assembly import pair_joins
-from planner.planning.sessions.plan import Plan
 from planner.planning.sessions.platforms.mover import Join, Mover, RowSpan, TrackBranch
 from planner.planning.sessions.platforms.registry import mover_of
 from planner.planning.sessions.sequence import SessionRefused, sequence_sessions
 from planner.planning.sessions.track_branches import seen_from_s
-from planner.spacecraft.imaging.baselines import AttitudeSlewComparison, compare
 from planner.spacecraft.imaging.candidates import Candidate
 from planner.spacecraft.imaging.ground_arc import GroundArc
 from planner.spacecraft.imaging.session import ImagingSession
 from planner.spacecraft.table import TICK_S, ImagingWindow
 from planner.world.frames.time_scales import shifted_utc
 from planner.world.orbits import Ephemeris
-from planner.world.platforms import BodyPlatform
 from planner.world.scenario import BoundedLead, InitialState, Scenario, Session, SlewOptions
 from planner.world.targets.ground_path import GroundPathTarget, PathPoint
 
@@ -55,17 +51,6 @@ class Scan:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlannedSlew:
-    """A slew from row first_row to last_row; window: the number of the imaging window it leads
-    to, None for orbital orientation."""
-
-    first_row: int
-    last_row: int
-    window: int | None
-    comparison: AttitudeSlewComparison
-
-
-@dataclass(frozen=True, kw_only=True)
 class Timeline:
     """joins: onto each window, a session of the scenario in the same order, and back."""
 
@@ -75,12 +60,12 @@ class Timeline:
 
 
 class DoesNotFit(Exception):
-    """The first slew that isn't found, between which candidates (None: the session's ends), and
-    why; or a scan that isn't held."""
+    """A candidate whose scan isn't held, or the first onto which, or from the last of which, no
+    slew is found, and why."""
 
-    def __init__(self, before: int | None, after: int | None, why: Refusal) -> None:
+    def __init__(self, candidate: int, why: Refusal) -> None:
         super().__init__(why.detail)
-        self.before, self.after, self.why = before, after, why
+        self.candidate, self.why = candidate, why
 
 
 def scans_of(candidates: Sequence[Candidate], chosen: Sequence[int]) -> tuple[Scan, ...]:
@@ -149,13 +134,11 @@ def build_timeline(session: ImagingSession, scans: tuple[Scan, ...]) -> Timeline
     try:
         joins = sequence_sessions(scenario, ephemeris, mover, prove=False)
     except SessionRefused as refused:
-        number = refused.session.number
-        before = owners[number - 1] if number else None
-        raise DoesNotFit(before, owners[number], refused.refusal) from None
+        raise DoesNotFit(owners[refused.session.number], refused.refusal) from None
     try:
         *onto, final = mover.with_final_slew(ephemeris, joins)
     except InfeasibleSlew as why:
-        raise DoesNotFit(owners[-1], None, why) from None
+        raise DoesNotFit(owners[-1], why) from None
     if scenario.slew.objective == "minimum_time":
         onto = [
             _hastened(mover, ephemeris, *one) for one in zip(scenario.sessions, onto, strict=True)
@@ -195,31 +178,3 @@ def _hastened(mover: Mover, ephemeris: Ephemeris, session: Session, join: Join) 
     except InfeasibleSlew:  # no quicker one is found than that which is known
         return join
     return replace(join, slew=replace(join.slew, slew=quick.slew.slew), join_row=quick.join_row)
-
-
-def planned_slews(platform: BodyPlatform, plan: Plan, joins: list[Join]) -> Iterator[PlannedSlew]:
-    """Of a plan made of these joins."""
-    row = 0
-    for run, (window, join) in zip(plan.slews, pair_joins(plan.scenario, joins), strict=True):
-        slews = [(join.slew_row, join.join_row, window, run.wall_s)]
-        if join.brake_rows:
-            slews.insert(0, (row, row + join.brake_rows, None, 0.0))
-        for first_row, last_row, onto, solve_s in slews:
-            comparison = compare(
-                table_rows(plan.table, first_row, last_row),
-                platform,
-                plan.scenario.slew.objective,
-                run.status,
-                solve_s,
-            )
-            yield PlannedSlew(
-                first_row=first_row, last_row=last_row, window=onto, comparison=comparison
-            )
-        row = join.stop_row
-
-
-def table_rows(table: CommandTable, first_row: int, last_row: int) -> Motion:
-    """Of a body, both included."""
-    rows = slice(first_row, last_row + 1)
-    assert table.acceleration_rad_s2 is not None  # a body's table has it
-    return Motion(table.position[rows], table.rate_rad_s[rows], table.acceleration_rad_s2[rows])

@@ -5,7 +5,6 @@ export const spacecraft = {
   removeAll: "Remove all",
   choose: "Choose GeoJSON",
   drop: "Drop GeoJSON here: lines and polygons; mode, name and priority as properties.",
-  noGeoJson: (file: string) => `${file} holds no GeoJSON lines or polygons. Nothing was taken from it.`,
   session: "Session",
   name: "Name",
   start: "From (UTC)",
@@ -17,7 +16,6 @@ export const spacecraft = {
   example: { fourModes: "four modes", eightAreas: "eight areas", stripAndStereo: "strip and stereo pair" },
   jsonHint:
     "As POST /v1/spacecraft/plans takes it; speeds, windows, stereo angles and the spacecraft's settings are changed here.",
-  take: (start: string, stop: string) => `Take ${start}–${stop} instead`,
   send: "Plan the session",
   passes: {
     title: "When does it pass?",
@@ -34,11 +32,12 @@ export const spacecraft = {
     comparison: "Figures of the slews",
     "pointing budget": "Pointing budget",
     verification: "Verification",
+    bound: "Bound of the choice",
     flight: "Closed-loop runs",
   },
   gone: "There is no such session: it was deleted, or its time is over.",
   imaged: (count: number, of: number) => `${count} of ${of} requests imaged`,
-  worth: (value: string) => `worth ${value}, the best choice found`,
+  worth: (value: string, bound: string) => `worth ${value} of at most ${bound}`,
   steady: (share: string, worst: string, runs: number) =>
     `steady in ${share} of the intervals of ${runs} runs, worst rate error ${worst}°/s`,
   leftOut: "Left out",

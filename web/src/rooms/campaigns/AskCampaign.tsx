@@ -1,11 +1,10 @@
 /** The request of a campaign: targets, days, platform, and the weights of a view's qualities. */
-import { useMemo, useRef, useState } from "preact/hooks";
+import { useMemo, useRef } from "preact/hooks";
 
 import example from "../../../../examples/campaign_cities.json";
 import { Problem } from "../../api/problem";
 import { words } from "../../i18n";
 import { MODES } from "../../map/modes";
-import { DropZone } from "../../parts/DropZone";
 import { Field } from "../../parts/Field";
 import { FormSurroundings } from "../../parts/fields/Fields";
 import { useMaking } from "../../parts/making";
@@ -26,8 +25,9 @@ import {
   withPlatform,
 } from "./campaign";
 import { idFor, TargetList } from "./TargetList";
+import { TargetsFile } from "./TargetsFile";
 import { type Kind, TargetsMap } from "./TargetsMap";
-import { NoTargets, SESSION_S, targetsOf } from "./targets";
+import { SESSION_S } from "./targets";
 import { Weights } from "./Weights";
 import { WhenAndHow } from "./WhenAndHow";
 
@@ -37,17 +37,7 @@ const EXAMPLE = example as unknown as CampaignRequest;
 export function AskCampaign() {
   const text = words.value.campaigns;
   const { request, setRequest, isSending, error, send } = useMaking("/v1/campaigns", "/campaigns", EXAMPLE, fetchRequest);
-  const [wrong, setWrong] = useState<string | null>(null);
   const change = (members: Partial<CampaignRequest>) => setRequest({ ...request, ...members });
-  const take = async (file: File) => {
-    try {
-      change({ targets: targetsOf(await file.text()) });
-      setWrong(null);
-    } catch (caught) {
-      if (!(caught instanceof NoTargets)) throw caught;
-      setWrong(text.noTargets(file.name, caught.line, caught.missing));
-    }
-  };
   /** The request as it was when a body took the place of its two axes. */
   const ofAxes = useRef<CampaignRequest | null>(null);
   const takePlatform = (platform: AskedPlatform, found: Platform) => {
@@ -75,14 +65,7 @@ export function AskCampaign() {
             <h2 id="campaign-targets">
               {text.targets} <span class="count">{targets.length}</span>
             </h2>
-            <DropZone label={text.choose} accept=".csv,.txt,.json,.geojson" onFile={(file) => void take(file)}>
-              <p>{text.drop}</p>
-            </DropZone>
-            {wrong !== null && (
-              <p class="wrong" role="alert">
-                {wrong}
-              </p>
-            )}
+            <TargetsFile text={text} accept=".csv,.txt,.json,.geojson" onTargets={(targets) => change({ targets })} />
             <FormSurroundings.Provider value={surroundings}>
               <TargetList targets={targets} faults={faults} onTargets={(targets) => change({ targets })} onAdd={add} />
             </FormSurroundings.Provider>

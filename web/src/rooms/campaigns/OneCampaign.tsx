@@ -5,10 +5,10 @@ import { useJob, useRequest } from "../../api/request";
 import { words } from "../../i18n";
 import { period } from "../../i18n/forms";
 import { nameOf } from "../../i18n/labels";
-import { AtWork } from "../../parts/AtWork";
 import { Identity } from "../../parts/Identity";
-import { JobEnded } from "../../parts/JobEnded";
+import { JobState } from "../../parts/JobState";
 import { Link } from "../../parts/Link";
+import { Notices } from "../../parts/Notices";
 import { checksum } from "../../parts/paper";
 import { CampaignFiles } from "./CampaignFiles";
 import { fatesOf, fetchCampaign, fetchRequest, nameIn, PATH } from "./campaign";
@@ -20,7 +20,8 @@ import { Worth } from "./Worth";
 
 export function OneCampaign({ id }: { id: string }) {
   const text = words.value.campaigns;
-  const { answer, progress, error, ask, cancel } = useJob(PATH, id, fetchCampaign);
+  const job = useJob(PATH, id, fetchCampaign);
+  const { answer } = job;
   // Whatever is wrong with the campaign is told by the campaign itself.
   const { answer: request } = useRequest(id, (until) => fetchRequest(id, until));
   const [chosen, setChosen] = useState<string | null>(null);
@@ -43,29 +44,17 @@ export function OneCampaign({ id }: { id: string }) {
           made={{ at: answer.created, by: answer.requested_by }}
         />
       )}
-      {error !== null && (
-        <JobEnded work="/v1/campaigns" room="/campaigns" id={id} error={error} again={() => void ask()} text={text} />
-      )}
-      {!answer && error === null && <p class="loading">{words.value.shell.loading}</p>}
-      {progress && <AtWork progress={progress} stages={text.stages} onCancel={cancel} />}
+      <JobState work="/v1/campaigns" room="/campaigns" id={id} job={job} text={text} />
       {answer?.choice && <Worth choice={answer.choice} planned={answer.planned} targets={answer.target_count} />}
-      {answer?.choice && answer.choice.assumed.length > 0 && (
-        <section class="notice" aria-label={text.assumed}>
-          <ul>
-            {answer.choice.assumed.map(({ field, detail }) => (
-              <li key={field}>{text.taken(nameIn(request, field), detail)}</li>
-            ))}
-          </ul>
-        </section>
-      )}
-      {answer?.choice && answer.choice.warnings.length > 0 && (
-        <section class="notice notice-warn" aria-label={words.value.plan.one.warnings}>
-          <ul>
-            {answer.choice.warnings.map((warning) => (
-              <li key={warning}>{words.value.service.told(warning)}</li>
-            ))}
-          </ul>
-        </section>
+      {answer?.choice && (
+        <>
+          <Notices
+            label={text.assumed}
+            kind=""
+            told={answer.choice.assumed.map(({ field, detail }) => text.taken(nameIn(request, field), detail))}
+          />
+          <Notices label={words.value.plan.one.warnings} told={answer.choice.warnings.map(words.value.service.told)} />
+        </>
       )}
       {fates.length > 0 && (
         <div class="seen-beside">

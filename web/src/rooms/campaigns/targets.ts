@@ -1,4 +1,5 @@
-/** Targets of a file: CSV with a heading, a JSON list, a request's, or GeoJSON points. */
+/** Targets of a file: CSV with a heading, a JSON list, a request's, or GeoJSON. */
+import { modeOf } from "../../map/modes";
 import type { CampaignTarget } from "./campaign";
 
 export const SESSION_S = 40; // of a look whose file doesn't say
@@ -34,7 +35,8 @@ export function targetsOf(text: string): CampaignTarget[] {
   } catch (caught) {
     throw new NoTargets(null, String(caught));
   }
-  const { targets, features } = read as { targets?: unknown; features?: unknown };
+  const { targets, type } = read as { targets?: unknown; type?: unknown };
+  const features = type === "Feature" ? [read] : (read as { features?: unknown }).features;
   if (Array.isArray(features)) return features.map((feature, index) => ofFeature(feature as GeoJSON.Feature, index));
   const list = Array.isArray(read) ? read : targets;
   if (!Array.isArray(list)) throw new NoTargets(null, "targets");
@@ -43,8 +45,14 @@ export function targetsOf(text: string): CampaignTarget[] {
   );
 }
 
+/** A point, or a shape as the imaging mode that its properties say, or that follows from it. */
 function ofFeature({ geometry, properties, id }: GeoJSON.Feature, index: number): CampaignTarget {
-  if (geometry?.type !== "Point") throw new NoTargets(index + 1, "Point");
+  if (geometry?.type === "Polygon" || geometry?.type === "LineString") {
+    const { name, priority, looks, mode = modeOf(geometry), ...members } = properties ?? {};
+    const target = { mode, ...members, geometry } as CampaignTarget["target"];
+    return { id: String(name ?? id ?? `${mode} ${index + 1}`), priority, looks, target };
+  }
+  if (geometry?.type !== "Point") throw new NoTargets(index + 1, "Point, LineString, Polygon");
   const [longitude_deg, latitude_deg] = geometry.coordinates;
   return ofRow({ id, ...properties, longitude_deg, latitude_deg }, index + 1);
 }

@@ -1,16 +1,12 @@
 /** The request of an imaging session: drawn, dropped as GeoJSON, or written as JSON. */
-import { useState } from "preact/hooks";
-
 import eightAreas from "../../../../examples/spacecraft_eight_areas.json";
 import fourModes from "../../../../examples/spacecraft_four_modes.json";
 import stripAndStereo from "../../../../examples/spacecraft_strip_and_stereo.json";
 import { OBJECTIVES } from "../../api/lists";
-import { Problem } from "../../api/problem";
 import { words } from "../../i18n";
-import { named, rowClock } from "../../i18n/forms";
+import { named } from "../../i18n/forms";
 import { MODES, pointsOf } from "../../map/modes";
 import { ChoiceField } from "../../parts/ChoiceField";
-import { DropZone } from "../../parts/DropZone";
 import { Field } from "../../parts/Field";
 import { useMaking } from "../../parts/making";
 import { NumberField } from "../../parts/NumberField";
@@ -18,12 +14,13 @@ import { OrbitField } from "../../parts/OrbitField";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { RequestText } from "../../parts/RequestText";
 import { UtcField } from "../../parts/UtcField";
-import { placesOf } from "../campaigns/campaign";
+import { type CampaignTarget, placesOf } from "../campaigns/campaign";
 import { idFor, TargetList } from "../campaigns/TargetList";
+import { TargetsFile } from "../campaigns/TargetsFile";
 import { TargetsMap } from "../campaigns/TargetsMap";
 import "../campaigns/campaigns.css";
 import { PassesPanel } from "./PassesPanel";
-import { type Asked, askedFrom, askedOf, askedOfGeoJson, fetchRequest, type SessionRequest, targetsOf } from "./session";
+import { askedFrom, askedOf, fetchRequest, type SessionRequest, shownAs } from "./session";
 
 const EXAMPLES = { fourModes, eightAreas, stripAndStereo } as unknown as Record<ExampleName, SessionRequest>;
 const NAMES = ["fourModes", "eightAreas", "stripAndStereo"] as const;
@@ -40,19 +37,15 @@ export function AskSession() {
     EXAMPLES.fourModes,
     fetchRequest,
   );
-  const [wrong, setWrong] = useState<string | null>(null);
   const change = (members: Partial<SessionRequest>) => setRequest({ ...request, ...members });
   const asked = askedOf(request);
-  const targets = targetsOf(asked);
-  const ask = (requests: Asked[]) => change({ requests });
-  const take = async (file: File) => {
-    const read = askedOfGeoJson(await file.text());
-    setWrong(read ? null : text.noGeoJson(file.name));
-    if (!read) return;
-    const names = new Set(read.map((one) => one.name));
-    ask([...asked.filter((one) => !names.has(one.name)), ...read]);
+  const targets = shownAs(asked);
+  const ask = (next: readonly CampaignTarget[]) => change({ requests: askedFrom(next, asked) });
+  /** In place of those of the same name. */
+  const take = (given: CampaignTarget[]) => {
+    const names = new Set(given.map((one) => one.id));
+    change({ requests: [...asked.filter((one) => !names.has(one.name)), ...askedFrom(given, [])] });
   };
-  const offered = error instanceof Problem ? error.document : null;
   return (
     <div class="room">
       <h1>{words.value.shell.rooms.spacecraft}</h1>
@@ -69,18 +62,11 @@ export function AskSession() {
               </button>
             </div>
             {asked.length > 0 ? (
-              <TargetList targets={targets} faults={NO_FAULTS} onTargets={(next) => ask(askedFrom(next, asked))} />
+              <TargetList targets={targets} faults={NO_FAULTS} onTargets={ask} />
             ) : (
               <p class="hint">{text.none}</p>
             )}
-            <DropZone label={text.choose} accept=".geojson,.json" onFile={(file) => void take(file)}>
-              <p class="small">{text.drop}</p>
-            </DropZone>
-            {wrong !== null && (
-              <p class="wrong" role="alert">
-                {wrong}
-              </p>
-            )}
+            <TargetsFile text={text} accept=".geojson,.json" onTargets={take} />
           </section>
           <section class="panel" aria-labelledby="session-when">
             <h2 id="session-when">{text.session}</h2>
@@ -117,7 +103,7 @@ export function AskSession() {
             places={placesOf({ targets }, null)}
             kinds={KINDS}
             around={targets.flatMap(({ target }) => ("geometry" in target ? pointsOf(target.geometry.coordinates) : []))}
-            onAdd={(target) => ask(askedFrom([...targets, { id: idFor(target, targets), target }], asked))}
+            onAdd={(target) => ask([...targets, { id: idFor(target, targets), target }])}
           />
           <div class="panel">
             <div class="row examples">
@@ -137,20 +123,7 @@ export function AskSession() {
           </div>
         </div>
       </div>
-      {error !== null && (
-        <ProblemNotice error={error}>
-          {offered?.earliest_feasible_start && offered.feasible_stop && (
-            <button
-              type="button"
-              onClick={() =>
-                change({ start: offered.earliest_feasible_start ?? request.start, stop: offered.feasible_stop ?? request.stop })
-              }
-            >
-              {text.take(rowClock(offered.earliest_feasible_start), rowClock(offered.feasible_stop))}
-            </button>
-          )}
-        </ProblemNotice>
-      )}
+      {error !== null && <ProblemNotice error={error} />}
       <button type="button" class="primary" disabled={isSending || asked.length === 0} onClick={() => void send()}>
         {text.send}
       </button>

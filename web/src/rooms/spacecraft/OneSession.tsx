@@ -2,13 +2,13 @@
 import { useJob } from "../../api/request";
 import { words } from "../../i18n";
 import { digits, percent } from "../../i18n/forms";
-import { AtWork } from "../../parts/AtWork";
-import { JobEnded } from "../../parts/JobEnded";
+import { JobState } from "../../parts/JobState";
 import { Link } from "../../parts/Link";
+import { Notices } from "../../parts/Notices";
 import type { Plan } from "../plan/plan";
 import { ShownPlan } from "../plan/ShownPlan";
 import { RateErrors } from "./RateErrors";
-import { LeftOut, Looks, Slews } from "./SessionTables";
+import { Looks, Slews } from "./SessionTables";
 import { fetchSession, PATH, type Session } from "./session";
 
 const ASKED = {
@@ -19,7 +19,8 @@ const ASKED = {
 };
 
 export function OneSession({ id }: { id: string }) {
-  const { answer, error, progress, ask, cancel } = useJob(PATH, id, fetchSession);
+  const job = useJob(PATH, id, fetchSession);
+  const { answer } = job;
   const text = words.value;
   if (answer && "plan" in answer) {
     return (
@@ -40,18 +41,13 @@ export function OneSession({ id }: { id: string }) {
           {text.plan.one.change}
         </Link>
       </div>
-      {error !== null && (
-        <JobEnded
-          work="/v1/spacecraft/plans"
-          room="/spacecraft/plans"
-          id={id}
-          error={error}
-          again={() => void ask()}
-          text={{ gone: text.spacecraft.gone, cancelled: text.plan.one.cancelled }}
-        />
-      )}
-      {progress && <AtWork progress={progress} stages={text.spacecraft.stages} onCancel={cancel} />}
-      {error === null && !progress && <p class="loading">{text.shell.loading}</p>}
+      <JobState
+        work="/v1/spacecraft/plans"
+        room="/spacecraft/plans"
+        id={id}
+        job={job}
+        text={{ ...text.spacecraft, cancelled: text.plan.one.cancelled }}
+      />
     </div>
   );
 }
@@ -64,20 +60,14 @@ function Imaged({ session, plan }: { session: Session; plan: Plan }) {
   const warnings = session.warnings.filter((one) => !plan.warnings.includes(one));
   const told = [
     text.imaged(requests.filter((one) => one.looks > 0).length, requests.length),
-    text.worth(digits(session.choice.value)),
+    text.worth(digits(session.choice.value), digits(session.choice.bound)),
     ...(runs > 0 ? [text.steady(percent(share_steady, 0), digits(worst_deg_s, 2), runs)] : []),
   ];
   return (
     <>
       <p data-testid="session-imaged">{told.join(" · ")}</p>
-      {warnings.length > 0 && (
-        <ul class="notice notice-warn">
-          {warnings.map((one) => (
-            <li key={one}>{words.value.service.told(one)}</li>
-          ))}
-        </ul>
-      )}
-      {session.left_out.length > 0 && <LeftOut session={session} />}
+      <Notices label={words.value.plan.one.warnings} told={warnings.map(words.value.service.told)} />
+      <Notices label={text.leftOut} told={session.left_out.map(({ name, reason }) => `${name}: ${reason}`)} />
     </>
   );
 }

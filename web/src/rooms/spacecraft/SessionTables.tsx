@@ -1,4 +1,4 @@
-/** Looks, slews and what is left out, in order of time. */
+/** Looks and slews, in order of time. */
 import type { ComponentChildren } from "preact";
 
 import { words } from "../../i18n";
@@ -9,23 +9,6 @@ import type { Session } from "./session";
 type Look = Session["windows"][number];
 type Flown = Session["stabilisation"]["windows"][number];
 type Slew = Session["slews"][number];
-
-export function LeftOut({ session }: { session: Session }) {
-  const text = words.value.spacecraft;
-  return (
-    <section class="notice notice-warn" aria-labelledby="session-left-out">
-      <h2 id="session-left-out">{text.leftOut}</h2>
-      <dl class="left-out">
-        {session.left_out.map((one) => (
-          <>
-            <dt>{one.name}</dt>
-            <dd>{one.reason}</dd>
-          </>
-        ))}
-      </dl>
-    </section>
-  );
-}
 
 export function Looks({ session }: { session: Session }) {
   const text = words.value.spacecraft;

@@ -1,9 +1,11 @@
 import { send } from "../api/client";
-import { Cancelled, sendOff } from "../api/job";
+import { Cancelled, type Progress, sendOff } from "../api/job";
 import { offerOf } from "../api/offer";
 import { brokeOff, Problem } from "../api/problem";
 import { useRequest } from "../api/request";
+import { words } from "../i18n";
 import { go } from "../router";
+import { AtWork } from "./AtWork";
 import { ProblemNotice } from "./ProblemNotice";
 import { TakeOffer } from "./TakeOffer";
 
@@ -15,11 +17,36 @@ interface Props {
   error: unknown;
   /** Fetches it once more. */
   again: () => void;
-  text: { cancelled: string; gone: string };
+  text: Told;
 }
 
-/** Why a job came to nothing, and the way on; the room's heading has the link that changes the request. */
-export function JobEnded({ work, room, id, error, again, text }: Props) {
+interface Told {
+  cancelled: string;
+  gone: string;
+  stages: Record<string, string>;
+}
+
+interface Job {
+  answer: unknown;
+  error: unknown;
+  progress: Progress | null;
+  ask: () => Promise<unknown>;
+  cancel: () => void;
+}
+
+/** How far a job is, or why it came to nothing, and the way on; the room's heading has the link that changes the request. */
+export function JobState({ job, text, ...asked }: Pick<Props, "work" | "room" | "id"> & { job: Job; text: Told }) {
+  const { answer, error, progress } = job;
+  return (
+    <>
+      {error !== null && <JobEnded {...asked} error={error} again={() => void job.ask()} text={text} />}
+      {!answer && !progress && error === null && <p class="loading">{words.value.shell.loading}</p>}
+      {progress && <AtWork progress={progress} stages={text.stages} onCancel={job.cancel} />}
+    </>
+  );
+}
+
+function JobEnded({ work, room, id, error, again, text }: Props) {
   const anew = useRequest<void>(null);
   const askFor = (changes: object) =>
     anew.ask(async (until) => {
