@@ -23,12 +23,14 @@ from planner.planning.campaigns.chosen import (
     UnseenByAll,
 )
 from planner.planning.campaigns.displaced import Displaced, displaced_by
+from planner.planning.campaigns.fleet import FleetRequest
 from planner.planning.campaigns.joined import Joined, joined_of
 from planner.planning.campaigns.keeping import bound_keeping, choose_keeping
 from planner.planning.campaigns.path import Look
 from planner.planning.campaigns.platforms.registry import follower_of
 from planner.planning.campaigns.request import CampaignRequest
 from planner.planning.campaigns.resources import Keeping, RunsOut
+from planner.planning.campaigns.revision import RevisionFound
 from planner.planning.opportunities.closing import Unseen
 from planner.world.conditions import Conditions
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
@@ -66,6 +68,7 @@ class Campaign:
     windows: number of windows to choose from.
     unseen: targets that can't be looked at for as long as they must.  left_out: that can, but
     others are worth more.
+    revision: of one that revises another, what stays, which nothing else here tells of.
     """
 
     passes: tuple[ChosenPass, ...]
@@ -76,6 +79,7 @@ class Campaign:
     unseen: tuple[Unseen, ...]
     left_out: tuple[UnchosenTarget, ...]
     warnings: tuple[str, ...]
+    revision: RevisionFound | None = None
 
     @property
     def gap_share(self) -> float:
@@ -92,6 +96,26 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> C
     Raises OutsideCoverage.
     """
     return choose_together({"": request}, tell)
+
+
+def choose_what_is_asked(
+    request: CampaignRequest | FleetRequest, tell: Reporter = tell_nobody
+) -> tuple[Mapping[str, CampaignRequest], Campaign]:
+    """For one carrier or several, and what each of them chose from, by its id.
+
+    What stays of a campaign that is revised is not chosen, and only `revision` tells of it.
+    """
+    revises = request.revises
+    if revises is None:
+        return request.requests, choose_together(request.requests, tell)
+    stays = revises.frozen(request.carrier_ids, request.start)
+    requests = revises.chosen_anew(request.requests, stays)
+    found = choose_together(requests, tell)
+    return requests, replace(
+        found,
+        revision=revises.found(stays, found.passes),
+        warnings=(*revises.warnings(stays, requests), *found.warnings),
+    )
 
 
 def choose_together(
