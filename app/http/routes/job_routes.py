@@ -331,7 +331,7 @@ class JobResource:
             request: Request, job_id: PathId, seq: Annotated[int, Depends(last_event_id)]
         ) -> Response:
             """`data` is JSON: `at`, and `state` with `problem`, or `stage`, `done`, `of` and
-            `percent`.
+            `percent`, of a campaign also `value` and `bound`.
 
             `percent` is a share of the usual time; it is null where that isn't known.
             """

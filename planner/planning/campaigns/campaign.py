@@ -7,6 +7,7 @@ from datetime import datetime
 
 import numpy as np
 
+from planner.base.arrays import Array
 from planner.base.errors import figures
 from planner.base.reporting import Reporter, tell_nobody
 from planner.planning.campaigns.candidates import LookCandidate, scan_roll
@@ -15,7 +16,7 @@ from planner.planning.campaigns.carrier_looks import (
     first_utc,
     looks_of_carrier,
 )
-from planner.planning.campaigns.choice import CampaignChoice
+from planner.planning.campaigns.choice import CampaignChoice, bound_at
 from planner.planning.campaigns.chosen import (
     ChosenLook,
     UnchosenByAll,
@@ -129,9 +130,23 @@ def choose_together(
     joined = _joined(requests, tell)
     networks, looking = joined.networks, joined.hopeful()
     keeping = _keeping_of(joined)
-    choice, rows = choose_keeping(keeping, networks, looking, tell, joined.first_unheld)
-    tell("bound", 0, 1)
-    bound = bound_keeping(keeping, joined.relaxed(), looking, choice, rows)
+    proven: dict[bytes, float] = {}
+
+    def prove(price: Array) -> float:
+        if (at := price.tobytes()) not in proven:
+            proven[at] = bound_at(joined.relaxed(), looking, price)
+        return proven[at]
+
+    choice, rows = choose_keeping(
+        keeping, networks, looking, tell, joined.first_unheld, prove=prove
+    )
+    tell("proof", 0, 1, value=choice.value)
+    if rows:
+        bound = bound_keeping(keeping, joined.relaxed(), looking, choice, rows)
+    else:
+        bound = prove(choice.price)
+    bound = max(bound, choice.value)
+    tell("proof", 1, 1, value=choice.value, bound=bound)
     candidates = joined.candidates
     looked_at = {candidates[look.target].wanted.id for one in choice.passes for look in one}
     worth = joined.looking.less_prices(np.zeros(len(candidates)))
@@ -148,7 +163,7 @@ def choose_together(
     return Campaign(
         passes=_in_utc(joined, choice, keeping),
         value=choice.value,
-        bound=max(bound, choice.value),
+        bound=bound,
         greedy_value=choice.greedy_value,
         windows=sum(len(looks.windows.target) for looks in joined.carriers.values()),
         unseen=_unseen(joined, known),
