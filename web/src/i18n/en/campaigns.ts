@@ -84,6 +84,14 @@ export const campaigns = {
     memory: "left out for the memory",
     duty_cycle: "left out for the duty cycle",
   },
+  soFar: (value: string, bound: string | null, gap: string | null) =>
+    bound === null ? `Best so far: ${value}` : `Best so far: ${value}; none is worth more than ${bound} (at most ${gap} to gain)`,
+  revised: (stay: number, count: { kept: number; moved: number; dropped: number; added: number }) =>
+    `Beside these ${counted(stay, "look", "looks", "looks")} of an earlier campaign ${stay === 1 ? "stays" : "stay"}. Targets: ${count.kept} kept, ${count.moved} moved, ${count.dropped} dropped, ${count.added} added.`,
+  carriers: "Looks by carrier",
+  carriersHint: "Press a carrier to see its targets alone, on the map and in the table; press a look to find its target.",
+  carrierTold: (looks: number, value: string) => `${counted(looks, "look", "looks", "looks")}, ${value}`,
+  sought: "Name",
   show: "Show",
   all: "All",
   passes: "Passes",
