@@ -269,9 +269,14 @@ def _opportunities(desk: Desk, work: LocalAsk) -> bytes:
 
 
 def _campaign(desk: Desk, work: LocalAsk) -> Kept:
-    from app.work.campaign import MadePass, choose, plan_pass
+    from app.work.campaign import MadePass, choose, plan_pass, revised
 
-    chosen, passes = choose(work.body), []
+    body, query = work.body, work.ask.query
+    if query:
+        before = query.get("revises", "")
+        answer = json.loads(desk.kept(before).text(before))
+        body = revised(body, query.get("frozen_until"), answer)
+    chosen, passes = choose(body), []
     made: list[MadePass] = []
     for number, wanted in enumerate(chosen.parts):
         report("plans", number, len(chosen.parts))
@@ -287,13 +292,13 @@ def _campaign(desk: Desk, work: LocalAsk) -> Kept:
     report("plans", len(passes), len(passes))
     members = {
         "state": "done",
-        "name": json.loads(work.body).get("name", ""),
+        "name": json.loads(body).get("name", ""),
         "choice": json.loads(unzip(chosen.document)),
         "passes": passes,
     }
     return Kept(
         lambda campaign_id: json.dumps({"id": campaign_id, **members}).encode(),
-        request=work.body,
+        request=body,
         passes=made,
     )
 

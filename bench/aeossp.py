@@ -34,6 +34,7 @@ import yaml
 
 from planner.base.arrays import Array, Indices, Mask
 from planner.base.compiled import compiled
+from planner.base.reporting import tell_nobody
 from planner.planning.campaigns.choice import (
     OPTIONS,
     Looking,
@@ -460,7 +461,7 @@ def solve(case: Case, tell: Callable[[str], None]) -> Solution:
     tell(f"{len(passes)} passes, {sum(len(one.network.way) for one in passes)} times in view")
     checker = Checker(case, passes)
     networks = [one.network for one in passes]
-    choice = choose(networks, looking, lambda *_: None, checker.first_unheld, FLEET)
+    choice = choose(networks, looking, tell_nobody, checker.first_unheld, FLEET)
     bound = bound_at(networks, looking, choice.price, FLEET)
     tell(f"chosen: {choice.value:g} of at most {bound:.1f}, greedy {choice.greedy_value:g}")
     unspared = list(choice.passes)

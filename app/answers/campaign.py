@@ -20,6 +20,7 @@ from planner.planning.campaigns.chosen import (
     UnchosenTarget,
     UnseenByAll,
 )
+from planner.planning.campaigns.revision import RevisionFound
 from planner.planning.opportunities.closing import Unseen
 
 
@@ -41,6 +42,8 @@ class CampaignChoiceOut:
     assumed: places of the targets that the request gives by name only.
     warnings: cautions to read before relying on it. E.g.
     `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the farthest instant asked for"]`.
+    revision: of a campaign that revises another: the looks that stay, beside those that all else
+    here tells of, and what became of each target; null of others.
     """
 
     value: NotNegative
@@ -54,6 +57,7 @@ class CampaignChoiceOut:
     left_out: tuple[UnchosenTarget, ...]
     assumed: tuple[Assumed, ...]
     warnings: tuple[str, ...]
+    revision: RevisionFound | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,6 +12,7 @@ from app.cli import files
 from app.cli import report_parts as parts
 from app.cli.planner import Members, planner_at
 from app.cli.progress_bar import told_progress
+from app.requests.json_reader import json_document
 from planner.base.errors import InvalidInput
 
 
@@ -33,6 +34,21 @@ def campaign(
             "zip archive (may be repeated).",
         ),
     ] = None,
+    revises: Annotated[
+        str | None,
+        typer.Option(
+            metavar="CAMPAIGN",
+            help="Revise this campaign: a file that --json wrote, or the id of one that the "
+            "service of --url keeps.",
+        ),
+    ] = None,
+    frozen_until: Annotated[
+        str | None,
+        typer.Option(
+            metavar="TIME",
+            help="With --revises: passes that begin before it stay as they were chosen; UTC.",
+        ),
+    ] = None,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Only choose; plan and write nothing.")
     ] = False,
@@ -46,6 +62,15 @@ def campaign(
     with files.report_beside(json, csv, exports=export) as console:
         wanted = files.formats_and_paths(export, CAMPAIGN_FILES)
         body = files.read_request(file, settings)
+        if (revises is None) != (frozen_until is None):
+            raise InvalidInput(
+                "must be given, too: --revises names a campaign, and --frozen-until says which "
+                "of its passes stay",
+                field="--revises" if revises is None else "--frozen-until",
+            )
+        if revises is not None and (url is None or Path(revises).exists()):
+            body = _revised_by(body, frozen_until, Path(revises))
+            revises = frozen_until = None
         if dry_run and url is not None:
             raise InvalidInput(
                 "a service plans what it chooses: leave out --url, or --dry-run", field="--dry-run"
@@ -59,7 +84,9 @@ def campaign(
             return
         with planner_at(url) as planner:
             with told_progress("opportunities") as tell:
-                made = planner.campaign(body, progress=tell)
+                made = planner.campaign(
+                    body, revises=revises, frozen_until=frozen_until, progress=tell
+                )
             choice, passes = made.members["choice"], made.members["passes"]
             print_campaign(console, choice, passes)
             if url is not None:
@@ -76,6 +103,20 @@ def campaign(
             looks = ({**_of(one), **look} for one in flown for look in one["looks"])
             files.write(csv, looks_csv(looks).encode())
         files.write_json(json, {**choice, "passes": passes})
+
+
+def _revised_by(body: bytes, frozen_until: str | None, file: Path) -> bytes:
+    """The request with the looks of an answer that --json wrote, or a service gave."""
+    from app.work.campaign import revised
+
+    answer = json_document(file.read_bytes())
+    try:
+        return revised(body, frozen_until, answer)  # type: ignore[arg-type]  # or refused here
+    except (AttributeError, LookupError, TypeError) as fault:
+        raise InvalidInput(
+            f"{str(file)[:80]!r} holds no campaign's answer, such as --json writes ({fault})",
+            field="--revises",
+        ) from None
 
 
 def _number(one: Members) -> int:
@@ -112,6 +153,8 @@ def print_campaign(console: Console, choice: Members, passes: Sequence[Members])
         ("quality", "quality", ".2f"), ("elev deg", "elevation_deg", ".1f"), keys=2 + len(carrier),
     )  # fmt: skip
     parts.print_more(console, len(looks))
+    if revision := choice["revision"]:
+        _print_revision(console, revision)
     parts.print_reasons(console, "can't be seen", choice["unseen"])
     for lacks in (None, *get_args(KeptResource)):
         left_out = [one for one in choice["left_out"] if one.get("lacks") == lacks]
@@ -119,6 +162,30 @@ def print_campaign(console: Console, choice: Members, passes: Sequence[Members])
             console, f"left out for {(lacks or 'others').replace('_', ' ')}", left_out
         )
     parts.print_warnings(console, [*_losses(passes), *choice["warnings"]])
+
+
+def _print_revision(console: Console, revision: Members) -> None:
+    """What stays, and a line per target whose looks are others than before."""
+    frozen, changes = revision["frozen"], ("kept", "moved", "dropped", "added")
+    console.print(
+        f"{len(frozen)} looks worth {revision['frozen_value']:.6g} stay, of passes that begin "
+        f"before {revision['frozen_until'][:19]}Z; targets "
+        + ", ".join(f"{revision[change]} {change}" for change in changes)
+    )
+    changed = [one for one in revision["targets"] if one["change"] != "kept"]
+    parts.print_rows(
+        console, None, changed[: parts.SHOWN_MAX], ("<target", "target"), ("<change", "change"),
+        ("<before", lambda one: _told(one["before"])), ("<now", lambda one: _told(one["now"])),
+    )  # fmt: skip
+    parts.print_more(console, len(changed))
+
+
+def _told(looks: Sequence[Members]) -> str:
+    """When each begins, and by which carrier where there are several."""
+    return ", ".join(
+        " ".join(filter(None, (look["start"][:10], look["start"][11:21], look["carrier"])))
+        for look in looks
+    )
 
 
 def _losses(passes: Sequence[Members]) -> Iterator[str]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 from app.cli.planner import OnProgress
 
@@ -23,5 +24,15 @@ def told_progress(stage: str) -> Iterator[OnProgress]:
             description=now.stage or getattr(now, "state", stage),
             completed=now.done or 0,
             total=now.of,
-            count="" if now.of is None else f"{now.done or 0}/{now.of}",
+            count=" ".join(_counts(now)),
         )
+
+
+def _counts(now: Any) -> Iterator[str]:  # noqa: ANN401 (a service's or this process's)
+    """Parts that are done, and of a choice its worth and bound so far."""
+    if now.of is not None:
+        yield f"{now.done or 0}/{now.of}"
+    if getattr(now, "value", None) is not None:
+        yield f"worth {now.value:.6g}"
+    if getattr(now, "bound", None) is not None:
+        yield f"of {now.bound:.6g} at most"

@@ -66,7 +66,7 @@ class Job:
     target_count: of all targets.
     probability_in_frame: the least of any session's; null before it is planned. E.g. `0.97`.
     revision: of the plan, from 1; null until it is made. E.g. `1`.
-    revises: id of the plan it replaces; null for none. E.g.
+    revises: id of the plan it replaces, or of the campaign it revises; null for none. E.g.
     `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
     requested_by: name of the API key that the request came with; null without keys. E.g. `"anna"`.
     request_sha256: of the request's bytes; of flights, with those of their plan.

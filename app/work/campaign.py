@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from app.answers.campaign import CampaignChoiceOut, CarrierOut, FleetChoiceOut
 from app.answers.members import to_json, to_members
 from app.requests.campaign import read_campaign_request
-from app.requests.json_reader import json_fields
+from app.requests.json_reader import json_document, json_fields
 from app.requests.plan import read_plan_request, write_plan_request
 from app.store.job import Listing
 from app.work.plan import plan_and_pack, stored_table_file
@@ -21,7 +21,7 @@ from app.work.progress import report
 from app.work.result import Part, Result
 from planner.base.answer_members import member_names
 from planner.base.csv_cells import csv_lines
-from planner.base.errors import Refusal
+from planner.base.errors import InvalidInput, Refusal
 from planner.output.export.geojson import geojson_of
 from planner.output.export.kml import kml_of
 from planner.output.export.map_features import MapFeature, PlanMap
@@ -43,13 +43,12 @@ SUFFIXES = dict(zip((CSV, *_MAPS, _ARCHIVE), (".csv", ".geojson", ".kml", ".zip"
 
 def choose(body: bytes, request: CampaignRequest | FleetRequest | None = None) -> Result:
     """Read unless that is done, choose and write down; raises a Refusal."""
-    from planner.planning.campaigns import choose_together
+    from planner.planning.campaigns import choose_what_is_asked
 
     request = request or read_campaign_request(body)
     document = json.loads(body)  # passes say orbit, platform and targets in its own words
-    requests, words = request.requests, {"": document}
-    campaign = choose_together(requests, report)
-    told = _choice(request, campaign)
+    requests, campaign = choose_what_is_asked(request, report)
+    words, told = {"": document}, _choice(request, campaign)
     if isinstance(request, FleetRequest):
         words = {one["id"]: one for one in document["carriers"]}
         told = _fleet_choice(told, request, campaign)
@@ -60,6 +59,33 @@ def choose(body: bytes, request: CampaignRequest | FleetRequest | None = None) -
             for number, flight in enumerate(campaign.passes)
         ),
     )
+
+
+def revised(body: bytes, frozen_until: str | None, campaign: Mapping[str, Any]) -> bytes:
+    """The request with what it revises: the looks of a campaign, by its answer.
+
+    Looks that planning refused, or that were never planned, are none of them.
+    """
+    document = json_document(body)
+    if not isinstance(document, dict):
+        raise InvalidInput("the request must be a JSON object")
+    if "revises" in document:
+        raise InvalidInput(
+            "is given already; leave it out of the request, or revise no other campaign",
+            field="revises",
+        )
+    choice = campaign.get("choice", campaign)
+    looks = [
+        {name: look.get(name) for name in ("target", "part", "start", "stop", "value")}
+        | {"carrier": one.get("carrier"), "plan": one["plan"]}
+        | {"pass_start": one["start"], "pass_stop": one["stop"]}
+        for one in campaign["passes"]
+        if one["state"] == "done"
+        for look in one["looks"]
+    ]
+    frozen = (choice.get("revision") or {}).get("frozen", [])
+    document["revises"] = {"frozen_until": frozen_until, "looks": [*frozen, *looks]}
+    return json.dumps(document).encode()
 
 
 def _fleet_choice(
@@ -93,6 +119,7 @@ def _choice(request: CampaignRequest | FleetRequest, campaign: "Campaign") -> Ca
         left_out=campaign.left_out,
         assumed=request.assumed,
         warnings=campaign.warnings,
+        revision=campaign.revision,
     )
 
 

@@ -6,11 +6,17 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, kw_only=True)
 class Progress:
-    """What is being done now; `done` of `of` parts where that can be said."""
+    """What is being done now; `done` of `of` parts where that can be said.
+
+    value: of the best answer so far, of work that improves one.  bound: none is worth more, once
+    that is proven.
+    """
 
     stage: str
     done: int | None = None
     of: int | None = None
+    value: float | None = None
+    bound: float | None = None
 
 
 OnProgress = Callable[[Progress], None]
@@ -23,7 +29,14 @@ def report_through(reporter: OnProgress) -> None:
     _reporter = reporter
 
 
-def report(stage: str, done: int | None = None, of: int | None = None) -> None:
+def report(
+    stage: str,
+    done: int | None = None,
+    of: int | None = None,
+    *,
+    value: float | None = None,
+    bound: float | None = None,
+) -> None:
     """Tell whoever runs this work."""
     if _reporter is not None:
-        _reporter(Progress(stage=stage, done=done, of=of))
+        _reporter(Progress(stage=stage, done=done, of=of, value=value, bound=bound))

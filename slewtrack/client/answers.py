@@ -31,7 +31,8 @@ class Progress:
     """How far work is.
 
     state: queued, running, done, refused, failed or cancelled.  stage: what is being done now;
-    done of `of` parts, or percent, where that is known.
+    done of `of` parts, or percent, where that is known.  Of a campaign's choice value: what the
+    best so far is worth; bound: none is worth more.
     """
 
     state: str
@@ -39,6 +40,8 @@ class Progress:
     done: int | None = None
     of: int | None = None
     percent: float | None = None
+    value: float | None = None
+    bound: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -435,11 +435,18 @@ class ServiceCalls(CarrierCalls):
 
     @call("[client.get(one.plan) for one in client.campaign(request).passes]")
     def campaign(
-        self, request: Json, *, progress: OnProgress | None = None, timeout_s: float | None = None
+        self,
+        request: Json,
+        *,
+        revises: str | None = None,
+        frozen_until: str | None = None,
+        progress: OnProgress | None = None,
+        timeout_s: float | None = None,
     ) -> Call[Campaign]:
         """Many targets over days: chosen, ordered and planned pass by pass."""
         until_s = _until(timeout_s)
-        job = yield from self._submit(CAMPAIGNS, request, until_s=until_s)
+        query = _given(revises=revises, frozen_until=frozen_until)
+        job = yield from self._submit(CAMPAIGNS, request, query=query, until_s=until_s)
         return (yield from self._wait(CAMPAIGNS, job, progress, until_s, _campaign_or_job))
 
     @call('Path("looks.kml").write_bytes(client.export_campaign(campaign, "kml"))')

@@ -1,6 +1,7 @@
 """Events say how far work is, of every kind, and never that it goes back."""
 
 import json
+from pathlib import Path
 
 import pytest
 from planner_values import read_request
@@ -12,9 +13,11 @@ from app.requests.campaign import read_campaign_request
 from app.requests.examples import CAMPAIGN_EXAMPLES, LAS_VEGAS, SPACECRAFT_EXAMPLES
 from app.requests.spacecraft import read_spacecraft_request
 from planner.base.errors import Refusal
-from planner.planning.campaigns import choose_campaign
+from planner.planning.campaigns import choose_campaign, choose_what_is_asked
 from planner.planning.sessions.pipeline import make_plan
 from planner.spacecraft.plan import plan_imaging
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 def plan_stages(tell):
@@ -40,12 +43,31 @@ def campaign_stages(tell):
 )
 def test_percent_is_known_of_every_stage_and_grows(kind, work):
     told = []
-    work(lambda *progress: told.append(progress))
+    work(lambda *progress, **_: told.append(progress))
     percents = [kind.percent(*progress) for progress in told]
     assert None not in percents, {stage for stage, *_ in told} - set(kind.stages)
     assert percents == sorted(percents)
     assert (percents[0], percents[-1] <= 100) == (0, True)
     assert len({stage for stage, *_ in told}) > 3
+
+
+@pytest.mark.parametrize("name", ["cities", "fleet", "resources"])
+def test_a_campaign_tells_value_and_bound_as_they_are_reached(name):
+    """Of one carrier or several; of resources no value that would take more than there is."""
+    body = (EXAMPLES / f"campaign_{name}.json").read_bytes()
+    told = []
+    _, campaign = choose_what_is_asked(
+        read_campaign_request(body), lambda stage, *_, **known: told.append((stage, known))
+    )
+    values = [known["value"] for _, known in told if "value" in known]
+    assert values == sorted(values)
+    assert len(values) >= 3
+    assert values[0] >= campaign.greedy_value - 1e-9
+    assert told[-1] == ("proof", {"value": campaign.value, "bound": campaign.bound})
+    bounds = [known["bound"] for _, known in told if "bound" in known]
+    assert bounds == pytest.approx([campaign.bound] * len(bounds))
+    stages = [stage for stage, known in told if "bound" in known]
+    assert stages == (["proof"] if name == "resources" else ["bound", "proof"])
 
 
 def test_a_session_that_cannot_be_is_told_while_another_is_sought():

@@ -446,8 +446,8 @@ def test_a_choice_with_little_search_is_bounded_too(monkeypatch):
     well = choose_campaign(request)
     hasty = ChoiceOptions(steps_max=2, mixtures_max=0, sweeps_max=1)
 
-    def choose_hastily(*given):
-        return keeping.choose_keeping(*given, hasty)
+    def choose_hastily(*given, **named):
+        return keeping.choose_keeping(*given, hasty, **named)
 
     monkeypatch.setattr(campaigns, "choose_keeping", choose_hastily)
     found = choose_campaign(request)

@@ -47,6 +47,33 @@ def test_what_is_chosen_and_why_the_rest_is_not(open_page, campaign):
     assert violations(page) == []
 
 
+def test_a_fleet_is_shown_by_carrier_and_sought_by_name(open_page, service):
+    asked = json.loads((ROOT / "examples/campaign_fleet.json").read_text())
+    fleet = made(service, "/v1/campaigns", asked)
+    page = open_page(f"/campaigns/{fleet['id']}")
+    looks = [(one["carrier"], look["target"]) for one in fleet["passes"] for look in one["looks"]]
+    expect(page.locator(".carriers li")).to_have_count(len(asked["carriers"]))
+    expect(page.locator(".carrier-look")).to_have_count(len(looks))
+    colour = "element => getComputedStyle(element).fill"
+    look = page.locator(".carriers li").filter(has_text="follower").locator("rect").first
+    on_map = page.locator(".map .fate").filter(has_text="Boston").locator("circle")
+    assert look.evaluate(colour) == on_map.evaluate(colour)
+    page.get_by_role("button", name="follower").click()
+    own = {target for carrier, target in looks if carrier == "follower"}
+    expect(page.locator(".fate-list tbody tr")).to_have_count(len(own))
+    expect(page.locator(".map .fate")).to_have_count(len(own))
+    page.get_by_role("button", name="follower").click()
+    page.get_by_label("Name", exact=True).fill("las")
+    expect(page.locator(".fate-list tbody tr")).to_have_count(1)
+    expect(page.locator(".carrier-look")).to_have_count(1)
+    page.locator(".carrier-look").click()
+    expect(page.locator(".fate-list .row-now")).to_contain_text("Las Vegas")
+    page.get_by_label("Name", exact=True).fill("")
+    assert violations(page) == []
+    page.set_viewport_size(PHONE)
+    fit_a_phone(page)
+
+
 def test_a_target_left_out_for_the_memory_says_so(open_page, service):
     asked = json.loads((ROOT / "examples/campaign_resources.json").read_text())
     kept = made(service, "/v1/campaigns", asked)

@@ -5,10 +5,11 @@ import "./page";
 
 import example from "../../examples/campaign_cities.json";
 
-const { placesOf, withPlatform } = await import("../src/rooms/campaigns/campaign");
+const { coloursOf, fatesWith, placesOf, withPlatform } = await import("../src/rooms/campaigns/campaign");
 const { platforms } = await import("../src/parts/platforms");
 type Request = Parameters<typeof withPlatform>[0];
 type Found = Parameters<typeof withPlatform>[2];
+type Fates = Parameters<typeof fatesWith>[0];
 
 const usual = { usual_yaw_pitch_roll_deg: [-4, -2, 1] };
 const axes = { kind: "two_axis", name: "iss-hrc", ...usual } as unknown as Found;
@@ -68,4 +69,23 @@ test("an imaging mode lies in the middle of its lines, also across the edge of t
   ];
   const asked = { ...example, targets } as unknown as Request;
   expect(placesOf(asked, null)).toEqual([[-180, 11], [12, 43], null]);
+});
+
+test("targets are shown by a part of their name, and of one carrier those it looks at", () => {
+  const fate = (id: string, ...carriers: string[]) => ({ id, looks: carriers.map((carrier) => ({ carrier })) });
+  const fates = [fate("Las Vegas", "north"), fate("Los Angeles", "south", "north"), fate("Boston")] as unknown as Fates;
+  const shown = (text: string, carrier: string | null) => fatesWith(fates, text, carrier).map(({ id }) => id);
+  expect(shown("", null)).toEqual(["Las Vegas", "Los Angeles", "Boston"]);
+  expect(shown(" lAs", null)).toEqual(["Las Vegas"]);
+  expect(shown("", "north")).toEqual(["Las Vegas", "Los Angeles"]);
+  expect(shown("angeles", "south")).toEqual(["Los Angeles"]);
+  expect(shown("boston", "south")).toEqual([]);
+});
+
+test("each of several carriers has a colour of its own; one has none", () => {
+  const carriers = Array.from({ length: 100 }, (_, number) => ({ id: `c${number}` }));
+  const colours = coloursOf({ carriers } as unknown as Parameters<typeof coloursOf>[0]);
+  expect(new Set(colours.values()).size).toBe(100);
+  expect(coloursOf({} as unknown as Parameters<typeof coloursOf>[0]).size).toBe(0);
+  expect(coloursOf(null).size).toBe(0);
 });

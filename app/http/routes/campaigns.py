@@ -1,5 +1,7 @@
 """Routes of campaigns."""
 
+import json
+from functools import partial
 from http import HTTPStatus
 from typing import Annotated
 
@@ -16,7 +18,7 @@ from app.http.negotiation import JSON, ONLY_JSON, json_body
 from app.http.openapi.schema import json_body_of
 from app.http.query import Parameters
 from app.http.routes.job_routes import JobResource
-from app.http.routes.parameters import IdempotencyKey, Prefer
+from app.http.routes.parameters import IdempotencyKey, PlanId, Prefer, QueryTime
 from app.jobs.kinds import CAMPAIGN, ORDER
 from app.jobs.refusals import Conflict
 from app.requests.campaign import CAMPAIGN_READER
@@ -25,7 +27,8 @@ from app.requests.listings import listing_of_search
 from app.store import jobs, plans, results
 from app.store.database import Database
 from app.store.job import Job
-from app.work.campaign import SUFFIXES, MadePass, campaign_file
+from app.work.campaign import SUFFIXES, MadePass, campaign_file, revised
+from planner.base.errors import InvalidInput
 
 RESOURCE = JobResource(
     kind=CAMPAIGN.name,
@@ -52,6 +55,15 @@ class CampaignPost(Parameters):
         "and names of places and stars. Nothing is searched for, chosen or planned: a campaign "
         "that has nothing to see, or days that the orbit doesn't reach, passes, too.",
     )
+    revises: PlanId | None = Field(
+        default=None,
+        description="The campaign that this one revises, which stays as it is: `revises` of the "
+        "request is written with its looks.",
+    )
+    frozen_until: QueryTime | None = Field(
+        default=None,
+        description="With `revises`: passes that begin before it stay as they were chosen.",
+    )
 
 
 @router.post(
@@ -66,7 +78,10 @@ class CampaignPost(Parameters):
         },
         201: {"model": CampaignResponse, "description": "All passes are planned"},
         202: {"description": "Accepted; GET Location states its progress, and each pass's plan"},
-        409: {"description": "The campaign was cancelled while it was waited for"},
+        409: {
+            "description": "The campaign was cancelled while it was waited for, or `revises` "
+            "names none made"
+        },
     },
     openapi_extra=json_body_of(RESOURCE.requests, RESOURCE.examples),
     dependencies=ONLY_JSON,
@@ -83,13 +98,30 @@ async def post_campaign(
 
     The answer is 202 at once unless `Prefer: wait` asks to wait.
     """
+    if query.revises is not None or query.frozen_until is not None:
+        body = await _revised(request, body, query)
     spec = await anyio.to_thread.run_sync(RESOURCE.requests.read, body)
     if query.dry_run:
         valid = CampaignDryRun(valid=True, name=spec.name, targets=len(spec.targets))
         return Response(to_json(valid), media_type=JSON)
     database: Database = request.app.state.database
-    job = await database.answer(RESOURCE.accept, request, spec, body, key)
+    accept = partial(RESOURCE.accept, request, spec, body, key, revises=query.revises)
+    job = await database.answer(accept)
     return await RESOURCE.answer_to_post(request, job, prefer, 0, _find_campaign)
+
+
+async def _revised(request: Request, body: bytes, query: CampaignPost) -> bytes:
+    """The request with the looks of the campaign that it revises."""
+    if query.revises is None or query.frozen_until is None:
+        raise InvalidInput(
+            "must be given, too: `revises` names a campaign, and `frozen_until` says which of its "
+            "passes stay",
+            field=f"query.{'revises' if query.revises is None else 'frozen_until'}",
+        )
+    database: Database = request.app.state.database
+    await database.answer(RESOURCE.require_made, database, query.revises)
+    _, answer = await _find_campaign(request, query.revises)
+    return await anyio.to_thread.run_sync(revised, body, query.frozen_until, json.loads(answer))
 
 
 async def _find_campaign(request: Request, job_id: str) -> tuple[Job, bytes]:

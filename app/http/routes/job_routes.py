@@ -106,7 +106,7 @@ class JobResource:
         """The job for a request, new or known by its key; raises Conflict, KeyReused, QueueFull."""
         dispatcher: Dispatcher = request.app.state.dispatcher
         if members.get("revises") is not None:
-            self._require_made(request.app.state.database, members["revises"])
+            self.require_made(request.app.state.database, members["revises"])
         asked_by = "\0".join((_key_id_of(request) or "", self.kind, key or ""))
         digest = None if key is None else hashlib.sha256(asked_by.encode()).hexdigest()
         members |= {"deadline_s": self.bounds(request).deadline_s, "idempotency": digest}
@@ -126,16 +126,19 @@ class JobResource:
         most_s = request.app.state.settings.job_deadline_s
         return replace(bounds, deadline_s=min(bounds.deadline_s, most_s))
 
-    def _require_made(self, database: Database, plan_id: str) -> None:
+    def require_made(self, database: Database, plan_id: str) -> None:
+        """Raises InvalidInput, Conflict where there is nothing of this id to revise."""
         with database.reading() as connection:
             job = jobs.get(connection, plan_id)
         if job is None or job.kind != self.kind:
             raise InvalidInput(
-                f"there is no plan {plan_id}; GET {self.path} lists them", field="query.revises"
+                f"there is no {self.singular} {plan_id}; GET {self.path} lists them",
+                field="query.revises",
             )
         if job.state not in ("done", "failed") or job.problem is not None:
             raise Conflict(
-                f"the plan to revise was not made: its state is {job.state}", field="query.revises"
+                f"the {self.singular} to revise was not made: its state is {job.state}",
+                field="query.revises",
             )
 
     async def answer_to_post(
@@ -328,7 +331,7 @@ class JobResource:
             request: Request, job_id: PathId, seq: Annotated[int, Depends(last_event_id)]
         ) -> Response:
             """`data` is JSON: `at`, and `state` with `problem`, or `stage`, `done`, `of` and
-            `percent`.
+            `percent`, of a campaign also `value` and `bound`.
 
             `percent` is a share of the usual time; it is null where that isn't known.
             """

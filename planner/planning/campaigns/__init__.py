@@ -13,6 +13,7 @@ if TYPE_CHECKING:
         ChosenPass,
         choose_campaign,
         choose_together,
+        choose_what_is_asked,
         scenario_of,
     )
     from planner.planning.campaigns.view import Seen
@@ -23,6 +24,7 @@ else:
         Seen="planner.planning.campaigns.view",
         choose_campaign="planner.planning.campaigns.campaign",
         choose_together="planner.planning.campaigns.campaign",
+        choose_what_is_asked="planner.planning.campaigns.campaign",
         scenario_of="planner.planning.campaigns.campaign",
     )
 
@@ -39,5 +41,6 @@ __all__ = [
     "ViewWeights",
     "choose_campaign",
     "choose_together",
+    "choose_what_is_asked",
     "scenario_of",
 ]

@@ -7,6 +7,7 @@ from datetime import datetime
 
 import numpy as np
 
+from planner.base.arrays import Array
 from planner.base.errors import figures
 from planner.base.reporting import Reporter, tell_nobody
 from planner.planning.campaigns.candidates import LookCandidate, scan_roll
@@ -15,7 +16,7 @@ from planner.planning.campaigns.carrier_looks import (
     first_utc,
     looks_of_carrier,
 )
-from planner.planning.campaigns.choice import CampaignChoice
+from planner.planning.campaigns.choice import CampaignChoice, bound_at
 from planner.planning.campaigns.chosen import (
     ChosenLook,
     UnchosenByAll,
@@ -23,12 +24,14 @@ from planner.planning.campaigns.chosen import (
     UnseenByAll,
 )
 from planner.planning.campaigns.displaced import Displaced, displaced_by
+from planner.planning.campaigns.fleet import FleetRequest
 from planner.planning.campaigns.joined import Joined, joined_of
 from planner.planning.campaigns.keeping import bound_keeping, choose_keeping
 from planner.planning.campaigns.path import Look
 from planner.planning.campaigns.platforms.registry import follower_of
 from planner.planning.campaigns.request import CampaignRequest
 from planner.planning.campaigns.resources import Keeping, RunsOut
+from planner.planning.campaigns.revision import RevisionFound
 from planner.planning.opportunities.closing import Unseen
 from planner.world.conditions import Conditions
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
@@ -66,6 +69,7 @@ class Campaign:
     windows: number of windows to choose from.
     unseen: targets that can't be looked at for as long as they must.  left_out: that can, but
     others are worth more.
+    revision: of one that revises another, what stays, which nothing else here tells of.
     """
 
     passes: tuple[ChosenPass, ...]
@@ -76,6 +80,7 @@ class Campaign:
     unseen: tuple[Unseen, ...]
     left_out: tuple[UnchosenTarget, ...]
     warnings: tuple[str, ...]
+    revision: RevisionFound | None = None
 
     @property
     def gap_share(self) -> float:
@@ -94,6 +99,26 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> C
     return choose_together({"": request}, tell)
 
 
+def choose_what_is_asked(
+    request: CampaignRequest | FleetRequest, tell: Reporter = tell_nobody
+) -> tuple[Mapping[str, CampaignRequest], Campaign]:
+    """For one carrier or several, and what each of them chose from, by its id.
+
+    What stays of a campaign that is revised is not chosen, and only `revision` tells of it.
+    """
+    revises = request.revises
+    if revises is None:
+        return request.requests, choose_together(request.requests, tell)
+    stays = revises.frozen(request.carrier_ids, request.start)
+    requests = revises.chosen_anew(request.requests, stays)
+    found = choose_together(requests, tell)
+    return requests, replace(
+        found,
+        revision=revises.found(stays, found.passes),
+        warnings=(*revises.warnings(stays, requests), *found.warnings),
+    )
+
+
 def choose_together(
     requests: Mapping[str, CampaignRequest], tell: Reporter = tell_nobody
 ) -> Campaign:
@@ -105,9 +130,23 @@ def choose_together(
     joined = _joined(requests, tell)
     networks, looking = joined.networks, joined.hopeful()
     keeping = _keeping_of(joined)
-    choice, rows = choose_keeping(keeping, networks, looking, tell, joined.first_unheld)
-    tell("bound", 0, 1)
-    bound = bound_keeping(keeping, joined.relaxed(), looking, choice, rows)
+    proven: dict[bytes, float] = {}
+
+    def prove(price: Array) -> float:
+        if (at := price.tobytes()) not in proven:
+            proven[at] = bound_at(joined.relaxed(), looking, price)
+        return proven[at]
+
+    choice, rows = choose_keeping(
+        keeping, networks, looking, tell, joined.first_unheld, prove=prove
+    )
+    tell("proof", 0, 1, value=choice.value)
+    if rows:
+        bound = bound_keeping(keeping, joined.relaxed(), looking, choice, rows)
+    else:
+        bound = prove(choice.price)
+    bound = max(bound, choice.value)
+    tell("proof", 1, 1, value=choice.value, bound=bound)
     candidates = joined.candidates
     looked_at = {candidates[look.target].wanted.id for one in choice.passes for look in one}
     worth = joined.looking.less_prices(np.zeros(len(candidates)))
@@ -124,7 +163,7 @@ def choose_together(
     return Campaign(
         passes=_in_utc(joined, choice, keeping),
         value=choice.value,
-        bound=max(bound, choice.value),
+        bound=bound,
         greedy_value=choice.greedy_value,
         windows=sum(len(looks.windows.target) for looks in joined.carriers.values()),
         unseen=_unseen(joined, known),

@@ -30,6 +30,10 @@ FirstUnheld = Callable[[tuple[Look, ...]], tuple[int, int] | None]
 """The first look that those before it don't let be held, and the last step at which it is not."""
 
 
+Prove = Callable[[Array], float]
+"""What no choice is worth more than, by prices of looks at each target."""
+
+
 Passes = list[tuple[Look, ...]]
 
 
@@ -170,6 +174,8 @@ def choose(
     tell: Reporter,
     first_unheld: FirstUnheld,
     options: ChoiceOptions = OPTIONS,
+    *,
+    prove: Prove | None = None,
 ) -> CampaignChoice:
     """Price observations that more passes want than may have; one network per pass.
 
@@ -179,7 +185,9 @@ def choose(
     Source: Fisher 1981, "The Lagrangian relaxation method", Management Science 27; Barnhart et
     al. 1998, "Branch-and-price", Operations Research 46(3) (column generation, diving).
     """
-    choice, _ = found_by(lambda held: Search(networks, looking, held, options), first_unheld, tell)
+    choice, _ = found_by(
+        lambda held: Search(networks, looking, held, options), first_unheld, tell, prove
+    )
     return choice
 
 
@@ -187,13 +195,23 @@ Found = TypeVar("Found", bound="Search")
 
 
 def found_by(
-    begun: Callable[[FirstUnheld], Found], first_unheld: FirstUnheld, tell: Reporter
+    begun: Callable[[FirstUnheld], Found],
+    first_unheld: FirstUnheld,
+    tell: Reporter,
+    prove: Prove | None = None,
 ) -> tuple[CampaignChoice, Found]:
-    """The choice of a search, and the search whose prices it has.  begun: among looks so held."""
+    """The choice of a search, and the search whose prices it has.  begun: among looks so held.
+
+    prove: the bound at prices, told as soon as these are found.
+    """
     search = begun(first_unheld)
     greedy_value = search.begin()
     search.take_groups()
     mixture = search.find_prices(tell)
+    has_prices = search.bounds_apart or not search.was_barred  # else they are found anew below
+    if prove is not None and has_prices:
+        tell("bound", 0, 1, value=search.value)
+        tell("bound", 1, 1, value=search.value, bound=prove(search.price))
     if mixture is not None:
         search.make_whole(mixture, tell)
         search.put_together(tell)
@@ -273,7 +291,7 @@ class Search:
         looking = self._looking
         price = np.zeros_like(self.price)
         for done in range(self._options.steps_max):
-            tell("choosing", done, self._options.steps_max)
+            tell("choosing", done, self._options.steps_max, value=self.value)
             bound, passes = self._answer_prices(price)
             if done % self._options.fill_every == 0:
                 self.refill_passes(self.fill_passes([()] * len(self._networks), price))
@@ -299,7 +317,7 @@ class Search:
         for done in range(self._options.mixtures_max):
             if self._is_near() or not self._proposed:
                 return None
-            tell("mixing", done, self._options.mixtures_max)
+            tell("mixing", done, self._options.mixtures_max, value=self.value)
             proposals = list(dict.fromkeys([*list(self._proposed)[-most:], *self._own_proposals()]))
             mixture = self._mixed(proposals, self._looking.look_limit, ())
             if mixture is None:
@@ -322,7 +340,7 @@ class Search:
         is_open = np.ones(len(passes), np.bool_)
         refused: set[Proposal] = set()
         while proposals:
-            tell("rounding", int(np.count_nonzero(~is_open)), len(is_open))
+            tell("rounding", int(np.count_nonzero(~is_open)), len(is_open), value=self.value)
             allowed = max(1, int(np.count_nonzero(is_open)) // self._options.fixed_share)
             for place in np.argsort(-mixture.share, kind="stable").tolist():
                 number, looks = proposals[place]
@@ -358,7 +376,7 @@ class Search:
         from its pass's best than the choice from the bound."""
         if self._is_near():
             return
-        tell("exchanging", 0, 1)
+        tell("exchanging", 0, 1, value=self.value)
         proposals = list(dict.fromkeys([*self._proposed, *self._own_proposals()]))
         gains = [self._gain(one) for one in proposals]
         most = np.zeros(len(self._networks))

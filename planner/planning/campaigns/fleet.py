@@ -12,6 +12,7 @@ from planner.base.assumed import Assumed
 from planner.base.spec import Within, is_kept, spec
 from planner.planning.campaigns.request import BOUNDS as CAMPAIGN_BOUNDS
 from planner.planning.campaigns.request import CampaignRequest, CampaignTarget, ViewWeights
+from planner.planning.campaigns.revision import Revision
 from planner.planning.opportunities import OpportunityConditions
 from planner.planning.opportunities.request import BOUNDS as OPPORTUNITY_BOUNDS
 from planner.world.attitude import Attitude
@@ -81,6 +82,7 @@ class FleetRequest:
     probability of that, where the forecast says one.
     view: weights of the view's qualities in the worth of a look.
     step_s: looks begin on whole multiples of it after `start`; finer finds more and takes longer.
+    revises: the campaign that this one revises: what flies soon stays, later looks are chosen anew.
     """
 
     name: str = ""
@@ -93,6 +95,7 @@ class FleetRequest:
     clouds: Clouds | None = None
     view: ViewWeights = ViewWeights()
     step_s: Annotated[float, Within(*CAMPAIGN_BOUNDS.steps_s)] = CAMPAIGN_BOUNDS.step_s
+    revises: Revision | None = None
 
     def __post_init__(self) -> None:
         if not self.carriers:
@@ -108,6 +111,23 @@ class FleetRequest:
                 if one in taken:
                     raise ValueError(f"{of_what}.{number}.id {one!r} is taken already")
                 taken.add(one)
+        self._require_known_sensors()
+        if self.conditions.duty_cycle is not None:
+            raise ValueError(
+                "conditions.duty_cycle must be left out of a campaign of several carriers, whose "
+                "choice doesn't keep it; ask for a campaign of each by itself"
+            )
+        if self.revises is not None:
+            self.revises.require(self.start, self.stop, self.conditions)
+        asked = sum(one.counted_target_days for one in self.requests.values())
+        if asked > CAMPAIGN_BOUNDS.target_days_max and not is_kept():
+            raise ValueError(
+                f"targets times days must not exceed {CAMPAIGN_BOUNDS.target_days_max:.0f}, "
+                f"counted for each carrier that may look at them, which these {asked:.0f} do; ask "
+                "for fewer at a time, or tell them apart by sensor"
+            )
+
+    def _require_known_sensors(self) -> None:
         sensors = {one.sensor for one in self.carriers} - {None}
         for number, wanted in enumerate(self.targets):
             if wanted.sensor is not None and wanted.sensor not in sensors:
@@ -116,18 +136,6 @@ class FleetRequest:
                     f"targets.{number}.sensor {wanted.sensor!r} is no carrier's; carriers have "
                     f"{known}"
                 )
-        if self.conditions.duty_cycle is not None:
-            raise ValueError(
-                "conditions.duty_cycle must be left out of a campaign of several carriers, whose "
-                "choice doesn't keep it; ask for a campaign of each by itself"
-            )
-        asked = sum(one.counted_target_days for one in self.requests.values())
-        if asked > CAMPAIGN_BOUNDS.target_days_max and not is_kept():
-            raise ValueError(
-                f"targets times days must not exceed {CAMPAIGN_BOUNDS.target_days_max:.0f}, "
-                f"counted for each carrier that may look at them, which these {asked:.0f} do; ask "
-                "for fewer at a time, or tell them apart by sensor"
-            )
 
     @cached_property
     def requests(self) -> Mapping[str, CampaignRequest]:
@@ -160,6 +168,11 @@ class FleetRequest:
             except ValueError as error:
                 raise ValueError(_as_asked(str(error), number, rows)) from None
         return found
+
+    @property
+    def carrier_ids(self) -> frozenset[str]:
+        """Of all carriers, those without a target, too."""
+        return frozenset(one.id for one in self.carriers)
 
     @property
     def platform_names(self) -> str:

@@ -14,6 +14,7 @@ from planner.planning.campaigns.choice import (
     FirstUnheld,
     Looking,
     Passes,
+    Prove,
     Search,
     bound_at,
     choose,
@@ -50,6 +51,8 @@ def choose_keeping(
     tell: Reporter,
     first_unheld: FirstUnheld,
     options: ChoiceOptions = OPTIONS,
+    *,
+    prove: Prove | None = None,
 ) -> tuple[CampaignChoice, tuple[RoomStretch, ...]]:
     """As `choose`, and the rows that its `row_price` is of.
 
@@ -57,8 +60,15 @@ def choose_keeping(
     by their best paths at a price for each second of a look, as low as lets all resources keep;
     prices of stretches come from the programmes' rows, with those of targets.
     """
-    free = choose(networks, looking, tell, first_unheld, options)
-    if keeping is None or keeping.keeps(free.passes):
+    if keeping is None:
+        return choose(networks, looking, tell, first_unheld, options, prove=prove), ()
+
+    def tell_stage(stage: str, done: int, of: int, /, **_: float | None) -> None:
+        """Without a value that may take more than there is."""
+        tell(stage, done, of)
+
+    free = choose(networks, looking, tell_stage, first_unheld, options)
+    if keeping.keeps(free.passes):
         return free, ()
     choice, priced = found_by(
         lambda held: _KeepingSearch(networks, looking, held, options, keeping, free),
@@ -138,7 +148,7 @@ class _KeepingSearch(Search):
         for done in range(options.mixtures_max):
             if self._is_near() or not self._proposed:
                 break
-            tell("mixing", done, options.mixtures_max)
+            tell("mixing", done, options.mixtures_max, value=self.value)
             proposals = list(dict.fromkeys([*list(self._proposed)[-most:], *self._own_proposals()]))
             mixture = self._mixed(proposals, self._looking.look_limit, ())
             if mixture is None:

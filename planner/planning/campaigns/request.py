@@ -13,6 +13,7 @@ from pydantic import Field
 from planner.base.assumed import Assumed
 from planner.base.commands import COMMAND_STEP_S
 from planner.base.spec import Within, require_within, spec
+from planner.planning.campaigns.revision import Revision
 from planner.planning.opportunities import (
     OpportunityConditions,
     OpportunityRequest,
@@ -194,6 +195,7 @@ class CampaignRequest:
     step_s: looks begin on whole multiples of it after `start`; finer finds more and takes longer.
     resources: battery and memory, from `start` to `stop`; each pass's request begins with what the
     passes before leave.
+    revises: the campaign that this one revises: what flies soon stays, later looks are chosen anew.
     """
 
     name: str = ""
@@ -213,6 +215,7 @@ class CampaignRequest:
     slew: SlewOptions = SlewOptions()
     step_s: Annotated[float, Within(*BOUNDS.steps_s)] = BOUNDS.step_s
     resources: Resources | None = None
+    revises: Revision | None = None
 
     def __post_init__(self) -> None:
         steps = self.step_s / COMMAND_STEP_S
@@ -241,6 +244,8 @@ class CampaignRequest:
         self._require_followed()
         self._require_bounds()
         self.opportunities()
+        if self.revises is not None:
+            self.revises.require(self.start, self.stop, self.conditions)
         for row, mode in self.modes.items():
             rules.require_roll(f"targets.{row}.roll", self.targets[row].roll, mode.first_path)
 
@@ -331,6 +336,11 @@ class CampaignRequest:
     def requests(self) -> "Mapping[str, CampaignRequest]":
         """As of several carriers."""
         return {"": self}
+
+    @property
+    def carrier_ids(self) -> frozenset[str]:
+        """As of several carriers."""
+        return frozenset({""})
 
     @property
     def assumed(self) -> tuple[Assumed, ...]:

@@ -8,6 +8,9 @@ export interface Progress {
   state: "queued" | "running";
   stage: string | null;
   percent: number | null;
+  /** Of a campaign's choice so far: its worth, and what none is worth more than, once that is proven. */
+  value?: number;
+  bound?: number;
 }
 
 export interface Sent {
@@ -60,7 +63,7 @@ async function made(path: JobPaths | "/v1/plans/{id}/flights", request: object, 
 export async function untilDone(sent: Sent, tell: (now: Progress) => void, until?: AbortSignal): Promise<void> {
   let now: Progress = { state: "queued", stage: null, percent: null };
   for await (const event of follow(`${sent.path}/events`, until)) {
-    const { state, stage, percent, problem } = event.data;
+    const { state, stage, percent, problem, value, bound } = event.data;
     if (problem) throw new Problem(problem as ProblemDocument);
     if (state === "done") return;
     if (state === "cancelled") throw new Cancelled();
@@ -71,6 +74,8 @@ export async function untilDone(sent: Sent, tell: (now: Progress) => void, until
         ...now,
         stage: typeof stage === "string" ? stage : now.stage,
         percent: typeof percent === "number" ? percent : now.percent,
+        ...(typeof value === "number" && { value }),
+        ...(typeof bound === "number" && { bound }),
       };
     }
     tell(now);

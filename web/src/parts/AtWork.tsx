@@ -1,3 +1,5 @@
+import type { ComponentChildren } from "preact";
+
 import type { Progress } from "../api/job";
 import { words } from "../i18n";
 import { Bar } from "./Bar";
@@ -7,10 +9,12 @@ interface Props {
   /** The stages in the page's words; one that isn't named is shown as the service says it. */
   stages: Record<string, string>;
   onCancel: () => void;
+  /** Of what is found so far. */
+  children?: ComponentChildren;
 }
 
 /** Work that goes on: its stages, the one it is at, and the way to stop it. */
-export function AtWork({ progress, stages, onCancel }: Props) {
+export function AtWork({ progress, stages, onCancel, children }: Props) {
   const text = words.value.shell;
   const names = Object.keys(stages);
   const at = progress.stage === null ? -1 : names.indexOf(progress.stage);
@@ -30,6 +34,7 @@ export function AtWork({ progress, stages, onCancel }: Props) {
           {text.cancel}
         </button>
       </div>
+      {children}
     </section>
   );
 }

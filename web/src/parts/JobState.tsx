@@ -1,3 +1,5 @@
+import type { ComponentChildren } from "preact";
+
 import { send } from "../api/client";
 import { Cancelled, type Progress, sendOff } from "../api/job";
 import { offerOf } from "../api/offer";
@@ -35,13 +37,22 @@ interface Job {
 }
 
 /** How far a job is, or why it came to nothing, and the way on; the room's heading has the link that changes the request. */
-export function JobState({ job, text, ...asked }: Pick<Props, "work" | "room" | "id"> & { job: Job; text: Told }) {
+export function JobState({
+  job,
+  text,
+  children,
+  ...asked
+}: Pick<Props, "work" | "room" | "id"> & { job: Job; text: Told; children?: ComponentChildren }) {
   const { answer, error, progress } = job;
   return (
     <>
       {error !== null && <JobEnded {...asked} error={error} again={() => void job.ask()} text={text} />}
       {!answer && !progress && error === null && <p class="loading">{words.value.shell.loading}</p>}
-      {progress && <AtWork progress={progress} stages={text.stages} onCancel={job.cancel} />}
+      {progress && (
+        <AtWork progress={progress} stages={text.stages} onCancel={job.cancel}>
+          {children}
+        </AtWork>
+      )}
     </>
   );
 }

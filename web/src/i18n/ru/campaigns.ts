@@ -50,9 +50,10 @@ export const campaigns: Words["campaigns"] = {
     slews: "Время разворотов",
     choosing: "Цены",
     mixing: "Смеси",
+    bound: "Граница",
     rounding: "Целые наблюдения",
     exchanging: "Обмены",
-    bound: "Граница",
+    proof: "Доказательство",
     plans: "Планы пролётов",
   },
   cancelled: "Отменено. Что успели спланировать, сохранено.",
@@ -83,6 +84,16 @@ export const campaigns: Words["campaigns"] = {
     memory: "не вошла из-за памяти",
     duty_cycle: "не вошла из-за доли съёмки",
   },
+  soFar: (value, bound, gap) =>
+    bound === null
+      ? `Лучший выбор пока: ${value}`
+      : `Лучший выбор пока: ${value}; больше ${bound} не стоит ни один (выиграть можно не более ${gap})`,
+  revised: (stay, count) =>
+    `Из прежней кампании остаётся ещё ${counted(stay, "наблюдение", "наблюдения", "наблюдений")}. Цели: ${count.kept} без изменений, ${count.moved} перенесено, ${count.dropped} снято, ${count.added} добавлено.`,
+  carriers: "Наблюдения по носителям",
+  carriersHint: "Нажмите носитель, чтобы видеть только его цели на карте и в таблице; нажмите наблюдение, чтобы найти его цель.",
+  carrierTold: (looks, value) => `${counted(looks, "наблюдение", "наблюдения", "наблюдений")}, ${value}`,
+  sought: "Имя",
   show: "Показать",
   all: "Все",
   passes: "Пролёты",

@@ -8,9 +8,11 @@ interface Props {
   fates: readonly TargetFate[];
   chosen: string | null;
   onChoose: (id: string | null) => void;
+  /** Of several carriers: a target has the colour of the one that looks at it first. */
+  colours: ReadonlyMap<string, string>;
 }
 
-export function FateMap({ fates, chosen, onChoose }: Props) {
+export function FateMap({ fates, chosen, onChoose, colours }: Props) {
   const text = words.value.campaigns;
   const known = FATES.filter((fate) => fates.some((one) => one.fate === fate));
   const drawn = [...fates].sort(
@@ -49,7 +51,7 @@ export function FateMap({ fates, chosen, onChoose }: Props) {
                     onClick={() => onChoose(one.id === chosen ? null : one.id)}
                   >
                     <title>{one.id}</title>
-                    <circle r={fates.length > 300 ? 3 : 5} />
+                    <circle r={fates.length > 300 ? 3 : 5} style={{ fill: colours.get(one.looks[0]?.carrier ?? "") }} />
                     {placing && <text {...placing}>{one.id}</text>}
                   </g>
                 )

@@ -11,11 +11,14 @@ interface Props {
   fates: readonly TargetFate[];
   chosen: string | null;
   onChoose: (id: string | null) => void;
+  /** What a target's name must hold to be among these. */
+  sought: string;
+  onSought: (text: string) => void;
 }
 
 const SHOWN = 200;
 
-export function Fates({ fates, chosen, onChoose }: Props) {
+export function Fates({ fates, chosen, onChoose, sought, onSought }: Props) {
   const text = words.value.campaigns;
   const [only, setOnly] = useState<Fate | "">("");
   const [isWhole, setIsWhole] = useState(false);
@@ -28,6 +31,11 @@ export function Fates({ fates, chosen, onChoose }: Props) {
     <section class="panel fates" aria-labelledby="campaign-fates">
       <div class="row heading">
         <h2 id="campaign-fates">{text.targets}</h2>
+        <Field label={text.sought} class="in-line">
+          {(control) => (
+            <input {...control} type="search" value={sought} onInput={(event) => onSought(event.currentTarget.value)} />
+          )}
+        </Field>
         <Field label={text.show} class="in-line">
           {(control) => (
             <select {...control} value={only} onChange={(event) => setOnly(event.currentTarget.value as Fate | "")}>
@@ -77,7 +85,8 @@ export function Fates({ fates, chosen, onChoose }: Props) {
                   </span>
                   {one.looks.map((look) => (
                     <div key={look.start}>
-                      {look.scan} <Link to={`/plans/${look.plan}`}>{period(look.start, look.stop).replace(" UTC", "")}</Link>
+                      {look.carrier} {look.scan}{" "}
+                      <Link to={`/plans/${look.plan}`}>{period(look.start, look.stop).replace(" UTC", "")}</Link>
                     </div>
                   ))}
                   {one.because && <div class="small">{words.value.service.told(one.because)}</div>}

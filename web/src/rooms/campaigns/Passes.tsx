@@ -33,6 +33,7 @@ export function Passes({ passes }: { passes: Campaign["passes"] }) {
                   <span class={`pass-state pass-${one.state}`}>{words.value.shell.states[one.state]}</span>
                 </td>
                 <td>
+                  {"carrier" in one && <b>{one.carrier} </b>}
                   {one.looks.map((look) => `${look.target} ${scanTold(look)}`.trim()).join(", ") || "–"}
                   {one.problem && <div class="small">{words.value.service.told(one.problem.detail)}</div>}
                   {one.left_out.map((look) => (

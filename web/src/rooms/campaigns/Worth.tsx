@@ -34,6 +34,7 @@ export function Worth({ choice, planned, targets }: Props) {
         <Level name={text.chosenWorth} value={value} most={most} kind="value" />
         <Level name={text.bound} value={bound} most={most} kind="bound" />
       </dl>
+      {choice.revision && <p>{text.revised(choice.revision.frozen.length, choice.revision)}</p>}
       <p class="hint">{text.boundHint}</p>
     </section>
   );

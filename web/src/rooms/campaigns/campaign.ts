@@ -9,6 +9,7 @@ export type CampaignRequest = Omit<Schemas["CampaignRequest"], "platform"> & { p
 export type CampaignTarget = Schemas["CampaignTarget"];
 export type Campaign = Schemas["CampaignResponse"];
 export type Choice = Schemas["CampaignChoiceOut"];
+type FleetChoice = Schemas["FleetChoiceOut"];
 
 export type FieldError = Schemas["FieldError"];
 
@@ -64,6 +65,8 @@ export interface TargetFate {
   /** scan: which of how many, of an imaging mode. */
   looks: {
     scan: string;
+    /** Of several; null where there is but one. */
+    carrier: string | null;
     start: string;
     stop: string;
     plan: string;
@@ -83,7 +86,8 @@ export function fatesOf(request: CampaignRequest, campaign: Campaign): TargetFat
   const leftOut = new Map(choice?.left_out.map((one) => [one.target, one]));
   const refused = new Map(campaign.passes.flatMap((one) => one.left_out.map((look) => [look.target, look.because])));
   const looks = new Map<string, TargetFate["looks"]>();
-  for (const { plan, looks: chosen, problem } of campaign.passes) {
+  for (const one of campaign.passes) {
+    const { plan, looks: chosen, problem } = one;
     for (const look of chosen) {
       const { target, start, stop, elevation_deg, quality, value } = look;
       if (problem) refused.set(target, problem.detail);
@@ -91,6 +95,7 @@ export function fatesOf(request: CampaignRequest, campaign: Campaign): TargetFat
         const of = looks.get(target) ?? [];
         of.push({
           scan: scanTold(look),
+          carrier: "carrier" in one ? one.carrier : null,
           start,
           stop,
           plan,
@@ -126,6 +131,20 @@ export function fatesOf(request: CampaignRequest, campaign: Campaign): TargetFat
       bestElevation_deg: unseen.get(id)?.best_elevation_deg ?? null,
     };
   });
+}
+
+/** Those whose id holds the text, and of one carrier, if any is named, those that it looks at. */
+export function fatesWith(fates: readonly TargetFate[], text: string, carrier: string | null): TargetFate[] {
+  const sought = text.trim().toLowerCase();
+  return fates.filter(
+    ({ id, looks }) => id.toLowerCase().includes(sought) && (carrier === null || looks.some((look) => look.carrier === carrier)),
+  );
+}
+
+/** A colour for each carrier of several, as unlike its neighbours' as can be; no colours of one. */
+export function coloursOf(choice: Choice | FleetChoice | null): Map<string, string> {
+  const ids = choice && "carriers" in choice ? choice.carriers.map((one) => one.id) : [];
+  return new Map(ids.map((id, number) => [id, `hsl(${Math.round(number * 137.5) % 360} 70% 45%)`]));
 }
 
 /** The id of the target that a field belongs to. */
