@@ -43,12 +43,12 @@ SUFFIXES = dict(zip((CSV, *_MAPS, _ARCHIVE), (".csv", ".geojson", ".kml", ".zip"
 
 def choose(body: bytes, request: CampaignRequest | FleetRequest | None = None) -> Result:
     """Read unless that is done, choose and write down; raises a Refusal."""
-    from planner.planning.campaigns import choose_together
+    from planner.planning.campaigns import choose_campaign
 
     request = request or read_campaign_request(body)
     document = json.loads(body)  # passes say orbit, platform and targets in its own words
     requests, words = request.requests, {"": document}
-    campaign = choose_together(requests, report)
+    campaign = choose_campaign(request, report)
     told = _choice(request, campaign)
     if isinstance(request, FleetRequest):
         words = {one["id"]: one for one in document["carriers"]}

@@ -81,6 +81,7 @@ export const campaigns = {
   leftOutFor: {
     battery: "left out for the battery",
     memory: "left out for the memory",
+    momentum: "left out for the wheels' momentum",
     duty_cycle: "left out for the duty cycle",
   },
   show: "Show",
