@@ -219,17 +219,10 @@ def test_a_campaign_keeps_the_duty_cycle_and_its_plans_count_the_passes_before(n
     assert max(c.extreme for c in told) > sum(np.diff(looks_s(campaign, [one])).ravel()) - 1e-6
 
 
-@pytest.mark.parametrize(
-    ("name", "conditions", "named"),
-    [
-        ("campaign_fleet", {"duty_cycle": {"imaging_max_s": 600.0}}, "duty_cycle"),
-        ("campaign_cities", {"min_gap_s": 1801.0}, "min_gap_s"),
-    ],
-)
-def test_a_campaign_refuses_by_name_what_its_choice_does_not_keep(name, conditions, named):
-    request = json.loads((EXAMPLES / f"{name}.json").read_text())
-    with pytest.raises(InvalidRequest, match=named):
-        read_campaign_request(json.dumps(request | {"conditions": conditions}).encode())
+def test_a_campaign_refuses_by_name_a_gap_that_its_choice_does_not_keep():
+    request = json.loads((EXAMPLES / "campaign_cities.json").read_text())
+    with pytest.raises(InvalidRequest, match="min_gap_s"):
+        read_campaign_request(json.dumps(request | {"conditions": {"min_gap_s": 1801.0}}).encode())
 
 
 def test_a_span_holds_its_imaging():

@@ -1,7 +1,7 @@
 """From targets over days to the sessions of every pass: the whole choice on one screen."""
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence, Set
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, fields, replace
 from datetime import datetime
 
@@ -88,15 +88,17 @@ class Campaign:
         return 1.0 - self.value / self.bound if self.bound > 0.0 else 0.0
 
 
-def choose_campaign(request: CampaignRequest, tell: Reporter = tell_nobody) -> Campaign:
+def choose_campaign(
+    request: CampaignRequest | FleetRequest, tell: Reporter = tell_nobody
+) -> Campaign:
     """Choose sessions and their order.
 
     tell: is called with what is being done, and how many parts of how many are done.
     Slew times are those of `slew_time`: without hard stops on the way and
     without cones to keep out of, which planning the passes then may find in the way.
-    Raises OutsideCoverage.
+    Raises OutsideCoverage, and ResourceRunsOut where a resource does without any look.
     """
-    return choose_together({"": request}, tell)
+    return choose_what_is_asked(request, tell)[1]
 
 
 def choose_what_is_asked(
@@ -108,10 +110,10 @@ def choose_what_is_asked(
     """
     revises = request.revises
     if revises is None:
-        return request.requests, choose_together(request.requests, tell)
+        return request.requests, choose_together(request.requests, tell, request.field_of)
     stays = revises.frozen(request.carrier_ids, request.start)
     requests = revises.chosen_anew(request.requests, stays)
-    found = choose_together(requests, tell)
+    found = choose_together(requests, tell, request.field_of)
     return requests, replace(
         found,
         revision=revises.found(stays, found.passes),
@@ -120,16 +122,19 @@ def choose_what_is_asked(
 
 
 def choose_together(
-    requests: Mapping[str, CampaignRequest], tell: Reporter = tell_nobody
+    requests: Mapping[str, CampaignRequest],
+    tell: Reporter = tell_nobody,
+    field_of: Callable[[str, str], str] = lambda carrier, field: field,
 ) -> Campaign:
     """Choose for several carriers at once, whose targets are the same where their ids are.
 
     requests: by the carrier's id, alike in all that is no carrier's own and no list of targets.
-    Otherwise as `choose_campaign`.
+    field_of: as refusals name it, by the carrier's id.  Otherwise as `choose_campaign`.
     """
     joined = _joined(requests, tell)
     networks, looking = joined.networks, joined.hopeful()
-    keeping = _keeping_of(joined)
+    is_kept = any(one.is_kept for one in requests.values())
+    keeping = Keeping(joined, field_of) if is_kept else None
     proven: dict[bytes, float] = {}
 
     def prove(price: Array) -> float:
@@ -176,12 +181,6 @@ def choose_together(
             )
         ),
     )
-
-
-def _keeping_of(joined: Joined) -> Keeping | None:
-    """What looks of a carrier use up; several have none."""
-    looks = joined.looks_by_carrier[0]
-    return Keeping(looks, joined.networks, joined.looking) if looks.request.is_kept else None
 
 
 def _joined(requests: Mapping[str, CampaignRequest], tell: Reporter) -> Joined:
@@ -360,11 +359,11 @@ def _in_utc(
 ) -> tuple[ChosenPass, ...]:
     """Passes with looks in order of time."""
     flown: dict[int, ChosenPass] = {}
-    for carrier, looks in joined.carriers.items():
+    for place, (carrier, looks) in enumerate(joined.carriers.items()):
         own = [n for n in range(len(choice.passes)) if joined.carrier_id(n) == carrier]
         own = [n for n in own if choice.passes[n]]
         passes = [choice.passes[n] for n in own]
-        begins = [None] * len(own) if keeping is None else keeping.begins(choice.passes)
+        begins = [None] * len(own) if keeping is None else keeping.begins(place, choice.passes)
         found = _passes_of(carrier, looks, joined.candidates, passes, begins)
         flown |= dict(zip(own, found, strict=True))
     return tuple(flown[number] for number in sorted(flown))

@@ -1,8 +1,9 @@
-"""Sunlight over a campaign, and what a body's panels bring in it at rest, on looks and on slews."""
+"""Attitudes of a body at rest, on looks and on slews of a campaign, and what panels bring there."""
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from planner.base.arrays import Array
 from planner.base.rotation import Rotation
 from planner.planning.campaigns.platforms.follower import Follower
 from planner.planning.campaigns.request import CampaignRequest
+from planner.planning.campaigns.smooth_turns import PARTS, smooth_turns
 from planner.planning.resources import LightAndContacts, panels_w, sun_eci
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.time_scales import Instants
@@ -22,8 +24,8 @@ class ChargingOptions:
     """How closely what panels bring is followed over a campaign."""
 
     step_s: float = 10.0  # of charge by panels, linear between: the Sun's cosine errs by 2e-5
+    track_s: float = 20.0  # between states on a track: between, its motion is as smooth
     tick_s: float = 30.0  # between looks at a level within a pass, where panels charge
-    slew_parts: int = 8  # of a slew, in which the charge of panels is linear
 
 
 CHARGING = ChargingOptions()
@@ -51,12 +53,12 @@ def most_w(battery: Battery) -> float:
     return float(np.linalg.norm(sums, axis=1).max())
 
 
-def _turning(turned_rad: Array, rate_rad_s: Array) -> Array:
-    """How fast rotation vectors (n, 3) change that end in body axes with these rates."""
-    angle = np.maximum(np.linalg.norm(turned_rad, axis=1, keepdims=True), 1e-6)
-    across = np.cross(turned_rad, rate_rad_s)
-    bent = (1.0 - 0.5 * angle / np.tan(0.5 * angle)) / angle**2
-    return np.asarray(rate_rad_s + 0.5 * across + bent * np.cross(turned_rad, across))
+class Flown(NamedTuple):
+    """A body's attitudes at n instants, in the axes of ways, and its rates in its own, (n, 3)."""
+
+    t_s: Array
+    q_still_from_body: Rotation
+    rate_rad_s: Array
 
 
 @dataclass(kw_only=True, eq=False)
@@ -64,18 +66,24 @@ class Attitudes:
     """A body's attitudes in a campaign, and what its panels give there.
 
     In the axes of ways, which stand still.  rest_states: idle, with the rate, (n, 7).
+    start: when the campaign begins, and in what attitude, rate and acceleration, (10,), unless
+    idle.
     lit_s: seconds of sunlight since the start, by time.
     """
 
     around: Charging
     t_s: Array
     rest_states: Array
+    start: tuple[float, Array] | None
+    r_sat_still_m: Array
     sun_direction_still: Array
     at_rest_w: Array
     lit_s: tuple[Array, Array]
 
     @classmethod
-    def of(cls, follower: Follower, around: Charging) -> "Attitudes | None":
+    def of(
+        cls, follower: Follower, around: Charging, start: tuple[float, Array] | None
+    ) -> "Attitudes | None":
         """None where no look turns panels."""
         count = max(math.ceil(around.last_s / CHARGING.step_s), 8)
         t_s = np.linspace(0.0, around.last_s, count + 1)
@@ -94,6 +102,8 @@ class Attitudes:
             rest_states=np.concatenate(
                 [(still_from_eci * q_eci_from_body).as_quat(), idle.rate_rad_s], axis=1
             ),
+            start=start,
+            r_sat_still_m=still_from_eci.apply(states.r_sat_eci_m),
             sun_direction_still=still_from_eci.apply(sun_eci(instants, states)),
             at_rest_w=around.power_w(t_s, q_eci_from_body.inv()),
             lit_s=(t_s, t_s),
@@ -102,38 +112,49 @@ class Attitudes:
     def idle_w(self, t_s: Array) -> Array:
         return np.interp(t_s, self.t_s, self.at_rest_w)
 
+    def rests(self, t_s: Array) -> Array:
+        """Idle attitude, rate and no acceleration at n instants, (n, 10)."""
+        step_s = float(self.t_s[1] - self.t_s[0])
+        nearest = np.clip(np.rint(t_s / step_s), 0, len(self.t_s) - 1).astype(np.intp)
+        states, since_s = self.rest_states[nearest], t_s - self.t_s[nearest]
+        turned = Rotation.from_quat(states[:, :4])
+        turned = turned * Rotation.from_rotvec(since_s[:, None] * states[:, 4:])
+        return np.concatenate([turned.as_quat(), states[:, 4:], np.zeros((len(t_s), 3))], axis=1)
+
+    def begin(self, start_s: float) -> Array:
+        """In which a pass begins, (10,)."""
+        if self.start is not None and start_s <= self.start[0]:
+            return self.start[1]
+        return np.asarray(self.rests(np.array([start_s]))[0])
+
+    def flown(self, states: Sequence[tuple[float, Array]], start_s: float, stop_s: float) -> Flown:
+        """From a pass's start to its stop, by smooth turns from each state to the next: as slews
+        are planned, nearly.
+
+        states: when, and attitude, rate and acceleration, (10,), at each begin and end of a look.
+        """
+        known_s = np.array([start_s, *(at_s for at_s, _ in states), stop_s])
+        end = self.rests(known_s[-1:])
+        known = np.concatenate([[self.begin(start_s)], [state for _, state in states], end])
+        long_s = np.diff(known_s)
+        turns = smooth_turns(known[:-1], known[1:], long_s)
+        told = np.concatenate([turns.reshape(-1, 7), known[-1:, :7]])
+        t_s = known_s[:-1, None] + long_s[:, None] * np.arange(PARTS) / PARTS
+        return Flown(np.append(t_s, known_s[-1]), Rotation.from_quat(told[:, :4]), told[:, 4:])
+
     def brought_ws(
         self, states: Sequence[tuple[float, Array]], start_s: float, stop_s: float
     ) -> tuple[Array, Array]:
-        """What panels bring from a pass's start to its stop, by time.
-
-        states: when, and attitude and rate, at each begin and end of a look.
-        """
-        known_s = np.array([start_s, *(at_s for at_s, _ in states), stop_s])
-        ends = self.rest_states[self._nearest(known_s[[0, -1]])]
-        known = np.concatenate([ends[:1], [state for _, state in states], ends[1:]])
-        turned, long_s = Rotation.from_quat(known[:, :4]), np.diff(known_s)[:, None]
-        whole = (turned[:-1].inv() * turned[1:]).as_rotvec()
-        start, stop = known[:-1, 4:], _turning(whole, known[1:, 4:])
-        parts = np.arange(CHARGING.slew_parts)[:, None, None] / CHARGING.slew_parts
-        # The least jerk from one attitude and rate to the next: as slews are planned, nearly.
-        flown = parts**3 * (10.0 - 15.0 * parts + 6.0 * parts**2) * whole
-        flown = flown + (parts - 6.0 * parts**3 + 8.0 * parts**4 - 3.0 * parts**5) * long_s * start
-        flown = flown - parts**3 * (4.0 - 7.0 * parts + 3.0 * parts**2) * long_s * stop
-        turns = Rotation.from_rotvec(np.moveaxis(flown, 0, 1).reshape(-1, 3))
-        of = np.repeat(np.arange(len(whole)), len(parts))
-        q_still_from_body = Rotation.concatenate([turned[of] * turns, turned[-1:]])
-        t_s = (known_s[:-1, None] + long_s * parts[:, 0, 0]).ravel()
-        t_s = np.append(t_s, known_s[-1])
+        """What panels bring from a pass's start to its stop, by time; as `flown`."""
+        flown = self.flown(states, start_s, stop_s)
+        t_s = flown.t_s
         sun = np.stack(
             [np.interp(t_s, self.t_s, axis) for axis in self.sun_direction_still.T], axis=1
         )
-        sun_body = q_still_from_body.inv().apply(sun / np.linalg.norm(sun, axis=1, keepdims=True))
+        sun_body = flown.q_still_from_body.inv().apply(
+            sun / np.linalg.norm(sun, axis=1, keepdims=True)
+        )
         assert self.around.resources.battery is not None
         power_w = panels_w(self.around.resources.battery, sun_body)
         lit_s = np.diff(np.interp(t_s, *self.lit_s))
         return t_s, np.append(0.0, np.cumsum(0.5 * (power_w[1:] + power_w[:-1]) * lit_s))
-
-    def _nearest(self, t_s: Array) -> list[int]:
-        step_s = float(self.t_s[1] - self.t_s[0])
-        return [round(min(max(at_s / step_s, 0.0), len(self.t_s) - 1.0)) for at_s in t_s.tolist()]

@@ -7,7 +7,7 @@ from planner.planning.opportunities.closing import Height, Unseen
 from planner.world.frames.time_scales import Utc
 from planner.world.targets import GroundPathTarget
 
-KeptResource = Literal["battery", "memory", "duty_cycle"]
+KeptResource = Literal["battery", "memory", "momentum", "duty_cycle"]
 
 
 @answer

@@ -1,4 +1,4 @@
-"""A campaign's choice that keeps battery and memory, and what bounds it."""
+"""A campaign's choice that keeps the resources of its carriers, and what bounds it."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -29,7 +29,8 @@ from planner.planning.campaigns.programmes import (
     best_mixture,
     best_together,
 )
-from planner.planning.campaigns.resources import Curve, Keeping, RoomStretch
+from planner.planning.campaigns.resources import Keeping, RoomStretch
+from planner.planning.campaigns.stores import Curve
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,7 +90,8 @@ def bound_keeping(
 
     No such choice uses more over a stretch than there is; each pass is taken to use what its looks
     do for their whole steps, and the ways from rest and back, with panels of a body at their best
-    all the while: no more than it does.
+    all the while: no more than it does.  What wheels hold is left out: no choice is worth more for
+    keeping that, too.
     """
     if keeping is None or not rows:
         return bound_at(networks, looking, choice.price)
@@ -255,8 +257,7 @@ class _KeepingSearch(Search):
         cost = NO_COST
         if self._rented is not None:
             rows = self.rows[: len(self._rented)]
-            [dear], _, _ = self._keeping.priced([network], rows, self._rented)
-            cost = dear.cost
+            cost = self._keeping.paying(number, network, rows, self._rented).cost
         path = self._at(number, cost, worth)
         own = sum(look.value - worth.price[look.target] for look in passes[number])
         if path.value <= own + self._options.worthless:
@@ -323,9 +324,15 @@ class _KeepingSearch(Search):
                 if self._keeping.is_in(number, row)
             ]
             _, number, look = min(taken, key=lambda one: (one[0], one[1], one[2].first_step))
-            rest = [one.target for one in passes[number] if one is not look]
-            passes[number] = self._with_only(number, rest) if rest else ()
-        return passes
+            passes[number] = self._lacking(passes[number], number, look)
+        while turning := self._keeping.turning_looks(passes):
+            number, look = min(turning, key=lambda one: (one[1].value, one[1].first_step))
+            passes[number] = self._lacking(passes[number], number, look)
+        return passes if self._first_broken(passes) is None else self._repaired(passes)
+
+    def _lacking(self, looks: tuple[Look, ...], number: int, out: Look) -> tuple[Look, ...]:
+        rest = [one.target for one in looks if one is not out]
+        return self._with_only(number, rest) if rest else ()
 
     def _first_broken(self, passes: Passes) -> RoomStretch | None:
         mixed = [[(1.0, self._keeping.curves(number, one))] for number, one in enumerate(passes)]

@@ -171,39 +171,23 @@ class CampaignTarget:
 
 
 @spec
-class CampaignRequest:
-    """A platform, its orbit, and targets to be looked at from `start` to `stop`.
+class CampaignCommon:
+    """Targets to be looked at from `start` to `stop`, and what a look at them is worth.
 
     name: your name for it, shown in lists.
-    attitude: attitude of the carrier that two axes stand on, its local orbital frame unless given;
-    a body steers itself and has none.
-    rest_angles_deg: angles at which two axes rest before, between and after passes, by axis; 0
-    unless given. A body rests on its idle attitude. E.g. `{"alpha": 0.0, "beta": 0.0}`.
-    initial_q_body_from_eci_xyzw: of a body, attitude in which it rests at the start, scalar last,
-    as of an `initial_state`; its idle attitude unless given. The first pass begins in it, unless
-    there is time for the idle attitude before. E.g. `[0.0, 0.0, 0.0, 1.0]`.
     targets: the targets to choose from.
     terrain: heights of the ground under targets that say none themselves; the requests of the
     passes have the heights instead of it.
-    start: start of the campaign; UTC, rounded up to a command row.
-    stop: end of the campaign; UTC.
+    start: start of the campaign; UTC, rounded up to a command row. E.g. `"2015-02-27T12:00:00Z"`.
+    stop: end of the campaign; UTC. E.g. `"2015-02-28T00:00:00Z"`.
     clouds: a forecast of clouds: a look is worth what it would be in a clear sky, times the
     probability of that, where the forecast says one.
     view: weights of the view's qualities in the worth of a look.
-    pixel_arcsec: angle that a pixel covers, for the ground samples; unless given, that of the
-    platform's camera. E.g. `0.68`.
     step_s: looks begin on whole multiples of it after `start`; finer finds more and takes longer.
-    resources: battery and memory, from `start` to `stop`; each pass's request begins with what the
-    passes before leave.
     revises: the campaign that this one revises: what flies soon stays, later looks are chosen anew.
     """
 
     name: str = ""
-    platform: AnyPlatform
-    orbit: Orbit
-    attitude: Attitude | None = None
-    rest_angles_deg: Mapping[str, AngleDeg] | None = None
-    initial_q_body_from_eci_xyzw: Quaternion | None = None
     targets: Annotated[tuple[CampaignTarget, ...], Field(max_length=OPPORTUNITY_BOUNDS.targets_max)]
     start: datetime
     stop: datetime
@@ -211,11 +195,41 @@ class CampaignRequest:
     conditions: OpportunityConditions = OpportunityConditions()
     clouds: Clouds | None = None
     view: ViewWeights = ViewWeights()
-    pixel_arcsec: Annotated[float, Within(*PIXELS_ARCSEC)] | None = None
-    slew: SlewOptions = SlewOptions()
     step_s: Annotated[float, Within(*BOUNDS.steps_s)] = BOUNDS.step_s
-    resources: Resources | None = None
     revises: Revision | None = None
+
+
+@spec
+class CarrierCommon:
+    """A platform in its orbit, as a campaign asks for it.
+
+    attitude: attitude of the carrier that two axes stand on, its local orbital frame unless given;
+    a body steers itself and has none.
+    rest_angles_deg: angles at which two axes rest before, between and after passes, by axis; 0
+    unless given. A body rests on its idle attitude. E.g. `{"alpha": 0.0, "beta": 0.0}`.
+    initial_q_body_from_eci_xyzw: of a body, attitude in which it rests at the start, scalar last,
+    as of an `initial_state`; its idle attitude unless given. The first pass begins in it, unless
+    there is time for the idle attitude before. E.g. `[0.0, 0.0, 0.0, 1.0]`.
+    slew: options of its slews between targets.
+    pixel_arcsec: angle that a pixel covers, for the ground samples; unless given, that of the
+    platform's camera. E.g. `0.68`.
+    resources: battery, memory and wheels, from `start` to `stop`; each pass's request begins with
+    what the passes before leave.
+    """
+
+    platform: AnyPlatform
+    orbit: Orbit
+    attitude: Attitude | None = None
+    rest_angles_deg: Mapping[str, AngleDeg] | None = None
+    initial_q_body_from_eci_xyzw: Quaternion | None = None
+    slew: SlewOptions = SlewOptions()
+    pixel_arcsec: Annotated[float, Within(*PIXELS_ARCSEC)] | None = None
+    resources: Resources | None = None
+
+
+@spec
+class CampaignRequest(CarrierCommon, CampaignCommon):
+    """A platform, its orbit, and targets to be looked at from `start` to `stop`."""
 
     def __post_init__(self) -> None:
         steps = self.step_s / COMMAND_STEP_S
@@ -241,27 +255,27 @@ class CampaignRequest:
         rules = rules_of(self.platform)
         begin_q_xyzw = self.initial_q_body_from_eci_xyzw
         rules.require_rest(self.rest_angles_deg, begin_q_xyzw, self.attitude, self.slew)
+        rules.require_wheels(self.resources)
         self._require_followed()
         self._require_bounds()
         self.opportunities()
         if self.revises is not None:
-            self.revises.require(self.start, self.stop, self.conditions)
+            duty_cycles = {"conditions.duty_cycle": self.conditions.duty_cycle}
+            self.revises.require(self.start, self.stop, duty_cycles)
         for row, mode in self.modes.items():
             rules.require_roll(f"targets.{row}.roll", self.targets[row].roll, mode.first_path)
 
     def _require_followed(self) -> None:
-        if self.resources is not None and self.resources.momentum is not None:
-            raise ValueError(
-                "resources.momentum must be left out of a campaign, whose choice follows battery "
-                "and memory only; give it to the plans of its passes, whose requests can be had"
-            )
-        for number, wanted in enumerate(self.targets if self.is_kept else ()):
+        kept = self.resources
+        is_used = kept is not None and bool(kept.battery or kept.memory)
+        followed = is_used or self.conditions.duty_cycle is not None
+        for number, wanted in enumerate(self.targets if followed else ()):
             if not wanted.target.images:
                 raise ValueError(
                     f"targets.{number}.target must be no {wanted.target.mode} in a campaign with "
-                    "resources or a duty cycle, whose choice doesn't follow what a look at it "
-                    "sends: give it as a station of resources.memory, or plan a session at it "
-                    "after the campaign"
+                    "a battery, a memory or a duty cycle, whose choice doesn't follow what a look "
+                    "at it sends: give it as a station of resources.memory, or plan a session at "
+                    "it after the campaign"
                 )
 
     @property
@@ -336,6 +350,10 @@ class CampaignRequest:
     def requests(self) -> "Mapping[str, CampaignRequest]":
         """As of several carriers."""
         return {"": self}
+
+    def field_of(self, _carrier: str, field: str) -> str:
+        """A field of the carrier's, as this request has it."""
+        return field
 
     @property
     def carrier_ids(self) -> frozenset[str]:

@@ -1,34 +1,30 @@
 """Resources that looks of a campaign use up: rows of its programmes, and the choice simulated.
 
-A resource is told as the room that is left: of a battery its charge above the least, of a memory
-what may still be written.  Room that comes and finds no place is lost, so that at t there is the
-least of `begin + came(0, t) - used(0, t)` and, for every s before, of `most + came(s, t) - used(s,
-t)`.  It never ends where no stretch uses more than it has: each stretch is a row of the programmes,
-linear in what passes use.  Rows join as a choice breaks them.  The imaging of a duty cycle is one
-more resource, whose room at t is what no look since `t - span` used.
+Each carrier has stores of its own.  One never ends where no stretch of time uses more than it has:
+each stretch is a row of the programmes, linear in what passes use.  Rows join as a choice breaks
+them.  The momentum of wheels is no sum of what passes use, so it has no rows: it is simulated with
+every choice.
 """
 
-import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from datetime import datetime
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.errors import ResourceRunsOut, figures
-from planner.planning.campaigns.carrier_looks import CarrierLooks, last_row_s
-from planner.planning.campaigns.charging import CHARGING, Attitudes, Charging, most_w
-from planner.planning.campaigns.choice import Looking
 from planner.planning.campaigns.chosen import KeptResource
 from planner.planning.campaigns.displaced import Displaced
+from planner.planning.campaigns.joined import Joined
 from planner.planning.campaigns.network import Network
 from planner.planning.campaigns.path import Look
 from planner.planning.campaigns.programmes import Proposal
+from planner.planning.campaigns.stores import CarrierStores, Curve, Room, Store
+from planner.planning.campaigns.wheels import Beyond, Turned
 from planner.world.frames.time_scales import shifted_utc, utc_text
-from planner.world.resources import Battery, Resources
+from planner.world.resources import Resources, resource_told
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,72 +41,13 @@ OPTIONS = RoomOptions()
 class RoomStretch(NamedTuple):
     """A row: what passes use of one resource over it is at most `room`, a share of the capacity.
 
-    store: number of the resource.  from_s, to_s: on the carrier's clock.
+    store: number of the resource among all carriers'.  from_s, to_s: on the carriers' clock.
     """
 
     store: int
     from_s: float
     to_s: float
     room_share: float
-
-
-class Curve(NamedTuple):
-    """What a pass uses of a resource from its start to its stop, linear in between, (m,)."""
-
-    t_s: Array
-    used_share: Array
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Store:
-    """One resource, all in shares of its capacity.
-
-    begin, most: the room at first, and at most.  t_s, came: what comes while the platform rests,
-    less what it takes then, since the campaign's start, linear in between, (n,).  looking, moving:
-    used in a second of a look, and of any other of a pass.  span: after which what was used is
-    there again; None: never.  charged: what panels bring of that.
-    extra: what they would have brought at their best attitude beyond the idle one; None where no
-    attitude counts.
-    """
-
-    name: KeptResource
-    unit: str
-    capacity: float
-    limit: float
-    begin_share: float
-    most_share: float
-    t_s: Array
-    came_share: Array
-    looking_per_s: float
-    moving_per_s: float
-    span_s: float | None = None
-    charged_share: Array | None = None
-    extra_share: Array | None = None
-
-    @cached_property
-    def turns(self) -> tuple[Array, Array]:
-        """When what came is greatest or least, and the ends, with it: no room is less between."""
-        rises = np.sign(np.diff(self.came_share))
-        at = np.flatnonzero(rises[1:] != rises[:-1]) + 1
-        rows = np.concatenate([[0], at, [len(self.t_s) - 1]])
-        return self.t_s[rows], self.came_share[rows]
-
-    def came_by(self, t_s: Array) -> Array:
-        return np.interp(t_s, self.t_s, self.came_share)
-
-    def level(self, room_share: Array) -> Array:
-        """What it holds, in its unit."""
-        if self.name == "memory":
-            return np.clip(self.limit - room_share * self.capacity, 0.0, self.capacity)
-        return np.clip(self.limit + room_share * self.capacity, self.limit, self.capacity)
-
-
-class _Room(NamedTuple):
-    """The room left of a resource, (m,), and what it would be if none were lost."""
-
-    t_s: Array
-    left_share: Array
-    whole_share: Array
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,6 +58,7 @@ class RunsOut:
     """
 
     name: KeptResource
+    told_name: str
     unit: str
     limit: float
     at_s: float
@@ -128,237 +66,113 @@ class RunsOut:
 
     @property
     def told(self) -> str:
-        return (
-            f"the {self.name.replace('_', ' ')} would pass its limit of {self.limit:g} {self.unit}"
-        )
+        return f"the {self.told_name} would pass its limit of {self.limit:g} {self.unit}"
 
 
 class Keeping:
-    """The resources of a campaign: what passes use of each, and whether there is so much.
+    """The resources of all carriers: what passes use of each, and whether there is so much."""
 
-    A pass moves from its start to its stop wherever it does not look: its plan may wait meanwhile,
-    and use less.  What panels give on a body's slews is that of the motion of least jerk.
-    """
+    def __init__(self, joined: Joined, field_of: Callable[[str, str], str]) -> None:
+        """Raises ResourceRunsOut where a resource does without any look.
 
-    def __init__(
-        self,
-        looks: CarrierLooks,
-        networks: Sequence[Network],
-        looking: Looking,
-    ) -> None:
-        """Raises ResourceRunsOut where a resource does without any look."""
-        request = looks.request
-        self._request, self._looks, self._looking = request, looks, looking
-        self._candidates, self._ways = looks.candidates, looks.ways
-        self._grid_s, self._follower = looks.grid_s, looks.follower
-        self._resources = request.resources
+        field_of: of the request, by carrier and field of its own.
+        """
+        self._request = joined.looks_by_carrier[0].request
+        self._looking, self._grid_s = joined.looking, joined.looks_by_carrier[0].grid_s
+        self.carriers = tuple(
+            CarrierStores(looks, int(first_way))
+            for looks, first_way in zip(joined.looks_by_carrier, joined.first_way, strict=True)
+        )
+        counts = [len(one.stores) for one in self.carriers]
+        self._first_store = np.cumsum([0, *counts]).tolist()
+        self._stores: tuple[Store, ...] = tuple(
+            store for carrier in self.carriers for store in carrier.stores
+        )
+        self._store_of = [n for n, count in enumerate(counts) for _ in range(count)]
+        self._carrier_of = [carrier for carrier, _ in joined.order]
+        self.passes_of = tuple(
+            tuple(n for n, of in enumerate(self._carrier_of) if of == carrier)
+            for carrier in range(len(self.carriers))
+        )
         self._spans_s = [
-            looks.pass_span_s(
-                looks.grid_s + one.first_step * request.step_s,
-                looks.grid_s + (one.first_step + one.stop_step) * request.step_s,
+            self.carriers[carrier].most_span_s(
+                network.first_step, network.first_step + network.stop_step
             )
-            for one in networks
+            for carrier, network in zip(self._carrier_of, joined.networks, strict=True)
         ]
-        self._attitudes: Attitudes | None = None
-        self._stores = tuple(self._stores_of())
         self._curves: dict[Proposal, tuple[Curve, ...]] = {}
+        self._turned: dict[Proposal, Turned] = {}
         self._fixed_known: dict[tuple[int, RoomStretch], float] = {}
-        if (out := self.runs_out([])) is not None:
-            raise ResourceRunsOut(
-                f"the {out.name} passes its limit of {out.limit:g} {out.unit} at "
-                f"{utc_text(self.utc(out.at_s), 1)}, in the end by {figures(out.short_value)} "
-                f"{out.unit}, without any look; {_IDLE_WAYS[out.name]}, or let the campaign stop "
-                "sooner",
-                field=f"resources.{out.name}",
-                limit=out.name,
-                at_utc=self.utc(out.at_s),
-            )
+        nothing: list[tuple[Look, ...]] = [()] * len(joined.networks)
+        for carrier, name in enumerate(joined.carriers):
+            if (out := self._runs_out_of(carrier, nothing)) is not None:
+                raise ResourceRunsOut(
+                    f"{name and f'{name}: '}the {out.told_name} passes its limit of {out.limit:g} "
+                    f"{out.unit} at {utc_text(self.utc(out.at_s), 1)}, in the end by "
+                    f"{figures(out.short_value)} {out.unit}, without any look; "
+                    f"{_IDLE_WAYS[out.name]}, or let the campaign stop sooner",
+                    field=field_of(name, f"resources.{out.name}"),
+                    limit=out.name,
+                    at_utc=self.utc(out.at_s),
+                )
 
     def utc(self, t_s: float) -> datetime:
         return shifted_utc(self._request.start, t_s)
 
-    def _stores_of(self) -> Iterator[_Store]:
-        last_s = self._request.span_s
-        if (duty := self._request.duty_cycle) is not None:
-            yield _Store(
-                name="duty_cycle",
-                unit="s",
-                capacity=duty.imaging_max_s,
-                limit=duty.imaging_max_s,
-                begin_share=1.0,
-                most_share=1.0,
-                t_s=np.array([0.0, last_s]),
-                came_share=np.zeros(2),
-                looking_per_s=1.0 / duty.imaging_max_s,
-                moving_per_s=0.0,
-                span_s=duty.span_s,
-            )
-        if self._resources is None:
-            return
-        around = Charging(self._request, self._looks.viewing.ephemeris)
-        battery, memory = self._resources.battery, self._resources.memory
-        if battery is not None:
-            yield self._battery(battery, around)
-        if memory is not None:
-            contacts = tuple(span for _, span in around.contacts)
-            t_s = np.unique([0.0, last_s, *(end for span in contacts for end in span)])
-            sends = np.array([_inside(at_s, contacts) for at_s in 0.5 * (t_s[1:] + t_s[:-1])])
-            sent = np.diff(t_s) * sends * memory.downlink_gbit_s / memory.capacity_gbit
-            yield _Store(
-                name="memory",
-                unit="Gbit",
-                capacity=memory.capacity_gbit,
-                limit=memory.capacity_gbit,
-                begin_share=1.0 - memory.start_gbit / memory.capacity_gbit,
-                most_share=1.0,
-                t_s=t_s,
-                came_share=np.append(0.0, np.cumsum(sent)),
-                looking_per_s=memory.imaging_gbit_s / memory.capacity_gbit,
-                moving_per_s=0.0,
-            )
-
-    def _battery(self, battery: Battery, around: Charging) -> _Store:
-        contacts = tuple(span for _, span in around.contacts)
-        edges_s = [end for span in (*around.lit, *contacts) for end in span]
-        t_s = np.unique(np.concatenate([[0.0, around.last_s], edges_s]))
-        charge_w, best_w = np.full(len(t_s), battery.sunlight_w or 0.0), 0.0
-        if battery.panels:
-            count = max(math.ceil(around.last_s / CHARGING.step_s), 8)
-            t_s = np.unique(np.concatenate([np.linspace(0.0, around.last_s, count + 1), edges_s]))
-            self._attitudes = Attitudes.of(self._follower, around)
-            if self._attitudes is not None:
-                best_w = most_w(battery)
-                charge_w = self._attitudes.idle_w(t_s)
-            else:
-                instants, states = around.at(t_s)
-                law = self._request.opportunities().law
-                charge_w = around.power_w(t_s, law.q_body_from_eci(instants, states))
-        middle_s = 0.5 * (t_s[1:] + t_s[:-1])
-        starts, stops = np.array(around.lit).reshape(-1, 2).T
-        row = np.searchsorted(starts, middle_s) - 1
-        is_lit = (row >= 0) & (middle_s < np.append(stops, 0.0)[row])
-        lit_s = np.diff(t_s) * is_lit
-        scale = 1.0 / (3600.0 * battery.capacity_wh)
-        mean_w = 0.5 * (charge_w[1:] + charge_w[:-1])
-        sends = np.array([_inside(at_s, contacts) for at_s in middle_s])
-        came = mean_w * lit_s - (battery.idle_w + battery.downlink_w * sends) * np.diff(t_s)
-        if self._attitudes is not None:
-            self._attitudes.lit_s = t_s, np.append(0.0, np.cumsum(lit_s))
-        return _Store(
-            name="battery",
-            unit="Wh",
-            capacity=battery.capacity_wh,
-            limit=battery.least_wh,
-            begin_share=(battery.begins_wh - battery.least_wh) / battery.capacity_wh,
-            most_share=1.0 - battery.least_wh / battery.capacity_wh,
-            t_s=t_s,
-            came_share=np.append(0.0, np.cumsum(scale * came)),
-            looking_per_s=scale * battery.imaging_w,
-            moving_per_s=scale * battery.slew_w,
-            charged_share=np.append(0.0, np.cumsum(scale * mean_w * lit_s)),
-            extra_share=(
-                np.append(0.0, np.cumsum(scale * np.maximum(best_w - mean_w, 0.0) * lit_s))
-                if self._attitudes is not None
-                else None
-            ),
-        )
-
     def curves(self, number: int, looks: tuple[Look, ...]) -> tuple[Curve, ...]:
-        """What a pass with these looks uses of each resource."""
+        """What a pass with these looks uses of each of its carrier's resources."""
         known = self._curves.get((number, looks))
         if known is None:
-            known = self._curves[number, looks] = self._curves_of(looks)
+            own = self.carriers[self._carrier_of[number]]
+            known = self._curves[number, looks] = own.curves(looks)
         return known
 
-    def ends_s(self, look: Look) -> tuple[float, float]:
-        begin_s = self._grid_s + look.first_step * self._request.step_s
-        return begin_s, begin_s + self._candidates[look.target].lengths_s[look.length]
+    def _turns(self, number: int, looks: tuple[Look, ...]) -> Turned:
+        known = self._turned.get((number, looks))
+        if known is None:
+            own = self.carriers[self._carrier_of[number]]
+            known = self._turned[number, looks] = own.turned(looks)
+        return known
 
-    def _curves_of(self, looks: tuple[Look, ...]) -> tuple[Curve, ...]:
-        if not looks:
-            return tuple(Curve(np.zeros(0), np.zeros(0)) for _ in self._stores)
-        ends_s = np.array([end for look in looks for end in self.ends_s(look)])
-        start_s, stop_s = self._looks.pass_span_s(float(ends_s[0]), float(ends_s[-1]))
-        t_s = np.concatenate([[start_s], ends_s, [stop_s]])
-        found = []
-        for store in self._stores:
-            rates = np.full(len(t_s) - 1, store.moving_per_s)
-            rates[1::2] = store.looking_per_s
-            curve = Curve(t_s, np.append(0.0, np.cumsum(rates * np.diff(t_s))))
-            if store.name == "battery" and self._attitudes is not None:
-                curve = self._turned(store, curve, looks)
-            found.append(curve)
-        return tuple(found)
+    def _own(
+        self, carrier: int, passes: Sequence[tuple[Look, ...]]
+    ) -> Iterator[tuple[int, tuple[Look, ...]]]:
+        return ((number, passes[number]) for number in self.passes_of[carrier])
 
-    def _turned(self, store: _Store, rested: Curve, looks: tuple[Look, ...]) -> Curve:
-        """With what panels bring more, or less, than in the idle attitude."""
-        assert self._attitudes is not None
-        assert store.charged_share is not None
-        states = []
-        for look in looks:
-            begin_s, stop_s = self.ends_s(look)
-            row = int(self._ways.offset[look.way] - self._ways.first_step[look.way])
-            step = look.first_step + math.ceil((stop_s - begin_s) / self._request.step_s - 1e-9)
-            begin = self._ways.begin_states[row + look.first_step, :7]
-            states += [(begin_s, begin), (stop_s, self._ways.states[row + step, :7])]
-        t_s, brought_ws = self._attitudes.brought_ws(
-            states, float(rested.t_s[0]), float(rested.t_s[-1])
-        )
-        scale = 1.0 / (3600.0 * store.capacity)
-        at_rest = np.interp(t_s, store.t_s, store.charged_share)
-        at_rest -= at_rest[0]
-        used = np.interp(t_s, *rested) + at_rest - scale * brought_ws
-        return Curve(t_s, used)
+    def _rooms(self, carrier: int, passes: Sequence[tuple[Look, ...]]) -> Iterator[Room]:
+        curves = [self.curves(*one) for one in self._own(carrier, passes)]
+        for n, store in enumerate(self.carriers[carrier].stores):
+            yield store.room([one[n] for one in curves])
 
-    def _room(self, number: int, curves: Sequence[Curve]) -> _Room:
-        """curves: of all passes, in order of time."""
-        store = self._stores[number]
-        given = [one for one in curves if len(one.t_s)]
-        t_s, came = store.turns
-        if given:
-            knots_s = np.concatenate([one.t_s for one in given])
-            before = np.cumsum([0.0, *(one.used_share[-1] for one in given)])
-            used = np.concatenate(
-                [one.used_share + more for one, more in zip(given, before, strict=False)]
-            )
-            further_s = [knots_s]
-            if store.charged_share is not None:
-                further_s += [np.arange(x.t_s[0], x.t_s[-1], CHARGING.tick_s) for x in given]
-            if store.span_s is not None:
-                further_s.append(knots_s + store.span_s)
-            at_s = np.concatenate(further_s)
-            t_s, came = np.append(t_s, at_s), np.append(came, store.came_by(at_s))
-            order = np.argsort(t_s, kind="stable")
-            t_s = t_s[order]
-            taken = np.interp(t_s, knots_s, used, left=0.0)
-            if store.span_s is not None:
-                taken -= np.interp(t_s - store.span_s, knots_s, used, left=0.0)
-            whole = store.begin_share + came[order] - taken
-        else:
-            whole = store.begin_share + came
-        lost = np.maximum.accumulate(np.maximum(whole - store.most_share, 0.0))
-        return _Room(t_s, whole - lost, whole)
-
-    def _all_curves(
-        self, passes: Sequence[tuple[Look, ...]], number: int = -1, looks: tuple[Look, ...] = ()
-    ) -> list[tuple[Curve, ...]]:
-        return [self.curves(n, looks if n == number else one) for n, one in enumerate(passes)]
+    def beyond(self, carrier: int, passes: Sequence[tuple[Look, ...]]) -> Beyond | None:
+        """The momentum of a carrier's wheels that passes its limit first."""
+        wheels = self.carriers[carrier].wheels
+        if wheels is None:
+            return None
+        flown = (one for one in self._own(carrier, passes) if one[1])
+        return wheels.beyond([self._turns(*one) for one in flown])
 
     def keeps(
         self, passes: Sequence[tuple[Look, ...]], number: int = -1, looks: tuple[Look, ...] = ()
     ) -> bool:
-        """Whether no resource runs out, with other looks in one pass."""
-        curves = self._all_curves(passes, number, looks)
+        """Whether no resource runs out, with other looks in one pass: of its carrier then, where
+        those of others keep."""
+        passes = list(passes)
+        if number >= 0:
+            passes[number] = looks
+        carriers = [self._carrier_of[number]] if number >= 0 else range(len(self.carriers))
         return all(
-            self._room(n, [one[n] for one in curves]).left_share.min() >= -OPTIONS.rounding
-            for n in range(len(self._stores))
+            all(room.left_share.min() >= -OPTIONS.rounding for room in self._rooms(carrier, passes))
+            and self.beyond(carrier, passes) is None
+            for carrier in carriers
         )
 
-    def runs_out(self, passes: Sequence[tuple[Look, ...]]) -> RunsOut | None:
-        """The first resource that does."""
-        curves, found = self._all_curves(passes), []
-        for n, store in enumerate(self._stores):
-            room = self._room(n, [one[n] for one in curves])
+    def _runs_out_of(self, carrier: int, passes: Sequence[tuple[Look, ...]]) -> RunsOut | None:
+        """The first resource of a carrier that does."""
+        found = []
+        for store, room in zip(
+            self.carriers[carrier].stores, self._rooms(carrier, passes), strict=True
+        ):
             beyond = np.flatnonzero(room.left_share < -OPTIONS.rounding)
             if len(beyond):
                 k = max(int(beyond[0]), 1)
@@ -367,12 +181,24 @@ class Keeping:
                 found.append(
                     RunsOut(
                         name=store.name,
+                        told_name=store.name.replace("_", " "),
                         unit=store.unit,
                         limit=store.limit,
                         at_s=float(room.t_s[k - 1] + share * (room.t_s[k] - room.t_s[k - 1])),
                         short_value=-float(room.left_share.min()) * store.capacity,
                     )
                 )
+        if (over := self.beyond(carrier, passes)) is not None:
+            found.append(
+                RunsOut(
+                    name="momentum",
+                    told_name=resource_told(over.name),
+                    unit="N m s",
+                    limit=over.limit_n_m_s,
+                    at_s=over.at_s,
+                    short_value=over.short_n_m_s,
+                )
+            )
         return min(found, key=lambda one: one.at_s, default=None)
 
     def lacks(self, passes: Sequence[tuple[Look, ...]], left_out: Displaced) -> RunsOut | None:
@@ -391,7 +217,7 @@ class Keeping:
         passes = list(passes)
         own = sorted([*kept, look], key=lambda one: one.first_step)
         passes[left_out.pass_number] = tuple(own)
-        return self.runs_out(passes)
+        return self._runs_out_of(self._carrier_of[left_out.pass_number], passes)
 
     def broken(
         self, mixed_shares: Sequence[Sequence[tuple[float, tuple[Curve, ...]]]]
@@ -400,9 +226,13 @@ class Keeping:
 
         mixed_shares: of each pass, shares of what it uses.
         """
-        for n in range(len(self._stores)):
-            room = self._room(
-                n, [_mixed([(share, of[n]) for share, of in one]) for one in mixed_shares]
+        for n, (store, carrier) in enumerate(zip(self._stores, self._store_of, strict=True)):
+            place = n - self._first_store[carrier]
+            room = store.room(
+                [
+                    _mixed([(share, of[place]) for share, of in mixed_shares[number]])
+                    for number in self.passes_of[carrier]
+                ]
             )
             below = room.left_share < -OPTIONS.rounding
             ends = np.flatnonzero(
@@ -423,9 +253,10 @@ class Keeping:
     def is_in(self, number: int, row: RoomStretch) -> bool:
         """Whether a pass may use anything in a stretch."""
         start_s, stop_s = self._spans_s[number]
-        return stop_s > row.from_s and start_s < row.to_s
+        is_own = self._store_of[row.store] == self._carrier_of[number]
+        return is_own and stop_s > row.from_s and start_s < row.to_s
 
-    def _stretch(self, n: int, left: _Room, end: int) -> RoomStretch:
+    def _stretch(self, n: int, left: Room, end: int) -> RoomStretch:
         """Since it was full, or the campaign began, or as long as its span."""
         store, to_s = self._stores[n], float(left.t_s[end])
         if store.span_s is not None:
@@ -440,10 +271,12 @@ class Keeping:
         """What each takes over each stretch, as simulated, (rows, proposals)."""
         taken = np.zeros((len(rows), len(proposals)))
         ends_s = np.array([(one.from_s, one.to_s) for one in rows]).reshape(-1, 2)
-        for column, proposal in enumerate(proposals):
-            curves = self.curves(*proposal)
-            for n, curve in enumerate(curves):
-                own = np.flatnonzero([one.store == n for one in rows])
+        store = np.array([one.store for one in rows], np.intp)
+        rows_of = [np.flatnonzero(store == n) for n in range(len(self._stores))]
+        for column, (number, looks) in enumerate(proposals):
+            first = self._first_store[self._carrier_of[number]]
+            for n, curve in enumerate(self.curves(number, looks), start=first):
+                own = rows_of[n]
                 if len(own) and len(curve.t_s):
                     at = np.interp(ends_s[own], curve.t_s, curve.used_share)
                     taken[own, column] = at[:, 1] - at[:, 0]
@@ -454,15 +287,20 @@ class Keeping:
         taken = np.zeros((len(rows), len(proposals)))
         step_s, held = self._request.step_s, self._looking.held_steps
         from_s, to_s = np.array([(one.from_s, one.to_s) for one in rows]).reshape(-1, 2).T
-        rate = np.array([self._stores[one.store].looking_per_s for one in rows])
+        rate, of = self._rates(rows), np.array([self._store_of[one.store] for one in rows], np.intp)
         for column, (number, looks) in enumerate(proposals):
             begin_s = self._grid_s + step_s * np.array([[look.first_step] for look in looks])
             held_steps = [[held[look.target, look.length]] for look in looks]
             end_s = begin_s + step_s * np.array(held_steps)
             within_s = np.minimum(end_s, to_s) - np.maximum(begin_s, from_s)
-            taken[:, column] = rate * np.maximum(within_s, 0.0).sum(axis=0)
+            is_own = of == self._carrier_of[number]
+            taken[:, column] = is_own * rate * np.maximum(within_s, 0.0).sum(axis=0)
             taken[:, column] += [self._fixed(number, one) for one in rows]
         return taken
+
+    def _rates(self, rows: Sequence[RoomStretch]) -> Array:
+        """What a second of a look uses of each."""
+        return np.array([self._stores[one.store].looking_per_s for one in rows])
 
     def _fixed(self, number: int, row: RoomStretch) -> float:
         """What a pass with any look uses beside them at least; negative where panels may bring more
@@ -472,13 +310,12 @@ class Keeping:
         return known
 
     def _fixed_of(self, number: int, row: RoomStretch) -> float:
-        store, (start_s, stop_s) = self._stores[row.store], self._spans_s[number]
-        if stop_s <= row.from_s or start_s >= row.to_s:
+        if not self.is_in(number, row):
             return 0.0
+        store, (start_s, stop_s) = self._stores[row.store], self._spans_s[number]
         is_whole = row.from_s <= start_s and stop_s <= row.to_s
-        # The whole room at both ends, but at those of the campaign.
-        rests = (start_s > self._grid_s) + (stop_s < last_row_s(self._request))
-        moved = rests * self._follower.rest_s * store.moving_per_s if is_whole else 0.0
+        carrier = self.carriers[self._carrier_of[number]]
+        moved = carrier.least_moving_s((start_s, stop_s)) * store.moving_per_s if is_whole else 0.0
         if store.extra_share is None:
             return moved
         more = np.interp([start_s, stop_s], store.t_s, store.extra_share)
@@ -489,7 +326,7 @@ class Keeping:
     ) -> tuple[list[Network], list[float], float]:
         """The networks with what looks pay, what each pass with any look pays beside, and the worth
         of all room."""
-        rate = row_price * [self._stores[one.store].looking_per_s for one in rows]
+        dear = [self.paying(n, one, rows, row_price) for n, one in enumerate(networks)]
         rents = [
             sum(
                 price * self._fixed(number, one)
@@ -497,60 +334,53 @@ class Keeping:
             )
             for number in range(len(networks))
         ]
-        dear = []
-        for network in networks:
-            steps = network.first_step + np.arange(network.stop_step + 1)
-            t_s = self._grid_s + self._request.step_s * steps
-            cost = np.zeros(len(t_s))
-            for price, one in zip(rate.tolist(), rows, strict=True):
-                if price > 0.0 and one.from_s < t_s[-1] and t_s[0] < one.to_s:
-                    cost += price * np.clip(t_s - one.from_s, 0.0, one.to_s - one.from_s)
-            dear.append(network._replace(cost=cost))
         return dear, rents, float(row_price @ [one.room_share for one in rows])
+
+    def paying(
+        self, number: int, network: Network, rows: Sequence[RoomStretch], row_price: Array
+    ) -> Network:
+        """The network of a pass with what its looks pay."""
+        steps = network.first_step + np.arange(network.stop_step + 1)
+        t_s = self._grid_s + self._request.step_s * steps
+        cost = np.zeros(len(t_s))
+        for price, one in zip((row_price * self._rates(rows)).tolist(), rows, strict=True):
+            is_own = self._store_of[one.store] == self._carrier_of[number]
+            if price > 0.0 and is_own and one.from_s < t_s[-1] and t_s[0] < one.to_s:
+                cost += price * np.clip(t_s - one.from_s, 0.0, one.to_s - one.from_s)
+        return network._replace(cost=cost)
 
     def dear(self, network: Network, price_s: float) -> Network:
         """A network whose looks pay for each second."""
         seconds = self._request.step_s * np.arange(network.stop_step + 1)
         return network._replace(cost=np.asarray(price_s * seconds + _cost_of(network)))
 
-    def levels(self, passes: Sequence[tuple[Look, ...]], t_s: Array) -> dict[KeptResource, Array]:
-        """What each resource holds at instants, (n,), in its unit, as simulated."""
-        curves = self._all_curves(passes)
-        rooms = [self._room(n, [one[n] for one in curves]) for n in range(len(self._stores))]
-        return {
-            store.name: store.level(np.interp(t_s, room.t_s, room.left_share))
-            for store, room in zip(self._stores, rooms, strict=True)
-        }
+    def turning_looks(self, passes: Sequence[tuple[Look, ...]]) -> list[tuple[int, Look]]:
+        """Looks of passes by whose leave a momentum might keep its limit: those around the first
+        instant at which one doesn't, or else all of the last pass before it; none where all do."""
+        for carrier, stores in enumerate(self.carriers):
+            over = self.beyond(carrier, passes)
+            if over is None:
+                continue
+            spans_s = {n: stores.span_s(looks) for n, looks in self._own(carrier, passes) if looks}
+            number = max(n for n, (start_s, _) in spans_s.items() if start_s <= over.at_s)
+            looks = passes[number]
+            if over.at_s > spans_s[number][1]:
+                return [(number, look) for look in looks]
+            before = [look for look in looks if stores.ends_s(look)[0] <= over.at_s][-1:]
+            after = [look for look in looks if stores.ends_s(look)[1] >= over.at_s][:1]
+            return [(number, look) for look in dict.fromkeys([*before, *after])]
+        return []
 
-    def begins(self, passes: Sequence[tuple[Look, ...]]) -> list[Resources | None]:
-        """What each pass with looks begins with."""
-        starts_s = [
-            self._looks.pass_span_s(self.ends_s(looks[0])[0], self.ends_s(looks[-1])[1])[0]
-            for looks in passes
-            if looks
-        ]
-        levels = self.levels(passes, np.array(starts_s))
-        found: list[Resources | None] = []
-        for number in range(len(starts_s)):
-            begins = self._resources
-            if begins is not None and begins.battery is not None:
-                level = float(levels["battery"][number])
-                begins = replace(begins, battery=replace(begins.battery, start_wh=level))
-            if begins is not None and begins.memory is not None:
-                level = float(levels["memory"][number])
-                begins = replace(begins, memory=replace(begins.memory, start_gbit=level))
-            found.append(begins)
-        return found
+    def begins(self, carrier: int, passes: Sequence[tuple[Look, ...]]) -> list[Resources | None]:
+        """What each pass of a carrier with looks begins with."""
+        return self.carriers[carrier].begins([looks for _, looks in self._own(carrier, passes)])
 
 
 _IDLE_WAYS = {
     "battery": "begin with more, or take less while idle",
     "memory": "begin with less",
+    "momentum": "begin with less, unload more, or choose another idle attitude",
 }
-
-
-def _inside(at_s: float, spans_s: Sequence[tuple[float, float]]) -> bool:
-    return any(start_s < at_s < stop_s for start_s, stop_s in spans_s)
 
 
 def _cost_of(network: Network) -> Array:

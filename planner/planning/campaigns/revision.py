@@ -13,7 +13,7 @@ from pydantic import Field
 from planner.base.answer_members import Count, NotNegative, answer
 from planner.base.errors import InvalidInput
 from planner.base.spec import Within, spec
-from planner.world.conditions import Conditions
+from planner.world.conditions import DutyCycle
 from planner.world.frames.time_scales import Utc, elapsed_s, shifted_utc, utc_text
 
 if TYPE_CHECKING:
@@ -157,13 +157,16 @@ class Revision:
     frozen_until: datetime
     looks: Annotated[tuple[EarlierLook, ...], Field(max_length=BOUNDS.looks_max)]
 
-    def require(self, start: datetime, stop: datetime, conditions: Conditions) -> None:
-        """Raises ValueError for a request that can't be revised so."""
-        if conditions.duty_cycle is not None:
-            raise ValueError(
-                "conditions.duty_cycle must be left out of a revision, whose choice doesn't count "
-                "the looks that stay; ask for a campaign that begins when they have left its span"
-            )
+    def require(
+        self, start: datetime, stop: datetime, duty_cycles: Mapping[str, DutyCycle | None]
+    ) -> None:
+        """Raises ValueError for a request that can't be revised so.  duty_cycles: by their field."""
+        for field, duty_cycle in duty_cycles.items():
+            if duty_cycle is not None:
+                raise ValueError(
+                    f"{field} must be left out of a revision, whose choice doesn't count the looks "
+                    "that stay; ask for a campaign that begins when they have left its span"
+                )
         if not 0.0 <= elapsed_s(self.frozen_until, start) < elapsed_s(stop, start):
             raise ValueError(
                 f"revises.frozen_until ({utc_text(self.frozen_until)}) must not come before start "

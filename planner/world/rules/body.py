@@ -13,6 +13,7 @@ from planner.base.rotation import Rotation
 from planner.world.attitude import Attitude
 from planner.world.platforms import AnyPlatform
 from planner.world.platforms.body import AzimuthRoll, BodyPlatform, LinesAcrossMotion, RollRule
+from planner.world.resources import Resources
 from planner.world.targets import BenchMotionTarget, EarthFixedTarget, Target, VisibleTarget
 
 if TYPE_CHECKING:
@@ -87,10 +88,10 @@ class BodyRules:
             self.require_roll(f"sessions.{number}.roll", session.roll, session.target)
         refuse_axes_only(self.platform.name, given)
         self._require_initial(state)
-        self._require_wheels(scenario)
+        self.require_wheels(scenario.resources)
 
-    def _require_wheels(self, scenario: "Scenario") -> None:
-        if scenario.resources is None or scenario.resources.momentum is None:
+    def require_wheels(self, resources: Resources | None) -> None:
+        if resources is None or resources.momentum is None:
             return
         if self.platform.gyros is not None:
             raise ValueError(

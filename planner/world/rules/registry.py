@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 from planner.base.commands import CommandTable
 from planner.world.attitude import Attitude
 from planner.world.platforms import AnyPlatform, RollRule
+from planner.world.resources import Resources
 from planner.world.rules.body import BodyRules
 from planner.world.rules.two_axis import TwoAxisRules
 from planner.world.targets import Target
@@ -31,6 +32,9 @@ class Rules(Protocol):
 
     def require_roll(self, name: str, roll: RollRule | None, target: Target) -> None:
         """Raises ValueError, which names the field, for a roll that it can't lie by on a target."""
+
+    def require_wheels(self, resources: Resources | None) -> None:
+        """Raises ValueError for a momentum of wheels where none turn the platform."""
 
     def require_attitude(self, attitude: Attitude | None) -> None:
         """Raises ValueError for the attitude of a carrier that the platform doesn't stand on."""

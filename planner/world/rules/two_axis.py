@@ -11,6 +11,7 @@ from planner.base.commands import COMMAND_STEP_S, CommandTable
 from planner.base.errors import figures
 from planner.world.attitude import Attitude
 from planner.world.platforms import AnyPlatform, AxisLimits, FinalAngles, RollRule, TwoAxisPlatform
+from planner.world.resources import Resources
 from planner.world.targets import Target
 
 if TYPE_CHECKING:
@@ -70,15 +71,18 @@ class TwoAxisRules:
         if scenario.attitude is None:
             raise ValueError(f"attitude is required: {self.platform.name} stands on a carrier")
         self._require_initial(scenario)
-        if scenario.resources is not None and scenario.resources.momentum is not None:
-            raise ValueError(
-                f"resources.momentum must be left out for {self.platform.name}: only a body that "
-                "turns as a whole has wheels"
-            )
+        self.require_wheels(scenario.resources)
         if scenario.final_state == "idle":
             raise ValueError('final_state must be "rest" or angles: two axes have no idle attitude')
         if isinstance(scenario.final_state, FinalAngles):
             self._require_final(scenario.final_state)
+
+    def require_wheels(self, resources: Resources | None) -> None:
+        if resources is not None and resources.momentum is not None:
+            raise ValueError(
+                f"resources.momentum must be left out for {self.platform.name}: only a body that "
+                "turns as a whole has wheels"
+            )
 
     def require_roll(self, name: str, roll: RollRule | None, target: Target) -> None:
         if roll is not None:

@@ -82,6 +82,7 @@ export const campaigns = {
   leftOutFor: {
     battery: "left out for the battery",
     memory: "left out for the memory",
+    momentum: "left out for the wheels' momentum",
     duty_cycle: "left out for the duty cycle",
   },
   soFar: (value: string, bound: string | null, gap: string | null) =>

@@ -82,6 +82,7 @@ export const campaigns: Words["campaigns"] = {
   leftOutFor: {
     battery: "не вошла из-за аккумулятора",
     memory: "не вошла из-за памяти",
+    momentum: "не вошла из-за кинетического момента маховиков",
     duty_cycle: "не вошла из-за доли съёмки",
   },
   soFar: (value, bound, gap) =>

@@ -76,7 +76,7 @@ export interface TargetFate {
   }[];
   because: string | null;
   /** What of the platform would run out, of a target left out for it. */
-  lacks: "battery" | "memory" | "duty_cycle" | null;
+  lacks: "battery" | "memory" | "momentum" | "duty_cycle" | null;
   bestElevation_deg: number | null;
 }
 
