@@ -1,9 +1,19 @@
-"""The judge's own count of what reaction wheels hold, from row to row; compiled."""
+"""The judge's own count of what battery, memory and wheels hold, step by step; compiled."""
 
 import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.compiled import compiled
+
+
+@compiled
+def held_by_store(begins: float, steps: Array, least: float, most: float) -> Array:
+    """From a level on, after each of n steps, (n + 1,): what would pass its ends is lost."""
+    held = np.empty(len(steps) + 1)
+    held[0] = begins
+    for number in range(len(steps)):
+        held[number + 1] = min(max(held[number] + steps[number], least), most)
+    return held
 
 
 @compiled
