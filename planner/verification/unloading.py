@@ -7,12 +7,14 @@ from planner.base.compiled import compiled
 
 
 @compiled
-def held_by_store(begins: float, steps: Array, least: float, most: float) -> Array:
+def held_by_store(
+    begin_level: float, step_numbers: Array, least_level: float, most_level: float
+) -> Array:
     """From a level on, after each of n steps, (n + 1,): what would pass its ends is lost."""
-    held = np.empty(len(steps) + 1)
-    held[0] = begins
-    for number in range(len(steps)):
-        held[number + 1] = min(max(held[number] + steps[number], least), most)
+    held = np.empty(len(step_numbers) + 1)
+    held[0] = begin_level
+    for number in range(len(step_numbers)):
+        held[number + 1] = min(max(held[number] + step_numbers[number], least_level), most_level)
     return held
 
 
