@@ -186,12 +186,14 @@ class LightAndContacts:
         memory = self.resources.memory
         stations = memory.stations if memory is not None else ()
         return tuple(
-            (station.id, span)
-            for station in stations
-            for span in spans_above(partial(self._above_rad, station), self.last_s)
+            (station.id, span) for station in stations for span in self.contacts_with(station)
         )
 
-    def _above_rad(self, station: Station, t_s: Array) -> Array:
+    def contacts_with(self, station: Station | StationTarget) -> Iterator[Span]:
+        """When it takes data."""
+        return spans_above(partial(self._above_rad, station), self.last_s)
+
+    def _above_rad(self, station: Station | StationTarget, t_s: Array) -> Array:
         """The elevation less the least, geometric, (n,)."""
         instants, states = self.at(t_s)
         r_itrf_m = np.einsum("nij,nj->ni", c_itrf_from_eci(instants), states.r_sat_eci_m)

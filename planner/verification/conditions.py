@@ -13,6 +13,7 @@ from planner.verification.earth_fixed import EarthFixedSight
 from planner.verification.report import ConditionMargin, Finding
 from planner.verification.session import TableSession
 from planner.verification.sky import SkySight, sky_sight
+from planner.verification.surroundings import Surroundings
 from planner.world.conditions import ConditionBound, ConditionName
 from planner.world.orbits import OrbitStates
 from planner.world.targets import BodyTarget
@@ -38,7 +39,7 @@ def condition_margins(
     target = scenario.sessions[flight.number].target
     view = _View(flight, states, sight)
     return tuple(
-        _least(flight, bound, *view.value(bound.name))
+        _least(flight, bound, *(view.kept(bound) if bound.kept else view.value(bound.name)))
         for bound in scenario.conditions.bounds
         if bound.applies_to(target)
     )
@@ -85,6 +86,23 @@ class _View:
     ) -> None:
         self._instants, self._states, self._sight = flight.at.instants, states, sight
         self._pixel_rad = flight.scenario.platform.camera.pixel_rad
+        self._flight = flight
+
+    def kept(self, bound: ConditionBound) -> tuple[Array, Array]:
+        """As `value`, of a direction of the body or the carrier, or of the boresight, as flown."""
+        kept, at, judge = bound.kept, self._flight.at, self._flight.judge
+        assert kept is not None  # who asks has one
+        if kept.direction_body is None:
+            direction_eci = judge.boresight_eci(at, self._states)
+        else:
+            platform, unit = self._flight.scenario.platform, np.asarray(kept.direction_body)
+            on_base = platform.q_base_from_carrier.apply(unit / np.linalg.norm(unit))
+            direction_eci = judge.direction_eci(on_base, at, self._states)
+        around = Surroundings(self._instants, self._states)
+        margin = np.rad2deg(around.margin_rad(kept, direction_eci))
+        is_there = np.isfinite(margin)
+        value = bound.limit + np.where(is_there, margin if bound.is_least else -margin, 0.0)
+        return value, np.where(is_there, -math.inf, 180.0)  # nothing to keep away from
 
     def value(self, name: ConditionName) -> tuple[Array, Array]:
         """In deg or m, and the margin that it has anyway, (n,) each."""

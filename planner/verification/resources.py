@@ -12,6 +12,7 @@ import numpy as np
 
 from planner.base.arrays import Array, Indices, Mask, cross
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
+from planner.base.rotation import Rotation
 from planner.verification.clock import elapsed_us, tt_s
 from planner.verification.earth import earth_orientation, interpolate_evenly
 from planner.verification.earth_fixed import vertical
@@ -36,7 +37,10 @@ class JudgedResourceOptions:
     """How densely the judge looks, and what it lets pass."""
 
     look_s: float = 1.0  # less than light or a contact lasts that isn't grazing
-    halvings: int = 30  # of that: to a nanosecond
+    looks: int = 16  # as far between those from which neither can come or go before the next
+    rate_rad_s: float = 0.06  # at most of an elevation or a height above the limb: 130 km overhead
+    finer: int = 32  # per pass
+    passes: int = 6  # of a second: to a nanosecond
     wait_rows: int = 50  # between looks at whether the platform waits: no slew is so short
     rows_at_once: int = 20_000
     rounding: float = 1e-6  # of a row, of times that lie on one
@@ -122,6 +126,9 @@ def resource_levels(
     resources, epoch_utc = scenario.resources, table.epoch_utc
     if resources is None:
         return
+    # Numba takes 0.2 s to import, which only work should pay.
+    from planner.verification.unloading import held_by_store
+
     last_s = float(table.t_s[-1])
     ephemeris = scenario.orbit.ephemeris(epoch_utc, shifted_utc(epoch_utc, last_s))
     sessions, idle = (
@@ -161,24 +168,20 @@ def resource_levels(
         idles = np.any([_between(middle_s, *one) for one in [(0.0, 0.0), *idle]], axis=0)
         charge_w = np.zeros(len(middle_s))
         sunny = np.flatnonzero(np.searchsorted(lit, middle_s) % 2 == 1)
-        for part, at, states in _parts(table, ephemeris, middle_s[sunny]):
+        for part, at in _parts(table, middle_s[sunny]):
+            states = ephemeris.dense_states(at.instants)
             charge_w[sunny[part]] = _charge_w(scenario, judge, at, states)
         net_w = charge_w - battery.idle_w - battery.imaging_w * images
         net_w -= battery.slew_w * ~(images | idles) + battery.downlink_w * (heard | pointed)
-        level, levels = battery.begins_wh, [battery.begins_wh]
-        for step_wh in (net_w * long_s / 3600.0).tolist():
-            level = min(level + step_wh, battery.capacity_wh)
-            levels.append(level)
-        charge_wh, least_wh = np.array(levels), battery.least_wh
+        least_wh = battery.least_wh
+        steps_wh = net_w * long_s / 3600.0
+        charge_wh = held_by_store(battery.begins_wh, steps_wh, -math.inf, battery.capacity_wh)
         yield Levels("battery", "Wh", least_wh, t_s, charge_wh, charge_wh - least_wh)
     if memory is not None:
         sent = np.maximum(memory.downlink_gbit_s * heard, memory.pointed_gbit_s * pointed)
         rate = memory.imaging_gbit_s * images - sent
-        level, levels = memory.start_gbit, [memory.start_gbit]
-        for step_gbit in (rate * long_s).tolist():
-            level = max(level + step_gbit, 0.0)
-            levels.append(level)
-        data_gbit, most_gbit = np.array(levels), memory.capacity_gbit
+        data_gbit = held_by_store(memory.start_gbit, rate * long_s, 0.0, math.inf)
+        most_gbit = memory.capacity_gbit
         yield Levels("memory", "Gbit", most_gbit, t_s, data_gbit, most_gbit - data_gbit)
     if resources.momentum is not None:
         yield from _momenta(table, scenario, judge, ephemeris, [(0.0, 0.0), *idle])
@@ -204,13 +207,14 @@ def _momenta(
     inertia_kg_m2 = inertia_of(scenario)
     count = len(table.t_s)
     middle_s = 0.5 * (table.t_s[1:] + table.t_s[:-1])
-    rows_eci, middle_eci, r_eci_m = (np.empty((count, *ends)) for ends in ((3, 3), (3, 3), (3,)))
-    for t_s, axes_eci in ((table.t_s, rows_eci), (middle_s, middle_eci)):
-        for part, at, states in _parts(table, ephemeris, t_s):
-            for number, axis in enumerate(np.eye(3)):
-                axes_eci[part, number] = judge.direction_eci(axis, at, states)
-            r_eci_m[part] = states.r_sat_eci_m
-    middle_eci, r_eci_m = middle_eci[:-1], r_eci_m[:-1]
+    # Only a body has wheels, and its rows are its attitude.
+    rows_eci = Rotation.from_quat(table.position).as_matrix().swapaxes(1, 2)
+    middle_eci, r_eci_m = np.empty((count - 1, 3, 3)), np.empty((count - 1, 3))
+    for part, at in _parts(table, middle_s):
+        states = ephemeris.dense_states(at.instants)
+        for number, axis in enumerate(np.eye(3)):
+            middle_eci[part, number] = judge.direction_eci(axis, at, states)
+        r_eci_m[part] = states.r_sat_eci_m
     distance_m = np.linalg.norm(r_eci_m, axis=1)[:, None]
     up = np.einsum("nij,nj->ni", middle_eci, r_eci_m / distance_m)
     torque_n_m = 3.0 * MU_EARTH_M3_S2 / distance_m**3 * cross(up, up @ inertia_kg_m2)
@@ -247,16 +251,30 @@ def _between(at_s: Array, start_s: float, stop_s: float) -> Mask:
 
 
 def _above(value: Times, last_s: float) -> Array:
-    """When it rises above zero and falls below, in turns, from a rise on; by halving."""
-    grid_s = np.linspace(0.0, last_s, max(math.ceil(last_s / OPTIONS.look_s), 3) + 1)
+    """When it rises above zero and falls below, in turns, from a rise on.
+
+    Looks are far apart where it is too far from zero to be there before the next.
+    """
+    count = max(math.ceil(last_s / OPTIONS.look_s / OPTIONS.looks), 3) * OPTIONS.looks
+    grid_s = np.linspace(0.0, last_s, count + 1)
+    far_s = grid_s[:: OPTIONS.looks]
+    off_rad = np.abs(value(far_s))
+    is_near = off_rad[1:] + off_rad[:-1] <= OPTIONS.rate_rad_s * np.diff(far_s)
+    is_looked_at = np.append(np.repeat(is_near, OPTIONS.looks), True)
+    is_looked_at[:: OPTIONS.looks] = True
+    grid_s = grid_s[is_looked_at]
     is_above = value(grid_s) >= 0.0
     first = np.flatnonzero(is_above[1:] != is_above[:-1])
     low_s, high_s, rises = grid_s[first], grid_s[first + 1], ~is_above[first]
-    for _ in range(OPTIONS.halvings if first.size else 0):
-        middle_s = 0.5 * (low_s + high_s)
+    for _ in range(OPTIONS.passes if first.size else 0):
+        within_s = np.linspace(low_s, high_s, OPTIONS.finer + 1, axis=1)
         # The ends keep the Earth's orientation apart from a single instant.
-        is_before = (value(np.concatenate([[0.0], middle_s, [last_s]]))[1:-1] >= 0.0) != rises
-        low_s, high_s = np.where(is_before, middle_s, low_s), np.where(is_before, high_s, middle_s)
+        at = value(np.concatenate([[0.0], within_s.ravel(), [last_s]]))[1:-1]
+        is_past = (at.reshape(within_s.shape) >= 0.0) == rises[:, None]
+        is_past[:, 0], is_past[:, -1] = False, True
+        past = np.argmax(is_past, axis=1)
+        crossing = np.arange(first.size)
+        low_s, high_s = within_s[crossing, past - 1], within_s[crossing, past]
     return np.append([-1.0] if is_above[0] else [], high_s)
 
 
@@ -295,17 +313,14 @@ def _elevation_rad(
     return np.asarray(above_rad)
 
 
-def _parts(
-    table: CommandTable, ephemeris: Ephemeris, t_s: Array
-) -> Iterator[tuple[Indices, FlownInstants, OrbitStates]]:
-    """Instants in order of time, some at once: which of them, where in the table, the orbit."""
+def _parts(table: CommandTable, t_s: Array) -> Iterator[tuple[Indices, FlownInstants]]:
+    """Instants in order of time, some at once: which of them, and where in the table."""
     for part in np.array_split(np.arange(len(t_s)), len(t_s) // OPTIONS.rows_at_once + 1):
         if part.size:
             cell = (t_s[part] * ROWS_PER_S + OPTIONS.rounding).astype(np.intp)
             cell = np.minimum(cell, len(table.t_s) - 2)
             instants = Instants(table.epoch_utc, t_s[part])
-            at = FlownInstants(cell, t_s[part] - cell * COMMAND_STEP_S, instants)
-            yield part, at, ephemeris.dense_states(instants)
+            yield part, FlownInstants(cell, t_s[part] - cell * COMMAND_STEP_S, instants)
 
 
 def _charge_w(scenario: Scenario, judge: Judge, at: FlownInstants, states: OrbitStates) -> Array:

@@ -1,9 +1,21 @@
-"""The judge's own count of what reaction wheels hold, from row to row; compiled."""
+"""The judge's own count of what battery, memory and wheels hold, step by step; compiled."""
 
 import numpy as np
 
 from planner.base.arrays import Array
 from planner.base.compiled import compiled
+
+
+@compiled
+def held_by_store(
+    begin_level: float, step_numbers: Array, least_level: float, most_level: float
+) -> Array:
+    """From a level on, after each of n steps, (n + 1,): what would pass its ends is lost."""
+    held = np.empty(len(step_numbers) + 1)
+    held[0] = begin_level
+    for number in range(len(step_numbers)):
+        held[number + 1] = min(max(held[number] + step_numbers[number], least_level), most_level)
+    return held
 
 
 @compiled

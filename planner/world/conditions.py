@@ -9,12 +9,15 @@ import numpy as np
 
 from planner.base.arrays import Array, angle_rad, cross
 from planner.base.errors import figures
+from planner.base.rotation import Rotation
 from planner.base.spec import Within, spec
+from planner.world.exclusions import TITLES, Surroundings
 from planner.world.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
 from planner.world.frames.geodesy import geodetic_from_itrf, up_itrf
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import OrbitStates
 from planner.world.orbits.period import period_s
+from planner.world.platforms.kept_direction import KeptDirection, unit_vector
 from planner.world.targets.apparent import VisibleTarget, aberrate
 from planner.world.targets.body import HIDDEN_RAD, BodyTarget
 from planner.world.targets.earth_fixed import EarthFixedTarget
@@ -30,6 +33,7 @@ class ConditionOptions:
 
     tolerance: float = 2e-5  # deg or m: what the fastest of them changes by in 20 us
     span_max_s: float = 604_800.0  # of a duty cycle: a week
+    directions_max: int = 16  # as many as a body has exclusions
 
 
 OPTIONS = ConditionOptions()
@@ -43,6 +47,7 @@ ConditionName = Literal[
     "sun_keep_out",
     "moon_keep_out",
     "carrier_light",
+    "direction",
 ]
 
 
@@ -98,6 +103,8 @@ class Conditions:
     doesn't hide it. E.g. `10.0`.
     carrier_light: `sunlit` while the carrier sees the Sun's centre above the limb, `eclipsed` while
     it doesn't; without air. Either unless given. E.g. `"sunlit"`.
+    directions: up to 16 directions of the body, or of the carrier that two axes stand on, or of
+    the line of sight (`of` camera), that keep away from something or stay near it.
     min_gap_s: least time from the end of one look to the start of the next.
     duty_cycle: limit on imaging in any span of time.
     """
@@ -111,6 +118,7 @@ class Conditions:
     sun_keep_out_deg: Annotated[float, Within(0.0, 180.0)] | None = None
     moon_keep_out_deg: Annotated[float, Within(0.0, 180.0)] | None = None
     carrier_light: Literal["sunlit", "eclipsed"] | None = None
+    directions: tuple[KeptDirection, ...] = ()
     min_gap_s: Annotated[float, Within(0.0, 86_400.0)] = 0.0
     duty_cycle: DutyCycle | None = None
 
@@ -121,6 +129,15 @@ class Conditions:
                 f"sun_elevation_min_deg ({low:g}) must be less than sun_elevation_max_deg "
                 f"({high:g}), or the Sun never stands between them"
             )
+        names = [one.name for one in self.directions]
+        if len(names) > OPTIONS.directions_max:
+            raise ValueError(
+                f"directions must hold at most {OPTIONS.directions_max} directions, not "
+                f"{len(names)}"
+            )
+        for number, name in enumerate(names):
+            if name in names[:number]:
+                raise ValueError(f"directions.{number}.name must be of its own, not {name!r} again")
 
     @property
     def bounds(self) -> tuple["ConditionBound", ...]:
@@ -141,11 +158,22 @@ class Conditions:
                 self.carrier_light == "sunlit",
             ),
         )
-        return tuple(
+        plain = (
             ConditionBound(name, field, limit, is_least)
             for name, field, limit, is_least in named
             if limit is not None
         )
+        directed = (
+            ConditionBound(
+                "direction",
+                f"directions.{one.name}",
+                (one.max_deg if one.min_deg is None else one.min_deg) or 0.0,
+                one.min_deg is not None,
+                one,
+            )
+            for one in self.directions
+        )
+        return (*plain, *directed)
 
 
 # The value of each, for a sentence.
@@ -165,13 +193,14 @@ class ConditionBound(NamedTuple):
     """One condition that is asked for.
 
     field: of `Conditions`.  limit: in deg or m, of the Sun above the limb 0.
-    is_least: whether the value may not be below it, else not above.
+    is_least: whether the value may not be below it, else not above.  kept: of a direction.
     """
 
     name: ConditionName
     field: str
     limit: float
     is_least: bool
+    kept: KeptDirection | None = None
 
     @property
     def unit(self) -> str:
@@ -192,9 +221,11 @@ class ConditionBound(NamedTuple):
             light = "eclipsed" if self.is_least else "in sunlight"
             return f"the carrier is {light}, which carrier_light rules out"
         told, side = figures(value, self.limit), "below" if self.is_least else "above"
+        what = _TOLD.get(self.name, "the angle")
+        if self.kept is not None:
+            what = f"the angle of {self.kept.name} from {TITLES[self.kept.body]}"
         return (
-            f"{_TOLD[self.name]} is {told} {self.unit}, {side} the {self.limit:g} {self.unit} of "
-            f"{self.field}"
+            f"{what} is {told} {self.unit}, {side} the {self.limit:g} {self.unit} of {self.field}"
         )
 
 
@@ -212,13 +243,27 @@ def conditions_seen(
     instants: Instants,
     states: OrbitStates,
     pixel_rad: float,
+    q_carrier_from_eci: Rotation | None,
 ) -> Iterator[ConditionSeen]:
-    """Each that applies to a target, at n instants; pixel_rad: angle that a pixel sees."""
-    bounds = [bound for bound in conditions.bounds if bound.applies_to(target)]
+    """Each that applies to a target, at n instants; pixel_rad: angle that a pixel sees.
+
+    q_carrier_from_eci: of the carrier that two axes stand on, n rotations; None of a body, whose
+    directions its attitude keeps as exclusions.
+    """
+    bounds = [
+        bound
+        for bound in conditions.bounds
+        if bound.applies_to(target) and (bound.kept is None or q_carrier_from_eci is not None)
+    ]
     if not bounds:
         return
     view = _View(target, instants, states)
     for bound in bounds:
+        if bound.kept is not None and q_carrier_from_eci is not None:
+            margin = np.rad2deg(view.kept_margin_rad(bound.kept, q_carrier_from_eci))
+            value = bound.limit + margin if bound.is_least else bound.limit - margin
+            yield ConditionSeen(bound, value, margin)
+            continue
         value, counts = view.value(bound.name, pixel_rad)
         margin = bound.margin(value)
         yield ConditionSeen(bound, value, margin if counts is None else np.maximum(margin, counts))
@@ -230,6 +275,12 @@ class _View:
     def __init__(self, target: VisibleTarget, instants: Instants, states: OrbitStates) -> None:
         self.target, self.instants, self.states = target, instants, states
         self.seen = target.apparent(instants, states)
+
+    def kept_margin_rad(self, kept: KeptDirection, q_carrier_from_eci: Rotation) -> Array:
+        direction_eci = self.seen.direction_eci
+        if kept.direction_body is not None:
+            direction_eci = q_carrier_from_eci.inv().apply(unit_vector(kept.direction_body))
+        return Surroundings(self.instants, self.states).kept_margin_rad(kept, direction_eci)
 
     def value(self, name: ConditionName, pixel_rad: float) -> tuple[Array, Array | None]:
         """In deg or m, and the least margin that it has anyway, since it may not count."""

@@ -12,13 +12,21 @@ from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.geodesy import WGS84_A_M, geodetic_from_itrf, itrf_from_geodetic, up_itrf
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import OrbitStates
-from planner.world.platforms.body import BodyPlatform, Celestial, unit_vector
+from planner.world.platforms.body import BodyPlatform
+from planner.world.platforms.kept_direction import Celestial, KeptDirection, unit_vector
 from planner.world.targets.body import HIDDEN_RAD, BodyTarget
 from planner.world.targets.earth_limb import limb_clearance_rad
 
 # IAU 2015 resolution B3; IAU Working Group on Cartographic Coordinates 2015
 RADIUS_M = {"sun": 695_700e3, "moon": 1_737.4e3}
-TITLES = {"sun": "the Sun", "moon": "the Moon", "limb": "the Earth's limb", "glint": "sunglint"}
+TITLES = {
+    "sun": "the Sun",
+    "moon": "the Moon",
+    "limb": "the Earth's limb",
+    "glint": "sunglint",
+    "nadir": "the nadir",
+    "inertial": "its direction among the stars",
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +60,7 @@ class Surroundings:
 
     def __init__(self, instants: Instants, states: OrbitStates) -> None:
         self.instants, self.states = instants, states
-        self._c_itrf_from_eci = c_itrf_from_eci(instants)
+        self.c_itrf_from_eci = c_itrf_from_eci(instants)
         self._disks: dict[str, tuple[Array, Array, Array]] = {}
         self._glint: tuple[Array, Array] | None = None
 
@@ -74,44 +82,55 @@ class Surroundings:
             direction_itrf, counts_rad = glint_direction(
                 self._itrf(self.disk("sun")[0]), self._itrf(self.states.r_sat_eci_m)
             )
-            direction_eci = np.einsum("nji,nj->ni", self._c_itrf_from_eci, direction_itrf)
+            direction_eci = np.einsum("nji,nj->ni", self.c_itrf_from_eci, direction_itrf)
             self._glint = np.asarray(direction_eci), counts_rad
         return self._glint
 
-    def cone(self, celestial: Celestial) -> tuple[Array, Array, Array]:
+    def cone(self, about: Celestial | Array) -> tuple[Array, Array, Array]:
         """Its middle, unit vectors (n, 3), half its size, rad, (n,), and by how much it counts.
 
         The limb's is the least that holds all of the Earth.
         """
-        if celestial == "glint":
+        r_m = np.linalg.norm(self.states.r_sat_eci_m, axis=1)
+        point_rad, always_rad = np.zeros_like(r_m), np.full(len(r_m), math.pi)
+        if not isinstance(about, str):
+            return np.tile(about, (len(r_m), 1)), point_rad, always_rad
+        if about == "glint":
             centre_eci, counts_rad = self.glint()
-            return centre_eci, np.zeros_like(counts_rad), counts_rad
-        if celestial == "limb":
-            r_m = np.linalg.norm(self.states.r_sat_eci_m, axis=1)
-            centre_eci = -self.states.r_sat_eci_m / r_m[:, None]
-            return centre_eci, np.arcsin(WGS84_A_M / r_m), np.full(len(r_m), math.pi)
-        return self.disk(celestial)
+            return centre_eci, point_rad, counts_rad
+        if about in ("limb", "nadir"):
+            half_rad = np.arcsin(WGS84_A_M / r_m) if about == "limb" else point_rad
+            return -self.states.r_sat_eci_m / r_m[:, None], half_rad, always_rad
+        return self.disk(about)
 
-    def apart_rad(self, direction_eci: Array, celestial: Celestial) -> Array:
+    def apart_rad(self, direction_eci: Array, about: Celestial | Array) -> Array:
         """Angle of unit vectors (n, 3) from it, (n,): from a disk's edge, from the limb outwards.
 
         Negative inside; pi while it doesn't count.  The limb is the ellipsoid's, in the plane of
         direction and geocentre.
         """
-        if celestial == "limb":
+        if isinstance(about, str) and about == "limb":
             r_sat_itrf_m = self._itrf(self.states.r_sat_eci_m)
             return limb_clearance_rad(self._itrf(direction_eci), r_sat_itrf_m, 0.0)
-        centre_eci, half_rad, counts_rad = self.cone(celestial)
+        centre_eci, half_rad, counts_rad = self.cone(about)
         apart_rad = angle_rad(direction_eci, centre_eci) - half_rad
         return np.where(counts_rad > 0.0, apart_rad, math.pi)
 
-    def margin_rad(self, direction_eci: Array, celestial: Celestial, least_deg: float) -> Array:
+    def kept_margin_rad(self, kept: KeptDirection, direction_eci: Array) -> Array:
+        """By how much unit vectors (n, 3) keep away, or stay near, (n,); pi while it doesn't
+        count."""
+        if kept.near == "limb":
+            return math.radians(kept.max_deg or 0.0) - self.apart_rad(direction_eci, "limb")
+        keeps_away_eci = direction_eci if kept.near is None else -direction_eci
+        return self.margin_rad(keeps_away_eci, kept.about, kept.kept_deg)
+
+    def margin_rad(self, direction_eci: Array, about: Celestial | Array, least_deg: float) -> Array:
         """By how much unit vectors (n, 3) are farther from it, (n,); pi while it doesn't count."""
-        apart_rad = self.apart_rad(direction_eci, celestial)
+        apart_rad = self.apart_rad(direction_eci, about)
         return np.where(apart_rad < math.pi, apart_rad - math.radians(least_deg), math.pi)
 
     def _itrf(self, vector_eci: Array) -> Array:
-        return np.asarray(np.einsum("nij,nj->ni", self._c_itrf_from_eci, vector_eci))
+        return np.asarray(np.einsum("nij,nj->ni", self.c_itrf_from_eci, vector_eci))
 
 
 def exclusion_margins(
@@ -127,10 +146,11 @@ def exclusion_margins(
             exclusion.name,
             TITLES[exclusion.body],
             exclusion.when == "imaging",
-            surroundings.margin_rad(
-                q_eci_from_body.apply(platform.direction_of(exclusion)),
-                exclusion.body,
-                exclusion.kept_deg,
+            surroundings.kept_margin_rad(
+                exclusion,
+                q_eci_from_body.apply(
+                    unit_vector(exclusion.direction_body or platform.camera.boresight_body)
+                ),
             ),
             "nearer to" if exclusion.near is None else "farther from",
         )

@@ -301,6 +301,8 @@ class Scenario:
     def __post_init__(self) -> None:
         if not self.sessions:
             raise ValueError("sessions must hold at least one session")
+        kept = self.platform.keeping(self.conditions.directions)
+        object.__setattr__(self, "platform", kept)
         standing = all_standing_on(self.terrain, self.sessions, "sessions")
         object.__setattr__(self, "sessions", standing)
         if any(isinstance(session.target, ImagingMode) for session in self.sessions):

@@ -11,13 +11,14 @@ from skyfield.api import wgs84
 from skyfield.framelib import itrs
 
 from app.requests.examples import LAS_VEGAS
+from app.requests.opportunities import read_opportunity_request
 from app.requests.plan import read_plan_request
 from planner.base.errors import InvalidRequest, NotVisible
 from planner.planning.opportunities import OpportunityConditions, find_opportunities
 from planner.planning.sessions.pipeline import make_plan
 from planner.verification import verify
 from planner.world.conditions import Conditions
-from planner.world.frames.time_scales import Instants, utc_text
+from planner.world.frames.time_scales import Instants, shifted_utc, utc_text
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 EDGE_S = 1e-3  # promised
@@ -170,6 +171,10 @@ def test_the_judge_finds_each_condition_that_is_not_met():
 @pytest.mark.parametrize(
     ("limit", "conditions"),
     [
+        (
+            "direction",
+            {"directions": [{"name": "x", "of": "camera", "near": "nadir", "max_deg": 45.0}]},
+        ),
         ("off_nadir", {"max_off_nadir_deg": 45.0}),
         ("ground_sample", {"max_ground_sample_m": 2.5}),
         ("glint", {"glint_keep_out_deg": 60.0}),
@@ -201,6 +206,112 @@ def test_conditions_that_make_no_sense_are_refused_by_field():
         ({"max_ground_sample_m": 0.0}, "max_ground_sample_m"),
         ({"carrier_light": "dusk"}, "carrier_light"),
         ({"min_duration_s": 10.0}, "min_duration_s"),
+        ({"directions": [{"name": "x", "near": "sun", "max_deg": 45.0}]}, "direction_body"),
+        ({"directions": [CAMERA | {"name": "x", "near": "sun"}]}, "max_deg"),
+        (
+            {"directions": [CAMERA | {"name": "x", "near": "inertial", "max_deg": 45.0}]},
+            "ra_deg must be given",
+        ),
+        (directions(*([CAMERA | AROUND[0]] * 17))["conditions"], "at most 16"),
+        (
+            {"directions": [CAMERA | AROUND[0] | {"name": "x"}] * 2},
+            "directions.1.name",
+        ),
     ):
         with pytest.raises(InvalidRequest, match=told):
             asked(LAS_VEGAS | {"conditions": conditions})
+
+
+def directions(*kept):
+    return {"conditions": {"directions": [{"name": f"d{n}"} | one for n, one in enumerate(kept)]}}
+
+
+CAMERA = {"of": "camera"}
+AROUND = (
+    {"away_from": "sun", "min_deg": 1.0},
+    {"near": "sun", "max_deg": 179.0},
+    {"away_from": "nadir", "min_deg": 1.0},
+    {"near": "nadir", "max_deg": 179.0},
+    {"away_from": "inertial", "ra_deg": 250.0, "dec_deg": 20.0, "min_deg": 1.0},
+    {"near": "inertial", "ra_deg": 70.0, "dec_deg": -20.0, "max_deg": 179.0},
+    {"near": "limb", "max_deg": 1.0},
+)
+
+
+@pytest.mark.parametrize("base", [LAS_VEGAS, smallsat()], ids=["two axes", "body"])
+def test_angles_of_the_boresight_are_skyfields(skyfield, base):
+    plan = make_plan(asked(base | directions(*(CAMERA | one for one in AROUND))))
+    [told, session] = plan.verification.sessions[0], plan.scenario.sessions[0]
+    sky = Sky(skyfield, session.target, plan.table.epoch_utc)
+    for wanted, one in zip(AROUND, told.conditions, strict=True):
+        about = wanted.get("near", wanted.get("away_from"))
+        t = sky.timescale.tt_jd(*Instants(sky.epoch_utc, np.array([one.t_s, one.t_s])).tt_jd())
+        r_km = sky.satellite.at(t).position.km
+        los_km = (sky.site - sky.satellite).at(t).position.km
+        edge_deg = 0.0
+        if about == "sun":
+            seen = (sky.kernel["earth"] + sky.satellite).at(t)
+            seen = seen.observe(sky.kernel["sun"]).apparent()
+            centre, edge_deg = (
+                seen.position.km,
+                np.rad2deg(np.arcsin(695_700.0 / seen.distance().km[0])),
+            )
+            edge_deg = edge_deg if "near" in wanted else -edge_deg
+        elif about == "inertial":
+            ra, dec = np.radians([wanted["ra_deg"], wanted["dec_deg"]])
+            centre = np.array([np.cos(dec) * np.cos(ra), np.cos(dec) * np.sin(ra), np.sin(dec)])
+            centre = np.stack([centre, centre], axis=1)
+        else:
+            centre = -r_km
+        seen_deg = between_deg(los_km, centre)[0] + edge_deg
+        if about == "limb":  # of a sphere, which the ellipsoid is within 0.3 deg of
+            seen_deg -= np.rad2deg(np.arcsin(6378.137 / np.linalg.norm(r_km[:, 0])))
+        assert one.extreme == pytest.approx(seen_deg, abs=0.5 if about == "limb" else 5e-3)
+        assert one.margin >= 0.0
+    assert plan.verification.passed
+
+
+@pytest.mark.parametrize("name", ["gallery", "smallsat"])
+@pytest.mark.parametrize(
+    "kept",
+    [
+        CAMERA | {"away_from": "nadir", "min_deg": 30.0},
+        CAMERA | {"near": "inertial", "ra_deg": 100.0, "dec_deg": 20.0, "max_deg": 100.0},
+        {"direction_body": [0.3, 0.5, -0.8], "near": "sun", "max_deg": 70.0},
+    ],
+    ids=["nadir", "stars", "sun"],
+)
+def test_windows_keep_directions_and_their_sessions_are_planned(name, kept):
+    request = json.loads((EXAMPLES / f"opportunities_{name}.json").read_text())
+    plain = find_opportunities(read_opportunity_request(json.dumps(request).encode())).windows
+    request["conditions"] = request.get("conditions", {}) | directions(kept)["conditions"]
+    read = read_opportunity_request(json.dumps(request).encode())
+    found = find_opportunities(read)
+    windows = found.windows
+    lasts_s = float((windows.set_s - windows.rise_s).sum())
+    assert 0.0 < lasts_s < float((plain.set_s - plain.rise_s).sum())
+    assert "exclusion" in {*windows.opened_by.tolist(), *windows.closed_by.tolist()}
+    spans_s = windows.sessions_s(found.start_utc)
+    held = np.flatnonzero(np.diff(spans_s, axis=1)[:, 0] > 10.0)[:2]
+    for row in held.tolist():
+        begins_s, ends_s = spans_s[row]
+        number = int(windows.target[row])
+        wanted = request["targets"][number]
+        plan = {key: request[key] for key in ("platform", "orbit", "attitude") if key in request}
+        plan |= {
+            "initial_state": {"epoch": utc_text(shifted_utc(found.start_utc, begins_s - 1200.0))},
+            "sessions": [
+                {
+                    "target": wanted["target"],
+                    "start": utc_text(shifted_utc(found.start_utc, begins_s), 6),
+                    "stop": utc_text(shifted_utc(found.start_utc, ends_s), 6),
+                }
+            ],
+            "conditions": directions(kept)["conditions"],
+        }
+        if name == "gallery":
+            plan["initial_state"]["angles_deg"] = {"alpha": 0.0, "beta": 0.0}
+        made = make_plan(asked(plan))
+        assert made.verification.passed
+        [margin] = made.verification.sessions[0].conditions
+        assert margin.margin >= 0.0

@@ -19,7 +19,7 @@ from planner.verification.platforms.body import exclusions as body_exclusions
 from planner.verification.platforms.body import judge as body_judge
 from planner.verification.platforms.body.judge import BodyJudge
 from planner.verification.platforms.body.quintic import motion_between
-from planner.verification.platforms.body.surroundings import Surroundings, mirror_direction
+from planner.verification.surroundings import Surroundings, mirror_direction
 from planner.world.conditions import Conditions
 from planner.world.frames.time_scales import Instants, shifted_utc
 from planner.world.platforms.body import (

@@ -2,12 +2,13 @@
 
 import copy
 import json
+import re
 from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
 import pytest
-from random_resources import IDLES, PLATFORM, asked, plans, refusals, utc
+from random_resources import IDLES, PLATFORM, asked, beneath, plans, refusals, utc
 from skyfield.api import load, load_file, wgs84
 
 from app.requests.examples import LAS_VEGAS
@@ -197,6 +198,35 @@ def test_what_a_refusal_offers_is_planned_as_told():
         kept = enumerate(instead["sessions"])
         instead["sessions"] = [one for n, one in kept if n not in refusal.costs_sessions]
         assert make_plan(asked(instead)).verification.passed
+
+
+def test_a_full_memory_is_told_a_downlink_before_that_is_planned():
+    request = json.loads((EXAMPLES / "smallsat_contacts.json").read_text())
+    request["sessions"] = request["sessions"][:1]
+    del request["conditions"]
+    memory = request["resources"]["memory"] | {"capacity_gbit": 170.0}
+    request["resources"]["memory"] = memory
+    with pytest.raises(ResourceRunsOut) as refused:
+        make_plan(asked(request))
+    assert "downlink" not in refused.value.detail  # without a station there is none
+    place = beneath(19_680.0, "station")  # nine minutes before the session
+    del place["mode"]
+    memory["stations"] = [{"id": "pacific", "height_m": 20.0} | place]
+    with pytest.raises(ResourceRunsOut, match="with a downlink before") as refused:
+        make_plan(asked(request))
+    numbers = re.search(
+        r"latitude_deg (\S+), longitude_deg (\S+), height_m (\S+), min_elevation_deg (\S+)\) "
+        r"from (\S+) to (\S+),",
+        refused.value.detail,
+    ).groups()
+    names = ("latitude_deg", "longitude_deg", "height_m", "min_elevation_deg")
+    target = {"mode": "station"} | dict(zip(names, map(float, numbers[:4]), strict=True))
+    downlink = {"target": target, "start": numbers[4], "stop": numbers[5]}
+    request["sessions"].insert(0, downlink)
+    plan = make_plan(asked(request))
+    [kept] = [one for one in plan.verification.resources if one.name == "memory"]
+    assert plan.verification.passed
+    assert kept.margin >= 0.0
 
 
 def test_wheels_that_slews_fill_are_told_gentler_slews():

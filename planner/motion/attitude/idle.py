@@ -7,7 +7,8 @@ from planner.base.rotation import Rotation, of_like_sign
 from planner.motion.attitude.track import attitude_motion, pointed_quaternions
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import OrbitStates
-from planner.world.platforms.body import IdleLaw, InertialIdle, SunIdle, unit_vector
+from planner.world.platforms.body import IdleLaw, InertialIdle, SunIdle
+from planner.world.platforms.kept_direction import unit_vector
 from planner.world.targets import BodyTarget
 
 

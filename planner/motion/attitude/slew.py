@@ -272,8 +272,12 @@ def _smoothest(problem: BodySlewProblem) -> _Tried:
         tried = _next_to_least_time(problem)
         if tried.found or tried.is_beyond(problem.available_s):
             return tried
-    for begin in _starts(problem, _row_widths_s(shares, problem)):
+    is_clear = False  # a slew was found that no cone is in the way of
+    for begin, is_bow in _starts(problem, _row_widths_s(shares, problem)):
+        if is_bow and is_clear:
+            break
         best = _smoother(best, _solve_on_rows(problem, begin))
+        is_clear = best is not None and not is_bow
         if best is not None and (problem.objective == "any" or _is_smoothest(problem, best)):
             break
         if is_open and best is None and tried is None:
@@ -288,7 +292,8 @@ def _smoothest(problem: BodySlewProblem) -> _Tried:
 
 def _blended_on_rows(problem: BodySlewProblem, end_shares: Array) -> _Found | None:
     """From the first start of `_starts`, its spans ending at these shares of the time."""
-    return _solve_on_rows(problem, next(_starts(problem, _row_widths_s(end_shares, problem))))
+    begin, _ = next(_starts(problem, _row_widths_s(end_shares, problem)))
+    return _solve_on_rows(problem, begin)
 
 
 def _is_smoothest(problem: BodySlewProblem, found: _Found) -> bool:
@@ -331,17 +336,21 @@ def _next_to_least_time(problem: BodySlewProblem) -> _Tried:
     return _Tried(found, least.duration_s)
 
 
-def _starts(problem: BodySlewProblem, widths_s: Array) -> Iterator[SpanMotion]:
-    """Blends about the Euler axis with and without the ends' motions, past cones on each side."""
+def _starts(problem: BodySlewProblem, widths_s: Array) -> Iterator[tuple[SpanMotion, bool]]:
+    """Blends about the Euler axis with and without the ends' motions, past cones on each side.
+
+    And whether it is a bow past a cone: from these many fail, at 200 iterations each, so that they
+    come last.
+    """
     row = problem.first_arrival_row
     duration_s = row / ROWS_PER_S
-    blend = eigenaxis_slew(problem, row, duration_s=duration_s, smooth=True).on_spans(widths_s)
-    yield from around_cones(problem, blend)
-    if not problem.is_rest_to_rest:
-        plain = eigenaxis_slew(problem.at_rest(), row, duration_s=duration_s, smooth=True).on_spans(
-            widths_s
-        )
-        yield from around_cones(problem, plain)
+    problems = [problem] if problem.is_rest_to_rest else [problem, problem.at_rest()]
+    blends = [
+        eigenaxis_slew(one, row, duration_s=duration_s, smooth=True).on_spans(widths_s)
+        for one in problems
+    ]
+    for ways in sorted((list(around_cones(problem, blend)) for blend in blends), key=len):
+        yield from ((begin, len(ways) > 1) for begin in ways)
 
 
 def _on_rows(problem: BodySlewProblem, quickest: SpanMotion) -> _Found | None:

@@ -33,8 +33,8 @@ from planner.world.platforms.body import (
     NearestRoll,
     RollRule,
     SunSide,
-    unit_vector,
 )
+from planner.world.platforms.kept_direction import unit_vector
 from planner.world.rules.body import says_roll
 from planner.world.targets import BodyTarget, EarthFixedTarget, VisibleTarget
 

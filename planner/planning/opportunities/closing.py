@@ -18,8 +18,8 @@ class Unseen:
     target: id of the target, as the request gives it. E.g. `"Reykjavik"`.
     closed_by: the condition that leaves nothing of its windows; `ground_sample`: a pixel is longer
     on the ground than it may be, `carrier_light`: the carrier is never in the light asked for,
-    `reach`: no angles within the stops, `exclusion`: a body's direction is too near to what it
-    keeps away from or too far from what it stays near, `rate`: it would turn too fast, `scan`: no
+    `reach`: no angles within the stops, `exclusion`: a direction is too near to what it keeps
+    away from or too far from what it stays near, `rate`: it would turn too fast, `scan`: no
     line of an imaging mode is held to its end, `due`: no window is left from its release to its
     due, `duration`: no window lasts long enough, `rest`: none does beside the time to and from
     rest, `motion`: the axes can't follow, `work`: to find out takes more work than one request may

@@ -131,6 +131,8 @@ class OpportunityRequest:
                 f"stop ({utc_text(self.stop)}) must come a second or more after start "
                 f"({utc_text(self.start)})"
             )
+        kept = self.platform.keeping(self.conditions.directions)
+        object.__setattr__(self, "platform", kept)
         rules = rules_of(self.platform)
         rules.require_attitude(self.attitude)
         if not self.targets:

@@ -31,8 +31,8 @@ from planner.world.targets.limb_kernel import above_limb
 
 ROLLS = ("nearest", "lines_across_track", "lines_across_motion", "sun_side", "azimuth")
 NEAREST, ACROSS_TRACK, ACROSS_MOTION, SUN_SIDE, AZIMUTH = range(len(ROLLS))
-CELESTIAL = ("sun", "moon", "limb", "glint")
-SUN, _, LIMB, GLINT = range(len(CELESTIAL))
+CELESTIAL = ("sun", "moon", "limb", "glint", "nadir", "within_limb", "inertial")
+SUN, _, LIMB, GLINT, NADIR, WITHIN_LIMB, INERTIAL = range(len(CELESTIAL))
 Rows3 = tuple[Vector, Vector, Vector]
 
 
@@ -55,13 +55,14 @@ class Tracking(NamedTuple):
     both ways.  azimuth_rad: of the rule of that name.  body_from_triad: columns (rows here) are
     the boresight, across it towards what the rule turns, and their product, in body axes.
     kept_parameters: (m, 5), a direction's parts along these, what it keeps away from (of
-    `CELESTIAL`) and by how much, rad; in the end three rows of each star tracker.
+    `CELESTIAL`, and the inertial ones numbered on) and by how much, rad; in the end three rows of
+    each star tracker.
     needed: star trackers that must see stars.  trackers: that there are.
     limits: of rate, acceleration and jerk by body axis; is_by_axis: else of the lengths.
     settle_s: on the track before a session.
     disks_m: radii of Sun and Moon.  hidden_rad: below the limb, where these count no more.
     idle: boresight and what the rule turns in the idle attitude, ITRF.  glint: its direction,
-    ITRF, and by how much it counts, rad.
+    ITRF, and by how much it counts, rad; then each inertial direction.
     """
 
     roll: int = -1
@@ -159,6 +160,13 @@ def _apart(
     which, least_rad = int(b.kept_parameters[m, 3]), float(b.kept_parameters[m, 4])
     if which == LIMB:
         return above_limb(seen, r_sat, 0.0) - least_rad
+    if which == WITHIN_LIMB:
+        return least_rad - above_limb(seen, r_sat, 0.0)
+    if which == NADIR:
+        return angle_between(seen, scaled(-1.0, r_sat)) - least_rad
+    if which >= INERTIAL:
+        star = vector_at(b.glint, b.glint_step_s, t_s, 4 + 3 * (which - INERTIAL))
+        return angle_between(seen, star) - least_rad
     if which == GLINT:
         counts = column_at(b.glint, b.glint_step_s, t_s, 3)
         glint = vector_at(b.glint, b.glint_step_s, t_s, 0)

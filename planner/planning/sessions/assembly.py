@@ -20,7 +20,7 @@ class AssemblyPrices:
     corner_row: float = 0.012  # and for each of its corners
     exclusion_row: float = 0.2  # for each exclusion of a body that always counts
     resource_row: float = 0.25  # where resources are planned and judged
-    wheels_row: float = 0.35  # more, with a momentum of wheels
+    wheels_row: float = 0.2  # more, with a momentum of wheels
     session: int = 1_500  # for its budget, comparison and report
 
 

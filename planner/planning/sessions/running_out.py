@@ -17,6 +17,7 @@ from planner.planning.resources import (
     Along,
     LightAndContacts,
     ResourceCurve,
+    Span,
     Uses,
     attitude_along,
     resource_curves,
@@ -30,8 +31,9 @@ from planner.planning.sessions.track_branches import may_look, session_rows
 from planner.verification import verify
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.world.plan import FlightPlan
+from planner.world.resources import Memory
 from planner.world.scenario import BoundedLead, Lead, Scenario, Session
-from planner.world.targets import BenchMotionTarget
+from planner.world.targets import BenchMotionTarget, StationTarget
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,6 +48,9 @@ class RunningOutOptions:
     gentler_share: float = 0.6  # of it to gentler slews, first of all where momentum runs out
     gentler: float = 2.0  # times the longest slew allowed
     growth: float = 4.0  # of the step to the next later start then
+    downlink_share: float = 0.4  # of it to a downlink before, where memory is full
+    gaps_s: tuple[float, ...] = (60.0, 300.0)  # beside a downlink, for the slews to it and from it
+    downlink_least_s: float = 10.0  # shorter ones are hardly worth a slew
     table_share: float = 0.25  # of a table's work: waits are known
     judged_share: float = 0.45  # of it, where it keeps all limits
     stride: int = 5  # rows between looks at the level of a shorter session: a second
@@ -163,10 +168,13 @@ def _advice(
     asked, after = sessions[number], tuple(range(number + 1, len(sessions)))
     for costs in dict.fromkeys(((), after)):
         search = _Search(levels, mover, number, costs)
-        ways, shorter, later, gentler = [], None, None, ""
+        ways, shorter, later, gentler, downlink = [], None, None, "", ""
         if curve.resource == "momentum":
             with at_most(OPTIONS.gentler_share * effort.remaining()):
                 gentler = search.gentler()
+        if curve.resource == "memory":
+            with at_most(OPTIONS.downlink_share * effort.remaining()):
+                downlink = search.downlink_before()
         with at_most(OPTIONS.shorter_share * effort.remaining()):
             shorter = search.shorter()
         with at_most(effort.remaining()):
@@ -180,6 +188,8 @@ def _advice(
             ways.append(f"from the start asked for it can be flown until {stop}")
         if gentler:
             ways.append(f"with {gentler}, which turns more slowly, it can be flown as asked")
+        if downlink:
+            ways.append(f"with {downlink} it can be flown as asked")
         if not ways:
             continue
         left_out = f", with session {number + 2} and any after it left out" if costs else ""
@@ -261,6 +271,81 @@ class _Search:
         except (SessionRefused, Refusal):
             return ""
         return 'slew.lead "all"' if most_s is None else f"slew.lead.max_duration_s {most_s:g}"
+
+    def downlink_before(self) -> str:
+        """In words, a session at a station before this one, with which all can be flown; empty:
+        none was found."""
+        memory = self.scenario.resources.memory if self.scenario.resources else None
+        if memory is None or not memory.pointed_gbit_s:
+            return ""
+        tries = 0
+        for gap_s in OPTIONS.gaps_s:
+            for place, name, target, span in self._downlinks(memory, gap_s):
+                if np.any(self._lacks_with(place, target, span) > 0.0):
+                    continue
+                start, stop = map(self._utc, span)
+                sessions = list(self.scenario.sessions)
+                sessions.insert(place, Session(target=target, start=start, stop=stop))
+                try:
+                    plan = _flown(replace(self.scenario, sessions=tuple(sessions)), self.mover)
+                    if self._works(plan)[0]:
+                        return (
+                            f"a downlink before, a session at {name} (latitude_deg "
+                            f"{target.latitude_deg:.10g}, longitude_deg "
+                            f"{target.longitude_deg:.10g}, height_m {target.height_m:g}, "
+                            f"min_elevation_deg {target.min_elevation_deg:g}) from "
+                            f"{utc_text(start, 1)} to {utc_text(stop, 1)},"
+                        )
+                except (SessionRefused, Refusal):
+                    pass  # another contact, or more time beside it
+                tries += 1
+                if tries >= OPTIONS.tries:
+                    return ""
+        return ""
+
+    def _downlinks(
+        self, memory: Memory, gap_s: float
+    ) -> Iterator[tuple[int, str, StationTarget, Span]]:
+        """Contacts with the request's stations between sessions, the last ones first: before which
+        session, the station's name, its target, and when on rows."""
+        named = {
+            (one.latitude_deg, one.longitude_deg): (one.label, one)
+            for one in self.uses.targets
+            if isinstance(one, StationTarget)
+        }
+        for one in memory.stations:
+            target = StationTarget(
+                latitude_deg=one.latitude_deg,
+                longitude_deg=one.longitude_deg,
+                height_m=one.height_m,
+                min_elevation_deg=one.min_elevation_deg,
+            )
+            named[one.latitude_deg, one.longitude_deg] = f"station {one.id}", target
+        found = []
+        for name, target in named.values():
+            for rise_s, set_s in self.levels.around.contacts_with(target):
+                for place in range(self.number + 1):
+                    before_s = self.uses.sessions[place - 1][1] if place else 0.0
+                    start_s = max(rise_s, before_s + gap_s)
+                    stop_s = min(set_s, self.uses.sessions[place][0] - gap_s)
+                    span = (
+                        math.ceil(start_s * ROWS_PER_S) / ROWS_PER_S,
+                        math.floor(stop_s * ROWS_PER_S) / ROWS_PER_S,
+                    )
+                    if span[1] - span[0] >= OPTIONS.downlink_least_s:
+                        found.append((span, place, name, target))
+        for span, place, name, target in sorted(found, key=lambda one: one[0], reverse=True):
+            yield place, name, target, span
+
+    def _lacks_with(self, place: int, target: StationTarget, span: Span) -> Array:
+        """Of battery and memory, with a session so inserted, by the plan's own attitude."""
+        spans, targets = list(self.uses.sessions), list(self.uses.targets)
+        spans.insert(place, span)
+        targets.insert(place, target)
+        uses = replace(self.uses, sessions=tuple(spans), targets=tuple(targets))
+        table, around, along = self.levels.plan.table, self.levels.around, self.levels.along
+        last_s = spans[-1][1] if self.leaves_out else math.inf
+        return _lacks(around.curves(table.t_s, along, uses, with_wheels=False), last_s)
 
     def later(self, resource: str) -> Session | None:
         """As long as asked, with the earliest later start that was found."""

@@ -107,7 +107,12 @@ def _conditions(
     scenario: Scenario, target: VisibleTarget, at: LineOfSight | _At
 ) -> Iterator[ConditionSeen]:
     pixel_rad = scenario.platform.camera.pixel_rad
-    return conditions_seen(scenario.conditions, target, at.instants, at.states, pixel_rad)
+    attitude, q_carrier_from_eci = scenario.attitude, None
+    if attitude is not None and scenario.conditions.directions:
+        q_carrier_from_eci = attitude.q_body_from_eci(at.instants, at.states)
+    return conditions_seen(
+        scenario.conditions, target, at.instants, at.states, pixel_rad, q_carrier_from_eci
+    )
 
 
 def require_visible(

@@ -1,7 +1,7 @@
 """A platform of kind body: a spacecraft that turns as a whole to point its camera."""
 
 import math
-from dataclasses import field
+from dataclasses import field, replace
 from functools import cached_property
 from typing import Annotated, ClassVar, Literal
 
@@ -11,13 +11,21 @@ from pydantic import Field
 from planner.base.arrays import Array
 from planner.base.commands import BODY_CHANNELS, GIMBAL_CHANNELS, Channel
 from planner.base.rotation import Rotation
-from planner.base.spec import LENGTH_MIN, UnitPart, VectorPart, Within, spec
+from planner.base.spec import UnitPart, VectorPart, Within, spec
 from planner.world.platforms.camera import PIXELS_ARCSEC, Camera
 from planner.world.platforms.field_mask import FieldMask
 from planner.world.platforms.geometry import Described, MotionBounds, Scanning, vector_text
 from planner.world.platforms.gyros import GyroEnvelope, GyroSet
+from planner.world.platforms.kept_direction import (
+    Celestial,
+    Direction,
+    KeptDeg,
+    KeptDirection,
+    require_long,
+    require_name,
+    unit_vector,
+)
 
-Direction = tuple[VectorPart, VectorPart, VectorPart]
 Matrix3 = tuple[
     tuple[VectorPart, VectorPart, VectorPart],
     tuple[VectorPart, VectorPart, VectorPart],
@@ -26,9 +34,7 @@ Matrix3 = tuple[
 BodyLimit = Annotated[float, Within(1e-4, 1e3)]
 AxisTriple = tuple[BodyLimit, BodyLimit, BodyLimit]
 _SettleS = Annotated[float, Within(0.0, 600.0)]
-_ExclusionDeg = Annotated[float, Within(0.0, 179.0)]
 LimitKind = Literal["magnitude", "axis"]
-Celestial = Literal["sun", "moon", "limb", "glint"]
 
 
 @spec
@@ -237,7 +243,7 @@ class SunSide:
     direction_body: Direction
 
     def __post_init__(self) -> None:
-        _require_long("direction_body", self.direction_body)
+        require_long("direction_body", self.direction_body)
 
 
 @spec
@@ -287,7 +293,7 @@ class SunIdle:
     north_body: Direction | None = None
 
     def __post_init__(self) -> None:
-        _require_long("direction_body", self.direction_body)
+        require_long("direction_body", self.direction_body)
         if self.north_body is not None:
             _require_apart("north_body", self.north_body, "direction_body", self.direction_body)
 
@@ -349,13 +355,13 @@ class StarTracker:
 
     name: str
     boresight_body: Direction
-    sun_deg: _ExclusionDeg = 0.0
-    moon_deg: _ExclusionDeg = 0.0
-    limb_deg: _ExclusionDeg = 0.0
+    sun_deg: KeptDeg = 0.0
+    moon_deg: KeptDeg = 0.0
+    limb_deg: KeptDeg = 0.0
 
     def __post_init__(self) -> None:
-        _require_name(self.name)
-        _require_long("boresight_body", self.boresight_body)
+        require_name(self.name)
+        require_long("boresight_body", self.boresight_body)
 
     @property
     def least_deg(self) -> tuple[tuple[Celestial, float], ...]:
@@ -384,61 +390,21 @@ class StarTrackers:
 
 
 @spec
-class Exclusion:
-    """A direction of the body that keeps away from the Sun, the Moon, the Earth's limb or glint, or
-    that stays near the Sun or the Moon.
+class Exclusion(KeptDirection):
+    """A direction of the body that keeps away from something around it or stays near it.
 
-    name: name of the exclusion in margins and refusals. E.g. `"radiator"`.
-    of: "camera" for the camera's boresight; else give direction_body.
-    direction_body: the direction that keeps away or near; needs no unit length. E.g.
-    `[0.0, 1.0, 0.0]`.
-    away_from: with min_deg; "sun" and "moon" count from the edge of the disk, and not while the
-    Earth hides it; "limb" from the Earth's edge, outwards; "glint" from where a calm sea would
-    mirror the Sun.
-    min_deg: least angle between them. E.g. `30.0`.
-    near: with max_deg, in place of away_from: what the direction stays near, as panels do to the
-    Sun; not while the Earth hides it. E.g. `"sun"`.
-    max_deg: greatest angle, within which all of the disk lies. E.g. `40.0`.
-    when: always, or only while the camera images.
+    when: always, or only while the camera images; only then near the limb.
     """
 
-    name: str
-    of: Literal["camera"] | None = None
-    direction_body: Direction | None = None
-    away_from: Celestial | None = None
-    min_deg: _ExclusionDeg | None = None
-    near: Literal["sun", "moon"] | None = None
-    max_deg: Annotated[float, Within(1.0, 179.0)] | None = None
     when: Literal["always", "imaging"] = "always"
 
     def __post_init__(self) -> None:
-        _require_name(self.name)
-        if (self.of is None) == (self.direction_body is None):
-            raise ValueError('of must be "camera", or direction_body given, and not both')
-        if self.direction_body is not None:
-            _require_long("direction_body", self.direction_body)
-        keeps_away = self.away_from is not None, self.min_deg is not None
-        stays_near = self.near is not None, self.max_deg is not None
-        if {keeps_away, stays_near} != {(True, True), (False, False)}:
+        super().__post_init__()
+        if self.near == "limb" and self.when == "always":
             raise ValueError(
-                "away_from must be given with min_deg, or near with max_deg in place of both"
+                'when must be "imaging" of a direction that stays near the limb: slews keep away '
+                "from cones only"
             )
-
-    @property
-    def body(self) -> Celestial:
-        """What the direction keeps away from, or stays near."""
-        celestial = self.away_from or self.near
-        assert celestial is not None  # else it was refused
-        return celestial
-
-    @property
-    def kept_deg(self) -> float:
-        """The least angle of `BodyPlatform.direction_of` from it: of a direction that stays near
-        that of its opposite."""
-        if self.min_deg is not None:
-            return self.min_deg
-        assert self.max_deg is not None
-        return 180.0 - self.max_deg
 
 
 @spec
@@ -483,7 +449,7 @@ class BodyPlatform:
     exclusions: tuple[Exclusion, ...] = ()
 
     def __post_init__(self) -> None:
-        _require_name(self.name)
+        require_name(self.name)
         if self.agility is None and self.gyros is None:
             raise ValueError("agility is required, or gyros in its place")
         if self.inertia_kg_m2 is not None:
@@ -632,16 +598,20 @@ class BodyPlatform:
         """What its directions keep away from also while nothing is imaged."""
         return tuple(one for one in self.exclusions if one.when == "always")
 
-    def direction_of(self, exclusion: Exclusion) -> Array:
+    def keeping(self, directions: tuple[KeptDirection, ...]) -> "BodyPlatform":
+        """The same with a request's directions among its exclusions, while it images."""
+        asked = (
+            Exclusion(**{**vars(one), "name": f"directions.{one.name}"}, when="imaging")
+            for one in directions
+        )
+        more = tuple(one for one in asked if one not in self.exclusions)
+        return replace(self, exclusions=self.exclusions + more) if more else self
+
+    def direction_of(self, exclusion: KeptDirection) -> Array:
         """The direction that keeps away, a unit vector in body axes, (3,): of one that stays near
         the opposite one."""
         direction = unit_vector(exclusion.direction_body or self.camera.boresight_body)
         return direction if exclusion.near is None else -direction
-
-
-def unit_vector(direction: Direction) -> Array:
-    """The direction with unit length, (3,)."""
-    return np.asarray(direction) / math.hypot(*direction)
 
 
 def _triad(x_body: Direction | Array, z_body: Direction) -> Array:
@@ -650,11 +620,6 @@ def _triad(x_body: Direction | Array, z_body: Direction) -> Array:
     across = np.asarray(x_body) - (np.asarray(x_body) @ z) * z
     x = across / np.linalg.norm(across)
     return np.stack([x, np.cross(z, x), z])
-
-
-def _require_name(name: str) -> None:
-    if not name:
-        raise ValueError("name must not be empty: refusals and margins are given by it")
 
 
 def _require_few_and_named(what: str, trackers: tuple[StarTracker, ...]) -> None:
@@ -669,13 +634,6 @@ def _require_own_names(what: str, names: list[str]) -> None:
             raise ValueError(f"{what}.{number}.name must be its own, not {name!r} again")
 
 
-def _require_long(name: str, direction: Direction) -> None:
-    if not math.hypot(*direction) >= LENGTH_MIN:
-        raise ValueError(
-            f"{name} must be at least {LENGTH_MIN:g} long, not {math.hypot(*direction):g}"
-        )
-
-
 def _angle_deg(a: Direction, b: Direction) -> float:
     a_unit, b_unit = unit_vector(a), unit_vector(b)
     across = float(np.linalg.norm(np.cross(a_unit, b_unit)))
@@ -684,8 +642,8 @@ def _angle_deg(a: Direction, b: Direction) -> float:
 
 def _require_apart(name: str, direction: Direction, other: str, other_direction: Direction) -> None:
     """Both long enough, and neither along the other: else nothing says how the body lies."""
-    _require_long(other, other_direction)
-    _require_long(name, direction)
+    require_long(other, other_direction)
+    require_long(name, direction)
     angle_deg = _angle_deg(direction, other_direction)
     if not 1.0 <= angle_deg <= 179.0:
         raise ValueError(
@@ -697,8 +655,8 @@ def _require_apart(name: str, direction: Direction, other: str, other_direction:
 def _require_square(
     name: str, direction: Direction, other: str, other_direction: Direction
 ) -> None:
-    _require_long(other, other_direction)
-    _require_long(name, direction)
+    require_long(other, other_direction)
+    require_long(name, direction)
     angle_deg = _angle_deg(direction, other_direction)
     if not abs(angle_deg - 90.0) <= 0.01:
         raise ValueError(f"{name} must stand square to {other}, not at {angle_deg:.6g} deg")

@@ -16,6 +16,7 @@ from planner.world.platforms.carrier_mode import UNIT_TOLERANCE, CarrierMode
 from planner.world.platforms.drive import AxisDrive
 from planner.world.platforms.field_mask import FieldMask
 from planner.world.platforms.geometry import Bounds, Described, MotionBounds, Scanning, vector_text
+from planner.world.platforms.kept_direction import KeptDirection
 
 UnitVector = tuple[UnitPart, UnitPart, UnitPart]
 # 5.36 x 3.56 km from 350 km (Sumarokov 2016).
@@ -81,7 +82,7 @@ class TwoAxisPlatform:
     park_positions: where it may be left at rest.
     masks: what stands in its view; fixed to the base, as the carrier is.
     drives: how the axes follow a table, in the order of `axis_names`.  structural_modes: how the
-    carrier rings when they do.
+    carrier rings when they do.  directions: that a request's conditions hold, of the carrier.
     Source: Sumarokov 2016, eq. 10-11.
     """
 
@@ -105,6 +106,7 @@ class TwoAxisPlatform:
     masks: tuple[FieldMask, ...] = ()
     drives: tuple[AxisDrive, AxisDrive] = (AxisDrive(), AxisDrive())
     structural_modes: tuple[CarrierMode, ...] = ()
+    directions: tuple[KeptDirection, ...] = ()
 
     def __post_init__(self) -> None:
         for name in (
@@ -125,6 +127,10 @@ class TwoAxisPlatform:
             raise ValueError(
                 "zero_direction_platform is within 1 deg of the inner axis, which can't move it"
             )
+
+    def keeping(self, directions: tuple[KeptDirection, ...]) -> "TwoAxisPlatform":
+        """The same with a request's directions."""
+        return replace(self, directions=directions) if directions != self.directions else self
 
     def with_limits(self, axis_limits: tuple[AxisLimits, ...]) -> "TwoAxisPlatform":
         """The platform with other limits, in the order of `axis_names`."""

@@ -22,6 +22,7 @@ from planner.planning.opportunities.sights import Sight
 from planner.planning.opportunities.sweep import Found
 from planner.planning.opportunities.tracking import (
     CELESTIAL,
+    INERTIAL,
     NEAREST,
     NO_BODY,
     ROLLS,
@@ -40,10 +41,11 @@ from planner.world.orbits import OrbitStates
 from planner.world.platforms import AnyPlatform, BodyPlatform
 from planner.world.platforms.body import (
     AzimuthRoll,
+    Exclusion,
     MagnitudeAgility,
     SunSide,
-    unit_vector,
 )
+from planner.world.platforms.kept_direction import unit_vector
 from planner.world.targets.body import HIDDEN_RAD
 
 
@@ -149,8 +151,8 @@ class BodyLookout:
         if number == NEAREST:
             table = self._table("idle", carrier)
             tracking = tracking._replace(idle_step_s=table.step_s, idle=table.powers)
-        if any(one.away_from == "glint" for one in platform.exclusions):
-            table = self._table("glint", carrier)
+        if any(one.body in ("glint", "inertial") for one in platform.exclusions):
+            table = self._table("sky", carrier)
             tracking = tracking._replace(glint_step_s=table.step_s, glint=table.powers)
         return tracking
 
@@ -189,27 +191,31 @@ class BodyLookout:
         """As `Tracking.kept_parameters`."""
         platform, trackers = self.platform, self.platform.star_trackers
         kept = [
-            (platform.direction_of(one), one.body, one.kept_deg)
+            (
+                platform.direction_of(one) * (-1.0 if one.near == "limb" else 1.0),
+                self._which(one),
+                one.kept_deg if one.near != "limb" else one.max_deg or 0.0,
+            )
             for one in platform.exclusions
             if images or one.when == "always"
         ]
         for tracker in trackers.each if images and trackers is not None else ():
             direction_body = unit_vector(tracker.boresight_body)
-            kept += [(direction_body, *angle) for angle in tracker.least_deg]
+            kept += [(direction_body, CELESTIAL.index(c), deg) for c, deg in tracker.least_deg]
         rows = [
-            (*(body_from_triad @ direction_body), CELESTIAL.index(celestial), math.radians(deg))
-            for direction_body, celestial, deg in kept
+            (*(body_from_triad @ direction_body), which, math.radians(deg))
+            for direction_body, which, deg in kept
         ]
         return np.array(rows, dtype=np.float64).reshape(-1, 5)
 
     def _table(self, what: str, carrier: Carrier) -> UniformTable:
-        """Of the idle attitude or of sunglint, over the carrier's time."""
+        """Of the idle attitude, or of sunglint and stars, over the carrier's time."""
         if (what, carrier) not in self._tables:
             step_s = OPTIONS.idle_step_s if what == "idle" else OPTIONS.glint_step_s
             cells = max(math.ceil(carrier.span_s / step_s), NODES + 1)
             instants = Instants(carrier.start_utc, np.linspace(0.0, carrier.span_s, cells + 1))
             c_itrf = c_itrf_from_eci(instants)
-            of = self._idle_itrf if what == "idle" else _glint_itrf
+            of = self._idle_itrf if what == "idle" else self._sky_itrf
             columns = of(instants, carrier.states(instants), c_itrf)
             self._tables[what, carrier] = UniformTable(carrier.span_s / cells, columns)
         return self._tables[what, carrier]
@@ -222,12 +228,22 @@ class BodyLookout:
             [np.einsum("nij,nj->ni", c_itrf, c_payload[:, k]) for k in (2, 0)], axis=1
         )
 
+    def _sky_itrf(self, instants: Instants, states: OrbitStates, c_itrf: Array) -> Array:
+        """Sunglint's direction and by how much it counts, and those among stars, (n, 4 + 3 k)."""
+        direction_eci, counts_rad = Surroundings(instants, states).glint()
+        columns = [np.einsum("nij,nj->ni", c_itrf, direction_eci), counts_rad[:, None]]
+        columns += [c_itrf @ np.asarray(one.about, float) for one in self._among_stars]
+        return np.concatenate(columns, axis=1)
 
-def _glint_itrf(instants: Instants, states: OrbitStates, c_itrf: Array) -> Array:
-    """Its direction and by how much it counts, (n, 4)."""
-    direction_eci, counts_rad = Surroundings(instants, states).glint()
-    direction_itrf = np.einsum("nij,nj->ni", c_itrf, direction_eci)
-    return np.concatenate([direction_itrf, counts_rad[:, None]], axis=1)
+    @property
+    def _among_stars(self) -> list[Exclusion]:
+        return [one for one in self.platform.exclusions if one.body == "inertial"]
+
+    def _which(self, exclusion: Exclusion) -> int:
+        """What it keeps away from, as `Tracking.kept_parameters` has it."""
+        if exclusion.body == "inertial":
+            return INERTIAL + self._among_stars.index(exclusion)
+        return CELESTIAL.index("within_limb" if exclusion.near == "limb" else exclusion.body)
 
 
 def _triad(toward_body: Array, aside_body: Array) -> Array:

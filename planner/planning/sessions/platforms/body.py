@@ -530,7 +530,7 @@ class BodyMover:
         surroundings = Surroundings(instants, ephemeris.states(instants))
         cones = []
         for exclusion in self.platform.always_excluded:
-            centre_eci, half_rad, counts_rad = surroundings.cone(exclusion.body)
+            centre_eci, half_rad, counts_rad = surroundings.cone(exclusion.about)
             cone = AvoidedCone(
                 name=exclusion.name,
                 direction_body=self.platform.direction_of(exclusion),

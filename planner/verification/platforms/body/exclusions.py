@@ -9,9 +9,9 @@ import numpy as np
 from planner.base.arrays import Array, Indices, Mask
 from planner.base.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.verification.platforms.body.options import OPTIONS
-from planner.verification.platforms.body.surroundings import Surroundings
 from planner.verification.platforms.judge import FlownInstants, Judge
 from planner.verification.report import ExclusionMargin
+from planner.verification.surroundings import Surroundings
 from planner.world.frames.time_scales import Instants, shifted_utc
 from planner.world.orbits import Ephemeris, OrbitStates
 from planner.world.platforms.body import BodyPlatform, Exclusion
@@ -42,14 +42,7 @@ def _rules(judge: Judge, platform: BodyPlatform) -> Iterator[tuple[str, bool, Ma
             exclusion: Exclusion = exclusion,
             direction_body: Array = direction_body,
         ) -> Array:
-            direction_eci = judge.direction_eci(direction_body, at, states)
-            if exclusion.near is not None and exclusion.max_deg is not None:
-                far_rad = around.far_edge_rad(direction_eci, exclusion.near)
-                return np.asarray(math.radians(exclusion.max_deg) - far_rad)
-            assert exclusion.away_from is not None  # one of the two
-            assert exclusion.min_deg is not None
-            away_rad = around.away_rad(direction_eci, exclusion.away_from)
-            return np.asarray(away_rad - math.radians(exclusion.min_deg))
+            return around.margin_rad(exclusion, judge.direction_eci(direction_body, at, states))
 
         yield exclusion.name, exclusion.when == "always", margin
     trackers = platform.star_trackers

@@ -47,12 +47,6 @@ class Options:
     # Angles to limb and glint change with the orbit, too: below 0.2 deg/s from 200 km.
     orbit_rate_rad_s: float = math.radians(0.5)
     rows_at_once: int = 20_000
-    glint_starts: int = 60  # along the Earth's arc from below the carrier to its horizon
-    glint_passes: int = 8  # of Newton's
-    glint_step: float = 1e-6  # of the arc, for his slopes
-    glint_aside: float = 0.05  # the flattening, 1/298, leads out of the plane a few times as far
-    sun_radius_m: float = 695_700e3  # IAU 2015 resolution B3
-    moon_radius_m: float = 1_737.4e3  # IAU Working Group on Cartographic Coordinates 2015
 
 
 OPTIONS = Options()

@@ -238,6 +238,7 @@ export const plan = {
       sun_keep_out: "angle from the Sun",
       moon_keep_out: "angle from the Moon",
       carrier_light: "light on the carrier",
+      direction: "angle of a direction",
       exclusion: "exclusion",
       roll: "roll",
       torque: "torque",

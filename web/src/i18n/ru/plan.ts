@@ -258,6 +258,7 @@ export const plan: Words["plan"] = {
       sun_keep_out: "угол от Солнца",
       moon_keep_out: "угол от Луны",
       carrier_light: "свет на носителе",
+      direction: "угол направления",
       exclusion: "запретный угол",
       roll: "крен",
       torque: "момент гиродинов",

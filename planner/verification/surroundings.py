@@ -1,23 +1,37 @@
-"""Angles of directions from Sun, Moon, the Earth's limb and sunglint, by the judge's own sky."""
+"""Angles of directions from Sun, Moon, limb, glint, nadir and stars, by the judge's own sky."""
 
 import math
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
 
+import erfa
 import numpy as np
 
 from planner.base.arrays import Array
 from planner.verification.directions import apart_rad
 from planner.verification.earth import earth_orientation
 from planner.verification.earth_fixed import WGS84_A_M, WGS84_A_OVER_B
-from planner.verification.platforms.body.options import OPTIONS
 from planner.verification.sky import SkySight, limb_clearance_rad, sky_sight
 from planner.world.frames.time_scales import Instants
 from planner.world.orbits import OrbitStates
-from planner.world.platforms.body import Celestial
+from planner.world.platforms.kept_direction import Celestial, KeptDirection
 from planner.world.targets import BodyTarget
 from planner.world.targets.body import HIDDEN_RAD
 
+
+@dataclass(frozen=True, kw_only=True)
+class SurroundingsOptions:
+    """How nearly sunglint is found, and how large disks are."""
+
+    glint_starts: int = 60  # along the Earth's arc from below the carrier to its horizon
+    glint_passes: int = 8  # of Newton's
+    glint_step: float = 1e-6  # of the arc, for his slopes
+    glint_aside: float = 0.05  # the flattening, 1/298, leads out of the plane a few times as far
+    sun_radius_m: float = 695_700e3  # IAU 2015 resolution B3
+    moon_radius_m: float = 1_737.4e3  # IAU Working Group on Cartographic Coordinates 2015
+
+
+OPTIONS = SurroundingsOptions()
 RADIUS_M = {"sun": OPTIONS.sun_radius_m, "moon": OPTIONS.moon_radius_m}
 SEMI_AXES_M = WGS84_A_M * np.array([1.0, 1.0, 1.0 / WGS84_A_OVER_B])
 
@@ -46,15 +60,29 @@ class Surroundings:
         away_rad = apart_rad(direction_eci, seen.apparent_eci) - edge_rad
         return np.where(seen.clearance_rad > -HIDDEN_RAD, away_rad, math.inf)
 
-    def far_edge_rad(self, direction_eci: Array, body: Literal["sun", "moon"]) -> Array:
-        """From unit vectors (n, 3) to the farthest of a disk, (n,).
+    def margin_rad(self, kept: KeptDirection, direction_eci: Array) -> Array:
+        """By how much unit vectors (n, 3) keep away from it or stay near it, (n,).
 
-        Minus infinite while it is hidden.
+        Infinite while there is nothing to keep away from, or to stay near.
         """
-        seen = self._sun if body == "sun" else self._moon
-        edge_rad = np.arcsin(RADIUS_M[body] / seen.range_m)
-        far_rad = apart_rad(direction_eci, seen.apparent_eci) + edge_rad
-        return np.where(seen.clearance_rad > -HIDDEN_RAD, far_rad, -math.inf)
+        centre_eci = None
+        if kept.body == "inertial":
+            ra_rad, dec_rad = math.radians(kept.ra_deg or 0.0), math.radians(kept.dec_deg or 0.0)
+            centre_eci = np.tile(erfa.s2c(ra_rad, dec_rad), (len(direction_eci), 1))
+        elif kept.body == "nadir":
+            r_m = self._states.r_sat_eci_m
+            centre_eci = -r_m / np.linalg.norm(r_m, axis=1, keepdims=True)
+        if centre_eci is not None:
+            away_rad = far_rad = apart_rad(direction_eci, centre_eci)
+        else:
+            away_rad = far_rad = self.away_rad(direction_eci, kept.body)
+            if kept.body in RADIUS_M:
+                seen = self._sun if kept.body == "sun" else self._moon
+                far_rad = away_rad + 2.0 * np.arcsin(RADIUS_M[kept.body] / seen.range_m)
+        if kept.max_deg is None:
+            return np.asarray(away_rad - math.radians(kept.min_deg or 0.0))
+        is_there = np.isfinite(far_rad)
+        return np.where(is_there, math.radians(kept.max_deg) - far_rad, math.inf)
 
     @cached_property
     def _sun(self) -> SkySight:
