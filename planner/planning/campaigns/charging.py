@@ -11,7 +11,8 @@ from planner.base.arrays import Array
 from planner.base.rotation import Rotation
 from planner.planning.campaigns.platforms.follower import Follower
 from planner.planning.campaigns.request import CampaignRequest
-from planner.planning.campaigns.smooth_turns import PARTS, smooth_turns
+from planner.planning.campaigns.smooth_turns import OPTIONS as TURNS
+from planner.planning.campaigns.smooth_turns import smooth_turns
 from planner.planning.resources import LightAndContacts, panels_w, sun_eci
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.time_scales import Instants
@@ -139,7 +140,7 @@ class Attitudes:
         long_s = np.diff(known_s)
         turns = smooth_turns(known[:-1], known[1:], long_s)
         told = np.concatenate([turns.reshape(-1, 7), known[-1:, :7]])
-        t_s = known_s[:-1, None] + long_s[:, None] * np.arange(PARTS) / PARTS
+        t_s = known_s[:-1, None] + long_s[:, None] * np.arange(TURNS.parts) / TURNS.parts
         return Flown(np.append(t_s, known_s[-1]), Rotation.from_quat(told[:, :4]), told[:, 4:])
 
     def brought_ws(

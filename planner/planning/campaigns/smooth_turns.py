@@ -20,14 +20,14 @@ _Quaternion = tuple[Vector, float]
 class TurnOptions(NamedTuple):
     """How closely a turn meets its end."""
 
-    steps: int = 64  # of a turn, of constant rate each; 16 times the instants that are told
+    steps: int = 64  # of a turn, of constant rate each
+    parts: int = 16  # of a turn, whose beginnings are told: a peak is missed by 1 % at most
     tries: int = 12  # by Newton's method, which squares what is missed each time
     missed_rad: float = 1e-5
     least_rad: float = 1e-12  # no axis is told from less
 
 
 OPTIONS = TurnOptions()
-PARTS = 16  # of each turn, whose beginnings are told
 
 
 @nested
@@ -119,12 +119,12 @@ def _found(start: Array, stop: Array, n: int, long_s: float, bulge: Vector) -> V
 @compiled
 def smooth_turns(start: Array, stop: Array, long_s: Array) -> Array:
     """Attitudes, scalar last and from the body's axes, and rates of n turns at the beginnings of
-    `PARTS` equal parts of each, (n, PARTS, 7).
+    `OPTIONS.parts` equal parts of each, (n, OPTIONS.parts, 7).
 
     start, stop: attitude, rate and acceleration, (n, 10).  The shorter bulge of two is taken: one
     sought from none, and one from the Euler axis; where neither is found a turn about that axis.
     """
-    told = np.empty((len(start), PARTS, 7))
+    told = np.empty((len(start), OPTIONS.parts, 7))
     for n in range(len(start)):
         q = (vector_of(start, n, 0), start[n, 3])
         back = scaled(-1.0, q[0]), q[1]
@@ -139,7 +139,7 @@ def smooth_turns(start: Array, stop: Array, long_s: Array) -> Array:
             bulge = other
         if math.isnan(norm(bulge)):
             bulge = straight
-        step_s, many = long_s[n] / OPTIONS.steps, OPTIONS.steps // PARTS
+        step_s, many = long_s[n] / OPTIONS.steps, OPTIONS.steps // OPTIONS.parts
         for k in range(OPTIONS.steps):
             rate = _rate(start, stop, n, long_s[n], bulge, (k + 0.5) / OPTIONS.steps)
             if k % many == 0:
