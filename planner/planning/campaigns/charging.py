@@ -67,8 +67,8 @@ class Attitudes:
     """A body's attitudes in a campaign, and what its panels give there.
 
     In the axes of ways, which stand still.  rest_states: idle, with the rate, (n, 7).
-    start_state: when the campaign begins, and in what attitude, rate and acceleration, (10,), unless
-    idle.
+    start_state: when the campaign begins, and in what attitude, rate and acceleration, (10,),
+    unless idle.
     lit_s: seconds of sunlight since the start, by time.
     """
 

@@ -127,8 +127,8 @@ def smooth_turns(start_states: Array, stop_states: Array, long_s: Array) -> Arra
     """Attitudes, scalar last and from the body's axes, and rates of n turns at the beginnings of
     `OPTIONS.parts` equal parts of each, (n, OPTIONS.parts, 7).
 
-    start_states, stop_states: attitude, rate and acceleration, (n, 10).  The shorter bulge of two is taken: one
-    sought from none, and one from the Euler axis; where neither is found a turn about that axis.
+    start_states, stop_states: attitude, rate and acceleration, (n, 10).  The shorter bulge of two
+    is taken, one sought from none, the other from the Euler axis; else the latter's, as begun.
     """
     told = np.empty((len(start_states), OPTIONS.parts, 7))
     for n in range(len(start_states)):
