@@ -11,7 +11,8 @@ from planner.base.arrays import Array
 from planner.base.rotation import Rotation
 from planner.planning.campaigns.platforms.follower import Follower
 from planner.planning.campaigns.request import CampaignRequest
-from planner.planning.campaigns.smooth_turns import PARTS, smooth_turns
+from planner.planning.campaigns.smooth_turns import OPTIONS as TURNS
+from planner.planning.campaigns.smooth_turns import smooth_turns
 from planner.planning.resources import LightAndContacts, panels_w, sun_eci
 from planner.world.frames.earth_orientation import c_itrf_from_eci
 from planner.world.frames.time_scales import Instants
@@ -66,15 +67,15 @@ class Attitudes:
     """A body's attitudes in a campaign, and what its panels give there.
 
     In the axes of ways, which stand still.  rest_states: idle, with the rate, (n, 7).
-    start: when the campaign begins, and in what attitude, rate and acceleration, (10,), unless
-    idle.
+    start_state: when the campaign begins, and in what attitude, rate and acceleration, (10,),
+    unless idle.
     lit_s: seconds of sunlight since the start, by time.
     """
 
     around: Charging
     t_s: Array
     rest_states: Array
-    start: tuple[float, Array] | None
+    start_state: tuple[float, Array] | None
     r_sat_still_m: Array
     sun_direction_still: Array
     at_rest_w: Array
@@ -82,7 +83,7 @@ class Attitudes:
 
     @classmethod
     def of(
-        cls, follower: Follower, around: Charging, start: tuple[float, Array] | None
+        cls, follower: Follower, around: Charging, start_state: tuple[float, Array] | None
     ) -> "Attitudes | None":
         """None where no look turns panels."""
         count = max(math.ceil(around.last_s / CHARGING.step_s), 8)
@@ -102,7 +103,7 @@ class Attitudes:
             rest_states=np.concatenate(
                 [(still_from_eci * q_eci_from_body).as_quat(), idle.rate_rad_s], axis=1
             ),
-            start=start,
+            start_state=start_state,
             r_sat_still_m=still_from_eci.apply(states.r_sat_eci_m),
             sun_direction_still=still_from_eci.apply(sun_eci(instants, states)),
             at_rest_w=around.power_w(t_s, q_eci_from_body.inv()),
@@ -123,8 +124,8 @@ class Attitudes:
 
     def begin(self, start_s: float) -> Array:
         """In which a pass begins, (10,)."""
-        if self.start is not None and start_s <= self.start[0]:
-            return self.start[1]
+        if self.start_state is not None and start_s <= self.start_state[0]:
+            return self.start_state[1]
         return np.asarray(self.rests(np.array([start_s]))[0])
 
     def flown(self, states: Sequence[tuple[float, Array]], start_s: float, stop_s: float) -> Flown:
@@ -139,7 +140,7 @@ class Attitudes:
         long_s = np.diff(known_s)
         turns = smooth_turns(known[:-1], known[1:], long_s)
         told = np.concatenate([turns.reshape(-1, 7), known[-1:, :7]])
-        t_s = known_s[:-1, None] + long_s[:, None] * np.arange(PARTS) / PARTS
+        t_s = known_s[:-1, None] + long_s[:, None] * np.arange(TURNS.parts) / TURNS.parts
         return Flown(np.append(t_s, known_s[-1]), Rotation.from_quat(told[:, :4]), told[:, 4:])
 
     def brought_ws(

@@ -20,14 +20,14 @@ _Quaternion = tuple[Vector, float]
 class TurnOptions(NamedTuple):
     """How closely a turn meets its end."""
 
-    steps: int = 64  # of a turn, of constant rate each; 16 times the instants that are told
+    steps: int = 64  # of a turn, of constant rate each
+    parts: int = 16  # of a turn, whose beginnings are told: a peak is missed by 1 % at most
     tries: int = 12  # by Newton's method, which squares what is missed each time
     missed_rad: float = 1e-5
     least_rad: float = 1e-12  # no axis is told from less
 
 
 OPTIONS = TurnOptions()
-PARTS = 16  # of each turn, whose beginnings are told
 
 
 @nested
@@ -60,49 +60,55 @@ def _turned(q: _Quaternion, v: Vector) -> Vector:
 
 
 @nested
-def _rate(start: Array, stop: Array, n: int, long_s: float, bulge: Vector, p: float) -> Vector:
-    rate = scaled(1.0 - p**2 * (3.0 - 2.0 * p), vector_of(start, n, 4))
-    rate = plus(rate, long_s * p * (1.0 - p) ** 2, vector_of(start, n, 7))
-    rate = plus(rate, p**2 * (3.0 - 2.0 * p), vector_of(stop, n, 4))
-    rate = plus(rate, -long_s * p**2 * (1.0 - p), vector_of(stop, n, 7))
+def _rate(
+    start_states: Array, stop_states: Array, n: int, long_s: float, bulge: Vector, p: float
+) -> Vector:
+    rate = scaled(1.0 - p**2 * (3.0 - 2.0 * p), vector_of(start_states, n, 4))
+    rate = plus(rate, long_s * p * (1.0 - p) ** 2, vector_of(start_states, n, 7))
+    rate = plus(rate, p**2 * (3.0 - 2.0 * p), vector_of(stop_states, n, 4))
+    rate = plus(rate, -long_s * p**2 * (1.0 - p), vector_of(stop_states, n, 7))
     return plus(rate, 30.0 * p**2 * (1.0 - p) ** 2, bulge)
 
 
 @nested
 def _missed(
-    start: Array, stop: Array, n: int, long_s: float, bulge: Vector, gained: Array
+    start_states: Array, stop_states: Array, n: int, long_s: float, bulge: Vector, gained_s: Array
 ) -> Vector:
     """What is missed of the attitude at the end, in the axes that stand still.
 
-    gained: (3, 3), what a change of the bulge brings there.
+    gained_s: (3, 3), what a change of the bulge brings there.
     """
-    q, step_s = (vector_of(start, n, 0), start[n, 3]), long_s / OPTIONS.steps
-    gained[:] = 0.0
+    q, step_s = (vector_of(start_states, n, 0), start_states[n, 3]), long_s / OPTIONS.steps
+    gained_s[:] = 0.0
     for k in range(OPTIONS.steps):
         p = (k + 0.5) / OPTIONS.steps
-        half = _turn(scaled(0.5 * step_s, _rate(start, stop, n, long_s, bulge, p)))
+        half = _turn(scaled(0.5 * step_s, _rate(start_states, stop_states, n, long_s, bulge, p)))
         q = _product(q, half)
         weight = 30.0 * p**2 * (1.0 - p) ** 2 * step_s
         for axis in range(3):
             one = (1.0 * (axis == 0), 1.0 * (axis == 1), 1.0 * (axis == 2))
             along = _turned(q, one)
             for row in range(3):
-                gained[row, axis] += weight * along[row]
+                gained_s[row, axis] += weight * along[row]
         q = _product(q, half)
     back = scaled(-1.0, q[0]), q[1]
-    left = _rotation(_product(back, (vector_of(stop, n, 0), stop[n, 3])))
+    left = _rotation(_product(back, (vector_of(stop_states, n, 0), stop_states[n, 3])))
     return _turned(q, left)
 
 
 @nested
-def _found(start: Array, stop: Array, n: int, long_s: float, bulge: Vector) -> Vector:
-    gained, rows = np.empty((3, 3)), np.empty((3, 3))
+def _found(start_states: Array, stop_states: Array, n: int, long_s: float, bulge: Vector) -> Vector:
+    gained_s, rows = np.empty((3, 3)), np.empty((3, 3))
     for _ in range(OPTIONS.tries):
-        missed = _missed(start, stop, n, long_s, bulge, gained)
+        missed = _missed(start_states, stop_states, n, long_s, bulge, gained_s)
         if norm(missed) < OPTIONS.missed_rad:
             break
         # By Cramer's rule: it is near a turn, whose determinant is 1, times the time.
-        columns = vector_of(gained.T, 0, 0), vector_of(gained.T, 1, 0), vector_of(gained.T, 2, 0)
+        columns = (
+            vector_of(gained_s.T, 0, 0),
+            vector_of(gained_s.T, 1, 0),
+            vector_of(gained_s.T, 2, 0),
+        )
         whole = dot(columns[0], cross(columns[1], columns[2]))
         if abs(whole) < 1e-6 * long_s**3:
             return math.nan, math.nan, math.nan
@@ -111,39 +117,42 @@ def _found(start: Array, stop: Array, n: int, long_s: float, bulge: Vector) -> V
             bulge[1] + dot(missed, cross(columns[2], columns[0])) / whole,
             bulge[2] + dot(missed, cross(columns[0], columns[1])) / whole,
         )
-    if norm(_missed(start, stop, n, long_s, bulge, rows)) >= OPTIONS.missed_rad:
+    if norm(_missed(start_states, stop_states, n, long_s, bulge, rows)) >= OPTIONS.missed_rad:
         return math.nan, math.nan, math.nan
     return bulge
 
 
 @compiled
-def smooth_turns(start: Array, stop: Array, long_s: Array) -> Array:
+def smooth_turns(start_states: Array, stop_states: Array, long_s: Array) -> Array:
     """Attitudes, scalar last and from the body's axes, and rates of n turns at the beginnings of
-    `PARTS` equal parts of each, (n, PARTS, 7).
+    `OPTIONS.parts` equal parts of each, (n, OPTIONS.parts, 7).
 
-    start, stop: attitude, rate and acceleration, (n, 10).  The shorter bulge of two is taken: one
-    sought from none, and one from the Euler axis; where neither is found a turn about that axis.
+    start_states, stop_states: attitude, rate and acceleration, (n, 10).  The shorter bulge of two
+    is taken, one sought from none, the other from the Euler axis; else the latter's, as begun.
     """
-    told = np.empty((len(start), PARTS, 7))
-    for n in range(len(start)):
-        q = (vector_of(start, n, 0), start[n, 3])
+    told = np.empty((len(start_states), OPTIONS.parts, 7))
+    for n in range(len(start_states)):
+        q = (vector_of(start_states, n, 0), start_states[n, 3])
         back = scaled(-1.0, q[0]), q[1]
-        whole = _rotation(_product(back, (vector_of(stop, n, 0), stop[n, 3])))
-        ends = plus(vector_of(start, n, 4), 1.0, vector_of(stop, n, 4))
-        bent = plus(vector_of(start, n, 7), -1.0, vector_of(stop, n, 7))
+        whole = _rotation(_product(back, (vector_of(stop_states, n, 0), stop_states[n, 3])))
+        ends = plus(vector_of(start_states, n, 4), 1.0, vector_of(stop_states, n, 4))
+        bent = plus(vector_of(start_states, n, 7), -1.0, vector_of(stop_states, n, 7))
         straight = plus(scaled(1.0 / long_s[n], whole), -0.5, ends)
         straight = plus(straight, -long_s[n] / 12.0, bent)
-        bulge = _found(start, stop, n, long_s[n], straight)
-        other = _found(start, stop, n, long_s[n], (0.0, 0.0, 0.0))
+        bulge = _found(start_states, stop_states, n, long_s[n], straight)
+        other = _found(start_states, stop_states, n, long_s[n], (0.0, 0.0, 0.0))
         if not norm(bulge) <= norm(other) and not math.isnan(norm(other)):
             bulge = other
         if math.isnan(norm(bulge)):
             bulge = straight
-        step_s, many = long_s[n] / OPTIONS.steps, OPTIONS.steps // PARTS
+        step_s, many = long_s[n] / OPTIONS.steps, OPTIONS.steps // OPTIONS.parts
         for k in range(OPTIONS.steps):
-            rate = _rate(start, stop, n, long_s[n], bulge, (k + 0.5) / OPTIONS.steps)
+            rate = _rate(start_states, stop_states, n, long_s[n], bulge, (k + 0.5) / OPTIONS.steps)
             if k % many == 0:
-                part, here = k // many, _rate(start, stop, n, long_s[n], bulge, k / OPTIONS.steps)
+                part, here = (
+                    k // many,
+                    _rate(start_states, stop_states, n, long_s[n], bulge, k / OPTIONS.steps),
+                )
                 for axis in range(3):
                     told[n, part, axis], told[n, part, 4 + axis] = q[0][axis], here[axis]
                 told[n, part, 3] = q[1]

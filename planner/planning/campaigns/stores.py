@@ -306,17 +306,17 @@ class CarrierStores:
                 before = carried[:4]
                 yield at_s, carried
 
-    def _carried(self, before: Array, moving: Array) -> Array:
+    def _carried(self, before_state: Array, moving_state: Array) -> Array:
         """A state, its roll the one that the shortest turn of the boresight brings."""
         platform = self._request.platform
         assert isinstance(platform, BodyPlatform)
-        lying, on_target = Rotation.from_quat(before), Rotation.from_quat(moving[:4])
+        lying, on_target = Rotation.from_quat(before_state), Rotation.from_quat(moving_state[:4])
         old, new = (one.apply(platform.boresight_body) for one in (lying, on_target))
         across = np.cross(old, new)
         sine = float(np.linalg.norm(across))
         angle = math.atan2(sine, float(old @ new))
         turned = Rotation.from_rotvec(across * (angle / max(sine, 1e-15))) * lying
-        motion = (turned.inv() * on_target).apply(moving[4:10].reshape(2, 3))
+        motion = (turned.inv() * on_target).apply(moving_state[4:10].reshape(2, 3))
         return np.concatenate([turned.as_quat(), motion.ravel()])
 
     def begins(self, passes: Sequence[tuple[Look, ...]]) -> list[Resources | None]:

@@ -60,8 +60,8 @@ class Wheels:
         count = max(round(request.span_s / OPTIONS.step_s), 8)
         t_s = np.linspace(0.0, request.span_s, count + 1)
         states = attitudes.rests(t_s)
-        if attitudes.start is not None:
-            states[0] = attitudes.start[1]
+        if attitudes.start_state is not None:
+            states[0] = attitudes.start_state[1]
         self._rest = self._at(t_s, Rotation.from_quat(states[:, :4]), states[:, 4:7])
 
     def turned(
