@@ -160,7 +160,7 @@ class Revision:
     def require(
         self, start: datetime, stop: datetime, duty_cycles: Mapping[str, DutyCycle | None]
     ) -> None:
-        """Raises ValueError for a request that can't be revised so.  duty_cycles: by their field."""
+        """Raises ValueError for a request that can't be revised so.  duty_cycles: by field."""
         for field, duty_cycle in duty_cycles.items():
             if duty_cycle is not None:
                 raise ValueError(
