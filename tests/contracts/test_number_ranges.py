@@ -116,6 +116,11 @@ FRAGMENTS = [
     _with(resources={"battery": _BATTERY | {"sunlight_w": 80.0}}),
     _with(conditions={}),
     _with(conditions={"duty_cycle": {"imaging_max_s": 600.0, "span_s": 5560.0}}),
+    _with(conditions={"directions": [
+        {"name": "radiator", "direction_body": [0.0, -1.0, 0.0], "away_from": "sun",
+         "min_deg": 20.0},
+        {"name": "tracker", "of": "camera", "near": "inertial", "max_deg": 179.0, "ra_deg": 10.0,
+         "dec_deg": 20.0}]}),
     _body_of() | {"resources": {"momentum": _WHEELS}},
     _imaged(0, "LineString", _LINE, mode="strip"),
     _imaged(0, "MultiLineString", [_LINE], mode="corridor"),
@@ -208,6 +213,12 @@ def _shown(examples: dict[str, tuple[str, Document]]) -> tuple[Document, ...]:
     return tuple(document for _, document in examples.values())
 
 
+def _revised(start: str) -> Document:
+    look = {"target": "Phoenix", "part": 1, "value": 0.5}
+    times = ("pass_start", "start", "stop", "pass_stop")
+    return {"frozen_until": start, "looks": [look | dict.fromkeys(times, start)]}
+
+
 @cache
 def _kinds() -> tuple[Asked, ...]:
     template = REFERENCE + "{model}"
@@ -216,7 +227,7 @@ def _kinds() -> tuple[Asked, ...]:
               (*_shown(PLAN_EXAMPLES), *FRAGMENTS)),
         Asked("campaign", read_campaign_request, CAMPAIGN_READER.json_schema(template),
               tuple(d | {"rest_angles_deg": {"alpha": 0.0, "beta": 0.0}, "conditions": {},
-                         "view": {}}
+                         "view": {}, "revises": _revised(d["start"])}
                     for d in _shown(CAMPAIGN_EXAMPLES))),
         Asked("flights", read_flights_request, FLIGHTS_READER.json_schema(template),
               _shown(FLIGHTS_EXAMPLES)),

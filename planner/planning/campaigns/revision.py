@@ -150,8 +150,8 @@ class Revision:
 
     frozen_until: passes that begin before it stay as they were chosen, and nothing else begins
     before it; UTC. E.g. `"2015-02-27T18:00:00Z"`.
-    looks: those of the campaign before, flown or to be flown. `POST /v1/campaigns?revises=` and
-    the campaign's id writes them here.
+    looks: those of the campaign before, flown or to be flown. `POST /v1/campaigns` with `revises`,
+    the campaign's id, writes them here.
     """
 
     frozen_until: datetime

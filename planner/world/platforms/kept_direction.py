@@ -26,7 +26,7 @@ class KeptDirection:
     Earth hides it; "limb" from the Earth's edge, outwards; "glint" from where a calm sea would
     mirror the Sun; "nadir" from the geocentre; "inertial" from ra_deg and dec_deg.
     min_deg: least angle between them. E.g. `30.0`.
-    near: with max_deg, in place of away_from: what the direction stays near, as panels do to the
+    near: with max_deg, in place of away_from: the direction stays near it, as panels do to the
     Sun; not while the Earth hides it. Near the limb is whatever lies below it, too. E.g. `"sun"`.
     max_deg: greatest angle, within which all of the disk lies. E.g. `40.0`.
     ra_deg, dec_deg: right ascension and declination of an inertial direction in GCRF axes. E.g.
