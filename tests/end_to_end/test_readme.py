@@ -147,7 +147,7 @@ def test_every_curl_line_is_answered(page, address, las_vegas):
     ids = {"plan": json.loads(las_vegas[2])["id"]}
     for command in WITH_CURL[page]:
         command = re.sub(
-            r"(plan|campaign|flight)(s?\W+)(?:ID|PLAN)\b",
+            r"(plan|campaign|flight)(s?\W+(?:revises=)?)(?:ID|PLAN)\b",
             lambda found: found[1] + found[2] + ids[found[1]],
             command.replace('"runs": 1000', '"runs": 2'),
         )

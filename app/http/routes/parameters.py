@@ -21,7 +21,7 @@ _KEY_CHARACTERS_MAX = 255
 
 def _id(text: str) -> str:
     if not is_id(text):
-        raise ValueError("must be the id of a plan, such as an answer names it")
+        raise ValueError("must be an id, as an answer names it")
     return text
 
 
