@@ -74,6 +74,50 @@ def test_a_fleet_is_shown_by_carrier_and_sought_by_name(open_page, service):
     fit_a_phone(page)
 
 
+def test_a_fleet_is_changed_and_revised(open_page, service):
+    asked = json.loads((ROOT / "examples/campaign_fleet.json").read_text())
+    before = made(service, "/v1/campaigns", asked)
+    page = open_page(f"/campaigns/{before['id']}")
+    page.get_by_role("link", name="Revise", exact=True).click()
+    carriers = page.get_by_test_id("carrier")
+    expect(carriers).to_have_count(3)
+    carriers.nth(2).get_by_label("Carrier", exact=True).fill("survey")
+    carriers.nth(2).get_by_label("Platform").select_option("agile-cmg")
+    page.get_by_role("button", name="Another carrier").click()
+    expect(carriers).to_have_count(4)
+    carriers.nth(3).get_by_role("button", name="Remove 4").click()
+    changed = json.loads(page.get_by_label("Request as JSON").input_value())
+    assert [one["id"] for one in changed["carriers"]] == ["station", "follower", "survey"]
+    assert changed["carriers"][:2] == asked["carriers"][:2]
+    assert changed["carriers"][2] == asked["carriers"][2] | {
+        "id": "survey",
+        "platform": "agile-cmg",
+    }
+    page.get_by_label("Passes that begin before it stay").fill("2015-02-27T18:00:00")
+    assert violations(page) == []
+    page.get_by_role("button", name="Revise the campaign").click()
+    expect(page.get_by_text("of an earlier campaign")).to_be_visible(timeout=PATIENCE_MS)
+    found = httpx.get(f"{service.address}/v1/campaigns/{page.url.rsplit('/', 1)[1]}").json()
+    assert found["revises"] == before["id"]
+    assert found["choice"]["revision"]["frozen"]
+
+
+def test_the_last_of_several_carriers_is_the_campaigns_own(open_page, service):
+    asked = json.loads((ROOT / "examples/campaign_fleet.json").read_text())
+    fleet = made(service, "/v1/campaigns", asked)
+    page = open_page(f"/campaigns?from={fleet['id']}")
+    page.get_by_role("button", name="Remove smallsat").click()
+    page.get_by_role("button", name="Remove follower").click()
+    expect(page.get_by_test_id("carrier")).to_have_count(0)
+    single = json.loads(page.get_by_label("Request as JSON").input_value())
+    station = asked["carriers"][0]
+    own = {name: station[name] for name in ("platform", "orbit", "attitude")}
+    assert single == {name: asked[name] for name in asked if name != "carriers"} | own
+    page.get_by_role("button", name="Another carrier").click()
+    both = json.loads(page.get_by_label("Request as JSON").input_value())["carriers"]
+    assert both == [own | {"id": "1"}, own | {"id": "2"}]
+
+
 def test_a_target_left_out_for_the_memory_says_so(open_page, service):
     asked = json.loads((ROOT / "examples/campaign_resources.json").read_text())
     kept = made(service, "/v1/campaigns", asked)

@@ -7,10 +7,17 @@ import { DropZone } from "./DropZone";
 import { Field } from "./Field";
 import { useKept } from "./kept";
 
-export function OrbitField({ orbit, onOrbit }: { orbit: Orbit; onOrbit: (orbit: Orbit) => void }) {
+interface Props {
+  orbit: Orbit;
+  /** Tells it from others of the same form. */
+  of?: string;
+  onOrbit: (orbit: Orbit) => void;
+}
+
+export function OrbitField({ orbit, of = "", onOrbit }: Props) {
   const text = words.value.plan.orbit;
   const { path, query } = place.value;
-  const [typed, setTyped] = useKept<string | null>(`${path} orbit`, null, query.get("from"));
+  const [typed, setTyped] = useKept<string | null>(`${path} orbit${of}`, null, query.get("from"));
   const take = (content: string) => {
     const read = orbitOf(content);
     setTyped(read ? null : content);

@@ -26,6 +26,7 @@ export function useMaking<R extends object>(
     shown.current = request;
   }, [request]);
   const sending = useRequest<void>(null);
-  const send = () => sending.ask(async (until) => go(`${room}/${(await sendOff(path, request, {}, until)).id}`));
+  const send = (query: Record<string, string> = {}) =>
+    sending.ask(async (until) => go(`${room}/${(await sendOff(path, request, query, until)).id}`));
   return { request, setRequest, isSending: sending.isAsking, error: sending.error ?? begun.error, send };
 }

@@ -89,6 +89,12 @@ export const campaigns = {
     bound === null ? `Best so far: ${value}` : `Best so far: ${value}; none is worth more than ${bound} (at most ${gap} to gain)`,
   revised: (stay: number, count: { kept: number; moved: number; dropped: number; added: number }) =>
     `Beside these ${counted(stay, "look", "looks", "looks")} of an earlier campaign ${stay === 1 ? "stays" : "stay"}. Targets: ${count.kept} kept, ${count.moved} moved, ${count.dropped} dropped, ${count.added} added.`,
+  revise: "Revise",
+  frozenUntil: "Passes that begin before it stay (UTC)",
+  frozenHint: "Looks after them are chosen anew, and what became of each target is told.",
+  sendRevised: "Revise the campaign",
+  carrier: "Carrier",
+  addCarrier: "Another carrier",
   carriers: "Looks by carrier",
   carriersHint: "Press a carrier to see its targets alone, on the map and in the table; press a look to find its target.",
   carrierTold: (looks: number, value: string) => `${counted(looks, "look", "looks", "looks")}, ${value}`,

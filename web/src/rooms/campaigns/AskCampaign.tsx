@@ -1,5 +1,5 @@
 /** The request of a campaign: targets, days, platform, and the weights of a view's qualities. */
-import { useMemo, useRef } from "preact/hooks";
+import { useMemo } from "preact/hooks";
 
 import example from "../../../../examples/campaign_cities.json";
 import { Problem } from "../../api/problem";
@@ -8,21 +8,22 @@ import { MODES } from "../../map/modes";
 import { Field } from "../../parts/Field";
 import { FormSurroundings } from "../../parts/fields/Fields";
 import { useMaking } from "../../parts/making";
-import { OrbitField } from "../../parts/OrbitField";
-import { PlatformField, PlatformMembers } from "../../parts/PlatformField";
 import { ProblemNotice } from "../../parts/ProblemNotice";
-import type { AskedPlatform, Platform } from "../../parts/platforms";
 import { RequestText } from "../../parts/RequestText";
+import { useStateOf } from "../../parts/stateOf";
+import { UtcField } from "../../parts/UtcField";
+import { place } from "../../router";
 import { BODY_ONLY } from "../planning/platforms";
+import { CarrierFields } from "./CarrierFields";
 import {
-  type CampaignRequest,
+  type AskedCampaign,
   type CampaignTarget,
+  type CarrierMembers,
   faultsOf,
   fetchRequest,
   isOfBody,
   modeIn,
   placesOf,
-  withPlatform,
 } from "./campaign";
 import { idFor, TargetList } from "./TargetList";
 import { TargetsFile } from "./TargetsFile";
@@ -32,18 +33,15 @@ import { Weights } from "./Weights";
 import { WhenAndHow } from "./WhenAndHow";
 
 const KINDS: readonly Kind[] = ["ground", ...MODES];
-const EXAMPLE = example as unknown as CampaignRequest;
+const EXAMPLE = example as unknown as AskedCampaign;
 
 export function AskCampaign() {
   const text = words.value.campaigns;
   const { request, setRequest, isSending, error, send } = useMaking("/v1/campaigns", "/campaigns", EXAMPLE, fetchRequest);
-  const change = (members: Partial<CampaignRequest>) => setRequest({ ...request, ...members });
-  /** The request as it was when a body took the place of its two axes. */
-  const ofAxes = useRef<CampaignRequest | null>(null);
-  const takePlatform = (platform: AskedPlatform, found: Platform) => {
-    if (!isOfBody(request)) ofAxes.current = request;
-    setRequest(withPlatform(request, platform, found, ofAxes.current));
-  };
+  /** Of the campaign that this one revises, and until when that one stays. */
+  const revises = place.value.query.get("revises");
+  const [frozen, setFrozen] = useStateOf(request.start, () => request.start);
+  const change = (members: Partial<AskedCampaign>) => setRequest({ ...request, ...members });
   const targets = Array.isArray(request.targets) ? request.targets : [];
   // Of the targets as they were sent: one that is changed or removed takes its fault along.
   const faults = useMemo(() => faultsOf(error, targets), [error]);
@@ -53,7 +51,8 @@ export function AskCampaign() {
     (error.document.errors ?? []).every(({ field }) => field.startsWith("targets."));
   const add = (target: CampaignTarget["target"]) =>
     change({ targets: [...targets, { id: idFor(target, targets), ...(!modeIn(target) && { session_s: SESSION_S }), target }] });
-  const surroundings = { axes: [], known: {}, others: isOfBody(request) ? [] : BODY_ONLY, refused: null };
+  const hasBody = (request.carriers ?? [request as CarrierMembers]).some(isOfBody);
+  const surroundings = { axes: [], known: {}, others: hasBody ? [] : BODY_ONLY, refused: null };
   const places = placesOf({ ...request, targets }, null);
   return (
     <div class="room">
@@ -71,7 +70,7 @@ export function AskCampaign() {
             </FormSurroundings.Provider>
           </section>
           <section class="panel" aria-labelledby="campaign-when">
-            <div class="pair">
+            <CarrierFields request={request} onRequest={setRequest}>
               <Field label={text.name}>
                 {(control) => (
                   <input
@@ -81,12 +80,10 @@ export function AskCampaign() {
                   />
                 )}
               </Field>
-              <PlatformField asked={request.platform} onPlatform={takePlatform} />
-            </div>
-            <PlatformMembers asked={request.platform} onMembers={(platform) => change({ platform })} />
+            </CarrierFields>
             <h2 id="campaign-when">{text.when}</h2>
             <WhenAndHow request={request} onChange={change} />
-            <OrbitField orbit={request.orbit} onOrbit={(orbit) => change({ orbit })} />
+            {revises !== null && <UtcField label={text.frozenUntil} hint={text.frozenHint} value={frozen} onValue={setFrozen} />}
           </section>
           <Weights view={request.view ?? {}} onView={(view) => change({ view })} />
         </div>
@@ -97,7 +94,7 @@ export function AskCampaign() {
               request={request}
               hint={text.jsonHint}
               rows={14}
-              onRequest={(changed) => setRequest(changed as CampaignRequest)}
+              onRequest={(changed) => setRequest(changed as AskedCampaign)}
             />
           </div>
         </div>
@@ -108,8 +105,13 @@ export function AskCampaign() {
           {text.faults(faults.size)}
         </p>
       )}
-      <button type="button" class="primary" disabled={isSending || targets.length === 0} onClick={() => void send()}>
-        {text.send}
+      <button
+        type="button"
+        class="primary"
+        disabled={isSending || targets.length === 0}
+        onClick={() => void send(revises === null ? {} : { revises, frozen_until: frozen })}
+      >
+        {revises === null ? text.send : text.sendRevised}
       </button>
     </div>
   );

@@ -6,7 +6,7 @@ import { words } from "../../i18n";
 import { Copied } from "../../parts/Copied";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { address } from "../../router";
-import { type CampaignRequest, PATH } from "./campaign";
+import { type AskedCampaign, PATH } from "./campaign";
 
 const FILES = {
   csv: "text/csv",
@@ -17,7 +17,7 @@ const FILES = {
 
 interface Props {
   id: string;
-  request: CampaignRequest;
+  request: AskedCampaign;
   /** Whether it has ended with plans. */
   hasPlans: boolean;
 }

@@ -39,6 +39,11 @@ export function OneCampaign({ id }: { id: string }) {
         <Link to={`/campaigns?from=${id}`} class="button">
           {words.value.plan.one.change}
         </Link>
+        {answer?.state === "done" && (
+          <Link to={`/campaigns?from=${id}&revises=${id}`} class="button">
+            {text.revise}
+          </Link>
+        )}
       </div>
       {answer?.start && answer.stop && (
         <Identity

@@ -3,9 +3,9 @@ import { words } from "../../i18n";
 import { number, rfc3339 } from "../../i18n/forms";
 import { Field } from "../../parts/Field";
 import { UtcField } from "../../parts/UtcField";
-import type { CampaignRequest } from "./campaign";
+import type { AskedCampaign } from "./campaign";
 
-type Conditions = NonNullable<CampaignRequest["conditions"]>;
+type Conditions = NonNullable<AskedCampaign["conditions"]>;
 
 const DAY_MS = 86_400_000;
 const ANGLES = [
@@ -15,8 +15,8 @@ const ANGLES = [
 ] as const;
 
 interface Props {
-  request: CampaignRequest;
-  onChange: (members: Partial<CampaignRequest>) => void;
+  request: AskedCampaign;
+  onChange: (members: Partial<AskedCampaign>) => void;
 }
 
 export function WhenAndHow({ request, onChange }: Props) {
@@ -73,7 +73,7 @@ export function WhenAndHow({ request, onChange }: Props) {
 }
 
 /** The conditions in words, as they head what was made. */
-export function conditionsTold({ conditions }: CampaignRequest): string[] {
+export function conditionsTold({ conditions }: AskedCampaign): string[] {
   const text = words.value.campaigns;
   return ANGLES.flatMap(({ name }) => {
     const given = conditions?.[name];

@@ -20,36 +20,69 @@ export function fetchCampaign(id: string, signal: AbortSignal): Promise<Campaign
 }
 
 /** The request as it was sent. */
-export function fetchRequest(id: string, until: AbortSignal): Promise<CampaignRequest> {
-  return get("/v1/campaigns/{id}/request", { id, signal: until }) as Promise<CampaignRequest>;
+export function fetchRequest(id: string, until: AbortSignal): Promise<AskedCampaign> {
+  return get("/v1/campaigns/{id}/request", { id, signal: until }) as Promise<AskedCampaign>;
 }
 
-/** With another platform; ofAxes: the request as it was when a body took the place of its two axes. */
-export function withPlatform(
-  request: CampaignRequest,
-  platform: AskedPlatform,
-  found: Platform,
-  ofAxes: CampaignRequest | null,
-): CampaignRequest {
+const OWN = [
+  "platform",
+  "orbit",
+  "attitude",
+  "rest_angles_deg",
+  "initial_q_body_from_eci_xyzw",
+  "slew",
+  "pixel_arcsec",
+  "resources",
+] as const;
+/** What each of several carriers has, and a campaign of one in their place. */
+export type CarrierMembers = Pick<CampaignRequest, (typeof OWN)[number]>;
+export type Carrier = CarrierMembers & { id: string };
+/** Of several, `carriers` have those members. */
+export type AskedCampaign = Omit<CampaignRequest, keyof CarrierMembers> & Partial<CarrierMembers> & { carriers?: Carrier[] };
+
+/** With another platform; ofAxes: as it was when a body took the place of its two axes. */
+export function withPlatform<R extends CarrierMembers>(own: R, platform: AskedPlatform, found: Platform, ofAxes: R | null): R {
   if (found.kind === "body") {
-    const { attitude: _, rest_angles_deg: __, slew, ...rest } = request;
-    return { ...rest, platform, ...slewOfBody(slew) };
+    const { attitude: _, rest_angles_deg: __, slew, ...rest } = own;
+    return { ...rest, platform, ...slewOfBody(slew) } as R;
   }
-  if (!isOfBody(request)) return { ...request, platform };
+  if (!isOfBody(own)) return { ...own, platform };
   const { attitude, rest_angles_deg, slew } = ofAxes ?? { attitude: usualOf(found) };
-  const { initial_q_body_from_eci_xyzw: _, ...rest } = request;
+  const { initial_q_body_from_eci_xyzw: _, ...rest } = own;
   return {
     ...rest,
     platform,
     ...(attitude && { attitude }),
     ...(rest_angles_deg && { rest_angles_deg }),
-    ...((slew || request.slew) && { slew: { ...slew, ...request.slew } }),
-  };
+    ...((slew || own.slew) && { slew: { ...slew, ...own.slew } }),
+  } as R;
 }
 
 /** Whether a spacecraft is asked for that turns as a whole. */
-export function isOfBody({ platform }: CampaignRequest): boolean {
+export function isOfBody({ platform }: Pick<CarrierMembers, "platform">): boolean {
   return findPlatform(platform)?.kind === "body";
+}
+
+/** With one carrier more, like the last. */
+export function withAnother(request: AskedCampaign): AskedCampaign {
+  const { carriers = [{ id: "1", ...ownOf(request) }], ...all } = request;
+  const taken = new Set(carriers.map((one) => one.id));
+  let number = carriers.length + 1;
+  while (taken.has(String(number))) number += 1;
+  const own = new Set<string>(request.carriers ? [] : OWN);
+  const common = Object.fromEntries(Object.entries(all).filter(([name]) => !own.has(name))) as AskedCampaign;
+  return { ...common, carriers: [...carriers, { ...(carriers.at(-1) as Carrier), id: String(number) }] };
+}
+
+/** Without one of them; one that is left has its members in the campaign itself. */
+export function withOneLess({ carriers = [], ...common }: AskedCampaign, place: number): AskedCampaign {
+  const left = carriers.filter((_, n) => n !== place);
+  const [only] = left;
+  return left.length === 1 && only ? { ...common, ...ownOf(only) } : { ...common, carriers: left };
+}
+
+function ownOf(carrier: Partial<CarrierMembers>): CarrierMembers {
+  return Object.fromEntries(OWN.flatMap((name) => (name in carrier ? [[name, carrier[name]]] : []))) as unknown as CarrierMembers;
 }
 
 /** chosen: in a plan, or to be; refused: chosen, but not planned; open: not decided yet. */
@@ -80,7 +113,7 @@ export interface TargetFate {
   bestElevation_deg: number | null;
 }
 
-export function fatesOf(request: CampaignRequest, campaign: Campaign): TargetFate[] {
+export function fatesOf(request: AskedCampaign, campaign: Campaign): TargetFate[] {
   const { choice } = campaign;
   const unseen = new Map(choice?.unseen.map((one) => [one.target, one]));
   const leftOut = new Map(choice?.left_out.map((one) => [one.target, one]));
@@ -148,7 +181,7 @@ export function coloursOf(choice: Choice | FleetChoice | null): Map<string, stri
 }
 
 /** The id of the target that a field belongs to. */
-export function nameIn(request: CampaignRequest | null, field: string): string {
+export function nameIn(request: AskedCampaign | null, field: string): string {
   return request?.targets[numberOf(field)]?.id ?? field;
 }
 
