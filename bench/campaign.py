@@ -62,7 +62,7 @@ def main() -> None:
     stages: dict[str, float] = {}
     last = ["", time.process_time()]
 
-    def tell(stage: str, done: int, of: int) -> None:
+    def tell(stage: str, done: int, of: int, /, **_: float | None) -> None:
         now_s = time.process_time()
         stages[str(last[0])] = stages.get(str(last[0]), 0.0) + now_s - float(last[1])
         last[:] = [stage, now_s]

@@ -68,9 +68,9 @@ def chosen(monkeypatch, request):
     """A campaign, and what it was chosen from."""
     kept, found = {}, campaigns.choose_keeping
 
-    def keeping(*given):
+    def keeping(*given, **named):
         kept["keeping"], kept["networks"], kept["looking"], *_ = given
-        kept["choice"], rows = found(*given)
+        kept["choice"], rows = found(*given, **named)
         return kept["choice"], rows
 
     monkeypatch.setattr(campaigns, "choose_keeping", keeping)

@@ -40,6 +40,8 @@ class KeepingOptions:
     rounds: int = 12  # of rows that a programme's answer breaks
     dearer: int = 10  # halvings of what a second costs, until a pass's path fits
     fill_every: int = 5  # mixtures between whole choices at the prices reached
+    # passes filled anew to exchange looks: in tens of passes each look is left out in turn
+    exchanged_passes_max: int = 400
 
 
 KEEPING = KeepingOptions()
@@ -168,6 +170,28 @@ class _KeepingSearch(Search):
             if self._bound - mixture.value <= enough or is_still:
                 break
         return found
+
+    def put_together(self, tell: Reporter) -> None:
+        super().put_together(tell)
+        self._exchange()
+
+    def _exchange(self) -> None:
+        """Each look of the best choice is left out in turn, and what then fits is filled in without
+        its target, then with it, until nothing is gained: prices miss what few large looks use."""
+        tries = KEEPING.exchanged_passes_max // len(self._networks)
+        untried = [(number, look) for number, looks in enumerate(self.best) for look in looks]
+        while untried and tries > 0 and not self._is_near():
+            number, out = untried.pop(0)
+            if out not in self.best[number] or self._looking.group[out.target] >= 0:
+                continue
+            tries -= 1
+            value, passes = self.value, list(self.best)
+            passes[number] = self._lacking(passes[number], number, out)
+            barred = np.zeros_like(self.price)
+            barred[out.target] = np.inf
+            self.refill_passes(self.fill_passes(passes, barred))
+            if self.value > value + self._options.worthless:
+                untried = [(n, look) for n, looks in enumerate(self.best) for look in looks]
 
     def _answer(self, price: Array, row_price: Array) -> None:
         """What the passes would take at these prices, and what the Lagrangian then is."""
