@@ -46,7 +46,7 @@ def campaign(
         str | None,
         typer.Option(
             metavar="TIME",
-            help="With --revises: passes that begin before it stay as they were chosen; UTC.",
+            help="Keep passes that begin before it as --revises chose them; UTC.",
         ),
     ] = None,
     dry_run: Annotated[

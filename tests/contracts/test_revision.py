@@ -211,7 +211,7 @@ def test_the_service_revises_by_id_and_the_client_asks_it(service):
             ({"revises": first.id}, "query.frozen_until", "which of its passes"),
             ({"frozen_until": until}, "query.revises", "names a campaign"),
             ({"revises": first.passes[0].plan, "frozen_until": until}, "query.revises", "no camp"),
-            ({"revises": "1", "frozen_until": until}, "query.revises", "must be the id"),
+            ({"revises": "1", "frozen_until": until}, "query.revises", "must be an id"),
             ({"revises": first.id, "frozen_until": "soon"}, "query.frozen_until", "soon"),
         ):
             with pytest.raises(Refused) as refused:

@@ -65,6 +65,8 @@ ELSEWHERE = {
     "campaign examples/campaign_cities.json --export kml=looks.kml": (
         "test_campaign_command::test_report_and_files"
     ),
+    "campaign examples/campaign_fleet.json --revises OUT.json --frozen-until "
+    "2015-02-27T17:35:00Z": ("test_revision::test_the_command_revises_by_a_file"),
     "export ID zip=plans.zip": "test_command_service::test_a_plan_and_a_campaign_are_followed",
     "serve --host 0.0.0.0 --port 8000": "test_command_line::test_serves_this_machine_only",
     "worker --scheduler tcp://10.0.0.1:8786 --solves 8": (
@@ -250,8 +252,9 @@ def test_every_command_tells_its_help(words):
 
 
 IMPERATIVE = re.compile(
-    r"(Allow|Ask|Begin|Change|Choose|Compare|Count|Draw|Estimate|Fly|Follow|Install|List|Listen|Make|"
-    r"Manage|Move|Name|Only|Plan|Print|Read|Refuse|Report|Search|Serve|Set|Show|Solve|Take|Write)\b"
+    r"(Allow|Ask|Begin|Change|Choose|Compare|Count|Draw|Estimate|Fly|Follow|Install|Keep|List|Listen|"
+    r"Make|Manage|Move|Name|Only|Plan|Print|Read|Refuse|Report|Revise|Search|Serve|Set|Show|Solve|"
+    r"Take|Write)\b"
 )
 
 
