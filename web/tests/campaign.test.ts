@@ -7,7 +7,7 @@ import example from "../../examples/campaign_cities.json";
 
 const { coloursOf, fatesWith, placesOf, withPlatform } = await import("../src/rooms/campaigns/campaign");
 const { platforms } = await import("../src/parts/platforms");
-type Request = Parameters<typeof withPlatform>[0];
+type Request = Parameters<typeof withPlatform>[0] & Parameters<typeof placesOf>[0];
 type Found = Parameters<typeof withPlatform>[2];
 type Fates = Parameters<typeof fatesWith>[0];
 
