@@ -100,6 +100,11 @@ def test_a_fleet_is_changed_and_revised(open_page, service):
     found = httpx.get(f"{service.address}/v1/campaigns/{page.url.rsplit('/', 1)[1]}").json()
     assert found["revises"] == before["id"]
     assert found["choice"]["revision"]["frozen"]
+    page.get_by_role("link", name="Revise", exact=True).click()
+    page.get_by_role("button", name="Revise the campaign").click()
+    expect(page.get_by_text("of an earlier campaign")).to_be_visible(timeout=PATIENCE_MS)
+    again = httpx.get(f"{service.address}/v1/campaigns/{page.url.rsplit('/', 1)[1]}").json()
+    assert again["revises"] == found["id"]
 
 
 def test_the_last_of_several_carriers_is_the_campaigns_own(open_page, service):

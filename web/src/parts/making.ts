@@ -26,7 +26,7 @@ export function useMaking<R extends object>(
     shown.current = request;
   }, [request]);
   const sending = useRequest<void>(null);
-  const send = (query: Record<string, string> = {}) =>
-    sending.ask(async (until) => go(`${room}/${(await sendOff(path, request, query, until)).id}`));
+  const send = (query: Record<string, string> = {}, members: Partial<R> = {}) =>
+    sending.ask(async (until) => go(`${room}/${(await sendOff(path, { ...request, ...members }, query, until)).id}`));
   return { request, setRequest, isSending: sending.isAsking, error: sending.error ?? begun.error, send };
 }

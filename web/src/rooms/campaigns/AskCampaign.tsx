@@ -34,6 +34,8 @@ import { WhenAndHow } from "./WhenAndHow";
 
 const KINDS: readonly Kind[] = ["ground", ...MODES];
 const EXAMPLE = example as unknown as AskedCampaign;
+/** A revision may be revised: its request without what it revised itself. */
+const AS_NEW = { revises: undefined };
 
 export function AskCampaign() {
   const text = words.value.campaigns;
@@ -109,7 +111,7 @@ export function AskCampaign() {
         type="button"
         class="primary"
         disabled={isSending || targets.length === 0}
-        onClick={() => void send(revises === null ? {} : { revises, frozen_until: frozen })}
+        onClick={() => void (revises === null ? send() : send({ revises, frozen_until: frozen }, AS_NEW))}
       >
         {revises === null ? text.send : text.sendRevised}
       </button>
