@@ -269,13 +269,13 @@ def _opportunities(desk: Desk, work: LocalAsk) -> bytes:
 
 
 def _campaign(desk: Desk, work: LocalAsk) -> Kept:
-    from app.work.campaign import MadePass, choose, plan_pass, revised
+    from app.work.campaign import MadePass, choose, plan_pass, require_both, revised
 
     body, query = work.body, work.ask.query
-    if query:
-        before = query.get("revises", "")
-        answer = json.loads(desk.kept(before).text(before))
-        body = revised(body, query.get("frozen_until"), answer)
+    before, frozen_until = query.get("revises"), query.get("frozen_until")
+    require_both(before, frozen_until)
+    if before is not None:
+        body = revised(body, frozen_until, json.loads(desk.kept(before).text(before)))
     chosen, passes = choose(body), []
     made: list[MadePass] = []
     for number, wanted in enumerate(chosen.parts):

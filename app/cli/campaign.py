@@ -56,18 +56,14 @@ def campaign(
     url: files.Url = None,
 ) -> None:
     """Choose and plan sessions of many targets over days."""
-    from app.work.campaign import looks_csv
+    from app.work.campaign import looks_csv, require_both
     from slewtrack.client.calls import CAMPAIGN_FILES
 
     with files.report_beside(json, csv, exports=export) as console:
         wanted = files.formats_and_paths(export, CAMPAIGN_FILES)
         body = files.read_request(file, settings)
-        if (revises is None) != (frozen_until is None):
-            raise InvalidInput(
-                "must be given, too: --revises names a campaign, and --frozen-until says which "
-                "of its passes stay",
-                field="--revises" if revises is None else "--frozen-until",
-            )
+        flags = "--revises", "--frozen-until"
+        require_both(revises, frozen_until, flags, flags)
         if revises is not None and (url is None or Path(revises).exists()):
             body = _revised_by(body, frozen_until, Path(revises))
             revises = frozen_until = None

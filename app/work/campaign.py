@@ -61,6 +61,21 @@ def choose(body: bytes, request: CampaignRequest | FleetRequest | None = None) -
     )
 
 
+def require_both(
+    revises: str | None,
+    frozen_until: str | None,
+    fields: tuple[str, str] = ("query.revises", "query.frozen_until"),
+    names: tuple[str, str] = ("`revises`", "`frozen_until`"),
+) -> None:
+    """Raises InvalidInput where one of the two is given alone."""
+    if (revises is None) != (frozen_until is None):
+        raise InvalidInput(
+            f"must be given, too: {names[0]} names a campaign, and {names[1]} says which of its "
+            "passes stay",
+            field=fields[revises is not None],
+        )
+
+
 def revised(body: bytes, frozen_until: str | None, campaign: Mapping[str, Any]) -> bytes:
     """The request with what it revises: the looks of a campaign, by its answer.
 

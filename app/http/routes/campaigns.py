@@ -27,8 +27,7 @@ from app.requests.listings import listing_of_search
 from app.store import jobs, plans, results
 from app.store.database import Database
 from app.store.job import Job
-from app.work.campaign import SUFFIXES, MadePass, campaign_file, revised
-from planner.base.errors import InvalidInput
+from app.work.campaign import SUFFIXES, MadePass, campaign_file, require_both, revised
 
 RESOURCE = JobResource(
     kind=CAMPAIGN.name,
@@ -98,8 +97,9 @@ async def post_campaign(
 
     The answer is 202 at once unless `Prefer: wait` asks to wait.
     """
-    if query.revises is not None or query.frozen_until is not None:
-        body = await _revised(request, body, query)
+    require_both(query.revises, query.frozen_until)
+    if query.revises is not None:
+        body = await _revised(request, body, query.revises, query.frozen_until)
     spec = await anyio.to_thread.run_sync(RESOURCE.requests.read, body)
     if query.dry_run:
         valid = CampaignDryRun(valid=True, name=spec.name, targets=len(spec.targets))
@@ -110,18 +110,14 @@ async def post_campaign(
     return await RESOURCE.answer_to_post(request, job, prefer, 0, _find_campaign)
 
 
-async def _revised(request: Request, body: bytes, query: CampaignPost) -> bytes:
+async def _revised(
+    request: Request, body: bytes, campaign_id: str, frozen_until: str | None
+) -> bytes:
     """The request with the looks of the campaign that it revises."""
-    if query.revises is None or query.frozen_until is None:
-        raise InvalidInput(
-            "must be given, too: `revises` names a campaign, and `frozen_until` says which of its "
-            "passes stay",
-            field=f"query.{'revises' if query.revises is None else 'frozen_until'}",
-        )
     database: Database = request.app.state.database
-    await database.answer(RESOURCE.require_made, database, query.revises)
-    _, answer = await _find_campaign(request, query.revises)
-    return await anyio.to_thread.run_sync(revised, body, query.frozen_until, json.loads(answer))
+    await database.answer(RESOURCE.require_made, database, campaign_id)
+    _, answer = await _find_campaign(request, campaign_id)
+    return await anyio.to_thread.run_sync(revised, body, frozen_until, json.loads(answer))
 
 
 async def _find_campaign(request: Request, job_id: str) -> tuple[Job, bytes]:

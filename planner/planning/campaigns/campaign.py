@@ -146,7 +146,7 @@ def choose_together(
         keeping, networks, looking, tell, joined.first_unheld, prove=prove
     )
     tell("proof", 0, 1, value=choice.value)
-    if rows:
+    if keeping is not None and rows:
         bound = bound_keeping(keeping, joined.relaxed(), looking, choice, rows)
     else:
         bound = prove(choice.price)

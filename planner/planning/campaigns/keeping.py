@@ -82,7 +82,7 @@ def choose_keeping(
 
 
 def bound_keeping(
-    keeping: Keeping | None,
+    keeping: Keeping,
     networks: Sequence[Network],
     looking: Looking,
     choice: CampaignChoice,
@@ -95,8 +95,6 @@ def bound_keeping(
     all the while: no more than it does.  What wheels hold is left out: no choice is worth more for
     keeping that, too.
     """
-    if keeping is None or not rows:
-        return bound_at(networks, looking, choice.price)
     dear, rents, room_value = keeping.priced(networks, rows, choice.row_price)
     return bound_at(dear, looking, choice.price, rent_costs=rents, room_value=room_value)
 

@@ -98,11 +98,11 @@ def _missed(
 
 @nested
 def _found(start_states: Array, stop_states: Array, n: int, long_s: float, bulge: Vector) -> Vector:
-    gained_s, rows = np.empty((3, 3)), np.empty((3, 3))
-    for _ in range(OPTIONS.tries):
+    gained_s = np.empty((3, 3))
+    for _ in range(OPTIONS.tries + 1):
         missed = _missed(start_states, stop_states, n, long_s, bulge, gained_s)
         if norm(missed) < OPTIONS.missed_rad:
-            break
+            return bulge
         # By Cramer's rule: it is near a turn, whose determinant is 1, times the time.
         columns = (
             vector_of(gained_s.T, 0, 0),
@@ -111,15 +111,13 @@ def _found(start_states: Array, stop_states: Array, n: int, long_s: float, bulge
         )
         whole = dot(columns[0], cross(columns[1], columns[2]))
         if abs(whole) < 1e-6 * long_s**3:
-            return math.nan, math.nan, math.nan
+            break
         bulge = (
             bulge[0] + dot(missed, cross(columns[1], columns[2])) / whole,
             bulge[1] + dot(missed, cross(columns[2], columns[0])) / whole,
             bulge[2] + dot(missed, cross(columns[0], columns[1])) / whole,
         )
-    if norm(_missed(start_states, stop_states, n, long_s, bulge, rows)) >= OPTIONS.missed_rad:
-        return math.nan, math.nan, math.nan
-    return bulge
+    return math.nan, math.nan, math.nan
 
 
 @compiled
@@ -149,10 +147,8 @@ def smooth_turns(start_states: Array, stop_states: Array, long_s: Array) -> Arra
         for k in range(OPTIONS.steps):
             rate = _rate(start_states, stop_states, n, long_s[n], bulge, (k + 0.5) / OPTIONS.steps)
             if k % many == 0:
-                part, here = (
-                    k // many,
-                    _rate(start_states, stop_states, n, long_s[n], bulge, k / OPTIONS.steps),
-                )
+                part = k // many
+                here = _rate(start_states, stop_states, n, long_s[n], bulge, k / OPTIONS.steps)
                 for axis in range(3):
                     told[n, part, axis], told[n, part, 4 + axis] = q[0][axis], here[axis]
                 told[n, part, 3] = q[1]

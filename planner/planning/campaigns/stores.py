@@ -323,22 +323,22 @@ class CarrierStores:
         """What each pass with looks begins with; passes: its own, in order of time."""
         flown = [looks for looks in passes if looks]
         starts_s = [self.span_s(looks)[0] for looks in flown]
+        if self.resources is None:
+            return [None] * len(flown)
         levels = self.levels(passes, np.array(starts_s))
-        momenta = None if self.wheels is None else self.wheels.begins(map(self.turned, flown))
-        found: list[Resources | None] = []
-        for number in range(len(flown)):
-            begins = self.resources
-            if begins is not None and begins.battery is not None:
-                level = float(levels["battery"][number])
-                begins = replace(begins, battery=replace(begins.battery, start_wh=level))
-            if begins is not None and begins.memory is not None:
-                level = float(levels["memory"][number])
-                begins = replace(begins, memory=replace(begins.memory, start_gbit=level))
-            if begins is not None and begins.momentum is not None and momenta is not None:
-                held = momenta[number]
-                begins = replace(begins, momentum=replace(begins.momentum, start_n_m_s=held))
-            found.append(begins)
-        return found
+        momenta = [] if self.wheels is None else self.wheels.begins(map(self.turned, flown))
+        own = self.resources
+        return [
+            replace(
+                own,
+                battery=own.battery
+                and replace(own.battery, start_wh=float(levels["battery"][number])),
+                memory=own.memory
+                and replace(own.memory, start_gbit=float(levels["memory"][number])),
+                momentum=own.momentum and replace(own.momentum, start_n_m_s=momenta[number]),
+            )
+            for number in range(len(flown))
+        ]
 
     def levels(self, passes: Sequence[tuple[Look, ...]], t_s: Array) -> dict[KeptResource, Array]:
         """What each resource holds at instants, (n,), in its unit, as simulated."""
