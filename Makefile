@@ -70,7 +70,7 @@ PYTEST := $(BIN)/pytest -n 2 --dist worksteal
 # each do for themselves where they begin together.  Python's bytecode is written also where that is
 # switched off: without it the windows' kernels take 0.4 s to load, with it 0.2.
 $(KERNELS): export PYTHONDONTWRITEBYTECODE :=
-$(KERNELS): .venv/installed $(shell find planner/base planner/planning planner/motion/pointing planner/world/frames planner/world/platforms planner/world/targets planner/inflight/simulation planner/motion/slew planner/spacecraft -name '*.py')
+$(KERNELS): .venv/installed $(shell grep -rl 'planner.base.compiled import' planner --include='*.py')
 	$(BIN)/slewtrack campaign examples/campaign_cities.json >/dev/null
 	$(BIN)/slewtrack campaign examples/campaign_smallsat.json >/dev/null
 	$(BIN)/slewtrack windows examples/opportunities_sky.json >/dev/null

@@ -10,36 +10,57 @@ import numba
 
 F = TypeVar("F", bound=Callable[..., object])
 
-# Which have kernels, and whose values are compiled into them.
-_ROOMS = (
-    "spacecraft",
-    "inflight/simulation",
-    "planning/campaigns",
-    "planning/label_search.py",
-    "planning/opportunities",
-    "motion/pointing/reach.py",
+# Which have kernels, and those whose values or tuples are compiled into them: a test finds them.
+SOURCES = [
+    "base/commands.py",
+    "base/compiled.py",
+    "base/interpolation.py",
     "base/vectors.py",
+    "inflight/simulation/gyros/closed_loop.py",
+    "inflight/simulation/gyros/dynamics.py",
+    "inflight/simulation/gyros/onboard.py",
+    "inflight/simulation/loop.py",
+    "inflight/simulation/plant.py",
+    "inflight/simulation/rosenbrock.py",
+    "motion/pointing/line_of_sight.py",
+    "motion/pointing/reach.py",
+    "planning/campaigns/displaced.py",
+    "planning/campaigns/network.py",
+    "planning/campaigns/path.py",
+    "planning/campaigns/platforms/axis_slew_time.py",
+    "planning/campaigns/platforms/body.py",
+    "planning/campaigns/platforms/body_slew_time.py",
+    "planning/campaigns/platforms/follower.py",
+    "planning/campaigns/platforms/slew_fits.py",
+    "planning/campaigns/smooth_turns.py",
+    "planning/label_search.py",
+    "planning/opportunities/looks.py",
+    "planning/opportunities/margins.py",
+    "planning/opportunities/sessions.py",
+    "planning/opportunities/sweep.py",
+    "planning/opportunities/telling.py",
+    "planning/opportunities/tracking.py",
+    "spacecraft/imaging/choose.py",
+    "spacecraft/imaging/slews.py",
+    "spacecraft/table.py",
     "verification/unloading.py",
+    "world/frames/earth_orientation.py",
+    "world/frames/geodesy.py",
+    "world/frames/time_scales.py",
+    "world/platforms/cmg_array.py",
+    "world/platforms/drive.py",
     "world/platforms/polygon_kernel.py",
     "world/platforms/steering.py",
     "world/platforms/wheels.py",
-    "world/targets/limb_kernel.py",
-)
-_CONSTANTS = (
-    "base/commands.py",
-    "world/frames/earth_orientation.py",
-    "world/frames/geodesy.py",
-    "world/platforms/drive.py",
     "world/targets/apparent.py",
+    "world/targets/limb_kernel.py",
     "world/targets/standard_atmosphere.py",
-)
+]
 
 
 def _digest(planner: Path) -> str:
-    sources = [planner / "base" / "compiled.py"]
-    for room in (*_ROOMS, *_CONSTANTS):
-        sources += sorted((planner / room).rglob("*.py")) or [planner / room]
-    return hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()[:16]
+    sources = b"".join((planner / source).read_bytes() for source in SOURCES)
+    return hashlib.sha256(sources).hexdigest()[:16]
 
 
 # Numba compiles anew what was edited but not its callers in other files, which would go on
