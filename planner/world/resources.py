@@ -1,6 +1,7 @@
 """Battery, memory and wheels of a platform: what fills them, draws on them, and their limits."""
 
 import math
+from dataclasses import replace
 from typing import Annotated, Literal
 
 import numpy as np
@@ -204,3 +205,31 @@ class Resources:
     def __post_init__(self) -> None:
         if self.battery is None and self.memory is None and self.momentum is None:
             raise ValueError("battery, memory or momentum is required: or leave resources out")
+
+
+def eased(resources: Resources, name: str, share: float, decimals: int) -> Resources:
+    """The same, begun so much nearer to a full battery, an empty memory or wheels at rest.
+
+    decimals: of what it begins with, rounded to the better side.
+    """
+    one, scale = getattr(resources, name), 10.0**decimals
+    begins: dict[str, object]
+    if isinstance(one, Battery):
+        start_wh = one.begins_wh + share * (one.capacity_wh - one.begins_wh)
+        begins = {"start_wh": min(math.ceil(start_wh * scale) / scale, one.capacity_wh)}
+    elif isinstance(one, Memory):
+        begins = {"start_gbit": math.floor(one.start_gbit * (1.0 - share) * scale) / scale}
+    else:
+        held = (math.trunc(each * (1.0 - share) * scale) / scale for each in one.start_n_m_s)
+        begins = {"start_n_m_s": tuple(held)}
+    return replace(resources, **{name: replace(one, **begins)})
+
+
+def started(resources: Resources, name: str) -> str:
+    """In words, what one of them begins with, by the request's field."""
+    one = getattr(resources, name)
+    if isinstance(one, Battery):
+        return f"battery.start_wh {one.begins_wh:.10g}"
+    if isinstance(one, Memory):
+        return f"memory.start_gbit {one.start_gbit:.10g}"
+    return f"momentum.start_n_m_s {[float(f'{each:.10g}') for each in one.start_n_m_s]}"

@@ -200,6 +200,37 @@ def test_what_a_refusal_offers_is_planned_as_told():
         assert make_plan(asked(instead)).verification.passed
 
 
+def test_where_no_session_will_do_it_is_told_what_to_begin_with():
+    """By an initial charge that idling uses up, and wheels that begin too full for any slew."""
+    star = {"target": {"mode": "star", "ra_deg": 120.0, "dec_deg": 60.0}}
+    request = {
+        "platform": PLATFORM | {"idle": IDLES[2]},
+        "orbit": LAS_VEGAS["orbit"],
+        "initial_state": {"epoch": utc(0.0)},
+        "sessions": [star | {"start": utc(600.0), "stop": utc(620.0)}],
+    }
+    battery = {"capacity_wh": 100.0, "start_wh": 51.0, "least_wh": 50.0, "idle_w": 30.0}
+    held = {"capacity_n_m_s": [2.0, 2.0, 2.0], "start_n_m_s": [0.0, 0.3, 0.1]}
+    wheels = make_plan(asked(request | {"resources": {"momentum": held}}))
+    y = resource_curves(wheels)[1]
+    tight = held | {"capacity_n_m_s": [2.0, float(np.abs(y.level).max()) - 1e-3, 2.0]}
+    for resources, because in (
+        ({"battery": battery}, "would without any session"),
+        ({"momentum": tight}, "neither a later start by .* nor a shorter session was found"),
+    ):
+        with pytest.raises(ResourceRunsOut, match=because) as refused:
+            make_plan(asked(request | {"resources": resources}))
+        [name, member, value] = re.search(
+            r"begin with resources\.(\w+)\.(\w+) (\[.*\]|[\d.]+)", refused.value.detail
+        ).groups()
+        begins = copy.deepcopy(resources)
+        begins[name][member] = json.loads(value)
+        plan = make_plan(asked(request | {"resources": begins}))
+        assert plan.verification.passed
+        least = min(one.margin / one.limit for one in plan.verification.resources)
+        assert 0.0 <= least < 1e-2  # the nearest that will do
+
+
 def test_a_full_memory_is_told_a_downlink_before_that_is_planned():
     request = json.loads((EXAMPLES / "smallsat_contacts.json").read_text())
     request["sessions"] = request["sessions"][:1]

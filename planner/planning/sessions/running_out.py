@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from copy import copy
 from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import NamedTuple
@@ -31,7 +32,7 @@ from planner.planning.sessions.track_branches import may_look, session_rows
 from planner.verification import verify
 from planner.world.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.world.plan import FlightPlan
-from planner.world.resources import Memory
+from planner.world.resources import Memory, Resources, eased, started
 from planner.world.scenario import BoundedLead, Lead, Scenario, Session
 from planner.world.targets import BenchMotionTarget, StationTarget
 
@@ -47,7 +48,11 @@ class RunningOutOptions:
     spare: float = 1e-3  # of the capacity, beyond what the last try lacked
     gentler_share: float = 0.6  # of it to gentler slews, first of all where momentum runs out
     gentler: float = 2.0  # times the longest slew allowed
-    growth: float = 4.0  # of the step to the next later start then
+    apart_s: float = 40.0  # of starts tried then: slews to nearer ones take as much
+    growth: float = 4.0  # of that from try to try
+    foretold_row: float = 0.008  # of `effort`: to foretell all levels at one instant
+    begin_share: float = 1e-4  # of the way to a full battery or an empty memory, to be told
+    decimals: int = 6  # of what resources would have to begin with: Wh, Gbit, N m s
     downlink_share: float = 0.4  # of it to a downlink before, where memory is full
     gaps_s: tuple[float, ...] = (60.0, 300.0)  # beside a downlink, for the slews to it and from it
     downlink_least_s: float = 10.0  # shorter ones are hardly worth a slew
@@ -80,7 +85,8 @@ def require_resources(plan: FlightPlan, mover: Mover) -> None:
     )
     if _runs_out_idle(levels, curve):
         raise ResourceRunsOut(
-            f"{detail}, and would without any session; {_IDLE_WAYS[curve.resource]}",
+            f"{detail}, and would without any session; {_begin_with(levels, curve)}, or "
+            f"{_IDLE_WAYS[curve.resource]}",
             field=f"resources.{curve.resource}",
             limit=curve.resource,
             at_utc=at_utc,
@@ -93,7 +99,7 @@ def require_resources(plan: FlightPlan, mover: Mover) -> None:
     with at_most(min(OPTIONS.share * effort.remaining(), effort.PLAN)):
         advice = _advice(levels, mover, number, curve, at_utc)
     raise ResourceRunsOut(
-        f"session {number + 1}: {detail}; {advice.words or _NO_WAY[curve.resource]}",
+        f"session {number + 1}: {detail}; {advice.words or _no_way(levels, mover, number, curve)}",
         field=f"sessions.{number}.start",
         limit=curve.resource,
         at_utc=at_utc,
@@ -126,20 +132,56 @@ class _Advice(NamedTuple):
     costs: tuple[int, ...]
 
 
-_FOUND_NONE = (
-    "neither a later start nor a shorter session was found with which the limit is kept; leave the "
-    "session or one before it out"
-)
-_NO_WAY = {
-    "battery": f"{_FOUND_NONE}, or begin with more",
-    "memory": f"{_FOUND_NONE}, or begin with less",
-    "momentum": f"{_FOUND_NONE}, begin with less, or lower what agility allows",
-}
 _IDLE_WAYS = {
-    "battery": "begin with more, or take less while idle",
-    "memory": "begin with less",
-    "momentum": "begin with less, unload more, or choose another idle attitude",
+    "battery": "take less while idle",
+    "memory": "leave more time to send it",
+    "momentum": "unload more, or choose another idle attitude",
 }
+
+
+def _no_way(levels: _PlanLevels, mover: Mover, number: int, curve: ResourceCurve) -> str:
+    """In words, that none was found, since when there is none, and what else would do."""
+    search = _Search(levels, mover, number, ())
+    passed_s, leave_out, around = search.passes_without_s(curve), "", search.farther()
+    epoch_utc = levels.plan.table.epoch_utc
+    until = "" if around is None else f" by {utc_text(shifted_utc(epoch_utc, around.last_s), 0)}"
+    because = ""
+    if passed_s is not None:
+        at = utc_text(shifted_utc(epoch_utc, passed_s), 1)
+        because = f" (without it and those after it the limit is passed at {at})"
+    with at_most(effort.remaining()):
+        leave_out = ", or leave this session out" if search.works_without() else ""
+    return (
+        f"neither a later start{until} nor a shorter session was found with which the limit is "
+        f"kept{because}; {_begin_with(levels, curve)}{leave_out}"
+    )
+
+
+def _begin_with(levels: _PlanLevels, curve: ResourceCurve) -> str:
+    """In words, the nearest level at row 0 with which the plan can be flown as it is, or that there
+    is none."""
+    resources, name = levels.around.resources, curve.resource
+    best = eased(resources, name, 1.0, OPTIONS.decimals)
+
+    def keeps(instead: Resources) -> bool:
+        around = copy(levels.around)
+        around.resources = instead
+        along, t_s = levels.along, levels.plan.table.t_s
+        curves = around.curves(t_s, along, levels.uses, with_wheels=name == "momentum")
+        kept = [one for one in curves if one.resource == name]
+        return all(one.first_beyond_s is None for one in kept)
+
+    if not keeps(best):
+        return f"it is passed with resources.{started(best, name)}, too: take less of it"
+    low, high = 0.0, 1.0
+    while high - low > OPTIONS.begin_share:
+        middle = 0.5 * (low + high)
+        if keeps(eased(resources, name, middle, OPTIONS.decimals)):
+            high = middle
+        else:
+            low = middle
+    nearest = started(eased(resources, name, high, OPTIONS.decimals), name)
+    return f"begin with resources.{nearest}"
 
 
 def _runs_out_idle(levels: _PlanLevels, curve: ResourceCurve) -> bool:
@@ -228,16 +270,19 @@ class _Search:
         charge = along._replace(charge_w=along.charge_w[rows])
         wheels = tuple(one for one in self.curves if one.resource == "momentum")
         is_last = self.number + 1 == len(self.scenario.sessions)
-        ends = is_last and (self.scenario.final_state is None or self.leaves_out)
+        final = self.scenario.final_state is not None and not self.leaves_out
+        waits = not is_last and self.scenario.slew.lead != "all"
 
         def lacks(until_s: float) -> Array:
-            """Of each capacity, by the plan's own attitude, waiting after the session."""
+            """Of each capacity, by the plan's own attitude: it waits for the next session's slew,
+            or moves on at once to the final state."""
             spans = list(self.uses.sessions)
             spans[self.number] = start_s, until_s
-            uses = replace(self.uses, sessions=tuple(spans))
+            idle = (*self.uses.idle, (until_s, stop_s)) if waits else self.uses.idle
+            uses = replace(self.uses, sessions=tuple(spans), idle=idle)
             curves = around.curves(table.t_s[rows], charge, uses, with_wheels=False)
-            last_s = until_s if ends else math.inf
-            return _lacks(curves + wheels, last_s)
+            ends_s = float(table.t_s[-1]) - (stop_s - until_s) if final else until_s
+            return _lacks(curves + wheels, ends_s if is_last else math.inf)
 
         spare: Array | float = 0.0
         for _ in range(OPTIONS.tries):
@@ -258,19 +303,31 @@ class _Search:
 
     def gentler(self) -> str:
         """In words, longer slews with which all can be flown; empty: they weren't found."""
-        slew, most_s = self.scenario.slew, None
-        if slew.lead == "all":
-            return ""
-        if isinstance(slew.lead, BoundedLead) and slew.lead.max_duration_s is not None:
-            most_s = min(OPTIONS.gentler * slew.lead.max_duration_s, 86_400.0)
-        lead: Lead = "all" if most_s is None else BoundedLead(max_duration_s=most_s)
-        scenario = replace(self.scenario, slew=replace(slew, lead=lead, objective="smooth"))
-        try:
-            if not self._works(_flown(scenario, mover_of(scenario)))[0]:
-                return ""
-        except (SessionRefused, Refusal):
-            return ""
-        return 'slew.lead "all"' if most_s is None else f"slew.lead.max_duration_s {most_s:g}"
+        slew = self.scenario.slew
+        for lead in self._gentler_leads():
+            instead = replace(slew, lead=lead, objective="smooth")
+            scenario = replace(self.scenario, slew=instead)
+            try:
+                if not self._works(_flown(scenario, mover_of(scenario)))[0]:
+                    continue
+            except (SessionRefused, Refusal):
+                continue
+            how = "" if slew.objective == "smooth" else 'slew.objective "smooth" and '
+            if isinstance(lead, BoundedLead):
+                return f"{how}slew.lead.max_duration_s {lead.max_duration_s:g}"
+            return f'{how}slew.lead "all"'
+        return ""
+
+    def _gentler_leads(self) -> Iterator[Lead]:
+        """Twice as long as slews may last now, or do; and as long as there is time."""
+        lead = self.scenario.slew.lead
+        if not isinstance(lead, BoundedLead):
+            return
+        slews = [one for one in self.levels.plan.segments if one.kind == "slew"]
+        longest_s = max((elapsed_s(one.stop_utc, one.start_utc) for one in slews), default=0.0)
+        most_s = math.ceil(OPTIONS.gentler * (lead.max_duration_s or longest_s))
+        yield BoundedLead(max_duration_s=min(max(most_s, 2.0), 86_400.0))
+        yield "all"
 
     def downlink_before(self) -> str:
         """In words, a session at a station before this one, with which all can be flown; empty:
@@ -351,7 +408,7 @@ class _Search:
         """As long as asked, with the earliest later start that was found."""
         start_s, stop_s = self.uses.sessions[self.number]
         long_s = stop_s - start_s
-        around = self._farther()
+        around = self.farther()
         if around is None:
             return None
         t_s = np.linspace(0.0, around.last_s, math.ceil(around.last_s / OPTIONS.step_s) + 1)
@@ -360,11 +417,12 @@ class _Search:
         until_s = next_s[0] if next_s else around.last_s
         lacked_now = _lacks(self.curves, stop_s)
         spare = lacked_now - self._foretold(around, t_s, along, start_s, long_s)
-        tries, from_s = 0, start_s
-        for moved_s in self._starts(around, long_s, until_s):
-            if moved_s < from_s or np.any(
-                self._foretold(around, t_s, along, moved_s, long_s) > -spare
-            ):
+        starts = self._starts(around, long_s, until_s)
+        if resource == "momentum":
+            return self._emptier(around, starts, long_s)
+        tries = 0
+        for moved_s in starts:
+            if np.any(self._foretold(around, t_s, along, moved_s, long_s) > -spare):
                 continue
             found, lacked = self._try(moved_s, moved_s + long_s)
             if found is not None:
@@ -372,11 +430,45 @@ class _Search:
             tries += 1
             if tries >= OPTIONS.tries:
                 return None
-            if resource == "momentum":  # of slews, which aren't foretold
-                from_s = moved_s + OPTIONS.step_s * OPTIONS.growth**tries
-                continue
             spare += np.maximum(lacked, 0.0) + OPTIONS.spare
         return None
+
+    def _emptier(
+        self, around: LightAndContacts, starts_s: list[float], long_s: float
+    ) -> Session | None:
+        """By what wheels hold at each start in the idle attitude, and what slews took beyond that
+        in the last try: the soonest with which nothing lacks, or else that with which least does.
+        """
+        wheels = [one for one in self._idle_curves(around) if one.resource == "momentum"]
+        idle = np.stack(
+            [-np.interp(starts_s, one.t_s, one.room) / one.capacity for one in wheels], axis=1
+        )
+        more = np.zeros(len(wheels))
+        left = np.ones(len(starts_s), dtype=bool)
+        for number in range(OPTIONS.tries):
+            beyond = np.where(left, (idle + more).max(axis=1, initial=-math.inf), math.inf)
+            if not left.any():
+                return None
+            place = int(np.argmax(beyond <= max(float(beyond.min()), 0.0)))
+            found, lacked = self._try(starts_s[place], starts_s[place] + long_s)
+            if found is not None:
+                return found
+            if isinstance(lacked, np.ndarray):
+                more = lacked[-len(wheels) :] - idle[place] + OPTIONS.spare
+            apart_s = OPTIONS.apart_s * OPTIONS.growth**number
+            left &= np.abs(np.array(starts_s) - starts_s[place]) >= apart_s
+        return None
+
+    def _idle_curves(self, around: LightAndContacts) -> tuple[ResourceCurve, ...]:
+        """Without this session and those after it, by the idle attitude throughout."""
+        t_s = np.linspace(0.0, around.last_s, math.ceil(around.last_s / OPTIONS.step_s) + 1)
+        spans = self.uses.sessions[: self.number]
+        uses = Uses(
+            sessions=spans,
+            targets=self.uses.targets[: self.number],
+            idle=(*self.uses.idle, (spans[-1][1] if spans else 0.0, around.last_s)),
+        )
+        return around.curves(t_s, _idle_along(around, t_s), uses)
 
     def relief_before(self, resource: str, moved: Session, since_utc: datetime) -> str:
         """In words, unloading before that start, or the last contact since an instant, if any."""
@@ -393,7 +485,7 @@ class _Search:
         ]
         return f", after the contact with {max(contacts)[1]}" if contacts else ""
 
-    def _farther(self) -> LightAndContacts | None:
+    def farther(self) -> LightAndContacts | None:
         """As far beyond the session as the orbit is known; None: not at all."""
         stop_s = self.uses.sessions[self.number][1]
         horizon_s = min(self.scenario.orbit.search_horizon_s, OPTIONS.farthest_s)
@@ -406,7 +498,7 @@ class _Search:
                 continue
         return None
 
-    def _starts(self, around: LightAndContacts, long_s: float, until_s: float) -> Iterator[float]:
+    def _starts(self, around: LightAndContacts, long_s: float, until_s: float) -> list[float]:
         """Later starts, on rows, from which the target stays in sight."""
         start_s = self.uses.sessions[self.number][0]
         row = math.ceil(start_s * ROWS_PER_S) + np.arange(
@@ -422,7 +514,7 @@ class _Search:
                 for at_s in (starts_s, starts_s + long_s)
             ]
             starts_s = starts_s[is_seen[0] & is_seen[1]]
-        yield from starts_s.tolist()
+        return [float(one) for one in starts_s]
 
     def _foretold(
         self, around: LightAndContacts, t_s: Array, along: Along, start_s: float, long_s: float
@@ -441,8 +533,29 @@ class _Search:
         table_s = float(self.levels.plan.table.t_s[-1])
         last_s = spans[-1][1] if is_last else min(table_s, around.last_s)
         uses = replace(self.uses, sessions=tuple(spans), idle=tuple(idle))
-        curves = around.curves(t_s, along, uses)
-        return _lacks(curves, last_s)
+        effort.charge(OPTIONS.foretold_row * len(t_s))
+        return _lacks(around.curves(t_s, along, uses), last_s)
+
+    def works_without(self) -> bool:
+        """Whether the others can be flown with this session left out."""
+        sessions = list(self.scenario.sessions)
+        del sessions[self.number]
+        if not sessions:
+            return False
+        try:
+            plan = _flown(replace(self.scenario, sessions=tuple(sessions)), self.mover)
+            return self._works(plan)[0]
+        except (SessionRefused, Refusal):
+            return False
+
+    def passes_without_s(self, curve: ResourceCurve) -> float | None:
+        """When the level passes its limit without this session and those after it, if it does."""
+        around = self.farther()
+        if around is None:
+            return None
+        curves = self._idle_curves(around)
+        [found] = [one.first_beyond_s for one in curves if one.name == curve.name]
+        return found
 
     def _try(self, start_s: float, stop_s: float) -> tuple[Session | None, Array | float]:
         """The session so moved, if all sessions are planned and judged good with it; else what
